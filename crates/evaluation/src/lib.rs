@@ -1,0 +1,1 @@
+//! Noise models, distances, drift and scores for triangle meshes.

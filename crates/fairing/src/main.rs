@@ -1,0 +1,2 @@
+//! The `fairing` program.
+fn main() {}

@@ -1,0 +1,1 @@
+//! Pictures of triangle meshes: rasteriser, colour maps, plots, composed figures.

@@ -1,0 +1,86 @@
+//! Faces without positions, and what follows from them alone.
+
+use std::sync::OnceLock;
+
+/// The faces of a mesh, and all that is derived from them and not from the
+/// positions. Meshes that differ in positions only share one.
+#[derive(Debug)]
+pub struct Connectivity {
+    vertex_count: usize,
+    faces: Vec<[u32; 3]>,
+    incidence: OnceLock<Incidence>,
+}
+
+impl Connectivity {
+    /// The caller has checked indices and repeated corners.
+    pub(crate) fn new(vertex_count: usize, faces: Vec<[u32; 3]>) -> Self {
+        Self { vertex_count, faces, incidence: OnceLock::new() }
+    }
+
+    /// The number of vertices, isolated ones included.
+    pub fn vertex_count(&self) -> usize {
+        self.vertex_count
+    }
+
+    /// The faces, counter-clockwise seen from outside.
+    pub fn faces(&self) -> &[[u32; 3]] {
+        &self.faces
+    }
+
+    /// The corners at each vertex; computed at the first call.
+    pub fn incidence(&self) -> &Incidence {
+        self.incidence.get_or_init(|| Incidence::new(self.vertex_count, &self.faces))
+    }
+}
+
+/// The corners at each vertex, in compressed rows.
+///
+/// Corner `c` is corner `c % 3` of face `c / 3`. Within a vertex corners
+/// ascend.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Incidence {
+    offsets: Vec<u32>,
+    corners: Vec<u32>,
+}
+
+impl Incidence {
+    /// A counting sort of the corners by vertex: linear in faces.
+    fn new(vertex_count: usize, faces: &[[u32; 3]]) -> Self {
+        let mut offsets = vec![0u32; vertex_count + 1];
+        for &v in faces.as_flattened() {
+            offsets[v as usize + 1] += 1;
+        }
+        for v in 0..vertex_count {
+            offsets[v + 1] += offsets[v];
+        }
+        let mut next = offsets.clone();
+        let mut corners = vec![0u32; faces.len() * 3];
+        for (c, &v) in faces.as_flattened().iter().enumerate() {
+            let slot = &mut next[v as usize];
+            corners[*slot as usize] = c as u32;
+            *slot += 1;
+        }
+        Self { offsets, corners }
+    }
+
+    /// The corners at vertex `v`, ascending; empty for an isolated vertex.
+    ///
+    /// # Panics
+    ///
+    /// If there is no vertex `v`.
+    pub fn corners(&self, v: u32) -> &[u32] {
+        let v = v as usize;
+        &self.corners[self.offsets[v] as usize..self.offsets[v + 1] as usize]
+    }
+
+    /// Where the corners of each vertex begin in [`Self::all_corners`]; one
+    /// entry more than there are vertices.
+    pub fn offsets(&self) -> &[u32] {
+        &self.offsets
+    }
+
+    /// The corners of all vertices, one vertex after another.
+    pub fn all_corners(&self) -> &[u32] {
+        &self.corners
+    }
+}

@@ -1,0 +1,14 @@
+//! Triangle meshes: validity, topology, reading and writing, analytic shapes.
+//!
+//! [`TriMesh`] holds double-precision positions and `u32` faces and is always
+//! valid. Vertices, edges and faces are numbered from 0; vertices and faces
+//! keep the order of the file they came from.
+
+mod build;
+mod connectivity;
+mod trimesh;
+pub mod vec3;
+
+pub use build::BuildError;
+pub use connectivity::{Connectivity, Incidence};
+pub use trimesh::TriMesh;

@@ -1,0 +1,186 @@
+//! The triangle mesh.
+
+use std::sync::Arc;
+
+use ndarray::ArrayView2;
+
+use crate::build::BuildError;
+use crate::connectivity::{Connectivity, Incidence};
+use crate::vec3::{cross, distance, norm, sub};
+
+/// A triangle mesh, always valid: indices are in range, coordinates are
+/// finite, and no face repeats a corner.
+///
+/// Anything else is allowed: isolated vertices, faces of zero area, edges with
+/// three faces, inconsistent orientation. Cloning copies positions and shares
+/// faces and topology.
+#[derive(Debug, Clone)]
+pub struct TriMesh {
+    positions: Vec<[f64; 3]>,
+    connectivity: Arc<Connectivity>,
+}
+
+impl TriMesh {
+    /// Checks and keeps positions (in mesh units) and faces (counter-clockwise
+    /// seen from outside).
+    ///
+    /// # Errors
+    ///
+    /// [`BuildError`] for the first vertex or face that is not valid.
+    pub fn new(positions: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> Result<Self, BuildError> {
+        let count = positions.len();
+        if u32::try_from(count).is_err() {
+            return Err(BuildError::TooLarge { what: "vertices", count });
+        }
+        if u32::try_from(faces.len().saturating_mul(3)).is_err() {
+            return Err(BuildError::TooLarge { what: "corners", count: faces.len() * 3 });
+        }
+        check_finite(&positions)?;
+        for (face, &corners) in faces.iter().enumerate() {
+            let [a, b, c] = corners;
+            if let Some(&index) = corners.iter().find(|&&i| i as usize >= count) {
+                return Err(BuildError::IndexOutOfRange { face, index, vertex_count: count });
+            }
+            if a == b || b == c || c == a {
+                return Err(BuildError::RepeatedCorner { face, corners });
+            }
+        }
+        Ok(Self { positions, connectivity: Arc::new(Connectivity::new(count, faces)) })
+    }
+
+    /// The same faces with other positions; topology is shared, not computed
+    /// again.
+    ///
+    /// # Errors
+    ///
+    /// [`BuildError`] if there are too few or too many positions, or one is
+    /// not finite.
+    pub fn with_positions(&self, positions: Vec<[f64; 3]>) -> Result<Self, BuildError> {
+        if positions.len() != self.vertex_count() {
+            return Err(BuildError::PositionCount {
+                expected: self.vertex_count(),
+                found: positions.len(),
+            });
+        }
+        check_finite(&positions)?;
+        Ok(Self { positions, connectivity: Arc::clone(&self.connectivity) })
+    }
+
+    /// The positions, in mesh units, one per vertex.
+    pub fn positions(&self) -> &[[f64; 3]] {
+        &self.positions
+    }
+
+    /// The positions as an `n × 3` view, without a copy.
+    pub fn positions_view(&self) -> ArrayView2<'_, f64> {
+        ArrayView2::from(&self.positions[..])
+    }
+
+    /// Gives the positions away.
+    pub fn into_positions(self) -> Vec<[f64; 3]> {
+        self.positions
+    }
+
+    /// The faces, counter-clockwise seen from outside.
+    pub fn faces(&self) -> &[[u32; 3]] {
+        self.connectivity.faces()
+    }
+
+    /// The number of vertices, isolated ones included.
+    pub fn vertex_count(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// The number of faces.
+    pub fn face_count(&self) -> usize {
+        self.faces().len()
+    }
+
+    /// Faces and what follows from them, shared between meshes that differ in
+    /// positions only.
+    pub fn connectivity(&self) -> &Arc<Connectivity> {
+        &self.connectivity
+    }
+
+    /// The corners at each vertex.
+    pub fn incidence(&self) -> &Incidence {
+        self.connectivity.incidence()
+    }
+
+    /// The corner positions of face `f`.
+    ///
+    /// # Panics
+    ///
+    /// If there is no face `f`.
+    #[inline]
+    pub fn triangle(&self, f: usize) -> [[f64; 3]; 3] {
+        self.faces()[f].map(|v| self.positions[v as usize])
+    }
+
+    /// The area vector of face `f`, `½ (b − a) × (c − a)`: along the outward
+    /// normal, as long as the face is large (squared mesh units).
+    ///
+    /// # Panics
+    ///
+    /// If there is no face `f`.
+    #[inline]
+    pub fn area_vector(&self, f: usize) -> [f64; 3] {
+        let [a, b, c] = self.triangle(f);
+        cross(sub(b, a), sub(c, a)).map(|x| 0.5 * x)
+    }
+
+    /// The area of face `f`, in squared mesh units.
+    ///
+    /// # Panics
+    ///
+    /// If there is no face `f`.
+    #[inline]
+    pub fn face_area(&self, f: usize) -> f64 {
+        norm(self.area_vector(f))
+    }
+
+    /// The mean length of the sides of the faces, in mesh units: an edge
+    /// counts once for each of its faces. Zero for a mesh without faces.
+    pub fn mean_edge_length(&self) -> f64 {
+        if self.face_count() == 0 {
+            return 0.0;
+        }
+        let sum: f64 = (0..self.face_count())
+            .map(|f| {
+                let [a, b, c] = self.triangle(f);
+                distance(a, b) + distance(b, c) + distance(c, a)
+            })
+            .sum();
+        sum / (3 * self.face_count()) as f64
+    }
+
+    /// The smallest axis-aligned box around the vertices, as its lowest and
+    /// highest corner; `None` without vertices.
+    pub fn bounding_box(&self) -> Option<[[f64; 3]; 2]> {
+        let first = *self.positions.first()?;
+        Some(self.positions.iter().fold([first, first], |[lo, hi], p| {
+            let pick =
+                |f: fn(f64, f64) -> f64, q: [f64; 3]| [f(q[0], p[0]), f(q[1], p[1]), f(q[2], p[2])];
+            [pick(f64::min, lo), pick(f64::max, hi)]
+        }))
+    }
+
+    /// The length of the diagonal of the bounding box; zero without vertices.
+    pub fn diagonal(&self) -> f64 {
+        self.bounding_box().map_or(0.0, |[lo, hi]| distance(lo, hi))
+    }
+}
+
+/// Two meshes are equal when positions and faces are.
+impl PartialEq for TriMesh {
+    fn eq(&self, other: &Self) -> bool {
+        self.positions == other.positions && self.faces() == other.faces()
+    }
+}
+
+fn check_finite(positions: &[[f64; 3]]) -> Result<(), BuildError> {
+    match positions.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
+        None => Ok(()),
+        Some(v) => Err(BuildError::NonFinite { vertex: v as u32, position: positions[v] }),
+    }
+}

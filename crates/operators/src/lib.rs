@@ -1,0 +1,1 @@
+//! Discrete differential operators and curvature of triangle meshes.

@@ -1,0 +1,1 @@
+//! Smoothing flows and denoisers for triangle meshes.

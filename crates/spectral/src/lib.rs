@@ -1,0 +1,1 @@
+//! Laplace-Beltrami spectra, transforms, filters and signatures.

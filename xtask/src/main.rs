@@ -1,0 +1,2 @@
+//! `cargo xtask …`: reproduce, data, bench, tidy.
+fn main() {}
