@@ -1,0 +1,13 @@
+//! Tests across the crates that need no files but their own.
+
+mod command_line;
+mod convergence;
+mod denoising;
+mod ellipsoid;
+mod evaluation;
+mod invariants;
+mod report;
+mod robustness;
+mod shapes;
+mod smoothing;
+mod spectra;

@@ -1,0 +1,31 @@
+//! Tests on real meshes, which are not part of the repository.
+//!
+//! `FAIRING_MESHES` names the folder that holds them. Without it every test is
+//! listed by name as ignored. An area adds a module with a function
+//! `trials() -> Vec<(&'static str, Test)>` and a line below.
+
+use std::path::{Path, PathBuf};
+
+use libtest_mimic::{Arguments, Failed, Trial};
+
+/// A test that is given the folder of meshes.
+type Test = fn(&Path) -> Result<(), Failed>;
+
+fn main() {
+    let folder = std::env::var_os("FAIRING_MESHES").map(PathBuf::from).filter(|d| d.is_dir());
+    let areas: [(&str, Vec<(&str, Test)>); 0] = [];
+    let trials = areas
+        .into_iter()
+        .flat_map(|(area, tests)| tests.into_iter().map(move |(name, test)| (area, name, test)))
+        .map(|(area, name, test)| {
+            let folder = folder.clone();
+            let absent = folder.is_none();
+            Trial::test(format!("{area}::{name}"), move || match folder {
+                Some(folder) => test(&folder),
+                None => Ok(()),
+            })
+            .with_ignored_flag(absent)
+        })
+        .collect();
+    libtest_mimic::run(&Arguments::from_args(), trials).exit();
+}
