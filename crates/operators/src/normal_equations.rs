@@ -1,0 +1,132 @@
+//! Small weighted least squares by their normal equations.
+
+/// The normal equations `(Σ w a aᵀ) x = Σ w a b` of a weighted least-squares
+/// fit with `N` unknowns.
+///
+/// Scale the rows to the order of one before adding them: the condition number
+/// of the fit is squared here.
+#[derive(Debug, Clone, Copy)]
+pub struct NormalEquations<const N: usize> {
+    matrix: [[f64; N]; N],
+    rhs: [f64; N],
+}
+
+impl<const N: usize> Default for NormalEquations<N> {
+    fn default() -> Self {
+        Self { matrix: [[0.0; N]; N], rhs: [0.0; N] }
+    }
+}
+
+impl<const N: usize> NormalEquations<N> {
+    /// Adds the equation `row · x = value` with a weight, which is the inverse
+    /// of the variance of `value` up to a common factor.
+    #[inline]
+    pub fn add(&mut self, row: &[f64; N], value: f64, weight: f64) {
+        for i in 0..N {
+            let w = weight * row[i];
+            for j in 0..=i {
+                self.matrix[i][j] += w * row[j];
+            }
+            self.rhs[i] += w * value;
+        }
+    }
+
+    /// The Cholesky factor of the matrix, or `None` where a pivot falls below
+    /// 10⁻¹⁰ of its diagonal entry: the rows do not determine the unknowns.
+    pub fn factor(&self) -> Option<NormalFactor<N>> {
+        let mut l = self.matrix;
+        for i in 0..N {
+            for j in 0..=i {
+                let mut sum = l[i][j];
+                for k in 0..j {
+                    sum -= l[i][k] * l[j][k];
+                }
+                if i == j {
+                    if sum.is_nan() || sum <= 1e-10 * self.matrix[i][i] || sum <= 0.0 {
+                        return None;
+                    }
+                    l[i][i] = sum.sqrt();
+                } else {
+                    l[i][j] = sum / l[j][j];
+                }
+            }
+        }
+        Some(NormalFactor { l })
+    }
+
+    /// The least-squares solution, or `None` where [`Self::factor`] has none.
+    pub fn solve(&self) -> Option<[f64; N]> {
+        Some(self.factor()?.solve(&self.rhs))
+    }
+
+    /// The right-hand side `Σ w a b`.
+    pub fn rhs(&self) -> &[f64; N] {
+        &self.rhs
+    }
+}
+
+/// The Cholesky factor `L` of the matrix `Σ w a aᵀ = L Lᵀ` of
+/// [`NormalEquations`].
+#[derive(Debug, Clone, Copy)]
+pub struct NormalFactor<const N: usize> {
+    l: [[f64; N]; N],
+}
+
+impl<const N: usize> NormalFactor<N> {
+    /// Solves `L Lᵀ x = b`.
+    pub fn solve(&self, b: &[f64; N]) -> [f64; N] {
+        let mut x = self.forward(b);
+        for i in (0..N).rev() {
+            for k in i + 1..N {
+                x[i] -= self.l[k][i] * x[k];
+            }
+            x[i] /= self.l[i][i];
+        }
+        x
+    }
+
+    /// The variance `aᵀ (L Lᵀ)⁻¹ a` of the prediction `a · x`, in units of the
+    /// variance of an equation of weight one.
+    pub fn variance(&self, a: &[f64; N]) -> f64 {
+        self.forward(a).iter().map(|y| y * y).sum()
+    }
+
+    fn forward(&self, b: &[f64; N]) -> [f64; N] {
+        let mut y = *b;
+        for i in 0..N {
+            for k in 0..i {
+                y[i] -= self.l[i][k] * y[k];
+            }
+            y[i] /= self.l[i][i];
+        }
+        y
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Four points of y = 2 − 3 x: the fit is exact, and the variance of its
+    /// value at x is 1/n + (x − x̄)²/Σ(xᵢ − x̄)².
+    #[test]
+    fn line_through_four_points() {
+        let mut equations = NormalEquations::<2>::default();
+        for x in [0.0, 1.0, 2.0, 3.0] {
+            equations.add(&[1.0, x], 2.0 - 3.0 * x, 1.0);
+        }
+        let line = equations.solve().unwrap();
+        assert!((line[0] - 2.0).abs() < 1e-13 && (line[1] + 3.0).abs() < 1e-13);
+        let variance = equations.factor().unwrap().variance(&[1.0, 4.0]);
+        assert!((variance - (0.25 + 2.5 * 2.5 / 5.0)).abs() < 1e-13);
+    }
+
+    #[test]
+    fn rows_that_do_not_determine_the_unknowns() {
+        let mut equations = NormalEquations::<2>::default();
+        assert!(equations.solve().is_none());
+        equations.add(&[1.0, 1.0], 1.0, 1.0);
+        equations.add(&[2.0, 2.0], 1.0, 1.0);
+        assert!(equations.solve().is_none());
+    }
+}
