@@ -1,20 +1,28 @@
 //! Faces without positions, and what follows from them alone.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
+
+use crate::topology::Topology;
 
 /// The faces of a mesh, and all that is derived from them and not from the
 /// positions. Meshes that differ in positions only share one.
 #[derive(Debug)]
 pub struct Connectivity {
     vertex_count: usize,
-    faces: Vec<[u32; 3]>,
-    incidence: OnceLock<Incidence>,
+    faces: Arc<Vec<[u32; 3]>>,
+    incidence: OnceLock<Arc<Incidence>>,
+    topology: OnceLock<Topology>,
 }
 
 impl Connectivity {
     /// The caller has checked indices and repeated corners.
     pub(crate) fn new(vertex_count: usize, faces: Vec<[u32; 3]>) -> Self {
-        Self { vertex_count, faces, incidence: OnceLock::new() }
+        Self {
+            vertex_count,
+            faces: Arc::new(faces),
+            incidence: OnceLock::new(),
+            topology: OnceLock::new(),
+        }
     }
 
     /// The number of vertices, isolated ones included.
@@ -29,7 +37,23 @@ impl Connectivity {
 
     /// The corners at each vertex; computed at the first call.
     pub fn incidence(&self) -> &Incidence {
-        self.incidence.get_or_init(|| Incidence::new(self.vertex_count, &self.faces))
+        self.shared_incidence()
+    }
+
+    /// Edges, neighbours, rings, boundary and the like; computed at the first
+    /// call.
+    pub fn topology(&self) -> &Topology {
+        self.topology.get_or_init(|| {
+            Topology::new(
+                self.vertex_count,
+                Arc::clone(&self.faces),
+                Arc::clone(self.shared_incidence()),
+            )
+        })
+    }
+
+    fn shared_incidence(&self) -> &Arc<Incidence> {
+        self.incidence.get_or_init(|| Arc::new(Incidence::new(self.vertex_count, &self.faces)))
     }
 }
 

@@ -6,9 +6,12 @@
 
 mod build;
 mod connectivity;
+pub mod shapes;
+mod topology;
 mod trimesh;
 pub mod vec3;
 
 pub use build::BuildError;
 pub use connectivity::{Connectivity, Incidence};
+pub use topology::{Components, Fan, Orientation, Topology};
 pub use trimesh::TriMesh;

@@ -6,6 +6,7 @@ use ndarray::ArrayView2;
 
 use crate::build::BuildError;
 use crate::connectivity::{Connectivity, Incidence};
+use crate::topology::Topology;
 use crate::vec3::{cross, distance, norm, sub};
 
 /// A triangle mesh, always valid: indices are in range, coordinates are
@@ -105,6 +106,11 @@ impl TriMesh {
     /// The corners at each vertex.
     pub fn incidence(&self) -> &Incidence {
         self.connectivity.incidence()
+    }
+
+    /// Edges, neighbours, rings, boundary and the like.
+    pub fn topology(&self) -> &Topology {
+        self.connectivity.topology()
     }
 
     /// The corner positions of face `f`.

@@ -1,0 +1,93 @@
+//! Ordered one-rings.
+
+use super::Topology;
+
+/// Faces around a vertex, each sharing an edge with the next.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fan {
+    /// The other vertices in order, counter-clockwise seen from outside (in
+    /// the sense of the fan's lowest face where faces disagree). An open fan
+    /// has one more of them than of faces.
+    pub vertices: Vec<u32>,
+    /// The faces in order: face `i` lies between vertices `i` and `i + 1`.
+    pub faces: Vec<u32>,
+    /// Whether the last face meets the first.
+    pub closed: bool,
+}
+
+impl Topology {
+    /// The one-ring of vertex `v` as fans of faces, in the order of their
+    /// lowest faces: one fan at a manifold vertex, closed inside and open on
+    /// the boundary; several where sheets touch, none at an isolated vertex.
+    /// Edges with more than two faces end a fan, for no face is the next one
+    /// there.
+    ///
+    /// A closed fan begins with its lowest face, an open one at its end.
+    ///
+    /// # Panics
+    ///
+    /// If there is no vertex `v`.
+    pub fn ring(&self, v: u32) -> Vec<Fan> {
+        let corners = self.incidence.corners(v);
+        let mut seen: Vec<u32> = Vec::with_capacity(corners.len());
+        let mut fans = vec![];
+        for &c in corners {
+            let start = c / 3;
+            if seen.contains(&start) {
+                continue;
+            }
+            let face = self.faces[start as usize];
+            let k = c as usize % 3;
+            let [before, after] = [face[(k + 1) % 3], face[(k + 2) % 3]];
+
+            let (mut faces, mut vertices) = (vec![start], vec![before, after]);
+            let mut closed = self.walk(v, start, after, &mut faces, &mut vertices);
+            if closed {
+                vertices.pop();
+            } else {
+                let (mut back, mut ends) = (vec![start], vec![before]);
+                closed = self.walk(v, start, before, &mut back, &mut ends);
+                debug_assert!(!closed, "a fan that closes does so either way round");
+                faces.splice(0..1, back.into_iter().rev());
+                vertices.splice(0..1, ends.into_iter().rev());
+            }
+            seen.extend(&faces);
+            fans.push(Fan { vertices, faces, closed });
+        }
+        fans
+    }
+
+    /// Goes on around `v` from face `f` across the edge to `w`, until a
+    /// boundary, a non-manifold edge or the first face; says whether it was
+    /// the first face.
+    fn walk(
+        &self,
+        v: u32,
+        mut f: u32,
+        mut w: u32,
+        faces: &mut Vec<u32>,
+        vertices: &mut Vec<u32>,
+    ) -> bool {
+        let start = f;
+        loop {
+            let ends = self.faces[f as usize];
+            let Some(k) = ends.iter().position(|&x| x != v && x != w) else { return false };
+            // The edge to `w` lies opposite the third corner.
+            let next = match *self.edge_faces(self.face_edges()[f as usize][k]) {
+                [a, b] if a == f => b,
+                [a, b] if b == f => a,
+                _ => return false,
+            };
+            if next == start {
+                return true;
+            }
+            let Some(&third) = self.faces[next as usize].iter().find(|&&x| x != v && x != w) else {
+                return false;
+            };
+            f = next;
+            w = third;
+            faces.push(f);
+            vertices.push(w);
+        }
+    }
+}
