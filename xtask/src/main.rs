@@ -1,2 +1,16 @@
-//! `cargo xtask …`: reproduce, data, bench, tidy.
-fn main() {}
+//! `cargo xtask …`: see `cargo xtask help`.
+
+use std::process::ExitCode;
+
+use clap::Parser as _;
+
+fn main() -> ExitCode {
+    match xtask::cli::Cli::parse().run() {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! Times one task inside the process, for comparison with other libraries.
+
+mod stopwatch;
+
+use std::path::PathBuf;
+
+use anyhow::{Context as _, Result};
+use serde_json::{Map, Value, json};
+
+pub use stopwatch::Stopwatch;
+
+/// A task to be timed.
+pub trait Task: Sync {
+    /// Its name on the command line.
+    fn name(&self) -> &'static str;
+
+    /// What it does, in a line.
+    fn about(&self) -> &'static str;
+
+    /// Reads what it needs (not timed) and returns the work.
+    ///
+    /// # Errors
+    ///
+    /// If an input cannot be read.
+    fn prepare(&self, job: &Job) -> Result<Box<dyn Work>>;
+}
+
+/// The work of a task, ready to be repeated.
+pub trait Work {
+    /// Does it once; every phase runs through the stopwatch.
+    ///
+    /// # Errors
+    ///
+    /// Whatever stands in the way.
+    fn run(&mut self, watch: &mut Stopwatch) -> Result<()>;
+
+    /// Numbers by which the last result can be compared with that of others.
+    ///
+    /// # Errors
+    ///
+    /// If the result cannot be read back.
+    fn fingerprint(&mut self) -> Result<Fingerprint>;
+}
+
+/// Names and numbers.
+pub type Fingerprint = Map<String, Value>;
+
+/// Makes a fingerprint of names and numbers.
+#[macro_export]
+macro_rules! fingerprint {
+    ($($name:ident: $value:expr),* $(,)?) => {{
+        let mut map = serde_json::Map::new();
+        $(map.insert(stringify!($name).into(), serde_json::json!($value));)*
+        map
+    }};
+}
+
+/// The files and numbers of a task.
+#[derive(Debug, Clone)]
+pub struct Job {
+    /// The mesh.
+    pub input: PathBuf,
+    /// Where to write the result, if the task writes one.
+    pub out: Option<PathBuf>,
+    /// The mesh without noise, for metrics.
+    pub reference: Option<PathBuf>,
+    /// How many eigenpairs.
+    pub k: usize,
+    /// The step.
+    pub lambda: f64,
+    /// The second, negative step of Taubin's method.
+    pub mu: f64,
+    /// How many steps.
+    pub iterations: usize,
+}
+
+/// The tasks.
+pub const ALL: &[&dyn Task] = &[];
+
+/// Runs a task and returns `{"runs": […], "fingerprint": {…}, "rss_mb": n}`.
+///
+/// # Errors
+///
+/// If there is no such task, or it fails.
+pub fn measure(name: &str, job: &Job, repeat: usize) -> Result<Value> {
+    let task = ALL.iter().find(|t| t.name() == name).with_context(|| {
+        let names: Vec<_> = ALL.iter().map(|t| t.name()).collect();
+        format!("there is no task {name}; there are {}", names.join(", "))
+    })?;
+    let mut work = task.prepare(job)?;
+    let mut runs = vec![];
+    for _ in 0..repeat.max(1) {
+        let mut watch = Stopwatch::default();
+        work.run(&mut watch)?;
+        runs.push(watch.into_json());
+    }
+    // The peak is read before the fingerprint adds to it.
+    let rss = stopwatch::peak_megabytes();
+    let mut result = json!({ "runs": runs, "fingerprint": work.fingerprint()? });
+    if let Some(megabytes) = rss {
+        result["rss_mb"] = json!(megabytes);
+    }
+    Ok(result)
+}

@@ -1,0 +1,165 @@
+//! The commands and their options.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, Result};
+use clap::{Args, Parser, Subcommand};
+
+use crate::results::Results;
+use crate::runner::{self, Plan};
+use crate::{bench, experiments};
+
+/// Regenerates the report, measures speed, and keeps the repository in order.
+#[derive(Debug, Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask", version, about)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Run the experiments and write the report: report.md, report.html, results.json, tables, figures, meshes
+    Reproduce(Reproduce),
+    /// Time one task inside the process
+    Bench(Bench),
+}
+
+#[derive(Debug, Args)]
+struct Reproduce {
+    /// Run these experiments only
+    #[arg(long, value_name = "IDS", value_delimiter = ',')]
+    only: Vec<String>,
+    /// Folder that holds the assignment's meshes, searched by file name; FAIRING_MESHES does the same. Without it, generated meshes stand in
+    #[arg(long, value_name = "DIR")]
+    meshes: Option<PathBuf>,
+    /// Folder for the report; an earlier report there is replaced when the new one is complete
+    #[arg(long, value_name = "DIR", default_value = "out/report")]
+    out: PathBuf,
+    /// Smaller sizes and fewer repetitions
+    #[arg(long)]
+    quick: bool,
+    /// Run everything, also what has not changed since the last run
+    #[arg(long)]
+    fresh: bool,
+    /// List the experiments and do nothing else
+    #[arg(long)]
+    list: bool,
+}
+
+#[derive(Debug, Args)]
+struct Bench {
+    /// The task; without one, the tasks are listed
+    task: Option<String>,
+    /// The mesh
+    #[arg(long = "in", value_name = "FILE")]
+    input: Option<PathBuf>,
+    /// How often to repeat the work
+    #[arg(long, default_value_t = 1)]
+    repeat: usize,
+    /// Threads to use; all by default
+    #[arg(long)]
+    threads: Option<usize>,
+    /// Print one JSON object on the last line
+    #[arg(long)]
+    json: bool,
+    /// Eigenpairs
+    #[arg(long, default_value_t = 15)]
+    k: usize,
+    /// The step
+    #[arg(long, default_value_t = 0.5)]
+    lambda: f64,
+    /// The second, negative step of Taubin's method
+    #[arg(long, default_value_t = -0.53, allow_negative_numbers = true)]
+    mu: f64,
+    /// Steps
+    #[arg(long, default_value_t = 10)]
+    iters: usize,
+    /// Where to write the resulting mesh
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// The mesh without noise
+    #[arg(long, value_name = "FILE")]
+    reference: Option<PathBuf>,
+}
+
+impl Cli {
+    /// Does what was asked; `false` if something that was checked did not hold.
+    ///
+    /// # Errors
+    ///
+    /// Whatever stands in the way.
+    pub fn run(self) -> Result<bool> {
+        match self.command {
+            Command::Reproduce(options) => options.run(),
+            Command::Bench(options) => options.run(),
+        }
+    }
+}
+
+/// The root of the repository, known when this program was built.
+pub(crate) fn root() -> PathBuf {
+    let manifest = Path::new(env!("CARGO_MANIFEST_DIR"));
+    manifest.parent().unwrap_or(manifest).to_path_buf()
+}
+
+impl Reproduce {
+    fn run(self) -> Result<bool> {
+        if self.list {
+            for experiment in experiments::ALL {
+                let card = experiment.card();
+                println!("{:<12} {}", card.id, card.title);
+            }
+            return Ok(true);
+        }
+        let meshes = self.meshes.or_else(|| std::env::var_os("FAIRING_MESHES").map(PathBuf::from));
+        let plan = Plan {
+            root: root(),
+            only: self.only,
+            meshes,
+            out: self.out.clone(),
+            quick: self.quick,
+            fresh: self.fresh,
+        };
+        let results = runner::reproduce(experiments::ALL, &plan)?;
+        println!("The report is in {}.", self.out.display());
+        Ok(succeeded(&results))
+    }
+}
+
+/// Prints the verdicts, and says whether every experiment ran.
+fn succeeded(results: &Results) -> bool {
+    for claim in results.experiments.iter().flat_map(|r| &r.claims) {
+        println!("  {:<4} {:<10} {}", claim.id, claim.verdict.to_string(), claim.claim);
+    }
+    results.experiments.iter().all(|r| r.error.is_none())
+}
+
+impl Bench {
+    fn run(self) -> Result<bool> {
+        let Some(task) = self.task else {
+            for task in bench::ALL {
+                println!("{:<22} {}", task.name(), task.about());
+            }
+            return Ok(true);
+        };
+        let job = bench::Job {
+            input: self.input.context("which mesh? say --in FILE")?,
+            out: self.out,
+            reference: self.reference,
+            k: self.k,
+            lambda: self.lambda,
+            mu: self.mu,
+            iterations: self.iters,
+        };
+        let threads = rayon::ThreadPoolBuilder::new().num_threads(self.threads.unwrap_or(0));
+        threads.build_global().context("starting threads")?;
+        let result = bench::measure(&task, &job, self.repeat)?;
+        if self.json {
+            println!("{result}");
+        } else {
+            println!("{}", serde_json::to_string_pretty(&result)?);
+        }
+        Ok(true)
+    }
+}

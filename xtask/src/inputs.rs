@@ -1,0 +1,238 @@
+//! The meshes that experiments load: the assignment's where they are found, our
+//! generated stand-ins elsewhere.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, Result, bail};
+use fairing_mesh::TriMesh;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+/// A part that a mesh plays in the assignment.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Input {
+    /// The open flower of questions 1 and 3.
+    Flower,
+    /// The flat grid of questions 1 and 3.
+    Plane,
+    /// The small closed model of question 4: its full spectrum is cheap.
+    Armadillo,
+    /// The same model with 25 thousand vertices.
+    ArmadilloLarge,
+    /// The noisy open patch of questions 5 and 6.
+    NoisyPlane,
+    /// The noisy machine part of questions 5 and 6.
+    NoisyFandisk,
+    /// The same part without noise, vertex for vertex; question 7.
+    Fandisk,
+    /// The simple cube of questions 5 to 7.
+    Cube,
+}
+
+/// How one input is known.
+struct Known {
+    /// The name of the assignment's file.
+    file: &'static str,
+    /// Its digest, so that another file of the same name is not taken for it.
+    sha256: &'static str,
+    /// The name of the stand-in in `data/`.
+    stand_in: &'static str,
+}
+
+impl Input {
+    /// All of them, in the order of the questions.
+    pub const ALL: [Self; 8] = [
+        Self::Flower,
+        Self::Plane,
+        Self::Armadillo,
+        Self::ArmadilloLarge,
+        Self::NoisyPlane,
+        Self::NoisyFandisk,
+        Self::Fandisk,
+        Self::Cube,
+    ];
+
+    fn known(self) -> Known {
+        let (file, sha256, stand_in) = match self {
+            Self::Flower => (
+                "lilium_s.obj",
+                "907a2122f6cc8e4f40c8aa79203f51cc0384aed7d9e5812ff1eb9bfbef848147",
+                "flower.ply",
+            ),
+            Self::Plane => (
+                "plane.obj",
+                "b26a07b8831e022a99de1a5a9d720537adc405eb00ba2250afcf61afc29ae30e",
+                "plane.ply",
+            ),
+            Self::Armadillo => (
+                "armadillo.obj",
+                "a79d32581c0c01b219b69026120f2054cbaf26465c8f0c5fae3c7a6d26c20333",
+                "creature.ply",
+            ),
+            Self::ArmadilloLarge => (
+                "armadillo_25k.obj",
+                "9ece90210ccd5ed58645f44a52dcd4fc4e339581c0e3d16c6b8166bc02725baf",
+                "creature_25k.ply",
+            ),
+            Self::NoisyPlane => (
+                "plane_ns.obj",
+                "a3046911dfd4fe5c588fb5a344e30910fb3c9780ae34d97efb7228660c231e6c",
+                "plane_noisy.ply",
+            ),
+            Self::NoisyFandisk => (
+                "fandisk_ns.obj",
+                "ffed02522f353d4314a9adca3386552c30a14578f531480c710fc8b78e350a6c",
+                "block_noisy.ply",
+            ),
+            Self::Fandisk => (
+                "fandisk.off",
+                "05bd799a78e7feece372b5b19787b7bc56c5f5e46888f998db23eaf30be2e443",
+                "block.ply",
+            ),
+            Self::Cube => (
+                "cube.obj",
+                "cccfb0498e91aaa1e83db7090a05d81ea9ada249f3175e758e0c6c74eec9491d",
+                "cube.obj",
+            ),
+        };
+        Known { file, sha256, stand_in }
+    }
+
+    /// The name of the assignment's file.
+    pub fn file(self) -> &'static str {
+        self.known().file
+    }
+
+    /// The name of the stand-in in `data/`.
+    pub fn stand_in(self) -> &'static str {
+        self.known().stand_in
+    }
+}
+
+/// Where an input came from, as the report tells it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Source {
+    /// The part it plays.
+    pub input: Input,
+    /// The file's name, without its folder.
+    pub file: String,
+    /// The digest of the file.
+    pub sha256: String,
+    /// Whether a generated mesh stands in for the assignment's.
+    pub stand_in: bool,
+    /// Which file of the assignment that is.
+    pub stands_for: String,
+}
+
+/// All inputs, located and identified.
+#[derive(Debug)]
+pub struct Inputs {
+    sources: BTreeMap<Input, (Source, PathBuf)>,
+}
+
+impl Inputs {
+    /// Looks for the wanted meshes by the names of the assignment below
+    /// `meshes`, and takes the stand-ins of the folder `data` for those that
+    /// are not there.
+    ///
+    /// # Errors
+    ///
+    /// If a folder cannot be read, a file has the right name and other
+    /// contents, or a stand-in is missing.
+    pub fn locate(wanted: &[Input], data: &Path, meshes: Option<&Path>) -> Result<Self> {
+        let mut found: BTreeMap<String, Vec<PathBuf>> = BTreeMap::new();
+        if let Some(folder) = meshes {
+            collect(folder, &mut found)?;
+        }
+        let mut sources = BTreeMap::new();
+        for &input in wanted {
+            let known = input.known();
+            let candidates = found.get(known.file).map_or(&[][..], Vec::as_slice);
+            let (path, stand_in) = match candidates {
+                [] => (data.join(known.stand_in), true),
+                paths => (matching(paths, &known)?, false),
+            };
+            let sha256 = file_sha256(&path)?;
+            let file = if stand_in { known.stand_in } else { known.file }.to_string();
+            let source = Source { input, file, sha256, stand_in, stands_for: known.file.into() };
+            sources.insert(input, (source, path));
+        }
+        Ok(Self { sources })
+    }
+
+    /// Where this input came from.
+    ///
+    /// # Errors
+    ///
+    /// If it was not among those wanted.
+    pub fn source(&self, input: Input) -> Result<&Source> {
+        Ok(&self.entry(input)?.0)
+    }
+
+    fn entry(&self, input: Input) -> Result<&(Source, PathBuf)> {
+        let missing = || format!("{input:?} is not among the inputs on the card of the experiment");
+        self.sources.get(&input).with_context(missing)
+    }
+
+    /// Reads the mesh that plays this part.
+    ///
+    /// # Errors
+    ///
+    /// If the file cannot be read as a mesh.
+    pub fn mesh(&self, input: Input) -> Result<TriMesh> {
+        let (source, path) = self.entry(input)?;
+        bail!("{} cannot be read yet: {}", source.file, path.display())
+    }
+}
+
+/// The candidate with the expected contents.
+fn matching(paths: &[PathBuf], known: &Known) -> Result<PathBuf> {
+    let mut seen = vec![];
+    for path in paths {
+        let digest = file_sha256(path)?;
+        if digest == known.sha256 {
+            return Ok(path.clone());
+        }
+        seen.push(format!("{} has sha256 {digest}", path.display()));
+    }
+    bail!(
+        "none of the files named {} is the assignment's (sha256 {}): {}",
+        known.file,
+        known.sha256,
+        seen.join("; ")
+    )
+}
+
+/// All files below a folder, by name.
+fn collect(folder: &Path, found: &mut BTreeMap<String, Vec<PathBuf>>) -> Result<()> {
+    let entries =
+        fs::read_dir(folder).with_context(|| format!("reading folder {}", folder.display()))?;
+    let mut paths = entries.map(|e| Ok(e?.path())).collect::<Result<Vec<_>>>()?;
+    paths.sort();
+    for path in paths {
+        if path.is_dir() {
+            collect(&path, found)?;
+        } else if let Some(name) = path.file_name().and_then(|n| n.to_str()) {
+            found.entry(name.to_string()).or_default().push(path);
+        }
+    }
+    Ok(())
+}
+
+/// The SHA-256 digest of a file, in hexadecimal.
+///
+/// # Errors
+///
+/// If the file cannot be read.
+pub fn file_sha256(path: &Path) -> Result<String> {
+    let bytes = fs::read(path).with_context(|| format!("reading {}", path.display()))?;
+    Ok(hex(&Sha256::digest(bytes)))
+}
+
+/// Bytes in hexadecimal.
+pub fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|b| format!("{b:02x}")).collect()
+}

@@ -1,0 +1,188 @@
+//! `report.md`: reads well on a code host.
+
+use std::fmt::Write as _;
+
+use crate::experiment::Experiment;
+use crate::results::{Record, Results};
+use crate::table::{Cell, Table, Unit};
+
+/// The report in Markdown. Links are relative to its folder.
+pub(crate) fn report(results: &Results, experiments: &[&dyn Experiment]) -> String {
+    let mut text = String::from("# Fairing: the experiments\n\n");
+    text += &provenance(results);
+    text += &claims(results);
+    text += "\n## Contents\n\n";
+    for record in &results.experiments {
+        let _ = writeln!(text, "- [{}](#{})", heading(record), anchor(&heading(record)));
+    }
+    for record in &results.experiments {
+        let card = experiments.iter().map(|e| e.card()).find(|c| c.id == record.id);
+        let _ = write!(text, "\n## {}\n\n**Question.** {}\n", heading(record), record.question);
+        if let Some(error) = &record.error {
+            let _ = write!(text, "\n**This experiment failed:** {error}\n");
+            continue;
+        }
+        if let Some(card) = card {
+            let _ = write!(text, "\n{}\n", card.method);
+            for formula in card.formulas {
+                let _ = write!(text, "\n$${}$$\n", formula.tex);
+            }
+        }
+        text += &body(record);
+    }
+    text
+}
+
+/// The heading of an experiment's section.
+fn heading(record: &Record) -> String {
+    format!("{}: {}", record.id, record.title)
+}
+
+/// The name under which code hosts link to a heading.
+fn anchor(heading: &str) -> String {
+    let kept = heading.to_lowercase();
+    let kept = kept.chars().filter(|c| c.is_alphanumeric() || [' ', '-'].contains(c));
+    kept.map(|c| if c == ' ' { '-' } else { c }).collect()
+}
+
+fn provenance(results: &Results) -> String {
+    let p = &results.provenance;
+    let stand_ins: Vec<String> = stand_ins(results);
+    let mut text = format!(
+        "Written by `cargo xtask reproduce{}` ({}, commit {}{}) on {}, {} threads of {}, seed {}.\n",
+        if p.quick { " --quick" } else { "" },
+        p.program,
+        p.commit.get(..12).unwrap_or(&p.commit),
+        if p.dirty { " with changes" } else { "" },
+        p.date,
+        p.threads,
+        p.processor,
+        p.seed,
+    );
+    if !stand_ins.is_empty() {
+        let _ = write!(
+            text,
+            "\nGenerated meshes took the place of the assignment's: {}. With `--meshes FOLDER` the real ones are used.\n",
+            stand_ins.join(", ")
+        );
+    }
+    text
+}
+
+/// `stand-in for original`, once each.
+pub(crate) fn stand_ins(results: &Results) -> Vec<String> {
+    let mut pairs = vec![];
+    for source in results.experiments.iter().flat_map(|r| &r.inputs).filter(|s| s.stand_in) {
+        let pair = format!("{} for {}", source.file, source.stands_for);
+        if !pairs.contains(&pair) {
+            pairs.push(pair);
+        }
+    }
+    pairs
+}
+
+fn claims(results: &Results) -> String {
+    let mut text = String::new();
+    for record in &results.experiments {
+        for claim in &record.claims {
+            let numbers: Vec<String> = claim.numbers.iter().map(ToString::to_string).collect();
+            let _ = writeln!(
+                text,
+                "| {} | {} | **{}** | {} | [{}](#{}) |",
+                claim.id,
+                claim.claim,
+                claim.verdict,
+                numbers.join("; "),
+                record.id,
+                anchor(&heading(record)),
+            );
+        }
+    }
+    if text.is_empty() {
+        return text;
+    }
+    format!(
+        "\n## Claims\n\n| | Claim of the source report | Verdict | Deciding numbers | Where |\n|---|---|---|---|---|\n{text}"
+    )
+}
+
+fn body(record: &Record) -> String {
+    let mut text = String::new();
+    if !record.parameters.is_empty() {
+        text += "\n";
+        for p in &record.parameters {
+            let _ = writeln!(text, "- {}: {}", p.name, p.value);
+        }
+    }
+    for source in &record.inputs {
+        let role = if source.stand_in {
+            format!(", standing in for `{}`", source.stands_for)
+        } else {
+            String::new()
+        };
+        let _ = write!(
+            text,
+            "\nInput: `{}`{role} (sha256 `{}…`).\n",
+            source.file,
+            &source.sha256[..12]
+        );
+    }
+    for claim in &record.claims {
+        let _ = write!(
+            text,
+            "\n> **Claim {}:** {}\n>\n> **{}**: {}\n",
+            claim.id, claim.claim, claim.verdict, claim.reason
+        );
+    }
+    for figure in &record.figures {
+        let _ = write!(text, "\n![{}]({})\n\n*{}*", figure.alt, figure.png, figure.caption);
+        if let Some(svg) = &figure.svg {
+            let _ = write!(text, " ([SVG]({svg}))");
+        }
+        text += "\n";
+    }
+    for t in &record.tables {
+        text += &table(t);
+        let _ = write!(text, "\n*{}* ([CSV]({}/{}.csv))\n", t.caption, record.id, t.id);
+    }
+    for note in &record.notes {
+        let _ = write!(text, "\n{note}\n");
+    }
+    let others: Vec<_> = record.files.iter().filter(|f| !f.path.ends_with(".csv")).collect();
+    if !others.is_empty() {
+        text += "\nFiles:\n\n";
+        for f in others {
+            let _ = writeln!(text, "- [{}]({}): {}", f.path, f.path, f.about);
+        }
+    }
+    let _ = write!(
+        text,
+        "\nMade by `cargo xtask reproduce --only {}` in {:.1} s.\n",
+        record.id, record.seconds
+    );
+    text
+}
+
+/// A table; numbers are set flush right.
+fn table(table: &Table) -> String {
+    let heading = |c: &crate::table::Column| match c.unit {
+        Unit::Label | Unit::One | Unit::Count => c.name.clone(),
+        unit => format!("{} ({unit})", c.name),
+    };
+    let escape = |text: String| text.replace('|', "\\|");
+    let mut text = String::from("\n|");
+    for column in &table.columns {
+        let _ = write!(text, " {} |", escape(heading(column)));
+    }
+    text += "\n|";
+    for column in &table.columns {
+        text += if column.unit == Unit::Label { "---|" } else { "--:|" };
+    }
+    for row in &table.rows {
+        text += "\n|";
+        for cell in row {
+            let _ = write!(text, " {} |", escape(Cell::to_string(cell)));
+        }
+    }
+    text + "\n"
+}

@@ -1,0 +1,105 @@
+//! `results.json`: everything that was measured, for machines.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context as _, Result};
+use serde::{Deserialize, Serialize};
+
+use crate::inputs::Source;
+use crate::provenance::Provenance;
+use crate::table::Table;
+use crate::verdict::Judgement;
+use crate::view::View;
+
+/// The contents of `results.json`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Results {
+    /// Where the numbers come from.
+    pub provenance: Provenance,
+    /// What was measured, in the order of the report.
+    pub experiments: Vec<Record>,
+}
+
+/// One experiment that has been run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    /// The experiment's id.
+    pub id: String,
+    /// The title.
+    pub title: String,
+    /// What was asked.
+    pub question: String,
+    /// Why there are no results, if it failed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error: Option<String>,
+    /// Where the meshes came from.
+    pub inputs: Vec<Source>,
+    /// The parameters.
+    pub parameters: Vec<Parameter>,
+    /// The tables.
+    pub tables: Vec<Table>,
+    /// The verdicts.
+    pub claims: Vec<Judgement>,
+    /// The figures.
+    pub figures: Vec<FigureFile>,
+    /// The other files: tables as CSV, meshes with fields as PLY.
+    pub files: Vec<File>,
+    /// Remarks for the reader.
+    pub notes: Vec<String>,
+    /// How long it took, in seconds.
+    pub seconds: f64,
+    /// The views of the page; they are too large for `results.json`.
+    #[serde(skip)]
+    pub views: Vec<View>,
+}
+
+/// A named parameter.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Parameter {
+    /// The name.
+    pub name: String,
+    /// The value, as text.
+    pub value: String,
+}
+
+/// A figure and its files, relative to the folder of the report.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FigureFile {
+    /// Unique within the experiment.
+    pub id: String,
+    /// The caption.
+    pub caption: String,
+    /// What a person who cannot see it is told.
+    pub alt: String,
+    /// The PNG file.
+    pub png: String,
+    /// The SVG file, if there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub svg: Option<String>,
+}
+
+/// Another file of the report.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct File {
+    /// The path, relative to the folder of the report.
+    pub path: String,
+    /// What it holds.
+    pub about: String,
+    /// Its size.
+    pub bytes: u64,
+}
+
+impl Results {
+    /// Reads a `results.json`.
+    ///
+    /// # Errors
+    ///
+    /// If the file cannot be read or holds something else.
+    pub fn read(path: &Path) -> Result<Self> {
+        let text =
+            fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))?;
+        serde_json::from_str(&text)
+            .with_context(|| format!("{} is no results.json", path.display()))
+    }
+}

@@ -1,0 +1,418 @@
+//! Tables of results: columns with a name, a unit and a tolerance; rows of
+//! cells.
+
+use std::fmt;
+
+use anyhow::{Context as _, Result, ensure};
+use serde::{Deserialize, Serialize};
+
+/// What the numbers of a column, or one deciding number, are measured in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub enum Unit {
+    /// A name or a category.
+    #[serde(rename = "")]
+    Label,
+    /// A number without dimension.
+    #[serde(rename = "1")]
+    One,
+    /// How many.
+    #[serde(rename = "count")]
+    Count,
+    /// A difference divided by what it is compared with.
+    #[serde(rename = "relative")]
+    Relative,
+    /// An exponent of the mesh size h.
+    #[serde(rename = "order")]
+    Order,
+    /// Lengths in the units of the mesh.
+    #[serde(rename = "mesh units")]
+    Length,
+    /// Squared mesh units.
+    #[serde(rename = "mesh units²")]
+    Area,
+    /// Cubed mesh units.
+    #[serde(rename = "mesh units³")]
+    Volume,
+    /// Curvatures H, κ: one over mesh units.
+    #[serde(rename = "1/mesh units")]
+    Curvature,
+    /// Gaussian curvature and eigenvalues: one over squared mesh units.
+    #[serde(rename = "1/mesh units²")]
+    InverseArea,
+    /// Multiples of the mean edge length h.
+    #[serde(rename = "h")]
+    EdgeLengths,
+    /// Fractions of the diagonal of the bounding box.
+    #[serde(rename = "diagonal")]
+    Diagonals,
+    /// Degrees.
+    #[serde(rename = "°")]
+    Degrees,
+    /// Radians.
+    #[serde(rename = "rad")]
+    Radians,
+    /// Per cent.
+    #[serde(rename = "%")]
+    Percent,
+    /// Seconds of wall time; never compared between runs.
+    #[serde(rename = "s")]
+    Seconds,
+    /// Bytes.
+    #[serde(rename = "bytes")]
+    Bytes,
+}
+
+impl fmt::Display for Unit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Label => "",
+            Self::One => "1",
+            Self::Count => "count",
+            Self::Relative => "relative",
+            Self::Order => "order",
+            Self::Length => "mesh units",
+            Self::Area => "mesh units²",
+            Self::Volume => "mesh units³",
+            Self::Curvature => "1/mesh units",
+            Self::InverseArea => "1/mesh units²",
+            Self::EdgeLengths => "h",
+            Self::Diagonals => "diagonal",
+            Self::Degrees => "°",
+            Self::Radians => "rad",
+            Self::Percent => "%",
+            Self::Seconds => "s",
+            Self::Bytes => "bytes",
+        })
+    }
+}
+
+/// How far a number may move between two runs before `--check` reports it:
+/// `|new − old| ≤ absolute + relative · |old|`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Tolerance {
+    /// The part that grows with the old value.
+    pub relative: f64,
+    /// The part that does not, in the unit of the column.
+    pub absolute: f64,
+}
+
+impl Tolerance {
+    /// Nothing may change.
+    pub const EXACT: Self = Self { relative: 0.0, absolute: 0.0 };
+    /// The default: wider than the last digits in which two processors or
+    /// mathematical libraries differ, narrower than any change of method.
+    pub const NUMERICAL: Self = Self { relative: 1e-6, absolute: 1e-9 };
+    /// For what amplifies rounding: iterative solvers, ranks, thresholds.
+    pub const LOOSE: Self = Self { relative: 1e-2, absolute: 1e-6 };
+
+    /// Whether `new` may stand where `old` stood.
+    pub fn admits(self, old: f64, new: f64) -> bool {
+        old == new || (new - old).abs() <= self.absolute + self.relative * old.abs()
+    }
+}
+
+/// A named column.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Column {
+    /// The heading.
+    pub name: String,
+    /// The unit of its numbers.
+    pub unit: Unit,
+    /// What `--check` lets pass; `None` for columns that it does not compare.
+    pub tolerance: Option<Tolerance>,
+}
+
+/// One entry of a table.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Cell {
+    /// A whole number.
+    Count(i64),
+    /// A number, finite.
+    Number(f64),
+    /// A name; also what is not a finite number (`inf`, `-inf`, `undefined`).
+    Text(String),
+    /// Nothing to say here.
+    Missing,
+}
+
+impl Cell {
+    /// The number in this cell; infinities come back as such.
+    pub fn number(&self) -> Option<f64> {
+        match self {
+            Self::Count(n) => Some(*n as f64),
+            Self::Number(x) => Some(*x),
+            Self::Text(t) if t == "inf" => Some(f64::INFINITY),
+            Self::Text(t) if t == "-inf" => Some(f64::NEG_INFINITY),
+            _ => None,
+        }
+    }
+}
+
+impl From<f64> for Cell {
+    fn from(x: f64) -> Self {
+        if x.is_finite() {
+            Self::Number(x)
+        } else if x.is_nan() {
+            Self::Text("undefined".into())
+        } else {
+            Self::Text(if x > 0.0 { "inf" } else { "-inf" }.into())
+        }
+    }
+}
+impl From<Option<f64>> for Cell {
+    fn from(x: Option<f64>) -> Self {
+        x.map_or(Self::Missing, Self::from)
+    }
+}
+impl From<usize> for Cell {
+    fn from(n: usize) -> Self {
+        Self::Count(n as i64)
+    }
+}
+impl From<i64> for Cell {
+    fn from(n: i64) -> Self {
+        Self::Count(n)
+    }
+}
+impl From<&str> for Cell {
+    fn from(t: &str) -> Self {
+        Self::Text(t.into())
+    }
+}
+impl From<String> for Cell {
+    fn from(t: String) -> Self {
+        Self::Text(t)
+    }
+}
+
+/// Four significant digits for people; files keep every digit.
+impl fmt::Display for Cell {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Count(n) => write!(f, "{n}"),
+            Self::Number(x) => f.write_str(&short(*x)),
+            Self::Text(t) if t == "inf" => f.write_str("∞"),
+            Self::Text(t) if t == "-inf" => f.write_str("−∞"),
+            Self::Text(t) => f.write_str(t),
+            Self::Missing => f.write_str("–"),
+        }
+    }
+}
+
+/// A number in four significant digits, as tables and sentences show it.
+pub fn short(x: f64) -> String {
+    if !x.is_finite() {
+        return Cell::from(x).to_string();
+    }
+    let magnitude = x.abs();
+    let text = if magnitude == 0.0 {
+        "0".into()
+    } else if !(1e-3..1e5).contains(&magnitude) {
+        format!("{x:.2e}")
+    } else {
+        let digits = 3 - magnitude.log10().floor() as i32;
+        let fixed = format!("{x:.*}", digits.max(0) as usize);
+        match fixed.contains('.') {
+            true => fixed.trim_end_matches('0').trim_end_matches('.').to_string(),
+            false => fixed,
+        }
+    };
+    text.replace('-', "−")
+}
+
+/// A table of results.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Table {
+    /// Unique within the experiment: lower-case words joined by hyphens.
+    pub id: String,
+    /// What the table shows, as a full sentence.
+    pub caption: String,
+    /// The columns.
+    pub columns: Vec<Column>,
+    /// The rows, each as long as there are columns.
+    pub rows: Vec<Vec<Cell>>,
+}
+
+impl Table {
+    /// An empty table. Columns of labels and counts are compared exactly by
+    /// `--check`, seconds never, everything else to [`Tolerance::NUMERICAL`];
+    /// [`Self::tolerance`] changes that.
+    pub fn new(id: &str, caption: &str, columns: &[(&str, Unit)]) -> Self {
+        let columns = columns
+            .iter()
+            .map(|&(name, unit)| Column {
+                name: name.into(),
+                unit,
+                tolerance: match unit {
+                    Unit::Seconds => None,
+                    Unit::Label | Unit::Count => Some(Tolerance::EXACT),
+                    _ => Some(Tolerance::NUMERICAL),
+                },
+            })
+            .collect();
+        Self { id: id.into(), caption: caption.into(), columns, rows: vec![] }
+    }
+
+    /// The same table with another tolerance for one column.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such column.
+    #[must_use]
+    pub fn tolerance(mut self, column: &str, tolerance: Option<Tolerance>) -> Self {
+        let c = self.columns.iter_mut().find(|c| c.name == column);
+        c.unwrap_or_else(|| panic!("table {} has no column {column}", self.id)).tolerance =
+            tolerance;
+        self
+    }
+
+    /// Adds a row.
+    ///
+    /// # Panics
+    ///
+    /// If it is not as long as there are columns.
+    pub fn push(&mut self, row: impl IntoIterator<Item = Cell>) {
+        let row: Vec<Cell> = row.into_iter().collect();
+        assert_eq!(row.len(), self.columns.len(), "a row of table {}", self.id);
+        self.rows.push(row);
+    }
+
+    /// Where a column stands.
+    ///
+    /// # Errors
+    ///
+    /// If there is no such column.
+    pub fn index(&self, column: &str) -> Result<usize> {
+        let found = self.columns.iter().position(|c| c.name == column);
+        found.with_context(|| format!("table {} has no column {column}", self.id))
+    }
+
+    /// The numbers of a column, in row order.
+    ///
+    /// # Errors
+    ///
+    /// If there is no such column or a cell holds no number.
+    pub fn column(&self, column: &str) -> Result<Vec<f64>> {
+        let c = self.index(column)?;
+        let number = |(r, row): (usize, &Vec<Cell>)| {
+            let name = || format!("table {}, row {r}, column {column}: no number", self.id);
+            row[c].number().with_context(name)
+        };
+        self.rows.iter().enumerate().map(number).collect()
+    }
+
+    /// The rows whose cells in the named columns read like this, as a table.
+    ///
+    /// # Errors
+    ///
+    /// If there is no such column or no such row.
+    pub fn only(&self, conditions: &[(&str, Cell)]) -> Result<Self> {
+        let mut rows = self.rows.clone();
+        for (column, value) in conditions {
+            let c = self.index(column)?;
+            rows.retain(|row| row[c] == *value);
+        }
+        ensure!(!rows.is_empty(), "table {} has no row with {conditions:?}", self.id);
+        Ok(Self { rows, ..self.clone() })
+    }
+
+    /// The number in `column` of the only row that meets the conditions.
+    ///
+    /// # Errors
+    ///
+    /// If not exactly one row meets them, or its cell holds no number.
+    pub fn value(&self, conditions: &[(&str, Cell)], column: &str) -> Result<f64> {
+        let found = self.only(conditions)?.column(column)?;
+        ensure!(found.len() == 1, "table {}: {} rows with {conditions:?}", self.id, found.len());
+        Ok(found[0])
+    }
+
+    /// Comma-separated values: a line of names, the unit in brackets, then the
+    /// rows with every digit.
+    pub fn to_csv(&self) -> String {
+        let quote = |text: &str| match text.contains(['"', ',', '\n']) {
+            true => format!("\"{}\"", text.replace('"', "\"\"")),
+            false => text.to_string(),
+        };
+        let heading = |c: &Column| match c.unit {
+            Unit::Label => quote(&c.name),
+            unit => quote(&format!("{} [{unit}]", c.name)),
+        };
+        let cell = |c: &Cell| match c {
+            Cell::Count(n) => n.to_string(),
+            Cell::Number(x) => format!("{x:?}"),
+            Cell::Text(t) => quote(t),
+            Cell::Missing => String::new(),
+        };
+        let mut csv = self.columns.iter().map(heading).collect::<Vec<_>>().join(",") + "\n";
+        for row in &self.rows {
+            csv += &(row.iter().map(cell).collect::<Vec<_>>().join(",") + "\n");
+        }
+        csv
+    }
+}
+
+/// Makes a row of anything that a [`Cell`] can hold.
+#[macro_export]
+macro_rules! row {
+    ($($cell:expr),* $(,)?) => { [$($crate::table::Cell::from($cell)),*] };
+}
+
+/// The tables of one experiment, looked up by id.
+#[derive(Debug, Clone, Copy)]
+pub struct Tables<'a>(pub &'a [Table]);
+
+impl<'a> Tables<'a> {
+    /// The table with this id.
+    ///
+    /// # Errors
+    ///
+    /// If there is none.
+    pub fn get(&self, id: &str) -> Result<&'a Table> {
+        self.0.iter().find(|t| t.id == id).with_context(|| format!("there is no table {id}"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample() -> Table {
+        let mut t = Table::new("t", "T.", &[("mesh", Unit::Label), ("h", Unit::Length)]);
+        t.push(row!["a, b", 0.1]);
+        t.push(row!["c", f64::INFINITY]);
+        t
+    }
+
+    #[test]
+    fn csv_quotes_and_keeps_every_digit() {
+        assert_eq!(sample().to_csv(), "mesh,h [mesh units]\n\"a, b\",0.1\nc,inf\n");
+    }
+
+    #[test]
+    fn json_round_trip_is_exact() {
+        let text = serde_json::to_string(&sample()).unwrap();
+        assert_eq!(serde_json::from_str::<Table>(&text).unwrap(), sample());
+    }
+
+    #[test]
+    fn values_are_found_by_row() {
+        let t = sample();
+        assert_eq!(t.value(&[("mesh", "a, b".into())], "h").unwrap(), 0.1);
+        assert_eq!(t.value(&[("mesh", "c".into())], "h").unwrap(), f64::INFINITY);
+        assert!(t.value(&[("mesh", "d".into())], "h").is_err());
+        assert!(t.column("mesh").is_err());
+    }
+
+    #[test]
+    fn people_read_four_digits() {
+        for (x, text) in
+            [(0.0, "0"), (1.0, "1"), (0.123456, "0.1235"), (1234.56, "1235"), (-2.5, "−2.5")]
+        {
+            assert_eq!(short(x), text);
+        }
+        assert_eq!(short(1.23456e-7), "1.23e−7");
+    }
+}

@@ -1,0 +1,80 @@
+//! What becomes of a claim once it has been measured.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use crate::table::{Unit, short};
+
+/// Whether a claim stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Verdict {
+    /// The measurements say the same.
+    Confirmed,
+    /// The measurements say otherwise.
+    Refuted,
+    /// Parts hold, or it holds under conditions that the claim does not name.
+    Qualified,
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Confirmed => "confirmed",
+            Self::Refuted => "refuted",
+            Self::Qualified => "qualified",
+        })
+    }
+}
+
+/// A number that decided a verdict.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Deciding {
+    /// What it measures.
+    pub name: String,
+    /// The number.
+    pub value: f64,
+    /// Its unit.
+    pub unit: Unit,
+}
+
+impl fmt::Display for Deciding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {}", self.name, short(self.value))?;
+        match self.unit {
+            Unit::Label | Unit::One | Unit::Count | Unit::Order | Unit::Relative => Ok(()),
+            Unit::Degrees | Unit::Percent => write!(f, "{}", self.unit),
+            unit => write!(f, " {unit}"),
+        }
+    }
+}
+
+/// A verdict on one claim, with what decided it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Judgement {
+    /// The claim's id: question and letter, such as `1a`.
+    pub id: String,
+    /// The claim, in our words.
+    pub claim: String,
+    /// Whether it stands.
+    pub verdict: Verdict,
+    /// Why, in a sentence or two whose numbers come from the tables.
+    pub reason: String,
+    /// The numbers that decided.
+    pub numbers: Vec<Deciding>,
+}
+
+impl Judgement {
+    /// A judgement without numbers yet; add them with [`Self::number`].
+    pub fn new(id: &str, claim: &str, verdict: Verdict, reason: impl Into<String>) -> Self {
+        Self { id: id.into(), claim: claim.into(), verdict, reason: reason.into(), numbers: vec![] }
+    }
+
+    /// Adds a deciding number.
+    #[must_use]
+    pub fn number(mut self, name: &str, value: f64, unit: Unit) -> Self {
+        self.numbers.push(Deciding { name: name.into(), value, unit });
+        self
+    }
+}
