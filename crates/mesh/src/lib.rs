@@ -6,6 +6,8 @@
 
 mod build;
 mod connectivity;
+mod diagnosis;
+mod measure;
 pub mod shapes;
 mod topology;
 mod trimesh;
@@ -13,5 +15,6 @@ pub mod vec3;
 
 pub use build::BuildError;
 pub use connectivity::{Connectivity, Incidence};
+pub use diagnosis::{Diagnosis, Tally};
 pub use topology::{Components, Fan, Orientation, Topology};
 pub use trimesh::TriMesh;

@@ -1,0 +1,256 @@
+//! What there is to know about a mesh before trusting it with a computation.
+
+use rayon::prelude::*;
+
+use crate::TriMesh;
+use crate::vec3::{cross, distance, norm, sub};
+
+/// How many elements of a kind were found, and the lowest of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Tally {
+    /// How many.
+    pub count: usize,
+    /// The first, numbered from 0.
+    pub first: Option<u32>,
+}
+
+impl Tally {
+    fn of(found: impl IntoIterator<Item = u32>) -> Self {
+        let mut tally = Self::default();
+        for element in found {
+            tally.first = Some(tally.first.map_or(element, |f| f.min(element)));
+            tally.count += 1;
+        }
+        tally
+    }
+}
+
+/// Topology, defects and measures of a mesh.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Diagnosis {
+    /// Vertices, isolated ones included.
+    pub vertices: usize,
+    /// Faces.
+    pub faces: usize,
+    /// Edges, each counted once.
+    pub edges: usize,
+    /// Parts connected by shared vertices; isolated vertices are none.
+    pub components: usize,
+    /// Loops of the boundary; holes that touch in a vertex count apart.
+    pub boundary_loops: usize,
+    /// V − E + F without isolated vertices.
+    pub euler_characteristic: i64,
+    /// The sum over the components; `None` where not manifold or not
+    /// orientable, and without faces.
+    pub genus: Option<u32>,
+    /// Every edge has at most two faces, every vertex one sheet of them.
+    pub manifold: bool,
+    /// There are faces, and no edge has exactly one.
+    pub closed: bool,
+    /// Faces could be flipped so that all turn alike.
+    pub orientable: bool,
+    /// Vertices that no face uses.
+    pub isolated_vertices: Tally,
+    /// Faces without area: twice the area is at most
+    /// [`Diagnosis::DEGENERATE`] × (longest edge)².
+    pub degenerate_faces: Tally,
+    /// Faces that have area but are thin: twice the area is below
+    /// [`Diagnosis::SLIVER`] × (longest edge)².
+    pub sliver_faces: Tally,
+    /// Faces with the corners of an earlier face, in any order.
+    pub duplicate_faces: Tally,
+    /// Vertices at exactly the position of an earlier vertex.
+    pub duplicate_positions: Tally,
+    /// Edges with more than two faces.
+    pub nonmanifold_edges: Tally,
+    /// Vertices where sheets of faces touch.
+    pub nonmanifold_vertices: Tally,
+    /// Edges whose two faces turn against each other.
+    pub inconsistent_edges: Tally,
+    /// Lowest and highest corner of the bounding box; `None` without
+    /// vertices.
+    pub bounding_box: Option<[[f64; 3]; 2]>,
+    /// Area, in squared mesh units.
+    pub area: f64,
+    /// Enclosed volume in cubed mesh units, negative where the faces turn
+    /// inside out; `None` unless closed and consistently oriented.
+    pub volume: Option<f64>,
+    /// Shortest edge, in mesh units; zero without faces, as the next two.
+    pub shortest_edge: f64,
+    /// h: the mean over the sides of the faces.
+    pub mean_edge: f64,
+    /// Longest edge.
+    pub longest_edge: f64,
+}
+
+impl Diagnosis {
+    /// The height of a face over its longest edge, as a share of that edge,
+    /// up to which the face counts as degenerate. Rounded coordinates give
+    /// collinear corners heights of 1e-16 of their distance from the origin;
+    /// this leaves six digits for that distance.
+    pub const DEGENERATE: f64 = 1e-10;
+
+    /// The same share, below which a face that is not degenerate is a sliver:
+    /// its largest cotangent is beyond about 250.
+    pub const SLIVER: f64 = 2e-3;
+
+    /// Looks the mesh over: linear but for two sorts.
+    pub fn of(mesh: &TriMesh) -> Self {
+        let topology = mesh.topology();
+        let thinness: Vec<f64> = (0..mesh.face_count())
+            .into_par_iter()
+            .with_min_len(4096)
+            .map(|f| height_ratio(mesh, f))
+            .collect();
+        let thin = |range: std::ops::Range<f64>| {
+            Tally::of(
+                (0..mesh.face_count() as u32).filter(|&f| range.contains(&thinness[f as usize])),
+            )
+        };
+        let lengths = mesh.edge_lengths();
+        let closed = topology.is_closed();
+        let orientation = topology.orientation();
+        let just_above = Self::DEGENERATE.next_up();
+        Self {
+            vertices: mesh.vertex_count(),
+            faces: mesh.face_count(),
+            edges: topology.edges().len(),
+            components: topology.components().count(),
+            boundary_loops: topology.boundary_loops().len(),
+            euler_characteristic: topology.euler_characteristic(),
+            genus: topology.genus(),
+            manifold: topology.is_manifold(),
+            closed,
+            orientable: orientation.is_orientable(),
+            isolated_vertices: Tally::of(topology.isolated_vertices()),
+            degenerate_faces: thin(f64::NEG_INFINITY..just_above),
+            sliver_faces: thin(just_above..Self::SLIVER),
+            duplicate_faces: duplicate_faces(mesh),
+            duplicate_positions: duplicate_positions(mesh),
+            nonmanifold_edges: Tally::of(topology.nonmanifold_edges()),
+            nonmanifold_vertices: Tally::of(topology.nonmanifold_vertices().iter().copied()),
+            inconsistent_edges: Tally::of(orientation.inconsistent_edges().iter().copied()),
+            bounding_box: mesh.bounding_box(),
+            area: mesh.area(),
+            volume: (closed && orientation.is_consistent()).then(|| mesh.signed_volume()),
+            shortest_edge: lengths.iter().copied().reduce(f64::min).unwrap_or(0.0),
+            mean_edge: mesh.mean_edge_length(),
+            longest_edge: lengths.iter().copied().fold(0.0, f64::max),
+        }
+    }
+
+    /// Whether cotangents and areas exist everywhere and the usual theorems
+    /// apply: manifold, consistently oriented, nothing degenerate or isolated.
+    pub fn is_clean(&self) -> bool {
+        self.manifold
+            && self.inconsistent_edges.count == 0
+            && self.degenerate_faces.count == 0
+            && self.duplicate_faces.count == 0
+            && self.isolated_vertices.count == 0
+    }
+}
+
+/// Twice the area over the square of the longest edge: the height over that
+/// edge as a share of it; zero where all corners coincide.
+fn height_ratio(mesh: &TriMesh, f: usize) -> f64 {
+    let [a, b, c] = mesh.triangle(f);
+    let (u, v) = (sub(b, a), sub(c, a));
+    // In units of the largest difference, nothing under- or overflows.
+    let unit = u.iter().chain(&v).fold(0.0f64, |m, x| m.max(x.abs()));
+    if unit == 0.0 {
+        return 0.0;
+    }
+    let (u, v) = (u.map(|x| x / unit), v.map(|x| x / unit));
+    let longest = norm(u).max(norm(v)).max(distance(u, v));
+    norm(cross(u, v)) / (longest * longest)
+}
+
+fn duplicate_faces(mesh: &TriMesh) -> Tally {
+    let mut keys: Vec<([u32; 3], u32)> = mesh
+        .faces()
+        .par_iter()
+        .enumerate()
+        .map(|(f, &face)| {
+            let mut corners = face;
+            corners.sort_unstable();
+            (corners, f as u32)
+        })
+        .collect();
+    keys.par_sort_unstable();
+    Tally::of(keys.windows(2).filter(|w| w[0].0 == w[1].0).map(|w| w[1].1))
+}
+
+fn duplicate_positions(mesh: &TriMesh) -> Tally {
+    let mut keys: Vec<([u64; 3], u32)> = mesh
+        .positions()
+        .par_iter()
+        .enumerate()
+        // Adding zero makes −0 and 0 the same bits.
+        .map(|(v, p)| (p.map(|x| (x + 0.0).to_bits()), v as u32))
+        .collect();
+    keys.par_sort_unstable();
+    Tally::of(keys.windows(2).filter(|w| w[0].0 == w[1].0).map(|w| w[1].1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shapes;
+
+    #[test]
+    fn a_sphere_is_clean() {
+        let diagnosis = Diagnosis::of(&shapes::icosphere(2));
+        assert!(diagnosis.is_clean() && diagnosis.closed && diagnosis.orientable);
+        assert_eq!((diagnosis.vertices, diagnosis.edges, diagnosis.faces), (162, 480, 320));
+        assert_eq!((diagnosis.genus, diagnosis.euler_characteristic), (Some(0), 2));
+        assert_eq!((diagnosis.components, diagnosis.boundary_loops), (1, 0));
+    }
+
+    #[test]
+    fn each_defect_is_found_with_its_first_element() {
+        let positions = vec![
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [0.5, 0.0, 0.0],  // collinear with 0 and 1
+            [0.5, 1e-3, 0.0], // a sliver with 0 and 1
+            [-0.0, 1.0, 0.0], // the position of 2
+            [9.0, 9.0, 9.0],  // isolated
+        ];
+        let faces = vec![[0, 1, 2], [0, 1, 3], [0, 4, 1], [2, 0, 1], [5, 1, 2]];
+        let d = Diagnosis::of(&TriMesh::new(positions, faces).unwrap());
+        let at = |count, first| Tally { count, first: Some(first) };
+        assert_eq!(d.isolated_vertices, at(1, 6));
+        // The last has two corners in one place.
+        assert_eq!(d.degenerate_faces, at(2, 1));
+        assert_eq!(d.sliver_faces, at(1, 2));
+        assert_eq!(d.duplicate_faces, at(1, 3));
+        assert_eq!(d.duplicate_positions, at(1, 5));
+        assert_eq!(d.nonmanifold_edges.count, 2);
+        assert!(!d.manifold && !d.closed && d.volume.is_none() && d.genus.is_none());
+        assert_eq!((d.longest_edge, d.shortest_edge), (2f64.sqrt(), 0.0));
+    }
+
+    /// The shares do not depend on the unit of length.
+    #[test]
+    fn defects_do_not_depend_on_scale() {
+        let flat = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 1.9e-3, 0.0], [0.5, -2.1e-3, 0.0]];
+        for scale in [1e-150, 1e-9, 1.0, 1e9, 1e150] {
+            let positions = flat.iter().map(|p| p.map(|x| x * scale)).collect();
+            let mesh = TriMesh::new(positions, vec![[0, 1, 2], [1, 0, 3]]).unwrap();
+            let diagnosis = Diagnosis::of(&mesh);
+            assert_eq!(diagnosis.sliver_faces, Tally { count: 1, first: Some(0) }, "{scale}");
+            assert_eq!(diagnosis.degenerate_faces.count, 0, "{scale}");
+        }
+    }
+
+    #[test]
+    fn a_body_turned_inside_out_has_negative_volume() {
+        let sphere = shapes::icosphere(2);
+        let faces = sphere.faces().iter().map(|&[a, b, c]| [a, c, b]).collect();
+        let turned = TriMesh::new(sphere.positions().to_vec(), faces).unwrap();
+        let (inward, outward) = (Diagnosis::of(&turned), Diagnosis::of(&sphere));
+        assert_eq!(inward.volume.map(|v| -v), outward.volume);
+    }
+}
