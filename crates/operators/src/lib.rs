@@ -1,7 +1,29 @@
 //! Discrete differential operators and curvature of triangle meshes.
+//!
+//! Matrices are sparse rows in the vertex order of the mesh. The stiffness `S`
+//! is positive semi-definite and Δ ≈ −M⁻¹S; `S u` and angle defects are
+//! *integrated* over the cell of a vertex, and become *pointwise* when divided
+//! by its mass. Curvature is positive where the surface bends away from its
+//! outward normal as a sphere does.
 
+mod assembly;
+mod corners;
+pub mod curvature;
+mod error;
+mod gradient;
+mod mass;
 mod noise_level;
 mod normal_equations;
+mod normals;
+mod stiffness;
+mod uniform;
 
+pub use error::{MIN_HEIGHT_RATIO, OperatorError};
+pub use fairing_sparse::SparseMatrix;
+pub use gradient::{divergence, face_gradients, gradient};
+pub use mass::{LumpedArea, consistent_mass, lumped_mass};
 pub use noise_level::{NoiseLevel, noise_level};
 pub use normal_equations::{NormalEquations, NormalFactor};
+pub use normals::{NormalWeight, face_normals, vertex_normals, weighted_vertex_normals};
+pub use stiffness::cotan_stiffness;
+pub use uniform::{combinatorial_laplacian, random_walk_laplacian};

@@ -1,0 +1,156 @@
+//! The geometry at the corners of the faces, from which all operators are made.
+
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{cross, dot, norm, sub};
+use rayon::prelude::*;
+
+use crate::error::{MIN_HEIGHT_RATIO, OperatorError};
+
+/// Faces handed to a thread at a time: large enough to hide the hand-over.
+const FACES_PER_TASK: usize = 4096;
+
+/// Inner products at the corners of a face, and its area.
+///
+/// With θₖ the angle at corner k, `dots[k] = ab cos θₖ` and `twice_area = ab
+/// sin θₖ` for the two sides a and b that meet there; both angles and
+/// cotangents follow without another root.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct FaceCorners {
+    pub(crate) dots: [f64; 3],
+    pub(crate) twice_area: f64,
+}
+
+impl FaceCorners {
+    #[inline]
+    pub(crate) fn of([a, b, c]: [[f64; 3]; 3]) -> Self {
+        let (ab, bc, ca) = (sub(b, a), sub(c, b), sub(a, c));
+        Self { dots: [-dot(ab, ca), -dot(bc, ab), -dot(ca, bc)], twice_area: norm(cross(ab, ca)) }
+    }
+
+    /// cot θₖ; not finite where the face has no area.
+    #[inline]
+    pub(crate) fn cotangents(&self) -> [f64; 3] {
+        let s = 1.0 / self.twice_area;
+        self.dots.map(|d| d * s)
+    }
+
+    /// The squared length of the side opposite each corner.
+    #[inline]
+    pub(crate) fn squared_sides(&self) -> [f64; 3] {
+        let [a, b, c] = self.dots;
+        [b + c, c + a, a + b]
+    }
+
+    /// The cosine and sine of the angle at corner `k`.
+    ///
+    /// Where the angle is not determined because the face is a segment with
+    /// two corners in one place, or a point, the limits of isosceles and of
+    /// equilateral triangles are taken (π/2, π/3), so that the angles of every
+    /// face sum to π.
+    #[inline]
+    pub(crate) fn turn(&self, k: usize) -> (f64, f64) {
+        let (x, y) = (self.dots[k], self.twice_area);
+        let r = length(x, y);
+        if r > 0.0 && r.is_finite() {
+            return (x / r, y / r);
+        }
+        if self.dots == [0.0; 3] { (0.5, 0.75f64.sqrt()) } else { (0.0, 1.0) }
+    }
+
+    /// Whether the face is too thin for its cotangents to be meaningful.
+    #[inline]
+    pub(crate) fn is_degenerate(&self) -> bool {
+        let longest = self.squared_sides().into_iter().fold(0.0, f64::max);
+        // Written so that a face that is not finite is degenerate too.
+        !(self.twice_area >= MIN_HEIGHT_RATIO * longest && self.twice_area > 0.0)
+    }
+}
+
+/// √(x² + y²), by `hypot` only where squares could leave the range.
+#[inline]
+fn length(x: f64, y: f64) -> f64 {
+    let square = x * x + y * y;
+    if (1e-280..1e280).contains(&square) { square.sqrt() } else { x.hypot(y) }
+}
+
+/// The corners of all faces, in face order.
+pub(crate) fn face_corners(mesh: &TriMesh) -> Vec<FaceCorners> {
+    let positions = mesh.positions();
+    mesh.faces()
+        .par_iter()
+        .with_min_len(FACES_PER_TASK)
+        .map(|f| FaceCorners::of(f.map(|v| positions[v as usize])))
+        .collect()
+}
+
+/// The corners of all faces, none of them degenerate.
+pub(crate) fn sound_face_corners(mesh: &TriMesh) -> Result<Vec<FaceCorners>, OperatorError> {
+    let corners = face_corners(mesh);
+    match corners.par_iter().with_min_len(FACES_PER_TASK).position_first(FaceCorners::is_degenerate)
+    {
+        None => Ok(corners),
+        Some(face) => Err(degenerate(face, &corners[face])),
+    }
+}
+
+/// The error that names face `face`.
+pub(crate) fn degenerate(face: usize, corners: &FaceCorners) -> OperatorError {
+    OperatorError::DegenerateFace {
+        face: face as u32,
+        area: 0.5 * corners.twice_area,
+        edge: corners.squared_sides().into_iter().fold(0.0, f64::max).max(0.0).sqrt(),
+    }
+}
+
+/// The corner after `c` in its face.
+#[inline]
+pub(crate) fn next(c: u32) -> u32 {
+    if c % 3 == 2 { c - 2 } else { c + 1 }
+}
+
+/// The corner before `c` in its face.
+#[inline]
+pub(crate) fn previous(c: u32) -> u32 {
+    if c.is_multiple_of(3) { c + 2 } else { c - 1 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn corners_of_a_right_triangle() {
+        let c = FaceCorners::of([[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0]]);
+        assert_eq!(c.dots, [0.0, 9.0, 16.0]);
+        assert_eq!(c.twice_area, 12.0);
+        assert_eq!(c.squared_sides(), [25.0, 16.0, 9.0]);
+        assert_eq!(c.turn(0), (0.0, 1.0));
+        assert!(!c.is_degenerate());
+    }
+
+    #[test]
+    fn angles_of_collapsed_faces_sum_to_pi() {
+        let p = [1.0, 2.0, 3.0];
+        let q = [2.0, 2.0, 3.0];
+        for face in [[p, p, p], [p, p, q], [p, q, q], [p, q, p], [p, q, [5.0, 2.0, 3.0]]] {
+            let c = FaceCorners::of(face);
+            assert!(c.is_degenerate());
+            let sum: f64 = (0..3).map(|k| c.turn(k)).map(|(x, y)| y.atan2(x)).sum();
+            assert!((sum - std::f64::consts::PI).abs() < 1e-15, "{face:?} {sum}");
+        }
+    }
+
+    #[test]
+    fn the_first_degenerate_face_is_named() {
+        let positions = vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [1.0, 0.0, 0.0]];
+        let mesh = TriMesh::new(positions, vec![[0, 1, 2], [0, 3, 1], [0, 1, 3]]).unwrap();
+        let error = sound_face_corners(&mesh).unwrap_err();
+        assert_eq!(error, OperatorError::DegenerateFace { face: 1, area: 0.0, edge: 2.0 });
+    }
+
+    #[test]
+    fn corners_turn_within_their_face() {
+        assert_eq!([3, 4, 5].map(next), [4, 5, 3]);
+        assert_eq!([3, 4, 5].map(previous), [5, 3, 4]);
+    }
+}

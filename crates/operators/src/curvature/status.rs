@@ -1,0 +1,75 @@
+//! Whether a value is defined at a vertex.
+
+use std::fmt;
+
+/// Why there is no value at a vertex.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Undefined {
+    /// No face has the vertex.
+    Isolated,
+    /// The faces around it have no area, or their normals cancel.
+    NoArea,
+    /// Fewer neighbours than the method needs.
+    TooFewNeighbors,
+    /// The neighbours lie so that the method's equations are not determined.
+    IllConditioned,
+}
+
+impl fmt::Display for Undefined {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Isolated => "isolated vertex",
+            Self::NoArea => "no area around the vertex",
+            Self::TooFewNeighbors => "too few neighbours",
+            Self::IllConditioned => "equations not determined",
+        })
+    }
+}
+
+/// Whether a value is defined at a vertex, and why not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum VertexStatus {
+    /// The value is there.
+    Defined,
+    /// There is none; the field holds zero.
+    Undefined(Undefined),
+}
+
+impl VertexStatus {
+    /// Whether the value is there.
+    pub fn is_defined(self) -> bool {
+        self == Self::Defined
+    }
+}
+
+/// A curvature at each vertex.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScalarCurvature {
+    /// The values in vertex order, zero where undefined.
+    pub values: Vec<f64>,
+    /// Whether each value is defined.
+    pub status: Vec<VertexStatus>,
+    /// Whether each vertex is on the boundary, where values are one-sided.
+    pub boundary: Vec<bool>,
+}
+
+impl ScalarCurvature {
+    /// The value at vertex `v`, if defined.
+    ///
+    /// # Panics
+    ///
+    /// If there is no vertex `v`.
+    pub fn get(&self, v: u32) -> Option<f64> {
+        let v = v as usize;
+        self.status[v].is_defined().then(|| self.values[v])
+    }
+
+    /// The vertices whose value is defined and not one-sided: what a colour
+    /// range or a statistic should be made of.
+    pub fn interior(&self) -> impl Iterator<Item = (u32, f64)> + '_ {
+        (0..self.values.len())
+            .filter(|&v| self.status[v].is_defined() && !self.boundary[v])
+            .map(|v| (v as u32, self.values[v]))
+    }
+}

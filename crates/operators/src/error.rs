@@ -1,0 +1,31 @@
+//! Why an operator cannot be assembled.
+
+/// The height of a face over its longest edge, relative to that edge, below
+/// which its cotangents are not trusted.
+///
+/// The cross product behind a cotangent carries a rounding error of about
+/// 10⁻¹⁶ (longest edge)², so that at this ratio a cotangent still has six
+/// correct digits.
+pub const MIN_HEIGHT_RATIO: f64 = 1e-10;
+
+/// Why an operator cannot be assembled.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum OperatorError {
+    /// Twice the area is below [`MIN_HEIGHT_RATIO`] × (longest edge)².
+    #[error("face {face} is degenerate: area {area:e}, longest edge {edge:e}")]
+    DegenerateFace {
+        /// The offending face.
+        face: u32,
+        /// Its area, in squared mesh units.
+        area: f64,
+        /// Its longest edge, in mesh units.
+        edge: f64,
+    },
+    /// More entries than 32-bit indices can number.
+    #[error("the matrix would have up to {entries} entries, more than 32-bit indices can number")]
+    TooLarge {
+        /// An upper bound of the number of entries.
+        entries: usize,
+    },
+}

@@ -1,0 +1,163 @@
+//! Masses: the areas of vertices, and the Galerkin mass matrix.
+
+use fairing_mesh::TriMesh;
+use fairing_sparse::SparseMatrix;
+use rayon::prelude::*;
+
+use crate::assembly::{CornerEntries, Pattern};
+use crate::corners::{FaceCorners, degenerate, face_corners};
+use crate::error::OperatorError;
+
+/// How the area of a face is shared between its corners.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum LumpedArea {
+    /// A third each: `Aᵢ = ⅓ Σ A`. Positive wherever a face has area, and
+    /// defined on every mesh; on irregular meshes the cells ignore the shape
+    /// of the faces.
+    Barycentric,
+    /// The part nearest to each corner, `⅛ (b² cot β + c² cot γ)` for the
+    /// sides b, c that meet in the corner. The best for pointwise values;
+    /// **may be negative** at obtuse angles. Source: \[meyer2003\].
+    Voronoi,
+    /// Voronoi where no angle is obtuse; else half of the area for the obtuse
+    /// corner and a quarter for each of the others. Never negative.
+    /// Source: \[meyer2003\].
+    Mixed,
+}
+
+impl LumpedArea {
+    /// The area of each corner of a face, in squared mesh units, summing to
+    /// the area of the face; `None` where cotangents are needed and the face
+    /// is too thin for them.
+    #[inline]
+    pub(crate) fn shares(self, face: &FaceCorners) -> Option<[f64; 3]> {
+        let area = 0.5 * face.twice_area;
+        if self == Self::Barycentric {
+            return Some([area / 3.0; 3]);
+        }
+        if self == Self::Mixed
+            && let Some(k) = face.dots.iter().position(|&d| d < 0.0)
+        {
+            let mut shares = [0.25 * area; 3];
+            shares[k] = 0.5 * area;
+            return Some(shares);
+        }
+        if face.is_degenerate() {
+            return None;
+        }
+        let cot = face.cotangents();
+        let sides = face.squared_sides();
+        // The side opposite a corner contributes to the other two.
+        let part: [f64; 3] = std::array::from_fn(|k| 0.125 * sides[k] * cot[k]);
+        Some([part[1] + part[2], part[2] + part[0], part[0] + part[1]])
+    }
+}
+
+/// The lumped mass of each vertex.
+///
+/// `n` areas in squared mesh units, in vertex order, summing to the area of
+/// the mesh; zero at isolated vertices. Scaling the mesh by s multiplies them
+/// by s². At the boundary a cell ends where the mesh ends.
+///
+/// # Errors
+///
+/// [`OperatorError::DegenerateFace`] for the first face too thin for the
+/// cotangents that its shares need: never with
+/// [`LumpedArea::Barycentric`], and with [`LumpedArea::Mixed`] only where no
+/// angle is obtuse.
+///
+/// Source: \[meyer2003\].
+pub fn lumped_mass(mesh: &TriMesh, area: LumpedArea) -> Result<Vec<f64>, OperatorError> {
+    let corners = face_corners(mesh);
+    let mut shares = Vec::with_capacity(corners.len());
+    for (f, face) in corners.iter().enumerate() {
+        shares.push(area.shares(face).ok_or_else(|| degenerate(f, face))?);
+    }
+    Ok(sum_at_vertices(mesh, shares.as_flattened()))
+}
+
+/// Assembles the consistent (Galerkin) mass matrix `Mᵢⱼ = ∫ φᵢ φⱼ` of hat
+/// functions.
+///
+/// ```text
+/// Mᵢⱼ = ¹⁄₁₂ Σ A over the faces of edge ij,    Mᵢᵢ = ⅙ Σ A over those of i
+/// ```
+///
+/// `n × n`, symmetric, in squared mesh units; row sums are barycentric masses.
+/// Positive definite unless a vertex has only faces without area, or none.
+///
+/// # Errors
+///
+/// [`OperatorError::TooLarge`] beyond 2³² entries.
+///
+/// Source: \[vallet2008\].
+pub fn consistent_mass(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
+    let corners = face_corners(mesh);
+    Ok(Pattern::of(mesh)?.fill(mesh, |c| {
+        let twice_area = corners[c as usize / 3].twice_area;
+        CornerEntries {
+            diagonal: twice_area / 12.0,
+            next: twice_area / 24.0,
+            previous: twice_area / 24.0,
+        }
+    }))
+}
+
+/// Sums a value per corner at the vertices, in ascending order of faces.
+pub(crate) fn sum_at_vertices(mesh: &TriMesh, per_corner: &[f64]) -> Vec<f64> {
+    let incidence = mesh.incidence();
+    (0..mesh.vertex_count() as u32)
+        .into_par_iter()
+        .with_min_len(4096)
+        .map(|v| incidence.corners(v).iter().map(|&c| per_corner[c as usize]).sum())
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn right_triangle() -> TriMesh {
+        let positions = vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [9.0; 3]];
+        TriMesh::new(positions, vec![[0, 1, 2]]).unwrap()
+    }
+
+    #[test]
+    fn shares_of_a_right_triangle() {
+        let third = 2.0 / 3.0;
+        let mass = |a| lumped_mass(&right_triangle(), a).unwrap();
+        assert_eq!(mass(LumpedArea::Barycentric), [third, third, third, 0.0]);
+        assert_eq!(mass(LumpedArea::Voronoi), [1.0, 0.5, 0.5, 0.0]);
+        assert_eq!(mass(LumpedArea::Mixed), [1.0, 0.5, 0.5, 0.0]);
+    }
+
+    #[test]
+    fn an_obtuse_triangle_turns_voronoi_negative_and_mixed_not() {
+        let positions = vec![[0.0; 3], [4.0, 0.0, 0.0], [2.0, 0.5, 0.0]];
+        let mesh = TriMesh::new(positions, vec![[0, 1, 2]]).unwrap();
+        let voronoi = lumped_mass(&mesh, LumpedArea::Voronoi).unwrap();
+        assert!(voronoi[0] < 0.0 && voronoi[1] < 0.0);
+        assert!((voronoi.iter().sum::<f64>() - 1.0).abs() < 1e-14);
+        assert_eq!(lumped_mass(&mesh, LumpedArea::Mixed).unwrap(), [0.25, 0.25, 0.5]);
+    }
+
+    #[test]
+    fn consistent_rows_sum_to_barycentric_masses() {
+        let m = consistent_mass(&right_triangle()).unwrap();
+        let t = 1.0 / 6.0;
+        let expected = [[2.0 * t, t, t, 0.0], [t, 2.0 * t, t, 0.0], [t, t, 2.0 * t, 0.0], [0.0; 4]];
+        let difference = m.to_dense() - ndarray::arr2(&expected);
+        assert!(difference.iter().all(|d| d.abs() < 1e-15));
+    }
+
+    #[test]
+    fn a_collapsed_face_fails_only_where_cotangents_are_needed() {
+        let positions = vec![[0.0; 3], [0.0; 3], [1.0, 0.0, 0.0]];
+        let mesh = TriMesh::new(positions, vec![[0, 1, 2]]).unwrap();
+        assert_eq!(lumped_mass(&mesh, LumpedArea::Barycentric).unwrap(), [0.0; 3]);
+        for area in [LumpedArea::Voronoi, LumpedArea::Mixed] {
+            let error = lumped_mass(&mesh, area).unwrap_err();
+            assert_eq!(error, OperatorError::DegenerateFace { face: 0, area: 0.0, edge: 1.0 });
+        }
+    }
+}

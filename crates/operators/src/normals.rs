@@ -1,0 +1,99 @@
+//! Normals of faces and vertices.
+
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{add, normalize, scale};
+use rayon::prelude::*;
+
+use crate::corners::FaceCorners;
+
+/// How much each face has to say about the normal of its vertex.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum NormalWeight {
+    /// By its area: robust, cheap, and independent of flat triangulation
+    /// only on average.
+    Area,
+    /// By its angle at the vertex: does not change when a flat region is
+    /// triangulated differently. Source: \[thurmer1998\].
+    Angle,
+    /// All alike. Source: \[gouraud1971\].
+    Uniform,
+}
+
+/// The unit normal of each face, outward for counter-clockwise faces; the zero
+/// vector for a face without area.
+pub fn face_normals(mesh: &TriMesh) -> Vec<[f64; 3]> {
+    (0..mesh.face_count())
+        .into_par_iter()
+        .with_min_len(4096)
+        .map(|f| face_normal(mesh, f))
+        .collect()
+}
+
+/// The unit normal of each vertex, weighted by area; the zero vector where
+/// none is defined (isolated vertices, areas that cancel).
+pub fn vertex_normals(mesh: &TriMesh) -> Vec<[f64; 3]> {
+    weighted_vertex_normals(mesh, NormalWeight::Area)
+}
+
+/// The unit normal of each vertex: the direction of the weighted sum of the
+/// normals of its faces, in vertex order. The zero vector where none is
+/// defined (isolated vertices, sums that cancel). Faces without area have no
+/// say.
+pub fn weighted_vertex_normals(mesh: &TriMesh, weight: NormalWeight) -> Vec<[f64; 3]> {
+    let vectors: Vec<[f64; 3]> = (0..mesh.face_count())
+        .into_par_iter()
+        .with_min_len(4096)
+        .map(|f| match weight {
+            NormalWeight::Area => mesh.area_vector(f),
+            NormalWeight::Angle | NormalWeight::Uniform => face_normal(mesh, f),
+        })
+        .collect();
+    let incidence = mesh.incidence();
+    let at_vertex = |v: u32| {
+        let sum = incidence.corners(v).iter().fold([0.0; 3], |sum, &c| {
+            let f = c as usize / 3;
+            let share = match weight {
+                NormalWeight::Area | NormalWeight::Uniform => vectors[f],
+                NormalWeight::Angle => {
+                    let (x, y) = FaceCorners::of(mesh.triangle(f)).turn(c as usize % 3);
+                    scale(vectors[f], y.atan2(x))
+                }
+            };
+            add(sum, share)
+        });
+        normalize(sum).unwrap_or_default()
+    };
+    (0..mesh.vertex_count() as u32).into_par_iter().with_min_len(4096).map(at_vertex).collect()
+}
+
+fn face_normal(mesh: &TriMesh, f: usize) -> [f64; 3] {
+    normalize(mesh.area_vector(f)).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A corner of a cube, one of its squares cut through the corner: areas
+    /// and counts favour that square, angles do not.
+    #[test]
+    fn angles_do_not_see_the_triangulation() {
+        let positions = vec![
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [0.0, 0.0, 1.0],
+            [1.0, 1.0, 0.0],
+            [7.0, 7.0, 7.0],
+        ];
+        let faces = vec![[0, 2, 4], [0, 4, 1], [0, 3, 2], [0, 1, 3]];
+        let mesh = TriMesh::new(positions, faces).unwrap();
+        let angle = weighted_vertex_normals(&mesh, NormalWeight::Angle);
+        let d = -(1.0f64 / 3.0).sqrt();
+        assert!(angle[0].iter().all(|x| (x - d).abs() < 1e-15));
+        let area = vertex_normals(&mesh);
+        assert!((area[0][2] + (2.0f64 / 3.0).sqrt()).abs() < 1e-15);
+        assert_eq!(area, weighted_vertex_normals(&mesh, NormalWeight::Uniform));
+        assert_eq!(area[5], [0.0; 3]);
+    }
+}

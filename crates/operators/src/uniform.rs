@@ -1,0 +1,92 @@
+//! Uniform Laplacians: the graph of the edges, whatever the positions.
+
+use fairing_mesh::TriMesh;
+use fairing_sparse::SparseMatrix;
+
+use crate::assembly::{Pattern, position};
+use crate::error::OperatorError;
+
+/// Assembles the combinatorial Laplacian `D − A`.
+///
+/// ```text
+/// Lᵢⱼ = −1 for an edge ij,    Lᵢᵢ = dᵢ, the number of edges at i
+/// ```
+///
+/// `n × n`, symmetric, **positive** semi-definite, zero row sums,
+/// dimensionless. An edge counts once, whatever the number of its faces;
+/// boundary vertices are treated as any other; an isolated vertex has an
+/// explicit zero on the diagonal. Source: \[taubin1995\].
+///
+/// # Errors
+///
+/// [`OperatorError::TooLarge`] beyond 2³² entries.
+pub fn combinatorial_laplacian(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
+    Ok(Pattern::of(mesh)?.fill_rows(|v, columns, values| {
+        values.fill(-1.0);
+        values[position(columns, v)] = (columns.len() - 1) as f64;
+    }))
+}
+
+/// Assembles the random-walk Laplacian `L = D⁻¹A − I`, the operator of
+/// explicit uniform smoothing: `(L x)ᵢ` leads from xᵢ to the mean of its
+/// neighbours.
+///
+/// ```text
+/// Lᵢⱼ = 1/dᵢ for an edge ij,    Lᵢᵢ = −1
+/// ```
+///
+/// `n × n`, not symmetric, **negative** semi-definite in the inner product
+/// weighted by D: its eigenvalues lie in \[−2, 0\]. Zero row sums,
+/// dimensionless. The row of an isolated vertex is zero, so that it stays
+/// where it is. Source: \[taubin1995\].
+///
+/// # Errors
+///
+/// [`OperatorError::TooLarge`] beyond 2³² entries.
+pub fn random_walk_laplacian(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
+    Ok(Pattern::of(mesh)?.fill_rows(|v, columns, values| {
+        let degree = columns.len() - 1;
+        if degree > 0 {
+            values.fill(1.0 / degree as f64);
+            values[position(columns, v)] = -1.0;
+        }
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two triangles on the edge 12, and an isolated vertex.
+    fn kite() -> TriMesh {
+        TriMesh::new(vec![[0.0; 3]; 5], vec![[0, 1, 2], [3, 2, 1]]).unwrap()
+    }
+
+    #[test]
+    fn combinatorial_entries() {
+        let l = combinatorial_laplacian(&kite()).unwrap();
+        let expected = [
+            [2.0, -1.0, -1.0, 0.0, 0.0],
+            [-1.0, 3.0, -1.0, -1.0, 0.0],
+            [-1.0, -1.0, 3.0, -1.0, 0.0],
+            [0.0, -1.0, -1.0, 2.0, 0.0],
+            [0.0; 5],
+        ];
+        assert_eq!(l.to_dense(), ndarray::arr2(&expected));
+        assert_eq!(l.nnz(), 15);
+    }
+
+    #[test]
+    fn random_walk_entries() {
+        let l = random_walk_laplacian(&kite()).unwrap();
+        let (h, t) = (0.5, 1.0 / 3.0);
+        let expected = [
+            [-1.0, h, h, 0.0, 0.0],
+            [t, -1.0, t, t, 0.0],
+            [t, t, -1.0, t, 0.0],
+            [0.0, h, h, -1.0, 0.0],
+            [0.0; 5],
+        ];
+        assert_eq!(l.to_dense(), ndarray::arr2(&expected));
+    }
+}
