@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, Result};
 use clap::{Args, Parser, Subcommand};
 
+use crate::compare::{Difference, differences};
 use crate::results::Results;
 use crate::runner::{self, Plan};
-use crate::{bench, experiments};
+use crate::{bench, experiments, gate, reference, tidy};
 
 /// Regenerates the report, measures speed, and keeps the repository in order.
 #[derive(Debug, Parser)]
@@ -23,6 +24,10 @@ enum Command {
     Reproduce(Reproduce),
     /// Time one task inside the process
     Bench(Bench),
+    /// Hold the tree against its rules: arrows between crates, file lengths, machine paths, the README
+    Tidy,
+    /// Run everything that guards a merge: tidy, format, lints, documentation, tests, examples
+    Test,
 }
 
 #[derive(Debug, Args)]
@@ -45,6 +50,15 @@ struct Reproduce {
     /// List the experiments and do nothing else
     #[arg(long)]
     list: bool,
+    /// Run on the generated meshes and compare with the committed reference values, within each column's tolerance; times are not compared. Writes no report
+    #[arg(long, conflicts_with_all = ["meshes", "out", "accept", "diff"])]
+    check: bool,
+    /// Run on the generated meshes and make the results the reference values
+    #[arg(long, conflicts_with_all = ["meshes", "out", "diff"])]
+    accept: bool,
+    /// Compare two results.json and do nothing else
+    #[arg(long, num_args = 2, value_names = ["OLD", "NEW"])]
+    diff: Option<Vec<PathBuf>>,
 }
 
 #[derive(Debug, Args)]
@@ -93,6 +107,8 @@ impl Cli {
         match self.command {
             Command::Reproduce(options) => options.run(),
             Command::Bench(options) => options.run(),
+            Command::Tidy => tidy::run(&root()),
+            Command::Test => gate::run(&root()),
         }
     }
 }
@@ -112,19 +128,55 @@ impl Reproduce {
             }
             return Ok(true);
         }
-        let meshes = self.meshes.or_else(|| std::env::var_os("FAIRING_MESHES").map(PathBuf::from));
-        let plan = Plan {
-            root: root(),
-            only: self.only,
-            meshes,
-            out: self.out.clone(),
-            quick: self.quick,
-            fresh: self.fresh,
-        };
-        let results = runner::reproduce(experiments::ALL, &plan)?;
+        if let Some([old, new]) = self.diff.as_deref() {
+            let (old, new) = (Results::read(old)?, Results::read(new)?);
+            return Ok(agree(&differences(&old, &new, false)));
+        }
+        if self.check || self.accept {
+            return self.hold_against_reference();
+        }
+        let meshes = self.meshes.clone();
+        let meshes = meshes.or_else(|| std::env::var_os("FAIRING_MESHES").map(PathBuf::from));
+        let results = runner::reproduce(experiments::ALL, &self.plan(meshes, &self.out))?;
         println!("The report is in {}.", self.out.display());
         Ok(succeeded(&results))
     }
+
+    fn plan(&self, meshes: Option<PathBuf>, out: &Path) -> Plan {
+        Plan {
+            root: root(),
+            only: self.only.clone(),
+            meshes,
+            out: out.to_path_buf(),
+            quick: self.quick,
+            fresh: self.fresh,
+        }
+    }
+
+    /// Reference values are those of the generated meshes, which everybody has.
+    fn hold_against_reference(&self) -> Result<bool> {
+        let folder = root().join("target/check");
+        let results = runner::reproduce(experiments::ALL, &self.plan(None, &folder))?;
+        let partial = !self.only.is_empty();
+        if self.accept {
+            let path = reference::accept(&root(), &results, partial)?;
+            println!("The reference values are in {}.", path.display());
+            return Ok(succeeded(&results));
+        }
+        Ok(succeeded(&results) & agree(&reference::check(&root(), &results, partial)?))
+    }
+}
+
+/// Prints the differences, and says whether there are none.
+fn agree(differences: &[Difference]) -> bool {
+    for difference in differences {
+        eprintln!("{difference}");
+    }
+    match differences.len() {
+        0 => println!("No differences."),
+        n => eprintln!("{n} differences."),
+    }
+    differences.is_empty()
 }
 
 /// Prints the verdicts, and says whether every experiment ran.

@@ -17,7 +17,7 @@ use crate::progress::Progress;
 use crate::provenance::Provenance;
 use crate::results::{Parameter, Record, Results};
 use crate::table::Tables;
-use crate::{markdown, page};
+use crate::{json, markdown, page};
 use cache::Cache;
 
 /// The seed of everything random in the report.
@@ -91,10 +91,7 @@ pub fn reproduce(experiments: &[&dyn Experiment], plan: &Plan) -> Result<Results
     progress.finish();
     let provenance = Provenance::gather(&plan.root, SEED, plan.quick);
     let results = Results { provenance, experiments: records };
-    write::text(
-        &work.path().join("results.json"),
-        &(serde_json::to_string_pretty(&results)? + "\n"),
-    )?;
+    write::text(&work.path().join("results.json"), &json::readable(&results)?)?;
     write::text(&work.path().join("report.md"), &markdown::report(&results, &chosen))?;
     write::text(&work.path().join("report.html"), &page::report(&results, &chosen, work.path())?)?;
     move_into_place(work, &plan.out)?;

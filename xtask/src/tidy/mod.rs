@@ -1,0 +1,60 @@
+//! Holds the tree against its own rules.
+
+mod arrows;
+mod readme;
+mod sources;
+
+use std::path::Path;
+
+use anyhow::Result;
+
+/// A rule and what breaks it.
+#[derive(Debug)]
+pub struct Finding {
+    /// The rule, in a few words.
+    pub rule: &'static str,
+    /// Where and how it is broken.
+    pub what: String,
+}
+
+/// A check of the tree: what breaks the rule, one line each.
+type Check = fn(&Path) -> Result<Vec<String>>;
+
+/// The rules.
+const RULES: [(&str, Check); 6] = [
+    ("dependencies follow the arrows of docs/architecture.md", arrows::check),
+    ("no file of code is longer than 600 lines", sources::lengths),
+    ("no file names a path of somebody's machine", sources::machine_paths),
+    ("no module is named utils, common or helpers", sources::names),
+    ("one crate names the solver backend", sources::backend),
+    ("the README's commands and example exist", readme::check),
+];
+
+/// Everything that breaks a rule.
+///
+/// # Errors
+///
+/// If the tree cannot be read.
+pub fn findings(root: &Path) -> Result<Vec<Finding>> {
+    let mut found = vec![];
+    for (rule, check) in RULES {
+        found.extend(check(root)?.into_iter().map(|what| Finding { rule, what }));
+    }
+    Ok(found)
+}
+
+/// Checks the tree and prints what breaks a rule; whether nothing does.
+///
+/// # Errors
+///
+/// If the tree cannot be read.
+pub fn run(root: &Path) -> Result<bool> {
+    let found = findings(root)?;
+    for Finding { rule, what } in &found {
+        eprintln!("tidy: {what} (rule: {rule})");
+    }
+    if found.is_empty() {
+        println!("tidy: {} rules hold", RULES.len());
+    }
+    Ok(found.is_empty())
+}
