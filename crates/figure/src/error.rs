@@ -1,0 +1,71 @@
+//! Why a picture cannot be made.
+
+/// Why a mesh cannot be drawn.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RenderError {
+    /// There is no face to draw.
+    #[error("a mesh of {vertices} vertices has no face to draw")]
+    Empty {
+        /// The number of vertices of the meshes given.
+        vertices: usize,
+    },
+    /// All vertices of the faces coincide, so that no distance shows them.
+    #[error("all faces lie in one point, ({}, {}, {})", point[0], point[1], point[2])]
+    NoExtent {
+        /// Where they lie.
+        point: [f64; 3],
+    },
+    /// The mesh is so large, or so far from the camera's frame, that squared
+    /// distances overflow.
+    #[error("vertex {vertex} at ({:e}, {:e}, {:e}) is too far away to draw", position[0], position[1], position[2])]
+    TooFar {
+        /// The offending vertex.
+        vertex: usize,
+        /// Its position, in mesh units.
+        position: [f64; 3],
+    },
+    /// Per-vertex values do not match the mesh.
+    #[error("{found} {what} were given for a mesh of {expected} vertices")]
+    Count {
+        /// What was given: `colours`, `occlusion values` or `values`.
+        what: &'static str,
+        /// The number of vertices.
+        expected: usize,
+        /// The number of values given.
+        found: usize,
+    },
+    /// The picture would be empty or larger than [`MAX_SIDE`](crate::MAX_SIDE).
+    #[error(
+        "a picture of {width} × {height} pixels with {samples} × {samples} samples each cannot be drawn"
+    )]
+    Size {
+        /// Width in pixels.
+        width: u32,
+        /// Height in pixels.
+        height: u32,
+        /// Samples along each side of a pixel.
+        samples: u32,
+    },
+}
+
+/// Why a picture cannot be encoded.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum EncodeError {
+    /// The PNG encoder refused.
+    #[error("the picture cannot be written as PNG: {0}")]
+    Png(#[from] png::EncodingError),
+    /// The composed SVG is not valid, which a label with forbidden control
+    /// characters can cause.
+    #[error("the figure cannot be drawn: {0}")]
+    Svg(String),
+    /// The picture has no pixel or too many.
+    #[error("a figure of {width} × {height} pixels cannot be drawn")]
+    Size {
+        /// Width in pixels.
+        width: u32,
+        /// Height in pixels.
+        height: u32,
+    },
+}
