@@ -1,1 +1,3 @@
 //! Smoothing flows and denoisers for triangle meshes.
+
+pub mod denoise;

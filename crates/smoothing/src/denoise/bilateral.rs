@@ -1,0 +1,105 @@
+//! Bilateral filtering of vertices.
+
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{add, distance, dot, scale, sub};
+use rayon::prelude::*;
+
+use super::DenoiseError;
+use super::error::positive;
+use super::faces::unit_or_zero;
+use super::vertex_update::rebuild;
+
+/// Parameters of [`bilateral`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BilateralOptions {
+    /// The spatial scale σ_c, in mean edge lengths; neighbours within 2 σ_c
+    /// are seen.
+    pub spatial: f64,
+    /// The scale σ_s of heights over the tangent plane, as a multiple of their
+    /// standard deviation in each neighbourhood.
+    pub range: f64,
+    /// Iterations.
+    pub iterations: usize,
+}
+
+impl Default for BilateralOptions {
+    /// σ_c 1, σ_s 1, three iterations.
+    fn default() -> Self {
+        Self { spatial: 1.0, range: 1.0, iterations: 3 }
+    }
+}
+
+/// Denoises by moving each vertex along its normal by a bilateral average.
+///
+/// With the unit normal n at vertex x (faces weighted by area), and heights
+/// h = n·(q − x) of the vertices q within 2 σ_c that are reached along edges
+/// within that distance,
+///
+/// ```text
+/// x ← x + n Σ w h / Σ w,    w = exp(−‖q − x‖²/2σ_c²) exp(−h²/2σ_s²)
+/// ```
+///
+/// A vertex whose normal is undefined stays.
+///
+/// # Errors
+///
+/// [`DenoiseError::InvalidOption`] for a scale that is not positive.
+///
+/// Source: \[fleishman2003\].
+pub fn bilateral(mesh: &TriMesh, options: &BilateralOptions) -> Result<TriMesh, DenoiseError> {
+    positive("spatial", options.spatial)?;
+    positive("range", options.range)?;
+    let mut current = mesh.clone();
+    for _ in 0..options.iterations {
+        let spatial = options.spatial * current.mean_edge_length();
+        let positions = (0..current.vertex_count() as u32)
+            .into_par_iter()
+            .map_init(Vec::new, |near, v| move_vertex(&current, v, spatial, options.range, near))
+            .collect();
+        current = rebuild(&current, positions)?;
+    }
+    Ok(current)
+}
+
+/// The new position of vertex `v`; `near` is scratch space.
+fn move_vertex(mesh: &TriMesh, v: u32, spatial: f64, range: f64, near: &mut Vec<u32>) -> [f64; 3] {
+    let (positions, topology) = (mesh.positions(), mesh.topology());
+    let x = positions[v as usize];
+    let area = mesh
+        .incidence()
+        .corners(v)
+        .iter()
+        .fold([0.0; 3], |sum, &c| add(sum, mesh.area_vector(c as usize / 3)));
+    let normal = unit_or_zero(area);
+    near.clear();
+    near.push(v);
+    let mut next = 0;
+    while next < near.len() {
+        for &w in topology.neighbors(near[next]) {
+            if distance(positions[w as usize], x) < 2.0 * spatial && !near.contains(&w) {
+                near.push(w);
+            }
+        }
+        next += 1;
+    }
+    // A vertex alone within the radius still sees its one-ring.
+    if near.len() == 1 {
+        near.extend_from_slice(topology.neighbors(v));
+    }
+    let heights = near[1..].iter().map(|&w| {
+        let d = sub(positions[w as usize], x);
+        (dot(d, d), dot(normal, d))
+    });
+    let count = heights.len() as f64;
+    let mean = heights.clone().map(|(_, h)| h).sum::<f64>() / count;
+    let variance = heights.clone().map(|(_, h)| (h - mean) * (h - mean)).sum::<f64>() / count;
+    if variance.is_nan() || variance <= 0.0 {
+        return x;
+    }
+    let (a, b) = (-0.5 / (spatial * spatial), -0.5 / (range * range * variance));
+    let (sum, total) = heights.fold((0.0, 0.0), |(sum, total), (d2, h)| {
+        let w = (a * d2 + b * h * h).exp();
+        (sum + w * h, total + w)
+    });
+    if total > 0.0 { add(x, scale(normal, sum / total)) } else { x }
+}

@@ -1,0 +1,230 @@
+//! Bilateral filtering of normals, local and global.
+
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{add, distance, scale};
+use rayon::prelude::*;
+
+use super::DenoiseError;
+use super::conjugate_gradients::solve;
+use super::error::{positive, share};
+use super::faces::{FaceLists, FaceShapes, Hinges, mean_centroid_distance, unit_or_zero};
+use super::vertex_update::{VertexUpdate, update_vertices};
+
+/// Parameters of [`bilateral_normal`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BilateralNormalOptions {
+    /// The spatial scale σ_c, in mean distances of neighbouring centroids.
+    pub spatial: f64,
+    /// The scale σ_s of differences between unit normals; no unit.
+    pub range: f64,
+    /// Rounds of filtering normals, all before the vertices move.
+    pub iterations: usize,
+    /// Vertex steps at the end.
+    pub vertex_steps: usize,
+}
+
+impl Default for BilateralNormalOptions {
+    /// σ_c 1, σ_s 0.45, 20 rounds, 10 vertex steps.
+    fn default() -> Self {
+        Self { spatial: 1.0, range: 0.45, iterations: 20, vertex_steps: 10 }
+    }
+}
+
+/// Denoises by repeated bilateral filtering of face normals.
+///
+/// Over the faces j that share a vertex with face i, and i itself,
+///
+/// ```text
+/// nᵢ ← normalise Σⱼ Aⱼ exp(−‖cᵢ − cⱼ‖²/2σ_c²) exp(−‖nᵢ − nⱼ‖²/2σ_s²) nⱼ
+/// ```
+///
+/// with areas A and centroids c of the input; then the vertices follow
+/// ([`update_vertices`]). A face without area takes the direction of its
+/// neighbours.
+///
+/// # Errors
+///
+/// [`DenoiseError::InvalidOption`] for a scale that is not positive.
+///
+/// Source: \[zheng2011\], the local iterative scheme.
+pub fn bilateral_normal(
+    mesh: &TriMesh,
+    options: &BilateralNormalOptions,
+) -> Result<TriMesh, DenoiseError> {
+    positive("spatial", options.spatial)?;
+    positive("range", options.range)?;
+    let weights = Weights::new(mesh, options.spatial, options.range);
+    let mut normals = weights.shapes.normals.clone();
+    for _ in 0..options.iterations {
+        normals = (0..normals.len())
+            .into_par_iter()
+            .map(|f| {
+                let sum = weights
+                    .row(f, &normals)
+                    .fold([0.0; 3], |sum, (g, w)| add(sum, scale(normals[g], w)));
+                unit_or_zero(sum)
+            })
+            .collect();
+    }
+    update_vertices(mesh, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })
+}
+
+/// Parameters of [`bilateral_normal_global`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BilateralNormalGlobalOptions {
+    /// The spatial scale σ_c, in mean distances of neighbouring centroids.
+    pub spatial: f64,
+    /// The scale σ_s of differences between unit normals; no unit.
+    pub range: f64,
+    /// The share λ of fidelity to the noisy normals, above 0 and at most 1.
+    pub fidelity: f64,
+    /// Vertex steps at the end.
+    pub vertex_steps: usize,
+}
+
+impl Default for BilateralNormalGlobalOptions {
+    /// σ_c 1, σ_s 0.45, λ 0.01, 10 vertex steps.
+    fn default() -> Self {
+        Self { spatial: 1.0, range: 0.45, fidelity: 0.01, vertex_steps: 10 }
+    }
+}
+
+/// Denoises by one linear system in the face normals.
+///
+/// With the weights W of [`bilateral_normal`], taken from the noisy normals n
+/// and scaled to unit row sums, the new normals minimise
+///
+/// ```text
+/// (1 − λ) Σᵢ Aᵢ ‖n′ᵢ − Σⱼ Wᵢⱼ n′ⱼ‖² + λ Σᵢ Aᵢ ‖n′ᵢ − nᵢ‖²
+/// ```
+///
+/// and are scaled to unit length; the vertices follow ([`update_vertices`]).
+/// Areas are scaled to a mean of one, and a face without area counts as one of
+/// 10⁻³.
+///
+/// # Errors
+///
+/// [`DenoiseError::InvalidOption`] for a parameter outside its range;
+/// [`DenoiseError::NotSolved`] if conjugate gradients stall.
+///
+/// Source: \[zheng2011\], the global scheme.
+pub fn bilateral_normal_global(
+    mesh: &TriMesh,
+    options: &BilateralNormalGlobalOptions,
+) -> Result<TriMesh, DenoiseError> {
+    positive("spatial", options.spatial)?;
+    positive("range", options.range)?;
+    positive("fidelity", options.fidelity)?;
+    share("fidelity", options.fidelity)?;
+    let weights = Weights::new(mesh, options.spatial, options.range);
+    let noisy = &weights.shapes.normals;
+    let count = noisy.len();
+    let rows = Rows::new(&weights, noisy);
+    let mean = (weights.shapes.areas.iter().sum::<f64>() / count.max(1) as f64).max(1e-300);
+    let areas: Vec<f64> = weights.shapes.areas.iter().map(|a| (a / mean).max(1e-3)).collect();
+    let (smooth, keep) = (1.0 - options.fidelity, options.fidelity);
+    let apply = |x: &[[f64; 3]]| {
+        let defect: Vec<[f64; 3]> = (0..count)
+            .into_par_iter()
+            .map(|f| {
+                let mean = rows.forward(f).fold([0.0; 3], |s, (g, w)| add(s, scale(x[g], w)));
+                scale([x[f][0] - mean[0], x[f][1] - mean[1], x[f][2] - mean[2]], areas[f])
+            })
+            .collect();
+        (0..count)
+            .into_par_iter()
+            .map(|f| {
+                let spread =
+                    rows.backward(f).fold([0.0; 3], |s, (g, w)| add(s, scale(defect[g], w)));
+                let d = defect[f];
+                [0, 1, 2].map(|k| smooth * (d[k] - spread[k]) + keep * areas[f] * x[f][k])
+            })
+            .collect()
+    };
+    let diagonal: Vec<f64> = (0..count)
+        .into_par_iter()
+        .map(|f| {
+            let own = rows.forward(f).find(|&(g, _)| g == f).map_or(0.0, |(_, w)| w);
+            let others: f64 =
+                rows.backward(f).filter(|&(g, _)| g != f).map(|(g, w)| areas[g] * w * w).sum();
+            smooth * (areas[f] * (1.0 - own) * (1.0 - own) + others) + keep * areas[f]
+        })
+        .collect();
+    let b: Vec<[f64; 3]> = noisy.iter().zip(&areas).map(|(n, a)| scale(*n, keep * a)).collect();
+    let normals = solve(apply, &diagonal, &b, noisy.clone(), 1e-6, 5000, 0)?;
+    let normals: Vec<[f64; 3]> = normals.into_iter().map(unit_or_zero).collect();
+    update_vertices(mesh, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })
+}
+
+/// The geometric part of the weights, computed once.
+struct Weights {
+    shapes: FaceShapes,
+    rings: FaceLists,
+    spatial: f64,
+    range: f64,
+}
+
+impl Weights {
+    fn new(mesh: &TriMesh, spatial: f64, range: f64) -> Self {
+        let shapes = FaceShapes::new(mesh);
+        let unit = mean_centroid_distance(&Hinges::new(mesh), &shapes.centroids);
+        let spatial = -0.5 / (spatial * unit).powi(2).max(f64::MIN_POSITIVE);
+        Self { shapes, rings: FaceLists::rings(mesh), spatial, range: -0.5 / range.powi(2) }
+    }
+
+    /// Face `f` and the faces of its ring with their weights.
+    fn row<'a>(
+        &'a self,
+        f: usize,
+        normals: &'a [[f64; 3]],
+    ) -> impl Iterator<Item = (usize, f64)> + 'a {
+        let FaceShapes { areas, centroids, .. } = &self.shapes;
+        std::iter::once(f).chain(self.rings.row(f).iter().map(|&g| g as usize)).map(move |g| {
+            let d = distance(centroids[f], centroids[g]);
+            let t = distance(normals[f], normals[g]);
+            (g, areas[g] * (self.spatial * d * d + self.range * t * t).exp())
+        })
+    }
+}
+
+/// The weights of the global scheme, scaled to unit row sums, by rows and by
+/// columns.
+struct Rows<'a> {
+    rings: &'a FaceLists,
+    own: Vec<f64>,
+    forward: Vec<Vec<f64>>,
+}
+
+impl<'a> Rows<'a> {
+    fn new(weights: &'a Weights, normals: &[[f64; 3]]) -> Self {
+        let (own, forward) = (0..normals.len())
+            .into_par_iter()
+            .map(|f| {
+                let mut row: Vec<f64> = weights.row(f, normals).map(|(_, w)| w).collect();
+                let sum: f64 = row.iter().sum();
+                // Faces without area all around: an identity row.
+                if sum > 0.0 {
+                    row.iter_mut().for_each(|w| *w /= sum);
+                } else {
+                    row[0] = 1.0;
+                }
+                (row[0], row[1..].to_vec())
+            })
+            .unzip();
+        Self { rings: &weights.rings, own, forward }
+    }
+
+    fn forward(&self, f: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let ring = self.rings.row(f).iter().map(|&g| g as usize);
+        std::iter::once((f, self.own[f])).chain(ring.zip(self.forward[f].iter().copied()))
+    }
+
+    /// Column `f`: sharing a vertex is mutual, so the ring of `f` holds its rows.
+    fn backward(&self, f: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        std::iter::once((f, self.own[f])).chain(self.rings.row(f).iter().filter_map(move |&g| {
+            let g = g as usize;
+            let slot = self.rings.row(g).binary_search(&(f as u32)).ok()?;
+            Some((g, self.forward[g][slot]))
+        }))
+    }
+}

@@ -1,0 +1,140 @@
+//! The denoisers by name.
+
+use std::fmt;
+use std::str::FromStr;
+
+use fairing_mesh::TriMesh;
+
+use super::{
+    DenoiseError, bilateral, bilateral_normal, bilateral_normal_global, fast_effective,
+    guided_normal, l0, non_iterative, total_variation,
+};
+
+/// A denoiser with its default options, to be chosen by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Denoiser {
+    /// [`bilateral`].
+    Bilateral,
+    /// [`non_iterative`].
+    NonIterative,
+    /// [`fast_effective`].
+    FastEffective,
+    /// [`bilateral_normal`].
+    BilateralNormal,
+    /// [`bilateral_normal_global`].
+    BilateralNormalGlobal,
+    /// [`l0`].
+    L0,
+    /// [`total_variation`].
+    TotalVariation,
+    /// [`guided_normal`].
+    GuidedNormal,
+}
+
+impl Denoiser {
+    /// All denoisers in the order they were published.
+    pub const ALL: [Self; 8] = [
+        Self::Bilateral,
+        Self::NonIterative,
+        Self::FastEffective,
+        Self::BilateralNormal,
+        Self::BilateralNormalGlobal,
+        Self::L0,
+        Self::TotalVariation,
+        Self::GuidedNormal,
+    ];
+
+    /// The name that [`FromStr`] reads.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Bilateral => "bilateral",
+            Self::NonIterative => "non-iterative",
+            Self::FastEffective => "fast-effective",
+            Self::BilateralNormal => "bilateral-normal",
+            Self::BilateralNormalGlobal => "bilateral-normal-global",
+            Self::L0 => "l0",
+            Self::TotalVariation => "total-variation",
+            Self::GuidedNormal => "guided-normal",
+        }
+    }
+
+    /// One line: what it does, and its source.
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Bilateral => "bilateral filter of vertices (Fleishman et al. 2003)",
+            Self::NonIterative => "robust averages of predictions by faces (Jones et al. 2003)",
+            Self::FastEffective => "weighted averages of normals, cut off (Sun et al. 2007)",
+            Self::BilateralNormal => "bilateral filter of normals, repeated (Zheng et al. 2011)",
+            Self::BilateralNormalGlobal => {
+                "bilateral filter of normals, one system (Zheng et al. 2011)"
+            }
+            Self::L0 => "as few bent edges as possible (He and Schaefer 2013)",
+            Self::TotalVariation => "total variation of normals (Zhang et al. 2015)",
+            Self::GuidedNormal => {
+                "bilateral filter of normals guided by patches (Zhang et al. 2015)"
+            }
+        }
+    }
+
+    /// Denoises with the default options; the result has the same faces.
+    ///
+    /// # Errors
+    ///
+    /// Those of the function of the same name.
+    pub fn denoise(self, mesh: &TriMesh) -> Result<TriMesh, DenoiseError> {
+        match self {
+            Self::Bilateral => bilateral(mesh, &Default::default()),
+            Self::NonIterative => non_iterative(mesh, &Default::default()),
+            Self::FastEffective => fast_effective(mesh, &Default::default()),
+            Self::BilateralNormal => bilateral_normal(mesh, &Default::default()),
+            Self::BilateralNormalGlobal => bilateral_normal_global(mesh, &Default::default()),
+            Self::L0 => l0(mesh, &Default::default()),
+            Self::TotalVariation => total_variation(mesh, &Default::default()),
+            Self::GuidedNormal => guided_normal(mesh, &Default::default()),
+        }
+    }
+}
+
+impl fmt::Display for Denoiser {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// There is no denoiser of that name.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("no denoiser is called {name:?}; there are {}", names())]
+pub struct UnknownDenoiser {
+    /// The name asked for.
+    pub name: String,
+}
+
+fn names() -> String {
+    Denoiser::ALL.map(Denoiser::name).join(", ")
+}
+
+impl FromStr for Denoiser {
+    type Err = UnknownDenoiser;
+
+    fn from_str(name: &str) -> Result<Self, UnknownDenoiser> {
+        Self::ALL
+            .into_iter()
+            .find(|d| d.name() == name)
+            .ok_or_else(|| UnknownDenoiser { name: name.to_owned() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_read_back() {
+        for denoiser in Denoiser::ALL {
+            assert_eq!(denoiser.name().parse(), Ok(denoiser));
+        }
+        let error = "laplace".parse::<Denoiser>().unwrap_err().to_string();
+        assert!(error.contains("laplace") && error.contains("guided-normal"), "{error}");
+    }
+}

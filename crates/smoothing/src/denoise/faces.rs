@@ -1,0 +1,188 @@
+//! Faces as the elements of a field: areas, normals, centroids and neighbours.
+
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{add, distance, norm, scale};
+use rayon::prelude::*;
+
+/// Marks the side of a face that has no [`Hinge`].
+pub(crate) const NO_HINGE: u32 = u32::MAX;
+
+/// An edge between exactly two faces that run through it in opposite
+/// directions, so that their normals can be compared. Borders, edges of three
+/// or more faces and edges where the orientation flips are no hinges: nothing
+/// is smoothed across them.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Hinge {
+    /// The two faces, the lower first.
+    pub(crate) faces: [u32; 2],
+    /// The two ends, ascending.
+    pub(crate) ends: [u32; 2],
+}
+
+/// The hinges of a mesh, and the hinge at each side of each face.
+#[derive(Debug)]
+pub(crate) struct Hinges {
+    pub(crate) all: Vec<Hinge>,
+    /// Hinge `k` of a face lies opposite its corner `k`; [`NO_HINGE`] if none.
+    pub(crate) of_face: Vec<[u32; 3]>,
+}
+
+impl Hinges {
+    pub(crate) fn new(mesh: &TriMesh) -> Self {
+        let (topology, faces) = (mesh.topology(), mesh.faces());
+        // Whether face `f` runs along its edge `e` from the lower end up.
+        let ascends = |f: u32, e: u32| {
+            let sides = topology.face_edges()[f as usize];
+            let corners = faces[f as usize];
+            (0..3).any(|k| sides[k] == e && corners[(k + 1) % 3] < corners[(k + 2) % 3])
+        };
+        let mut all = vec![];
+        let mut of_edge = vec![NO_HINGE; topology.edges().len()];
+        for (e, &ends) in topology.edges().iter().enumerate() {
+            if let &[f, g] = topology.edge_faces(e as u32)
+                && f != g
+                && ascends(f, e as u32) != ascends(g, e as u32)
+            {
+                of_edge[e] = all.len() as u32;
+                all.push(Hinge { faces: [f.min(g), f.max(g)], ends });
+            }
+        }
+        let of_face =
+            topology.face_edges().iter().map(|sides| sides.map(|e| of_edge[e as usize])).collect();
+        Self { all, of_face }
+    }
+
+    /// The faces across the hinges of face `f`.
+    pub(crate) fn across(&self, f: usize) -> impl Iterator<Item = usize> + '_ {
+        self.of_face[f].into_iter().filter(|&h| h != NO_HINGE).map(move |h| {
+            let [a, b] = self.all[h as usize].faces;
+            (if a as usize == f { b } else { a }) as usize
+        })
+    }
+}
+
+/// Lists of faces, one for each face, in compressed rows.
+#[derive(Debug)]
+pub(crate) struct FaceLists {
+    offsets: Vec<usize>,
+    items: Vec<u32>,
+}
+
+impl FaceLists {
+    /// Gathers the rows that `row` writes, in parallel, in the order of faces.
+    pub(crate) fn gather(
+        face_count: usize,
+        row: impl Fn(usize, &mut Vec<u32>) + Sync + Send,
+    ) -> Self {
+        const BLOCK: usize = 4096;
+        let blocks: Vec<(Vec<usize>, Vec<u32>)> = (0..face_count.div_ceil(BLOCK))
+            .into_par_iter()
+            .map(|block| {
+                let (mut lengths, mut items, mut list) = (vec![], vec![], vec![]);
+                for f in block * BLOCK..((block + 1) * BLOCK).min(face_count) {
+                    list.clear();
+                    row(f, &mut list);
+                    lengths.push(list.len());
+                    items.extend_from_slice(&list);
+                }
+                (lengths, items)
+            })
+            .collect();
+        let mut offsets = Vec::with_capacity(face_count + 1);
+        offsets.push(0);
+        let mut total = 0;
+        for length in blocks.iter().flat_map(|(lengths, _)| lengths) {
+            total += length;
+            offsets.push(total);
+        }
+        Self { offsets, items: blocks.into_iter().flat_map(|(_, items)| items).collect() }
+    }
+
+    /// The faces that share a vertex with each face, itself left out,
+    /// ascending.
+    pub(crate) fn rings(mesh: &TriMesh) -> Self {
+        let (incidence, faces) = (mesh.incidence(), mesh.faces());
+        Self::gather(faces.len(), |f, list| {
+            for &v in &faces[f] {
+                list.extend(incidence.corners(v).iter().map(|c| c / 3));
+            }
+            list.sort_unstable();
+            list.dedup();
+            list.retain(|&g| g as usize != f);
+        })
+    }
+
+    /// The faces whose centroid lies within `radius` of a face's own and that
+    /// are reached from it through faces that share vertices and do too; the
+    /// face itself left out, in the order they are reached.
+    pub(crate) fn within(rings: &Self, centroids: &[[f64; 3]], radius: f64) -> Self {
+        Self::gather(centroids.len(), |f, list| {
+            list.push(f as u32);
+            let mut next = 0;
+            while next < list.len() {
+                let g = list[next] as usize;
+                next += 1;
+                for &k in rings.row(g) {
+                    if distance(centroids[f], centroids[k as usize]) < radius && !list.contains(&k)
+                    {
+                        list.push(k);
+                    }
+                }
+            }
+            list.remove(0);
+        })
+    }
+
+    pub(crate) fn row(&self, f: usize) -> &[u32] {
+        &self.items[self.offsets[f]..self.offsets[f + 1]]
+    }
+}
+
+/// Areas, unit normals (zero for a face without area) and centroids of faces.
+#[derive(Debug, Clone)]
+pub(crate) struct FaceShapes {
+    pub(crate) areas: Vec<f64>,
+    pub(crate) normals: Vec<[f64; 3]>,
+    pub(crate) centroids: Vec<[f64; 3]>,
+}
+
+impl FaceShapes {
+    pub(crate) fn new(mesh: &TriMesh) -> Self {
+        let (areas, normals) = (0..mesh.face_count())
+            .into_par_iter()
+            .map(|f| {
+                let vector = mesh.area_vector(f);
+                (norm(vector), unit_or_zero(vector))
+            })
+            .unzip();
+        let centroids = (0..mesh.face_count())
+            .into_par_iter()
+            .map(|f| {
+                let [a, b, c] = mesh.triangle(f);
+                scale(add(add(a, b), c), 1.0 / 3.0)
+            })
+            .collect();
+        Self { areas, normals, centroids }
+    }
+}
+
+/// The unit vector along `a`, or zero where `a` has no direction.
+#[inline]
+pub(crate) fn unit_or_zero(a: [f64; 3]) -> [f64; 3] {
+    let length = norm(a);
+    if length > f64::MIN_POSITIVE && length.is_finite() { scale(a, 1.0 / length) } else { [0.0; 3] }
+}
+
+/// The mean distance of the centroids across hinges, in mesh units; zero
+/// without hinges.
+pub(crate) fn mean_centroid_distance(hinges: &Hinges, centroids: &[[f64; 3]]) -> f64 {
+    if hinges.all.is_empty() {
+        return 0.0;
+    }
+    let sum: f64 = hinges
+        .all
+        .iter()
+        .map(|h| distance(centroids[h.faces[0] as usize], centroids[h.faces[1] as usize]))
+        .sum();
+    sum / hinges.all.len() as f64
+}

@@ -1,0 +1,110 @@
+//! Non-iterative, feature-preserving smoothing.
+
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{add, distance, dot, scale, sub};
+use rayon::prelude::*;
+
+use super::DenoiseError;
+use super::error::positive;
+use super::faces::{FaceLists, FaceShapes};
+use super::vertex_update::rebuild;
+
+/// Parameters of [`non_iterative`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NonIterativeOptions {
+    /// The spatial scale σ_f, in mean edge lengths; faces within 2 σ_f are
+    /// seen.
+    pub spatial: f64,
+    /// The scale σ_g of the distance between a vertex and its prediction, in
+    /// mean edge lengths.
+    pub influence: f64,
+}
+
+impl Default for NonIterativeOptions {
+    /// σ_f 2, σ_g 0.5.
+    fn default() -> Self {
+        Self { spatial: 2.0, influence: 0.5 }
+    }
+}
+
+/// Denoises in one pass: robust averages of the predictions that nearby faces
+/// make for a vertex.
+///
+/// Face q, with centroid c, area A and mollified normal n, predicts for vertex
+/// p the foot Π(p) = p + n (n·(c − p)) on its plane, and
+///
+/// ```text
+/// p′ = Σ A f g Π(p) / Σ A f g,   f = exp(−‖p − c‖²/2σ_f²),  g = exp(−‖Π(p) − p‖²/2σ_g²)
+/// ```
+///
+/// The mollified normals are those of the mesh whose vertices are moved to the
+/// averages Σ A f c / Σ A f of centroids at the scale σ_f/2, as in the source.
+/// Faces are reached through shared vertices within 2 σ_f of the vertex.
+///
+/// # Errors
+///
+/// [`DenoiseError::InvalidOption`] for a scale that is not positive.
+///
+/// Source: \[jones2003\].
+pub fn non_iterative(
+    mesh: &TriMesh,
+    options: &NonIterativeOptions,
+) -> Result<TriMesh, DenoiseError> {
+    positive("spatial", options.spatial)?;
+    positive("influence", options.influence)?;
+    let h = mesh.mean_edge_length();
+    let (spatial, influence) = (options.spatial * h, options.influence * h);
+    let shapes = FaceShapes::new(mesh);
+    let rings = FaceLists::rings(mesh);
+    let mollified = average(mesh, &rings, &shapes, 0.5 * spatial, |_, c, _| Some((c, 1.0)))?;
+    let normals = FaceShapes::new(&mollified).normals;
+    let b = -0.5 / (influence * influence).max(f64::MIN_POSITIVE);
+    average(mesh, &rings, &shapes, spatial, |p, c, f| {
+        let height = dot(normals[f], sub(c, p));
+        Some((add(p, scale(normals[f], height)), (b * height * height).exp()))
+            .filter(|_| normals[f] != [0.0; 3])
+    })
+}
+
+/// Moves each vertex p to the average of `predict(p, centroid, face)`, a
+/// position and a weight that multiplies `A exp(−‖p − c‖²/2 spatial²)`.
+fn average(
+    mesh: &TriMesh,
+    rings: &FaceLists,
+    shapes: &FaceShapes,
+    spatial: f64,
+    predict: impl Fn([f64; 3], [f64; 3], usize) -> Option<([f64; 3], f64)> + Sync,
+) -> Result<TriMesh, DenoiseError> {
+    let a = -0.5 / (spatial * spatial).max(f64::MIN_POSITIVE);
+    let positions = (0..mesh.vertex_count())
+        .into_par_iter()
+        .map_init(Vec::new, |near: &mut Vec<u32>, v| {
+            let p = mesh.positions()[v];
+            near.clear();
+            near.extend(mesh.incidence().corners(v as u32).iter().map(|c| c / 3));
+            let mut next = 0;
+            while next < near.len() {
+                for &g in rings.row(near[next] as usize) {
+                    if distance(shapes.centroids[g as usize], p) < 2.0 * spatial
+                        && !near.contains(&g)
+                    {
+                        near.push(g);
+                    }
+                }
+                next += 1;
+            }
+            let (mut sum, mut total) = ([0.0; 3], 0.0);
+            for &f in near.iter() {
+                let f = f as usize;
+                let c = shapes.centroids[f];
+                let Some((q, w)) = predict(p, c, f) else { continue };
+                let d = distance(p, c);
+                let w = w * shapes.areas[f] * (a * d * d).exp();
+                sum = add(sum, scale(sub(q, p), w));
+                total += w;
+            }
+            if total > 0.0 { add(p, scale(sum, 1.0 / total)) } else { p }
+        })
+        .collect();
+    rebuild(mesh, positions)
+}

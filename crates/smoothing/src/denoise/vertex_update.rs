@@ -1,0 +1,143 @@
+//! Moving vertices until the faces have given normals.
+
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{add, cross, dot, norm, scale, sub};
+use rayon::prelude::*;
+
+use super::DenoiseError;
+use super::error::positive;
+
+/// How [`update_vertices`] moves vertices.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VertexUpdate {
+    /// Steps over all vertices.
+    pub steps: usize,
+    /// The largest distance from the input, in mesh units; vertices are held
+    /// on that sphere. `None`: no limit.
+    pub limit: Option<f64>,
+}
+
+impl Default for VertexUpdate {
+    /// Ten steps without a limit.
+    fn default() -> Self {
+        Self { steps: 10, limit: None }
+    }
+}
+
+/// Moves the vertices of `mesh` so that the face normals approach `normals`
+/// (unit vectors, one per face; zero for a face that is to have no say).
+///
+/// Each step moves every vertex towards the planes through the centroids c of
+/// its faces F, all at once:
+///
+/// ```text
+/// x ← x + 1/|F| Σ n (n · (c − x))
+/// ```
+///
+/// It is a step of gradient descent on Σ (n · edge)², with a step length that
+/// never needs tuning; volume changes little. A move that would turn a face from
+/// agreeing with its normal (positive inner product) to opposing it is halved
+/// until it does not, up to three times, and then left out. Faces that oppose
+/// their normal already may turn freely. Border vertices move with the faces
+/// they have; isolated ones stay.
+///
+/// # Errors
+///
+/// [`DenoiseError::InvalidOption`] if there is not one normal per face or the
+/// limit is not positive; [`DenoiseError::NonFinite`] if a normal is not
+/// finite.
+///
+/// Source: \[sun2007\].
+pub fn update_vertices(
+    mesh: &TriMesh,
+    normals: &[[f64; 3]],
+    options: &VertexUpdate,
+) -> Result<TriMesh, DenoiseError> {
+    if normals.len() != mesh.face_count() {
+        return Err(DenoiseError::InvalidOption {
+            option: "the number of normals",
+            value: normals.len() as f64,
+            expected: "the number of faces",
+        });
+    }
+    if let Some(limit) = options.limit {
+        positive("limit", limit)?;
+    }
+    let start = mesh.positions();
+    let mut positions = start.to_vec();
+    for _ in 0..options.steps {
+        positions = step(mesh, normals, start, &positions, options.limit);
+    }
+    rebuild(mesh, positions)
+}
+
+/// The mesh with other positions; an error instead of infinities.
+pub(crate) fn rebuild(mesh: &TriMesh, positions: Vec<[f64; 3]>) -> Result<TriMesh, DenoiseError> {
+    let broken = positions.iter().position(|p| p.iter().any(|x| !x.is_finite()));
+    mesh.with_positions(positions)
+        .map_err(|_| DenoiseError::NonFinite { vertex: broken.unwrap_or(usize::MAX) })
+}
+
+/// One step of all vertices from `current`.
+fn step(
+    mesh: &TriMesh,
+    normals: &[[f64; 3]],
+    start: &[[f64; 3]],
+    current: &[[f64; 3]],
+    limit: Option<f64>,
+) -> Vec<[f64; 3]> {
+    let (incidence, faces) = (mesh.incidence(), mesh.faces());
+    let next: Vec<[f64; 3]> = (0..current.len())
+        .into_par_iter()
+        .map(|v| {
+            let x = current[v];
+            let corners = incidence.corners(v as u32);
+            if corners.is_empty() {
+                return x;
+            }
+            let mut move_ = [0.0; 3];
+            for &c in corners {
+                let (f, k) = (c as usize / 3, c as usize % 3);
+                let p = current[faces[f][(k + 1) % 3] as usize];
+                let q = current[faces[f][(k + 2) % 3] as usize];
+                let n = normals[f];
+                let height = (dot(n, sub(p, x)) + dot(n, sub(q, x))) / 3.0;
+                move_ = add(move_, scale(n, height));
+            }
+            let mut y = add(x, scale(move_, 1.0 / corners.len() as f64));
+            if let Some(limit) = limit {
+                let offset = sub(y, start[v]);
+                let length = norm(offset);
+                if length > limit {
+                    y = add(start[v], scale(offset, limit / length));
+                }
+            }
+            y
+        })
+        .collect();
+    // A vertex that alone turns a face against its normal goes back part of
+    // the way; the neighbours are held where they were, so that vertices do
+    // not depend on the order they are visited in.
+    (0..current.len())
+        .into_par_iter()
+        .map(|v| {
+            let turns = |y: [f64; 3]| {
+                incidence.corners(v as u32).iter().any(|&c| {
+                    let (f, k) = (c as usize / 3, c as usize % 3);
+                    let p = current[faces[f][(k + 1) % 3] as usize];
+                    let q = current[faces[f][(k + 2) % 3] as usize];
+                    let side = |x| dot(cross(sub(p, x), sub(q, x)), normals[f]);
+                    side(current[v]) > 0.0 && side(y) <= 0.0
+                })
+            };
+            let mut y = next[v];
+            for _ in 0..3 {
+                if !turns(y) {
+                    return y;
+                }
+                y = scale(add(y, current[v]), 0.5);
+            }
+            if turns(y) { current[v] } else { y }
+        })
+        .collect()
+}
