@@ -16,6 +16,9 @@ mod noise_level;
 mod normal_equations;
 mod normals;
 mod stiffness;
+pub mod surface;
+mod symmetric;
+mod tangent;
 mod uniform;
 
 pub use error::{MIN_HEIGHT_RATIO, OperatorError};

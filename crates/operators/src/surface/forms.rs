@@ -1,0 +1,121 @@
+//! First and second fundamental form, and the curvatures in them.
+
+use fairing_mesh::vec3::{add, cross, dot, norm, scale};
+
+use super::{ChartNormal, SurfaceJet};
+use crate::symmetric::Symmetric2;
+
+/// How small `sin` of the angle between ∂p/∂u and ∂p/∂v, or the length of one
+/// over that of the other, may get before rounding rules the unit normal.
+const SINGULAR: f64 = 1e-12;
+
+/// Why there are no forms at a point.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SurfaceError {
+    /// ∂p/∂u and ∂p/∂v do not span a plane.
+    #[error("the chart is singular at u = {u}, v = {v}")]
+    SingularChart {
+        /// The first parameter.
+        u: f64,
+        /// The second parameter.
+        v: f64,
+    },
+}
+
+/// The fundamental forms of a surface at a point.
+///
+/// ```text
+/// I  = E du² + 2F du dv + G dv²,    E = pᵤ·pᵤ,  F = pᵤ·pᵥ,  G = pᵥ·pᵥ
+/// II = L du² + 2M du dv + N dv²,    L = pᵤᵤ·m,  M = pᵤᵥ·m,  N = pᵥᵥ·m
+/// ```
+///
+/// with m the unit normal pointing **inward**, so that curvature is positive
+/// where the surface bends like a sphere. Source: \[docarmo1976\].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FundamentalForms {
+    /// `[E, F, G]`, in squared mesh units.
+    pub first: [f64; 3],
+    /// `[L, M, N]`, in mesh units.
+    pub second: [f64; 3],
+    /// The unit normal, outward.
+    pub normal: [f64; 3],
+    /// ∂p/∂u
+    pub du: [f64; 3],
+    /// ∂p/∂v
+    pub dv: [f64; 3],
+}
+
+/// Principal curvatures and their directions at a point of a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PrincipalDirections {
+    /// κ₁ ≥ κ₂, in 1 / mesh units.
+    pub values: [f64; 2],
+    /// Unit tangents in space, in the order of the values; with the outward
+    /// normal they form a right-handed frame. At an umbilic any pair would do.
+    pub directions: [[f64; 3]; 2],
+    /// The same as `(du, dv)`, of unit length in the first form.
+    pub parameters: [[f64; 2]; 2],
+}
+
+impl FundamentalForms {
+    /// The forms of a jet; `None` where the chart is singular.
+    pub fn of(jet: SurfaceJet, side: ChartNormal) -> Option<Self> {
+        let across = cross(jet.du, jet.dv);
+        let area = norm(across);
+        let first = [dot(jet.du, jet.du), dot(jet.du, jet.dv), dot(jet.dv, jet.dv)];
+        if area.is_nan() || area <= SINGULAR * (first[0] + first[2]) {
+            return None;
+        }
+        let normal = match side {
+            ChartNormal::Outward => scale(across, 1.0 / area),
+            ChartNormal::Inward => scale(across, -1.0 / area),
+        };
+        let second = [jet.duu, jet.duv, jet.dvv].map(|d| -dot(d, normal));
+        Some(Self { first, second, normal, du: jet.du, dv: jet.dv })
+    }
+
+    /// The normal curvature `II / I` in the direction `du pᵤ + dv pᵥ`, in
+    /// 1 / mesh units; the length of `(du, dv)` does not matter. `None` for the
+    /// zero direction.
+    pub fn normal_curvature(&self, [du, dv]: [f64; 2]) -> Option<f64> {
+        let form = |[a, b, c]: [f64; 3]| a * du * du + 2.0 * b * du * dv + c * dv * dv;
+        let length = form(self.first);
+        (length > 0.0).then(|| form(self.second) / length)
+    }
+
+    /// `K = (LN − M²) / (EG − F²)`, in 1 / squared mesh units.
+    pub fn gaussian_curvature(&self) -> f64 {
+        let ([e, f, g], [l, m, n]) = (self.first, self.second);
+        (l * n - m * m) / (e * g - f * f)
+    }
+
+    /// `H = (EN − 2FM + GL) / (2 (EG − F²))`, in 1 / mesh units.
+    pub fn mean_curvature(&self) -> f64 {
+        let ([e, f, g], [l, m, n]) = (self.first, self.second);
+        (e * n - 2.0 * f * m + g * l) / (2.0 * (e * g - f * f))
+    }
+
+    /// Principal curvatures and directions: the extremes of the normal
+    /// curvature.
+    pub fn principal(&self) -> PrincipalDirections {
+        let ([e, f, g], [l, m, n]) = (self.first, self.second);
+        // In the orthonormal frame pᵤ/√E and its quarter turn
+        // (pᵥ − (F/E) pᵤ) √E/W, with W = √(EG − F²), II is symmetric.
+        let (root, slope) = (e.sqrt(), f / e);
+        let w = (e * g - f * f).sqrt();
+        let form = Symmetric2 {
+            a: l / e,
+            b: (m - slope * l) / w,
+            c: (n - 2.0 * slope * m + slope * slope * l) * e / (w * w),
+        };
+        let (values, [x, y]) = form.eigen();
+        let in_chart = |[x, y]: [f64; 2]| [x / root - y * slope * root / w, y * root / w];
+        let chart_turn = dot(cross(self.du, self.dv), self.normal).signum();
+        // The quarter turn that is positive about the outward normal.
+        let second = [-y * chart_turn, x * chart_turn];
+        let parameters = [in_chart([x, y]), in_chart(second)];
+        let directions = parameters.map(|[u, v]| add(scale(self.du, u), scale(self.dv, v)));
+        PrincipalDirections { values, directions, parameters }
+    }
+}

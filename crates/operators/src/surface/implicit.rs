@@ -1,0 +1,62 @@
+//! Curvature of level sets.
+
+use fairing_mesh::vec3::{add, cross, dot, norm, scale};
+
+use crate::symmetric::Symmetric2;
+use crate::tangent::tangent_frame;
+
+/// A surface `f(p) = 0` with f growing outward.
+pub trait ImplicitSurface {
+    /// ∇f at `p`.
+    fn gradient(&self, p: [f64; 3]) -> [f64; 3];
+
+    /// The matrix of second derivatives of f at `p`, symmetric.
+    fn hessian(&self, p: [f64; 3]) -> [[f64; 3]; 3];
+
+    /// The curvature at `p` of the level set through `p`:
+    ///
+    /// ```text
+    /// II(x, y) = xᵀ (∇²f) y / ‖∇f‖    for tangents x, y
+    /// ```
+    ///
+    /// `None` where the gradient vanishes. Source: \[goldman2005\].
+    fn curvature(&self, p: [f64; 3]) -> Option<PointCurvature> {
+        let gradient = self.gradient(p);
+        let length = norm(gradient);
+        if !(length > 0.0 && length.is_finite()) {
+            return None;
+        }
+        let normal = scale(gradient, 1.0 / length);
+        let [x, y] = tangent_frame(normal);
+        let h = self.hessian(p);
+        let apply = |t: [f64; 3]| h.map(|row| dot(row, t) / length);
+        let (hx, hy) = (apply(x), apply(y));
+        let form = Symmetric2 { a: dot(x, hx), b: dot(x, hy), c: dot(y, hy) };
+        let (values, [c, s]) = form.eigen();
+        let first = add(scale(x, c), scale(y, s));
+        Some(PointCurvature { values, directions: [first, cross(normal, first)], normal })
+    }
+}
+
+/// Exact curvature at a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PointCurvature {
+    /// κ₁ ≥ κ₂, in 1 / mesh units, positive on a sphere.
+    pub values: [f64; 2],
+    /// Their unit tangents; arbitrary at an umbilic.
+    pub directions: [[f64; 3]; 2],
+    /// The outward unit normal.
+    pub normal: [f64; 3],
+}
+
+impl PointCurvature {
+    /// `H = (κ₁ + κ₂) / 2`
+    pub fn mean(&self) -> f64 {
+        0.5 * (self.values[0] + self.values[1])
+    }
+
+    /// `K = κ₁ κ₂`
+    pub fn gaussian(&self) -> f64 {
+        self.values[0] * self.values[1]
+    }
+}

@@ -1,0 +1,93 @@
+//! Parametric and implicit surfaces with exact curvature.
+//!
+//! A [`ParametricSurface`] gives a point and its derivatives; the
+//! [`FundamentalForms`] follow, and with them normal and principal
+//! curvatures. [`ClosedForms`] are the same by formulas derived by hand
+//! (`docs/ellipsoid.md` for the ellipsoid). An [`ImplicitSurface`] gives
+//! curvature at a point of space, poles of a chart included.
+
+mod cylinder;
+mod ellipsoid;
+mod forms;
+mod graph;
+mod helicoid;
+mod implicit;
+mod sphere;
+mod torus;
+
+pub use cylinder::Cylinder;
+pub use ellipsoid::Ellipsoid;
+pub use forms::{FundamentalForms, PrincipalDirections, SurfaceError};
+pub use graph::WavyGraph;
+pub use helicoid::Helicoid;
+pub use implicit::{ImplicitSurface, PointCurvature};
+pub use sphere::Sphere;
+pub use torus::Torus;
+
+/// A point of a parametric surface with its derivatives to second order, in
+/// mesh units per unit of the parameters.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfaceJet {
+    /// p
+    pub point: [f64; 3],
+    /// ∂p/∂u
+    pub du: [f64; 3],
+    /// ∂p/∂v
+    pub dv: [f64; 3],
+    /// ∂²p/∂u²
+    pub duu: [f64; 3],
+    /// ∂²p/∂u∂v
+    pub duv: [f64; 3],
+    /// ∂²p/∂v²
+    pub dvv: [f64; 3],
+}
+
+/// Which side of the surface `∂p/∂u × ∂p/∂v` points to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum ChartNormal {
+    /// Outward; also for surfaces without an inside, where this side is called
+    /// the outer one.
+    Outward,
+    /// Inward.
+    Inward,
+}
+
+/// A surface `p(u, v)` with two continuous derivatives.
+pub trait ParametricSurface {
+    /// The point at `(u, v)` and its derivatives.
+    fn jet(&self, u: f64, v: f64) -> SurfaceJet;
+
+    /// Where `∂p/∂u × ∂p/∂v` points.
+    fn chart_normal(&self) -> ChartNormal {
+        ChartNormal::Outward
+    }
+
+    /// The fundamental forms at `(u, v)`, from the derivatives.
+    ///
+    /// # Errors
+    ///
+    /// [`SurfaceError::SingularChart`] where ∂p/∂u and ∂p/∂v do not span a
+    /// plane, as at the poles of a sphere.
+    fn forms(&self, u: f64, v: f64) -> Result<FundamentalForms, SurfaceError> {
+        FundamentalForms::of(self.jet(u, v), self.chart_normal())
+            .ok_or(SurfaceError::SingularChart { u, v })
+    }
+}
+
+/// Coefficients and curvatures by formulas derived by hand.
+pub trait ClosedForms: ParametricSurface {
+    /// `[E, F, G]` at `(u, v)`, in squared mesh units.
+    fn first_form(&self, u: f64, v: f64) -> [f64; 3];
+
+    /// `[L, M, N]` at `(u, v)`, in mesh units, with the inward normal: positive
+    /// on a sphere.
+    fn second_form(&self, u: f64, v: f64) -> [f64; 3];
+
+    /// H at `(u, v)`, in 1 / mesh units, positive on a sphere; limits are
+    /// taken where the chart is singular.
+    fn mean_curvature(&self, u: f64, v: f64) -> f64;
+
+    /// K at `(u, v)`, in 1 / squared mesh units; limits are taken where the
+    /// chart is singular.
+    fn gaussian_curvature(&self, u: f64, v: f64) -> f64;
+}
