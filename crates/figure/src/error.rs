@@ -49,6 +49,39 @@ pub enum RenderError {
     },
 }
 
+/// Why values cannot be turned into colours.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ScaleError {
+    /// A defined value is infinite or not a number.
+    #[error("value {index} is {value}, which is not finite")]
+    NonFinite {
+        /// Its vertex or face.
+        index: usize,
+        /// The value.
+        value: f64,
+    },
+    /// No value counts for the range.
+    #[error("no value is left to find the range of the colours")]
+    NoValues,
+    /// The ends of the range are not ascending, or not percentages.
+    #[error("a colour range cannot go from {low} to {high}")]
+    Limits {
+        /// The lower end.
+        low: f64,
+        /// The upper end.
+        high: f64,
+    },
+    /// Flags do not match the values.
+    #[error("{found} flags were given for {expected} values")]
+    Count {
+        /// The number of values.
+        expected: usize,
+        /// The number of flags.
+        found: usize,
+    },
+}
+
 /// Why a picture cannot be encoded.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
