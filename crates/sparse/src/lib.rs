@@ -1,4 +1,28 @@
 //! Sparse symmetric kernels: products, Cholesky, conjugate gradients, eigenpairs.
+//!
+//! Nothing here knows geometry. Matrices are [`SparseMatrix`] (CSR, `u32` indices, ascending columns);
+//! a symmetric matrix holds both triangles. Blocks of vectors are row-major: `[[f64; 3]]` for three
+//! columns, `n × k` `ndarray` arrays for more. No result depends on the number of threads.
 
-/// A sparse matrix of the workspace: CSR, `f64` values, `u32` indices.
-pub type SparseMatrix = sprs::CsMatI<f64, u32>;
+mod backend;
+mod cg;
+mod cholesky;
+mod factor;
+mod incomplete;
+mod ldlt;
+mod mass;
+mod matrix;
+mod ordering;
+mod product;
+mod reduce;
+mod supernodes;
+mod sweeps;
+mod symmetry;
+
+pub use cg::{CgError, CgOptions, CgSolution, ConjugateGradient, Preconditioner};
+pub use cholesky::{Cholesky, CholeskyError, SymbolicCholesky};
+pub use ldlt::{Inertia, Ldlt};
+pub use mass::{Mass, MassError, combine};
+pub use matrix::SparseMatrix;
+pub use ordering::Ordering;
+pub use product::{multiply, multiply_block, multiply_into, multiply_points, multiply_points_into};

@@ -1,0 +1,146 @@
+//! The solver backend, faer: the only file that names it.
+//!
+//! faer takes compressed columns; a symmetric CSR matrix is its own CSC form, so sprs arrays pass without a
+//! copy and `Side::Lower` picks one triangle.
+
+use dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::ldlt::factor::LdltError;
+use faer::linalg::cholesky::llt::factor::LltError;
+use faer::perm::PermRef;
+use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::cholesky::{
+    self, CholeskySymbolicParams, SymbolicCholeskyRaw, SymmetricOrdering,
+};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{Par, Side};
+
+use crate::matrix::Rows;
+use crate::supernodes::Supernodes;
+
+/// Why the backend gave up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Failure {
+    /// The pivot of this row of the permuted matrix is not positive (LLᵀ) or is zero (LDLᵀ).
+    Pivot(usize),
+    /// Not enough memory, or more entries than `u32` can count.
+    TooLarge,
+}
+
+/// A permutation and the pattern of the factor.
+pub(crate) struct Symbolic {
+    inner: cholesky::SymbolicCholesky<u32>,
+}
+
+/// How to order: by the backend's minimum degree, or by a permutation and its inverse.
+pub(crate) enum Order<'a> {
+    MinimumDegree,
+    Given(&'a [u32], &'a [u32]),
+}
+
+impl std::fmt::Debug for Symbolic {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Symbolic").field("rows", &self.inner.nrows()).finish()
+    }
+}
+
+impl Symbolic {
+    pub(crate) fn new(rows: Rows<'_>, order: &Order<'_>) -> Result<Self, Failure> {
+        let ordering = match *order {
+            Order::MinimumDegree => SymmetricOrdering::Amd,
+            Order::Given(order, inverse) => {
+                SymmetricOrdering::Custom(PermRef::new_checked(order, inverse, order.len()))
+            }
+        };
+        // Supernodes always: the sweeps of this crate know no other form, and meshes gain from it. (Zero
+        // would leave out diagonal matrices, which need no operation.)
+        let params = CholeskySymbolicParams {
+            supernodal_flop_ratio_threshold: SupernodalThreshold(-1.0),
+            ..Default::default()
+        };
+        let inner =
+            cholesky::factorize_symbolic_cholesky(pattern(rows), Side::Lower, ordering, params)
+                .map_err(|_| Failure::TooLarge)?;
+        Ok(Self { inner })
+    }
+
+    /// `order[k]`: the row of the matrix that comes k-th.
+    pub(crate) fn order(&self) -> Vec<u32> {
+        match self.inner.perm() {
+            Some(perm) => perm.arrays().0.to_vec(),
+            None => (0..self.inner.nrows() as u32).collect(),
+        }
+    }
+
+    /// The supernodes of the factor.
+    pub(crate) fn supernodes(&self) -> Supernodes {
+        let SymbolicCholeskyRaw::Supernodal(raw) = self.inner.raw() else {
+            // The threshold is below every ratio of operations to entries, except 0 / 0 in an empty matrix.
+            return Supernodes::default();
+        };
+        let mut nodes = Supernodes::default();
+        for s in 0..raw.n_supernodes() {
+            nodes.push(
+                raw.supernode_begin()[s] as usize..raw.supernode_end()[s] as usize,
+                raw.supernode(s).pattern(),
+            );
+        }
+        nodes
+    }
+
+    /// Numbers that a factor holds.
+    pub(crate) fn len(&self) -> usize {
+        self.inner.len_val()
+    }
+
+    /// A = L Lᵀ into `values`.
+    pub(crate) fn llt(&self, rows: Rows<'_>, values: &mut [f64]) -> Result<(), Failure> {
+        let par = parallelism();
+        let mut memory = MemBuffer::try_new(
+            self.inner.factorize_numeric_llt_scratch::<f64>(par, Default::default()),
+        )
+        .map_err(|_| Failure::TooLarge)?;
+        self.inner
+            .factorize_numeric_llt(
+                values,
+                SparseColMatRef::new(pattern(rows), rows.values),
+                Side::Lower,
+                Default::default(),
+                par,
+                MemStack::new(&mut memory),
+                Default::default(),
+            )
+            .map(|_| ())
+            .map_err(|LltError::NonPositivePivot { index }| Failure::Pivot(index))
+    }
+
+    /// A = L D Lᵀ into `values`, D on the diagonals of the supernodes.
+    pub(crate) fn ldlt(&self, rows: Rows<'_>, values: &mut [f64]) -> Result<(), Failure> {
+        let par = parallelism();
+        let mut memory = MemBuffer::try_new(
+            self.inner.factorize_numeric_ldlt_scratch::<f64>(par, Default::default()),
+        )
+        .map_err(|_| Failure::TooLarge)?;
+        self.inner
+            .factorize_numeric_ldlt(
+                values,
+                SparseColMatRef::new(pattern(rows), rows.values),
+                Side::Lower,
+                Default::default(),
+                par,
+                MemStack::new(&mut memory),
+                Default::default(),
+            )
+            .map(|_| ())
+            .map_err(|LdltError::ZeroPivot { index }| Failure::Pivot(index))
+    }
+}
+
+fn pattern(rows: Rows<'_>) -> SymbolicSparseColMatRef<'_, u32> {
+    let n = rows.count();
+    SymbolicSparseColMatRef::new_checked(n, n, rows.starts, None, rows.columns)
+}
+
+/// Threads share the columns and rows of dense products, never a sum: results do not depend on their number.
+fn parallelism() -> Par {
+    Par::rayon(0)
+}

@@ -1,0 +1,93 @@
+//! A numeric factor with its ordering: right-hand sides in the order of the matrix in, solutions out.
+
+use std::sync::Arc;
+
+use ndarray::{ArrayViewMut2, Axis};
+use rayon::prelude::*;
+
+use crate::cholesky::Analysis;
+use crate::sweeps::{self, Diagonal};
+
+/// Right-hand sides of one sweep in a block.
+pub(crate) const LANES: usize = 8;
+
+/// L and, for L D Lᵀ, D.
+#[derive(Clone)]
+pub(crate) struct Factor {
+    pub(crate) analysis: Arc<Analysis>,
+    pub(crate) values: Vec<f64>,
+    pub(crate) diagonal: Diagonal,
+}
+
+impl std::fmt::Debug for Factor {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Factor")
+            .field("rows", &self.rows())
+            .field("numbers", &self.values.len())
+            .field("diagonal", &self.diagonal)
+            .finish()
+    }
+}
+
+impl Factor {
+    pub(crate) fn rows(&self) -> usize {
+        self.analysis.order.len()
+    }
+
+    pub(crate) fn solve_vector(&self, b: &mut [f64]) {
+        assert_eq!(b.len(), self.rows(), "length of the right-hand side");
+        self.solve_permuted::<1>(|row, lanes| lanes[0] = b[row])
+            .zip_order(&self.analysis.order, |row, lanes| b[row] = lanes[0]);
+    }
+
+    pub(crate) fn solve_points(&self, b: &mut [[f64; 3]]) {
+        assert_eq!(b.len(), self.rows(), "length of the right-hand side");
+        // A fourth, empty lane fills the vector register.
+        self.solve_permuted::<4>(|row, lanes| lanes[..3].copy_from_slice(&b[row]))
+            .zip_order(&self.analysis.order, |row, lanes| b[row].copy_from_slice(&lanes[..3]));
+    }
+
+    pub(crate) fn solve_block(&self, mut b: ArrayViewMut2<'_, f64>) {
+        assert_eq!(b.nrows(), self.rows(), "rows of the right-hand side");
+        b.axis_chunks_iter_mut(Axis(1), LANES).into_par_iter().for_each(|mut b| {
+            let width = b.ncols();
+            self.solve_permuted::<LANES>(|row, lanes| {
+                for j in 0..width {
+                    lanes[j] = b[[row, j]];
+                }
+            })
+            .zip_order(&self.analysis.order, |row, lanes| {
+                for j in 0..width {
+                    b[[row, j]] = lanes[j];
+                }
+            });
+        });
+    }
+
+    /// Solves for the right-hand sides that `gather(row, lanes)` writes; the solution is in factor order.
+    pub(crate) fn solve_permuted<const B: usize>(
+        &self,
+        gather: impl Fn(usize, &mut [f64; B]),
+    ) -> Permuted<B> {
+        let mut x = vec![[0.0; B]; self.rows()];
+        for (x, &row) in x.iter_mut().zip(&self.analysis.order) {
+            gather(row as usize, x);
+        }
+        sweeps::solve(&self.analysis.nodes, &self.values, self.diagonal, &mut x);
+        Permuted { x }
+    }
+}
+
+/// A solution in the order of the factor.
+pub(crate) struct Permuted<const B: usize> {
+    x: Vec<[f64; B]>,
+}
+
+impl<const B: usize> Permuted<B> {
+    /// Calls `scatter(row, lanes)` for every row.
+    pub(crate) fn zip_order(&self, order: &[u32], mut scatter: impl FnMut(usize, &[f64; B])) {
+        for (x, &row) in self.x.iter().zip(order) {
+            scatter(row as usize, x);
+        }
+    }
+}

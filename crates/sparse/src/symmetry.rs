@@ -1,0 +1,94 @@
+//! Is a matrix square, finite and symmetric? Factorisations read one triangle only, so they ask.
+
+use crate::matrix::{Rows, SparseMatrix};
+
+/// Two mirrored entries may differ by this share of the largest diagonal entry of their rows: assembly sums
+/// the same terms in another order.
+const SYMMETRY_TOLERANCE: f64 = 1e-10;
+
+/// What is wrong with a matrix that ought to be symmetric.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Defect {
+    Rectangular { rows: usize, columns: usize },
+    Infinite { row: usize, column: usize, value: f64 },
+    Asymmetric { row: usize, column: usize, difference: f64 },
+}
+
+/// Checks shape, values and symmetry in one pass over the entries.
+pub(crate) fn check(matrix: &SparseMatrix) -> Result<(), Defect> {
+    if matrix.rows() != matrix.cols() {
+        return Err(Defect::Rectangular { rows: matrix.rows(), columns: matrix.cols() });
+    }
+    let rows = Rows::of(matrix);
+    let n = rows.count();
+    let diagonal = rows.diagonal();
+    // cursor[j]: the next entry of row j that lies right of its diagonal and has not met its mirror image.
+    let mut cursor: Vec<u32> = (0..n)
+        .map(|i| {
+            let before = rows.row(i).0.partition_point(|&j| j as usize <= i);
+            rows.starts[i] + before as u32
+        })
+        .collect();
+    for i in 0..n {
+        for k in rows.range(i) {
+            let (j, value) = (rows.columns[k] as usize, rows.values[k]);
+            if !value.is_finite() {
+                return Err(Defect::Infinite { row: i, column: j, value });
+            }
+            if j >= i {
+                continue;
+            }
+            let mirror = cursor[j] as usize;
+            if mirror >= rows.starts[j + 1] as usize || rows.columns[mirror] as usize != i {
+                return Err(Defect::Asymmetric { row: i, column: j, difference: value });
+            }
+            cursor[j] += 1;
+            let difference = value - rows.values[mirror];
+            let scale = diagonal[i].abs().max(diagonal[j].abs()).max(value.abs());
+            if difference.abs() > SYMMETRY_TOLERANCE * scale {
+                return Err(Defect::Asymmetric { row: i, column: j, difference });
+            }
+        }
+    }
+    for j in 0..n {
+        if cursor[j] != rows.starts[j + 1] {
+            let k = cursor[j] as usize;
+            return Err(Defect::Asymmetric {
+                row: j,
+                column: rows.columns[k] as usize,
+                difference: rows.values[k],
+            });
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn matrix(n: usize, triplets: &[(usize, usize, f64)]) -> SparseMatrix {
+        let mut t = sprs::TriMatI::<f64, u32>::new((n, n));
+        for &(i, j, v) in triplets {
+            t.add_triplet(i, j, v);
+        }
+        t.to_csr()
+    }
+
+    #[test]
+    fn mirrored_entries_are_required() {
+        assert_eq!(check(&matrix(2, &[(0, 0, 1.0), (0, 1, 2.0), (1, 0, 2.0)])), Ok(()));
+        for lonely in [[(0, 1, 2.0), (1, 1, 1.0)], [(1, 0, 2.0), (1, 1, 1.0)]] {
+            let error = check(&matrix(2, &lonely)).unwrap_err();
+            assert!(matches!(error, Defect::Asymmetric { difference: 2.0, .. }), "{error:?}");
+        }
+        let skew = check(&matrix(2, &[(0, 1, 2.0), (1, 0, -2.0)])).unwrap_err();
+        assert_eq!(skew, Defect::Asymmetric { row: 1, column: 0, difference: -4.0 });
+    }
+
+    #[test]
+    fn values_must_be_finite() {
+        let error = check(&matrix(2, &[(1, 1, f64::NAN)])).unwrap_err();
+        assert!(matches!(error, Defect::Infinite { row: 1, column: 1, .. }));
+    }
+}

@@ -1,0 +1,210 @@
+//! Factorisations against products: A x is formed first, so the error of x is known.
+
+use fairing_sparse::{
+    Cholesky, CholeskyError, Mass, Ordering, SparseMatrix, SymbolicCholesky, combine, multiply,
+    multiply_block, multiply_points,
+};
+use ndarray::Array2;
+use proptest::prelude::*;
+
+use crate::matrices::{
+    cycle, distance, graph_laplacian, grid, grid_eigenvalues, path, random_definite, random_vector,
+};
+
+fn shifted(laplacian: &SparseMatrix, sigma: f64) -> SparseMatrix {
+    let ones = vec![1.0; laplacian.rows()];
+    combine(-sigma, Mass::Lumped(&ones), 1.0, laplacian)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(40))]
+
+    /// One, three and k right-hand sides, under every ordering.
+    /// Condition numbers stay below 10³, so twelve digits are there.
+    #[test]
+    fn solutions_are_found_again(n in 1usize..120, density in 0usize..4, k in 1usize..20, seed: u64) {
+        let a = random_definite(n, density * n, seed);
+        let reverse = Ordering::Custom((0..n as u32).rev().collect());
+        for ordering in [Ordering::MinimumDegree, Ordering::Natural, reverse] {
+            let factor = SymbolicCholesky::new(&a, ordering).unwrap().factorize(&a).unwrap();
+            let x = random_vector(n, seed);
+            prop_assert!(distance(&factor.solve(&multiply(&a, &x)), &x) < 1e-12);
+            let points: Vec<[f64; 3]> = x.iter().map(|&v| [v, -2.0 * v, 1.0 - v]).collect();
+            let solved = factor.solve_points(&multiply_points(&a, &points));
+            prop_assert!(distance(solved.as_flattened(), points.as_flattened()) < 1e-12);
+            let block = Array2::from_shape_fn((n, k), |(i, j)| x[(i * (j + 1)) % n]);
+            let solved = factor.solve_block(multiply_block(&a, block.view()).view());
+            prop_assert!((&solved - &block).iter().all(|d| d.abs() < 1e-12));
+        }
+    }
+
+    /// The inertia of a diagonal congruence is that of the diagonal, which has known signs.
+    #[test]
+    fn inertia_counts_signs(signs in proptest::collection::vec(any::<bool>(), 1..60), seed: u64) {
+        let n = signs.len();
+        // L D Lᵀ with L = I + E of a path: tridiagonal, D as drawn.
+        let d: Vec<f64> = signs.iter().map(|s| if *s { 1.5 } else { -0.75 }).collect();
+        let l = random_vector(n, seed);
+        let mut t = sprs::TriMatI::<f64, u32>::new((n, n));
+        for i in 0..n {
+            t.add_triplet(i, i, d[i]);
+            if i > 0 {
+                let e = l[i];
+                t.add_triplet(i, i, e * e * d[i - 1]);
+                t.add_triplet(i, i - 1, e * d[i - 1]);
+                t.add_triplet(i - 1, i, e * d[i - 1]);
+            }
+        }
+        let a: SparseMatrix = t.to_csr();
+        let ldlt = SymbolicCholesky::new(&a, Ordering::Natural).unwrap().factorize_indefinite(&a).unwrap();
+        prop_assert_eq!(ldlt.inertia().negative, signs.iter().filter(|s| !**s).count());
+        prop_assert_eq!(ldlt.inertia().positive, signs.iter().filter(|s| **s).count());
+    }
+}
+
+#[test]
+fn log_determinant_of_a_shifted_path() {
+    // Eigenvalues 2 − 2 cos(πk/n) + 1.
+    let n = 50;
+    let factor = Cholesky::new(&shifted(&path(n), -1.0)).unwrap();
+    let expected: f64 =
+        (0..n).map(|k| (3.0 - 2.0 * (std::f64::consts::PI * k as f64 / n as f64).cos()).ln()).sum();
+    assert!((factor.log_determinant() - expected).abs() < 1e-12 * expected);
+}
+
+/// Slicing the spectrum of a cycle: double eigenvalues 2 − 2 cos(2πk/n).
+#[test]
+fn inertia_counts_eigenvalues_below_a_shift() {
+    let n = 101;
+    let laplacian = cycle(n);
+    let symbolic = SymbolicCholesky::new(&laplacian, Ordering::default()).unwrap();
+    for below in [1usize, 3, 21, 99] {
+        let at = |k: f64| 2.0 - 2.0 * (2.0 * std::f64::consts::PI * k / n as f64).cos();
+        // Halfway would also be an eigenvalue of half the cycle, a leading block: growth is then 10¹².
+        let sigma = at((below as f64 - 1.0) / 2.0 + 0.4);
+        let ldlt = symbolic.factorize_indefinite(&shifted(&laplacian, sigma)).unwrap();
+        assert_eq!(ldlt.inertia().negative, below, "sigma {sigma}, growth {}", ldlt.growth());
+        let x = random_vector(n, 3);
+        let b = multiply(&shifted(&laplacian, sigma), &x);
+        // The nearest eigenvalue is about 10⁻³ away.
+        let error = distance(&ldlt.solve(&b), &x);
+        assert!(error < 1e-10, "{error:e} at sigma {sigma}, growth {}", ldlt.growth());
+    }
+}
+
+/// On a grid, with shifts anywhere.
+#[test]
+fn inertia_matches_the_spectrum_of_a_grid() {
+    let laplacian = grid(23, 17);
+    let eigenvalues = grid_eigenvalues(23, 17);
+    let symbolic = SymbolicCholesky::new(&laplacian, Ordering::default()).unwrap();
+    for sigma in [-0.5, 1e-4, 0.0321, 0.4444, 1.9, 4.123, 7.9, 9.0] {
+        let inertia = symbolic.factorize_indefinite(&shifted(&laplacian, sigma)).unwrap().inertia();
+        assert_eq!(inertia.negative, eigenvalues.iter().filter(|l| **l < sigma).count());
+    }
+}
+
+#[test]
+fn symbolic_analysis_serves_changed_values() {
+    let laplacian = grid(30, 20);
+    let symbolic = SymbolicCholesky::new(&shifted(&laplacian, -1.0), Ordering::default()).unwrap();
+    let x = random_vector(600, 1);
+    let mut factor = symbolic.factorize(&shifted(&laplacian, -1.0)).unwrap();
+    for sigma in [-1e-3, -5.0, -1e8] {
+        let a = shifted(&laplacian, sigma);
+        factor = factor.refactorize(&a).unwrap();
+        assert!(distance(&factor.solve(&multiply(&a, &x)), &x) < 1e-10);
+    }
+    let other = shifted(&grid(20, 30), -1.0);
+    assert!(matches!(symbolic.factorize(&other), Err(CholeskyError::PatternChanged { .. })));
+    assert!(matches!(
+        symbolic.factorize(&shifted(&path(4), -1.0)),
+        Err(CholeskyError::PatternChanged { .. })
+    ));
+}
+
+#[test]
+fn singular_and_indefinite_matrices_name_the_pivot() {
+    // A whole Laplacian is singular, whatever rounding says.
+    for laplacian in [path(40), cycle(41), grid(15, 17)] {
+        let error = Cholesky::new(&laplacian).unwrap_err();
+        assert!(matches!(error, CholeskyError::Singular { .. }), "{error}");
+    }
+    // Row 7 stands alone with a negative entry.
+    let mut t = sprs::TriMatI::<f64, u32>::new((9, 9));
+    for i in 0..9 {
+        t.add_triplet(i, i, if i == 7 { -2.0 } else { 2.0 });
+    }
+    assert_eq!(
+        Cholesky::new(&t.to_csr()).unwrap_err(),
+        CholeskyError::Indefinite { row: 7, pivot: -2.0, diagonal: -2.0 }
+    );
+    // An isolated vertex without mass: its row is zero.
+    let isolated = graph_laplacian(4, [(0, 1), (1, 3)]);
+    let masses = combine(1.0, Mass::Lumped(&[1.0, 1.0, 0.0, 1.0]), 1.0, &isolated);
+    assert_eq!(
+        Cholesky::new(&masses).unwrap_err(),
+        CholeskyError::Singular { row: 2, pivot: 0.0, diagonal: 0.0 }
+    );
+    assert!(matches!(
+        Cholesky::new(&shifted(&grid(9, 9), 0.5)),
+        Err(CholeskyError::Indefinite { .. })
+    ));
+}
+
+#[test]
+fn bad_input_is_named() {
+    let rectangle = SparseMatrix::zero((2, 3));
+    assert_eq!(
+        Cholesky::new(&rectangle).unwrap_err(),
+        CholeskyError::NotSquare { rows: 2, columns: 3 }
+    );
+    let laplacian = path(3);
+    for order in [vec![0, 1], vec![0, 1, 1], vec![0, 1, 3], vec![0, 1, 2, 3]] {
+        assert!(matches!(
+            SymbolicCholesky::new(&laplacian, Ordering::Custom(order)),
+            Err(CholeskyError::NotAnOrdering { .. })
+        ));
+    }
+    let empty = Cholesky::new(&SparseMatrix::zero((0, 0))).unwrap();
+    assert!(empty.solve(&[]).is_empty());
+}
+
+/// At a tiny step the factor decays below the smallest normal number far from the diagonal.
+#[test]
+fn scales_and_decay_do_not_hurt() {
+    let laplacian = grid(60, 60);
+    let ones = vec![1.0; 3600];
+    let x = random_vector(3600, 5);
+    for t in [1e-12, 1e-6, 1e-2, 1.0, 1e3] {
+        for scale in [1e-150, 1e-12, 1.0, 1e12, 1e150] {
+            let a = combine(scale, Mass::Lumped(&ones), t * scale, &laplacian);
+            let b = multiply(&a, &x);
+            let solved = Cholesky::new(&a).unwrap().solve(&b);
+            // The condition number is 1 + 8t.
+            assert!(distance(&solved, &x) < 1e-14 * (1.0 + 8.0 * t) + 1e-14, "{t} {scale}");
+        }
+    }
+}
+
+/// Same bits on one thread and on four.
+#[test]
+fn threads_do_not_change_bits() {
+    let laplacian = grid(120, 130);
+    let a = shifted(&laplacian, -0.1);
+    let block = Array2::from_shape_fn((a.rows(), 19), |(i, j)| ((i * 31 + j * 17) % 101) as f64);
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let factor = Cholesky::new(&a).unwrap();
+            let indefinite = SymbolicCholesky::new(&a, Ordering::default())
+                .unwrap()
+                .factorize_indefinite(&shifted(&laplacian, 0.01))
+                .unwrap();
+            let mut x = block.clone();
+            indefinite.solve_block_in_place(x.view_mut());
+            (factor.solve_block(block.view()), x, multiply_block(&a, block.view()))
+        })
+    };
+    assert_eq!(run(1), run(4));
+}

@@ -1,0 +1,114 @@
+//! Conjugate gradients against known solutions and against Cholesky.
+
+use fairing_sparse::{
+    CgError, CgOptions, Cholesky, ConjugateGradient, Mass, Preconditioner, SparseMatrix, combine,
+    multiply, multiply_points,
+};
+use proptest::prelude::*;
+
+use crate::matrices::{distance, grid, random_definite, random_vector};
+
+const BOTH: [Preconditioner; 2] = [Preconditioner::Jacobi, Preconditioner::IncompleteCholesky];
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(40))]
+
+    #[test]
+    fn solutions_are_found_again(n in 1usize..200, density in 0usize..4, seed: u64) {
+        let a = random_definite(n, density * n, seed);
+        let x = random_vector(n, seed);
+        let options = CgOptions { tolerance: 1e-12, ..Default::default() };
+        for preconditioner in BOTH {
+            let cg = ConjugateGradient::new(&a, preconditioner).unwrap();
+            let solution = cg.solve(&multiply(&a, &x), None, &options).unwrap();
+            prop_assert!(solution.residuals[0] < 1e-11);
+            // The condition number is below 10³.
+            prop_assert!(distance(&solution.x, &x) < 1e-8);
+        }
+    }
+}
+
+/// Three columns of very different size and one of zeros, each to its own relative residual.
+#[test]
+fn columns_converge_on_their_own() {
+    let n = 90 * 70;
+    let a = combine(1.0, Mass::Lumped(&vec![1.0; n]), 30.0, &grid(90, 70));
+    let u = random_vector(n, 1);
+    let x: Vec<[f64; 3]> = (0..n).map(|i| [1e9 * u[i], 0.0, 1e-9 * (i % 7) as f64]).collect();
+    let b = multiply_points(&a, &x);
+    for preconditioner in BOTH {
+        let cg = ConjugateGradient::new(&a, preconditioner).unwrap();
+        let solution = cg.solve_points(&b, None, &CgOptions::default()).unwrap();
+        assert!(solution.residuals.iter().all(|r| *r < 1.1e-10), "{:?}", solution.residuals);
+        assert!(solution.x.iter().all(|x| x[1] == 0.0));
+        let direct = Cholesky::new(&a).unwrap().solve_points(&b);
+        for lane in [0, 2] {
+            let worst =
+                (0..n).map(|i| (solution.x[i][lane] - direct[i][lane]).abs()).fold(0.0, f64::max);
+            let size = (0..n).map(|i| direct[i][lane].abs()).fold(0.0, f64::max);
+            assert!(worst < 1e-8 * size, "column {lane}: {worst:e} of {size:e}");
+        }
+        let again = cg.solve_points(
+            &b,
+            Some(&solution.x),
+            &CgOptions { tolerance: 1e-9, ..Default::default() },
+        );
+        assert_eq!(again.unwrap().iterations, 0, "the solution is its own best guess");
+    }
+}
+
+#[test]
+fn incomplete_cholesky_saves_iterations() {
+    let n = 100 * 100;
+    let a = combine(1.0, Mass::Lumped(&vec![1.0; n]), 100.0, &grid(100, 100));
+    let b = random_vector(n, 4);
+    let [jacobi, incomplete] = BOTH.map(|preconditioner| {
+        let cg = ConjugateGradient::new(&a, preconditioner).unwrap();
+        cg.solve(&b, None, &CgOptions::default()).unwrap().iterations
+    });
+    assert!(2 * incomplete < jacobi, "{incomplete} against {jacobi}");
+}
+
+#[test]
+fn failures_are_errors() {
+    let options = CgOptions::default();
+    let singular = grid(5, 5);
+    let negative = combine(-0.5, Mass::Lumped(&[1.0; 25]), 1.0, &singular);
+    let b = random_vector(25, 1);
+    let cg = ConjugateGradient::new(&negative, Preconditioner::Jacobi).unwrap();
+    assert!(matches!(cg.solve(&b, None, &options), Err(CgError::Indefinite { .. })));
+    let definite = combine(0.5, Mass::Lumped(&[1.0; 25]), 1.0, &singular);
+    let cg = ConjugateGradient::new(&definite, Preconditioner::Jacobi).unwrap();
+    assert!(matches!(
+        cg.solve(&b, None, &CgOptions { max_iterations: 2, ..options }),
+        Err(CgError::NotConverged { iterations: 2, residual }) if residual > 1e-10
+    ));
+    assert_eq!(
+        cg.solve(&b[..7], None, &options).unwrap_err(),
+        CgError::Size { rows: 25, columns: 25, length: 7 }
+    );
+    let mut infinite = b.clone();
+    infinite[3] = f64::INFINITY;
+    assert_eq!(cg.solve(&infinite, None, &options).unwrap_err(), CgError::NotFinite { row: 3 });
+    let zero = SparseMatrix::zero((2, 2));
+    assert_eq!(
+        ConjugateGradient::new(&zero, Preconditioner::Jacobi).unwrap_err(),
+        CgError::Diagonal { row: 0, value: 0.0 }
+    );
+}
+
+/// Same bits on one thread and on four.
+#[test]
+fn threads_do_not_change_bits() {
+    let n = 120 * 130;
+    let a = combine(1.0, Mass::Lumped(&vec![1.0; n]), 20.0, &grid(120, 130));
+    let b: Vec<[f64; 3]> = random_vector(n, 2).into_iter().map(|v| [v, v * v, 1.0 - v]).collect();
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let cg = ConjugateGradient::new(&a, Preconditioner::Jacobi).unwrap();
+            cg.solve_points(&b, None, &CgOptions::default()).unwrap()
+        })
+    };
+    assert_eq!(run(1), run(4));
+}

@@ -1,0 +1,5 @@
+//! Tests of the public interface, in one binary.
+
+mod cholesky;
+mod conjugate_gradient;
+mod matrices;
