@@ -2,7 +2,8 @@
 
 use super::made;
 use crate::TriMesh;
-use crate::vec3::{add, norm, scale};
+use crate::subdivide::subdivide_midpoint;
+use crate::vec3::{norm, scale};
 
 /// The unit sphere as an icosahedron, each face cut into four `level` times,
 /// new vertices pushed out to the sphere.
@@ -19,25 +20,14 @@ pub fn icosphere(level: u32) -> TriMesh {
     assert!(level <= 13, "an icosphere of level {level} has more corners than u32 can number");
     let mut mesh = icosahedron();
     for _ in 0..level {
-        let mut positions = mesh.positions().to_vec();
-        for &[a, b] in mesh.topology().edges() {
-            let middle = add(mesh.positions()[a as usize], mesh.positions()[b as usize]);
-            positions.push(scale(middle, 1.0 / norm(middle)));
-        }
-        mesh = made(positions, quartered(&mesh));
+        mesh = match subdivide_midpoint(&mesh) {
+            Ok(fine) => fine,
+            Err(error) => unreachable!("the level was checked: {error}"),
+        };
+        let positions = mesh.positions().iter().map(|&p| scale(p, 1.0 / norm(p))).collect();
+        mesh = made(positions, mesh.faces().to_vec());
     }
     mesh
-}
-
-/// The faces of `mesh`, each cut into four; vertex `V + e` is on edge `e`.
-fn quartered(mesh: &TriMesh) -> Vec<[u32; 3]> {
-    let base = mesh.vertex_count() as u32;
-    let mut faces = Vec::with_capacity(4 * mesh.face_count());
-    for (&[a, b, c], edges) in mesh.faces().iter().zip(mesh.topology().face_edges()) {
-        let [bc, ca, ab] = edges.map(|e| base + e);
-        faces.extend([[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]);
-    }
-    faces
 }
 
 /// A vertex at each pole and two rings of five between, the lower one turned

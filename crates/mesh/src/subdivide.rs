@@ -1,0 +1,168 @@
+//! Subdivision: each face cut into four.
+
+use crate::TriMesh;
+use crate::vec3::{add, scale};
+use crate::{BuildError, Topology};
+
+/// Cuts each face into four at the middles of its edges; the surface stays.
+///
+/// Vertices: the old ones in their order, then one for each edge in the order
+/// of [`Topology::edges`]. Faces: the children of a face follow one another,
+/// the three corners first.
+///
+/// # Errors
+///
+/// [`BuildError::TooLarge`] if the new corners outnumber `u32`.
+pub fn subdivide_midpoint(mesh: &TriMesh) -> Result<TriMesh, BuildError> {
+    let x = mesh.positions();
+    let mut positions = x.to_vec();
+    positions.extend(mesh.topology().edges().iter().map(|e| middle(x, *e)));
+    TriMesh::new(positions, quartered(mesh)?)
+}
+
+/// One step of Loop's scheme, whose limit is smooth (C², and C¹ where other
+/// than six edges meet).
+///
+/// Inside, a new vertex is ⅜ of the ends of its edge and ⅛ of the two corners
+/// opposite; an old one with n neighbours keeps 1 − nβ of itself and takes β
+/// of each, with
+///
+/// ```text
+/// β = (⅝ − (⅜ + ¼ cos 2π/n)²) / n
+/// ```
+///
+/// Edges that have other than two faces are creases: their middles and the
+/// weights ⅛, ¾, ⅛ along them; vertices where other than two creases meet
+/// stay. Numbering as in [`subdivide_midpoint`]. Source: \[loop1987\],
+/// boundary rules of \[hoppe1994\].
+///
+/// # Errors
+///
+/// [`BuildError::TooLarge`] if the new corners outnumber `u32`.
+pub fn subdivide_loop(mesh: &TriMesh) -> Result<TriMesh, BuildError> {
+    let x = mesh.positions();
+    let topology = mesh.topology();
+    let mut creases: Vec<Vec<u32>> = vec![vec![]; mesh.vertex_count()];
+    for (e, &[a, b]) in topology.edges().iter().enumerate() {
+        if topology.edge_faces(e as u32).len() != 2 {
+            creases[a as usize].push(b);
+            creases[b as usize].push(a);
+        }
+    }
+    let mut positions: Vec<[f64; 3]> = (0..mesh.vertex_count())
+        .map(|v| match creases[v][..] {
+            [] => smoothed(x, topology, v),
+            [a, b] => add(scale(x[v], 0.75), scale(middle(x, [a, b]), 0.25)),
+            _ => x[v],
+        })
+        .collect();
+    positions.extend(topology.edges().iter().enumerate().map(|(e, &ends)| {
+        match *topology.edge_faces(e as u32) {
+            [f, g] => {
+                let opposite = [f, g].map(|f| {
+                    let place =
+                        topology.face_edges()[f as usize].iter().position(|&i| i == e as u32);
+                    // The face is one of the edge's, so the edge one of its.
+                    mesh.faces()[f as usize][place.unwrap_or(0)]
+                });
+                add(scale(middle(x, ends), 0.75), scale(middle(x, opposite), 0.25))
+            }
+            _ => middle(x, ends),
+        }
+    }));
+    TriMesh::new(positions, quartered(mesh)?)
+}
+
+/// An old vertex away from creases; isolated ones stay.
+fn smoothed(x: &[[f64; 3]], topology: &Topology, v: usize) -> [f64; 3] {
+    let neighbors = topology.neighbors(v as u32);
+    let n = neighbors.len() as f64;
+    if neighbors.is_empty() {
+        return x[v];
+    }
+    let c = 0.375 + 0.25 * (std::f64::consts::TAU / n).cos();
+    let beta = (0.625 - c * c) / n;
+    let sum = neighbors.iter().fold([0.0; 3], |s, &w| add(s, x[w as usize]));
+    add(scale(x[v], 1.0 - n * beta), scale(sum, beta))
+}
+
+/// The faces of `mesh`, each cut into four; vertex `V + e` is on edge `e`.
+pub(crate) fn quartered(mesh: &TriMesh) -> Result<Vec<[u32; 3]>, BuildError> {
+    let count = 12 * mesh.face_count();
+    if u32::try_from(count).is_err() {
+        return Err(BuildError::TooLarge { what: "corners", count });
+    }
+    let base = mesh.vertex_count() as u32;
+    let mut faces = Vec::with_capacity(4 * mesh.face_count());
+    for (&[a, b, c], edges) in mesh.faces().iter().zip(mesh.topology().face_edges()) {
+        let [bc, ca, ab] = edges.map(|e| base + e);
+        faces.extend([[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]);
+    }
+    Ok(faces)
+}
+
+fn middle(x: &[[f64; 3]], [a, b]: [u32; 2]) -> [f64; 3] {
+    scale(add(x[a as usize], x[b as usize]), 0.5)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shapes;
+
+    #[test]
+    fn midpoints_leave_the_surface() {
+        let coarse = shapes::torus(3.0, 1.0, 12, 8);
+        let fine = subdivide_midpoint(&coarse).unwrap();
+        assert_eq!(fine.face_count(), 4 * coarse.face_count());
+        assert_eq!(fine.topology().genus(), Some(1));
+        // Sums of as many terms as there are faces, each rounded.
+        assert!((fine.area() / coarse.area() - 1.0).abs() < 1e-13);
+        assert!((fine.signed_volume() / coarse.signed_volume() - 1.0).abs() < 1e-13);
+    }
+
+    /// The weights sum to one and reproduce a plane with its inner vertices,
+    /// where the grid is regular: there Loop's scheme has linear precision.
+    #[test]
+    fn loop_keeps_a_regular_plane() {
+        let plane = shapes::plane(6, 6, shapes::Diagonals::Regular);
+        let fine = subdivide_loop(&plane).unwrap();
+        let old = plane.positions();
+        for v in 0..plane.vertex_count() {
+            let [x, y, _] = old[v];
+            if plane.topology().is_boundary_vertex(v as u32) {
+                let corner = [x, y].iter().all(|&t| t == 0.0 || t == 1.0);
+                let moved = crate::vec3::distance(old[v], fine.positions()[v]);
+                // A corner moves ¼ of the way to the middle of its
+                // neighbours, √2 / 12 away.
+                let expected = if corner { 2f64.sqrt() / 48.0 } else { 0.0 };
+                assert!((moved - expected).abs() < 1e-15);
+            } else {
+                assert!(crate::vec3::distance(old[v], fine.positions()[v]) < 1e-15);
+            }
+        }
+        assert!(fine.positions().iter().all(|p| p[2] == 0.0));
+    }
+
+    /// An octahedron with vertices at ±1: n = 4, β = 31/256 · … by hand.
+    #[test]
+    fn loop_on_an_octahedron() {
+        let x =
+            [[1., 0., 0.], [0., 1., 0.], [0., 0., 1.], [-1., 0., 0.], [0., -1., 0.], [0., 0., -1.]];
+        let f = vec![
+            [0, 1, 2],
+            [1, 3, 2],
+            [3, 4, 2],
+            [4, 0, 2],
+            [1, 0, 5],
+            [3, 1, 5],
+            [4, 3, 5],
+            [0, 4, 5],
+        ];
+        let fine = subdivide_loop(&TriMesh::new(x.to_vec(), f).unwrap()).unwrap();
+        // β = (5/8 − 9/64) / 4 and the four neighbours sum to zero.
+        assert!((fine.positions()[0][0] - (1.0 - (0.625 - 9.0 / 64.0))).abs() < 1e-15);
+        // Edge 0-1: ⅜ (1, 1, 0), the opposite corners ±z cancel.
+        assert_eq!(fine.positions()[6], [0.375, 0.375, 0.0]);
+    }
+}
