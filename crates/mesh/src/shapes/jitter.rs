@@ -10,9 +10,10 @@ use crate::vec3::{add, distance, dot, norm, scale, sub};
 /// surface: another, irregular sampling of the same surface, as convergence
 /// studies need it.
 ///
-/// The displacement is uniform in the ball of radius `amount` × the shortest
-/// edge at the vertex. Boundary vertices stay, so that the border does. Up to
-/// an amount of 0.3 the faces of the shapes here keep their sense.
+/// The displacement is uniform in the ball of radius `amount` × the least
+/// height of the faces at the vertex: below ½, no corner can meet the side
+/// opposite it, so that on a flat mesh no face turns over, nor on a curved one
+/// fine enough. Boundary vertices stay, so that the border does.
 ///
 /// # Panics
 ///
@@ -30,14 +31,11 @@ pub fn jittered(
     let positions = (0..mesh.vertex_count())
         .map(|v| {
             let shift = in_unit_ball(&mut rng);
-            let shortest = topology
-                .neighbors(v as u32)
-                .iter()
-                .map(|&w| distance(x[v], x[w as usize]))
-                .reduce(f64::min);
-            match shortest {
-                Some(length) if !topology.is_boundary_vertex(v as u32) => {
-                    onto(add(x[v], scale(shift, amount * length)))
+            let faces = mesh.incidence().corners(v as u32).iter().map(|c| c / 3);
+            let height = faces.map(|f| least_height(mesh, f as usize)).reduce(f64::min);
+            match height {
+                Some(height) if !topology.is_boundary_vertex(v as u32) => {
+                    onto(add(x[v], scale(shift, amount * height)))
                 }
                 _ => x[v],
             }
@@ -47,6 +45,12 @@ pub fn jittered(
         Ok(moved) => moved,
         Err(error) => panic!("the projection left the surface: {error}"),
     }
+}
+
+/// Twice the area over the longest side.
+fn least_height(mesh: &TriMesh, f: usize) -> f64 {
+    let [a, b, c] = mesh.triangle(f);
+    2.0 * mesh.face_area(f) / distance(a, b).max(distance(b, c)).max(distance(c, a))
 }
 
 /// A point of the unit ball, all equally likely.

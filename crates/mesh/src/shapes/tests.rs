@@ -136,7 +136,7 @@ fn jitter_stays_on_the_surface_and_keeps_faces_upright() {
 
         let e = jittered(&ellipsoid(axes, 3), 0.3, seed, onto_ellipsoid(axes));
         assert!(upright(&e, &ellipsoid(axes, 3)));
-        check(&e, 0, 0, 3.0);
+        check(&e, 0, 0, 8.0);
         for p in e.positions() {
             let f: f64 = (0..3).map(|k| (p[k] / axes[k]).powi(2)).sum();
             assert!((f - 1.0).abs() < 1e-14, "{f}");
