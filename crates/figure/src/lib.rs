@@ -6,24 +6,35 @@
 
 mod camera;
 mod color;
+mod colorbar;
+mod drawing;
 mod error;
 mod field;
+mod figure;
 mod image;
 mod light;
 mod maps;
 mod normals;
+mod number;
 mod occlusion;
 mod raster;
 mod render;
 mod scale;
+mod text;
+mod ticks;
 
 pub use camera::{Camera, Up, Viewpoint};
 pub use color::{from_hue, linear_from_srgb, srgb_from_linear};
+pub use colorbar::ColorBar;
+pub use drawing::Drawing;
 pub use error::{EncodeError, RenderError, ScaleError};
 pub use field::Field;
+pub use figure::{Figure, Panel};
 pub use image::Image;
 pub use maps::ColorMap;
 pub use normals::Shading;
+pub use number::number;
 pub use occlusion::Occlusion;
 pub use render::{Background, Colors, MAX_SIDE, RenderOptions, Wireframe, render};
 pub use scale::{Center, Limits, Scale, ScaleOptions, Spread, UNDEFINED};
+pub use text::draw_svg;

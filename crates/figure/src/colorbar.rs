@@ -1,0 +1,127 @@
+//! The key to the colours.
+
+use crate::drawing::{Anchor, Drawing, INK, SOFT, hex, short};
+use crate::number::{number, power_of_ten};
+use crate::scale::{Scale, Spread};
+use crate::text::Style;
+use crate::ticks;
+
+/// A colour bar with ticks.
+///
+/// An equalised scale is shown with its colours evenly spaced and the true
+/// values below the quarters. An arrow at an end says that some values lie
+/// beyond it.
+#[derive(Debug, Clone)]
+pub struct ColorBar {
+    /// Values and colours.
+    pub scale: Scale,
+    /// What is shown, such as `mean curvature H`.
+    pub quantity: String,
+    /// The unit, such as `1/m`; empty for pure numbers.
+    pub unit: String,
+}
+
+const THICKNESS: f64 = 13.0;
+const ARROW: f64 = 9.0;
+const TICK_SIZE: f64 = 12.0;
+const LABEL_SIZE: f64 = 13.0;
+
+impl ColorBar {
+    /// Draws the bar `width` CSS pixels wide: colours, ticks, and below them
+    /// quantity and unit.
+    pub fn draw(&self, width: f64) -> Drawing {
+        let mut out = Drawing::new(width, THICKNESS + 19.0 + 22.0);
+        // Labels of the end ticks reach beyond the bar.
+        let margin = ARROW + 14.0;
+        let length = (width - 2.0 * margin).max(20.0);
+        let at = |t: f64| margin + length * t;
+        let (map, scale) = (self.scale.map(), &self.scale);
+        let steps = 120;
+        for i in 0..steps {
+            let t = (f64::from(i) + 0.5) / f64::from(steps);
+            let left = at(f64::from(i) / f64::from(steps));
+            // A little overlap hides the seams.
+            let overlap = if i + 1 == steps { 0.0 } else { 0.5 };
+            out.push(format_args!(
+                "<rect x=\"{}\" y=\"0\" width=\"{}\" height=\"{THICKNESS}\" fill=\"{}\"/>",
+                short(left),
+                short(length / f64::from(steps) + overlap),
+                hex(map.at(t)),
+            ));
+        }
+        let mut arrow = |from: f64, to: f64, t: f64| {
+            out.push(format_args!(
+                "<path d=\"M{} 0L{} {}L{} {THICKNESS}Z\" fill=\"{}\"/>",
+                short(from),
+                short(to),
+                THICKNESS / 2.0,
+                short(from),
+                hex(map.at(t)),
+            ));
+        };
+        if scale.has_below() {
+            arrow(at(0.0), at(0.0) - ARROW, 0.0);
+        }
+        if scale.has_above() {
+            arrow(at(1.0), at(1.0) + ARROW, 1.0);
+        }
+        let (marks, exponent) = self.marks(length);
+        for (t, label) in &marks {
+            let x = short(at(*t));
+            out.push(format_args!("<path d=\"M{x} {THICKNESS}v4\" stroke=\"{SOFT}\"/>"));
+            let below = [at(*t), THICKNESS + 16.0];
+            out.text(below, TICK_SIZE, Anchor::Middle, Style::Regular, SOFT, label);
+        }
+        let below = [width / 2.0, THICKNESS + 35.0];
+        out.text(below, LABEL_SIZE, Anchor::Middle, Style::Regular, INK, &self.label(exponent));
+        out
+    }
+
+    /// Positions on the bar and their labels.
+    fn marks(&self, length: f64) -> (Vec<(f64, String)>, i32) {
+        let scale = &self.scale;
+        if scale.high() <= scale.low() {
+            return (vec![(0.5, number(scale.low(), 3))], 0);
+        }
+        match scale.spread() {
+            Spread::Linear => {
+                let wanted = (length / 60.0).clamp(2.0, 6.0) as usize;
+                let ticks = ticks::linear(scale.low(), scale.high(), wanted);
+                let marks = ticks.major.into_iter().map(|(x, l)| (scale.position(x), l));
+                (marks.collect(), ticks.exponent)
+            }
+            Spread::Equalized => {
+                let parts = if length < 220.0 { 2 } else { 4 };
+                let (low, high) = (scale.low(), scale.high());
+                let largest = low.abs().max(high.abs());
+                // What is too small to matter beside the ends is zero.
+                let shown = |x: f64| if x.abs() < 5e-4 * largest { 0.0 } else { x };
+                let marks = (0..=parts).map(|i| {
+                    let t = f64::from(i) / f64::from(parts);
+                    let value = match i {
+                        0 => low,
+                        _ if i == parts => high,
+                        _ => scale.value(t),
+                    };
+                    (t, number(shown(value), 2))
+                });
+                (marks.collect(), 0)
+            }
+        }
+    }
+
+    fn label(&self, exponent: i32) -> String {
+        let factor = (exponent != 0).then(|| power_of_ten(exponent));
+        let unit = match (factor, self.unit.is_empty()) {
+            (None, true) => String::new(),
+            (None, false) => format!(" ({})", self.unit),
+            (Some(factor), true) => format!(" (×{factor})"),
+            (Some(factor), false) => format!(" ({factor} {})", self.unit),
+        };
+        let spread = match self.scale.spread() {
+            Spread::Linear => "",
+            Spread::Equalized => ", equalised",
+        };
+        format!("{}{unit}{spread}", self.quantity)
+    }
+}

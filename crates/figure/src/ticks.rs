@@ -1,0 +1,108 @@
+//! Where an axis is marked, and what the marks say.
+
+use crate::number::{fixed, power_of_ten};
+
+/// Marks of an axis.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Ticks {
+    /// Labelled values, ascending.
+    pub(crate) major: Vec<(f64, String)>,
+    /// Values with a short mark and no label.
+    pub(crate) minor: Vec<f64>,
+    /// Labels are to be multiplied by ten to this power.
+    pub(crate) exponent: i32,
+}
+
+/// Round values, about `wanted` of them, from `low` to `high`.
+pub(crate) fn linear(low: f64, high: f64, wanted: usize) -> Ticks {
+    let none = Ticks { major: vec![], minor: vec![], exponent: 0 };
+    let raw = (high - low) / wanted.max(1) as f64;
+    if !raw.is_normal() || raw < 0.0 {
+        return Ticks { major: vec![(low, crate::number::number(low, 3))], ..none };
+    }
+    let decade = 10f64.powf(raw.log10().floor());
+    let step = [1.0, 2.0, 2.5, 5.0].iter().map(|m| m * decade).find(|&s| s >= raw * 0.999);
+    let step = step.unwrap_or(10.0 * decade);
+    let first = (low / step - 1e-9).ceil();
+    let last = (high / step + 1e-9).floor();
+    if !(first.abs() < 1e15 && last.abs() < 1e15) {
+        return none;
+    }
+    let values: Vec<f64> = (first as i64..=last as i64).map(|i| i as f64 * step).collect();
+    let largest = low.abs().max(high.abs());
+    let magnitude = largest.log10().floor() as i32;
+    let exponent = if (-2..=4).contains(&magnitude) { 0 } else { magnitude };
+    let unit = 10f64.powi(exponent);
+    // As many decimals as tell neighbours apart; 2.5 steps need one more.
+    let decimals = (0..=12)
+        .find(|&d| {
+            let shown = step / unit * 10f64.powi(d);
+            (shown - shown.round()).abs() < 1e-6 * shown
+        })
+        .unwrap_or(12) as usize;
+    let label = |x: f64| fixed(x / unit, decimals, false);
+    Ticks { major: values.into_iter().map(|x| (x, label(x))).collect(), minor: vec![], exponent }
+}
+
+/// Powers of ten, with 2 and 5 times those where there are few.
+pub(crate) fn logarithmic(low: f64, high: f64, wanted: usize) -> Ticks {
+    let (first, last) = (low.log10(), high.log10());
+    let decades = last - first;
+    let within = |x: f64| x >= low * (1.0 - 1e-9) && x <= high * (1.0 + 1e-9);
+    let range = first.floor() as i32..=last.ceil() as i32;
+    let multiples = |factors: &[f64]| -> Vec<f64> {
+        let all = range.clone().flat_map(|e| factors.iter().map(move |f| f * 10f64.powi(e)));
+        all.filter(|&x| within(x)).collect()
+    };
+    if decades < 0.6 {
+        // Too little of a decade for powers of ten: as on a linear axis.
+        return Ticks { minor: vec![], ..linear(low, high, wanted) };
+    }
+    let plain = |x: f64| crate::number::number(x, 1);
+    if decades < 2.2 {
+        let major = multiples(&[1.0, 2.0, 5.0]).into_iter().map(|x| (x, plain(x))).collect();
+        let minor = multiples(&[3.0, 4.0, 6.0, 7.0, 8.0, 9.0]);
+        return Ticks { major, minor, exponent: 0 };
+    }
+    let step = (decades / wanted.max(1) as f64).ceil().max(1.0) as i32;
+    let major = range
+        .clone()
+        .filter(|e| e % step == 0 && within(10f64.powi(*e)))
+        .map(|e| (10f64.powi(e), power_of_ten(e)))
+        .collect();
+    let minor = match step {
+        1 if decades < 8.0 => multiples(&[2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]),
+        1 => vec![],
+        _ => {
+            range.filter(|e| e % step != 0).map(|e| 10f64.powi(e)).filter(|&x| within(x)).collect()
+        }
+    };
+    Ticks { major, minor, exponent: 0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(ticks: &Ticks) -> Vec<&str> {
+        ticks.major.iter().map(|(_, label)| label.as_str()).collect()
+    }
+
+    #[test]
+    fn linear_ticks_are_round() {
+        assert_eq!(labels(&linear(-1.3, 1.4, 4)), ["−1", "0", "1"]);
+        assert_eq!(labels(&linear(0.0, 0.1, 4)), ["0.000", "0.025", "0.050", "0.075", "0.100"]);
+        let small = linear(0.0, 3.1e-5, 3);
+        assert_eq!((labels(&small), small.exponent), (vec!["0", "2"], -5));
+        assert_eq!(labels(&linear(5e5, 5e5 + 3.0, 3)).len(), 4);
+        assert_eq!(labels(&linear(2.0, 2.0, 4)), ["2"]);
+    }
+
+    #[test]
+    fn logarithmic_ticks_follow_the_span() {
+        assert_eq!(labels(&logarithmic(0.04, 0.6, 5)), ["0.05", "0.1", "0.2", "0.5"]);
+        assert_eq!(labels(&logarithmic(1e-5, 2e-2, 5)), ["10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²"]);
+        assert_eq!(labels(&logarithmic(1e-12, 1.0, 4)), ["10⁻¹²", "10⁻⁹", "10⁻⁶", "10⁻³", "10⁰"]);
+        assert_eq!(labels(&logarithmic(1.0, 3.0, 4)), ["1.0", "1.5", "2.0", "2.5", "3.0"]);
+    }
+}
