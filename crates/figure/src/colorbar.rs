@@ -93,9 +93,8 @@ impl ColorBar {
             Spread::Equalized => {
                 let parts = if length < 220.0 { 2 } else { 4 };
                 let (low, high) = (scale.low(), scale.high());
-                let largest = low.abs().max(high.abs());
-                // What is too small to matter beside the ends is zero.
-                let shown = |x: f64| if x.abs() < 5e-4 * largest { 0.0 } else { x };
+                let exponent = ticks::exponent(low, high);
+                let shown = |x: f64| number(x / 10f64.powi(exponent), 2);
                 let marks = (0..=parts).map(|i| {
                     let t = f64::from(i) / f64::from(parts);
                     let value = match i {
@@ -103,9 +102,9 @@ impl ColorBar {
                         _ if i == parts => high,
                         _ => scale.value(t),
                     };
-                    (t, number(shown(value), 2))
+                    (t, shown(value))
                 });
-                (marks.collect(), 0)
+                (marks.collect(), exponent)
             }
         }
     }

@@ -82,7 +82,8 @@ pub struct RenderOptions {
     pub wireframe: Option<Wireframe>,
     /// What stands behind the mesh.
     pub background: Background,
-    /// The colour towards which faces seen from behind are tinted, half way;
+    /// The colour towards which faces seen from behind are tinted, a third of
+    /// the way;
     /// `None` shows both sides alike.
     pub back_tint: Option<[u8; 3]>,
 }
@@ -100,6 +101,9 @@ impl Default for RenderOptions {
         }
     }
 }
+
+/// Enough to tell the sides apart, little enough to read a field's colours.
+const BACK_TINT: f32 = 1.0 / 3.0;
 
 impl RenderOptions {
     /// Width over height, as [`Camera::fit`] takes it.
@@ -305,7 +309,7 @@ impl Painter<'_> {
             }
         };
         if let (true, Some(tint)) = (from_behind, self.tint) {
-            base = base.lerp(tint, 0.5);
+            base = base.lerp(tint, BACK_TINT);
         }
         let open = self.occlusion.map_or(1.0, |o| {
             let values = if from_behind { o.back() } else { o.front() };

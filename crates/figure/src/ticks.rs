@@ -29,9 +29,7 @@ pub(crate) fn linear(low: f64, high: f64, wanted: usize) -> Ticks {
         return none;
     }
     let values: Vec<f64> = (first as i64..=last as i64).map(|i| i as f64 * step).collect();
-    let largest = low.abs().max(high.abs());
-    let magnitude = largest.log10().floor() as i32;
-    let exponent = if (-2..=4).contains(&magnitude) { 0 } else { magnitude };
+    let exponent = exponent(low, high);
     let unit = 10f64.powi(exponent);
     // As many decimals as tell neighbours apart; 2.5 steps need one more.
     let decimals = (0..=12)
@@ -42,6 +40,14 @@ pub(crate) fn linear(low: f64, high: f64, wanted: usize) -> Ticks {
         .unwrap_or(12) as usize;
     let label = |x: f64| fixed(x / unit, decimals, false);
     Ticks { major: values.into_iter().map(|x| (x, label(x))).collect(), minor: vec![], exponent }
+}
+
+/// The power of ten to take out of the labels: none for magnitudes from 0.01
+/// to 99 999.
+pub(crate) fn exponent(low: f64, high: f64) -> i32 {
+    let largest = low.abs().max(high.abs());
+    let magnitude = if largest > 0.0 { largest.log10().floor() as i32 } else { 0 };
+    if (-2..=4).contains(&magnitude) { 0 } else { magnitude }
 }
 
 /// Powers of ten, with 2 and 5 times those where there are few.

@@ -1,0 +1,345 @@
+//! Plots as drawings.
+
+use super::axis::{Axis, AxisScale, Range, label};
+use super::legend;
+use super::series::{Series, Shape, Style, slope_ends};
+use super::{Legend, Plot, PlotError};
+use crate::drawing::{Anchor, Drawing, INK, SOFT, short};
+use crate::text::{Style as Face, width};
+use crate::ticks::Ticks;
+
+const TICK_SIZE: f64 = 12.0;
+const LABEL_SIZE: f64 = 13.0;
+const GRID: &str = "#e8eaed";
+
+pub(super) fn draw(plot: &Plot, width: f64, height: f64) -> Result<Drawing, PlotError> {
+    let styled = styles(&plot.series);
+    let [x, y] = ranges(plot)?;
+    let size = [width, height];
+    let named = match plot.legend {
+        Legend::None => None,
+        _ => legend::draw(&styled),
+    };
+    let free = Frame::new(plot, [x, y], size, [0.0; 2]);
+    // Inside if a corner is free, else beside the frame if that leaves it
+    // most of the width, else below.
+    let (frame, legend) = match named {
+        None => (free, None),
+        Some(named) => {
+            let taken = free.taken(&plot.series);
+            let corner = match plot.legend {
+                Legend::Auto => legend::corner(&named, free.sides(), &taken),
+                _ => None,
+            };
+            let beside = named.width + 10.0;
+            match corner {
+                Some(corner) => (free, Some((corner, named))),
+                None if plot.legend == Legend::Right || beside < 0.28 * width => {
+                    let frame = Frame::new(plot, [x, y], size, [beside, 0.0]);
+                    let place = [frame.right + 10.0, frame.top];
+                    (frame, Some((place, named)))
+                }
+                None => {
+                    let rows = legend::rows(&styled, free.right - free.left);
+                    let frame = Frame::new(plot, [x, y], size, [0.0, rows.height + 6.0]);
+                    let place = [frame.left, height - rows.height];
+                    (frame, Some((place, rows)))
+                }
+            }
+        }
+    };
+    let mut out = Drawing::new(width, height);
+    frame.axes(&mut out, plot);
+    let [left, top, right, bottom] = frame.sides();
+    // A nested picture cuts off what reaches beyond given limits.
+    out.push(format_args!(
+        "<svg x=\"{0}\" y=\"{1}\" width=\"{2}\" height=\"{3}\" viewBox=\"{0} {1} {2} {3}\">",
+        short(left),
+        short(top),
+        short(right - left),
+        short(bottom - top),
+    ));
+    let behind = |s: &Series| matches!(s.shape, Shape::Band(_) | Shape::Bars(_));
+    for (series, style) in styled.iter().filter(|(s, _)| behind(s)) {
+        frame.series(&mut out, plot, series, *style);
+    }
+    for (series, style) in styled.iter().filter(|(s, _)| !behind(s)) {
+        frame.series(&mut out, plot, series, *style);
+    }
+    out.push(format_args!("</svg>"));
+    out.push(format_args!(
+        "<path d=\"M{0} {1}V{2}H{3}\" fill=\"none\" stroke=\"{SOFT}\"/>",
+        short(left),
+        short(top),
+        short(bottom),
+        short(right),
+    ));
+    if let Some((place, legend)) = legend {
+        out.place(place, &legend);
+    }
+    Ok(out)
+}
+
+/// Each series with its look: that which was asked for, or the next.
+fn styles(series: &[Series]) -> Vec<(&Series, Style)> {
+    let mut next = 0;
+    let mut style = |s: &Series| match s.style {
+        Some(style) => style,
+        None if s.is_styled() => {
+            next += 1;
+            next - 1
+        }
+        None => 0,
+    };
+    series.iter().map(|s| (s, Style(style(s)))).collect()
+}
+
+fn ranges(plot: &Plot) -> Result<[Range; 2], PlotError> {
+    for series in &plot.series {
+        series.check(plot.x.scale, plot.y.scale, plot.categories.len())?;
+    }
+    let mut points: Vec<[f64; 2]> = plot.series.iter().flat_map(Series::extent).collect();
+    let mut bars = false;
+    for series in &plot.series {
+        match &series.shape {
+            Shape::Bars(values) => {
+                bars = true;
+                points.extend(values.iter().enumerate().map(|(i, &y)| [i as f64 + 1.0, y]));
+            }
+            Shape::Level(y) => points.extend(points.first().map(|p| [p[0], *y])),
+            _ => {}
+        }
+    }
+    if points.is_empty() {
+        return Err(PlotError::Empty);
+    }
+    let extremes = |k: usize| {
+        let start = [f64::INFINITY, f64::NEG_INFINITY];
+        points.iter().fold(start, |[lo, hi], p| [lo.min(p[k]), hi.max(p[k])])
+    };
+    let [low, high] = extremes(1);
+    if !bars {
+        return Ok([Range::fit(&plot.x, extremes(0))?, Range::fit(&plot.y, [low, high])?]);
+    }
+    let groups = Axis::default().from_to(0.5, plot.categories.len() as f64 + 0.5);
+    let mut y = Range::fit(&plot.y, [low, high])?;
+    if plot.y.limits.is_none() && plot.y.scale == AxisScale::Linear {
+        // Bars are lengths: they begin at zero.
+        y.low = if low >= 0.0 { 0.0 } else { y.low };
+        y.high = if high <= 0.0 { 0.0 } else { y.high };
+    }
+    Ok([Range::fit(&groups, [0.0; 2])?, y])
+}
+
+/// The rectangle of the data, and how values are placed in it.
+struct Frame {
+    left: f64,
+    top: f64,
+    right: f64,
+    bottom: f64,
+    x: Range,
+    y: Range,
+    x_ticks: Ticks,
+    y_ticks: Ticks,
+}
+
+impl Frame {
+    /// Leaves room for labels, and what is spared to the right and below.
+    fn new(plot: &Plot, [x, y]: [Range; 2], size: [f64; 2], spare: [f64; 2]) -> Self {
+        let title = if plot.title.is_empty() { 0.0 } else { 24.0 };
+        let below = spare[1] + if plot.x.label.is_empty() { 26.0 } else { 48.0 };
+        let y_ticks = y.ticks(((size[1] - title - below) / 45.0).clamp(2.0, 8.0) as usize);
+        let widest = y_ticks.major.iter().map(|(_, l)| width(l, TICK_SIZE, Face::Regular));
+        let beside_y = if plot.y.label.is_empty() && y_ticks.exponent == 0 { 6.0 } else { 26.0 };
+        let left = beside_y + widest.fold(0.0, f64::max) + 9.0;
+        let right = size[0] - 14.0 - spare[0];
+        let x_ticks = x.ticks(((right - left) / 70.0).clamp(2.0, 8.0) as usize);
+        let (top, bottom) = (title + 8.0, size[1] - below);
+        Self { left, top, right, bottom, x, y, x_ticks, y_ticks }
+    }
+
+    fn sides(&self) -> [f64; 4] {
+        [self.left, self.top, self.right, self.bottom]
+    }
+
+    fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        // Far outside is outside: SVG readers stumble over huge numbers.
+        let place = |t: f64, from: f64, to: f64| from + (to - from) * t.clamp(-50.0, 50.0);
+        [
+            place(self.x.position(x), self.left, self.right),
+            place(self.y.position(y), self.bottom, self.top),
+        ]
+    }
+
+    fn axes(&self, out: &mut Drawing, plot: &Plot) {
+        let (left, top, right, bottom) = (self.left, self.top, self.right, self.bottom);
+        let middle = (left + right) / 2.0;
+        out.text([middle, 16.0], 14.0, Anchor::Middle, Face::Bold, INK, &plot.title);
+        for (y, words) in &self.y_ticks.major {
+            let [_, y] = self.at([self.x.low, *y]);
+            out.push(format_args!(
+                "<path d=\"M{} {1}H{2}\" stroke=\"{GRID}\"/><path d=\"M{3} {1}h-4\" stroke=\"{SOFT}\"/>",
+                short(left),
+                short(y),
+                short(right),
+                short(left),
+            ));
+            out.text([left - 7.0, y + 4.3], TICK_SIZE, Anchor::End, Face::Regular, SOFT, words);
+        }
+        for y in &self.y_ticks.minor {
+            let [_, y] = self.at([self.x.low, *y]);
+            out.push(format_args!(
+                "<path d=\"M{} {}h-2.5\" stroke=\"{SOFT}\"/>",
+                short(left),
+                short(y)
+            ));
+        }
+        if plot.categories.is_empty() {
+            for (x, words) in &self.x_ticks.major {
+                let [x, _] = self.at([*x, self.y.low]);
+                out.push(format_args!(
+                    "<path d=\"M{0} {1}V{2}\" stroke=\"{GRID}\"/><path d=\"M{0} {2}v4\" stroke=\"{SOFT}\"/>",
+                    short(x),
+                    short(top),
+                    short(bottom),
+                ));
+                let below = [x, bottom + 17.0];
+                out.text(below, TICK_SIZE, Anchor::Middle, Face::Regular, SOFT, words);
+            }
+            for x in &self.x_ticks.minor {
+                let [x, _] = self.at([*x, self.y.low]);
+                out.push(format_args!(
+                    "<path d=\"M{} {}v2.5\" stroke=\"{SOFT}\"/>",
+                    short(x),
+                    short(bottom)
+                ));
+            }
+        } else {
+            for (i, words) in plot.categories.iter().enumerate() {
+                let [x, _] = self.at([i as f64 + 1.0, self.y.low]);
+                let below = [x, bottom + 17.0];
+                out.text(below, TICK_SIZE, Anchor::Middle, Face::Regular, INK, words);
+            }
+        }
+        let exponent = if plot.categories.is_empty() { self.x_ticks.exponent } else { 0 };
+        let below = [middle, bottom + 38.0];
+        let words = label(&plot.x, exponent);
+        out.text(below, LABEL_SIZE, Anchor::Middle, Face::Regular, INK, &words);
+        let words = label(&plot.y, self.y_ticks.exponent);
+        out.text_upward([15.0, (top + bottom) / 2.0], LABEL_SIZE, Face::Regular, &words);
+    }
+
+    fn series(&self, out: &mut Drawing, plot: &Plot, series: &Series, style: Style) {
+        let color = style.color();
+        match &series.shape {
+            Shape::Line(points) => self.path(out, points, color, style.dashes()),
+            Shape::MarkedLine(points) => {
+                self.path(out, points, color, "");
+                self.marks(out, points, style);
+            }
+            Shape::Points(points) => self.marks(out, points, style),
+            Shape::Band(points) => {
+                let upper = points.iter().map(|&[x, _, high]| [x, high]);
+                let lower = points.iter().rev().map(|&[x, low, _]| [x, low]);
+                let path = self.data(upper.chain(lower));
+                out.push(format_args!(
+                    "<path d=\"{path}Z\" fill=\"{color}\" fill-opacity=\"0.18\"/>"
+                ));
+            }
+            Shape::Bars(values) => self.bars(out, plot, series, values, color),
+            &Shape::Slope { order, through, span } => {
+                let ends = slope_ends(order, through, span);
+                self.path(out, &ends, SOFT, " stroke-dasharray=\"4 3\"");
+            }
+            Shape::Level(y) => {
+                let ends = [[self.x.low, *y], [self.x.high, *y]];
+                self.path(out, &ends, SOFT, " stroke-dasharray=\"4 3\"");
+            }
+        }
+    }
+
+    fn data(&self, points: impl Iterator<Item = [f64; 2]>) -> String {
+        let mut path = String::new();
+        for (i, p) in points.enumerate() {
+            let [x, y] = self.at(p);
+            path.push(if i == 0 { 'M' } else { 'L' });
+            path.push_str(&format!("{} {}", short(x), short(y)));
+        }
+        path
+    }
+
+    fn path(&self, out: &mut Drawing, points: &[[f64; 2]], color: &str, dashes: &str) {
+        let path = self.data(points.iter().copied());
+        out.push(format_args!(
+            "<path d=\"{path}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"1.8\" \
+             stroke-linejoin=\"round\"{dashes}/>"
+        ));
+    }
+
+    fn marks(&self, out: &mut Drawing, points: &[[f64; 2]], style: Style) {
+        let (color, mark) = (style.color(), style.mark());
+        for &p in points {
+            let [x, y] = self.at(p);
+            out.push(format_args!(
+                "<path transform=\"translate({} {})\" d=\"{mark}\" fill=\"{color}\" \
+                 stroke=\"#fff\" stroke-width=\"0.8\"/>",
+                short(x),
+                short(y),
+            ));
+        }
+    }
+
+    /// The bars of one series stand side by side with those of the others.
+    fn bars(&self, out: &mut Drawing, plot: &Plot, own: &Series, values: &[f64], color: &str) {
+        let all = plot.series.iter().filter(|s| matches!(s.shape, Shape::Bars(_)));
+        let count = all.clone().count() as f64;
+        let place = all.clone().position(|s| std::ptr::eq(s, own)).unwrap_or(0) as f64;
+        let each = 0.76 / count;
+        let base = if self.y.low > 0.0 { self.y.low } else { 0f64.min(self.y.high) };
+        for (i, &value) in values.iter().enumerate() {
+            let middle = i as f64 + 1.0 - 0.38 + each * (place + 0.5);
+            let [x0, y0] = self.at([middle - 0.45 * each, base]);
+            let [x1, y1] = self.at([middle + 0.45 * each, value]);
+            out.push(format_args!(
+                "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"{color}\"/>",
+                short(x0),
+                short(y0.min(y1)),
+                short(x1 - x0),
+                short((y1 - y0).abs()),
+            ));
+        }
+    }
+
+    /// Points along everything that is drawn, close enough to find out what
+    /// a legend would hide.
+    fn taken(&self, series: &[Series]) -> Vec<[f64; 2]> {
+        let mut taken = Vec::new();
+        for series in series {
+            if let Shape::Bars(values) = &series.shape {
+                for (i, &value) in values.iter().enumerate() {
+                    for part in 0..=20 {
+                        let y = value * f64::from(part) / 20.0;
+                        for dx in [-0.38, -0.2, 0.0, 0.2, 0.38] {
+                            taken.push(self.at([i as f64 + 1.0 + dx, y]));
+                        }
+                    }
+                }
+                continue;
+            }
+            let points: Vec<_> = series.extent().iter().map(|&p| self.at(p)).collect();
+            taken.extend(points.iter().copied());
+            if matches!(series.shape, Shape::Points(_)) {
+                continue;
+            }
+            for pair in points.windows(2) {
+                let [a, b] = [pair[0], pair[1]];
+                let steps = ((b[0] - a[0]).hypot(b[1] - a[1]) / 6.0).clamp(1.0, 500.0) as u32;
+                taken.extend((1..steps).map(|i| {
+                    let t = f64::from(i) / f64::from(steps);
+                    [a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t]
+                }));
+            }
+        }
+        taken
+    }
+}

@@ -1,0 +1,100 @@
+//! Where the series are named.
+
+use super::series::{Series, Shape, Style};
+use crate::drawing::{Anchor, Drawing, INK, SOFT, short};
+use crate::text::{Style as Face, width};
+
+pub(super) const SIZE: f64 = 12.5;
+const LINE: f64 = 18.0;
+const SWATCH: f64 = 26.0;
+const PAD: f64 = 7.0;
+
+/// The names and looks of all series that have a name; `None` if there is
+/// none.
+pub(super) fn draw(series: &[(&Series, Style)]) -> Option<Drawing> {
+    let named: Vec<_> = series.iter().filter(|(s, _)| !s.name.is_empty()).collect();
+    let widest = named.iter().map(|(s, _)| width(&s.name, SIZE, Face::Regular)).reduce(f64::max)?;
+    let size = [widest + SWATCH + 3.0 * PAD, LINE * named.len() as f64 + 1.5 * PAD];
+    let mut out = Drawing::new(size[0], size[1]);
+    out.push(format_args!(
+        "<rect width=\"{}\" height=\"{}\" rx=\"3\" fill=\"#fff\" fill-opacity=\"0.85\" \
+         stroke=\"#d5d8dd\"/>",
+        short(size[0]),
+        short(size[1]),
+    ));
+    for (i, (series, style)) in named.iter().enumerate() {
+        let y = PAD * 0.75 + LINE * (i as f64 + 0.5);
+        swatch(&mut out, series, *style, [PAD, y]);
+        let start = [SWATCH + 2.0 * PAD, y + 4.4];
+        out.text(start, SIZE, Anchor::Start, Face::Regular, INK, &series.name);
+    }
+    Some(out)
+}
+
+/// The same in rows no wider than `limit`, without a box, for below the frame.
+pub(super) fn rows(series: &[(&Series, Style)], limit: f64) -> Drawing {
+    let mut out = Drawing::new(limit, LINE);
+    let (mut x, mut y) = (0.0, 0.5 * LINE);
+    for (series, style) in series.iter().filter(|(s, _)| !s.name.is_empty()) {
+        let item = SWATCH + PAD + width(&series.name, SIZE, Face::Regular);
+        if x > 0.0 && x + item > limit {
+            (x, y) = (0.0, y + LINE);
+            out.height += LINE;
+        }
+        swatch(&mut out, series, *style, [x, y]);
+        let start = [x + SWATCH + PAD, y + 4.4];
+        out.text(start, SIZE, Anchor::Start, Face::Regular, INK, &series.name);
+        x += item + 2.5 * PAD;
+    }
+    out
+}
+
+fn swatch(out: &mut Drawing, series: &Series, style: Style, [left, y]: [f64; 2]) {
+    let (right, middle) = (short(left + SWATCH), short(left + SWATCH / 2.0));
+    let left = short(left);
+    let color = style.color();
+    let line = |out: &mut Drawing, color: &str, dashes: &str| {
+        out.push(format_args!(
+            "<path d=\"M{left} {0}H{right}\" stroke=\"{color}\" stroke-width=\"1.8\"{dashes}/>",
+            short(y)
+        ));
+    };
+    match series.shape {
+        Shape::Line(_) => line(out, color, style.dashes()),
+        Shape::Slope { .. } | Shape::Level(_) => line(out, SOFT, " stroke-dasharray=\"4 3\""),
+        Shape::MarkedLine(_) => line(out, color, ""),
+        Shape::Band(_) | Shape::Bars(_) => out.push(format_args!(
+            "<rect x=\"{left}\" y=\"{}\" width=\"{SWATCH}\" height=\"9\" fill=\"{color}\"{}/>",
+            short(y - 4.5),
+            if matches!(series.shape, Shape::Band(_)) { " fill-opacity=\"0.2\"" } else { "" },
+        )),
+        Shape::Points(_) => {}
+    }
+    if matches!(series.shape, Shape::MarkedLine(_) | Shape::Points(_)) {
+        out.push(format_args!(
+            "<path transform=\"translate({middle} {})\" d=\"{}\" fill=\"{color}\"/>",
+            short(y),
+            style.mark(),
+        ));
+    }
+}
+
+/// The corner of the frame, as the top left of the legend, in which the
+/// fewest of `taken` lie; `None` if none is nearly free.
+pub(super) fn corner(legend: &Drawing, frame: [f64; 4], taken: &[[f64; 2]]) -> Option<[f64; 2]> {
+    let [left, top, right, bottom] = frame;
+    let gap = 8.0;
+    let (w, h) = (legend.width, legend.height);
+    if w + 2.0 * gap > 0.7 * (right - left) || h + 2.0 * gap > 0.7 * (bottom - top) {
+        return None;
+    }
+    let [x0, x1] = [left + gap, right - gap - w];
+    let [y0, y1] = [top + gap, bottom - gap - h];
+    let hidden = |&[x, y]: &[f64; 2]| {
+        let inside = |p: &&[f64; 2]| {
+            p[0] > x - 4.0 && p[0] < x + w + 4.0 && p[1] > y - 4.0 && p[1] < y + h + 4.0
+        };
+        taken.iter().filter(inside).count()
+    };
+    [[x1, y0], [x0, y0], [x1, y1], [x0, y1]].into_iter().find(|c| hidden(c) == 0)
+}

@@ -1,0 +1,110 @@
+//! Plots: lines, points, bands and bars on linear or logarithmic axes.
+//!
+//! Drawn here and not by a plotting crate: of those that need no fonts on the
+//! machine, `kuva` came closest, but it pads logarithmic axes to whole
+//! decades, mixes labels like `1e-2` and `0.020` on one axis, sets a heavy
+//! legend outside of the frame and lets wide labels run into the axis title;
+//! what the report needs is small enough to be drawn the way it should be.
+
+mod axis;
+mod draw;
+mod legend;
+mod series;
+
+pub use axis::{Axis, AxisScale};
+pub use series::{Series, Shape};
+
+use crate::drawing::Drawing;
+
+/// Series over two axes.
+#[derive(Debug, Clone, Default)]
+pub struct Plot {
+    /// Stands above the frame; may be empty.
+    pub title: String,
+    /// The horizontal axis.
+    pub x: Axis,
+    /// The vertical axis.
+    pub y: Axis,
+    /// Drawn in this order, except that bands and bars come first.
+    pub series: Vec<Series>,
+    /// Names of the groups of bars, from left to right; the horizontal axis
+    /// then has no numbers.
+    pub categories: Vec<String>,
+    /// Where the series are named.
+    pub legend: Legend,
+}
+
+/// Where the series are named.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Legend {
+    /// In a free corner of the frame, or to its right or below if none is.
+    #[default]
+    Auto,
+    /// To the right of the frame.
+    Right,
+    /// Nowhere.
+    None,
+}
+
+/// Why a plot cannot be drawn.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PlotError {
+    /// No series has a point.
+    #[error("there is nothing to plot")]
+    Empty,
+    /// A coordinate is infinite or not a number.
+    #[error("{series}: point {index} is ({x}, {y}), which is not finite")]
+    NonFinite {
+        /// The name of the series.
+        series: String,
+        /// The point.
+        index: usize,
+        /// Its horizontal coordinate.
+        x: f64,
+        /// Its vertical coordinate.
+        y: f64,
+    },
+    /// A coordinate on a logarithmic axis is not positive.
+    #[error("{series}: point {index} is ({x}, {y}), which has no place on a logarithmic axis")]
+    NotPositive {
+        /// The name of the series.
+        series: String,
+        /// The point.
+        index: usize,
+        /// Its horizontal coordinate.
+        x: f64,
+        /// Its vertical coordinate.
+        y: f64,
+    },
+    /// Bars do not match the categories.
+    #[error("{series}: {found} bars were given for {expected} categories")]
+    Bars {
+        /// The name of the series.
+        series: String,
+        /// The number of categories.
+        expected: usize,
+        /// The number of bars.
+        found: usize,
+    },
+    /// The limits of an axis are not ascending, not finite, or not positive on
+    /// a logarithmic axis.
+    #[error("an axis cannot go from {low} to {high}")]
+    Limits {
+        /// The lower end.
+        low: f64,
+        /// The upper end.
+        high: f64,
+    },
+}
+
+impl Plot {
+    /// Draws the plot, `width × height` CSS pixels with all labels.
+    ///
+    /// # Errors
+    ///
+    /// [`PlotError`] for the first series that cannot be drawn.
+    pub fn draw(&self, width: f64, height: f64) -> Result<Drawing, PlotError> {
+        draw::draw(self, width, height)
+    }
+}

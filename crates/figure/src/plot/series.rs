@@ -1,0 +1,173 @@
+//! What is plotted.
+
+use super::PlotError;
+use super::axis::AxisScale;
+
+/// Points that belong together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    /// The name in the legend; none if empty.
+    pub name: String,
+    /// Points and how they are shown.
+    pub shape: Shape,
+    /// Which of the plot's colours, marks and dashes to use; series that
+    /// belong together share one. By default the place among those that have
+    /// none given.
+    pub style: Option<usize>,
+}
+
+/// Points and how they are shown.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Shape {
+    /// Points joined by straight lines in their order, with a mark each.
+    MarkedLine(Vec<[f64; 2]>),
+    /// Points joined by straight lines in their order.
+    Line(Vec<[f64; 2]>),
+    /// Points alone.
+    Points(Vec<[f64; 2]>),
+    /// The area between a lower and an upper value over x, as `[x, low, high]`:
+    /// the spread over seeds, for example.
+    Band(Vec<[f64; 3]>),
+    /// One bar per category.
+    Bars(Vec<f64>),
+    /// A grey dashed line y ∝ xᵖ through a point, over a span of x; straight
+    /// on logarithmic axes, where it shows an order of convergence.
+    Slope {
+        /// The exponent p.
+        order: f64,
+        /// The point it goes through.
+        through: [f64; 2],
+        /// Where it begins and ends.
+        span: [f64; 2],
+    },
+    /// A grey horizontal line at a value, over the whole width.
+    Level(f64),
+}
+
+impl Series {
+    /// A line with marks.
+    pub fn marked(name: impl Into<String>, points: Vec<[f64; 2]>) -> Self {
+        Self::new(name, Shape::MarkedLine(points))
+    }
+
+    /// A line.
+    pub fn line(name: impl Into<String>, points: Vec<[f64; 2]>) -> Self {
+        Self::new(name, Shape::Line(points))
+    }
+
+    /// Points alone.
+    pub fn points(name: impl Into<String>, points: Vec<[f64; 2]>) -> Self {
+        Self::new(name, Shape::Points(points))
+    }
+
+    /// Bars, one per category.
+    pub fn bars(name: impl Into<String>, values: Vec<f64>) -> Self {
+        Self::new(name, Shape::Bars(values))
+    }
+
+    /// The area between two values, in the style of series `style`, without a
+    /// name of its own.
+    pub fn band(points: Vec<[f64; 3]>, style: usize) -> Self {
+        Self { style: Some(style), ..Self::new("", Shape::Band(points)) }
+    }
+
+    /// A reference slope of that order.
+    pub fn slope(name: impl Into<String>, order: f64, through: [f64; 2], span: [f64; 2]) -> Self {
+        Self::new(name, Shape::Slope { order, through, span })
+    }
+
+    /// Any shape.
+    pub fn new(name: impl Into<String>, shape: Shape) -> Self {
+        Self { name: name.into(), shape, style: None }
+    }
+
+    /// Whether it takes a colour of its own.
+    pub(super) fn is_styled(&self) -> bool {
+        !matches!(self.shape, Shape::Slope { .. } | Shape::Level(_))
+    }
+
+    /// All points that must lie in the frame, bars apart.
+    pub(super) fn extent(&self) -> Vec<[f64; 2]> {
+        match &self.shape {
+            Shape::MarkedLine(p) | Shape::Line(p) | Shape::Points(p) => p.clone(),
+            Shape::Band(p) => p.iter().flat_map(|&[x, a, b]| [[x, a], [x, b]]).collect(),
+            Shape::Bars(_) | Shape::Level(_) => vec![],
+            &Shape::Slope { order, through, span } => slope_ends(order, through, span).to_vec(),
+        }
+    }
+
+    pub(super) fn check(
+        &self,
+        x_scale: AxisScale,
+        y_scale: AxisScale,
+        categories: usize,
+    ) -> Result<(), PlotError> {
+        let series = || self.name.clone();
+        let mut points = self.extent();
+        match &self.shape {
+            Shape::Bars(values) => {
+                if values.len() != categories {
+                    let found = values.len();
+                    return Err(PlotError::Bars { series: series(), expected: categories, found });
+                }
+                points = values.iter().map(|&y| [1.0, y]).collect();
+            }
+            Shape::Level(y) => points.push([1.0, *y]),
+            _ => {}
+        }
+        for (index, &[x, y]) in points.iter().enumerate() {
+            if !x.is_finite() || !y.is_finite() {
+                return Err(PlotError::NonFinite { series: series(), index, x, y });
+            }
+            let log = |scale, value| scale == AxisScale::Log && value <= 0.0;
+            if log(x_scale, x) || log(y_scale, y) {
+                return Err(PlotError::NotPositive { series: series(), index, x, y });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The ends of y = y₀ (x / x₀)ᵖ over a span of x.
+pub(super) fn slope_ends(order: f64, [x0, y0]: [f64; 2], span: [f64; 2]) -> [[f64; 2]; 2] {
+    span.map(|x| [x, y0 * (x / x0).powf(order)])
+}
+
+/// Colours that stay apart for colour-blind people and in grey
+/// (\[okabe2008\], without the yellow that is too light for lines).
+const COLORS: [&str; 7] =
+    ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#3b3b3b"];
+
+/// The look of one series.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Style(pub(super) usize);
+
+impl Style {
+    pub(super) fn color(self) -> &'static str {
+        COLORS[self.0 % COLORS.len()]
+    }
+
+    /// Dashes for lines without marks, so that colour is not all that tells
+    /// them apart.
+    pub(super) fn dashes(self) -> &'static str {
+        [
+            "",
+            " stroke-dasharray=\"7 3\"",
+            " stroke-dasharray=\"2 3\"",
+            " stroke-dasharray=\"9 3 2 3\"",
+        ][self.0 % 4]
+    }
+
+    /// The outline of a mark about the origin.
+    pub(super) fn mark(self) -> &'static str {
+        [
+            "M-3.6 0a3.6 3.6 0 1 0 7.2 0a3.6 3.6 0 1 0 -7.2 0Z",
+            "M-3.3 -3.3h6.6v6.6h-6.6Z",
+            "M0 -4.4L4.2 3.3H-4.2Z",
+            "M0 -4.7L4.2 0L0 4.7L-4.2 0Z",
+            "M0 4.4L4.2 -3.3H-4.2Z",
+            "M-4.2 -1.5h2.7v-2.7h3v2.7h2.7v3h-2.7v2.7h-3v-2.7h-2.7Z",
+        ][self.0 % 6]
+    }
+}
