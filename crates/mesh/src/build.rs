@@ -31,6 +31,22 @@ pub enum BuildError {
         /// Its corners.
         corners: [u32; 3],
     },
+    /// A polygon has fewer than three corners.
+    #[error("face {face} has {count} corners, which is fewer than three")]
+    TooFewCorners {
+        /// The offending face.
+        face: usize,
+        /// The number of its corners.
+        count: usize,
+    },
+    /// A polygon names one vertex twice.
+    #[error("face {face} repeats a vertex among its {count} corners")]
+    RepeatedPolygonCorner {
+        /// The offending face.
+        face: usize,
+        /// The number of its corners.
+        count: usize,
+    },
     /// More vertices or corners than `u32` can number.
     #[error("{count} {what} are more than 32-bit indices can number")]
     TooLarge {

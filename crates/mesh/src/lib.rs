@@ -7,7 +7,9 @@
 mod build;
 mod connectivity;
 mod diagnosis;
+pub mod io;
 mod measure;
+mod polygon;
 pub mod shapes;
 mod subdivide;
 mod topology;
@@ -17,6 +19,7 @@ pub mod vec3;
 pub use build::BuildError;
 pub use connectivity::{Connectivity, Incidence};
 pub use diagnosis::{Diagnosis, Tally};
+pub use polygon::PolygonMesh;
 pub use subdivide::{subdivide_loop, subdivide_midpoint};
 pub use topology::{Components, Fan, Orientation, Topology};
 pub use trimesh::TriMesh;

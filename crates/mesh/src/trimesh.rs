@@ -49,6 +49,12 @@ impl TriMesh {
         Ok(Self { positions, connectivity: Arc::new(Connectivity::new(count, faces)) })
     }
 
+    /// The caller has made the checks of [`Self::new`].
+    pub(crate) fn from_checked(positions: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> Self {
+        let connectivity = Arc::new(Connectivity::new(positions.len(), faces));
+        Self { positions, connectivity }
+    }
+
     /// The same faces with other positions; topology is shared, not computed
     /// again.
     ///

@@ -1,0 +1,41 @@
+//! Gzip, with a bound on what a file may unpack to.
+
+use std::io::{ErrorKind, Read};
+
+use flate2::read::MultiGzDecoder;
+
+use crate::io::ReadOptions;
+use crate::io::error::{Fault, ReadProblem};
+
+/// Whether the bytes begin like a gzip member.
+pub(crate) fn is_gzip(bytes: &[u8]) -> bool {
+    bytes.starts_with(&[0x1f, 0x8b])
+}
+
+/// Unpacks all members of a gzip file.
+///
+/// The output grows by what has been decoded, never by what the file
+/// promises, and stops at the limit of the options.
+pub(crate) fn unpack(bytes: &[u8], options: &ReadOptions) -> Result<Vec<u8>, Fault> {
+    const STEP: usize = 1 << 18;
+    let by_ratio = (bytes.len() as u64)
+        .saturating_mul(options.max_unpack_ratio)
+        .saturating_add(ReadOptions::FREE_UNPACKED_BYTES);
+    let limit = by_ratio.min(options.max_unpacked_bytes);
+    let mut decoder = MultiGzDecoder::new(bytes);
+    let mut output = Vec::new();
+    let mut block = vec![0u8; STEP.min(bytes.len().saturating_mul(4).max(1))];
+    loop {
+        let count = match decoder.read(&mut block) {
+            Ok(0) => return Ok(output),
+            Ok(count) => count,
+            Err(error) if error.kind() == ErrorKind::Interrupted => continue,
+            Err(error) => return Err(Fault::whole(ReadProblem::Compression(error))),
+        };
+        if (output.len() + count) as u64 > limit {
+            let compressed = bytes.len() as u64;
+            return Err(Fault::whole(ReadProblem::Grows { compressed, limit }));
+        }
+        output.extend_from_slice(&block[..count]);
+    }
+}

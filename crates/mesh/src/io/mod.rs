@@ -1,0 +1,197 @@
+//! Reading and writing OBJ, PLY, OFF and STL, plain or gzip-compressed.
+//!
+//! The order of vertices is kept exactly, isolated ones included; coordinates
+//! go from text to `f64` with correct rounding. Content and ending decide the
+//! format together: a file of another kind than its name says is an error.
+//!
+//! What is kept, and what becomes of the rest:
+//!
+//! - Polygons are split by [`PolygonMesh::triangulate`]; the
+//!   [report](ReadReport) counts them. [`read_polygons`] keeps them.
+//! - Faces that repeat a corner have no area: they are left out, and the
+//!   report says which. [Strict](Strictness::Strict) reading refuses them.
+//! - STL has no vertices of its own: corners at exactly equal positions
+//!   (−0 = 0) become one vertex, in the order of first appearance.
+//! - Per-vertex properties of PLY, vertex colours of OBJ and OFF and vertex
+//!   normals of OFF are [`VertexFields`]. What else a file holds (texture
+//!   coordinates, face colours, cameras, …) is named in the report.
+//!
+//! No count in a file is trusted: memory grows with the bytes that are really
+//! there, and compressed files are bounded by [`ReadOptions`].
+//!
+//! # Examples
+//!
+//! ```
+//! use fairing_mesh::{TriMesh, io};
+//!
+//! let folder = tempfile::tempdir()?;
+//! let path = folder.path().join("triangle.ply.gz");
+//! let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.1, 0.0]];
+//! let mesh = TriMesh::new(corners, vec![[0, 1, 2]])?;
+//! let fields = io::VertexFields::default().with_scalar("height", vec![1.0, 2.0, 0.1]);
+//! io::write_with_fields(&path, &mesh, &fields, &io::WriteOptions::default())?;
+//!
+//! let file = io::read(&path)?;
+//! assert_eq!(file.mesh, mesh);
+//! assert_eq!(file.fields, fields);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod error;
+mod fields;
+mod format;
+mod gzip;
+mod number;
+mod obj;
+mod off;
+mod options;
+mod parsed;
+mod ply;
+mod polygons;
+mod report;
+mod stl;
+mod text;
+mod write;
+
+pub use error::{Place, ReadError, ReadProblem, WriteError, WriteProblem};
+pub use fields::VertexFields;
+pub use format::Format;
+pub use options::{Encoding, FloatWidth, ReadOptions, Strictness, UnheldFields, WriteOptions};
+pub use report::ReadReport;
+pub use write::{WriteReport, to_bytes, write, write_polygons, write_with_fields};
+
+pub(crate) use polygons::{Polygons, repeats_a_corner};
+
+use std::borrow::Cow;
+use std::path::Path;
+
+use crate::io::error::Fault;
+use crate::io::parsed::Finished;
+use crate::{PolygonMesh, TriMesh};
+
+/// A triangle mesh from a file, with the data that came along.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct MeshFile {
+    /// The mesh, its polygons split into triangles.
+    pub mesh: TriMesh,
+    /// Fields and colours per vertex.
+    pub fields: VertexFields,
+    /// What was done besides reading.
+    pub report: ReadReport,
+}
+
+/// A polygon mesh from a file, with the data that came along.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct PolygonFile {
+    /// The mesh, with the polygons of the file.
+    pub mesh: PolygonMesh,
+    /// Fields and colours per vertex.
+    pub fields: VertexFields,
+    /// What was done besides reading.
+    pub report: ReadReport,
+}
+
+/// Reads a triangle mesh; polygons are split as in
+/// [`PolygonMesh::triangulate`].
+///
+/// # Errors
+///
+/// [`ReadError`] names the file, the place in it, what was expected and what
+/// was found.
+pub fn read(path: impl AsRef<Path>) -> Result<MeshFile, ReadError> {
+    read_with(path, &ReadOptions::default())
+}
+
+/// [`read`] with options.
+///
+/// # Errors
+///
+/// As for [`read`].
+pub fn read_with(path: impl AsRef<Path>, options: &ReadOptions) -> Result<MeshFile, ReadError> {
+    let path = path.as_ref();
+    load(path)
+        .and_then(|bytes| triangles(path, &bytes, options))
+        .map_err(|fault| fault.in_file(path))
+}
+
+/// Reads a mesh and keeps its polygons.
+///
+/// # Errors
+///
+/// As for [`read`].
+pub fn read_polygons(path: impl AsRef<Path>) -> Result<PolygonFile, ReadError> {
+    read_polygons_with(path, &ReadOptions::default())
+}
+
+/// [`read_polygons`] with options.
+///
+/// # Errors
+///
+/// As for [`read`].
+pub fn read_polygons_with(
+    path: impl AsRef<Path>,
+    options: &ReadOptions,
+) -> Result<PolygonFile, ReadError> {
+    let path = path.as_ref();
+    let finish = |bytes: Vec<u8>| {
+        let Finished { positions, polygons, fields, report } = finished(path, &bytes, options)?;
+        let mesh = PolygonMesh::from_checked(positions, polygons);
+        Ok(PolygonFile { mesh, fields, report })
+    };
+    load(path).and_then(finish).map_err(|fault: Fault| fault.in_file(path))
+}
+
+/// Reads a triangle mesh from the bytes of a file; `name` is only looked at
+/// for its ending and for error messages, and may be empty.
+///
+/// # Errors
+///
+/// As for [`read`].
+pub fn read_bytes(
+    name: impl AsRef<Path>,
+    bytes: &[u8],
+    options: &ReadOptions,
+) -> Result<MeshFile, ReadError> {
+    let name = name.as_ref();
+    triangles(name, bytes, options).map_err(|fault| fault.in_file(name))
+}
+
+fn load(path: &Path) -> Result<Vec<u8>, Fault> {
+    std::fs::read(path).map_err(|error| Fault::whole(ReadProblem::Io(error)))
+}
+
+fn triangles(name: &Path, bytes: &[u8], options: &ReadOptions) -> Result<MeshFile, Fault> {
+    let Finished { positions, polygons, fields, report } = finished(name, bytes, options)?;
+    let mesh = match polygons {
+        Polygons::Triangles(faces) => TriMesh::from_checked(positions, faces),
+        mixed => PolygonMesh::from_checked(positions, mixed).triangulate(),
+    };
+    Ok(MeshFile { mesh, fields, report })
+}
+
+fn finished(name: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Finished, Fault> {
+    let compressed = gzip::is_gzip(bytes);
+    if let (Some(_), true) = Format::of_name(name)
+        && !compressed
+        && !bytes.is_empty()
+    {
+        return Err(Fault::whole(ReadProblem::OtherKind {
+            ending: "gzip-compressed".to_owned(),
+            content: "not".to_owned(),
+        }));
+    }
+    let bytes = if compressed { Cow::Owned(gzip::unpack(bytes, options)?) } else { bytes.into() };
+    if bytes.iter().all(u8::is_ascii_whitespace) {
+        return Err(Fault::whole(ReadProblem::Empty));
+    }
+    let format = Format::decide(name, &bytes)?;
+    let parsed = match format {
+        Format::Obj => obj::parse(&bytes)?,
+        Format::Ply => ply::parse(&bytes)?,
+        Format::Off => off::parse(&bytes)?,
+        Format::Stl => stl::parse(&bytes)?,
+    };
+    parsed.finish(format, compressed, options)
+}

@@ -1,0 +1,171 @@
+//! Decimal numbers from text, correctly rounded.
+
+/// Powers of ten that `f64` holds exactly.
+const POWERS: [f64; 23] = [
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
+    1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
+];
+
+/// Whether a token ends before this byte.
+#[inline]
+pub(crate) fn is_delimiter(byte: u8) -> bool {
+    matches!(byte, b' ' | b'\t' | b'\n' | b'\r' | b'\x0b' | b'\x0c')
+}
+
+/// The end of the token that begins at `start`.
+#[inline]
+pub(crate) fn token_end(bytes: &[u8], start: usize) -> usize {
+    bytes[start..].iter().position(|&b| is_delimiter(b)).map_or(bytes.len(), |n| start + n)
+}
+
+/// Reads the decimal number that begins at `start` and fills its token;
+/// returns it with the end of the token, or `None` if the token is no number.
+///
+/// The result is the `f64` nearest to the text, ties to even. With a mantissa
+/// below 2⁵³ and a power of ten up to 10²² both are exact, and one
+/// multiplication or division rounds correctly (Clinger's fast path); all else
+/// goes to the standard library. `inf` and `nan` are numbers here: the caller
+/// knows what to call them in an error.
+#[inline]
+pub(crate) fn float(bytes: &[u8], start: usize) -> Option<(f64, usize)> {
+    let mut at = start;
+    let byte = |at: usize| bytes.get(at).copied().unwrap_or(b' ');
+    let negative = byte(at) == b'-';
+    at += usize::from(negative || byte(at) == b'+');
+
+    let mut mantissa = 0u64;
+    let first = at;
+    while let digit @ 0..=9 = byte(at).wrapping_sub(b'0') {
+        mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(digit));
+        at += 1;
+    }
+    let mut digits = at - first;
+    let mut exponent = 0i32;
+    if byte(at) == b'.' {
+        at += 1;
+        let first = at;
+        while let digit @ 0..=9 = byte(at).wrapping_sub(b'0') {
+            mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(digit));
+            at += 1;
+        }
+        digits += at - first;
+        exponent = -((at - first).min(1000) as i32);
+    }
+    if matches!(byte(at), b'e' | b'E') {
+        let mut next = at + 1;
+        let down = byte(next) == b'-';
+        next += usize::from(down || byte(next) == b'+');
+        let first = next;
+        let mut power = 0i32;
+        while let digit @ 0..=9 = byte(next).wrapping_sub(b'0') {
+            power = (power * 10 + i32::from(digit)).min(100_000);
+            next += 1;
+        }
+        if next > first {
+            exponent += if down { -power } else { power };
+            at = next;
+        }
+    }
+    // Nineteen digits never overflow the mantissa.
+    let exact = (1..=19).contains(&digits) && mantissa <= 1 << 53 && is_delimiter(byte(at));
+    if exact && (-22..=22).contains(&exponent) {
+        let power = POWERS[exponent.unsigned_abs() as usize];
+        let value = if exponent < 0 { mantissa as f64 / power } else { mantissa as f64 * power };
+        return Some((if negative { -value } else { value }, at));
+    }
+    let end = token_end(bytes, start);
+    let value = std::str::from_utf8(&bytes[start..end]).ok()?.parse().ok()?;
+    Some((value, end))
+}
+
+/// Reads the integer that begins at `start`; returns it with the index of the
+/// first byte that is no digit, or `None` if there are no digits or more than
+/// eighteen. The caller judges what follows.
+#[inline]
+pub(crate) fn integer(bytes: &[u8], start: usize) -> Option<(i64, usize)> {
+    let byte = |at: usize| bytes.get(at).copied().unwrap_or(b' ');
+    let negative = byte(start) == b'-';
+    let first = start + usize::from(negative || byte(start) == b'+');
+    let mut at = first;
+    let mut value = 0i64;
+    while let digit @ 0..=9 = byte(at).wrapping_sub(b'0') {
+        value = value.wrapping_mul(10).wrapping_add(i64::from(digit));
+        at += 1;
+    }
+    (1..=18).contains(&(at - first)).then_some((if negative { -value } else { value }, at))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn parse(text: &str) -> Option<f64> {
+        float(text.as_bytes(), 0).filter(|&(_, end)| end == text.len()).map(|(x, _)| x)
+    }
+
+    #[test]
+    fn odd_spellings_agree_with_the_standard_library() {
+        for text in [
+            "0",
+            "-0",
+            "+1",
+            "1.",
+            ".5",
+            "-.5e1",
+            "1e5",
+            "1E+05",
+            "1e-400",
+            "1e400",
+            "1e22",
+            "1e23",
+            "9007199254740993",
+            "9007199254740992e22",
+            "0.1",
+            "123456789012345678901234",
+            "0000000000000000000000000000001.5",
+            "4649776.161000000",
+            "nan",
+            "inf",
+            "-Infinity",
+            "17.00000000000000000000",
+            "2.2250738585072011e-308",
+            "5e-324",
+        ] {
+            let expected: f64 = text.parse().unwrap();
+            assert_eq!(parse(text).unwrap().to_bits(), expected.to_bits(), "{text}");
+        }
+        for text in ["", ".", "-", "e5", "1e", "1e+", "1.2.3", "0x10", "1,5", "--1", "1f"] {
+            assert_eq!(parse(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn integers_stop_at_what_is_no_digit() {
+        assert_eq!(integer(b"-12/3", 0), Some((-12, 3)));
+        assert_eq!(integer(b"7", 0), Some((7, 1)));
+        assert_eq!(integer(b"x", 0), None);
+        assert_eq!(integer(b"1234567890123456789", 0), None);
+    }
+
+    proptest! {
+        /// Shortest texts of any bit pattern read back bit by bit, and fixed
+        /// and exponent notations agree with the standard library.
+        #[test]
+        fn rounds_like_the_standard_library(bits: u64, decimals in 0usize..25) {
+            let x = f64::from_bits(bits);
+            prop_assume!(x.is_finite());
+            for text in [format!("{x}"), format!("{x:e}"), format!("{x:.decimals$e}")] {
+                let expected: f64 = text.parse().unwrap();
+                prop_assert_eq!(parse(&text).unwrap().to_bits(), expected.to_bits(), "{}", text);
+            }
+        }
+
+        #[test]
+        fn short_decimals_round_like_the_standard_library(n: i64, scale in 0u32..30) {
+            let text = format!("{}.{:0width$}", n / 1000, n.unsigned_abs() % 1000, width = scale as usize);
+            let expected: f64 = text.parse().unwrap();
+            prop_assert_eq!(parse(&text).unwrap().to_bits(), expected.to_bits(), "{}", text);
+        }
+    }
+}

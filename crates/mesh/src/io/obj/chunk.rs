@@ -1,0 +1,288 @@
+//! One piece of an OBJ file, parsed without knowing the others.
+
+use std::ops::Range;
+
+use crate::io::error::{ReadProblem, unexpected};
+use crate::io::number::{self, is_delimiter};
+use crate::io::obj::scan::{ends, is_keyword, next_line, next_statement, skip_blanks, word_end};
+use crate::io::parsed::check_finite;
+use crate::io::polygons::Polygons;
+use crate::io::text::shown;
+
+/// What a piece holds. Indices count from 0; a relative one (negative in the
+/// file) waits until the number of vertices before the piece is known.
+#[derive(Default)]
+pub(super) struct Chunk {
+    pub(super) range: Range<usize>,
+    pub(super) positions: Vec<[f64; 3]>,
+    pub(super) colors: Vec<[f64; 3]>,
+    pub(super) polygons: Polygons,
+    /// Corner, and index relative to the first vertex of the piece; resolved,
+    /// relative to that of the file.
+    relative: Vec<(usize, i64)>,
+    pub(super) largest: i64,
+    pub(super) smallest: i64,
+    pub(super) counts: Counts,
+    /// The first problem, and the byte it stands at.
+    pub(super) fault: Option<(usize, ReadProblem)>,
+}
+
+/// Statements that are not kept.
+#[derive(Debug, Default, Clone, Copy)]
+pub(super) struct Counts {
+    groups: usize,
+    texture: usize,
+    normals: usize,
+    lines: usize,
+    points: usize,
+    materials: usize,
+    curves: usize,
+    pub(super) small: usize,
+    pub(super) weighted: usize,
+    pub(super) alphas: usize,
+}
+
+impl Counts {
+    pub(super) fn add(&mut self, other: &Self) {
+        self.groups += other.groups;
+        self.texture += other.texture;
+        self.normals += other.normals;
+        self.lines += other.lines;
+        self.points += other.points;
+        self.materials += other.materials;
+        self.curves += other.curves;
+        self.small += other.small;
+        self.weighted += other.weighted;
+        self.alphas += other.alphas;
+    }
+
+    pub(super) fn notes(&self) -> Vec<String> {
+        let ignored =
+            |count: usize, what: &str| (count > 0).then(|| format!("{count} {what} are ignored"));
+        let groups =
+            (self.groups > 1).then(|| format!("{} objects and groups are one mesh", self.groups));
+        [
+            groups,
+            ignored(self.texture, "texture coordinates"),
+            ignored(self.normals, "vertex normals"),
+            ignored(self.lines, "line elements"),
+            ignored(self.points, "point elements"),
+            ignored(self.materials, "material and rendering statements"),
+            ignored(self.curves, "statements about curves and free-form surfaces"),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
+    }
+}
+
+/// A problem and the byte it stands at.
+type Stop = (usize, ReadProblem);
+
+impl Chunk {
+    pub(super) fn parse(text: &[u8], range: Range<usize>) -> Self {
+        // Usual lines take thirty to forty bytes (v) and twenty (f); what is
+        // missing is added by growth.
+        let guess = range.len() / 48;
+        let mut chunk = Self {
+            positions: Vec::with_capacity(guess),
+            polygons: Polygons::with_capacity(guess),
+            largest: -1,
+            range,
+            ..Self::default()
+        };
+        chunk.fault = chunk.statements(text).err();
+        chunk
+    }
+
+    fn statements(&mut self, text: &[u8]) -> Result<(), Stop> {
+        let mut at = self.range.start;
+        let mut corners = Vec::with_capacity(16);
+        while at < self.range.end {
+            at = skip_blanks(text, at);
+            let blank_follows = text.get(at + 1).is_some_and(|&b| b == b' ' || b == b'\t');
+            at = match text.get(at) {
+                Some(b'v') if blank_follows => self.vertex(text, at + 1)?,
+                Some(b'f') if blank_follows => self.face(text, at + 1, &mut corners)?,
+                Some(b'\n' | b'#') | None => next_line(text, at),
+                Some(_) => self.other(text, at, &mut corners)?,
+            };
+        }
+        Ok(())
+    }
+
+    /// Every statement but the plainest `v` and `f`.
+    fn other(&mut self, text: &[u8], at: usize, corners: &mut Vec<u32>) -> Result<usize, Stop> {
+        let end = word_end(text, at);
+        let mut word = &text[at..end];
+        // A keyword may touch the `\` of a continuation.
+        if word.len() > 1 && word.ends_with(b"\\") {
+            word = &word[..word.len() - 1];
+        }
+        let after = at + word.len();
+        let counts = &mut self.counts;
+        match word {
+            b"v" => return self.vertex(text, after),
+            b"f" | b"fo" => return self.face(text, after, corners),
+            b"vt" => counts.texture += 1,
+            b"vn" => counts.normals += 1,
+            b"o" | b"g" => counts.groups += 1,
+            b"l" => counts.lines += 1,
+            b"p" => counts.points += 1,
+            b"s" => {}
+            b"mtllib" | b"usemtl" | b"usemap" | b"maplib" | b"bevel" | b"c_interp"
+            | b"d_interp" | b"lod" | b"shadow_obj" | b"trace_obj" | b"mg" => {
+                counts.materials += 1;
+            }
+            word if is_keyword(word) => counts.curves += 1,
+            word => return Err((at, unexpected("an OBJ statement", shown(word)))),
+        }
+        Ok(next_statement(text, after))
+    }
+
+    #[inline]
+    fn vertex(&mut self, text: &[u8], mut at: usize) -> Result<usize, Stop> {
+        let start = at;
+        let mut position = [0.0; 3];
+        for x in &mut position {
+            at = skip_blanks(text, at);
+            (*x, at) = float(text, at, "a coordinate")?;
+        }
+        check_finite(&position, self.positions.len()).map_err(|problem| (start, problem))?;
+        self.positions.push(position);
+        at = skip_blanks(text, at);
+        if ends(text, at) { Ok(next_line(text, at)) } else { self.rest_of_vertex(text, at) }
+    }
+
+    /// The weight or the colour after a position.
+    fn rest_of_vertex(&mut self, text: &[u8], mut at: usize) -> Result<usize, Stop> {
+        let mut values = [0.0; 4];
+        let mut count = 0;
+        while !ends(text, at) && count < 5 {
+            let (value, end) = float(text, at, "a weight or a colour")?;
+            if count < 4 {
+                values[count] = value;
+            }
+            count += 1;
+            at = skip_blanks(text, end);
+        }
+        match count {
+            1 => self.counts.weighted += usize::from(values[0] != 1.0),
+            3 | 4 => {
+                self.colors.push([values[0], values[1], values[2]]);
+                self.counts.alphas += usize::from(count == 4);
+            }
+            _ => {
+                let found = if count == 2 { "5" } else { "more than 7" };
+                return Err((at, unexpected("3, 4, 6 or 7 numbers for a vertex", found)));
+            }
+        }
+        Ok(next_line(text, at))
+    }
+
+    #[inline]
+    fn face(&mut self, text: &[u8], mut at: usize, corners: &mut Vec<u32>) -> Result<usize, Stop> {
+        let start = at;
+        corners.clear();
+        let base = self.polygons.corner_count();
+        loop {
+            at = skip_blanks(text, at);
+            if ends(text, at) {
+                break;
+            }
+            let Some((index, end)) = number::integer(text, at) else {
+                return Err((at, unexpected("the index of a vertex", word(text, at))));
+            };
+            if index < 0 {
+                let relative = self.positions.len() as i64 + index;
+                self.relative.push((base + corners.len(), relative));
+                corners.push(0);
+            } else if let Some(corner) = u32::try_from(index).ok().and_then(|i| i.checked_sub(1)) {
+                self.largest = self.largest.max(i64::from(corner));
+                corners.push(corner);
+            } else {
+                return Err((at, unexpected("an index from 1 to 2^32 - 1", index.to_string())));
+            }
+            at = if text.get(end) == Some(&b'/') { skip_attributes(text, end)? } else { end };
+            if !ends(text, at) && !is_delimiter(text[at]) && skip_blanks(text, at) == at {
+                return Err((at, unexpected("a blank after an index", word(text, at))));
+            }
+        }
+        match corners[..] {
+            [a, b, c] => self.polygons.push_triangle([a, b, c]),
+            [_, _, _, ..] => self.polygons.push(corners),
+            [] => return Err((start, unexpected("the corners of a face", "none"))),
+            _ => {
+                self.relative.retain(|&(corner, _)| corner < base);
+                self.counts.small += 1;
+            }
+        }
+        Ok(next_line(text, at))
+    }
+
+    /// Turns relative indices into absolute ones, given the number of vertices
+    /// in the pieces before.
+    pub(super) fn resolve_relative(&mut self, vertices_before: usize) {
+        for (corner, index) in &mut self.relative {
+            *index += vertices_before as i64;
+            self.largest = self.largest.max(*index);
+            self.smallest = self.smallest.min(*index);
+            self.polygons.corners_mut()[*corner] = *index as u32;
+        }
+    }
+
+    /// The index at a corner, beyond 32 bits and below 0 too where it is
+    /// relative.
+    pub(super) fn index(&self, corner: usize, stored: u32) -> i64 {
+        match self.relative.binary_search_by_key(&corner, |&(corner, _)| corner) {
+            Ok(k) => self.relative[k].1,
+            Err(_) => i64::from(stored),
+        }
+    }
+}
+
+/// A number that ends at a blank, a comment or a continuation.
+#[inline]
+fn float(text: &[u8], at: usize, what: &str) -> Result<(f64, usize), Stop> {
+    match number::float(text, at) {
+        Some(found) => Ok(found),
+        None => float_before_mark(text, at).ok_or_else(|| (at, unexpected(what, word(text, at)))),
+    }
+}
+
+/// A number that a comment or a continuation touches.
+#[cold]
+fn float_before_mark(text: &[u8], at: usize) -> Option<(f64, usize)> {
+    let token = &text[at..number::token_end(text, at)];
+    let end = token.iter().position(|&b| b == b'#' || b == b'\\')?;
+    let (value, length) = number::float(&token[..end], 0)?;
+    (length == end).then_some((value, at + end))
+}
+
+/// Skips `/t`, `//n` or `/t/n` after an index.
+#[inline]
+fn skip_attributes(text: &[u8], mut at: usize) -> Result<usize, Stop> {
+    for _ in 0..2 {
+        if text.get(at) != Some(&b'/') {
+            break;
+        }
+        at += 1;
+        if matches!(text.get(at), Some(b'-' | b'+' | b'0'..=b'9')) {
+            match number::integer(text, at) {
+                Some((_, end)) => at = end,
+                None => return Err((at, unexpected("an index", word(text, at)))),
+            }
+        }
+    }
+    Ok(at)
+}
+
+/// What stands at a place, for an error message.
+fn word(text: &[u8], at: usize) -> String {
+    match text.get(at) {
+        None => "the end of the file".to_owned(),
+        Some(b'\n') => "the end of the line".to_owned(),
+        Some(b'#') => "a comment".to_owned(),
+        Some(_) => shown(&text[at..word_end(text, at)]),
+    }
+}

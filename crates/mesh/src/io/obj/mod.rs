@@ -1,0 +1,127 @@
+//! Wavefront OBJ: vertices and faces; the rest is counted and named.
+//!
+//! `v` lines hold a position, perhaps a weight (`x y z w`, which only curves
+//! and surfaces use), or a colour (`x y z r g b`, a common extension), or a
+//! colour with alpha. Objects and groups share one list of vertices.
+
+mod chunk;
+mod scan;
+
+use rayon::prelude::*;
+
+use crate::io::error::{Fault, ReadProblem};
+use crate::io::off::bytes_of_colors;
+use crate::io::parsed::{Parsed, vertex_index};
+use crate::io::polygons::Polygons;
+use crate::io::text::normalized;
+use chunk::{Chunk, Counts};
+
+/// The size of the pieces that are parsed independently. It depends on
+/// nothing, so that neither do the results.
+const CHUNK: usize = 1 << 18;
+
+/// Whether the first statement is one of OBJ.
+pub(crate) fn looks_like(bytes: &[u8]) -> bool {
+    scan::first_keyword(&normalized(&bytes[..bytes.len().min(1 << 16)]))
+        .is_some_and(|keyword| scan::is_keyword(&keyword))
+}
+
+pub(crate) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {
+    parse_in_chunks(bytes, CHUNK)
+}
+
+fn parse_in_chunks(bytes: &[u8], size: usize) -> Result<Parsed, Fault> {
+    let text = normalized(bytes);
+    let ranges = scan::split(&text, size);
+    let mut chunks: Vec<Chunk> =
+        ranges.into_par_iter().map(|range| Chunk::parse(&text, range)).collect();
+    if let Some(k) = chunks.iter().position(|chunk| chunk.fault.is_some())
+        && let Some((offset, mut problem)) = chunks[k].fault.take()
+    {
+        // A piece counts its own vertices only.
+        if let ReadProblem::NonFinite { vertex, .. } = &mut problem {
+            *vertex += chunks[..k].iter().map(|chunk| chunk.positions.len() as u64).sum::<u64>();
+        }
+        return Err(Fault::on_line(&text, offset, problem));
+    }
+
+    let mut counts = Counts::default();
+    let mut vertices = 0usize;
+    for chunk in &mut chunks {
+        chunk.resolve_relative(vertices);
+        vertices += chunk.positions.len();
+        counts.add(&chunk.counts);
+    }
+    let largest = chunks.iter().map(|chunk| chunk.largest).max().unwrap_or(-1);
+    let smallest = chunks.iter().map(|chunk| chunk.smallest).min().unwrap_or(0);
+    if largest >= vertices as i64 || smallest < 0 {
+        return Err(out_of_range(&text, &chunks, vertices));
+    }
+
+    let (positions, polygons) = rayon::join(
+        || chunks.iter().map(|chunk| &chunk.positions[..]).collect::<Vec<_>>().concat(),
+        || {
+            let mut all = Polygons::with_capacity(chunks.iter().map(|c| c.polygons.len()).sum());
+            chunks.iter().for_each(|chunk| all.append(&chunk.polygons));
+            all
+        },
+    );
+    let mut parsed = Parsed { positions, polygons, ..Parsed::default() };
+    parsed.notes = counts.notes();
+    if counts.small > 0 {
+        let doubt = format!("{} faces have fewer than three corners: left out", counts.small);
+        parsed.doubts.push(doubt);
+    }
+    keep_colors(&mut parsed, &chunks, &counts);
+    Ok(parsed)
+}
+
+/// Colours are kept if every vertex has one.
+fn keep_colors(parsed: &mut Parsed, chunks: &[Chunk], counts: &Counts) {
+    if counts.weighted > 0 {
+        let doubt = format!("the weights of {} vertices are not 1, and ignored", counts.weighted);
+        parsed.doubts.push(doubt);
+    }
+    let colored: usize = chunks.iter().map(|chunk| chunk.colors.len()).sum();
+    if colored == 0 {
+        return;
+    }
+    if colored < parsed.positions.len() {
+        let doubt = format!("only {colored} vertices have colours: left out");
+        parsed.doubts.push(doubt);
+        return;
+    }
+    let colors = chunks.iter().map(|chunk| &chunk.colors[..]).collect::<Vec<_>>().concat();
+    match bytes_of_colors(&colors, 0.0) {
+        Some(colors) => parsed.fields.colors = Some(colors),
+        None => parsed.doubts.push("vertex colours are out of range: left out".to_owned()),
+    }
+    if counts.alphas > 0 {
+        parsed.notes.push(format!("the alpha values of {} vertices are ignored", counts.alphas));
+    }
+}
+
+/// Finds the first face with an index out of range, and its line. Only
+/// malformed files pay for the second look.
+fn out_of_range(text: &[u8], chunks: &[Chunk], vertices: usize) -> Fault {
+    let mut before = 0usize;
+    for chunk in chunks {
+        let mut corner = 0usize;
+        for face in 0..chunk.polygons.len() {
+            for &v in chunk.polygons.face(face) {
+                let index = chunk.index(corner, v);
+                if let Err(problem) = vertex_index(index, before + face, vertices) {
+                    let offset = scan::face_statement(text, chunk.range.clone(), face);
+                    return Fault::on_line(text, offset, problem);
+                }
+                corner += 1;
+            }
+        }
+        before += chunk.polygons.len();
+    }
+    // The caller has seen an index out of range in one of the chunks.
+    Fault::whole(ReadProblem::IndexOutOfRange { face: 0, index: -1, vertex_count: vertices as u64 })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,296 @@
+//! OFF, the object file format of Geomview.
+//!
+//! `[ST][C][N]OFF`, the counts of vertices, faces and edges, then a line per
+//! vertex (position, normal, colour, texture coordinates, as the prefixes say)
+//! and a line per face (count, indices, perhaps a colour). Comments begin with
+//! `#` anywhere.
+
+use crate::io::VertexFields;
+use crate::io::error::{Fault, unexpected};
+use crate::io::parsed::{Parsed, check_finite, too_few_corners, vertex_index};
+use crate::io::polygons::Polygons;
+use crate::io::text::{Cursor, normalized, shown};
+
+/// What the prefixes of the keyword announce.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+struct Prefixes {
+    texture: bool,
+    color: bool,
+    normal: bool,
+}
+
+impl Prefixes {
+    /// `None` if the token is not the keyword of a three-dimensional OFF file.
+    fn of(keyword: &[u8]) -> Option<Self> {
+        let rest = keyword.strip_suffix(b"OFF")?;
+        let (texture, rest) = strip(rest, b"ST");
+        let (color, rest) = strip(rest, b"C");
+        let (normal, rest) = strip(rest, b"N");
+        rest.is_empty().then_some(Self { texture, color, normal })
+    }
+}
+
+fn strip<'a>(bytes: &'a [u8], prefix: &[u8]) -> (bool, &'a [u8]) {
+    bytes.strip_prefix(prefix).map_or((false, bytes), |rest| (true, rest))
+}
+
+/// Whether the first token ends in `OFF`.
+pub(crate) fn looks_like(bytes: &[u8]) -> bool {
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let mut cursor = Cursor::new(bytes, 0, Some(b'#'));
+    cursor.token().is_some_and(|token| token.len() <= 8 && token.ends_with(b"OFF"))
+}
+
+/// Parses a file; the keyword may be missing where the name said OFF.
+pub(crate) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {
+    let text = normalized(bytes);
+    let mut cursor = Cursor::new(&text, 0, Some(b'#'));
+    cursor.more();
+    let keyword = cursor.peek();
+    let prefixes = if keyword.first().is_some_and(u8::is_ascii_digit) && !keyword.ends_with(b"OFF")
+    {
+        Prefixes::default()
+    } else {
+        let Some(prefixes) = Prefixes::of(keyword) else {
+            let expected = "OFF, perhaps with the prefixes ST, C, N";
+            return Err(cursor.fault(unexpected(expected, shown(keyword))));
+        };
+        cursor.token();
+        if cursor.more() && cursor.peek() == b"BINARY" {
+            return Err(cursor.fault(unexpected("an OFF file in text", "\"BINARY\"")));
+        }
+        prefixes
+    };
+    let vertex_count = cursor.count("the number of vertices")?;
+    let face_count = cursor.count("the number of faces")?;
+    // Some writers leave out the number of edges, which nobody uses: it stands
+    // on the line of the faces or has one of its own.
+    let mut ahead = cursor.clone();
+    if cursor.more_on_line() || (ahead.token().is_some() && !ahead.more_on_line()) {
+        cursor.count("the number of edges")?;
+    }
+
+    let mut parsed = Parsed::default();
+    parse_vertices(&mut cursor, vertex_count, prefixes, &mut parsed)?;
+    parse_faces(&mut cursor, face_count, &mut parsed)?;
+    cursor.expect_end(&format!("{vertex_count} vertices and {face_count} faces"))?;
+    Ok(parsed)
+}
+
+fn parse_vertices(
+    cursor: &mut Cursor<'_>,
+    count: u64,
+    prefixes: Prefixes,
+    parsed: &mut Parsed,
+) -> Result<(), Fault> {
+    // A vertex takes six bytes or more: a count that lies reserves no more
+    // than the file could fill.
+    let room = (cursor.remaining() / 6).min(usize::try_from(count).unwrap_or(usize::MAX));
+    let mut positions = Vec::with_capacity(room);
+    let mut normals = Vec::new();
+    let mut colors = Vec::new();
+    let mut largest_alpha = 0.0_f64;
+    let mut extra = 0usize;
+    while (positions.len() as u64) < count {
+        let vertex = positions.len();
+        if !cursor.more() {
+            let expected = format!("{count} vertices");
+            return Err(cursor.fault(unexpected(expected, format!("{vertex} and then the end"))));
+        }
+        let line = cursor.clone();
+        let position = triple(cursor, "a coordinate")?;
+        check_finite(&position, vertex).map_err(|problem| line.fault(problem))?;
+        positions.push(position);
+        if prefixes.normal {
+            normals.push(triple(cursor, "a component of the normal")?);
+        }
+        if prefixes.color {
+            // Three or four numbers, then perhaps two of texture.
+            let mut values = Vec::with_capacity(4);
+            while values.len() < 4 && cursor.more_on_line() {
+                values.push(cursor.float("a colour")?);
+            }
+            if values.len() < 3 {
+                return Err(cursor.fault(unexpected("three or four colours", cursor.found())));
+            }
+            colors.push([values[0], values[1], values[2]]);
+            largest_alpha = largest_alpha.max(values.get(3).copied().unwrap_or(0.0));
+        }
+        if cursor.more_on_line() {
+            extra += usize::from(!prefixes.texture);
+            cursor.skip_line();
+        }
+    }
+    if extra > 0 {
+        let doubt = format!("{extra} vertex lines have more numbers than the keyword says");
+        parsed.doubts.push(doubt);
+    }
+    if prefixes.texture {
+        parsed.notes.push("texture coordinates are ignored".to_owned());
+    }
+    if prefixes.color {
+        match bytes_of_colors(&colors, largest_alpha) {
+            Some(colors) => parsed.fields.colors = Some(colors),
+            None => parsed.doubts.push("vertex colours are out of range: left out".to_owned()),
+        }
+    }
+    if prefixes.normal {
+        let fields = std::mem::take(&mut parsed.fields);
+        parsed.fields = VertexFields::with_vector(fields, "normal", normals);
+    }
+    parsed.positions = positions;
+    Ok(())
+}
+
+/// Three numbers on one line.
+fn triple(cursor: &mut Cursor<'_>, what: &str) -> Result<[f64; 3], Fault> {
+    let mut triple = [0.0; 3];
+    for x in &mut triple {
+        if !cursor.more_on_line() {
+            return Err(cursor.fault(unexpected(what, cursor.found())));
+        }
+        *x = cursor.float(what)?;
+    }
+    Ok(triple)
+}
+
+fn parse_faces(cursor: &mut Cursor<'_>, count: u64, parsed: &mut Parsed) -> Result<(), Fault> {
+    let room = (cursor.remaining() / 8).min(usize::try_from(count).unwrap_or(usize::MAX));
+    let vertex_count = parsed.positions.len();
+    let mut polygons = Polygons::with_capacity(room);
+    let mut corners = Vec::new();
+    let (mut colored, mut small) = (0usize, 0usize);
+    for face in 0..usize::try_from(count).unwrap_or(usize::MAX) {
+        if !cursor.more() {
+            let expected = format!("{count} faces");
+            return Err(cursor.fault(unexpected(expected, format!("{face} and then the end"))));
+        }
+        let line = cursor.clone();
+        let size = cursor.count("the number of corners")?;
+        corners.clear();
+        for _ in 0..size {
+            if !cursor.more_on_line() {
+                let expected = format!("{size} corners in face {face}");
+                return Err(cursor.fault(unexpected(expected, corners.len().to_string())));
+            }
+            let at = cursor.clone();
+            let index = cursor.integer("the index of a vertex")?;
+            corners.push(
+                vertex_index(index, face, vertex_count).map_err(|problem| at.fault(problem))?,
+            );
+        }
+        match size {
+            0 => return Err(line.fault(too_few_corners(face, size))),
+            1 | 2 => small += 1,
+            _ => polygons.push(&corners),
+        }
+        if cursor.more_on_line() {
+            colored += 1;
+            cursor.skip_line();
+        }
+    }
+    if small > 0 {
+        parsed.notes.push(format!("{small} points and segments among the faces are ignored"));
+    }
+    if colored > 0 {
+        parsed.notes.push(format!("the colours of {colored} faces are ignored"));
+    }
+    parsed.polygons = polygons;
+    Ok(())
+}
+
+/// Colours as bytes: from 0 to 1 if all are, alpha included, else from 0 to
+/// 255, else none.
+///
+/// Geomview tells the two apart by the spelling (`1` or `1.0`); writers do
+/// not keep to it, but no file mixes the ranges.
+pub(crate) fn bytes_of_colors(colors: &[[f64; 3]], largest_alpha: f64) -> Option<Vec<[u8; 3]>> {
+    let values = colors.as_flattened();
+    let largest = values.iter().copied().fold(largest_alpha, f64::max);
+    if values.iter().any(|c| !(0.0..=255.0).contains(c)) {
+        return None;
+    }
+    let scale = if largest <= 1.0 { 255.0 } else { 1.0 };
+    Some(colors.iter().map(|c| c.map(|x| (x * scale).round() as u8)).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parsed(text: &str) -> Parsed {
+        parse(text.as_bytes()).unwrap_or_else(|fault| panic!("{text:?}: {fault:?}"))
+    }
+
+    fn message(text: &str) -> String {
+        match parse(text.as_bytes()) {
+            Ok(_) => panic!("{text:?} was read"),
+            Err(fault) => format!("{}{}", fault.at, fault.problem),
+        }
+    }
+
+    #[test]
+    fn counts_and_comments_stand_anywhere() {
+        for text in [
+            "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+            "OFF 3 1 0\r\n0 0 0\r\n1 0 0\r\n0 1 0\r\n3 0 1 2",
+            "# c\n OFF # c\n\n3 1\n# c\n0 0 0 # c\n\n1 0 0\n0 1 0\n3 0 1 2 255 0 0\n# end",
+            "3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+            "OFF\n3\n1\n0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+        ] {
+            let parsed = parsed(text);
+            assert_eq!(parsed.positions, [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], "{text}");
+            assert_eq!(parsed.polygons, Polygons::Triangles(vec![[0, 1, 2]]), "{text}");
+        }
+    }
+
+    #[test]
+    fn prefixes_say_what_follows_a_position() {
+        let parsed = parsed("STCNOFF 1 0 0\n1 2 3  0 0 1  0.2 0.4 1 0.5  0 1\n");
+        assert_eq!(parsed.positions, [[1.0, 2.0, 3.0]]);
+        assert_eq!(parsed.fields.vector("normal"), Some(&[[0.0, 0.0, 1.0]][..]));
+        assert_eq!(parsed.fields.colors, Some(vec![[51, 102, 255]]));
+        assert_eq!(parsed.notes.len(), 1);
+        let colors = super::parse(b"COFF\n2 0 0\n0 0 0 1 2 255\n0 0 1 0 0 1 255\n").unwrap();
+        assert_eq!(colors.fields.colors, Some(vec![[1, 2, 255], [0, 0, 1]]));
+    }
+
+    #[test]
+    fn errors_name_the_line() {
+        for (text, expected) in [
+            (
+                "OFF\n4 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+                "line 7: expected 1 faces, found 0 and then the end",
+            ),
+            (
+                "OFF\n2 1 0\n0 0 0\n1 0 0\n0 1 0\n",
+                "line 5: expected three corners or more in face 0, found 0",
+            ),
+            (
+                "OFF\n1 1 0\n0 0 0\n3 0 1 2\n",
+                "line 4: face 0 names vertex 1 (counted from 0), but there are 1",
+            ),
+            ("OFF\n1 1 0\n0 0 0\n3 0 -1 2\n", "line 4: face 0 names vertex -1"),
+            ("OFF\n1 0 0\n0 nan 0\n", "line 3: vertex 0 has the coordinate NaN"),
+            ("OFF\n1 0 0\n0 1e999 0\n", "line 3: vertex 0 has the coordinate inf"),
+            ("OFF\n1 0 0\n0 x 0\n", "line 3: expected a coordinate, found \"x\""),
+            ("OFF\n1 0 0\n0 0\n0", "line 3: expected a coordinate, found the end of the line"),
+            (
+                "OFF\n9999999999 0 0\n0 0 0\n",
+                "expected 9999999999 vertices, found 1 and then the end",
+            ),
+            ("OFF\n1 0 0\n0 0 0\n0 0 0\n", "line 4: expected the end of the file"),
+            (
+                "OFF\n1 99999999999 0\n0 0 0\n",
+                "expected 99999999999 faces, found 0 and then the end",
+            ),
+            ("OFF\n-1 0 0\n", "line 2: expected the number of vertices, found -1"),
+            ("4OFF\n1 0 0\n", "line 1: expected OFF"),
+            ("OFF BINARY\n\0\0", "line 1: expected an OFF file in text"),
+            ("OFF", "expected the number of vertices, found the end of the file"),
+        ] {
+            let message = message(text);
+            assert!(message.contains(expected), "{text:?}: {message}");
+        }
+    }
+}

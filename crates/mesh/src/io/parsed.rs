@@ -1,0 +1,136 @@
+//! From what a parser found to what a mesh may hold.
+
+use crate::io::error::{Fault, ReadProblem, unexpected};
+use crate::io::polygons::Polygons;
+use crate::io::{Format, ReadOptions, ReadReport, Strictness, VertexFields};
+
+/// What a parser found. It has checked that coordinates are finite, that
+/// indices are in range and that faces have three corners or more.
+#[derive(Default)]
+pub(crate) struct Parsed {
+    pub(crate) positions: Vec<[f64; 3]>,
+    pub(crate) polygons: Polygons,
+    pub(crate) fields: VertexFields,
+    /// Content that is ignored by design.
+    pub(crate) notes: Vec<String>,
+    /// Content that a strict reader refuses to ignore.
+    pub(crate) doubts: Vec<String>,
+}
+
+/// What a mesh may hold, with the report.
+pub(crate) struct Finished {
+    pub(crate) positions: Vec<[f64; 3]>,
+    pub(crate) polygons: Polygons,
+    pub(crate) fields: VertexFields,
+    pub(crate) report: ReadReport,
+}
+
+impl Parsed {
+    /// Leaves out faces that repeat a corner and fields that are not finite,
+    /// or refuses to, and writes the report.
+    pub(crate) fn finish(
+        mut self,
+        format: Format,
+        compressed: bool,
+        options: &ReadOptions,
+    ) -> Result<Finished, Fault> {
+        let vertices = self.positions.len();
+        if vertices == 0 {
+            return Err(Fault::whole(ReadProblem::NoVertices));
+        }
+        check_size("vertices", vertices)?;
+        // Polygons of n corners become triangles of 3 (n − 2).
+        let corners = self.polygons.corner_count();
+        let split = if let Polygons::Mixed { .. } = self.polygons { 3 } else { 1 };
+        check_size("corners", split * corners)?;
+        self.leave_out_nonfinite_fields();
+        let file_faces = self.polygons.len();
+        let (polygons, repeating) = self.polygons.without_repeating();
+        if options.strictness == Strictness::Strict {
+            if let Some(face) = repeating.first() {
+                let problem = ReadProblem::Strict(format!(
+                    "face {face} repeats a corner ({} such faces)",
+                    repeating.len()
+                ));
+                return Err(Fault::whole(problem));
+            }
+            if let Some(doubt) = self.doubts.first() {
+                return Err(Fault::whole(ReadProblem::Strict(doubt.clone())));
+            }
+        }
+        let larger = match &polygons {
+            Polygons::Triangles(_) => 0,
+            Polygons::Mixed { .. } => {
+                (0..polygons.len()).filter(|&f| polygons.face(f).len() > 3).count()
+            }
+        };
+        self.notes.append(&mut self.doubts);
+        let report = ReadReport {
+            format,
+            compressed,
+            vertices,
+            file_faces,
+            polygons: larger,
+            left_out: repeating.len(),
+            first_left_out: repeating.iter().copied().take(ReadReport::NAMED).collect(),
+            notes: self.notes,
+        };
+        Ok(Finished { positions: self.positions, polygons, fields: self.fields, report })
+    }
+
+    fn leave_out_nonfinite_fields(&mut self) {
+        let doubts = &mut self.doubts;
+        let mut doubt = |name: &str, bad: Option<(usize, f64)>| {
+            if let Some((vertex, value)) = bad {
+                doubts.push(format!("field {name} is {value} at vertex {vertex}: left out"));
+            }
+            bad.is_none()
+        };
+        let bad = |x: f64| !x.is_finite();
+        self.fields.scalars.retain(|(name, values)| {
+            doubt(name, values.iter().position(|&x| bad(x)).map(|v| (v, values[v])))
+        });
+        self.fields.vectors.retain(|(name, values)| {
+            let at = values.as_flattened().iter().position(|&x| bad(x));
+            doubt(name, at.map(|i| (i / 3, values.as_flattened()[i])))
+        });
+    }
+}
+
+fn check_size(what: &'static str, count: usize) -> Result<(), Fault> {
+    match u32::try_from(count) {
+        Ok(_) => Ok(()),
+        Err(_) => Err(Fault::whole(ReadProblem::TooLarge { what, count: count as u64 })),
+    }
+}
+
+/// Checks one index of a face against the number of vertices.
+#[inline]
+pub(crate) fn vertex_index(
+    index: i64,
+    face: usize,
+    vertex_count: usize,
+) -> Result<u32, ReadProblem> {
+    match u32::try_from(index) {
+        Ok(v) if (v as usize) < vertex_count => Ok(v),
+        _ => Err(ReadProblem::IndexOutOfRange {
+            face: face as u64,
+            index,
+            vertex_count: vertex_count as u64,
+        }),
+    }
+}
+
+/// The problem of a face with fewer than three corners.
+pub(crate) fn too_few_corners(face: usize, corners: u64) -> ReadProblem {
+    unexpected(format!("three corners or more in face {face}"), corners.to_string())
+}
+
+/// Checks that a position is finite.
+#[inline]
+pub(crate) fn check_finite(position: &[f64; 3], vertex: usize) -> Result<(), ReadProblem> {
+    match position.iter().find(|x| !x.is_finite()) {
+        None => Ok(()),
+        Some(&value) => Err(ReadProblem::NonFinite { vertex: vertex as u64, value }),
+    }
+}

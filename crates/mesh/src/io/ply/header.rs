@@ -1,0 +1,223 @@
+//! The header of a PLY file.
+
+use crate::io::error::{Fault, Place, ReadProblem, unexpected};
+use crate::io::text::shown;
+
+/// How the body is encoded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Body {
+    Ascii,
+    LittleEndian,
+    BigEndian,
+}
+
+/// The type of a number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Scalar {
+    I8,
+    U8,
+    I16,
+    U16,
+    I32,
+    U32,
+    F32,
+    F64,
+}
+
+impl Scalar {
+    fn of(name: &[u8]) -> Option<Self> {
+        Some(match name {
+            b"char" | b"int8" => Self::I8,
+            b"uchar" | b"uint8" => Self::U8,
+            b"short" | b"int16" => Self::I16,
+            b"ushort" | b"uint16" => Self::U16,
+            b"int" | b"int32" => Self::I32,
+            b"uint" | b"uint32" => Self::U32,
+            b"float" | b"float32" => Self::F32,
+            b"double" | b"float64" => Self::F64,
+            _ => return None,
+        })
+    }
+
+    /// Bytes in a binary body.
+    pub(super) fn size(self) -> usize {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::I32 | Self::U32 | Self::F32 => 4,
+            Self::F64 => 8,
+        }
+    }
+
+    pub(super) fn is_integer(self) -> bool {
+        !matches!(self, Self::F32 | Self::F64)
+    }
+}
+
+/// What a property holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    Scalar(Scalar),
+    List { count: Scalar, item: Scalar },
+}
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Property {
+    pub(super) name: String,
+    pub(super) kind: Kind,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Element {
+    pub(super) name: String,
+    pub(super) count: u64,
+    pub(super) properties: Vec<Property>,
+}
+
+impl Element {
+    /// The bytes of a row in a binary body, if no property is a list.
+    pub(super) fn stride(&self) -> Option<usize> {
+        self.properties.iter().try_fold(0, |sum, property| match property.kind {
+            Kind::Scalar(scalar) => Some(sum + scalar.size()),
+            Kind::List { .. } => None,
+        })
+    }
+
+    pub(super) fn position_of(&self, names: &[&str]) -> Option<usize> {
+        self.properties.iter().position(|property| names.contains(&&property.name[..]))
+    }
+
+    /// The count as a bound for loops; a count that does not fit in memory
+    /// ends with the bytes of the file.
+    pub(super) fn rows(&self) -> usize {
+        usize::try_from(self.count).unwrap_or(usize::MAX)
+    }
+}
+
+#[derive(Debug)]
+pub(super) struct Header {
+    pub(super) body: Body,
+    pub(super) elements: Vec<Element>,
+    /// Where the body begins.
+    pub(super) length: usize,
+    /// Lines of the header.
+    pub(super) lines: u64,
+}
+
+/// Yields the lines of a header, whichever of `\n`, `\r\n` and `\r` ends the
+/// first. (The first decides, because a binary body may begin with either.)
+struct Lines<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    number: u64,
+    end: &'static [u8],
+}
+
+impl<'a> Lines<'a> {
+    fn new(bytes: &'a [u8]) -> Self {
+        let first = bytes.iter().position(|&b| b == b'\n' || b == b'\r').unwrap_or(bytes.len());
+        let end: &[u8] = match &bytes[first..] {
+            [b'\r', b'\n', ..] => b"\r\n",
+            [b'\r', ..] => b"\r",
+            _ => b"\n",
+        };
+        Self { bytes, at: 0, number: 0, end }
+    }
+
+    fn next(&mut self) -> Option<&'a [u8]> {
+        let rest = &self.bytes[self.at..];
+        let length = rest.windows(self.end.len()).position(|window| window == self.end)?;
+        self.at += length + self.end.len();
+        self.number += 1;
+        Some(&rest[..length])
+    }
+
+    fn fault(&self, problem: ReadProblem) -> Fault {
+        Fault { at: Place::Line(self.number), problem }
+    }
+}
+
+pub(super) fn parse(bytes: &[u8]) -> Result<Header, Fault> {
+    let mut lines = Lines::new(bytes);
+    let mut body = None;
+    let mut elements: Vec<Element> = Vec::new();
+    if lines.next().map(<[u8]>::trim_ascii) != Some(b"ply") {
+        lines.number = 1;
+        return Err(lines.fault(unexpected("\"ply\"", shown(&bytes[..bytes.len().min(8)]))));
+    }
+    loop {
+        let Some(line) = lines.next() else {
+            let problem = unexpected("end_header", "the end of the file");
+            lines.number += 1;
+            return Err(lines.fault(problem));
+        };
+        let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+        let keyword = words.next().unwrap_or(b"");
+        let words: Vec<&[u8]> = words.collect();
+        let found = || shown(line.trim_ascii());
+        match (keyword, &words[..]) {
+            (b"comment" | b"obj_info" | b"", _) => {}
+            (b"format", [name, version]) => {
+                let encoding = match *name {
+                    b"ascii" => Body::Ascii,
+                    b"binary_little_endian" => Body::LittleEndian,
+                    b"binary_big_endian" => Body::BigEndian,
+                    _ => {
+                        let expected = "ascii, binary_little_endian or binary_big_endian";
+                        return Err(lines.fault(unexpected(expected, shown(name))));
+                    }
+                };
+                if *version != b"1.0" {
+                    return Err(lines.fault(unexpected("version 1.0", shown(version))));
+                }
+                body = Some(encoding);
+            }
+            (b"element", [name, count]) => {
+                let name = String::from_utf8_lossy(name).into_owned();
+                let parsed = std::str::from_utf8(count).ok().and_then(|c| c.parse().ok());
+                let Some(count) = parsed else {
+                    let expected = format!("the number of {name} elements");
+                    return Err(lines.fault(unexpected(expected, shown(count))));
+                };
+                if elements.iter().any(|element| element.name == name) {
+                    let expected = "elements of different names";
+                    return Err(lines.fault(unexpected(expected, format!("a second {name}"))));
+                }
+                elements.push(Element { name, count, properties: Vec::new() });
+            }
+            (b"property", words) => {
+                let property = property(words).ok_or_else(|| {
+                    let expected = "property TYPE NAME or property list TYPE TYPE NAME";
+                    lines.fault(unexpected(expected, found()))
+                })?;
+                let Some(element) = elements.last_mut() else {
+                    return Err(lines.fault(unexpected("an element before a property", found())));
+                };
+                if element.position_of(&[&property.name]).is_some() {
+                    let expected = "properties of different names";
+                    let found = format!("a second {}", property.name);
+                    return Err(lines.fault(unexpected(expected, found)));
+                }
+                element.properties.push(property);
+            }
+            (b"end_header", []) => break,
+            _ => return Err(lines.fault(unexpected("a statement of a PLY header", found()))),
+        }
+    }
+    match body {
+        Some(body) => Ok(Header { body, elements, length: lines.at, lines: lines.number }),
+        None => Err(lines.fault(unexpected("a format before end_header", "none"))),
+    }
+}
+
+fn property(words: &[&[u8]]) -> Option<Property> {
+    let (kind, name) = match words {
+        [b"list", count, item, name] => {
+            let count = Scalar::of(count).filter(|count| count.is_integer())?;
+            (Kind::List { count, item: Scalar::of(item)? }, name)
+        }
+        [scalar, name] => (Kind::Scalar(Scalar::of(scalar)?), name),
+        _ => return None,
+    };
+    Some(Property { name: String::from_utf8_lossy(name).into_owned(), kind })
+}

@@ -1,0 +1,99 @@
+//! Which properties of a vertex belong together.
+
+/// The name of a property, and whether it is a byte without sign.
+pub(crate) struct Column<'a> {
+    pub(crate) name: &'a str,
+    pub(crate) is_byte: bool,
+}
+
+/// The columns of positions, colours and fields.
+#[derive(Debug, PartialEq)]
+pub(crate) struct Layout {
+    pub(crate) position: Option<[usize; 3]>,
+    pub(crate) colors: Option<[usize; 3]>,
+    pub(crate) vectors: Vec<(String, [usize; 3])>,
+    pub(crate) scalars: Vec<(String, usize)>,
+}
+
+impl Layout {
+    /// Groups columns by name: `x`, `y`, `z`; `red`, `green`, `blue` if they
+    /// are bytes; `nx`, `ny`, `nz` are the vector `normal`, and `name_x`,
+    /// `name_y`, `name_z` the vector `name`, if they stand together in this
+    /// order. All else are scalars. Readers and writers share it, so that
+    /// what is written is read back as the same.
+    pub(crate) fn of(columns: &[Column<'_>]) -> Self {
+        let find = |name: &str| columns.iter().position(|column| column.name == name);
+        let all = |names: [&str; 3]| {
+            let [a, b, c] = names.map(find);
+            Some([a?, b?, c?])
+        };
+        let position = all(["x", "y", "z"]);
+        let bytes = |three: &[usize; 3]| three.iter().all(|&k| columns[k].is_byte);
+        let colors = all(["red", "green", "blue"]).filter(bytes);
+        let mut layout = Self { position, colors, vectors: vec![], scalars: vec![] };
+        let mut k = 0;
+        while k < columns.len() {
+            let taken = [position, colors].iter().flatten().flatten().any(|&p| p == k);
+            if taken {
+                k += 1;
+            } else if let Some(name) = vector_name(&columns[k..])
+                && !layout.vectors.iter().any(|(other, _)| *other == name)
+            {
+                layout.vectors.push((name, [k, k + 1, k + 2]));
+                k += 3;
+            } else {
+                layout.scalars.push((columns[k].name.to_owned(), k));
+                k += 1;
+            }
+        }
+        layout
+    }
+}
+
+/// The name of the vector whose three components come first, if they do.
+fn vector_name(columns: &[Column<'_>]) -> Option<String> {
+    let [x, y, z, ..] = columns else { return None };
+    let names = [x.name, y.name, z.name];
+    if names == ["nx", "ny", "nz"] {
+        return Some("normal".to_owned());
+    }
+    let stem = x.name.strip_suffix("_x").filter(|stem| !stem.is_empty())?;
+    let same = y.name.strip_suffix("_y") == Some(stem) && z.name.strip_suffix("_z") == Some(stem);
+    same.then(|| stem.to_owned())
+}
+
+/// The property names of a vector field.
+pub(crate) fn component_names(vector: &str) -> [String; 3] {
+    if vector == "normal" {
+        ["nx", "ny", "nz"].map(str::to_owned)
+    } else {
+        ["x", "y", "z"].map(|axis| format!("{vector}_{axis}"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn layout(names: &str) -> Layout {
+        let columns: Vec<_> =
+            names.split(' ').map(|name| Column { name, is_byte: name != "blue" }).collect();
+        Layout::of(&columns)
+    }
+
+    #[test]
+    fn components_that_stand_together_are_vectors() {
+        let found = layout("q z y x nx ny nz a_x a_y a_z b_x b_z b_y");
+        assert_eq!(found.position, Some([3, 2, 1]));
+        assert_eq!(found.vectors, [("normal".into(), [4, 5, 6]), ("a".into(), [7, 8, 9])]);
+        let scalars: Vec<_> = found.scalars.iter().map(|(name, _)| &name[..]).collect();
+        assert_eq!(scalars, ["q", "b_x", "b_z", "b_y"]);
+    }
+
+    #[test]
+    fn colours_are_bytes() {
+        let found = layout("x y z red green blue");
+        assert_eq!(found.colors, None);
+        assert_eq!(found.scalars.len(), 3);
+    }
+}

@@ -1,0 +1,90 @@
+//! PLY, the Stanford polygon format: text, and binary of either byte order.
+//!
+//! Elements and properties may come in any order and of any type. Vertices
+//! keep their scalar properties as fields; faces are the lists
+//! `vertex_indices` (or `vertex_index`) of the element `face`, or the strips
+//! of `tristrips`.
+
+mod faces;
+mod header;
+pub(crate) mod layout;
+mod source;
+mod vertices;
+
+use crate::io::error::{Fault, unexpected};
+use crate::io::parsed::Parsed;
+use crate::io::text::normalized;
+use header::{Body, Element, Header, Kind};
+use source::{AsciiSource, BinarySource, Source};
+
+pub(crate) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {
+    let header = header::parse(bytes)?;
+    match header.body {
+        Body::Ascii => {
+            let body = normalized(&bytes[header.length..]);
+            read_body(AsciiSource::new(&body, header.lines), &header)
+        }
+        Body::LittleEndian => read_body(BinarySource::new(bytes, header.length, false), &header),
+        Body::BigEndian => read_body(BinarySource::new(bytes, header.length, true), &header),
+    }
+}
+
+fn read_body(mut source: impl Source, header: &Header) -> Result<Parsed, Fault> {
+    let elements = &header.elements;
+    let Some(vertices) = elements.iter().find(|element| element.name == "vertex") else {
+        let found = elements.iter().map(|element| &element.name[..]).collect::<Vec<_>>();
+        let found = format!("elements {found:?}");
+        return Err(source.fault(unexpected("an element vertex", found)));
+    };
+    // Faces may come before vertices: their range is what the header says,
+    // and reading the vertices will prove it.
+    let vertex_count = vertices.rows();
+    let mut parsed = Parsed::default();
+    for element in elements {
+        match &element.name[..] {
+            "vertex" => vertices::read(&mut source, element, &mut parsed)?,
+            "face" if element.count > 0 => {
+                let list = faces::index_list(element, &source)?;
+                faces::read(&mut source, element, list, vertex_count, &mut parsed)?;
+            }
+            "tristrips" if element.count > 0 => {
+                let list = faces::index_list(element, &source)?;
+                faces::read_strips(&mut source, element, list, vertex_count, &mut parsed)?;
+            }
+            "face" | "tristrips" => {}
+            _ => skip(&mut source, element, &mut parsed)?,
+        }
+    }
+    source.finish()?;
+    if source.long_rows() > 0 {
+        let doubt = format!("{} lines have more values than properties", source.long_rows());
+        parsed.doubts.push(doubt);
+    }
+    Ok(parsed)
+}
+
+/// Passes over an element that a mesh has no place for.
+fn skip(source: &mut impl Source, element: &Element, parsed: &mut Parsed) -> Result<(), Fault> {
+    if element.count > 0 {
+        parsed.notes.push(format!("{} elements {} are ignored", element.count, element.name));
+    }
+    if element.properties.is_empty() || source.take_rows(element)?.is_some() {
+        return Ok(());
+    }
+    for _ in 0..element.rows() {
+        for property in &element.properties {
+            match property.kind {
+                Kind::Scalar(scalar) => source.skip(scalar, 1, &property.name)?,
+                Kind::List { count, item } => {
+                    let length = vertices::list_length(source, count, &property.name)?;
+                    source.skip(item, length, &property.name)?;
+                }
+            }
+        }
+        source.end_row();
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;

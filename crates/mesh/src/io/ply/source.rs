@@ -1,0 +1,271 @@
+//! Numbers from the body of a PLY file, text or binary.
+
+use crate::io::error::{Fault, Place, ReadProblem, unexpected};
+use crate::io::ply::header::{Element, Scalar};
+use crate::io::text::Cursor;
+
+/// Where a reader of rows takes its numbers from.
+pub(super) trait Source {
+    /// The next number.
+    fn float(&mut self, scalar: Scalar, what: &str) -> Result<f64, Fault>;
+
+    /// The next number, which must be an integer.
+    fn integer(&mut self, scalar: Scalar, what: &str) -> Result<i64, Fault>;
+
+    /// Passes over `count` numbers.
+    fn skip(&mut self, scalar: Scalar, count: u64, what: &str) -> Result<(), Fault>;
+
+    /// Ends a row. What is left of a line of text belongs to no property; it
+    /// is passed over, and the rows where that happens are counted.
+    fn end_row(&mut self);
+
+    /// How many rows were longer than the header says.
+    fn long_rows(&self) -> usize;
+
+    /// The bytes left: no more numbers than these can follow.
+    fn remaining(&self) -> usize;
+
+    /// A problem with the number read last, or about to be read.
+    fn fault(&self, problem: ReadProblem) -> Fault;
+
+    /// Takes all rows of an element at once, if they are of one size.
+    fn take_rows(&mut self, element: &Element) -> Result<Option<Rows<'_>>, Fault>;
+
+    /// Takes `length` bytes of rows, if the body is binary and has them.
+    fn peek_rows(&self, stride: usize, count: usize) -> Option<Rows<'_>>;
+
+    /// Passes over bytes that [`Self::peek_rows`] has shown.
+    fn advance(&mut self, bytes: usize);
+
+    /// Fails unless the body ends here.
+    fn finish(&mut self) -> Result<(), Fault>;
+}
+
+/// Rows of one size in a binary body.
+pub(super) struct Rows<'a> {
+    pub(super) bytes: &'a [u8],
+    pub(super) stride: usize,
+    pub(super) big_endian: bool,
+    /// Where the first row begins in the file.
+    pub(super) start: usize,
+}
+
+/// A text body. A row begins on a line of its own and may go on over several.
+pub(super) struct AsciiSource<'a> {
+    cursor: Cursor<'a>,
+    last: Cursor<'a>,
+    lines_before: u64,
+    long_rows: usize,
+}
+
+impl<'a> AsciiSource<'a> {
+    /// `body` follows a header of so many lines.
+    pub(super) fn new(body: &'a [u8], header_lines: u64) -> Self {
+        let cursor = Cursor::new(body, 0, None);
+        Self { last: cursor.clone(), cursor, lines_before: header_lines, long_rows: 0 }
+    }
+
+    fn below_header(&self, mut fault: Fault) -> Fault {
+        if let Place::Line(line) = &mut fault.at {
+            *line += self.lines_before;
+        }
+        fault
+    }
+}
+
+impl Source for AsciiSource<'_> {
+    fn float(&mut self, _: Scalar, what: &str) -> Result<f64, Fault> {
+        self.cursor.more();
+        self.last = self.cursor.clone();
+        self.cursor.float(what).map_err(|fault| self.below_header(fault))
+    }
+
+    fn integer(&mut self, scalar: Scalar, what: &str) -> Result<i64, Fault> {
+        self.cursor.more();
+        self.last = self.cursor.clone();
+        let value = self.cursor.integer(what).map_err(|fault| self.below_header(fault))?;
+        let fits = match scalar {
+            Scalar::I8 => i8::try_from(value).is_ok(),
+            Scalar::U8 => u8::try_from(value).is_ok(),
+            Scalar::I16 => i16::try_from(value).is_ok(),
+            Scalar::U16 => u16::try_from(value).is_ok(),
+            Scalar::I32 => i32::try_from(value).is_ok(),
+            Scalar::U32 => u32::try_from(value).is_ok(),
+            Scalar::F32 | Scalar::F64 => true,
+        };
+        if !fits {
+            let expected = format!("{what} of type {scalar:?}");
+            return Err(self.fault(unexpected(expected, value.to_string())));
+        }
+        Ok(value)
+    }
+
+    fn skip(&mut self, scalar: Scalar, count: u64, what: &str) -> Result<(), Fault> {
+        for _ in 0..count {
+            self.float(scalar, what)?;
+        }
+        Ok(())
+    }
+
+    fn end_row(&mut self) {
+        if self.cursor.more_on_line() {
+            self.long_rows += 1;
+            self.cursor.skip_line();
+        }
+    }
+
+    fn long_rows(&self) -> usize {
+        self.long_rows
+    }
+
+    fn remaining(&self) -> usize {
+        self.cursor.remaining()
+    }
+
+    fn fault(&self, problem: ReadProblem) -> Fault {
+        self.below_header(self.last.fault(problem))
+    }
+
+    fn take_rows(&mut self, _: &Element) -> Result<Option<Rows<'_>>, Fault> {
+        Ok(None)
+    }
+
+    fn peek_rows(&self, _: usize, _: usize) -> Option<Rows<'_>> {
+        None
+    }
+
+    fn advance(&mut self, _: usize) {}
+
+    fn finish(&mut self) -> Result<(), Fault> {
+        self.cursor.expect_end("the last element").map_err(|fault| self.below_header(fault))
+    }
+}
+
+/// A binary body.
+pub(super) struct BinarySource<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    last: usize,
+    big_endian: bool,
+}
+
+impl<'a> BinarySource<'a> {
+    /// The body begins at byte `at` of the file.
+    pub(super) fn new(bytes: &'a [u8], at: usize, big_endian: bool) -> Self {
+        Self { bytes, at, last: at, big_endian }
+    }
+
+    fn take(&mut self, scalar: Scalar, what: &str) -> Result<&'a [u8], Fault> {
+        self.last = self.at;
+        match self.bytes.get(self.at..self.at + scalar.size()) {
+            Some(bytes) => {
+                self.at += bytes.len();
+                Ok(bytes)
+            }
+            None => Err(self.fault(unexpected(what, "the end of the file"))),
+        }
+    }
+}
+
+/// Reads a number of any type at the start of `bytes`, which hold it.
+#[inline]
+pub(super) fn decode_float(scalar: Scalar, big_endian: bool, bytes: &[u8]) -> f64 {
+    match scalar {
+        Scalar::F32 => f64::from(f32::from_bits(word(bytes, 4, big_endian) as u32)),
+        Scalar::F64 => f64::from_bits(word(bytes, 8, big_endian)),
+        _ => decode_integer(scalar, big_endian, bytes) as f64,
+    }
+}
+
+/// Reads an integer of any type at the start of `bytes`, which hold it; a
+/// floating-point number is cut to its integer part.
+#[inline]
+pub(super) fn decode_integer(scalar: Scalar, big_endian: bool, bytes: &[u8]) -> i64 {
+    let word = |size| word(bytes, size, big_endian);
+    match scalar {
+        Scalar::I8 => i64::from(word(1) as i8),
+        Scalar::U8 => word(1) as i64,
+        Scalar::I16 => i64::from(word(2) as i16),
+        Scalar::U16 => word(2) as i64,
+        Scalar::I32 => i64::from(word(4) as i32),
+        Scalar::U32 => word(4) as i64,
+        Scalar::F32 | Scalar::F64 => decode_float(scalar, big_endian, bytes) as i64,
+    }
+}
+
+#[inline]
+fn word(bytes: &[u8], size: usize, big_endian: bool) -> u64 {
+    let fold = |word: u64, &byte: &u8| (word << 8) | u64::from(byte);
+    let bytes = &bytes[..size];
+    if big_endian { bytes.iter().fold(0, fold) } else { bytes.iter().rev().fold(0, fold) }
+}
+
+impl Source for BinarySource<'_> {
+    fn float(&mut self, scalar: Scalar, what: &str) -> Result<f64, Fault> {
+        Ok(decode_float(scalar, self.big_endian, self.take(scalar, what)?))
+    }
+
+    fn integer(&mut self, scalar: Scalar, what: &str) -> Result<i64, Fault> {
+        Ok(decode_integer(scalar, self.big_endian, self.take(scalar, what)?))
+    }
+
+    fn skip(&mut self, scalar: Scalar, count: u64, what: &str) -> Result<(), Fault> {
+        self.last = self.at;
+        let length = count.saturating_mul(scalar.size() as u64);
+        if length > self.remaining() as u64 {
+            let found = format!("{} bytes", self.remaining());
+            return Err(self.fault(unexpected(format!("{length} bytes of {what}"), found)));
+        }
+        self.at += length as usize;
+        Ok(())
+    }
+
+    fn end_row(&mut self) {}
+
+    fn long_rows(&self) -> usize {
+        0
+    }
+
+    fn remaining(&self) -> usize {
+        self.bytes.len() - self.at
+    }
+
+    fn fault(&self, problem: ReadProblem) -> Fault {
+        Fault::at_byte(self.last, problem)
+    }
+
+    fn take_rows(&mut self, element: &Element) -> Result<Option<Rows<'_>>, Fault> {
+        let Some(stride) = element.stride() else { return Ok(None) };
+        let start = self.at;
+        let length = element.count.saturating_mul(stride as u64);
+        if length > self.remaining() as u64 {
+            self.last = start;
+            let expected = format!("{} rows of {stride} bytes ({})", element.count, element.name);
+            let found = format!("{} bytes", self.remaining());
+            return Err(self.fault(unexpected(expected, found)));
+        }
+        self.at += length as usize;
+        let bytes = &self.bytes[start..self.at];
+        Ok(Some(Rows { bytes, stride, big_endian: self.big_endian, start }))
+    }
+
+    fn peek_rows(&self, stride: usize, count: usize) -> Option<Rows<'_>> {
+        let bytes = self.bytes[self.at..].get(..stride.checked_mul(count)?)?;
+        Some(Rows { bytes, stride, big_endian: self.big_endian, start: self.at })
+    }
+
+    fn advance(&mut self, bytes: usize) {
+        self.at += bytes;
+    }
+
+    fn finish(&mut self) -> Result<(), Fault> {
+        // Some writers end a binary file with a line end.
+        let rest = &self.bytes[self.at..];
+        if rest.iter().all(u8::is_ascii_whitespace) {
+            return Ok(());
+        }
+        self.last = self.at;
+        let found = format!("{} bytes more", rest.len());
+        Err(self.fault(unexpected("the end of the file after the last element", found)))
+    }
+}

@@ -1,0 +1,153 @@
+//! Meshes of polygons.
+
+mod triangulate;
+
+use crate::build::BuildError;
+use crate::io::{Polygons, repeats_a_corner};
+use crate::trimesh::TriMesh;
+
+/// A mesh whose faces have three corners or more, always valid: indices are in
+/// range, coordinates are finite, and no face repeats a corner.
+///
+/// Faces are stored one after another, with the place where each begins.
+/// Vertices and faces keep the order of their source.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PolygonMesh {
+    positions: Vec<[f64; 3]>,
+    /// One more than there are faces.
+    offsets: Vec<u32>,
+    corners: Vec<u32>,
+}
+
+impl PolygonMesh {
+    /// Checks and keeps positions (in mesh units) and faces (counter-clockwise
+    /// seen from outside).
+    ///
+    /// # Errors
+    ///
+    /// [`BuildError`] for the first vertex or face that is not valid.
+    pub fn new<F: AsRef<[u32]>>(
+        positions: Vec<[f64; 3]>,
+        faces: impl IntoIterator<Item = F>,
+    ) -> Result<Self, BuildError> {
+        let vertex_count = positions.len();
+        if u32::try_from(vertex_count).is_err() {
+            return Err(BuildError::TooLarge { what: "vertices", count: vertex_count });
+        }
+        if let Some(v) = positions.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
+            return Err(BuildError::NonFinite { vertex: v as u32, position: positions[v] });
+        }
+        let mut offsets = vec![0];
+        let mut corners: Vec<u32> = Vec::new();
+        for (number, face) in faces.into_iter().enumerate() {
+            let face_corners = face.as_ref();
+            if let Some(&index) = face_corners.iter().find(|&&i| i as usize >= vertex_count) {
+                return Err(BuildError::IndexOutOfRange { face: number, index, vertex_count });
+            }
+            if face_corners.len() < 3 {
+                let count = face_corners.len();
+                return Err(BuildError::TooFewCorners { face: number, count });
+            }
+            if repeats_a_corner(face_corners) {
+                return Err(BuildError::RepeatedPolygonCorner {
+                    face: number,
+                    count: face_corners.len(),
+                });
+            }
+            corners.extend_from_slice(face_corners);
+            let Ok(end) = u32::try_from(corners.len()) else {
+                return Err(BuildError::TooLarge { what: "corners", count: corners.len() });
+            };
+            offsets.push(end);
+        }
+        Ok(Self { positions, offsets, corners })
+    }
+
+    /// The caller has made the checks of [`Self::new`].
+    pub(crate) fn from_checked(positions: Vec<[f64; 3]>, polygons: Polygons) -> Self {
+        let (ends, corners): (Vec<u32>, _) = match polygons {
+            Polygons::Triangles(faces) => {
+                ((1..=faces.len() as u32).map(|f| 3 * f).collect(), faces.into_flattened())
+            }
+            Polygons::Mixed { ends, corners } => {
+                (ends.into_iter().map(|end| end as u32).collect(), corners)
+            }
+        };
+        let offsets = std::iter::once(0).chain(ends).collect();
+        Self { positions, offsets, corners }
+    }
+
+    /// The positions, in mesh units, one per vertex.
+    pub fn positions(&self) -> &[[f64; 3]] {
+        &self.positions
+    }
+
+    /// The number of vertices, isolated ones included.
+    pub fn vertex_count(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// The number of polygons.
+    pub fn polygon_count(&self) -> usize {
+        self.offsets.len() - 1
+    }
+
+    /// The corners of polygon `f`, counter-clockwise seen from outside.
+    ///
+    /// # Panics
+    ///
+    /// If there is no polygon `f`.
+    #[inline]
+    pub fn polygon(&self, f: usize) -> &[u32] {
+        &self.corners[self.offsets[f] as usize..self.offsets[f + 1] as usize]
+    }
+
+    /// The corners of each polygon in turn.
+    pub fn polygons(&self) -> impl ExactSizeIterator<Item = &[u32]> {
+        (0..self.polygon_count()).map(|f| self.polygon(f))
+    }
+
+    /// Splits the polygons into triangles: n − 2 for n corners, in the order
+    /// of the polygons, all corners used, none added.
+    ///
+    /// - A triangle stays as it is.
+    /// - A convex polygon becomes the fan around its first corner: `(0, 1, 2)`,
+    ///   `(0, 2, 3)`, …
+    /// - Any other is cut ear by ear. An ear is a corner that turns like the
+    ///   polygon does and whose triangle holds no other corner; each time the
+    ///   ear with the best shape (area over the sum of squared sides) goes, the
+    ///   first of equal ones. Where no ear is left, as in polygons that cross
+    ///   themselves, the rest becomes a fan; so does a polygon of more than
+    ///   1024 corners that is not convex, since cutting takes quadratic time.
+    ///
+    /// Turning is judged along the area vector of the polygon,
+    /// `½ Σ pₖ × pₖ₊₁`; convex means that every corner turns by more than
+    /// rounding (10⁻¹⁰ of the product of its sides), so that straight corners,
+    /// around which a fan may have triangles without area, count as not convex.
+    pub fn triangulate(&self) -> TriMesh {
+        TriMesh::from_checked(self.positions.clone(), triangulate::triangles(self))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn invalid_polygons_are_refused_by_name() {
+        let square = vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        let build = |faces: &[&[u32]]| PolygonMesh::new(square.clone(), faces);
+        assert!(build(&[&[0, 1, 2, 3], &[3, 2, 1]]).is_ok());
+        let error = |faces: &[&[u32]]| build(faces).unwrap_err();
+        assert_eq!(error(&[&[0, 1]]), BuildError::TooFewCorners { face: 0, count: 2 });
+        assert_eq!(
+            error(&[&[0, 1, 2], &[0, 1, 2, 1]]),
+            BuildError::RepeatedPolygonCorner { face: 1, count: 4 }
+        );
+        assert_eq!(
+            error(&[&[0, 1, 2, 4]]),
+            BuildError::IndexOutOfRange { face: 0, index: 4, vertex_count: 4 }
+        );
+        assert!(PolygonMesh::new(vec![[f64::NAN; 3]], [[0u32; 0]; 0]).is_err());
+    }
+}

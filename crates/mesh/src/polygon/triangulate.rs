@@ -1,0 +1,126 @@
+//! Polygons split into triangles.
+
+use crate::polygon::PolygonMesh;
+use crate::vec3::{add, cross, dot, norm, scale, sub};
+
+/// Larger polygons are not cut ear by ear.
+const MOST_CORNERS: usize = 1024;
+
+/// The sine of a turn that rounding may produce in a straight line.
+const STRAIGHT: f64 = 1e-10;
+
+pub(super) fn triangles(mesh: &PolygonMesh) -> Vec<[u32; 3]> {
+    let count = mesh.polygons().map(|polygon| polygon.len() - 2).sum();
+    let mut triangles = Vec::with_capacity(count);
+    for polygon in mesh.polygons() {
+        if let &[a, b, c] = polygon {
+            triangles.push([a, b, c]);
+            continue;
+        }
+        let points: Vec<[f64; 3]> = polygon.iter().map(|&v| mesh.positions()[v as usize]).collect();
+        let split = split(&points);
+        triangles.extend(split.into_iter().map(|triangle| triangle.map(|k| polygon[k])));
+    }
+    triangles
+}
+
+/// The triangles of one polygon, as numbers of its corners.
+fn split(points: &[[f64; 3]]) -> Vec<[usize; 3]> {
+    let all: Vec<usize> = (0..points.len()).collect();
+    let points = centered(points);
+    let normal = area_vector(&points);
+    let turns_left = |k: usize| {
+        let n = points.len();
+        let [p, q, r] = [(k + n - 1) % n, k, (k + 1) % n].map(|k| points[k]);
+        turn(p, q, r, normal) > 0.0
+    };
+    if points.len() > MOST_CORNERS || all.iter().all(|&k| turns_left(k)) {
+        return fan(&all);
+    }
+    cut_ears(&points, normal)
+}
+
+fn fan(corners: &[usize]) -> Vec<[usize; 3]> {
+    corners[1..].windows(2).map(|pair| [corners[0], pair[0], pair[1]]).collect()
+}
+
+/// The polygon moved and scaled into the unit cube, so that products neither
+/// overflow nor cancel because it is far away.
+fn centered(points: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    // Halved first: the difference of two finite numbers may be infinite.
+    let halves: Vec<[f64; 3]> = points.iter().map(|&p| scale(p, 0.5)).collect();
+    let moved: Vec<[f64; 3]> = halves.iter().map(|&p| sub(p, halves[0])).collect();
+    let largest = moved.as_flattened().iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    if largest == 0.0 {
+        return moved;
+    }
+    moved.into_iter().map(|p| p.map(|x| x / largest)).collect()
+}
+
+/// Twice the area vector, `Σ pₖ × pₖ₊₁`.
+fn area_vector(points: &[[f64; 3]]) -> [f64; 3] {
+    let next = points.iter().cycle().skip(1);
+    points.iter().zip(next).fold([0.0; 3], |sum, (&p, &q)| add(sum, cross(p, q)))
+}
+
+/// How the path p, q, r turns at q about the normal: twice the area seen along
+/// it, or 0 if it is no more than rounding.
+fn turn(p: [f64; 3], q: [f64; 3], r: [f64; 3], normal: [f64; 3]) -> f64 {
+    let (a, b) = (sub(q, p), sub(r, q));
+    let turn = dot(cross(a, b), normal);
+    if turn.abs() > STRAIGHT * norm(a) * norm(b) * norm(normal) { turn } else { 0.0 }
+}
+
+/// Cuts ears until three corners are left.
+fn cut_ears(points: &[[f64; 3]], normal: [f64; 3]) -> Vec<[usize; 3]> {
+    let mut rest: Vec<usize> = (0..points.len()).collect();
+    let mut triangles = Vec::with_capacity(points.len() - 2);
+    let mut quality: Vec<f64> = (0..rest.len()).map(|k| ear(points, &rest, k, normal)).collect();
+    while rest.len() > 3 {
+        let best = (0..rest.len()).fold(0, |b, k| if quality[k] > quality[b] { k } else { b });
+        if quality[best] <= 0.0 {
+            triangles.extend(fan(&rest));
+            return triangles;
+        }
+        let n = rest.len();
+        triangles.push([rest[(best + n - 1) % n], rest[best], rest[(best + 1) % n]]);
+        rest.remove(best);
+        quality.remove(best);
+        // Only the neighbours' triangles have changed; a corner that stood in
+        // the way of another ear may be gone, though.
+        for k in 0..rest.len() {
+            let neighbour = k == best % rest.len() || k == (best + rest.len() - 1) % rest.len();
+            if neighbour || quality[k] <= 0.0 {
+                quality[k] = ear(points, &rest, k, normal);
+            }
+        }
+    }
+    triangles.push([rest[0], rest[1], rest[2]]);
+    triangles
+}
+
+/// The shape of the ear at a corner: area over the sum of squared sides, or 0
+/// if the corner is no ear.
+fn ear(points: &[[f64; 3]], rest: &[usize], k: usize, normal: [f64; 3]) -> f64 {
+    let n = rest.len();
+    let corners = [(k + n - 1) % n, k, (k + 1) % n];
+    let [p, q, r] = corners.map(|k| points[rest[k]]);
+    let area = turn(p, q, r, normal);
+    if area <= 0.0 {
+        return 0.0;
+    }
+    let side = |a: [f64; 3], b: [f64; 3], x: [f64; 3]| dot(cross(sub(b, a), sub(x, a)), normal);
+    let inside = |x: [f64; 3]| {
+        x != p
+            && x != q
+            && x != r
+            && side(p, q, x) >= 0.0
+            && side(q, r, x) >= 0.0
+            && side(r, p, x) >= 0.0
+    };
+    if (0..n).any(|j| !corners.contains(&j) && inside(points[rest[j]])) {
+        return 0.0;
+    }
+    let squared = |a: [f64; 3], b: [f64; 3]| dot(sub(b, a), sub(b, a));
+    area / (squared(p, q) + squared(q, r) + squared(r, p))
+}
