@@ -4,6 +4,8 @@
 //! listed by name as ignored. An area adds a module with a function
 //! `trials() -> Vec<(&'static str, Test)>` and a line below.
 
+mod reading;
+
 use std::path::{Path, PathBuf};
 
 use libtest_mimic::{Arguments, Failed, Trial};
@@ -13,7 +15,7 @@ type Test = fn(&Path) -> Result<(), Failed>;
 
 fn main() {
     let folder = std::env::var_os("FAIRING_MESHES").map(PathBuf::from).filter(|d| d.is_dir());
-    let areas: [(&str, Vec<(&str, Test)>); 0] = [];
+    let areas = [("reading", reading::trials())];
     let trials = areas
         .into_iter()
         .flat_map(|(area, tests)| tests.into_iter().map(move |(name, test)| (area, name, test)))

@@ -175,7 +175,7 @@ pub(super) fn read_strips(
                     if a == b || b == c || c == a {
                         joints += 1;
                     } else {
-                        faces.push(if since % 2 == 0 { [a, b, c] } else { [b, a, c] });
+                        faces.push(if since.is_multiple_of(2) { [a, b, c] } else { [b, a, c] });
                     }
                 }
                 [a, b] = [b, c];

@@ -1,0 +1,179 @@
+//! Every file of the corpus reads with the vertices and faces of its manifest.
+
+use std::path::Path;
+
+use fairing_mesh::io::{self, Strictness};
+use libtest_mimic::Failed;
+
+use crate::Test;
+
+/// Tests of this area.
+pub(crate) fn trials() -> Vec<(&'static str, Test)> {
+    vec![
+        ("vertex_and_face_counts", counts),
+        ("polygons_are_split_into_triangles", triangles),
+        ("strict_reading_accepts_what_is_sound", strict),
+        ("coordinates_keep_double_precision", precision),
+        ("written_files_read_back", round_trips),
+    ]
+}
+
+/// File, vertices, faces (polygons of the file), triangles after splitting.
+const FILES: [(&str, usize, usize, usize); 65] = [
+    ("assignment/curvatures/lilium_s.obj", 786, 1500, 1500),
+    ("assignment/curvatures/plane.obj", 100, 162, 162),
+    ("assignment/decompose/armadillo.obj", 361, 718, 718),
+    ("assignment/smoothing/fandisk_ns.obj", 7229, 14454, 14454),
+    ("assignment/smoothing/plane_ns.obj", 2081, 3975, 3975),
+    ("assignment/other-years/armadillo_25k.obj", 25193, 50382, 50382),
+    ("assignment/other-years/cow_small_manifold2.obj", 304, 600, 600),
+    ("assignment/other-years/cow_manifold2.obj", 2759, 5500, 5500),
+    ("assignment/other-years/bumpy-cube.obj", 19970, 39936, 39936),
+    ("assignment/other-years/bunny.obj", 3485, 6966, 6966),
+    ("assignment/other-years/cube.obj", 8, 12, 12),
+    ("assignment/course-lab/sphere4.off", 2562, 5120, 5120),
+    ("assignment/course-lab/torus.obj", 288, 576, 576),
+    ("assignment/course-lab/igea11706.off", 11706, 23408, 23408),
+    ("reference/fandisk.off", 7229, 14454, 14454),
+    ("reference/lilium.obj", 3389, 6590, 6590),
+    ("standard/bunny70k.ply", 34834, 69451, 69451),
+    ("standard/stanford-bunny.obj", 35947, 69451, 69451),
+    ("standard/bunny_binary.stl", 34834, 69451, 69451),
+    ("standard/armadillo_43k.obj", 43243, 86482, 86482),
+    ("standard/dragon_vrip_res2.ply.gz", 100250, 202520, 202520),
+    ("standard/igea_tristrips.ply", 134345, 268686, 268686),
+    ("standard/spot.obj", 2930, 5856, 5856),
+    ("standard/rocker-arm.obj", 10044, 20088, 20088),
+    ("standard/3holes.off", 3596, 7200, 7200),
+    ("standard/fertility.off", 4494, 9000, 9000),
+    ("standard/decimated-max.obj", 5272, 10540, 10540),
+    ("standard/elephant.obj", 6034, 12064, 12064),
+    ("standard/camelhead.off", 11381, 22704, 22704),
+    ("standard/beetle_11loops.off", 19887, 38656, 38656),
+    ("standard/horse_quad.obj", 2400, 2398, 4796),
+    ("standard/bunny_poly.ply", 1241, 1482, 2478),
+    ("standard/dodecahedron_poly.obj", 20, 12, 36),
+    ("standard/fuze_ascii.ply", 502, 1000, 1000),
+    ("standard/colored_airplane.ply", 7017, 10796, 10796),
+    ("standard/cube_vertexcolor.off", 26, 12, 12),
+    ("standard/torus_solidheader.stl", 4350, 8700, 8700),
+    ("standard/adis16480_ascii.stl", 3672, 7436, 7436),
+    ("scan/iron.ply", 85574, 168285, 168285),
+    ("scan/lato000_rangemap.ply", 44461, 86766, 86766),
+    ("broken/cow_nmvertex.obj", 2903, 5804, 5804),
+    ("broken/truck.obj", 2956, 4770, 4770),
+    ("broken/conrod_binary.stl", 3223, 6442, 6442),
+    ("broken/many_small_holes.ply", 2004, 3524, 3524),
+    ("broken/non_manif_hole.ply", 432, 755, 755),
+    ("broken/moebius_quads.obj", 280, 224, 448),
+    ("broken/fan3.obj", 5, 3, 3),
+    ("broken/negative_indices.obj", 8, 6, 12),
+    ("broken/non_manifold_face_graph.off", 24, 11, 21),
+    ("broken/degtri_four.off", 5, 4, 4),
+    ("broken/all_degen.off", 7, 7, 7),
+    ("broken/points_only.ply", 1024, 0, 0),
+    ("denoising/Fandisk0.3_noisy.obj", 6475, 12946, 12946),
+    ("denoising/Fandisk0.3_original.obj", 6475, 12946, 12946),
+    ("denoising/Fandisk0.7_noisy.obj", 6475, 12946, 12946),
+    ("denoising/Block0.4_noisy.obj", 8771, 17550, 17550),
+    ("denoising/Block0.4_original.obj", 8771, 17550, 17550),
+    ("denoising/Julius0.2_noisy.obj", 36201, 71912, 71912),
+    ("denoising/Julius0.2_original.obj", 36201, 71912, 71912),
+    ("denoising/Twelve0.5Impulsive_noisy.obj", 4610, 9216, 9216),
+    ("denoising/Twelve0.5Impulsive_original.obj", 4610, 9216, 9216),
+    ("derived/igea_134k.ply", 134345, 268686, 268686),
+    ("derived/armadillo_loop_173k.ply", 172966, 345928, 345928),
+    ("derived/igea_sqrt3_403k.ply", 403031, 806058, 806058),
+    ("derived/fandisk_utm.obj", 7229, 14454, 14454),
+];
+
+fn failed(file: &str, message: impl std::fmt::Display) -> Failed {
+    format!("{file}: {message}").into()
+}
+
+fn counts(folder: &Path) -> Result<(), Failed> {
+    for (file, vertices, faces, _) in FILES {
+        let read = io::read_polygons(folder.join(file)).map_err(|e| failed(file, e))?;
+        let found = (read.mesh.vertex_count(), read.mesh.polygon_count());
+        if found != (vertices, faces) {
+            return Err(failed(file, format!("{found:?} in place of {:?}", (vertices, faces))));
+        }
+        if read.report.left_out != 0 || read.report.file_faces != faces {
+            return Err(failed(file, read.report));
+        }
+    }
+    Ok(())
+}
+
+fn triangles(folder: &Path) -> Result<(), Failed> {
+    for (file, vertices, faces, triangles) in FILES {
+        let read = io::read(folder.join(file)).map_err(|e| failed(file, e))?;
+        let found = (read.mesh.vertex_count(), read.mesh.face_count());
+        if found != (vertices, triangles) {
+            return Err(failed(file, format!("{found:?} in place of {:?}", (vertices, triangles))));
+        }
+        if (read.report.polygons > 0) != (faces < triangles) {
+            return Err(failed(file, format!("{} polygons reported", read.report.polygons)));
+        }
+    }
+    Ok(())
+}
+
+fn strict(folder: &Path) -> Result<(), Failed> {
+    let options = io::ReadOptions::strict();
+    assert_eq!(options.strictness, Strictness::Strict);
+    for (file, ..) in FILES {
+        let read = io::read_with(folder.join(file), &options);
+        // Its faces have six values more than its header says.
+        let refused = file == "standard/fuze_ascii.ply";
+        match read {
+            Ok(_) if refused => return Err(failed(file, "was read")),
+            Err(error) if !refused => return Err(failed(file, error)),
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+/// Coordinates like (500000, 4649776, 100) differ from the original mesh by
+/// the move alone, up to the rounding of a `f64` near 4.6 million (5e-10).
+fn precision(folder: &Path) -> Result<(), Failed> {
+    let moved = io::read(folder.join("derived/fandisk_utm.obj"))?.mesh;
+    let original = io::read(folder.join("reference/fandisk.off"))?.mesh;
+    for (p, q) in moved.positions().iter().zip(original.positions()) {
+        for (k, shift) in [500_000.0, 4_649_776.0, 100.0].into_iter().enumerate() {
+            let error = (p[k] - shift - q[k]).abs();
+            // The file has nine decimals.
+            if error > 2e-9 {
+                return Err(failed("derived/fandisk_utm.obj", format!("{p:?} for {q:?}")));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Polygons, positions, fields and colours come back bit by bit from PLY in
+/// both encodings and from a compressed OBJ and OFF as far as they hold them.
+fn round_trips(folder: &Path) -> Result<(), Failed> {
+    let out = tempfile::tempdir()?;
+    for (file, vertices, ..) in FILES.into_iter().filter(|&(_, vertices, ..)| vertices < 10_000) {
+        let read = io::read_polygons(folder.join(file)).map_err(|e| failed(file, e))?;
+        for (name, options) in [
+            ("a.ply", io::WriteOptions::default()),
+            ("b.ply.gz", io::WriteOptions::ascii()),
+            ("c.obj", io::WriteOptions::default().dropping_fields()),
+            ("d.off.gz", io::WriteOptions::default().dropping_fields()),
+        ] {
+            let path = out.path().join(name);
+            let report = io::write_polygons(&path, &read.mesh, &read.fields, &options)?;
+            let again = io::read_polygons(&path).map_err(|e| failed(file, e))?;
+            if again.mesh != read.mesh || again.fields.colors != read.fields.colors {
+                return Err(failed(file, format!("{name} differs ({vertices} vertices)")));
+            }
+            if report.dropped.is_empty() && again.fields != read.fields {
+                return Err(failed(file, format!("the fields of {name} differ")));
+            }
+        }
+    }
+    Ok(())
+}
