@@ -1,2 +1,8 @@
-//! The `fairing` program.
-fn main() {}
+//! The `fairing` program: curvature, spectra, smoothing and denoising of
+//! triangle meshes from the command line.
+
+mod cli;
+
+fn main() -> std::process::ExitCode {
+    cli::main()
+}

@@ -51,6 +51,7 @@ mod polygons;
 mod report;
 mod stl;
 mod text;
+mod whole;
 mod write;
 
 pub use error::{Place, ReadError, ReadProblem, WriteError, WriteProblem};
@@ -58,6 +59,7 @@ pub use fields::VertexFields;
 pub use format::Format;
 pub use options::{Encoding, FloatWidth, ReadOptions, Strictness, UnheldFields, WriteOptions};
 pub use report::ReadReport;
+pub use whole::write_whole;
 pub use write::{WriteReport, to_bytes, write, write_polygons, write_with_fields};
 
 pub(crate) use polygons::{Polygons, repeats_a_corner};

@@ -8,15 +8,14 @@ mod off;
 mod ply;
 mod stl;
 
-use std::fs::File;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::Path;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
 
 use crate::io::error::{WriteError, WriteProblem};
-use crate::io::{Format, VertexFields, WriteOptions};
+use crate::io::{Format, VertexFields, WriteOptions, write_whole};
 use crate::{PolygonMesh, TriMesh};
 use encode::{Faces, Surface};
 
@@ -121,7 +120,7 @@ fn write_surface(
         };
         let surface = Surface { positions, faces, fields };
         let (pieces, report) = encode::encode(format, surface, options)?;
-        place(path, |file| {
+        write_whole(path, |file| {
             if gzip {
                 let mut encoder = GzEncoder::new(file, Compression::default());
                 pieces.iter().try_for_each(|piece| encoder.write_all(piece))?;
@@ -133,25 +132,4 @@ fn write_surface(
         Ok(report)
     };
     attempt().map_err(|problem| WriteError { file: path.to_owned(), problem })
-}
-
-/// Writes under a temporary name in the same folder and renames.
-fn place(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".fairing-");
-    #[cfg(unix)]
-    {
-        // The permissions of any new file (the umask applies), not those of a
-        // secret one.
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    let mut file = builder.tempfile_in(folder)?;
-    fill(file.as_file_mut())?;
-    file.persist(path).map_err(|error| error.error)?;
-    Ok(())
 }

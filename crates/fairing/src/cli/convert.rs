@@ -1,0 +1,53 @@
+//! `fairing convert`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use fairing::mesh::io::{Encoding, FloatWidth, UnheldFields, WriteOptions};
+
+use super::Context;
+use super::exit::Failure;
+use super::files::{self, Overwrite};
+
+/// Convert a mesh between OBJ, PLY, OFF and STL
+///
+/// The endings decide the formats; add .gz for a compressed file. Vertices keep
+/// their order, isolated ones included, except in STL, which stores corners and
+/// no vertices. Polygons are split into triangles.
+#[derive(Args)]
+pub(crate) struct Convert {
+    /// The mesh to read
+    input: PathBuf,
+    /// The file to write
+    output: PathBuf,
+    #[command(flatten)]
+    overwrite: Overwrite,
+    /// Write PLY and STL as text instead of binary
+    #[arg(long)]
+    ascii: bool,
+    /// Write PLY's numbers with 32 bits (by default as wide as loses nothing)
+    #[arg(long)]
+    single: bool,
+    /// Leave out fields and colours that the format cannot hold, instead of refusing
+    #[arg(long)]
+    drop_fields: bool,
+}
+
+impl Convert {
+    pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
+        self.overwrite.check(&self.output)?;
+        let file = files::read(&self.input)?;
+        files::say_report(context, &self.input, &file.report);
+        let mut options = WriteOptions::default();
+        if self.ascii {
+            options.encoding = Encoding::Ascii;
+        }
+        if self.single {
+            options.float_width = FloatWidth::Single;
+        }
+        if self.drop_fields {
+            options.unheld_fields = UnheldFields::Drop;
+        }
+        files::write(context, &self.output, &file.mesh, &file.fields, &options)
+    }
+}

@@ -1,0 +1,86 @@
+//! Files named on the command line.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use fairing::mesh::TriMesh;
+use fairing::mesh::io::{self, MeshFile, ReadReport, VertexFields, WriteOptions};
+
+use super::Context;
+use super::exit::Failure;
+
+/// Where a result goes.
+#[derive(Args)]
+pub(crate) struct Output {
+    /// The file to write
+    #[arg(short = 'o', long = "output", value_name = "FILE")]
+    pub(crate) path: PathBuf,
+    #[command(flatten)]
+    pub(crate) overwrite: Overwrite,
+}
+
+/// Whether a file that exists may be replaced.
+#[derive(Args)]
+pub(crate) struct Overwrite {
+    /// Replace the output if it exists
+    #[arg(long)]
+    pub(crate) force: bool,
+}
+
+impl Overwrite {
+    /// Refuses a path that is taken, before any work is done for it.
+    pub(crate) fn check(&self, path: &Path) -> Result<(), Failure> {
+        if !self.force && path.exists() {
+            return Err(Failure::output(anyhow::anyhow!(
+                "{} exists; say --force to replace it",
+                path.display()
+            )));
+        }
+        Ok(())
+    }
+}
+
+impl Output {
+    /// Refuses a path that is taken, before any work is done for it.
+    pub(crate) fn check(&self) -> Result<(), Failure> {
+        self.overwrite.check(&self.path)
+    }
+}
+
+/// Reads a mesh with its fields.
+pub(crate) fn read(path: &Path) -> Result<MeshFile, Failure> {
+    io::read(path).map_err(Failure::input)
+}
+
+/// Tells what the reader split, left out or ignored, if anything.
+pub(crate) fn say_report(context: &Context, path: &Path, report: &ReadReport) {
+    if report.polygons > 0 || report.left_out > 0 || !report.notes.is_empty() {
+        context.note(format_args!("{}: {report}", path.display()));
+    }
+}
+
+/// Writes a mesh with fields, whole or not at all.
+pub(crate) fn write(
+    context: &Context,
+    path: &Path,
+    mesh: &TriMesh,
+    fields: &VertexFields,
+    options: &WriteOptions,
+) -> Result<(), Failure> {
+    let report = io::write_with_fields(path, mesh, fields, options).map_err(Failure::output)?;
+    if !report.dropped.is_empty() {
+        let names = report.dropped.join(", ");
+        context.note(format_args!("{}: {} cannot hold {names}", path.display(), report.format));
+    }
+    for note in &report.notes {
+        context.note(format_args!("{}: {note}", path.display()));
+    }
+    Ok(())
+}
+
+/// Writes bytes, whole or not at all.
+pub(crate) fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    io::write_whole(path, |file| file.write_all(bytes))
+        .map_err(|error| Failure::output(anyhow::anyhow!("{}: {error}", path.display())))
+}

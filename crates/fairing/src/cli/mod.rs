@@ -1,0 +1,102 @@
+//! The command line: one file per verb, and what the verbs share.
+//!
+//! A verb is a struct of arguments with a method `run`. To add one, write its
+//! file, and add a line to the modules, to [`Verb`] and to [`Verb::run`].
+
+mod completions;
+mod convert;
+mod exit;
+mod files;
+mod info;
+mod render;
+mod table;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use exit::Failure;
+
+const AFTER_HELP: &str = "\
+Formats: OBJ, PLY, OFF and STL, each also gzip-compressed (.gz); the ending decides.
+Vertices keep the order of the file, isolated ones included.
+
+Exit codes: 0 done; 1 the work failed; 2 wrong usage; 3 an input cannot be read;
+4 an output cannot be written (it exists and --force is not given, for one).
+
+Examples:
+  fairing info bunny.ply
+  fairing curvature bunny.ply -o curved.ply
+  fairing smooth scan.obj -o smooth.obj --method implicit --lambda 5";
+
+/// Geometry processing on triangle meshes with the Laplacian.
+#[derive(Parser)]
+#[command(name = "fairing", version, about, after_help = AFTER_HELP, arg_required_else_help = true)]
+struct Cli {
+    /// Use at most this many threads; results do not depend on it
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+    /// Say nothing but results and errors
+    #[arg(long, short, global = true)]
+    quiet: bool,
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Subcommand)]
+enum Verb {
+    Info(info::Info),
+    Convert(convert::Convert),
+    Render(render::Render),
+    Completions(completions::Completions),
+}
+
+/// What every verb is told besides its own arguments.
+struct Context {
+    /// Say nothing but results and errors.
+    quiet: bool,
+}
+
+impl Context {
+    /// Tells the user something on the side, on the error stream.
+    fn note(&self, text: impl std::fmt::Display) {
+        if !self.quiet {
+            eprintln!("{text}");
+        }
+    }
+}
+
+impl Verb {
+    fn run(&self, context: &Context) -> Result<(), Failure> {
+        match self {
+            Self::Info(verb) => verb.run(context),
+            Self::Convert(verb) => verb.run(context),
+            Self::Render(verb) => verb.run(context),
+            Self::Completions(verb) => verb.run(context),
+        }
+    }
+}
+
+/// Prints a result to the standard output.
+fn print(text: impl std::fmt::Display) -> Result<(), Failure> {
+    use std::io::Write;
+    let mut out = std::io::stdout().lock();
+    write!(out, "{text}")?;
+    Ok(out.flush()?)
+}
+
+/// Parses the arguments, runs the verb and turns a failure into its exit code.
+pub(crate) fn main() -> ExitCode {
+    let cli = Cli::parse();
+    if let Some(threads) = cli.threads {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
+        if let Err(error) = pool {
+            eprintln!("error: {threads} threads cannot be started: {error}");
+            return ExitCode::from(1);
+        }
+    }
+    match cli.verb.run(&Context { quiet: cli.quiet }) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}

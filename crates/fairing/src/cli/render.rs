@@ -1,0 +1,218 @@
+//! `fairing render`.
+
+use std::path::PathBuf;
+
+use anyhow::{Context as _, anyhow};
+use clap::{Args, ValueEnum};
+use fairing::figure::{
+    Background, Camera, Center, ColorMap, Colors, Field, Image, Limits, Occlusion, RenderOptions,
+    Scale, ScaleOptions, Shading, Spread, Up, Viewpoint, Wireframe, render,
+};
+use fairing::mesh::TriMesh;
+use fairing::mesh::io::VertexFields;
+
+use super::exit::Failure;
+use super::files::{self, Output};
+use super::table::number;
+use super::{Context, print};
+
+const EXAMPLES: &str = "\
+Examples:
+  fairing render bunny.ply -o bunny.png
+  fairing render bunny.ply -o bunny.png --view front --wireframe --size 1600x1200
+  fairing curvature bunny.ply -o curved.ply
+  fairing render curved.ply -o mean.png --field mean --map coolwarm
+  fairing render curved.ply -o mean.png --field mean --map hue --equalize";
+
+/// Draw a mesh to a PNG picture, coloured by one of its fields
+///
+/// Without --field, the colours of the file are shown if it has any. Vector
+/// fields are shown by their length. The range of the colours is from the 2nd to
+/// the 98th percentile unless --range is given; it is printed.
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Render {
+    /// The mesh
+    input: PathBuf,
+    #[command(flatten)]
+    output: Output,
+    /// The vertex property to colour by
+    #[arg(long, value_name = "NAME")]
+    field: Option<String>,
+    /// The colour map: viridis, cividis, magma, turbo, coolwarm or hue
+    #[arg(long, value_name = "MAP", value_parser = color_map, requires = "field")]
+    map: Option<ColorMap>,
+    /// The values at the two ends of the map
+    #[arg(long, value_name = "LOW,HIGH", value_parser = range, allow_hyphen_values = true, requires = "field")]
+    range: Option<(f64, f64)>,
+    /// Spread the values so that each colour covers as many as any other
+    #[arg(long, requires = "field")]
+    equalize: bool,
+    /// Where to look from: front, back, left, right, top, bottom, three-quarter,
+    /// behind, or AZIMUTH,ELEVATION in degrees
+    #[arg(long, value_name = "VIEW", value_parser = viewpoint, default_value = "three-quarter", allow_hyphen_values = true)]
+    view: Viewpoint,
+    /// The axis that points upward in the picture
+    #[arg(long, value_enum, default_value = "y")]
+    up: UpAxis,
+    /// Width and height in pixels
+    #[arg(long, value_name = "WxH", value_parser = size, default_value = "1200x900")]
+    size: (u32, u32),
+    /// Draw the edges; they fade where they are denser than the pixels
+    #[arg(long)]
+    wireframe: bool,
+    /// Show each face flat, instead of smoothed
+    #[arg(long)]
+    flat: bool,
+    /// Leave the background transparent instead of white
+    #[arg(long)]
+    transparent: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum UpAxis {
+    Y,
+    Z,
+}
+
+impl Render {
+    pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
+        self.output.check()?;
+        let file = files::read(&self.input)?;
+        files::say_report(context, &self.input, &file.report);
+        let colors = self.colors(&file.mesh, &file.fields)?;
+        let png = self.draw(&file.mesh, &colors)?.to_png()?;
+        files::write_bytes(&self.output.path, &png)
+    }
+
+    fn draw(&self, mesh: &TriMesh, colors: &Option<Vec<[u8; 3]>>) -> Result<Image, Failure> {
+        let (width, height) = self.size;
+        let options = RenderOptions {
+            width,
+            height,
+            shading: if self.flat { Shading::Flat } else { Shading::Smooth },
+            wireframe: self.wireframe.then(Wireframe::default),
+            background: match self.transparent {
+                true => Background::Transparent,
+                false => Background::WHITE,
+            },
+            ..RenderOptions::default()
+        };
+        let up = match self.up {
+            UpAxis::Y => Up::Y,
+            UpAxis::Z => Up::Z,
+        };
+        let camera = Camera::fit(&[mesh], self.view, up, options.aspect())?;
+        let colors = colors.as_deref().map_or(Colors::CLAY, Colors::PerVertex);
+        Ok(render(mesh, colors, Some(&Occlusion::bake(mesh)), &camera, &options)?)
+    }
+
+    /// One colour per vertex: of the field asked for, or else of the file.
+    fn colors(
+        &self,
+        mesh: &TriMesh,
+        fields: &VertexFields,
+    ) -> Result<Option<Vec<[u8; 3]>>, Failure> {
+        let Some(name) = &self.field else {
+            return Ok(fields.colors.clone());
+        };
+        let values = values_of(fields, name)?;
+        let boundary: Vec<bool> = (0..mesh.vertex_count() as u32)
+            .map(|v| mesh.topology().is_boundary_vertex(v))
+            .collect();
+        let mut field = Field::new(&values);
+        // A mesh that is all boundary has no other range than the boundary's.
+        if boundary.contains(&false) {
+            field = field.range_without(&boundary)?;
+        }
+        if let Some(defined) = fields.scalar("defined") {
+            let undefined: Vec<bool> = defined.iter().map(|&d| d == 0.0).collect();
+            field = field.undefined_where(&undefined)?;
+        }
+        let scale = Scale::of(&[&field], &self.scale(&values))?;
+        print(format_args!(
+            "{name}: {} from {} to {}\n",
+            scale.map().name(),
+            number(scale.low()),
+            number(scale.high())
+        ))?;
+        Ok(Some(scale.colors(&field)))
+    }
+
+    /// Signed fields get a diverging map about zero, the others a sequential
+    /// one, unless the arguments say otherwise.
+    fn scale(&self, values: &[f64]) -> ScaleOptions {
+        let signed = values.iter().any(|&x| x < 0.0) && values.iter().any(|&x| x > 0.0);
+        let mut options = if signed { ScaleOptions::SIGNED } else { ScaleOptions::MAGNITUDE };
+        if let Some(map) = self.map {
+            options.map = map;
+            options.center = if map == ColorMap::CoolWarm { Center::Zero } else { Center::Free };
+        }
+        if let Some((low, high)) = self.range {
+            options.limits = Limits::Fixed { low, high };
+            options.center = Center::Free;
+        }
+        if self.equalize {
+            options.spread = Spread::Equalized;
+            options.center = Center::Free;
+        }
+        options
+    }
+}
+
+/// The scalar field of that name, or the length of the vector field.
+fn values_of(fields: &VertexFields, name: &str) -> Result<Vec<f64>, Failure> {
+    if let Some(values) = fields.scalar(name) {
+        return Ok(values.to_vec());
+    }
+    if let Some(vectors) = fields.vector(name) {
+        return Ok(vectors.iter().map(|&v| fairing::mesh::vec3::norm(v)).collect());
+    }
+    let scalars = fields.scalars.iter().map(|(n, _)| &n[..]);
+    let known: Vec<&str> = scalars.chain(fields.vectors.iter().map(|(n, _)| &n[..])).collect();
+    Err(Failure::usage(match known.is_empty() {
+        true => format!("there is no field {name}: the file has no vertex properties"),
+        false => format!("there is no field {name}; the file has {}", known.join(", ")),
+    }))
+}
+
+fn color_map(text: &str) -> Result<ColorMap, String> {
+    ColorMap::from_name(text)
+        .ok_or_else(|| format!("the maps are {}", ColorMap::ALL.map(ColorMap::name).join(", ")))
+}
+
+fn viewpoint(text: &str) -> anyhow::Result<Viewpoint> {
+    Ok(match text {
+        "front" => Viewpoint::Front,
+        "back" => Viewpoint::Back,
+        "left" => Viewpoint::Left,
+        "right" => Viewpoint::Right,
+        "top" => Viewpoint::Top,
+        "bottom" => Viewpoint::Bottom,
+        "three-quarter" => Viewpoint::ThreeQuarter,
+        "behind" => Viewpoint::ThreeQuarterBack,
+        _ => {
+            let (azimuth, elevation) = pair(text, ',')
+                .context("expected the name of a view or AZIMUTH,ELEVATION in degrees")?;
+            Viewpoint::Angles { azimuth, elevation }
+        }
+    })
+}
+
+fn range(text: &str) -> anyhow::Result<(f64, f64)> {
+    pair(text, ',')
+}
+
+fn size(text: &str) -> anyhow::Result<(u32, u32)> {
+    let (w, h) = text.split_once('x').ok_or_else(|| anyhow!("expected WIDTHxHEIGHT"))?;
+    Ok((w.parse()?, h.parse()?))
+}
+
+fn pair(text: &str, separator: char) -> anyhow::Result<(f64, f64)> {
+    let (a, b) = text
+        .split_once(separator)
+        .ok_or_else(|| anyhow!("expected two numbers with '{separator}' between them"))?;
+    let (a, b): (f64, f64) = (a.trim().parse()?, b.trim().parse()?);
+    anyhow::ensure!(a.is_finite() && b.is_finite(), "{text} is not finite");
+    Ok((a, b))
+}

@@ -1,0 +1,84 @@
+//! Tables of names and values for people.
+
+use std::fmt;
+
+/// Rows of cells in aligned columns: the first column to the left, the others
+/// to the right.
+#[derive(Debug, Default)]
+pub(crate) struct Table {
+    rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    /// A table without rows.
+    pub(crate) fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds a row.
+    pub(crate) fn row<const N: usize>(&mut self, cells: [String; N]) {
+        self.rows.push(cells.into());
+    }
+}
+
+impl fmt::Display for Table {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let columns = self.rows.iter().map(Vec::len).max().unwrap_or(0);
+        let width = |column: usize| {
+            self.rows.iter().filter_map(|r| r.get(column)).map(|c| c.chars().count()).max()
+        };
+        let widths: Vec<usize> = (0..columns).map(|c| width(c).unwrap_or(0)).collect();
+        for row in &self.rows {
+            let mut line = String::new();
+            for (column, (cell, &width)) in row.iter().zip(&widths).enumerate() {
+                let padding = " ".repeat(width - cell.chars().count());
+                match column {
+                    0 => line.extend([cell.as_str(), &padding]),
+                    _ => line.extend(["  ", &padding, cell]),
+                }
+            }
+            writeln!(f, "{}", line.trim_end())?;
+        }
+        Ok(())
+    }
+}
+
+/// A number with six significant digits, without trailing zeros; in scientific
+/// notation where it is very large or very small.
+pub(crate) fn number(x: f64) -> String {
+    if x == 0.0 {
+        return "0".to_owned();
+    }
+    let exponent = x.abs().log10().floor();
+    if !(-4.0..9.0).contains(&exponent) {
+        return format!("{x:.5e}");
+    }
+    let decimals = (5.0 - exponent).max(0.0) as usize;
+    let text = format!("{x:.decimals$}");
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_are_aligned() {
+        let mut table = Table::new();
+        table.row(["name".into(), "λ".into()]);
+        table.row(["a".into(), "10".into()]);
+        assert_eq!(table.to_string(), "name   λ\na     10\n");
+    }
+
+    #[test]
+    fn numbers_keep_six_digits() {
+        for (x, text) in
+            [(0.1 + 0.2, "0.3"), (123456.0, "123456"), (-2.0, "-2"), (1.5e-7, "1.50000e-7")]
+        {
+            assert_eq!(number(x), text);
+        }
+    }
+}
