@@ -1,0 +1,57 @@
+//! Why something cannot be evaluated.
+
+use fairing_mesh::BuildError;
+use fairing_operators::OperatorError;
+
+/// Why noise, a distance or a score is not defined.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum EvaluationError {
+    /// A parameter of the noise is out of its range.
+    #[error("the {what} of the noise is {value}")]
+    NoiseParameter {
+        /// `level` or `share`.
+        what: &'static str,
+        /// Its value; a level in mesh units.
+        value: f64,
+    },
+    /// Noise or a mean leads out of the range of numbers.
+    #[error("positions out of range: {0}")]
+    Positions(BuildError),
+    /// There is nothing to measure a distance to.
+    #[error("the {which} has no faces")]
+    NoFaces {
+        /// `mesh` or `reference`.
+        which: &'static str,
+    },
+    /// There is nothing to measure a distance from.
+    #[error("the {which} has no vertices that a face uses")]
+    NoVertices {
+        /// `mesh` or `reference`.
+        which: &'static str,
+    },
+    /// A measure that compares element by element was asked of meshes with
+    /// different faces.
+    #[error("the meshes do not correspond: {vertices} and {reference_vertices} vertices, {faces} and {reference_faces} faces{}", if vertices == reference_vertices && faces == reference_faces { ", which differ" } else { "" })]
+    NoCorrespondence {
+        /// Vertices of the mesh.
+        vertices: usize,
+        /// Vertices of the reference.
+        reference_vertices: usize,
+        /// Faces of the mesh.
+        faces: usize,
+        /// Faces of the reference.
+        reference_faces: usize,
+    },
+    /// A tolerance or threshold that no distance or angle can meet.
+    #[error("the {what} is {value}")]
+    Parameter {
+        /// What it is for.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A curvature is not defined.
+    #[error(transparent)]
+    Operator(#[from] OperatorError),
+}

@@ -1,0 +1,55 @@
+//! Observed orders of convergence.
+
+/// The order of convergence between neighbouring levels of a refinement:
+///
+/// ```text
+/// pᵢ = log(eᵢ / eᵢ₊₁) / log(hᵢ / hᵢ₊₁)
+/// ```
+///
+/// for sizes `h` and errors `error`, positive both; one order fewer than there
+/// are levels. An order is `None` where it is not defined: an error that is
+/// zero or not finite, or two levels of the same size.
+///
+/// # Panics
+///
+/// If there are not as many errors as sizes.
+pub fn observed_order_steps(h: &[f64], error: &[f64]) -> Vec<Option<f64>> {
+    assert_eq!(h.len(), error.len(), "every size needs its error");
+    h.windows(2)
+        .zip(error.windows(2))
+        .map(|(h, e)| {
+            let order = (e[0] / e[1]).ln() / (h[0] / h[1]).ln();
+            (e[0] > 0.0 && e[1] > 0.0 && order.is_finite()).then_some(order)
+        })
+        .collect()
+}
+
+/// The orders of [`observed_order_steps`] that are defined.
+///
+/// # Panics
+///
+/// If there are not as many errors as sizes.
+pub fn observed_orders(h: &[f64], error: &[f64]) -> Vec<f64> {
+    observed_order_steps(h, error).into_iter().flatten().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn powers_have_their_order() {
+        let h = [1.0, 0.5, 0.1];
+        for order in [1.0, 2.0, 3.5] {
+            let error = h.map(|h: f64| 3.0 * h.powf(order));
+            // ln and powf are good to an ulp or so, of numbers up to 8.
+            assert!(observed_orders(&h, &error).iter().all(|p| (p - order).abs() < 1e-13));
+        }
+    }
+
+    #[test]
+    fn undefined_orders_are_named() {
+        let steps = observed_order_steps(&[1.0, 0.5, 0.5, 0.25], &[1.0, 0.25, 0.1, 0.0]);
+        assert_eq!(steps, [Some(2.0), None, None]);
+    }
+}
