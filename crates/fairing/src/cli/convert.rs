@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use fairing::mesh::io::{Encoding, FloatWidth, UnheldFields, WriteOptions};
+use fairing::mesh::io::{self, Encoding, FloatWidth, ReadOptions, UnheldFields, WriteOptions};
 
 use super::Context;
 use super::exit::Failure;
@@ -13,7 +13,8 @@ use super::files::{self, Overwrite};
 ///
 /// The endings decide the formats; add .gz for a compressed file. Vertices keep
 /// their order, isolated ones included, except in STL, which stores corners and
-/// no vertices. Polygons are split into triangles.
+/// no vertices. Polygons are split into triangles. What cannot be kept is left
+/// out and named.
 #[derive(Args)]
 pub(crate) struct Convert {
     /// The mesh to read
@@ -28,15 +29,19 @@ pub(crate) struct Convert {
     /// Write PLY's numbers with 32 bits (by default as wide as loses nothing)
     #[arg(long)]
     single: bool,
-    /// Leave out fields and colours that the format cannot hold, instead of refusing
+    /// Refuse, instead of leaving out and saying so, what cannot be kept: faces
+    /// that repeat a corner, properties that the format cannot hold
     #[arg(long)]
-    drop_fields: bool,
+    strict: bool,
 }
 
 impl Convert {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
         self.overwrite.check(&self.output)?;
-        let file = files::read(&self.input)?;
+        let file = match self.strict {
+            true => io::read_with(&self.input, &ReadOptions::strict()).map_err(Failure::input)?,
+            false => files::read(&self.input)?,
+        };
         files::say_report(context, &self.input, &file.report);
         let mut options = WriteOptions::default();
         if self.ascii {
@@ -45,7 +50,7 @@ impl Convert {
         if self.single {
             options.float_width = FloatWidth::Single;
         }
-        if self.drop_fields {
+        if !self.strict {
             options.unheld_fields = UnheldFields::Drop;
         }
         files::write(context, &self.output, &file.mesh, &file.fields, &options)

@@ -84,3 +84,16 @@ pub(crate) fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     io::write_whole(path, |file| file.write_all(bytes))
         .map_err(|error| Failure::output(anyhow::anyhow!("{}: {error}", path.display())))
 }
+
+/// Writes a mesh whose vertices have moved, with the properties that still
+/// hold: all but normals. What the format cannot hold is left out and named.
+pub(crate) fn write_moved(
+    context: &Context,
+    output: &Output,
+    mesh: &TriMesh,
+    mut fields: VertexFields,
+) -> Result<(), Failure> {
+    fields.vectors.retain(|(name, _)| name != "normal");
+    let options = WriteOptions::default().dropping_fields();
+    write(context, &output.path, mesh, &fields, &options)
+}

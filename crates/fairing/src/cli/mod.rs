@@ -8,6 +8,7 @@ mod convert;
 mod exit;
 mod files;
 mod info;
+mod noise;
 mod render;
 mod table;
 
@@ -47,6 +48,7 @@ struct Cli {
 enum Verb {
     Info(info::Info),
     Convert(convert::Convert),
+    Noise(noise::Noise),
     Render(render::Render),
     Completions(completions::Completions),
 }
@@ -71,6 +73,7 @@ impl Verb {
         match self {
             Self::Info(verb) => verb.run(context),
             Self::Convert(verb) => verb.run(context),
+            Self::Noise(verb) => verb.run(context),
             Self::Render(verb) => verb.run(context),
             Self::Completions(verb) => verb.run(context),
         }

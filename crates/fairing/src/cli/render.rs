@@ -61,9 +61,9 @@ pub(crate) struct Render {
     /// Draw the edges; they fade where they are denser than the pixels
     #[arg(long)]
     wireframe: bool,
-    /// Show each face flat, instead of smoothed
-    #[arg(long)]
-    flat: bool,
+    /// How normals vary over a face
+    #[arg(long, value_enum, default_value = "creased")]
+    shading: ShadingKind,
     /// Leave the background transparent instead of white
     #[arg(long)]
     transparent: bool,
@@ -73,6 +73,16 @@ pub(crate) struct Render {
 enum UpAxis {
     Y,
     Z,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum ShadingKind {
+    /// Smoothed, but not across edges that turn by more than 45°
+    Creased,
+    /// Smoothed everywhere
+    Smooth,
+    /// As the faces are
+    Flat,
 }
 
 impl Render {
@@ -90,7 +100,11 @@ impl Render {
         let options = RenderOptions {
             width,
             height,
-            shading: if self.flat { Shading::Flat } else { Shading::Smooth },
+            shading: match self.shading {
+                ShadingKind::Creased => Shading::Creased { degrees: 45.0 },
+                ShadingKind::Smooth => Shading::Smooth,
+                ShadingKind::Flat => Shading::Flat,
+            },
             wireframe: self.wireframe.then(Wireframe::default),
             background: match self.transparent {
                 true => Background::Transparent,

@@ -1,0 +1,94 @@
+//! `fairing noise`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use fairing::evaluation::{NoiseKind, NoiseLevel, add_noise};
+
+use super::Context;
+use super::exit::Failure;
+use super::files::{self, Output};
+use super::table::number;
+
+const EXAMPLES: &str = "\
+Examples:
+  fairing noise fandisk.off -o noisy.off --sigma 0.3
+  fairing noise fandisk.off -o noisy.off --sigma 0.05 --unit model --kind axes --seed 7";
+
+/// Add seeded noise to the positions of a mesh
+///
+/// The same seed gives the same noise on every machine. Other properties of the
+/// vertices are kept, normals are not, since they no longer fit.
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Noise {
+    /// The mesh
+    input: PathBuf,
+    #[command(flatten)]
+    output: Output,
+    /// Standard deviation (of each moved vertex; for uniform noise the largest shift per axis)
+    #[arg(long, value_name = "S")]
+    sigma: f64,
+    /// What sigma is measured in
+    #[arg(long, value_enum, default_value = "edge")]
+    unit: Unit,
+    /// How vertices are moved
+    #[arg(long, value_enum, default_value = "normal")]
+    kind: Kind,
+    /// The share of vertices that impulsive noise moves
+    #[arg(long, value_name = "SHARE", default_value_t = 0.25)]
+    share: f64,
+    /// Where the random numbers start
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Unit {
+    /// Mean edge lengths
+    Edge,
+    /// Units of the file
+    Model,
+    /// Diagonals of the bounding box
+    Diagonal,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Kind {
+    /// Gaussian along the vertex normal
+    Normal,
+    /// Gaussian along each axis (the assignment's)
+    Axes,
+    /// Gaussian along a random direction
+    Direction,
+    /// Uniform along each axis
+    Uniform,
+    /// Gaussian along a random direction, on a share of the vertices
+    Impulsive,
+}
+
+impl Noise {
+    pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
+        self.output.check()?;
+        let file = files::read(&self.input)?;
+        files::say_report(context, &self.input, &file.report);
+        let level = match self.unit {
+            Unit::Edge => NoiseLevel::EdgeLengths(self.sigma),
+            Unit::Model => NoiseLevel::Model(self.sigma),
+            Unit::Diagonal => NoiseLevel::Diagonals(self.sigma),
+        };
+        let kind = match self.kind {
+            Kind::Normal => NoiseKind::GaussianAlongNormals,
+            Kind::Axes => NoiseKind::GaussianPerAxis,
+            Kind::Direction => NoiseKind::GaussianAlongDirections,
+            Kind::Uniform => NoiseKind::UniformPerAxis,
+            Kind::Impulsive => NoiseKind::Impulsive { share: self.share },
+        };
+        let noisy = add_noise(&file.mesh, kind, level, self.seed)?;
+        context.note(format_args!(
+            "sigma = {} in units of the file",
+            number(level.in_mesh_units(&file.mesh))
+        ));
+        files::write_moved(context, &self.output, &noisy, file.fields)
+    }
+}
