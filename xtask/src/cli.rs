@@ -8,7 +8,7 @@ use clap::{Args, Parser, Subcommand};
 use crate::compare::{Difference, differences};
 use crate::results::Results;
 use crate::runner::{self, Plan};
-use crate::{bench, experiments, gate, reference, tidy};
+use crate::{bench, data, experiments, gate, reference, tidy};
 
 /// Regenerates the report, measures speed, and keeps the repository in order.
 #[derive(Debug, Parser)]
@@ -22,6 +22,12 @@ pub struct Cli {
 enum Command {
     /// Run the experiments and write the report: report.md, report.html, results.json, tables, figures, meshes
     Reproduce(Reproduce),
+    /// Generate the meshes of data/, which stand in for the assignment's
+    Data {
+        /// Verify the meshes that are there against the manifest and their generators
+        #[arg(long)]
+        check: bool,
+    },
     /// Time one task inside the process
     Bench(Bench),
     /// Hold the tree against its rules: arrows between crates, file lengths, machine paths, the README
@@ -106,6 +112,8 @@ impl Cli {
     pub fn run(self) -> Result<bool> {
         match self.command {
             Command::Reproduce(options) => options.run(),
+            Command::Data { check: false } => data::generate(&root().join("data")).map(|()| true),
+            Command::Data { check: true } => check_data(),
             Command::Bench(options) => options.run(),
             Command::Tidy => tidy::run(&root()),
             Command::Test => gate::run(&root()),
@@ -117,6 +125,17 @@ impl Cli {
 pub(crate) fn root() -> PathBuf {
     let manifest = Path::new(env!("CARGO_MANIFEST_DIR"));
     manifest.parent().unwrap_or(manifest).to_path_buf()
+}
+
+fn check_data() -> Result<bool> {
+    let wrong = data::check(&root().join("data"))?;
+    for line in &wrong {
+        eprintln!("data: {line}");
+    }
+    if wrong.is_empty() {
+        println!("data: every mesh is as the manifest says");
+    }
+    Ok(wrong.is_empty())
 }
 
 impl Reproduce {

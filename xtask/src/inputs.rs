@@ -184,7 +184,8 @@ impl Inputs {
     /// If the file cannot be read as a mesh.
     pub fn mesh(&self, input: Input) -> Result<TriMesh> {
         let (source, path) = self.entry(input)?;
-        bail!("{} cannot be read yet: {}", source.file, path.display())
+        let read = fairing_mesh::io::read(path);
+        Ok(read.with_context(|| format!("reading {}", source.file))?.mesh)
     }
 }
 

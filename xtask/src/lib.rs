@@ -4,6 +4,7 @@
 pub mod bench;
 pub mod cli;
 pub mod compare;
+pub mod data;
 pub mod experiment;
 pub mod experiments;
 pub mod gate;

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use crate::experiment::Experiment;
 use crate::results::{Record, Results};
-use crate::table::{Cell, Table, Unit};
+use crate::table::{Table, Unit};
 
 /// The report in Markdown. Links are relative to its folder.
 pub(crate) fn report(results: &Results, experiments: &[&dyn Experiment]) -> String {
@@ -90,9 +90,9 @@ fn claims(results: &Results) -> String {
                 text,
                 "| {} | {} | **{}** | {} | [{}](#{}) |",
                 claim.id,
-                claim.claim,
+                cell(&claim.claim),
                 claim.verdict,
-                numbers.join("; "),
+                cell(&numbers.join("; ")),
                 record.id,
                 anchor(&heading(record)),
             );
@@ -142,7 +142,16 @@ fn body(record: &Record) -> String {
         text += "\n";
     }
     for t in &record.tables {
-        text += &table(t);
+        if t.rows.len() > LONG {
+            let _ = write!(
+                text,
+                "\n<details><summary>{} rows</summary>\n{}\n</details>\n",
+                t.rows.len(),
+                table(t)
+            );
+        } else {
+            text += &table(t);
+        }
         let _ = write!(text, "\n*{}* ([CSV]({}/{}.csv))\n", t.caption, record.id, t.id);
     }
     for note in &record.notes {
@@ -163,16 +172,23 @@ fn body(record: &Record) -> String {
     text
 }
 
+/// Tables with more rows than this are folded.
+const LONG: usize = 24;
+
+/// Text that does not end its cell.
+fn cell(text: &str) -> String {
+    text.replace('|', "\\|")
+}
+
 /// A table; numbers are set flush right.
 fn table(table: &Table) -> String {
     let heading = |c: &crate::table::Column| match c.unit {
         Unit::Label | Unit::One | Unit::Count => c.name.clone(),
         unit => format!("{} ({unit})", c.name),
     };
-    let escape = |text: String| text.replace('|', "\\|");
     let mut text = String::from("\n|");
     for column in &table.columns {
-        let _ = write!(text, " {} |", escape(heading(column)));
+        let _ = write!(text, " {} |", cell(&heading(column)));
     }
     text += "\n|";
     for column in &table.columns {
@@ -180,8 +196,8 @@ fn table(table: &Table) -> String {
     }
     for row in &table.rows {
         text += "\n|";
-        for cell in row {
-            let _ = write!(text, " {} |", escape(Cell::to_string(cell)));
+        for value in row {
+            let _ = write!(text, " {} |", cell(&value.to_string()));
         }
     }
     text + "\n"

@@ -1,1 +1,175 @@
-//! Tests of this area across crates.
+//! The report: its schema, its reuse of finished experiments, its failures.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+use xtask::experiment::{Card, Context, Experiment};
+use xtask::outcome::Outcome;
+use xtask::results::Results;
+use xtask::runner::{Plan, reproduce};
+use xtask::table::{Table, Tables, Unit};
+use xtask::verdict::{Judgement, Verdict};
+use xtask::{experiments, row};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+fn plan(out: &Path, only: &[&str]) -> Plan {
+    Plan {
+        root: root(),
+        only: only.iter().map(|s| (*s).to_string()).collect(),
+        meshes: None,
+        out: out.to_path_buf(),
+        quick: true,
+        fresh: true,
+    }
+}
+
+fn text<'a>(value: &'a Value, key: &str) -> &'a str {
+    value[key].as_str().unwrap_or_else(|| panic!("{key} of {value}"))
+}
+
+/// The published shape of `results.json`, and that every file it names exists.
+#[test]
+fn results_follow_the_schema() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("report");
+    reproduce(experiments::ALL, &plan(&out, &["q2"])).unwrap();
+    let json: Value =
+        serde_json::from_str(&std::fs::read_to_string(out.join("results.json")).unwrap()).unwrap();
+
+    let provenance = &json["provenance"];
+    for key in ["commit", "compiler", "processor", "date", "system"] {
+        assert!(!text(provenance, key).is_empty(), "{key}");
+    }
+    assert!(provenance["dirty"].is_boolean() && provenance["seed"].is_u64());
+
+    let experiments = json["experiments"].as_array().unwrap();
+    assert_eq!(experiments.len(), 1);
+    for e in experiments {
+        assert_eq!(text(e, "id"), "q2");
+        assert!(!text(e, "title").is_empty());
+        assert!(e["inputs"].is_array());
+        for table in e["tables"].as_array().unwrap() {
+            let columns = table["columns"].as_array().unwrap();
+            assert!(columns.iter().all(|c| c["name"].is_string() && c["unit"].is_string()));
+            let rows = table["rows"].as_array().unwrap();
+            assert!(!rows.is_empty());
+            assert!(rows.iter().all(|r| r.as_array().unwrap().len() == columns.len()));
+            let csv = out.join(format!("q2/{}.csv", text(table, "id")));
+            assert_eq!(std::fs::read_to_string(csv).unwrap().lines().count(), rows.len() + 1);
+        }
+        let claims = e["claims"].as_array().unwrap();
+        assert_eq!(text(&claims[0], "id"), "2a");
+        assert!(["confirmed", "refuted", "qualified"].contains(&text(&claims[0], "verdict")));
+        assert!(claims[0]["numbers"].as_array().unwrap().iter().all(|n| n["value"].is_number()));
+        for figure in e["figures"].as_array().unwrap() {
+            assert!(out.join(text(figure, "png")).is_file(), "{figure}");
+        }
+        for file in e["files"].as_array().unwrap() {
+            assert!(out.join(text(file, "path")).is_file(), "{file}");
+        }
+    }
+    for name in ["report.md", "report.html"] {
+        assert!(std::fs::read_to_string(out.join(name)).unwrap().contains("ellipsoid"), "{name}");
+    }
+}
+
+/// Two runs agree to the last digit, and reading back loses nothing.
+#[test]
+fn a_second_run_returns_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    let [first, second] = ["a", "b"].map(|name| {
+        let out = folder.path().join(name);
+        let results = reproduce(experiments::ALL, &plan(&out, &["q2"])).unwrap();
+        assert_eq!(
+            Results::read(&out.join("results.json")).unwrap().experiments[0].tables,
+            results.experiments[0].tables
+        );
+        results
+    });
+    assert_eq!(first.experiments[0].tables, second.experiments[0].tables);
+    assert_eq!(xtask::compare::differences(&first, &second, false), []);
+}
+
+/// An experiment made for these tests: fails, panics or succeeds.
+struct Sample(&'static str);
+
+impl Experiment for Sample {
+    fn card(&self) -> Card {
+        Card {
+            id: self.0,
+            title: "A sample",
+            question: "Does it run?",
+            method: "By running.",
+            formulas: &[],
+            inputs: &[],
+            parameters: vec![],
+        }
+    }
+
+    fn run(&self, context: &Context<'_>) -> anyhow::Result<Outcome> {
+        match self.0 {
+            "fails" => anyhow::bail!("vertex 7 is missing"),
+            "panics" => panic!("broken promise"),
+            _ => {}
+        }
+        let mut table = Table::new("draws", "Random numbers.", &[("seed", Unit::One)]);
+        table.push(row![(context.seed("draw") >> 12) as f64]);
+        Ok(Outcome { tables: vec![table], ..Outcome::default() })
+    }
+
+    fn judge(&self, tables: Tables<'_>) -> anyhow::Result<Vec<Judgement>> {
+        let drawn = tables.get("draws")?.column("seed")?[0];
+        Ok(vec![Judgement::new("0a", "It draws.", Verdict::Confirmed, "It does.").number(
+            "seed",
+            drawn,
+            Unit::One,
+        )])
+    }
+}
+
+#[test]
+fn a_failing_experiment_is_reported_and_the_others_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("report");
+    let all: [&dyn Experiment; 3] = [&Sample("fails"), &Sample("panics"), &Sample("works")];
+    let results = reproduce(&all, &plan(&out, &[])).unwrap();
+    let errors: Vec<_> = results.experiments.iter().map(|r| r.error.as_deref()).collect();
+    assert!(errors[0].unwrap().contains("vertex 7 is missing"));
+    assert!(errors[1].unwrap().contains("broken promise"));
+    assert_eq!(errors[2], None);
+    assert_eq!(results.experiments[2].claims.len(), 1);
+    let report = std::fs::read_to_string(out.join("report.md")).unwrap();
+    assert!(report.contains("vertex 7 is missing") && report.contains("It draws."));
+}
+
+#[test]
+fn a_folder_that_holds_something_else_is_left_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("precious.txt"), "mine").unwrap();
+    let all: [&dyn Experiment; 1] = [&Sample("works")];
+    let error = reproduce(&all, &plan(folder.path(), &[])).unwrap_err();
+    assert!(error.to_string().contains("something other than a report"), "{error}");
+    assert_eq!(std::fs::read_to_string(folder.path().join("precious.txt")).unwrap(), "mine");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+/// The earlier report gives way as a whole, and nothing else is left beside it.
+#[test]
+fn an_earlier_report_is_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("report");
+    reproduce(&[&Sample("first")], &plan(&out, &[])).unwrap();
+    reproduce(&[&Sample("second")], &plan(&out, &[])).unwrap();
+    assert!(!out.join("first").exists() && out.join("second").is_dir());
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn an_unknown_experiment_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let error = reproduce(experiments::ALL, &plan(folder.path(), &["q99"])).unwrap_err();
+    assert!(error.to_string().contains("q99"), "{error}");
+}

@@ -1,5 +1,7 @@
 //! Times one task inside the process, for comparison with other libraries.
 
+mod files;
+mod operators;
 mod stopwatch;
 
 use std::path::PathBuf;
@@ -75,7 +77,13 @@ pub struct Job {
 }
 
 /// The tasks.
-pub const ALL: &[&dyn Task] = &[];
+pub const ALL: &[&dyn Task] = &[
+    &files::Load { name: "load_obj", about: "OBJ file to positions and faces" },
+    &files::Load { name: "load_ply", about: "PLY file to positions and faces" },
+    &files::SavePly,
+    &operators::Laplacian,
+    &operators::Curvature,
+];
 
 /// Runs a task and returns `{"runs": […], "fingerprint": {…}, "rss_mb": n}`.
 ///

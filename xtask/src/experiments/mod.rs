@@ -2,5 +2,14 @@
 
 use crate::experiment::Experiment;
 
+mod q1;
+mod q2;
+mod q3;
+
+mod refinement;
+mod spread;
+mod surfaces;
+
 /// The table of contents: the seven questions, then what goes beyond.
-pub const ALL: &[&dyn Experiment] = &[];
+pub const ALL: &[&dyn Experiment] =
+    &[&q1::UniformCurvature, &q2::EllipsoidForms, &q3::CotangentCurvature];

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context as _, Result};
+use fairing_mesh::io::{self, FloatWidth, VertexFields, WriteOptions};
 
 use crate::outcome::Outcome;
 use crate::results::{FigureFile, File, Record};
@@ -34,6 +35,17 @@ pub(super) fn outcome(outcome: Outcome, work: &Path, record: &mut Record) -> Res
             png,
             svg: svg.transpose()?,
         });
+    }
+    for output in outcome.meshes {
+        let fields = output.fields.into_iter();
+        let fields =
+            fields.fold(VertexFields::default(), |f, (name, values)| f.with_scalar(name, values));
+        let path = format!("{id}/{}.ply", output.id);
+        let options = WriteOptions::default().with_float_width(FloatWidth::Single);
+        io::write_with_fields(work.join(&path), &output.mesh, &fields, &options)
+            .with_context(|| format!("writing {path}"))?;
+        let bytes = fs::metadata(work.join(&path))?.len();
+        record.files.push(File { path, about: output.caption, bytes });
     }
     record.tables = outcome.tables;
     record.notes = outcome.notes;

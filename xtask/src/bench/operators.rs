@@ -1,0 +1,113 @@
+//! Assembling operators and estimating curvature.
+//!
+//! Each repetition starts from a mesh of its own, made under the phase
+//! `prepare`: what a mesh remembers about its faces must be found anew.
+
+use anyhow::{Context as _, Result};
+use fairing_mesh::{TriMesh, io};
+use fairing_operators::curvature::{MeanOperator, angle_defect, mean_curvature};
+use fairing_operators::{LumpedArea, SparseMatrix, cotan_stiffness, lumped_mass};
+
+use super::{Fingerprint, Job, Stopwatch, Task, Work};
+use crate::fingerprint;
+
+/// A mesh that remembers nothing.
+fn anew(mesh: &TriMesh, watch: &mut Stopwatch) -> Result<TriMesh> {
+    let copy = || TriMesh::new(mesh.positions().to_vec(), mesh.faces().to_vec());
+    Ok(watch.phase("prepare", copy)?)
+}
+
+/// The cotangent stiffness and the lumped barycentric mass.
+pub(super) struct Laplacian;
+
+impl Task for Laplacian {
+    fn name(&self) -> &'static str {
+        "laplacian"
+    }
+
+    fn about(&self) -> &'static str {
+        "cotangent stiffness and lumped barycentric mass"
+    }
+
+    fn prepare(&self, job: &Job) -> Result<Box<dyn Work>> {
+        Ok(Box::new(Assembling { mesh: io::read(&job.input)?.mesh, result: None }))
+    }
+}
+
+struct Assembling {
+    mesh: TriMesh,
+    result: Option<(SparseMatrix, Vec<f64>)>,
+}
+
+impl Work for Assembling {
+    fn run(&mut self, watch: &mut Stopwatch) -> Result<()> {
+        self.result = None;
+        let mesh = anew(&self.mesh, watch)?;
+        let assemble =
+            || anyhow::Ok((cotan_stiffness(&mesh)?, lumped_mass(&mesh, LumpedArea::Barycentric)?));
+        self.result = Some(watch.phase("assemble", assemble)?);
+        Ok(())
+    }
+
+    fn fingerprint(&mut self) -> Result<Fingerprint> {
+        let (s, m) = self.result.as_ref().context("nothing was assembled")?;
+        let x = self.mesh.positions();
+        let energy: f64 = s
+            .outer_iterator()
+            .zip(x)
+            .flat_map(|(row, p)| {
+                row.iter().map(|(j, w)| w * fairing_mesh::vec3::dot(*p, x[j])).collect::<Vec<_>>()
+            })
+            .sum();
+        Ok(fingerprint! {
+            trace_S: s.diag().iter().map(|(_, d)| d).sum::<f64>(),
+            xSx: energy,
+            sum_M: m.iter().sum::<f64>(),
+            sum_M2: m.iter().map(|a| a * a).sum::<f64>(),
+            nnz: s.nnz(),
+        })
+    }
+}
+
+/// Mean curvature from the cotangent operator and the angle defect.
+pub(super) struct Curvature;
+
+impl Task for Curvature {
+    fn name(&self) -> &'static str {
+        "curvature"
+    }
+
+    fn about(&self) -> &'static str {
+        "‖S x‖ / 2M and the angle defect"
+    }
+
+    fn prepare(&self, job: &Job) -> Result<Box<dyn Work>> {
+        let mesh = io::read(&job.input)?.mesh;
+        Ok(Box::new(Bending { mesh, mean: vec![], defects: vec![] }))
+    }
+}
+
+struct Bending {
+    mesh: TriMesh,
+    mean: Vec<f64>,
+    defects: Vec<f64>,
+}
+
+impl Work for Bending {
+    fn run(&mut self, watch: &mut Stopwatch) -> Result<()> {
+        let mesh = anew(&self.mesh, watch)?;
+        let operator = MeanOperator::Cotangent(LumpedArea::Barycentric);
+        self.mean = watch.phase("mean", || mean_curvature(&mesh, operator).map(|h| h.norms()))?;
+        self.defects = watch.phase("gauss", || angle_defect(&mesh));
+        Ok(())
+    }
+
+    fn fingerprint(&mut self) -> Result<Fingerprint> {
+        let m = lumped_mass(&self.mesh, LumpedArea::Barycentric)?;
+        Ok(fingerprint! {
+            sum_absH_area: self.mean.iter().zip(&m).map(|(h, a)| h.abs() * a).sum::<f64>(),
+            sum_K: self.defects.iter().sum::<f64>(),
+            sum_absK: self.defects.iter().map(|k| k.abs()).sum::<f64>(),
+        })
+    }
+}

@@ -1,0 +1,143 @@
+//! Question 1: curvature from the uniform Laplacian and the angle defect.
+
+use anyhow::Result;
+use fairing_mesh::TriMesh;
+use fairing_operators::LumpedArea;
+use fairing_operators::curvature::{
+    MeanOperator, ScalarCurvature, gaussian_curvature, mean_curvature,
+};
+
+use super::refinement::{self, Estimator, Quantity};
+use super::spread;
+use crate::experiment::{Card, Context, Experiment, Formula};
+use crate::inputs::Input;
+use crate::outcome::{MeshOutput, Outcome};
+use crate::table::{Table, short};
+
+pub(super) struct UniformCurvature;
+
+const UMBRELLA: &str = "uniform ‖Δx‖/2";
+const SCALED: &str = "uniform, scaled";
+const DEFECT: &str = "angle defect / barycentric area";
+
+const ESTIMATORS: [Estimator; 3] = [
+    Estimator {
+        name: UMBRELLA,
+        quantity: Quantity::Mean,
+        estimate: |mesh| Ok(umbrella(mesh)?.values),
+    },
+    Estimator {
+        name: SCALED,
+        quantity: Quantity::Mean,
+        estimate: |mesh| Ok(mean_curvature(mesh, MeanOperator::ScaledUmbrella)?.signed),
+    },
+    Estimator {
+        name: DEFECT,
+        quantity: Quantity::Gaussian,
+        estimate: |mesh| Ok(gaussian_curvature(mesh, LumpedArea::Barycentric)?.values),
+    },
+];
+
+/// `½ ‖L x‖` with `L = D⁻¹A − I`, as the assignment has it.
+fn umbrella(mesh: &TriMesh) -> Result<ScalarCurvature> {
+    let mean = mean_curvature(mesh, MeanOperator::Umbrella)?;
+    Ok(ScalarCurvature { values: mean.norms(), status: mean.status, boundary: mean.boundary })
+}
+
+impl Experiment for UniformCurvature {
+    fn card(&self) -> Card {
+        Card {
+            id: "q1",
+            title: "Curvature from the uniform Laplacian",
+            question: "What do the mean curvature of the uniform Laplacian and the Gaussian curvature of the angle defect look like, and do they approximate the curvature of the continuous surface?",
+            method: "Mean curvature is half the length of the uniform Laplacian of the positions, H = ‖Δx‖/2 with (Δx)ᵢ the way from xᵢ to the mean of its neighbours. This is a length, not a curvature: it shrinks with the square of the edges. The scaled form divides by a quarter of the mean squared edge length at the vertex, which makes it comparable, and takes the sign from the normal. Gaussian curvature is the angle defect over the barycentric area, a third of the faces around the vertex.\n\nBoth are shown on the two meshes of the assignment with its colours (normalised, histogram equalised, hue from blue, low, to red, high) and in diverging colours about zero. Then both are held against the exact curvature of three closed surfaces, on regular meshes and on meshes whose vertices were moved at random along the surface.",
+            formulas: FORMULAS,
+            inputs: &[Input::Flower, Input::Plane],
+            parameters: vec![
+                ("area of a vertex", "barycentric".into()),
+                (
+                    "surfaces",
+                    "unit sphere; torus with radii 1 and 0.4; ellipsoid with half axes 1, 1.5, 2"
+                        .into(),
+                ),
+                (
+                    "jitter",
+                    format!("{} of the shortest edge at the vertex", super::surfaces::JITTER),
+                ),
+            ],
+        }
+    }
+
+    fn run(&self, context: &Context<'_>) -> Result<Outcome> {
+        let mut outcome = Outcome::default();
+        let mut fields = spread::table(
+            "fields",
+            "How the fields are spread over the two meshes; inside and on the boundary apart, where the Laplacian is one-sided and the defect is the turning of the border.",
+        );
+        for (name, input) in [("flower", Input::Flower), ("plane", Input::Plane)] {
+            let mesh = context.mesh(input)?;
+            let length = umbrella(&mesh)?;
+            let scaled = mean_curvature(&mesh, MeanOperator::ScaledUmbrella)?.into_signed();
+            let gaussian = gaussian_curvature(&mesh, LumpedArea::Barycentric)?;
+            spread::push(&mut fields, name, UMBRELLA, "mesh units", &length);
+            spread::push(&mut fields, name, SCALED, "1/mesh units", &scaled);
+            spread::push(&mut fields, name, DEFECT, "1/mesh units²", &gaussian);
+            let border = gaussian.boundary.iter().map(|&b| f64::from(u8::from(b))).collect();
+            outcome.meshes.push(MeshOutput {
+                id: format!("{name}-uniform"),
+                caption: format!("The {name} with the uniform mean curvature as a length, scaled, and the Gaussian curvature."),
+                mesh,
+                fields: vec![
+                    ("mean_length".into(), length.values),
+                    ("mean".into(), scaled.values),
+                    ("gaussian".into(), gaussian.values),
+                    ("boundary".into(), border),
+                ],
+            });
+        }
+        let [errors, orders] = refinement::study(context, &ESTIMATORS)?;
+        outcome.notes.push(answer(&errors, &orders)?);
+        outcome.tables.extend([fields, errors, orders]);
+        Ok(outcome)
+    }
+}
+
+/// The answer to the question, in numbers of the tables.
+fn answer(errors: &Table, orders: &Table) -> Result<String> {
+    let worst =
+        |table: &Table, sampling: &str, estimator: &str, column: &str| -> Result<[f64; 2]> {
+            let rows =
+                table.only(&[("sampling", sampling.into()), ("estimator", estimator.into())])?;
+            let values = rows.column(column)?;
+            let pick = |f: fn(f64, f64) -> f64, from: f64| values.iter().copied().fold(from, f);
+            Ok([pick(f64::min, f64::INFINITY), pick(f64::max, f64::NEG_INFINITY)])
+        };
+    let [_, length] = worst(errors, "regular", UMBRELLA, "RMS error")?;
+    let [_, regular] = worst(orders, "regular", SCALED, "order in RMS")?;
+    let [_, jittered] = worst(orders, "jittered", SCALED, "order in RMS")?;
+    let torus = refinement::finest(errors, "torus", "regular", SCALED)?;
+    let [_, gaussian] = worst(orders, "regular", DEFECT, "order in RMS")?;
+    let [_, irregular] = worst(orders, "jittered", DEFECT, "order in RMS")?;
+    let left = refinement::finest(errors, "torus", "jittered", DEFECT)?;
+    Ok(format!(
+        "Answer: mean curvature, no. ‖Δx‖/2 is a length that goes to zero with the edges, whatever the surface: as an estimate of H its relative error reaches {}. Scaled by the edge lengths it is a curvature, but it does not converge either: the observed order is at most {} on regular and {} on jittered meshes, and on the finest regular torus the error is still {}, because uniform weights take uneven edges and the slide of a vertex along the surface for curvature. Gaussian curvature, on regular meshes yes: its order is up to {} in the root mean square. On jittered ones it is at most {}, and {} of the error is left on the finest torus; only its integral is exact.",
+        short(length),
+        short(regular),
+        short(jittered),
+        short(torus),
+        short(gaussian),
+        short(irregular),
+        short(left),
+    ))
+}
+
+const FORMULAS: &[Formula] = &[
+    Formula {
+        tex: r"H_i = \tfrac12 \Big\| \tfrac{1}{d_i} \sum_{j \in N(i)} (x_j - x_i) \Big\|",
+        mathml: "<msub><mi>H</mi><mi>i</mi></msub><mo>=</mo><mfrac><mn>1</mn><mn>2</mn></mfrac><mo>‖</mo><mfrac><mn>1</mn><msub><mi>d</mi><mi>i</mi></msub></mfrac><munder><mo>∑</mo><mrow><mi>j</mi><mo>∈</mo><mi>N</mi><mo>(</mo><mi>i</mi><mo>)</mo></mrow></munder><mo>(</mo><msub><mi>x</mi><mi>j</mi></msub><mo>−</mo><msub><mi>x</mi><mi>i</mi></msub><mo>)</mo><mo>‖</mo>",
+    },
+    Formula {
+        tex: r"K_i = \frac{1}{A_i} \Big( 2\pi - \sum_f \theta_{i,f} \Big), \qquad A_i = \tfrac13 \sum_f A_f",
+        mathml: "<msub><mi>K</mi><mi>i</mi></msub><mo>=</mo><mfrac><mn>1</mn><msub><mi>A</mi><mi>i</mi></msub></mfrac><mo>(</mo><mn>2</mn><mi>π</mi><mo>−</mo><munder><mo>∑</mo><mi>f</mi></munder><msub><mi>θ</mi><mrow><mi>i</mi><mo>,</mo><mi>f</mi></mrow></msub><mo>)</mo><mo>,</mo><mspace width=\"2em\"/><msub><mi>A</mi><mi>i</mi></msub><mo>=</mo><mfrac><mn>1</mn><mn>3</mn></mfrac><munder><mo>∑</mo><mi>f</mi></munder><msub><mi>A</mi><mi>f</mi></msub>",
+    },
+];

@@ -1,0 +1,241 @@
+//! Question 2: the fundamental forms of the ellipsoid.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use anyhow::{Context as _, Result};
+use fairing_mesh::shapes;
+use fairing_mesh::vec3::{cross, dot, norm, scale};
+use fairing_operators::LumpedArea;
+use fairing_operators::curvature::{
+    MeanOperator, gaussian_curvature, mean_curvature, principal_values,
+};
+use fairing_operators::surface::{ClosedForms, Ellipsoid, ParametricSurface};
+
+use crate::experiment::{Card, Context, Experiment, Formula};
+use crate::outcome::Outcome;
+use crate::row;
+use crate::table::{Table, Tables, Tolerance, Unit};
+use crate::verdict::{Judgement, Verdict};
+
+/// Half axes under study; the first is a sphere, on which the source report's
+/// answer looks right.
+const AXES: [[f64; 3]; 5] =
+    [[1.0, 1.0, 1.0], [2.0, 1.0, 1.0], [1.0, 2.0, 1.0], [1.0, 1.0, 2.0], [3.0, 2.0, 1.0]];
+
+/// The step of central differences: the cube root of the rounding unit, where
+/// truncation and rounding are alike; second differences are good to 1e-5.
+const STEP: f64 = 1e-3;
+
+pub(super) struct EllipsoidForms;
+
+impl Experiment for EllipsoidForms {
+    fn card(&self) -> Card {
+        Card {
+            id: "q2",
+            title: "First and second fundamental form of the ellipsoid",
+            question: "What are the fundamental forms of p(u,v) = (a cos u sin v, b sin u sin v, c cos v), and what is the normal curvature at (a, 0, 0) in every tangent direction?",
+            method: "The forms follow from the derivatives of p; the coefficients are computed three times: from hand-derived closed forms, from the derivatives, and from central differences of p alone, which know no formula. The normal m points inward here, so that curvature is positive where the surface bends like a sphere.\n\nAt (a, 0, 0), u = 0 and v = π/2: du runs along +y and dv along −z. A tangent at the angle θ from +y towards +z is du = cos θ / b, dv = −sin θ / c. The same curvatures are then read off fine meshes, with the cotangent Laplacian and the angle defect, which know nothing of p.",
+            formulas: FORMULAS,
+            inputs: &[],
+            parameters: vec![("half axes (a, b, c)", AXES.map(axes_name).join(", "))],
+        }
+    }
+
+    fn run(&self, context: &Context<'_>) -> Result<Outcome> {
+        let mut outcome = Outcome::default();
+        outcome.tables.push(forms()?);
+        outcome.tables.push(directions()?);
+        outcome.tables.push(meshes(context)?);
+        Ok(outcome)
+    }
+
+    fn judge(&self, tables: Tables<'_>) -> Result<Vec<Judgement>> {
+        let forms = tables.get("forms")?;
+        let ours = forms.column("κ along y")?;
+        let theirs = forms.column("κ along y, source")?;
+        let differences = forms.column("κ along y, differences")?;
+        let check = gap(&ours, &differences);
+        // The sign is a matter of the normal: compare sizes alone.
+        let sizes: Vec<f64> = theirs.iter().map(|k| k.abs()).collect();
+        let error = gap(&ours, &sizes);
+        let l = forms.column("L")?;
+        let smallest_l = l.iter().fold(f64::INFINITY, |a, b| a.min(b.abs()));
+        let mesh = tables.get("meshes")?.column("error of κ₁")?;
+        let wrong = error > 1e-3 && check < 1e-4;
+        let verdict = if wrong { Verdict::Refuted } else { Verdict::Confirmed };
+        let right = ours.iter().zip(&sizes).filter(|(a, b)| (*a - *b).abs() < 1e-9).count();
+        let reason = format!(
+            "Closed forms, derivatives and central differences agree on a/b² along y (largest relative gap {}), and L is never zero (at least {}). The source's −1/c is off by up to {} % in size, and is right on {right} of {} ellipsoids, the sphere among them. It evaluates L and N at the pole (0, 0, c), E and G at (a, 0, 0), and takes dv, which runs along z, for the y direction.",
+            crate::table::short(check),
+            crate::table::short(smallest_l),
+            crate::table::short(100.0 * error),
+            ours.len(),
+        );
+        Ok(vec![
+            Judgement::new(
+                "2a",
+                "At (a, 0, 0): L = M = 0 and N = −c, so that κₙ = −1/c along y",
+                verdict,
+                reason,
+            )
+            .number("largest error of |−1/c|", error, Unit::Relative)
+            .number("gap between closed form and differences", check, Unit::Relative)
+            .number(
+                "error of κ₁ on the finest mesh",
+                mesh.last().copied().context("no meshes")?,
+                Unit::Relative,
+            ),
+        ])
+    }
+}
+
+/// The largest relative gap.
+fn gap(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).fold(0.0, |worst, (x, y)| worst.max((x - y).abs() / x.abs()))
+}
+
+fn axes_name([a, b, c]: [f64; 3]) -> String {
+    format!("({a}, {b}, {c})")
+}
+
+/// The coefficients at (a, 0, 0) and the curvature along y, each in more than
+/// one way.
+fn forms() -> Result<Table> {
+    let mut table = Table::new(
+        "forms",
+        "The coefficients at (a, 0, 0) with the inward normal, and the normal curvature along y: by the closed form a/b², by central differences of p, and as the source report states it, N/G = −1/c.",
+        &[
+            ("(a, b, c)", Unit::Label),
+            ("E", Unit::Area),
+            ("F", Unit::Area),
+            ("G", Unit::Area),
+            ("L", Unit::Length),
+            ("M", Unit::Length),
+            ("N", Unit::Length),
+            ("κ along y", Unit::Curvature),
+            ("κ along y, differences", Unit::Curvature),
+            ("κ along y, source", Unit::Curvature),
+            ("κ along z", Unit::Curvature),
+        ],
+    )
+    .tolerance("κ along y, differences", Some(Tolerance { relative: 1e-4, absolute: 0.0 }));
+    for axes in AXES {
+        let [a, b, c] = axes;
+        let ellipsoid = Ellipsoid { a, b, c };
+        let [e, f, g] = ellipsoid.first_form(0.0, FRAC_PI_2);
+        let [l, m, n] = ellipsoid.second_form(0.0, FRAC_PI_2);
+        let forms = ellipsoid.forms(0.0, FRAC_PI_2)?;
+        let along = |d| forms.normal_curvature(d).context("a direction of no length");
+        table.push(row![
+            axes_name(axes),
+            e,
+            // Rounding of cos π/2 is no coefficient.
+            if f.abs() < 1e-12 { 0.0 } else { f },
+            g,
+            l,
+            m,
+            n,
+            along([1.0, 0.0])?,
+            difference_curvature(axes),
+            -1.0 / c,
+            along([0.0, 1.0])?,
+        ]);
+    }
+    Ok(table)
+}
+
+/// κₙ along y at (a, 0, 0) from values of p alone.
+fn difference_curvature([a, b, c]: [f64; 3]) -> f64 {
+    let p = |u: f64, v: f64| [a * u.cos() * v.sin(), b * u.sin() * v.sin(), c * v.cos()];
+    let (u, v, h) = (0.0, FRAC_PI_2, STEP);
+    let difference = |x: [f64; 3], y: [f64; 3]| [0, 1, 2].map(|k| (x[k] - y[k]) / (2.0 * h));
+    let pu = difference(p(u + h, v), p(u - h, v));
+    let pv = difference(p(u, v + h), p(u, v - h));
+    let (plus, here, minus) = (p(u + h, v), p(u, v), p(u - h, v));
+    let puu = [0, 1, 2].map(|k| (plus[k] - 2.0 * here[k] + minus[k]) / (h * h));
+    let normal = cross(pu, pv);
+    dot(puu, scale(normal, 1.0 / norm(normal))) / dot(pu, pu)
+}
+
+/// κₙ over θ.
+fn directions() -> Result<Table> {
+    let mut table = Table::new(
+        "directions",
+        "Normal curvature at (a, 0, 0) over the angle θ from +y towards +z: from the forms at (a, 0, 0), and what the source report's coefficients L = M = 0, N = −c give in the same direction.",
+        &[
+            ("(a, b, c)", Unit::Label),
+            ("θ", Unit::Degrees),
+            ("κ", Unit::Curvature),
+            ("κ, source", Unit::Curvature),
+        ],
+    );
+    for axes in AXES {
+        let [a, b, c] = axes;
+        let forms = Ellipsoid { a, b, c }.forms(0.0, FRAC_PI_2)?;
+        for step in 0..=36 {
+            let theta = PI * f64::from(step) / 36.0;
+            // The report takes dv for y: at θ = 0 it has du = 0.
+            let (s, co) = theta.sin_cos();
+            let kappa = forms.normal_curvature([co / b, -s / c]).context("no direction")?;
+            let stated = -c * (co / c).powi(2);
+            table.push(row![axes_name(axes), theta.to_degrees(), kappa, stated]);
+        }
+    }
+    Ok(table)
+}
+
+/// The same on meshes.
+fn meshes(context: &Context<'_>) -> Result<Table> {
+    let mut table = Table::new(
+        "meshes",
+        "Principal curvatures at the vertex (a, 0, 0) of ever finer meshes of the ellipsoid (3, 2, 1): H from the cotangent Laplacian, K from the angle defect, both over mixed areas, against a/c² and a/b².",
+        &[
+            ("vertices", Unit::Count),
+            ("h", Unit::Length),
+            ("κ₁", Unit::Curvature),
+            ("κ₂", Unit::Curvature),
+            ("a/c²", Unit::Curvature),
+            ("a/b²", Unit::Curvature),
+            ("error of κ₁", Unit::Relative),
+            ("error of κ₂", Unit::Relative),
+        ],
+    );
+    let [a, b, c] = AXES[4];
+    for level in 3..=context.choose(6, 4) {
+        context.progress(f64::from(level - 3) / 4.0, "meshes");
+        let mesh = shapes::ellipsoid([a, b, c], level);
+        let tip = mesh
+            .positions()
+            .iter()
+            .position(|p| (p[0] - a).abs() < 1e-12 * a)
+            .context("no vertex at (a, 0, 0)")?;
+        let mean = mean_curvature(&mesh, MeanOperator::Cotangent(LumpedArea::Mixed))?.into_signed();
+        let gaussian = gaussian_curvature(&mesh, LumpedArea::Mixed)?;
+        let h = mean.get(tip as u32).context("H is undefined at the tip")?;
+        let k = gaussian.get(tip as u32).context("K is undefined at the tip")?;
+        let ([k1, k2], _) = principal_values(h, k);
+        let (along_z, along_y) = (a / (c * c), a / (b * b));
+        table.push(row![
+            mesh.vertex_count(),
+            mesh.mean_edge_length(),
+            k1,
+            k2,
+            along_z,
+            along_y,
+            (k1 - along_z).abs() / along_z,
+            (k2 - along_y).abs() / along_y,
+        ]);
+    }
+    Ok(table)
+}
+
+const FORMULAS: &[Formula] = &[
+    Formula {
+        tex: r"\kappa_n = \frac{L\,du^2 + 2M\,du\,dv + N\,dv^2}{E\,du^2 + 2F\,du\,dv + G\,dv^2}",
+        mathml: "<msub><mi>κ</mi><mi>n</mi></msub><mo>=</mo><mfrac><mrow><mi>L</mi><msup><mi>du</mi><mn>2</mn></msup><mo>+</mo><mn>2</mn><mi>M</mi><mi>du</mi><mi>dv</mi><mo>+</mo><mi>N</mi><msup><mi>dv</mi><mn>2</mn></msup></mrow><mrow><mi>E</mi><msup><mi>du</mi><mn>2</mn></msup><mo>+</mo><mn>2</mn><mi>F</mi><mi>du</mi><mi>dv</mi><mo>+</mo><mi>G</mi><msup><mi>dv</mi><mn>2</mn></msup></mrow></mfrac>",
+    },
+    Formula {
+        tex: r"\kappa_n(\theta)\big|_{(a,0,0)} = a\left(\frac{\cos^2\theta}{b^2} + \frac{\sin^2\theta}{c^2}\right)",
+        mathml: "<msub><mi>κ</mi><mi>n</mi></msub><mo>(</mo><mi>θ</mi><mo>)</mo><mo>=</mo><mi>a</mi><mo>(</mo><mfrac><mrow><msup><mi>cos</mi><mn>2</mn></msup><mi>θ</mi></mrow><msup><mi>b</mi><mn>2</mn></msup></mfrac><mo>+</mo><mfrac><mrow><msup><mi>sin</mi><mn>2</mn></msup><mi>θ</mi></mrow><msup><mi>c</mi><mn>2</mn></msup></mfrac><mo>)</mo>",
+    },
+];

@@ -1,0 +1,149 @@
+//! Errors of curvature estimators under refinement, against exact curvature.
+
+use anyhow::{Context as _, Result};
+use fairing_mesh::TriMesh;
+use fairing_operators::{LumpedArea, lumped_mass};
+
+use super::surfaces::{Sampling, TestSurface};
+use crate::experiment::Context;
+use crate::row;
+use crate::table::{Table, Unit};
+
+/// What is estimated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Quantity {
+    /// H
+    Mean,
+    /// K
+    Gaussian,
+}
+
+/// An estimator under study: one value per vertex.
+pub(super) struct Estimator {
+    pub(super) name: &'static str,
+    pub(super) quantity: Quantity,
+    pub(super) estimate: fn(&TriMesh) -> Result<Vec<f64>>,
+}
+
+/// How far estimates are from the truth, relative to the size of the truth.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Deviation {
+    /// `√(Σ m (x − x̂)² / Σ m x̂²)` with the barycentric areas m.
+    pub(super) rms: f64,
+    /// `max |x − x̂|` over the same root mean square of x̂.
+    pub(super) max: f64,
+}
+
+impl Deviation {
+    pub(super) fn of(estimates: &[f64], exact: &[f64], mass: &[f64]) -> Self {
+        let total: f64 = mass.iter().sum();
+        let size: f64 = exact.iter().zip(mass).map(|(x, m)| m * x * x).sum();
+        let gaps = || estimates.iter().zip(exact).map(|(x, y)| x - y);
+        let square: f64 = gaps().zip(mass).map(|(d, m)| m * d * d).sum();
+        let largest = gaps().fold(0.0, |a: f64, d| a.max(d.abs()));
+        Self { rms: (square / size).sqrt(), max: largest / (size / total).sqrt() }
+    }
+}
+
+/// The refinement levels.
+fn levels(context: &Context<'_>) -> std::ops::RangeInclusive<u32> {
+    context.choose(2..=5, 2..=4)
+}
+
+/// The errors of each estimator on each surface and level, and the orders in
+/// which they fall between levels.
+///
+/// The tables have the ids `analytic` and `orders`.
+pub(super) fn study(context: &Context<'_>, estimators: &[Estimator]) -> Result<[Table; 2]> {
+    let mut errors = Table::new(
+        "analytic",
+        "Relative error against the exact curvature over four refinements: root mean square, weighted by area, and largest, both over the root mean square of the exact values. h is the mean edge length.",
+        &[
+            ("surface", Unit::Label),
+            ("sampling", Unit::Label),
+            ("estimator", Unit::Label),
+            ("vertices", Unit::Count),
+            ("h", Unit::Length),
+            ("RMS error", Unit::Relative),
+            ("largest error", Unit::Relative),
+        ],
+    );
+    let mut orders = Table::new(
+        "orders",
+        "Observed order of convergence between the last two refinements, log(e₁/e₂) / log(h₁/h₂): 2 means that half the edge length gives a quarter of the error, 0 that the error stays, less that it grows.",
+        &[
+            ("surface", Unit::Label),
+            ("sampling", Unit::Label),
+            ("estimator", Unit::Label),
+            ("order in RMS", Unit::Order),
+            ("order of the largest", Unit::Order),
+        ],
+    );
+    for (i, surface) in TestSurface::ALL.into_iter().enumerate() {
+        for sampling in Sampling::BOTH {
+            context.progress(i as f64 / 3.0, surface.name());
+            let mut deviations = vec![vec![]; estimators.len()];
+            let mut sizes = vec![];
+            for level in levels(context) {
+                let seed = context.seed(&format!("{} {level}", surface.name()));
+                let mesh = surface.mesh(level, sampling, seed);
+                let mass = lumped_mass(&mesh, LumpedArea::Barycentric)?;
+                let exact: Vec<_> = mesh
+                    .positions()
+                    .iter()
+                    .map(|&p| surface.exact(p).context("a vertex off the surface"))
+                    .collect::<Result<_>>()?;
+                sizes.push(mesh.mean_edge_length());
+                for (e, found) in estimators.iter().zip(&mut deviations) {
+                    let truth: Vec<f64> = exact
+                        .iter()
+                        .map(|c| match e.quantity {
+                            Quantity::Mean => c.mean(),
+                            Quantity::Gaussian => c.gaussian(),
+                        })
+                        .collect();
+                    let deviation = Deviation::of(&(e.estimate)(&mesh)?, &truth, &mass);
+                    errors.push(row![
+                        surface.name(),
+                        sampling.name(),
+                        e.name,
+                        mesh.vertex_count(),
+                        mesh.mean_edge_length(),
+                        deviation.rms,
+                        deviation.max,
+                    ]);
+                    found.push(deviation);
+                }
+            }
+            for (e, found) in estimators.iter().zip(&deviations) {
+                let (n, order) = (sizes.len(), |a: f64, b: f64| {
+                    (a / b).ln() / (sizes[sizes.len() - 2] / sizes[sizes.len() - 1]).ln()
+                });
+                let (last, before) = (found[n - 1], found[n - 2]);
+                orders.push(row![
+                    surface.name(),
+                    sampling.name(),
+                    e.name,
+                    order(before.rms, last.rms),
+                    order(before.max, last.max),
+                ]);
+            }
+        }
+    }
+    Ok([errors, orders])
+}
+
+/// The error of the finest mesh.
+pub(super) fn finest(
+    errors: &Table,
+    surface: &str,
+    sampling: &str,
+    estimator: &str,
+) -> Result<f64> {
+    let rows = errors.only(&[
+        ("surface", surface.into()),
+        ("sampling", sampling.into()),
+        ("estimator", estimator.into()),
+    ])?;
+    rows.column("RMS error")?.last().copied().context("an empty table")
+}

@@ -1,0 +1,86 @@
+//! Closed surfaces whose curvature is known, and meshes of them.
+
+use fairing_mesh::{TriMesh, shapes};
+use fairing_operators::surface::{Ellipsoid, ImplicitSurface, PointCurvature, Sphere, Torus};
+
+/// A closed surface with known curvature.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum TestSurface {
+    /// The unit sphere.
+    Sphere,
+    /// Radii 1 and 0.4: curvature of both signs.
+    Torus,
+    /// Half axes 1, 1.5 and 2.
+    Ellipsoid,
+}
+
+/// How vertices lie on the surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Sampling {
+    /// As the construction gives them.
+    Regular,
+    /// Moved at random along the surface.
+    Jittered,
+}
+
+const TORUS: Torus = Torus { major: 1.0, minor: 0.4 };
+const AXES: [f64; 3] = [1.0, 1.5, 2.0];
+
+/// The part of the shortest edge by which a jittered vertex moves at most.
+pub(super) const JITTER: f64 = 0.3;
+
+impl TestSurface {
+    pub(super) const ALL: [Self; 3] = [Self::Sphere, Self::Torus, Self::Ellipsoid];
+
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Sphere => "sphere",
+            Self::Torus => "torus",
+            Self::Ellipsoid => "ellipsoid",
+        }
+    }
+
+    /// The mesh of a refinement level; each has about four times the faces of
+    /// the one before. The seed matters to jittered meshes only.
+    pub(super) fn mesh(self, level: u32, sampling: Sampling, seed: u64) -> TriMesh {
+        let regular = match self {
+            Self::Sphere => shapes::icosphere(level),
+            Self::Torus => shapes::torus(TORUS.major, TORUS.minor, 8 << level, 4 << level),
+            Self::Ellipsoid => shapes::ellipsoid(AXES, level),
+        };
+        match (sampling, self) {
+            (Sampling::Regular, _) => regular,
+            (_, Self::Sphere) => shapes::jittered(&regular, JITTER, seed, shapes::onto_sphere),
+            (_, Self::Torus) => shapes::jittered(
+                &regular,
+                JITTER,
+                seed,
+                shapes::onto_torus(TORUS.major, TORUS.minor),
+            ),
+            (_, Self::Ellipsoid) => {
+                shapes::jittered(&regular, JITTER, seed, shapes::onto_ellipsoid(AXES))
+            }
+        }
+    }
+
+    /// The exact curvature at a point of the surface; `None` nowhere on it.
+    pub(super) fn exact(self, p: [f64; 3]) -> Option<PointCurvature> {
+        let [a, b, c] = AXES;
+        match self {
+            Self::Sphere => Sphere { radius: 1.0 }.curvature(p),
+            Self::Torus => TORUS.curvature(p),
+            Self::Ellipsoid => Ellipsoid { a, b, c }.curvature(p),
+        }
+    }
+}
+
+impl Sampling {
+    pub(super) const BOTH: [Self; 2] = [Self::Regular, Self::Jittered];
+
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Regular => "regular",
+            Self::Jittered => "jittered",
+        }
+    }
+}
