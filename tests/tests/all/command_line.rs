@@ -1,1 +1,175 @@
-//! Tests of this area across crates.
+//! The `fairing` program, as a person or a script meets it.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::OnceLock;
+
+use fairing_mesh::io::{self, VertexFields, WriteOptions};
+use fairing_mesh::shapes;
+use serde_json::Value;
+
+/// Builds the program once and says where it is.
+fn program() -> &'static Path {
+    static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
+    PROGRAM.get_or_init(|| {
+        let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+        let mut build = Command::new(cargo);
+        build.args(["build", "--quiet", "--package", "fairing", "--message-format=json"]);
+        let output = build.output().expect("cargo runs");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let messages = String::from_utf8(output.stdout).unwrap();
+        let executable = messages.lines().find_map(|line| {
+            let message: Value = serde_json::from_str(line).ok()?;
+            message["executable"].as_str().map(PathBuf::from)
+        });
+        executable.expect("cargo names the program")
+    })
+}
+
+fn fairing(folder: &Path, line: &str) -> Output {
+    let output = Command::new(program()).args(line.split_whitespace()).current_dir(folder).output();
+    output.expect("the program runs")
+}
+
+/// Runs a line that must succeed and gives its standard output.
+fn run(folder: &Path, line: &str) -> String {
+    let output = fairing(folder, line);
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{line}: {error}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// Runs a line that must fail with an exit code, and gives its message.
+fn refuse(folder: &Path, line: &str, code: i32) -> String {
+    let output = fairing(folder, line);
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(code), "{line}: {error}");
+    assert!(!error.contains("panicked"), "{line}: {error}");
+    error
+}
+
+fn folder_with_torus() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let torus = shapes::torus(3.0, 1.0, 24, 12);
+    io::write(folder.path().join("torus.ply"), &torus).unwrap();
+    folder
+}
+
+fn files(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn info_gives_the_documented_keys() {
+    let folder = folder_with_torus();
+    let info: Value = serde_json::from_str(&run(folder.path(), "info torus.ply --json")).unwrap();
+    for (key, value) in [
+        ("vertices", 288),
+        ("faces", 576),
+        ("edges", 864),
+        ("components", 1),
+        ("boundary_loops", 0),
+        ("genus", 1),
+        ("isolated_vertices", 0),
+        ("degenerate_faces", 0),
+        ("duplicate_faces", 0),
+        ("nonmanifold_edges", 0),
+        ("nonmanifold_vertices", 0),
+    ] {
+        assert_eq!(info[key], value, "{key}");
+    }
+    for key in ["manifold", "closed", "orientable"] {
+        assert_eq!(info[key], true, "{key}");
+    }
+    assert!(run(folder.path(), "info torus.ply").contains("genus"));
+}
+
+#[test]
+fn convert_goes_round_all_formats_without_loss() {
+    let folder = folder_with_torus();
+    let original = io::read(folder.path().join("torus.ply")).unwrap().mesh;
+    for (from, to) in [
+        ("torus.ply", "a.obj"),
+        ("a.obj", "b.off.gz"),
+        ("b.off.gz", "c.ply.gz"),
+        ("c.ply.gz", "d.ply"),
+    ] {
+        run(folder.path(), &format!("convert {from} {to}"));
+    }
+    assert_eq!(io::read(folder.path().join("d.ply")).unwrap().mesh, original);
+}
+
+#[test]
+fn nothing_is_overwritten_unasked() {
+    let folder = folder_with_torus();
+    run(folder.path(), "convert torus.ply a.off");
+    let before = std::fs::read(folder.path().join("a.off")).unwrap();
+    for line in [
+        "convert torus.ply a.off",
+        "noise torus.ply -o a.off --sigma 0.1",
+        "render torus.ply -o a.off",
+    ] {
+        assert!(refuse(folder.path(), line, 4).contains("--force"));
+    }
+    assert_eq!(std::fs::read(folder.path().join("a.off")).unwrap(), before);
+    run(folder.path(), "noise torus.ply -o a.off --sigma 0.1 --force");
+    assert_ne!(std::fs::read(folder.path().join("a.off")).unwrap(), before);
+}
+
+#[test]
+fn bad_input_is_named_and_leaves_nothing_behind() {
+    let folder = folder_with_torus();
+    std::fs::write(folder.path().join("bad.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n").unwrap();
+    for line in ["info bad.obj", "convert bad.obj out.ply", "render bad.obj -o out.png"] {
+        let error = refuse(folder.path(), line, 3);
+        assert!(error.contains("bad.obj") && error.contains("line 4"), "{error}");
+    }
+    assert!(refuse(folder.path(), "info absent.ply", 3).contains("absent.ply"));
+    refuse(folder.path(), "convert torus.ply out.xyz", 4);
+    refuse(folder.path(), "frobnicate", 2);
+    assert_eq!(files(folder.path()), ["bad.obj", "torus.ply"]);
+}
+
+#[test]
+fn noise_is_seeded_and_in_the_unit_asked_for() {
+    let folder = folder_with_torus();
+    run(folder.path(), "noise torus.ply -o a.ply --sigma 0.1 --seed 5");
+    run(folder.path(), "noise torus.ply -o b.ply --sigma 0.1 --seed 5 --threads 1");
+    run(folder.path(), "noise torus.ply -o c.ply --sigma 0.1 --seed 6");
+    let bytes = |name| std::fs::read(folder.path().join(name)).unwrap();
+    assert_eq!(bytes("a.ply"), bytes("b.ply"));
+    assert_ne!(bytes("a.ply"), bytes("c.ply"));
+    let clean = io::read(folder.path().join("torus.ply")).unwrap().mesh;
+    let noisy = io::read(folder.path().join("a.ply")).unwrap().mesh;
+    let square: f64 = (clean.positions().as_flattened().iter())
+        .zip(noisy.positions().as_flattened())
+        .map(|(a, b)| (a - b).powi(2))
+        .sum();
+    let sigma = (square / clean.vertex_count() as f64).sqrt() / clean.mean_edge_length();
+    // 288 normal samples: the standard error is 4 %.
+    assert!((0.085..0.115).contains(&sigma), "{sigma}");
+    refuse(folder.path(), "noise torus.ply -o d.ply --sigma -1", 1);
+}
+
+#[test]
+fn render_draws_the_field_that_is_asked_for() {
+    let folder = folder_with_torus();
+    let torus = io::read(folder.path().join("torus.ply")).unwrap().mesh;
+    let height: Vec<f64> = torus.positions().iter().map(|p| p[2]).collect();
+    let fields = VertexFields::default().with_scalar("height", height);
+    let path = folder.path().join("field.ply");
+    io::write_with_fields(path, &torus, &fields, &WriteOptions::default()).unwrap();
+    let said = run(folder.path(), "render field.ply -o a.png --field height --size 80x60");
+    assert!(said.contains("coolwarm from -1 to 1"), "{said}");
+    run(folder.path(), "render field.ply -o b.png --size 80x60");
+    let bytes = |name| std::fs::read(folder.path().join(name)).unwrap();
+    assert!(bytes("a.png").starts_with(b"\x89PNG"));
+    assert_ne!(bytes("a.png"), bytes("b.png"));
+    let error = refuse(folder.path(), "render field.ply -o c.png --field heigth", 2);
+    assert!(error.contains("the file has height"), "{error}");
+}

@@ -27,7 +27,7 @@ pub(crate) struct Noise {
     #[command(flatten)]
     output: Output,
     /// Standard deviation (of each moved vertex; for uniform noise the largest shift per axis)
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     sigma: f64,
     /// What sigma is measured in
     #[arg(long, value_enum, default_value = "edge")]
