@@ -6,6 +6,7 @@ mod q1;
 mod q2;
 mod q3;
 
+mod gallery;
 mod refinement;
 mod spread;
 mod surfaces;

@@ -1,18 +1,21 @@
 //! Question 1: curvature from the uniform Laplacian and the angle defect.
 
 use anyhow::Result;
+use fairing_figure::{ScaleOptions, Up};
 use fairing_mesh::TriMesh;
 use fairing_operators::LumpedArea;
 use fairing_operators::curvature::{
     MeanOperator, ScalarCurvature, gaussian_curvature, mean_curvature,
 };
 
+use super::gallery::{Coloring, FLAT, Gallery, Look, Range, VIEWPOINTS};
 use super::refinement::{self, Estimator, Quantity};
 use super::spread;
 use crate::experiment::{Card, Context, Experiment, Formula};
 use crate::inputs::Input;
-use crate::outcome::{MeshOutput, Outcome};
+use crate::outcome::{MeshOutput, Outcome, Picture};
 use crate::table::{Table, short};
+use crate::view::{Panel, View};
 
 pub(super) struct UniformCurvature;
 
@@ -82,6 +85,16 @@ impl Experiment for UniformCurvature {
             spread::push(&mut fields, name, UMBRELLA, "mesh units", &length);
             spread::push(&mut fields, name, SCALED, "1/mesh units", &scaled);
             spread::push(&mut fields, name, DEFECT, "1/mesh units²", &gaussian);
+            let pictures = Pictures {
+                name,
+                mesh: &mesh,
+                length: &length,
+                scaled: &scaled,
+                gaussian: &gaussian,
+            };
+            outcome.figures.push(pictures.assignment()?);
+            outcome.figures.push(pictures.diverging()?);
+            outcome.views.push(pictures.view());
             let border = gaussian.boundary.iter().map(|&b| f64::from(u8::from(b))).collect();
             outcome.meshes.push(MeshOutput {
                 id: format!("{name}-uniform"),
@@ -96,9 +109,94 @@ impl Experiment for UniformCurvature {
             });
         }
         let [errors, orders] = refinement::study(context, &ESTIMATORS)?;
+        outcome.figures.push(refinement::plot(&errors, &ESTIMATORS)?);
         outcome.notes.push(answer(&errors, &orders)?);
         outcome.tables.extend([fields, errors, orders]);
         Ok(outcome)
+    }
+}
+
+/// What the pictures of a mesh show.
+struct Pictures<'a> {
+    name: &'a str,
+    mesh: &'a TriMesh,
+    length: &'a ScalarCurvature,
+    scaled: &'a ScalarCurvature,
+    gaussian: &'a ScalarCurvature,
+}
+
+impl<'a> Pictures<'a> {
+    /// The original and both curvatures by the recipe of the assignment.
+    fn assignment(&self) -> Result<Picture> {
+        let coloring = |field: &'a ScalarCurvature, quantity: &'a str, unit: &'a str| Coloring {
+            field,
+            range: Range::All,
+            options: ScaleOptions::ASSIGNMENT,
+            quantity,
+            unit,
+        };
+        self.gallery(
+            coloring(self.length, "‖Δx‖/2, uniform", "mesh units"),
+            coloring(self.gaussian, "K, angle defect", "1/mesh units²"),
+        )
+        .draw(
+            self.name,
+            &format!("The {} in the assignment's colours, from two viewpoints: the mesh, mean curvature from the uniform Laplacian, and Gaussian curvature from the angle defect over barycentric areas. Equal areas of the colour bar hold equal numbers of vertices.", self.name),
+            &format!("Six pictures of the {}: plain, coloured by mean and by Gaussian curvature, from two sides.", self.name),
+        )
+    }
+
+    /// The same in diverging colours about zero.
+    fn diverging(&self) -> Result<Picture> {
+        let coloring = |field: &'a ScalarCurvature, quantity: &'a str, unit: &'a str| Coloring {
+            field,
+            range: Range::Inside,
+            options: ScaleOptions { resolution: FLAT, ..ScaleOptions::SIGNED },
+            quantity,
+            unit,
+        };
+        self.gallery(
+            coloring(self.scaled, "H, uniform, scaled", "1/mesh units"),
+            coloring(self.gaussian, "K, angle defect", "1/mesh units²"),
+        )
+        .draw(
+            &format!("{}-signed", self.name),
+            &format!("The {} with signed curvature in diverging colours, grey at zero; the range is that of the inner vertices between the 2nd and the 98th percentile.", self.name),
+            &format!("Six pictures of the {}: plain, coloured by signed mean and by Gaussian curvature, from two sides.", self.name),
+        )
+    }
+
+    fn gallery(&self, mean: Coloring<'a>, gaussian: Coloring<'a>) -> Gallery<'a> {
+        let mesh = self.mesh;
+        Gallery {
+            looks: vec![
+                Look { title: "original", mesh, coloring: None },
+                Look { title: "mean curvature", mesh, coloring: Some(mean) },
+                Look { title: "Gaussian curvature", mesh, coloring: Some(gaussian) },
+            ],
+            viewpoints: &VIEWPOINTS,
+            up: Up::Z,
+            aspect: 1.3,
+        }
+    }
+
+    /// All fields on one mesh to turn, beside the plain mesh.
+    fn view(&self) -> View {
+        let colored = Panel::still("curvature", self.mesh)
+            .with_field("mean curvature, scaled", "1/mesh units", true, &self.scaled.values)
+            .with_field("Gaussian curvature", "1/mesh units²", true, &self.gaussian.values)
+            .with_field("‖Δx‖/2", "mesh units", false, &self.length.values);
+        View {
+            id: format!("{}-view", self.name),
+            caption: format!(
+                "The {} and its curvature from the uniform Laplacian and the angle defect.",
+                self.name
+            ),
+            alt: format!("The {} to turn, plain and coloured by curvature.", self.name),
+            fallback: format!("{}-signed", self.name),
+            slider: None,
+            panels: vec![Panel::still("original", self.mesh), colored],
+        }
     }
 }
 

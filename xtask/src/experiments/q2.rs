@@ -3,6 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use anyhow::{Context as _, Result};
+use fairing_figure::{Axis, Figure, Legend, Panel, Plot, Series};
 use fairing_mesh::shapes;
 use fairing_mesh::vec3::{cross, dot, norm, scale};
 use fairing_operators::LumpedArea;
@@ -11,16 +12,23 @@ use fairing_operators::curvature::{
 };
 use fairing_operators::surface::{ClosedForms, Ellipsoid, ParametricSurface};
 
+use super::gallery::plotted;
 use crate::experiment::{Card, Context, Experiment, Formula};
-use crate::outcome::Outcome;
+use crate::outcome::{Outcome, Picture};
 use crate::row;
 use crate::table::{Table, Tables, Tolerance, Unit};
 use crate::verdict::{Judgement, Verdict};
 
 /// Half axes under study; the first is a sphere, on which the source report's
 /// answer looks right.
-const AXES: [[f64; 3]; 5] =
-    [[1.0, 1.0, 1.0], [2.0, 1.0, 1.0], [1.0, 2.0, 1.0], [1.0, 1.0, 2.0], [3.0, 2.0, 1.0]];
+const AXES: [[f64; 3]; 6] = [
+    [1.0, 1.0, 1.0],
+    [2.0, 1.0, 1.0],
+    [1.0, 2.0, 1.0],
+    [1.0, 1.0, 2.0],
+    [1.0, 1.5, 2.0],
+    [3.0, 2.0, 1.0],
+];
 
 /// The step of central differences: the cube root of the rounding unit, where
 /// truncation and rounding are alike; second differences are good to 1e-5.
@@ -44,7 +52,9 @@ impl Experiment for EllipsoidForms {
     fn run(&self, context: &Context<'_>) -> Result<Outcome> {
         let mut outcome = Outcome::default();
         outcome.tables.push(forms()?);
-        outcome.tables.push(directions()?);
+        let directions = directions()?;
+        outcome.figures.push(plot(&directions)?);
+        outcome.tables.push(directions);
         outcome.tables.push(meshes(context)?);
         Ok(outcome)
     }
@@ -65,7 +75,7 @@ impl Experiment for EllipsoidForms {
         let verdict = if wrong { Verdict::Refuted } else { Verdict::Confirmed };
         let right = ours.iter().zip(&sizes).filter(|(a, b)| (*a - *b).abs() < 1e-9).count();
         let reason = format!(
-            "Closed forms, derivatives and central differences agree on a/b² along y (largest relative gap {}), and L is never zero (at least {}). The source's −1/c is off by up to {} % in size, and is right on {right} of {} ellipsoids, the sphere among them. It evaluates L and N at the pole (0, 0, c), E and G at (a, 0, 0), and takes dv, which runs along z, for the y direction.",
+            "Closed forms, derivatives and central differences agree on a/b² along y (largest relative gap {}), and L is never zero (at least {}). The source's −1/c is off by up to {} % in size, and is right on {right} of the {} ellipsoids, the sphere. It evaluates L and N at the pole (0, 0, c), E and G at (a, 0, 0), and takes dv, which runs along z, for the y direction.",
             crate::table::short(check),
             crate::table::short(smallest_l),
             crate::table::short(100.0 * error),
@@ -184,6 +194,36 @@ fn directions() -> Result<Table> {
     Ok(table)
 }
 
+/// κₙ(θ), ours and the source report's, a panel for each ellipsoid.
+fn plot(directions: &Table) -> Result<Picture> {
+    let mut figure = Figure { columns: 3, ..Figure::default() };
+    for axes in AXES {
+        let rows = directions.only(&[("(a, b, c)", axes_name(axes).into())])?;
+        let line = |column: &str| -> Result<Vec<[f64; 2]>> {
+            let points = rows.column("θ")?.into_iter().zip(rows.column(column)?);
+            Ok(points.map(|(theta, kappa)| [theta / 180.0, kappa]).collect())
+        };
+        let plot = Plot {
+            title: format!("(a, b, c) = {}", axes_name(axes)),
+            x: Axis::linear("θ/π, from +y (0) over +z (½)").from_to(0.0, 1.0),
+            y: Axis::linear("κₙ in 1/mesh units"),
+            series: vec![
+                Series::line("from the forms at (a, 0, 0)", line("κ")?),
+                Series::line("as the source report states", line("κ, source")?),
+            ],
+            legend: Legend::None,
+            ..Plot::default()
+        };
+        figure.panels.push(Panel::drawing(plot.draw(300.0, 230.0)?));
+    }
+    plotted(
+        &figure,
+        "directions",
+        "Normal curvature at (a, 0, 0) over the tangent direction. Solid: from the forms, with the normal that makes it positive on a sphere. Dashed: what the source report's coefficients give. On the sphere the two agree in size at θ = 0, which is the one direction that the report looks at.",
+        "Six plots of normal curvature over the direction, each with two curves that differ.",
+    )
+}
+
 /// The same on meshes.
 fn meshes(context: &Context<'_>) -> Result<Table> {
     let mut table = Table::new(
@@ -200,7 +240,7 @@ fn meshes(context: &Context<'_>) -> Result<Table> {
             ("error of κ₂", Unit::Relative),
         ],
     );
-    let [a, b, c] = AXES[4];
+    let [a, b, c] = AXES[5];
     for level in 3..=context.choose(6, 4) {
         context.progress(f64::from(level - 3) / 4.0, "meshes");
         let mesh = shapes::ellipsoid([a, b, c], level);

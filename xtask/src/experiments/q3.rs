@@ -1,19 +1,22 @@
 //! Question 3: mean curvature from the cotangent Laplace–Beltrami operator.
 
 use anyhow::Result;
+use fairing_figure::{ScaleOptions, Up};
 use fairing_mesh::{TriMesh, shapes};
 use fairing_operators::LumpedArea;
-use fairing_operators::curvature::{MeanOperator, ScalarCurvature, mean_curvature};
+use fairing_operators::curvature::{MeanCurvature, MeanOperator, ScalarCurvature, mean_curvature};
 
+use super::gallery::{Coloring, FLAT, Gallery, Look, Range, VIEWPOINTS};
 use super::refinement::{self, Estimator, Quantity, finest};
 use super::spread;
 use super::surfaces::{Sampling, TestSurface};
 use crate::experiment::{Card, Context, Experiment, Formula};
 use crate::inputs::Input;
-use crate::outcome::{MeshOutput, Outcome};
+use crate::outcome::{MeshOutput, Outcome, Picture};
 use crate::row;
 use crate::table::{Cell, Table, Tables, Unit, short};
 use crate::verdict::{Judgement, Verdict};
+use crate::view::{Panel, View};
 
 pub(super) struct CotangentCurvature;
 
@@ -92,6 +95,8 @@ impl Experiment for CotangentCurvature {
                 "1/mesh units",
                 &cotangent.clone().into_signed(),
             );
+            outcome.figures.extend(pictures(name, &mesh, &uniform, &cotangent)?);
+            outcome.views.push(view(name, &mesh, &uniform, &cotangent));
             outcome.meshes.push(MeshOutput {
                 id: format!("{name}-cotangent"),
                 caption: format!("The {name} with the mean curvature of the cotangent operator, with and without sign, and of the uniform one."),
@@ -104,7 +109,9 @@ impl Experiment for CotangentCurvature {
             });
         }
         outcome.tables.push(fields);
-        outcome.tables.extend(refinement::study(context, &ESTIMATORS)?);
+        let [errors, orders] = refinement::study(context, &ESTIMATORS)?;
+        outcome.figures.push(refinement::plot(&errors, &ESTIMATORS)?);
+        outcome.tables.extend([errors, orders]);
         outcome.tables.push(planes(context)?);
         Ok(outcome)
     }
@@ -163,8 +170,81 @@ impl Experiment for CotangentCurvature {
     }
 }
 
+/// The cotangent estimate in the assignment's colours beside the original, and
+/// both estimates with sign in diverging colours.
+fn pictures(
+    name: &str,
+    mesh: &TriMesh,
+    uniform: &MeanCurvature,
+    cotangent: &MeanCurvature,
+) -> Result<[Picture; 2]> {
+    let norms = sizes(cotangent);
+    let (uniform, cotangent) = (uniform.clone().into_signed(), cotangent.clone().into_signed());
+    let gallery = |looks| Gallery { looks, viewpoints: &VIEWPOINTS, up: Up::Z, aspect: 1.3 };
+    let assignment = gallery(vec![
+        Look { title: "original", mesh, coloring: None },
+        Look {
+            title: "mean curvature",
+            mesh,
+            coloring: Some(Coloring {
+                field: &norms,
+                range: Range::All,
+                options: ScaleOptions::ASSIGNMENT,
+                quantity: "‖Δx‖/2, cotangent",
+                unit: "1/mesh units",
+            }),
+        },
+    ])
+    .draw(
+        name,
+        &format!("The {name} in the assignment's colours, from two viewpoints: the mesh, and mean curvature from the cotangent Laplacian."),
+        &format!("Four pictures of the {name}: plain and coloured by mean curvature, from two sides."),
+    )?;
+    let signed = |title: &'static str, field| Look {
+        title,
+        mesh,
+        coloring: Some(Coloring {
+            field,
+            range: Range::Inside,
+            options: ScaleOptions { resolution: FLAT, ..ScaleOptions::SIGNED },
+            quantity: if title == "uniform" { "H, uniform, scaled" } else { "H, cotangent" },
+            unit: "1/mesh units",
+        }),
+    };
+    let diverging = gallery(vec![
+        Look { title: "original", mesh, coloring: None },
+        signed("uniform", &uniform),
+        signed("cotangent", &cotangent),
+    ])
+    .draw(
+        &format!("{name}-signed"),
+        &format!("Signed mean curvature of the {name} from the uniform and from the cotangent Laplacian, in diverging colours, grey at zero; each range is that of the inner vertices between the 2nd and the 98th percentile."),
+        &format!("Six pictures of the {name}: plain, coloured by the uniform and by the cotangent mean curvature, from two sides."),
+    )?;
+    Ok([assignment, diverging])
+}
+
+/// Both estimates on one mesh to turn.
+fn view(name: &str, mesh: &TriMesh, uniform: &MeanCurvature, cotangent: &MeanCurvature) -> View {
+    let panel = |title: &str, mean: &MeanCurvature| {
+        Panel::still(title, mesh)
+            .with_field("mean curvature", "1/mesh units", true, &mean.signed)
+            .with_field("‖Δx‖/2", "1/mesh units", false, &mean.norms())
+    };
+    View {
+        id: format!("{name}-view"),
+        caption: format!(
+            "Mean curvature of the {name}: the uniform Laplacian, scaled, on the left, the cotangent one on the right."
+        ),
+        alt: format!("The {name} twice, to turn, coloured by either mean curvature."),
+        fallback: format!("{name}-signed"),
+        slider: None,
+        panels: vec![panel("uniform", uniform), panel("cotangent", cotangent)],
+    }
+}
+
 /// `½ ‖Δx‖` with the flags.
-fn sizes(mean: &fairing_operators::curvature::MeanCurvature) -> ScalarCurvature {
+fn sizes(mean: &MeanCurvature) -> ScalarCurvature {
     ScalarCurvature {
         values: mean.norms(),
         status: mean.status.clone(),

@@ -1,11 +1,14 @@
 //! Errors of curvature estimators under refinement, against exact curvature.
 
 use anyhow::{Context as _, Result};
+use fairing_figure::{Axis, Figure, Legend, Panel, Plot, Series};
 use fairing_mesh::TriMesh;
 use fairing_operators::{LumpedArea, lumped_mass};
 
+use super::gallery::plotted;
 use super::surfaces::{Sampling, TestSurface};
 use crate::experiment::Context;
+use crate::outcome::Picture;
 use crate::row;
 use crate::table::{Table, Unit};
 
@@ -131,6 +134,40 @@ pub(super) fn study(context: &Context<'_>, estimators: &[Estimator]) -> Result<[
         }
     }
     Ok([errors, orders])
+}
+
+/// The errors over h on logarithmic axes, a panel for each surface.
+pub(super) fn plot(errors: &Table, estimators: &[Estimator]) -> Result<Picture> {
+    let mut figure = Figure { columns: 3, ..Figure::default() };
+    for (i, surface) in TestSurface::ALL.into_iter().enumerate() {
+        let mut plot = Plot {
+            title: surface.name().into(),
+            x: Axis::log("mean edge length h"),
+            y: Axis::log(if i == 0 { "relative RMS error" } else { "" }),
+            legend: if i == 2 { Legend::Right } else { Legend::None },
+            ..Plot::default()
+        };
+        for e in estimators {
+            for sampling in Sampling::BOTH {
+                let rows = errors.only(&[
+                    ("surface", surface.name().into()),
+                    ("sampling", sampling.name().into()),
+                    ("estimator", e.name.into()),
+                ])?;
+                let points = rows.column("h")?.into_iter().zip(rows.column("RMS error")?);
+                let points = points.map(|(h, error)| [h, error]).collect();
+                let name = format!("{}, {}", e.name, sampling.name());
+                plot.series.push(Series::marked(name, points));
+            }
+        }
+        figure.panels.push(Panel::drawing(plot.draw(if i == 2 { 540.0 } else { 270.0 }, 270.0)?));
+    }
+    plotted(
+        &figure,
+        "convergence",
+        "Error against exact curvature under refinement, on regular and on jittered meshes. A line that falls to the left converges; one that stays level does not.",
+        "Three plots of relative error over mean edge length on logarithmic axes, for sphere, torus and ellipsoid.",
+    )
 }
 
 /// The error of the finest mesh.
