@@ -1,0 +1,163 @@
+//! Vertices in an order that keeps neighbours close in memory.
+//!
+//! A smoothing step reads every neighbour of every vertex. Files often scatter neighbours over the whole array
+//! (subdivision appends new vertices at the end); a space-filling curve brings them together, and a step then runs
+//! several times faster. Runs that somebody watches keep the order of the file, so that positions can be shown
+//! without a copy.
+
+use fairing_mesh::{BuildError, TriMesh};
+use rayon::prelude::*;
+
+/// A mesh to work on, and the way back to the order of the file.
+pub(crate) struct Arrangement {
+    mesh: TriMesh,
+    /// The vertex of the file at each place; `None` if the order is the file's.
+    order: Option<Vec<u32>>,
+}
+
+impl Arrangement {
+    /// Keeps the order of the file.
+    pub(crate) fn as_given(mesh: &TriMesh) -> Self {
+        Self { mesh: mesh.clone(), order: None }
+    }
+
+    /// Sorts vertices along a Morton curve through the bounding box, and faces by their first vertex on it.
+    pub(crate) fn along_curve(mesh: &TriMesh) -> Result<Self, BuildError> {
+        let n = mesh.vertex_count();
+        let order = morton_order(mesh);
+        let mut place = vec![0u32; n];
+        for (new, &old) in order.iter().enumerate() {
+            place[old as usize] = new as u32;
+        }
+        let positions = order.par_iter().map(|&old| mesh.positions()[old as usize]).collect();
+        let faces = sorted_faces(mesh.faces(), &place);
+        Ok(Self { mesh: TriMesh::new(positions, faces)?, order: Some(order) })
+    }
+
+    /// The mesh in the order to work in.
+    pub(crate) fn mesh(&self) -> &TriMesh {
+        &self.mesh
+    }
+
+    /// Puts one value per vertex back into the order of the file.
+    pub(crate) fn restore<T: Copy + Default>(&self, values: Vec<T>) -> Vec<T> {
+        match &self.order {
+            None => values,
+            Some(order) => {
+                let mut restored = vec![T::default(); values.len()];
+                for (&old, value) in order.iter().zip(values) {
+                    restored[old as usize] = value;
+                }
+                restored
+            }
+        }
+    }
+
+    /// Brings one value per vertex of the file into the order to work in.
+    pub(crate) fn arrange<T: Copy>(&self, values: &[T]) -> Vec<T> {
+        match &self.order {
+            None => values.to_vec(),
+            Some(order) => order.iter().map(|&old| values[old as usize]).collect(),
+        }
+    }
+
+    /// The number in the file of the vertex at `place`.
+    pub(crate) fn original(&self, place: u32) -> u32 {
+        self.order.as_ref().map_or(place, |order| order[place as usize])
+    }
+}
+
+/// The vertices along a Morton curve of 1024³ cells; within a cell in the order of the file.
+fn morton_order(mesh: &TriMesh) -> Vec<u32> {
+    let Some([low, high]) = mesh.bounding_box() else { return Vec::new() };
+    let side = (0..3).map(|d| high[d] - low[d]).fold(f64::MIN_POSITIVE, f64::max);
+    let cells = 1023.0 / side;
+    let key = |p: &[f64; 3]| {
+        (0..3).fold(0u64, |key, d| key | spread(((p[d] - low[d]) * cells) as u64) << d)
+    };
+    let mut keyed: Vec<u64> = mesh
+        .positions()
+        .par_iter()
+        .enumerate()
+        .map(|(v, p)| key(p) << 32 | v as u64)
+        .collect();
+    keyed.par_sort_unstable();
+    keyed.into_par_iter().map(|k| k as u32).collect()
+}
+
+/// Spreads ten bits so that two zeros follow each.
+fn spread(bits: u64) -> u64 {
+    let mut b = bits & 0x3ff;
+    b = (b | b << 16) & 0x0300_00ff;
+    b = (b | b << 8) & 0x0300_f00f;
+    b = (b | b << 4) & 0x030c_30c3;
+    (b | b << 2) & 0x0924_9249
+}
+
+/// Faces with their new vertex numbers, ordered by the smallest: a counting sort.
+fn sorted_faces(faces: &[[u32; 3]], place: &[u32]) -> Vec<[u32; 3]> {
+    let moved: Vec<[u32; 3]> =
+        faces.par_iter().map(|face| face.map(|v| place[v as usize])).collect();
+    let first = |face: &[u32; 3]| face[0].min(face[1]).min(face[2]) as usize;
+    let mut next = vec![0u32; place.len() + 1];
+    for face in &moved {
+        next[first(face) + 1] += 1;
+    }
+    for v in 0..place.len() {
+        next[v + 1] += next[v];
+    }
+    let mut sorted = vec![[0u32; 3]; moved.len()];
+    for face in moved {
+        let slot = &mut next[first(&face)];
+        sorted[*slot as usize] = face;
+        *slot += 1;
+    }
+    sorted
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A tetrahedron and an isolated vertex between two of its corners.
+    fn sample() -> TriMesh {
+        let positions =
+            vec![[9.0, 0.0, 0.0], [0.0; 3], [0.0, 9.0, 0.0], [4.0, 0.0, 0.0], [0.0, 0.0, 9.0]];
+        TriMesh::new(positions, vec![[0, 1, 2], [0, 4, 1], [1, 4, 2], [0, 2, 4]]).unwrap()
+    }
+
+    #[test]
+    fn restoring_undoes_arranging() {
+        let mesh = sample();
+        let arranged = Arrangement::along_curve(&mesh).unwrap();
+        assert_ne!(arranged.mesh(), &mesh);
+        assert_eq!(arranged.restore(arranged.mesh().positions().to_vec()), mesh.positions());
+        let labels = [10, 11, 12, 13, 14];
+        assert_eq!(arranged.restore(arranged.arrange(&labels)), labels);
+        for place in 0..5 {
+            let old = arranged.original(place) as usize;
+            assert_eq!(arranged.mesh().positions()[place as usize], mesh.positions()[old]);
+        }
+    }
+
+    #[test]
+    fn faces_keep_their_geometry_and_orientation() {
+        let mesh = sample();
+        let arranged = Arrangement::along_curve(&mesh).unwrap();
+        let areas = |m: &TriMesh| {
+            let mut a: Vec<String> =
+                (0..4).map(|f| format!("{:?}", m.area_vector(f).map(|x| x + 0.0))).collect();
+            a.sort();
+            a
+        };
+        assert_eq!(areas(&mesh), areas(arranged.mesh()));
+    }
+
+    #[test]
+    fn spreading_interleaves_ten_bits() {
+        for bits in [0u64, 1, 2, 0b10_1101_0011, 1023] {
+            let slow = (0..10).fold(0, |s, k| s | (bits >> k & 1) << (3 * k));
+            assert_eq!(spread(bits), slow);
+        }
+    }
+}

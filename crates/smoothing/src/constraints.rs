@@ -1,0 +1,147 @@
+//! Which vertices may move, and how.
+
+use fairing_mesh::TriMesh;
+
+use crate::arrangement::Arrangement;
+use crate::error::FlowFailure;
+use crate::sliding::Sliding;
+
+/// What happens at the boundary of an open mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Boundary {
+    /// Boundary vertices move like all others. Their neighbours lie on one side only, so the border moves inward.
+    #[default]
+    Free,
+    /// Boundary vertices stay where they are.
+    Pinned,
+    /// Boundary vertices move along the boundary curve of the input and never leave it; corners, where the curve
+    /// turns by more than 45°, and vertices where boundary curves meet stay.
+    Sliding,
+}
+
+/// A vertex drawn towards a target.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SoftConstraint {
+    /// The vertex.
+    pub vertex: u32,
+    /// Where to, in mesh units.
+    pub target: [f64; 3],
+    /// How strongly, dimensionless: a step ends at the weighted mean of where the flow alone would lead (weight 1)
+    /// and the target (this weight), within the linear system for implicit methods.
+    pub weight: f64,
+}
+
+/// What a flow has to respect. The default is nothing.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Constraints {
+    /// The boundary of the mesh.
+    pub boundary: Boundary,
+    /// Vertices that stay where they are, wherever they lie.
+    pub pinned: Vec<u32>,
+    /// Vertices drawn towards targets; of two for one vertex the later counts.
+    pub soft: Vec<SoftConstraint>,
+}
+
+impl Constraints {
+    /// No constraint but a boundary policy.
+    pub fn boundary(boundary: Boundary) -> Self {
+        Self { boundary, ..Self::default() }
+    }
+
+    /// Whether nothing is constrained.
+    pub fn is_free(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// Constraints in the order of an arrangement.
+pub(crate) struct Freedom {
+    /// Vertices that stay.
+    pub(crate) held: Vec<bool>,
+    /// Weight and target for each vertex, if there are any.
+    pub(crate) soft: Option<(Vec<f64>, Vec<[f64; 3]>)>,
+    /// Boundary curves to slide along.
+    pub(crate) sliding: Option<Sliding>,
+}
+
+impl Freedom {
+    pub(crate) fn new(
+        arrangement: &Arrangement,
+        constraints: &Constraints,
+    ) -> Result<Self, FlowFailure> {
+        let mesh = arrangement.mesh();
+        let n = mesh.vertex_count();
+        let check = |vertex: u32| match (vertex as usize) < n {
+            true => Ok(vertex as usize),
+            false => Err(FlowFailure::NoSuchVertex { vertex, vertex_count: n }),
+        };
+        let mut held = vec![false; n];
+        if !constraints.pinned.is_empty() {
+            for &v in &constraints.pinned {
+                held[check(v)?] = true;
+            }
+            held = arrangement.arrange(&held);
+        }
+        if constraints.boundary == Boundary::Pinned {
+            for (held, &boundary) in held.iter_mut().zip(mesh.topology().boundary_vertices()) {
+                *held |= boundary;
+            }
+        }
+        let sliding = (constraints.boundary == Boundary::Sliding)
+            .then(|| Sliding::new(mesh, &mut held))
+            .filter(|sliding| !sliding.is_empty());
+        let mut soft = None;
+        if !constraints.soft.is_empty() {
+            let (mut weights, mut targets) = (vec![0.0; n], vec![[0.0; 3]; n]);
+            for constraint in &constraints.soft {
+                let v = check(constraint.vertex)?;
+                crate::error::at_least("the weight of a soft constraint", constraint.weight, 0.0)?;
+                if let Some(&value) = constraint.target.iter().find(|x| !x.is_finite()) {
+                    return Err(FlowFailure::InvalidOption {
+                        option: "the target of a soft constraint",
+                        value,
+                        expected: "coordinates must be finite",
+                    });
+                }
+                weights[v] = constraint.weight;
+                targets[v] = constraint.target;
+            }
+            soft = Some((arrangement.arrange(&weights), arrangement.arrange(&targets)));
+        }
+        Ok(Self { held, soft, sliding })
+    }
+
+    /// Whether every vertex is either held or moves freely, so that a step is linear in the positions.
+    pub(crate) fn is_linear(&self) -> bool {
+        self.soft.is_none() && self.sliding.is_none()
+    }
+
+    /// Weight and target of the soft constraint at vertex `i`; weight zero if there is none.
+    #[inline]
+    pub(crate) fn pull(&self, i: usize) -> (f64, [f64; 3]) {
+        self.soft.as_ref().map_or((0.0, [0.0; 3]), |(w, t)| (w[i], t[i]))
+    }
+
+    /// The part of a displacement of vertex `i` that is allowed at the positions the tangents were taken at.
+    #[inline]
+    pub(crate) fn project(&self, i: usize, d: [f64; 3]) -> [f64; 3] {
+        if self.held[i] {
+            return [0.0; 3];
+        }
+        self.sliding.as_ref().map_or(d, |sliding| sliding.project(i, d))
+    }
+
+    /// Takes the tangents of the boundary curves at the positions.
+    pub(crate) fn begin_step(&mut self, mesh: &TriMesh) {
+        if let Some(sliding) = &mut self.sliding {
+            sliding.take_tangents(mesh.positions());
+        }
+    }
+
+    /// Puts sliding vertices back on their curves after a step along the tangents.
+    pub(crate) fn end_step(&mut self, positions: &mut [[f64; 3]]) {
+        if let Some(sliding) = &mut self.sliding {
+            sliding.retract(positions);
+        }
+    }
+}

@@ -1,0 +1,135 @@
+//! Why a flow stops before its end.
+
+use fairing_mesh::{BuildError, TriMesh};
+use fairing_operators::OperatorError;
+
+/// A flow that could not go on, and the mesh as far as it came.
+#[derive(Debug, Clone, thiserror::Error)]
+#[error("iteration {iteration}: {failure}")]
+pub struct FlowError {
+    /// What stood in the way.
+    #[source]
+    pub failure: FlowFailure,
+    /// The step that could not be taken, from 1; 0 if none was begun.
+    pub iteration: usize,
+    /// The mesh after the last step that succeeded; the input if none did.
+    pub last_good: Box<TriMesh>,
+}
+
+/// What stands in the way of a step.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FlowFailure {
+    /// An option is outside of its range.
+    #[error("{option} is {value}, but {expected}")]
+    InvalidOption {
+        /// The name of the option.
+        option: &'static str,
+        /// The value given.
+        value: f64,
+        /// What it has to satisfy.
+        expected: &'static str,
+    },
+    /// Options that contradict each other.
+    #[error("{reason}")]
+    Unsupported {
+        /// Which options, and why not together.
+        reason: &'static str,
+    },
+    /// A constraint names a vertex that does not exist.
+    #[error("a constraint names vertex {vertex}, but there are {vertex_count} vertices")]
+    NoSuchVertex {
+        /// The vertex named.
+        vertex: u32,
+        /// The number of vertices.
+        vertex_count: usize,
+    },
+    /// An explicit step is beyond the stable limit, and
+    /// [`Stability::Refuse`](crate::Stability::Refuse) is set.
+    #[error(
+        "a step of {step} is beyond the stable limit {limit}: some modes would grow; \
+         take a smaller step, an implicit method, or allow unstable steps"
+    )]
+    Unstable {
+        /// The step asked for, in the unit of the limit.
+        step: f64,
+        /// The largest step for which no mode grows.
+        limit: f64,
+    },
+    /// A coordinate left the range of numbers.
+    #[error("vertex {vertex} would move to ({}, {}, {})", position[0], position[1], position[2])]
+    NonFinite {
+        /// The vertex.
+        vertex: u32,
+        /// Where it would go.
+        position: [f64; 3],
+    },
+    /// The operator of a step cannot be assembled.
+    #[error("the operator cannot be assembled")]
+    Operator(#[from] OperatorError),
+    /// The mass of a vertex is not positive, so that the step is not defined (Voronoi areas can be negative).
+    #[error("vertex {vertex} has the mass {mass:e}, but a step needs positive masses")]
+    NonPositiveMass {
+        /// The vertex.
+        vertex: u32,
+        /// Its mass: squared mesh units for areas.
+        mass: f64,
+    },
+    /// A linear system was not solved to the tolerance.
+    #[error(
+        "the linear system was not solved: relative residual {residual:e} after {iterations} iterations, \
+         largest at vertex {vertex}"
+    )]
+    NotConverged {
+        /// The largest relative residual of the three coordinates.
+        residual: f64,
+        /// Iterations taken.
+        iterations: usize,
+        /// The vertex with the largest residual.
+        vertex: u32,
+    },
+    /// A linear system could not be factored.
+    #[error("the linear system cannot be factored: {reason}")]
+    NotFactored {
+        /// What the factorisation reports.
+        reason: String,
+    },
+    /// Volume can be kept only where it is defined.
+    #[error("the volume cannot be kept: {reason}")]
+    Volume {
+        /// Why not.
+        reason: &'static str,
+    },
+    /// Positions do not make a mesh.
+    #[error(transparent)]
+    Mesh(BuildError),
+}
+
+impl From<BuildError> for FlowFailure {
+    fn from(error: BuildError) -> Self {
+        match error {
+            BuildError::NonFinite { vertex, position } => Self::NonFinite { vertex, position },
+            other => Self::Mesh(other),
+        }
+    }
+}
+
+impl FlowFailure {
+    /// The failure before the first step of a flow on `mesh`.
+    pub(crate) fn before(self, mesh: &TriMesh) -> FlowError {
+        FlowError { failure: self, iteration: 0, last_good: Box::new(mesh.clone()) }
+    }
+}
+
+/// Checks that an option is a finite number of at least `least`.
+pub(crate) fn at_least(option: &'static str, value: f64, least: f64) -> Result<(), FlowFailure> {
+    if value.is_finite() && value >= least {
+        return Ok(());
+    }
+    let expected = if least == 0.0 {
+        "it must be a finite number, zero or more"
+    } else {
+        "it must be a finite number that is large enough"
+    };
+    Err(FlowFailure::InvalidOption { option, value, expected })
+}

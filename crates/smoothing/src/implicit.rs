@@ -1,0 +1,177 @@
+//! Implicit diffusion, backward Euler, and mean curvature flow.
+
+use fairing_mesh::TriMesh;
+use fairing_operators::LumpedArea;
+
+use crate::assemble::{assemble, positive_mass};
+use crate::conjugate::ImplicitSolver;
+use crate::constraints::Constraints;
+use crate::diffusion::Diffusion;
+use crate::error::{FlowError, FlowFailure, at_least};
+use crate::outcome::{Approach, Smoothed};
+use crate::run::{Frame, Run, StepNote};
+use crate::series::Series;
+use crate::spectrum::upper_bound;
+use crate::step::Observer;
+use crate::volume::Volume;
+
+/// When the operator is taken at the current positions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Update {
+    /// Never: the operator of the input for all steps. The flow is linear.
+    #[default]
+    Never,
+    /// The mass in each step, the stiffness never: conformalised mean curvature flow without its normalisation.
+    /// Source: \[kazhdan2012\].
+    Mass,
+    /// Mass and stiffness in each step: mean curvature flow.
+    Both,
+}
+
+/// Options of [`implicit`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Implicit {
+    /// The Laplacian and the length of a step.
+    pub diffusion: Diffusion,
+    /// The number of steps; 10 unless set.
+    pub iterations: usize,
+    /// When the operator is taken anew; cotangents only, since uniform weights do not see positions.
+    pub update: Update,
+    /// The relative residual of the linear systems; 1e-8 unless set.
+    pub tolerance: f64,
+    /// Vertices that may not move freely.
+    pub constraints: Constraints,
+    /// What happens to the volume.
+    pub volume: Volume,
+}
+
+impl Implicit {
+    /// Ten free steps with the operator of the input.
+    pub fn new(diffusion: Diffusion) -> Self {
+        Self {
+            diffusion,
+            iterations: 10,
+            update: Update::default(),
+            tolerance: 1e-8,
+            constraints: Constraints::default(),
+            volume: Volume::default(),
+        }
+    }
+
+    /// Mean curvature flow: the operator taken anew in each step of `lambda` h².
+    pub fn mean_curvature_flow(lambda: f64) -> Self {
+        Self { update: Update::Both, ..Self::new(Diffusion::cotangent(lambda)) }
+    }
+}
+
+/// Conjugate gradient iterations after which a step is given up.
+const MOST_ITERATIONS: usize = 20_000;
+
+/// Smooths by implicit diffusion steps `(I − λL) x' = x`.
+///
+/// A mode of eigenvalue μ ≤ 0 of `L` is multiplied by `1/(1 − λμ)`: no λ is unstable, and none converges to the
+/// shape, since all modes but the constant shrink in every step (λ → ∞ collapses each component to its centroid,
+/// weighted by degree or area). Solved is the symmetric system `(M + λS) x' = M x`: with uniform weights
+/// `D − λ(A − D)`, with cotangents `M + tS`, positive definite as long as the areas are positive.
+///
+/// Boundaries are natural: a free border moves inward, by what its neighbours on one side pull. A soft constraint
+/// of weight w and target c adds `M w` on the left and `M w c` on the right; sliding vertices are moved along the
+/// tangents of their curves within the system, then put back on the curve.
+///
+/// # Errors
+///
+/// [`FlowError`] with the last good mesh: for options out of range, for faces too thin for cotangents (also after
+/// some steps, where [`Update::Both`] pinches a neck), and for a system not solved to the tolerance.
+///
+/// # Examples
+///
+/// ```
+/// use fairing_mesh::shapes;
+/// use fairing_smoothing::{Diffusion, Implicit, implicit};
+///
+/// let sphere = shapes::icosphere(3);
+/// let options = Implicit { iterations: 3, ..Implicit::new(Diffusion::uniform(100.0)) };
+/// let smoothed = implicit(&sphere, &options, None)?;
+/// assert_eq!(smoothed.report.iterations, 3);
+/// # Ok::<(), fairing_smoothing::FlowError>(())
+/// ```
+///
+/// Source: \[desbrun1999\].
+pub fn implicit(
+    mesh: &TriMesh,
+    options: &Implicit,
+    observer: Option<&mut Observer<'_>>,
+) -> Result<Smoothed, FlowError> {
+    check(options).map_err(|failure| failure.before(mesh))?;
+    let step = options.diffusion.factor(mesh);
+    let frame = Frame {
+        constraints: &options.constraints,
+        volume: options.volume,
+        iterations: options.iterations,
+    };
+    let mut run = Run::new(mesh, &frame, observer)?;
+    let mut laplacian = assemble(run.arrangement.mesh(), options.diffusion, &run.freedom.held)
+        .map_err(|failure| run.refuse(failure))?;
+    let k = options.iterations;
+    if run.is_linear() && options.update == Update::Never && k > 0 {
+        let power = |mu: f64| (1.0 - step * mu).powi(-(k.min(i32::MAX as usize) as i32));
+        if let Some(series) = Series::expand(upper_bound(&laplacian), power) {
+            run.report.approach = Approach::Series { degree: series.degree() };
+            run.report.iterations = k;
+            let x = series.apply(&laplacian, run.arrangement.mesh().positions());
+            return run.finish(x);
+        }
+    }
+    let mut displacement = vec![[0.0; 3]; mesh.vertex_count()];
+    let mut total = 0;
+    let smoothed = run.iterate(|iteration, mesh, freedom, next| {
+        if iteration > 0 {
+            match options.update {
+                Update::Never => {}
+                Update::Mass => laplacian.replace_mass(positive_mass(mesh, area(options))?),
+                Update::Both => laplacian = assemble(mesh, options.diffusion, &freedom.held)?,
+            }
+        }
+        let solver = ImplicitSolver {
+            laplacian: &laplacian,
+            step,
+            tolerance: options.tolerance,
+            most_iterations: MOST_ITERATIONS,
+        };
+        let solved = solver.solve(mesh.positions(), freedom, &mut displacement)?;
+        total += solved.iterations;
+        for ((next, x), d) in next.iter_mut().zip(mesh.positions()).zip(&displacement) {
+            *next = [x[0] + d[0], x[1] + d[1], x[2] + d[2]];
+        }
+        Ok(StepNote { step_size: step, residual: Some(solved.residual) })
+    });
+    smoothed.map(|mut smoothed| {
+        smoothed.report.approach = Approach::ConjugateGradients { iterations: total };
+        smoothed
+    })
+}
+
+fn check(options: &Implicit) -> Result<(), FlowFailure> {
+    at_least("the step", options.diffusion.value(), 0.0)?;
+    if !(options.tolerance > 0.0 && options.tolerance < 1.0) {
+        return Err(FlowFailure::InvalidOption {
+            option: "the tolerance",
+            value: options.tolerance,
+            expected: "it must lie between 0 and 1",
+        });
+    }
+    let uniform = matches!(options.diffusion, Diffusion::Uniform { .. });
+    if uniform && options.update != Update::Never {
+        return Err(FlowFailure::Unsupported {
+            reason: "uniform weights do not depend on positions: there is nothing to update",
+        });
+    }
+    Ok(())
+}
+
+fn area(options: &Implicit) -> LumpedArea {
+    match options.diffusion {
+        Diffusion::Cotangent { area, .. } => area,
+        Diffusion::Uniform { .. } => LumpedArea::Barycentric,
+    }
+}

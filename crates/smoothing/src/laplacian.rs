@@ -1,0 +1,251 @@
+//! The Laplacian of a flow as a kernel over positions.
+//!
+//! Flows need three things of `L = −M⁻¹S`: its value at every vertex for three coordinates at once, fused with
+//! whatever the step does with it; the masses `M`; and a bound on its spectrum. Uniform weights need no matrix
+//! values at all, which halves the memory traffic of a step.
+
+use fairing_sparse::SparseMatrix;
+use rayon::prelude::*;
+
+/// Rows in one unit of parallel work: large enough to hide scheduling, small enough to balance. Sums are formed
+/// within units and then over units in order, so they do not depend on the number of threads.
+pub(crate) const ROWS: usize = 4096;
+
+type Point = [f64; 3];
+
+/// `L = −M⁻¹S`, negative semi-definite in the inner product of `M`.
+pub(crate) struct Laplacian {
+    rows: Rows,
+    /// `M`: degrees for uniform weights, areas for cotangents.
+    mass: Vec<f64>,
+    /// The diagonal of `S`.
+    diagonal: Vec<f64>,
+}
+
+enum Rows {
+    /// The mean of the neighbours minus the vertex. A held or isolated vertex is its own only neighbour.
+    Uniform { offsets: Vec<u32>, neighbors: Vec<u32>, inverse_degree: Vec<f64> },
+    /// Off-diagonal entries `−Sᵢⱼ/Mᵢ`, so that a row is `Σⱼ wⱼ (xⱼ − xᵢ)`.
+    Weighted { offsets: Vec<u32>, columns: Vec<u32>, weights: Vec<f64> },
+}
+
+impl Laplacian {
+    /// Uniform weights, `(Lx)ᵢ = mean over neighbours xⱼ − xᵢ`: `S = D − A`, `M = D`. Vertices for which `held`
+    /// is true, and isolated ones, have zero rows.
+    pub(crate) fn uniform(vertex_count: usize, faces: &[[u32; 3]], held: &[bool]) -> Self {
+        let (offsets, neighbors) = neighbor_lists(vertex_count, faces, held);
+        let degree: Vec<f64> = offsets.windows(2).map(|w| f64::from(w[1] - w[0])).collect();
+        let inverse_degree = degree.iter().map(|d| 1.0 / d).collect();
+        let diagonal = degree.clone();
+        Self { rows: Rows::Uniform { offsets, neighbors, inverse_degree }, mass: degree, diagonal }
+    }
+
+    /// From a symmetric stiffness `S` with zero row sums and positive masses. Vertices for which `held` is true
+    /// have zero rows.
+    pub(crate) fn weighted(stiffness: &SparseMatrix, mass: Vec<f64>, held: &[bool]) -> Self {
+        let n = mass.len();
+        let mut offsets = Vec::with_capacity(n + 1);
+        let mut columns = Vec::with_capacity(stiffness.nnz());
+        let mut weights = Vec::with_capacity(stiffness.nnz());
+        let mut diagonal = vec![0.0; n];
+        offsets.push(0);
+        for (i, row) in stiffness.outer_iterator().enumerate() {
+            for (j, &s) in row.iter() {
+                if i == j {
+                    diagonal[i] = s;
+                } else if !held[i] {
+                    columns.push(j as u32);
+                    weights.push(-s / mass[i]);
+                }
+            }
+            offsets.push(columns.len() as u32);
+        }
+        Self { rows: Rows::Weighted { offsets, columns, weights }, mass, diagonal }
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.mass.len()
+    }
+
+    /// `M`, one value per vertex.
+    pub(crate) fn mass(&self) -> &[f64] {
+        &self.mass
+    }
+
+    /// The same `S` over another mass; the rows of held vertices stay zero.
+    pub(crate) fn replace_mass(&mut self, mass: Vec<f64>) {
+        if let Rows::Weighted { offsets, weights, .. } = &mut self.rows {
+            for (i, (old, new)) in self.mass.iter().zip(&mass).enumerate() {
+                for w in &mut weights[offsets[i] as usize..offsets[i + 1] as usize] {
+                    *w *= old / new;
+                }
+            }
+        }
+        self.mass = mass;
+    }
+
+    /// The diagonal of `S`.
+    pub(crate) fn diagonal(&self) -> &[f64] {
+        &self.diagonal
+    }
+
+    /// An upper bound of the eigenvalues of `−L` by Gershgorin's circles; 2 for uniform weights.
+    pub(crate) fn gershgorin(&self) -> f64 {
+        match &self.rows {
+            Rows::Uniform { .. } => 2.0,
+            Rows::Weighted { offsets, weights, .. } => offsets
+                .windows(2)
+                .map(|w| {
+                    let row = &weights[w[0] as usize..w[1] as usize];
+                    let (sum, size) =
+                        row.iter().fold((0.0, 0.0), |(s, a), w| (s + w, a + w.abs()));
+                    sum + size
+                })
+                .fold(0.0, f64::max),
+        }
+    }
+
+    /// Whether the weights are uniform.
+    pub(crate) fn is_uniform(&self) -> bool {
+        matches!(self.rows, Rows::Uniform { .. })
+    }
+
+    /// `yᵢ ← f(i, (Lx)ᵢ, xᵢ, yᵢ)` for every vertex, in parallel.
+    pub(crate) fn sweep<F>(&self, x: &[Point], y: &mut [Point], f: F)
+    where
+        F: Fn(usize, Point, Point, Point) -> Point + Sync,
+    {
+        self.sweep_summing::<0, _>(x, y, |i, l, x, y| (f(i, l, x, y), []));
+    }
+
+    /// As [`Self::sweep`], and sums `K` numbers that `f` returns beside the new value.
+    pub(crate) fn sweep_summing<const K: usize, F>(
+        &self,
+        x: &[Point],
+        y: &mut [Point],
+        f: F,
+    ) -> [f64; K]
+    where
+        F: Fn(usize, Point, Point, Point) -> (Point, [f64; K]) + Sync,
+    {
+        match &self.rows {
+            Rows::Uniform { offsets, neighbors, inverse_degree } => by_chunk(y, |i, y| {
+                let row = &neighbors[offsets[i] as usize..offsets[i + 1] as usize];
+                let s = sum_of_neighbors(x, row);
+                let (a, w) = (x[i], inverse_degree[i]);
+                let l = [s[0] * w - a[0], s[1] * w - a[1], s[2] * w - a[2]];
+                f(i, l, a, y)
+            }),
+            Rows::Weighted { offsets, columns, weights } => by_chunk(y, |i, y| {
+                let range = offsets[i] as usize..offsets[i + 1] as usize;
+                let a = x[i];
+                let mut l = [0.0; 3];
+                for (&j, &w) in columns[range.clone()].iter().zip(&weights[range]) {
+                    let b = x[j as usize];
+                    l[0] += w * (b[0] - a[0]);
+                    l[1] += w * (b[1] - a[1]);
+                    l[2] += w * (b[2] - a[2]);
+                }
+                f(i, l, a, y)
+            }),
+        }
+    }
+}
+
+/// The sum of `x` over a row.
+#[inline(always)]
+fn sum_of_neighbors(x: &[Point], row: &[u32]) -> Point {
+    let mut s = [0.0; 3];
+    for &j in row {
+        let p = x[j as usize];
+        s[0] += p[0];
+        s[1] += p[1];
+        s[2] += p[2];
+    }
+    s
+}
+
+/// `yᵢ ← f(i, yᵢ)` in units of [`ROWS`], with sums that do not depend on the number of threads.
+pub(crate) fn by_chunk<const K: usize, F>(y: &mut [Point], f: F) -> [f64; K]
+where
+    F: Fn(usize, Point) -> (Point, [f64; K]) + Sync,
+{
+    let partial: Vec<[f64; K]> = y
+        .par_chunks_mut(ROWS)
+        .enumerate()
+        .map(|(chunk, y)| {
+            let mut sums = [0.0; K];
+            for (k, y) in y.iter_mut().enumerate() {
+                let (value, terms) = f(chunk * ROWS + k, *y);
+                *y = value;
+                for (s, t) in sums.iter_mut().zip(terms) {
+                    *s += t;
+                }
+            }
+            sums
+        })
+        .collect();
+    let mut total = [0.0; K];
+    for sums in partial {
+        for (t, s) in total.iter_mut().zip(sums) {
+            *t += s;
+        }
+    }
+    total
+}
+
+/// The neighbours of every vertex along edges of faces, each once, in compressed rows; `[v]` for an isolated or
+/// held vertex `v`.
+fn neighbor_lists(n: usize, faces: &[[u32; 3]], held: &[bool]) -> (Vec<u32>, Vec<u32>) {
+    let mut start = vec![0u32; n + 1];
+    for &v in faces.as_flattened() {
+        start[v as usize + 1] += 1;
+    }
+    for v in 0..n {
+        start[v + 1] += start[v];
+    }
+    let mut next = start.clone();
+    let mut opposite = vec![[0u32; 2]; faces.len() * 3];
+    for &[a, b, c] in faces {
+        for (v, pair) in [(a, [b, c]), (b, [c, a]), (c, [a, b])] {
+            let slot = &mut next[v as usize];
+            opposite[*slot as usize] = pair;
+            *slot += 1;
+        }
+    }
+    let pieces: Vec<(Vec<u32>, Vec<u32>)> = (0..n.div_ceil(ROWS))
+        .into_par_iter()
+        .map(|chunk| {
+            let vertices = chunk * ROWS..n.min((chunk + 1) * ROWS);
+            let mut lists = Vec::with_capacity(ROWS * 7);
+            let mut lengths = Vec::with_capacity(ROWS);
+            for v in vertices {
+                let begin = lists.len();
+                let around = &opposite[start[v] as usize..start[v + 1] as usize];
+                if held[v] || around.is_empty() {
+                    lists.push(v as u32);
+                } else {
+                    for &j in around.as_flattened() {
+                        if !lists[begin..].contains(&j) {
+                            lists.push(j);
+                        }
+                    }
+                }
+                lengths.push((lists.len() - begin) as u32);
+            }
+            (lists, lengths)
+        })
+        .collect();
+    let mut offsets = Vec::with_capacity(n + 1);
+    let mut neighbors = Vec::with_capacity(pieces.iter().map(|(lists, _)| lists.len()).sum());
+    let mut end = 0;
+    offsets.push(0);
+    for (lists, lengths) in pieces {
+        neighbors.extend_from_slice(&lists);
+        for length in lengths {
+            end += length;
+            offsets.push(end);
+        }
+    }
+    (offsets, neighbors)
+}

@@ -1,0 +1,54 @@
+//! What a flow returns.
+
+use fairing_mesh::TriMesh;
+
+/// A smoothed mesh and how it came about.
+#[derive(Debug, Clone)]
+pub struct Smoothed {
+    /// The mesh, vertices and faces in the order of the input.
+    pub mesh: TriMesh,
+    /// How it came about.
+    pub report: Report,
+}
+
+/// How a flow went.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Report {
+    /// Steps taken.
+    pub iterations: usize,
+    /// Whether an observer ended the flow.
+    pub stopped: bool,
+    /// For explicit methods, the largest step for which no mode grows: proven for uniform weights, measured for
+    /// cotangents; in the unit of the factor of `L` (squared mesh units for cotangents). `None` for uniform λ ≤ 1,
+    /// which is stable on every mesh, so that no limit was looked for.
+    pub stable_limit: Option<f64>,
+    /// Whether steps beyond the stable limit were taken.
+    pub unstable: bool,
+    /// How the steps were computed.
+    pub approach: Approach,
+    /// The largest relative residual of all linear systems solved.
+    pub worst_residual: Option<f64>,
+}
+
+/// How the steps of a flow were computed. All give the same result within their tolerances.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Approach {
+    /// One after another, by products with the Laplacian alone.
+    #[default]
+    Stepping,
+    /// All at once, by a Chebyshev series of this degree.
+    Series {
+        /// The number of products with the Laplacian.
+        degree: usize,
+    },
+    /// One after another, by conjugate gradients.
+    ConjugateGradients {
+        /// Iterations over all steps.
+        iterations: usize,
+    },
+    /// One after another, by sparse Cholesky factorisation.
+    Cholesky {
+        /// The number of numeric factorisations.
+        factorisations: usize,
+    },
+}

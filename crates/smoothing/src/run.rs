@@ -1,0 +1,171 @@
+//! The loop that all stepping flows share.
+
+use std::ops::ControlFlow;
+
+use fairing_mesh::TriMesh;
+
+use crate::arrangement::Arrangement;
+use crate::constraints::{Constraints, Freedom};
+use crate::error::{FlowError, FlowFailure};
+use crate::outcome::{Report, Smoothed};
+use crate::step::{Observer, Step};
+use crate::volume::{Volume, VolumeKeeper};
+
+/// What all flows are told in the same way.
+pub(crate) struct Frame<'a> {
+    pub(crate) constraints: &'a Constraints,
+    pub(crate) volume: Volume,
+    pub(crate) iterations: usize,
+}
+
+/// A flow on its way.
+pub(crate) struct Run<'a, 'o> {
+    input: &'a TriMesh,
+    pub(crate) arrangement: Arrangement,
+    pub(crate) freedom: Freedom,
+    keeper: Option<VolumeKeeper>,
+    observer: Option<&'a mut Observer<'o>>,
+    iterations: usize,
+    pub(crate) report: Report,
+}
+
+/// What a step did besides moving vertices.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct StepNote {
+    pub(crate) step_size: f64,
+    pub(crate) residual: Option<f64>,
+}
+
+impl<'a, 'o> Run<'a, 'o> {
+    /// Arranges the mesh and its constraints. Whoever is observed works in the order of the file.
+    pub(crate) fn new(
+        input: &'a TriMesh,
+        frame: &Frame<'_>,
+        observer: Option<&'a mut Observer<'o>>,
+    ) -> Result<Self, FlowError> {
+        let prepare = || -> Result<_, FlowFailure> {
+            let arrangement = match observer {
+                Some(_) => Arrangement::as_given(input),
+                None => Arrangement::along_curve(input)?,
+            };
+            let freedom = Freedom::new(&arrangement, frame.constraints)?;
+            let keeper = VolumeKeeper::new(arrangement.mesh(), frame.volume, &freedom)?;
+            Ok((arrangement, freedom, keeper))
+        };
+        let (arrangement, freedom, keeper) = prepare().map_err(|failure| failure.before(input))?;
+        Ok(Self {
+            input,
+            arrangement,
+            freedom,
+            keeper,
+            observer,
+            iterations: frame.iterations,
+            report: Report::default(),
+        })
+    }
+
+    /// Whether a run may be computed at once: nobody watches, and every step is the same linear map.
+    pub(crate) fn is_linear(&self) -> bool {
+        self.observer.is_none() && self.keeper.is_none() && self.freedom.is_linear()
+    }
+
+    /// Takes the steps. `step` fills in the positions after the step from the mesh before it; the iteration is
+    /// counted from 0.
+    pub(crate) fn iterate(
+        mut self,
+        mut step: impl FnMut(
+            usize,
+            &TriMesh,
+            &Freedom,
+            &mut Vec<[f64; 3]>,
+        ) -> Result<StepNote, FlowFailure>,
+    ) -> Result<Smoothed, FlowError> {
+        let mut mesh = self.arrangement.mesh().clone();
+        let mut next = mesh.positions().to_vec();
+        for iteration in 0..self.iterations {
+            self.freedom.begin_step(&mesh);
+            let taken = step(iteration, &mesh, &self.freedom, &mut next).and_then(|note| {
+                self.freedom.end_step(&mut next);
+                if let Some(keeper) = &self.keeper {
+                    // Checked before: the volume of a broken mesh says nothing about the vertex that broke it.
+                    mesh.with_positions(std::mem::take(&mut next)).map(|m| next = m.into_positions())?;
+                    keeper.restore(mesh.faces(), &mut next, &self.freedom)?;
+                }
+                Ok((note, mesh.with_positions(std::mem::take(&mut next))?))
+            });
+            let (note, after) = match taken {
+                Ok(taken) => taken,
+                Err(failure) => return Err(self.fail(failure, iteration + 1, mesh)),
+            };
+            self.report.iterations = iteration + 1;
+            if let Some(residual) = note.residual {
+                let worst = self.report.worst_residual.unwrap_or(0.0);
+                self.report.worst_residual = Some(residual.max(worst));
+            }
+            let verdict = match &mut self.observer {
+                None => ControlFlow::Continue(()),
+                Some(observe) => observe(&Step {
+                    iteration: iteration + 1,
+                    step_size: note.step_size,
+                    before: mesh.positions(),
+                    mesh: &after,
+                    residual: note.residual,
+                }),
+            };
+            next = std::mem::replace(&mut mesh, after).into_positions();
+            if verdict.is_break() {
+                self.report.stopped = true;
+                break;
+            }
+        }
+        self.finish(mesh.into_positions())
+    }
+
+    /// Ends with positions in the order of the arrangement.
+    pub(crate) fn finish(self, positions: Vec<[f64; 3]>) -> Result<Smoothed, FlowError> {
+        let input = self.input;
+        match input.with_positions(self.arrangement.restore(positions)) {
+            Ok(mesh) => Ok(Smoothed { mesh, report: self.report }),
+            Err(error) => Err(FlowFailure::from(error).before(input)),
+        }
+    }
+
+    /// The failure before the first step.
+    pub(crate) fn refuse(&self, failure: FlowFailure) -> FlowError {
+        self.translate(failure, self.input).before(self.input)
+    }
+
+    fn fail(&self, failure: FlowFailure, iteration: usize, mesh: TriMesh) -> FlowError {
+        let restored = self.arrangement.restore(mesh.into_positions());
+        match self.input.with_positions(restored) {
+            Ok(mesh) => FlowError {
+                failure: self.translate(failure, &mesh),
+                iteration,
+                last_good: Box::new(mesh),
+            },
+            Err(error) => FlowFailure::from(error).before(self.input),
+        }
+    }
+
+    /// The failure with vertices and faces numbered as in the file. `mesh` is the last good one.
+    fn translate(&self, failure: FlowFailure, mesh: &TriMesh) -> FlowFailure {
+        let original = |vertex| self.arrangement.original(vertex);
+        match failure {
+            FlowFailure::NonFinite { vertex, position } => {
+                FlowFailure::NonFinite { vertex: original(vertex), position }
+            }
+            FlowFailure::NonPositiveMass { vertex, mass } => {
+                FlowFailure::NonPositiveMass { vertex: original(vertex), mass }
+            }
+            FlowFailure::NotConverged { residual, iterations, vertex } => {
+                FlowFailure::NotConverged { residual, iterations, vertex: original(vertex) }
+            }
+            // Faces were reordered too: the first bad one of the file is found by asking again.
+            FlowFailure::Operator(_) => match fairing_operators::cotan_stiffness(mesh) {
+                Err(error) => FlowFailure::Operator(error),
+                Ok(_) => failure,
+            },
+            other => other,
+        }
+    }
+}

@@ -1,0 +1,156 @@
+//! Boundary vertices that slide along the boundary curve of the input.
+
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{add, distance, dot, normalize, scale, sub};
+
+/// Turns sharper than this are corners, which stay: cos 45°.
+const CORNER: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
+/// The boundary curves of a mesh and where the vertices that slide on them are.
+#[derive(Debug, Clone)]
+pub(crate) struct Sliding {
+    curves: Vec<Curve>,
+    /// Vertices that slide.
+    beads: Vec<Bead>,
+    /// The bead of each vertex, plus one; zero for vertices that do not slide.
+    bead_of: Vec<u32>,
+}
+
+/// A closed polygon: the boundary loop as it was at the beginning.
+#[derive(Debug, Clone)]
+struct Curve {
+    points: Vec<[f64; 3]>,
+}
+
+#[derive(Debug, Clone)]
+struct Bead {
+    vertex: u32,
+    curve: u32,
+    /// The segment it lies on, from point `segment` to the next.
+    segment: u32,
+    /// The direction in which it may move in this step; of length one, or zero.
+    tangent: [f64; 3],
+}
+
+impl Sliding {
+    /// Curves from the boundary loops of `mesh`; marks corners and vertices where loops meet as held.
+    pub(crate) fn new(mesh: &TriMesh, held: &mut [bool]) -> Self {
+        let topology = mesh.topology();
+        let x = mesh.positions();
+        let mut visits = vec![0u32; x.len()];
+        for &v in topology.boundary_loops().iter().flatten() {
+            visits[v as usize] += 1;
+        }
+        for (v, &boundary) in topology.boundary_vertices().iter().enumerate() {
+            // Zero visits: the loop through the vertex is not a simple curve.
+            held[v] |= boundary && visits[v] != 1;
+        }
+        let mut sliding =
+            Self { curves: Vec::new(), beads: Vec::new(), bead_of: vec![0; x.len()] };
+        for ring in topology.boundary_loops() {
+            let points: Vec<[f64; 3]> = ring.iter().map(|&v| x[v as usize]).collect();
+            let curve = sliding.curves.len() as u32;
+            for (k, &vertex) in ring.iter().enumerate() {
+                let v = vertex as usize;
+                let before = points[(k + ring.len() - 1) % ring.len()];
+                let after = points[(k + 1) % ring.len()];
+                let straight = normalize(sub(points[k], before))
+                    .zip(normalize(sub(after, points[k])))
+                    .is_some_and(|(a, b)| dot(a, b) > CORNER);
+                if held[v] || !straight {
+                    held[v] = true;
+                    continue;
+                }
+                sliding.beads.push(Bead { vertex, curve, segment: k as u32, tangent: [0.0; 3] });
+                sliding.bead_of[v] = sliding.beads.len() as u32;
+            }
+            sliding.curves.push(Curve { points });
+        }
+        sliding
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.beads.is_empty()
+    }
+
+    /// The part of `d` along the tangent for a vertex that slides; all of it for another.
+    #[inline]
+    pub(crate) fn project(&self, i: usize, d: [f64; 3]) -> [f64; 3] {
+        match self.bead_of[i] {
+            0 => d,
+            bead => {
+                let t = self.beads[bead as usize - 1].tangent;
+                scale(t, dot(t, d))
+            }
+        }
+    }
+
+    /// Sets the tangent of each bead: the direction of its segment, or at a point of the curve the mean of the two
+    /// that meet there.
+    pub(crate) fn take_tangents(&mut self, x: &[[f64; 3]]) {
+        for bead in &mut self.beads {
+            let points = &self.curves[bead.curve as usize].points;
+            let n = points.len();
+            let s = bead.segment as usize;
+            let [a, b] = [points[s], points[(s + 1) % n]];
+            let here = x[bead.vertex as usize];
+            let along = sub(b, a);
+            let near = 1e-6 * distance(a, b);
+            let sum = if distance(here, a) <= near {
+                add(unit(along), unit(sub(a, points[(s + n - 1) % n])))
+            } else if distance(here, b) <= near {
+                add(unit(along), unit(sub(points[(s + 2) % n], b)))
+            } else {
+                along
+            };
+            bead.tangent = unit(sum);
+        }
+    }
+
+    /// Moves each bead to the nearest point of its curve, searched from its segment outward as far as the distance
+    /// shrinks, so that it cannot jump to another part of the curve.
+    pub(crate) fn retract(&mut self, x: &mut [[f64; 3]]) {
+        for bead in &mut self.beads {
+            let points = &self.curves[bead.curve as usize].points;
+            let p = x[bead.vertex as usize];
+            let mut best = nearest(points, bead.segment as usize, p);
+            let mut best_segment = bead.segment as usize;
+            for direction in [1, points.len() - 1] {
+                let mut segment = bead.segment as usize;
+                // One segment of no progress is passed over: a bead may sit at the end of its own.
+                let mut patience = 2;
+                for _ in 1..points.len() {
+                    segment = (segment + direction) % points.len();
+                    let candidate = nearest(points, segment, p);
+                    if distance(candidate, p) < distance(best, p) {
+                        (best, best_segment, patience) = (candidate, segment, 2);
+                    } else {
+                        patience -= 1;
+                        if patience == 0 {
+                            break;
+                        }
+                    }
+                }
+            }
+            x[bead.vertex as usize] = best;
+            bead.segment = best_segment as u32;
+        }
+    }
+}
+
+/// The direction of `a`; zero for zero.
+fn unit(a: [f64; 3]) -> [f64; 3] {
+    normalize(a).unwrap_or([0.0; 3])
+}
+
+/// The point of a segment nearest to `p`.
+fn nearest(points: &[[f64; 3]], segment: usize, p: [f64; 3]) -> [f64; 3] {
+    let [a, b] = [points[segment], points[(segment + 1) % points.len()]];
+    let along = sub(b, a);
+    let square = dot(along, along);
+    if square == 0.0 {
+        return a;
+    }
+    let t = (dot(sub(p, a), along) / square).clamp(0.0, 1.0);
+    add(a, scale(along, t))
+}

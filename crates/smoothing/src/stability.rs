@@ -1,0 +1,64 @@
+//! How long an explicit step may be.
+
+use fairing_mesh::TriMesh;
+
+use crate::assemble::assemble;
+use crate::diffusion::Diffusion;
+use crate::error::FlowFailure;
+use crate::spectrum::upper_bound;
+
+/// What happens to an explicit step beyond its stable limit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Stability {
+    /// It is an error.
+    #[default]
+    Refuse,
+    /// It is taken, and the report says so.
+    Warn,
+    /// It is taken: somebody wants to see what happens. The report says so all the same.
+    Allow,
+}
+
+/// The largest step for which no mode grows under `x ← x + λLx`, in the unit of the factor of `L`: dimensionless for
+/// uniform weights, squared mesh units for cotangents; infinite without edges.
+///
+/// - uniform weights, closed (every edge has two faces): 4/3. Summing `(xₐ + x_b + x_c)² ≥ 0` over the triangles
+///   meets every edge twice and every vertex as often as its valence, which gives μ ≥ −3/2. The octahedron attains
+///   it.
+/// - uniform weights, open: 8/7. The same sum, with an edge at the boundary met once, gives
+///   `μ ≥ −(1 + ½(1 + 1/d))` for the smallest valence d ≥ 2.
+/// - uniform weights, some edge with three faces or more: 1, since the spectrum of every random walk lies in
+///   [−2, 0].
+/// - cotangents: 2/ω for an upper bound ω of the spectrum, measured by twenty Lanczos steps to a few percent.
+///
+/// Held vertices only shorten the spectrum: the rows that move form a principal submatrix.
+///
+/// # Errors
+///
+/// [`FlowFailure::Operator`] and [`FlowFailure::NonPositiveMass`] where the cotangent operator does not exist.
+pub fn stable_limit(mesh: &TriMesh, diffusion: Diffusion) -> Result<f64, FlowFailure> {
+    match diffusion {
+        Diffusion::Uniform { .. } => Ok(uniform_limit(mesh)),
+        Diffusion::Cotangent { .. } => {
+            let held = vec![false; mesh.vertex_count()];
+            Ok(measured_limit(upper_bound(&assemble(mesh, diffusion, &held)?)))
+        }
+    }
+}
+
+/// The limit for uniform weights, from the topology alone.
+pub(crate) fn uniform_limit(mesh: &TriMesh) -> f64 {
+    let topology = mesh.topology();
+    if topology.nonmanifold_edges().next().is_some() {
+        1.0
+    } else if topology.boundary_edges().next().is_some() {
+        8.0 / 7.0
+    } else {
+        4.0 / 3.0
+    }
+}
+
+/// The limit for a spectrum of `−L` up to `bound`.
+pub(crate) fn measured_limit(bound: f64) -> f64 {
+    if bound > 0.0 { 2.0 / bound } else { f64::INFINITY }
+}

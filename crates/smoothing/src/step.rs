@@ -1,0 +1,114 @@
+//! What an observer sees of a running flow.
+
+use std::ops::ControlFlow;
+
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{dot, sub};
+
+use crate::volume::signed_volume;
+
+/// Called after every step with what it did; `ControlFlow::Break` ends the flow there.
+///
+/// # Examples
+///
+/// Stop as soon as a step moves nothing by more than a thousandth of an edge:
+///
+/// ```
+/// use std::ops::ControlFlow;
+/// use fairing_mesh::shapes;
+/// use fairing_smoothing::{Diffusion, Explicit, explicit};
+///
+/// let sphere = shapes::icosphere(3);
+/// let small = 1e-3 * sphere.mean_edge_length();
+/// let options = Explicit { iterations: 1000, ..Explicit::new(Diffusion::uniform(0.5)) };
+/// let smoothed = explicit(&sphere, &options, Some(&mut |step| match step.largest_displacement() < small {
+///     true => ControlFlow::Break(()),
+///     false => ControlFlow::Continue(()),
+/// }))?;
+/// assert!(smoothed.report.stopped);
+/// # Ok::<(), fairing_smoothing::FlowError>(())
+/// ```
+pub type Observer<'a> = dyn FnMut(&Step<'_>) -> ControlFlow<()> + 'a;
+
+/// One step of a flow, after it was taken.
+pub struct Step<'a> {
+    pub(crate) iteration: usize,
+    pub(crate) step_size: f64,
+    pub(crate) before: &'a [[f64; 3]],
+    pub(crate) mesh: &'a TriMesh,
+    pub(crate) residual: Option<f64>,
+}
+
+impl Step<'_> {
+    /// The number of this step, from 1.
+    pub fn iteration(&self) -> usize {
+        self.iteration
+    }
+
+    /// The factor of the Laplacian in this step: λ for uniform weights, a time in squared mesh units for cotangents.
+    pub fn step_size(&self) -> f64 {
+        self.step_size
+    }
+
+    /// The mesh after this step. A reference: nothing has been copied for it.
+    pub fn mesh(&self) -> &TriMesh {
+        self.mesh
+    }
+
+    /// The positions after this step, in the vertex order of the input.
+    pub fn positions(&self) -> &[[f64; 3]] {
+        self.mesh.positions()
+    }
+
+    /// The positions before this step.
+    pub fn positions_before(&self) -> &[[f64; 3]] {
+        self.before
+    }
+
+    /// The largest distance that a vertex moved in this step, in mesh units. Computed when called.
+    pub fn largest_displacement(&self) -> f64 {
+        self.squared_displacements().fold(0.0, f64::max).sqrt()
+    }
+
+    /// The root mean square of the distances that vertices moved in this step, in mesh units. Computed when called.
+    pub fn rms_displacement(&self) -> f64 {
+        let n = self.before.len().max(1) as f64;
+        (self.squared_displacements().sum::<f64>() / n).sqrt()
+    }
+
+    /// The signed volume `⅙ Σ a · (b × c)`, in cubed mesh units, with the mean of the vertices as origin; the
+    /// volume inside where the mesh is closed. Computed when called.
+    pub fn volume(&self) -> f64 {
+        signed_volume(self.mesh.faces(), self.mesh.positions())
+    }
+
+    /// The area, in squared mesh units: the energy that cotangent flows descend. Computed when called.
+    pub fn area(&self) -> f64 {
+        (0..self.mesh.face_count()).map(|f| self.mesh.face_area(f)).sum()
+    }
+
+    /// Half the sum of squared edge lengths, in squared mesh units: the energy that uniform flows descend.
+    /// Computed when called.
+    pub fn edge_energy(&self) -> f64 {
+        let x = self.mesh.positions();
+        let edges = self.mesh.topology().edges().iter();
+        0.5 * edges
+            .map(|&[a, b]| {
+                let d = sub(x[a as usize], x[b as usize]);
+                dot(d, d)
+            })
+            .sum::<f64>()
+    }
+
+    /// The largest relative residual of the linear systems of this step; `None` for explicit steps.
+    pub fn residual(&self) -> Option<f64> {
+        self.residual
+    }
+
+    fn squared_displacements(&self) -> impl Iterator<Item = f64> + '_ {
+        self.before.iter().zip(self.positions()).map(|(&a, &b)| {
+            let d = sub(b, a);
+            dot(d, d)
+        })
+    }
+}
