@@ -75,12 +75,8 @@ fn morton_order(mesh: &TriMesh) -> Vec<u32> {
     let key = |p: &[f64; 3]| {
         (0..3).fold(0u64, |key, d| key | spread(((p[d] - low[d]) * cells) as u64) << d)
     };
-    let mut keyed: Vec<u64> = mesh
-        .positions()
-        .par_iter()
-        .enumerate()
-        .map(|(v, p)| key(p) << 32 | v as u64)
-        .collect();
+    let mut keyed: Vec<u64> =
+        mesh.positions().par_iter().enumerate().map(|(v, p)| key(p) << 32 | v as u64).collect();
     keyed.par_sort_unstable();
     keyed.into_par_iter().map(|k| k as u32).collect()
 }

@@ -97,8 +97,7 @@ impl Laplacian {
                 .windows(2)
                 .map(|w| {
                     let row = &weights[w[0] as usize..w[1] as usize];
-                    let (sum, size) =
-                        row.iter().fold((0.0, 0.0), |(s, a), w| (s + w, a + w.abs()));
+                    let (sum, size) = row.iter().fold((0.0, 0.0), |(s, a), w| (s + w, a + w.abs()));
                     sum + size
                 })
                 .fold(0.0, f64::max),

@@ -88,7 +88,8 @@ impl<'a, 'o> Run<'a, 'o> {
                 self.freedom.end_step(&mut next);
                 if let Some(keeper) = &self.keeper {
                     // Checked before: the volume of a broken mesh says nothing about the vertex that broke it.
-                    mesh.with_positions(std::mem::take(&mut next)).map(|m| next = m.into_positions())?;
+                    mesh.with_positions(std::mem::take(&mut next))
+                        .map(|m| next = m.into_positions())?;
                     keeper.restore(mesh.faces(), &mut next, &self.freedom)?;
                 }
                 Ok((note, mesh.with_positions(std::mem::take(&mut next))?))

@@ -99,9 +99,8 @@ fn sample(bound: f64, n: usize, g: &impl Fn(f64) -> f64) -> Vec<f64> {
 fn transform(values: &[f64]) -> Vec<f64> {
     let n = values.len();
     // cos kθⱼ = cos(π k(2j + 1)/(2n)) repeats after 4n quarter steps.
-    let cosines: Vec<f64> = (0..4 * n)
-        .map(|q| (std::f64::consts::PI * q as f64 / (2 * n) as f64).cos())
-        .collect();
+    let cosines: Vec<f64> =
+        (0..4 * n).map(|q| (std::f64::consts::PI * q as f64 / (2 * n) as f64).cos()).collect();
     (0..n)
         .map(|k| {
             let mut q = k;

@@ -45,8 +45,7 @@ impl Sliding {
             // Zero visits: the loop through the vertex is not a simple curve.
             held[v] |= boundary && visits[v] != 1;
         }
-        let mut sliding =
-            Self { curves: Vec::new(), beads: Vec::new(), bead_of: vec![0; x.len()] };
+        let mut sliding = Self { curves: Vec::new(), beads: Vec::new(), bead_of: vec![0; x.len()] };
         for ring in topology.boundary_loops() {
             let points: Vec<[f64; 3]> = ring.iter().map(|&v| x[v as usize]).collect();
             let curve = sliding.curves.len() as u32;

@@ -64,9 +64,8 @@ fn tridiagonal(laplacian: &Laplacian) -> (Vec<f64>, Vec<f64>) {
 
 /// The largest eigenvalue of the symmetric tridiagonal matrix, by bisection on Sturm counts.
 fn largest_eigenvalue(alpha: &[f64], beta: &[f64]) -> f64 {
-    let reach = (0..alpha.len()).map(|k| {
-        alpha[k].abs() + beta[k] + if k == 0 { 0.0 } else { beta[k - 1] }
-    });
+    let reach =
+        (0..alpha.len()).map(|k| alpha[k].abs() + beta[k] + if k == 0 { 0.0 } else { beta[k - 1] });
     let (mut low, mut high) = (0.0, reach.fold(0.0, f64::max));
     for _ in 0..60 {
         let middle = 0.5 * (low + high);

@@ -78,7 +78,9 @@ impl VolumeKeeper {
         let volume = signed_volume(faces, x);
         let ratio = self.target / volume;
         if !(ratio.is_finite() && ratio > 0.0) {
-            return Err(FlowFailure::Volume { reason: "the mesh has collapsed or turned inside out" });
+            return Err(FlowFailure::Volume {
+                reason: "the mesh has collapsed or turned inside out",
+            });
         }
         let factor = ratio.cbrt();
         let centre = volume_centroid(faces, x, volume);
@@ -105,11 +107,8 @@ impl VolumeKeeper {
                 return Ok(());
             }
             // ∂V/∂xᵢ is a third of the area vectors around vertex i, exactly.
-            let growth: f64 = area_vectors(faces, x)
-                .iter()
-                .zip(&normals)
-                .map(|(a, n)| dot(*a, *n) / 3.0)
-                .sum();
+            let growth: f64 =
+                area_vectors(faces, x).iter().zip(&normals).map(|(a, n)| dot(*a, *n) / 3.0).sum();
             let distance = missing / growth;
             if !distance.is_finite() {
                 break;

@@ -1,1 +1,49 @@
-//! Tests of this area across crates.
+//! Flows against what theory says of them.
+
+use std::ops::ControlFlow;
+
+use fairing_mesh::vec3::{distance, norm, sub};
+use fairing_mesh::{TriMesh, shapes};
+use fairing_smoothing::{
+    Approach, Boundary, Constraints, Diffusion, Explicit, FlowFailure, Implicit, SoftConstraint,
+    Stability, Time, Volume, explicit, implicit, stable_limit,
+};
+
+mod boundaries;
+mod eigenmodes;
+mod mean_curvature;
+mod runs;
+
+/// The octahedron; its uniform Laplacian has the eigenvalues 0, −1 (three times) and −3/2 (twice).
+fn octahedron(positions: Vec<[f64; 3]>) -> TriMesh {
+    let faces = vec![
+        [0, 2, 4],
+        [2, 1, 4],
+        [1, 3, 4],
+        [3, 0, 4],
+        [2, 0, 5],
+        [1, 2, 5],
+        [3, 1, 5],
+        [0, 3, 5],
+    ];
+    TriMesh::new(positions, faces).unwrap()
+}
+
+/// The largest distance between corresponding vertices.
+fn largest_distance(a: &TriMesh, b: &TriMesh) -> f64 {
+    a.positions().iter().zip(b.positions()).map(|(&p, &q)| distance(p, q)).fold(0.0, f64::max)
+}
+
+/// The volume by the divergence theorem.
+fn volume(mesh: &TriMesh) -> f64 {
+    (0..mesh.face_count())
+        .map(|f| {
+            let [a, b, c] = mesh.triangle(f);
+            fairing_mesh::vec3::dot(a, fairing_mesh::vec3::cross(b, c)) / 6.0
+        })
+        .sum()
+}
+
+fn mean_radius(mesh: &TriMesh) -> f64 {
+    mesh.positions().iter().map(|&p| norm(p)).sum::<f64>() / mesh.vertex_count() as f64
+}

@@ -1,0 +1,83 @@
+//! Mean curvature flow of spheres, and what limits of implicit steps look like.
+
+use super::*;
+use fairing_evaluation::observed_orders;
+use fairing_smoothing::Update;
+
+/// Under mean curvature flow `∂x/∂t = Δx = −2Hn` a sphere keeps its shape and `r(t) = √(r₀² − 4t)`. Halving the
+/// edge length quarters the error of space; quartering the step as well does so for the error of time.
+#[test]
+fn a_sphere_shrinks_as_theory_has_it_with_second_order_in_space() {
+    let end = 0.1;
+    let (mut h, mut error) = (vec![], vec![]);
+    for level in 2..=4 {
+        let sphere = shapes::icosphere(level);
+        let steps = 10 << (2 * (level - 2));
+        let options = Implicit {
+            iterations: steps,
+            update: Update::Both,
+            tolerance: 1e-11,
+            ..Implicit::new(Diffusion::Cotangent {
+                time: Time::SquaredUnits(end / steps as f64),
+                area: fairing_operators::LumpedArea::Barycentric,
+            })
+        };
+        let shrunk = implicit(&sphere, &options, None).unwrap().mesh;
+        let exact = (1.0f64 - 4.0 * end).sqrt();
+        h.push(sphere.mean_edge_length());
+        error.push((mean_radius(&shrunk) - exact).abs());
+    }
+    for order in observed_orders(&h, &error) {
+        // Two, by theory; the coarsest level has ten time steps only.
+        assert!((1.8..2.2).contains(&order), "{order}, {error:?}");
+    }
+}
+
+/// The same sphere at one resolution: backward Euler is of first order in time. The error of space is taken off
+/// by comparing with a run of much shorter steps.
+#[test]
+fn backward_euler_is_of_first_order_in_time() {
+    let sphere = shapes::icosphere(3);
+    let radius = |steps: usize| {
+        let options = Implicit {
+            iterations: steps,
+            update: Update::Both,
+            tolerance: 1e-12,
+            ..Implicit::new(Diffusion::Cotangent {
+                time: Time::SquaredUnits(0.1 / steps as f64),
+                area: fairing_operators::LumpedArea::Barycentric,
+            })
+        };
+        mean_radius(&implicit(&sphere, &options, None).unwrap().mesh)
+    };
+    let limit = radius(640);
+    let steps = [5usize, 10, 20, 40];
+    let h: Vec<f64> = steps.iter().map(|&s| 1.0 / s as f64).collect();
+    let error: Vec<f64> = steps.iter().map(|&s| (radius(s) - limit).abs()).collect();
+    for order in observed_orders(&h, &error) {
+        // One, by theory; the reference itself is 1/64 of the error of ten steps away from the limit.
+        assert!((0.9..1.1).contains(&order), "{order}, {error:?}");
+    }
+}
+
+/// λ → ∞ collapses a mesh to its centroid weighted by degree: all modes but the constant go.
+#[test]
+fn an_endless_uniform_step_collapses_to_the_centroid_by_degree() {
+    let mesh = shapes::bumpy_sphere(2, 0.3, 4.0);
+    let options = Implicit { iterations: 1, ..Implicit::new(Diffusion::uniform(1e12)) };
+    let collapsed = implicit(&mesh, &options, None).unwrap().mesh;
+    let topology = mesh.topology();
+    let mut centre = [0.0; 3];
+    let mut total = 0.0;
+    for (v, p) in mesh.positions().iter().enumerate() {
+        let degree = topology.neighbors(v as u32).len() as f64;
+        total += degree;
+        for k in 0..3 {
+            centre[k] += degree * p[k];
+        }
+    }
+    for &p in collapsed.positions() {
+        let off = norm(sub(p, centre.map(|c| c / total)));
+        assert!(off < 1e-6 * mesh.diagonal(), "{off:e}");
+    }
+}

@@ -1,0 +1,138 @@
+//! Volume, observers, errors, determinism.
+
+use super::*;
+
+#[test]
+fn volume_is_kept_when_asked_for() {
+    let mesh = shapes::bumpy_sphere(3, 0.2, 5.0);
+    let before = volume(&mesh);
+    for policy in [Volume::Rescaled, Volume::Offset] {
+        for diffusion in [Diffusion::uniform(5.0), Diffusion::cotangent(5.0)] {
+            let options = Implicit { volume: policy, ..Implicit::new(diffusion) };
+            let kept = volume(&implicit(&mesh, &options, None).unwrap().mesh);
+            assert!((kept / before - 1.0).abs() < 1e-12, "{policy:?}: {kept} of {before}");
+        }
+    }
+    let drifted = implicit(&mesh, &Implicit::new(Diffusion::uniform(5.0)), None).unwrap().mesh;
+    assert!(volume(&drifted) < 0.9 * before);
+}
+
+#[test]
+fn volume_of_an_open_mesh_cannot_be_kept() {
+    let mesh = shapes::plane(4, 4, shapes::Diagonals::Alternating);
+    let options = Explicit { volume: Volume::Offset, ..Explicit::new(Diffusion::uniform(0.5)) };
+    let error = explicit(&mesh, &options, None).unwrap_err();
+    assert!(matches!(error.failure, FlowFailure::Volume { .. }));
+}
+
+/// For a sphere of radius r, `V/V₀ ≈ exp(−3nλh²/(2r²))`: one step moves a vertex by λ times a quarter of the
+/// squared edge length over r.
+#[test]
+fn a_sphere_loses_volume_as_predicted() {
+    let mesh = shapes::icosphere(4);
+    let h = mesh.mean_edge_length();
+    let options = Explicit { iterations: 50, ..Explicit::new(Diffusion::uniform(0.5)) };
+    let ratio = volume(&explicit(&mesh, &options, None).unwrap().mesh) / volume(&mesh);
+    let predicted = (-3.0 * 50.0 * 0.5 * h * h / 2.0f64).exp();
+    // Edge lengths of an icosphere vary by a sixth about their mean, and so do squared ones by h².
+    assert!((ratio.ln() / predicted.ln() - 1.0).abs() < 0.03, "{ratio} against {predicted}");
+}
+
+#[test]
+fn an_observer_sees_every_step_and_can_stop() {
+    let mesh = shapes::icosphere(2);
+    let mut seen = Vec::new();
+    let options = Explicit { iterations: 40, ..Explicit::new(Diffusion::uniform(0.5)) };
+    let smoothed = explicit(
+        &mesh,
+        &options,
+        Some(&mut |step| {
+            assert_eq!(step.step_size(), 0.5);
+            seen.push((step.iteration(), step.volume(), step.edge_energy(), step.area()));
+            if step.volume() < 0.8 * 4.0 {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
+        }),
+    )
+    .unwrap();
+    assert!(smoothed.report.stopped);
+    assert_eq!(smoothed.report.iterations, seen.len());
+    assert!(seen.len() < 40 && seen.len() > 1, "{}", seen.len());
+    for (k, pair) in seen.windows(2).enumerate() {
+        assert_eq!(pair[0].0, k + 1);
+        assert!(pair[1].1 < pair[0].1 && pair[1].2 < pair[0].2 && pair[1].3 < pair[0].3);
+    }
+    assert!((seen.last().unwrap().1 - volume(&smoothed.mesh)).abs() < 1e-12);
+}
+
+#[test]
+fn a_step_out_of_range_returns_the_last_good_mesh_and_the_vertex() {
+    let mesh = shapes::icosphere(2);
+    let mut bent = mesh.positions().to_vec();
+    bent[9] = [1.5, 0.3, 0.1];
+    let mesh = mesh.with_positions(bent).unwrap();
+    let options = Explicit {
+        iterations: 100_000,
+        stability: Stability::Warn,
+        ..Explicit::new(Diffusion::uniform(10.0))
+    };
+    let error = explicit(&mesh, &options, None).unwrap_err();
+    assert!(error.iteration > 100 && error.iteration < 1000, "{}", error.iteration);
+    let FlowFailure::NonFinite { vertex, position } = error.failure else {
+        panic!("{:?}", error.failure)
+    };
+    assert!(position.iter().any(|x| !x.is_finite()));
+    assert!((vertex as usize) < mesh.vertex_count());
+    assert!(error.last_good.diagonal() > 1e100);
+}
+
+#[test]
+fn a_thin_face_is_named_as_in_the_file() {
+    let mut positions = shapes::icosphere(2).positions().to_vec();
+    let faces = shapes::icosphere(2).faces().to_vec();
+    let [a, b, c] = faces[123].map(|v| v as usize);
+    positions[c] = [0, 1, 2].map(|k| 0.5 * (positions[a][k] + positions[b][k]));
+    let mesh = TriMesh::new(positions, faces).unwrap();
+    let error = implicit(&mesh, &Implicit::new(Diffusion::cotangent(1.0)), None).unwrap_err();
+    let expected = fairing_operators::cotan_stiffness(&mesh).unwrap_err();
+    assert_eq!(error.failure, FlowFailure::Operator(expected));
+    assert_eq!(*error.last_good, mesh);
+    // Uniform weights do not care.
+    assert!(implicit(&mesh, &Implicit::new(Diffusion::uniform(1.0)), None).is_ok());
+}
+
+#[test]
+fn options_out_of_range_are_errors() {
+    let mesh = shapes::icosphere(1);
+    for lambda in [-1.0, f64::NAN, f64::INFINITY] {
+        let error = explicit(&mesh, &Explicit::new(Diffusion::uniform(lambda)), None).unwrap_err();
+        assert!(matches!(error.failure, FlowFailure::InvalidOption { .. }), "{lambda}");
+        let error =
+            implicit(&mesh, &Implicit::new(Diffusion::cotangent(lambda)), None).unwrap_err();
+        assert!(matches!(error.failure, FlowFailure::InvalidOption { .. }), "{lambda}");
+    }
+}
+
+#[test]
+fn isolated_vertices_and_empty_meshes_are_no_trouble() {
+    let empty = TriMesh::new(vec![], vec![]).unwrap();
+    let sphere = shapes::icosphere(1);
+    let mut positions = sphere.positions().to_vec();
+    positions.insert(0, [9.0, 9.0, 9.0]);
+    let faces = sphere.faces().iter().map(|f| f.map(|v| v + 1)).collect();
+    let lonely = TriMesh::new(positions, faces).unwrap();
+    for mesh in [&empty, &lonely] {
+        for diffusion in [Diffusion::uniform(0.5), Diffusion::cotangent(0.01)] {
+            let a = explicit(mesh, &Explicit::new(diffusion), None).unwrap().mesh;
+            let b = implicit(mesh, &Implicit::new(diffusion), None).unwrap().mesh;
+            for m in [a, b] {
+                assert_eq!(m.vertex_count(), mesh.vertex_count());
+                if m.vertex_count() > 0 {
+                    assert!(distance(m.positions()[0], [9.0; 3]) < 1e-12);
+                }
+            }
+        }
+    }
+}
