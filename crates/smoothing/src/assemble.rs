@@ -14,14 +14,17 @@ pub(crate) fn assemble(
     held: &[bool],
 ) -> Result<Laplacian, FlowFailure> {
     match diffusion {
-        Diffusion::Uniform { .. } => {
-            Ok(Laplacian::uniform(mesh.vertex_count(), mesh.faces(), held))
-        }
+        Diffusion::Uniform { .. } => Ok(uniform(mesh, held)),
         Diffusion::Cotangent { area, .. } => {
             let stiffness = cotan_stiffness(mesh)?;
             Ok(Laplacian::weighted(&stiffness, positive_mass(mesh, area)?, held))
         }
     }
+}
+
+/// `L` for uniform weights.
+pub(crate) fn uniform(mesh: &TriMesh, held: &[bool]) -> Laplacian {
+    Laplacian::uniform(mesh.vertex_count(), mesh.faces(), held)
 }
 
 /// The lumped mass, all positive; 1 at isolated vertices, which nothing moves.

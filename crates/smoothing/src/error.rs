@@ -75,6 +75,14 @@ pub enum FlowFailure {
         /// Its mass: squared mesh units for areas.
         mass: f64,
     },
+    /// Two neighbours coincide, where weights divide by the length of their edge.
+    #[error("the edge from vertex {vertex} to {neighbor} has no length")]
+    NoLength {
+        /// One end.
+        vertex: u32,
+        /// The other.
+        neighbor: u32,
+    },
     /// A linear system was not solved to the tolerance.
     #[error(
         "the linear system was not solved: relative residual {residual:e} after {iterations} iterations, \

@@ -80,11 +80,8 @@ pub fn explicit(
 ) -> Result<Smoothed, FlowError> {
     let step = options.diffusion.factor(mesh);
     at_least("the step", options.diffusion.value(), 0.0).map_err(|e| e.before(mesh))?;
-    let frame = Frame {
-        constraints: &options.constraints,
-        volume: options.volume,
-        iterations: options.iterations,
-    };
+    let frame =
+        Frame { volume: options.volume, ..Frame::new(&options.constraints, options.iterations) };
     let mut run = Run::new(mesh, &frame, observer)?;
     let laplacian = assemble(run.arrangement.mesh(), options.diffusion, &run.freedom.held)
         .map_err(|failure| run.refuse(failure))?;

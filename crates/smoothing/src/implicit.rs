@@ -102,12 +102,22 @@ pub fn implicit(
     options: &Implicit,
     observer: Option<&mut Observer<'_>>,
 ) -> Result<Smoothed, FlowError> {
+    implicit_with(mesh, options, false, observer)
+}
+
+/// [`implicit`], and each step ends with scaling to the area of the input if `keep_area`.
+pub(crate) fn implicit_with(
+    mesh: &TriMesh,
+    options: &Implicit,
+    keep_area: bool,
+    observer: Option<&mut Observer<'_>>,
+) -> Result<Smoothed, FlowError> {
     check(options).map_err(|failure| failure.before(mesh))?;
     let step = options.diffusion.factor(mesh);
     let frame = Frame {
-        constraints: &options.constraints,
         volume: options.volume,
-        iterations: options.iterations,
+        keep_area,
+        ..Frame::new(&options.constraints, options.iterations)
     };
     let mut run = Run::new(mesh, &frame, observer)?;
     let mut laplacian = assemble(run.arrangement.mesh(), options.diffusion, &run.freedom.held)

@@ -104,6 +104,37 @@ impl Laplacian {
         }
     }
 
+    /// The neighbours of vertex `i`; itself alone if it is held with uniform weights, or isolated.
+    pub(crate) fn neighbors(&self, i: usize) -> &[u32] {
+        let (offsets, columns) = match &self.rows {
+            Rows::Uniform { offsets, neighbors, .. } => (offsets, neighbors),
+            Rows::Weighted { offsets, columns, .. } => (offsets, columns),
+        };
+        &columns[offsets[i] as usize..offsets[i + 1] as usize]
+    }
+
+    /// Whether the row of vertex `i` is zero: it is held or isolated.
+    pub(crate) fn is_still(&self, i: usize) -> bool {
+        match *self.neighbors(i) {
+            [] => true,
+            [only] => only as usize == i,
+            _ => false,
+        }
+    }
+
+    /// Calls `f(i, neighbours of i, yᵢ)` for every vertex, in parallel.
+    pub(crate) fn visit<F>(&self, y: &mut [Point], f: F)
+    where
+        F: Fn(usize, &[u32], &mut Point) + Sync,
+    {
+        y.par_chunks_mut(ROWS).enumerate().for_each(|(chunk, y)| {
+            for (k, y) in y.iter_mut().enumerate() {
+                let i = chunk * ROWS + k;
+                f(i, self.neighbors(i), y);
+            }
+        });
+    }
+
     /// Whether the weights are uniform.
     pub(crate) fn is_uniform(&self) -> bool {
         matches!(self.rows, Rows::Uniform { .. })

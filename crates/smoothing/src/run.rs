@@ -9,13 +9,22 @@ use crate::constraints::{Constraints, Freedom};
 use crate::error::{FlowError, FlowFailure};
 use crate::outcome::{Report, Smoothed};
 use crate::step::{Observer, Step};
-use crate::volume::{Volume, VolumeKeeper};
+use crate::volume::{SizeKeeper, Volume};
 
 /// What all flows are told in the same way.
 pub(crate) struct Frame<'a> {
     pub(crate) constraints: &'a Constraints,
     pub(crate) volume: Volume,
     pub(crate) iterations: usize,
+    /// Whether each step ends with scaling to the area of the input.
+    pub(crate) keep_area: bool,
+}
+
+impl<'a> Frame<'a> {
+    /// Volume and area go where the flow takes them.
+    pub(crate) fn new(constraints: &'a Constraints, iterations: usize) -> Self {
+        Self { constraints, volume: Volume::Drifts, iterations, keep_area: false }
+    }
 }
 
 /// A flow on its way.
@@ -23,7 +32,7 @@ pub(crate) struct Run<'a, 'o> {
     input: &'a TriMesh,
     pub(crate) arrangement: Arrangement,
     pub(crate) freedom: Freedom,
-    keeper: Option<VolumeKeeper>,
+    keeper: Option<SizeKeeper>,
     observer: Option<&'a mut Observer<'o>>,
     iterations: usize,
     pub(crate) report: Report,
@@ -49,7 +58,7 @@ impl<'a, 'o> Run<'a, 'o> {
                 None => Arrangement::along_curve(input)?,
             };
             let freedom = Freedom::new(&arrangement, frame.constraints)?;
-            let keeper = VolumeKeeper::new(arrangement.mesh(), frame.volume, &freedom)?;
+            let keeper = SizeKeeper::new(arrangement.mesh(), frame, &freedom)?;
             Ok((arrangement, freedom, keeper))
         };
         let (arrangement, freedom, keeper) = prepare().map_err(|failure| failure.before(input))?;
@@ -157,6 +166,9 @@ impl<'a, 'o> Run<'a, 'o> {
             }
             FlowFailure::NonPositiveMass { vertex, mass } => {
                 FlowFailure::NonPositiveMass { vertex: original(vertex), mass }
+            }
+            FlowFailure::NoLength { vertex, neighbor } => {
+                FlowFailure::NoLength { vertex: original(vertex), neighbor: original(neighbor) }
             }
             FlowFailure::NotConverged { residual, iterations, vertex } => {
                 FlowFailure::NotConverged { residual, iterations, vertex: original(vertex) }

@@ -46,6 +46,11 @@ impl Series {
         None
     }
 
+    /// The series with these coefficients.
+    pub(crate) fn from_coefficients(bound: f64, coefficients: Vec<f64>) -> Self {
+        Self { coefficients, bound }
+    }
+
     /// The products with `L` that an evaluation takes.
     pub(crate) fn degree(&self) -> usize {
         self.coefficients.len() - 1
@@ -55,11 +60,11 @@ impl Series {
     ///
     /// Constants are reproduced to rounding wherever the mesh lies: the first point is taken off before and put
     /// back after, so that coordinates far from the origin lose no digits.
-    pub(crate) fn apply(&self, laplacian: &Laplacian, x: &[[f64; 3]]) -> Vec<[f64; 3]> {
-        let Some(&origin) = x.first() else { return Vec::new() };
-        let centre = mean(x).unwrap_or(origin);
+    pub(crate) fn apply(&self, laplacian: &Laplacian, given: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        let Some(&origin) = given.first() else { return Vec::new() };
+        let centre = mean(given).unwrap_or(origin);
         let x: Vec<[f64; 3]> =
-            x.iter().map(|p| [p[0] - centre[0], p[1] - centre[1], p[2] - centre[2]]).collect();
+            given.iter().map(|p| [p[0] - centre[0], p[1] - centre[1], p[2] - centre[2]]).collect();
         let s = 2.0 / self.bound;
         let mut last = vec![[0.0; 3]; x.len()];
         let mut before = vec![[0.0; 3]; x.len()];
@@ -72,6 +77,12 @@ impl Series {
                 [0, 1, 2].map(|d| c * p[d] + twice * (b[d] + s * l[d]) - old[d] + shift[d])
             });
             std::mem::swap(&mut last, &mut before);
+        }
+        // Vertices that stay do so exactly.
+        for (i, (p, &x)) in last.iter_mut().zip(given).enumerate() {
+            if laplacian.is_still(i) {
+                *p = x;
+            }
         }
         last
     }

@@ -5,6 +5,7 @@ use fairing_mesh::vec3::{add, cross, dot, norm, scale, sub};
 
 use crate::constraints::Freedom;
 use crate::error::FlowFailure;
+use crate::run::Frame;
 
 /// What happens to the volume in each step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -23,24 +24,35 @@ pub enum Volume {
 /// Newton steps for the offset distance; volume is a cubic in it, and the loss of one step is small.
 const MOST_STEPS: usize = 20;
 
-/// The error of the volume that is left, relative to the volume.
+/// The error of the volume at which they end, relative to the volume.
 const TOLERANCE: f64 = 1e-13;
 
-/// Restores a volume after each step.
+/// The error that is accepted where rounding keeps them from ending.
+const ACCEPTED: f64 = 1e-9;
+
+/// Restores a volume or an area after each step.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct VolumeKeeper {
-    policy: Volume,
-    target: f64,
+pub(crate) enum SizeKeeper {
+    /// The area, by scaling about the centroid of the surface.
+    Area(f64),
+    /// The volume, by scaling about its centroid.
+    Rescaled(f64),
+    /// The volume, by an offset along the normals.
+    Offset(f64),
 }
 
-impl VolumeKeeper {
-    /// `None` if the volume may drift.
+impl SizeKeeper {
+    /// `None` if nothing is to be kept.
     pub(crate) fn new(
         mesh: &TriMesh,
-        policy: Volume,
+        frame: &Frame<'_>,
         freedom: &Freedom,
     ) -> Result<Option<Self>, FlowFailure> {
-        if policy == Volume::Drifts {
+        let (faces, x) = (mesh.faces(), mesh.positions());
+        if frame.keep_area {
+            return Ok(Some(Self::Area(surface(faces, x).0)));
+        }
+        if frame.volume == Volume::Drifts {
             return Ok(None);
         }
         if !mesh.topology().is_closed() || !mesh.topology().orientation().is_consistent() {
@@ -48,81 +60,98 @@ impl VolumeKeeper {
                 reason: "only a closed mesh whose faces agree in orientation has one",
             });
         }
-        if policy == Volume::Rescaled && freedom.held.contains(&true) {
+        let target = signed_volume(faces, x);
+        if !(target.is_finite() && target != 0.0) {
+            return Err(FlowFailure::Volume { reason: "the input has none" });
+        }
+        if frame.volume == Volume::Offset {
+            return Ok(Some(Self::Offset(target)));
+        }
+        if freedom.held.contains(&true) {
             return Err(FlowFailure::Volume {
                 reason: "scaling would move pinned vertices; take an offset along the normals",
             });
         }
-        let target = signed_volume(mesh.faces(), mesh.positions());
-        if !(target.is_finite() && target != 0.0) {
-            return Err(FlowFailure::Volume { reason: "the input has none" });
-        }
-        Ok(Some(Self { policy, target }))
+        Ok(Some(Self::Rescaled(target)))
     }
 
-    /// Restores the volume.
+    /// Restores the size.
     pub(crate) fn restore(
         &self,
         faces: &[[u32; 3]],
         x: &mut [[f64; 3]],
         freedom: &Freedom,
     ) -> Result<(), FlowFailure> {
-        match self.policy {
-            Volume::Drifts => Ok(()),
-            Volume::Rescaled => self.rescale(faces, x),
-            Volume::Offset => self.offset(faces, x, freedom),
+        match *self {
+            Self::Area(target) => {
+                let (area, centre) = surface(faces, x);
+                rescale(x, centre, (target / area).sqrt())
+            }
+            Self::Rescaled(target) => {
+                let volume = signed_volume(faces, x);
+                rescale(x, volume_centroid(faces, x, volume), (target / volume).cbrt())
+            }
+            Self::Offset(target) => offset(target, faces, x, freedom),
         }
     }
+}
 
-    fn rescale(&self, faces: &[[u32; 3]], x: &mut [[f64; 3]]) -> Result<(), FlowFailure> {
-        let volume = signed_volume(faces, x);
-        let ratio = self.target / volume;
-        if !(ratio.is_finite() && ratio > 0.0) {
-            return Err(FlowFailure::Volume {
-                reason: "the mesh has collapsed or turned inside out",
-            });
-        }
-        let factor = ratio.cbrt();
-        let centre = volume_centroid(faces, x, volume);
-        for p in x.iter_mut() {
-            *p = add(centre, scale(sub(*p, centre), factor));
-        }
-        Ok(())
+fn rescale(x: &mut [[f64; 3]], centre: [f64; 3], factor: f64) -> Result<(), FlowFailure> {
+    if !(factor.is_finite() && factor > 0.0) {
+        return Err(FlowFailure::Volume { reason: "the mesh has collapsed or turned inside out" });
     }
+    for p in x.iter_mut() {
+        *p = add(centre, scale(sub(*p, centre), factor));
+    }
+    Ok(())
+}
 
-    fn offset(
-        &self,
-        faces: &[[u32; 3]],
-        x: &mut [[f64; 3]],
-        freedom: &Freedom,
-    ) -> Result<(), FlowFailure> {
-        let mut normals = area_vectors(faces, x);
-        for (i, n) in normals.iter_mut().enumerate() {
-            let length = norm(*n);
-            *n = if freedom.held[i] || length == 0.0 { [0.0; 3] } else { scale(*n, 1.0 / length) };
-        }
-        for _ in 0..MOST_STEPS {
-            let missing = self.target - signed_volume(faces, x);
-            if missing.abs() <= TOLERANCE * self.target.abs() {
-                return Ok(());
-            }
-            // ∂V/∂xᵢ is a third of the area vectors around vertex i, exactly.
-            let growth: f64 =
-                area_vectors(faces, x).iter().zip(&normals).map(|(a, n)| dot(*a, *n) / 3.0).sum();
-            let distance = missing / growth;
-            if !distance.is_finite() {
-                break;
-            }
-            for (p, n) in x.iter_mut().zip(&normals) {
-                *p = add(*p, scale(*n, distance));
-            }
-        }
-        let missing = self.target - signed_volume(faces, x);
-        if missing.abs() <= 1e-9 * self.target.abs() {
-            return Ok(());
-        }
-        Err(FlowFailure::Volume { reason: "no offset along the normals restores it" })
+fn offset(
+    target: f64,
+    faces: &[[u32; 3]],
+    x: &mut [[f64; 3]],
+    freedom: &Freedom,
+) -> Result<(), FlowFailure> {
+    let mut normals = area_vectors(faces, x);
+    for (i, n) in normals.iter_mut().enumerate() {
+        let length = norm(*n);
+        *n = if freedom.held[i] || length == 0.0 { [0.0; 3] } else { scale(*n, 1.0 / length) };
     }
+    let mut missing = target - signed_volume(faces, x);
+    for _ in 0..MOST_STEPS {
+        if missing.abs() <= TOLERANCE * target.abs() {
+            break;
+        }
+        // ∂V/∂xᵢ is a third of the area vectors around vertex i, exactly.
+        let around = area_vectors(faces, x);
+        let growth: f64 = around.iter().zip(&normals).map(|(a, n)| dot(*a, *n) / 3.0).sum();
+        let distance = missing / growth;
+        if !distance.is_finite() {
+            break;
+        }
+        for (p, n) in x.iter_mut().zip(&normals) {
+            *p = add(*p, scale(*n, distance));
+        }
+        missing = target - signed_volume(faces, x);
+    }
+    if missing.abs() <= ACCEPTED * target.abs() {
+        return Ok(());
+    }
+    Err(FlowFailure::Volume { reason: "no offset along the normals restores it" })
+}
+
+/// The area of the surface and its centroid.
+fn surface(faces: &[[u32; 3]], x: &[[f64; 3]]) -> (f64, [f64; 3]) {
+    let origin = mean(x);
+    let mut total = 0.0;
+    let mut moment = [0.0; 3];
+    for &face in faces {
+        let [a, b, c] = face.map(|v| sub(x[v as usize], origin));
+        let area = 0.5 * norm(cross(sub(b, a), sub(c, a)));
+        total += area;
+        moment = add(moment, scale(add(a, add(b, c)), area / 3.0));
+    }
+    (total, add(origin, scale(moment, 1.0 / total)))
 }
 
 /// The signed volume `⅙ Σ a · (b × c)` about the mean of the points.

@@ -1,0 +1,166 @@
+//! Fairing of a region with its rim held.
+
+use fairing_mesh::TriMesh;
+use fairing_operators::{LumpedArea, combinatorial_laplacian, cotan_stiffness};
+use fairing_sparse::{Cholesky, SparseMatrix};
+
+use crate::assemble::positive_mass;
+use crate::error::{FlowError, FlowFailure};
+use crate::outcome::{Approach, Report, Smoothed};
+
+/// The weights of [`fair_region`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum FairingWeights {
+    /// Every edge counts the same: evens out the spacing as well.
+    Uniform,
+    /// Cotangents of the input over these areas: keeps the spacing.
+    Cotangent(LumpedArea),
+}
+
+/// Options of [`fair_region`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct FairRegion {
+    /// The vertices to replace. All others stay where they are.
+    pub region: Vec<u32>,
+    /// k in `Δᵏ x = 0`: 1 a soap film (meets its rim at an angle), 2 a thin plate (the rim is smooth), 3 least
+    /// variation of curvature (curvature is continuous at the rim). At most 4.
+    pub order: u32,
+    /// The weights of the Laplacian.
+    pub weights: FairingWeights,
+}
+
+impl FairRegion {
+    /// A thin plate over `region`, cotangent weights over barycentric areas.
+    pub fn new(region: Vec<u32>) -> Self {
+        let weights = FairingWeights::Cotangent(LumpedArea::Barycentric);
+        Self { region, order: 2, weights }
+    }
+}
+
+/// Replaces the vertices of a region by the solution of `Δᵏ x = 0` with everything outside of it held.
+///
+/// ```text
+/// K = S (M⁻¹ S)ᵏ⁻¹,    K_rr x_r = −K_ro x_o
+/// ```
+///
+/// for the vertices r of the region and o outside: the minimum of the discrete `∫ ‖∇ᵏ x‖²`. The k rings around the
+/// region enter as boundary values, so what borders on a hole of the mesh is natural (free) there. The operator is
+/// that of the input; a second call takes it at the result of the first.
+///
+/// # Errors
+///
+/// [`FlowError`] for an order out of range, for vertices that do not exist, for faces too thin for cotangents, and
+/// where nothing holds a part of the region (it fills a component), so that its place is not determined.
+///
+/// # Examples
+///
+/// ```
+/// use fairing_mesh::shapes;
+/// use fairing_smoothing::{FairRegion, fair_region};
+///
+/// // The upper cap of a sphere, replaced by a membrane: flat above its rim.
+/// let sphere = shapes::icosphere(3);
+/// let cap = (0..sphere.vertex_count() as u32)
+///     .filter(|&v| sphere.positions()[v as usize][2] > 0.7)
+///     .collect();
+/// let flat = fair_region(&sphere, &FairRegion { order: 1, ..FairRegion::new(cap) })?;
+/// assert!(flat.mesh.positions().iter().all(|p| p[2] < 0.75));
+/// # Ok::<(), fairing_smoothing::FlowError>(())
+/// ```
+///
+/// Source: \[botsch2004\].
+pub fn fair_region(mesh: &TriMesh, options: &FairRegion) -> Result<Smoothed, FlowError> {
+    let solved = solve(mesh, options).map_err(|failure| failure.before(mesh))?;
+    let approach = Approach::Cholesky { factorisations: 1 };
+    Ok(Smoothed { mesh: solved, report: Report { iterations: 1, approach, ..Report::default() } })
+}
+
+fn solve(mesh: &TriMesh, options: &FairRegion) -> Result<TriMesh, FlowFailure> {
+    if !(1..=4).contains(&options.order) {
+        return Err(FlowFailure::InvalidOption {
+            option: "the order",
+            value: f64::from(options.order),
+            expected: "it must lie between 1 and 4",
+        });
+    }
+    let n = mesh.vertex_count();
+    const OUTSIDE: u32 = u32::MAX;
+    let mut unknown = vec![OUTSIDE; n];
+    let mut region = options.region.clone();
+    region.sort_unstable();
+    region.dedup();
+    for (k, &v) in region.iter().enumerate() {
+        let slot = unknown
+            .get_mut(v as usize)
+            .ok_or(FlowFailure::NoSuchVertex { vertex: v, vertex_count: n })?;
+        *slot = k as u32;
+    }
+    // An isolated vertex has an empty row: it stays.
+    let incidence = mesh.incidence();
+    region.retain(|&v| !incidence.corners(v).is_empty());
+    for (k, &v) in region.iter().enumerate() {
+        unknown[v as usize] = k as u32;
+    }
+    if region.is_empty() {
+        return Ok(mesh.clone());
+    }
+    let operator = operator(mesh, options)?;
+    let (mut starts, mut columns, mut values) = (vec![0u32], Vec::new(), Vec::new());
+    let mut right = vec![[0.0; 3]; region.len()];
+    for (r, &v) in region.iter().enumerate() {
+        if let Some(row) = operator.outer_view(v as usize) {
+            for (j, &k) in row.iter() {
+                let p = mesh.positions()[j];
+                match unknown[j] {
+                    OUTSIDE => {
+                        for d in 0..3 {
+                            right[r][d] -= k * p[d];
+                        }
+                    }
+                    column => {
+                        columns.push(column);
+                        values.push(k);
+                    }
+                }
+            }
+        }
+        starts.push(columns.len() as u32);
+    }
+    let system = SparseMatrix::new((region.len(), region.len()), starts, columns, values);
+    let factor = Cholesky::new(&symmetric(&system))
+        .map_err(|error| FlowFailure::NotFactored { reason: error.to_string() })?;
+    let mut positions = mesh.positions().to_vec();
+    for (&v, p) in region.iter().zip(factor.solve_points(&right)) {
+        positions[v as usize] = p;
+    }
+    Ok(mesh.with_positions(positions)?)
+}
+
+/// `S (M⁻¹S)ᵏ⁻¹`; for uniform weights `M = D`.
+fn operator(mesh: &TriMesh, options: &FairRegion) -> Result<SparseMatrix, FlowFailure> {
+    let (stiffness, mass) = match options.weights {
+        FairingWeights::Uniform => {
+            let stiffness = combinatorial_laplacian(mesh)?;
+            let degree = stiffness.diag().to_dense().iter().map(|d| d.max(1.0)).collect();
+            (stiffness, degree)
+        }
+        FairingWeights::Cotangent(area) => (cotan_stiffness(mesh)?, positive_mass(mesh, area)?),
+    };
+    let mut walk = stiffness.clone();
+    for (i, mut row) in walk.outer_iterator_mut().enumerate() {
+        for (_, value) in row.iter_mut() {
+            *value /= mass[i];
+        }
+    }
+    let mut product = stiffness;
+    for _ in 1..options.order {
+        product = &product * &walk;
+    }
+    Ok(product)
+}
+
+/// The mean of a matrix and its transpose: products are symmetric but for rounding.
+fn symmetric(matrix: &SparseMatrix) -> SparseMatrix {
+    let transpose = matrix.transpose_view().to_csr();
+    (matrix + &transpose).map(|x| 0.5 * x)
+}

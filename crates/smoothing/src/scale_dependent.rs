@@ -1,0 +1,125 @@
+//! The scale-dependent umbrella.
+
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::distance;
+
+use crate::assemble::uniform;
+use crate::constraints::Constraints;
+use crate::error::{FlowError, FlowFailure, at_least};
+use crate::laplacian::Laplacian;
+use crate::outcome::Smoothed;
+use crate::run::{Frame, Run, StepNote};
+use crate::step::Observer;
+
+/// Options of [`scale_dependent`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScaleDependent {
+    /// The fraction of the stable limit of each step, in (0, 1]; ½ unless set.
+    pub fraction: f64,
+    /// The number of steps; 10 unless set.
+    pub iterations: usize,
+    /// Vertices that may not move freely.
+    pub constraints: Constraints,
+}
+
+impl Default for ScaleDependent {
+    fn default() -> Self {
+        Self { fraction: 0.5, iterations: 10, constraints: Constraints::default() }
+    }
+}
+
+/// Smooths by explicit steps of the scale-dependent umbrella, with weights that follow the edge lengths of the
+/// current mesh.
+///
+/// ```text
+/// (Lx)ᵢ = (2/Eᵢ) Σⱼ (xⱼ − xᵢ)/|eᵢⱼ|,    Eᵢ = Σⱼ |eᵢⱼ|
+/// ```
+///
+/// Unlike the umbrella with uniform weights it hardly moves vertices within the surface where edges have different
+/// lengths, and unlike cotangents it cannot have negative weights. It scales as 1/length², so a step is a time;
+/// the largest stable one is the reciprocal of the largest `(2/Eᵢ) Σ 1/|eᵢⱼ|`, taken anew in each step, so that no
+/// step can be unstable.
+///
+/// # Errors
+///
+/// [`FlowError`] for options out of range, and where neighbours coincide: [`FlowFailure::NoLength`].
+///
+/// # Examples
+///
+/// ```
+/// use fairing_mesh::shapes;
+/// use fairing_smoothing::{ScaleDependent, scale_dependent};
+///
+/// let smoothed = scale_dependent(&shapes::icosphere(2), &ScaleDependent::default(), None)?;
+/// assert_eq!(smoothed.report.iterations, 10);
+/// # Ok::<(), fairing_smoothing::FlowError>(())
+/// ```
+///
+/// Source: \[fujiwara1995\], \[desbrun1999\].
+pub fn scale_dependent(
+    mesh: &TriMesh,
+    options: &ScaleDependent,
+    observer: Option<&mut Observer<'_>>,
+) -> Result<Smoothed, FlowError> {
+    let fraction = options.fraction;
+    at_least("the fraction", fraction, 0.0).map_err(|failure| failure.before(mesh))?;
+    if fraction > 1.0 {
+        let expected = "a step beyond the stable limit is not taken";
+        let failure =
+            FlowFailure::InvalidOption { option: "the fraction", value: fraction, expected };
+        return Err(failure.before(mesh));
+    }
+    let frame = Frame::new(&options.constraints, options.iterations);
+    let run = Run::new(mesh, &frame, observer)?;
+    let laplacian = uniform(run.arrangement.mesh(), &run.freedom.held);
+    run.iterate(|_, mesh, freedom, next| {
+        let x = mesh.positions();
+        let rate = largest_rate(&laplacian, x)?;
+        let step = if rate > 0.0 { fraction / rate } else { 0.0 };
+        laplacian.visit(next, |i, neighbors, next| {
+            let mut sum = [0.0; 3];
+            let mut around = 0.0;
+            for &j in neighbors {
+                let length = distance(x[i], x[j as usize]);
+                if length > 0.0 {
+                    around += length;
+                    for k in 0..3 {
+                        sum[k] += (x[j as usize][k] - x[i][k]) / length;
+                    }
+                }
+            }
+            let (w, target) = freedom.pull(i);
+            let d = [0, 1, 2].map(|k| {
+                let flow = if around > 0.0 { step * 2.0 / around * sum[k] } else { 0.0 };
+                (flow + w * (target[k] - x[i][k])) / (1.0 + w)
+            });
+            let d = freedom.project(i, d);
+            *next = [x[i][0] + d[0], x[i][1] + d[1], x[i][2] + d[2]];
+        });
+        Ok(StepNote { step_size: step, residual: None })
+    })
+}
+
+/// The largest `(2/Eᵢ) Σ 1/|eᵢⱼ|`: eigenvalues of `−L` are at most twice that, by Gershgorin's circles.
+fn largest_rate(laplacian: &Laplacian, x: &[[f64; 3]]) -> Result<f64, FlowFailure> {
+    let mut largest = 0.0f64;
+    for i in 0..laplacian.len() {
+        let (mut around, mut inverse) = (0.0, 0.0);
+        for &j in laplacian.neighbors(i) {
+            // A held or isolated vertex is its own neighbour.
+            if j as usize == i {
+                continue;
+            }
+            let length = distance(x[i], x[j as usize]);
+            if length == 0.0 {
+                return Err(FlowFailure::NoLength { vertex: i as u32, neighbor: j });
+            }
+            around += length;
+            inverse += 1.0 / length;
+        }
+        if around > 0.0 {
+            largest = largest.max(2.0 / around * inverse);
+        }
+    }
+    Ok(largest)
+}

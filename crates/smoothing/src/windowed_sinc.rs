@@ -1,0 +1,158 @@
+//! Windowed sinc smoothing.
+
+use std::f64::consts::PI;
+
+use fairing_mesh::TriMesh;
+
+use crate::assemble::uniform;
+use crate::constraints::Constraints;
+use crate::error::{FlowError, FlowFailure};
+use crate::outcome::{Approach, Smoothed};
+use crate::run::{Frame, Run};
+use crate::series::Series;
+
+/// How the Chebyshev series of the ideal filter is faded out. All are 1 at its beginning and small at its end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Window {
+    /// `0.5 + 0.5 cos`: no ripple to speak of, a wide transition.
+    Hanning,
+    /// `0.54 + 0.46 cos`: a narrower transition, ripples below a hundredth. What VTK takes.
+    #[default]
+    Hamming,
+    /// `0.42 + 0.5 cos + 0.08 cos 2`: the least ripple, the widest transition.
+    Blackman,
+}
+
+impl Window {
+    /// The factor of term `k` of a series that ends with term `degree`.
+    fn weight(self, k: usize, degree: usize) -> f64 {
+        let angle = PI * k as f64 / (degree + 1) as f64;
+        match self {
+            Self::Hanning => 0.5 + 0.5 * angle.cos(),
+            Self::Hamming => 0.54 + 0.46 * angle.cos(),
+            Self::Blackman => 0.42 + 0.5 * angle.cos() + 0.08 * (2.0 * angle).cos(),
+        }
+    }
+}
+
+/// Options of [`windowed_sinc`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct WindowedSinc {
+    /// Modes of eigenvalue −k are kept for k below this and removed above; dimensionless, in (0, 2).
+    pub pass_band: f64,
+    /// The degree of the filter: products with the Laplacian. The transition is about 4/degree wide.
+    pub degree: usize,
+    /// How the series is faded out.
+    pub window: Window,
+    /// Vertices that may not move freely; soft constraints and sliding are for stepping flows.
+    pub constraints: Constraints,
+}
+
+/// A pass band of 0.1 and degree 20.
+impl Default for WindowedSinc {
+    fn default() -> Self {
+        Self {
+            pass_band: 0.1,
+            degree: 20,
+            window: Window::default(),
+            constraints: Constraints::default(),
+        }
+    }
+}
+
+/// Smooths by one low-pass filter with uniform weights: the Chebyshev series of the step function at the pass
+/// band, faded out by a window.
+///
+/// With k = 1 − cos θ on the spectrum of `−L`, the ideal filter is 1 for θ below `θ₀ = arccos(1 − pass band)`, and
+/// has the coefficients `θ₀/π` and `2 sin(jθ₀)/(jπ)`. They are multiplied by the window and scaled so that
+/// constants are kept exactly. No mode grows beyond the ripple of the window, and low ones are hardly touched: less
+/// shrinkage than λ|μ at the same number of products.
+///
+/// # Errors
+///
+/// [`FlowError`] for options out of range, and for constraints that are not linear.
+///
+/// # Examples
+///
+/// ```
+/// use fairing_mesh::shapes;
+/// use fairing_smoothing::{WindowedSinc, windowed_sinc};
+///
+/// let smoothed = windowed_sinc(&shapes::icosphere(4), &WindowedSinc::default())?;
+/// let radius = smoothed.mesh.positions()[0].iter().map(|x| x * x).sum::<f64>().sqrt();
+/// assert!((radius - 1.0).abs() < 0.01);
+/// # Ok::<(), fairing_smoothing::FlowError>(())
+/// ```
+///
+/// Source: \[taubin1996\].
+pub fn windowed_sinc(mesh: &TriMesh, options: &WindowedSinc) -> Result<Smoothed, FlowError> {
+    let WindowedSinc { pass_band, degree, window, .. } = *options;
+    if !(pass_band > 0.0 && pass_band < 2.0) {
+        return Err(FlowFailure::InvalidOption {
+            option: "the pass band",
+            value: pass_band,
+            expected: "it must lie between 0 and 2",
+        }
+        .before(mesh));
+    }
+    let frame = Frame::new(&options.constraints, 1);
+    let mut run = Run::new(mesh, &frame, None)?;
+    if !run.is_linear() {
+        let reason = "a windowed sinc filter knows free and pinned vertices only";
+        return Err(run.refuse(FlowFailure::Unsupported { reason }));
+    }
+    let laplacian = uniform(run.arrangement.mesh(), &run.freedom.held);
+    let series = Series::from_coefficients(2.0, coefficients(pass_band, degree, window));
+    run.report.approach = Approach::Series { degree };
+    run.report.iterations = 1;
+    let x = series.apply(&laplacian, run.arrangement.mesh().positions());
+    run.finish(x)
+}
+
+/// The windowed coefficients in `Tⱼ(1 + μ)`, which sum to one: the value at μ = 0.
+fn coefficients(pass_band: f64, degree: usize, window: Window) -> Vec<f64> {
+    let edge = (1.0 - pass_band).acos();
+    let mut c: Vec<f64> = (0..=degree)
+        .map(|j| {
+            let ideal = match j {
+                0 => edge / PI,
+                j => 2.0 * (j as f64 * edge).sin() / (j as f64 * PI),
+            };
+            ideal * window.weight(j, degree)
+        })
+        .collect();
+    let sum: f64 = c.iter().sum();
+    for c in &mut c {
+        *c /= sum;
+    }
+    c
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn response(c: &[f64], k: f64) -> f64 {
+        let angle = (1.0 - k).acos();
+        c.iter().enumerate().map(|(j, c)| c * (j as f64 * angle).cos()).sum()
+    }
+
+    #[test]
+    fn constants_pass_and_rough_modes_do_not() {
+        // Ripples of the windows: textbook side lobes of −44, −53 and −74 dB.
+        for (window, ripple) in
+            [(Window::Hanning, 7e-3), (Window::Hamming, 4e-3), (Window::Blackman, 1e-3)]
+        {
+            let c = coefficients(0.3, 60, window);
+            assert!((response(&c, 0.0) - 1.0).abs() < 1e-12);
+            for i in 0..=100 {
+                let k = 0.6 + 1.4 * f64::from(i) / 100.0;
+                assert!(response(&c, k).abs() < ripple, "{window:?} at {k}: {}", response(&c, k));
+            }
+            for i in 0..=100 {
+                let k = 0.1 * f64::from(i) / 100.0;
+                assert!((response(&c, k) - 1.0).abs() < 2.0 * ripple, "{window:?} at {k}");
+            }
+        }
+    }
+}
