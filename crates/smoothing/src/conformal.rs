@@ -87,10 +87,10 @@ pub fn conformalized_mean_curvature_flow(
     let threshold = options.settled * area.sqrt();
     let mut observer = observer;
     let mut watch = |step: &crate::step::Step<'_>| {
-        if let Some(observe) = &mut observer {
-            if observe(step).is_break() {
-                return ControlFlow::Break(());
-            }
+        if let Some(observe) = &mut observer
+            && observe(step).is_break()
+        {
+            return ControlFlow::Break(());
         }
         match step.largest_displacement() <= threshold {
             true => ControlFlow::Break(()),

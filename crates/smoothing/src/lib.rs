@@ -1,8 +1,8 @@
 //! Smoothing flows and denoisers for triangle meshes.
 //!
-//! Each flow is one function with one options struct: [`explicit`], [`implicit`]. All take an optional
-//! [`Observer`], which sees every step and can end the flow, and return a [`Smoothed`] mesh or a [`FlowError`] with
-//! the last good mesh; none ever returns a coordinate that is not a number.
+//! Each flow is one function with one options struct; [`Method`] holds them all for programs. Those that take steps
+//! take an optional [`Observer`], which sees every step and can end the flow. All return a [`Smoothed`] mesh or a
+//! [`FlowError`] with the last good mesh; none ever returns a coordinate that is not a number.
 //!
 //! A flow diffuses along the negative semi-definite Laplacian `L = −M⁻¹S`; the [`Diffusion`] says with which
 //! weights and how far in one step, in the unit that belongs to them.
@@ -19,6 +19,8 @@ mod explicit;
 mod hc;
 mod implicit;
 mod laplacian;
+mod low_pass;
+mod method;
 mod outcome;
 mod region;
 mod run;
@@ -39,6 +41,8 @@ pub use error::{FlowError, FlowFailure};
 pub use explicit::{Explicit, explicit};
 pub use hc::{Hc, hc};
 pub use implicit::{Implicit, Update, implicit};
+pub use low_pass::{LowPass, Transfer, low_pass};
+pub use method::Method;
 pub use outcome::{Approach, Report, Smoothed};
 pub use region::{FairRegion, FairingWeights, fair_region};
 pub use scale_dependent::{ScaleDependent, scale_dependent};

@@ -55,7 +55,12 @@ fn a_free_border_moves_inward_and_a_pinned_one_not_at_all() {
         for v in boundary_of(&mesh) {
             assert_eq!(pinned.positions()[v], mesh.positions()[v], "{name}, vertex {v}");
         }
-        assert!(largest_distance(&pinned, &mesh) > 1e-3, "{name}: nothing moved");
+        // In a plane the coordinates are harmonic: cotangents move nothing inside.
+        let moved = largest_distance(&pinned, &mesh);
+        match name.contains("uniform") {
+            true => assert!(moved > 1e-3, "{name}: {moved:e}"),
+            false => assert!(moved < 1e-9, "{name}: {moved:e}"),
+        }
     }
 }
 

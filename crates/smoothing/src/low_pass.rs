@@ -1,0 +1,125 @@
+//! Spectral low-pass filters without a spectrum.
+
+use fairing_mesh::TriMesh;
+use fairing_operators::LumpedArea;
+
+use crate::assemble::assemble;
+use crate::constraints::Constraints;
+use crate::diffusion::{Diffusion, Time};
+use crate::error::{FlowError, FlowFailure, at_least};
+use crate::outcome::{Approach, Smoothed};
+use crate::run::{Frame, Run};
+use crate::series::Series;
+use crate::spectrum::upper_bound;
+
+/// What a filter does to the mode of eigenvalue ω of `S φ = ω M φ`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Transfer {
+    /// `exp(−ωt)`: exact diffusion for the time t, the limit of infinitely many small steps.
+    Heat(Time),
+    /// `1/(1 + (ω/ω₀)^order)`: flat up to ω₀, where it is ½, then falling with this order.
+    Butterworth {
+        /// ω₀, in one over squared mesh units. Features of size w (half a wavelength) have ω ≈ (π/w)².
+        cutoff: f64,
+        /// How steeply it falls; 1 to 16.
+        order: u32,
+    },
+}
+
+/// Options of [`low_pass`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct LowPass {
+    /// What happens to each mode.
+    pub transfer: Transfer,
+    /// The areas of the Laplacian.
+    pub area: LumpedArea,
+    /// Free and pinned vertices.
+    pub constraints: Constraints,
+}
+
+impl LowPass {
+    /// A filter over barycentric areas, nothing held.
+    pub fn new(transfer: Transfer) -> Self {
+        Self { transfer, area: LumpedArea::Barycentric, constraints: Constraints::default() }
+    }
+}
+
+/// Smooths by one filter of the spectrum of the cotangent Laplacian, `x' = g(M⁻¹S) x`, without computing the
+/// spectrum.
+///
+/// In terms of the modes, `x' = Σ g(ωᵢ) φᵢ (φᵢᵀ M x)`; computed is the Chebyshev series of g up to an error of
+/// 1e-10, whose degree grows with the square root of how many times the cut-off is below the roughest mode. For
+/// the k smoothest modes themselves see the reconstruction of `fairing-spectral`.
+///
+/// # Errors
+///
+/// [`FlowError`] for options out of range, constraints that are not linear, faces too thin for cotangents, and a
+/// filter that takes more than two thousand products: a coarser mesh or implicit steps serve better there.
+///
+/// # Examples
+///
+/// ```
+/// use fairing_mesh::shapes;
+/// use fairing_smoothing::{LowPass, Time, Transfer, low_pass};
+///
+/// // Coordinates of the unit sphere are modes of ω = 2: diffusion for a time t scales it by exp(−2t).
+/// let sphere = shapes::icosphere(4);
+/// let smoothed = low_pass(&sphere, &LowPass::new(Transfer::Heat(Time::SquaredUnits(0.1))))?;
+/// let radius = smoothed.mesh.positions()[0].iter().map(|x| x * x).sum::<f64>().sqrt();
+/// assert!((radius - (-0.2f64).exp()).abs() < 1e-3);
+/// # Ok::<(), fairing_smoothing::FlowError>(())
+/// ```
+///
+/// Source: \[vallet2008\].
+pub fn low_pass(mesh: &TriMesh, options: &LowPass) -> Result<Smoothed, FlowError> {
+    check(options).map_err(|failure| failure.before(mesh))?;
+    let mut run = Run::new(mesh, &Frame::new(&options.constraints, 1), None)?;
+    if !run.is_linear() {
+        let reason = "a low-pass filter knows free and pinned vertices only";
+        return Err(run.refuse(FlowFailure::Unsupported { reason }));
+    }
+    let time = Time::SquaredUnits(0.0);
+    let diffusion = Diffusion::Cotangent { time, area: options.area };
+    let laplacian = assemble(run.arrangement.mesh(), diffusion, &run.freedom.held)
+        .map_err(|failure| run.refuse(failure))?;
+    let bound = upper_bound(&laplacian);
+    let series = match options.transfer {
+        Transfer::Heat(time) => {
+            let t = time.in_squared_units(mesh.mean_edge_length());
+            Series::expand(bound, |mu| (mu * t).exp())
+        }
+        Transfer::Butterworth { cutoff, order } => {
+            Series::expand(bound, |mu| 1.0 / (1.0 + (-mu / cutoff).powi(order as i32)))
+        }
+    };
+    let Some(series) = series else {
+        let reason = "the filter is too narrow for the resolution of the mesh";
+        return Err(run.refuse(FlowFailure::Unsupported { reason }));
+    };
+    run.report.approach = Approach::Series { degree: series.degree() };
+    run.report.iterations = 1;
+    let x = series.apply(&laplacian, run.arrangement.mesh().positions());
+    run.finish(x)
+}
+
+fn check(options: &LowPass) -> Result<(), FlowFailure> {
+    match options.transfer {
+        Transfer::Heat(time) => at_least("the time", time.value(), 0.0),
+        Transfer::Butterworth { cutoff, order } => {
+            if !(cutoff > 0.0 && cutoff.is_finite()) {
+                let expected = "it must be positive and finite";
+                return Err(FlowFailure::InvalidOption {
+                    option: "the cut-off",
+                    value: cutoff,
+                    expected,
+                });
+            }
+            if !(1..=16).contains(&order) {
+                let expected = "it must lie between 1 and 16";
+                let value = f64::from(order);
+                return Err(FlowFailure::InvalidOption { option: "the order", value, expected });
+            }
+            Ok(())
+        }
+    }
+}
