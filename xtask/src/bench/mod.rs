@@ -2,11 +2,13 @@
 
 mod files;
 mod operators;
+mod smoothing;
 mod stopwatch;
 
 use std::path::PathBuf;
 
 use anyhow::{Context as _, Result};
+use fairing_mesh::TriMesh;
 use serde_json::{Map, Value, json};
 
 pub use stopwatch::Stopwatch;
@@ -42,6 +44,12 @@ pub trait Work {
     ///
     /// If the result cannot be read back.
     fn fingerprint(&mut self) -> Result<Fingerprint>;
+}
+
+/// A mesh that remembers nothing: what follows from its faces must be found anew.
+fn anew(mesh: &TriMesh, watch: &mut Stopwatch) -> Result<TriMesh> {
+    let copy = || TriMesh::new(mesh.positions().to_vec(), mesh.faces().to_vec());
+    Ok(watch.phase("prepare", copy)?)
 }
 
 /// Names and numbers.
@@ -83,6 +91,37 @@ pub const ALL: &[&dyn Task] = &[
     &files::SavePly,
     &operators::Laplacian,
     &operators::Curvature,
+    &smoothing::Flow {
+        name: "explicit_uniform",
+        about: "x + λLx, uniform weights",
+        method: smoothing::explicit_uniform,
+    },
+    &smoothing::Flow {
+        name: "taubin",
+        about: "pairs of steps λ and μ, uniform weights",
+        method: smoothing::taubin,
+    },
+    &smoothing::Flow {
+        name: "implicit_uniform",
+        about: "(I − λL)x' = x, uniform weights",
+        method: smoothing::implicit_uniform,
+    },
+    &smoothing::Flow {
+        name: "implicit_cotan",
+        about: "(M + λh²S)x' = Mx, operator of the input",
+        method: smoothing::implicit_cotan,
+    },
+    &smoothing::Flow {
+        name: "implicit_cotan_stiff",
+        about: "the same, for large λ",
+        method: smoothing::implicit_cotan,
+    },
+    &smoothing::Flow {
+        name: "implicit_mcf",
+        about: "the same, operator of each step",
+        method: smoothing::implicit_mcf,
+    },
+    &smoothing::EndToEnd,
 ];
 
 /// Runs a task and returns `{"runs": […], "fingerprint": {…}, "rss_mb": n}`.

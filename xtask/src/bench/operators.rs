@@ -8,14 +8,8 @@ use fairing_mesh::{TriMesh, io};
 use fairing_operators::curvature::{MeanOperator, angle_defect, mean_curvature};
 use fairing_operators::{LumpedArea, SparseMatrix, cotan_stiffness, lumped_mass};
 
-use super::{Fingerprint, Job, Stopwatch, Task, Work};
+use super::{Fingerprint, Job, Stopwatch, Task, Work, anew};
 use crate::fingerprint;
-
-/// A mesh that remembers nothing.
-fn anew(mesh: &TriMesh, watch: &mut Stopwatch) -> Result<TriMesh> {
-    let copy = || TriMesh::new(mesh.positions().to_vec(), mesh.faces().to_vec());
-    Ok(watch.phase("prepare", copy)?)
-}
 
 /// The cotangent stiffness and the lumped barycentric mass.
 pub(super) struct Laplacian;
