@@ -13,6 +13,7 @@ use rayon::prelude::*;
 
 use crate::corners::{next, previous};
 use crate::error::OperatorError;
+use crate::fan::Fan;
 
 /// Rows handed to a thread at a time: large enough to hide the hand-over,
 /// small enough to even out rows of different length.
@@ -28,12 +29,51 @@ pub(crate) struct CornerEntries {
     pub(crate) previous: f64,
 }
 
+/// Rows up to this length keep the places of their corners' entries in bytes.
+const SHORT_ROW: usize = 256;
+
 /// Where the entries of a vertex-by-vertex matrix are: the diagonal, and a
 /// pair of entries for each edge. Columns ascend within a row.
 #[derive(Debug, Clone)]
 pub(crate) struct Pattern {
     offsets: Vec<u32>,
     columns: Vec<u32>,
+    /// For each corner, in the order of the incidence, the places in the row
+    /// of the entries for the next and for the previous corner of its face;
+    /// unused in long rows.
+    slots: Vec<[u8; 2]>,
+}
+
+/// The rows that a task finds.
+struct Block {
+    lengths: Vec<u32>,
+    columns: Vec<u32>,
+    slots: Vec<[u8; 2]>,
+}
+
+impl Block {
+    fn of(mesh: &TriMesh, rows: Range<usize>) -> Self {
+        let vertices = mesh.faces().as_flattened();
+        let incidence = mesh.incidence();
+        let corners = corner_range(incidence, &rows).len();
+        let mut lengths = Vec::with_capacity(rows.len());
+        // Up to twice as many where many edges have one face only.
+        let mut columns = Vec::with_capacity(corners + 2 * rows.len());
+        let mut slots = Vec::with_capacity(corners);
+        let mut fan = Fan::default();
+        for v in rows {
+            let v = v as u32;
+            fan.of(vertices, incidence, v);
+            lengths.push(fan.neighbors.len() as u32 + 1);
+            let below = position(&fan.neighbors, v);
+            columns.extend_from_slice(&fan.neighbors[..below]);
+            columns.push(v);
+            columns.extend_from_slice(&fan.neighbors[below..]);
+            let slot = |rank: u32| (rank + u32::from(rank as usize >= below)) as u8;
+            slots.extend(fan.ranks.iter().map(|r| r.map(slot)));
+        }
+        Self { lengths, columns, slots }
+    }
 }
 
 impl Pattern {
@@ -43,57 +83,55 @@ impl Pattern {
         if u32::try_from(entries).is_err() {
             return Err(OperatorError::TooLarge { entries });
         }
-        let vertices = mesh.faces().as_flattened();
-        let incidence = mesh.incidence();
-        let blocks: Vec<(Vec<u32>, Vec<u32>)> = row_ranges(n)
-            .into_par_iter()
-            .map(|rows| {
-                let corner_count = corner_range(incidence, &rows).len();
-                let mut lengths = Vec::with_capacity(rows.len());
-                // Twice as many on a mesh of boundary edges only.
-                let mut columns = Vec::with_capacity(corner_count + 2 * rows.len());
-                let mut row = Vec::new();
-                for v in rows {
-                    closed_ring(vertices, incidence, v as u32, &mut row);
-                    lengths.push(row.len() as u32);
-                    columns.extend_from_slice(&row);
-                }
-                (lengths, columns)
-            })
-            .collect();
-
+        // Computed here, not by whichever thread comes first.
+        mesh.incidence();
+        let blocks: Vec<Block> =
+            row_ranges(n).into_par_iter().map(|rows| Block::of(mesh, rows)).collect();
         let mut offsets = Vec::with_capacity(n + 1);
         offsets.push(0);
         let mut total = 0;
-        let mut columns = Vec::with_capacity(blocks.iter().map(|(_, c)| c.len()).sum());
-        for (lengths, block) in blocks {
-            for length in lengths {
+        let mut columns = Vec::with_capacity(blocks.iter().map(|b| b.columns.len()).sum());
+        let mut slots = Vec::with_capacity(3 * mesh.face_count());
+        for block in blocks {
+            for length in block.lengths {
                 total += length;
                 offsets.push(total);
             }
-            columns.extend_from_slice(&block);
+            columns.extend_from_slice(&block.columns);
+            slots.extend_from_slice(&block.slots);
         }
-        Ok(Self { offsets, columns })
+        Ok(Self { offsets, columns, slots })
     }
 
     /// The matrix whose rows sum what `entries` says of each corner at their
     /// vertex.
-    pub(crate) fn fill<F>(self, mesh: &TriMesh, entries: F) -> SparseMatrix
+    pub(crate) fn fill<F>(mut self, mesh: &TriMesh, entries: F) -> SparseMatrix
     where
         F: Fn(u32) -> CornerEntries + Sync,
     {
         let vertices = mesh.faces().as_flattened();
         let incidence = mesh.incidence();
+        let slots = std::mem::take(&mut self.slots);
         self.fill_rows(|v, columns, values| {
-            let find = |w: u32| position(columns, w);
+            let corners = incidence.corners(v);
             let mut diagonal = 0.0;
-            for &c in incidence.corners(v) {
-                let e = entries(c);
-                diagonal += e.diagonal;
-                values[find(vertices[next(c) as usize])] += e.next;
-                values[find(vertices[previous(c) as usize])] += e.previous;
+            if columns.len() <= SHORT_ROW {
+                let start = incidence.offsets()[v as usize] as usize;
+                for (&c, slot) in corners.iter().zip(&slots[start..]) {
+                    let e = entries(c);
+                    diagonal += e.diagonal;
+                    values[slot[0] as usize] += e.next;
+                    values[slot[1] as usize] += e.previous;
+                }
+            } else {
+                for &c in corners {
+                    let e = entries(c);
+                    diagonal += e.diagonal;
+                    values[position(columns, vertices[next(c) as usize])] += e.next;
+                    values[position(columns, vertices[previous(c) as usize])] += e.previous;
+                }
             }
-            values[find(v)] = diagonal;
+            values[position(columns, v)] = diagonal;
         })
     }
 
@@ -109,25 +147,61 @@ impl Pattern {
             let start = offsets[rows.start] as usize;
             for v in rows {
                 let range = offsets[v] as usize..offsets[v + 1] as usize;
-                row(
-                    v as u32,
-                    &columns[range.clone()],
-                    &mut block[range.start - start..range.end - start],
-                );
+                let values = &mut block[range.start - start..range.end - start];
+                row(v as u32, &columns[range], values);
             }
         });
         SparseMatrix::new((n, n), self.offsets, self.columns, values)
     }
 }
 
-/// The place of column `w` in a row that has it.
+/// The place of column `w` in an ascending row, or where it would be.
 #[inline]
 pub(crate) fn position(columns: &[u32], w: u32) -> usize {
-    if columns.len() > 32 {
-        return columns.partition_point(|&c| c < w);
+    if columns.len() <= 16 {
+        return columns.iter().take_while(|&&c| c < w).count();
     }
-    // Without a branch in the loop: rows are short.
-    columns.iter().map(|&c| usize::from(c < w)).sum()
+    columns.partition_point(|&c| c < w)
+}
+
+/// The `n × n` matrix that sums entries `(row, column, value)`, every diagonal
+/// entry present. Entries of one place are added in their order. Linear for
+/// rows of bounded length.
+pub(crate) fn sum_entries(
+    n: usize,
+    entries: &[(u32, u32, f64)],
+) -> Result<SparseMatrix, OperatorError> {
+    let total = n.saturating_add(entries.len());
+    if u32::try_from(total).is_err() {
+        return Err(OperatorError::TooLarge { entries: total });
+    }
+    let mut starts = vec![0usize; n + 1];
+    for &(row, ..) in entries {
+        starts[row as usize + 1] += 1;
+    }
+    for row in 0..n {
+        starts[row + 1] += starts[row];
+    }
+    let mut next = starts.clone();
+    let mut by_row = vec![(0u32, 0.0); entries.len()];
+    for &(row, column, value) in entries {
+        by_row[next[row as usize]] = (column, value);
+        next[row as usize] += 1;
+    }
+    let (mut offsets, mut columns, mut values) = (vec![0u32], vec![], vec![]);
+    let mut sorted: Vec<(u32, f64)> = vec![];
+    for row in 0..n {
+        sorted.clear();
+        sorted.push((row as u32, 0.0));
+        sorted.extend_from_slice(&by_row[starts[row]..starts[row + 1]]);
+        sorted.sort_by_key(|&(column, _)| column);
+        for same in sorted.chunk_by(|a, b| a.0 == b.0) {
+            columns.push(same[0].0);
+            values.push(same.iter().map(|e| e.1).sum::<f64>());
+        }
+        offsets.push(columns.len() as u32);
+    }
+    Ok(SparseMatrix::new((n, n), offsets, columns, values))
 }
 
 fn row_ranges(n: usize) -> Vec<Range<usize>> {
@@ -151,36 +225,6 @@ fn blocks<'a>(offsets: &[u32], mut values: &'a mut [f64]) -> Vec<(Range<usize>, 
         .collect()
 }
 
-/// Writes vertex `v` and its neighbours into `row`, ascending.
-#[inline]
-fn closed_ring(vertices: &[u32], incidence: &Incidence, v: u32, row: &mut Vec<u32>) {
-    row.clear();
-    row.push(v);
-    let corners = incidence.corners(v);
-    if corners.len() > 32 {
-        for &c in corners {
-            row.push(vertices[next(c) as usize]);
-            row.push(vertices[previous(c) as usize]);
-        }
-        row.sort_unstable();
-        row.dedup();
-        return;
-    }
-    for &c in corners {
-        insert(row, vertices[next(c) as usize]);
-        insert(row, vertices[previous(c) as usize]);
-    }
-}
-
-/// Inserts into a short ascending list, unless it is there.
-#[inline]
-fn insert(row: &mut Vec<u32>, w: u32) {
-    let at: usize = row.iter().map(|&c| usize::from(c < w)).sum();
-    if row.get(at) != Some(&w) {
-        row.insert(at, w);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -196,7 +240,7 @@ mod tests {
 
     #[test]
     fn a_hub_takes_the_long_way_to_the_same_row() {
-        let n = 100;
+        let n = 400;
         let faces: Vec<[u32; 3]> = (1..n).map(|i| [0, i, i % (n - 1) + 1]).collect();
         let mesh = TriMesh::new(vec![[0.0; 3]; n as usize], faces).unwrap();
         let m = Pattern::of(&mesh).unwrap().fill(&mesh, |_| CornerEntries {
@@ -204,12 +248,12 @@ mod tests {
             next: 2.0,
             previous: 3.0,
         });
-        assert_eq!(m.get(0, 0), Some(&99.0));
+        assert_eq!(m.get(0, 0), Some(&399.0));
         for j in 1..n as usize {
             assert_eq!(m.get(0, j), Some(&5.0));
             assert_eq!(m.get(j, 0), Some(&5.0));
         }
-        assert_eq!(m.nnz(), 100 + 2 * (99 + 99));
+        assert_eq!(m.nnz(), 400 + 2 * (399 + 399));
     }
 
     #[test]

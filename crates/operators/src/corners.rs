@@ -1,5 +1,7 @@
 //! The geometry at the corners of the faces, from which all operators are made.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{cross, dot, norm, sub};
 use rayon::prelude::*;
@@ -41,7 +43,8 @@ impl FaceCorners {
         [b + c, c + a, a + b]
     }
 
-    /// The cosine and sine of the angle at corner `k`.
+    /// Cosine and sine of the angle at corner `k`, both times the same positive
+    /// number.
     ///
     /// Where the angle is not determined because the face is a segment with
     /// two corners in one place, or a point, the limits of isosceles and of
@@ -50,9 +53,8 @@ impl FaceCorners {
     #[inline]
     pub(crate) fn turn(&self, k: usize) -> (f64, f64) {
         let (x, y) = (self.dots[k], self.twice_area);
-        let r = length(x, y);
-        if r > 0.0 && r.is_finite() {
-            return (x / r, y / r);
+        if x != 0.0 || y != 0.0 {
+            return (x, y);
         }
         if self.dots == [0.0; 3] { (0.5, 0.75f64.sqrt()) } else { (0.0, 1.0) }
     }
@@ -66,30 +68,43 @@ impl FaceCorners {
     }
 }
 
-/// √(x² + y²), by `hypot` only where squares could leave the range.
-#[inline]
-fn length(x: f64, y: f64) -> f64 {
-    let square = x * x + y * y;
-    if (1e-280..1e280).contains(&square) { square.sqrt() } else { x.hypot(y) }
-}
-
-/// The corners of all faces, in face order.
-pub(crate) fn face_corners(mesh: &TriMesh) -> Vec<FaceCorners> {
+/// Something of each face, in face order.
+pub(crate) fn map_faces<T: Send>(
+    mesh: &TriMesh,
+    of: impl Fn(FaceCorners) -> T + Sync + Send,
+) -> Vec<T> {
     let positions = mesh.positions();
     mesh.faces()
         .par_iter()
         .with_min_len(FACES_PER_TASK)
-        .map(|f| FaceCorners::of(f.map(|v| positions[v as usize])))
+        .map(|f| of(FaceCorners::of(f.map(|v| positions[v as usize]))))
         .collect()
 }
 
-/// The corners of all faces, none of them degenerate.
-pub(crate) fn sound_face_corners(mesh: &TriMesh) -> Result<Vec<FaceCorners>, OperatorError> {
-    let corners = face_corners(mesh);
-    match corners.par_iter().with_min_len(FACES_PER_TASK).position_first(FaceCorners::is_degenerate)
-    {
-        None => Ok(corners),
-        Some(face) => Err(degenerate(face, &corners[face])),
+/// Something of each face, in face order, none of them degenerate.
+pub(crate) fn map_sound_faces<T: Send>(
+    mesh: &TriMesh,
+    of: impl Fn(FaceCorners) -> T + Sync,
+) -> Result<Vec<T>, OperatorError> {
+    let positions = mesh.positions();
+    // The first one, whichever thread finds another before.
+    let first = AtomicUsize::new(usize::MAX);
+    let all = mesh
+        .faces()
+        .par_iter()
+        .with_min_len(FACES_PER_TASK)
+        .enumerate()
+        .map(|(f, face)| {
+            let corners = FaceCorners::of(face.map(|v| positions[v as usize]));
+            if corners.is_degenerate() {
+                first.fetch_min(f, Ordering::Relaxed);
+            }
+            of(corners)
+        })
+        .collect();
+    match first.into_inner() {
+        usize::MAX => Ok(all),
+        face => Err(degenerate(face, &FaceCorners::of(mesh.triangle(face)))),
     }
 }
 
@@ -124,7 +139,7 @@ mod tests {
         assert_eq!(c.dots, [0.0, 9.0, 16.0]);
         assert_eq!(c.twice_area, 12.0);
         assert_eq!(c.squared_sides(), [25.0, 16.0, 9.0]);
-        assert_eq!(c.turn(0), (0.0, 1.0));
+        assert_eq!(c.turn(0), (0.0, 12.0));
         assert!(!c.is_degenerate());
     }
 
@@ -144,7 +159,7 @@ mod tests {
     fn the_first_degenerate_face_is_named() {
         let positions = vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [1.0, 0.0, 0.0]];
         let mesh = TriMesh::new(positions, vec![[0, 1, 2], [0, 3, 1], [0, 1, 3]]).unwrap();
-        let error = sound_face_corners(&mesh).unwrap_err();
+        let error = map_sound_faces(&mesh, |_| ()).unwrap_err();
         assert_eq!(error, OperatorError::DegenerateFace { face: 1, area: 0.0, edge: 2.0 });
     }
 

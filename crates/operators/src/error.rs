@@ -22,6 +22,25 @@ pub enum OperatorError {
         /// Its longest edge, in mesh units.
         edge: f64,
     },
+    /// An edge has more than two faces, or two that turn against each other.
+    #[error("edge ({}, {}) is not manifold: {faces} faces, or two that turn against each other", edge[0], edge[1])]
+    NonManifoldEdge {
+        /// Its ends.
+        edge: [u32; 2],
+        /// How many faces it has.
+        faces: usize,
+    },
+    /// All edges have length zero, or there are none that have one.
+    #[error("no edge has a length above zero")]
+    NoLength,
+    /// An option is out of its range.
+    #[error("{name} cannot be {value}")]
+    Option {
+        /// The option.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+    },
     /// More entries than 32-bit indices can number.
     #[error("the matrix would have up to {entries} entries, more than 32-bit indices can number")]
     TooLarge {

@@ -2,10 +2,9 @@
 
 use fairing_mesh::TriMesh;
 use fairing_sparse::SparseMatrix;
-use rayon::prelude::*;
 
 use crate::assembly::{CornerEntries, Pattern};
-use crate::corners::{FaceCorners, degenerate, face_corners};
+use crate::corners::{FaceCorners, degenerate, map_faces};
 use crate::error::OperatorError;
 
 /// How the area of a face is shared between its corners.
@@ -68,12 +67,17 @@ impl LumpedArea {
 ///
 /// Source: \[meyer2003\].
 pub fn lumped_mass(mesh: &TriMesh, area: LumpedArea) -> Result<Vec<f64>, OperatorError> {
-    let corners = face_corners(mesh);
-    let mut shares = Vec::with_capacity(corners.len());
-    for (f, face) in corners.iter().enumerate() {
-        shares.push(area.shares(face).ok_or_else(|| degenerate(f, face))?);
+    let mut mass = vec![0.0; mesh.vertex_count()];
+    // One pass over the faces on one thread: as fast as gathering by vertices
+    // on several, and without a table of shares.
+    for (f, vertices) in mesh.faces().iter().enumerate() {
+        let face = FaceCorners::of(mesh.triangle(f));
+        let shares = area.shares(&face).ok_or_else(|| degenerate(f, &face))?;
+        for k in 0..3 {
+            mass[vertices[k] as usize] += shares[k];
+        }
     }
-    Ok(sum_at_vertices(mesh, shares.as_flattened()))
+    Ok(mass)
 }
 
 /// Assembles the consistent (Galerkin) mass matrix `Mᵢⱼ = ∫ φᵢ φⱼ` of hat
@@ -92,25 +96,15 @@ pub fn lumped_mass(mesh: &TriMesh, area: LumpedArea) -> Result<Vec<f64>, Operato
 ///
 /// Source: \[vallet2008\].
 pub fn consistent_mass(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
-    let corners = face_corners(mesh);
+    let twice_areas = map_faces(mesh, |face| face.twice_area);
     Ok(Pattern::of(mesh)?.fill(mesh, |c| {
-        let twice_area = corners[c as usize / 3].twice_area;
+        let twice_area = twice_areas[c as usize / 3];
         CornerEntries {
             diagonal: twice_area / 12.0,
             next: twice_area / 24.0,
             previous: twice_area / 24.0,
         }
     }))
-}
-
-/// Sums a value per corner at the vertices, in ascending order of faces.
-pub(crate) fn sum_at_vertices(mesh: &TriMesh, per_corner: &[f64]) -> Vec<f64> {
-    let incidence = mesh.incidence();
-    (0..mesh.vertex_count() as u32)
-        .into_par_iter()
-        .with_min_len(4096)
-        .map(|v| incidence.corners(v).iter().map(|&c| per_corner[c as usize]).sum())
-        .collect()
 }
 
 #[cfg(test)]

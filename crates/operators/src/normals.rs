@@ -15,6 +15,10 @@ pub enum NormalWeight {
     /// By its angle at the vertex: does not change when a flat region is
     /// triangulated differently. Source: \[thurmer1998\].
     Angle,
+    /// By its area over the squared lengths of the two sides at the vertex:
+    /// exact where all vertices lie on a sphere, and of second order on smooth
+    /// surfaces. Source: \[max1999\].
+    Sphere,
     /// All alike. Source: \[gouraud1971\].
     Uniform,
 }
@@ -44,7 +48,7 @@ pub fn weighted_vertex_normals(mesh: &TriMesh, weight: NormalWeight) -> Vec<[f64
         .into_par_iter()
         .with_min_len(4096)
         .map(|f| match weight {
-            NormalWeight::Area => mesh.area_vector(f),
+            NormalWeight::Area | NormalWeight::Sphere => mesh.area_vector(f),
             NormalWeight::Angle | NormalWeight::Uniform => face_normal(mesh, f),
         })
         .collect();
@@ -54,6 +58,12 @@ pub fn weighted_vertex_normals(mesh: &TriMesh, weight: NormalWeight) -> Vec<[f64
             let f = c as usize / 3;
             let share = match weight {
                 NormalWeight::Area | NormalWeight::Uniform => vectors[f],
+                NormalWeight::Sphere => {
+                    let sides = FaceCorners::of(mesh.triangle(f)).squared_sides();
+                    let k = c as usize % 3;
+                    let squares = sides[(k + 1) % 3] * sides[(k + 2) % 3];
+                    if squares > 0.0 { scale(vectors[f], 1.0 / squares) } else { [0.0; 3] }
+                }
                 NormalWeight::Angle => {
                     let (x, y) = FaceCorners::of(mesh.triangle(f)).turn(c as usize % 3);
                     scale(vectors[f], y.atan2(x))
@@ -95,5 +105,19 @@ mod tests {
         assert!((area[0][2] + (2.0f64 / 3.0).sqrt()).abs() < 1e-15);
         assert_eq!(area, weighted_vertex_normals(&mesh, NormalWeight::Uniform));
         assert_eq!(area[5], [0.0; 3]);
+    }
+
+    /// An uneven ring on the unit sphere about its pole.
+    #[test]
+    fn sphere_weights_are_exact_on_a_sphere() {
+        let mut positions = vec![[0.0, 0.0, 1.0]];
+        for (theta, phi) in [(0.3f64, 0.0f64), (0.5, 1.1), (0.2, 2.0), (0.6, 3.5), (0.4, 5.0)] {
+            positions.push([theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()]);
+        }
+        let faces = (0..5).map(|i| [0, i + 1, (i + 1) % 5 + 1]).collect();
+        let mesh = TriMesh::new(positions, faces).unwrap();
+        let [x, y, z] = weighted_vertex_normals(&mesh, NormalWeight::Sphere)[0];
+        assert!(x.abs() < 1e-15 && y.abs() < 1e-15 && (z - 1.0).abs() < 1e-15);
+        assert!(vertex_normals(&mesh)[0][2] < 1.0 - 1e-4);
     }
 }

@@ -13,7 +13,7 @@ use fairing_mesh::TriMesh;
 use fairing_sparse::SparseMatrix;
 
 use crate::assembly::{CornerEntries, Pattern};
-use crate::corners::sound_face_corners;
+use crate::corners::map_sound_faces;
 use crate::error::OperatorError;
 
 /// Assembles the cotangent stiffness matrix.
@@ -46,12 +46,9 @@ use crate::error::OperatorError;
 ///
 /// Source: \[pinkall1993\].
 pub fn cotan_stiffness(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
-    let corners = sound_face_corners(mesh)?;
-    let half: Vec<f64> = corners.iter().flat_map(|f| f.cotangents()).map(|cot| 0.5 * cot).collect();
+    let half = map_sound_faces(mesh, |face| face.cotangents().map(|cot| 0.5 * cot))?;
     Ok(Pattern::of(mesh)?.fill(mesh, |c| {
-        let f = c - c % 3;
-        let k = (c % 3) as usize;
-        let half = &half[f as usize..f as usize + 3];
+        let (half, k) = (&half[c as usize / 3], c as usize % 3);
         // The edge to the next corner lies opposite the previous one.
         let (to_next, to_previous) = (half[(k + 2) % 3], half[(k + 1) % 3]);
         CornerEntries { diagonal: to_next + to_previous, next: -to_next, previous: -to_previous }

@@ -1,5 +1,7 @@
 //! Frames of tangent planes.
 
+use fairing_mesh::vec3::{cross, dot, scale};
+
 /// Two unit tangents that form a right-handed frame with the unit normal; any
 /// such frame, but continuous in the normal except across z = 0.
 ///
@@ -14,10 +16,23 @@ pub(crate) fn tangent_frame(normal: [f64; 3]) -> [[f64; 3]; 2] {
     [[1.0 + sign * x * x * a, sign * b, -sign * x], [b, sign + y * y * a, -y]]
 }
 
+/// The vector `v` turned by the smallest rotation that takes the unit vector
+/// `from` to the unit vector `to`; unchanged where they are opposite.
+#[inline]
+pub(crate) fn turn_between(from: [f64; 3], to: [f64; 3], v: [f64; 3]) -> [f64; 3] {
+    let axis = cross(from, to);
+    let c = dot(from, to);
+    if 1.0 + c < 1e-12 {
+        return v;
+    }
+    let (across, along) = (cross(axis, v), scale(axis, dot(axis, v) / (1.0 + c)));
+    std::array::from_fn(|k| c * v[k] + across[k] + along[k])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fairing_mesh::vec3::{cross, dot, norm, normalize, sub};
+    use fairing_mesh::vec3::{norm, normalize, sub};
 
     fn directions() -> Vec<[f64; 3]> {
         let grid = -2..=2;
@@ -34,6 +49,20 @@ mod tests {
             let [x, y] = tangent_frame(n);
             assert!(norm(sub(cross(x, y), n)) < 1e-15, "{n:?}");
             assert!((norm(x) - 1.0).abs() < 1e-15 && dot(x, y).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn a_turn_takes_one_direction_to_the_other_and_keeps_the_axis() {
+        for a in directions() {
+            for b in directions() {
+                if dot(a, b) < -0.999 {
+                    continue;
+                }
+                assert!(norm(sub(turn_between(a, b, a), b)) < 1e-14);
+                let axis = cross(a, b);
+                assert!(norm(sub(turn_between(a, b, axis), axis)) < 1e-14);
+            }
         }
     }
 }

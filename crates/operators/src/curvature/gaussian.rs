@@ -11,15 +11,14 @@
 //! each edge with −2π, each vertex, isolated or not, with 2π.
 //! Source: \[meyer2003\], \[desbrun2008\].
 
-use std::f64::consts::{PI, TAU};
-
 use fairing_mesh::TriMesh;
 use rayon::prelude::*;
 
-use super::boundary::{VertexLinks, vertex_links};
-use super::status::{ScalarCurvature, Undefined, VertexStatus};
-use crate::corners::{FaceCorners, face_corners};
+use super::cell::{Links, Turns};
+use super::status::{ScalarCurvature, Undefined};
+use crate::corners::FaceCorners;
 use crate::error::OperatorError;
+use crate::fan::Fan;
 use crate::mass::{LumpedArea, lumped_mass};
 
 /// The angle defect of each vertex: its Gaussian curvature, integrated.
@@ -31,47 +30,28 @@ use crate::mass::{LumpedArea, lumped_mass};
 ///
 /// Source: \[meyer2003\].
 pub fn angle_defect(mesh: &TriMesh) -> Vec<f64> {
-    defects(mesh, &vertex_links(mesh))
+    defects(mesh).into_iter().map(|(defect, _)| defect).collect()
 }
 
-fn defects(mesh: &TriMesh, links: &[VertexLinks]) -> Vec<f64> {
-    let corners = face_corners(mesh);
+/// The angle defect and the surroundings of each vertex, on any mesh.
+pub(crate) fn defects(mesh: &TriMesh) -> Vec<(f64, Links)> {
+    let vertices = mesh.faces().as_flattened();
     let incidence = mesh.incidence();
-    links
-        .par_iter()
-        .with_min_len(4096)
-        .enumerate()
-        .map(|(v, links)| defect(*links, angle_sum(&corners, incidence.corners(v as u32))))
+    let defect = |fan: &mut Fan, v: u32| {
+        let corners = incidence.corners(v);
+        fan.gather(vertices, corners);
+        let mut turns = Turns::default();
+        for &c in corners {
+            turns.add(FaceCorners::of(mesh.triangle(c as usize / 3)).turn(c as usize % 3));
+        }
+        let links = Links::of(fan, corners);
+        (links.defect(turns.sum()), links)
+    };
+    (0..mesh.vertex_count() as u32)
+        .into_par_iter()
+        .with_min_len(2048)
+        .map_init(Fan::default, defect)
         .collect()
-}
-
-/// The angle defect of a vertex from the sum of its angles.
-#[inline]
-pub(crate) fn defect(links: VertexLinks, angle_sum: f64) -> f64 {
-    (2.0 - f64::from(links.edges) + f64::from(links.faces)) * PI - angle_sum
-}
-
-/// The sum of the angles at `corners`, in radians.
-///
-/// The turns are multiplied as complex numbers and full turns counted, so that
-/// a vertex costs one arc tangent instead of one per corner.
-#[inline]
-pub(crate) fn angle_sum(faces: &[FaceCorners], corners: &[u32]) -> f64 {
-    let (mut re, mut im) = (1.0f64, 0.0f64);
-    let mut full_turns = 0u32;
-    for &c in corners {
-        let (x, y) = faces[c as usize / 3].turn(c as usize % 3);
-        let half_turns = im == 0.0 && re < 0.0 && y == 0.0 && x < 0.0;
-        let (old, r) = (im, re);
-        re = r * x - old * y;
-        // Adding zero turns −0 into 0, whose arc tangent is not −π.
-        im = (r * y + old * x) + 0.0;
-        // An angle of at most π passes a full turn only out of the lower half
-        // plane, unless both are exactly π.
-        full_turns += u32::from((old < 0.0 && im >= 0.0) || half_turns);
-    }
-    let angle = im.atan2(re);
-    f64::from(full_turns) * TAU + if angle < 0.0 { angle + TAU } else { angle }
 }
 
 /// Pointwise Gaussian curvature: the angle defect over the area of the vertex,
@@ -92,32 +72,26 @@ pub fn gaussian_curvature(
     area: LumpedArea,
 ) -> Result<ScalarCurvature, OperatorError> {
     let mass = lumped_mass(mesh, area)?;
-    let links = vertex_links(mesh);
-    let mut values = defects(mesh, &links);
-    let mut status = Vec::with_capacity(values.len());
-    for ((value, mass), links) in values.iter_mut().zip(&mass).zip(&links) {
-        let pointwise = *value / mass;
-        if *mass > 0.0 && pointwise.is_finite() {
-            *value = pointwise;
-            status.push(VertexStatus::Defined);
-        } else {
-            *value = 0.0;
-            status.push(VertexStatus::Undefined(undefined(*links)));
-        }
-    }
-    let boundary = links.iter().map(|l| l.boundary).collect();
-    Ok(ScalarCurvature { values, status, boundary })
+    Ok(defects(mesh)
+        .into_iter()
+        .zip(mass)
+        .map(|((defect, links), mass)| {
+            let pointwise = if mass > 0.0 { defect / mass } else { f64::INFINITY };
+            (pointwise, undefined(links), links.boundary)
+        })
+        .collect())
 }
 
 /// Why a vertex has no area.
-pub(crate) fn undefined(links: VertexLinks) -> Undefined {
+pub(crate) fn undefined(links: Links) -> Undefined {
     if links.faces == 0 { Undefined::Isolated } else { Undefined::NoArea }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::f64::consts::FRAC_PI_2;
+    use crate::curvature::VertexStatus;
+    use std::f64::consts::{FRAC_PI_2, TAU};
 
     fn cube() -> TriMesh {
         let positions = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect();
@@ -148,30 +122,5 @@ mod tests {
         assert_eq!(k.status[3], VertexStatus::Undefined(Undefined::Isolated));
         assert_eq!(k.status[0], VertexStatus::Undefined(Undefined::NoArea));
         assert_eq!(k.values, [0.0; 4]);
-    }
-
-    /// A saddle of valence 200 turns through many full circles; halves of
-    /// turns in a row land exactly on the cut.
-    #[test]
-    fn many_turns_are_counted() {
-        let n = 200u32;
-        let mut positions = vec![[0.0; 3]];
-        for i in 0..n {
-            let a = f64::from(i) / f64::from(n) * TAU;
-            positions.push([a.cos(), a.sin(), if i % 2 == 0 { 1.0 } else { -1.0 }]);
-        }
-        let faces = (0..n).map(|i| [0, i + 1, (i + 1) % n + 1]).collect();
-        let mesh = TriMesh::new(positions, faces).unwrap();
-        let corners = face_corners(&mesh);
-        let direct: f64 = corners.iter().map(|c| c.turn(0)).map(|(x, y)| y.atan2(x)).sum();
-        let sum = angle_sum(&corners, mesh.incidence().corners(0));
-        assert!(direct > 40.0 && (sum - direct).abs() < 1e-11, "{sum} {direct}");
-
-        let straight = FaceCorners { dots: [-1.0, 1.0, 2.0], twice_area: 0.0 };
-        for count in 0..6u32 {
-            let at: Vec<u32> = (0..count).map(|f| 3 * f).collect();
-            let sum = angle_sum(&vec![straight; count as usize], &at);
-            assert!((sum - PI * f64::from(count)).abs() < 1e-15);
-        }
     }
 }

@@ -1,16 +1,15 @@
 //! Mean curvature from a Laplacian of the positions, `Δx = −2 H n`.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, dot, norm, scale, sub};
+use fairing_mesh::vec3::{add, cross, dot, norm, normalize, scale, sub};
 use rayon::prelude::*;
 
-use super::boundary::{VertexLinks, links_of, vertex_links};
+use super::cell::{Links, map_cells};
 use super::gaussian::undefined;
-use super::status::{ScalarCurvature, Undefined, VertexStatus};
-use crate::corners::{FaceCorners, next, previous, sound_face_corners};
+use super::status::{ScalarCurvature, VertexStatus};
 use crate::error::OperatorError;
-use crate::mass::{LumpedArea, lumped_mass};
-use crate::normals::vertex_normals;
+use crate::fan::Fan;
+use crate::mass::LumpedArea;
 
 /// The Laplacian behind a mean curvature.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -73,90 +72,69 @@ pub fn mean_curvature(
     mesh: &TriMesh,
     operator: MeanOperator,
 ) -> Result<MeanCurvature, OperatorError> {
-    let mut vectors = match operator {
+    let found = match operator {
         MeanOperator::Umbrella => umbrellas(mesh, false),
         MeanOperator::ScaledUmbrella => umbrellas(mesh, true),
-        MeanOperator::Cotangent(area) => {
-            let mass = lumped_mass(mesh, area)?;
-            let mut vectors = integrated_laplacian(mesh, &sound_face_corners(mesh)?);
-            for (vector, mass) in vectors.iter_mut().zip(mass) {
-                // A cell that is not positive is flagged below by this zero.
-                let s = if mass > 0.0 { 1.0 / mass } else { f64::NAN };
-                *vector = scale(*vector, s);
-            }
-            vectors
-        }
+        MeanOperator::Cotangent(area) => map_cells(mesh, area, |cell| {
+            let vector = (cell.area > 0.0).then(|| scale(cell.laplacian, 1.0 / cell.area));
+            AtVertex::new(vector, cell.normal, cell.links)
+        })?,
     };
-    let links = vertex_links(mesh);
-    let mut signed = Vec::with_capacity(vectors.len());
-    let mut status = Vec::with_capacity(vectors.len());
-    for ((vector, normal), links) in vectors.iter_mut().zip(vertex_normals(mesh)).zip(&links) {
-        let value = -0.5 * dot(*vector, normal);
-        let reason = why_not(*links, value, normal);
-        if reason.is_some() {
-            *vector = [0.0; 3];
+    Ok(MeanCurvature {
+        vectors: found.par_iter().map(|at| at.vector).collect(),
+        signed: found.par_iter().map(|at| at.signed).collect(),
+        status: found.par_iter().map(|at| at.status).collect(),
+        boundary: found.par_iter().map(|at| at.boundary).collect(),
+    })
+}
+
+struct AtVertex {
+    vector: [f64; 3],
+    signed: f64,
+    status: VertexStatus,
+    boundary: bool,
+}
+
+impl AtVertex {
+    /// From Δx, if there is one, and a vector along the normal.
+    fn new(vector: Option<[f64; 3]>, normal: [f64; 3], links: Links) -> Self {
+        let boundary = links.boundary;
+        if let (Some(vector), Some(normal)) = (vector, normalize(normal)) {
+            let signed = -0.5 * dot(vector, normal);
+            if signed.is_finite() {
+                return Self { vector, signed, status: VertexStatus::Defined, boundary };
+            }
         }
-        signed.push(if reason.is_some() { 0.0 } else { value });
-        status.push(reason.map_or(VertexStatus::Defined, VertexStatus::Undefined));
+        let status = VertexStatus::Undefined(undefined(links));
+        Self { vector: [0.0; 3], signed: 0.0, status, boundary }
     }
-    let boundary = links.iter().map(|l| l.boundary).collect();
-    Ok(MeanCurvature { vectors, signed, status, boundary })
 }
 
-fn why_not(links: VertexLinks, value: f64, normal: [f64; 3]) -> Option<Undefined> {
-    (!value.is_finite() || normal == [0.0; 3]).then(|| undefined(links))
-}
-
-/// `mean(xⱼ) − xᵢ` over the neighbours, each once; scaled by `4 / mean(ℓ²)` if
-/// asked for.
-fn umbrellas(mesh: &TriMesh, scaled: bool) -> Vec<[f64; 3]> {
+/// `mean(xⱼ) − xᵢ` over the neighbours, each once; times `4 / mean(ℓ²)` if
+/// scaled.
+fn umbrellas(mesh: &TriMesh, scaled: bool) -> Vec<AtVertex> {
     let (positions, vertices) = (mesh.positions(), mesh.faces().as_flattened());
     let incidence = mesh.incidence();
-    let umbrella = |ring: &mut Vec<u32>, v: u32| {
-        let corners = incidence.corners(v);
-        ring.clear();
-        ring.extend(corners.iter().map(|&c| vertices[next(c) as usize]));
-        let closed = {
-            let mut room = Vec::new();
-            let links = links_of(vertices, corners, &mut room);
-            links.edges == links.faces && !links.boundary
-        };
-        if !closed {
-            ring.extend(corners.iter().map(|&c| vertices[previous(c) as usize]));
-        }
-        ring.sort_unstable();
-        ring.dedup();
-        let at = positions[v as usize];
+    let umbrella = |fan: &mut Fan, v: u32| {
+        let (at, corners) = (positions[v as usize], incidence.corners(v));
+        fan.gather(vertices, corners);
         let (mut sum, mut squares) = ([0.0; 3], 0.0);
-        for &w in ring.iter() {
+        for &w in &fan.neighbors {
             let edge = sub(positions[w as usize], at);
             sum = add(sum, edge);
             squares += dot(edge, edge);
         }
-        let divisor = if scaled { 0.25 * squares } else { ring.len() as f64 };
-        scale(sum, 1.0 / divisor)
+        let normal = fan.ranks.iter().fold([0.0; 3], |normal, ranks| {
+            let [a, b] = ranks.map(|r| sub(positions[fan.neighbors[r as usize] as usize], at));
+            add(normal, cross(a, b))
+        });
+        let divisor = if scaled { 0.25 * squares } else { fan.neighbors.len() as f64 };
+        let vector = (divisor > 0.0).then(|| scale(sum, 1.0 / divisor));
+        AtVertex::new(vector, normal, Links::of(fan, corners))
     };
     (0..mesh.vertex_count() as u32)
         .into_par_iter()
         .with_min_len(2048)
-        .map_init(Vec::new, umbrella)
+        .map_init(Fan::default, umbrella)
         .collect()
-}
-
-/// `−S x` at each vertex, without assembling S.
-pub(crate) fn integrated_laplacian(mesh: &TriMesh, corners: &[FaceCorners]) -> Vec<[f64; 3]> {
-    let (positions, vertices) = (mesh.positions(), mesh.faces().as_flattened());
-    let incidence = mesh.incidence();
-    let at_vertex = |v: u32| {
-        let at = positions[v as usize];
-        incidence.corners(v).iter().fold([0.0; 3], |sum, &c| {
-            let cot = corners[c as usize / 3].cotangents();
-            let (n, p) = (next(c) as usize, previous(c) as usize);
-            let to_next = sub(positions[vertices[n] as usize], at);
-            let to_previous = sub(positions[vertices[p] as usize], at);
-            let turn = add(scale(to_next, cot[p % 3]), scale(to_previous, cot[n % 3]));
-            add(sum, scale(turn, 0.5))
-        })
-    };
-    (0..mesh.vertex_count() as u32).into_par_iter().with_min_len(2048).map(at_vertex).collect()
 }

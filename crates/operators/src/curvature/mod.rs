@@ -5,15 +5,41 @@
 //! integrated. A vertex where a value cannot be computed is flagged in a
 //! [`VertexStatus`] and holds zero; NaN is never a result. Boundary vertices
 //! are flagged apart: their values are one-sided.
+//!
+//! [`Estimator`] has all methods under one roof, with one result, the
+//! [`CurvatureField`]; [`mean_curvature`] and [`gaussian_curvature`] are the
+//! plain operators of the assignment.
 
-mod boundary;
+mod ball;
+mod bending;
+mod cell;
+mod corrected;
+mod cotangent;
+mod estimator;
+mod face_tensor;
+mod field;
+mod fit;
 mod gaussian;
+mod jet;
 mod mean;
+mod neighborhood;
+mod normal_cycle;
 mod principal;
+mod quadric;
 mod status;
+mod steiner;
 
-pub use boundary::{VertexLinks, vertex_links};
+pub use corrected::{CorrectedMeasures, CorrectedOptions, corrected_curvature};
+pub use cotangent::{CotangentOptions, cotangent_curvature};
+pub use estimator::{Estimator, UnknownEstimator};
+pub use face_tensor::{FaceTensorOptions, face_tensor_curvature};
+pub use field::CurvatureField;
 pub use gaussian::{angle_defect, gaussian_curvature};
+pub use jet::{JetDegree, JetOptions, JetWeight, jet_curvature};
 pub use mean::{MeanCurvature, MeanOperator, mean_curvature};
+pub use neighborhood::{Length, Neighborhood};
+pub use normal_cycle::{NormalCycleOptions, normal_cycle_curvature};
 pub use principal::principal_values;
+pub use quadric::{QuadricOptions, quadric_curvature};
 pub use status::{ScalarCurvature, Undefined, VertexStatus};
+pub use steiner::steiner_curvature;

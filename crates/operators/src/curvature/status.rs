@@ -73,3 +73,21 @@ impl ScalarCurvature {
             .map(|v| (v as u32, self.values[v]))
     }
 }
+
+/// From values, why there would be none, and boundary flags: a value that is
+/// not finite becomes zero, undefined for that reason.
+impl FromIterator<(f64, Undefined, bool)> for ScalarCurvature {
+    fn from_iter<I: IntoIterator<Item = (f64, Undefined, bool)>>(items: I) -> Self {
+        let mut all = Self { values: vec![], status: vec![], boundary: vec![] };
+        for (value, reason, boundary) in items {
+            let defined = value.is_finite();
+            all.values.push(if defined { value } else { 0.0 });
+            all.status.push(match defined {
+                true => VertexStatus::Defined,
+                false => VertexStatus::Undefined(reason),
+            });
+            all.boundary.push(boundary);
+        }
+        all
+    }
+}

@@ -1,0 +1,102 @@
+//! How much each edge bends.
+
+use fairing_mesh::vec3::{add, cross, dot, norm, scale, sub};
+use fairing_mesh::{Topology, TriMesh};
+use rayon::prelude::*;
+
+use crate::symmetric::Symmetric2;
+
+/// The dihedral angle of each edge times its length, in edge order: twice the
+/// mean curvature of the edge, integrated, in mesh units.
+///
+/// Positive where convex. Zero on the boundary, on edges with more than two
+/// faces, and next to faces without area: they have no bend of their own. Where
+/// two faces turn against each other, one of them is turned around.
+pub(crate) fn edge_bending(mesh: &TriMesh, topology: &Topology) -> Vec<f64> {
+    let area_vectors: Vec<[f64; 3]> =
+        (0..mesh.face_count()).into_par_iter().map(|f| mesh.area_vector(f)).collect();
+    let (positions, faces) = (mesh.positions(), mesh.faces());
+    let bend = |e: usize| {
+        let &[f, g] = topology.edge_faces(e as u32) else { return 0.0 };
+        let ends = topology.edges()[e];
+        let [f, g] = [f as usize, g as usize];
+        let along = sub(positions[ends[1] as usize], positions[ends[0] as usize]);
+        let length = norm(along);
+        // +1 where the face runs along its edge from the lower end.
+        let sense = |f: usize| if runs(faces[f], ends) { 1.0 } else { -1.0 };
+        let turn = -sense(f) * sense(g);
+        let (n, m) = (area_vectors[f], scale(area_vectors[g], turn));
+        let sine = sense(f) * dot(cross(n, m), along);
+        let cosine = dot(n, m) * length;
+        if sine == 0.0 && cosine == 0.0 { 0.0 } else { sine.atan2(cosine) * length }
+    };
+    (0..topology.edges().len()).into_par_iter().with_min_len(4096).map(bend).collect()
+}
+
+/// Whether the face runs from the first end to the second.
+#[inline]
+fn runs(face: [u32; 3], [a, b]: [u32; 2]) -> bool {
+    (0..3).any(|k| face[k] == a && face[(k + 1) % 3] == b)
+}
+
+/// The sum of `w m ⊗ m` over bends w across directions m, in a tangent frame.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct BendSum {
+    pub(crate) frame: [[f64; 3]; 2],
+    pub(crate) form: Symmetric2,
+}
+
+impl BendSum {
+    pub(crate) fn new(frame: [[f64; 3]; 2]) -> Self {
+        Self { frame, form: Symmetric2::default() }
+    }
+
+    /// Adds a bend across an edge: in the tangent plane, along the quarter turn
+    /// of the edge. An edge along the normal adds to neither direction.
+    #[inline]
+    pub(crate) fn add(&mut self, edge: [f64; 3], weight: f64) {
+        let (x, y) = (dot(edge, self.frame[0]), dot(edge, self.frame[1]));
+        let square = x * x + y * y;
+        if square > 1e-24 * dot(edge, edge) && weight != 0.0 {
+            let w = weight / square;
+            self.form.a += w * y * y;
+            self.form.b -= w * x * y;
+            self.form.c += w * x * x;
+        }
+    }
+}
+
+/// The sum of the area vectors of the faces at a vertex.
+#[inline]
+pub(crate) fn normal_sum(mesh: &TriMesh, v: u32) -> [f64; 3] {
+    mesh.incidence()
+        .corners(v)
+        .iter()
+        .fold([0.0; 3], |sum, &c| add(sum, mesh.area_vector(c as usize / 3)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::FRAC_PI_2;
+
+    fn roof(faces: Vec<[u32; 3]>, tip: [f64; 3]) -> f64 {
+        let positions = vec![[0.0, 0.0, 0.0], [0.0, 2.0, 0.0], [-1.0, 0.0, 0.0], tip];
+        let mesh = TriMesh::new(positions, faces).unwrap();
+        let topology = mesh.topology();
+        edge_bending(&mesh, topology)[topology.edge_between(0, 1).unwrap() as usize]
+    }
+
+    #[test]
+    fn convex_is_positive_whatever_the_order_of_faces() {
+        let down = [0.0, 0.0, -1.0];
+        for faces in [vec![[0, 1, 2], [1, 0, 3]], vec![[1, 0, 3], [0, 1, 2]]] {
+            assert!((roof(faces, down) - 2.0 * FRAC_PI_2).abs() < 1e-15);
+        }
+        let up = roof(vec![[0, 1, 2], [1, 0, 3]], [0.0, 0.0, 1.0]);
+        assert!((up + 2.0 * FRAC_PI_2).abs() < 1e-15);
+        // The second face turns against the first.
+        let turned = roof(vec![[0, 1, 2], [0, 1, 3]], down);
+        assert!((turned - 2.0 * FRAC_PI_2).abs() < 1e-15);
+    }
+}

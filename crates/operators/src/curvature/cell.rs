@@ -1,0 +1,192 @@
+//! All that the faces say about a vertex, gathered in one pass.
+
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{add, cross, scale, sub};
+use rayon::prelude::*;
+
+use std::f64::consts::{PI, TAU};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use crate::corners::{FaceCorners, degenerate};
+use crate::error::OperatorError;
+use crate::fan::Fan;
+use crate::mass::LumpedArea;
+
+/// Vertices handed to a thread at a time.
+const VERTICES_PER_TASK: usize = 2048;
+
+/// The surroundings of a vertex, counted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Links {
+    /// The faces at the vertex.
+    pub(crate) faces: u32,
+    /// The edges at the vertex, each once.
+    pub(crate) edges: u32,
+    /// Whether an edge at the vertex has one face only.
+    pub(crate) boundary: bool,
+}
+
+/// Sums over the corners at a vertex.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Cell {
+    /// `Δx` by cotangents, integrated, in mesh units: a row of `−S x`.
+    pub(crate) laplacian: [f64; 3],
+    /// The area, in squared mesh units.
+    pub(crate) area: f64,
+    /// The sum of the area vectors of the faces.
+    pub(crate) normal: [f64; 3],
+    /// The sum of the angles, in radians.
+    pub(crate) angles: f64,
+    pub(crate) links: Links,
+}
+
+impl Cell {
+    /// The angle defect `(2 − e + f) π − Σ θ`.
+    #[inline]
+    pub(crate) fn defect(&self) -> f64 {
+        self.links.defect(self.angles)
+    }
+}
+
+impl Links {
+    #[inline]
+    pub(crate) fn of(fan: &Fan, corners: &[u32]) -> Self {
+        Self {
+            faces: corners.len() as u32,
+            edges: fan.neighbors.len() as u32,
+            boundary: fan.has_boundary_edge(),
+        }
+    }
+
+    #[inline]
+    pub(crate) fn defect(&self, angles: f64) -> f64 {
+        (2.0 - f64::from(self.edges) + f64::from(self.faces)) * PI - angles
+    }
+}
+
+/// Gathers at each vertex, in vertex order, and makes something of it.
+///
+/// Each face is computed once for each of its corners: cheaper than to write
+/// it down and read it back.
+pub(crate) fn map_cells<T: Send>(
+    mesh: &TriMesh,
+    area: LumpedArea,
+    of: impl Fn(&Cell) -> T + Sync + Send,
+) -> Result<Vec<T>, OperatorError> {
+    let (faces, vertices) = (mesh.faces(), mesh.faces().as_flattened());
+    let (positions, incidence) = (mesh.positions(), mesh.incidence());
+    let first = AtomicUsize::new(usize::MAX);
+    let gather = |fan: &mut Fan, v: u32| {
+        let corners = incidence.corners(v);
+        fan.gather(vertices, corners);
+        let mut cell = Cell {
+            laplacian: [0.0; 3],
+            area: 0.0,
+            normal: [0.0; 3],
+            angles: 0.0,
+            links: Links::of(fan, corners),
+        };
+        let mut turns = Turns::default();
+        for &c in corners {
+            let (f, k) = (c as usize / 3, c as usize % 3);
+            let triangle = faces[f].map(|v| positions[v as usize]);
+            let face = FaceCorners::of(triangle);
+            let shares = area.shares(&face);
+            if shares.is_none() || face.is_degenerate() {
+                first.fetch_min(f, Ordering::Relaxed);
+            }
+            let cot = face.cotangents();
+            let (next, previous) = ((k + 1) % 3, (k + 2) % 3);
+            let to_next = sub(triangle[next], triangle[k]);
+            let to_previous = sub(triangle[previous], triangle[k]);
+            let pull = add(scale(to_next, cot[previous]), scale(to_previous, cot[next]));
+            cell.laplacian = add(cell.laplacian, scale(pull, 0.5));
+            cell.area += shares.unwrap_or_default()[k];
+            cell.normal = add(cell.normal, scale(cross(to_next, to_previous), 0.5));
+            turns.add(face.turn(k));
+        }
+        cell.angles = turns.sum();
+        of(&cell)
+    };
+    let all = (0..mesh.vertex_count() as u32)
+        .into_par_iter()
+        .with_min_len(VERTICES_PER_TASK)
+        .map_init(Fan::default, gather)
+        .collect();
+    match first.into_inner() {
+        usize::MAX => Ok(all),
+        face => Err(degenerate(face, &FaceCorners::of(mesh.triangle(face)))),
+    }
+}
+
+/// A sum of angles between 0 and π.
+///
+/// The angles are multiplied as complex numbers and full turns counted, so
+/// that a vertex costs one arc tangent instead of one per corner.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Turns {
+    re: f64,
+    im: f64,
+    full: u32,
+}
+
+impl Default for Turns {
+    fn default() -> Self {
+        Self { re: 1.0, im: 0.0, full: 0 }
+    }
+}
+
+impl Turns {
+    /// Adds the angle of `(x, y)`, y ≥ 0, not both zero.
+    #[inline]
+    pub(crate) fn add(&mut self, (x, y): (f64, f64)) {
+        let two_halves = self.im == 0.0 && self.re < 0.0 && y == 0.0 && x < 0.0;
+        let lower = self.im < 0.0;
+        let re = self.re * x - self.im * y;
+        // Adding zero turns −0 into 0, whose arc tangent is not −π.
+        let im = self.re * y + self.im * x + 0.0;
+        // An angle of at most π passes a full turn only out of the lower half
+        // plane, unless both are exactly π.
+        self.full += u32::from((lower && im >= 0.0) || two_halves);
+        (self.re, self.im) = (re, im);
+        let size = re.abs() + im.abs();
+        if !(1e-100..1e100).contains(&size) {
+            // Products of large or small lengths must not leave the range.
+            (self.re, self.im) = (re / size, im / size);
+        }
+    }
+
+    /// The sum, in radians.
+    #[inline]
+    pub(crate) fn sum(&self) -> f64 {
+        let angle = self.im.atan2(self.re);
+        f64::from(self.full) * TAU + if angle < 0.0 { angle + TAU } else { angle }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_turns_are_counted() {
+        let (mut turns, mut sum) = (Turns::default(), 0.0);
+        for i in 0..500 {
+            let (angle, size) = (f64::from(i) * 0.006, 10f64.powi(i % 60 - 20));
+            turns.add((size * angle.cos(), size * angle.sin()));
+            sum += angle;
+            // One rounding per factor.
+            assert!((turns.sum() - sum).abs() < 1e-13 * f64::from(i + 1), "{i}");
+        }
+        assert!(sum > 700.0);
+    }
+
+    #[test]
+    fn half_turns_land_on_the_cut() {
+        let mut turns = Turns::default();
+        for count in 1..6 {
+            turns.add((-2.0, 0.0));
+            assert_eq!(turns.sum(), PI * f64::from(count));
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! Corrected curvature measures with interpolated normals.
+//!
+//! Positions x and unit normals u at the corners of a triangle are both
+//! interpolated; the measures of the corrected normal current are then exact
+//! polynomials. With ū the mean of the normals:
+//!
+//! ```text
+//! μ⁰      = ½ ū · (x₁ − x₀) × (x₂ − x₀)                                  area
+//! μ¹      = ½ ū · [(u₂ − u₁) × x₀ + (u₀ − u₂) × x₁ + (u₁ − u₀) × x₂]      2H
+//! μ²      = ½ u₀ · u₁ × u₂                                               K
+//! μ(X, Y) = ½ ū · X × [(Y·(u₁ − u₀)) (x₂ − x₀) − (Y·(u₂ − u₀)) (x₁ − x₀)] II
+//! ```
+//!
+//! Summed over the faces at a vertex, or over the part of the mesh in a ball,
+//! and divided by μ⁰ they are pointwise: H = ½ μ¹/μ⁰, K = μ²/μ⁰, and the
+//! symmetric part of μ(X, Y)/μ⁰ in the tangent plane has the principal
+//! curvatures. Signs are positive on a sphere. Source: \[lachaud2020\].
+
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{add, cross, dot, normalize, scale, sub};
+use rayon::prelude::*;
+
+use super::ball::BallExplorer;
+use super::field::{AtVertex, CurvatureField};
+use super::neighborhood::Length;
+use super::status::Undefined;
+use crate::error::OperatorError;
+use crate::normals::{NormalWeight, weighted_vertex_normals};
+use crate::symmetric::Symmetric2;
+use crate::tangent::tangent_frame;
+
+/// The measures of a part of a surface, integrated; they add up.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct CorrectedMeasures {
+    /// μ⁰: the area, seen along the normals, in squared mesh units.
+    pub area: f64,
+    /// μ¹: 2H integrated, in mesh units.
+    pub mean: f64,
+    /// μ²: K integrated, dimensionless.
+    pub gaussian: f64,
+    /// μ(eᵢ, eⱼ) for the axes: the second form integrated, in mesh units.
+    pub tensor: [[f64; 3]; 3],
+}
+
+impl CorrectedMeasures {
+    /// The measures of a triangle with a unit normal at each corner.
+    #[inline]
+    pub fn of_triangle(x: [[f64; 3]; 3], u: [[f64; 3]; 3]) -> Self {
+        let mean_normal = scale(add(add(u[0], u[1]), u[2]), 1.0 / 3.0);
+        // About the first corner: the measures do not see translations.
+        let (p, q) = (sub(x[1], x[0]), sub(x[2], x[0]));
+        let (du, dv) = (sub(u[1], u[0]), sub(u[2], u[0]));
+        let bend = sub(cross(du, q), cross(dv, p));
+        // X · (w × ū) with w = (Y·du) q − (Y·dv) p.
+        let (across_p, across_q) = (cross(p, mean_normal), cross(q, mean_normal));
+        let tensor = std::array::from_fn(|i| {
+            std::array::from_fn(|j| 0.5 * (du[j] * across_q[i] - dv[j] * across_p[i]))
+        });
+        Self {
+            area: 0.5 * dot(mean_normal, cross(p, q)),
+            mean: 0.5 * dot(mean_normal, bend),
+            gaussian: 0.5 * dot(u[0], cross(u[1], u[2])),
+            tensor,
+        }
+    }
+
+    /// The sum of two parts, the second times a weight.
+    #[inline]
+    pub fn plus(mut self, other: &Self, weight: f64) -> Self {
+        self.area += weight * other.area;
+        self.mean += weight * other.mean;
+        self.gaussian += weight * other.gaussian;
+        for i in 0..3 {
+            for j in 0..3 {
+                self.tensor[i][j] += weight * other.tensor[i][j];
+            }
+        }
+        self
+    }
+
+    /// H, in 1 / mesh units; `None` where the area is not positive.
+    pub fn mean_curvature(&self) -> Option<f64> {
+        (self.area > 0.0).then(|| 0.5 * self.mean / self.area)
+    }
+
+    /// K, in 1 / squared mesh units; `None` where the area is not positive.
+    pub fn gaussian_curvature(&self) -> Option<f64> {
+        (self.area > 0.0).then(|| self.gaussian / self.area)
+    }
+
+    /// κ₁ ≥ κ₂ in the plane across the unit normal and their directions;
+    /// `None` where the area is not positive.
+    pub fn principal(&self, normal: [f64; 3]) -> Option<([f64; 2], [[f64; 3]; 2])> {
+        let at = self.at(normal)?;
+        Some((at.values, at.directions))
+    }
+
+    fn at(&self, normal: [f64; 3]) -> Option<AtVertex> {
+        let (mean, gaussian) = (self.mean_curvature()?, self.gaussian_curvature()?);
+        let frame = tangent_frame(normal);
+        let form =
+            |x: [f64; 3], y: [f64; 3]| dot(x, self.tensor.map(|row| dot(row, y))) / self.area;
+        let [x, y] = frame;
+        let form = Symmetric2 { a: form(x, x), b: 0.5 * (form(x, y) + form(y, x)), c: form(y, y) };
+        Some(AtVertex { mean, gaussian, ..AtVertex::of_form(form, frame, normal) })
+    }
+}
+
+/// The normals and the scale of [`corrected_curvature`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CorrectedOptions {
+    /// How the normals at the vertices are made.
+    pub normals: NormalWeight,
+    /// The radius of the ball about the vertex; `None` for the faces at the
+    /// vertex.
+    pub radius: Option<Length>,
+}
+
+/// The faces at the vertex, with normals exact on spheres.
+impl Default for CorrectedOptions {
+    fn default() -> Self {
+        Self { normals: NormalWeight::Sphere, radius: None }
+    }
+}
+
+/// Curvature by corrected measures at each vertex; H and K have measures of
+/// their own, so that κ₁ κ₂ = K holds only in the limit.
+///
+/// A face in a ball counts by the share of its area inside. Faces whose
+/// corners have no normal are left out. Undefined at isolated vertices and
+/// where the area seen along the normals is not positive, as on sharp folds.
+///
+/// # Errors
+///
+/// [`OperatorError::Option`] for a radius that is negative or not finite.
+pub fn corrected_curvature(
+    mesh: &TriMesh,
+    options: CorrectedOptions,
+) -> Result<CurvatureField, OperatorError> {
+    let radius = options.radius.map(|r| r.on(mesh)).transpose()?;
+    let normals = weighted_vertex_normals(mesh, options.normals);
+    let topology = mesh.topology();
+    let of_face = |f: usize| {
+        let u = mesh.faces()[f].map(|v| normals[v as usize]);
+        if u.contains(&[0.0; 3]) {
+            return CorrectedMeasures::default();
+        }
+        CorrectedMeasures::of_triangle(mesh.triangle(f), u)
+    };
+    let measures: Vec<CorrectedMeasures> =
+        (0..mesh.face_count()).into_par_iter().with_min_len(4096).map(of_face).collect();
+    let at_vertex = |explorer: &mut BallExplorer, v: u32| {
+        let corners = mesh.incidence().corners(v);
+        if corners.is_empty() {
+            return Err(Undefined::Isolated);
+        }
+        let normal = normalize(normals[v as usize]).ok_or(Undefined::NoArea)?;
+        let mut sum = CorrectedMeasures::default();
+        match radius {
+            None => {
+                for &c in corners {
+                    sum = sum.plus(&measures[c as usize / 3], 1.0);
+                }
+            }
+            Some(radius) => explorer.visit(mesh, topology, v, radius, |part| {
+                let f = part.face as usize;
+                let share = if part.whole { 1.0 } else { part.area / mesh.face_area(f) };
+                if share > 0.0 && share.is_finite() {
+                    sum = sum.plus(&measures[f], share);
+                }
+            }),
+        }
+        sum.at(normal).ok_or(Undefined::NoArea)
+    };
+    let found = (0..mesh.vertex_count() as u32)
+        .into_par_iter()
+        .with_min_len(4096)
+        .map_init(BallExplorer::default, |explorer, v| {
+            (at_vertex(explorer, v), topology.is_boundary_vertex(v))
+        })
+        .collect();
+    Ok(CurvatureField::collect(found, true))
+}

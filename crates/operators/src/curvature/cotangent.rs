@@ -1,0 +1,102 @@
+//! Mean curvature by cotangents, Gaussian curvature by angle defects.
+//!
+//! ```text
+//! H = −½ (Δx)·n,    Δx = −M⁻¹ S x,    K = (2π − Σθ) / A,    κ = H ± √(H² − K)
+//! ```
+//!
+//! The cheapest estimator, without directions. Its integrals converge, and so
+//! do its values on regular meshes; on irregular ones they do not, pointwise.
+//! Sources: \[meyer2003\], \[pinkall1993\].
+
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{dot, norm, sub};
+
+use super::cell::{Cell, map_cells};
+use super::field::{AtVertex, CurvatureField};
+use super::gaussian::{defects, undefined};
+use super::principal::principal_values;
+use super::status::Undefined;
+use crate::error::OperatorError;
+use crate::intrinsic::{RobustOptions, robust_laplacian};
+use crate::mass::LumpedArea;
+use crate::normals::vertex_normals;
+
+/// The area of [`cotangent_curvature`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CotangentOptions {
+    /// What the integrated values are divided by.
+    pub area: LumpedArea,
+}
+
+/// The mixed area.
+impl Default for CotangentOptions {
+    fn default() -> Self {
+        Self { area: LumpedArea::Mixed }
+    }
+}
+
+/// H and K by cotangents and angle defects, and the principal values that
+/// follow. Where estimates have H² < K, κ₁ = κ₂ = H; H and K stay as they are.
+///
+/// On a mesh with a face too thin for its cotangents, H is computed with the
+/// [`robust_laplacian`] instead, and both are divided by its mass; the rest of
+/// the mesh changes where the intrinsic Delaunay triangulation differs from
+/// it. Undefined at isolated vertices, and where there is no positive area or
+/// no normal. Linear cost.
+///
+/// # Errors
+///
+/// [`OperatorError`] where not even the robust Laplacian exists: all edges
+/// have length zero.
+pub fn cotangent_curvature(
+    mesh: &TriMesh,
+    options: CotangentOptions,
+) -> Result<CurvatureField, OperatorError> {
+    match map_cells(mesh, options.area, at_cell) {
+        Ok(found) => Ok(CurvatureField::collect(found, false)),
+        Err(OperatorError::DegenerateFace { .. }) => robust(mesh),
+        Err(error) => Err(error),
+    }
+}
+
+fn at_cell(cell: &Cell) -> (Result<AtVertex, Undefined>, bool) {
+    let length = norm(cell.normal);
+    let found = if cell.area > 0.0 && length > 0.0 {
+        let mean = -0.5 * dot(cell.laplacian, cell.normal) / (cell.area * length);
+        Ok(at(mean, cell.defect() / cell.area))
+    } else {
+        Err(undefined(cell.links))
+    };
+    (found, cell.links.boundary)
+}
+
+fn at(mean: f64, gaussian: f64) -> AtVertex {
+    let (values, _) = principal_values(mean, gaussian);
+    AtVertex { values, mean, gaussian, directions: [[0.0; 3]; 2] }
+}
+
+fn robust(mesh: &TriMesh) -> Result<CurvatureField, OperatorError> {
+    let operators = robust_laplacian(mesh, RobustOptions::default())?;
+    let positions = mesh.positions();
+    let rows = operators.stiffness.outer_iterator().zip(&operators.mass);
+    let found = rows.zip(vertex_normals(mesh)).zip(defects(mesh)).enumerate();
+    let found = found.map(|(v, (((row, &mass), normal), (defect, links)))| {
+        let flat = mass > 0.0 && normal != [0.0; 3];
+        let found = if flat {
+            // About the vertex itself: rows sum to zero, and this way far from
+            // the origin too.
+            let bend: f64 = row
+                .iter()
+                .map(|(w, s)| {
+                    let edge = sub(positions[w], positions[v]);
+                    s * dot(edge, normal)
+                })
+                .sum();
+            Ok(at(0.5 * bend / mass, defect / mass))
+        } else {
+            Err(undefined(links))
+        };
+        (found, links.boundary)
+    });
+    Ok(CurvatureField::collect(found.collect(), false))
+}

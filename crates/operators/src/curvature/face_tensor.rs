@@ -1,0 +1,127 @@
+//! Curvature tensors of faces, averaged at vertices.
+//!
+//! In each face the second form II is the least-squares solution of
+//!
+//! ```text
+//! II e = Δn    along the three sides e,
+//! ```
+//!
+//! where Δn is the difference of the vertex normals at its ends, in the plane
+//! of the face. The forms are turned into the tangent plane of a vertex along
+//! the smallest rotation of the normals, and averaged by the area that each
+//! face gives to the vertex (mixed; a third where a face is too thin for it).
+//! Source: \[rusinkiewicz2004\].
+
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{dot, normalize, sub};
+use rayon::prelude::*;
+
+use super::field::{AtVertex, CurvatureField, boundary_flags};
+use super::status::Undefined;
+use crate::NormalEquations;
+use crate::corners::FaceCorners;
+use crate::mass::LumpedArea;
+use crate::normals::{NormalWeight, weighted_vertex_normals};
+use crate::symmetric::Symmetric2;
+use crate::tangent::{tangent_frame, turn_between};
+
+/// The normals of [`face_tensor_curvature`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FaceTensorOptions {
+    /// How the normals at the vertices are made.
+    pub normals: NormalWeight,
+}
+
+/// Normals exact on spheres, as the source recommends.
+impl Default for FaceTensorOptions {
+    fn default() -> Self {
+        Self { normals: NormalWeight::Sphere }
+    }
+}
+
+/// A form in the plane of a face.
+#[derive(Clone, Copy)]
+struct FaceTensor {
+    normal: [f64; 3],
+    frame: [[f64; 3]; 2],
+    form: Symmetric2,
+    shares: [f64; 3],
+}
+
+/// Principal curvatures by averaging the tensors of faces.
+///
+/// Faces without area or with a corner without normal have no say. Undefined
+/// at isolated vertices, where no face has one, and where the normals cancel.
+/// Linear cost.
+pub fn face_tensor_curvature(mesh: &TriMesh, options: FaceTensorOptions) -> CurvatureField {
+    let normals = weighted_vertex_normals(mesh, options.normals);
+    let tensors: Vec<Option<FaceTensor>> = (0..mesh.face_count())
+        .into_par_iter()
+        .with_min_len(4096)
+        .map(|f| face_tensor(mesh, &normals, f))
+        .collect();
+    let at_vertex = |v: u32| {
+        let corners = mesh.incidence().corners(v);
+        if corners.is_empty() {
+            return Err(Undefined::Isolated);
+        }
+        let normal = normalize(normals[v as usize]).ok_or(Undefined::NoArea)?;
+        let frame = tangent_frame(normal);
+        let (mut sum, mut area) = (Symmetric2::default(), 0.0);
+        for &c in corners {
+            let Some(face) = &tensors[c as usize / 3] else { continue };
+            let weight = face.shares[c as usize % 3];
+            // The axes of the vertex in the frame of the face.
+            let [[x0, x1], [y0, y1]] = frame.map(|axis| {
+                let turned = turn_between(normal, face.normal, axis);
+                face.frame.map(|t| dot(t, turned))
+            });
+            let Symmetric2 { a, b, c } = face.form;
+            sum.a += weight * (a * x0 * x0 + 2.0 * b * x0 * x1 + c * x1 * x1);
+            sum.b += weight * (a * x0 * y0 + b * (x0 * y1 + x1 * y0) + c * x1 * y1);
+            sum.c += weight * (a * y0 * y0 + 2.0 * b * y0 * y1 + c * y1 * y1);
+            area += weight;
+        }
+        if area <= 0.0 {
+            return Err(Undefined::NoArea);
+        }
+        let form = Symmetric2 { a: sum.a / area, b: sum.b / area, c: sum.c / area };
+        Ok(AtVertex::of_form(form, frame, normal))
+    };
+    let boundary = boundary_flags(mesh);
+    let found = (0..mesh.vertex_count() as u32)
+        .into_par_iter()
+        .with_min_len(1024)
+        .map(|v| (at_vertex(v), boundary[v as usize]))
+        .collect();
+    CurvatureField::collect(found, true)
+}
+
+fn face_tensor(mesh: &TriMesh, normals: &[[f64; 3]], f: usize) -> Option<FaceTensor> {
+    let triangle = mesh.triangle(f);
+    let corners = FaceCorners::of(triangle);
+    if corners.is_degenerate() {
+        return None;
+    }
+    let normal = normalize(mesh.area_vector(f))?;
+    let at = mesh.faces()[f].map(|v| normals[v as usize]);
+    if at.contains(&[0.0; 3]) {
+        return None;
+    }
+    let frame = tangent_frame(normal);
+    // Sides in units of the longest keep the equations of order one.
+    let unit = corners.squared_sides().into_iter().fold(0.0, f64::max).sqrt();
+    let mut equations = NormalEquations::<3>::default();
+    for k in 0..3 {
+        let (from, to) = ((k + 1) % 3, (k + 2) % 3);
+        let side = sub(triangle[to], triangle[from]);
+        let [u, v] = frame.map(|axis| dot(axis, side) / unit);
+        let turn = sub(at[to], at[from]);
+        equations.add(&[u, v, 0.0], dot(frame[0], turn), 1.0);
+        equations.add(&[0.0, u, v], dot(frame[1], turn), 1.0);
+    }
+    let [a, b, c] = equations.solve()?.map(|x| x / unit);
+    let area = 0.5 * corners.twice_area;
+    let shares = LumpedArea::Mixed.shares(&corners).unwrap_or([area / 3.0; 3]);
+    Some(FaceTensor { normal, frame, form: Symmetric2 { a, b, c }, shares })
+}

@@ -1,0 +1,171 @@
+//! The one result of all estimators.
+
+use fairing_mesh::TriMesh;
+use rayon::prelude::*;
+
+use super::status::{Undefined, VertexStatus};
+use crate::fan::Fan;
+use crate::symmetric::Symmetric2;
+use fairing_mesh::vec3::{add, cross, scale};
+
+/// Pointwise curvature at each vertex, in vertex order.
+///
+/// Everything is zero where the status says undefined; nothing is ever NaN.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CurvatureField {
+    /// κ₁ ≥ κ₂, in 1 / mesh units, positive on a sphere.
+    pub kappa1: Vec<f64>,
+    /// The smaller principal curvature.
+    pub kappa2: Vec<f64>,
+    /// H, in 1 / mesh units: (κ₁ + κ₂)/2, or the estimator's own measure.
+    pub mean: Vec<f64>,
+    /// K, in 1 / squared mesh units: κ₁ κ₂, or the estimator's own measure.
+    pub gaussian: Vec<f64>,
+    /// Unit tangents of κ₁ and κ₂; arbitrary at an umbilic. `None` if the
+    /// estimator knows no directions.
+    pub directions: Option<[Vec<[f64; 3]>; 2]>,
+    /// Whether there is a value at the vertex, and why not.
+    pub status: Vec<VertexStatus>,
+    /// Whether the vertex is on the boundary, where values are one-sided.
+    pub boundary: Vec<bool>,
+}
+
+/// What an estimator finds at a vertex.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct AtVertex {
+    pub(crate) values: [f64; 2],
+    pub(crate) mean: f64,
+    pub(crate) gaussian: f64,
+    pub(crate) directions: [[f64; 3]; 2],
+}
+
+impl AtVertex {
+    /// The eigenvalues and eigenvectors of the second form in a frame.
+    pub(crate) fn of_form(form: Symmetric2, frame: [[f64; 3]; 2], normal: [f64; 3]) -> Self {
+        let (values, [x, y]) = form.eigen();
+        let first = add(scale(frame[0], x), scale(frame[1], y));
+        Self::new(values, [first, cross(normal, first)])
+    }
+
+    pub(crate) fn new(values: [f64; 2], directions: [[f64; 3]; 2]) -> Self {
+        let [a, b] = values;
+        Self { values, mean: 0.5 * (a + b), gaussian: a * b, directions }
+    }
+
+    fn is_finite(&self) -> bool {
+        let numbers = [self.values[0], self.values[1], self.mean, self.gaussian];
+        numbers.iter().chain(self.directions.as_flattened()).all(|x| x.is_finite())
+    }
+}
+
+impl CurvatureField {
+    /// The number of vertices.
+    pub fn len(&self) -> usize {
+        self.status.len()
+    }
+
+    /// Whether there are no vertices.
+    pub fn is_empty(&self) -> bool {
+        self.status.is_empty()
+    }
+
+    /// Whether vertex `v` has values that are not one-sided: those a colour
+    /// range or a statistic should be made of.
+    ///
+    /// # Panics
+    ///
+    /// If there is no vertex `v`.
+    pub fn is_interior(&self, v: u32) -> bool {
+        self.status[v as usize].is_defined() && !self.boundary[v as usize]
+    }
+
+    /// The shape index `s = 2/π arctan((κ₁ + κ₂) / (κ₁ − κ₂))` of each vertex:
+    /// 1 for a cap, ½ for a ridge, 0 for a saddle, −½ for a rut, −1 for a cup.
+    /// `None` where undefined or flat (κ₁ = κ₂ = 0). Source: \[koenderink1992\].
+    pub fn shape_index(&self) -> Vec<Option<f64>> {
+        (0..self.len())
+            .map(|v| {
+                let (a, b) = (self.kappa1[v], self.kappa2[v]);
+                let bent = self.status[v].is_defined() && (a != 0.0 || b != 0.0);
+                bent.then(|| (a + b).atan2(a - b) * std::f64::consts::FRAC_2_PI)
+            })
+            .collect()
+    }
+
+    /// The curvedness `√((κ₁² + κ₂²) / 2)` of each vertex, in 1 / mesh units;
+    /// zero where undefined. Source: \[koenderink1992\].
+    pub fn curvedness(&self) -> Vec<f64> {
+        self.kappa1.iter().zip(&self.kappa2).map(|(a, b)| a.hypot(*b) / 2f64.sqrt()).collect()
+    }
+
+    /// From what was found at each vertex. Values that are not finite are
+    /// [`Undefined::IllConditioned`].
+    pub(crate) fn collect(
+        found: Vec<(Result<AtVertex, Undefined>, bool)>,
+        with_directions: bool,
+    ) -> Self {
+        let found: Vec<_> = found
+            .into_par_iter()
+            .map(|(at, boundary)| match at {
+                Ok(at) if at.is_finite() => (at, VertexStatus::Defined, boundary),
+                Ok(_) => (NOTHING, VertexStatus::Undefined(Undefined::IllConditioned), boundary),
+                Err(reason) => (NOTHING, VertexStatus::Undefined(reason), boundary),
+            })
+            .collect();
+        let number = |of: fn(&AtVertex) -> f64| found.iter().map(|(at, ..)| of(at)).collect();
+        let direction = |k: usize| found.iter().map(|(at, ..)| at.directions[k]).collect();
+        Self {
+            kappa1: number(|at| at.values[0]),
+            kappa2: number(|at| at.values[1]),
+            mean: number(|at| at.mean),
+            gaussian: number(|at| at.gaussian),
+            directions: with_directions.then(|| [direction(0), direction(1)]),
+            status: found.iter().map(|(_, status, _)| *status).collect(),
+            boundary: found.iter().map(|(.., boundary)| *boundary).collect(),
+        }
+    }
+}
+
+const NOTHING: AtVertex =
+    AtVertex { values: [0.0; 2], mean: 0.0, gaussian: 0.0, directions: [[0.0; 3]; 2] };
+
+/// Whether each vertex is on the boundary, from the incidence alone.
+pub(crate) fn boundary_flags(mesh: &TriMesh) -> Vec<bool> {
+    let vertices = mesh.faces().as_flattened();
+    let incidence = mesh.incidence();
+    let on_boundary = |fan: &mut Fan, v: u32| {
+        fan.of(vertices, incidence, v);
+        fan.has_boundary_edge()
+    };
+    (0..mesh.vertex_count() as u32)
+        .into_par_iter()
+        .with_min_len(4096)
+        .map_init(Fan::default, on_boundary)
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shape_index_of_the_five_shapes() {
+        let pairs = [[2.0, 2.0], [2.0, 0.0], [2.0, -2.0], [0.0, -2.0], [-2.0, -2.0], [0.0, 0.0]];
+        let found = pairs.iter().map(|&k| (Ok(AtVertex::new(k, [[0.0; 3]; 2])), false)).collect();
+        let field = CurvatureField::collect(found, false);
+        let index = field.shape_index();
+        for (found, expected) in index.iter().zip([1.0, 0.5, 0.0, -0.5, -1.0]) {
+            assert!((found.unwrap() - expected).abs() < 1e-15);
+        }
+        assert_eq!(index[5], None);
+        assert!((field.curvedness()[2] - 2.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn what_is_not_finite_is_undefined() {
+        let bad = AtVertex::new([f64::INFINITY, 0.0], [[0.0; 3]; 2]);
+        let field = CurvatureField::collect(vec![(Ok(bad), false)], true);
+        assert_eq!(field.status[0], VertexStatus::Undefined(Undefined::IllConditioned));
+        assert_eq!((field.kappa1[0], field.mean[0]), (0.0, 0.0));
+    }
+}

@@ -1,0 +1,139 @@
+//! Osculating jets: polynomials of degree 2 to 4 fitted as height fields.
+//!
+//! ```text
+//! z = Σ c(i, j) xⁱ yʲ,    i + j ≤ d
+//! ```
+//!
+//! in the frame of the area-weighted normal, by least squares over the vertex
+//! and its neighbours, each weighted by a Gaussian of its distance or all
+//! alike. Gradient and second derivatives at the vertex give its curvature;
+//! the frame need not be exact. With a neighbourhood of size h the second
+//! derivatives have an error of order h^(d − 1): jets converge in the maximum
+//! norm on irregular meshes. Source: \[cazals2005\].
+
+use fairing_mesh::TriMesh;
+
+use super::field::{AtVertex, CurvatureField};
+use super::fit::{HeightField, fit_each};
+use super::neighborhood::Neighborhood;
+use crate::NormalEquations;
+use crate::error::OperatorError;
+
+/// The degree of the polynomial.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum JetDegree {
+    /// 6 coefficients.
+    Two,
+    /// 10 coefficients.
+    Three,
+    /// 15 coefficients.
+    Four,
+}
+
+/// How much each neighbour counts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum JetWeight {
+    /// All alike: the smallest variance under noise.
+    Uniform,
+    /// `exp(−½ (r / (s R))²)` at distance r, with R the mean distance of the
+    /// neighbours and s this factor: a smaller error on clean meshes.
+    Gaussian(f64),
+}
+
+/// Degree, neighbourhood and weights of [`jet_curvature`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JetOptions {
+    /// The degree of the polynomial.
+    pub degree: JetDegree,
+    /// Which vertices it is fitted to.
+    pub neighborhood: Neighborhood,
+    /// How much each of them counts.
+    pub weight: JetWeight,
+}
+
+/// Degree 3 over three rings, all alike.
+impl Default for JetOptions {
+    fn default() -> Self {
+        Self {
+            degree: JetDegree::Three,
+            neighborhood: Neighborhood::Rings(3),
+            weight: JetWeight::Uniform,
+        }
+    }
+}
+
+/// Principal curvatures of a jet fitted at each vertex.
+///
+/// Undefined at isolated vertices, without a normal, with fewer vertices
+/// connected than coefficients, and where these do not determine a polynomial.
+///
+/// # Errors
+///
+/// [`OperatorError::Option`] for a radius that is negative or not finite, or a
+/// Gaussian that is not positive.
+pub fn jet_curvature(mesh: &TriMesh, options: JetOptions) -> Result<CurvatureField, OperatorError> {
+    if let JetWeight::Gaussian(value) = options.weight
+        && !(value > 0.0 && value.is_finite())
+    {
+        return Err(OperatorError::Option { name: "width of the Gaussian", value });
+    }
+    let at = options.neighborhood;
+    match options.degree {
+        JetDegree::Two => fit_each(mesh, at, 5, |f| fit::<6>(f, options.weight, monomials2)),
+        JetDegree::Three => fit_each(mesh, at, 9, |f| fit::<10>(f, options.weight, monomials3)),
+        JetDegree::Four => fit_each(mesh, at, 14, |f| fit::<15>(f, options.weight, monomials4)),
+    }
+}
+
+#[inline]
+fn fit<const N: usize>(
+    field: &HeightField<'_>,
+    weight: JetWeight,
+    monomials: impl Fn(f64, f64) -> [f64; N],
+) -> Option<AtVertex> {
+    let mut equations = NormalEquations::<N>::default();
+    equations.add(&monomials(0.0, 0.0), 0.0, 1.0);
+    for [x, y, z] in field.neighbors() {
+        let w = match weight {
+            JetWeight::Uniform => 1.0,
+            // Distances are in units of their mean.
+            JetWeight::Gaussian(s) => (-0.5 * (x * x + y * y + z * z) / (s * s)).exp(),
+        };
+        equations.add(&monomials(x, y), z, w);
+    }
+    let c = equations.solve()?;
+    field.curvature([c[1], c[2]], [2.0 * c[3], c[4], 2.0 * c[5]])
+}
+
+#[inline]
+fn monomials2(x: f64, y: f64) -> [f64; 6] {
+    [1.0, x, y, x * x, x * y, y * y]
+}
+
+#[inline]
+fn monomials3(x: f64, y: f64) -> [f64; 10] {
+    let (xx, xy, yy) = (x * x, x * y, y * y);
+    [1.0, x, y, xx, xy, yy, xx * x, xx * y, x * yy, yy * y]
+}
+
+#[inline]
+fn monomials4(x: f64, y: f64) -> [f64; 15] {
+    let (xx, xy, yy) = (x * x, x * y, y * y);
+    [
+        1.0,
+        x,
+        y,
+        xx,
+        xy,
+        yy,
+        xx * x,
+        xx * y,
+        x * yy,
+        yy * y,
+        xx * xx,
+        xx * xy,
+        xx * yy,
+        xy * yy,
+        yy * yy,
+    ]
+}

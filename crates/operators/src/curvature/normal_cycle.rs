@@ -1,0 +1,102 @@
+//! Curvature from the normal cycle over a ball.
+//!
+//! ```text
+//! II(B) = 1/A(B) Σₑ θₑ ℓ(e ∩ B) m ⊗ m
+//! ```
+//!
+//! over the edges inside the ball B about the vertex, with the dihedral angle
+//! θ, the length ℓ of the part inside, the unit tangent m across the edge, and
+//! A the area of the mesh inside the ball, both clipped exactly. Only the part
+//! connected to the vertex counts. Edges on the boundary, and those with more
+//! than two faces, do not bend. Source: \[cohensteiner2003\].
+
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{distance, normalize, scale, sub};
+use rayon::prelude::*;
+
+use super::ball::{BallExplorer, segment_in_ball};
+use super::bending::{BendSum, edge_bending, normal_sum};
+use super::field::{AtVertex, CurvatureField};
+use super::neighborhood::Length;
+use super::status::Undefined;
+use crate::error::OperatorError;
+use crate::symmetric::Symmetric2;
+use crate::tangent::tangent_frame;
+
+/// The scale of [`normal_cycle_curvature`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NormalCycleOptions {
+    /// The radius of the ball. Larger ones average out noise and features
+    /// alike.
+    pub radius: Length,
+}
+
+/// Two mean edge lengths.
+impl Default for NormalCycleOptions {
+    fn default() -> Self {
+        Self { radius: Length::MeanEdges(2.0) }
+    }
+}
+
+/// Principal curvatures from the normal cycle over a ball about each vertex.
+///
+/// Undefined at isolated vertices and where the ball holds no area or no
+/// normal. Cost: linear in the faces in a ball, per vertex.
+///
+/// # Errors
+///
+/// [`OperatorError::Option`] for a radius that is negative or not finite.
+pub fn normal_cycle_curvature(
+    mesh: &TriMesh,
+    options: NormalCycleOptions,
+) -> Result<CurvatureField, OperatorError> {
+    let radius = options.radius.on(mesh)?;
+    let topology = mesh.topology();
+    let bending = edge_bending(mesh, topology);
+    let lengths: Vec<f64> = topology
+        .edges()
+        .iter()
+        .map(|&[a, b]| {
+            let p = mesh.positions();
+            distance(p[a as usize], p[b as usize])
+        })
+        .collect();
+    let at_vertex = |explorer: &mut BallExplorer, v: u32| {
+        if mesh.incidence().corners(v).is_empty() {
+            return Err(Undefined::Isolated);
+        }
+        let normal = normalize(normal_sum(mesh, v)).ok_or(Undefined::NoArea)?;
+        let mut sum = BendSum::new(tangent_frame(normal));
+        let mut area = 0.0;
+        explorer.visit(mesh, topology, v, radius, |part| {
+            area += part.area;
+            for (k, &e) in topology.face_edges()[part.face as usize].iter().enumerate() {
+                let [a, b] = [part.triangle[(k + 1) % 3], part.triangle[(k + 2) % 3]];
+                let e = e as usize;
+                // An edge inside comes from both of its faces.
+                let share = if bending[e] == 0.0 {
+                    0.0
+                } else if part.whole {
+                    0.5
+                } else {
+                    0.5 * segment_in_ball(a, b, radius) / lengths[e]
+                };
+                sum.add(sub(b, a), share * bending[e]);
+            }
+        });
+        if area <= 0.0 {
+            return Err(Undefined::NoArea);
+        }
+        let Symmetric2 { a, b, c } = sum.form;
+        let [a, b, c] = scale([a, b, c], 1.0 / area);
+        Ok(AtVertex::of_form(Symmetric2 { a, b, c }, sum.frame, normal))
+    };
+    let found = (0..mesh.vertex_count() as u32)
+        .into_par_iter()
+        .with_min_len(4096)
+        .map_init(BallExplorer::default, |explorer, v| {
+            (at_vertex(explorer, v), topology.is_boundary_vertex(v))
+        })
+        .collect();
+    Ok(CurvatureField::collect(found, true))
+}

@@ -1,0 +1,55 @@
+//! A quadric through the vertex.
+//!
+//! ```text
+//! z = a x + b y + ½ (c x² + 2 d xy + e y²)
+//! ```
+//!
+//! in the frame of the area-weighted normal, by least squares over the
+//! neighbours with equal weights. The vertex lies on it exactly, so that its
+//! own noise goes undamped into the result; a jet of degree 2 leaves it free.
+//! Source: \[panozzo2010\].
+
+use fairing_mesh::TriMesh;
+
+use super::field::CurvatureField;
+use super::fit::fit_each;
+use super::neighborhood::Neighborhood;
+use crate::NormalEquations;
+use crate::error::OperatorError;
+
+/// The neighbourhood of [`quadric_curvature`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct QuadricOptions {
+    /// Which vertices the quadric is fitted to.
+    pub neighborhood: Neighborhood,
+}
+
+/// Two rings.
+impl Default for QuadricOptions {
+    fn default() -> Self {
+        Self { neighborhood: Neighborhood::Rings(2) }
+    }
+}
+
+/// Principal curvatures of a quadric fitted at each vertex.
+///
+/// Undefined at isolated vertices, without a normal, with fewer than five
+/// other vertices connected, and where these do not determine a quadric (all
+/// on a line, say).
+///
+/// # Errors
+///
+/// [`OperatorError::Option`] for a radius that is negative or not finite.
+pub fn quadric_curvature(
+    mesh: &TriMesh,
+    options: QuadricOptions,
+) -> Result<CurvatureField, OperatorError> {
+    fit_each(mesh, options.neighborhood, 5, |field| {
+        let mut equations = NormalEquations::<5>::default();
+        for [x, y, z] in field.neighbors() {
+            equations.add(&[x, y, 0.5 * x * x, x * y, 0.5 * y * y], z, 1.0);
+        }
+        let [a, b, c, d, e] = equations.solve()?;
+        field.curvature([a, b], [c, d, e])
+    })
+}

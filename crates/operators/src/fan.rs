@@ -1,0 +1,147 @@
+//! The fan of faces around a vertex, as sorted neighbours.
+
+use fairing_mesh::Incidence;
+
+use crate::corners::{next, previous};
+
+/// The neighbours of a vertex, ascending, and where in them the two other
+/// vertices of each of its corners are.
+#[derive(Debug, Default)]
+pub(crate) struct Fan {
+    /// The neighbours, ascending, each once.
+    pub(crate) neighbors: Vec<u32>,
+    /// For each corner, the ranks of the next and of the previous vertex of
+    /// its face among the neighbours.
+    pub(crate) ranks: Vec<[u32; 2]>,
+    /// Whether each neighbour follows once and precedes once: no border, no
+    /// edge of three faces, no turn of orientation.
+    pub(crate) closed: bool,
+}
+
+impl Fan {
+    /// Becomes the fan of the vertex at `corners`, with `vertices` the faces
+    /// in a row.
+    #[inline]
+    pub(crate) fn gather(&mut self, vertices: &[u32], corners: &[u32]) {
+        self.closed = match corners.len() {
+            3..=8 => self.gather_closed::<8>(vertices, corners),
+            9..=16 => self.gather_closed::<16>(vertices, corners),
+            _ => false,
+        };
+        if !self.closed {
+            self.gather_any(vertices, corners);
+        }
+    }
+
+    /// The fan of vertex `v`.
+    #[inline]
+    pub(crate) fn of(&mut self, vertices: &[u32], incidence: &Incidence, v: u32) {
+        self.gather(vertices, incidence.corners(v));
+    }
+
+    /// The common case, without sorting: a rank is the number of smaller
+    /// neighbours, counted over rows of fixed length. Says whether the fan is
+    /// closed.
+    #[inline]
+    fn gather_closed<const ROOM: usize>(&mut self, vertices: &[u32], corners: &[u32]) -> bool {
+        // No vertex has the last number, so that it is smaller than none.
+        let (mut after, mut before) = ([u32::MAX; ROOM], [u32::MAX; ROOM]);
+        for (i, &c) in corners.iter().enumerate() {
+            after[i] = vertices[next(c) as usize];
+            before[i] = vertices[previous(c) as usize];
+        }
+        self.neighbors.clear();
+        self.neighbors.resize(corners.len(), u32::MAX);
+        self.ranks.clear();
+        for i in 0..corners.len() {
+            let rank = |w: u32| after.iter().map(|&x| u32::from(x < w)).sum::<u32>();
+            let ranks = [rank(after[i]), rank(before[i])];
+            self.neighbors[ranks[0] as usize] = after[i];
+            self.ranks.push(ranks);
+        }
+        let mut seen = [0u32; 2];
+        for (i, ranks) in self.ranks.iter().enumerate() {
+            if self.neighbors.get(ranks[1] as usize) != Some(&before[i]) {
+                return false;
+            }
+            seen[0] |= 1 << ranks[0];
+            seen[1] |= 1 << ranks[1];
+        }
+        seen == [(1 << corners.len()) - 1; 2]
+    }
+
+    fn gather_any(&mut self, vertices: &[u32], corners: &[u32]) {
+        self.neighbors.clear();
+        for &c in corners {
+            self.neighbors.push(vertices[next(c) as usize]);
+            self.neighbors.push(vertices[previous(c) as usize]);
+        }
+        self.neighbors.sort_unstable();
+        self.neighbors.dedup();
+        let neighbors = &self.neighbors;
+        let rank = |w: u32| neighbors.partition_point(|&x| x < w) as u32;
+        self.ranks.clear();
+        self.ranks.extend(
+            corners
+                .iter()
+                .map(|&c| [rank(vertices[next(c) as usize]), rank(vertices[previous(c) as usize])]),
+        );
+    }
+
+    /// Whether an edge at the vertex has one face only.
+    pub(crate) fn has_boundary_edge(&self) -> bool {
+        if self.closed {
+            return false;
+        }
+        let mut faces = vec![0u32; self.neighbors.len()];
+        for &rank in self.ranks.as_flattened() {
+            faces[rank as usize] += 1;
+        }
+        faces.contains(&1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fairing_mesh::TriMesh;
+
+    fn fan(faces: &[[u32; 3]]) -> Fan {
+        let mesh = TriMesh::new(vec![[0.0; 3]; 64], faces.to_vec()).unwrap();
+        let mut fan = Fan::default();
+        fan.of(mesh.faces().as_flattened(), mesh.incidence(), 20);
+        fan
+    }
+
+    #[test]
+    fn a_closed_fan_is_seen_without_sorting() {
+        let fan = fan(&[[20, 9, 40], [40, 33, 20], [33, 9, 20]]);
+        assert!(fan.closed && !fan.has_boundary_edge());
+        assert_eq!(fan.neighbors, [9, 33, 40]);
+        assert_eq!(fan.ranks, [[0, 2], [2, 1], [1, 0]]);
+    }
+
+    #[test]
+    fn an_open_fan_and_one_that_turns_back_are_not_closed() {
+        let open = fan(&[[20, 9, 40], [40, 33, 20], [33, 1, 20]]);
+        assert!(!open.closed && open.has_boundary_edge());
+        assert_eq!(open.neighbors, [1, 9, 33, 40]);
+        assert_eq!(open.ranks, [[1, 3], [3, 2], [2, 0]]);
+        let turned = fan(&[[20, 9, 40], [40, 33, 20], [9, 33, 20]]);
+        assert!(!turned.closed && !turned.has_boundary_edge());
+    }
+
+    #[test]
+    fn long_fans_agree_with_short_ones() {
+        for n in [3u32, 8, 9, 16, 17, 40] {
+            let at = |i: u32| if i % n < 20 { i % n } else { i % n + 1 };
+            let faces: Vec<[u32; 3]> = (0..n).map(|i| [at(i), at(i + 1), 20]).collect();
+            let fan = fan(&faces);
+            assert!(!fan.has_boundary_edge());
+            assert_eq!(fan.neighbors, (0..n).map(at).collect::<Vec<_>>());
+            for (i, ranks) in fan.ranks.iter().enumerate() {
+                assert_eq!(*ranks, [i as u32, (i as u32 + 1) % n]);
+            }
+        }
+    }
+}

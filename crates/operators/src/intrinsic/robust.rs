@@ -1,0 +1,214 @@
+//! Stiffness and mass that exist on any triangle soup.
+
+use fairing_mesh::TriMesh;
+use fairing_sparse::SparseMatrix;
+
+use super::cover::{single, tufted};
+use super::triangulation::{Triangulation, after, before};
+use crate::assembly::sum_entries;
+use crate::error::OperatorError;
+
+/// How the mesh becomes glued triangles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Cover {
+    /// Two sides of each face, glued around each edge: any mesh. Source:
+    /// \[sharp2020\].
+    Tufted,
+    /// The faces as they are; edges must have one or two that turn alike. The
+    /// boundary stays where it is; half the work.
+    Single,
+}
+
+/// Options of [`robust_laplacian`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RobustOptions {
+    /// How the mesh becomes glued triangles.
+    pub cover: Cover,
+    /// By how much two sides of a triangle must be longer than the third, in
+    /// mean edge lengths; lengths are raised where they are not. Not negative.
+    pub mollify: f64,
+    /// Whether to flip to the intrinsic Delaunay triangulation.
+    pub delaunay: bool,
+}
+
+/// The tufted cover, mollified by 10⁻⁵, flipped.
+impl Default for RobustOptions {
+    fn default() -> Self {
+        Self { cover: Cover::Tufted, mollify: 1e-5, delaunay: true }
+    }
+}
+
+/// Stiffness and mass of a mesh in its intrinsic metric.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RobustLaplacian {
+    /// The stiffness, `n × n`, as [`cotan_stiffness`](crate::cotan_stiffness)
+    /// makes it: positive semi-definite, zero row sums, dimensionless.
+    pub stiffness: SparseMatrix,
+    /// The barycentric mass of each vertex in the intrinsic triangulation, in
+    /// squared mesh units; zero at isolated vertices only.
+    pub mass: Vec<f64>,
+    /// What mollification added to each length, in mesh units.
+    pub added_length: f64,
+    /// How many edges were flipped, over both sides of the cover.
+    pub flips: usize,
+    /// How many edges are not Delaunay, because flipping them would have made
+    /// a triangle without area: zero but for extreme lengths.
+    pub stuck: usize,
+}
+
+/// Assembles a stiffness and a mass on any triangle mesh that has an edge of a
+/// length above zero.
+///
+/// All entries are finite. With Delaunay flips off-diagonal entries of the
+/// stiffness are not positive, up to 10⁻¹⁰ (where `stuck` is zero), and masses
+/// of vertices with faces are positive. On a closed manifold mesh that is
+/// Delaunay and has no thin face these are the plain cotangent stiffness and
+/// the barycentric mass. With [`Cover::Tufted`] borders take part in flips too:
+/// the sheet is seen as a flattened closed surface, whose two sides are
+/// averaged.
+///
+/// Cost: linear but for the flips, whose number is small on real meshes.
+///
+/// # Errors
+///
+/// [`OperatorError::NoLength`] if no edge has a length above zero (a mesh
+/// without faces is fine, and zero); [`OperatorError::NonManifoldEdge`] with
+/// [`Cover::Single`]; [`OperatorError::DegenerateFace`] if mollification is
+/// too weak, zero for instance; [`OperatorError::Option`] if it is negative.
+///
+/// Source: \[sharp2020\].
+pub fn robust_laplacian(
+    mesh: &TriMesh,
+    options: RobustOptions,
+) -> Result<RobustLaplacian, OperatorError> {
+    let value = options.mollify;
+    if !(value >= 0.0 && value.is_finite()) {
+        return Err(OperatorError::Option { name: "mollification", value });
+    }
+    let (mut triangles, share) = match options.cover {
+        Cover::Tufted => (tufted(mesh), 0.5),
+        Cover::Single => (single(mesh)?, 1.0),
+    };
+    let longest = triangles.length.iter().copied().fold(0.0, f64::max);
+    if triangles.triangle_count() > 0 && longest == 0.0 {
+        return Err(OperatorError::NoLength);
+    }
+    let added_length = triangles.mollify(value);
+    if let Some(t) = (0..triangles.triangle_count()).find(|&t| triangles.area(3 * t as u32) <= 0.0)
+    {
+        let face = (t % mesh.face_count()) as u32;
+        return Err(OperatorError::DegenerateFace {
+            face,
+            area: 0.0,
+            edge: longest_of(&triangles, t),
+        });
+    }
+    let (mut flips, mut stuck) = (0, 0);
+    if options.delaunay {
+        let done = triangles.flip_to_delaunay();
+        (flips, stuck) = (done.count, done.stuck);
+    }
+    let (stiffness, mass) = assemble(mesh.vertex_count(), &triangles, share)?;
+    Ok(RobustLaplacian { stiffness, mass, added_length, flips, stuck })
+}
+
+fn longest_of(triangles: &Triangulation, t: usize) -> f64 {
+    triangles.length[3 * t..3 * t + 3].iter().copied().fold(0.0, f64::max)
+}
+
+/// Cotangent stiffness and barycentric mass of glued triangles, times a share.
+/// An edge from a vertex to itself has no part in the stiffness.
+fn assemble(
+    n: usize,
+    triangles: &Triangulation,
+    share: f64,
+) -> Result<(SparseMatrix, Vec<f64>), OperatorError> {
+    let mut mass = vec![0.0; n];
+    let mut entries = Vec::with_capacity(4 * triangles.start.len());
+    for s in 0..triangles.start.len() as u32 {
+        let (i, j) = (triangles.start[s as usize], triangles.start[after(s) as usize]);
+        mass[triangles.start[before(s) as usize] as usize] += share * triangles.area(s) / 3.0;
+        if i != j {
+            let weight = 0.5 * share * triangles.opposite_cotangent(s);
+            entries.extend([(i, j, -weight), (j, i, -weight), (i, i, weight), (j, j, weight)]);
+        }
+    }
+    Ok((sum_entries(n, &entries)?, mass))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{LumpedArea, cotan_stiffness, lumped_mass};
+    use fairing_mesh::shapes;
+
+    fn largest_difference(a: &SparseMatrix, b: &SparseMatrix) -> f64 {
+        (a.to_dense() - b.to_dense()).iter().fold(0.0, |m: f64, d| m.max(d.abs()))
+    }
+
+    #[test]
+    fn a_delaunay_mesh_keeps_its_operators() {
+        let mesh = shapes::icosphere(2);
+        let plain = cotan_stiffness(&mesh).unwrap();
+        let area = lumped_mass(&mesh, LumpedArea::Barycentric).unwrap();
+        for cover in [Cover::Tufted, Cover::Single] {
+            let robust =
+                robust_laplacian(&mesh, RobustOptions { cover, ..Default::default() }).unwrap();
+            assert_eq!((robust.flips, robust.stuck, robust.added_length), (0, 0, 0.0));
+            assert!(largest_difference(&robust.stiffness, &plain) < 1e-12);
+            for (a, b) in robust.mass.iter().zip(&area) {
+                assert!((a - b).abs() < 1e-14);
+            }
+        }
+    }
+
+    /// Without flips the cover of any manifold mesh averages two like sides.
+    #[test]
+    fn without_flips_it_is_the_plain_stiffness() {
+        let mesh = shapes::torus(3.0, 1.0, 9, 5);
+        let options = RobustOptions { delaunay: false, ..Default::default() };
+        let robust = robust_laplacian(&mesh, options).unwrap();
+        let plain = cotan_stiffness(&mesh).unwrap();
+        assert!(largest_difference(&robust.stiffness, &plain) < 1e-12);
+    }
+
+    #[test]
+    fn three_pages_and_a_flat_face_have_operators() {
+        let positions = vec![
+            [0.0; 3],
+            [0.0, 0.0, 2.0],
+            [1.0, 0.0, 1.0],
+            [-1.0, 0.3, 1.0],
+            [0.1, 1.0, 1.0],
+            [0.0, 0.0, 1.0],
+            [9.0; 3],
+        ];
+        let faces = vec![[0, 1, 2], [0, 1, 3], [0, 1, 4], [0, 1, 5], [0, 2, 1]];
+        let mesh = TriMesh::new(positions, faces).unwrap();
+        let robust = robust_laplacian(&mesh, RobustOptions::default()).unwrap();
+        assert_eq!(robust.stuck, 0);
+        for (i, row) in robust.stiffness.outer_iterator().enumerate() {
+            let mut sum = 0.0;
+            for (j, &s) in row.iter() {
+                assert!(s.is_finite() && (i == j || s <= 1e-10), "{i} {j} {s}");
+                sum += s;
+            }
+            // Cotangents of the mollified sliver are of order 10².
+            assert!(sum.abs() < 1e-9);
+        }
+        assert!(robust.mass[..6].iter().all(|&m| m > 0.0));
+        assert_eq!(robust.mass[6], 0.0);
+        let single = RobustOptions { cover: Cover::Single, ..Default::default() };
+        let error = robust_laplacian(&mesh, single).unwrap_err();
+        assert_eq!(error, OperatorError::NonManifoldEdge { edge: [0, 1], faces: 5 });
+    }
+
+    #[test]
+    fn a_point_has_none() {
+        let mesh = TriMesh::new(vec![[1.0; 3]; 3], vec![[0, 1, 2]]).unwrap();
+        let robust = robust_laplacian(&mesh, RobustOptions::default());
+        assert_eq!(robust, Err(OperatorError::NoLength));
+        let empty = TriMesh::new(vec![[1.0; 3]; 3], vec![]).unwrap();
+        assert_eq!(robust_laplacian(&empty, RobustOptions::default()).unwrap().mass, [0.0; 3]);
+    }
+}
