@@ -4,10 +4,29 @@
 //! surfaces, in double precision; measures that compare element by element
 //! need meshes with the same faces, and say so otherwise.
 
+mod curvature_error;
+mod distance;
+mod drift;
 mod error;
+mod features;
+mod hausdorff;
+mod hilbert;
 mod noise;
+mod normal_error;
 mod orders;
+mod surface_tree;
+mod triangle;
 
+pub use curvature_error::curvature_error;
+pub use distance::{
+    SurfaceDistance, VertexDistance, check_correspondence, surface_distance, vertex_displacement,
+    vertex_distance,
+};
+pub use drift::{Drift, drift, flipped_faces};
 pub use error::EvaluationError;
+pub use features::{FeatureEdges, feature_edges};
+pub use hausdorff::{Hausdorff, hausdorff};
 pub use noise::{NoiseKind, NoiseLevel, add_noise};
+pub use normal_error::{NormalError, normal_error};
 pub use orders::{observed_order_steps, observed_orders};
+pub use surface_tree::{Closest, SurfaceTree};

@@ -1,0 +1,157 @@
+//! Distances between surfaces.
+
+use fairing_mesh::TriMesh;
+use rayon::prelude::*;
+
+use crate::{EvaluationError, SurfaceTree};
+
+/// Distances of the vertices of one mesh from the surface of another.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VertexDistance {
+    /// The mean over the vertices, in mesh units, as the others.
+    pub mean: f64,
+    /// The root mean square.
+    pub rms: f64,
+    /// The largest.
+    pub max: f64,
+    /// The vertex that is farthest away.
+    pub farthest: u32,
+}
+
+/// How far two surfaces are from each other, measured at their vertices.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfaceDistance {
+    /// From the vertices of the mesh to the surface of the reference.
+    pub forward: VertexDistance,
+    /// From the vertices of the reference to the surface of the mesh.
+    pub backward: VertexDistance,
+}
+
+impl SurfaceDistance {
+    /// The larger of the two largest distances, in mesh units: a lower bound
+    /// of the Hausdorff distance, which [`hausdorff`](crate::hausdorff) takes
+    /// over whole faces.
+    pub fn max(&self) -> f64 {
+        self.forward.max.max(self.backward.max)
+    }
+
+    /// The Chamfer distance, the sum of the two means, in mesh units.
+    pub fn chamfer(&self) -> f64 {
+        self.forward.mean + self.backward.mean
+    }
+}
+
+/// The distances of the vertices of `mesh` from the surface of `reference`,
+/// exact to rounding. Isolated vertices do not count. (V + F) log F.
+///
+/// # Errors
+///
+/// [`EvaluationError::NoFaces`] without a surface to measure from,
+/// [`EvaluationError::NoVertices`] with nothing to measure.
+pub fn vertex_distance(
+    mesh: &TriMesh,
+    reference: &TriMesh,
+) -> Result<VertexDistance, EvaluationError> {
+    summary(mesh, &tree(reference, "reference")?, "mesh")
+}
+
+/// The distances of the vertices of either mesh from the surface of the
+/// other. The meshes may have different faces.
+///
+/// # Errors
+///
+/// As [`vertex_distance`], for either.
+pub fn surface_distance(
+    mesh: &TriMesh,
+    reference: &TriMesh,
+) -> Result<SurfaceDistance, EvaluationError> {
+    let (own, other) = rayon::join(|| tree(mesh, "mesh"), || tree(reference, "reference"));
+    let (own, other) = (own?, other?);
+    Ok(SurfaceDistance {
+        forward: summary(mesh, &other, "mesh")?,
+        backward: summary(reference, &own, "reference")?,
+    })
+}
+
+/// The tree of a mesh, an error naming the mesh by its part in the comparison.
+pub(crate) fn tree(mesh: &TriMesh, which: &'static str) -> Result<SurfaceTree, EvaluationError> {
+    SurfaceTree::new(mesh).map_err(|error| match error {
+        EvaluationError::NoFaces { .. } => EvaluationError::NoFaces { which },
+        other => other,
+    })
+}
+
+pub(crate) fn summary(
+    mesh: &TriMesh,
+    surface: &SurfaceTree,
+    which: &'static str,
+) -> Result<VertexDistance, EvaluationError> {
+    let distances = surface.distances(mesh.positions());
+    let incidence = mesh.incidence();
+    let (mut count, mut sum, mut squares) = (0usize, 0.0, 0.0);
+    let (mut max, mut farthest) = (-1.0, 0);
+    for (v, &d) in distances.iter().enumerate() {
+        if incidence.corners(v as u32).is_empty() {
+            continue;
+        }
+        count += 1;
+        sum += d;
+        squares += d * d;
+        if d > max {
+            (max, farthest) = (d, v as u32);
+        }
+    }
+    if count == 0 {
+        return Err(EvaluationError::NoVertices { which });
+    }
+    let n = count as f64;
+    Ok(VertexDistance { mean: sum / n, rms: (squares / n).sqrt(), max, farthest })
+}
+
+/// The root mean square and the largest distance between vertices of the same
+/// number, in mesh units.
+///
+/// # Errors
+///
+/// [`EvaluationError::NoCorrespondence`] unless both have the same faces;
+/// [`EvaluationError::NoVertices`] without vertices.
+pub fn vertex_displacement(
+    mesh: &TriMesh,
+    reference: &TriMesh,
+) -> Result<(f64, f64), EvaluationError> {
+    check_correspondence(mesh, reference)?;
+    if mesh.vertex_count() == 0 {
+        return Err(EvaluationError::NoVertices { which: "mesh" });
+    }
+    let distances: Vec<f64> = mesh
+        .positions()
+        .par_iter()
+        .with_min_len(4096)
+        .zip(reference.positions())
+        .map(|(&p, &q)| fairing_mesh::vec3::distance(p, q))
+        .collect();
+    let squares: f64 = distances.iter().map(|d| d * d).sum();
+    let max = distances.iter().copied().fold(0.0, f64::max);
+    Ok(((squares / distances.len() as f64).sqrt(), max))
+}
+
+/// Whether elements of the same number can be compared: the same number of
+/// vertices and the same faces.
+///
+/// # Errors
+///
+/// [`EvaluationError::NoCorrespondence`] if not.
+pub fn check_correspondence(mesh: &TriMesh, reference: &TriMesh) -> Result<(), EvaluationError> {
+    let shared = std::sync::Arc::ptr_eq(mesh.connectivity(), reference.connectivity());
+    let alike = shared
+        || mesh.vertex_count() == reference.vertex_count() && mesh.faces() == reference.faces();
+    if alike {
+        return Ok(());
+    }
+    Err(EvaluationError::NoCorrespondence {
+        vertices: mesh.vertex_count(),
+        reference_vertices: reference.vertex_count(),
+        faces: mesh.face_count(),
+        reference_faces: reference.face_count(),
+    })
+}

@@ -1,0 +1,52 @@
+//! How size and faces change.
+
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::dot;
+use rayon::prelude::*;
+
+use crate::EvaluationError;
+use crate::distance::check_correspondence;
+
+/// The relative changes of sizes, `x / x_reference − 1`: zero for the same,
+/// negative where the mesh shrank, unchanged when both are scaled.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drift {
+    /// Of the enclosed volume; `None` unless both are closed and consistently
+    /// oriented and the reference has volume.
+    pub volume: Option<f64>,
+    /// Of the area; `None` if the reference has none.
+    pub area: Option<f64>,
+    /// Of the mean edge length, an edge counted once for each of its faces;
+    /// `None` if the reference has none.
+    pub edge_length: Option<f64>,
+}
+
+/// The relative changes of volume, area and edge length against a reference,
+/// which may have different faces.
+pub fn drift(mesh: &TriMesh, reference: &TriMesh) -> Drift {
+    let change = |new: f64, old: f64| Some(new / old - 1.0).filter(|x| x.is_finite());
+    let solid =
+        |m: &TriMesh| m.topology().is_closed() && m.topology().orientation().is_consistent();
+    Drift {
+        volume: (solid(mesh) && solid(reference))
+            .then(|| change(mesh.signed_volume(), reference.signed_volume()))
+            .flatten(),
+        area: change(mesh.area(), reference.area()),
+        edge_length: change(mesh.mean_edge_length(), reference.mean_edge_length()),
+    }
+}
+
+/// The number of faces whose normal makes more than a right angle with that of
+/// the reference's face of the same number. Faces without area are not flipped.
+///
+/// # Errors
+///
+/// [`EvaluationError::NoCorrespondence`] unless both have the same faces.
+pub fn flipped_faces(mesh: &TriMesh, reference: &TriMesh) -> Result<usize, EvaluationError> {
+    check_correspondence(mesh, reference)?;
+    Ok((0..mesh.face_count())
+        .into_par_iter()
+        .with_min_len(4096)
+        .filter(|&f| dot(mesh.area_vector(f), reference.area_vector(f)) < 0.0)
+        .count())
+}

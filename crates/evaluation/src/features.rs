@@ -1,0 +1,69 @@
+//! Sharp edges, found and missed.
+
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{cross, dot, norm};
+
+use crate::EvaluationError;
+use crate::distance::check_correspondence;
+
+/// How well the sharp edges of a mesh are those of a reference.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FeatureEdges {
+    /// Edges that are sharp in both.
+    pub shared: usize,
+    /// Edges that are sharp in the mesh.
+    pub found: usize,
+    /// Edges that are sharp in the reference.
+    pub expected: usize,
+}
+
+impl FeatureEdges {
+    /// The share of the mesh's sharp edges that are sharp in the reference;
+    /// `None` if the mesh has none.
+    pub fn precision(&self) -> Option<f64> {
+        (self.found > 0).then(|| self.shared as f64 / self.found as f64)
+    }
+
+    /// The share of the reference's sharp edges that are sharp in the mesh;
+    /// `None` if the reference has none.
+    pub fn recall(&self) -> Option<f64> {
+        (self.expected > 0).then(|| self.shared as f64 / self.expected as f64)
+    }
+}
+
+/// Compares the edges whose two faces turn by at least `degrees`, edge by
+/// edge. Boundary and non-manifold edges have no dihedral angle and count
+/// nowhere, nor do edges of a face without area.
+///
+/// # Errors
+///
+/// [`EvaluationError::NoCorrespondence`] unless both have the same faces,
+/// [`EvaluationError::Parameter`] unless 0 < `degrees` < 180.
+pub fn feature_edges(
+    mesh: &TriMesh,
+    reference: &TriMesh,
+    degrees: f64,
+) -> Result<FeatureEdges, EvaluationError> {
+    check_correspondence(mesh, reference)?;
+    if !(degrees > 0.0 && degrees < 180.0) {
+        return Err(EvaluationError::Parameter {
+            what: "feature angle in degrees",
+            value: degrees,
+        });
+    }
+    let topology = mesh.topology();
+    let mut edges = FeatureEdges { shared: 0, found: 0, expected: 0 };
+    for e in 0..topology.edges().len() as u32 {
+        let [f, g] = *topology.edge_faces(e) else { continue };
+        let sharp = |mesh: &TriMesh| {
+            let (m, n) = (mesh.area_vector(f as usize), mesh.area_vector(g as usize));
+            let defined = m != [0.0; 3] && n != [0.0; 3];
+            defined && norm(cross(m, n)).atan2(dot(m, n)).to_degrees() >= degrees
+        };
+        let (found, expected) = (sharp(mesh), sharp(reference));
+        edges.found += usize::from(found);
+        edges.expected += usize::from(expected);
+        edges.shared += usize::from(found && expected);
+    }
+    Ok(edges)
+}

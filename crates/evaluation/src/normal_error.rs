@@ -1,0 +1,66 @@
+//! The angle between the normals of matching faces.
+
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{cross, dot, norm};
+use rayon::prelude::*;
+
+use crate::EvaluationError;
+use crate::distance::check_correspondence;
+
+/// E_a: angles between the normals of matching faces, in degrees.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NormalError {
+    /// The mean over the faces, as the literature has it.
+    pub mean: f64,
+    /// The mean weighted by the area of the reference's faces.
+    pub area_weighted: f64,
+    /// The largest.
+    pub max: f64,
+    /// The face that has it.
+    pub worst: u32,
+    /// Faces without area in either mesh, which are left out.
+    pub undefined: usize,
+}
+
+/// The angles between the normals of faces of the same number, from 0 to 180
+/// degrees, by `atan2(‖m × n‖, m · n)`, which is exact for small angles too.
+///
+/// # Errors
+///
+/// [`EvaluationError::NoCorrespondence`] unless both have the same faces,
+/// [`EvaluationError::NoFaces`] if none has a normal in both.
+pub fn normal_error(mesh: &TriMesh, reference: &TriMesh) -> Result<NormalError, EvaluationError> {
+    check_correspondence(mesh, reference)?;
+    let angles: Vec<Option<[f64; 2]>> = (0..mesh.face_count())
+        .into_par_iter()
+        .with_min_len(4096)
+        .map(|f| {
+            let (m, n) = (mesh.area_vector(f), reference.area_vector(f));
+            let (sine, cosine) = (norm(cross(m, n)), dot(m, n));
+            let defined = m != [0.0; 3] && n != [0.0; 3];
+            defined.then(|| [sine.atan2(cosine).to_degrees(), norm(n)])
+        })
+        .collect();
+    let (mut sum, mut weighted, mut area, mut count) = (0.0, 0.0, 0.0, 0usize);
+    let (mut max, mut worst) = (-1.0, 0);
+    for (f, angle) in angles.iter().enumerate() {
+        let Some([angle, weight]) = *angle else { continue };
+        sum += angle;
+        weighted += weight * angle;
+        area += weight;
+        count += 1;
+        if angle > max {
+            (max, worst) = (angle, f as u32);
+        }
+    }
+    if count == 0 {
+        return Err(EvaluationError::NoFaces { which: "mesh" });
+    }
+    Ok(NormalError {
+        mean: sum / count as f64,
+        area_weighted: weighted / area,
+        max,
+        worst,
+        undefined: angles.len() - count,
+    })
+}
