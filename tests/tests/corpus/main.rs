@@ -4,6 +4,7 @@
 //! listed by name as ignored. An area adds a module with a function
 //! `trials() -> Vec<(&'static str, Test)>` and a line below.
 
+mod diagnosis;
 mod reading;
 
 use std::path::{Path, PathBuf};
@@ -15,7 +16,7 @@ type Test = fn(&Path) -> Result<(), Failed>;
 
 fn main() {
     let folder = std::env::var_os("FAIRING_MESHES").map(PathBuf::from).filter(|d| d.is_dir());
-    let areas = [("reading", reading::trials())];
+    let areas = [("diagnosis", diagnosis::trials()), ("reading", reading::trials())];
     let trials = areas
         .into_iter()
         .flat_map(|(area, tests)| tests.into_iter().map(move |(name, test)| (area, name, test)))

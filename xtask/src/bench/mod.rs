@@ -1,6 +1,7 @@
 //! Times one task inside the process, for comparison with other libraries.
 
 mod files;
+mod metrics;
 mod operators;
 mod smoothing;
 mod stopwatch;
@@ -122,6 +123,7 @@ pub const ALL: &[&dyn Task] = &[
         method: smoothing::implicit_mcf,
     },
     &smoothing::EndToEnd,
+    &metrics::Metrics,
 ];
 
 /// Runs a task and returns `{"runs": […], "fingerprint": {…}, "rss_mb": n}`.
