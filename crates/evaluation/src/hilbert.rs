@@ -55,7 +55,7 @@ mod tests {
     /// neighbour: that is what makes it Hilbert's.
     #[test]
     fn steps_lead_to_neighbours() {
-        let n = 16;
+        let n = 16i32;
         let mut cells = vec![];
         for i in 0..n * n * n {
             let place = [i % n, i / n % n, i / (n * n)];
@@ -65,7 +65,7 @@ mod tests {
         }
         cells.sort_unstable();
         for pair in cells.windows(2) {
-            let steps: i32 = (0..3).map(|k| (pair[0].1[k] - pair[1].1[k] as i32).abs()).sum();
+            let steps: i32 = (0..3).map(|k| (pair[0].1[k] - pair[1].1[k]).abs()).sum();
             assert_eq!(steps, 1, "{pair:?}");
         }
     }

@@ -4,7 +4,7 @@ use anyhow::{Context as _, Result};
 use fairing_evaluation::{NormalError, SurfaceDistance, normal_error, surface_distance};
 use fairing_mesh::{TriMesh, io};
 
-use super::{Fingerprint, Job, Stopwatch, Task, Work};
+use super::{Fingerprint, Job, Stopwatch, Task, Work, anew};
 use crate::fingerprint;
 
 /// Distances between vertices and surfaces both ways, and the angles between
@@ -35,11 +35,7 @@ struct Comparing {
 
 impl Work for Comparing {
     fn run(&mut self, watch: &mut Stopwatch) -> Result<()> {
-        // A mesh of its own remembers nothing of the last repetition.
-        let copy = |m: &TriMesh| TriMesh::new(m.positions().to_vec(), m.faces().to_vec());
-        let (mesh, reference) =
-            watch.phase("prepare", || (copy(&self.mesh), copy(&self.reference)));
-        let (mesh, reference) = (mesh?, reference?);
+        let (mesh, reference) = (anew(&self.mesh, watch)?, anew(&self.reference, watch)?);
         let distance = watch.phase("distance", || surface_distance(&mesh, &reference))?;
         let normals = watch.phase("normals", || normal_error(&mesh, &reference))?;
         self.found = Some((distance, normals));
