@@ -197,3 +197,6 @@ fn finished(name: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Finished
     };
     parsed.finish(format, compressed, options)
 }
+
+#[cfg(test)]
+mod tests;

@@ -124,3 +124,6 @@ fn ear(points: &[[f64; 3]], rest: &[usize], k: usize, normal: [f64; 3]) -> f64 {
     let squared = |a: [f64; 3], b: [f64; 3]| dot(sub(b, a), sub(b, a));
     area / (squared(p, q) + squared(q, r) + squared(r, p))
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,129 @@
+//! Which kind of file it is, and files that are none.
+
+use std::io::Write;
+
+use flate2::Compression;
+use flate2::write::GzEncoder;
+
+use crate::io::tests::{read, refusal, tetrahedron};
+use crate::io::{Format, ReadOptions, VertexFields, WriteOptions, to_bytes};
+
+const FORMATS: [(Format, &str); 4] =
+    [(Format::Obj, "obj"), (Format::Ply, "ply"), (Format::Off, "off"), (Format::Stl, "stl")];
+
+fn bytes(format: Format, options: &WriteOptions) -> Vec<u8> {
+    to_bytes(format, &tetrahedron(), &VertexFields::default(), options).unwrap()
+}
+
+fn packed(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
+    encoder.write_all(bytes).unwrap();
+    encoder.finish().unwrap()
+}
+
+#[test]
+fn content_decides_where_the_name_is_silent() {
+    for (format, _) in FORMATS {
+        for options in [WriteOptions::default(), WriteOptions::ascii()] {
+            let bytes = bytes(format, &options);
+            for (bytes, compressed) in [(packed(&bytes), true), (bytes, false)] {
+                for name in ["", "mesh", "mesh.dat"] {
+                    let report = read(name, &bytes).report;
+                    assert_eq!((report.format, report.compressed), (format, compressed));
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn another_kind_than_the_ending_is_named() {
+    for (content, _) in FORMATS {
+        for options in [WriteOptions::default(), WriteOptions::ascii()] {
+            let bytes = bytes(content, &options);
+            for (named, ending) in FORMATS.into_iter().filter(|&(named, _)| named != content) {
+                let message = refusal(&format!("a.{ending}"), &bytes, &ReadOptions::default());
+                let expected = format!("the name says {named}, but the content is {content}");
+                assert!(message.contains(&expected), "{message}");
+            }
+        }
+    }
+    let message = refusal("a.obj.gz", b"v 0 0 0\n", &ReadOptions::default());
+    assert!(message.contains("the name says gzip-compressed, but the content is not"), "{message}");
+    for (_, ending) in FORMATS {
+        let name = format!("a.{ending}");
+        let message = refusal(&name, b"\x89PNG\r\n\x1a\n and so on", &ReadOptions::default());
+        assert!(message.contains("but the content is a PNG image"), "{message}");
+    }
+    let message = refusal("a.png", b"\x89PNG\r\n\x1a\n", &ReadOptions::default());
+    assert!(message.contains("expected an OBJ, PLY, OFF or STL file"), "{message}");
+}
+
+#[test]
+fn gzip_under_a_plain_name_is_read() {
+    let file = read("a.obj", &packed(&bytes(Format::Obj, &WriteOptions::default())));
+    assert!(file.report.compressed);
+    assert_eq!(file.mesh, tetrahedron());
+}
+
+#[test]
+fn empty_files_and_meshes_are_errors() {
+    for (_, ending) in FORMATS {
+        let name = format!("a.{ending}");
+        for bytes in [&b""[..], b" \n\t\r\n", &packed(b"")] {
+            let message = refusal(&name, bytes, &ReadOptions::default());
+            assert!(message.contains("the file is empty"), "{message}");
+        }
+    }
+    for (name, bytes) in [
+        ("a.obj", &b"# nothing\n"[..]),
+        ("a.off", b"OFF\n0 0 0\n"),
+        ("a.stl", b"solid\nendsolid\n"),
+        ("b.stl", &[0; 84]),
+        ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 0\nproperty int x\nproperty int y\nproperty int z\nend_header\n"),
+    ] {
+        let message = refusal(name, bytes, &ReadOptions::default());
+        assert!(message.contains("the file holds no vertices"), "{name}: {message}");
+    }
+}
+
+#[test]
+fn several_gzip_members_are_one_file() {
+    let text = bytes(Format::Obj, &WriteOptions::default());
+    let (a, b) = text.split_at(40);
+    assert_eq!(read("a.obj.gz", &[packed(a), packed(b)].concat()).mesh, tetrahedron());
+}
+
+#[test]
+fn damaged_gzip_is_an_error() {
+    let packed = packed(&bytes(Format::Off, &WriteOptions::default()));
+    for length in 2..packed.len() {
+        let message = refusal("a.off.gz", &packed[..length], &ReadOptions::default());
+        assert!(message.contains("cannot be decompressed"), "{length}: {message}");
+    }
+    let mut flipped = packed.clone();
+    let last = flipped.len() - 6;
+    flipped[last] ^= 1;
+    let message = refusal("a.off.gz", &flipped, &ReadOptions::default());
+    assert!(message.contains("cannot be decompressed"), "{message}");
+}
+
+/// A thousandfold growth stops at the limit, long before memory does.
+#[test]
+fn bombs_stop_at_the_limit() {
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
+    let block = vec![b'\n'; 1 << 20];
+    for _ in 0..64 {
+        encoder.write_all(&block).unwrap();
+    }
+    let bomb = encoder.finish().unwrap();
+    assert!(bomb.len() < 70_000);
+    let message = refusal("a.obj.gz", &bomb, &ReadOptions::default());
+    assert!(message.contains("unpack to more than"), "{message}");
+
+    let small = packed(&bytes(Format::Obj, &WriteOptions::default()));
+    let mut options = ReadOptions::default();
+    options.max_unpacked_bytes = 50;
+    let message = refusal("a.obj.gz", &small, &options);
+    assert!(message.contains("unpack to more than 50 bytes"), "{message}");
+}

@@ -1,0 +1,139 @@
+//! What cannot be kept is said, and writing is whole or not at all.
+
+use crate::io::tests::{read, refusal, tetrahedron};
+use crate::io::{ReadOptions, UnheldFields, VertexFields, WriteOptions};
+use crate::io::{WriteProblem, read_bytes, write, write_with_fields};
+
+#[test]
+fn faces_that_repeat_a_corner_are_left_out_by_name() {
+    let text =
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 1 2 1\nf 1 2 4 3\nf 4 4 4 4\nf 2 4 3\n";
+    let file = read("a.obj", text.as_bytes());
+    assert_eq!(file.mesh.faces(), [[0, 1, 2], [0, 1, 3], [0, 3, 2], [1, 3, 2]]);
+    assert_eq!((file.report.file_faces, file.report.polygons), (5, 1));
+    assert_eq!((file.report.left_out, &file.report.first_left_out[..]), (2, &[1, 3][..]));
+    let said = file.report.to_string();
+    assert!(said.contains("2 faces repeat a corner and are left out: 1, 3"), "{said}");
+    let message = refusal("a.obj", text.as_bytes(), &ReadOptions::strict());
+    assert!(message.contains("face 1 repeats a corner (2 such faces)"), "{message}");
+}
+
+#[test]
+fn at_most_a_few_of_the_faces_left_out_are_named() {
+    let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{}f 1 2 3\n", "f 1 1 2\n".repeat(100));
+    let report = read("a.obj", text.as_bytes()).report;
+    assert_eq!(report.first_left_out, [0, 1, 2, 3, 4, 5, 6, 7]);
+    assert!(report.to_string().ends_with("6, 7, …"), "{report}");
+}
+
+#[test]
+fn fields_that_are_not_finite_are_left_out_by_name() {
+    let text = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty \
+                float z\nproperty float q\nproperty float r\nend_header\n0 0 0 1 nan\n0 0 1 2 3\n";
+    let file = read("a.ply", text.as_bytes());
+    assert_eq!(file.fields, VertexFields::default().with_scalar("q", vec![1.0, 2.0]));
+    assert_eq!(file.report.notes, ["field r is NaN at vertex 0: left out"]);
+    assert!(read_bytes("a.ply", text.as_bytes(), &ReadOptions::strict()).is_err());
+}
+
+#[test]
+fn fields_are_never_lost_in_silence() {
+    let folder = tempfile::tempdir().unwrap();
+    let fields = VertexFields::default()
+        .with_scalar("mean", vec![1.0; 4])
+        .with_vector("normal", vec![[0.0, 0.0, 1.0]; 4])
+        .with_colors(vec![[1, 2, 3]; 4]);
+    for (name, unheld) in [
+        ("a.obj", vec!["mean", "normal"]),
+        ("a.off", vec!["mean"]),
+        ("a.stl", vec!["mean", "normal", "colours"]),
+        ("a.ply.gz", vec![]),
+    ] {
+        let path = folder.path().join(name);
+        let refuse = WriteOptions::default();
+        match write_with_fields(&path, &tetrahedron(), &fields, &refuse) {
+            Ok(report) => assert!(unheld.is_empty() && report.dropped.is_empty()),
+            Err(error) => {
+                let WriteProblem::FieldsNotHeld { fields, .. } = error.problem else {
+                    panic!("{error}")
+                };
+                assert_eq!(fields, unheld);
+                assert!(!path.exists());
+            }
+        }
+        let dropping = refuse.dropping_fields();
+        assert_eq!(dropping.unheld_fields, UnheldFields::Drop);
+        let report = write_with_fields(&path, &tetrahedron(), &fields, &dropping).unwrap();
+        assert_eq!(report.dropped, unheld);
+    }
+}
+
+#[test]
+fn unsound_fields_are_refused_by_name() {
+    let path = std::path::Path::new("/nowhere/a.ply");
+    let problem = |fields: VertexFields| {
+        let written = write_with_fields(path, &tetrahedron(), &fields, &WriteOptions::default());
+        written.unwrap_err().problem.to_string()
+    };
+    let scalar = |name: &str, value| VertexFields::default().with_scalar(name, vec![value; 4]);
+    let long = VertexFields::default().with_scalar("q", vec![0.0; 5]);
+    assert_eq!(problem(long), "field q has 5 values for 4 vertices");
+    let none = VertexFields::default().with_colors(vec![]);
+    assert_eq!(problem(none), "field of colours has 0 values for 4 vertices");
+    let nan = problem(scalar("q", f64::NAN));
+    assert_eq!(nan, "field q is NaN at vertex 0, which is not finite");
+    for name in ["", "a b", "a\n", "x", "nx\0"] {
+        assert!(problem(scalar(name, 0.0)).starts_with("field name"), "{name:?}");
+    }
+    let clash = scalar("v_y", 0.0).with_vector("v", vec![[0.0; 3]; 4]);
+    assert!(problem(clash).contains("two properties of this name"));
+    let alike =
+        scalar("a_x", 0.0).with_scalar("a_y", vec![0.0; 4]).with_scalar("a_z", vec![0.0; 4]);
+    assert!(problem(alike).contains("would be read back as a vector"));
+}
+
+#[test]
+fn a_failed_write_leaves_what_was_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.stl");
+    write(&path, &tetrahedron()).unwrap();
+    let before = std::fs::read(&path).unwrap();
+    let fields = VertexFields::default().with_scalar("q", vec![0.0; 4]);
+    write_with_fields(&path, &tetrahedron(), &fields, &WriteOptions::default()).unwrap_err();
+    assert_eq!(std::fs::read(&path).unwrap(), before);
+    // A folder of that name cannot be replaced; nothing temporary stays.
+    let taken = folder.path().join("b.obj");
+    std::fs::create_dir(&taken).unwrap();
+    assert!(matches!(write(&taken, &tetrahedron()).unwrap_err().problem, WriteProblem::Io(_)));
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
+    let unknown = write(folder.path().join("a.txt"), &tetrahedron()).unwrap_err();
+    assert!(matches!(unknown.problem, WriteProblem::UnknownEnding));
+}
+
+#[cfg(unix)]
+#[test]
+fn written_files_have_the_permissions_of_new_files() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir().unwrap();
+    let mode = |path: &std::path::Path| std::fs::metadata(path).unwrap().permissions().mode();
+    let (ours, plain) = (folder.path().join("a.ply"), folder.path().join("plain"));
+    write(&ours, &tetrahedron()).unwrap();
+    std::fs::write(&plain, b"").unwrap();
+    assert_eq!(mode(&ours), mode(&plain));
+}
+
+#[test]
+fn stl_says_what_it_loses() {
+    let folder = tempfile::tempdir().unwrap();
+    let report = write(folder.path().join("a.stl"), &tetrahedron()).unwrap();
+    assert_eq!(
+        report.notes,
+        [
+            "STL numbers vertices by first appearance, not as they were",
+            "binary STL rounds coordinates to 32 bits",
+        ]
+    );
+    let isolated = crate::TriMesh::new(vec![[0.0; 3]], vec![]).unwrap();
+    let report = write(folder.path().join("b.stl"), &isolated).unwrap();
+    assert_eq!(report.notes, ["STL does not hold the 1 isolated vertices"]);
+}

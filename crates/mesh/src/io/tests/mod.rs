@@ -1,0 +1,30 @@
+//! Tests of reading and writing together.
+
+mod kinds;
+mod losses;
+mod mutations;
+mod oracles;
+mod round_trips;
+
+use crate::TriMesh;
+use crate::io::{MeshFile, ReadOptions, read_bytes};
+
+/// Reads bytes under a name.
+fn read(name: &str, bytes: &[u8]) -> MeshFile {
+    read_bytes(name, bytes, &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// What reading says about bytes that it must refuse.
+fn refusal(name: &str, bytes: &[u8], options: &ReadOptions) -> String {
+    match read_bytes(name, bytes, options) {
+        Ok(file) => panic!("{name} was read: {}", file.report),
+        Err(error) => error.to_string(),
+    }
+}
+
+/// A tetrahedron with coordinates that no 32-bit number holds.
+fn tetrahedron() -> TriMesh {
+    let positions = vec![[0.1, 0.2, 0.3], [1.1, 0.2, 0.3], [0.1, 1.2, 0.3], [0.1, 0.2, 1.3]];
+    let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    TriMesh::new(positions, faces).unwrap()
+}

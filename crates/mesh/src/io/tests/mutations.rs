@@ -1,0 +1,136 @@
+//! Damaged files neither panic nor yield a mesh that is not valid.
+
+use proptest::collection::vec;
+use proptest::prelude::*;
+use proptest::sample::Index;
+
+use crate::TriMesh;
+use crate::io::{Format, ReadOptions, VertexFields, WriteOptions, read_bytes, to_bytes};
+
+/// One change of a file.
+#[derive(Debug, Clone)]
+enum Mutation {
+    Set(Index, u8),
+    Insert(Index, Vec<u8>),
+    Remove(Index, Index),
+    Repeat(Index, Index),
+    Cut(Index),
+}
+
+fn mutation() -> impl Strategy<Value = Mutation> {
+    let pieces = prop_oneof![
+        Just(b"-1 ".to_vec()),
+        Just(b"4294967296 ".to_vec()),
+        Just(b"99999999999999999999 ".to_vec()),
+        Just(b" nan ".to_vec()),
+        Just(b" 1e999 ".to_vec()),
+        Just(b"\\\n".to_vec()),
+        Just(b"#".to_vec()),
+        Just(b"\n".to_vec()),
+        Just(b"\r".to_vec()),
+        Just(vec![0xff; 4]),
+        Just(vec![0; 4]),
+        vec(any::<u8>(), 1..9),
+    ];
+    prop_oneof![
+        (any::<Index>(), any::<u8>()).prop_map(|(at, byte)| Mutation::Set(at, byte)),
+        (any::<Index>(), pieces).prop_map(|(at, piece)| Mutation::Insert(at, piece)),
+        (any::<Index>(), any::<Index>()).prop_map(|(at, n)| Mutation::Remove(at, n)),
+        (any::<Index>(), any::<Index>()).prop_map(|(at, n)| Mutation::Repeat(at, n)),
+        any::<Index>().prop_map(Mutation::Cut),
+    ]
+}
+
+fn mutate(bytes: &mut Vec<u8>, mutation: &Mutation) {
+    if bytes.is_empty() {
+        return;
+    }
+    let range = |at: &Index, length: &Index| {
+        let at = at.index(bytes.len());
+        at..bytes.len().min(at + length.index(40))
+    };
+    match mutation {
+        Mutation::Set(at, byte) => {
+            let at = at.index(bytes.len());
+            bytes[at] = *byte;
+        }
+        Mutation::Insert(at, piece) => {
+            let at = at.index(bytes.len());
+            bytes.splice(at..at, piece.iter().copied());
+        }
+        Mutation::Remove(at, length) => drop(bytes.drain(range(at, length))),
+        Mutation::Repeat(at, length) => {
+            let range = range(at, length);
+            let piece = bytes[range.clone()].to_vec();
+            bytes.splice(range.start..range.start, piece);
+        }
+        Mutation::Cut(at) => bytes.truncate(at.index(bytes.len())),
+    }
+}
+
+fn check(name: &str, bytes: &[u8]) {
+    for options in [ReadOptions::default(), ReadOptions::strict()] {
+        if let Ok(file) = read_bytes(name, bytes, &options) {
+            let (positions, faces) = (file.mesh.positions().to_vec(), file.mesh.faces().to_vec());
+            TriMesh::new(positions, faces).unwrap();
+            assert!(file.fields.scalars.iter().all(|(_, s)| s.len() == file.mesh.vertex_count()));
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    #[test]
+    fn mutated_files_are_read_or_refused(
+        format in prop_oneof![Just(Format::Obj), Just(Format::Ply), Just(Format::Off), Just(Format::Stl)],
+        ascii: bool,
+        named: bool,
+        mutations in vec(mutation(), 1..6),
+    ) {
+        let options = if ascii { WriteOptions::ascii() } else { WriteOptions::default() };
+        let mesh = crate::io::tests::tetrahedron();
+        let fields = VertexFields::default()
+            .with_scalar("q", vec![0.5; 4])
+            .with_vector("normal", vec![[0.0, 0.0, 1.0]; 4])
+            .with_colors(vec![[1, 2, 3]; 4]);
+        let mut bytes = to_bytes(format, &mesh, &fields, &options.dropping_fields()).unwrap();
+        mutations.iter().for_each(|mutation| mutate(&mut bytes, mutation));
+        let name = if named { format!("a.{format}") } else { String::new() };
+        check(&name, &bytes);
+    }
+
+    #[test]
+    fn any_bytes_are_read_or_refused(
+        head in proptest::sample::select(vec![
+            &b""[..],
+            &b"OFF\n"[..],
+            &b"solid\n"[..],
+            &b"v 0 0 0\n"[..],
+            &b"\x1f\x8b"[..],
+            &b"ply\nformat binary_big_endian 1.0\nelement vertex 2\n"[..],
+        ]),
+        tail in vec(any::<u8>(), 0..200),
+    ) {
+        for name in ["", "a.obj", "a.ply", "a.off", "a.stl", "a.obj.gz"] {
+            check(name, &[head, &tail].concat());
+        }
+    }
+}
+
+/// No prefix of a file that ends within its last face or vertex is read as a
+/// smaller mesh: counts tell. (OBJ has no counts.)
+#[test]
+fn truncated_files_are_errors() {
+    let mesh = crate::io::tests::tetrahedron();
+    for format in [Format::Ply, Format::Off, Format::Stl] {
+        for options in [WriteOptions::default(), WriteOptions::ascii()] {
+            let bytes = to_bytes(format, &mesh, &VertexFields::default(), &options).unwrap();
+            let sound = bytes.trim_ascii_end().len();
+            for length in 0..sound {
+                let read = read_bytes("", &bytes[..length], &ReadOptions::default());
+                assert!(read.is_err(), "{format}: {length} of {sound}");
+            }
+        }
+    }
+}

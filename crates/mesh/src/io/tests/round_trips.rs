@@ -1,0 +1,209 @@
+//! What is written is read back, bit by bit.
+
+use proptest::collection::vec;
+use proptest::prelude::*;
+use proptest::sample::{Index, subsequence};
+
+use crate::io::{
+    Encoding, FloatWidth, Format, ReadOptions, VertexFields, WriteOptions, read, read_bytes,
+    read_polygons, to_bytes, write_polygons, write_with_fields,
+};
+use crate::{PolygonMesh, TriMesh};
+
+/// Numbers of every size, zeros of both signs and 32-bit numbers among them.
+fn number() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        any::<f64>().prop_filter("finite", |x| x.is_finite()),
+        -1e3..1e3,
+        any::<f32>().prop_filter("finite", |x| x.is_finite()).prop_map(f64::from),
+        (-9i32..9).prop_map(f64::from),
+        Just(-0.0),
+    ]
+}
+
+fn point() -> impl Strategy<Value = [f64; 3]> {
+    [number(), number(), number()]
+}
+
+fn triangles() -> impl Strategy<Value = TriMesh> {
+    (vec(point(), 3..20), vec(any::<[Index; 3]>(), 0..20)).prop_map(|(positions, faces)| {
+        let n = positions.len();
+        let faces = faces.iter().map(|face| face.each_ref().map(|k| k.index(n) as u32));
+        let faces = faces.filter(|&[a, b, c]| a != b && b != c && c != a).collect();
+        TriMesh::new(positions, faces).unwrap()
+    })
+}
+
+fn polygons() -> impl Strategy<Value = PolygonMesh> {
+    vec(point(), 3..20).prop_flat_map(|positions| {
+        let all: Vec<u32> = (0..positions.len() as u32).collect();
+        vec(subsequence(all, 3..=positions.len()).prop_shuffle(), 0..10)
+            .prop_map(move |faces| PolygonMesh::new(positions.clone(), faces).unwrap())
+    })
+}
+
+fn fields(vertices: usize) -> impl Strategy<Value = VertexFields> {
+    let names = subsequence(vec!["q", "κ₁", "alpha", "red", "nx"], 0..4);
+    let vectors = subsequence(vec!["normal", "direction", "d_x"], 0..3);
+    let values = vec(vec(number(), vertices), 4);
+    let triples = vec(vec(point(), vertices), 3);
+    let colors = proptest::option::of(vec(any::<[u8; 3]>(), vertices));
+    (names, vectors, values, triples, colors).prop_map(
+        |(names, vectors, values, triples, colors)| {
+            VertexFields {
+                // `nx` and `red` would clash with the normal and the colours.
+                scalars: names
+                    .into_iter()
+                    .filter(|&name| name != "nx" || !vectors.contains(&"normal"))
+                    .filter(|&name| name != "red" || colors.is_none())
+                    .map(str::to_owned)
+                    .zip(values)
+                    .collect(),
+                vectors: vectors.into_iter().map(str::to_owned).zip(triples).collect(),
+                colors,
+            }
+        },
+    )
+}
+
+fn with_fields() -> impl Strategy<Value = (TriMesh, VertexFields)> {
+    triangles().prop_flat_map(|mesh| {
+        let fields = fields(mesh.vertex_count());
+        (Just(mesh), fields)
+    })
+}
+
+fn bits(points: &[[f64; 3]]) -> Vec<u64> {
+    points.as_flattened().iter().map(|x| x.to_bits()).collect()
+}
+
+fn assert_same_fields(a: &VertexFields, b: &VertexFields) {
+    assert_eq!(a, b);
+    for ((_, a), (_, b)) in a.scalars.iter().zip(&b.scalars) {
+        assert!(a.iter().map(|x| x.to_bits()).eq(b.iter().map(|x| x.to_bits())));
+    }
+    for ((_, a), (_, b)) in a.vectors.iter().zip(&b.vectors) {
+        assert_eq!(bits(a), bits(b));
+    }
+}
+
+/// Vertices welded one by one, by comparing each corner with all before.
+fn welded(mesh: &TriMesh, round: impl Fn(f64) -> f64) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+    let mut positions: Vec<[f64; 3]> = Vec::new();
+    let faces = mesh.faces().iter().map(|face| {
+        face.map(|v| {
+            let p = mesh.positions()[v as usize].map(&round);
+            let known = positions.iter().position(|&q| p == q);
+            known.unwrap_or_else(|| {
+                positions.push(p);
+                positions.len() - 1
+            }) as u32
+        })
+    });
+    let faces: Vec<[u32; 3]> = faces.collect();
+    let area = |&[a, b, c]: &[u32; 3]| a != b && b != c && c != a;
+    (positions, faces.into_iter().filter(area).collect())
+}
+
+proptest! {
+    #[test]
+    fn ply_holds_everything((mesh, fields) in with_fields(), ascii: bool) {
+        let encoding = if ascii { Encoding::Ascii } else { Encoding::Binary };
+        for width in [FloatWidth::Lossless, FloatWidth::Double] {
+            let mut options = WriteOptions::default().with_float_width(width);
+            options.encoding = encoding;
+            let bytes = to_bytes(Format::Ply, &mesh, &fields, &options).unwrap();
+            let file = read_bytes("a.ply", &bytes, &ReadOptions::strict()).unwrap();
+            prop_assert_eq!(bits(file.mesh.positions()), bits(mesh.positions()));
+            prop_assert_eq!(file.mesh.faces(), mesh.faces());
+            assert_same_fields(&file.fields, &fields);
+        }
+    }
+
+    #[test]
+    fn text_formats_hold_mesh_and_colours((mesh, fields) in with_fields()) {
+        for format in [Format::Obj, Format::Off] {
+            let options = WriteOptions::default().dropping_fields();
+            let bytes = to_bytes(format, &mesh, &fields, &options).unwrap();
+            let file = read_bytes("", &bytes, &ReadOptions::strict()).unwrap();
+            prop_assert_eq!(bits(file.mesh.positions()), bits(mesh.positions()));
+            prop_assert_eq!(file.mesh.faces(), mesh.faces());
+            prop_assert_eq!(&file.fields.colors, &fields.colors);
+            let normals = fields.vector("normal").filter(|_| format == Format::Off);
+            prop_assert_eq!(file.fields.vector("normal").map(bits), normals.map(bits));
+        }
+    }
+
+    #[test]
+    fn stl_holds_welded_triangles(mesh in triangles(), ascii: bool) {
+        let options = if ascii { WriteOptions::ascii() } else { WriteOptions::default() };
+        let large = |p: &[f64; 3]| p.iter().any(|x| (*x as f32).is_infinite());
+        let written = to_bytes(Format::Stl, &mesh, &VertexFields::default(), &options);
+        if !ascii && mesh.positions().iter().any(large) {
+            prop_assert!(written.is_err());
+            return Ok(());
+        }
+        prop_assume!(mesh.face_count() > 0);
+        let round = |x: f64| if ascii { x } else { f64::from(x as f32) };
+        let (positions, faces) = welded(&mesh, round);
+        let file = read_bytes("a.stl", &written.unwrap(), &ReadOptions::default()).unwrap();
+        prop_assert_eq!(bits(file.mesh.positions()), bits(&positions));
+        prop_assert_eq!(file.mesh.faces(), &faces[..]);
+    }
+
+    #[test]
+    fn files_hold_polygons(mesh in polygons()) {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["a.obj", "a.off", "a.ply", "a.obj.gz", "a.off.gz", "a.ply.gz"] {
+            let path = folder.path().join(name);
+            let fields = VertexFields::default();
+            for options in [WriteOptions::default(), WriteOptions::ascii()] {
+                write_polygons(&path, &mesh, &fields, &options).unwrap();
+                let file = read_polygons(&path).unwrap();
+                prop_assert_eq!(&file.mesh, &mesh);
+                let split = read(&path).unwrap();
+                prop_assert_eq!(split.mesh, mesh.triangulate());
+                let larger = mesh.polygons().filter(|polygon| polygon.len() > 3).count();
+                prop_assert_eq!(split.report.polygons, larger);
+            }
+        }
+    }
+}
+
+#[test]
+fn polygons_of_more_than_a_byte_of_corners_are_held() {
+    let circle: Vec<[f64; 3]> = (0..300)
+        .map(|k| f64::from(k) / 300.0 * std::f64::consts::TAU)
+        .map(|t| [t.cos(), t.sin(), 0.0])
+        .collect();
+    let mesh = PolygonMesh::new(circle, [(0..300).collect::<Vec<u32>>(), vec![0, 2, 1]]).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.ply");
+    write_polygons(&path, &mesh, &VertexFields::default(), &WriteOptions::default()).unwrap();
+    assert_eq!(read_polygons(&path).unwrap().mesh, mesh);
+}
+
+/// Larger than the pieces of the parallel parsers and writers.
+#[test]
+fn large_meshes_come_back_whole() {
+    let mesh = crate::shapes::icosphere(6);
+    let wave = mesh.positions().iter().map(|p| (9.0 * p[0]).sin()).collect();
+    let fields = VertexFields::default()
+        .with_scalar("wave", wave)
+        .with_vector("normal", mesh.positions().to_vec())
+        .with_colors(mesh.positions().iter().map(|p| p.map(|x| (127.0 * x) as u8)).collect());
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["a.ply", "a.obj", "a.off", "a.ply.gz"] {
+        let path = folder.path().join(name);
+        for options in [WriteOptions::default(), WriteOptions::ascii()] {
+            write_with_fields(&path, &mesh, &fields, &options.dropping_fields()).unwrap();
+            let file = read(&path).unwrap();
+            assert_eq!(bits(file.mesh.positions()), bits(mesh.positions()), "{name}");
+            assert_eq!(file.mesh.faces(), mesh.faces(), "{name}");
+            assert_eq!(file.fields.colors, fields.colors, "{name}");
+        }
+        if name.contains("ply") {
+            assert_same_fields(&read(&path).unwrap().fields, &fields);
+        }
+    }
+}
