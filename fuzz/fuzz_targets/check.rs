@@ -1,0 +1,27 @@
+//! What holds for any bytes whatsoever.
+
+use fairing_mesh::TriMesh;
+use fairing_mesh::io::{self, Format, ReadOptions, VertexFields, WriteOptions};
+
+/// Reading neither panics nor hangs; what is read is a valid mesh, and written
+/// as PLY it reads back as the same, fields included.
+pub fn check(name: &str, bytes: &[u8], options: &ReadOptions) {
+    let Ok(file) = io::read_bytes(name, bytes, options) else { return };
+    let (positions, faces) = (file.mesh.positions().to_vec(), file.mesh.faces().to_vec());
+    TriMesh::new(positions, faces).expect("what is read is valid");
+    for options in [WriteOptions::default(), WriteOptions::ascii()] {
+        let write = |fields| io::to_bytes(Format::Ply, &file.mesh, fields, &options);
+        // Names from a file may clash once vectors are written after scalars.
+        let (written, fields) = match write(&file.fields) {
+            Ok(written) => (written, file.fields.clone()),
+            Err(_) => {
+                let none = VertexFields::default();
+                (write(&none).expect("a valid mesh can be written"), none)
+            }
+        };
+        let again = io::read_bytes("", &written, &ReadOptions::strict());
+        let again = again.expect("what is written can be read");
+        assert_eq!(again.mesh, file.mesh);
+        assert_eq!(again.fields, fields);
+    }
+}
