@@ -6,6 +6,17 @@ const POWERS: [f64; 23] = [
     1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
 ];
 
+/// Powers of five that `u64` holds.
+const POWERS_OF_FIVE: [u64; 28] = {
+    let mut powers = [1; 28];
+    let mut k = 1;
+    while k < powers.len() {
+        powers[k] = 5 * powers[k - 1];
+        k += 1;
+    }
+    powers
+};
+
 /// Whether a token ends before this byte.
 #[inline]
 pub(crate) fn is_delimiter(byte: u8) -> bool {
@@ -18,38 +29,82 @@ pub(crate) fn token_end(bytes: &[u8], start: usize) -> usize {
     bytes[start..].iter().position(|&b| is_delimiter(b)).map_or(bytes.len(), |n| start + n)
 }
 
+/// The eight digits that begin here, as a number, if there are eight.
+///
+/// All at once in one word: first the tens with the ones, then the hundreds,
+/// then the halves.
+#[inline]
+fn eight_digits(bytes: &[u8]) -> Option<u64> {
+    const ZEROS: u64 = 0x3030_3030_3030_3030;
+    const HIGH: u64 = 0xf0f0_f0f0_f0f0_f0f0;
+    let word = u64::from_le_bytes(*bytes.first_chunk()?);
+    // The second sum moves what lies beyond nine out of the row of zeros.
+    if word & HIGH != ZEROS || word.wrapping_add(0x0606_0606_0606_0606) & HIGH != ZEROS {
+        return None;
+    }
+    let pairs = word - ZEROS;
+    let pairs = pairs.wrapping_mul(10).wrapping_add(pairs >> 8);
+    const EVERY_FOURTH: u64 = 0x0000_00ff_0000_00ff;
+    let upper = (pairs & EVERY_FOURTH).wrapping_mul(100 + (1_000_000 << 32));
+    let lower = ((pairs >> 16) & EVERY_FOURTH).wrapping_mul(1 + (10_000 << 32));
+    Some(upper.wrapping_add(lower) >> 32)
+}
+
+/// Appends the digits that begin at `at` to a number, modulo 2⁶⁴; returns it
+/// with the index of the first byte that is no digit.
+#[inline]
+fn digits(bytes: &[u8], mut at: usize, mut number: u64) -> (u64, usize) {
+    while let Some(eight) = bytes.get(at..).and_then(eight_digits) {
+        number = number.wrapping_mul(100_000_000).wrapping_add(eight);
+        at += 8;
+    }
+    while let Some(digit @ b'0'..=b'9') = bytes.get(at) {
+        number = number.wrapping_mul(10).wrapping_add(u64::from(digit - b'0'));
+        at += 1;
+    }
+    (number, at)
+}
+
+/// `mantissa / 10ᵏ`, correctly rounded, for a mantissa that is not 0 and
+/// `k ≤ 27`.
+///
+/// The quotient by 5ᵏ < 2⁶³ is an integer of 65 bits or more once the mantissa
+/// fills 128 bits; with a lowest bit that remembers the remainder it rounds to
+/// 53 bits like the quotient itself. What is left is a power of two, and the
+/// result is far from the limits of `f64`.
+#[inline]
+fn quotient(mantissa: u64, k: usize) -> f64 {
+    let shift = mantissa.leading_zeros();
+    let dividend = u128::from(mantissa << shift) << 64;
+    let divisor = u128::from(POWERS_OF_FIVE[k]);
+    let (whole, rest) = (dividend / divisor, dividend % divisor);
+    let sticky = u128::from(rest != 0);
+    (whole | sticky) as f64 * f64::from_bits((1023 - 64 - u64::from(shift) - k as u64) << 52)
+}
+
 /// Reads the decimal number that begins at `start` and fills its token;
 /// returns it with the end of the token, or `None` if the token is no number.
 ///
 /// The result is the `f64` nearest to the text, ties to even. With a mantissa
 /// below 2⁵³ and a power of ten up to 10²² both are exact, and one
-/// multiplication or division rounds correctly (Clinger's fast path); all else
-/// goes to the standard library. `inf` and `nan` are numbers here: the caller
-/// knows what to call them in an error.
+/// multiplication or division rounds correctly (Clinger's fast path); longer
+/// fractions go through an integer quotient, all else to the standard library.
+/// `inf` and `nan` are numbers here: the caller knows what to call them in an
+/// error.
 #[inline]
 pub(crate) fn float(bytes: &[u8], start: usize) -> Option<(f64, usize)> {
-    let mut at = start;
     let byte = |at: usize| bytes.get(at).copied().unwrap_or(b' ');
-    let negative = byte(at) == b'-';
-    at += usize::from(negative || byte(at) == b'+');
+    let negative = byte(start) == b'-';
+    let first = start + usize::from(negative || byte(start) == b'+');
 
-    let mut mantissa = 0u64;
-    let first = at;
-    while let digit @ 0..=9 = byte(at).wrapping_sub(b'0') {
-        mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(digit));
-        at += 1;
-    }
-    let mut digits = at - first;
+    let (mut mantissa, mut at) = digits(bytes, first, 0);
+    let mut count = at - first;
     let mut exponent = 0i32;
     if byte(at) == b'.' {
-        at += 1;
-        let first = at;
-        while let digit @ 0..=9 = byte(at).wrapping_sub(b'0') {
-            mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(digit));
-            at += 1;
-        }
-        digits += at - first;
-        exponent = -((at - first).min(1000) as i32);
+        let point = at + 1;
+        (mantissa, at) = digits(bytes, point, mantissa);
+        count += at - point;
+        exponent = -((at - point).min(1000) as i32);
     }
     if matches!(byte(at), b'e' | b'E') {
         let mut next = at + 1;
@@ -67,12 +122,23 @@ pub(crate) fn float(bytes: &[u8], start: usize) -> Option<(f64, usize)> {
         }
     }
     // Nineteen digits never overflow the mantissa.
-    let exact = (1..=19).contains(&digits) && mantissa <= 1 << 53 && is_delimiter(byte(at));
-    if exact && (-22..=22).contains(&exponent) {
-        let power = POWERS[exponent.unsigned_abs() as usize];
-        let value = if exponent < 0 { mantissa as f64 / power } else { mantissa as f64 * power };
-        return Some((if negative { -value } else { value }, at));
+    if (1..=19).contains(&count) && is_delimiter(byte(at)) {
+        let small = mantissa <= 1 << 53;
+        let value = match exponent {
+            -22..=0 if small => Some(mantissa as f64 / POWERS[exponent.unsigned_abs() as usize]),
+            1..=22 if small => Some(mantissa as f64 * POWERS[exponent as usize]),
+            -27..=0 if mantissa > 0 => Some(quotient(mantissa, exponent.unsigned_abs() as usize)),
+            _ => None,
+        };
+        if let Some(value) = value {
+            return Some((if negative { -value } else { value }, at));
+        }
     }
+    by_the_standard_library(bytes, start)
+}
+
+#[cold]
+fn by_the_standard_library(bytes: &[u8], start: usize) -> Option<(f64, usize)> {
     let end = token_end(bytes, start);
     let value = std::str::from_utf8(&bytes[start..end]).ok()?.parse().ok()?;
     Some((value, end))
@@ -158,6 +224,21 @@ mod tests {
             for text in [format!("{x}"), format!("{x:e}"), format!("{x:.decimals$e}")] {
                 let expected: f64 = text.parse().unwrap();
                 prop_assert_eq!(parse(&text).unwrap().to_bits(), expected.to_bits(), "{}", text);
+            }
+        }
+
+        /// Mantissas of up to nineteen digits, near halves of the last bit too.
+        #[test]
+        fn long_fractions_round_like_the_standard_library(
+            mantissa: u64, near in 1u64 << 52..1 << 54, k in 0usize..28,
+        ) {
+            for n in [mantissa / 10, near, near << 1 | 1, (near << 9) + 256, (near << 9) + 257] {
+                let digits = format!("{n:028}");
+                let (whole, fraction) = digits.split_at(28 - k);
+                let text = format!("{}.{fraction}", whole.trim_start_matches('0'));
+                let expected: f64 = text.parse().unwrap();
+                prop_assert_eq!(parse(&text).unwrap().to_bits(), expected.to_bits(), "{}", text);
+                prop_assert_eq!(parse(&format!("{n}e-{k}")).unwrap().to_bits(), expected.to_bits());
             }
         }
 

@@ -182,6 +182,12 @@ impl Chunk {
 
     #[inline]
     fn face(&mut self, text: &[u8], mut at: usize, corners: &mut Vec<u32>) -> Result<usize, Stop> {
+        if let Some((triangle, end)) = plain_triangle(text, at) {
+            let [a, b, c] = triangle;
+            self.largest = self.largest.max(i64::from(a.max(b).max(c)));
+            self.polygons.push_triangle(triangle);
+            return Ok(end);
+        }
         let start = at;
         corners.clear();
         let base = self.polygons.corner_count();
@@ -239,6 +245,37 @@ impl Chunk {
             Err(_) => i64::from(stored),
         }
     }
+}
+
+/// Three positive indices and the end of the line, which is what most lines
+/// hold; returns them from 0, with the start of the next line.
+#[inline]
+fn plain_triangle(text: &[u8], at: usize) -> Option<([u32; 3], usize)> {
+    let mut rest = &text[at..];
+    let mut triangle = [0u32; 3];
+    for corner in &mut triangle {
+        while let [b' ', after @ ..] = rest {
+            rest = after;
+        }
+        let length = rest.len();
+        while let [digit @ b'0'..=b'9', after @ ..] = rest {
+            *corner = corner.wrapping_mul(10).wrapping_add(u32::from(digit - b'0'));
+            rest = after;
+        }
+        // Nine digits fit in 32 bits.
+        if length - rest.len() > 9 {
+            return None;
+        }
+        *corner = corner.checked_sub(1)?;
+        if !matches!(rest, [b' ' | b'\r' | b'\n', ..]) {
+            return None;
+        }
+    }
+    let rest = match rest {
+        [b'\n', rest @ ..] | [b'\r', b'\n', rest @ ..] | [b' ', b'\n', rest @ ..] => rest,
+        _ => return None,
+    };
+    Some((triangle, text.len() - rest.len()))
 }
 
 /// A number that ends at a blank, a comment or a continuation.

@@ -2,12 +2,10 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use rayon::prelude::*;
-
 use crate::io::error::{Fault, unexpected};
 use crate::io::parsed::{Parsed, too_few_corners, vertex_index};
 use crate::io::ply::header::{Element, Kind, Scalar};
-use crate::io::ply::source::{Rows, Source, decode_integer};
+use crate::io::ply::source::{Source, decode_integer};
 use crate::io::ply::vertices::list_length;
 use crate::io::polygons::Polygons;
 
@@ -104,30 +102,24 @@ fn triangles_at_once(
         }
         [a, b, c]
     };
-    let each_row = rows.bytes.par_chunks_exact(stride).with_min_len(1 << 13);
     let plain = count.size() == 1 && matches!(item, Scalar::I32 | Scalar::U32) && !rows.big_endian;
     let faces = if plain {
-        each_row
-            .map(|row| {
-                let row = &row[offset..offset + 13];
-                let words = row[1..].as_chunks().0;
-                check(row[0] == 3, [0, 1, 2].map(|k| u32::from_le_bytes(words[k])))
-            })
-            .collect()
+        rows.map(|row| {
+            let row = &row[offset..offset + 13];
+            let words = row[1..].as_chunks().0;
+            check(row[0] == 3, [words[0], words[1], words[2]].map(u32::from_le_bytes))
+        })
     } else {
-        let Rows { big_endian, .. } = rows;
-        each_row
-            .map(|row| {
-                let row = &row[offset..];
-                let length = decode_integer(count, big_endian, row);
-                let corners = [0, 1, 2].map(|k| {
-                    let at = count.size() + k * item.size();
-                    let index = decode_integer(item, big_endian, &row[at..]);
-                    u32::try_from(index).unwrap_or(u32::MAX)
-                });
-                check(length == 3, corners)
-            })
-            .collect()
+        rows.map(|row| {
+            let row = &row[offset..];
+            let length = decode_integer(count, rows.big_endian, row);
+            let corners = [0, 1, 2].map(|k| {
+                let at = count.size() + k * item.size();
+                let index = decode_integer(item, rows.big_endian, &row[at..]);
+                u32::try_from(index).unwrap_or(u32::MAX)
+            });
+            check(length == 3, corners)
+        })
     };
     let length = rows.bytes.len();
     sound.into_inner().then_some((faces, length))

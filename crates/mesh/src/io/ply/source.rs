@@ -1,5 +1,7 @@
 //! Numbers from the body of a PLY file, text or binary.
 
+use rayon::prelude::*;
+
 use crate::io::error::{Fault, Place, ReadProblem, unexpected};
 use crate::io::ply::header::{Element, Scalar};
 use crate::io::text::Cursor;
@@ -48,6 +50,24 @@ pub(super) struct Rows<'a> {
     pub(super) big_endian: bool,
     /// Where the first row begins in the file.
     pub(super) start: usize,
+}
+
+impl Rows<'_> {
+    /// Decodes every row, in parallel; rows of a few thousand are one piece of
+    /// work.
+    pub(super) fn map<T: Copy + Default + Send>(
+        &self,
+        decode: impl Fn(&[u8]) -> T + Sync,
+    ) -> Vec<T> {
+        const PIECE: usize = 1 << 13;
+        let mut values = vec![T::default(); self.bytes.len() / self.stride];
+        let pieces = self.bytes.par_chunks(PIECE * self.stride);
+        values.par_chunks_mut(PIECE).zip(pieces).for_each(|(values, rows)| {
+            let rows = rows.chunks_exact(self.stride);
+            values.iter_mut().zip(rows).for_each(|(value, row)| *value = decode(row));
+        });
+        values
+    }
 }
 
 /// A text body. A row begins on a line of its own and may go on over several.

@@ -71,15 +71,14 @@ fn from_rows(
     }
     let scalar = |k: usize| -> Vec<f64> {
         let (offset, scalar) = offsets[k];
-        let decode = |row: &[u8]| decode_float(scalar, rows.big_endian, &row[offset..]);
-        rows.bytes.par_chunks_exact(rows.stride).with_min_len(1 << 13).map(decode).collect()
+        rows.map(|row| decode_float(scalar, rows.big_endian, &row[offset..]))
     };
     let fields = VertexFields {
         scalars: layout.scalars.iter().map(|(name, k)| (name.clone(), scalar(*k))).collect(),
         vectors: layout.vectors.iter().map(|(name, ks)| (name.clone(), triples(*ks))).collect(),
         colors: layout.colors.map(|ks| {
             let at = ks.map(|k| offsets[k].0);
-            rows.bytes.chunks_exact(rows.stride).map(|row| at.map(|offset| row[offset])).collect()
+            rows.map(|row| at.map(|offset| row[offset]))
         }),
     };
     Ok((positions, fields))
@@ -90,26 +89,18 @@ fn from_rows(
 fn vectors(rows: &Rows<'_>, columns: [(usize, Scalar); 3]) -> Vec<[f64; 3]> {
     let [(offset, kind), ..] = columns;
     let side_by_side = [0, 1, 2].map(|k| (offset + k * kind.size(), kind)) == columns;
-    let each_row = rows.bytes.par_chunks_exact(rows.stride).with_min_len(1 << 13);
     match kind {
-        Scalar::F32 if side_by_side && !rows.big_endian => each_row
-            .map(|row| {
-                let words = row[offset..offset + 12].as_chunks().0;
-                [0, 1, 2].map(|k| f64::from(f32::from_le_bytes(words[k])))
-            })
-            .collect(),
-        Scalar::F64 if side_by_side && !rows.big_endian => each_row
-            .map(|row| {
-                let words = row[offset..offset + 24].as_chunks().0;
-                [0, 1, 2].map(|k| f64::from_le_bytes(words[k]))
-            })
-            .collect(),
-        _ => each_row
-            .map(|row| {
-                columns
-                    .map(|(offset, scalar)| decode_float(scalar, rows.big_endian, &row[offset..]))
-            })
-            .collect(),
+        Scalar::F32 if side_by_side && !rows.big_endian => rows.map(|row| {
+            let words = row[offset..offset + 12].as_chunks().0;
+            [words[0], words[1], words[2]].map(|word| f64::from(f32::from_le_bytes(word)))
+        }),
+        Scalar::F64 if side_by_side && !rows.big_endian => rows.map(|row| {
+            let words = row[offset..offset + 24].as_chunks().0;
+            [words[0], words[1], words[2]].map(f64::from_le_bytes)
+        }),
+        _ => rows.map(|row| {
+            columns.map(|(offset, scalar)| decode_float(scalar, rows.big_endian, &row[offset..]))
+        }),
     }
 }
 

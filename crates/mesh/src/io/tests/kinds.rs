@@ -122,8 +122,7 @@ fn bombs_stop_at_the_limit() {
     assert!(message.contains("unpack to more than"), "{message}");
 
     let small = packed(&bytes(Format::Obj, &WriteOptions::default()));
-    let mut options = ReadOptions::default();
-    options.max_unpacked_bytes = 50;
+    let options = ReadOptions { max_unpacked_bytes: 50, ..ReadOptions::default() };
     let message = refusal("a.obj.gz", &small, &options);
     assert!(message.contains("unpack to more than 50 bytes"), "{message}");
 }

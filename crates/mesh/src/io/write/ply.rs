@@ -92,8 +92,10 @@ pub(super) fn encode(
     options: &WriteOptions,
 ) -> Result<Vec<Vec<u8>>, WriteProblem> {
     let columns = columns(surface.positions, surface.fields, options.float_width)?;
-    let most_corners = (0..surface.faces.len()).map(|f| surface.faces.face(f).len()).max();
-    let short_lists = most_corners.unwrap_or(3) <= 255;
+    let short_lists = match surface.faces {
+        Faces::Triangles(_) => true,
+        Faces::Polygons(mesh) => mesh.polygons().all(|polygon| polygon.len() <= 255),
+    };
     let header = header(surface, &columns, options.encoding, short_lists);
     let pieces = match options.encoding {
         Encoding::Ascii => {
