@@ -21,7 +21,7 @@ pub(crate) fn linear(low: f64, high: f64, wanted: usize) -> Ticks {
         return Ticks { major: vec![(low, crate::number::number(low, 3))], ..none };
     }
     let decade = 10f64.powf(raw.log10().floor());
-    let step = [1.0, 2.0, 2.5, 5.0].iter().map(|m| m * decade).find(|&s| s >= raw * 0.999);
+    let step = [1.0, 2.0, 2.5, 5.0].iter().map(|m| m * decade).find(|&s| s >= raw * 0.75);
     let step = step.unwrap_or(10.0 * decade);
     let first = (low / step - 1e-9).ceil();
     let last = (high / step + 1e-9).floor();
@@ -97,9 +97,9 @@ mod tests {
     #[test]
     fn linear_ticks_are_round() {
         assert_eq!(labels(&linear(-1.3, 1.4, 4)), ["−1", "0", "1"]);
-        assert_eq!(labels(&linear(0.0, 0.1, 4)), ["0.000", "0.025", "0.050", "0.075", "0.100"]);
+        assert_eq!(labels(&linear(0.0, 0.1, 4)), ["0.00", "0.02", "0.04", "0.06", "0.08", "0.10"]);
         let small = linear(0.0, 3.1e-5, 3);
-        assert_eq!((labels(&small), small.exponent), (vec!["0", "2"], -5));
+        assert_eq!((labels(&small), small.exponent), (vec!["0", "1", "2", "3"], -5));
         assert_eq!(labels(&linear(5e5, 5e5 + 3.0, 3)).len(), 4);
         assert_eq!(labels(&linear(2.0, 2.0, 4)), ["2"]);
     }
