@@ -41,6 +41,10 @@ pub struct Panel {
     pub faces: Vec<[u32; 3]>,
     /// The fields to choose from; the first is shown.
     pub fields: Vec<Field>,
+    /// What the page smooths by itself, at any λ and number of steps: the
+    /// input in double precision. One panel of a view can have it.
+    #[serde(default)]
+    pub live: Option<Vec<[f64; 3]>>,
 }
 
 /// Values to colour vertices by.
@@ -54,6 +58,9 @@ pub struct Field {
     pub signed: bool,
     /// Values at each stop of the slider; one entry if they do not change.
     pub values: Vec<Vec<f32>>,
+    /// The vertices without a value, ascending; theirs above is ignored.
+    #[serde(default)]
+    pub undefined: Vec<u32>,
 }
 
 impl Panel {
@@ -64,6 +71,7 @@ impl Panel {
             positions: vec![single(mesh.positions())],
             faces: mesh.faces().to_vec(),
             fields: vec![],
+            live: None,
         }
     }
 
@@ -80,10 +88,41 @@ impl Panel {
 
     /// The same panel with a field that does not change with the slider.
     #[must_use]
-    pub fn with_field(mut self, name: &str, unit: &str, signed: bool, values: &[f64]) -> Self {
-        let values = vec![values.iter().map(|&x| x as f32).collect()];
-        self.fields.push(Field { name: name.into(), unit: unit.into(), signed, values });
+    pub fn with_field(self, name: &str, unit: &str, signed: bool, values: &[f64]) -> Self {
+        self.with_moving_field(name, unit, signed, [values])
+    }
+
+    /// The same panel with a field that has values of its own at each stop.
+    #[must_use]
+    pub fn with_moving_field<'a>(
+        mut self,
+        name: &str,
+        unit: &str,
+        signed: bool,
+        stops: impl IntoIterator<Item = &'a [f64]>,
+    ) -> Self {
+        let single = |values: &[f64]| values.iter().map(|&x| x as f32).collect();
+        let values = stops.into_iter().map(single).collect();
+        let (name, unit) = (name.into(), unit.into());
+        self.fields.push(Field { name, unit, signed, values, undefined: vec![] });
         self
+    }
+
+    /// The same panel without the values of the last field at these vertices.
+    #[must_use]
+    pub fn undefined_at(mut self, vertices: impl IntoIterator<Item = u32>) -> Self {
+        if let Some(field) = self.fields.last_mut() {
+            field.undefined = vertices.into_iter().collect();
+            field.undefined.sort_unstable();
+        }
+        self
+    }
+
+    /// The same panel, which the page smooths implicitly with uniform weights,
+    /// `(I − λL) x′ = x` step by step, beginning at these positions.
+    #[must_use]
+    pub fn with_live_smoothing(self, mesh: &TriMesh) -> Self {
+        Self { live: Some(mesh.positions().to_vec()), ..self }
     }
 }
 

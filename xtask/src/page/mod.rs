@@ -1,109 +1,198 @@
 //! `report.html`: one self-contained page that opens from disk.
+//!
+//! Text, tables and figures are plain HTML and readable without scripts; the
+//! interactive views are brought to life by the scripts of `assets/`, which
+//! stand in the page as they are. Nothing is requested from anywhere.
+
+mod html;
+mod pack;
+mod section;
+mod view;
 
 use std::fmt::Write as _;
-use std::fs;
 use std::path::Path;
 
-use anyhow::{Context as _, Result};
-use base64::Engine as _;
+use anyhow::Result;
 
 use crate::experiment::Experiment;
-use crate::results::{Record, Results};
-use crate::table::{Table, Unit};
+use crate::markdown;
+use crate::results::Results;
+use crate::verdict::{Judgement, Verdict};
+use html::escape;
+
+/// The scripts, in the order in which they use one another.
+const SCRIPTS: [&str; 7] = [
+    include_str!("../../assets/data.js"),
+    include_str!("../../assets/solver.js"),
+    include_str!("../../assets/renderer.js"),
+    include_str!("../../assets/camera.js"),
+    include_str!("../../assets/bar.js"),
+    include_str!("../../assets/view.js"),
+    include_str!("../../assets/page.js"),
+];
+
+const STYLE: &str = include_str!("../../assets/style.css");
 
 /// The page. `folder` holds the files of the report, whose pictures are put
 /// into the page.
 ///
 /// # Errors
 ///
-/// If a picture cannot be read.
+/// If a picture cannot be read or a view does not hold together.
 pub fn report(results: &Results, experiments: &[&dyn Experiment], folder: &Path) -> Result<String> {
-    let mut body = String::new();
+    let mut main = opening(results);
+    main += &claims(results);
     for record in &results.experiments {
         let card = experiments.iter().map(|e| e.card()).find(|c| c.id == record.id);
-        let _ =
-            write!(body, "<section id=\"{0}\"><h2>{0}: {1}</h2>", record.id, escape(&record.title));
-        let _ = write!(body, "<p><b>Question.</b> {}</p>", escape(&record.question));
-        if let Some(error) = &record.error {
-            let _ =
-                write!(body, "<p><b>This experiment failed:</b> {}</p></section>", escape(error));
-            continue;
-        }
-        if let Some(card) = card {
-            for paragraph in card.method.split("\n\n") {
-                let _ = write!(body, "<p>{}</p>", escape(paragraph));
-            }
-            for formula in card.formulas {
-                let _ = write!(body, "<p><math display=\"block\">{}</math></p>", formula.mathml);
-            }
-        }
-        section(record, folder, &mut body)?;
-        body += "</section>";
+        main += &section::experiment(record, card.as_ref(), folder)?;
     }
-    Ok(format!(
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Fairing: the experiments</title>\
+    main += &provenance(results);
+    Ok(document("Fairing: the experiments", &contents(results), &main))
+}
+
+/// A whole page around `main`, with styles, scripts and colour maps.
+fn document(title: &str, contents: &str, main: &str) -> String {
+    let mut page = format!(
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{title}</title>\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
-         <style>{STYLE}</style></head><body><main><h1>Fairing: the experiments</h1>{body}</main></body></html>\n"
-    ))
+         <meta name=\"color-scheme\" content=\"light dark\">\
+         <link rel=\"icon\" href=\"data:,\"><style>{STYLE}</style></head><body>\
+         <a class=\"skip\" href=\"#main\">to the text</a>\
+         <header><h1>{title}</h1><button id=\"theme\" type=\"button\" hidden>dark</button></header>\
+         {contents}<main id=\"main\">{main}</main>\
+         <script id=\"colour-maps\" type=\"application/json\">{maps}</script>\n",
+        title = escape(title),
+        maps = view::color_maps(),
+    );
+    for script in SCRIPTS {
+        let _ = writeln!(page, "<script>{script}</script>");
+    }
+    page + "</body></html>\n"
 }
 
-const STYLE: &str = "body{font:16px/1.5 system-ui,sans-serif;color-scheme:light dark}\
-main{max-width:60rem;margin:auto;padding:1rem}img{max-width:100%}table{border-collapse:collapse}\
-td,th{padding:.1rem .6rem;border-bottom:1px solid #8884}td.n{text-align:right}\
-blockquote{border-left:4px solid #888;margin:1rem 0;padding:0 1rem}";
-
-fn section(record: &Record, folder: &Path, body: &mut String) -> Result<()> {
-    for claim in &record.claims {
+fn contents(results: &Results) -> String {
+    let mut list = String::new();
+    if results.experiments.iter().any(|r| !r.claims.is_empty()) {
+        list += "<li><a href=\"#claims\">The claims</a></li>";
+    }
+    for record in &results.experiments {
         let _ = write!(
-            body,
-            "<blockquote><p><b>Claim {}:</b> {}</p><p><b>{}</b>: {}</p></blockquote>",
-            claim.id,
-            escape(&claim.claim),
-            claim.verdict,
-            escape(&claim.reason)
+            list,
+            "<li><a href=\"#{0}\"><span class=\"id\">{0}</span> {1}</a></li>",
+            escape(&record.id),
+            escape(&record.title)
         );
     }
-    for figure in &record.figures {
-        let png = fs::read(folder.join(&figure.png)).with_context(|| figure.png.clone())?;
-        let data = base64::engine::general_purpose::STANDARD.encode(png);
-        let _ = write!(
-            body,
-            "<figure><img src=\"data:image/png;base64,{data}\" alt=\"{}\"><figcaption>{}</figcaption></figure>",
-            escape(&figure.alt),
-            escape(&figure.caption)
-        );
-    }
-    for t in &record.tables {
-        *body += &table(t);
-    }
-    for note in &record.notes {
-        let _ = write!(body, "<p>{}</p>", escape(note));
-    }
-    Ok(())
+    format!(
+        "<nav aria-label=\"contents\"><ol>{list}\
+         <li><a href=\"#provenance\">Where the numbers come from</a></li></ol></nav>"
+    )
 }
 
-fn table(table: &Table) -> String {
-    let mut text = format!("<table><caption>{}</caption><tr>", escape(&table.caption));
-    for c in &table.columns {
-        let unit = match c.unit {
-            Unit::Label | Unit::One | Unit::Count => String::new(),
-            unit => format!(" ({unit})"),
-        };
-        let _ = write!(text, "<th>{}{unit}</th>", escape(&c.name));
+/// What was reproduced and what was found, in about five lines.
+fn opening(results: &Results) -> String {
+    let all: Vec<&Judgement> = results.experiments.iter().flat_map(|r| &r.claims).collect();
+    let with = |verdict| all.iter().filter(move |c| c.verdict == verdict);
+    let links = |verdict| -> String {
+        let link = |c: &&Judgement| format!("<a href=\"#claim-{0}\">{0}</a>", escape(&c.id));
+        let links: Vec<String> = with(verdict).map(link).collect();
+        if links.is_empty() { "none".into() } else { links.join(", ") }
+    };
+    let count = |what: &str, n: usize| match n {
+        1 => format!("1 {what}"),
+        n => format!("{n} {what}s"),
+    };
+    let failed = results.experiments.iter().filter(|r| r.error.is_some()).count();
+    let mut text = String::from(
+        "<section class=\"opening\"><p>A solved coursework report on discrete curvature, spectra and \
+         smoothing of triangle meshes, done again: every experiment is run, drawn and measured by one \
+         command, and each claim of the report is judged by the numbers.</p>",
+    );
+    if !all.is_empty() {
+        let _ = write!(
+            text,
+            "<p>Of {}, {} stand as stated ({}), {} hold in part ({}) and {} fail ({}).</p>",
+            count("claim", all.len()),
+            with(Verdict::Confirmed).count(),
+            links(Verdict::Confirmed),
+            with(Verdict::Qualified).count(),
+            links(Verdict::Qualified),
+            with(Verdict::Refuted).count(),
+            links(Verdict::Refuted),
+        );
     }
-    text += "</tr>";
-    for row in &table.rows {
-        text += "<tr>";
-        for (cell, c) in row.iter().zip(&table.columns) {
-            let class = if c.unit == Unit::Label { "" } else { " class=\"n\"" };
-            let _ = write!(text, "<td{class}>{}</td>", escape(&cell.to_string()));
+    let stand_ins = markdown::stand_ins(results);
+    if stand_ins.is_empty() {
+        text += "<p>The meshes are those of the assignment, or made here.</p>";
+    } else {
+        let _ = write!(
+            text,
+            "<p>Generated meshes took the place of the assignment's: {}. With \
+             <code>--meshes FOLDER</code> the real ones are used.</p>",
+            escape(&stand_ins.join(", "))
+        );
+    }
+    if failed > 0 {
+        let _ = write!(text, "<p class=\"error\">{} failed.</p>", count("experiment", failed));
+    }
+    let p = &results.provenance;
+    let _ = write!(
+        text,
+        "<p class=\"soft\">{}, commit <code>{}</code>{}, {}, seed {}. Nothing below was typed by hand.</p></section>",
+        escape(&p.program),
+        escape(p.commit.get(..12).unwrap_or(&p.commit)),
+        if p.dirty { " with changes" } else { "" },
+        escape(&p.date),
+        p.seed,
+    );
+    text
+}
+
+fn claims(results: &Results) -> String {
+    let mut rows = String::new();
+    for record in &results.experiments {
+        for claim in &record.claims {
+            let numbers: Vec<String> = claim.numbers.iter().map(ToString::to_string).collect();
+            let _ = write!(
+                rows,
+                "<tr><td><a href=\"#claim-{0}\">{0}</a></td><td>{1}</td><td>{2}</td><td>{3}</td></tr>",
+                escape(&claim.id),
+                escape(&claim.claim),
+                section::verdict(claim.verdict),
+                escape(&numbers.join("; ")),
+            );
         }
-        text += "</tr>";
     }
-    text + "</table>"
+    if rows.is_empty() {
+        return rows;
+    }
+    format!(
+        "<section id=\"claims\"><h2>The claims</h2><div class=\"wide\"><table>\
+         <thead><tr><th></th><th>The source report claims</th><th>Verdict</th><th>Decided by</th></tr></thead>\
+         <tbody>{rows}</tbody></table></div></section>"
+    )
 }
 
-/// Text as HTML.
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+fn provenance(results: &Results) -> String {
+    let p = &results.provenance;
+    let row = |name: &str, value: &str| {
+        format!("<tr><th scope=\"row\">{name}</th><td>{}</td></tr>", escape(value))
+    };
+    let mut rows = String::new();
+    rows += &row("program", &p.program);
+    rows += &row("commit", &format!("{}{}", p.commit, if p.dirty { ", with changes" } else { "" }));
+    rows += &row("compiler", &p.compiler);
+    rows += &row("libraries", &p.libraries.join(", "));
+    rows += &row("system", &p.system);
+    rows += &row("processor", &format!("{}, {} threads", p.processor, p.threads));
+    rows += &row("seed", &p.seed.to_string());
+    rows += &row("sizes", if p.quick { "reduced (--quick)" } else { "full" });
+    rows += &row("date", &p.date);
+    format!(
+        "<section id=\"provenance\"><h2>Where the numbers come from</h2>\
+         <p>Made by <code>cargo xtask reproduce{}</code>. All numbers stand in \
+         <a href=\"results.json\">results.json</a>.</p>\
+         <div class=\"wide\"><table class=\"facts\"><tbody>{rows}</tbody></table></div></section>",
+        if p.quick { " --quick" } else { "" },
+    )
 }

@@ -1,0 +1,121 @@
+'use strict';
+
+/**
+ * Starts the page: opens views as they come near, keeps what is chosen in the
+ * address, and shows a figure in place of each view where there is no WebGL 2.
+ */
+const fairing = (() => {
+  const views = new Map();
+  const root = document.documentElement;
+
+  function maps() {
+    const text = document.getElementById('colour-maps')?.textContent ?? '{}';
+    const decode = ([name, bytes]) => [name, Uint8Array.from(atob(bytes), (c) => c.charCodeAt(0))];
+    return Object.fromEntries(Object.entries(JSON.parse(text)).map(decode));
+  }
+
+  /** Without WebGL 2 or streams, the printed figure takes the view's place. */
+  function standIn(figure, why) {
+    const picture = document.getElementById(figure.dataset.fallback)?.querySelector('img');
+    const stage = figure.querySelector('.stage');
+    const note = element('p', {class: 'hint'}, why);
+    stage.replaceChildren(...(picture ? [picture.cloneNode(), note] : [note]));
+    figure.classList.add('still');
+  }
+
+  /** The address holds `#view=state&view=state`; other anchors are left alone. */
+  function readAddress() {
+    const hash = location.hash.slice(1);
+    if (!hash.includes('=')) return;
+    let first = null;
+    for (const [id, text] of new URLSearchParams(hash)) {
+      const view = views.get(id);
+      if (!view) continue;
+      view.fromText(text);
+      view.touched = true;
+      first ??= view;
+      if (view.shown) view.settle();
+    }
+    first?.figure.scrollIntoView();
+  }
+
+  let timer = null;
+  function writeAddress() {
+    clearTimeout(timer);
+    timer = setTimeout(() => {
+      const parts = new URLSearchParams();
+      for (const view of views.values()) if (view.touched) parts.set(view.id, view.toText());
+      history.replaceState(null, '', `#${parts}`);
+    }, 200);
+  }
+
+  function theme() {
+    const button = document.getElementById('theme');
+    if (!button) return;
+    const dark = matchMedia('(prefers-color-scheme: dark)');
+    const now = () => root.dataset.theme ?? (dark.matches ? 'dark' : 'light');
+    const label = () => {
+      button.textContent = now() === 'dark' ? 'light' : 'dark';
+      button.setAttribute('aria-label', `switch to ${button.textContent} colours`);
+    };
+    button.hidden = false;
+    button.addEventListener('click', () => {
+      root.dataset.theme = now() === 'dark' ? 'light' : 'dark';
+      label();
+    });
+    dark.addEventListener('change', label);
+    label();
+  }
+
+  async function open(view) {
+    try {
+      await view.open();
+    } catch (error) {
+      standIn(view.figure, `This view could not be opened: ${error.message}`);
+      throw error;
+    }
+  }
+
+  async function start() {
+    theme();
+    const figures = [...document.querySelectorAll('figure.view')];
+    if (!Renderer || typeof DecompressionStream === 'undefined') {
+      for (const figure of figures) {
+        standIn(figure, 'This browser cannot draw the interactive view (it needs WebGL 2).');
+      }
+      return;
+    }
+    const colors = maps();
+    for (const figure of figures) views.set(figure.id, new View(figure, colors));
+    document.addEventListener('fairing-state', ({detail}) => {
+      detail.touched = true;
+      writeAddress();
+    });
+    document.addEventListener('fairing-redraw', () => {
+      for (const view of views.values()) if (view.shown) view.draw();
+    });
+    readAddress();
+    addEventListener('hashchange', readAddress);
+    const near = new IntersectionObserver((entries) => {
+      for (const entry of entries) {
+        if (!entry.isIntersecting) continue;
+        near.unobserve(entry.target);
+        open(views.get(entry.target.id));
+      }
+    }, {rootMargin: '600px'});
+    for (const figure of figures) near.observe(figure);
+  }
+
+  const started = start().then(() => {
+    root.dataset.ready = '1';
+  });
+
+  return {
+    views,
+    /** Opens every view; resolves once all are drawn. */
+    openAll: async () => {
+      await started;
+      for (const view of views.values()) await open(view);
+    },
+  };
+})();

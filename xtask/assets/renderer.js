@@ -1,0 +1,300 @@
+'use strict';
+
+/**
+ * Draws meshes. One hidden WebGL2 context serves all canvases of the page,
+ * because browsers allow only a few contexts: each picture is drawn here and
+ * copied to the plain canvas in which it is seen.
+ */
+const Renderer = (() => {
+  const WIDTH = 2048; // of data textures, in texels
+
+  const VERTEX = `#version 300 es
+precision highp float; precision highp int; precision highp usampler2D;
+uniform usampler2D tIndex;
+uniform highp sampler2D tPosition, tNormal, tValue;
+uniform mat4 uView, uProjection;
+uniform bool uExpanded;
+out vec3 vPosition, vNormal, vSide;
+out float vValue, vOpen;
+flat out int vFace;
+ivec2 at(int i) { return ivec2(i & ${WIDTH - 1}, i / ${WIDTH}); }
+void main() {
+  int corner = gl_VertexID % 3;
+  int v = uExpanded ? int(texelFetch(tIndex, at(gl_VertexID), 0).r) : gl_VertexID;
+  vec4 p = texelFetch(tPosition, at(v), 0);
+  vec4 seen = uView * vec4(p.xyz, 1.0);
+  vPosition = seen.xyz;
+  vNormal = mat3(uView) * texelFetch(tNormal, at(v), 0).xyz;
+  vOpen = p.w;
+  vValue = texelFetch(tValue, at(v), 0).r;
+  vSide = vec3(corner == 0, corner == 1, corner == 2);
+  vFace = gl_VertexID / 3;
+  gl_Position = uProjection * seen;
+}`;
+
+  const SHADE = `#version 300 es
+precision highp float; precision highp int;
+in vec3 vPosition, vNormal, vSide;
+in float vValue, vOpen;
+flat in int vFace;
+out vec4 color;
+uniform sampler2D tMap;
+uniform vec2 uRange;
+uniform bool uFlat, uColored, uLines;
+uniform float uWire, uPixel;
+vec3 linear(vec3 c) { return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c)); }
+vec3 srgb(vec3 c) {
+  c = clamp(c, 0.0, 1.0);
+  return mix(c * 12.92, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c));
+}
+void main() {
+  vec3 eye = normalize(vPosition);
+  vec3 face = normalize(cross(dFdx(vPosition), dFdy(vPosition)));
+  if (dot(face, eye) > 0.0) face = -face;
+  vec3 n = face;
+  if (!uFlat && dot(vNormal, vNormal) > 1e-8) {
+    n = normalize(vNormal) * (gl_FrontFacing ? 1.0 : -1.0);
+    float away = dot(n, eye);
+    if (away > 0.0) n = normalize(n - eye * away + face * 1e-3);
+  }
+  float span = max(uRange.y - uRange.x, 1e-30);
+  float t = (vValue - uRange.x) / span;
+  vec3 base = vec3(0.84, 0.815, 0.776);
+  if (uColored) {
+    base = vValue > 1e37 ? vec3(0.588) : texture(tMap, vec2(clamp(t, 0.0, 1.0), 0.5)).rgb;
+  }
+  base = linear(base);
+  if (!gl_FrontFacing) base = mix(base, linear(vec3(0.376, 0.431, 0.549)), 0.333);
+  if (uColored && uLines && vValue < 1e37) {
+    float x = t * 12.0;
+    float d = abs(fract(x + 0.5) - 0.5) / max(fwidth(x), 1e-6);
+    base *= mix(0.25, 1.0, smoothstep(0.5, 1.3, d));
+  }
+  vec3 key = normalize(vec3(-0.5, 0.75, 0.8)), fill = normalize(vec3(0.9, 0.1, 0.6));
+  float open = vOpen;
+  float light = 0.84 * max(dot(n, key), 0.0) * (1.0 - 0.4 * (1.0 - open))
+    + 0.20 * max(dot(n, fill), 0.0) * open
+    + mix(0.13, 0.32, 0.5 + 0.5 * n.y) * open;
+  vec3 lit = base * light
+    + 0.06 * open * pow(max(dot(n, normalize(key - eye)), 0.0), 40.0);
+  if (uWire > 0.0) {
+    // Distances to the three sides and heights of the face, in pixels.
+    vec3 slope = max(fwidth(vSide), vec3(1e-6));
+    vec3 far = vSide / slope;
+    float near = min(min(far.x, far.y), far.z);
+    float height = 1.0 / max(max(slope.x, slope.y), slope.z) / uPixel;
+    float fade = clamp((height - 2.0) / 6.0, 0.0, 1.0);
+    float line = 1.0 - smoothstep(0.5 * uWire - 0.5, 0.5 * uWire + 0.5, near);
+    lit = mix(lit, vec3(0.008, 0.009, 0.012), line * fade * 0.7);
+  }
+  color = vec4(srgb(lit), 1.0);
+}`;
+
+  const NUMBER = `#version 300 es
+precision highp float; precision highp int;
+flat in int vFace;
+out vec4 color;
+void main() {
+  int id = vFace + 1;
+  color = vec4(id & 255, (id >> 8) & 255, (id >> 16) & 255, 255) / 255.0;
+}`;
+
+  const canvas = document.createElement('canvas');
+  const gl = canvas.getContext('webgl2', {antialias: true, preserveDrawingBuffer: true});
+  if (!gl) return null;
+
+  let programs = null;
+  let generation = 0; // counts lost contexts: what was uploaded before is gone
+  canvas.addEventListener('webglcontextlost', (e) => {
+    e.preventDefault();
+    programs = null;
+  });
+  canvas.addEventListener('webglcontextrestored', () => {
+    generation += 1;
+    document.dispatchEvent(new Event('fairing-redraw'));
+  });
+
+  function program(fragment) {
+    const made = gl.createProgram();
+    for (const [kind, source] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, fragment]]) {
+      const shader = gl.createShader(kind);
+      gl.shaderSource(shader, source);
+      gl.compileShader(shader);
+      if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS) && !gl.isContextLost()) {
+        throw new Error(gl.getShaderInfoLog(shader));
+      }
+      gl.attachShader(made, shader);
+    }
+    gl.linkProgram(made);
+    const places = new Map();
+    const place = (name) => {
+      if (!places.has(name)) places.set(name, gl.getUniformLocation(made, name));
+      return places.get(name);
+    };
+    return {made, place};
+  }
+
+  function prepare() {
+    if (programs) return;
+    programs = {shade: program(SHADE), number: program(NUMBER)};
+    gl.bindVertexArray(gl.createVertexArray());
+  }
+
+  function texture(values, components) {
+    const count = values.length / components;
+    const rows = Math.max(1, Math.ceil(count / WIDTH));
+    const whole = values instanceof Uint32Array;
+    const padded = new (whole ? Uint32Array : Float32Array)(WIDTH * rows * components);
+    padded.set(values);
+    const made = gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_2D, made);
+    const [inner, format, type] = whole
+      ? [gl.R32UI, gl.RED_INTEGER, gl.UNSIGNED_INT]
+      : [components === 4 ? gl.RGBA32F : gl.R32F, components === 4 ? gl.RGBA : gl.RED, gl.FLOAT];
+    gl.texImage2D(gl.TEXTURE_2D, 0, inner, WIDTH, rows, 0, format, type, padded);
+    sampling(gl.NEAREST);
+    return made;
+  }
+
+  function sampling(filter) {
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, filter);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, filter);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
+  }
+
+  /** Values that were uploaded once stay until they or the context change. */
+  function resident(owner, name, source, upload) {
+    owner.gpu ??= {};
+    const kept = owner.gpu[name];
+    if (kept && kept.source === source && kept.generation === generation) return kept.made;
+    if (kept && kept.generation === generation) {
+      if (kept.made instanceof WebGLTexture) gl.deleteTexture(kept.made);
+      else gl.deleteBuffer(kept.made);
+    }
+    const made = upload();
+    owner.gpu[name] = {source, generation, made};
+    return made;
+  }
+
+  function run(shader, scene, width, height, expanded) {
+    const {mesh, shape, values, camera} = scene;
+    gl.useProgram(shader.made);
+    const bind = (unit, name, made) => {
+      gl.activeTexture(gl.TEXTURE0 + unit);
+      gl.bindTexture(gl.TEXTURE_2D, made);
+      gl.uniform1i(shader.place(name), unit);
+    };
+    const index = resident(mesh, 'index', mesh.faces, () => texture(mesh.faces, 1));
+    const position = resident(mesh, 'position', shape.points, () => texture(shape.points, 4));
+    const normal = resident(mesh, 'normal', shape.normals, () => texture(shape.normals, 4));
+    const source = values ?? mesh.zeros;
+    const value = resident(mesh, 'value', source, () => {
+      // Undefined values travel as a number that no field has.
+      return texture(source.map((x) => (Number.isFinite(x) ? x : 3e38)), 1);
+    });
+    bind(0, 'tIndex', index);
+    bind(1, 'tPosition', position);
+    bind(2, 'tNormal', normal);
+    bind(3, 'tValue', value);
+    gl.uniformMatrix4fv(shader.place('uView'), false, camera.view());
+    gl.uniformMatrix4fv(shader.place('uProjection'), false, camera.projection(width / height));
+    gl.uniform1i(shader.place('uExpanded'), expanded ? 1 : 0);
+    if (expanded) {
+      gl.drawArrays(gl.TRIANGLES, 0, mesh.faces.length);
+      return;
+    }
+    const elements = resident(mesh, 'elements', mesh.faces, () => {
+      const made = gl.createBuffer();
+      gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, made);
+      gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, mesh.faces, gl.STATIC_DRAW);
+      return made;
+    });
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, elements);
+    gl.drawElements(gl.TRIANGLES, mesh.faces.length, gl.UNSIGNED_INT, 0);
+  }
+
+  function clear(width, height) {
+    if (canvas.width < width) canvas.width = width;
+    if (canvas.height < height) canvas.height = height;
+    gl.viewport(0, 0, width, height);
+    gl.enable(gl.SCISSOR_TEST);
+    gl.scissor(0, 0, width, height);
+    gl.enable(gl.DEPTH_TEST);
+    gl.clearColor(0, 0, 0, 0);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+  }
+
+  /**
+   * Draws a scene to fill a plain canvas. `scene`: `mesh` (faces, zeros),
+   * `shape` (points with occlusion, normals), `values` or null, `camera`,
+   * `lookup` (colours as RGB bytes), `range`, and the switches `flat`, `wire`
+   * and `lines`.
+   */
+  function draw(target, scene) {
+    const {width, height} = target.canvas;
+    if (!width || !height || gl.isContextLost()) return;
+    prepare();
+    clear(width, height);
+    const shader = programs.shade;
+    gl.useProgram(shader.made);
+    const map = resident(scene.mesh, 'map', scene.lookup, () => {
+      const made = gl.createTexture();
+      gl.bindTexture(gl.TEXTURE_2D, made);
+      gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+      const size = scene.lookup.length / 3;
+      gl.texImage2D(
+        gl.TEXTURE_2D, 0, gl.RGB8, size, 1, 0, gl.RGB, gl.UNSIGNED_BYTE, scene.lookup);
+      sampling(gl.LINEAR);
+      return made;
+    });
+    gl.activeTexture(gl.TEXTURE4);
+    gl.bindTexture(gl.TEXTURE_2D, map);
+    gl.uniform1i(shader.place('tMap'), 4);
+    gl.uniform2f(shader.place('uRange'), scene.range[0], scene.range[1]);
+    gl.uniform1i(shader.place('uColored'), scene.values ? 1 : 0);
+    gl.uniform1i(shader.place('uFlat'), scene.flat ? 1 : 0);
+    gl.uniform1i(shader.place('uLines'), scene.lines ? 1 : 0);
+    gl.uniform1f(shader.place('uWire'), scene.wire ? scene.pixel : 0);
+    gl.uniform1f(shader.place('uPixel'), scene.pixel);
+    run(shader, scene, width, height, scene.wire);
+    target.clearRect(0, 0, width, height);
+    target.drawImage(canvas, 0, canvas.height - height, width, height, 0, 0, width, height);
+  }
+
+  /** The face seen at a pixel, counted from the top left; −1 for none. */
+  function faceAt(scene, width, height, x, y) {
+    if (gl.isContextLost()) return -1;
+    prepare();
+    clear(width, height);
+    gl.scissor(x, height - 1 - y, 1, 1);
+    // Without smoothing at the edges, which would mix numbers: a buffer of
+    // its own has none.
+    const buffer = gl.createFramebuffer();
+    const seen = gl.createRenderbuffer();
+    const depth = gl.createRenderbuffer();
+    gl.bindFramebuffer(gl.FRAMEBUFFER, buffer);
+    gl.bindRenderbuffer(gl.RENDERBUFFER, seen);
+    gl.renderbufferStorage(gl.RENDERBUFFER, gl.RGBA8, width, height);
+    gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.RENDERBUFFER, seen);
+    gl.bindRenderbuffer(gl.RENDERBUFFER, depth);
+    gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, width, height);
+    gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, depth);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    run(programs.number, scene, width, height, true);
+    const [r, g, b] = readPixel(x, height - 1 - y);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    gl.deleteRenderbuffer(seen);
+    gl.deleteRenderbuffer(depth);
+    gl.deleteFramebuffer(buffer);
+    return (r | (g << 8) | (b << 16)) - 1;
+  }
+
+  function readPixel(x, y) {
+    const pixel = new Uint8Array(4);
+    gl.readPixels(x, y, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+    return pixel;
+  }
+
+  return {draw, faceAt};
+})();

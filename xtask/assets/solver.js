@@ -1,0 +1,116 @@
+'use strict';
+
+/**
+ * Implicit uniform smoothing, computed in the page in double precision.
+ *
+ * Each step solves (I − λL) x′ = x with L = D⁻¹A − I, which, multiplied by the
+ * valences D, is symmetric and positive definite:
+ *
+ *     (D + λ(D − A)) x′ = D x
+ *
+ * by conjugate gradients with the diagonal as preconditioner. Isolated
+ * vertices stay where they are.
+ */
+class Smoother {
+  constructor(positions, faces) {
+    this.n = positions.length / 3;
+    this.input = positions;
+    const neighbours = Array.from({length: this.n}, () => []);
+    for (let f = 0; f < faces.length; f += 3) {
+      for (let k = 0; k < 3; k++) {
+        const a = faces[f + k];
+        const b = faces[f + ((k + 1) % 3)];
+        neighbours[a].push(b);
+        neighbours[b].push(a);
+      }
+    }
+    this.starts = new Uint32Array(this.n + 1);
+    const ends = [];
+    for (let v = 0; v < this.n; v++) {
+      const own = [...new Set(neighbours[v])].sort((a, b) => a - b);
+      for (const w of own) ends.push(w);
+      this.starts[v + 1] = ends.length;
+    }
+    this.ends = Uint32Array.from(ends);
+  }
+
+  /** One step, for the three coordinates one after another. */
+  step(positions, lambda) {
+    const out = new Float64Array(positions.length);
+    for (let c = 0; c < 3; c++) this.solve(positions, lambda, c, out);
+    return out;
+  }
+
+  solve(positions, lambda, c, out) {
+    const {n, starts, ends} = this;
+    const x = new Float64Array(n);
+    const r = new Float64Array(n);
+    const p = new Float64Array(n);
+    const q = new Float64Array(n);
+    const inverse = new Float64Array(n);
+    const apply = (from, to) => {
+      for (let v = 0; v < n; v++) {
+        let sum = 0;
+        for (let i = starts[v]; i < starts[v + 1]; i++) sum += from[ends[i]];
+        const valence = starts[v + 1] - starts[v];
+        to[v] = valence ? valence * (1 + lambda) * from[v] - lambda * sum : from[v];
+      }
+    };
+    for (let v = 0; v < n; v++) {
+      x[v] = positions[3 * v + c];
+      const valence = starts[v + 1] - starts[v];
+      inverse[v] = valence ? 1 / (valence * (1 + lambda)) : 1;
+    }
+    apply(x, q);
+    let norm = 0;
+    let rho = 0;
+    for (let v = 0; v < n; v++) {
+      const valence = starts[v + 1] - starts[v] || 1;
+      const b = valence * x[v];
+      r[v] = b - q[v];
+      p[v] = inverse[v] * r[v];
+      norm += b * b;
+      rho += r[v] * p[v];
+    }
+    // Residuals beyond this are rounding errors of the right-hand side.
+    const enough = 1e-26 * norm;
+    for (let round = 0; round < 10000; round++) {
+      let residual = 0;
+      for (let v = 0; v < n; v++) residual += r[v] * r[v];
+      if (residual <= enough || rho === 0) break;
+      apply(p, q);
+      let curvature = 0;
+      for (let v = 0; v < n; v++) curvature += p[v] * q[v];
+      const alpha = rho / curvature;
+      let next = 0;
+      for (let v = 0; v < n; v++) {
+        x[v] += alpha * p[v];
+        r[v] -= alpha * q[v];
+        next += inverse[v] * r[v] * r[v];
+      }
+      const beta = next / rho;
+      rho = next;
+      for (let v = 0; v < n; v++) p[v] = inverse[v] * r[v] + beta * p[v];
+    }
+    for (let v = 0; v < n; v++) out[3 * v + c] = x[v];
+  }
+
+  /**
+   * `count` steps; lets the page breathe between them and gives up with `null`
+   * once `cancelled()` says so.
+   */
+  async smooth(lambda, count, cancelled = () => false, report = () => {}) {
+    let positions = this.input;
+    let since = performance.now();
+    for (let i = 0; i < count; i++) {
+      positions = this.step(positions, lambda);
+      if (performance.now() - since > 40) {
+        report(i + 1);
+        await new Promise((go) => setTimeout(go, 0));
+        if (cancelled()) return null;
+        since = performance.now();
+      }
+    }
+    return positions;
+  }
+}

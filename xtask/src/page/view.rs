@@ -1,0 +1,294 @@
+//! A view as a part of the page: its description, its data and its place.
+
+use std::fmt::Write as _;
+
+use anyhow::{Context as _, Result, ensure};
+use fairing_figure::{ColorMap, Occlusion};
+use fairing_mesh::TriMesh;
+use serde_json::{Value, json};
+
+use super::html::{escape, script_json};
+use super::pack::{Pack, Quantiser};
+use crate::view::{Panel, View};
+
+/// The colour maps of the viewer, 256 colours each, for `page.js`.
+pub(super) fn color_maps() -> String {
+    let table = |map: ColorMap| -> Vec<u8> {
+        (0..256).flat_map(|i| map.at(f64::from(i) / 255.0)).collect()
+    };
+    let entry = |map: ColorMap| {
+        let engine = base64::engine::general_purpose::STANDARD;
+        (map.name().to_string(), Value::from(base64::Engine::encode(&engine, table(map))))
+    };
+    let maps = ColorMap::ALL.into_iter().map(entry).collect();
+    script_json(&Value::Object(maps))
+}
+
+/// The view as a `<figure>` that the page's script brings to life; `id` is
+/// unique on the page, `fallback` the id of the figure that stands in.
+///
+/// # Errors
+///
+/// If a panel is empty, has positions that are not finite, or values that do
+/// not match its vertices.
+pub(super) fn figure(view: &View, id: &str, fallback: &str) -> Result<String> {
+    let (about, data) = describe(view).with_context(|| format!("view {id}"))?;
+    let mut html = String::new();
+    let _ = write!(
+        html,
+        "<figure class=\"view\" id=\"{id}\" data-fallback=\"{fallback}\">\
+         <div class=\"stage\"><p class=\"hint\">{alt}</p></div>\
+         <noscript><p class=\"hint\">The interactive view needs JavaScript; \
+         see <a href=\"#{fallback}\">the figure</a>.</p></noscript>\
+         <figcaption>{caption}</figcaption>\
+         <script class=\"about\" type=\"application/json\">{about}</script>\
+         <script class=\"data\" type=\"text/plain\">{data}</script></figure>",
+        id = escape(id),
+        fallback = escape(fallback),
+        alt = escape(&view.alt),
+        caption = escape(&view.caption),
+        about = script_json(&about),
+    );
+    Ok(html)
+}
+
+/// The description and the packed data.
+fn describe(view: &View) -> Result<(Value, String)> {
+    let first = view.panels.first().context("there is no panel")?;
+    for panel in &view.panels {
+        check(panel, view.slider.as_ref().map_or(1, |s| s.stops.len()))
+            .with_context(|| format!("panel {}", panel.title))?;
+    }
+    let frame = Frame::around(&view.panels);
+    let mut pack = Pack::default();
+    let mut lists: Vec<&[[u32; 3]]> = Vec::new();
+    for panel in &view.panels {
+        if !lists.contains(&&panel.faces[..]) {
+            lists.push(&panel.faces);
+            pack.integers(panel.faces.as_flattened());
+        }
+    }
+    let panels: Vec<Value> = view
+        .panels
+        .iter()
+        .map(|panel| {
+            let faces = lists.iter().position(|l| *l == panel.faces).unwrap_or_default();
+            describe_panel(panel, faces, &frame, &mut pack)
+        })
+        .collect::<Result<_>>()?;
+    let mut fields: Vec<Value> = Vec::new();
+    for field in view.panels.iter().flat_map(|p| &p.fields) {
+        if fields.iter().all(|known| known["name"] != field.name.as_str()) {
+            let entry = json!({"name": field.name, "unit": field.unit, "signed": field.signed});
+            fields.push(entry);
+        }
+    }
+    let about = json!({
+        "alt": view.alt,
+        "angles": frame.angles(),
+        "ball": {"center": frame.center(), "radius": frame.radius()},
+        "flat": first.positions.len() > 1,
+        "slider": view.slider.as_ref().map(|slider| {
+            json!({"name": slider.name, "stops": slider.stops, "start": 0})
+        }),
+        "faceLists": lists.iter().map(|l| l.len()).collect::<Vec<_>>(),
+        "fields": fields,
+        "panels": panels,
+    });
+    Ok((about, pack.finish()?))
+}
+
+fn check(panel: &Panel, stops: usize) -> Result<()> {
+    let count = panel.positions.first().context("there are no positions")?.len();
+    ensure!(!panel.faces.is_empty(), "there are no faces");
+    ensure!(
+        panel.faces.as_flattened().iter().all(|&v| (v as usize) < count),
+        "a face names a vertex beyond the {count} there are"
+    );
+    for (s, positions) in panel.positions.iter().enumerate() {
+        ensure!(positions.len() == count, "stop {s} has {} of {count} vertices", positions.len());
+        if let Some(v) = positions.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
+            anyhow::bail!("vertex {v} is at {:?} at stop {s}", positions[v]);
+        }
+    }
+    let fits = |entries: usize| entries == 1 || entries == stops;
+    ensure!(fits(panel.positions.len()), "{} positions for {stops} stops", panel.positions.len());
+    for field in &panel.fields {
+        ensure!(
+            fits(field.values.len()),
+            "{} has {} of {stops} stops",
+            field.name,
+            field.values.len()
+        );
+        for values in &field.values {
+            ensure!(values.len() == count, "{} has {} of {count} values", field.name, values.len());
+        }
+    }
+    if let Some(input) = &panel.live {
+        ensure!(input.len() == count, "the live input has {} of {count} vertices", input.len());
+        ensure!(input.as_flattened().iter().all(|x| x.is_finite()), "the live input is not finite");
+    }
+    Ok(())
+}
+
+fn describe_panel(panel: &Panel, faces: usize, frame: &Frame, pack: &mut Pack) -> Result<Value> {
+    let mut stops = Vec::new();
+    let mut before: Option<Vec<[u16; 3]>> = None;
+    for positions in &panel.positions {
+        // A stop that leaves the common box by far, as unstable flows do, has
+        // a box of its own and takes no precision from the others.
+        let own = Frame::of(positions);
+        let stray = !frame.nearly_holds(&own);
+        let place = if stray { own } else { frame.enlarged() };
+        let codes: Vec<[u16; 3]> = positions.iter().map(|&p| place.code(p)).collect();
+        let follows = !stray && before.is_some();
+        match &before {
+            Some(last) if follows => {
+                let step =
+                    |(a, b): (&[u16; 3], &[u16; 3])| [0, 1, 2].map(|k| a[k].wrapping_sub(b[k]));
+                pack.shorts(&codes.iter().zip(last).map(step).collect::<Vec<_>>());
+            }
+            _ => pack.shorts(&codes),
+        }
+        before = (!stray).then_some(codes);
+        let size = [0, 1, 2].map(|k| place.high[k] - place.low[k]);
+        stops.push(json!({"low": place.low, "size": size, "follows": follows}));
+    }
+    pack.raw(occlusion(panel)?);
+    let mut fields = Vec::new();
+    for field in &panel.fields {
+        let mut defined = vec![true; panel.positions[0].len()];
+        for &v in &field.undefined {
+            if let Some(d) = defined.get_mut(v as usize) {
+                *d = false;
+            }
+        }
+        let value = |(x, &d): (&f32, &bool)| if d { f64::from(*x) } else { f64::NAN };
+        let all = field.values.iter().flat_map(|v| v.iter().zip(&defined).map(value));
+        let quantiser = Quantiser::fit(all);
+        for values in &field.values {
+            let codes = values.iter().zip(&defined).map(value).map(|x| [quantiser.code(x)]);
+            pack.shorts(&codes.collect::<Vec<_>>());
+        }
+        fields.push(json!({
+            "name": field.name,
+            "unit": field.unit,
+            "signed": field.signed,
+            "stops": field.values.len(),
+            "scale": quantiser.scale,
+            "low": quantiser.low,
+            "high": quantiser.high,
+        }));
+    }
+    if let Some(input) = &panel.live {
+        pack.doubles(input);
+    }
+    Ok(json!({
+        "title": panel.title,
+        "vertices": panel.positions[0].len(),
+        "faces": faces,
+        "stops": stops,
+        "fields": fields,
+        "live": panel.live.is_some(),
+    }))
+}
+
+/// Occlusion for all stops, from the one with the least area: noise, which
+/// only adds area, would cast shadows on every other. Stops that have shrunk
+/// to less than half of the largest area do not count.
+fn occlusion(panel: &Panel) -> Result<Vec<u8>> {
+    let meshes: Vec<TriMesh> = panel
+        .positions
+        .iter()
+        .map(|p| {
+            let positions = p.iter().map(|p| p.map(f64::from)).collect();
+            Ok(TriMesh::new(positions, panel.faces.clone())?)
+        })
+        .collect::<Result<_>>()?;
+    let areas: Vec<f64> =
+        meshes.iter().map(|m| (0..m.face_count()).map(|f| m.face_area(f)).sum()).collect();
+    // Diverged stops have huge areas: the middle one is the measure.
+    let mut sorted = areas.clone();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let least = 0.5 * sorted[(sorted.len() - 1) / 2];
+    let smoothest = (0..areas.len())
+        .filter(|&s| areas[s] >= least)
+        .min_by(|&a, &b| areas[a].total_cmp(&areas[b]))
+        .unwrap_or(0);
+    let baked = Occlusion::bake(&meshes[smoothest]);
+    Ok(baked.front().iter().map(|x| (x * 255.0).round() as u8).collect())
+}
+
+/// A box around positions.
+#[derive(Debug, Clone, Copy)]
+struct Frame {
+    low: [f64; 3],
+    high: [f64; 3],
+}
+
+impl Frame {
+    fn of(positions: &[[f32; 3]]) -> Self {
+        let empty = Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
+        positions.iter().fold(empty, |frame, p| {
+            let p = p.map(f64::from);
+            Self {
+                low: [0, 1, 2].map(|k| p[k].min(frame.low[k])),
+                high: [0, 1, 2].map(|k| p[k].max(frame.high[k])),
+            }
+        })
+    }
+
+    /// The box of all panels at their first stops: what the camera looks at.
+    fn around(panels: &[Panel]) -> Self {
+        let boxes = panels.iter().map(|p| Self::of(&p.positions[0]));
+        boxes
+            .reduce(|a, b| Self {
+                low: [0, 1, 2].map(|k| a.low[k].min(b.low[k])),
+                high: [0, 1, 2].map(|k| a.high[k].max(b.high[k])),
+            })
+            .unwrap_or(Self { low: [0.0; 3], high: [0.0; 3] })
+    }
+
+    fn center(&self) -> [f64; 3] {
+        [0, 1, 2].map(|k| 0.5 * (self.low[k] + self.high[k]))
+    }
+
+    /// Half the diagonal; 1 for a point.
+    fn radius(&self) -> f64 {
+        let diagonal = fairing_mesh::vec3::distance(self.low, self.high);
+        if diagonal > 0.0 { 0.5 * diagonal } else { 1.0 }
+    }
+
+    /// The same with a margin of half the radius.
+    fn enlarged(&self) -> Self {
+        let margin = 0.5 * self.radius();
+        Self { low: self.low.map(|x| x - margin), high: self.high.map(|x| x + margin) }
+    }
+
+    fn nearly_holds(&self, other: &Self) -> bool {
+        let own = self.enlarged();
+        (0..3).all(|k| own.low[k] <= other.low[k] && other.high[k] <= own.high[k])
+    }
+
+    fn code(&self, p: [f32; 3]) -> [u16; 3] {
+        [0, 1, 2].map(|k| {
+            let size = self.high[k] - self.low[k];
+            let t = if size > 0.0 { (f64::from(p[k]) - self.low[k]) / size } else { 0.0 };
+            (t * 65_535.0).round() as u16
+        })
+    }
+
+    /// Azimuth and elevation at which the view begins, in degrees: what is
+    /// nearly flat is seen almost face on, everything else a little from the
+    /// side and above.
+    fn angles(&self) -> [f64; 2] {
+        let size = [0, 1, 2].map(|k| self.high[k] - self.low[k]);
+        let thin = 0.1 * self.radius();
+        match size.iter().position(|&s| s < thin) {
+            Some(0) => [70.0, 15.0],
+            Some(1) => [20.0, 65.0],
+            Some(_) => [20.0, 20.0],
+            None => [30.0, 20.0],
+        }
+    }
+}
