@@ -146,13 +146,20 @@ void main() {
     const whole = values instanceof Uint32Array;
     const padded = new (whole ? Uint32Array : Float32Array)(WIDTH * rows * components);
     padded.set(values);
-    const made = gl.createTexture();
-    gl.bindTexture(gl.TEXTURE_2D, made);
+    const made = fresh();
     const [inner, format, type] = whole
       ? [gl.R32UI, gl.RED_INTEGER, gl.UNSIGNED_INT]
       : [components === 4 ? gl.RGBA32F : gl.R32F, components === 4 ? gl.RGBA : gl.RED, gl.FLOAT];
     gl.texImage2D(gl.TEXTURE_2D, 0, inner, WIDTH, rows, 0, format, type, padded);
     sampling(gl.NEAREST);
+    return made;
+  }
+
+  /** A texture to be filled, on a unit that drawing does not use. */
+  function fresh() {
+    const made = gl.createTexture();
+    gl.activeTexture(gl.TEXTURE7);
+    gl.bindTexture(gl.TEXTURE_2D, made);
     return made;
   }
 
@@ -239,8 +246,7 @@ void main() {
     const shader = programs.shade;
     gl.useProgram(shader.made);
     const map = resident(scene.mesh, 'map', scene.lookup, () => {
-      const made = gl.createTexture();
-      gl.bindTexture(gl.TEXTURE_2D, made);
+      const made = fresh();
       gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
       const size = scene.lookup.length / 3;
       gl.texImage2D(

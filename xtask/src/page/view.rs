@@ -54,7 +54,7 @@ pub(super) fn figure(view: &View, id: &str, fallback: &str) -> Result<String> {
 
 /// The description and the packed data.
 fn describe(view: &View) -> Result<(Value, String)> {
-    let first = view.panels.first().context("there is no panel")?;
+    ensure!(!view.panels.is_empty(), "there is no panel");
     for panel in &view.panels {
         check(panel, view.slider.as_ref().map_or(1, |s| s.stops.len()))
             .with_context(|| format!("panel {}", panel.title))?;
@@ -86,8 +86,8 @@ fn describe(view: &View) -> Result<(Value, String)> {
     let about = json!({
         "alt": view.alt,
         "angles": frame.angles(),
-        "ball": {"center": frame.center(), "radius": frame.radius()},
-        "flat": first.positions.len() > 1,
+        "ball": {"center": frame.center(), "radius": reach(&view.panels, frame.center())},
+        "flat": view.panels.iter().any(|p| p.positions.len() > 1),
         "slider": view.slider.as_ref().map(|slider| {
             json!({"name": slider.name, "stops": slider.stops, "start": 0})
         }),
@@ -217,6 +217,13 @@ fn occlusion(panel: &Panel) -> Result<Vec<u8>> {
         .unwrap_or(0);
     let baked = Occlusion::bake(&meshes[smoothest]);
     Ok(baked.front().iter().map(|x| (x * 255.0).round() as u8).collect())
+}
+
+/// The largest distance from `center` at the first stops; 1 if it is zero.
+fn reach(panels: &[Panel], center: [f64; 3]) -> f64 {
+    let distance = |p: &[f32; 3]| fairing_mesh::vec3::distance(p.map(f64::from), center);
+    let far = panels.iter().flat_map(|p| &p.positions[0]).map(distance).fold(0.0, f64::max);
+    if far > 0.0 { far } else { 1.0 }
 }
 
 /// A box around positions.

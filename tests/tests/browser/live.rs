@@ -1,0 +1,92 @@
+//! Smoothing by the page itself, held against the solver of the library.
+
+use std::path::Path;
+
+use anyhow::{Result, ensure};
+use fairing_operators::combinatorial_laplacian;
+use fairing_sparse::{Cholesky, SparseMatrix};
+
+use crate::Test;
+use crate::chrome::Chrome;
+use crate::{report, scene};
+
+pub(crate) fn trials() -> Vec<(&'static str, Test)> {
+    vec![("live_smoothing_agrees_with_the_library", agrees), ("live_smoothing_shows", shows)]
+}
+
+/// `(D + λ(D − A)) x′ = D x`, step by step, by Cholesky factorisation.
+fn smoothed(lambda: f64, count: usize) -> Result<Vec<[f64; 3]>> {
+    let mesh = scene::noisy();
+    let laplacian = combinatorial_laplacian(&mesh)?;
+    let valence: Vec<f64> = (0..mesh.vertex_count())
+        .map(|v| mesh.topology().neighbors(v as u32).len() as f64)
+        .collect();
+    let mut matrix: SparseMatrix = laplacian.map(|x| lambda * x);
+    for (v, mut row) in matrix.outer_iterator_mut().enumerate() {
+        for (w, x) in row.iter_mut() {
+            if w == v {
+                *x += valence[v];
+            }
+        }
+    }
+    let factor = Cholesky::new(&matrix)?;
+    let mut positions = mesh.positions().to_vec();
+    for _ in 0..count {
+        for (p, d) in positions.iter_mut().zip(&valence) {
+            *p = p.map(|x| d * x);
+        }
+        positions = factor.solve_points(&positions);
+    }
+    Ok(positions)
+}
+
+/// Both solve the same equations in double precision; conjugate gradients stop
+/// at a residual of 10⁻¹³, which a hundred steps of a condition number of
+/// about 2λ + 1 cannot raise to 10⁻⁶ of the mesh's radius, 1.
+fn agrees(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    report::open(chrome, page)?;
+    for (lambda, count) in [(0.1, 1), (5.0, 10), (100.0, 3), (1000.0, 50)] {
+        let found = chrome.run(&format!(
+            "fairing.views.get('q5-flow').smooth({lambda}, {count}).then((x) => Array.from(x))"
+        ))?;
+        let expected = smoothed(lambda, count)?;
+        let found: Vec<f64> =
+            found.as_array().into_iter().flatten().filter_map(|x| x.as_f64()).collect();
+        ensure!(found.len() == 3 * expected.len(), "{} coordinates came back", found.len());
+        let pairs = found.iter().zip(expected.as_flattened());
+        let off = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        ensure!(off < 1e-6, "λ = {lambda}, {count} steps: off by {off:e}");
+        let input = scene::noisy();
+        let moved = input.positions().as_flattened().iter().zip(&found);
+        let moved = moved.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        ensure!(moved > 1e-3, "λ = {lambda}, {count} steps: nothing has moved");
+    }
+    Ok(())
+}
+
+fn shows(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    report::open(chrome, page)?;
+    chrome.run(
+        "(() => {
+           const s = document.querySelectorAll('#q5-flow .slider.live input');
+           s[0].value = 1;
+           s[1].value = 10;
+           s[1].dispatchEvent(new Event('input'));
+         })()",
+    )?;
+    let words = chrome.run(
+        "(async () => {
+           const at = '#q5-flow .status';
+           for (let i = 0; i < 200; i++) {
+             const words = document.querySelector(at).textContent;
+             if (words.startsWith('Moved')) return words;
+             await new Promise((go) => setTimeout(go, 50));
+           }
+           return '';
+         })()",
+    )?;
+    ensure!(words.as_str().is_some_and(|w| w.starts_with("Moved by")), "{words}");
+    let live = chrome.run("fairing.views.get('q5-flow').live !== null")?;
+    ensure!(live == true, "the result is not shown");
+    chrome.picture("live")
+}

@@ -1,0 +1,143 @@
+//! A report with views of every kind, small enough to be drawn in no time.
+
+use anyhow::Result;
+use fairing_mesh::{TriMesh, shapes};
+use xtask::page;
+use xtask::provenance::Provenance;
+use xtask::results::{FigureFile, Record, Results};
+use xtask::table::Unit;
+use xtask::verdict::{Judgement, Verdict};
+use xtask::view::{Panel, Slider, View};
+
+/// The noisy mesh that the page smooths.
+pub(crate) fn noisy() -> TriMesh {
+    use rand::{RngExt as _, SeedableRng as _};
+    let mesh = shapes::bumpy_sphere(4, 0.15, 3.0);
+    let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(7);
+    let step = 0.25 * mesh.mean_edge_length();
+    let positions =
+        mesh.positions().iter().map(|p| p.map(|x| x + step * random.random_range(-1.0..1.0)));
+    mesh.with_positions(positions.collect()).expect("finite positions")
+}
+
+/// Half way to the mean of the neighbours.
+fn smoothed(mesh: &TriMesh) -> TriMesh {
+    let topology = mesh.topology();
+    let old = mesh.positions();
+    let new = (0..mesh.vertex_count()).map(|v| {
+        let around = topology.neighbors(v as u32);
+        [0, 1, 2].map(|k| {
+            let sum: f64 = around.iter().map(|&w| old[w as usize][k]).sum();
+            0.5 * old[v][k] + 0.5 * sum / around.len() as f64
+        })
+    });
+    mesh.with_positions(new.collect()).expect("finite positions")
+}
+
+fn flow() -> View {
+    let input = noisy();
+    let mut stops = vec![input.clone()];
+    for _ in 1..6 {
+        stops.push(smoothed(&stops[stops.len() - 1]));
+    }
+    let heights: Vec<f64> = input.positions().iter().map(|p| p[1]).collect();
+    let moved: Vec<Vec<f64>> = stops
+        .iter()
+        .map(|mesh| {
+            let pairs = mesh.positions().iter().zip(input.positions());
+            pairs.map(|(p, q)| fairing_mesh::vec3::distance(*p, *q)).collect()
+        })
+        .collect();
+    let still = Panel::still("noisy", &input).with_field("height", "m", true, &heights);
+    let moving = Panel::moving("smoothed", &input, stops.iter().map(TriMesh::positions))
+        .with_field("height", "m", true, &heights)
+        .with_moving_field("displacement", "m", false, moved.iter().map(|m| &m[..]))
+        .with_live_smoothing(&input);
+    View {
+        id: "flow".into(),
+        caption: "Explicit smoothing of a noisy sphere.".into(),
+        alt: "Two bumpy spheres, one noisy, one smooth.".into(),
+        fallback: "picture".into(),
+        slider: Some(Slider {
+            name: "iterations".into(),
+            stops: (0..stops.len()).map(|i| i.to_string()).collect(),
+        }),
+        panels: vec![still, moving],
+    }
+}
+
+/// An open surface with values that are undefined at its border, far from the
+/// origin.
+fn open() -> View {
+    let flower = shapes::flower(0.12, 1);
+    let topology = flower.topology();
+    let border: Vec<u32> =
+        (0..flower.vertex_count() as u32).filter(|&v| topology.is_boundary_vertex(v)).collect();
+    let values: Vec<f64> = flower.positions().iter().map(|p| p[0] * p[2]).collect();
+    let panel = Panel::still("flower", &flower)
+        .with_field("xz", "", true, &values)
+        .undefined_at(border.iter().copied());
+    View {
+        id: "open".into(),
+        caption: "An open surface.".into(),
+        alt: "A flower of four petals.".into(),
+        fallback: "picture".into(),
+        slider: None,
+        panels: vec![panel],
+    }
+}
+
+/// The whole page.
+pub(crate) fn page() -> Result<String> {
+    let folder = tempfile::tempdir()?;
+    let mesh = noisy();
+    let camera = fairing_figure::Camera::fit(
+        &[&mesh],
+        fairing_figure::Viewpoint::ThreeQuarter,
+        fairing_figure::Up::Y,
+        4.0 / 3.0,
+    )?;
+    let options = fairing_figure::RenderOptions { width: 320, height: 240, ..Default::default() };
+    let clay = fairing_figure::Colors::CLAY;
+    let image = fairing_figure::render(&mesh, clay, None, &camera, &options)?;
+    std::fs::write(folder.path().join("picture.png"), image.to_png()?)?;
+    let record =
+        Record {
+            id: "q5".into(),
+            title: "Explicit smoothing".into(),
+            question: "What does λ do?".into(),
+            error: None,
+            inputs: vec![],
+            parameters: vec![],
+            tables: vec![],
+            claims: vec![
+                Judgement::new("5a", "λ = 0.05 is best.", Verdict::Qualified, "It depends.")
+                    .number("normal error", 3.25, Unit::Degrees),
+            ],
+            figures: vec![FigureFile {
+                id: "picture".into(),
+                caption: "The input.".into(),
+                alt: "A noisy sphere.".into(),
+                png: "picture.png".into(),
+                svg: None,
+            }],
+            files: vec![],
+            notes: vec!["A note with <angle> brackets & signs.".into()],
+            seconds: 1.0,
+            views: vec![flow(), open()],
+        };
+    let provenance = Provenance {
+        program: "fairing".into(),
+        commit: "0123456789abcdef".into(),
+        dirty: false,
+        compiler: "rustc".into(),
+        libraries: vec![],
+        system: "linux".into(),
+        processor: "some".into(),
+        threads: 2,
+        seed: 1,
+        quick: true,
+        date: "2000-01-01".into(),
+    };
+    page::report(&Results { provenance, experiments: vec![record] }, &[], folder.path())
+}
