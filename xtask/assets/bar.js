@@ -55,7 +55,7 @@ function drawBar(view, mesh) {
   };
   const steps = 180;
   for (let i = 0; i < steps; i++) {
-    add('rect', {x: (width * i) / steps, y: 26, width: width / steps + (i + 1 < steps ? 0.5 : 0), height: 12, fill: strip((i + 0.5) / steps)});
+    add('rect', {x: (width * i) / steps, y: 26, width: width / steps + (i + 1 < steps ? 0.5 : 0), height: 12, fill: strip((i + 0.5) / steps), 'shape-rendering': 'crispEdges'});
   }
   if (below) add('path', {d: 'M0 26L-9 32L0 38Z', fill: strip(0)});
   if (above) add('path', {d: `M${width} 26l9 6l-9 6Z`, fill: strip(1)});

@@ -15,7 +15,7 @@ uniform highp sampler2D tPosition, tNormal, tValue;
 uniform mat4 uView, uProjection;
 uniform bool uExpanded;
 out vec3 vPosition, vNormal, vSide;
-out float vValue, vOpen;
+out float vValue, vOpen, vDefined;
 flat out int vFace;
 ivec2 at(int i) { return ivec2(i & ${WIDTH - 1}, i / ${WIDTH}); }
 void main() {
@@ -26,7 +26,9 @@ void main() {
   vPosition = seen.xyz;
   vNormal = mat3(uView) * texelFetch(tNormal, at(v), 0).xyz;
   vOpen = p.w;
-  vValue = texelFetch(tValue, at(v), 0).r;
+  vec2 value = texelFetch(tValue, at(v), 0).rg;
+  vValue = value.x;
+  vDefined = value.y;
   vSide = vec3(corner == 0, corner == 1, corner == 2);
   vFace = gl_VertexID / 3;
   gl_Position = uProjection * seen;
@@ -35,7 +37,7 @@ void main() {
   const SHADE = `#version 300 es
 precision highp float; precision highp int;
 in vec3 vPosition, vNormal, vSide;
-in float vValue, vOpen;
+in float vValue, vOpen, vDefined;
 flat in int vFace;
 out vec4 color;
 uniform sampler2D tMap;
@@ -61,11 +63,12 @@ void main() {
   float t = (vValue - uRange.x) / span;
   vec3 base = vec3(0.84, 0.815, 0.776);
   if (uColored) {
-    base = vValue > 1e37 ? vec3(0.588) : texture(tMap, vec2(clamp(t, 0.0, 1.0), 0.5)).rgb;
+    // A face with an undefined corner is grey as a whole.
+    base = vDefined < 0.999 ? vec3(0.588) : texture(tMap, vec2(clamp(t, 0.0, 1.0), 0.5)).rgb;
   }
   base = linear(base);
   if (!gl_FrontFacing) base = mix(base, linear(vec3(0.376, 0.431, 0.549)), 0.333);
-  if (uColored && uLines && vValue < 1e37) {
+  if (uColored && uLines && vDefined > 0.999) {
     float x = t * 12.0;
     float d = abs(fract(x + 0.5) - 0.5) / max(fwidth(x), 1e-6);
     base *= mix(0.25, 1.0, smoothstep(0.5, 1.3, d));
@@ -140,16 +143,18 @@ void main() {
     gl.bindVertexArray(gl.createVertexArray());
   }
 
+  /** One unsigned integer, or two or four floating-point numbers, a texel. */
   function texture(values, components) {
     const count = values.length / components;
     const rows = Math.max(1, Math.ceil(count / WIDTH));
-    const whole = values instanceof Uint32Array;
-    const padded = new (whole ? Uint32Array : Float32Array)(WIDTH * rows * components);
+    const padded = new values.constructor(WIDTH * rows * components);
     padded.set(values);
     const made = fresh();
-    const [inner, format, type] = whole
-      ? [gl.R32UI, gl.RED_INTEGER, gl.UNSIGNED_INT]
-      : [components === 4 ? gl.RGBA32F : gl.R32F, components === 4 ? gl.RGBA : gl.RED, gl.FLOAT];
+    const [inner, format, type] = {
+      1: [gl.R32UI, gl.RED_INTEGER, gl.UNSIGNED_INT],
+      2: [gl.RG32F, gl.RG, gl.FLOAT],
+      4: [gl.RGBA32F, gl.RGBA, gl.FLOAT],
+    }[components];
     gl.texImage2D(gl.TEXTURE_2D, 0, inner, WIDTH, rows, 0, format, type, padded);
     sampling(gl.NEAREST);
     return made;
@@ -197,8 +202,11 @@ void main() {
     const normal = resident(mesh, 'normal', shape.normals, () => texture(shape.normals, 4));
     const source = values ?? mesh.zeros;
     const value = resident(mesh, 'value', source, () => {
-      // Undefined values travel as a number that no field has.
-      return texture(source.map((x) => (Number.isFinite(x) ? x : 3e38)), 1);
+      const pairs = new Float32Array(2 * source.length);
+      source.forEach((x, v) => {
+        if (Number.isFinite(x)) pairs.set([x, 1], 2 * v);
+      });
+      return texture(pairs, 2);
     });
     bind(0, 'tIndex', index);
     bind(1, 'tPosition', position);

@@ -21,11 +21,12 @@ pub(crate) fn find() -> Option<PathBuf> {
         .find(|path| path.is_file())
 }
 
-/// A browser with one tab.
+/// A browser with one tab at a time.
 pub(crate) struct Chrome {
     child: Child,
     input: ChildStdin,
     messages: Receiver<Value>,
+    target: Option<String>,
     session: Option<String>,
     next: u64,
     /// Errors on the console, uncaught exceptions and failed loads.
@@ -75,24 +76,36 @@ impl Chrome {
                 }
             }
         });
-        let mut chrome = Self {
+        Ok(Self {
             child,
             input,
             messages,
+            target: None,
             session: None,
             next: 0,
             complaints: vec![],
             requests: vec![],
             _profile: profile,
-        };
-        let target = chrome.call("Target.createTarget", json!({"url": "about:blank"}))?;
-        let attach = json!({"targetId": target["targetId"], "flatten": true});
-        let session = chrome.call("Target.attachToTarget", attach)?;
-        chrome.session = session["sessionId"].as_str().map(String::from);
-        for domain in ["Page", "Runtime", "Log", "Network"] {
-            chrome.call(&format!("{domain}.enable"), json!({}))?;
+        })
+    }
+
+    /// Leaves the tab that is open for a new one, which knows nothing of it.
+    pub(crate) fn new_tab(&mut self) -> Result<()> {
+        self.session = None;
+        if let Some(old) = self.target.take() {
+            self.call("Target.closeTarget", json!({"targetId": old}))?;
         }
-        Ok(chrome)
+        let target = self.call("Target.createTarget", json!({"url": "about:blank"}))?;
+        let attach = json!({"targetId": target["targetId"], "flatten": true});
+        let session = self.call("Target.attachToTarget", attach)?;
+        self.target = target["targetId"].as_str().map(String::from);
+        self.session = session["sessionId"].as_str().map(String::from);
+        self.complaints.clear();
+        self.requests.clear();
+        for domain in ["Page", "Runtime", "Log", "Network"] {
+            self.call(&format!("{domain}.enable"), json!({}))?;
+        }
+        Ok(())
     }
 
     /// Sends one command and waits for its answer.

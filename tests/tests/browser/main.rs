@@ -9,8 +9,9 @@ mod report;
 mod scene;
 
 use std::path::Path;
+use std::sync::{Arc, Mutex};
 
-use anyhow::Result;
+use anyhow::{Result, anyhow};
 use libtest_mimic::{Arguments, Failed, Trial};
 
 use chrome::Chrome;
@@ -21,29 +22,47 @@ type Test = fn(&mut Chrome, &Path) -> Result<()>;
 fn main() {
     let browser = chrome::find();
     let mut arguments = Arguments::from_args();
-    // Two browsers that draw in software take longer than one after another.
+    // One browser serves all tests, each in a tab of its own.
     arguments.test_threads = Some(1);
+    let shared: Arc<Mutex<Option<Session>>> = Arc::default();
     let trials = [report::trials(), live::trials()]
         .concat()
         .into_iter()
         .map(|(name, test): (&'static str, Test)| {
-            let program = browser.clone();
+            let (program, shared) = (browser.clone(), Arc::clone(&shared));
             let absent = program.is_none();
             Trial::test(format!("page::{name}"), move || match program {
-                Some(program) => run(&program, test).map_err(|e| Failed::from(format!("{e:#}"))),
+                Some(program) => {
+                    run(&program, &shared, test).map_err(|e| Failed::from(format!("{e:#}")))
+                }
                 None => Ok(()),
             })
             .with_kind("chromium")
             .with_ignored_flag(absent)
         })
         .collect();
-    libtest_mimic::run(&arguments, trials).exit();
+    let conclusion = libtest_mimic::run(&arguments, trials);
+    // Leaving the process would skip closing the browser.
+    drop(shared.lock().map(|mut session| session.take()));
+    conclusion.exit();
 }
 
-fn run(program: &Path, test: Test) -> Result<()> {
-    let folder = tempfile::tempdir()?;
-    let page = folder.path().join("report.html");
-    std::fs::write(&page, scene::page()?)?;
-    let mut chrome = Chrome::start(program)?;
-    test(&mut chrome, &page)
+/// The browser and the page, made by the first test that needs them.
+struct Session {
+    chrome: Chrome,
+    folder: tempfile::TempDir,
+}
+
+fn run(program: &Path, shared: &Mutex<Option<Session>>, test: Test) -> Result<()> {
+    let mut shared = shared.lock().map_err(|_| anyhow!("another test has panicked"))?;
+    let session = match &mut *shared {
+        Some(session) => session,
+        none => {
+            let folder = tempfile::tempdir()?;
+            std::fs::write(folder.path().join("report.html"), scene::page()?)?;
+            none.insert(Session { chrome: Chrome::start(program)?, folder })
+        }
+    };
+    session.chrome.new_tab()?;
+    test(&mut session.chrome, &session.folder.path().join("report.html"))
 }

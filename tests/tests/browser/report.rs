@@ -144,12 +144,13 @@ fn picks(chrome: &mut Chrome, page: &Path) -> Result<()> {
          })()",
     )?;
     ensure!(off < 0.05, "the picked vertex is {off} of the height away");
+    chrome.picture("picked")?;
     // Nothing is there to be picked in the corner.
     let nothing = chrome.number(
         "(() => { const v = fairing.views.get('q5-flow'); return v.pick(v.shown[0], 0.01, 0.01); })()",
     )?;
     ensure!(nothing == -1.0, "picked {nothing} in the empty corner");
-    chrome.picture("picked")
+    Ok(())
 }
 
 fn chooses(chrome: &mut Chrome, page: &Path) -> Result<()> {
@@ -191,11 +192,9 @@ fn remembers(chrome: &mut Chrome, page: &Path) -> Result<()> {
     let address = chrome.run("location.href")?;
     let address = address.as_str().unwrap_or_default().to_string();
     ensure!(address.contains("#q5-flow="), "{address}");
-    chrome.picture("before")?;
     chrome.call("Page.navigate", json!({"url": "about:blank"}))?;
     chrome.open(&address)?;
     chrome.run("fairing.openAll()")?;
-    chrome.picture("after")?;
     for canvas in 0..2 {
         ensure!(picture(chrome, canvas)?.1 == before[canvas].1, "panel {canvas} came back changed");
     }
