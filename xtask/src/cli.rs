@@ -167,6 +167,7 @@ impl Reproduce {
             only: self.only.clone(),
             meshes,
             out: out.to_path_buf(),
+            cache: root().join("target/reproduce"),
             quick: self.quick,
             fresh: self.fresh,
         }

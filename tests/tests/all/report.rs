@@ -1,6 +1,7 @@
 //! The report: its schema, its reuse of finished experiments, its failures.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use serde_json::Value;
 use xtask::experiment::{Card, Context, Experiment};
@@ -15,8 +16,10 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
+/// A plan whose report and whose kept experiments lie in folders of its own.
 fn plan(out: &Path, only: &[&str]) -> Plan {
     Plan {
+        cache: out.with_extension("cache"),
         root: root(),
         only: only.iter().map(|s| (*s).to_string()).collect(),
         meshes: None,
@@ -156,6 +159,42 @@ fn a_folder_that_holds_something_else_is_left_alone() {
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
 }
 
+/// Counts its runs, and draws from the clock, so that a second run would show.
+struct Counted(AtomicUsize);
+
+impl Experiment for Counted {
+    fn card(&self) -> Card {
+        Card { id: "counted", ..Sample("works").card() }
+    }
+
+    fn run(&self, _: &Context<'_>) -> anyhow::Result<Outcome> {
+        let run = self.0.fetch_add(1, Ordering::Relaxed);
+        let mut table = Table::new("runs", "How often it has run.", &[("run", Unit::Count)]);
+        table.push(row![run]);
+        let notes = vec!["A note.".into()];
+        Ok(Outcome { tables: vec![table], notes, ..Outcome::default() })
+    }
+}
+
+#[test]
+fn finished_experiments_are_reused_until_asked_for_afresh() {
+    let folder = tempfile::tempdir().unwrap();
+    let counted = Counted(AtomicUsize::new(0));
+    let run = |fresh: bool, quick: bool| {
+        let plan = Plan { fresh, quick, ..plan(&folder.path().join("report"), &[]) };
+        let record = reproduce(&[&counted], &plan).unwrap().experiments.remove(0);
+        assert_eq!(record.notes, ["A note."]);
+        assert!(plan.out.join("counted/runs.csv").is_file());
+        record.tables[0].column("run").unwrap()[0]
+    };
+    assert_eq!(run(false, true), 0.0);
+    assert_eq!(run(false, true), 0.0, "reused");
+    assert_eq!(run(false, false), 1.0, "quick results are no full ones");
+    assert_eq!(run(false, true), 0.0, "both are kept");
+    assert_eq!(run(true, true), 2.0, "forgotten");
+    assert_eq!(run(false, true), 2.0, "and kept anew");
+}
+
 /// The earlier report gives way as a whole, and nothing else is left beside it.
 #[test]
 fn an_earlier_report_is_replaced() {
@@ -164,7 +203,9 @@ fn an_earlier_report_is_replaced() {
     reproduce(&[&Sample("first")], &plan(&out, &[])).unwrap();
     reproduce(&[&Sample("second")], &plan(&out, &[])).unwrap();
     assert!(!out.join("first").exists() && out.join("second").is_dir());
-    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    let names: Vec<_> =
+        std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
+    assert!(names.iter().all(|n| n == "report" || n == "report.cache"), "{names:?}");
 }
 
 #[test]

@@ -34,6 +34,8 @@ pub struct Plan {
     pub meshes: Option<PathBuf>,
     /// Where the report goes.
     pub out: PathBuf,
+    /// Where finished experiments are kept for the next run.
+    pub cache: PathBuf,
     /// Whether to reduce sizes.
     pub quick: bool,
     /// Whether to run what has been run before.
@@ -58,7 +60,7 @@ pub fn reproduce(experiments: &[&dyn Experiment], plan: &Plan) -> Result<Results
     let parent = plan.out.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     fs::create_dir_all(parent).with_context(|| format!("creating {}", parent.display()))?;
     let work = tempfile::Builder::new().prefix(".report-").tempdir_in(parent)?;
-    let cache = Cache::open(&plan.root.join("target/reproduce"))?;
+    let cache = Cache::open(&plan.cache)?;
     let expected = |e: &dyn Experiment| cache.last_seconds(e.card().id, plan.quick);
     let progress = Progress::new(chosen.iter().map(|&e| expected(e)).sum());
     let mut records = vec![];
