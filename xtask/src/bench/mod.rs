@@ -92,6 +92,7 @@ pub const ALL: &[&dyn Task] = &[
     &files::SavePly,
     &operators::Laplacian,
     &operators::Curvature,
+    &operators::Principal,
     &smoothing::Flow {
         name: "explicit_uniform",
         about: "x + λLx, uniform weights",

@@ -5,7 +5,9 @@
 
 use anyhow::{Context as _, Result};
 use fairing_mesh::{TriMesh, io};
-use fairing_operators::curvature::{MeanOperator, angle_defect, mean_curvature};
+use fairing_operators::curvature::{
+    CurvatureField, MeanOperator, QuadricOptions, angle_defect, mean_curvature, quadric_curvature,
+};
 use fairing_operators::{LumpedArea, SparseMatrix, cotan_stiffness, lumped_mass};
 
 use super::{Fingerprint, Job, Stopwatch, Task, Work, anew};
@@ -103,5 +105,44 @@ impl Work for Bending {
             sum_K: self.defects.iter().sum::<f64>(),
             sum_absK: self.defects.iter().map(|k| k.abs()).sum::<f64>(),
         })
+    }
+}
+
+/// Principal curvatures and directions of a quadric fitted over two rings, the
+/// method of libigl.
+pub(super) struct Principal;
+
+impl Task for Principal {
+    fn name(&self) -> &'static str {
+        "principal"
+    }
+
+    fn about(&self) -> &'static str {
+        "principal curvatures and directions: quadrics over two rings"
+    }
+
+    fn prepare(&self, job: &Job) -> Result<Box<dyn Work>> {
+        Ok(Box::new(Fitting { mesh: io::read(&job.input)?.mesh, field: None }))
+    }
+}
+
+struct Fitting {
+    mesh: TriMesh,
+    field: Option<CurvatureField>,
+}
+
+impl Work for Fitting {
+    fn run(&mut self, watch: &mut Stopwatch) -> Result<()> {
+        self.field = None;
+        let mesh = anew(&self.mesh, watch)?;
+        let fit = || quadric_curvature(&mesh, QuadricOptions::default());
+        self.field = Some(watch.phase("principal", fit)?);
+        Ok(())
+    }
+
+    fn fingerprint(&mut self) -> Result<Fingerprint> {
+        let field = self.field.as_ref().context("nothing was fitted")?;
+        let mean = |k: &[f64]| k.iter().sum::<f64>() / k.len() as f64;
+        Ok(fingerprint! { mean_k1: mean(&field.kappa1), mean_k2: mean(&field.kappa2) })
     }
 }
