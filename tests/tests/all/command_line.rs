@@ -173,3 +173,27 @@ fn render_draws_the_field_that_is_asked_for() {
     let error = refuse(folder.path(), "render field.ply -o c.png --field heigth", 2);
     assert!(error.contains("the file has height"), "{error}");
 }
+
+#[test]
+fn curvature_of_a_sphere_is_written_as_vertex_properties() {
+    let folder = tempfile::tempdir().unwrap();
+    io::write(folder.path().join("sphere.ply"), &shapes::icosphere(3)).unwrap();
+    // All are right to the square of their reach: one ring of h = 0.15, or
+    // three.
+    for (name, tolerance) in [("cotangent", 0.03), ("corrected", 0.03), ("jet3", 0.2)] {
+        let line = format!("curvature sphere.ply -o {name}.ply --estimator {name} --json");
+        let summary: Value = serde_json::from_str(&run(folder.path(), &line)).unwrap();
+        assert_eq!((&summary["vertices"], &summary["undefined"]), (&642.into(), &0.into()));
+        let fields = io::read(folder.path().join(format!("{name}.ply"))).unwrap().fields;
+        for property in ["mean", "gaussian", "kappa1", "kappa2"] {
+            let values = fields.scalar(property).unwrap();
+            assert!(values.iter().all(|x| (x - 1.0).abs() < tolerance), "{name} {property}");
+        }
+        let directions = fields.vector("direction1").is_some();
+        assert_eq!(directions, name != "cotangent", "{name}");
+    }
+    let list = run(folder.path(), "curvature --list");
+    assert!(list.lines().count() >= 10 && list.contains("normal-cycle"));
+    assert!(refuse(folder.path(), "curvature sphere.ply --estimator mean", 2).contains("jet3"));
+    refuse(folder.path(), "curvature sphere.ply --estimator steiner --rings 2", 2);
+}

@@ -94,6 +94,17 @@ pub(crate) fn write_moved(
     mut fields: VertexFields,
 ) -> Result<(), Failure> {
     fields.vectors.retain(|(name, _)| name != "normal");
+    write_held(context, &output.path, mesh, &fields)
+}
+
+/// Writes a mesh with the properties that the format can hold, and names the
+/// others.
+pub(crate) fn write_held(
+    context: &Context,
+    path: &Path,
+    mesh: &TriMesh,
+    fields: &VertexFields,
+) -> Result<(), Failure> {
     let options = WriteOptions::default().dropping_fields();
-    write(context, &output.path, mesh, &fields, &options)
+    write(context, path, mesh, fields, &options)
 }

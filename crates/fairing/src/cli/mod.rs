@@ -5,6 +5,7 @@
 
 mod completions;
 mod convert;
+mod curvature;
 mod exit;
 mod files;
 mod info;
@@ -48,6 +49,7 @@ struct Cli {
 enum Verb {
     Info(info::Info),
     Convert(convert::Convert),
+    Curvature(curvature::Curvature),
     Noise(noise::Noise),
     Render(render::Render),
     Completions(completions::Completions),
@@ -73,6 +75,7 @@ impl Verb {
         match self {
             Self::Info(verb) => verb.run(context),
             Self::Convert(verb) => verb.run(context),
+            Self::Curvature(verb) => verb.run(context),
             Self::Noise(verb) => verb.run(context),
             Self::Render(verb) => verb.run(context),
             Self::Completions(verb) => verb.run(context),

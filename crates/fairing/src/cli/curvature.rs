@@ -1,0 +1,181 @@
+//! `fairing curvature`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use fairing::mesh::io::VertexFields;
+use fairing::operators::curvature::{CurvatureField, Estimator, Length, Neighborhood};
+use serde_json::{Value, json};
+
+use super::exit::Failure;
+use super::files::{self, Overwrite};
+use super::table::{Table, number};
+use super::{Context, print};
+
+const EXAMPLES: &str = "\
+Examples:
+  fairing curvature --list
+  fairing curvature bunny.ply -o curved.ply
+  fairing curvature bunny.ply -o curved.ply --estimator corrected
+  fairing render curved.ply -o mean.png --field mean";
+
+/// Estimate the curvature at each vertex
+///
+/// Writes the vertex properties mean, gaussian, kappa1 >= kappa2 and, where the
+/// estimator knows them, the unit tangents direction1 and direction2; defined is
+/// 0 where there is no value (and the values are 0), boundary is 1 at boundary
+/// vertices, whose values are one-sided. Units are those of the file: 1/length,
+/// for gaussian 1/length². Curvature is positive on a sphere whose faces turn
+/// counter-clockwise seen from outside. Other properties of the file are kept.
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Curvature {
+    /// The mesh
+    #[arg(required_unless_present = "list")]
+    input: Option<PathBuf>,
+    /// The file to write; without it, only a summary is printed
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: Overwrite,
+    /// The estimator; --list says what each is for
+    #[arg(long, value_name = "NAME", default_value_t = Estimator::RECOMMENDED)]
+    estimator: Estimator,
+    /// The scale of normal-cycle and corrected-ball, or how far jets and quadrics
+    /// reach: a radius in mean edge lengths
+    #[arg(long, value_name = "R", conflicts_with = "rings")]
+    radius: Option<f64>,
+    /// How far jets and quadrics reach, in rings of neighbours
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16))]
+    rings: Option<u32>,
+    /// Print a summary as one JSON object
+    #[arg(long)]
+    json: bool,
+    /// List the estimators and what each is for
+    #[arg(long, exclusive = true)]
+    list: bool,
+}
+
+impl Curvature {
+    pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
+        if self.list {
+            return print(list());
+        }
+        let Some(input) = &self.input else {
+            return Err(Failure::usage("which mesh?"));
+        };
+        if let Some(output) = &self.output {
+            self.overwrite.check(output)?;
+        }
+        let file = files::read(input)?;
+        files::say_report(context, input, &file.report);
+        let field = self.estimator()?.estimate(&file.mesh)?;
+        if let Some(output) = &self.output {
+            let fields = with_curvature(file.fields, &field);
+            files::write_held(context, output, &file.mesh, &fields)?;
+        }
+        let undefined = field.status.iter().filter(|s| !s.is_defined()).count();
+        if self.json {
+            let summary = json!({
+                "estimator": self.estimator.to_string(),
+                "vertices": field.len(),
+                "undefined": undefined,
+                "boundary": field.boundary.iter().filter(|&&b| b).count(),
+                "interior": summary(&field),
+            });
+            return print(format_args!("{summary:#}\n"));
+        }
+        let mut table = Table::new();
+        table.row(["interior", "least", "median", "greatest"].map(str::to_owned));
+        for (name, values) in columns(&field) {
+            let spread = spread(&field, values).map(|s| s.map(number));
+            let [least, median, greatest] =
+                spread.unwrap_or_else(|| ["-", "-", "-"].map(str::to_owned));
+            table.row([name.to_owned(), least, median, greatest]);
+        }
+        print(table)?;
+        if undefined > 0 {
+            context.note(format_args!("undefined at {undefined} of {} vertices", field.len()));
+        }
+        Ok(())
+    }
+}
+
+impl Curvature {
+    /// The estimator with the reach that is asked for.
+    fn estimator(&self) -> Result<Estimator, Failure> {
+        let mut estimator = self.estimator;
+        if let Some(r) = self.radius
+            && !(r > 0.0 && r.is_finite())
+        {
+            return Err(Failure::usage(format_args!("a radius of {r} is not above zero")));
+        }
+        let radius = self.radius.map(Length::MeanEdges);
+        let reach = radius.map(Neighborhood::Ball).or(self.rings.map(Neighborhood::Rings));
+        match (&mut estimator, reach, radius) {
+            (_, None, _) => {}
+            (Estimator::NormalCycle(options), _, Some(radius)) => options.radius = radius,
+            (Estimator::Corrected(options), _, Some(radius)) => options.radius = Some(radius),
+            (Estimator::Quadric(options), Some(reach), _) => options.neighborhood = reach,
+            (Estimator::Jet(options), Some(reach), _) => options.neighborhood = reach,
+            _ => {
+                let unit = if self.rings.is_some() { "rings" } else { "radius" };
+                return Err(Failure::usage(format_args!("{estimator} takes no {unit}")));
+            }
+        }
+        Ok(estimator)
+    }
+}
+
+fn list() -> Table {
+    let mut text = Table::new();
+    for estimator in Estimator::ALL {
+        text.row([format!("{estimator:<18} {}", estimator.purpose())]);
+    }
+    text
+}
+
+fn columns(field: &CurvatureField) -> [(&'static str, &[f64]); 4] {
+    [
+        ("mean", &field.mean),
+        ("gaussian", &field.gaussian),
+        ("kappa1", &field.kappa1),
+        ("kappa2", &field.kappa2),
+    ]
+}
+
+/// Least, median and greatest value at the interior vertices.
+fn spread(field: &CurvatureField, values: &[f64]) -> Option<[f64; 3]> {
+    let interior = (0..field.len() as u32).filter(|&v| field.is_interior(v));
+    let mut sorted: Vec<f64> = interior.map(|v| values[v as usize]).collect();
+    sorted.sort_unstable_by(f64::total_cmp);
+    Some([*sorted.first()?, sorted[sorted.len() / 2], *sorted.last()?])
+}
+
+fn summary(field: &CurvatureField) -> Value {
+    let entries = columns(field).into_iter().map(|(name, values)| {
+        let spread = spread(field, values)
+            .map(|[least, median, greatest]| json!({ "least": least, "median": median, "greatest": greatest }));
+        (name.to_owned(), json!(spread))
+    });
+    Value::Object(entries.collect())
+}
+
+/// The fields of the file with those of the curvature in place of any of the
+/// same names.
+fn with_curvature(mut fields: VertexFields, field: &CurvatureField) -> VertexFields {
+    let flags =
+        |flags: &mut dyn Iterator<Item = bool>| flags.map(|b| f64::from(u8::from(b))).collect();
+    let mut scalars: Vec<(&str, Vec<f64>)> =
+        columns(field).map(|(name, values)| (name, values.to_vec())).into();
+    scalars.push(("defined", flags(&mut field.status.iter().map(|s| s.is_defined()))));
+    scalars.push(("boundary", flags(&mut field.boundary.iter().copied())));
+    fields.scalars.retain(|(name, _)| scalars.iter().all(|(n, _)| n != name));
+    fields.scalars.extend(scalars.into_iter().map(|(name, values)| (name.to_owned(), values)));
+    if let Some([first, second]) = &field.directions {
+        let vectors = [("direction1", first), ("direction2", second)];
+        fields.vectors.retain(|(name, _)| vectors.iter().all(|(n, _)| n != name));
+        fields.vectors.extend(vectors.map(|(name, values)| (name.to_owned(), values.clone())));
+    }
+    fields
+}
