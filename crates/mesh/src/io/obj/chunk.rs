@@ -219,7 +219,7 @@ impl Chunk {
             [_, _, _, ..] => self.polygons.push(corners),
             [] => return Err((start, unexpected("the corners of a face", "none"))),
             _ => {
-                self.relative.retain(|&(corner, _)| corner < base);
+                while self.relative.pop_if(|&mut (corner, _)| corner >= base).is_some() {}
                 self.counts.small += 1;
             }
         }

@@ -94,6 +94,10 @@ impl Element {
     }
 }
 
+/// More elements, or properties in one, are no mesh but an attempt to keep the
+/// checks of names busy, which compare each with all.
+const MOST_NAMES: usize = 4096;
+
 #[derive(Debug)]
 pub(super) struct Header {
     pub(super) body: Body,
@@ -183,6 +187,10 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Header, Fault> {
                     let expected = "elements of different names";
                     return Err(lines.fault(unexpected(expected, format!("a second {name}"))));
                 }
+                if elements.len() >= MOST_NAMES {
+                    let expected = format!("at most {MOST_NAMES} elements");
+                    return Err(lines.fault(unexpected(expected, "more")));
+                }
                 elements.push(Element { name, count, properties: Vec::new() });
             }
             (b"property", words) => {
@@ -197,6 +205,10 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Header, Fault> {
                     let expected = "properties of different names";
                     let found = format!("a second {}", property.name);
                     return Err(lines.fault(unexpected(expected, found)));
+                }
+                if element.properties.len() >= MOST_NAMES {
+                    let expected = format!("at most {MOST_NAMES} properties");
+                    return Err(lines.fault(unexpected(expected, "more")));
                 }
                 element.properties.push(property);
             }

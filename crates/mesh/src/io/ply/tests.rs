@@ -193,3 +193,13 @@ fn forged_counts_end_with_the_bytes() {
         }
     }
 }
+
+#[test]
+fn headers_without_end_are_refused_soon() {
+    let properties: String = (0..200_000).map(|k| format!("property int p{k}\n")).collect();
+    let message = outcome(&ascii(&format!("element vertex 1\n{properties}"), "")).err().unwrap();
+    assert!(message.contains("at most 4096 properties"), "{message}");
+    let elements: String = (0..200_000).map(|k| format!("element e{k} 0\n")).collect();
+    let message = outcome(&ascii(&elements, "")).err().unwrap();
+    assert!(message.contains("at most 4096 elements"), "{message}");
+}
