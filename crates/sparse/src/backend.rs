@@ -1,7 +1,9 @@
 //! The solver backend, faer: the only file that names it.
 //!
 //! faer takes compressed columns; a symmetric CSR matrix is its own CSC form, so sprs arrays pass without a
-//! copy and `Side::Lower` picks one triangle.
+//! copy and `Side::Lower` picks one triangle. Everything here runs on the calling thread: the supernodes of
+//! meshes are too small for the backend's threads, two of which made a factorisation of 160 thousand rows
+//! slower (430 ms against 375 ms).
 
 use dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltError;
@@ -73,18 +75,17 @@ impl Symbolic {
 
     /// The supernodes of the factor.
     pub(crate) fn supernodes(&self) -> Supernodes {
-        let SymbolicCholeskyRaw::Supernodal(raw) = self.inner.raw() else {
+        match self.inner.raw() {
+            SymbolicCholeskyRaw::Supernodal(raw) => {
+                Supernodes::new((0..raw.n_supernodes()).map(|s| {
+                    let columns =
+                        raw.supernode_begin()[s] as usize..raw.supernode_end()[s] as usize;
+                    (columns, raw.supernode(s).pattern())
+                }))
+            }
             // The threshold is below every ratio of operations to entries, except 0 / 0 in an empty matrix.
-            return Supernodes::default();
-        };
-        let mut nodes = Supernodes::default();
-        for s in 0..raw.n_supernodes() {
-            nodes.push(
-                raw.supernode_begin()[s] as usize..raw.supernode_end()[s] as usize,
-                raw.supernode(s).pattern(),
-            );
+            SymbolicCholeskyRaw::Simplicial(_) => Supernodes::new(std::iter::empty()),
         }
-        nodes
     }
 
     /// Numbers that a factor holds.
@@ -94,7 +95,7 @@ impl Symbolic {
 
     /// A = L Lᵀ into `values`.
     pub(crate) fn llt(&self, rows: Rows<'_>, values: &mut [f64]) -> Result<(), Failure> {
-        let par = parallelism();
+        let par = Par::Seq;
         let mut memory = MemBuffer::try_new(
             self.inner.factorize_numeric_llt_scratch::<f64>(par, Default::default()),
         )
@@ -115,7 +116,7 @@ impl Symbolic {
 
     /// A = L D Lᵀ into `values`, D on the diagonals of the supernodes.
     pub(crate) fn ldlt(&self, rows: Rows<'_>, values: &mut [f64]) -> Result<(), Failure> {
-        let par = parallelism();
+        let par = Par::Seq;
         let mut memory = MemBuffer::try_new(
             self.inner.factorize_numeric_ldlt_scratch::<f64>(par, Default::default()),
         )
@@ -138,9 +139,4 @@ impl Symbolic {
 fn pattern(rows: Rows<'_>) -> SymbolicSparseColMatRef<'_, u32> {
     let n = rows.count();
     SymbolicSparseColMatRef::new_checked(n, n, rows.starts, None, rows.columns)
-}
-
-/// Threads share the columns and rows of dense products, never a sum: results do not depend on their number.
-fn parallelism() -> Par {
-    Par::rayon(0)
 }

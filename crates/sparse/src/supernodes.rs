@@ -1,8 +1,8 @@
-//! The pattern of a supernodal factor: runs of columns that share their rows.
+//! The pattern of a supernodal factor, cut into subtrees that do not depend on each other.
 
 use std::ops::Range;
 
-/// The supernodes of a lower triangular factor, in ascending order.
+/// Columns that share their rows, in a lower triangular factor.
 ///
 /// Supernode `s` holds the columns `range(s)` and, below its dense triangle, the rows `rows(s)`. Its numbers
 /// stand column by column in `values(s)`, with `range(s).len() + rows(s).len()` numbers in a column.
@@ -12,22 +12,53 @@ pub(crate) struct Supernodes {
     row_start: Vec<usize>,
     value_start: Vec<usize>,
     rows: Vec<u32>,
+    parts: Vec<Part>,
+    top: Vec<u32>,
 }
 
-impl Default for Supernodes {
-    fn default() -> Self {
-        Self { begin: vec![0], row_start: vec![0], value_start: vec![0], rows: vec![] }
-    }
+/// A subtree of the elimination tree: consecutive supernodes, whose columns touch only rows of their own and
+/// the rows of the last one.
+///
+/// Sweeps work on a copy of those rows, its own first. Rows of these supernodes are renumbered to fit.
+#[derive(Debug, Clone)]
+pub(crate) struct Part {
+    /// Its supernodes.
+    pub(crate) nodes: Range<usize>,
+    /// Its columns, which are also its own rows.
+    pub(crate) columns: Range<usize>,
+    /// The rows beyond, all in columns of the top.
+    pub(crate) outside: Vec<u32>,
 }
+
+/// A part holds at most this share of the factor: enough parts for the threads, whose number is not known
+/// and must not matter.
+const LARGEST_PART: usize = 16;
+/// Smaller subtrees stay with the top: a task would cost more than it gains.
+const SMALLEST_PART: usize = 200;
+/// Factors with fewer numbers are not cut.
+const WORTH_CUTTING: usize = 200_000;
 
 impl Supernodes {
-    /// Appends the supernode of the next columns.
-    pub(crate) fn push(&mut self, columns: Range<usize>, rows: &[u32]) {
-        let values = columns.len() * (columns.len() + rows.len());
-        self.value_start.push(self.value_start[self.len()] + values);
-        self.begin.push(columns.end);
-        self.rows.extend_from_slice(rows);
-        self.row_start.push(self.rows.len());
+    /// Supernodes in ascending order, each with its columns and rows.
+    pub(crate) fn new<'a>(nodes: impl Iterator<Item = (Range<usize>, &'a [u32])>) -> Self {
+        let mut all = Self {
+            begin: vec![0],
+            row_start: vec![0],
+            value_start: vec![0],
+            rows: vec![],
+            parts: vec![],
+            top: vec![],
+        };
+        let mut values = 0;
+        for (columns, rows) in nodes {
+            values += columns.len() * (columns.len() + rows.len());
+            all.value_start.push(values);
+            all.begin.push(columns.end);
+            all.rows.extend_from_slice(rows);
+            all.row_start.push(all.rows.len());
+        }
+        all.cut();
+        all
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -38,10 +69,21 @@ impl Supernodes {
         self.begin[self.len()]
     }
 
+    /// The independent subtrees, in ascending order.
+    pub(crate) fn parts(&self) -> &[Part] {
+        &self.parts
+    }
+
+    /// The supernodes outside all parts, in ascending order.
+    pub(crate) fn top(&self) -> &[u32] {
+        &self.top
+    }
+
     pub(crate) fn range(&self, s: usize) -> Range<usize> {
         self.begin[s]..self.begin[s + 1]
     }
 
+    /// Rows below the triangle: of the matrix in the top, of the copy in a part.
     pub(crate) fn rows(&self, s: usize) -> &[u32] {
         &self.rows[self.row_start[s]..self.row_start[s + 1]]
     }
@@ -68,5 +110,59 @@ impl Supernodes {
                 width * (width + 1) / 2 + width * self.rows(s).len()
             })
             .sum()
+    }
+
+    /// Finds the parts and renumbers their rows.
+    fn cut(&mut self) {
+        let total = self.value_start[self.len()];
+        if total < WORTH_CUTTING {
+            self.top = (0..self.len() as u32).collect();
+            return;
+        }
+        let parent = self.parents();
+        let (mut first, mut weight): (Vec<usize>, Vec<usize>) =
+            (0..self.len()).map(|s| (s, self.values(s).len())).unzip();
+        for s in 0..self.len() {
+            if let Some(p) = parent[s] {
+                first[p] = first[p].min(first[s]);
+                weight[p] += weight[s];
+            }
+        }
+        let largest = total / LARGEST_PART;
+        for s in 0..self.len() {
+            let maximal = parent[s].is_none_or(|p| weight[p] > largest);
+            if maximal && weight[s] <= largest && weight[s] >= total / SMALLEST_PART {
+                self.parts.push(Part {
+                    nodes: first[s]..s + 1,
+                    columns: self.begin[first[s]]..self.begin[s + 1],
+                    outside: self.rows(s).to_vec(),
+                });
+            }
+        }
+        let mut next = 0;
+        for part in &self.parts {
+            self.top.extend(next as u32..part.nodes.start as u32);
+            next = part.nodes.end;
+            for row in &mut self.rows[self.row_start[part.nodes.start]..self.row_start[next]] {
+                *row = if (*row as usize) < part.columns.end {
+                    *row - part.columns.start as u32
+                } else {
+                    // What a subtree touches beyond itself, its root touches too.
+                    let place = part.outside.partition_point(|r| r < row);
+                    (part.columns.len() + place) as u32
+                };
+            }
+        }
+        self.top.extend(next as u32..self.len() as u32);
+    }
+
+    /// The supernode that holds the first row below each one.
+    fn parents(&self) -> Vec<Option<usize>> {
+        (0..self.len())
+            .map(|s| {
+                let row = *self.rows(s).first()? as usize;
+                Some(self.begin.partition_point(|&b| b <= row) - 1)
+            })
+            .collect()
     }
 }

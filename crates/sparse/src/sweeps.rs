@@ -3,6 +3,11 @@
 //! Right-hand sides are rows of `B` numbers. A number of the factor, once loaded, serves all `B`; four columns
 //! of a supernode share each row they touch. With eight right-hand sides this runs at the speed of the
 //! arithmetic, with one at the speed of the memory.
+//!
+//! Independent subtrees run in parallel, on copies of the rows they touch; what they send to the top is added
+//! in their order. The cut does not depend on the threads, so neither does any bit of the result.
+
+use rayon::prelude::*;
 
 use crate::supernodes::Supernodes;
 
@@ -26,161 +31,213 @@ pub(crate) fn solve<const B: usize>(
     x: &mut [[f64; B]],
 ) {
     debug_assert_eq!(nodes.columns(), x.len());
-    pulp::Arch::new().dispatch(Sweep { nodes, values, diagonal, x });
+    let factor = FactorView { nodes, values, diagonal };
+    let shared = &*x;
+    let locals: Vec<Vec<[f64; B]>> = nodes
+        .parts()
+        .par_iter()
+        .map(|part| {
+            let mut local = vec![[0.0; B]; part.columns.len() + part.outside.len()];
+            local[..part.columns.len()].copy_from_slice(&shared[part.columns.clone()]);
+            let offset = part.columns.start;
+            run(|| part.nodes.clone().for_each(|s| factor.forward(s, offset, &mut local)));
+            local
+        })
+        .collect();
+    for (part, local) in nodes.parts().iter().zip(&locals) {
+        for (&row, add) in part.outside.iter().zip(&local[part.columns.len()..]) {
+            let target = &mut x[row as usize];
+            for lane in 0..B {
+                target[lane] += add[lane];
+            }
+        }
+    }
+    run(|| {
+        nodes.top().iter().for_each(|&s| factor.forward(s as usize, 0, x));
+        nodes.top().iter().rev().for_each(|&s| factor.backward(s as usize, 0, x));
+    });
+    let shared = &*x;
+    let locals: Vec<Vec<[f64; B]>> = nodes
+        .parts()
+        .par_iter()
+        .zip(locals)
+        .map(|(part, mut local)| {
+            for (&row, outside) in part.outside.iter().zip(&mut local[part.columns.len()..]) {
+                *outside = shared[row as usize];
+            }
+            let offset = part.columns.start;
+            run(|| part.nodes.clone().rev().for_each(|s| factor.backward(s, offset, &mut local)));
+            local
+        })
+        .collect();
+    for (part, local) in nodes.parts().iter().zip(&locals) {
+        x[part.columns.clone()].copy_from_slice(&local[..part.columns.len()]);
+    }
 }
 
-struct Sweep<'a, const B: usize> {
+/// Runs a piece of work compiled for the widest vectors of this processor.
+#[inline(always)]
+fn run(work: impl FnOnce()) {
+    struct Work<F>(F);
+    impl<F: FnOnce()> pulp::NullaryFnOnce for Work<F> {
+        type Output = ();
+        #[inline(always)]
+        fn call(self) {
+            (self.0)();
+        }
+    }
+    pulp::Arch::new().dispatch(Work(work));
+}
+
+#[derive(Clone, Copy)]
+struct FactorView<'a> {
     nodes: &'a Supernodes,
     values: &'a [f64],
     diagonal: Diagonal,
-    x: &'a mut [[f64; B]],
 }
 
-impl<const B: usize> pulp::NullaryFnOnce for Sweep<'_, B> {
-    type Output = ();
-
+impl FactorView<'_> {
+    /// One supernode of L x = b, for rows counted from `offset`: solves its triangle, takes its columns off the
+    /// rows below.
     #[inline(always)]
-    fn call(self) {
-        for s in 0..self.nodes.len() {
-            forward(self.nodes, s, &self.values[self.nodes.values(s)], self.diagonal, self.x);
+    fn forward<const B: usize>(self, s: usize, offset: usize, x: &mut [[f64; B]]) {
+        let node = Node::new(self, s, offset);
+        let mut j = 0;
+        while j + GROUP <= node.width {
+            node.forward::<B, GROUP>(j, x);
+            j += GROUP;
         }
+        while j < node.width {
+            node.forward::<B, 1>(j, x);
+            j += 1;
+        }
+    }
+
+    /// One supernode of D Lᵀ x = b (of Lᵀ x = b without D): divides by D, takes the rows below off its columns,
+    /// solves its triangle.
+    #[inline(always)]
+    fn backward<const B: usize>(self, s: usize, offset: usize, x: &mut [[f64; B]]) {
+        let node = Node::new(self, s, offset);
         if self.diagonal == Diagonal::Pivots {
-            for (x, d) in self.x.iter_mut().zip(self.nodes.diagonal(self.values)) {
-                *x = x.map(|x| x / d);
+            for j in 0..node.width {
+                let d = node.block[j * (node.height + 1)];
+                let x = &mut x[node.start + j];
+                for lane in 0..B {
+                    x[lane] /= d;
+                }
             }
         }
-        for s in (0..self.nodes.len()).rev() {
-            backward(self.nodes, s, &self.values[self.nodes.values(s)], self.diagonal, self.x);
+        let grouped = node.width - node.width % GROUP;
+        for j in (grouped..node.width).rev() {
+            node.backward::<B, 1>(j, x);
+        }
+        for j in (0..grouped).step_by(GROUP).rev() {
+            node.backward::<B, GROUP>(j, x);
         }
     }
 }
 
-/// One supernode of L x = b: solves its triangle, takes its columns off the rows below.
-#[inline(always)]
-fn forward<const B: usize>(
-    nodes: &Supernodes,
-    s: usize,
-    block: &[f64],
-    diagonal: Diagonal,
-    x: &mut [[f64; B]],
-) {
-    let (range, rows) = (nodes.range(s), nodes.rows(s));
-    let width = range.len();
-    let height = width + rows.len();
-    let mut j = 0;
-    while j + GROUP <= width {
-        forward_group::<B, GROUP>(block, height, width, j, range.start, rows, diagonal, x);
-        j += GROUP;
-    }
-    while j < width {
-        forward_group::<B, 1>(block, height, width, j, range.start, rows, diagonal, x);
-        j += 1;
-    }
-}
-
-#[inline(always)]
-#[expect(clippy::too_many_arguments, reason = "the pieces of one supernode, hot and inlined")]
-fn forward_group<const B: usize, const G: usize>(
-    block: &[f64],
-    height: usize,
+/// A supernode at hand.
+#[derive(Clone, Copy)]
+struct Node<'a> {
+    block: &'a [f64],
+    rows: &'a [u32],
     width: usize,
-    j: usize,
-    start: usize,
-    rows: &[u32],
-    diagonal: Diagonal,
-    x: &mut [[f64; B]],
-) {
-    let mut top = [[0.0; B]; G];
-    for g in 0..G {
-        let mut value = x[start + j + g];
-        for before in 0..g {
-            let l = block[(j + before) * height + j + g];
-            value = subtract(value, l, &top[before]);
-        }
-        if diagonal == Diagonal::Factor {
-            let d = block[(j + g) * height + j + g];
-            value = value.map(|v| v / d);
-        }
-        x[start + j + g] = value;
-        top[g] = value;
-    }
-    let columns: [&[f64]; G] = std::array::from_fn(|g| &block[(j + g) * height..][..height]);
-    for i in j + G..width {
-        let mut value = x[start + i];
-        for g in 0..G {
-            value = subtract(value, columns[g][i], &top[g]);
-        }
-        x[start + i] = value;
-    }
-    let columns: [&[f64]; G] = std::array::from_fn(|g| &columns[g][width..][..rows.len()]);
-    for (i, &row) in rows.iter().enumerate() {
-        let target = &mut x[row as usize];
-        let mut value = *target;
-        for g in 0..G {
-            value = subtract(value, columns[g][i], &top[g]);
-        }
-        *target = value;
-    }
-}
-
-/// One supernode of Lᵀ x = b: takes the rows below off its columns, solves its triangle.
-#[inline(always)]
-fn backward<const B: usize>(
-    nodes: &Supernodes,
-    s: usize,
-    block: &[f64],
-    diagonal: Diagonal,
-    x: &mut [[f64; B]],
-) {
-    let (range, rows) = (nodes.range(s), nodes.rows(s));
-    let width = range.len();
-    let height = width + rows.len();
-    let grouped = width - width % GROUP;
-    for j in (grouped..width).rev() {
-        backward_group::<B, 1>(block, height, width, j, range.start, rows, diagonal, x);
-    }
-    for j in (0..grouped).step_by(GROUP).rev() {
-        backward_group::<B, GROUP>(block, height, width, j, range.start, rows, diagonal, x);
-    }
-}
-
-#[inline(always)]
-#[expect(clippy::too_many_arguments, reason = "the pieces of one supernode, hot and inlined")]
-fn backward_group<const B: usize, const G: usize>(
-    block: &[f64],
     height: usize,
-    width: usize,
-    j: usize,
     start: usize,
-    rows: &[u32],
     diagonal: Diagonal,
-    x: &mut [[f64; B]],
-) {
-    let columns: [&[f64]; G] = std::array::from_fn(|g| &block[(j + g) * height..][..height]);
-    let mut sums: [[f64; B]; G] = std::array::from_fn(|g| x[start + j + g]);
-    for i in j + G..width {
-        let value = x[start + i];
-        for g in 0..G {
-            sums[g] = subtract(sums[g], columns[g][i], &value);
+}
+
+impl<'a> Node<'a> {
+    #[inline(always)]
+    fn new(factor: FactorView<'a>, s: usize, offset: usize) -> Self {
+        let (range, rows) = (factor.nodes.range(s), factor.nodes.rows(s));
+        Self {
+            block: &factor.values[factor.nodes.values(s)],
+            rows,
+            width: range.len(),
+            height: range.len() + rows.len(),
+            start: range.start - offset,
+            diagonal: factor.diagonal,
         }
     }
-    let below: [&[f64]; G] = std::array::from_fn(|g| &columns[g][width..][..rows.len()]);
-    for (i, &row) in rows.iter().enumerate() {
-        let value = x[row as usize];
+
+    #[inline(always)]
+    fn columns<const G: usize>(self, j: usize) -> [&'a [f64]; G] {
+        std::array::from_fn(|g| &self.block[(j + g) * self.height..][..self.height])
+    }
+
+    /// Columns j … j + G of L x = b.
+    #[inline(always)]
+    fn forward<const B: usize, const G: usize>(self, j: usize, x: &mut [[f64; B]]) {
+        let columns = self.columns::<G>(j);
+        let start = self.start;
+        let mut top = [[0.0; B]; G];
         for g in 0..G {
-            sums[g] = subtract(sums[g], below[g][i], &value);
+            let mut value = x[start + j + g];
+            for before in 0..g {
+                value = subtract(value, columns[before][j + g], &top[before]);
+            }
+            if self.diagonal == Diagonal::Factor {
+                let inverse = 1.0 / columns[g][j + g];
+                for lane in 0..B {
+                    value[lane] *= inverse;
+                }
+            }
+            x[start + j + g] = value;
+            top[g] = value;
+        }
+        for i in j + G..self.width {
+            let mut value = x[start + i];
+            for g in 0..G {
+                value = subtract(value, columns[g][i], &top[g]);
+            }
+            x[start + i] = value;
+        }
+        let below: [&[f64]; G] =
+            std::array::from_fn(|g| &columns[g][self.width..][..self.rows.len()]);
+        for (i, &row) in self.rows.iter().enumerate() {
+            let target = &mut x[row as usize];
+            let mut value = *target;
+            for g in 0..G {
+                value = subtract(value, below[g][i], &top[g]);
+            }
+            *target = value;
         }
     }
-    for g in (0..G).rev() {
-        for after in g + 1..G {
-            let l = columns[g][j + after];
-            sums[g] = subtract(sums[g], l, &x[start + j + after]);
+
+    /// Columns j … j + G of Lᵀ x = b.
+    #[inline(always)]
+    fn backward<const B: usize, const G: usize>(self, j: usize, x: &mut [[f64; B]]) {
+        let columns = self.columns::<G>(j);
+        let start = self.start;
+        let mut sums: [[f64; B]; G] = std::array::from_fn(|g| x[start + j + g]);
+        for i in j + G..self.width {
+            let value = x[start + i];
+            for g in 0..G {
+                sums[g] = subtract(sums[g], columns[g][i], &value);
+            }
         }
-        if diagonal == Diagonal::Factor {
-            let d = columns[g][j + g];
-            sums[g] = sums[g].map(|v| v / d);
+        let below: [&[f64]; G] =
+            std::array::from_fn(|g| &columns[g][self.width..][..self.rows.len()]);
+        for (i, &row) in self.rows.iter().enumerate() {
+            let value = x[row as usize];
+            for g in 0..G {
+                sums[g] = subtract(sums[g], below[g][i], &value);
+            }
         }
-        x[start + j + g] = sums[g];
+        for g in (0..G).rev() {
+            for after in g + 1..G {
+                sums[g] = subtract(sums[g], columns[g][j + after], &x[start + j + after]);
+            }
+            if self.diagonal == Diagonal::Factor {
+                let inverse = 1.0 / columns[g][j + g];
+                for lane in 0..B {
+                    sums[g][lane] *= inverse;
+                }
+            }
+            x[start + j + g] = sums[g];
+        }
     }
 }
 
