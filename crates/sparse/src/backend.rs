@@ -8,13 +8,14 @@
 use dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltError;
 use faer::linalg::cholesky::llt::factor::LltError;
+use faer::linalg::evd;
 use faer::perm::PermRef;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
     self, CholeskySymbolicParams, SymbolicCholeskyRaw, SymmetricOrdering,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Par, Side};
+use faer::{ColMut, MatMut, MatRef, Par, Side};
 
 use crate::matrix::Rows;
 use crate::supernodes::Supernodes;
@@ -139,4 +140,34 @@ impl Symbolic {
 fn pattern(rows: Rows<'_>) -> SymbolicSparseColMatRef<'_, u32> {
     let n = rows.count();
     SymbolicSparseColMatRef::new_checked(n, n, rows.starts, None, rows.columns)
+}
+
+/// The dense symmetric matrix did not yield its eigenvalues.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct NoConvergence;
+
+/// Eigenvalues in ascending order and eigenvectors, one after the other, of a dense symmetric matrix given by
+/// its `n × n` numbers.
+pub(crate) fn symmetric_eigen(
+    n: usize,
+    matrix: &[f64],
+) -> Result<(Vec<f64>, Vec<f64>), NoConvergence> {
+    let (mut values, mut vectors) = (vec![0.0; n], vec![0.0; n * n]);
+    let scratch = evd::self_adjoint_evd_scratch::<f64>(
+        n,
+        evd::ComputeEigenvectors::Yes,
+        Par::Seq,
+        Default::default(),
+    );
+    let mut memory = MemBuffer::try_new(scratch).map_err(|_| NoConvergence)?;
+    evd::self_adjoint_evd(
+        MatRef::from_column_major_slice(matrix, n, n),
+        ColMut::from_slice_mut(&mut values).as_diagonal_mut(),
+        Some(MatMut::from_column_major_slice_mut(&mut vectors, n, n)),
+        Par::Seq,
+        MemStack::new(&mut memory),
+        Default::default(),
+    )
+    .map_err(|_| NoConvergence)?;
+    Ok((values, vectors))
 }

@@ -186,6 +186,11 @@ impl SymbolicCholesky {
         self.analysis.order.len()
     }
 
+    /// `order[k]`: the row that is eliminated as the k-th.
+    pub fn order(&self) -> &[u32] {
+        &self.analysis.order
+    }
+
     /// Numbers in a factor, the explicit zeros of its supernodes included.
     pub fn factor_entries(&self) -> usize {
         self.analysis.nodes.entries()
@@ -352,6 +357,10 @@ impl Cholesky {
     /// The analysis this factor rests on.
     pub fn symbolic(&self) -> SymbolicCholesky {
         SymbolicCholesky { analysis: Arc::clone(&self.factor.analysis) }
+    }
+
+    pub(crate) fn into_factor(self) -> Factor {
+        self.factor
     }
 
     /// Rows of the matrix.

@@ -64,6 +64,11 @@ impl Factor {
         });
     }
 
+    /// Solves in place for rows that already stand in the order of the factor.
+    pub(crate) fn solve_ordered<const B: usize>(&self, x: &mut [[f64; B]]) {
+        sweeps::solve(&self.analysis.nodes, &self.values, self.diagonal, x);
+    }
+
     /// Solves for the right-hand sides that `gather(row, lanes)` writes; the solution is in factor order.
     pub(crate) fn solve_permuted<const B: usize>(
         &self,

@@ -56,6 +56,10 @@ impl Ldlt {
         self.growth
     }
 
+    pub(crate) fn into_factor(self) -> Factor {
+        self.factor
+    }
+
     /// Rows of the matrix.
     pub fn rows(&self) -> usize {
         self.factor.rows()

@@ -7,6 +7,7 @@
 mod backend;
 mod cg;
 mod cholesky;
+mod eigen;
 mod factor;
 mod incomplete;
 mod ldlt;
@@ -15,12 +16,17 @@ mod matrix;
 mod ordering;
 mod product;
 mod reduce;
+mod simd;
 mod supernodes;
 mod sweeps;
 mod symmetry;
 
 pub use cg::{CgError, CgOptions, CgSolution, ConjugateGradient, Preconditioner};
 pub use cholesky::{Cholesky, CholeskyError, SymbolicCholesky};
+pub use eigen::{
+    Count, EigenError, EigenOptions, EigenPairs, EigenProgress, EigenWatch, eigenpairs_within,
+    smallest_eigenpairs, smallest_eigenpairs_with,
+};
 pub use ldlt::{Inertia, Ldlt};
 pub use mass::{Mass, MassError, combine};
 pub use matrix::SparseMatrix;

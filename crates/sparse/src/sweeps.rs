@@ -9,6 +9,7 @@
 
 use rayon::prelude::*;
 
+use crate::simd::{self, Kernel};
 use crate::supernodes::Supernodes;
 
 /// Columns of a supernode taken together.
@@ -40,7 +41,8 @@ pub(crate) fn solve<const B: usize>(
             let mut local = vec![[0.0; B]; part.columns.len() + part.outside.len()];
             local[..part.columns.len()].copy_from_slice(&shared[part.columns.clone()]);
             let offset = part.columns.start;
-            run(|| part.nodes.clone().for_each(|s| factor.forward(s, offset, &mut local)));
+            let nodes = part.nodes.clone();
+            simd::dispatch(Forward { factor, nodes, offset, x: &mut local });
             local
         })
         .collect();
@@ -52,10 +54,9 @@ pub(crate) fn solve<const B: usize>(
             }
         }
     }
-    run(|| {
-        nodes.top().iter().for_each(|&s| factor.forward(s as usize, 0, x));
-        nodes.top().iter().rev().for_each(|&s| factor.backward(s as usize, 0, x));
-    });
+    let top = nodes.top().iter().map(to_usize as fn(&u32) -> usize);
+    simd::dispatch(Forward { factor, nodes: top.clone(), offset: 0, x: &mut *x });
+    simd::dispatch(Backward { factor, nodes: top.rev(), offset: 0, x: &mut *x });
     let shared = &*x;
     let locals: Vec<Vec<[f64; B]>> = nodes
         .parts()
@@ -66,7 +67,8 @@ pub(crate) fn solve<const B: usize>(
                 *outside = shared[row as usize];
             }
             let offset = part.columns.start;
-            run(|| part.nodes.clone().rev().for_each(|s| factor.backward(s, offset, &mut local)));
+            let nodes = part.nodes.clone().rev();
+            simd::dispatch(Backward { factor, nodes, offset, x: &mut local });
             local
         })
         .collect();
@@ -75,18 +77,46 @@ pub(crate) fn solve<const B: usize>(
     }
 }
 
-/// Runs a piece of work compiled for the widest vectors of this processor.
-#[inline(always)]
-fn run(work: impl FnOnce()) {
-    struct Work<F>(F);
-    impl<F: FnOnce()> pulp::NullaryFnOnce for Work<F> {
-        type Output = ();
-        #[inline(always)]
-        fn call(self) {
-            (self.0)();
+fn to_usize(s: &u32) -> usize {
+    *s as usize
+}
+
+/// L x = b over some supernodes.
+struct Forward<'a, const B: usize, I> {
+    factor: FactorView<'a>,
+    nodes: I,
+    offset: usize,
+    x: &'a mut [[f64; B]],
+}
+
+impl<const B: usize, I: Iterator<Item = usize>> Kernel for Forward<'_, B, I> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for s in self.nodes {
+            self.factor.forward(s, self.offset, self.x);
         }
     }
-    pulp::Arch::new().dispatch(Work(work));
+}
+
+/// Lᵀ x = b or D Lᵀ x = b over some supernodes.
+struct Backward<'a, const B: usize, I> {
+    factor: FactorView<'a>,
+    nodes: I,
+    offset: usize,
+    x: &'a mut [[f64; B]],
+}
+
+impl<const B: usize, I: Iterator<Item = usize>> Kernel for Backward<'_, B, I> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for s in self.nodes {
+            self.factor.backward(s, self.offset, self.x);
+        }
+    }
 }
 
 #[derive(Clone, Copy)]

@@ -2,4 +2,5 @@
 
 mod cholesky;
 mod conjugate_gradient;
+mod eigenpairs;
 mod matrices;

@@ -1,0 +1,212 @@
+//! Bases of vectors in blocks of eight, and the products that orthogonalisation is made of.
+//!
+//! A block holds eight vectors side by side, a row of eight numbers for each row of the problem. A pass over
+//! the basis reads it once, in pieces that stay in the cache with the block they meet: orthogonalisation runs at
+//! the speed of the memory. Partial sums belong to fixed segments of rows and are added in order.
+
+use rayon::prelude::*;
+
+use crate::factor::LANES;
+use crate::simd::{self, Kernel};
+
+/// Eight vectors.
+pub(crate) type Block = Vec<[f64; LANES]>;
+/// Inner products of two blocks: `[i][j]` for vector i of the left and j of the right.
+pub(crate) type Small = [[f64; LANES]; LANES];
+
+/// Rows that stay in the innermost cache.
+const PIECE: usize = 256;
+/// Rows of one partial sum.
+const SEGMENT: usize = 32 * PIECE;
+
+/// Uᵀ W for every block U of the basis.
+pub(crate) fn products(basis: &[Block], w: &[[f64; LANES]]) -> Vec<Small> {
+    let parts: Vec<Vec<Small>> = w
+        .par_chunks(SEGMENT)
+        .enumerate()
+        .map(|(segment, w)| {
+            let mut sums = vec![[[0.0; LANES]; LANES]; basis.len()];
+            simd::dispatch(Products { basis, from: segment * SEGMENT, w, sums: &mut sums });
+            sums
+        })
+        .collect();
+    let mut total = vec![[[0.0; LANES]; LANES]; basis.len()];
+    for part in parts {
+        for (total, part) in
+            total.iter_mut().flatten().flatten().zip(part.iter().flatten().flatten())
+        {
+            *total += part;
+        }
+    }
+    total
+}
+
+/// W ← W − Σ U C over the blocks U of the basis.
+pub(crate) fn subtract(basis: &[Block], coefficients: &[Small], w: &mut [[f64; LANES]]) {
+    w.par_chunks_mut(SEGMENT).enumerate().for_each(|(segment, w)| {
+        simd::dispatch(Subtract { basis, coefficients, from: segment * SEGMENT, w });
+    });
+}
+
+/// Σ U C over the blocks U of the basis, where `coefficients(u, j)` is the C for block u and result block j.
+pub(crate) fn combine(
+    basis: &[Block],
+    count: usize,
+    coefficients: impl Fn(usize, usize) -> Small + Sync,
+) -> Vec<Block> {
+    let Some(first) = basis.first() else { return vec![] };
+    let rows = first.len();
+    (0..count)
+        .into_par_iter()
+        .map(|j| {
+            let mut w = vec![[0.0; LANES]; rows];
+            let mut c: Vec<Small> = (0..basis.len()).map(|u| coefficients(u, j)).collect();
+            c.iter_mut().flatten().flatten().for_each(|c| *c = -*c);
+            subtract(basis, &c, &mut w);
+            w
+        })
+        .collect()
+}
+
+/// W ← W C.
+pub(crate) fn transform(w: &mut [[f64; LANES]], c: &Small) {
+    w.par_chunks_mut(SEGMENT).for_each(|w| {
+        simd::dispatch(Transform { w, c });
+    });
+}
+
+struct Products<'a> {
+    basis: &'a [Block],
+    from: usize,
+    w: &'a [[f64; LANES]],
+    sums: &'a mut [Small],
+}
+
+impl Kernel for Products<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let mut from = self.from;
+        for w in self.w.chunks(PIECE) {
+            for (u, sum) in self.basis.iter().zip(&mut *self.sums) {
+                product_piece(&u[from..from + w.len()], w, sum);
+            }
+            from += w.len();
+        }
+    }
+}
+
+struct Subtract<'a> {
+    basis: &'a [Block],
+    coefficients: &'a [Small],
+    from: usize,
+    w: &'a mut [[f64; LANES]],
+}
+
+impl Kernel for Subtract<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let mut from = self.from;
+        for w in self.w.chunks_mut(PIECE) {
+            for (u, c) in self.basis.iter().zip(self.coefficients) {
+                subtract_piece(&u[from..from + w.len()], c, w);
+            }
+            from += w.len();
+        }
+    }
+}
+
+struct Transform<'a> {
+    w: &'a mut [[f64; LANES]],
+    c: &'a Small,
+}
+
+impl Kernel for Transform<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for w in self.w {
+            let mut sum = [0.0; LANES];
+            for i in 0..LANES {
+                for j in 0..LANES {
+                    sum[j] = w[i].mul_add(self.c[i][j], sum[j]);
+                }
+            }
+            *w = sum;
+        }
+    }
+}
+
+#[inline(always)]
+fn product_piece(u: &[[f64; LANES]], w: &[[f64; LANES]], sum: &mut Small) {
+    // Two halves, so that the sums stay in the registers of a processor with sixteen of them.
+    const HALF: usize = LANES / 2;
+    for half in [0, HALF] {
+        let mut sums = [[0.0; LANES]; HALF];
+        sums.copy_from_slice(&sum[half..half + HALF]);
+        for (u, w) in u.iter().zip(w) {
+            for i in 0..HALF {
+                for j in 0..LANES {
+                    sums[i][j] = u[half + i].mul_add(w[j], sums[i][j]);
+                }
+            }
+        }
+        sum[half..half + HALF].copy_from_slice(&sums);
+    }
+}
+
+#[inline(always)]
+fn subtract_piece(u: &[[f64; LANES]], c: &Small, w: &mut [[f64; LANES]]) {
+    for (u, w) in u.iter().zip(w) {
+        let mut value = *w;
+        for i in 0..LANES {
+            for j in 0..LANES {
+                value[j] = (-u[i]).mul_add(c[i][j], value[j]);
+            }
+        }
+        *w = value;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Small integers: all sums are exact, pieces and segments included.
+    #[test]
+    fn products_match_plain_loops() {
+        let rows = SEGMENT + PIECE + 3;
+        let block = |k: usize| -> Block {
+            (0..rows)
+                .map(|r| std::array::from_fn(|i| ((r * 3 + i * 5 + k) % 7) as f64 - 3.0))
+                .collect()
+        };
+        let basis = [block(0), block(4)];
+        let w = block(2);
+        let c = products(&basis, &w);
+        let mut rest = w.clone();
+        subtract(&basis, &c, &mut rest);
+        let joined = combine(&basis, 1, |u, _| c[u]);
+        for i in 0..LANES {
+            for j in 0..LANES {
+                for u in 0..2 {
+                    let expected: f64 = (0..rows).map(|r| basis[u][r][i] * w[r][j]).sum();
+                    assert_eq!(c[u][i][j], expected);
+                }
+            }
+        }
+        for r in [0, 1, PIECE, SEGMENT - 1, SEGMENT, rows - 1] {
+            for j in 0..LANES {
+                let sum: f64 = (0..2)
+                    .map(|u| (0..LANES).map(|i| basis[u][r][i] * c[u][i][j]).sum::<f64>())
+                    .sum();
+                assert_eq!(rest[r][j], w[r][j] - sum);
+                assert_eq!(joined[0][r][j], sum);
+            }
+        }
+    }
+}

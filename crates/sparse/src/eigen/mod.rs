@@ -1,0 +1,166 @@
+//! The generalised symmetric eigenproblem S φ = λ M φ: smallest eigenpairs, measured and counted.
+//!
+//! S is symmetric positive semi-definite, M lumped or consistent mass. Large problems run block Lanczos on
+//! (S − σM)⁻¹ M with full orthogonalisation and thick restart, and in slices of the spectrum for many pairs;
+//! small ones a dense decomposition. Source: \[grimes1994\], \[wu2000\].
+
+mod basis;
+mod certificate;
+mod dense;
+mod lanczos;
+mod nullspace;
+mod operator;
+mod problem;
+mod projected;
+mod shift;
+mod slices;
+mod solve;
+
+use std::ops::ControlFlow;
+
+use ndarray::Array2;
+
+use crate::cholesky::CholeskyError;
+use crate::mass::MassError;
+
+pub use slices::eigenpairs_within;
+pub use solve::{smallest_eigenpairs, smallest_eigenpairs_with};
+
+/// How to solve an eigenproblem.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EigenOptions {
+    /// Largest residual ‖S φ − λ M φ‖ in the M⁻¹ norm, as a share of the largest wanted eigenvalue, of a
+    /// vector with φᵀMφ = 1.
+    pub tolerance: f64,
+    /// Seed of the starting vectors.
+    pub seed: u64,
+    /// Blocks of eight vectors to spend before giving up, in each slice.
+    pub max_blocks: usize,
+    /// Whether to count the eigenvalues by an extra factorisation.
+    pub count: Count,
+    /// Problems with at most so many rows are solved densely; so are up to four times as many rows if a
+    /// quarter of the eigenvalues is wanted.
+    pub dense_rows: usize,
+    /// Most eigenpairs of one Lanczos run; more are taken slice by slice.
+    pub slice: usize,
+}
+
+/// Whether the number of eigenvalues is checked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Count {
+    /// By the inertia of S − σM with σ just above the last eigenvalue: none has been missed.
+    Certified,
+    /// Not at all: saves a factorisation.
+    Unchecked,
+}
+
+impl Default for EigenOptions {
+    fn default() -> Self {
+        Self {
+            tolerance: 1e-9,
+            seed: 0,
+            max_blocks: 2000,
+            count: Count::Certified,
+            dense_rows: 400,
+            slice: 320,
+        }
+    }
+}
+
+/// Eigenpairs of S φ = λ M φ.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EigenPairs {
+    /// Eigenvalues, ascending. Those of the constants of each component that S maps to zero are exactly 0.
+    pub values: Vec<f64>,
+    /// `n × k`, one eigenvector in a column, φᵢᵀ M φⱼ = δᵢⱼ. Signs and bases of multiple eigenvalues are
+    /// arbitrary but reproducible.
+    pub vectors: Array2<f64>,
+    /// ‖S φ − λ M φ‖ in the M⁻¹ norm of each pair, in units of λ, measured on the vectors returned.
+    pub residuals: Vec<f64>,
+    /// Whether inertia (or a dense decomposition) proves that no smaller eigenvalue was missed.
+    pub certified: bool,
+}
+
+/// Where a computation stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EigenProgress {
+    /// Eigenpairs that meet the tolerance.
+    pub converged: usize,
+    /// Eigenpairs wanted.
+    pub wanted: usize,
+    /// Blocks of eight vectors spent.
+    pub blocks: usize,
+}
+
+/// Called now and then; [`ControlFlow::Break`] cancels.
+pub type EigenWatch<'a> = dyn FnMut(&EigenProgress) -> ControlFlow<()> + 'a;
+
+/// Why eigenpairs cannot be had.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum EigenError {
+    /// More eigenpairs were asked for than there are rows.
+    #[error("{wanted} eigenpairs wanted of {rows} rows")]
+    TooMany {
+        /// Eigenpairs wanted.
+        wanted: usize,
+        /// Rows of the problem.
+        rows: usize,
+    },
+    /// The mass does not fit.
+    #[error(transparent)]
+    Mass(#[from] MassError),
+    /// S − σM could not be factorised. A negative or zero pivot means that S is not positive semi-definite.
+    #[error("S − σM with σ = {shift:e}: {source}")]
+    Factor {
+        /// σ, in units of λ.
+        shift: f64,
+        /// What failed.
+        source: CholeskyError,
+    },
+    /// The consistent mass is not positive definite.
+    #[error("consistent mass: {0}")]
+    ConsistentMass(CholeskyError),
+    /// Fewer pairs converged than were wanted.
+    #[error("{converged} of {wanted} eigenpairs converged within {blocks} blocks")]
+    NotConverged {
+        /// Pairs that met the tolerance.
+        converged: usize,
+        /// Pairs wanted.
+        wanted: usize,
+        /// Blocks spent.
+        blocks: usize,
+    },
+    /// Inertia counts another number of eigenvalues than were found, even after new starting vectors.
+    #[error("{found} eigenvalues found below {shift:e}, inertia counts {counted}")]
+    Miscounted {
+        /// Eigenvalues found.
+        found: usize,
+        /// Eigenvalues counted.
+        counted: usize,
+        /// Where, in units of λ.
+        shift: f64,
+    },
+    /// The dense decomposition did not converge.
+    #[error("the dense decomposition of {rows} rows did not converge")]
+    Dense {
+        /// Rows of the problem.
+        rows: usize,
+    },
+    /// An interval without order or with ends that are not finite.
+    #[error("the interval from {from:e} to {to:e} is empty or not finite")]
+    Interval {
+        /// Lower end.
+        from: f64,
+        /// Upper end.
+        to: f64,
+    },
+    /// The watch asked to stop.
+    #[error("cancelled with {converged} of {wanted} eigenpairs converged")]
+    Cancelled {
+        /// Pairs that met the tolerance.
+        converged: usize,
+        /// Pairs wanted.
+        wanted: usize,
+    },
+}

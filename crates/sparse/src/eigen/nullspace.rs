@@ -1,0 +1,74 @@
+//! Exact zero modes: the constants of each component that S maps to zero.
+
+use crate::matrix::Rows;
+
+/// Row sums below this share of the row's largest entry count as zero: assembly leaves a few ε.
+const ROW_SUM_TOLERANCE: f64 = 1e-11;
+
+/// The component of every row in the graph of S, numbered by first row, or `None` where some row of the
+/// component has a sum that is not zero (pinned rows, potentials).
+pub(crate) fn constant_components(rows: Rows<'_>) -> (usize, Vec<Option<u32>>) {
+    let n = rows.count();
+    let mut component = vec![u32::MAX; n];
+    let mut constant = vec![];
+    let mut stack = vec![];
+    for seed in 0..n {
+        if component[seed] != u32::MAX {
+            continue;
+        }
+        let number = constant.len() as u32;
+        let mut balanced = true;
+        component[seed] = number;
+        stack.push(seed);
+        while let Some(i) = stack.pop() {
+            let (columns, values) = rows.row(i);
+            let largest = values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+            balanced &= values.iter().sum::<f64>().abs() <= ROW_SUM_TOLERANCE * largest;
+            for (&j, &v) in columns.iter().zip(values) {
+                if v != 0.0 && component[j as usize] == u32::MAX {
+                    component[j as usize] = number;
+                    stack.push(j as usize);
+                }
+            }
+        }
+        constant.push(balanced);
+    }
+    let mut count = 0;
+    let names: Vec<Option<u32>> = constant
+        .iter()
+        .map(|&balanced| {
+            balanced.then(|| {
+                count += 1;
+                count - 1
+            })
+        })
+        .collect();
+    (count as usize, component.iter().map(|&c| names[c as usize]).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::matrix::SparseMatrix;
+
+    /// Components {0, 2}, {1}, {3, 4}; the last has a pinned row.
+    #[test]
+    fn pinned_components_have_no_constants() {
+        let mut t = sprs::TriMatI::<f64, u32>::new((5, 5));
+        for (i, j, v) in [
+            (0, 0, 1.0),
+            (0, 2, -1.0),
+            (2, 0, -1.0),
+            (2, 2, 1.0),
+            (3, 3, 2.0),
+            (3, 4, -1.0),
+            (4, 3, -1.0),
+            (4, 4, 1.0),
+        ] {
+            t.add_triplet(i, j, v);
+        }
+        let matrix: SparseMatrix = t.to_csr();
+        let (count, names) = constant_components(Rows::of(&matrix));
+        assert_eq!((count, names), (2, vec![Some(0), Some(1), Some(0), None, None]));
+    }
+}

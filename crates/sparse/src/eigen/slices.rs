@@ -1,0 +1,199 @@
+//! Spectrum slicing: eigenpairs window by window, each counted by the inertia at its ends.
+//!
+//! A window has a shift of its own in its middle, so that its basis stays small however many pairs lie
+//! below. Vectors of the previous window near the common end are locked: eigenvalues on both sides of
+//! an end may be as close as they like without their vectors leaning towards each other.
+
+use std::ops::{ControlFlow, Range};
+
+use ndarray::{Axis, Slice};
+
+use crate::eigen::basis::Block;
+use crate::eigen::certificate::count_in_gap;
+use crate::eigen::operator::ShiftInvert;
+use crate::eigen::problem::Problem;
+use crate::eigen::solve::{Found, Run, smallest_eigenpairs};
+use crate::eigen::{EigenError, EigenOptions, EigenPairs, EigenWatch};
+use crate::factor::LANES;
+use crate::mass::Mass;
+use crate::matrix::SparseMatrix;
+
+/// Blocks of the previous window that a new one stays orthogonal to.
+const LOCKED_BLOCKS: usize = 6;
+/// A window that turns out to hold more than this share of the plan is cut.
+const TOO_FULL: f64 = 1.5;
+/// Cuts of a window before it is taken as it is.
+const MOST_CUTS: usize = 30;
+/// New starting vectors before a window that misses pairs is an error.
+const RENEWALS: usize = 3;
+
+/// All eigenpairs of S φ = λ M φ with λ in an interval, counted by inertia.
+///
+/// # Errors
+///
+/// As [`smallest_eigenpairs`], and [`EigenError::Interval`].
+pub fn eigenpairs_within(
+    stiffness: &SparseMatrix,
+    mass: Mass<'_>,
+    interval: Range<f64>,
+    options: &EigenOptions,
+) -> Result<EigenPairs, EigenError> {
+    let (from, to) = (interval.start, interval.end);
+    if !(from.is_finite() && to.is_finite() && from < to) {
+        return Err(EigenError::Interval { from, to });
+    }
+    mass.check(stiffness.rows())?;
+    let problem = Problem::new(stiffness, mass)?;
+    let below = |lambda: f64| -> Result<(usize, f64), EigenError> {
+        let shift = lambda / problem.unit;
+        if shift <= 0.0 {
+            return Ok((0, 0.0));
+        }
+        count_in_gap(&problem, shift, shift * (1.0 + 1e-10))
+    };
+    let ((first, start), (last, end)) = (below(from)?, below(to)?);
+    if first == 0 || stiffness.rows() <= options.dense_rows {
+        let mut pairs = smallest_eigenpairs(stiffness, mass, last, options)?;
+        let vectors = pairs.vectors.slice_axis(Axis(1), Slice::from(first..)).to_owned();
+        pairs.values.drain(..first);
+        pairs.residuals.drain(..first);
+        return Ok(EigenPairs { vectors, ..pairs });
+    }
+    let mut found = Found { lambdas: vec![], blocks: vec![], certified: true };
+    let mut slices = Slices { problem: &problem, from: start, counted: first, options };
+    let mut watch = |_: &_| ControlFlow::Continue(());
+    let guess = (end - start) * options.slice as f64 / (last - first).max(1) as f64;
+    slices.up_to(&mut found, Some(end), last, guess, &mut watch)?;
+    let count = found.lambdas.len();
+    found.finish(&problem, 0, count, options.tolerance)
+}
+
+/// Adds pairs above those found, which are complete below `shift`, until there are `wanted`.
+pub(crate) fn continue_upwards(
+    problem: &Problem,
+    found: &mut Found,
+    shift: f64,
+    wanted: usize,
+    options: &EigenOptions,
+    watch: &mut EigenWatch<'_>,
+) -> Result<(), EigenError> {
+    let counted = found.lambdas.len();
+    // The spacing of the upper half of what is known, times the number wanted in a window.
+    let half = counted / 2;
+    let spacing = (shift - found.lambdas[half]) / (counted - half) as f64;
+    let mut slices = Slices { problem, from: shift, counted, options };
+    slices.up_to(found, None, wanted, spacing * options.slice as f64, watch)
+}
+
+struct Slices<'a> {
+    problem: &'a Problem,
+    /// Everything below is done.
+    from: f64,
+    /// Eigenvalues below `from`.
+    counted: usize,
+    options: &'a EigenOptions,
+}
+
+impl Slices<'_> {
+    /// Window after window until `wanted` eigenvalues lie below the end of the last, or it reaches `end`.
+    fn up_to(
+        &mut self,
+        found: &mut Found,
+        end: Option<f64>,
+        wanted: usize,
+        mut width: f64,
+        watch: &mut EigenWatch<'_>,
+    ) -> Result<(), EigenError> {
+        let plan = self.options.slice;
+        while self.counted < wanted {
+            let missing = (wanted - self.counted) as f64;
+            // A little more than needed, lest a tiny window remain.
+            let share = (1.15 * missing / plan as f64).min(1.0);
+            let mut to = self.from + width * share;
+            if let Some(end) = end {
+                to = if to > end - 0.2 * width * share { end } else { to };
+            }
+            let (mut count, mut shift) = count_in_gap(self.problem, to, to * (1.0 + 1e-8))?;
+            // Cuts shrink the window by a third and more; only a huge multiple eigenvalue defies them.
+            for _ in 0..MOST_CUTS {
+                if (count - self.counted.min(count)) as f64 <= TOO_FULL * plan as f64 {
+                    break;
+                }
+                let inside = (count - self.counted) as f64;
+                to = self.from + (to - self.from) * plan as f64 / inside;
+                (count, shift) = count_in_gap(self.problem, to, to * (1.0 + 1e-8))?;
+            }
+            let inside = count - self.counted.min(count);
+            if inside > 0 {
+                self.window(found, shift, inside, watch)?;
+            }
+            // The next window by the density of this one, between half and double its width.
+            let density = inside.max(1) as f64 / (shift - self.from);
+            width = (plan as f64 / density).clamp(0.5 * width, 2.0 * width);
+            self.from = shift;
+            self.counted = count;
+        }
+        Ok(())
+    }
+
+    /// All `inside` pairs between `self.from` and `to`.
+    fn window(
+        &self,
+        found: &mut Found,
+        to: f64,
+        inside: usize,
+        watch: &mut EigenWatch<'_>,
+    ) -> Result<(), EigenError> {
+        let problem = self.problem;
+        let sigma = 0.5 * (self.from + to) + 1e-3 * (to - self.from);
+        let (operator, ..) = ShiftInvert::among(problem, sigma)
+            .map_err(|source| EigenError::Factor { shift: sigma * problem.unit, source })?;
+        let known = found.blocks.len();
+        let mut locked: Vec<Block> = found.blocks[known.saturating_sub(LOCKED_BLOCKS)..].to_vec();
+        // Empty lanes are zero vectors: harmless.
+        if known > LOCKED_BLOCKS && problem.constants.0 > 0 {
+            locked.extend_from_slice(&found.blocks[..problem.constants.0.div_ceil(LANES)]);
+        }
+        let mut run = Run::new(&operator, &locked, inside, self.options, watch);
+        let goal = self.options.tolerance * to;
+        let mut renewals = 0;
+        let mut stalled = 0;
+        loop {
+            let (ritz, mut candidates) = run.advance()?;
+            candidates
+                .sort_by(|a, b| (a.lambda - sigma).abs().total_cmp(&(b.lambda - sigma).abs()));
+            let is_inside = |lambda: f64| lambda > self.from && lambda < to;
+            let mut done: Vec<_> = candidates
+                .iter()
+                .copied()
+                .filter(|c| is_inside(c.lambda) && c.residual <= goal)
+                .collect();
+            run.report(done.len().min(inside))?;
+            if done.len() == inside {
+                done.sort_by(|a, b| a.lambda.total_cmp(&b.lambda));
+                let chosen: Vec<usize> = done.iter().map(|c| c.index).collect();
+                let vectors = run.lanczos.vectors(&ritz, &chosen);
+                let lambdas: Vec<f64> = done.iter().map(|c| c.lambda).collect();
+                found.append(&lambdas, &vectors);
+                return Ok(());
+            }
+            // All that show inside have converged, yet some are missing: they hide from the start.
+            let showing = candidates.iter().filter(|c| is_inside(c.lambda)).count();
+            stalled = if showing == done.len() { stalled + 1 } else { 0 };
+            if done.len() > inside || (stalled >= 3 && renewals == RENEWALS) {
+                return Err(EigenError::Miscounted {
+                    found: self.counted + done.len(),
+                    counted: self.counted + inside,
+                    shift: to * problem.unit,
+                });
+            }
+            if stalled >= 3 {
+                renewals += 1;
+                stalled = 0;
+                run.renew(&ritz, &candidates, done.len());
+            } else {
+                run.restart_if_full(&ritz, &candidates);
+            }
+        }
+    }
+}

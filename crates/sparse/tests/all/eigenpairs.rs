@@ -1,0 +1,254 @@
+//! Eigenpairs against known spectra; pairs are always held against S φ = λ M φ itself.
+
+use std::ops::ControlFlow;
+
+use fairing_sparse::{
+    Count, EigenError, EigenOptions, EigenPairs, Mass, MassError, SparseMatrix, eigenpairs_within,
+    multiply_block, smallest_eigenpairs, smallest_eigenpairs_with,
+};
+use ndarray::Array2;
+
+use crate::matrices::{cycle, graph_laplacian, grid, grid_eigenvalues, path, random_vector};
+
+/// Residuals and M-orthonormality, both recomputed; eigenvalues ascend.
+fn check(s: &SparseMatrix, mass: Mass<'_>, pairs: &EigenPairs, tolerance: f64) {
+    let k = pairs.values.len();
+    assert_eq!((pairs.vectors.nrows(), pairs.vectors.ncols()), (s.rows(), k));
+    assert!(pairs.values.is_sorted(), "{:?}", pairs.values);
+    let mut m_vectors = Array2::zeros((s.rows(), k));
+    for j in 0..k {
+        let column = mass.times(&pairs.vectors.column(j).to_vec());
+        m_vectors.column_mut(j).assign(&ndarray::Array1::from(column));
+    }
+    let gram = pairs.vectors.t().dot(&m_vectors);
+    let worst = (&gram - &Array2::<f64>::eye(k)).iter().fold(0.0, |m: f64, d| m.max(d.abs()));
+    assert!(worst < 1e-9, "orthonormal to {worst:e}");
+    // With constants only there is nothing to compare rounding with but S itself, of size 1.
+    let largest = pairs.values[k - 1].max(1e-6);
+    let r = multiply_block(s, pairs.vectors.view())
+        - m_vectors * ndarray::ArrayView1::from(&pairs.values);
+    if let Mass::Lumped(m) = mass {
+        for j in 0..k {
+            let norm: f64 = (0..s.rows()).map(|i| r[[i, j]] * r[[i, j]] / m[i]).sum::<f64>().sqrt();
+            assert!(norm <= tolerance * largest, "pair {j}: residual {norm:e} of {largest:e}");
+            // The reported residual is the recomputed one, up to the rounding of either.
+            assert!(
+                (norm - pairs.residuals[j]).abs() <= 1e-10 * largest + 1e-14,
+                "{norm:e} {}",
+                pairs.residuals[j]
+            );
+        }
+    }
+}
+
+fn compare(values: &[f64], expected: &[f64]) {
+    let largest = expected[values.len() - 1];
+    for (i, (found, expected)) in values.iter().zip(expected).enumerate() {
+        assert!((found - expected).abs() < 1e-9 * largest, "{i}: {found} instead of {expected}");
+    }
+}
+
+fn lanczos() -> EigenOptions {
+    EigenOptions { dense_rows: 20, ..Default::default() }
+}
+
+#[test]
+fn lanczos_finds_the_spectrum_of_a_grid() {
+    let (nx, ny) = (61, 47);
+    let s = grid(nx, ny);
+    let ones = vec![1.0; nx * ny];
+    for k in [1, 2, 15, 60, 200] {
+        let pairs = smallest_eigenpairs(&s, Mass::Lumped(&ones), k, &lanczos()).unwrap();
+        assert!(pairs.certified);
+        assert_eq!(pairs.values[0], 0.0);
+        check(&s, Mass::Lumped(&ones), &pairs, 1e-8);
+        compare(&pairs.values, &grid_eigenvalues(nx, ny));
+    }
+}
+
+/// A square grid: nearly all eigenvalues are double, some of higher multiplicity; k cuts through pairs.
+#[test]
+fn multiple_eigenvalues_are_complete() {
+    let n = 40;
+    let s = grid(n, n);
+    let ones = vec![1.0; n * n];
+    for k in [2, 3, 50, 51, 52, 53] {
+        let pairs = smallest_eigenpairs(&s, Mass::Lumped(&ones), k, &lanczos()).unwrap();
+        check(&s, Mass::Lumped(&ones), &pairs, 1e-8);
+        compare(&pairs.values, &grid_eigenvalues(n, n));
+    }
+}
+
+/// Twelve equal cycles: every eigenvalue twelve- or twenty-fourfold, more than a block of eight can see; twelve
+/// components with a constant each.
+#[test]
+fn multiplicities_beyond_the_block_are_found_by_counting() {
+    let (copies, n) = (12, 60);
+    let s = graph_laplacian(copies * n, (0..copies * n).map(|i| (i, i / n * n + (i % n + 1) % n)));
+    let ones = vec![1.0; copies * n];
+    let pairs = smallest_eigenpairs(&s, Mass::Lumped(&ones), 50, &lanczos()).unwrap();
+    check(&s, Mass::Lumped(&ones), &pairs, 1e-8);
+    let at = |k: usize| 2.0 - 2.0 * (2.0 * std::f64::consts::PI * k as f64 / n as f64).cos();
+    let expected: Vec<f64> =
+        [(0, 12), (1, 24), (2, 24)].iter().flat_map(|&(k, c)| vec![at(k); c]).collect();
+    assert!(pairs.values[..12].iter().all(|l| *l == 0.0), "{:?}", &pairs.values[..12]);
+    compare(&pairs.values, &expected);
+}
+
+/// Slices meet in double eigenvalues; nothing is lost or found twice.
+#[test]
+fn slices_join_without_a_seam() {
+    let n = 45;
+    let s = grid(n, n);
+    let ones = vec![1.0; n * n];
+    let options = EigenOptions { slice: 40, ..lanczos() };
+    let pairs = smallest_eigenpairs(&s, Mass::Lumped(&ones), 170, &options).unwrap();
+    assert!(pairs.certified);
+    check(&s, Mass::Lumped(&ones), &pairs, 1e-8);
+    compare(&pairs.values, &grid_eigenvalues(n, n));
+}
+
+#[test]
+fn an_interval_holds_what_lies_in_it() {
+    let s = grid(37, 41);
+    let n = s.rows();
+    let ones = vec![1.0; n];
+    let all = grid_eigenvalues(37, 41);
+    for (from, to) in [(-1.0, 0.05), (0.101, 0.3), (1.0001, 1.0999), (7.5, 9.0)] {
+        let options = EigenOptions { slice: 30, ..lanczos() };
+        let pairs = eigenpairs_within(&s, Mass::Lumped(&ones), from..to, &options).unwrap();
+        let expected: Vec<f64> = all.iter().copied().filter(|l| (from..to).contains(l)).collect();
+        assert_eq!(pairs.values.len(), expected.len(), "{from} to {to}");
+        check(&s, Mass::Lumped(&ones), &pairs, 1e-8);
+        compare(&pairs.values, &expected);
+    }
+    assert!(matches!(
+        eigenpairs_within(&s, Mass::Lumped(&ones), 2.0..1.0, &lanczos()),
+        Err(EigenError::Interval { .. })
+    ));
+}
+
+/// Dense and Lanczos agree on random masses, lumped and consistent.
+#[test]
+fn dense_and_lanczos_agree() {
+    let s = grid(19, 23);
+    let n = s.rows();
+    let lumped: Vec<f64> = random_vector(n, 3).iter().map(|v| 1.5 + v).collect();
+    // Lumped part plus a third of a graph Laplacian's complement: symmetric, diagonally dominant.
+    let consistent = fairing_sparse::combine(1.0, Mass::Lumped(&lumped), -0.05, &s);
+    for mass in [Mass::Lumped(&lumped), Mass::Consistent(&consistent)] {
+        let dense = EigenOptions { dense_rows: 1000, ..Default::default() };
+        let all = smallest_eigenpairs(&s, mass, n, &dense).unwrap();
+        check(&s, mass, &all, 1e-11);
+        let some = smallest_eigenpairs(&s, mass, 40, &lanczos()).unwrap();
+        check(&s, mass, &some, 1e-8);
+        compare(&some.values, &all.values);
+        assert!(some.residuals.iter().all(|r| *r < 1e-8 * some.values[39]));
+    }
+}
+
+/// Units of 10⁻⁶ and 10⁶ (masses of 10⁻¹² and 10¹²), and stiffness in any unit.
+#[test]
+fn units_do_not_matter() {
+    let s = grid(33, 31);
+    let m: Vec<f64> = random_vector(s.rows(), 9).iter().map(|v| 1.5 + v).collect();
+    let reference = smallest_eigenpairs(&s, Mass::Lumped(&m), 12, &lanczos()).unwrap();
+    for (mass_unit, stiffness_unit) in [(1e-12, 1.0), (1e12, 1.0), (1e-3, 1e9)] {
+        let scaled: Vec<f64> = m.iter().map(|m| m * mass_unit).collect();
+        let stiff = s.map(|v| v * stiffness_unit);
+        let pairs = smallest_eigenpairs(&stiff, Mass::Lumped(&scaled), 12, &lanczos()).unwrap();
+        let back: Vec<f64> = pairs.values.iter().map(|l| l * mass_unit / stiffness_unit).collect();
+        compare(&back, &reference.values);
+        check(&stiff, Mass::Lumped(&scaled), &pairs, 1e-8);
+    }
+}
+
+#[test]
+fn small_problems_give_all_modes() {
+    for n in 1..12 {
+        let s = path(n);
+        let ones = vec![1.0; n];
+        let pairs =
+            smallest_eigenpairs(&s, Mass::Lumped(&ones), n, &EigenOptions::default()).unwrap();
+        let expected: Vec<f64> = (0..n)
+            .map(|k| 2.0 - 2.0 * (std::f64::consts::PI * k as f64 / n as f64).cos())
+            .collect();
+        assert_eq!(pairs.values[0], 0.0);
+        if n > 1 {
+            check(&s, Mass::Lumped(&ones), &pairs, 1e-12);
+            compare(&pairs.values, &expected);
+        }
+    }
+    // Only constants: no edge at all.
+    let bare = graph_laplacian(30, []);
+    let pairs = smallest_eigenpairs(&bare, Mass::Lumped(&[2.0; 30]), 7, &lanczos()).unwrap();
+    assert_eq!(pairs.values, [0.0; 7]);
+}
+
+/// A pinned end takes the constant away: eigenvalues 2 − 2 cos(π(2k + 1)/(2n + 1)).
+#[test]
+fn pinned_problems_have_no_zero() {
+    let n = 300;
+    let mut end = vec![0.0; n];
+    end[0] = 1.0;
+    let s = fairing_sparse::combine(1.0, Mass::Lumped(&end), 1.0, &path(n));
+    let ones = vec![1.0; n];
+    let pairs = smallest_eigenpairs(&s, Mass::Lumped(&ones), 9, &lanczos()).unwrap();
+    let expected: Vec<f64> = (0..9)
+        .map(|k| 2.0 - 2.0 * (std::f64::consts::PI * (2 * k + 1) as f64 / (2 * n + 1) as f64).cos())
+        .collect();
+    check(&s, Mass::Lumped(&ones), &pairs, 1e-8);
+    compare(&pairs.values, &expected);
+    assert!((pairs.values[0] / expected[0] - 1.0).abs() < 1e-7);
+}
+
+#[test]
+fn failures_are_errors() {
+    let s = cycle(500);
+    let ones = vec![1.0; 500];
+    let lumped = Mass::Lumped(&ones);
+    assert_eq!(
+        smallest_eigenpairs(&s, lumped, 501, &lanczos()).unwrap_err(),
+        EigenError::TooMany { wanted: 501, rows: 500 }
+    );
+    let mut holes = ones.clone();
+    holes[77] = 0.0;
+    assert_eq!(
+        smallest_eigenpairs(&s, Mass::Lumped(&holes), 3, &lanczos()).unwrap_err(),
+        EigenError::Mass(MassError::NotPositive { row: 77, value: 0.0 })
+    );
+    let few = EigenOptions { max_blocks: 3, ..lanczos() };
+    assert!(matches!(
+        smallest_eigenpairs(&s, lumped, 40, &few),
+        Err(EigenError::NotConverged { wanted: 39, converged, .. }) if converged < 39
+    ));
+    let negative = s.map(|v| -v);
+    assert!(matches!(
+        smallest_eigenpairs(&negative, lumped, 3, &lanczos()),
+        Err(EigenError::Factor { .. })
+    ));
+    let mut calls = 0;
+    let stopped = smallest_eigenpairs_with(&s, lumped, 40, &lanczos(), &mut |_| {
+        calls += 1;
+        ControlFlow::Break(())
+    });
+    assert!(matches!(stopped, Err(EigenError::Cancelled { wanted: 39, .. })));
+    assert_eq!(calls, 1);
+}
+
+/// Same bits on one thread and on four, another seed gives other bits and the same spectrum.
+#[test]
+fn threads_do_not_change_bits() {
+    let s = grid(90, 100);
+    let ones = vec![1.0; 9000];
+    let run = |threads: usize, seed: u64| {
+        let options = EigenOptions { seed, count: Count::Unchecked, ..Default::default() };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| smallest_eigenpairs(&s, Mass::Lumped(&ones), 20, &options).unwrap())
+    };
+    let once = run(1, 0);
+    assert_eq!(once, run(4, 0));
+    let other = run(2, 1);
+    assert_ne!(once.vectors, other.vectors);
+    compare(&once.values, &other.values);
+}
