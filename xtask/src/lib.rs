@@ -23,3 +23,4 @@ pub mod view;
 
 mod json;
 mod markdown;
+mod palette;

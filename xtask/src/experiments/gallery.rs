@@ -73,7 +73,7 @@ const WIDTH: f64 = 900.0;
 const COLUMN: f64 = 330.0;
 
 /// Pixels of the file for each CSS pixel.
-const ZOOM: f64 = 2.0;
+const ZOOM: f64 = 1.6;
 
 impl Gallery<'_> {
     /// Draws the grid; all meshes share their cameras.

@@ -7,6 +7,7 @@ use anyhow::{Context as _, Result};
 use fairing_mesh::io::{self, FloatWidth, VertexFields, WriteOptions};
 
 use crate::outcome::Outcome;
+use crate::palette;
 use crate::results::{FigureFile, File, Record};
 
 /// Writes tables, figures and meshes into `work/id`, and enters them into the
@@ -24,7 +25,9 @@ pub(super) fn outcome(outcome: Outcome, work: &Path, record: &mut Record) -> Res
         record.files.push(keep(format!("{}.csv", table.id), csv.as_bytes(), &table.caption)?);
     }
     for picture in outcome.figures {
-        let png = keep(format!("{}.png", picture.id), &picture.png, &picture.caption)?.path;
+        let png =
+            keep(format!("{}.png", picture.id), &palette::reduce(&picture.png)?, &picture.caption)?
+                .path;
         let svg = picture.svg.map(|svg| {
             anyhow::Ok(keep(format!("{}.svg", picture.id), svg.as_bytes(), &picture.caption)?.path)
         });
