@@ -39,18 +39,29 @@ pub struct Hausdorff {
 /// [`EvaluationError::NoFaces`], [`EvaluationError::Parameter`] unless the
 /// tolerance is positive and finite.
 pub fn hausdorff(a: &TriMesh, b: &TriMesh, tolerance: f64) -> Result<Hausdorff, EvaluationError> {
-    if !(tolerance > 0.0 && tolerance.is_finite()) {
-        return Err(EvaluationError::Parameter { what: "tolerance", value: tolerance });
+    check_tolerance(tolerance)?;
+    Ok(between(a, &tree(a, "mesh")?, b, &tree(b, "reference")?, tolerance))
+}
+
+pub(crate) fn check_tolerance(tolerance: f64) -> Result<(), EvaluationError> {
+    if tolerance > 0.0 && tolerance.is_finite() {
+        return Ok(());
     }
-    let (own, other) = rayon::join(|| tree(a, "mesh"), || tree(b, "reference"));
-    let (own, other) = (own?, other?);
-    let forward = one_sided(a, b, &other, 0.0, tolerance);
+    Err(EvaluationError::Parameter { what: "tolerance", value: tolerance })
+}
+
+/// [`hausdorff`] with trees that are there already.
+pub(crate) fn between(
+    a: &TriMesh,
+    own: &SurfaceTree,
+    b: &TriMesh,
+    other: &SurfaceTree,
+    tolerance: f64,
+) -> Hausdorff {
+    let forward = one_sided(a, b, other, 0.0, tolerance);
     // The other side only matters where it goes beyond this one.
-    let backward = one_sided(b, a, &own, forward.lower, tolerance);
-    Ok(Hausdorff {
-        lower: forward.lower.max(backward.lower),
-        upper: forward.upper.max(backward.upper),
-    })
+    let backward = one_sided(b, a, own, forward.lower, tolerance);
+    Hausdorff { lower: forward.lower.max(backward.lower), upper: forward.upper.max(backward.upper) }
 }
 
 /// A face or a part of one, with a triangle close to each of its corners and
