@@ -83,6 +83,9 @@ struct Bench {
     /// Print one JSON object on the last line
     #[arg(long)]
     json: bool,
+    /// Curvature estimator of the task principal
+    #[arg(long, default_value = "quadric")]
+    estimator: String,
     /// Eigenpairs
     #[arg(long, default_value_t = 15)]
     k: usize,
@@ -219,6 +222,7 @@ impl Bench {
             input: self.input.context("which mesh? say --in FILE")?,
             out: self.out,
             reference: self.reference,
+            estimator: self.estimator,
             k: self.k,
             lambda: self.lambda,
             mu: self.mu,

@@ -40,8 +40,8 @@ pub(crate) struct Pattern {
     columns: Vec<u32>,
     /// For each corner, in the order of the incidence, the places in the row
     /// of the entries for the next and for the previous corner of its face;
-    /// unused in long rows.
-    slots: Vec<[u8; 2]>,
+    /// unused in long rows. A table for each task.
+    slots: Vec<Vec<[u8; 2]>>,
 }
 
 /// The rows that a task finds.
@@ -91,14 +91,14 @@ impl Pattern {
         offsets.push(0);
         let mut total = 0;
         let mut columns = Vec::with_capacity(blocks.iter().map(|b| b.columns.len()).sum());
-        let mut slots = Vec::with_capacity(3 * mesh.face_count());
+        let mut slots = Vec::with_capacity(blocks.len());
         for block in blocks {
             for length in block.lengths {
                 total += length;
                 offsets.push(total);
             }
             columns.extend_from_slice(&block.columns);
-            slots.extend_from_slice(&block.slots);
+            slots.push(block.slots);
         }
         Ok(Self { offsets, columns, slots })
     }
@@ -116,8 +116,10 @@ impl Pattern {
             let corners = incidence.corners(v);
             let mut diagonal = 0.0;
             if columns.len() <= SHORT_ROW {
-                let start = incidence.offsets()[v as usize] as usize;
-                for (&c, slot) in corners.iter().zip(&slots[start..]) {
+                let task = v as usize / ROWS_PER_TASK;
+                let starts = [task * ROWS_PER_TASK, v as usize].map(|v| incidence.offsets()[v]);
+                let slots = &slots[task][(starts[1] - starts[0]) as usize..];
+                for (&c, slot) in corners.iter().zip(slots) {
                     let e = entries(c);
                     diagonal += e.diagonal;
                     values[slot[0] as usize] += e.next;

@@ -29,6 +29,15 @@ impl FaceCorners {
         Self { dots: [-dot(ab, ca), -dot(bc, ab), -dot(ca, bc)], twice_area: norm(cross(ab, ca)) }
     }
 
+    /// The face of two sides that leave corner 0, the next one first, and the
+    /// cross product of the sides.
+    #[inline]
+    pub(crate) fn of_sides(next: [f64; 3], previous: [f64; 3]) -> (Self, [f64; 3]) {
+        let (across, normal) = (sub(previous, next), cross(next, previous));
+        let dots = [dot(next, previous), -dot(next, across), dot(previous, across)];
+        (Self { dots, twice_area: norm(normal) }, normal)
+    }
+
     /// cot θₖ; not finite where the face has no area.
     #[inline]
     pub(crate) fn cotangents(&self) -> [f64; 3] {

@@ -50,24 +50,27 @@ impl Fan {
             after[i] = vertices[next(c) as usize];
             before[i] = vertices[previous(c) as usize];
         }
-        self.neighbors.clear();
-        self.neighbors.resize(corners.len(), u32::MAX);
-        self.ranks.clear();
-        for i in 0..corners.len() {
-            let rank = |w: u32| after.iter().map(|&x| u32::from(x < w)).sum::<u32>();
-            let ranks = [rank(after[i]), rank(before[i])];
-            self.neighbors[ranks[0] as usize] = after[i];
-            self.ranks.push(ranks);
-        }
-        let mut seen = [0u32; 2];
-        for (i, ranks) in self.ranks.iter().enumerate() {
-            if self.neighbors.get(ranks[1] as usize) != Some(&before[i]) {
-                return false;
+        let mut ranks = [[0u32; ROOM]; 2];
+        for w in after {
+            // Inside, so that the compiler counts for many at a time.
+            for i in 0..ROOM {
+                ranks[0][i] += u32::from(w < after[i]);
+                ranks[1][i] += u32::from(w < before[i]);
             }
-            seen[0] |= 1 << ranks[0];
-            seen[1] |= 1 << ranks[1];
         }
-        seen == [(1 << corners.len()) - 1; 2]
+        let mut sorted = [u32::MAX; ROOM];
+        let mut seen = [0u32; 2];
+        for i in 0..corners.len() {
+            sorted[ranks[0][i] as usize % ROOM] = after[i];
+            seen[0] |= 1 << ranks[0][i];
+            seen[1] |= 1 << ranks[1][i];
+        }
+        let agree = (0..corners.len()).all(|i| sorted[ranks[1][i] as usize % ROOM] == before[i]);
+        self.neighbors.clear();
+        self.neighbors.extend_from_slice(&sorted[..corners.len()]);
+        self.ranks.clear();
+        self.ranks.extend((0..corners.len()).map(|i| [ranks[0][i], ranks[1][i]]));
+        agree && seen == [(1 << corners.len()) - 1; 2]
     }
 
     fn gather_any(&mut self, vertices: &[u32], corners: &[u32]) {

@@ -5,6 +5,7 @@
 //! `trials() -> Vec<(&'static str, Test)>` and a line below.
 
 mod diagnosis;
+mod operators;
 mod reading;
 
 use std::path::{Path, PathBuf};
@@ -16,7 +17,11 @@ type Test = fn(&Path) -> Result<(), Failed>;
 
 fn main() {
     let folder = std::env::var_os("FAIRING_MESHES").map(PathBuf::from).filter(|d| d.is_dir());
-    let areas = [("diagnosis", diagnosis::trials()), ("reading", reading::trials())];
+    let areas = [
+        ("diagnosis", diagnosis::trials()),
+        ("operators", operators::trials()),
+        ("reading", reading::trials()),
+    ];
     let trials = areas
         .into_iter()
         .flat_map(|(area, tests)| tests.into_iter().map(move |(name, test)| (area, name, test)))

@@ -75,6 +75,8 @@ pub struct Job {
     pub out: Option<PathBuf>,
     /// The mesh without noise, for metrics.
     pub reference: Option<PathBuf>,
+    /// The name of a curvature estimator.
+    pub estimator: String,
     /// How many eigenpairs.
     pub k: usize,
     /// The step.

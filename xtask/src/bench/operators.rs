@@ -6,7 +6,7 @@
 use anyhow::{Context as _, Result};
 use fairing_mesh::{TriMesh, io};
 use fairing_operators::curvature::{
-    CurvatureField, MeanOperator, QuadricOptions, angle_defect, mean_curvature, quadric_curvature,
+    CurvatureField, Estimator, MeanOperator, angle_defect, mean_curvature,
 };
 use fairing_operators::{LumpedArea, SparseMatrix, cotan_stiffness, lumped_mass};
 
@@ -108,8 +108,8 @@ impl Work for Bending {
     }
 }
 
-/// Principal curvatures and directions of a quadric fitted over two rings, the
-/// method of libigl.
+/// Principal curvatures and directions by the estimator of the job; by default
+/// a quadric fitted over two rings, the method of libigl.
 pub(super) struct Principal;
 
 impl Task for Principal {
@@ -118,16 +118,18 @@ impl Task for Principal {
     }
 
     fn about(&self) -> &'static str {
-        "principal curvatures and directions: quadrics over two rings"
+        "principal curvatures and directions by --estimator"
     }
 
     fn prepare(&self, job: &Job) -> Result<Box<dyn Work>> {
-        Ok(Box::new(Fitting { mesh: io::read(&job.input)?.mesh, field: None }))
+        let estimator = job.estimator.parse()?;
+        Ok(Box::new(Fitting { mesh: io::read(&job.input)?.mesh, estimator, field: None }))
     }
 }
 
 struct Fitting {
     mesh: TriMesh,
+    estimator: Estimator,
     field: Option<CurvatureField>,
 }
 
@@ -135,8 +137,7 @@ impl Work for Fitting {
     fn run(&mut self, watch: &mut Stopwatch) -> Result<()> {
         self.field = None;
         let mesh = anew(&self.mesh, watch)?;
-        let fit = || quadric_curvature(&mesh, QuadricOptions::default());
-        self.field = Some(watch.phase("principal", fit)?);
+        self.field = Some(watch.phase("principal", || self.estimator.estimate(&mesh))?);
         Ok(())
     }
 

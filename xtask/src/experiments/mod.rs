@@ -6,11 +6,20 @@ mod q1;
 mod q2;
 mod q3;
 
+mod estimators;
+mod noise;
+
 mod gallery;
 mod refinement;
+mod samples;
 mod spread;
 mod surfaces;
 
 /// The table of contents: the seven questions, then what goes beyond.
-pub const ALL: &[&dyn Experiment] =
-    &[&q1::UniformCurvature, &q2::EllipsoidForms, &q3::CotangentCurvature];
+pub const ALL: &[&dyn Experiment] = &[
+    &q1::UniformCurvature,
+    &q2::EllipsoidForms,
+    &q3::CotangentCurvature,
+    &estimators::Estimators,
+    &noise::Noise,
+];

@@ -1,13 +1,13 @@
 //! All that the faces say about a vertex, gathered in one pass.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, cross, scale, sub};
+use fairing_mesh::vec3::{add, scale, sub};
 use rayon::prelude::*;
 
 use std::f64::consts::{PI, TAU};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::corners::{FaceCorners, degenerate};
+use crate::corners::{FaceCorners, degenerate, next, previous};
 use crate::error::OperatorError;
 use crate::fan::Fan;
 use crate::mass::LumpedArea;
@@ -58,8 +58,12 @@ impl Links {
         }
     }
 
+    /// The angle defect `(2 − e + f) π − Σ θ`; zero for an isolated vertex.
     #[inline]
     pub(crate) fn defect(&self, angles: f64) -> f64 {
+        if self.faces == 0 {
+            return 0.0;
+        }
         (2.0 - f64::from(self.edges) + f64::from(self.faces)) * PI - angles
     }
 }
@@ -73,8 +77,8 @@ pub(crate) fn map_cells<T: Send>(
     area: LumpedArea,
     of: impl Fn(&Cell) -> T + Sync + Send,
 ) -> Result<Vec<T>, OperatorError> {
-    let (faces, vertices) = (mesh.faces(), mesh.faces().as_flattened());
-    let (positions, incidence) = (mesh.positions(), mesh.incidence());
+    let (positions, vertices) = (mesh.positions(), mesh.faces().as_flattened());
+    let incidence = mesh.incidence();
     let first = AtomicUsize::new(usize::MAX);
     let gather = |fan: &mut Fan, v: u32| {
         let corners = incidence.corners(v);
@@ -88,22 +92,20 @@ pub(crate) fn map_cells<T: Send>(
         };
         let mut turns = Turns::default();
         for &c in corners {
-            let (f, k) = (c as usize / 3, c as usize % 3);
-            let triangle = faces[f].map(|v| positions[v as usize]);
-            let face = FaceCorners::of(triangle);
+            let at = positions[v as usize];
+            let [to_next, to_previous] =
+                [next(c), previous(c)].map(|c| sub(positions[vertices[c as usize] as usize], at));
+            let (face, normal) = FaceCorners::of_sides(to_next, to_previous);
             let shares = area.shares(&face);
             if shares.is_none() || face.is_degenerate() {
-                first.fetch_min(f, Ordering::Relaxed);
+                first.fetch_min(c as usize / 3, Ordering::Relaxed);
             }
             let cot = face.cotangents();
-            let (next, previous) = ((k + 1) % 3, (k + 2) % 3);
-            let to_next = sub(triangle[next], triangle[k]);
-            let to_previous = sub(triangle[previous], triangle[k]);
-            let pull = add(scale(to_next, cot[previous]), scale(to_previous, cot[next]));
+            let pull = add(scale(to_next, cot[2]), scale(to_previous, cot[1]));
             cell.laplacian = add(cell.laplacian, scale(pull, 0.5));
-            cell.area += shares.unwrap_or_default()[k];
-            cell.normal = add(cell.normal, scale(cross(to_next, to_previous), 0.5));
-            turns.add(face.turn(k));
+            cell.area += shares.unwrap_or_default()[0];
+            cell.normal = add(cell.normal, scale(normal, 0.5));
+            turns.add(face.turn(0));
         }
         cell.angles = turns.sum();
         of(&cell)

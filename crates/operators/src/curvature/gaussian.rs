@@ -8,15 +8,16 @@
 //! `π − Σθ` on the boundary, where it measures the turning of the border
 //! (geodesic curvature). Written with e and f it sums to `2πχ` on every
 //! complex of triangles, manifold or not: each face takes part with 3π − π,
-//! each edge with −2π, each vertex, isolated or not, with 2π.
+//! each edge with −2π, each vertex with 2π. An isolated vertex has none.
 //! Source: \[meyer2003\], \[desbrun2008\].
 
 use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::sub;
 use rayon::prelude::*;
 
 use super::cell::{Links, Turns};
 use super::status::{ScalarCurvature, Undefined};
-use crate::corners::FaceCorners;
+use crate::corners::{FaceCorners, next, previous};
 use crate::error::OperatorError;
 use crate::fan::Fan;
 use crate::mass::{LumpedArea, lumped_mass};
@@ -24,9 +25,9 @@ use crate::mass::{LumpedArea, lumped_mass};
 /// The angle defect of each vertex: its Gaussian curvature, integrated.
 ///
 /// `n` angles in radians, in vertex order; scaling the mesh does not change
-/// them. The sum is 2πχ to rounding, with χ = V − E + F and isolated vertices
-/// (2π each) counted. Defined on every mesh: where a face without area leaves
-/// its angles open, they are taken so that they sum to π.
+/// them. The sum is 2πχ to rounding, with χ = V − E + F over the vertices that
+/// have faces; isolated ones hold zero. Defined on every mesh: where a face
+/// without area leaves its angles open, they are taken so that they sum to π.
 ///
 /// Source: \[meyer2003\].
 pub fn angle_defect(mesh: &TriMesh) -> Vec<f64> {
@@ -35,14 +36,16 @@ pub fn angle_defect(mesh: &TriMesh) -> Vec<f64> {
 
 /// The angle defect and the surroundings of each vertex, on any mesh.
 pub(crate) fn defects(mesh: &TriMesh) -> Vec<(f64, Links)> {
-    let vertices = mesh.faces().as_flattened();
+    let (positions, vertices) = (mesh.positions(), mesh.faces().as_flattened());
     let incidence = mesh.incidence();
     let defect = |fan: &mut Fan, v: u32| {
         let corners = incidence.corners(v);
         fan.gather(vertices, corners);
         let mut turns = Turns::default();
         for &c in corners {
-            turns.add(FaceCorners::of(mesh.triangle(c as usize / 3)).turn(c as usize % 3));
+            let [to_next, to_previous] = [next(c), previous(c)]
+                .map(|c| sub(positions[vertices[c as usize] as usize], positions[v as usize]));
+            turns.add(FaceCorners::of_sides(to_next, to_previous).0.turn(0));
         }
         let links = Links::of(fan, corners);
         (links.defect(turns.sum()), links)
@@ -113,11 +116,11 @@ mod tests {
     }
 
     #[test]
-    fn isolated_and_flat_vertices_are_undefined_but_counted() {
+    fn isolated_and_flat_vertices_are_undefined() {
         let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 5.0, 0.0]];
         let mesh = TriMesh::new(positions, vec![[0, 1, 2]]).unwrap();
         let total: f64 = angle_defect(&mesh).iter().sum();
-        assert!((total - 2.0 * TAU).abs() < 1e-15);
+        assert!((total - TAU).abs() < 1e-15);
         let k = gaussian_curvature(&mesh, LumpedArea::Barycentric).unwrap();
         assert_eq!(k.status[3], VertexStatus::Undefined(Undefined::Isolated));
         assert_eq!(k.status[0], VertexStatus::Undefined(Undefined::NoArea));

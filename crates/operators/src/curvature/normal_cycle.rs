@@ -7,8 +7,9 @@
 //! over the edges inside the ball B about the vertex, with the dihedral angle
 //! θ, the length ℓ of the part inside, the unit tangent m across the edge, and
 //! A the area of the mesh inside the ball, both clipped exactly. Only the part
-//! connected to the vertex counts. Edges on the boundary, and those with more
-//! than two faces, do not bend. Source: \[cohensteiner2003\].
+//! connected to the vertex counts. Edges on the boundary, those with more than
+//! two faces, and those whose faces turn against each other do not bend.
+//! Source: \[cohensteiner2003\].
 
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{distance, normalize, scale, sub};

@@ -8,8 +8,9 @@
 //! ```
 //!
 //! with A the barycentric area. H is half the trace. Cheap, signed, defined on
-//! every mesh; not convergent pointwise. Edges on the boundary, and those with
-//! more than two faces, do not bend. Source: \[sullivan2008\].
+//! every mesh; not convergent pointwise. Edges on the boundary, those with more
+//! than two faces, and those whose faces turn against each other do not bend.
+//! Source: \[sullivan2008\].
 
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{normalize, scale, sub};

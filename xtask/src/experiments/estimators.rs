@@ -1,0 +1,311 @@
+//! Beyond the questions: which curvature estimator to trust.
+
+use std::time::Instant;
+
+use anyhow::{Context as _, Result};
+use fairing_figure::{Axis, Figure, Legend, Panel, Plot, Series};
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{cross, dot, norm};
+use fairing_operators::curvature::{CurvatureField, Estimator};
+use fairing_operators::surface::PointCurvature;
+
+use super::gallery::plotted;
+use super::samples::{Layout, Sample};
+use crate::experiment::{Card, Context, Experiment, Formula};
+use crate::outcome::{Outcome, Picture};
+use crate::row;
+use crate::table::{Cell, Table, Tables, Tolerance, Unit, short};
+use crate::verdict::{Judgement, Verdict};
+
+pub(super) struct Estimators;
+
+/// The order in the largest error that counts as convergence.
+const BAR: f64 = 1.7;
+
+impl Experiment for Estimators {
+    fn card(&self) -> Card {
+        Card {
+            id: "estimators",
+            title: "Curvature estimators side by side",
+            question: "Which estimator converges on meshes as they are, and when is each to be chosen?",
+            method: "Every estimator is run on surfaces of known curvature, over five refinements: sphere, torus, ellipsoid, and a wavy graph with a border. Meshes are regular, jittered along the surface, and irregular, with edges flipped as well. H, K, both principal curvatures and their directions are compared with the exact values, over inner vertices, in the root mean square and in the largest error: an estimator that converges in the largest error can be trusted at every vertex.",
+            formulas: &[Formula {
+                tex: r"p = \frac{\log(e_1 / e_2)}{\log(h_1 / h_2)}",
+                mathml: "<mi>p</mi><mo>=</mo><mfrac><mrow><mi>log</mi><mo>(</mo><msub><mi>e</mi><mn>1</mn></msub><mo>/</mo><msub><mi>e</mi><mn>2</mn></msub><mo>)</mo></mrow><mrow><mi>log</mi><mo>(</mo><msub><mi>h</mi><mn>1</mn></msub><mo>/</mo><msub><mi>h</mi><mn>2</mn></msub><mo>)</mo></mrow></mfrac>",
+            }],
+            inputs: &[],
+            parameters: Estimator::ALL.map(|e| (e.name(), e.purpose().into())).to_vec(),
+        }
+    }
+
+    fn run(&self, context: &Context<'_>) -> Result<Outcome> {
+        let mut errors = Table::new(
+            "errors",
+            "Errors against exact curvature at inner vertices. Root mean square and largest, over the root mean square of the exact values (of κ₁ for both principal ones). Directions: root mean square angle between the estimated and the true direction of κ₁ where the exact κ₁ − κ₂ is more than a tenth of its largest value.",
+            &[
+                ("surface", Unit::Label),
+                ("sampling", Unit::Label),
+                ("estimator", Unit::Label),
+                ("vertices", Unit::Count),
+                ("h", Unit::Length),
+                ("RMS H", Unit::Relative),
+                ("max H", Unit::Relative),
+                ("RMS K", Unit::Relative),
+                ("max K", Unit::Relative),
+                ("RMS κ₁", Unit::Relative),
+                ("max κ₁", Unit::Relative),
+                ("RMS κ₂", Unit::Relative),
+                ("max κ₂", Unit::Relative),
+                ("directions", Unit::Degrees),
+                ("undefined", Unit::Count),
+            ],
+        );
+        for name in MEASURES.iter().chain(&["directions"]) {
+            // Values where estimators are exact up to rounding amplify it.
+            errors = errors.tolerance(name, Some(Tolerance { relative: 1e-4, absolute: 1e-7 }));
+        }
+        let levels = context.choose(2..=6, 2..=4);
+        let mut orders = orders_table();
+        let mut seconds = vec![vec![]; Estimator::ALL.len()];
+        for (s, sample) in Sample::ALL.into_iter().enumerate() {
+            for (l, layout) in Layout::ALL.into_iter().enumerate() {
+                context.progress((3 * s + l) as f64 / 12.0, sample.name());
+                let mut studies = vec![vec![]; Estimator::ALL.len()];
+                for level in levels.clone() {
+                    let seed = context.seed(&format!("{} {level}", sample.name()));
+                    let mesh = sample.mesh(level, layout, seed);
+                    mesh.topology();
+                    let exact = exact_values(sample, &mesh)?;
+                    let h = mesh.mean_edge_length();
+                    for (i, estimator) in Estimator::ALL.iter().enumerate() {
+                        let start = Instant::now();
+                        let field = estimator.estimate(&mesh)?;
+                        let time = start.elapsed().as_secs_f64() / mesh.vertex_count() as f64;
+                        let study = Study::of(&field, &exact);
+                        let mut row = vec![
+                            Cell::from(sample.name()),
+                            Cell::from(layout.name()),
+                            Cell::from(estimator.name()),
+                            Cell::from(mesh.vertex_count()),
+                            Cell::from(h),
+                        ];
+                        row.extend(study.errors.map(Cell::from));
+                        row.push(Cell::from(study.angle));
+                        row.push(Cell::from(study.undefined));
+                        errors.push(row);
+                        studies[i].push((h, study));
+                        if level == *levels.end() {
+                            seconds[i].push(time);
+                        }
+                    }
+                }
+                for (estimator, study) in Estimator::ALL.iter().zip(&studies) {
+                    orders.push(order_row(sample, layout, estimator, study)?);
+                }
+            }
+        }
+        let mut times = Table::new(
+            "times",
+            "Seconds per vertex on the finest meshes, topology not counted: the median over surfaces and samplings, on as many threads as the machine has.",
+            &[("estimator", Unit::Label), ("time per vertex", Unit::Seconds)],
+        );
+        for (estimator, seconds) in Estimator::ALL.iter().zip(&mut seconds) {
+            seconds.sort_by(f64::total_cmp);
+            times.push(row![estimator.name(), seconds[seconds.len() / 2]]);
+        }
+        let figures = vec![plot(&errors, "max H", "H")?, plot(&errors, "max K", "K")?];
+        Ok(Outcome { tables: vec![errors, orders, times], figures, ..Outcome::default() })
+    }
+
+    fn judge(&self, tables: Tables<'_>) -> Result<Vec<Judgement>> {
+        let orders = tables.get("orders")?;
+        let mut worst = vec![];
+        for estimator in Estimator::ALL {
+            let mut least = f64::INFINITY;
+            for surface in ["sphere", "torus", "ellipsoid"] {
+                let rows = orders.only(&[
+                    ("surface", surface.into()),
+                    ("sampling", Layout::Jittered.name().into()),
+                    ("estimator", estimator.name().into()),
+                ])?;
+                for column in ["max H", "max K"] {
+                    least = rows.column(column)?.into_iter().fold(least, f64::min);
+                }
+            }
+            worst.push((estimator.name(), least));
+        }
+        let reaching: Vec<&str> =
+            worst.iter().filter(|(_, order)| *order >= BAR).map(|(name, _)| *name).collect();
+        let (best, order) = worst
+            .iter()
+            .copied()
+            .fold(("", f64::NEG_INFINITY), |a, b| if b.1 > a.1 { b } else { a });
+        let (verdict, reason) = if reaching.is_empty() {
+            (Verdict::Refuted, format!("None does; {best} comes closest with {}.", short(order)))
+        } else {
+            (
+                Verdict::Confirmed,
+                format!(
+                    "On jittered sphere, torus and ellipsoid these do, for H and for K: {}. The least order of {best} is {}; that of the cotangent operator and the angle defect is {}.",
+                    reaching.join(", "),
+                    short(order),
+                    short(worst[0].1),
+                ),
+            )
+        };
+        let mut judgement = Judgement::new(
+            "estimators",
+            "An estimator converges at every vertex of an irregular mesh, with order 1.7 or more",
+            verdict,
+            reason,
+        );
+        for (name, order) in worst {
+            judgement = judgement.number(name, order, Unit::Order);
+        }
+        Ok(vec![judgement])
+    }
+}
+
+/// The columns of [`Study::errors`].
+const MEASURES: [&str; 8] =
+    ["RMS H", "max H", "RMS K", "max K", "RMS κ₁", "max κ₁", "RMS κ₂", "max κ₂"];
+
+/// The exact curvature at inner vertices, `None` elsewhere.
+fn exact_values(sample: Sample, mesh: &TriMesh) -> Result<Vec<Option<PointCurvature>>> {
+    let exact = |&p: &[f64; 3]| match sample.is_inner(p) {
+        true => sample.exact(p).context("a vertex off the surface").map(Some),
+        false => Ok(None),
+    };
+    mesh.positions().iter().map(exact).collect()
+}
+
+/// Errors of one estimator on one mesh.
+#[derive(Debug, Clone)]
+struct Study {
+    /// In the order of [`MEASURES`].
+    errors: [f64; 8],
+    /// In degrees; `None` without directions, or where all points are umbilic.
+    angle: Option<f64>,
+    /// Inner vertices without a value.
+    undefined: usize,
+}
+
+impl Study {
+    fn of(field: &CurvatureField, exact: &[Option<PointCurvature>]) -> Self {
+        let inner = || exact.iter().enumerate().filter_map(|(v, c)| Some((v, (*c)?)));
+        let defined = || inner().filter(|(v, _)| field.status[*v].is_defined());
+        let count = defined().count() as f64;
+        let error = |value: fn(&CurvatureField, usize) -> f64,
+                     truth: fn(&PointCurvature) -> f64,
+                     size: fn(&PointCurvature) -> f64| {
+            let (mut square, mut largest, mut scale) = (0.0, 0.0f64, 0.0);
+            for (v, c) in defined() {
+                let gap = value(field, v) - truth(&c);
+                square += gap * gap;
+                largest = largest.max(gap.abs());
+                scale += size(&c).powi(2);
+            }
+            let scale = (scale / count).sqrt();
+            [(square / count).sqrt() / scale, largest / scale]
+        };
+        let h = error(|f, v| f.mean[v], PointCurvature::mean, PointCurvature::mean);
+        let k = error(|f, v| f.gaussian[v], PointCurvature::gaussian, PointCurvature::gaussian);
+        let a = error(|f, v| f.kappa1[v], |c| c.values[0], |c| c.values[0]);
+        let b = error(|f, v| f.kappa2[v], |c| c.values[1], |c| c.values[0]);
+        Self {
+            errors: [h[0], h[1], k[0], k[1], a[0], a[1], b[0], b[1]],
+            angle: angle(field, &defined().collect::<Vec<_>>()),
+            undefined: inner().count() - defined().count(),
+        }
+    }
+}
+
+/// The root mean square angle between directions of κ₁, in degrees.
+fn angle(field: &CurvatureField, defined: &[(usize, PointCurvature)]) -> Option<f64> {
+    let [first, _] = field.directions.as_ref()?;
+    let split = |c: &PointCurvature| c.values[0] - c.values[1];
+    let largest = defined.iter().map(|(_, c)| split(c)).fold(0.0, f64::max);
+    if largest < 1e-9 {
+        return None;
+    }
+    let angles: Vec<f64> = defined
+        .iter()
+        .filter(|(_, c)| split(c) > 0.1 * largest)
+        .map(|(v, c)| {
+            let (found, truth) = (first[*v], c.directions[0]);
+            norm(cross(found, truth)).atan2(dot(found, truth).abs()).to_degrees()
+        })
+        .collect();
+    let square = angles.iter().map(|a| a * a).sum::<f64>();
+    (!angles.is_empty()).then(|| (square / angles.len() as f64).sqrt())
+}
+
+fn orders_table() -> Table {
+    let columns: Vec<(&str, Unit)> = ["surface", "sampling", "estimator"]
+        .map(|c| (c, Unit::Label))
+        .into_iter()
+        .chain(MEASURES.map(|c| (c, Unit::Order)))
+        .collect();
+    let mut table = Table::new(
+        "orders",
+        "Observed orders of convergence over the last three refinements (of the first of them to the last): 2 means that half the edge length gives a quarter of the error, 0 that the error stays.",
+        &columns,
+    );
+    for name in MEASURES {
+        table = table.tolerance(name, Some(Tolerance { relative: 0.0, absolute: 0.02 }));
+    }
+    table
+}
+
+fn order_row(
+    sample: Sample,
+    layout: Layout,
+    estimator: &Estimator,
+    study: &[(f64, Study)],
+) -> Result<Vec<Cell>> {
+    let [from, _, to] = study.last_chunk::<3>().context("three refinements at least")?;
+    let mut row = vec![sample.name().into(), layout.name().into(), Cell::from(estimator.name())];
+    for i in 0..MEASURES.len() {
+        let (e, f) = (from.1.errors[i], to.1.errors[i]);
+        // Exact up to rounding: there is no order to observe.
+        let order = (f > 1e-10).then(|| (e / f).ln() / (from.0 / to.0).ln());
+        row.push(order.into());
+    }
+    Ok(row)
+}
+
+/// The largest error over h on jittered meshes, a panel for each surface.
+fn plot(errors: &Table, column: &str, what: &str) -> Result<Picture> {
+    let mut figure = Figure { columns: 2, ..Figure::default() };
+    for (i, sample) in Sample::ALL.into_iter().enumerate() {
+        let right = i % 2 == 1;
+        let mut plot = Plot {
+            title: sample.name().into(),
+            x: Axis::log("mean edge length h"),
+            y: Axis::log(if right { "" } else { "largest relative error" }),
+            legend: if right { Legend::Right } else { Legend::None },
+            ..Plot::default()
+        };
+        for estimator in Estimator::ALL {
+            let rows = errors.only(&[
+                ("surface", sample.name().into()),
+                ("sampling", Layout::Jittered.name().into()),
+                ("estimator", estimator.name().into()),
+            ])?;
+            let points = rows.column("h")?.into_iter().zip(rows.column(column)?);
+            let points = points.map(|(h, error)| [h, error]).collect();
+            plot.series.push(Series::marked(estimator.name(), points));
+        }
+        figure.panels.push(Panel::drawing(plot.draw(if right { 500.0 } else { 340.0 }, 300.0)?));
+    }
+    plotted(
+        &figure,
+        if what == "H" { "largest-mean" } else { "largest-gaussian" },
+        &format!(
+            "The largest error of {what} over inner vertices of jittered meshes. A line that falls to the left converges at every vertex; one that stays level does not."
+        ),
+        &format!(
+            "Four plots of the largest relative error of {what} over mean edge length on logarithmic axes, for sphere, torus, ellipsoid and graph, a line for each estimator."
+        ),
+    )
+}

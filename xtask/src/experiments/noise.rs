@@ -1,0 +1,260 @@
+//! Beyond the questions: claim 1a, curvature under noise.
+
+use anyhow::{Context as _, Result};
+use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
+use fairing_figure::{Axis, Figure, Legend, Panel, Plot, Series};
+use fairing_mesh::TriMesh;
+use fairing_operators::curvature::{CurvatureField, Estimator, angle_defect};
+
+use super::gallery::plotted;
+use super::surfaces::{Sampling, TestSurface};
+use crate::experiment::{Card, Context, Experiment};
+use crate::outcome::{Outcome, Picture};
+use crate::row;
+use crate::table::{Table, Tables, Tolerance, Unit, short};
+use crate::verdict::{Judgement, Verdict};
+
+pub(super) struct Noise;
+
+/// Standard deviations over the mean edge length.
+const LEVELS: [f64; 4] = [0.01, 0.03, 0.1, 0.3];
+
+const SURFACES: [TestSurface; 2] = [TestSurface::Sphere, TestSurface::Torus];
+
+impl Experiment for Noise {
+    fn card(&self) -> Card {
+        Card {
+            id: "noise",
+            title: "Curvature under noise",
+            question: "Is mean curvature disturbed by noise, and Gaussian curvature not?",
+            method: "Gaussian noise of growing size is added to every coordinate of unit sphere and torus at three resolutions, with many seeds. The change of H and of K against the same estimator on the clean mesh is compared, each over the root mean square of its own clean values, with the rank correlation of noisy and clean values on the torus (on a sphere the clean values are all alike). The sum of the angle defects is held against 2πχ.",
+            formulas: &[],
+            inputs: &[],
+            parameters: vec![
+                ("σ / h", LEVELS.map(|l| l.to_string()).join(", ")),
+                ("noise", "Gaussian, independent in each coordinate".into()),
+            ],
+        }
+    }
+
+    fn run(&self, context: &Context<'_>) -> Result<Outcome> {
+        let seeds = context.choose(10, 3);
+        let levels = context.choose(3..=5, 2..=4);
+        let steps = SURFACES.len() * levels.clone().count();
+        let mut changes = Table::new(
+            "changes",
+            "Change under noise, root mean square over vertices and seeds, over the root mean square of the clean values; rank correlation of noisy with clean values, mean over seeds.",
+            &[
+                ("surface", Unit::Label),
+                ("vertices", Unit::Count),
+                ("σ/h", Unit::EdgeLengths),
+                ("estimator", Unit::Label),
+                ("change of H", Unit::Relative),
+                ("change of K", Unit::Relative),
+                ("K over H", Unit::One),
+                ("ranks of H", Unit::One),
+                ("ranks of K", Unit::One),
+            ],
+        );
+        for column in ["change of H", "change of K", "K over H", "ranks of H", "ranks of K"] {
+            changes = changes.tolerance(column, Some(Tolerance { relative: 1e-3, absolute: 1e-4 }));
+        }
+        let mut totals = Table::new(
+            "totals",
+            "The sum of all angle defects under noise: its largest distance from 2πχ over seeds.",
+            &[
+                ("surface", Unit::Label),
+                ("vertices", Unit::Count),
+                ("σ/h", Unit::EdgeLengths),
+                ("largest distance", Unit::Radians),
+            ],
+        )
+        .tolerance("largest distance", Some(Tolerance { relative: 0.0, absolute: 1e-8 }));
+        let mut step = 0;
+        for surface in SURFACES {
+            for level in levels.clone() {
+                context.progress(f64::from(step) / steps as f64, surface.name());
+                step += 1;
+                let mesh = surface.mesh(level, Sampling::Regular, 0);
+                let clean: Vec<CurvatureField> =
+                    Estimator::ALL.iter().map(|e| e.estimate(&mesh)).collect::<Result<_, _>>()?;
+                for sigma in LEVELS {
+                    let mut sums = vec![Change::default(); Estimator::ALL.len()];
+                    let mut distance = 0.0f64;
+                    for s in 0..seeds {
+                        let seed = context.seed(&format!("{} {level} {sigma} {s}", surface.name()));
+                        let noise = NoiseLevel::EdgeLengths(sigma);
+                        let noisy = add_noise(&mesh, NoiseKind::GaussianPerAxis, noise, seed)?;
+                        distance = distance.max(gap_of_the_total(&noisy));
+                        for (i, estimator) in Estimator::ALL.iter().enumerate() {
+                            sums[i].add(&clean[i], &estimator.estimate(&noisy)?);
+                        }
+                    }
+                    for (estimator, sum) in Estimator::ALL.iter().zip(&sums) {
+                        let [h, k] = sum.changes();
+                        let ranks = |x: f64| {
+                            (surface != TestSurface::Sphere).then_some(x / f64::from(seeds))
+                        };
+                        changes.push(row![
+                            surface.name(),
+                            mesh.vertex_count(),
+                            sigma,
+                            estimator.name(),
+                            h,
+                            k,
+                            k / h,
+                            ranks(sum.ranks[0]),
+                            ranks(sum.ranks[1]),
+                        ]);
+                    }
+                    totals.push(row![surface.name(), mesh.vertex_count(), sigma, distance]);
+                }
+            }
+        }
+        let figures = vec![plot(&changes)?];
+        Ok(Outcome { tables: vec![changes, totals], figures, ..Outcome::default() })
+    }
+
+    fn judge(&self, tables: Tables<'_>) -> Result<Vec<Judgement>> {
+        let changes = tables.get("changes")?;
+        let plain = changes.only(&[("estimator", "cotangent".into())])?;
+        let range = |table: &Table| -> Result<[f64; 3]> {
+            let mut ratios = table.column("K over H")?;
+            ratios.sort_by(f64::total_cmp);
+            let last = ratios.len() - 1;
+            Ok([ratios[0], ratios[last / 2], ratios[last]])
+        };
+        let ([low, middle, high], [all_low, all_middle, _]) = (range(&plain)?, range(changes)?);
+        let total = tables.get("totals")?.column("largest distance")?;
+        let total = total.into_iter().fold(0.0, f64::max);
+        let verdict = if low > 1.0 {
+            Verdict::Refuted
+        } else if high < 1.0 {
+            Verdict::Confirmed
+        } else {
+            Verdict::Qualified
+        };
+        let reason = format!(
+            "Relative to its own size K changes {} to {} times as much as H with cotangents and angle defects (median {}; over all estimators {}, at least {}). What noise does not change is the sum of K alone: the angle defects add up to 2πχ within {}.",
+            short(low),
+            short(high),
+            short(middle),
+            short(all_middle),
+            short(all_low),
+            short(total),
+        );
+        Ok(vec![
+            Judgement::new(
+                "1a",
+                "Mean curvature is disturbed by noise, Gaussian curvature is not",
+                verdict,
+                reason,
+            )
+            .number("least change of K over H", low, Unit::One)
+            .number("median change of K over H", middle, Unit::One)
+            .number("median over all estimators", all_middle, Unit::One)
+            .number("largest distance of the total from 2πχ", total, Unit::Radians),
+        ])
+    }
+}
+
+fn gap_of_the_total(mesh: &TriMesh) -> f64 {
+    let euler = mesh.topology().euler_characteristic() as f64;
+    (angle_defect(mesh).iter().sum::<f64>() - std::f64::consts::TAU * euler).abs()
+}
+
+/// Sums over seeds, H first and K second.
+#[derive(Debug, Clone, Default)]
+struct Change {
+    squares: [f64; 2],
+    sizes: [f64; 2],
+    ranks: [f64; 2],
+}
+
+impl Change {
+    fn add(&mut self, clean: &CurvatureField, noisy: &CurvatureField) {
+        let fields = [(&clean.mean, &noisy.mean), (&clean.gaussian, &noisy.gaussian)];
+        for (i, (clean, noisy)) in fields.into_iter().enumerate() {
+            self.squares[i] += clean.iter().zip(noisy).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
+            self.sizes[i] += clean.iter().map(|a| a * a).sum::<f64>();
+            self.ranks[i] += rank_correlation(clean, noisy);
+        }
+    }
+
+    fn changes(&self) -> [f64; 2] {
+        std::array::from_fn(|i| (self.squares[i] / self.sizes[i]).sqrt())
+    }
+}
+
+/// Spearman's rank correlation; zero where one side has equal values only.
+fn rank_correlation(a: &[f64], b: &[f64]) -> f64 {
+    let (a, b) = (ranks(a), ranks(b));
+    let mean = (a.len() as f64 - 1.0) / 2.0;
+    let product = |x: &[f64], y: &[f64]| -> f64 {
+        x.iter().zip(y).map(|(x, y)| (x - mean) * (y - mean)).sum()
+    };
+    let size = (product(&a, &a) * product(&b, &b)).sqrt();
+    if size > 0.0 { product(&a, &b) / size } else { 0.0 }
+}
+
+/// The rank of each value from 0 on, the mean of them where values are equal.
+fn ranks(values: &[f64]) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|&i, &j| values[i].total_cmp(&values[j]));
+    let mut ranks = vec![0.0; values.len()];
+    let mut start = 0;
+    for same in order.chunk_by(|&i, &j| values[i] == values[j]) {
+        for &i in same {
+            ranks[i] = start as f64 + (same.len() as f64 - 1.0) / 2.0;
+        }
+        start += same.len();
+    }
+    ranks
+}
+
+/// The changes of H and of K over σ/h, on the finest meshes.
+fn plot(changes: &Table) -> Result<Picture> {
+    let mut figure = Figure { columns: 2, ..Figure::default() };
+    for (i, surface) in SURFACES.into_iter().enumerate() {
+        let mut plot = Plot {
+            title: surface.name().into(),
+            x: Axis::log("noise σ/h"),
+            y: Axis::log(if i == 0 { "relative change" } else { "" }),
+            legend: if i == 1 { Legend::Right } else { Legend::None },
+            ..Plot::default()
+        };
+        let rows = changes.only(&[("surface", surface.name().into())])?;
+        let finest = rows.column("vertices")?.into_iter().fold(0.0, f64::max);
+        for name in ["cotangent", "corrected", "jet3"] {
+            let rows = rows.only(&[("estimator", name.into())])?;
+            for (column, what) in [("change of H", "H"), ("change of K", "K")] {
+                let vertices = rows.column("vertices")?;
+                let points = rows.column("σ/h")?.into_iter().zip(rows.column(column)?);
+                let kept = points.zip(vertices).filter(|(_, n)| *n == finest);
+                let points = kept.map(|((x, y), _)| [x, y]).collect();
+                plot.series.push(Series::marked(format!("{what}, {name}"), points));
+            }
+        }
+        figure.panels.push(Panel::drawing(plot.draw(if i == 1 { 500.0 } else { 340.0 }, 300.0)?));
+    }
+    plotted(
+        &figure,
+        "changes",
+        "Relative change of H and of K under noise on the finest meshes, for three estimators.",
+        "Two plots of relative change over noise on logarithmic axes, for sphere and torus.",
+    )
+    .context("the plot of changes")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranks_share_ties() {
+        assert_eq!(ranks(&[3.0, 1.0, 3.0, 2.0]), [2.5, 0.0, 2.5, 1.0]);
+        assert!((rank_correlation(&[1.0, 2.0, 3.0], &[1.0, 8.0, 9.0]) - 1.0).abs() < 1e-15);
+        assert!((rank_correlation(&[1.0, 2.0, 3.0], &[3.0, 2.0, 1.0]) + 1.0).abs() < 1e-15);
+        assert_eq!(rank_correlation(&[1.0, 1.0], &[1.0, 2.0]), 0.0);
+    }
+}
