@@ -104,6 +104,8 @@ const fairing = (() => {
       }
     }, {rootMargin: '600px'});
     for (const figure of figures) near.observe(figure);
+    // Paper shows all of them, opened or not.
+    addEventListener('beforeprint', () => views.forEach((view) => open(view)));
   }
 
   const started = start().then(() => {

@@ -3,6 +3,11 @@
 //! Text, tables and figures are plain HTML and readable without scripts; the
 //! interactive views are brought to life by the scripts of `assets/`, which
 //! stand in the page as they are. Nothing is requested from anywhere.
+//!
+//! The page smooths meshes itself by conjugate gradients in its own script
+//! (`assets/solver.js`), not by our crates as WebAssembly: that would need a
+//! compiler target that a machine with nothing but cargo does not have, for a
+//! solver of a hundred lines that is fast enough as it is.
 
 mod html;
 mod pack;
