@@ -1,9 +1,7 @@
 //! Distances between surfaces.
 
-use fairing_mesh::TriMesh;
-use rayon::prelude::*;
-
 use crate::{EvaluationError, SurfaceTree};
+use fairing_mesh::TriMesh;
 
 /// Distances of the vertices of one mesh from the surface of another.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,11 +63,19 @@ pub fn surface_distance(
     mesh: &TriMesh,
     reference: &TriMesh,
 ) -> Result<SurfaceDistance, EvaluationError> {
-    let (own, other) = rayon::join(|| tree(mesh, "mesh"), || tree(reference, "reference"));
-    let (own, other) = (own?, other?);
+    between(mesh, &tree(mesh, "mesh")?, reference, &tree(reference, "reference")?)
+}
+
+/// [`surface_distance`] with trees that are there already.
+pub(crate) fn between(
+    mesh: &TriMesh,
+    own: &SurfaceTree,
+    reference: &TriMesh,
+    other: &SurfaceTree,
+) -> Result<SurfaceDistance, EvaluationError> {
     Ok(SurfaceDistance {
-        forward: summary(mesh, &other, "mesh")?,
-        backward: summary(reference, &own, "reference")?,
+        forward: summary(mesh, other, "mesh")?,
+        backward: summary(reference, own, "reference")?,
     })
 }
 
@@ -81,7 +87,7 @@ pub(crate) fn tree(mesh: &TriMesh, which: &'static str) -> Result<SurfaceTree, E
     })
 }
 
-pub(crate) fn summary(
+fn summary(
     mesh: &TriMesh,
     surface: &SurfaceTree,
     which: &'static str,
@@ -108,8 +114,16 @@ pub(crate) fn summary(
     Ok(VertexDistance { mean: sum / n, rms: (squares / n).sqrt(), max, farthest })
 }
 
-/// The root mean square and the largest distance between vertices of the same
-/// number, in mesh units.
+/// Distances between vertices of the same number.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VertexDisplacement {
+    /// The root mean square, in mesh units.
+    pub rms: f64,
+    /// The largest, in mesh units.
+    pub max: f64,
+}
+
+/// The distances between vertices of the same number, isolated ones included.
 ///
 /// # Errors
 ///
@@ -118,21 +132,18 @@ pub(crate) fn summary(
 pub fn vertex_displacement(
     mesh: &TriMesh,
     reference: &TriMesh,
-) -> Result<(f64, f64), EvaluationError> {
+) -> Result<VertexDisplacement, EvaluationError> {
     check_correspondence(mesh, reference)?;
     if mesh.vertex_count() == 0 {
         return Err(EvaluationError::NoVertices { which: "mesh" });
     }
-    let distances: Vec<f64> = mesh
-        .positions()
-        .par_iter()
-        .with_min_len(4096)
-        .zip(reference.positions())
-        .map(|(&p, &q)| fairing_mesh::vec3::distance(p, q))
-        .collect();
-    let squares: f64 = distances.iter().map(|d| d * d).sum();
-    let max = distances.iter().copied().fold(0.0, f64::max);
-    Ok(((squares / distances.len() as f64).sqrt(), max))
+    let (mut squares, mut max) = (0.0, 0.0f64);
+    for (&p, &q) in mesh.positions().iter().zip(reference.positions()) {
+        let d = fairing_mesh::vec3::distance(p, q);
+        squares += d * d;
+        max = max.max(d);
+    }
+    Ok(VertexDisplacement { rms: (squares / mesh.vertex_count() as f64).sqrt(), max })
 }
 
 /// Whether elements of the same number can be compared: the same number of

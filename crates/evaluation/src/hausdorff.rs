@@ -29,8 +29,8 @@ pub struct Hausdorff {
 /// rounding.
 ///
 /// Distance to one triangle is convex, so that over a face it is largest at a
-/// corner; the least of these maxima over the triangles closest to the corners
-/// bounds the distance of the face from above, and so does the distance of its
+/// corner; the least of these maxima over the triangles closest to the corners and
+/// to the middle bounds the distance of the face from above, and so does the distance of its
 /// middle plus the reach from there. Faces whose bound passes what vertices
 /// reach are cut into four until it does not. Source: \[guthe2005\].
 ///
@@ -39,18 +39,29 @@ pub struct Hausdorff {
 /// [`EvaluationError::NoFaces`], [`EvaluationError::Parameter`] unless the
 /// tolerance is positive and finite.
 pub fn hausdorff(a: &TriMesh, b: &TriMesh, tolerance: f64) -> Result<Hausdorff, EvaluationError> {
-    if !(tolerance > 0.0 && tolerance.is_finite()) {
-        return Err(EvaluationError::Parameter { what: "tolerance", value: tolerance });
+    check_tolerance(tolerance)?;
+    Ok(between(a, &tree(a, "mesh")?, b, &tree(b, "reference")?, tolerance))
+}
+
+pub(crate) fn check_tolerance(tolerance: f64) -> Result<(), EvaluationError> {
+    if tolerance > 0.0 && tolerance.is_finite() {
+        return Ok(());
     }
-    let (own, other) = rayon::join(|| tree(a, "mesh"), || tree(b, "reference"));
-    let (own, other) = (own?, other?);
-    let forward = one_sided(a, b, &other, 0.0, tolerance);
+    Err(EvaluationError::Parameter { what: "tolerance", value: tolerance })
+}
+
+/// [`hausdorff`] with trees that are there already.
+pub(crate) fn between(
+    a: &TriMesh,
+    own: &SurfaceTree,
+    b: &TriMesh,
+    other: &SurfaceTree,
+    tolerance: f64,
+) -> Hausdorff {
+    let forward = one_sided(a, b, other, 0.0, tolerance);
     // The other side only matters where it goes beyond this one.
-    let backward = one_sided(b, a, &own, forward.lower, tolerance);
-    Ok(Hausdorff {
-        lower: forward.lower.max(backward.lower),
-        upper: forward.upper.max(backward.upper),
-    })
+    let backward = one_sided(b, a, own, forward.lower, tolerance);
+    Hausdorff { lower: forward.lower.max(backward.lower), upper: forward.upper.max(backward.upper) }
 }
 
 /// A face or a part of one, with a triangle close to each of its corners and
@@ -100,7 +111,16 @@ fn refine(
     let (mut lower, mut upper) = (reached, reached);
     let mut parts = vec![part];
     while let Some(part) = parts.pop() {
-        let bound = bound(&part, other);
+        let mut bound = bound(&part, other);
+        if bound > lower + tolerance {
+            let [a, b, c] = part.corners;
+            let centre = scale(add(a, add(b, c)), 1.0 / 3.0);
+            let found = surface.closest(centre);
+            lower = lower.max(found.distance);
+            let reach = part.corners.map(|p| distance(p, centre)).into_iter().fold(0.0, f64::max);
+            let over_face = farthest_corner(&part, other.triangle(found.face as usize));
+            bound = bound.min(over_face).min(found.distance + reach);
+        }
         if bound <= lower + tolerance {
             upper = upper.max(bound);
             continue;
@@ -138,11 +158,14 @@ fn bound(part: &Part, other: &TriMesh) -> f64 {
     let lipschitz = part.distances.iter().copied().fold(0.0, f64::max) + reach;
     part.near
         .iter()
-        .map(|&face| {
-            let triangle = other.triangle(face as usize);
-            part.corners.iter().map(|&p| squared_distance(p, triangle)).fold(0.0, f64::max).sqrt()
-        })
+        .map(|&face| farthest_corner(part, other.triangle(face as usize)))
         .fold(lipschitz, f64::min)
+}
+
+/// The largest distance of a corner from a triangle: by convexity, of all
+/// points of the part.
+fn farthest_corner(part: &Part, triangle: [[f64; 3]; 3]) -> f64 {
+    part.corners.iter().map(|&p| squared_distance(p, triangle)).fold(0.0, f64::max).sqrt()
 }
 
 fn longest_side([a, b, c]: [[f64; 3]; 3]) -> f64 {

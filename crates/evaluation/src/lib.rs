@@ -11,22 +11,26 @@ mod error;
 mod features;
 mod hausdorff;
 mod hilbert;
+mod intersections;
 mod noise;
 mod normal_error;
 mod orders;
+mod scores;
 mod surface_tree;
 mod triangle;
 
 pub use curvature_error::curvature_error;
 pub use distance::{
-    SurfaceDistance, VertexDistance, check_correspondence, surface_distance, vertex_displacement,
-    vertex_distance,
+    SurfaceDistance, VertexDisplacement, VertexDistance, check_correspondence, surface_distance,
+    vertex_displacement, vertex_distance,
 };
 pub use drift::{Drift, drift, flipped_faces};
 pub use error::EvaluationError;
 pub use features::{FeatureEdges, feature_edges};
 pub use hausdorff::{Hausdorff, hausdorff};
+pub use intersections::self_intersections;
 pub use noise::{NoiseKind, NoiseLevel, add_noise};
 pub use normal_error::{NormalError, normal_error};
 pub use orders::{observed_order_steps, observed_orders};
+pub use scores::{Score, ScoreOptions, ScoreUnit, Scores};
 pub use surface_tree::{Closest, SurfaceTree};

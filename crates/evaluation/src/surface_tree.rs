@@ -233,6 +233,46 @@ impl SurfaceTree {
             .collect()
     }
 
+    /// The number of pairs of faces for which `counts` holds, among those whose
+    /// boxes overlap; each pair is asked once.
+    pub(crate) fn count_overlapping_pairs(
+        &self,
+        counts: impl Fn(u32, u32) -> bool + Sync,
+    ) -> usize {
+        // Twice the rounding of a coordinate of at most 1.
+        let margin = Vec4::splat(2.0 * ROUNDOFF);
+        (0..self.triangles.len())
+            .into_par_iter()
+            .with_min_len(256)
+            .map_init(Vec::new, |stack: &mut Vec<(u32, u32)>, slot| {
+                let quad = &self.levels[0][slot / 4];
+                let low = quad.low.map(|v| Vec4::splat(v[slot % 4]) - margin);
+                let high = quad.high.map(|v| Vec4::splat(v[slot % 4]) + margin);
+                let mut count = 0;
+                stack.clear();
+                stack.push((self.levels.len() as u32 - 1, 0));
+                while let Some((level, i)) = stack.pop() {
+                    let four = &self.levels[level as usize][i as usize];
+                    let apart = (0..3).fold(glam::BVec4A::FALSE, |apart, k| {
+                        apart | four.low[k].cmpgt(high[k]) | four.high[k].cmplt(low[k])
+                    });
+                    for k in (0..4).filter(|&k| !apart.test(k as usize)) {
+                        let child = 4 * i + k;
+                        // Later slots only: the pair is asked from its first.
+                        if level > 0 {
+                            stack.push((level - 1, child));
+                        } else if child as usize > slot
+                            && counts(self.faces[slot], self.faces[child as usize])
+                        {
+                            count += 1;
+                        }
+                    }
+                }
+                count
+            })
+            .sum()
+    }
+
     /// The closest triangle, beginning with a hint, and the square of its
     /// distance.
     fn search(&self, p: [f64; 3], hint: u32, stack: &mut Vec<Pending>) -> (u32, f64) {

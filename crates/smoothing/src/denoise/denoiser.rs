@@ -6,7 +6,7 @@ use std::str::FromStr;
 use fairing_mesh::TriMesh;
 
 use super::{
-    DenoiseError, bilateral, bilateral_normal, bilateral_normal_global, fast_effective,
+    DenoiseError, automatic, bilateral, bilateral_normal, bilateral_normal_global, fast_effective,
     guided_normal, l0, non_iterative, total_variation,
 };
 
@@ -14,6 +14,8 @@ use super::{
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Denoiser {
+    /// [`automatic`].
+    Automatic,
     /// [`bilateral`].
     Bilateral,
     /// [`non_iterative`].
@@ -33,8 +35,9 @@ pub enum Denoiser {
 }
 
 impl Denoiser {
-    /// All denoisers in the order they were published.
-    pub const ALL: [Self; 8] = [
+    /// All denoisers: ours, then the others in the order they were published.
+    pub const ALL: [Self; 9] = [
+        Self::Automatic,
         Self::Bilateral,
         Self::NonIterative,
         Self::FastEffective,
@@ -48,6 +51,7 @@ impl Denoiser {
     /// The name that [`FromStr`] reads.
     pub fn name(self) -> &'static str {
         match self {
+            Self::Automatic => "automatic",
             Self::Bilateral => "bilateral",
             Self::NonIterative => "non-iterative",
             Self::FastEffective => "fast-effective",
@@ -62,6 +66,7 @@ impl Denoiser {
     /// One line: what it does, and its source.
     pub fn description(self) -> &'static str {
         match self {
+            Self::Automatic => "all estimated from the mesh; creases kept where there are any",
             Self::Bilateral => "bilateral filter of vertices (Fleishman et al. 2003)",
             Self::NonIterative => "robust averages of predictions by faces (Jones et al. 2003)",
             Self::FastEffective => "weighted averages of normals, cut off (Sun et al. 2007)",
@@ -84,6 +89,7 @@ impl Denoiser {
     /// Those of the function of the same name.
     pub fn denoise(self, mesh: &TriMesh) -> Result<TriMesh, DenoiseError> {
         match self {
+            Self::Automatic => Ok(automatic(mesh)?.mesh),
             Self::Bilateral => bilateral(mesh, &Default::default()),
             Self::NonIterative => non_iterative(mesh, &Default::default()),
             Self::FastEffective => fast_effective(mesh, &Default::default()),

@@ -1,5 +1,6 @@
 //! Denoisers: they remove noise and keep creases, where flows round both away.
 
+mod automatic;
 mod bilateral;
 mod bilateral_normal;
 mod conjugate_gradients;
@@ -13,6 +14,7 @@ mod non_iterative;
 mod total_variation;
 mod vertex_update;
 
+pub use automatic::{Automatic, SurfaceKind, automatic};
 pub use bilateral::{BilateralOptions, bilateral};
 pub use bilateral_normal::{
     BilateralNormalGlobalOptions, BilateralNormalOptions, bilateral_normal, bilateral_normal_global,

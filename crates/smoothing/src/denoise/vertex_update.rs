@@ -92,19 +92,20 @@ fn step(
         .map(|v| {
             let x = current[v];
             let corners = incidence.corners(v as u32);
-            if corners.is_empty() {
-                return x;
-            }
-            let mut move_ = [0.0; 3];
+            let (mut sum, mut count) = ([0.0; 3], 0u32);
             for &c in corners {
                 let (f, k) = (c as usize / 3, c as usize % 3);
                 let p = current[faces[f][(k + 1) % 3] as usize];
                 let q = current[faces[f][(k + 2) % 3] as usize];
                 let n = normals[f];
+                if n == [0.0; 3] {
+                    continue;
+                }
                 let height = (dot(n, sub(p, x)) + dot(n, sub(q, x))) / 3.0;
-                move_ = add(move_, scale(n, height));
+                sum = add(sum, scale(n, height));
+                count += 1;
             }
-            let mut y = add(x, scale(move_, 1.0 / corners.len() as f64));
+            let mut y = add(x, scale(sum, 1.0 / count.max(1) as f64));
             if let Some(limit) = limit {
                 let offset = sub(y, start[v]);
                 let length = norm(offset);

@@ -1,0 +1,247 @@
+//! All scores of a mesh against a reference, with names and units.
+
+use std::fmt;
+
+use fairing_mesh::TriMesh;
+
+use crate::distance::{self, tree};
+use crate::hausdorff;
+use crate::{
+    Drift, EvaluationError, FeatureEdges, Hausdorff, NormalError, SurfaceDistance,
+    VertexDisplacement, curvature_error, drift, feature_edges, flipped_faces, normal_error,
+    self_intersections, vertex_displacement,
+};
+
+/// What the scores are measured with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ScoreOptions {
+    /// The width of the interval around the Hausdorff distance, as a share of
+    /// the reference's bounding-box diagonal.
+    pub hausdorff_tolerance: f64,
+    /// The dihedral angle from which on an edge is a feature, in degrees.
+    pub feature_angle: f64,
+}
+
+impl Default for ScoreOptions {
+    fn default() -> Self {
+        Self { hausdorff_tolerance: 1e-4, feature_angle: 30.0 }
+    }
+}
+
+/// The scores of a mesh against a reference. Those that compare element by
+/// element hold the reason instead where the faces differ.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Scores {
+    /// The diagonal of the reference's bounding box, in mesh units.
+    pub diagonal: f64,
+    /// E_a: angles between the normals of matching faces.
+    pub normals: Result<NormalError, EvaluationError>,
+    /// E_v and its reverse: distances between vertices and surfaces.
+    pub distance: SurfaceDistance,
+    /// The Hausdorff distance over all points of both surfaces.
+    pub hausdorff: Hausdorff,
+    /// Distances between matching vertices.
+    pub displacement: Result<VertexDisplacement, EvaluationError>,
+    /// Changes of volume, area and edge length.
+    pub drift: Drift,
+    /// Faces turned by more than a right angle.
+    pub flipped_faces: Result<usize, EvaluationError>,
+    /// Pairs of faces of the mesh that pass through each other.
+    pub self_intersections: usize,
+    /// Sharp edges found and missed.
+    pub features: Result<FeatureEdges, EvaluationError>,
+    /// The relative error of mean curvature; `None` for a flat reference.
+    pub curvature: Result<Option<f64>, EvaluationError>,
+}
+
+/// The unit of a score.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ScoreUnit {
+    /// Degrees.
+    Degrees,
+    /// Shares of the reference's bounding-box diagonal.
+    Diagonals,
+    /// Relative to the reference, or a share from 0 to 1.
+    Relative,
+    /// A number of elements.
+    Count,
+    /// Decibels.
+    Decibels,
+}
+
+impl fmt::Display for ScoreUnit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Degrees => "°",
+            Self::Diagonals => "diagonal",
+            Self::Relative => "relative",
+            Self::Count => "count",
+            Self::Decibels => "dB",
+        })
+    }
+}
+
+/// One number, or why there is none.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Score {
+    /// A name for machines, in lower case with underscores.
+    pub name: &'static str,
+    /// A name for people.
+    pub label: &'static str,
+    /// Its unit.
+    pub unit: ScoreUnit,
+    /// Its value, or the reason for its absence.
+    pub value: Result<f64, String>,
+}
+
+impl Scores {
+    /// Measures everything.
+    ///
+    /// # Errors
+    ///
+    /// [`EvaluationError::NoFaces`] or [`EvaluationError::NoVertices`] where
+    /// there is nothing to compare; [`EvaluationError::Parameter`] for an
+    /// option that is not positive and finite, or an angle of 180° or more.
+    pub fn of(
+        mesh: &TriMesh,
+        reference: &TriMesh,
+        options: &ScoreOptions,
+    ) -> Result<Self, EvaluationError> {
+        hausdorff::check_tolerance(options.hausdorff_tolerance)?;
+        let (own, other) = (tree(mesh, "mesh")?, tree(reference, "reference")?);
+        let diagonal = reference.diagonal();
+        // A reference of one point has no diagonal to take a share of.
+        let unit = if diagonal > 0.0 { diagonal } else { 1.0 };
+        let features = feature_edges(mesh, reference, options.feature_angle);
+        if let Err(error @ EvaluationError::Parameter { .. }) = features {
+            return Err(error);
+        }
+        Ok(Self {
+            diagonal,
+            normals: normal_error(mesh, reference),
+            distance: distance::between(mesh, &own, reference, &other)?,
+            hausdorff: hausdorff::between(
+                mesh,
+                &own,
+                reference,
+                &other,
+                options.hausdorff_tolerance * unit,
+            ),
+            displacement: vertex_displacement(mesh, reference),
+            drift: drift(mesh, reference),
+            flipped_faces: flipped_faces(mesh, reference),
+            self_intersections: self_intersections(mesh),
+            features,
+            curvature: curvature_error(mesh, reference),
+        })
+    }
+
+    /// The peak signal-to-noise ratio in decibels,
+    ///
+    /// ```text
+    /// 20 log₁₀(diagonal / root mean square displacement)
+    /// ```
+    ///
+    /// `None` where vertices do not correspond or nothing moved.
+    pub fn psnr(&self) -> Option<f64> {
+        let rms = self.displacement.as_ref().ok()?.rms;
+        Some(20.0 * (self.diagonal / rms).log10()).filter(|x| x.is_finite())
+    }
+
+    /// All scores, in the order of the table; always the same names.
+    pub fn entries(&self) -> Vec<Score> {
+        use ScoreUnit::*;
+        let mut entries = vec![];
+        let mut add = |name, label, unit, value| entries.push(Score { name, label, unit, value });
+        fn of<T>(part: &Result<T, EvaluationError>, f: impl Fn(&T) -> f64) -> Result<f64, String> {
+            part.as_ref().map(f).map_err(ToString::to_string)
+        }
+        let share = |x: f64| match x / self.diagonal {
+            share if share.is_finite() => Ok(share),
+            _ => Err("the reference has no extent".to_owned()),
+        };
+        let shared = |x: Result<f64, String>| x.and_then(share);
+        let some = |x: Option<f64>, reason: &str| x.ok_or_else(|| reason.to_owned());
+
+        let n = &self.normals;
+        add("normal_mean", "normal angle, mean", Degrees, of(n, |n| n.mean));
+        add("normal_area_weighted", "normal angle, by area", Degrees, of(n, |n| n.area_weighted));
+        add("normal_max", "normal angle, largest", Degrees, of(n, |n| n.max));
+        let (d, b) = (&self.distance.forward, &self.distance.backward);
+        add("distance_mean", "vertices to reference, mean", Diagonals, share(d.mean));
+        add("distance_rms", "vertices to reference, RMS", Diagonals, share(d.rms));
+        add("distance_max", "vertices to reference, largest", Diagonals, share(d.max));
+        add("reverse_mean", "reference's vertices to mesh, mean", Diagonals, share(b.mean));
+        add("reverse_rms", "reference's vertices to mesh, RMS", Diagonals, share(b.rms));
+        add("reverse_max", "reference's vertices to mesh, largest", Diagonals, share(b.max));
+        add("chamfer", "Chamfer, sum of both means", Diagonals, share(self.distance.chamfer()));
+        add("hausdorff_lower", "Hausdorff, at least", Diagonals, share(self.hausdorff.lower));
+        add("hausdorff_upper", "Hausdorff, at most", Diagonals, share(self.hausdorff.upper));
+        let moved = &self.displacement;
+        add("displacement_rms", "matching vertices, RMS", Diagonals, shared(of(moved, |m| m.rms)));
+        add(
+            "displacement_max",
+            "matching vertices, largest",
+            Diagonals,
+            shared(of(moved, |m| m.max)),
+        );
+        let psnr = match moved {
+            Ok(_) => some(self.psnr(), "no vertex moved"),
+            Err(error) => Err(error.to_string()),
+        };
+        add("psnr", "peak signal to noise", Decibels, psnr);
+        let drift = &self.drift;
+        let volume = some(drift.volume, "not closed and consistently oriented");
+        add("volume_drift", "change of volume", Relative, volume);
+        add(
+            "area_drift",
+            "change of area",
+            Relative,
+            some(drift.area, "the reference has no area"),
+        );
+        let length = some(drift.edge_length, "the reference has no edges");
+        add("edge_length_drift", "change of mean edge length", Relative, length);
+        let flips = of(&self.flipped_faces, |&n| n as f64);
+        add("flipped_faces", "flipped faces", Count, flips);
+        add(
+            "self_intersections",
+            "crossing pairs of faces",
+            Count,
+            Ok(self.self_intersections as f64),
+        );
+        let edges = &self.features;
+        let ratio = |f: fn(&FeatureEdges) -> Option<f64>, reason: &str| match edges {
+            Ok(edges) => some(f(edges), reason),
+            Err(error) => Err(error.to_string()),
+        };
+        let precision = ratio(FeatureEdges::precision, "the mesh has no sharp edge");
+        add("feature_precision", "sharp edges, precision", Relative, precision);
+        let recall = ratio(FeatureEdges::recall, "the reference has no sharp edge");
+        add("feature_recall", "sharp edges, recall", Relative, recall);
+        let curvature = match &self.curvature {
+            Ok(error) => some(*error, "the reference is flat"),
+            Err(error) => Err(error.to_string()),
+        };
+        add("curvature_error", "mean curvature, relative error", Relative, curvature);
+        entries
+    }
+}
+
+/// A table of label, value and unit, a line for each score; a dash and the
+/// reason where there is none.
+impl fmt::Display for Scores {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for Score { label, unit, value, .. } in self.entries() {
+            match value {
+                Ok(count) if unit == ScoreUnit::Count => writeln!(f, "{label:<38} {count:>12}")?,
+                Ok(x) if x != 0.0 && x.abs() < 1e-3 => {
+                    writeln!(f, "{label:<38} {x:>12.4e} {unit}")?
+                }
+                Ok(x) => writeln!(f, "{label:<38} {x:>12.5} {unit}")?,
+                Err(reason) => writeln!(f, "{label:<38} {:>12} {reason}", "–")?,
+            }
+        }
+        Ok(())
+    }
+}
