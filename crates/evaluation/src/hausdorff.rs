@@ -29,10 +29,11 @@ pub struct Hausdorff {
 /// rounding.
 ///
 /// Distance to one triangle is convex, so that over a face it is largest at a
-/// corner; the least of these maxima over the triangles closest to the corners and
-/// to the middle bounds the distance of the face from above, and so does the distance of its
-/// middle plus the reach from there. Faces whose bound passes what vertices
-/// reach are cut into four until it does not. Source: \[guthe2005\].
+/// corner; the least of these maxima over the triangles closest to the corners
+/// and to the middle bounds the distance of the face from above, and so does
+/// the distance of its middle plus the reach from there. Faces whose bound
+/// passes what is reached already are cut into four until it does not. Source:
+/// \[guthe2005\].
 ///
 /// # Errors
 ///
