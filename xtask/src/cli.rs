@@ -32,7 +32,7 @@ enum Command {
     Bench(Bench),
     /// Hold the tree against its rules: arrows between crates, file lengths, machine paths, the README
     Tidy,
-    /// Run everything that guards a merge: tidy, format, lints, documentation, tests, examples
+    /// Run everything that guards a merge: tidy, format, lints, documentation, tests, examples, reference values
     Test,
 }
 

@@ -5,7 +5,7 @@ use std::process::Command;
 
 use anyhow::{Context as _, Result};
 
-use crate::tidy;
+use crate::{reference, tidy};
 
 /// A step that runs cargo.
 struct Step {
@@ -57,7 +57,15 @@ pub fn run(root: &Path) -> Result<bool> {
             failed.push(step.name);
         }
     }
-    for (what, why) in skipped() {
+    if reference::path(root, true).is_file() {
+        println!("== reference values: cargo xtask reproduce --quick --check");
+        let program = std::env::current_exe().context("finding our own program")?;
+        let check = Command::new(program).args(["reproduce", "--quick", "--check"]).status();
+        if !check.context("running the experiments")?.success() {
+            failed.push("reference values");
+        }
+    }
+    for (what, why) in skipped(root) {
         println!("skipped: {what} ({why})");
     }
     match failed.as_slice() {
@@ -68,10 +76,20 @@ pub fn run(root: &Path) -> Result<bool> {
 }
 
 /// Tests that need what is not here.
-fn skipped() -> Vec<(&'static str, &'static str)> {
+fn skipped(root: &Path) -> Vec<(&'static str, &'static str)> {
     let mut skipped = vec![];
+    if !reference::path(root, true).is_file() {
+        skipped.push(("reference values", "none yet: cargo xtask reproduce --quick --accept"));
+    }
     if std::env::var_os("FAIRING_MESHES").is_none() {
         skipped.push(("corpus: every test", "FAIRING_MESHES names no folder of meshes"));
+    }
+    let on_path = |name: &str| {
+        let folders = std::env::var_os("PATH").unwrap_or_default();
+        std::env::split_paths(&folders).any(|folder| folder.join(name).is_file())
+    };
+    if !["chromium", "chromium-browser", "google-chrome"].into_iter().any(on_path) {
+        skipped.push(("browser: every test", "there is no chromium on the path"));
     }
     skipped
 }

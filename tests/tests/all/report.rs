@@ -214,3 +214,10 @@ fn an_unknown_experiment_is_named() {
     let error = reproduce(experiments::ALL, &plan(folder.path(), &["q99"])).unwrap_err();
     assert!(error.to_string().contains("q99"), "{error}");
 }
+
+/// The committed meshes are those of the manifest, and what the generators
+/// make today.
+#[test]
+fn data_is_as_its_manifest_says() {
+    assert_eq!(xtask::data::check(&root().join("data")).unwrap(), Vec::<String>::new());
+}

@@ -53,16 +53,12 @@ impl Experiment for UniformCurvature {
             id: "q1",
             title: "Curvature from the uniform Laplacian",
             question: "What do the mean curvature of the uniform Laplacian and the Gaussian curvature of the angle defect look like, and do they approximate the curvature of the continuous surface?",
-            method: "Mean curvature is half the length of the uniform Laplacian of the positions, H = ‖Δx‖/2 with (Δx)ᵢ the way from xᵢ to the mean of its neighbours. This is a length, not a curvature: it shrinks with the square of the edges. The scaled form divides by a quarter of the mean squared edge length at the vertex, which makes it comparable, and takes the sign from the normal. Gaussian curvature is the angle defect over the barycentric area, a third of the faces around the vertex.\n\nBoth are shown on the two meshes of the assignment with its colours (normalised, histogram equalised, hue from blue, low, to red, high) and in diverging colours about zero. Then both are held against the exact curvature of three closed surfaces, on regular meshes and on meshes whose vertices were moved at random along the surface.",
+            method: "Mean curvature is half the length of the uniform Laplacian of the positions, H = ‖Δx‖/2 with (Δx)ᵢ the way from xᵢ to the mean of its neighbours. This is a length, not a curvature: it shrinks with the square of the edges. The scaled form divides by a quarter of the mean squared edge length at the vertex, which makes it comparable, and takes the sign from the normal. Gaussian curvature is the angle defect over the barycentric area, a third of the faces around the vertex.\n\nBoth are shown on the two meshes of the assignment with its colours (normalised, histogram equalised, hue from blue, low, to red, high) and in diverging colours about zero. Then both are held against the exact curvature of closed surfaces, on regular meshes and on meshes whose vertices were moved at random along the surface.",
             formulas: FORMULAS,
             inputs: &[Input::Flower, Input::Plane],
             parameters: vec![
                 ("area of a vertex", "barycentric".into()),
-                (
-                    "surfaces",
-                    "unit sphere; torus with radii 1 and 0.4; ellipsoid with half axes 1, 1.5, 2"
-                        .into(),
-                ),
+                ("surfaces", super::surfaces::TestSurface::description()),
                 (
                     "jitter",
                     format!("{} of the shortest edge at the vertex", super::surfaces::JITTER),

@@ -224,9 +224,13 @@ fn plot(directions: &Table) -> Result<Picture> {
 
 /// The same on meshes.
 fn meshes(context: &Context<'_>) -> Result<Table> {
+    let axes = AXES[AXES.len() - 1];
     let mut table = Table::new(
         "meshes",
-        "Principal curvatures at the vertex (a, 0, 0) of ever finer meshes of the ellipsoid (3, 2, 1), against a/c² along z and a/b² along y: from the cotangent Laplacian and the angle defect over mixed areas, and from cubic jets fitted over three rings. The angle is that between the direction found for κ₁ and z.",
+        &format!(
+            "Principal curvatures at the vertex (a, 0, 0) of ever finer meshes of the ellipsoid {}, against a/c² along z and a/b² along y: from the cotangent Laplacian and the angle defect over mixed areas, and from cubic jets fitted over three rings. The angle is that between the direction found for κ₁ and z.",
+            axes_name(axes)
+        ),
         &[
             ("estimator", Unit::Label),
             ("vertices", Unit::Count),
@@ -238,7 +242,7 @@ fn meshes(context: &Context<'_>) -> Result<Table> {
             ("angle", Unit::Degrees),
         ],
     );
-    let [a, b, c] = AXES[5];
+    let [a, b, c] = axes;
     let (along_z, along_y) = (a / (c * c), a / (b * b));
     for estimator in [COTANGENT, Estimator::RECOMMENDED] {
         for level in 3..=context.choose(6, 4) {

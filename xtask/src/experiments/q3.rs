@@ -59,6 +59,7 @@ impl Experiment for CotangentCurvature {
             formulas: FORMULAS,
             inputs: &[Input::Flower, Input::Plane],
             parameters: vec![
+                ("surfaces", TestSurface::description()),
                 ("area of a vertex", "mixed (Voronoi where no angle is obtuse)".into()),
                 (
                     "jitter",

@@ -60,7 +60,7 @@ fn levels(context: &Context<'_>) -> std::ops::RangeInclusive<u32> {
 pub(super) fn study(context: &Context<'_>, estimators: &[Estimator]) -> Result<[Table; 2]> {
     let mut errors = Table::new(
         "analytic",
-        "Relative error against the exact curvature over four refinements: root mean square, weighted by area, and largest, both over the root mean square of the exact values. h is the mean edge length.",
+        "Relative error against the exact curvature on ever finer meshes: root mean square, weighted by area, and largest, both over the root mean square of the exact values. h is the mean edge length.",
         &[
             ("surface", Unit::Label),
             ("sampling", Unit::Label),
@@ -73,7 +73,7 @@ pub(super) fn study(context: &Context<'_>, estimators: &[Estimator]) -> Result<[
     );
     let mut orders = Table::new(
         "orders",
-        "Observed order of convergence between the last two refinements, log(e₁/e₂) / log(h₁/h₂): 2 means that half the edge length gives a quarter of the error, 0 that the error stays, less that it grows.",
+        "Observed order of convergence between the last two refinements, log(e₁/e₂) / log(h₁/h₂). At second order half the edge length leaves a quarter of the error; at order zero the error stays, below it grows.",
         &[
             ("surface", Unit::Label),
             ("sampling", Unit::Label),
@@ -84,7 +84,7 @@ pub(super) fn study(context: &Context<'_>, estimators: &[Estimator]) -> Result<[
     );
     for (i, surface) in TestSurface::ALL.into_iter().enumerate() {
         for sampling in Sampling::BOTH {
-            context.progress(i as f64 / 3.0, surface.name());
+            context.progress(i as f64 / TestSurface::ALL.len() as f64, surface.name());
             let mut deviations = vec![vec![]; estimators.len()];
             let mut sizes = vec![];
             for level in levels(context) {

@@ -8,9 +8,9 @@ use fairing_operators::surface::{Ellipsoid, ImplicitSurface, PointCurvature, Sph
 pub(super) enum TestSurface {
     /// The unit sphere.
     Sphere,
-    /// Radii 1 and 0.4: curvature of both signs.
+    /// Curvature of both signs.
     Torus,
-    /// Half axes 1, 1.5 and 2.
+    /// Curvature that varies in two directions.
     Ellipsoid,
 }
 
@@ -31,6 +31,15 @@ pub(super) const JITTER: f64 = 0.3;
 
 impl TestSurface {
     pub(super) const ALL: [Self; 3] = [Self::Sphere, Self::Torus, Self::Ellipsoid];
+
+    /// All of them with their sizes, for the list of parameters.
+    pub(super) fn description() -> String {
+        let [a, b, c] = AXES;
+        let Torus { major, minor } = TORUS;
+        format!(
+            "unit sphere; torus with radii {major} and {minor}; ellipsoid with half axes {a}, {b}, {c}"
+        )
+    }
 
     pub(super) fn name(self) -> &'static str {
         match self {

@@ -72,21 +72,23 @@ pub fn reproduce(experiments: &[&dyn Experiment], plan: &Plan) -> Result<Results
         let reused = if plan.fresh { None } else { cache.restore(card.id, &key, &place)? };
         let record = match reused {
             Some(record) => {
-                progress.say(&format!("{}: unchanged since the last run", card.id));
+                progress
+                    .say(&format!("{}: {} (unchanged since the last run)", card.id, card.title));
                 record
             }
             None => {
                 let record = run(experiment, &inputs, &progress, plan.quick, work.path())?;
-                if record.error.is_none() {
-                    cache.store(&key, plan.quick, &place, &record)?;
+                match &record.error {
+                    Some(error) => progress.say(&format!("{} FAILED: {error}", card.id)),
+                    None => {
+                        cache.store(&key, plan.quick, &place, &record)?;
+                        progress
+                            .say(&format!("{}: {} ({:.1} s)", card.id, card.title, record.seconds));
+                    }
                 }
                 record
             }
         };
-        match &record.error {
-            Some(error) => progress.say(&format!("{} FAILED: {error}", card.id)),
-            None => progress.say(&format!("{}: {} ({:.1} s)", card.id, card.title, record.seconds)),
-        }
         progress.end();
         records.push(record);
     }
