@@ -6,6 +6,7 @@
 mod completions;
 mod convert;
 mod curvature;
+mod denoise;
 mod exit;
 mod files;
 mod info;
@@ -51,6 +52,7 @@ enum Verb {
     Convert(convert::Convert),
     Curvature(curvature::Curvature),
     Noise(noise::Noise),
+    Denoise(denoise::Denoise),
     Render(render::Render),
     Completions(completions::Completions),
 }
@@ -77,6 +79,7 @@ impl Verb {
             Self::Convert(verb) => verb.run(context),
             Self::Curvature(verb) => verb.run(context),
             Self::Noise(verb) => verb.run(context),
+            Self::Denoise(verb) => verb.run(context),
             Self::Render(verb) => verb.run(context),
             Self::Completions(verb) => verb.run(context),
         }
