@@ -4,6 +4,7 @@
 //! listed by name as ignored. An area adds a module with a function
 //! `trials() -> Vec<(&'static str, Test)>` and a line below.
 
+mod denoising;
 mod diagnosis;
 mod operators;
 mod reading;
@@ -18,6 +19,7 @@ type Test = fn(&Path) -> Result<(), Failed>;
 fn main() {
     let folder = std::env::var_os("FAIRING_MESHES").map(PathBuf::from).filter(|d| d.is_dir());
     let areas = [
+        ("denoising", denoising::trials()),
         ("diagnosis", diagnosis::trials()),
         ("operators", operators::trials()),
         ("reading", reading::trials()),

@@ -29,9 +29,9 @@ const STEP: f64 = 0.990_268;
 const CREASE: f64 = 0.906_308;
 
 /// More steps than this share of the creases means that there are no creases.
-/// Over noise levels of 0.1 to 0.7 h, bodies with creases stay below 0.25 and
-/// smooth surfaces above 0.75.
-const STEPS_PER_CREASE: f64 = 0.45;
+/// Of the meshes measured, machine parts stay below 0.3 and smooth surfaces above
+/// 0.65; parts with many fillets lie in between.
+const STEPS_PER_CREASE: f64 = 0.6;
 
 /// Which of its two ways [`automatic`] went.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -65,7 +65,7 @@ pub struct Automatic {
 ///    faces on the wrong side of a crease change sides.
 /// 3. The kind of surface. Labels of a body with creases differ by next to
 ///    nothing or by a crease; on a curved surface the same filter leaves steps
-///    in between. It is smooth if there are more than 0.45 hinges of 8° to 25°
+///    in between. It is smooth if there are more than 0.6 hinges of 8° to 25°
 ///    for each one above.
 /// 4. Bodies with creases: planes and quadrics are fitted to the noisy
 ///    vertices within the creases, as large as Lepski's rule allows, vote on

@@ -31,6 +31,10 @@ const CAUCHY_SCALE: f64 = 2.0;
 /// Rounds of reweighting under impulsive noise.
 const REWEIGHTINGS: usize = 4;
 
+/// With more folded faces than this, vertices have moved within the surface
+/// too: noise along the normals alone hardly folds any.
+const FOLDED_SHARE: f64 = 0.01;
+
 /// The strength of the last smoothing, which blends neighbouring choices.
 const LAST: f64 = 1.5;
 
@@ -50,6 +54,10 @@ const LAST: f64 = 1.5;
 /// linear smoother from a random probe and averaged over a neighbourhood;
 /// close calls are blended. σ is the noise level in mesh units, `limit` the
 /// largest displacement.
+///
+/// Where more than one face in a hundred opposes the smoothed surface, the noise
+/// has folded the surface; vertices then also move within it, which unfolds it,
+/// and the risk counts three components.
 ///
 /// Where the noise is `impulsive`, vertices have Cauchy weights
 /// `1/(1 + (r/2σ)²)` in the first term and in the risk, with the residuals r of
@@ -75,34 +83,44 @@ pub(super) fn denoise_smooth(
         plate.weights = cauchy_weights(noisy, &pilot, sigma);
         pilot = plate.smooth(noisy, PILOT)?;
     }
-    let normals = vertex_normals(&rebuild(mesh, pilot)?);
+    let pilot = rebuild(mesh, pilot)?;
+    let normals = vertex_normals(&pilot);
+    let folded = (0..mesh.face_count())
+        .filter(|&f| dot(mesh.area_vector(f), pilot.area_vector(f)) < 0.0)
+        .count();
+    let free = folded as f64 > FOLDED_SHARE * mesh.face_count() as f64;
+    let dimensions = if free { 3.0 } else { 1.0 };
     let variance = sigma * sigma;
-    // Of each strength: the move along the normal, and the local risk over σ².
-    let mut candidates: Vec<(Vec<f64>, Vec<f64>)> = vec![];
+    // Of each strength: the moves, and the local risk over σ².
+    let mut candidates: Vec<(Vec<[f64; 3]>, Vec<f64>)> = vec![];
     for strength in STRENGTHS {
         let smoothed = plate.smooth(noisy, strength)?;
         let response = plate.smooth(&probe, strength)?;
         let trace: f64 = response.iter().zip(&probe).map(|(a, b)| dot(*a, *b)).sum();
         let leverage = trace / (3 * noisy.len().max(1)) as f64;
-        let moves: Vec<f64> =
-            (0..noisy.len()).map(|v| dot(normals[v], sub(smoothed[v], noisy[v]))).collect();
+        let moves: Vec<[f64; 3]> = (0..noisy.len())
+            .map(|v| {
+                let offset = sub(smoothed[v], noisy[v]);
+                if free { offset } else { scale(normals[v], dot(normals[v], offset)) }
+            })
+            .collect();
         let risk = moves
             .iter()
             .zip(&plate.weights)
-            .map(|(m, w)| w * (m * m / variance + 2.0 * leverage - 1.0))
+            .map(|(m, w)| w * (dot(*m, *m) / variance + dimensions * (2.0 * leverage - 1.0)))
             .collect();
         candidates.push((moves, average(mesh, risk)));
     }
     let positions = (0..noisy.len())
         .map(|v| {
             let least = candidates.iter().map(|(_, r)| r[v]).fold(f64::INFINITY, f64::min);
-            let (mut sum, mut total) = (0.0, 0.0);
+            let (mut sum, mut total) = ([0.0; 3], 0.0);
             for (moves, risk) in &candidates {
                 let w = ((least - risk[v]) / RISK_SCALE).exp();
-                sum += w * moves[v];
+                sum = add(sum, scale(moves[v], w));
                 total += w;
             }
-            add(noisy[v], scale(normals[v], sum / total))
+            add(noisy[v], scale(sum, 1.0 / total))
         })
         .collect();
     let blended = rebuild(mesh, positions)?;

@@ -1,0 +1,51 @@
+//! The automatic denoiser on the pairs of the literature.
+
+use std::path::Path;
+
+use fairing_evaluation::{drift, flipped_faces, normal_error, vertex_distance};
+use fairing_mesh::{TriMesh, io};
+use fairing_smoothing::denoise::automatic;
+use libtest_mimic::Failed;
+
+use crate::Test;
+
+/// Tests of this area.
+pub(crate) fn trials() -> Vec<(&'static str, Test)> {
+    vec![("automatic_meets_its_bars", bars)]
+}
+
+/// Noisy, original, the bar for the mean normal error in degrees, and what
+/// guided filtering, tuned, leaves of vertex distance over the diagonal.
+const PAIRS: [(&str, &str, f64, f64); 6] = [
+    ("denoising/Fandisk0.3_noisy.obj", "denoising/Fandisk0.3_original.obj", 2.15, 6.35e-4),
+    ("denoising/Fandisk0.7_noisy.obj", "denoising/Fandisk0.3_original.obj", 4.2, 1.38e-3),
+    ("denoising/Block0.4_noisy.obj", "denoising/Block0.4_original.obj", 2.8, 8.4e-4),
+    (
+        "denoising/Twelve0.5Impulsive_noisy.obj",
+        "denoising/Twelve0.5Impulsive_original.obj",
+        1.2,
+        8.0e-4,
+    ),
+    ("assignment/smoothing/fandisk_ns.obj", "reference/fandisk.off", 2.2, 5.7e-4),
+    ("denoising/Julius0.2_noisy.obj", "denoising/Julius0.2_original.obj", 5.55, 2.8e-4),
+];
+
+fn bars(folder: &Path) -> Result<(), Failed> {
+    let read = |name: &str| io::read(folder.join(name)).map(|file| file.mesh);
+    for (noisy, original, bar, far) in PAIRS {
+        let (input, truth) = (read(noisy)?, read(original)?);
+        let result = automatic(&input)?;
+        // The pair's faces are the same; positions carry the comparison over.
+        let truth = input.with_positions(truth.positions().to_vec())?;
+        let mean = normal_error(&result.mesh, &truth)?.mean;
+        assert!(mean <= bar, "{noisy}: {mean}°, bar {bar}°");
+        let flipped = |m: &TriMesh| flipped_faces(m, &truth);
+        assert!(flipped(&result.mesh)? <= flipped(&input)?, "{noisy}: flipped faces");
+        if let Some(volume) = drift(&result.mesh, &truth).volume {
+            assert!(volume.abs() <= 0.003, "{noisy}: volume changes by {volume}");
+        }
+        let away = vertex_distance(&result.mesh, &truth)?.mean / truth.diagonal();
+        assert!(away <= far, "{noisy}: vertex distance {away:e}");
+    }
+    Ok(())
+}
