@@ -197,3 +197,22 @@ fn curvature_of_a_sphere_is_written_as_vertex_properties() {
     assert!(refuse(folder.path(), "curvature sphere.ply --estimator mean", 2).contains("jet3"));
     refuse(folder.path(), "curvature sphere.ply --estimator steiner --rings 2", 2);
 }
+
+#[test]
+fn compare_scores_a_mesh_against_a_reference() {
+    let folder = folder_with_torus();
+    run(folder.path(), "noise torus.ply -o noisy.ply --sigma 0.1");
+    let scores = |line| -> Value { serde_json::from_str(&run(folder.path(), line)).unwrap() };
+    let own = scores("compare torus.ply torus.ply --json");
+    let noisy = scores("compare noisy.ply torus.ply --json");
+    for name in ["normal_mean", "distance_mean", "hausdorff_lower", "displacement_rms"] {
+        assert_eq!(own[name]["value"], 0.0, "{name}");
+        assert!(noisy[name]["value"].as_f64().unwrap() > 0.0, "{name}");
+    }
+    // Other faces: what compares element by element is absent, and says why.
+    io::write(folder.path().join("sphere.ply"), &shapes::icosphere(2)).unwrap();
+    let other = scores("compare sphere.ply torus.ply --json");
+    assert_eq!(other["normal_mean"]["value"], Value::Null);
+    assert!(other["normal_mean"]["reason"].as_str().unwrap().contains("face"));
+    assert!(other["distance_mean"]["value"].as_f64().unwrap() > 0.0);
+}

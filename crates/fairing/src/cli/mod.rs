@@ -3,6 +3,7 @@
 //! A verb is a struct of arguments with a method `run`. To add one, write its
 //! file, and add a line to the modules, to [`Verb`] and to [`Verb::run`].
 
+mod compare;
 mod completions;
 mod convert;
 mod curvature;
@@ -53,6 +54,7 @@ enum Verb {
     Curvature(curvature::Curvature),
     Noise(noise::Noise),
     Denoise(denoise::Denoise),
+    Compare(compare::Compare),
     Render(render::Render),
     Completions(completions::Completions),
 }
@@ -80,6 +82,7 @@ impl Verb {
             Self::Curvature(verb) => verb.run(context),
             Self::Noise(verb) => verb.run(context),
             Self::Denoise(verb) => verb.run(context),
+            Self::Compare(verb) => verb.run(context),
             Self::Render(verb) => verb.run(context),
             Self::Completions(verb) => verb.run(context),
         }
