@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::constraints::Freedom;
 use crate::error::FlowFailure;
-use crate::laplacian::{Laplacian, ROWS, by_chunk};
+use crate::laplacian::{Laplacian, Padded, ROWS, by_chunk, padded};
 
 type Point = [f64; 3];
 
@@ -41,55 +41,61 @@ impl ImplicitSolver<'_> {
         let mass = l.mass();
         let scale = self.right_hand_side_norm(x, freedom);
         let coupled = freedom.sliding.is_some();
-        let diagonal = |i: usize| mass[i] * (1.0 + freedom.pull(i).0) + t * l.diagonal()[i];
-        by_chunk(guess, |i, d| (freedom.project(i, d), []));
-        // r = P (M (t L (x + d) + w (c − x − d)) − M d), whose first part is one product at x + d.
-        let moved: Vec<Point> = x.par_iter().zip(&*guess).map(|(x, d)| add(x, d)).collect();
-        let mut r = vec![[0.0; 3]; x.len()];
-        l.sweep(&moved, &mut r, |i, lx, y, _| {
-            let (w, target) = freedom.pull(i);
-            let d = guess[i];
-            let r = [0, 1, 2].map(|k| mass[i] * (t * lx[k] + w * (target[k] - y[k]) - d[k]));
-            freedom.project(i, r)
-        });
-        drop(moved);
-        let precondition = |i: usize, r: Point| {
-            let s = 1.0 / diagonal(i);
-            freedom.project(i, [r[0] * s, r[1] * s, r[2] * s])
+        let project = |i: usize, d: Padded| -> Padded {
+            let p = freedom.project(i, [d[0], d[1], d[2]]);
+            [p[0], p[1], p[2], 0.0]
         };
-        let mut p: Vec<Point> =
-            r.par_iter().enumerate().map(|(i, &r)| precondition(i, r)).collect();
-        let mut sums = by_chunk(&mut r, |i, r| {
-            let z = precondition(i, r);
-            (r, six(r, z))
+        // M (1 + w), and the reciprocal of the diagonal of the matrix.
+        let shifted: Vec<f64> =
+            mass.iter().enumerate().map(|(i, m)| m * (1.0 + freedom.pull(i).0)).collect();
+        let inverse: Vec<f64> =
+            shifted.iter().zip(l.diagonal()).map(|(m, s)| 1.0 / (m + t * s)).collect();
+        let precondition = |i: usize, r: Padded| project(i, r.map(|r| r * inverse[i]));
+        let mut d = padded(guess);
+        by_chunk(&mut d, |i, d| (project(i, d), []));
+        // r = P (M (t L (x + d) + w (c − x − d)) − M d), whose first part is one product at x + d.
+        let mut p = padded(x);
+        by_chunk(&mut p, |i, x| (std::array::from_fn(|k| x[k] + d[i][k]), []));
+        let mut r = vec![[0.0; 4]; x.len()];
+        let mut sums = l.sweep_summing(&p, &mut r, |i, lx, y, _| {
+            let (w, [a, b, c]) = freedom.pull(i);
+            let target = [a, b, c, 0.0];
+            let d = d[i];
+            let r = std::array::from_fn(|k| mass[i] * (t * lx[k] + w * (target[k] - y[k]) - d[k]));
+            let r = project(i, r);
+            (r, six(r, precondition(i, r)))
         });
-        let mut q = vec![[0.0; 3]; x.len()];
+        by_chunk(&mut p, |i, _| (precondition(i, r[i]), []));
+        let mut q = vec![[0.0; 4]; x.len()];
         let mut iterations = 0;
         loop {
             let residual = relative(&sums, scale);
             if residual <= self.tolerance {
+                for (guess, d) in guess.iter_mut().zip(&d) {
+                    *guess = [d[0], d[1], d[2]];
+                }
                 return Ok(Solved { iterations, residual });
             }
             if iterations == self.most_iterations || !residual.is_finite() {
-                let size = |r: &Point| r.iter().map(|x| x.abs()).fold(0.0, f64::max);
+                let size = |r: &Padded| r.iter().map(|x| x.abs()).fold(0.0, f64::max);
                 let worst = (0..r.len()).max_by(|&a, &b| size(&r[a]).total_cmp(&size(&r[b])));
                 let vertex = worst.unwrap_or(0) as u32;
                 return Err(FlowFailure::NotConverged { residual, iterations, vertex });
             }
             let curvature = l.sweep_summing(&p, &mut q, |i, lp, p, _| {
-                let s = 1.0 + freedom.pull(i).0;
-                let q = freedom.project(i, [0, 1, 2].map(|k| mass[i] * (s * p[k] - t * lp[k])));
+                let (m, tm) = (shifted[i], t * mass[i]);
+                let q = project(i, std::array::from_fn(|k| m * p[k] - tm * lp[k]));
                 (q, [p[0] * q[0], p[1] * q[1], p[2] * q[2]])
             });
-            let alpha = quotients([sums[3], sums[4], sums[5]], curvature, coupled);
             let old = [sums[3], sums[4], sums[5]];
+            let alpha = quotients(old, curvature, coupled);
             sums = by_chunk(&mut r, |i, r| {
-                let q = q[i];
-                let r = [0, 1, 2].map(|k| r[k] - alpha[k] * q[k]);
+                let q = &q[i];
+                let r = std::array::from_fn(|k| r[k] - alpha[k] * q[k]);
                 (r, six(r, precondition(i, r)))
             });
             let beta = quotients([sums[3], sums[4], sums[5]], old, coupled);
-            advance(guess, &mut p, &r, alpha, beta, precondition);
+            advance(&mut d, &mut p, &r, alpha, beta, precondition);
             iterations += 1;
         }
     }
@@ -121,18 +127,18 @@ impl ImplicitSolver<'_> {
 
 /// `d ← d + α p`, then `p ← z + β p`, in one pass.
 fn advance(
-    d: &mut [Point],
-    p: &mut [Point],
-    r: &[Point],
-    alpha: Point,
-    beta: Point,
-    precondition: impl Fn(usize, Point) -> Point + Sync,
+    d: &mut [Padded],
+    p: &mut [Padded],
+    r: &[Padded],
+    alpha: Padded,
+    beta: Padded,
+    precondition: impl Fn(usize, Padded) -> Padded + Sync,
 ) {
     d.par_chunks_mut(ROWS).zip(p.par_chunks_mut(ROWS)).enumerate().for_each(|(chunk, (d, p))| {
         for (k, (d, p)) in d.iter_mut().zip(p).enumerate() {
             let i = chunk * ROWS + k;
             let z = precondition(i, r[i]);
-            for k in 0..3 {
+            for k in 0..4 {
                 d[k] += alpha[k] * p[k];
                 p[k] = z[k] + beta[k] * p[k];
             }
@@ -141,17 +147,18 @@ fn advance(
 }
 
 /// `r · r` and `r · z` for each coordinate.
-fn six(r: Point, z: Point) -> [f64; 6] {
+fn six(r: Padded, z: Padded) -> [f64; 6] {
     [r[0] * r[0], r[1] * r[1], r[2] * r[2], r[0] * z[0], r[1] * z[1], r[2] * z[2]]
 }
 
 /// The quotients of the coordinates, or of their sums where they are coupled; zero over zero is zero.
-fn quotients(above: Point, below: Point, coupled: bool) -> Point {
+fn quotients(above: Point, below: Point, coupled: bool) -> Padded {
     let quotient = |a: f64, b: f64| if a == 0.0 { 0.0 } else { a / b };
     if coupled {
-        return [quotient(above.iter().sum(), below.iter().sum()); 3];
+        return [quotient(above.iter().sum(), below.iter().sum()); 4];
     }
-    [0, 1, 2].map(|k| quotient(above[k], below[k]))
+    let [a, b, c] = [0, 1, 2].map(|k| quotient(above[k], below[k]));
+    [a, b, c, 0.0]
 }
 
 /// The largest relative residual of the coordinates.
@@ -159,8 +166,4 @@ fn relative(sums: &[f64; 6], scale: Point) -> f64 {
     (0..3)
         .map(|k| if sums[k] == 0.0 { 0.0 } else { sums[k].sqrt() / scale[k] })
         .fold(0.0, |a: f64, b| if b.is_nan() { b } else { a.max(b) })
-}
-
-fn add(a: &Point, b: &Point) -> Point {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }

@@ -46,6 +46,7 @@ pub use method::Method;
 pub use outcome::{Approach, Report, Smoothed};
 pub use region::{FairRegion, FairingWeights, fair_region};
 pub use scale_dependent::{ScaleDependent, scale_dependent};
+pub use spectrum::largest_eigenvalue;
 pub use stability::{Stability, stable_limit};
 pub use step::{Observer, Step};
 pub use taubin::{Taubin, taubin};

@@ -134,3 +134,41 @@ impl Method {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use fairing_mesh::shapes;
+
+    use super::*;
+
+    /// Sums are formed in fixed units of rows: the number of threads cannot show.
+    #[test]
+    fn results_do_not_depend_on_the_number_of_threads() {
+        // More vertices than one unit of parallel work holds.
+        let mesh = shapes::bumpy_sphere(5, 0.1, 7.0);
+        assert!(mesh.vertex_count() > 2 * crate::laplacian::ROWS);
+        for method in Method::defaults() {
+            let run = |threads: usize| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                let method = match method.clone() {
+                    // A few steps are enough to tell.
+                    Method::ConformalizedMcf(options) => {
+                        Method::ConformalizedMcf(ConformalizedMcf { iterations: 3, ..options })
+                    }
+                    other => other,
+                };
+                pool.install(|| method.run(&mesh, None).unwrap().mesh)
+            };
+            assert_eq!(run(1), run(3), "{}", method.name());
+        }
+    }
+
+    #[test]
+    fn every_method_has_a_name_and_a_description_of_its_own() {
+        let methods = Method::defaults();
+        for (i, a) in methods.iter().enumerate() {
+            assert!(!a.description().is_empty(), "{}", a.name());
+            assert!(methods[i + 1..].iter().all(|b| a.name() != b.name()), "{}", a.name());
+        }
+    }
+}

@@ -11,7 +11,9 @@
 //! product of the mass, so the result differs from exact stepping by at most that much, relative to the size of
 //! `x` in that norm. Source: \[druskin1989\].
 
-use crate::laplacian::Laplacian;
+use rayon::prelude::*;
+
+use crate::laplacian::{Laplacian, Padded, ROWS};
 
 /// The sum of the coefficients left out, relative to `max |g|`.
 pub(crate) const TOLERANCE: f64 = 1e-10;
@@ -63,28 +65,33 @@ impl Series {
     pub(crate) fn apply(&self, laplacian: &Laplacian, given: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let Some(&origin) = given.first() else { return Vec::new() };
         let centre = mean(given).unwrap_or(origin);
-        let x: Vec<[f64; 3]> =
-            given.iter().map(|p| [p[0] - centre[0], p[1] - centre[1], p[2] - centre[2]]).collect();
+        let x: Vec<Padded> = given
+            .par_iter()
+            .with_min_len(ROWS)
+            .map(|p| [p[0] - centre[0], p[1] - centre[1], p[2] - centre[2], 0.0])
+            .collect();
         let s = 2.0 / self.bound;
-        let mut last = vec![[0.0; 3]; x.len()];
-        let mut before = vec![[0.0; 3]; x.len()];
+        let mut last = vec![[0.0; 4]; x.len()];
+        let mut before = vec![[0.0; 4]; x.len()];
         for (k, &c) in self.coefficients.iter().enumerate().rev() {
             // T₁ = 1 + s L; the last term takes it once, not twice.
             let twice = if k == 0 { 1.0 } else { 2.0 };
-            let shift = if k == 0 { centre } else { [0.0; 3] };
             laplacian.sweep(&last, &mut before, |i, l, b, old| {
-                let p = x[i];
-                [0, 1, 2].map(|d| c * p[d] + twice * (b[d] + s * l[d]) - old[d] + shift[d])
+                let p = &x[i];
+                std::array::from_fn(|d| c * p[d] + twice * (b[d] + s * l[d]) - old[d])
             });
             std::mem::swap(&mut last, &mut before);
         }
         // Vertices that stay do so exactly.
-        for (i, (p, &x)) in last.iter_mut().zip(given).enumerate() {
-            if laplacian.is_still(i) {
-                *p = x;
-            }
-        }
-        last
+        last.par_iter()
+            .zip(given)
+            .enumerate()
+            .with_min_len(ROWS)
+            .map(|(i, (p, &x))| match laplacian.is_still(i) {
+                true => x,
+                false => [p[0] + centre[0], p[1] + centre[1], p[2] + centre[2]],
+            })
+            .collect()
     }
 }
 
