@@ -215,4 +215,29 @@ fn compare_scores_a_mesh_against_a_reference() {
     assert_eq!(other["normal_mean"]["value"], Value::Null);
     assert!(other["normal_mean"]["reason"].as_str().unwrap().contains("face"));
     assert!(other["distance_mean"]["value"].as_f64().unwrap() > 0.0);
+fn smooth_moves_vertices_and_says_how() {
+    let folder = folder_with_torus();
+    let line = "smooth torus.ply -o smooth.ply --method implicit --lambda 5 --iterations 3 --json";
+    let summary: Value = serde_json::from_str(&run(folder.path(), line)).unwrap();
+    assert_eq!(summary["method"], "implicit");
+    assert_eq!(summary["iterations"], 3);
+    assert!(summary["volume_change_percent"].as_f64().unwrap() < -1.0);
+    let smooth = io::read(folder.path().join("smooth.ply")).unwrap().mesh;
+    assert_eq!(smooth.vertex_count(), 24 * 12);
+    let line = "smooth torus.ply -o kept.ply --method implicit --volume rescale --json";
+    let summary: Value = serde_json::from_str(&run(folder.path(), line)).unwrap();
+    assert!(summary["volume_change_percent"].as_f64().unwrap().abs() < 1e-9);
+    assert!(run(folder.path(), "smooth --list").lines().count() >= 10);
+}
+
+#[test]
+fn smooth_refuses_what_does_not_fit_and_writes_nothing() {
+    let folder = folder_with_torus();
+    let limit = refuse(folder.path(), "smooth torus.ply -o x.ply --method explicit --lambda 2", 1);
+    assert!(limit.contains("stable limit 1.333"), "{limit}");
+    let foreign = refuse(folder.path(), "smooth torus.ply -o x.ply --method hc --lambda 2", 2);
+    assert!(foreign.contains("hc has no --lambda"), "{foreign}");
+    refuse(folder.path(), "smooth torus.ply -o x.ply --method implicit --lambda=-1", 2);
+    assert_eq!(files(folder.path()), ["torus.ply"]);
+    run(folder.path(), "smooth torus.ply -o x.ply --method explicit --lambda 2 --unstable allow");
 }

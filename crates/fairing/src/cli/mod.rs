@@ -13,6 +13,7 @@ mod files;
 mod info;
 mod noise;
 mod render;
+mod smooth;
 mod table;
 
 use std::process::ExitCode;
@@ -56,6 +57,7 @@ enum Verb {
     Denoise(denoise::Denoise),
     Compare(compare::Compare),
     Render(render::Render),
+    Smooth(smooth::Smooth),
     Completions(completions::Completions),
 }
 
@@ -84,6 +86,7 @@ impl Verb {
             Self::Denoise(verb) => verb.run(context),
             Self::Compare(verb) => verb.run(context),
             Self::Render(verb) => verb.run(context),
+            Self::Smooth(verb) => verb.run(context),
             Self::Completions(verb) => verb.run(context),
         }
     }
