@@ -11,6 +11,7 @@ use fairing_smoothing::{
 
 mod boundaries;
 mod eigenmodes;
+mod flows;
 mod mean_curvature;
 mod runs;
 

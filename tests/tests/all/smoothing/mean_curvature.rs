@@ -64,7 +64,7 @@ fn backward_euler_is_of_first_order_in_time() {
 #[test]
 fn an_endless_uniform_step_collapses_to_the_centroid_by_degree() {
     let mesh = shapes::bumpy_sphere(2, 0.3, 4.0);
-    let options = Implicit { iterations: 1, ..Implicit::new(Diffusion::uniform(1e12)) };
+    let options = Implicit { iterations: 1, ..Implicit::new(Diffusion::uniform(1e8)) };
     let collapsed = implicit(&mesh, &options, None).unwrap().mesh;
     let topology = mesh.topology();
     let mut centre = [0.0; 3];
@@ -78,6 +78,7 @@ fn an_endless_uniform_step_collapses_to_the_centroid_by_degree() {
     }
     for &p in collapsed.positions() {
         let off = norm(sub(p, centre.map(|c| c / total)));
-        assert!(off < 1e-6 * mesh.diagonal(), "{off:e}");
+        // The smoothest mode has μ ≈ −0.02, so that 5e-7 of it is left; rounding is 1e-16 times 1e8.
+        assert!(off < 2e-6 * mesh.diagonal(), "{off:e}");
     }
 }
