@@ -5,10 +5,13 @@ use crate::experiment::Experiment;
 mod q1;
 mod q2;
 mod q3;
+mod q5;
+mod q6;
 
 mod estimators;
 mod noise;
 
+mod flows;
 mod gallery;
 mod refinement;
 mod samples;
@@ -20,6 +23,8 @@ pub const ALL: &[&dyn Experiment] = &[
     &q1::UniformCurvature,
     &q2::EllipsoidForms,
     &q3::CotangentCurvature,
+    &q5::ExplicitFlow,
+    &q6::ImplicitFlow,
     &estimators::Estimators,
     &noise::Noise,
 ];
