@@ -1,1 +1,31 @@
-//! Laplace-Beltrami spectra, transforms, filters and signatures.
+//! Spectra of the Laplacian on triangle meshes: transform, reconstruction, filters, signatures, diffusion.
+//!
+//! Modes are orthonormal in the inner product of the mass, φᵢᵀ M φⱼ = δᵢⱼ, so a field is projected by Φᵀ M f. A
+//! plain transpose in place of Φᵀ M is the classic mistake: types here carry the mass along with the modes.
+
+mod compression;
+mod compute;
+mod diffusion;
+mod error;
+mod filter;
+mod geodesic;
+mod npz;
+mod reconstruct;
+mod signature;
+mod spectrum;
+
+pub use compression::{Compressed, compress};
+pub use compute::{
+    Boundary, GraphWeights, MassKind, SpectrumOptions, graph_spectrum, spectrum, spectrum_with,
+};
+pub use diffusion::HeatDiffusion;
+pub use error::SpectralError;
+pub use fairing_sparse::{Count, EigenOptions, EigenProgress};
+pub use filter::{Rest, band_pass, high_pass, low_pass};
+pub use geodesic::HeatGeodesics;
+pub use reconstruct::{reconstruct, reconstruction_errors};
+pub use signature::{
+    global_point_signature, heat_kernel_signature, heat_kernel_times, shape_dna,
+    wave_kernel_signature,
+};
+pub use spectrum::{MassMatrix, Spectrum};

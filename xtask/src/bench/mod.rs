@@ -4,6 +4,7 @@ mod files;
 mod metrics;
 mod operators;
 mod smoothing;
+mod spectra;
 mod stopwatch;
 
 use std::path::PathBuf;
@@ -127,6 +128,8 @@ pub const ALL: &[&dyn Task] = &[
     },
     &smoothing::EndToEnd,
     &metrics::Metrics,
+    &spectra::Eigs,
+    &spectra::Factor,
 ];
 
 /// Runs a task and returns `{"runs": […], "fingerprint": {…}, "rss_mb": n}`.

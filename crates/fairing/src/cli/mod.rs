@@ -12,8 +12,10 @@ mod exit;
 mod files;
 mod info;
 mod noise;
+mod reconstruct;
 mod render;
 mod smooth;
+mod spectrum;
 mod table;
 
 use std::process::ExitCode;
@@ -58,6 +60,9 @@ enum Verb {
     Compare(compare::Compare),
     Render(render::Render),
     Smooth(smooth::Smooth),
+    Reconstruct(reconstruct::Reconstruct),
+    Render(render::Render),
+    Spectrum(spectrum::Spectrum),
     Completions(completions::Completions),
 }
 
@@ -87,6 +92,9 @@ impl Verb {
             Self::Compare(verb) => verb.run(context),
             Self::Render(verb) => verb.run(context),
             Self::Smooth(verb) => verb.run(context),
+            Self::Reconstruct(verb) => verb.run(context),
+            Self::Render(verb) => verb.run(context),
+            Self::Spectrum(verb) => verb.run(context),
             Self::Completions(verb) => verb.run(context),
         }
     }

@@ -1,0 +1,49 @@
+//! `fairing reconstruct`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use fairing::spectral::{SpectrumOptions, reconstruct, reconstruction_errors};
+
+use super::exit::Failure;
+use super::files::{self, Output};
+use super::table::number;
+use super::{Context, spectrum};
+
+const EXAMPLES: &str = "\
+Examples:
+  fairing reconstruct armadillo.obj -k 50 -o smooth.obj
+  fairing reconstruct scan.ply -k 300 -o smooth.ply --force";
+
+/// Rebuild a mesh from its k smoothest modes
+///
+/// Projects the positions onto the k smallest modes of the Laplace-Beltrami
+/// operator, in the inner product of the mass. Prints the root mean square of
+/// the displacement, weighted by area, in the unit of the file. Vertices without
+/// faces stay where they are; normals in the file are dropped, other properties
+/// are kept.
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Reconstruct {
+    /// The mesh
+    input: PathBuf,
+    /// How many modes
+    #[arg(short, value_name = "K")]
+    k: usize,
+    #[command(flatten)]
+    output: Output,
+}
+
+impl Reconstruct {
+    pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
+        self.output.check()?;
+        let file = files::read(&self.input)?;
+        files::say_report(context, &self.input, &file.report);
+        let modes = spectrum::compute(context, &file.mesh, self.k, &SpectrumOptions::default())?;
+        let mesh = reconstruct(&file.mesh, &modes, self.k)?;
+        let errors = reconstruction_errors(&file.mesh, &modes)?;
+        files::write_moved(context, &self.output, &mesh, file.fields)?;
+        context.note(format_args!("displacement: {} (RMS)", number(errors[self.k])));
+        Ok(())
+    }
+}

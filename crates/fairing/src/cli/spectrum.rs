@@ -1,0 +1,146 @@
+//! `fairing spectrum`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use fairing::mesh::TriMesh;
+use fairing::spectral::{self, Boundary, MassKind, SpectrumOptions};
+use serde_json::json;
+
+use super::exit::Failure;
+use super::files::{self, Overwrite};
+use super::table::{Table, number};
+use super::{Context, print};
+
+const EXAMPLES: &str = "\
+Examples:
+  fairing spectrum bunny.ply -k 20
+  fairing spectrum bunny.ply -k 300 -o modes.npz --json
+  fairing spectrum patch.obj --boundary dirichlet
+
+Read the modes in Python: numpy.load(\"modes.npz\")[\"modes\"]";
+
+/// Compute the smallest eigenvalues and modes of the Laplace-Beltrami operator
+///
+/// Solves S u = w M u with the cotangent stiffness S. Eigenvalues are in one
+/// over the squared unit of the file. Each pair comes with its residual in the
+/// inverse mass norm; certified means that a count by inertia proves that none
+/// was missed. The output is an npz file with values (k), modes (n x k,
+/// orthonormal in the mass), residuals (k) and mass.
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Spectrum {
+    /// The mesh
+    input: PathBuf,
+    /// How many modes
+    #[arg(short, value_name = "K", default_value_t = 10)]
+    k: usize,
+    /// The npz file to write; without it, the eigenvalues are only printed
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: Overwrite,
+    #[command(flatten)]
+    kind: Kind,
+    /// Print eigenvalues, residuals and certified as one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// Which operator.
+#[derive(Args)]
+pub(crate) struct Kind {
+    /// The mass matrix
+    #[arg(long, value_enum, default_value_t = MassName::Barycentric)]
+    mass: MassName,
+    /// What holds at the boundary: neumann leaves it free, dirichlet holds it at zero
+    #[arg(long, value_enum, default_value_t = BoundaryName::Neumann)]
+    boundary: BoundaryName,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum MassName {
+    Barycentric,
+    Mixed,
+    Consistent,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum BoundaryName {
+    Neumann,
+    Dirichlet,
+}
+
+impl Kind {
+    fn options(&self) -> SpectrumOptions {
+        SpectrumOptions {
+            mass: mass(self.mass),
+            boundary: match self.boundary {
+                BoundaryName::Neumann => Boundary::Neumann,
+                BoundaryName::Dirichlet => Boundary::Dirichlet,
+            },
+            ..Default::default()
+        }
+    }
+}
+
+fn mass(name: MassName) -> MassKind {
+    match name {
+        MassName::Barycentric => MassKind::Barycentric,
+        MassName::Mixed => MassKind::Mixed,
+        MassName::Consistent => MassKind::Consistent,
+    }
+}
+
+/// Computes modes, with a bar on a terminal.
+pub(crate) fn compute(
+    context: &Context,
+    mesh: &TriMesh,
+    k: usize,
+    options: &SpectrumOptions,
+) -> Result<spectral::Spectrum, Failure> {
+    let bar = if context.quiet {
+        indicatif::ProgressBar::hidden()
+    } else {
+        // Draws to the error stream, and only where that is a terminal.
+        indicatif::ProgressBar::new(k as u64)
+    };
+    let result = spectral::spectrum_with(mesh, k, options, &mut |progress| {
+        bar.set_position(progress.converged as u64);
+        std::ops::ControlFlow::Continue(())
+    });
+    bar.finish_and_clear();
+    Ok(result?)
+}
+
+impl Spectrum {
+    pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
+        if let Some(output) = &self.output {
+            self.overwrite.check(output)?;
+        }
+        let file = files::read(&self.input)?;
+        files::say_report(context, &self.input, &file.report);
+        let modes = compute(context, &file.mesh, self.k, &self.kind.options())?;
+        if let Some(output) = &self.output {
+            modes.save(output).map_err(Failure::output)?;
+        }
+        if self.json {
+            let summary = json!({
+                "eigenvalues": modes.values,
+                "residuals": modes.residuals,
+                "certified": modes.certified,
+            });
+            return print(format_args!("{summary:#}\n"));
+        }
+        let mut table = Table::new();
+        table.row(["mode", "eigenvalue", "residual"].map(str::to_owned));
+        for (i, (value, residual)) in modes.values.iter().zip(&modes.residuals).enumerate() {
+            table.row([i.to_string(), number(*value), number(*residual)]);
+        }
+        print(table)?;
+        if modes.certified {
+            context.note("certified: no smaller eigenvalue was missed");
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,69 @@
+//! What can go wrong with spectra.
+
+use fairing_operators::OperatorError;
+use fairing_sparse::{CholeskyError, EigenError};
+
+/// Why a spectrum, or something made from it, cannot be had.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SpectralError {
+    /// The operators cannot be assembled.
+    #[error(transparent)]
+    Operator(#[from] OperatorError),
+    /// The eigenproblem cannot be solved.
+    #[error(transparent)]
+    Eigen(#[from] EigenError),
+    /// A linear system cannot be solved.
+    #[error(transparent)]
+    Solve(#[from] CholeskyError),
+    /// A vertex with faces has a mass that is not positive.
+    #[error("vertex {vertex} has mass {mass:e}")]
+    Mass {
+        /// The vertex.
+        vertex: u32,
+        /// Its mass, in squared mesh units.
+        mass: f64,
+    },
+    /// More modes were asked for than there are.
+    #[error("{wanted} modes wanted of {available}")]
+    TooManyModes {
+        /// Modes wanted.
+        wanted: usize,
+        /// Modes there are: as many as vertices that are not isolated or pinned.
+        available: usize,
+    },
+    /// A field has another number of rows than there are vertices or modes.
+    #[error("{found} rows instead of {expected}")]
+    Rows {
+        /// Rows of the field.
+        found: usize,
+        /// Rows it should have.
+        expected: usize,
+    },
+    /// A parameter is out of range.
+    #[error("{name} is {value}, must be {must}")]
+    Parameter {
+        /// The parameter.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it must be.
+        must: &'static str,
+    },
+    /// A vertex that does not exist.
+    #[error("vertex {vertex} of {vertices}")]
+    NoSuchVertex {
+        /// The vertex.
+        vertex: u32,
+        /// How many there are.
+        vertices: usize,
+    },
+    /// A file cannot be read or written.
+    #[error("{path}: {problem}")]
+    File {
+        /// The file.
+        path: String,
+        /// What happened.
+        problem: String,
+    },
+}

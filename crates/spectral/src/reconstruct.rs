@@ -1,0 +1,58 @@
+//! A mesh from its smoothest modes.
+
+use fairing_mesh::TriMesh;
+use ndarray::{ArrayView2, Axis, Slice};
+
+use crate::error::SpectralError;
+use crate::spectrum::Spectrum;
+
+/// The mesh with its positions projected onto the first k modes: X_k = Φ Φᵀ M X.
+///
+/// Vertices without faces, which no mode knows, stay where they are. Dirichlet modes draw the boundary to
+/// the origin: reconstruct from Neumann modes.
+///
+/// # Errors
+///
+/// [`SpectralError::Rows`] for a spectrum of another mesh, [`SpectralError::TooManyModes`].
+///
+/// Source: \[vallet2008\].
+pub fn reconstruct(
+    mesh: &TriMesh,
+    spectrum: &Spectrum,
+    k: usize,
+) -> Result<TriMesh, SpectralError> {
+    spectrum.check_modes(k)?;
+    let positions = positions_view(mesh);
+    let coefficients = spectrum.transform(positions)?;
+    let projected = spectrum.inverse(coefficients.slice_axis(Axis(0), Slice::from(..k)))?;
+    let mass = spectrum.mass.as_mass().diagonal();
+    let moved: Vec<[f64; 3]> = mesh
+        .positions()
+        .iter()
+        .zip(projected.rows())
+        .zip(mass)
+        .map(|((old, new), m)| if m > 0.0 { [new[0], new[1], new[2]] } else { *old })
+        .collect();
+    let rows = moved.len();
+    // Same number of finite positions; only an overflow of the sums could spoil them.
+    mesh.with_positions(moved)
+        .map_err(|_| SpectralError::Rows { found: rows, expected: mesh.vertex_count() })
+}
+
+/// The positions as an `n × 3` view, without a copy.
+pub(crate) fn positions_view(mesh: &TriMesh) -> ArrayView2<'_, f64> {
+    ArrayView2::from(mesh.positions())
+}
+
+/// The error of [`reconstruct`] for k = 0 … all modes, from the coefficients alone: M-weighted RMS of the
+/// displacement, in mesh units.
+///
+/// # Errors
+///
+/// [`SpectralError::Rows`] for a spectrum of another mesh.
+pub fn reconstruction_errors(
+    mesh: &TriMesh,
+    spectrum: &Spectrum,
+) -> Result<Vec<f64>, SpectralError> {
+    spectrum.truncation_errors(positions_view(mesh))
+}

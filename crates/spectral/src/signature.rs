@@ -1,0 +1,118 @@
+//! Signatures of points and of shapes.
+
+use ndarray::{Array1, Array2};
+
+use crate::error::SpectralError;
+use crate::spectrum::Spectrum;
+
+/// Eigenvalues below this share of the largest count as zero.
+const ZERO: f64 = 1e-10;
+
+/// Heat kernel signature: k_t(x, x) = Σ e^(−λᵢ t) φᵢ(x)², `n × times`, in 1/(mesh units)².
+///
+/// The heat that is left at x at time t of a unit put there; times in squared mesh units. Small times need many
+/// modes: what λ_k t leaves out is at most e^(−λ_k t) of each mode.
+///
+/// # Errors
+///
+/// [`SpectralError::Parameter`] for a time that is not positive.
+///
+/// Source: \[sun2009\].
+pub fn heat_kernel_signature(
+    spectrum: &Spectrum,
+    times: &[f64],
+) -> Result<Array2<f64>, SpectralError> {
+    let bad = times.iter().find(|t| !(**t > 0.0 && t.is_finite()));
+    if let Some(&value) = bad {
+        return Err(SpectralError::Parameter { name: "time", value, must: "positive" });
+    }
+    let squares = spectrum.modes.mapv(|x| x * x);
+    let weights = Array2::from_shape_fn((spectrum.len(), times.len()), |(i, t)| {
+        (-spectrum.values[i] * times[t]).exp()
+    });
+    Ok(squares.dot(&weights))
+}
+
+/// `count` times evenly spread in the logarithm over what the modes resolve, 4 ln 10 / λ_k to
+/// 4 ln 10 / λ₁ (the first that is not zero). Empty without such a λ. Source: \[sun2009\].
+pub fn heat_kernel_times(spectrum: &Spectrum, count: usize) -> Vec<f64> {
+    let Some((first, last)) = range(spectrum) else { return vec![] };
+    let (from, to) = ((4.0 * 10f64.ln() / last).ln(), (4.0 * 10f64.ln() / first).ln());
+    spread(from, to, count).map(f64::exp).collect()
+}
+
+/// Wave kernel signature, `n × energies`: Σ φᵢ(x)² exp(−(e − ln λᵢ)² / 2σ²) / Σ exp(−(e − ln λᵢ)² / 2σ²).
+///
+/// The probability, by area, of finding at x a quantum particle with a log-normal energy around e; energies
+/// evenly spread in ln λ, σ seven steps, the ends kept 2σ inside. In 1/(mesh units)².
+///
+/// # Errors
+///
+/// [`SpectralError::Parameter`] for fewer than two energies, or with fewer than two different λ above zero.
+///
+/// Source: \[aubry2011\].
+pub fn wave_kernel_signature(
+    spectrum: &Spectrum,
+    energies: usize,
+) -> Result<Array2<f64>, SpectralError> {
+    let too_few = |name, value: usize, must| {
+        Err(SpectralError::Parameter { name, value: value as f64, must })
+    };
+    if energies < 2 {
+        return too_few("number of energies", energies, "at least 2");
+    }
+    let Some((first, last)) = range(spectrum).filter(|(a, b)| a < b) else {
+        return too_few("number of modes", spectrum.len(), "enough for two λ above zero");
+    };
+    let (low, high) = (first.ln(), last.ln());
+    // The step d obeys low + 2σ … high − 2σ in energies − 1 steps with σ = 7d.
+    let step = (high - low) / (energies as f64 - 1.0 + 28.0);
+    let sigma = 7.0 * step;
+    let positive: Vec<usize> =
+        (0..spectrum.len()).filter(|&i| spectrum.values[i] > ZERO * last).collect();
+    let mut weights = Array2::zeros((spectrum.len(), energies));
+    for (j, energy) in spread(low + 2.0 * sigma, high - 2.0 * sigma, energies).enumerate() {
+        for &i in &positive {
+            let d = (energy - spectrum.values[i].ln()) / sigma;
+            weights[[i, j]] = (-0.5 * d * d).exp();
+        }
+        let total: f64 = weights.column(j).sum();
+        if total > 0.0 {
+            weights.column_mut(j).mapv_inplace(|w| w / total);
+        }
+    }
+    Ok(spectrum.modes.mapv(|x| x * x).dot(&weights))
+}
+
+/// Global point signature: φᵢ(x) / √λᵢ for the modes with λ above zero, `n × modes`, dimensionless.
+///
+/// Distances between rows are distances of points whatever the pose; signs and bases of multiple
+/// eigenvalues are as arbitrary as those of modes. Source: \[rustamov2007\].
+pub fn global_point_signature(spectrum: &Spectrum) -> Array2<f64> {
+    let largest = spectrum.values.last().copied().unwrap_or(0.0);
+    let zeros = spectrum.values.iter().take_while(|l| **l <= ZERO * largest).count();
+    let mut signature = Array2::zeros((spectrum.vertex_count(), spectrum.len() - zeros));
+    for (mut column, i) in signature.columns_mut().into_iter().zip(zeros..) {
+        column.assign(&spectrum.modes.column(i));
+        column /= spectrum.values[i].sqrt();
+    }
+    signature
+}
+
+/// ShapeDNA: the eigenvalues times the area, which no scaling of the mesh changes; zeros included.
+/// Source: \[reuter2006\].
+pub fn shape_dna(spectrum: &Spectrum) -> Array1<f64> {
+    Array1::from(spectrum.values.clone()) * spectrum.area()
+}
+
+/// Smallest λ above zero and largest.
+fn range(spectrum: &Spectrum) -> Option<(f64, f64)> {
+    let last = *spectrum.values.last()?;
+    let first = spectrum.values.iter().copied().find(|l| *l > ZERO * last)?;
+    (last > 0.0).then_some((first, last))
+}
+
+fn spread(from: f64, to: f64, count: usize) -> impl Iterator<Item = f64> {
+    let steps = count.saturating_sub(1).max(1) as f64;
+    (0..count).map(move |i| from + (to - from) * i as f64 / steps)
+}

@@ -1,0 +1,159 @@
+//! Eigenvalues and modes with their mass: the transform and its inverse.
+
+use fairing_sparse::{Mass, SparseMatrix, multiply_block};
+use ndarray::{Array2, ArrayView2, Axis, Slice};
+
+use crate::error::SpectralError;
+
+/// The mass that modes are orthonormal in.
+#[derive(Debug, Clone, PartialEq)]
+pub enum MassMatrix {
+    /// A diagonal, in squared mesh units (1 or degrees for graph spectra).
+    Lumped(Vec<f64>),
+    /// A sparse matrix, in squared mesh units.
+    Consistent(SparseMatrix),
+}
+
+impl MassMatrix {
+    /// The mass as the sparse crate takes it.
+    pub fn as_mass(&self) -> Mass<'_> {
+        match self {
+            Self::Lumped(diagonal) => Mass::Lumped(diagonal),
+            Self::Consistent(matrix) => Mass::Consistent(matrix),
+        }
+    }
+
+    /// M X.
+    pub(crate) fn times(&self, x: ArrayView2<'_, f64>) -> Array2<f64> {
+        match self {
+            Self::Lumped(diagonal) => {
+                let mut y = x.to_owned();
+                for (mut row, m) in y.rows_mut().into_iter().zip(diagonal) {
+                    row *= *m;
+                }
+                y
+            }
+            Self::Consistent(matrix) => multiply_block(matrix, x),
+        }
+    }
+}
+
+/// The k smoothest modes of a mesh.
+///
+/// Isolated vertices and pinned ones have the value 0 in every mode.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spectrum {
+    /// λ, ascending, in 1/(mesh units)² (dimensionless for graph spectra).
+    pub values: Vec<f64>,
+    /// `n × k`, a mode in each column, Φᵀ M Φ = I; in 1/(mesh unit).
+    pub modes: Array2<f64>,
+    /// ‖S φ − λ M φ‖ in the M⁻¹ norm of each mode, in the unit of λ.
+    pub residuals: Vec<f64>,
+    /// M, on all vertices; 0 at isolated ones.
+    pub mass: MassMatrix,
+    /// Whether it is proved that no smaller eigenvalue was missed.
+    pub certified: bool,
+}
+
+impl Spectrum {
+    /// Number of modes k.
+    pub fn len(&self) -> usize {
+        self.values.len()
+    }
+
+    /// Whether there are no modes.
+    pub fn is_empty(&self) -> bool {
+        self.values.is_empty()
+    }
+
+    /// Number of vertices n.
+    pub fn vertex_count(&self) -> usize {
+        self.modes.nrows()
+    }
+
+    /// The total mass 1ᵀ M 1: the area of the mesh.
+    pub fn area(&self) -> f64 {
+        self.mass.as_mass().total()
+    }
+
+    /// The first k modes only.
+    ///
+    /// # Errors
+    ///
+    /// [`SpectralError::TooManyModes`].
+    pub fn truncated(&self, k: usize) -> Result<Self, SpectralError> {
+        self.check_modes(k)?;
+        Ok(Self {
+            values: self.values[..k].to_vec(),
+            modes: self.modes.slice_axis(Axis(1), Slice::from(..k)).to_owned(),
+            residuals: self.residuals[..k].to_vec(),
+            mass: self.mass.clone(),
+            certified: self.certified,
+        })
+    }
+
+    /// Coefficients Φᵀ M F, `k × d`, of a field F of d columns. For positions, in squared mesh units.
+    ///
+    /// # Errors
+    ///
+    /// [`SpectralError::Rows`].
+    ///
+    /// Source: \[vallet2008\].
+    pub fn transform(&self, field: ArrayView2<'_, f64>) -> Result<Array2<f64>, SpectralError> {
+        self.check_rows(field.nrows(), self.vertex_count())?;
+        Ok(self.modes.t().dot(&self.mass.times(field)))
+    }
+
+    /// The field Σ φᵢ cᵢ, `n × d`, of the first coefficients (all k or fewer).
+    ///
+    /// # Errors
+    ///
+    /// [`SpectralError::TooManyModes`].
+    pub fn inverse(&self, coefficients: ArrayView2<'_, f64>) -> Result<Array2<f64>, SpectralError> {
+        let k = coefficients.nrows();
+        self.check_modes(k)?;
+        Ok(self.modes.slice_axis(Axis(1), Slice::from(..k)).dot(&coefficients))
+    }
+
+    /// Energy per mode: Σ over columns of c². With all modes they sum to trace(Fᵀ M F) (Parseval).
+    pub fn energies(coefficients: ArrayView2<'_, f64>) -> Vec<f64> {
+        coefficients.rows().into_iter().map(|c| c.dot(&c)).collect()
+    }
+
+    /// The error of keeping k modes, for k = 0 … len(), from the coefficients alone.
+    ///
+    /// Entry k is the M-weighted RMS √(‖F − F_k‖²_M / area), by Parseval √((‖F‖²_M − Σ_(i<k) |cᵢ|²) / area), in
+    /// units of the field.
+    ///
+    /// # Errors
+    ///
+    /// [`SpectralError::Rows`].
+    pub fn truncation_errors(&self, field: ArrayView2<'_, f64>) -> Result<Vec<f64>, SpectralError> {
+        let coefficients = self.transform(field)?;
+        // The first mode carries most of the norm and none of the error: the remainder after all modes is
+        // measured, not subtracted, and the energies are added to it from the back.
+        let rest = &field - &self.inverse(coefficients.view())?;
+        let mut square = (&rest * &self.mass.times(rest.view())).sum().max(0.0);
+        let area = self.area();
+        let mut errors = vec![(square / area).sqrt()];
+        for energy in Self::energies(coefficients.view()).into_iter().rev() {
+            square += energy;
+            errors.push((square / area).sqrt());
+        }
+        errors.reverse();
+        Ok(errors)
+    }
+
+    pub(crate) fn check_rows(&self, found: usize, expected: usize) -> Result<(), SpectralError> {
+        if found == expected { Ok(()) } else { Err(SpectralError::Rows { found, expected }) }
+    }
+
+    pub(crate) fn check_modes(&self, wanted: usize) -> Result<(), SpectralError> {
+        let available = self.len();
+        if wanted <= available {
+            Ok(())
+        } else {
+            Err(SpectralError::TooManyModes { wanted, available })
+        }
+    }
+}
