@@ -7,6 +7,7 @@ mod q2;
 mod q3;
 mod q5;
 mod q6;
+mod q4;
 
 mod estimators;
 mod noise;
@@ -25,6 +26,7 @@ pub const ALL: &[&dyn Experiment] = &[
     &q3::CotangentCurvature,
     &q5::ExplicitFlow,
     &q6::ImplicitFlow,
+    &q4::Reconstruction,
     &estimators::Estimators,
     &noise::Noise,
 ];

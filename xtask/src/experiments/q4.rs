@@ -166,8 +166,7 @@ impl Experiment for Reconstruction {
 
 /// The stops for a mesh, the last of them all modes where that is cheap.
 fn stops(vertices: usize, most: usize) -> Vec<usize> {
-    let mut stops: Vec<usize> =
-        STOPS.into_iter().filter(|&k| k < vertices && k <= most).collect();
+    let mut stops: Vec<usize> = STOPS.into_iter().filter(|&k| k < vertices && k <= most).collect();
     if vertices <= FULL {
         stops.push(vertices);
     }
@@ -276,10 +275,8 @@ fn picture(
     }
     looks.push(("original", mesh));
     looks.dedup_by_key(|l| l.0);
-    let looks = looks
-        .into_iter()
-        .map(|(title, mesh)| Look { title, mesh, coloring: None })
-        .collect();
+    let looks =
+        looks.into_iter().map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
     Gallery { looks, viewpoints: &VIEWS, up: Up::Y, aspect: 0.9 }.draw(
         id,
         &format!("The {name} from more and more modes, and the original, from two viewpoints."),
