@@ -216,7 +216,9 @@ fn heat_is_conserved_and_spreads() {
     assert!((heat(&later) - heat(&start)).abs() < 1e-10 * heat(&start));
     let mean = heat(&start) / found.area();
     assert!(later.iter().all(|u| (u - mean).abs() < 1e-3 * mean));
-    assert_eq!(HeatDiffusion::new(&mesh, 0.0).unwrap().step(&start).unwrap(), start);
+    // Without time nothing moves, up to the rounding of √m · √m.
+    let still = HeatDiffusion::new(&mesh, 0.0).unwrap().step(&start).unwrap();
+    assert!(still.iter().zip(&start).all(|(a, b)| (a - b).abs() < 1e-15));
 }
 
 #[test]
