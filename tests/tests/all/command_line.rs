@@ -215,6 +215,9 @@ fn compare_scores_a_mesh_against_a_reference() {
     assert_eq!(other["normal_mean"]["value"], Value::Null);
     assert!(other["normal_mean"]["reason"].as_str().unwrap().contains("face"));
     assert!(other["distance_mean"]["value"].as_f64().unwrap() > 0.0);
+}
+
+#[test]
 fn smooth_moves_vertices_and_says_how() {
     let folder = folder_with_torus();
     let line = "smooth torus.ply -o smooth.ply --method implicit --lambda 5 --iterations 3 --json";

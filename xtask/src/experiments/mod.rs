@@ -5,9 +5,9 @@ use crate::experiment::Experiment;
 mod q1;
 mod q2;
 mod q3;
+mod q4;
 mod q5;
 mod q6;
-mod q4;
 
 mod estimators;
 mod noise;
@@ -24,9 +24,9 @@ pub const ALL: &[&dyn Experiment] = &[
     &q1::UniformCurvature,
     &q2::EllipsoidForms,
     &q3::CotangentCurvature,
+    &q4::Reconstruction,
     &q5::ExplicitFlow,
     &q6::ImplicitFlow,
-    &q4::Reconstruction,
     &estimators::Estimators,
     &noise::Noise,
 ];
