@@ -1,5 +1,6 @@
 //! The triangle mesh.
 
+use std::fmt;
 use std::sync::Arc;
 
 use ndarray::ArrayView2;
@@ -15,7 +16,7 @@ use crate::vec3::{cross, distance, norm, sub};
 /// Anything else is allowed: isolated vertices, faces of zero area, edges with
 /// three faces, inconsistent orientation. Cloning copies positions and shares
 /// faces and topology.
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 pub struct TriMesh {
     positions: Vec<[f64; 3]>,
     connectivity: Arc<Connectivity>,
@@ -180,6 +181,16 @@ impl TriMesh {
     /// The length of the diagonal of the bounding box; zero without vertices.
     pub fn diagonal(&self) -> f64 {
         self.bounding_box().map_or(0.0, |[lo, hi]| distance(lo, hi))
+    }
+}
+
+/// The counts: millions of coordinates in an error message help nobody.
+impl fmt::Debug for TriMesh {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("TriMesh")
+            .field("vertices", &self.vertex_count())
+            .field("faces", &self.face_count())
+            .finish_non_exhaustive()
     }
 }
 

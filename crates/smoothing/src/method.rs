@@ -24,7 +24,7 @@ use crate::windowed_sinc::{WindowedSinc, windowed_sinc};
 /// use fairing_mesh::shapes;
 /// use fairing_smoothing::Method;
 ///
-/// let sphere = shapes::icosphere(2);
+/// let sphere = shapes::icosphere(4);
 /// for method in Method::defaults() {
 ///     let smoothed = method.run(&sphere, None)?;
 ///     println!("{}: {} steps", method.name(), smoothed.report.iterations);

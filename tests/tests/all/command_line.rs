@@ -206,8 +206,9 @@ fn compare_scores_a_mesh_against_a_reference() {
     let own = scores("compare torus.ply torus.ply --json");
     let noisy = scores("compare noisy.ply torus.ply --json");
     for name in ["normal_mean", "distance_mean", "hausdorff_lower", "displacement_rms"] {
-        assert_eq!(own[name]["value"], 0.0, "{name}");
-        assert!(noisy[name]["value"].as_f64().unwrap() > 0.0, "{name}");
+        // The closest point of a face to its own corner is off by rounding.
+        assert!(own[name]["value"].as_f64().unwrap() < 1e-15, "{name}");
+        assert!(noisy[name]["value"].as_f64().unwrap() > 1e-3, "{name}");
     }
     // Other faces: what compares element by element is absent, and says why.
     io::write(folder.path().join("sphere.ply"), &shapes::icosphere(2)).unwrap();

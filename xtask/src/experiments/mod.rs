@@ -8,6 +8,7 @@ mod q3;
 mod q4;
 mod q5;
 mod q6;
+mod q7;
 
 mod estimators;
 mod noise;
@@ -27,6 +28,7 @@ pub const ALL: &[&dyn Experiment] = &[
     &q4::Reconstruction,
     &q5::ExplicitFlow,
     &q6::ImplicitFlow,
+    &q7::GrowingNoise,
     &estimators::Estimators,
     &noise::Noise,
 ];

@@ -44,7 +44,7 @@ fn check(s: &SparseMatrix, mass: Mass<'_>, pairs: &EigenPairs, tolerance: f64) {
 fn compare(values: &[f64], expected: &[f64]) {
     let largest = expected[values.len() - 1];
     for (i, (found, expected)) in values.iter().zip(expected).enumerate() {
-        assert!((found - expected).abs() < 1e-9 * largest, "{i}: {found} instead of {expected}");
+        assert!((found - expected).abs() <= 1e-9 * largest, "{i}: {found} instead of {expected}");
     }
 }
 
