@@ -68,7 +68,7 @@ impl Experiment for GrowingNoise {
         let smooth = shapes::icosphere(context.choose(4, 3));
         let mut model = table("model", "E_a on the machine part, σ in model units.");
         let mut sweep = table("sweep", "E_a over the noise level in mean edge lengths.");
-        let levels = context.choose(&SWEEP[..], &SWEEP[1..4]);
+        let levels = context.choose(&SWEEP[..], &SWEEP[2..4]);
         let total = (ASSIGNMENT.len() + 2 * levels.len()) as f64;
         for (k, &sigma) in ASSIGNMENT.iter().enumerate() {
             context.progress(k as f64 / total, "model units");
@@ -150,7 +150,7 @@ fn measure(
     level: NoiseLevel,
     sigma: f64,
 ) -> Result<()> {
-    let seeds = context.choose(SEEDS, 2);
+    let seeds = context.choose(SEEDS, 1);
     let first = context.seed("noise");
     let noisy: Vec<TriMesh> = (0..seeds)
         .map(|k| add_noise(truth, NoiseKind::GaussianPerAxis, level, first.wrapping_add(k)))
