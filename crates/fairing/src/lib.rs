@@ -9,3 +9,8 @@ pub use fairing_operators as operators;
 pub use fairing_smoothing as smoothing;
 pub use fairing_sparse as sparse;
 pub use fairing_spectral as spectral;
+
+/// The examples of the README, compiled and run with the tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+pub struct Readme;
