@@ -31,10 +31,10 @@ class View {
     this.id = figure.id;
     this.maps = maps;
     this.description = JSON.parse(figure.querySelector('script.about').textContent);
-    const {angles, slider, fields} = this.description;
+    const {angles, sliders, fields} = this.description;
     this.camera = new Camera(angles[0], angles[1]);
     this.state = {
-      stop: slider ? slider.start : 0,
+      stops: sliders.map(() => 0),
       field: fields.length ? 0 : -1,
       map: null,
       range: null,
@@ -62,12 +62,13 @@ class View {
       zeros: new Float32Array(panel.vertices),
       shapes: new Map(),
     }));
-    this.stage.replaceChildren(...this.controls(), this.panels(), ...this.sliders(), this.readout());
+    this.stage.replaceChildren(...this.controls(), this.panels(), ...this.sliderRows(), this.readout());
     this.figure.classList.add('open');
     const fit = new ResizeObserver(() => this.resize());
     for (const {canvas} of this.shown) fit.observe(canvas);
     this.resize();
     this.settle();
+    this.recallLive();
   }
 
   // What is built.
@@ -138,19 +139,17 @@ class View {
     return element('div', {class: 'panels'}, ...each);
   }
 
-  sliders() {
-    const rows = [];
-    const {slider} = this.description;
-    if (slider) {
-      const last = slider.stops.length - 1;
-      this.slider = element('input', {type: 'range', min: 0, max: last, step: 1, 'aria-label': slider.name});
-      this.sliderText = element('output', {});
-      this.slider.addEventListener('input', () => {
-        this.live = null;
-        this.change({stop: Number(this.slider.value)});
+  sliderRows() {
+    this.sliders = this.description.sliders.map(({name, stops}, which) => {
+      const input = element('input', {type: 'range', min: 0, max: stops.length - 1, step: 1, 'aria-label': name});
+      const words = element('output', {});
+      input.addEventListener('input', () => {
+        this.forgetLive();
+        this.change({stops: this.state.stops.map((stop, i) => (i === which ? Number(input.value) : stop))});
       });
-      rows.push(element('div', {class: 'slider'}, this.sliderText, this.slider));
-    }
+      return {name, stops, input, words};
+    });
+    const rows = this.sliders.map(({input, words}) => element('div', {class: 'slider'}, words, input));
     if (this.meshes.some((m) => m.live)) rows.push(...this.liveControls());
     return rows;
   }
@@ -270,6 +269,27 @@ class View {
     return picked;
   }
 
+  /** λ and the number of steps of the live result that is shown, if one is. */
+  liveState() {
+    return this.live ? `${this.lambda.value}~${this.count.value}` : '';
+  }
+
+  /** Smooths as the address says. */
+  recallLive() {
+    const [lambda, count] = (this.wantedLive ?? '').split('~').map(Number);
+    if (!this.lambda || !this.wantedLive || !Number.isFinite(lambda) || !Number.isInteger(count)) return;
+    this.lambda.value = lambda;
+    this.count.value = count;
+    this.smoothLive();
+  }
+
+  /** Shows what the sliders say, not what the page has computed. */
+  forgetLive() {
+    this.task += 1;
+    this.live = null;
+    if (this.liveText) this.liveText.textContent = '';
+  }
+
   async smoothLive() {
     const task = ++this.task;
     const panel = this.meshes.findIndex((m) => m.live);
@@ -291,6 +311,7 @@ class View {
     this.liveText.textContent = `Moved by ${readable(rms)} (RMS); ${took.toFixed(0)} ms.`;
     this.live = {panel, positions: result};
     this.settle();
+    this.remember();
   }
 
   /** The live mesh after `count` implicit steps, in mesh units. */
@@ -307,8 +328,14 @@ class View {
 
   // What is shown.
 
+  /** The combination of stops that is chosen; the last slider runs fastest. */
+  combination() {
+    const {sliders} = this.description;
+    return sliders.reduce((at, {stops}, i) => at * stops.length + this.state.stops[i], 0);
+  }
+
   stopOf(list) {
-    return Math.min(this.state.stop, list.length - 1);
+    return Math.min(this.combination(), list.length - 1);
   }
 
   field(mesh) {
@@ -362,7 +389,7 @@ class View {
     const map = this.maps[this.mapName()];
     const [low, high] = this.range();
     const size = 1024;
-    const key = [this.mapName(), low, high, this.state.even, this.state.even && this.state.stop, this.state.field].join();
+    const key = [this.mapName(), low, high, this.state.even, this.state.even && this.combination(), this.state.field].join();
     if (this.lookupKey === key) return this.lookupColors;
     const colors = new Uint8Array(3 * size);
     const shares = this.state.even ? this.shares(low, high, size) : null;
@@ -491,7 +518,6 @@ class View {
 
   settle() {
     const {state} = this;
-    const {slider} = this.description;
     if (this.fieldChoice) {
       this.fieldChoice.value = state.field;
       this.mapChoice.value = this.mapName();
@@ -502,12 +528,12 @@ class View {
       });
     }
     for (const [key, box] of Object.entries(this.switches)) box.checked = state[key];
-    if (slider) {
-      this.slider.value = state.stop;
-      const words = `${slider.name} = ${slider.stops[state.stop]}`;
-      this.sliderText.textContent = this.live ? `${words} (live below)` : words;
-      this.slider.setAttribute('aria-valuetext', words);
-    }
+    this.sliders.forEach(({name, stops, input, words}, i) => {
+      input.value = state.stops[i];
+      const text = `${name} = ${stops[state.stops[i]]}`;
+      words.textContent = this.live ? `${text} (live below)` : text;
+      input.setAttribute('aria-valuetext', text);
+    });
     for (const shown of this.shown) shown.bar.replaceChildren(...drawBar(this, shown.mesh));
     this.words.textContent = this.pickedWords();
     this.draw();
@@ -539,19 +565,20 @@ class View {
     const {state} = this;
     const switches = ['wire', 'lines', 'even', 'flat'].filter((key) => state[key]).join('~');
     const range = state.range ? state.range.join('~') : '';
-    return [this.camera.toText(), state.stop, state.field, state.map ?? '', range, switches, state.picked].join('!');
+    return [this.camera.toText(), state.stops.join('~'), state.field, state.map ?? '', range, switches, state.picked, this.liveState()].join('!');
   }
 
   fromText(text) {
-    const [camera, stop, field, map, range, switches, picked] = text.split('!');
-    const {slider, fields, panels} = this.description;
+    const [camera, stops, field, map, range, switches, picked, live] = text.split('!');
+    const {sliders, fields, panels} = this.description;
     this.camera.fromText(camera ?? '');
     const whole = (value, low, high, otherwise) => {
       const x = Number(value);
       return value !== '' && Number.isInteger(x) && x >= low && x <= high ? x : otherwise;
     };
     const {state} = this;
-    state.stop = whole(stop, 0, slider ? slider.stops.length - 1 : 0, state.stop);
+    const chosen = (stops ?? '').split('~');
+    state.stops = sliders.map((s, i) => whole(chosen[i] ?? '', 0, s.stops.length - 1, state.stops[i]));
     state.field = whole(field, -1, fields.length - 1, state.field);
     state.map = Object.hasOwn(this.maps, map) ? map : null;
     const ends = (range ?? '').split('~').map(Number);
@@ -559,5 +586,7 @@ class View {
     const on = (switches ?? '').split('~');
     for (const key of ['wire', 'lines', 'even', 'flat']) state[key] = on.includes(key);
     state.picked = whole(picked, -1, Math.max(...panels.map((p) => p.vertices)) - 1, -1);
+    this.wantedLive = live ?? '';
+    if (this.shown) this.recallLive();
   }
 }

@@ -3,7 +3,7 @@
 use fairing_mesh::TriMesh;
 use serde::{Deserialize, Serialize};
 
-/// Panels shown side by side, with one camera, and perhaps a slider that moves
+/// Panels shown side by side, with one camera, and perhaps sliders that move
 /// the vertices of all of them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct View {
@@ -15,8 +15,9 @@ pub struct View {
     pub alt: String,
     /// The figure (by id) that stands in where there is no WebGL.
     pub fallback: String,
-    /// The slider, if there is one.
-    pub slider: Option<Slider>,
+    /// The sliders, top to bottom. What a panel shows is given for each
+    /// combination of their stops, those of the last slider running fastest.
+    pub sliders: Vec<Slider>,
     /// The panels, left to right.
     pub panels: Vec<Panel>,
 }
@@ -35,7 +36,7 @@ pub struct Slider {
 pub struct Panel {
     /// The title.
     pub title: String,
-    /// Positions at each stop of the slider; one entry if it does not move.
+    /// Positions at each combination of stops; one entry if it does not move.
     pub positions: Vec<Vec<[f32; 3]>>,
     /// The faces.
     pub faces: Vec<[u32; 3]>,
@@ -56,11 +57,25 @@ pub struct Field {
     pub unit: String,
     /// Whether zero is the middle of the colours.
     pub signed: bool,
-    /// Values at each stop of the slider; one entry if they do not change.
+    /// Values at each combination of stops; one entry if they do not change.
     pub values: Vec<Vec<f32>>,
     /// The vertices without a value, ascending; theirs above is ignored.
     #[serde(default)]
     pub undefined: Vec<u32>,
+}
+
+impl View {
+    /// The number of combinations of stops; one without sliders.
+    pub fn combinations(&self) -> usize {
+        self.sliders.iter().map(|s| s.stops.len()).product()
+    }
+}
+
+impl Slider {
+    /// A slider with these stops.
+    pub fn new<T: ToString>(name: &str, stops: impl IntoIterator<Item = T>) -> Self {
+        Self { name: name.into(), stops: stops.into_iter().map(|s| s.to_string()).collect() }
+    }
 }
 
 impl Panel {
@@ -75,7 +90,7 @@ impl Panel {
         }
     }
 
-    /// One set of positions for each stop of the slider, over the faces of
+    /// One set of positions for each combination of stops, over the faces of
     /// `mesh`.
     pub fn moving<'a>(
         title: &str,
@@ -86,13 +101,14 @@ impl Panel {
         Self { positions, ..Self::still(title, mesh) }
     }
 
-    /// The same panel with a field that does not change with the slider.
+    /// The same panel with a field that does not change with the sliders.
     #[must_use]
     pub fn with_field(self, name: &str, unit: &str, signed: bool, values: &[f64]) -> Self {
         self.with_moving_field(name, unit, signed, [values])
     }
 
-    /// The same panel with a field that has values of its own at each stop.
+    /// The same panel with a field that has values of its own at each
+    /// combination of stops.
     #[must_use]
     pub fn with_moving_field<'a>(
         mut self,

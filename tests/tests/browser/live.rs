@@ -4,6 +4,7 @@ use std::path::Path;
 
 use anyhow::{Result, ensure};
 use fairing_smoothing::{Diffusion, Implicit, implicit};
+use serde_json::json;
 
 use crate::Test;
 use crate::chrome::Chrome;
@@ -43,6 +44,16 @@ fn agrees(chrome: &mut Chrome, page: &Path) -> Result<()> {
     Ok(())
 }
 
+/// Waits until the page has smoothed.
+const WAIT: &str = "async () => {
+  for (let i = 0; i < 200; i++) {
+    const words = document.querySelector('#q5-flow .status').textContent;
+    if (words.startsWith('Moved')) return words;
+    await new Promise((go) => setTimeout(go, 50));
+  }
+  return '';
+}";
+
 fn shows(chrome: &mut Chrome, page: &Path) -> Result<()> {
     report::open(chrome, page)?;
     chrome.run(
@@ -53,19 +64,29 @@ fn shows(chrome: &mut Chrome, page: &Path) -> Result<()> {
            s[1].dispatchEvent(new Event('input'));
          })()",
     )?;
-    let words = chrome.run(
-        "(async () => {
-           const at = '#q5-flow .status';
-           for (let i = 0; i < 200; i++) {
-             const words = document.querySelector(at).textContent;
-             if (words.startsWith('Moved')) return words;
-             await new Promise((go) => setTimeout(go, 50));
-           }
-           return '';
-         })()",
-    )?;
+    let words = chrome.run(&format!("({WAIT})()"))?;
     ensure!(words.as_str().is_some_and(|w| w.starts_with("Moved by")), "{words}");
     let live = chrome.run("fairing.views.get('q5-flow').live !== null")?;
     ensure!(live == true, "the result is not shown");
-    chrome.picture("live")
+    chrome.picture("live")?;
+    // The address brings it back, and the other slider puts it away.
+    std::thread::sleep(std::time::Duration::from_millis(400));
+    let address = chrome.run("location.href")?;
+    chrome.call("Page.navigate", json!({"url": "about:blank"}))?;
+    chrome.open(address.as_str().unwrap_or_default())?;
+    chrome.run("fairing.openAll()")?;
+    let back = chrome.run(&format!("({WAIT})()"))?;
+    ensure!(
+        back.as_str().is_some_and(|w| w.starts_with("Moved by")),
+        "it did not come back: {back}"
+    );
+    let live = chrome.run(
+        "(() => {
+           const s = document.querySelector('#q5-flow .slider input');
+           s.dispatchEvent(new Event('input'));
+           return fairing.views.get('q5-flow').live;
+         })()",
+    )?;
+    ensure!(live.is_null(), "the live result stays over the slider's");
+    Ok(())
 }

@@ -5,14 +5,15 @@ use std::path::Path;
 use anyhow::{Result, ensure};
 use serde_json::json;
 
-use crate::Test;
 use crate::chrome::Chrome;
+use crate::{Test, scene};
 
 pub(crate) fn trials() -> Vec<(&'static str, Test)> {
     vec![
         ("loads_without_complaint_or_request", loads),
         ("every_view_draws", draws),
         ("the_slider_changes_the_picture", slides),
+        ("two_sliders_make_combinations", combines),
         ("dragging_turns_all_panels", turns),
         ("picking_shows_the_values_of_a_vertex", picks),
         ("choices_change_the_picture", chooses),
@@ -89,8 +90,8 @@ fn loads(chrome: &mut Chrome, page: &Path) -> Result<()> {
 fn draws(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page)?;
     let count = chrome.number("document.querySelectorAll('figure.view canvas').length")?;
-    ensure!(count == 3.0, "{count} canvases");
-    for canvas in 0..3 {
+    ensure!(count == 4.0, "{count} canvases");
+    for canvas in 0..4 {
         let (drawn, _) = picture(chrome, canvas)?;
         ensure!((0.15..0.75).contains(&drawn), "canvas {canvas}: {drawn} of it is drawn");
     }
@@ -112,6 +113,37 @@ fn slides(chrome: &mut Chrome, page: &Path) -> Result<()> {
     ensure!(picture(chrome, 0)?.1 == before[0].1, "the still panel has changed");
     ensure!(picture(chrome, 1)?.1 != before[1].1, "the moving panel has not changed");
     chrome.picture("slid")
+}
+
+/// Each combination shows the ellipsoid that it names.
+fn combines(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    open(chrome, page)?;
+    for (i, width) in scene::WIDTHS.into_iter().enumerate() {
+        for (j, height) in scene::HEIGHTS.into_iter().enumerate() {
+            let found = chrome.run(&format!(
+                "(() => {{
+                   const s = document.querySelectorAll('#q5-grid .slider input');
+                   [{i}, {j}].forEach((value, k) => {{
+                     s[k].value = value;
+                     s[k].dispatchEvent(new Event('input'));
+                   }});
+                   const v = fairing.views.get('q5-grid');
+                   const p = v.meshes[0].stops[v.combination()];
+                   const reach = (k) => Math.max(...p.filter((_, i) => i % 3 === k));
+                   const words = [...document.querySelectorAll('#q5-grid .slider output')];
+                   return [reach(0), reach(1), ...words.map((w) => w.textContent)];
+                 }})()"
+            ))?;
+            // Positions are stored in 16 bits.
+            for (k, expected) in [width, height].into_iter().enumerate() {
+                let reach = found[k].as_f64().unwrap_or(0.0);
+                ensure!((reach - expected).abs() < 1e-3, "{i}, {j}: {found}");
+            }
+            ensure!(found[2] == format!("width = {width}").as_str(), "{found}");
+            ensure!(found[3] == format!("height = {height}").as_str(), "{found}");
+        }
+    }
+    chrome.picture("grid")
 }
 
 fn turns(chrome: &mut Chrome, page: &Path) -> Result<()> {
@@ -167,7 +199,7 @@ fn chooses(chrome: &mut Chrome, page: &Path) -> Result<()> {
         "{field: -1}",
     ] {
         // Without values, the stop must differ for anything to show.
-        chrome.run(&format!("fairing.views.get('q5-flow').change({{stop: 2, ...{change}}})"))?;
+        chrome.run(&format!("fairing.views.get('q5-flow').change({{stops: [2], ...{change}}})"))?;
         let now = picture(chrome, 1)?.1;
         ensure!(now != last, "{change} changes nothing");
         last = now;
@@ -184,7 +216,7 @@ fn remembers(chrome: &mut Chrome, page: &Path) -> Result<()> {
         "(() => {
            const v = fairing.views.get('q5-flow');
            v.camera.turn(40, 10);
-           v.change({stop: 3, field: 1, map: 'turbo', wire: true, range: [0, 0.05]});
+           v.change({stops: [3], field: 1, map: 'turbo', wire: true, range: [0, 0.05]});
          })()",
     )?;
     let before = [picture(chrome, 0)?, picture(chrome, 1)?];
@@ -237,7 +269,7 @@ fn stands_in(chrome: &mut Chrome, page: &Path) -> Result<()> {
     chrome.call("Page.addScriptToEvaluateOnNewDocument", json!({"source": script}))?;
     chrome.open(&format!("file://{}", page.display()))?;
     let pictures = chrome.number("document.querySelectorAll('figure.view .stage img').length")?;
-    ensure!(pictures == 2.0, "{pictures} of 2 views show their figure");
+    ensure!(pictures == 3.0, "{pictures} of 3 views show their figure");
     ensure!(chrome.complaints.is_empty(), "{:?}", chrome.complaints);
     Ok(())
 }

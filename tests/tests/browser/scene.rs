@@ -58,10 +58,7 @@ fn flow() -> View {
         caption: "Explicit smoothing of a noisy sphere.".into(),
         alt: "Two bumpy spheres, one noisy, one smooth.".into(),
         fallback: "picture".into(),
-        slider: Some(Slider {
-            name: "iterations".into(),
-            stops: (0..stops.len()).map(|i| i.to_string()).collect(),
-        }),
+        sliders: vec![Slider::new("iterations", 0..stops.len())],
         panels: vec![still, moving],
     }
 }
@@ -82,8 +79,28 @@ fn open() -> View {
         caption: "An open surface.".into(),
         alt: "A flower of four petals.".into(),
         fallback: "picture".into(),
-        slider: None,
+        sliders: vec![],
         panels: vec![panel],
+    }
+}
+
+/// Widths and heights of the ellipsoids of the view with two sliders.
+pub(crate) const WIDTHS: [f64; 2] = [1.0, 1.5];
+pub(crate) const HEIGHTS: [f64; 3] = [0.5, 1.0, 2.0];
+
+fn grid() -> View {
+    let sphere = shapes::icosphere(2);
+    let stretched = |width: f64, height: f64| -> Vec<[f64; 3]> {
+        sphere.positions().iter().map(|p| [width * p[0], height * p[1], p[2]]).collect()
+    };
+    let all: Vec<_> = WIDTHS.iter().flat_map(|&w| HEIGHTS.map(|h| stretched(w, h))).collect();
+    View {
+        id: "grid".into(),
+        caption: "Ellipsoids.".into(),
+        alt: "An ellipsoid.".into(),
+        fallback: "picture".into(),
+        sliders: vec![Slider::new("width", WIDTHS), Slider::new("height", HEIGHTS)],
+        panels: vec![Panel::moving("ellipsoid", &sphere, all.iter().map(|p| &p[..]))],
     }
 }
 
@@ -124,7 +141,7 @@ pub(crate) fn page() -> Result<String> {
             files: vec![],
             notes: vec!["A note with <angle> brackets & signs.".into()],
             seconds: 1.0,
-            views: vec![flow(), open()],
+            views: vec![flow(), open(), grid()],
         };
     let provenance = Provenance {
         program: "fairing".into(),

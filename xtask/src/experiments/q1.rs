@@ -190,7 +190,7 @@ impl<'a> Pictures<'a> {
             ),
             alt: format!("The {} to turn, plain and coloured by curvature.", self.name),
             fallback: format!("{}-signed", self.name),
-            slider: None,
+            sliders: vec![],
             panels: vec![Panel::still("original", self.mesh), colored],
         }
     }

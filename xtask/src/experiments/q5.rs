@@ -331,7 +331,7 @@ fn view(model: &Model, smoothed: &[TriMesh]) -> View {
         ),
         alt: format!("The {} to turn, with a slider over λ.", model.name),
         fallback: slug(model.name),
-        slider: Some(Slider { name: "λ".into(), stops: stops.take(stable).collect() }),
+        sliders: vec![Slider::new("λ", stops.take(stable))],
         panels: vec![Panel::moving(
             "explicit",
             &model.noisy,

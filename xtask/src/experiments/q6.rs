@@ -446,7 +446,7 @@ fn view(model: &Model, smoothed: &[TriMesh]) -> View {
         caption: format!("The {} after 50 implicit steps, over λ.", model.name),
         alt: format!("The {} to turn, with a slider over λ.", model.name),
         fallback: slug(model.name),
-        slider: Some(Slider { name: "λ".into(), stops: stops.collect() }),
+        sliders: vec![Slider::new("λ", stops)],
         panels: vec![Panel::moving(
             "implicit",
             &model.noisy,

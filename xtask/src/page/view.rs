@@ -56,8 +56,7 @@ pub(super) fn figure(view: &View, id: &str, fallback: &str) -> Result<String> {
 fn describe(view: &View) -> Result<(Value, String)> {
     ensure!(!view.panels.is_empty(), "there is no panel");
     for panel in &view.panels {
-        check(panel, view.slider.as_ref().map_or(1, |s| s.stops.len()))
-            .with_context(|| format!("panel {}", panel.title))?;
+        check(panel, view.combinations()).with_context(|| format!("panel {}", panel.title))?;
     }
     let frame = Frame::around(&view.panels);
     let mut pack = Pack::default();
@@ -88,9 +87,9 @@ fn describe(view: &View) -> Result<(Value, String)> {
         "angles": frame.angles(),
         "ball": {"center": frame.center(), "radius": reach(&view.panels, frame.center())},
         "flat": view.panels.iter().any(|p| p.positions.len() > 1),
-        "slider": view.slider.as_ref().map(|slider| {
-            json!({"name": slider.name, "stops": slider.stops, "start": 0})
-        }),
+        "sliders": view.sliders.iter().map(|slider| {
+            json!({"name": slider.name, "stops": slider.stops})
+        }).collect::<Vec<_>>(),
         "faceLists": lists.iter().map(|l| l.len()).collect::<Vec<_>>(),
         "fields": fields,
         "panels": panels,
