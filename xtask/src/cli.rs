@@ -7,7 +7,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::compare::{Difference, differences};
 use crate::results::Results;
-use crate::runner::{self, Plan};
+use crate::runner::{self, Form, Plan};
 use crate::{bench, data, experiments, gate, reference, tidy};
 
 /// Regenerates the report, measures speed, and keeps the repository in order.
@@ -59,8 +59,8 @@ struct Reproduce {
     /// Run on the generated meshes and compare with the committed reference values, within each column's tolerance; times are not compared. Writes no report
     #[arg(long, conflicts_with_all = ["meshes", "out", "accept", "diff"])]
     check: bool,
-    /// Run on the generated meshes and make the results the reference values
-    #[arg(long, conflicts_with_all = ["meshes", "out", "diff"])]
+    /// Run on the generated meshes and make the results the reference values: those of a full run are the report in docs/report, those of a quick one stand in docs/reference
+    #[arg(long, conflicts_with_all = ["meshes", "out", "only", "diff"])]
     accept: bool,
     /// Compare two results.json and do nothing else
     #[arg(long, num_args = 2, value_names = ["OLD", "NEW"])]
@@ -173,19 +173,26 @@ impl Reproduce {
             cache: root().join("target/reproduce"),
             quick: self.quick,
             fresh: self.fresh,
+            form: if self.accept { Form::Small } else { Form::Whole },
         }
     }
 
     /// Reference values are those of the generated meshes, which everybody has.
     fn hold_against_reference(&self) -> Result<bool> {
-        let folder = root().join("target/check");
+        let publish = self.accept && !self.quick;
+        let folder = root().join(if publish { reference::REPORT } else { "target/check" });
         let results = runner::reproduce(experiments::ALL, &self.plan(None, &folder))?;
-        let partial = !self.only.is_empty();
         if self.accept {
-            let path = reference::accept(&root(), &results, partial)?;
-            println!("The reference values are in {}.", path.display());
+            if !publish {
+                reference::accept(&root(), &results)?;
+            }
+            println!(
+                "The reference values are in {}.",
+                reference::path(&root(), self.quick).display()
+            );
             return Ok(succeeded(&results));
         }
+        let partial = !self.only.is_empty();
         Ok(succeeded(&results) & agree(&reference::check(&root(), &results, partial)?))
     }
 }

@@ -9,35 +9,32 @@ use crate::compare::{Difference, differences};
 use crate::json;
 use crate::results::{Record, Results};
 
-/// The file with the reference values of quick or of full runs.
+/// The folder of the committed report, from the root.
+pub const REPORT: &str = "docs/report";
+
+/// The file with the reference values of quick or of full runs. Those of a full
+/// run are the numbers of the committed report, so that neither can drift from
+/// the other.
 pub fn path(root: &Path, quick: bool) -> PathBuf {
-    root.join("docs/reference").join(if quick { "quick.json" } else { "full.json" })
+    if quick {
+        root.join("docs/reference/quick.json")
+    } else {
+        root.join(REPORT).join("results.json")
+    }
 }
 
-/// Makes the tables and verdicts of these results the reference. With
-/// `partial`, experiments that were not run keep their old values.
+/// Makes the tables and verdicts of a quick run the reference.
 ///
 /// # Errors
 ///
-/// If the file cannot be read or written.
-pub fn accept(root: &Path, results: &Results, partial: bool) -> Result<PathBuf> {
+/// If the file cannot be written.
+pub fn accept(root: &Path, results: &Results) -> Result<()> {
     let path = path(root, results.provenance.quick);
-    let mut experiments: Vec<Record> = results.experiments.iter().map(bare).collect();
-    if partial && path.exists() {
-        let mut old = Results::read(&path)?.experiments;
-        for record in experiments {
-            match old.iter_mut().find(|r| r.id == record.id) {
-                Some(place) => *place = record,
-                None => old.push(record),
-            }
-        }
-        experiments = old;
-    }
+    let experiments = results.experiments.iter().map(bare).collect();
     let reference = Results { provenance: results.provenance.clone(), experiments };
     fs::create_dir_all(path.parent().unwrap_or(root))?;
     fs::write(&path, json::readable(&reference)?)
-        .with_context(|| format!("writing {}", path.display()))?;
-    Ok(path)
+        .with_context(|| format!("writing {}", path.display()))
 }
 
 /// What differs from the reference values.

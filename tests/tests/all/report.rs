@@ -7,7 +7,7 @@ use serde_json::Value;
 use xtask::experiment::{Card, Context, Experiment};
 use xtask::outcome::Outcome;
 use xtask::results::Results;
-use xtask::runner::{Plan, reproduce};
+use xtask::runner::{Form, Plan, reproduce};
 use xtask::table::{Table, Tables, Unit};
 use xtask::verdict::{Judgement, Verdict};
 use xtask::{experiments, row};
@@ -26,6 +26,7 @@ fn plan(out: &Path, only: &[&str]) -> Plan {
         out: out.to_path_buf(),
         quick: true,
         fresh: true,
+        form: Form::Whole,
     }
 }
 
@@ -77,6 +78,37 @@ fn results_follow_the_schema() {
     for name in ["report.md", "report.html"] {
         assert!(std::fs::read_to_string(out.join(name)).unwrap().contains("ellipsoid"), "{name}");
     }
+}
+
+/// The report that is committed has the same numbers, no meshes, narrower
+/// pictures, and a page that shows them from their files.
+#[test]
+fn a_small_report_says_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    let [whole, small] = [Form::Whole, Form::Small].map(|form| {
+        let out = folder.path().join(format!("{form:?}"));
+        let plan = Plan { form, ..plan(&out, &["q1"]) };
+        (reproduce(experiments::ALL, &plan).unwrap(), out)
+    });
+    assert_eq!(xtask::compare::differences(&whole.0, &small.0, false), []);
+    let meshes =
+        |r: &Results| r.experiments[0].files.iter().filter(|f| f.path.ends_with(".ply")).count();
+    assert!(meshes(&whole.0) > 0 && meshes(&small.0) == 0);
+    let page = std::fs::read_to_string(small.1.join("report.html")).unwrap();
+    for figure in &small.0.experiments[0].figures {
+        let file = std::fs::File::open(small.1.join(&figure.png)).unwrap();
+        let picture = png::Decoder::new(std::io::BufReader::new(file)).read_info().unwrap();
+        assert!(picture.info().width <= 960, "{}", figure.png);
+        let linked = |path: &str| page.contains(&format!("src=\"{path}\""));
+        assert!(linked(&figure.png) || figure.svg.as_deref().is_some_and(linked), "{}", figure.id);
+    }
+    let size = |folder: &Path| -> u64 {
+        ["report.html", "q1/flower.png"]
+            .map(|name| std::fs::metadata(folder.join(name)).unwrap().len())
+            .iter()
+            .sum()
+    };
+    assert!(2 * size(&small.1) < size(&whole.1));
 }
 
 /// Two runs agree to the last digit, and reading back loses nothing.

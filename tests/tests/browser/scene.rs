@@ -5,6 +5,7 @@ use fairing_mesh::{TriMesh, shapes};
 use xtask::page;
 use xtask::provenance::Provenance;
 use xtask::results::{FigureFile, Record, Results};
+use xtask::runner::Form;
 use xtask::table::Unit;
 use xtask::verdict::{Judgement, Verdict};
 use xtask::view::{Panel, Slider, View};
@@ -156,5 +157,10 @@ pub(crate) fn page() -> Result<String> {
         quick: true,
         date: "2000-01-01".into(),
     };
-    page::report(&Results { provenance, experiments: vec![record] }, &[], folder.path())
+    page::report(
+        &Results { provenance, experiments: vec![record] },
+        &[],
+        folder.path(),
+        Form::Whole,
+    )
 }

@@ -18,10 +18,12 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use anyhow::Result;
+use rayon::prelude::*;
 
 use crate::experiment::Experiment;
 use crate::markdown;
-use crate::results::Results;
+use crate::results::{Record, Results};
+use crate::runner::Form;
 use crate::verdict::{Judgement, Verdict};
 use html::escape;
 
@@ -39,18 +41,26 @@ const SCRIPTS: [&str; 7] = [
 const STYLE: &str = include_str!("../../assets/style.css");
 
 /// The page. `folder` holds the files of the report, whose pictures are put
-/// into the page.
+/// into the page, or linked if the report is to be small.
 ///
 /// # Errors
 ///
 /// If a picture cannot be read or a view does not hold together.
-pub fn report(results: &Results, experiments: &[&dyn Experiment], folder: &Path) -> Result<String> {
+pub fn report(
+    results: &Results,
+    experiments: &[&dyn Experiment],
+    folder: &Path,
+    form: Form,
+) -> Result<String> {
     let mut main = opening(results);
     main += &claims(results);
-    for record in &results.experiments {
+    let section = |record: &Record| {
         let card = experiments.iter().map(|e| e.card()).find(|c| c.id == record.id);
-        main += &section::experiment(record, card.as_ref(), folder)?;
-    }
+        section::experiment(record, card.as_ref(), folder, form)
+    };
+    let sections: Vec<String> =
+        results.experiments.par_iter().map(section).collect::<Result<_>>()?;
+    main += &sections.concat();
     main += &provenance(results);
     Ok(document("Fairing: the experiments", &contents(results), &main))
 }

@@ -11,12 +11,18 @@ use super::html::escape;
 use super::view;
 use crate::experiment::Card;
 use crate::results::{FigureFile, Record};
+use crate::runner::Form;
 use crate::table::{Cell, Table, Unit};
 use crate::verdict::{Judgement, Verdict};
 
 /// Question, method, verdicts, views, figures, tables and how to make it
 /// again.
-pub(super) fn experiment(record: &Record, card: Option<&Card>, folder: &Path) -> Result<String> {
+pub(super) fn experiment(
+    record: &Record,
+    card: Option<&Card>,
+    folder: &Path,
+    form: Form,
+) -> Result<String> {
     let mut text = format!(
         "<section id=\"{0}\"><h2><span class=\"id\">{0}</span> {1}</h2>\
          <p class=\"question\">{2}</p>",
@@ -52,7 +58,7 @@ pub(super) fn experiment(record: &Record, card: Option<&Card>, folder: &Path) ->
         text += &view::figure(v, &id, &fallback)?;
     }
     for figure in &record.figures {
-        text += &picture(record, figure, folder)?;
+        text += &picture(record, figure, folder, form)?;
     }
     for t in &record.tables {
         let link = format!("{}/{}.csv", record.id, t.id);
@@ -120,22 +126,29 @@ fn parameters(record: &Record) -> String {
     }
 }
 
-/// The smaller of PNG and SVG stands in the page; both are linked.
-fn picture(record: &Record, figure: &FigureFile, folder: &Path) -> Result<String> {
+/// The smaller of PNG and SVG stands in the page, or is shown from its file if
+/// the report is to be small; both are linked.
+fn picture(record: &Record, figure: &FigureFile, folder: &Path, form: Form) -> Result<String> {
     let read = |path: &str| fs::read(folder.join(path)).with_context(|| format!("reading {path}"));
     let png = read(&figure.png)?;
     let svg = figure.svg.as_deref().map(read).transpose()?;
-    let (kind, bytes) = match svg {
-        Some(svg) if svg.len() <= png.len() => ("svg+xml", svg),
-        _ => ("png", png),
+    let (kind, bytes, path) = match (svg, &figure.svg) {
+        (Some(svg), Some(path)) if svg.len() <= png.len() => ("svg+xml", svg, path),
+        _ => ("png", png, &figure.png),
     };
-    let data = base64::engine::general_purpose::STANDARD.encode(bytes);
+    let source = match form {
+        Form::Small => escape(path),
+        Form::Whole => {
+            let data = base64::engine::general_purpose::STANDARD.encode(bytes);
+            format!("data:image/{kind};base64,{data}")
+        }
+    };
     let mut links = format!("<a href=\"{}\">PNG</a>", escape(&figure.png));
     if let Some(svg) = &figure.svg {
         let _ = write!(links, ", <a href=\"{}\">SVG</a>", escape(svg));
     }
     Ok(format!(
-        "<figure class=\"picture\" id=\"{}\"><img loading=\"lazy\" src=\"data:image/{kind};base64,{data}\" \
+        "<figure class=\"picture\" id=\"{}\"><img loading=\"lazy\" src=\"{source}\" \
          alt=\"{}\"><figcaption>{} <span class=\"soft\">({links})</span></figcaption></figure>",
         escape(&figure_id(record, &figure.id)),
         escape(&figure.alt),

@@ -1,6 +1,7 @@
 //! Runs experiments and writes the report.
 
 mod cache;
+mod shrink;
 mod write;
 
 use std::collections::BTreeSet;
@@ -40,6 +41,18 @@ pub struct Plan {
     pub quick: bool,
     /// Whether to run what has been run before.
     pub fresh: bool,
+    /// What the report holds.
+    pub form: Form,
+}
+
+/// What a report holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// Everything; the page is one file.
+    Whole,
+    /// What is small enough to be committed: no meshes, smaller pictures, and
+    /// those beside the page instead of in it.
+    Small,
 }
 
 /// Runs the plan and returns what was measured, failures included.
@@ -94,10 +107,16 @@ pub fn reproduce(experiments: &[&dyn Experiment], plan: &Plan) -> Result<Results
     }
     progress.finish();
     let provenance = Provenance::gather(&plan.root, SEED, plan.quick);
+    if plan.form == Form::Small {
+        shrink::records(&mut records, work.path())?;
+    }
     let results = Results { provenance, experiments: records };
     write::text(&work.path().join("results.json"), &json::readable(&results)?)?;
     write::text(&work.path().join("report.md"), &markdown::report(&results, &chosen))?;
-    write::text(&work.path().join("report.html"), &page::report(&results, &chosen, work.path())?)?;
+    write::text(
+        &work.path().join("report.html"),
+        &page::report(&results, &chosen, work.path(), plan.form)?,
+    )?;
     move_into_place(work, &plan.out)?;
     Ok(results)
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use anyhow::{Context as _, Result};
 use fairing_mesh::io::{self, FloatWidth, VertexFields, WriteOptions};
+use rayon::prelude::*;
 
 use crate::outcome::Outcome;
 use crate::palette;
@@ -24,10 +25,10 @@ pub(super) fn outcome(outcome: Outcome, work: &Path, record: &mut Record) -> Res
         let csv = table.to_csv();
         record.files.push(keep(format!("{}.csv", table.id), csv.as_bytes(), &table.caption)?);
     }
-    for picture in outcome.figures {
-        let png =
-            keep(format!("{}.png", picture.id), &palette::reduce(&picture.png)?, &picture.caption)?
-                .path;
+    let reduced: Vec<Vec<u8>> =
+        outcome.figures.par_iter().map(|p| palette::reduce(&p.png)).collect::<Result<_>>()?;
+    for (picture, png) in outcome.figures.into_iter().zip(reduced) {
+        let png = keep(format!("{}.png", picture.id), &png, &picture.caption)?.path;
         let svg = picture.svg.map(|svg| {
             anyhow::Ok(keep(format!("{}.svg", picture.id), svg.as_bytes(), &picture.caption)?.path)
         });

@@ -2,6 +2,7 @@
 
 mod arrows;
 mod readme;
+mod report;
 mod sources;
 
 use std::path::Path;
@@ -21,12 +22,13 @@ pub struct Finding {
 type Check = fn(&Path) -> Result<Vec<String>>;
 
 /// The rules.
-const RULES: [(&str, Check); 6] = [
+const RULES: [(&str, Check); 7] = [
     ("dependencies follow the arrows of docs/architecture.md", arrows::check),
     ("no file of code is longer than 600 lines", sources::lengths),
     ("no file names a path of somebody's machine", sources::machine_paths),
     ("no module is named utils, common or helpers", sources::names),
     ("one crate names the solver backend", sources::backend),
+    ("the committed report is smaller than 6 MB", report::check),
     ("the README's commands and example exist", readme::check),
 ];
 

@@ -1,0 +1,32 @@
+//! The committed report.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::Result;
+
+use crate::reference::REPORT;
+
+/// The most that the report may add to a clone, in bytes.
+const MOST: u64 = 6_000_000;
+
+/// A report that is larger than [`MOST`].
+pub(super) fn check(root: &Path) -> Result<Vec<String>> {
+    let folder = root.join(REPORT);
+    let bytes = if folder.is_dir() { size(&folder)? } else { 0 };
+    let large = bytes >= MOST;
+    Ok(if large { vec![format!("{REPORT} has {bytes} bytes")] } else { vec![] })
+}
+
+fn size(folder: &Path) -> Result<u64> {
+    let mut sum = 0;
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        sum += if entry.file_type()?.is_dir() {
+            size(&entry.path())?
+        } else {
+            entry.metadata()?.len()
+        };
+    }
+    Ok(sum)
+}
