@@ -38,6 +38,36 @@ const STEPS: [Step; 5] = [
     },
 ];
 
+/// The dense eigensolver of the system as an oracle: only where there is one.
+const LAPACK_STEPS: [Step; 2] = [
+    Step {
+        name: "lints with LAPACK",
+        arguments: &[
+            "clippy",
+            "--package=fairing-sparse",
+            "--features=lapack",
+            "--all-targets",
+            "--locked",
+            "--",
+            "-D",
+            "warnings",
+        ],
+        environment: &[],
+    },
+    Step {
+        name: "eigenpairs against LAPACK",
+        arguments: &[
+            "test",
+            "--package=fairing-sparse",
+            "--features=lapack",
+            "--test=all",
+            "--locked",
+            "lapack::",
+        ],
+        environment: &[],
+    },
+];
+
 /// Runs all steps, also after one has failed; whether none has. Ends with what
 /// was skipped and why.
 ///
@@ -49,7 +79,8 @@ pub fn run(root: &Path) -> Result<bool> {
     if !tidy::run(root)? {
         failed.push("tidy");
     }
-    for step in &STEPS {
+    let lapack: &[Step] = if has_openblas() { &LAPACK_STEPS } else { &[] };
+    for step in STEPS.iter().chain(lapack) {
         println!("== {}: cargo {}", step.name, step.arguments.join(" "));
         let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
         cargo.args(step.arguments).envs(step.environment.iter().copied()).current_dir(root);
@@ -84,6 +115,9 @@ fn skipped(root: &Path) -> Vec<(&'static str, &'static str)> {
     if std::env::var_os("FAIRING_MESHES").is_none() {
         skipped.push(("corpus: every test", "FAIRING_MESHES names no folder of meshes"));
     }
+    if !has_openblas() {
+        skipped.push(("eigenpairs against LAPACK", "pkg-config finds no openblas"));
+    }
     let on_path = |name: &str| {
         let folders = std::env::var_os("PATH").unwrap_or_default();
         std::env::split_paths(&folders).any(|folder| folder.join(name).is_file())
@@ -92,4 +126,12 @@ fn skipped(root: &Path) -> Vec<(&'static str, &'static str)> {
         skipped.push(("browser: every test", "there is no chromium on the path"));
     }
     skipped
+}
+
+/// Whether the feature `lapack` can be linked.
+fn has_openblas() -> bool {
+    Command::new("pkg-config")
+        .args(["--exists", "openblas"])
+        .status()
+        .is_ok_and(|status| status.success())
 }

@@ -24,8 +24,8 @@ mod symmetry;
 pub use cg::{CgError, CgOptions, CgSolution, ConjugateGradient, Preconditioner};
 pub use cholesky::{Cholesky, CholeskyError, SymbolicCholesky};
 pub use eigen::{
-    Count, EigenError, EigenOptions, EigenPairs, EigenProgress, EigenWatch, eigenpairs_within,
-    smallest_eigenpairs, smallest_eigenpairs_with,
+    Count, DenseSolver, EigenError, EigenOptions, EigenPairs, EigenProgress, EigenWatch,
+    eigenpairs_within, smallest_eigenpairs, smallest_eigenpairs_with,
 };
 pub use ldlt::{Inertia, Ldlt};
 pub use mass::{Mass, MassError, combine};

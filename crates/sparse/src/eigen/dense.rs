@@ -1,10 +1,13 @@
-//! All eigenpairs of a small problem by a dense decomposition of M^(−1/2) S M^(−1/2).
+//! All eigenpairs of a small problem by a dense decomposition.
+//!
+//! The backend decomposes M^(−1/2) S M^(−1/2), LAPACK (feature `lapack`) the pair (S, M) itself: two ways that
+//! share no code, so that one can be held against the other.
 
 use ndarray::Array2;
 
 use crate::backend;
-use crate::eigen::EigenError;
 use crate::eigen::nullspace;
+use crate::eigen::{DenseSolver, EigenError};
 use crate::mass::Mass;
 use crate::matrix::{Rows, SparseMatrix};
 
@@ -12,22 +15,20 @@ use crate::matrix::{Rows, SparseMatrix};
 pub(crate) fn all_eigenpairs(
     stiffness: &SparseMatrix,
     mass: Mass<'_>,
+    solver: DenseSolver,
 ) -> Result<(Vec<f64>, Array2<f64>), EigenError> {
-    let n = stiffness.rows();
-    let mut t = Array2::<f64>::zeros((n, n));
-    for (i, row) in (0..n).map(|i| (i, Rows::of(stiffness).row(i))) {
-        for (&j, &v) in row.0.iter().zip(row.1) {
-            t[[i, j as usize]] = v;
-        }
+    let constants = constants(stiffness, mass);
+    match solver {
+        DenseSolver::Builtin => builtin(stiffness, mass, &constants),
+        #[cfg(feature = "lapack")]
+        DenseSolver::Lapack => lapack::all_eigenpairs(stiffness, mass, &constants),
     }
-    let root = inverse_root(mass)?;
-    let t = root.multiply(&t);
-    let mut t = root.multiply(&t.t().to_owned());
-    t = (&t + &t.t()) * 0.5;
+}
 
-    // The constants of each component become the largest eigenvectors and are put back as exact zeros.
+/// The M-normalised constants that S maps to zero.
+fn constants(stiffness: &SparseMatrix, mass: Mass<'_>) -> Vec<Vec<f64>> {
     let (count, component) = nullspace::constant_components(Rows::of(stiffness));
-    let constants: Vec<Vec<f64>> = (0..count as u32)
+    (0..count as u32)
         .map(|c| {
             let indicator: Vec<f64> =
                 component.iter().map(|&k| f64::from(u8::from(k == Some(c)))).collect();
@@ -35,9 +36,26 @@ pub(crate) fn all_eigenpairs(
                 mass.times(&indicator).iter().zip(&indicator).map(|(m, x)| m * x).sum();
             indicator.iter().map(|x| x / square.sqrt()).collect()
         })
-        .collect();
-    let lift = 2.0 * t.diag().iter().map(|d| d.abs()).sum::<f64>() + 1.0;
-    for constant in &constants {
+        .collect()
+}
+
+fn builtin(
+    stiffness: &SparseMatrix,
+    mass: Mass<'_>,
+    constants: &[Vec<f64>],
+) -> Result<(Vec<f64>, Array2<f64>), EigenError> {
+    let (n, count) = (stiffness.rows(), constants.len());
+    let root = inverse_root(mass)?;
+    let t = root.multiply(&stiffness.to_dense());
+    let mut t = root.multiply(&t.t().to_owned());
+    t = (&t + &t.t()) * 0.5;
+
+    // The constants become the largest eigenvectors and are put back as exact zeros.
+    let lift = match 2.0 * t.diag().iter().map(|d| d.abs()).sum::<f64>() {
+        lift if lift > 0.0 => lift,
+        _ => 1.0,
+    };
+    for constant in constants {
         // M^(1/2) c = M^(−1/2) M c.
         let u = root.multiply_vector(&mass.times(constant));
         for i in 0..n {
@@ -48,18 +66,49 @@ pub(crate) fn all_eigenpairs(
     }
     let (mut values, vectors) = decompose(&t)?;
     values.truncate(n - count);
+    values.splice(0..0, std::iter::repeat_n(0.0, count));
     let mut modes = Array2::zeros((n, n));
-    for (k, constant) in constants.iter().enumerate() {
-        for i in 0..n {
-            modes[[i, k]] = constant[i];
-        }
-    }
+    put_constants(&mut modes, constants);
     let rest = root.multiply(&vectors);
     for k in count..n {
         modes.column_mut(k).assign(&rest.column(k - count));
     }
-    values.splice(0..0, std::iter::repeat_n(0.0, count));
     Ok((values, modes))
+}
+
+fn put_constants(modes: &mut Array2<f64>, constants: &[Vec<f64>]) {
+    for (k, constant) in constants.iter().enumerate() {
+        for (i, &c) in constant.iter().enumerate() {
+            modes[[i, k]] = c;
+        }
+    }
+}
+
+#[cfg(feature = "lapack")]
+mod lapack {
+    use ndarray_linalg::{Eigh, UPLO};
+
+    use super::{Array2, EigenError, Mass, SparseMatrix, put_constants};
+
+    /// By `dsygv`, which takes a Cholesky factor of M where the other path takes its root.
+    pub(super) fn all_eigenpairs(
+        stiffness: &SparseMatrix,
+        mass: Mass<'_>,
+        constants: &[Vec<f64>],
+    ) -> Result<(Vec<f64>, Array2<f64>), EigenError> {
+        let m = match mass {
+            Mass::Lumped(diagonal) => Array2::from_diag(&ndarray::ArrayView1::from(diagonal)),
+            Mass::Consistent(matrix) => matrix.to_dense(),
+        };
+        let (values, (mut modes, _)) = (stiffness.to_dense(), m)
+            .eigh(UPLO::Lower)
+            .map_err(|_| EigenError::Dense { rows: stiffness.rows() })?;
+        let mut values = values.to_vec();
+        // S is semi-definite: as many of the smallest are zero up to rounding as there are constants.
+        values[..constants.len()].fill(0.0);
+        put_constants(&mut modes, constants);
+        Ok((values, modes))
+    }
 }
 
 /// M^(−1/2).

@@ -43,6 +43,20 @@ pub struct EigenOptions {
     pub dense_rows: usize,
     /// Most eigenpairs of one Lanczos run; more are taken slice by slice.
     pub slice: usize,
+    /// What decomposes dense problems.
+    pub dense: DenseSolver,
+}
+
+/// What decomposes a dense problem.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum DenseSolver {
+    /// The backend of this crate, on M^(−1/2) S M^(−1/2).
+    #[default]
+    Builtin,
+    /// The LAPACK of the system, on the pair (S, M).
+    #[cfg(feature = "lapack")]
+    Lapack,
 }
 
 /// Whether the number of eigenvalues is checked.
@@ -63,6 +77,7 @@ impl Default for EigenOptions {
             count: Count::Certified,
             dense_rows: 400,
             slice: 320,
+            dense: DenseSolver::default(),
         }
     }
 }

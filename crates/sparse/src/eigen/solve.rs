@@ -98,7 +98,7 @@ fn dense_pairs(
     options: &EigenOptions,
 ) -> Result<EigenPairs, EigenError> {
     let problem = Problem::new(stiffness, mass)?;
-    let (mut values, vectors) = dense::all_eigenpairs(stiffness, mass)?;
+    let (mut values, vectors) = dense::all_eigenpairs(stiffness, mass, options.dense)?;
     values.truncate(count);
     let order = problem.order();
     let mut found = Found { lambdas: vec![], blocks: vec![], certified: true };

@@ -3,4 +3,6 @@
 mod cholesky;
 mod conjugate_gradient;
 mod eigenpairs;
+#[cfg(feature = "lapack")]
+mod lapack;
 mod matrices;
