@@ -8,7 +8,7 @@ use clap::{Args, Parser, Subcommand};
 use crate::compare::{Difference, differences};
 use crate::results::Results;
 use crate::runner::{self, Form, Plan};
-use crate::{bench, data, experiments, gate, reference, tidy};
+use crate::{bench, data, experiments, gate, readme, reference, tidy};
 
 /// Regenerates the report, measures speed, and keeps the repository in order.
 #[derive(Debug, Parser)]
@@ -183,7 +183,9 @@ impl Reproduce {
         let folder = root().join(if publish { reference::REPORT } else { "target/check" });
         let results = runner::reproduce(experiments::ALL, &self.plan(None, &folder))?;
         if self.accept {
-            if !publish {
+            if publish {
+                readme::update(&root(), &results)?;
+            } else {
                 reference::accept(&root(), &results)?;
             }
             println!(

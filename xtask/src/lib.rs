@@ -24,3 +24,4 @@ pub mod view;
 mod json;
 mod markdown;
 mod palette;
+mod readme;

@@ -5,11 +5,13 @@ use std::fmt::Write as _;
 use crate::experiment::Experiment;
 use crate::results::{Record, Results};
 use crate::table::{Table, Unit};
+use crate::verdict::Verdict;
 
 /// The report in Markdown. Links are relative to its folder.
 pub(crate) fn report(results: &Results, experiments: &[&dyn Experiment]) -> String {
     let mut text = String::from("# Fairing: the experiments\n\n");
     text += &provenance(results);
+    text += &found(results);
     text += &claims(results);
     text += "\n## Contents\n\n";
     for record in &results.experiments {
@@ -81,29 +83,62 @@ pub(crate) fn stand_ins(results: &Results) -> Vec<String> {
     pairs
 }
 
-fn claims(results: &Results) -> String {
+/// Verdicts with the words for all claims on which they were given.
+pub(crate) const GROUPS: [(Verdict, &str); 3] = [
+    (Verdict::Confirmed, "Confirmed"),
+    (Verdict::Qualified, "True in part"),
+    (Verdict::Refuted, "Refuted"),
+];
+
+/// What was found, a line for each verdict.
+fn found(results: &Results) -> String {
     let mut text = String::new();
-    for record in &results.experiments {
-        for claim in &record.claims {
-            let numbers: Vec<String> = claim.numbers.iter().map(ToString::to_string).collect();
-            let _ = writeln!(
-                text,
-                "| {} | {} | **{}** | {} | [{}](#{}) |",
-                claim.id,
-                cell(&claim.claim),
-                claim.verdict,
-                cell(&numbers.join("; ")),
-                record.id,
-                anchor(&heading(record)),
-            );
+    for (verdict, words) in GROUPS {
+        let claims: Vec<String> =
+            results.judged(verdict).iter().map(|c| format!("{} {}", c.id, c.claim)).collect();
+        if !claims.is_empty() {
+            let _ = writeln!(text, "- **{words}:** {}.", claims.join("; "));
         }
     }
-    if text.is_empty() {
-        return text;
+    if text.is_empty() { text } else { format!("\nClaims of the source report:\n\n{text}") }
+}
+
+fn claims(results: &Results) -> String {
+    let source = claim_table(results, false, "", true);
+    let ours = claim_table(results, true, "", true);
+    let mut text = String::new();
+    if !source.is_empty() {
+        let _ = write!(text, "\n## Claims of the source report\n\n{source}");
     }
-    format!(
-        "\n## Claims\n\n| | Claim of the source report | Verdict | Deciding numbers | Where |\n|---|---|---|---|---|\n{text}"
-    )
+    if !ours.is_empty() {
+        let _ = write!(text, "\n## Claims of Fairing\n\n{ours}");
+    }
+    text
+}
+
+/// A table of claims, those of the source report or our own, with links into
+/// the report at `place`; nothing if there is no claim.
+pub(crate) fn claim_table(results: &Results, ours: bool, place: &str, numbers: bool) -> String {
+    let mut rows = String::new();
+    for (record, claim) in results.claims().into_iter().filter(|(_, c)| c.ours == ours) {
+        let deciding: Vec<String> = claim.numbers.iter().map(ToString::to_string).collect();
+        let deciding = if numbers { &deciding[..] } else { &deciding[..deciding.len().min(1)] };
+        let _ = writeln!(
+            rows,
+            "| [{}]({place}#{}) | {} | **{}** | {} |",
+            claim.id,
+            anchor(&heading(record)),
+            cell(&claim.claim),
+            claim.verdict,
+            cell(&deciding.join("; ")),
+        );
+    }
+    let decided = if numbers { "Decided by" } else { "Deciding number" };
+    if rows.is_empty() {
+        rows
+    } else {
+        format!("| | Claim | Verdict | {decided} |\n|---|---|---|---|\n{rows}")
+    }
 }
 
 fn body(record: &Record) -> String {

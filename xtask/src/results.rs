@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::inputs::Source;
 use crate::provenance::Provenance;
 use crate::table::Table;
-use crate::verdict::Judgement;
+use crate::verdict::{Judgement, Verdict};
 use crate::view::View;
 
 /// The contents of `results.json`.
@@ -91,6 +91,24 @@ pub struct File {
 }
 
 impl Results {
+    /// All judgements with their records: those on claims of the source report
+    /// by id, then those on our own.
+    pub fn claims(&self) -> Vec<(&Record, &Judgement)> {
+        let of = |r| -> Vec<(&Record, &Judgement)> {
+            let record: &Record = r;
+            record.claims.iter().map(|c| (record, c)).collect()
+        };
+        let mut all: Vec<_> = self.experiments.iter().flat_map(of).collect();
+        all.sort_by(|(_, a), (_, b)| (a.ours, &a.id).cmp(&(b.ours, &b.id)));
+        all
+    }
+
+    /// The claims of the source report on which the verdict is this one.
+    pub fn judged(&self, verdict: Verdict) -> Vec<&Judgement> {
+        let claims = self.claims().into_iter().map(|(_, c)| c);
+        claims.filter(|c| !c.ours && c.verdict == verdict).collect()
+    }
+
     /// Reads a `results.json`.
     ///
     /// # Errors

@@ -63,12 +63,22 @@ pub struct Judgement {
     pub reason: String,
     /// The numbers that decided.
     pub numbers: Vec<Deciding>,
+    /// Whether the claim is ours, rather than one of the source report.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub ours: bool,
 }
 
 impl Judgement {
     /// A judgement without numbers yet; add them with [`Self::number`].
     pub fn new(id: &str, claim: &str, verdict: Verdict, reason: impl Into<String>) -> Self {
-        Self { id: id.into(), claim: claim.into(), verdict, reason: reason.into(), numbers: vec![] }
+        let (id, claim, reason) = (id.into(), claim.into(), reason.into());
+        Self { id, claim, verdict, reason, numbers: vec![], ours: false }
+    }
+
+    /// The same, of a claim that is ours.
+    #[must_use]
+    pub fn ours(self) -> Self {
+        Self { ours: true, ..self }
     }
 
     /// Adds a deciding number.

@@ -164,7 +164,8 @@ impl Experiment for Estimators {
             "An estimator converges at every vertex of an irregular mesh, with order 1.7 or more",
             verdict,
             reason,
-        );
+        )
+        .ours();
         for (name, order) in worst {
             judgement = judgement.number(name, order, Unit::Order);
         }

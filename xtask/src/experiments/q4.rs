@@ -158,6 +158,7 @@ impl Experiment for Reconstruction {
                     short(most),
                 ),
             )
+            .ours()
             .number("least order", least, Unit::Order)
             .number("greatest order", most, Unit::Order),
         ])

@@ -24,7 +24,7 @@ use crate::experiment::Experiment;
 use crate::markdown;
 use crate::results::{Record, Results};
 use crate::runner::Form;
-use crate::verdict::{Judgement, Verdict};
+use crate::verdict::Judgement;
 use html::escape;
 
 /// The scripts, in the order in which they use one another.
@@ -106,13 +106,6 @@ fn contents(results: &Results) -> String {
 
 /// What was reproduced and what was found, in about five lines.
 fn opening(results: &Results) -> String {
-    let all: Vec<&Judgement> = results.experiments.iter().flat_map(|r| &r.claims).collect();
-    let with = |verdict| all.iter().filter(move |c| c.verdict == verdict);
-    let links = |verdict| -> String {
-        let link = |c: &&Judgement| format!("<a href=\"#claim-{0}\">{0}</a>", escape(&c.id));
-        let links: Vec<String> = with(verdict).map(link).collect();
-        if links.is_empty() { "none".into() } else { links.join(", ") }
-    };
     let count = |what: &str, n: usize| match n {
         1 => format!("1 {what}"),
         n => format!("{n} {what}s"),
@@ -123,18 +116,23 @@ fn opening(results: &Results) -> String {
          smoothing of triangle meshes, done again: every experiment is run, drawn and measured by one \
          command, and each claim of the report is judged by the numbers.</p>",
     );
-    if !all.is_empty() {
-        let _ = write!(
-            text,
-            "<p>Of {}, {} stand as stated ({}), {} hold in part ({}) and {} fail ({}).</p>",
-            count("claim", all.len()),
-            with(Verdict::Confirmed).count(),
-            links(Verdict::Confirmed),
-            with(Verdict::Qualified).count(),
-            links(Verdict::Qualified),
-            with(Verdict::Refuted).count(),
-            links(Verdict::Refuted),
-        );
+    let claim = |c: &&Judgement| {
+        format!("<a href=\"#claim-{0}\">{0}</a> {1}", escape(&c.id), escape(&c.claim))
+    };
+    let groups: String = markdown::GROUPS
+        .iter()
+        .filter_map(|(verdict, words)| {
+            let judged = results.judged(*verdict);
+            let claims: Vec<String> = judged.iter().map(claim).collect();
+            let line = format!(
+                "<li><span class=\"verdict {verdict}\">{words}:</span> {}.</li>",
+                claims.join("; ")
+            );
+            (!claims.is_empty()).then_some(line)
+        })
+        .collect();
+    if !groups.is_empty() {
+        let _ = write!(text, "<ul class=\"found\">{groups}</ul>");
     }
     let stand_ins = markdown::stand_ins(results);
     if stand_ins.is_empty() {
@@ -164,9 +162,10 @@ fn opening(results: &Results) -> String {
 }
 
 fn claims(results: &Results) -> String {
-    let mut rows = String::new();
-    for record in &results.experiments {
-        for claim in &record.claims {
+    let mut bodies = String::new();
+    for (ours, heading) in [(false, "The source report claims"), (true, "Fairing claims")] {
+        let mut rows = String::new();
+        for (_, claim) in results.claims().into_iter().filter(|(_, c)| c.ours == ours) {
             let numbers: Vec<String> = claim.numbers.iter().map(ToString::to_string).collect();
             let _ = write!(
                 rows,
@@ -177,14 +176,19 @@ fn claims(results: &Results) -> String {
                 escape(&numbers.join("; ")),
             );
         }
+        if !rows.is_empty() {
+            let _ = write!(
+                bodies,
+                "<tbody><tr><th></th><th scope=\"colgroup\">{heading}</th><th>Verdict</th>\
+                 <th>Decided by</th></tr>{rows}</tbody>"
+            );
+        }
     }
-    if rows.is_empty() {
-        return rows;
+    if bodies.is_empty() {
+        return bodies;
     }
     format!(
-        "<section id=\"claims\"><h2>The claims</h2><div class=\"wide\"><table>\
-         <thead><tr><th></th><th>The source report claims</th><th>Verdict</th><th>Decided by</th></tr></thead>\
-         <tbody>{rows}</tbody></table></div></section>"
+        "<section id=\"claims\"><h2>The claims</h2><div class=\"wide\"><table>{bodies}</table></div></section>"
     )
 }
 

@@ -18,6 +18,9 @@ pub(super) fn check(root: &Path) -> Result<Vec<String>> {
     let text = fs::read_to_string(path).context("reading README.md")?;
     let mut broken = unknown_tasks(&text);
     broken.extend(broken_links(root, &text));
+    if !crate::readme::is_current(root, &text)? {
+        broken.push("the README's claims are not those of the committed report".into());
+    }
     // The façade includes the README in its documentation, so that its examples
     // are doc tests.
     let facade = fs::read_to_string(root.join("crates/fairing/src/lib.rs"))?;
