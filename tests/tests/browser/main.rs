@@ -4,11 +4,12 @@
 //! name as ignored. `FAIRING_SCREENSHOTS=FOLDER` keeps what was seen.
 
 mod chrome;
+mod committed;
 mod live;
 mod report;
 mod scene;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
 use anyhow::{Result, anyhow};
@@ -25,22 +26,23 @@ fn main() {
     // One browser serves all tests, each in a tab of its own.
     arguments.test_threads = Some(1);
     let shared: Arc<Mutex<Option<Session>>> = Arc::default();
-    let trials = [report::trials(), live::trials()]
-        .concat()
-        .into_iter()
-        .map(|(name, test): (&'static str, Test)| {
-            let (program, shared) = (browser.clone(), Arc::clone(&shared));
-            let absent = program.is_none();
-            Trial::test(format!("page::{name}"), move || match program {
-                Some(program) => {
-                    run(&program, &shared, test).map_err(|e| Failed::from(format!("{e:#}")))
-                }
-                None => Ok(()),
-            })
-            .with_kind("chromium")
-            .with_ignored_flag(absent)
+    let trial = |name: String, page: Option<PathBuf>, test: Test| {
+        let (program, shared) = (browser.clone(), Arc::clone(&shared));
+        let absent = program.is_none() || page.as_ref().is_some_and(|p| !p.is_file());
+        Trial::test(name, move || match program {
+            Some(program) => run(&program, &shared, page.as_deref(), test)
+                .map_err(|e| Failed::from(format!("{e:#}"))),
+            None => Ok(()),
         })
-        .collect();
+        .with_kind("chromium")
+        .with_ignored_flag(absent)
+    };
+    let made = [report::trials(), live::trials()].concat().into_iter();
+    let made = made.map(|(name, test)| trial(format!("page::{name}"), None, test));
+    let committed = committed::trials()
+        .into_iter()
+        .map(|(name, test)| trial(format!("committed::{name}"), Some(committed::page()), test));
+    let trials = made.chain(committed).collect();
     let conclusion = libtest_mimic::run(&arguments, trials);
     // Leaving the process would skip closing the browser.
     drop(shared.lock().map(|mut session| session.take()));
@@ -53,7 +55,13 @@ struct Session {
     folder: tempfile::TempDir,
 }
 
-fn run(program: &Path, shared: &Mutex<Option<Session>>, test: Test) -> Result<()> {
+/// Runs a test on this page, or on that of [`scene`].
+fn run(
+    program: &Path,
+    shared: &Mutex<Option<Session>>,
+    page: Option<&Path>,
+    test: Test,
+) -> Result<()> {
     let mut shared = shared.lock().map_err(|_| anyhow!("another test has panicked"))?;
     let session = match &mut *shared {
         Some(session) => session,
@@ -64,5 +72,6 @@ fn run(program: &Path, shared: &Mutex<Option<Session>>, test: Test) -> Result<()
         }
     };
     session.chrome.new_tab()?;
-    test(&mut session.chrome, &session.folder.path().join("report.html"))
+    let made = session.folder.path().join("report.html");
+    test(&mut session.chrome, page.unwrap_or(&made))
 }
