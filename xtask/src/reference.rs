@@ -1,5 +1,6 @@
 //! The committed reference values that `--check` compares with.
 
+use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -47,14 +48,15 @@ pub fn check(root: &Path, results: &Results, partial: bool) -> Result<Vec<Differ
     Ok(differences(&reference, results, partial))
 }
 
+/// How long each experiment took when the reference values were made, in
+/// seconds; nothing if there are none.
+pub fn seconds(root: &Path, quick: bool) -> HashMap<String, f64> {
+    let reference = Results::read(&path(root, quick)).ok();
+    let records = reference.into_iter().flat_map(|r| r.experiments);
+    records.map(|r| (r.id, r.seconds)).collect()
+}
+
 /// Numbers and verdicts only.
 fn bare(record: &Record) -> Record {
-    Record {
-        figures: vec![],
-        files: vec![],
-        notes: vec![],
-        views: vec![],
-        seconds: 0.0,
-        ..record.clone()
-    }
+    Record { figures: vec![], files: vec![], notes: vec![], views: vec![], ..record.clone() }
 }

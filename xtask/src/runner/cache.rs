@@ -26,9 +26,6 @@ struct Entry {
     views: Vec<View>,
 }
 
-/// What an experiment is expected to take when it has never been run.
-const UNKNOWN_SECONDS: f64 = 5.0;
-
 impl Cache {
     /// Uses this folder. The code is known by the running program's own bytes.
     pub(super) fn open(folder: &Path) -> Result<Self> {
@@ -63,9 +60,9 @@ impl Cache {
     }
 
     /// How long the experiment took the last time, in seconds.
-    pub(super) fn last_seconds(&self, id: &str, quick: bool) -> f64 {
+    pub(super) fn last_seconds(&self, id: &str, quick: bool) -> Option<f64> {
         let text = fs::read_to_string(self.place(id, quick).join("seconds")).ok();
-        text.and_then(|t| t.parse().ok()).unwrap_or(UNKNOWN_SECONDS)
+        text.and_then(|t| t.parse().ok())
     }
 
     /// Copies the files of a finished experiment to `to`, if the key fits.

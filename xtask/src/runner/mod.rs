@@ -18,11 +18,14 @@ use crate::progress::Progress;
 use crate::provenance::Provenance;
 use crate::results::{Parameter, Record, Results};
 use crate::table::Tables;
-use crate::{json, markdown, page};
+use crate::{json, markdown, page, reference};
 use cache::Cache;
 
 /// The seed of everything random in the report.
 pub const SEED: u64 = 2021;
+
+/// What an experiment is expected to take when it has never been run.
+const UNKNOWN_SECONDS: f64 = 5.0;
 
 /// What to run, and where to put it.
 #[derive(Debug, Clone)]
@@ -74,7 +77,13 @@ pub fn reproduce(experiments: &[&dyn Experiment], plan: &Plan) -> Result<Results
     fs::create_dir_all(parent).with_context(|| format!("creating {}", parent.display()))?;
     let work = tempfile::Builder::new().prefix(".report-").tempdir_in(parent)?;
     let cache = Cache::open(&plan.cache)?;
-    let expected = |e: &dyn Experiment| cache.last_seconds(e.card().id, plan.quick);
+    // A first run is expected to take what it took for the reference values.
+    let reference = reference::seconds(&plan.root, plan.quick);
+    let expected = |e: &dyn Experiment| {
+        let id = e.card().id;
+        let known = cache.last_seconds(id, plan.quick).or_else(|| reference.get(id).copied());
+        known.unwrap_or(UNKNOWN_SECONDS)
+    };
     let progress = Progress::new(chosen.iter().map(|&e| expected(e)).sum());
     let mut records = vec![];
     for &experiment in &chosen {
