@@ -92,6 +92,8 @@ pub enum CgError {
 
 /// A symmetric positive definite matrix with its preconditioner, ready to solve.
 ///
+/// [`Method`](crate::Method) tells when a factorisation is faster.
+///
 /// # Examples
 ///
 /// ```

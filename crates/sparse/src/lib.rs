@@ -13,6 +13,7 @@ mod incomplete;
 mod ldlt;
 mod mass;
 mod matrix;
+mod method;
 mod ordering;
 mod product;
 mod reduce;
@@ -30,5 +31,6 @@ pub use eigen::{
 pub use ldlt::{Inertia, Ldlt};
 pub use mass::{Mass, MassError, combine};
 pub use matrix::SparseMatrix;
+pub use method::{Method, Workload, shifted_condition};
 pub use ordering::Ordering;
 pub use product::{multiply, multiply_block, multiply_into, multiply_points, multiply_points_into};
