@@ -240,6 +240,23 @@ fn an_earlier_report_is_replaced() {
     assert!(names.iter().all(|n| n == "report" || n == "report.cache"), "{names:?}");
 }
 
+/// Folders of runs that were killed long ago go; one that may still be written
+/// stays.
+#[test]
+fn what_killed_runs_left_is_removed() {
+    let folder = tempfile::tempdir().unwrap();
+    let [old, new] = [".report-old", ".report-new"].map(|name| folder.path().join(name));
+    for place in [&old, &new] {
+        std::fs::create_dir(place).unwrap();
+        std::fs::write(place.join("results.json"), "{}").unwrap();
+    }
+    let day = std::time::Duration::from_secs(24 * 3600);
+    let before = std::time::SystemTime::now() - day;
+    std::fs::File::open(&old).unwrap().set_modified(before).unwrap();
+    reproduce(&[&Sample("works")], &plan(&folder.path().join("report"), &[])).unwrap();
+    assert!(!old.exists() && new.exists());
+}
+
 #[test]
 fn an_unknown_experiment_is_named() {
     let folder = tempfile::tempdir().unwrap();

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
 
@@ -61,7 +61,8 @@ pub enum Form {
 /// Runs the plan and returns what was measured, failures included.
 ///
 /// The report is put together in a temporary folder beside its place and moved
-/// there when it is complete; nothing is left behind when the run is cut short.
+/// there when it is complete. A run that is killed leaves that folder behind,
+/// under a hidden name, for a later one to remove.
 ///
 /// # Errors
 ///
@@ -75,7 +76,8 @@ pub fn reproduce(experiments: &[&dyn Experiment], plan: &Plan) -> Result<Results
     check_place(&plan.out)?;
     let parent = plan.out.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     fs::create_dir_all(parent).with_context(|| format!("creating {}", parent.display()))?;
-    let work = tempfile::Builder::new().prefix(".report-").tempdir_in(parent)?;
+    sweep(parent)?;
+    let work = tempfile::Builder::new().prefix(UNFINISHED).tempdir_in(parent)?;
     let cache = Cache::open(&plan.cache)?;
     // A first run is expected to take what it took for the reference values.
     let reference = reference::seconds(&plan.root, plan.quick);
@@ -204,6 +206,26 @@ fn check_place(out: &Path) -> Result<()> {
         "{} holds something other than a report; it would be replaced as a whole",
         out.display()
     );
+    Ok(())
+}
+
+/// How the folders begin in which reports are put together.
+const UNFINISHED: &str = ".report-";
+
+/// A run that began longer ago than this is not running any more.
+const STALE: Duration = Duration::from_secs(6 * 3600);
+
+/// Removes what runs that were killed have left behind.
+fn sweep(parent: &Path) -> Result<()> {
+    for entry in fs::read_dir(parent).with_context(|| format!("reading {}", parent.display()))? {
+        let entry = entry?;
+        let ours = entry.file_name().to_string_lossy().starts_with(UNFINISHED);
+        let age = || entry.metadata().ok()?.modified().ok()?.elapsed().ok();
+        if ours && age().is_some_and(|age| age > STALE) {
+            fs::remove_dir_all(entry.path())
+                .with_context(|| format!("removing {}", entry.path().display()))?;
+        }
+    }
     Ok(())
 }
 
