@@ -21,10 +21,10 @@ impl Arrangement {
         Self { mesh: mesh.clone(), order: None }
     }
 
-    /// Sorts vertices along a Morton curve through the bounding box, and faces by their first vertex on it.
-    pub(crate) fn along_curve(mesh: &TriMesh) -> Result<Self, BuildError> {
+    /// Sorts vertices by slabs across the bounding box, and faces by their first vertex in that order.
+    pub(crate) fn in_slabs(mesh: &TriMesh) -> Result<Self, BuildError> {
         let n = mesh.vertex_count();
-        let order = morton_order(mesh);
+        let order = slab_order(mesh);
         let mut place = vec![0u32; n];
         for (new, &old) in order.iter().enumerate() {
             place[old as usize] = new as u32;
@@ -67,43 +67,59 @@ impl Arrangement {
     }
 }
 
-/// The vertices along a Morton curve of 1024³ cells; within a cell in the order of the file.
-fn morton_order(mesh: &TriMesh) -> Vec<u32> {
+/// The vertices by slabs across the longest side of the bounding box, as many as the root of the number of vertices,
+/// and within a slab along a Morton curve through the other two sides; ties in the order of the file.
+///
+/// A surface has about as many vertices across as slabs, so that a slab holds about as many: neighbours, a slab or
+/// two apart, are some multiple of √n apart. That is what [`crate::clenshaw`] lives on.
+fn slab_order(mesh: &TriMesh) -> Vec<u32> {
     let Some([low, high]) = mesh.bounding_box() else { return Vec::new() };
-    let side = (0..3).map(|d| high[d] - low[d]).fold(f64::MIN_POSITIVE, f64::max);
-    let cells = 1023.0 / side;
+    let side = [0, 1, 2].map(|d| high[d] - low[d]);
+    let longest = (0..3).fold(0, |l, d| if side[d] > side[l] { d } else { l });
+    let others = [(longest + 1) % 3, (longest + 2) % 3];
+    let share = 1.0 / side[longest].max(f64::MIN_POSITIVE);
+    let slabs = (mesh.vertex_count() as f64).sqrt().min(MOST_SLABS);
     let key = |p: &[f64; 3]| {
-        (0..3).fold(0u64, |key, d| key | spread(((p[d] - low[d]) * cells) as u64) << d)
+        let slab = ((p[longest] - low[longest]) * share * slabs) as u64;
+        let [a, b] = others.map(|d| spread(((p[d] - low[d]) * share * CELLS) as u64));
+        slab << 20 | a << 1 | b
     };
+    // Slab and cell above, number below: no two are equal.
     let mut keyed: Vec<u64> =
         mesh.positions().par_iter().enumerate().map(|(v, p)| key(p) << 32 | v as u64).collect();
     keyed.par_sort_unstable();
     keyed.into_par_iter().map(|k| k as u32).collect()
 }
 
-/// Spreads ten bits so that two zeros follow each.
+/// The most slabs: twelve bits of a key.
+const MOST_SLABS: f64 = 4095.0;
+
+/// The cells of the Morton curve along the longest side: ten bits for each direction.
+const CELLS: f64 = 1023.0;
+
+/// Spreads ten bits so that a zero follows each.
 fn spread(bits: u64) -> u64 {
     let mut b = bits & 0x3ff;
-    b = (b | b << 16) & 0x0300_00ff;
-    b = (b | b << 8) & 0x0300_f00f;
-    b = (b | b << 4) & 0x030c_30c3;
-    (b | b << 2) & 0x0924_9249
+    b = (b | b << 8) & 0x00ff_00ff;
+    b = (b | b << 4) & 0x0f0f_0f0f;
+    b = (b | b << 2) & 0x3333_3333;
+    (b | b << 1) & 0x5555_5555
 }
 
 /// Faces with their new vertex numbers, ordered by the smallest: a counting sort.
 fn sorted_faces(faces: &[[u32; 3]], place: &[u32]) -> Vec<[u32; 3]> {
-    let moved: Vec<[u32; 3]> =
-        faces.par_iter().map(|face| face.map(|v| place[v as usize])).collect();
+    let moved = |face: &[u32; 3]| face.map(|v| place[v as usize]);
     let first = |face: &[u32; 3]| face[0].min(face[1]).min(face[2]) as usize;
     let mut next = vec![0u32; place.len() + 1];
-    for face in &moved {
-        next[first(face) + 1] += 1;
+    for face in faces {
+        next[first(&moved(face)) + 1] += 1;
     }
     for v in 0..place.len() {
         next[v + 1] += next[v];
     }
-    let mut sorted = vec![[0u32; 3]; moved.len()];
-    for face in moved {
+    let mut sorted = vec![[0u32; 3]; faces.len()];
+    for face in faces {
+        let face = moved(face);
         let slot = &mut next[first(&face)];
         sorted[*slot as usize] = face;
         *slot += 1;
@@ -125,7 +141,7 @@ mod tests {
     #[test]
     fn restoring_undoes_arranging() {
         let mesh = sample();
-        let arranged = Arrangement::along_curve(&mesh).unwrap();
+        let arranged = Arrangement::in_slabs(&mesh).unwrap();
         assert_ne!(arranged.mesh(), &mesh);
         assert_eq!(arranged.restore(arranged.mesh().positions().to_vec()), mesh.positions());
         let labels = [10, 11, 12, 13, 14];
@@ -139,7 +155,7 @@ mod tests {
     #[test]
     fn faces_keep_their_geometry_and_orientation() {
         let mesh = sample();
-        let arranged = Arrangement::along_curve(&mesh).unwrap();
+        let arranged = Arrangement::in_slabs(&mesh).unwrap();
         let areas = |m: &TriMesh| {
             let mut a: Vec<String> =
                 (0..4).map(|f| format!("{:?}", m.area_vector(f).map(|x| x + 0.0))).collect();
@@ -152,7 +168,7 @@ mod tests {
     #[test]
     fn spreading_interleaves_ten_bits() {
         for bits in [0u64, 1, 2, 0b10_1101_0011, 1023] {
-            let slow = (0..10).fold(0, |s, k| s | (bits >> k & 1) << (3 * k));
+            let slow = (0..10).fold(0, |s, k| s | (bits >> k & 1) << (2 * k));
             assert_eq!(spread(bits), slow);
         }
     }

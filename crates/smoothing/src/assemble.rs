@@ -1,9 +1,11 @@
 //! The Laplacian of a mesh for a kind of diffusion.
 
 use fairing_mesh::TriMesh;
-use fairing_operators::{LumpedArea, cotan_stiffness, lumped_mass};
+use fairing_operators::intrinsic::{RobustLaplacian, RobustOptions, robust_laplacian};
+use fairing_operators::{LumpedArea, lumped_mass};
 
-use crate::diffusion::Diffusion;
+use crate::cotangents::Cotangents;
+use crate::diffusion::{Diffusion, Operator};
 use crate::error::FlowFailure;
 use crate::laplacian::Laplacian;
 
@@ -15,10 +17,7 @@ pub(crate) fn assemble(
 ) -> Result<Laplacian, FlowFailure> {
     match diffusion {
         Diffusion::Uniform { .. } => Ok(uniform(mesh, held)),
-        Diffusion::Cotangent { area, .. } => {
-            let stiffness = cotan_stiffness(mesh)?;
-            Ok(Laplacian::weighted(&stiffness, positive_mass(mesh, area)?, held))
-        }
+        Diffusion::Cotangent { operator, .. } => cotangent(mesh, operator, held),
     }
 }
 
@@ -27,9 +26,77 @@ pub(crate) fn uniform(mesh: &TriMesh, held: &[bool]) -> Laplacian {
     Laplacian::uniform(mesh.vertex_count(), mesh.faces(), held)
 }
 
+/// `L` for cotangents.
+pub(crate) fn cotangent(
+    mesh: &TriMesh,
+    operator: Operator,
+    held: &[bool],
+) -> Result<Laplacian, FlowFailure> {
+    match operator {
+        Operator::Plain(area) => Cotangents::of(mesh, area, held).assemble(mesh),
+        Operator::Robust => {
+            let RobustLaplacian { stiffness, mass, .. } = robust(mesh)?;
+            Ok(Laplacian::weighted(&stiffness, mass, held))
+        }
+    }
+}
+
+/// Takes the operator anew as positions change.
+pub(crate) enum Renewal {
+    /// On the pattern of the faces.
+    Pattern(Cotangents),
+    /// From the beginning: intrinsic edges change with the positions.
+    Whole(Diffusion),
+}
+
+impl Renewal {
+    pub(crate) fn new(mesh: &TriMesh, diffusion: Diffusion, held: &[bool]) -> Self {
+        match diffusion {
+            Diffusion::Cotangent { operator: Operator::Plain(area), .. } => {
+                Self::Pattern(Cotangents::of(mesh, area, held))
+            }
+            other => Self::Whole(other),
+        }
+    }
+
+    /// Replaces `laplacian`, which this or [`assemble`] made of the same faces, by that at other positions.
+    pub(crate) fn renew(
+        &self,
+        mesh: &TriMesh,
+        held: &[bool],
+        laplacian: &mut Laplacian,
+    ) -> Result<(), FlowFailure> {
+        match self {
+            Self::Pattern(pattern) => pattern.assemble_into(mesh, laplacian),
+            Self::Whole(diffusion) => {
+                *laplacian = assemble(mesh, *diffusion, held)?;
+                Ok(())
+            }
+        }
+    }
+}
+
+/// The masses of the operator, all positive; 1 at isolated vertices, which nothing moves.
+pub(crate) fn mass(mesh: &TriMesh, operator: Operator) -> Result<Vec<f64>, FlowFailure> {
+    match operator {
+        Operator::Plain(area) => positive_mass(mesh, area),
+        Operator::Robust => Ok(robust(mesh)?.mass),
+    }
+}
+
 /// The lumped mass, all positive; 1 at isolated vertices, which nothing moves.
 pub(crate) fn positive_mass(mesh: &TriMesh, area: LumpedArea) -> Result<Vec<f64>, FlowFailure> {
-    let mut mass = lumped_mass(mesh, area)?;
+    positive(mesh, lumped_mass(mesh, area)?)
+}
+
+/// The robust operator, with positive masses.
+pub(crate) fn robust(mesh: &TriMesh) -> Result<RobustLaplacian, FlowFailure> {
+    let mut robust = robust_laplacian(mesh, RobustOptions::default())?;
+    robust.mass = positive(mesh, robust.mass)?;
+    Ok(robust)
+}
+
+fn positive(mesh: &TriMesh, mut mass: Vec<f64>) -> Result<Vec<f64>, FlowFailure> {
     let offsets = mesh.incidence().offsets();
     for (v, m) in mass.iter_mut().enumerate() {
         if offsets[v] == offsets[v + 1] {

@@ -3,9 +3,8 @@
 use std::ops::ControlFlow;
 
 use fairing_mesh::TriMesh;
-use fairing_operators::LumpedArea;
 
-use crate::diffusion::{Diffusion, Time};
+use crate::diffusion::{Diffusion, Operator, Time};
 use crate::error::{FlowError, FlowFailure, at_least};
 use crate::implicit::{Implicit, Update, implicit_with};
 use crate::outcome::Smoothed;
@@ -23,11 +22,19 @@ pub struct ConformalizedMcf {
     pub settled: f64,
     /// The relative residual of the linear systems; 1e-10 unless set.
     pub tolerance: f64,
+    /// How the operator is made; plain over barycentric areas unless set.
+    pub operator: Operator,
 }
 
 impl Default for ConformalizedMcf {
     fn default() -> Self {
-        Self { time: 0.01, iterations: 100, settled: 1e-6, tolerance: 1e-10 }
+        Self {
+            time: 0.01,
+            iterations: 100,
+            settled: 1e-6,
+            tolerance: 1e-10,
+            operator: Operator::default(),
+        }
     }
 }
 
@@ -81,7 +88,7 @@ pub fn conformalized_mean_curvature_flow(
         volume: Volume::Drifts,
         ..Implicit::new(Diffusion::Cotangent {
             time: Time::SquaredUnits(options.time * area),
-            area: LumpedArea::Barycentric,
+            operator: options.operator,
         })
     };
     let threshold = options.settled * area.sqrt();

@@ -15,6 +15,7 @@ type Point = [f64; 3];
 /// coordinate has its own coefficients unless sliding vertices couple them. It ends when the residual of every
 /// coordinate is below the tolerance relative to `‖M (x − x̄)‖`, the right-hand side of the step about the mean,
 /// so that a mesh far from the origin is solved as well as one around it.
+#[derive(Clone, Copy)]
 pub(crate) struct ImplicitSolver<'a> {
     pub(crate) laplacian: &'a Laplacian,
     pub(crate) step: f64,
@@ -69,7 +70,7 @@ impl ImplicitSolver<'_> {
         let mut q = vec![[0.0; 4]; x.len()];
         let mut iterations = 0;
         loop {
-            let residual = relative(&sums, scale);
+            let residual = relative(&sums[..3], scale);
             if residual <= self.tolerance {
                 for (guess, d) in guess.iter_mut().zip(&d) {
                     *guess = [d[0], d[1], d[2]];
@@ -77,10 +78,7 @@ impl ImplicitSolver<'_> {
                 return Ok(Solved { iterations, residual });
             }
             if iterations == self.most_iterations || !residual.is_finite() {
-                let size = |r: &Padded| r.iter().map(|x| x.abs()).fold(0.0, f64::max);
-                let worst = (0..r.len()).max_by(|&a, &b| size(&r[a]).total_cmp(&size(&r[b])));
-                let vertex = worst.unwrap_or(0) as u32;
-                return Err(FlowFailure::NotConverged { residual, iterations, vertex });
+                return Err(not_converged(residual, iterations, &r));
             }
             let curvature = l.sweep_summing(&p, &mut q, |i, lp, p, _| {
                 let (m, tm) = (shifted[i], t * mass[i]);
@@ -102,7 +100,7 @@ impl ImplicitSolver<'_> {
 
     /// `‖M (x − x̄)‖` for each coordinate, x̄ the mean weighted by mass; where that vanishes (a plane), the largest
     /// of the three.
-    fn right_hand_side_norm(&self, x: &[Point], freedom: &Freedom) -> Point {
+    pub(crate) fn right_hand_side_norm(&self, x: &[Point], freedom: &Freedom) -> Point {
         let mass = self.laplacian.mass();
         let total: f64 = mass.iter().sum();
         let mut centre = [0.0; 3];
@@ -123,6 +121,17 @@ impl ImplicitSolver<'_> {
         // Below this a coordinate is rounding noise of the others.
         norms.map(|n| if n > 1e-8 * largest { n } else { largest })
     }
+}
+
+/// The failure with the vertex of the largest residual.
+pub(crate) fn not_converged<const N: usize>(
+    residual: f64,
+    iterations: usize,
+    r: &[[f64; N]],
+) -> FlowFailure {
+    let size = |r: &[f64; N]| r.iter().map(|x| x.abs()).fold(0.0, f64::max);
+    let worst = (0..r.len()).max_by(|&a, &b| size(&r[a]).total_cmp(&size(&r[b])));
+    FlowFailure::NotConverged { residual, iterations, vertex: worst.unwrap_or(0) as u32 }
 }
 
 /// `d ← d + α p`, then `p ← z + β p`, in one pass.
@@ -162,7 +171,7 @@ fn quotients(above: Point, below: Point, coupled: bool) -> Padded {
 }
 
 /// The largest relative residual of the coordinates.
-fn relative(sums: &[f64; 6], scale: Point) -> f64 {
+pub(crate) fn relative(sums: &[f64], scale: Point) -> f64 {
     (0..3)
         .map(|k| if sums[k] == 0.0 { 0.0 } else { sums[k].sqrt() / scale[k] })
         .fold(0.0, |a: f64, b| if b.is_nan() { b } else { a.max(b) })

@@ -18,9 +18,30 @@ pub enum Diffusion {
     Cotangent {
         /// The time of one step.
         time: Time,
-        /// The areas `M`. They must be positive, which [`LumpedArea::Voronoi`] does not promise.
-        area: LumpedArea,
+        /// How `S` and `M` are made.
+        operator: Operator,
     },
+}
+
+/// How the stiffness `S` and the areas `M` of cotangent weights are made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Operator {
+    /// Cotangents of the faces as they are, over these areas. Faces without area are refused, obtuse ones can give
+    /// negative weights. Areas must be positive, which [`LumpedArea::Voronoi`] does not promise.
+    Plain(LumpedArea),
+    /// Of the intrinsic Delaunay triangulation of the tufted cover: exists on every mesh that has an edge of some
+    /// length, with faces without area and edges of many faces too, and has no negative weight; the same as
+    /// `Plain(Barycentric)` on closed Delaunay meshes. See [`fairing_operators::intrinsic`]. Takes several times as
+    /// long to assemble.
+    /// Source: \[sharp2020\].
+    Robust,
+}
+
+/// Plain, over barycentric areas.
+impl Default for Operator {
+    fn default() -> Self {
+        Self::Plain(LumpedArea::Barycentric)
+    }
 }
 
 /// A diffusion time.
@@ -58,7 +79,16 @@ impl Diffusion {
 
     /// Cotangent weights over barycentric areas, with steps of `lambda` h².
     pub fn cotangent(lambda: f64) -> Self {
-        Self::Cotangent { time: Time::SquaredEdges(lambda), area: LumpedArea::Barycentric }
+        Self::Cotangent { time: Time::SquaredEdges(lambda), operator: Operator::default() }
+    }
+
+    /// The same steps with another operator; nothing changes for uniform weights.
+    #[must_use]
+    pub fn with_operator(self, operator: Operator) -> Self {
+        match self {
+            Self::Uniform { .. } => self,
+            Self::Cotangent { time, .. } => Self::Cotangent { time, operator },
+        }
     }
 
     /// The number of the step, in whatever unit.

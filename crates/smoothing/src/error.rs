@@ -1,19 +1,35 @@
 //! Why a flow stops before its end.
 
+use std::fmt;
+
 use fairing_mesh::{BuildError, TriMesh};
 use fairing_operators::OperatorError;
 
 /// A flow that could not go on, and the mesh as far as it came.
-#[derive(Debug, Clone, thiserror::Error)]
-#[error("iteration {iteration}: {failure}")]
+#[derive(Debug, Clone)]
 pub struct FlowError {
     /// What stood in the way.
-    #[source]
     pub failure: FlowFailure,
     /// The step that could not be taken, from 1; 0 if none was begun.
     pub iteration: usize,
     /// The mesh after the last step that succeeded; the input if none did.
     pub last_good: Box<TriMesh>,
+}
+
+impl fmt::Display for FlowError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.iteration > 0 {
+            write!(f, "iteration {}: ", self.iteration)?;
+        }
+        self.failure.fmt(f)
+    }
+}
+
+// The failure is part of the message: what lies behind it is the next in the chain.
+impl std::error::Error for FlowError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        self.failure.source()
+    }
 }
 
 /// What stands in the way of a step.
@@ -64,9 +80,27 @@ pub enum FlowFailure {
         /// Where it would go.
         position: [f64; 3],
     },
-    /// The operator of a step cannot be assembled.
-    #[error("the operator cannot be assembled")]
+    /// The operator of a step cannot be assembled. [`Operator::Robust`](crate::Operator::Robust) and uniform weights
+    /// exist on meshes that have no plain one.
+    #[error(
+        "the operator cannot be assembled; the robust one or uniform weights serve on such meshes"
+    )]
     Operator(#[from] OperatorError),
+    /// A flow that takes its operator anew has shrunk the mesh, or a part of it, to a point: the surface that it
+    /// follows has vanished or pinched off within this step.
+    #[error(
+        "the surface collapses in this step: a face at vertex {vertex} has an area of {area:e}, of {before:e} at the \
+         beginning; end the flow before, or take the robust operator or conformal flow, which go on"
+    )]
+    Collapsed {
+        /// A corner of the face that has lost the largest share of its area.
+        vertex: u32,
+        /// What is left of the area of the face, in squared mesh units: after the step if it can be taken, before it
+        /// if not.
+        area: f64,
+        /// Its area in the input.
+        before: f64,
+    },
     /// The mass of a vertex is not positive, so that the step is not defined (Voronoi areas can be negative).
     #[error("vertex {vertex} has the mass {mass:e}, but a step needs positive masses")]
     NonPositiveMass {
@@ -100,6 +134,12 @@ pub enum FlowFailure {
     #[error("the linear system cannot be factored: {reason}")]
     NotFactored {
         /// What the factorisation reports.
+        reason: String,
+    },
+    /// The modes of a filter cannot be computed.
+    #[error("the modes cannot be computed: {reason}")]
+    Modes {
+        /// What the eigensolver reports.
         reason: String,
     },
     /// Volume can be kept only where it is defined.

@@ -1,13 +1,15 @@
 //! Implicit diffusion, backward Euler, and mean curvature flow.
 
 use fairing_mesh::TriMesh;
-use fairing_operators::LumpedArea;
 
-use crate::assemble::{assemble, positive_mass};
+use crate::assemble::{Renewal, assemble, mass};
+use crate::collapse::Collapse;
 use crate::conjugate::ImplicitSolver;
 use crate::constraints::Constraints;
-use crate::diffusion::Diffusion;
+use crate::diffusion::{Diffusion, Operator};
+use crate::direct::{self, Direct};
 use crate::error::{FlowError, FlowFailure, at_least};
+use crate::laplacian::Laplacian;
 use crate::outcome::{Approach, Smoothed};
 use crate::run::{Frame, Run, StepNote};
 use crate::series::Series;
@@ -74,6 +76,10 @@ const MOST_ITERATIONS: usize = 20_000;
 /// weighted by degree or area). Solved is the symmetric system `(M + λS) x' = M x`: with uniform weights
 /// `D − λ(A − D)`, with cotangents `M + tS`, positive definite as long as the areas are positive.
 ///
+/// Unobserved free or pinned runs of a frozen operator are computed at once by a Chebyshev series; other runs step by
+/// step, by conjugate gradients or, where the system is ill conditioned and steps are many, by a Cholesky
+/// factorisation. The report says which.
+///
 /// Boundaries are natural: a free border moves inward, by what its neighbours on one side pull. A soft constraint
 /// of weight w and target c adds `M w` on the left and `M w c` on the right; sliding vertices are moved along the
 /// tangents of their curves within the system, then put back on the curve.
@@ -81,7 +87,8 @@ const MOST_ITERATIONS: usize = 20_000;
 /// # Errors
 ///
 /// [`FlowError`] with the last good mesh: for options out of range, for faces too thin for cotangents (also after
-/// some steps, where [`Update::Both`] pinches a neck), and for a system not solved to the tolerance.
+/// some steps), [`FlowFailure::Collapsed`] where an updated flow pinches a neck or shrinks the mesh to a point, and
+/// for a system not solved to the tolerance.
 ///
 /// # Examples
 ///
@@ -132,31 +139,67 @@ pub(crate) fn implicit_with(
             return run.finish(x);
         }
     }
+    let frozen = options.update == Update::Never;
+    // A factor serves as many solves as steps share their operator. Sliding vertices couple the coordinates, which a
+    // factor of the scalar system does not know.
+    let mut direct = (run.freedom.sliding.is_none()
+        && direct::pays(&laplacian, step, options.tolerance, if frozen { k } else { 1 }))
+    .then(Direct::default);
+    // What is taken anew, and what it began with, in the order of the arrangement.
+    let start = run.arrangement.mesh();
+    let held = &run.freedom.held;
+    let renewal =
+        (options.update == Update::Both).then(|| Renewal::new(start, options.diffusion, held));
+    let collapse = (!frozen).then(|| Collapse::new(start));
+    // Conjugate gradients begin with the displacement of the step before.
     let mut displacement = vec![[0.0; 3]; mesh.vertex_count()];
     let mut total = 0;
     let smoothed = run.iterate(|iteration, mesh, freedom, next| {
-        if iteration > 0 {
-            match options.update {
-                Update::Never => {}
-                Update::Mass => laplacian.replace_mass(positive_mass(mesh, area(options))?),
-                Update::Both => laplacian = assemble(mesh, options.diffusion, &freedom.held)?,
+        let mut step_from = |laplacian: &mut Laplacian| -> Result<StepNote, FlowFailure> {
+            if iteration > 0 {
+                match (options.update, &renewal) {
+                    (Update::Both, Some(renewal)) => {
+                        renewal.renew(mesh, &freedom.held, laplacian)?;
+                    }
+                    (Update::Mass, _) => laplacian.replace_mass(mass(mesh, operator(options))?),
+                    _ => {}
+                }
             }
-        }
-        let solver = ImplicitSolver {
-            laplacian: &laplacian,
-            step,
-            tolerance: options.tolerance,
-            most_iterations: MOST_ITERATIONS,
+            let solver = ImplicitSolver {
+                laplacian,
+                step,
+                tolerance: options.tolerance,
+                most_iterations: MOST_ITERATIONS,
+            };
+            let x = mesh.positions();
+            let solved = match &mut direct {
+                Some(direct) => {
+                    if !frozen {
+                        direct.renew();
+                    }
+                    direct.solve(solver, x, freedom, &mut displacement)?
+                }
+                None => solver.solve(x, freedom, &mut displacement)?,
+            };
+            total += solved.iterations;
+            for ((next, x), d) in next.iter_mut().zip(x).zip(&displacement) {
+                *next = [x[0] + d[0], x[1] + d[1], x[2] + d[2]];
+            }
+            if let Some(collapse) = &collapse {
+                collapse.check(mesh.faces(), next)?;
+            }
+            Ok(StepNote { step_size: step, residual: Some(solved.residual) })
         };
-        let solved = solver.solve(mesh.positions(), freedom, &mut displacement)?;
-        total += solved.iterations;
-        for ((next, x), d) in next.iter_mut().zip(mesh.positions()).zip(&displacement) {
-            *next = [x[0] + d[0], x[1] + d[1], x[2] + d[2]];
-        }
-        Ok(StepNote { step_size: step, residual: Some(solved.residual) })
+        step_from(&mut laplacian).map_err(|failure| match &collapse {
+            Some(collapse) => collapse.explain(mesh, failure),
+            None => failure,
+        })
     });
     smoothed.map(|mut smoothed| {
-        smoothed.report.approach = Approach::ConjugateGradients { iterations: total };
+        smoothed.report.approach = match direct {
+            Some(Direct { factorisations, .. }) => Approach::Cholesky { factorisations },
+            None => Approach::ConjugateGradients { iterations: total },
+        };
         smoothed
     })
 }
@@ -179,9 +222,9 @@ fn check(options: &Implicit) -> Result<(), FlowFailure> {
     Ok(())
 }
 
-fn area(options: &Implicit) -> LumpedArea {
+fn operator(options: &Implicit) -> Operator {
     match options.diffusion {
-        Diffusion::Cotangent { area, .. } => area,
-        Diffusion::Uniform { .. } => LumpedArea::Barycentric,
+        Diffusion::Cotangent { operator, .. } => operator,
+        Diffusion::Uniform { .. } => Operator::default(),
     }
 }

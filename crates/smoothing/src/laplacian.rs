@@ -4,6 +4,8 @@
 //! whatever the step does with it; the masses `M`; and a bound on its spectrum. Uniform weights need no matrix
 //! values at all, which halves the memory traffic of a step.
 
+use std::ops::Range;
+
 use fairing_sparse::SparseMatrix;
 use rayon::prelude::*;
 
@@ -20,6 +22,16 @@ pub(crate) struct Laplacian {
     mass: Vec<f64>,
     /// The diagonal of `S`.
     diagonal: Vec<f64>,
+}
+
+/// The numbers of a Laplacian on its pattern.
+pub(crate) struct Numbers<'a> {
+    /// `−Sᵢⱼ/Mᵢ` for each neighbour of each vertex.
+    pub(crate) weights: &'a mut [f64],
+    /// `M`.
+    pub(crate) mass: &'a mut [f64],
+    /// The diagonal of `S`.
+    pub(crate) diagonal: &'a mut [f64],
 }
 
 enum Rows {
@@ -63,8 +75,41 @@ impl Laplacian {
         Self { rows: Rows::Weighted { offsets, columns, weights }, mass, diagonal }
     }
 
+    /// All zero, on a pattern without the diagonal.
+    pub(crate) fn empty(offsets: Vec<u32>, columns: Vec<u32>) -> Self {
+        let n = offsets.len() - 1;
+        let weights = vec![0.0; columns.len()];
+        let rows = Rows::Weighted { offsets, columns, weights };
+        Self { rows, mass: vec![0.0; n], diagonal: vec![0.0; n] }
+    }
+
+    /// The numbers on the pattern, to be replaced. Uniform weights have none but mass and diagonal.
+    pub(crate) fn numbers_mut(&mut self) -> Numbers<'_> {
+        let weights = match &mut self.rows {
+            Rows::Uniform { .. } => &mut [][..],
+            Rows::Weighted { weights, .. } => weights,
+        };
+        Numbers { weights, mass: &mut self.mass, diagonal: &mut self.diagonal }
+    }
+
+    /// Row `i` of `S` without its diagonal; empty for held and isolated vertices.
+    pub(crate) fn stiffness_row(&self, i: usize) -> impl Iterator<Item = (u32, f64)> + '_ {
+        let neighbors = if self.is_still(i) { &[] } else { self.neighbors(i) };
+        let m = self.mass[i];
+        neighbors.iter().enumerate().map(move |(k, &j)| match &self.rows {
+            Rows::Uniform { .. } => (j, -1.0),
+            Rows::Weighted { offsets, weights, .. } => (j, -m * weights[offsets[i] as usize + k]),
+        })
+    }
+
     pub(crate) fn len(&self) -> usize {
         self.mass.len()
+    }
+
+    /// Entries of `S`, the diagonal included.
+    pub(crate) fn entries(&self) -> usize {
+        let (Rows::Uniform { offsets, .. } | Rows::Weighted { offsets, .. }) = &self.rows;
+        self.len() + offsets.last().map_or(0, |&end| end as usize)
     }
 
     /// `M`, one value per vertex.
@@ -135,6 +180,71 @@ impl Laplacian {
         });
     }
 
+    /// The largest difference between the numbers of neighbours.
+    pub(crate) fn reach(&self) -> usize {
+        let (offsets, columns) = match &self.rows {
+            Rows::Uniform { offsets, neighbors, .. } => (offsets, neighbors),
+            Rows::Weighted { offsets, columns, .. } => (offsets, columns),
+        };
+        let farthest = |i: usize| {
+            let row = &columns[offsets[i] as usize..offsets[i + 1] as usize];
+            row.iter().map(|&j| (j as usize).abs_diff(i)).max().unwrap_or(0)
+        };
+        (0..self.len()).into_par_iter().with_min_len(ROWS).map(farthest).max().unwrap_or(0)
+    }
+
+    /// `outᵢ ← point pᵢ + own xᵢ + l (Lx)ᵢ − outᵢ` on some rows; `p` and `out` hold these rows, `x` begins with row
+    /// `offset`.
+    #[inline(always)]
+    pub(crate) fn recur(
+        &self,
+        rows: Range<usize>,
+        offset: usize,
+        x: &[Padded],
+        points: &[Padded],
+        out: &mut [Padded],
+        factors: Factors,
+    ) {
+        let Factors { point, own, l } = factors;
+        let here = &x[rows.start - offset..rows.end - offset];
+        match &self.rows {
+            Rows::Uniform { offsets, neighbors, inverse_degree } => {
+                let ends = &offsets[rows.start..=rows.end];
+                let degrees = &inverse_degree[rows];
+                for (k, out) in out.iter_mut().enumerate() {
+                    let mut sum = [0.0; 4];
+                    for &j in &neighbors[ends[k] as usize..ends[k + 1] as usize] {
+                        let b = &x[j as usize - offset];
+                        for d in 0..4 {
+                            sum[d] += b[d];
+                        }
+                    }
+                    let (a, p, w) = (&here[k], &points[k], l * degrees[k]);
+                    for d in 0..4 {
+                        out[d] = point * p[d] + (own - l) * a[d] + w * sum[d] - out[d];
+                    }
+                }
+            }
+            Rows::Weighted { offsets, columns, weights } => {
+                let ends = &offsets[rows.start..=rows.end];
+                for (k, out) in out.iter_mut().enumerate() {
+                    let range = ends[k] as usize..ends[k + 1] as usize;
+                    let (a, p) = (&here[k], &points[k]);
+                    let mut sum = [0.0; 4];
+                    for (&j, &w) in columns[range.clone()].iter().zip(&weights[range]) {
+                        let b = &x[j as usize - offset];
+                        for d in 0..4 {
+                            sum[d] += w * (b[d] - a[d]);
+                        }
+                    }
+                    for d in 0..4 {
+                        out[d] = point * p[d] + own * a[d] + l * sum[d] - out[d];
+                    }
+                }
+            }
+        }
+    }
+
     /// Whether the weights are uniform.
     pub(crate) fn is_uniform(&self) -> bool {
         matches!(self.rows, Rows::Uniform { .. })
@@ -189,6 +299,17 @@ impl Laplacian {
     }
 }
 
+/// The factors of a three-term recurrence.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Factors {
+    /// Of a given point.
+    pub(crate) point: f64,
+    /// Of the last term.
+    pub(crate) own: f64,
+    /// Of the Laplacian of the last term.
+    pub(crate) l: f64,
+}
+
 /// A point with a fourth coordinate of zero: whole registers, and two thirds of the instructions. For the inner
 /// loops of long computations only; memory traffic grows by a third.
 pub(crate) type Padded = [f64; 4];
@@ -227,6 +348,9 @@ where
     total
 }
 
+/// Vertices with more faces sort their neighbours to find repetitions: searching is quadratic.
+const MANY_FACES: usize = 64;
+
 /// The neighbours of every vertex along edges of faces, each once, in compressed rows; `[v]` for an isolated or
 /// held vertex `v`.
 fn neighbor_lists(n: usize, faces: &[[u32; 3]], held: &[bool]) -> (Vec<u32>, Vec<u32>) {
@@ -238,11 +362,11 @@ fn neighbor_lists(n: usize, faces: &[[u32; 3]], held: &[bool]) -> (Vec<u32>, Vec
         start[v + 1] += start[v];
     }
     let mut next = start.clone();
-    let mut opposite = vec![[0u32; 2]; faces.len() * 3];
-    for &[a, b, c] in faces {
-        for (v, pair) in [(a, [b, c]), (b, [c, a]), (c, [a, b])] {
+    let mut around = vec![0u32; faces.len() * 3];
+    for (f, face) in faces.iter().enumerate() {
+        for &v in face {
             let slot = &mut next[v as usize];
-            opposite[*slot as usize] = pair;
+            around[*slot as usize] = f as u32;
             *slot += 1;
         }
     }
@@ -254,13 +378,21 @@ fn neighbor_lists(n: usize, faces: &[[u32; 3]], held: &[bool]) -> (Vec<u32>, Vec
             let mut lengths = Vec::with_capacity(ROWS);
             for v in vertices {
                 let begin = lists.len();
-                let around = &opposite[start[v] as usize..start[v + 1] as usize];
+                let around = &around[start[v] as usize..start[v + 1] as usize];
                 if held[v] || around.is_empty() {
                     lists.push(v as u32);
+                } else if around.len() > MANY_FACES {
+                    let corners = around.iter().flat_map(|&f| faces[f as usize]);
+                    let mut all: Vec<u32> = corners.filter(|&j| j as usize != v).collect();
+                    all.sort_unstable();
+                    all.dedup();
+                    lists.extend(all);
                 } else {
-                    for &j in around.as_flattened() {
-                        if !lists[begin..].contains(&j) {
-                            lists.push(j);
+                    for &f in around {
+                        for j in faces[f as usize] {
+                            if j as usize != v && !lists[begin..].contains(&j) {
+                                lists.push(j);
+                            }
                         }
                     }
                 }

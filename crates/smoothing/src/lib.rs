@@ -9,11 +9,15 @@
 
 mod arrangement;
 mod assemble;
+mod clenshaw;
+mod collapse;
 mod conformal;
 mod conjugate;
 mod constraints;
+mod cotangents;
 pub mod denoise;
 mod diffusion;
+mod direct;
 mod error;
 mod explicit;
 mod hc;
@@ -36,7 +40,7 @@ mod windowed_sinc;
 
 pub use conformal::{ConformalizedMcf, conformalized_mean_curvature_flow};
 pub use constraints::{Boundary, Constraints, SoftConstraint};
-pub use diffusion::{Diffusion, Time};
+pub use diffusion::{Diffusion, Operator, Time};
 pub use error::{FlowError, FlowFailure};
 pub use explicit::{Explicit, explicit};
 pub use hc::{Hc, hc};

@@ -1,13 +1,14 @@
-//! Spectral low-pass filters without a spectrum.
+//! Spectral low-pass filters.
 
 use fairing_mesh::TriMesh;
 use fairing_operators::LumpedArea;
+use fairing_spectral::{MassKind, SpectrumOptions, reconstruct, spectrum};
 
-use crate::assemble::assemble;
+use crate::assemble::cotangent;
 use crate::constraints::Constraints;
-use crate::diffusion::{Diffusion, Time};
+use crate::diffusion::{Operator, Time};
 use crate::error::{FlowError, FlowFailure, at_least};
-use crate::outcome::{Approach, Smoothed};
+use crate::outcome::{Approach, Report, Smoothed};
 use crate::run::{Frame, Run};
 use crate::series::Series;
 use crate::spectrum::upper_bound;
@@ -24,6 +25,10 @@ pub enum Transfer {
         /// How steeply it falls; 1 to 16.
         order: u32,
     },
+    /// 1 for the k smallest eigenvalues, 0 beyond: the ideal low-pass, a projection on the k smoothest modes, which
+    /// are computed. Where several eigenvalues are equal, which of their modes are kept is arbitrary. Knows no
+    /// constraints, and the plain operator over barycentric or mixed areas only.
+    Modes(usize),
 }
 
 /// Options of [`low_pass`].
@@ -31,8 +36,8 @@ pub enum Transfer {
 pub struct LowPass {
     /// What happens to each mode.
     pub transfer: Transfer,
-    /// The areas of the Laplacian.
-    pub area: LumpedArea,
+    /// How the Laplacian is made.
+    pub operator: Operator,
     /// Free and pinned vertices.
     pub constraints: Constraints,
 }
@@ -40,16 +45,15 @@ pub struct LowPass {
 impl LowPass {
     /// A filter over barycentric areas, nothing held.
     pub fn new(transfer: Transfer) -> Self {
-        Self { transfer, area: LumpedArea::Barycentric, constraints: Constraints::default() }
+        Self { transfer, operator: Operator::default(), constraints: Constraints::default() }
     }
 }
 
 /// Smooths by one filter of the spectrum of the cotangent Laplacian, `x' = g(M⁻¹S) x`, without computing the
-/// spectrum.
+/// spectrum unless the filter is [`Transfer::Modes`].
 ///
 /// In terms of the modes, `x' = Σ g(ωᵢ) φᵢ (φᵢᵀ M x)`; computed is the Chebyshev series of g up to an error of
-/// 1e-10, whose degree grows with the square root of how many times the cut-off is below the roughest mode. For
-/// the k smoothest modes themselves see the reconstruction of `fairing-spectral`.
+/// 1e-10, whose degree grows with the square root of how many times the cut-off is below the roughest mode.
 ///
 /// # Errors
 ///
@@ -73,14 +77,15 @@ impl LowPass {
 /// Source: \[vallet2008\].
 pub fn low_pass(mesh: &TriMesh, options: &LowPass) -> Result<Smoothed, FlowError> {
     check(options).map_err(|failure| failure.before(mesh))?;
+    if let Transfer::Modes(k) = options.transfer {
+        return smoothest(mesh, k, options).map_err(|failure| failure.before(mesh));
+    }
     let mut run = Run::new(mesh, &Frame::new(&options.constraints, 1), None)?;
     if !run.is_linear() {
         let reason = "a low-pass filter knows free and pinned vertices only";
         return Err(run.refuse(FlowFailure::Unsupported { reason }));
     }
-    let time = Time::SquaredUnits(0.0);
-    let diffusion = Diffusion::Cotangent { time, area: options.area };
-    let laplacian = assemble(run.arrangement.mesh(), diffusion, &run.freedom.held)
+    let laplacian = cotangent(run.arrangement.mesh(), options.operator, &run.freedom.held)
         .map_err(|failure| run.refuse(failure))?;
     let bound = upper_bound(&laplacian);
     let series = match options.transfer {
@@ -91,6 +96,7 @@ pub fn low_pass(mesh: &TriMesh, options: &LowPass) -> Result<Smoothed, FlowError
         Transfer::Butterworth { cutoff, order } => {
             Series::expand(bound, |mu| 1.0 / (1.0 + (-mu / cutoff).powi(order as i32)))
         }
+        Transfer::Modes(_) => None,
     };
     let Some(series) = series else {
         let reason = "the filter is too narrow for the resolution of the mesh";
@@ -100,6 +106,28 @@ pub fn low_pass(mesh: &TriMesh, options: &LowPass) -> Result<Smoothed, FlowError
     run.report.iterations = 1;
     let x = series.apply(&laplacian, run.arrangement.mesh().positions());
     run.finish(x)
+}
+
+/// The mesh from its `k` smoothest modes.
+fn smoothest(mesh: &TriMesh, k: usize, options: &LowPass) -> Result<Smoothed, FlowFailure> {
+    let mass = match options.operator {
+        Operator::Plain(LumpedArea::Barycentric) => MassKind::Barycentric,
+        Operator::Plain(LumpedArea::Mixed) => MassKind::Mixed,
+        _ => {
+            let reason = "modes are those of the plain operator over barycentric or mixed areas";
+            return Err(FlowFailure::Unsupported { reason });
+        }
+    };
+    if !options.constraints.is_free() {
+        let reason = "a projection on modes knows no constraints";
+        return Err(FlowFailure::Unsupported { reason });
+    }
+    let options = SpectrumOptions { mass, ..SpectrumOptions::default() };
+    let mesh = spectrum(mesh, k, &options)
+        .and_then(|modes| reconstruct(mesh, &modes, k))
+        .map_err(|error| FlowFailure::Modes { reason: error.to_string() })?;
+    let approach = Approach::Modes { count: k };
+    Ok(Smoothed { mesh, report: Report { iterations: 1, approach, ..Report::default() } })
 }
 
 fn check(options: &LowPass) -> Result<(), FlowFailure> {
@@ -121,5 +149,7 @@ fn check(options: &LowPass) -> Result<(), FlowFailure> {
             }
             Ok(())
         }
+        // The spectrum says how many there are.
+        Transfer::Modes(_) => Ok(()),
     }
 }

@@ -41,6 +41,11 @@ pub enum Approach {
         /// The number of products with the Laplacian.
         degree: usize,
     },
+    /// At once, by projection on modes.
+    Modes {
+        /// The number of modes.
+        count: usize,
+    },
     /// One after another, by conjugate gradients.
     ConjugateGradients {
         /// Iterations over all steps.

@@ -1,10 +1,11 @@
 //! Fairing of a region with its rim held.
 
 use fairing_mesh::TriMesh;
-use fairing_operators::{LumpedArea, combinatorial_laplacian, cotan_stiffness};
+use fairing_operators::{combinatorial_laplacian, cotan_stiffness};
 use fairing_sparse::{Cholesky, SparseMatrix};
 
-use crate::assemble::positive_mass;
+use crate::assemble::{positive_mass, robust};
+use crate::diffusion::Operator;
 use crate::error::{FlowError, FlowFailure};
 use crate::outcome::{Approach, Report, Smoothed};
 
@@ -13,8 +14,8 @@ use crate::outcome::{Approach, Report, Smoothed};
 pub enum FairingWeights {
     /// Every edge counts the same: evens out the spacing as well.
     Uniform,
-    /// Cotangents of the input over these areas: keeps the spacing.
-    Cotangent(LumpedArea),
+    /// Cotangents of the input: keeps the spacing.
+    Cotangent(Operator),
 }
 
 /// Options of [`fair_region`].
@@ -32,7 +33,7 @@ pub struct FairRegion {
 impl FairRegion {
     /// A thin plate over `region`, cotangent weights over barycentric areas.
     pub fn new(region: Vec<u32>) -> Self {
-        let weights = FairingWeights::Cotangent(LumpedArea::Barycentric);
+        let weights = FairingWeights::Cotangent(Operator::default());
         Self { region, order: 2, weights }
     }
 }
@@ -144,7 +145,13 @@ fn operator(mesh: &TriMesh, options: &FairRegion) -> Result<SparseMatrix, FlowFa
             let degree = stiffness.diag().to_dense().iter().map(|d| d.max(1.0)).collect();
             (stiffness, degree)
         }
-        FairingWeights::Cotangent(area) => (cotan_stiffness(mesh)?, positive_mass(mesh, area)?),
+        FairingWeights::Cotangent(Operator::Plain(area)) => {
+            (cotan_stiffness(mesh)?, positive_mass(mesh, area)?)
+        }
+        FairingWeights::Cotangent(Operator::Robust) => {
+            let robust = robust(mesh)?;
+            (robust.stiffness, robust.mass)
+        }
     };
     let mut walk = stiffness.clone();
     for (i, mut row) in walk.outer_iterator_mut().enumerate() {

@@ -55,7 +55,7 @@ impl<'a, 'o> Run<'a, 'o> {
         let prepare = || -> Result<_, FlowFailure> {
             let arrangement = match observer {
                 Some(_) => Arrangement::as_given(input),
-                None => Arrangement::along_curve(input)?,
+                None => Arrangement::in_slabs(input)?,
             };
             let freedom = Freedom::new(&arrangement, frame.constraints)?;
             let keeper = SizeKeeper::new(arrangement.mesh(), frame, &freedom)?;
@@ -166,6 +166,9 @@ impl<'a, 'o> Run<'a, 'o> {
             }
             FlowFailure::NonPositiveMass { vertex, mass } => {
                 FlowFailure::NonPositiveMass { vertex: original(vertex), mass }
+            }
+            FlowFailure::Collapsed { vertex, area, before } => {
+                FlowFailure::Collapsed { vertex: original(vertex), area, before }
             }
             FlowFailure::NoLength { vertex, neighbor } => {
                 FlowFailure::NoLength { vertex: original(vertex), neighbor: original(neighbor) }

@@ -13,6 +13,7 @@
 
 use rayon::prelude::*;
 
+use crate::clenshaw::Clenshaw;
 use crate::laplacian::{Laplacian, Padded, ROWS};
 
 /// The sum of the coefficients left out, relative to `max |g|`.
@@ -70,18 +71,8 @@ impl Series {
             .with_min_len(ROWS)
             .map(|p| [p[0] - centre[0], p[1] - centre[1], p[2] - centre[2], 0.0])
             .collect();
-        let s = 2.0 / self.bound;
-        let mut last = vec![[0.0; 4]; x.len()];
-        let mut before = vec![[0.0; 4]; x.len()];
-        for (k, &c) in self.coefficients.iter().enumerate().rev() {
-            // T₁ = 1 + s L; the last term takes it once, not twice.
-            let twice = if k == 0 { 1.0 } else { 2.0 };
-            laplacian.sweep(&last, &mut before, |i, l, b, old| {
-                let p = &x[i];
-                std::array::from_fn(|d| c * p[d] + twice * (b[d] + s * l[d]) - old[d])
-            });
-            std::mem::swap(&mut last, &mut before);
-        }
+        let (coefficients, scale) = (&self.coefficients[..], 2.0 / self.bound);
+        let last = Clenshaw { laplacian, x: &x, coefficients, scale }.evaluate();
         // Vertices that stay do so exactly.
         last.par_iter()
             .zip(given)

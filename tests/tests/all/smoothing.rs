@@ -10,10 +10,12 @@ use fairing_smoothing::{
 };
 
 mod boundaries;
+mod broken;
 mod eigenmodes;
 mod flows;
 mod mean_curvature;
 mod runs;
+mod solvers;
 
 /// The octahedron; its uniform Laplacian has the eigenvalues 0, −1 (three times) and −3/2 (twice).
 fn octahedron(positions: Vec<[f64; 3]>) -> TriMesh {

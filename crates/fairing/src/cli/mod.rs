@@ -57,7 +57,7 @@ enum Verb {
     Curvature(curvature::Curvature),
     Spectrum(spectrum::Spectrum),
     Reconstruct(reconstruct::Reconstruct),
-    Smooth(smooth::Smooth),
+    Smooth(Box<smooth::Smooth>),
     Noise(noise::Noise),
     Denoise(denoise::Denoise),
     Compare(compare::Compare),

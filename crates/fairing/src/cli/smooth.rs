@@ -1,15 +1,11 @@
 //! `fairing smooth`.
 
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use fairing::mesh::TriMesh;
-use fairing::operators::LumpedArea;
-use fairing::smoothing::{
-    Approach, Boundary, ConformalizedMcf, Constraints, Diffusion, Explicit, FairRegion,
-    FairingWeights, FlowFailure, Hc, Implicit, LowPass, Method, ScaleDependent, Smoothed,
-    Stability, Taubin, Time, Transfer, Update, Volume, Window, WindowedSinc,
-};
+use fairing::smoothing::{Approach, FlowFailure, Method, Observer, Smoothed, Step};
 use serde_json::json;
 
 use super::exit::Failure;
@@ -17,23 +13,34 @@ use super::files::{self, Output};
 use super::table::{Table, number};
 use super::{Context, print};
 
+mod options;
+
+use options::{Area, Border, Keep, Name, OperatorName, Soft, Unstable, Weights, When, WindowName};
+
 const HELP: &str = "\
 Which method?
   Noise, and the size must stay     taubin (the default), or windowed-sinc: sharper
   The assignment's questions 5, 6   explicit --lambda L, implicit --lambda L
   Very smooth, in few steps         implicit --lambda 50 --iterations 3
   A physical amount of smoothing    low-pass --time T: exact heat diffusion, or --cutoff W
+  The smoothest modes alone         low-pass --modes K
   Triangles of very uneven size     implicit --weights cotangent, or scale-dependent
   Even out the triangles as well    implicit --weights uniform
   A sphere out of a closed blob     conformal
   A dent, a filled hole             region --vertices LIST --order 2
   Sharp edges must survive          none of these: fairing denoise
+  Faces without area, edges of      those with uniform weights as they are; those with
+  three faces, soups                cotangents with --operator robust
 
 The step --lambda is, for uniform weights, a fraction of the way to the mean of the
 neighbours: explicit steps are stable up to 4/3 (8/7 with a boundary), implicit ones
 always. For cotangents it is a diffusion time in squared mean edge lengths; explicit
 ones are stable up to about 0.27 on even meshes. Instead, --time gives it in squared
 units of the file. n steps of L smooth about as much as one of n L.
+
+Vertices stay (--pin), slide along a border (--boundary sliding), or are drawn softly:
+--soft 12:1,40:10:0:0:5 holds vertex 12 to its place as strongly as the flow moves it,
+and draws vertex 40 to (0, 0, 5) ten times as strongly.
 
 Examples:
   fairing smooth scan.ply -o smooth.ply
@@ -71,12 +78,19 @@ pub(crate) struct Smooth {
     /// The areas of vertices for cotangents; barycentric unless said
     #[arg(long, value_enum)]
     area: Option<Area>,
+    /// How cotangents are made; plain unless said
+    #[arg(long, value_enum, conflicts_with = "area")]
+    operator: Option<OperatorName>,
     /// What happens at the boundary of an open mesh; free unless said
     #[arg(long, value_enum)]
     boundary: Option<Border>,
     /// Vertices that stay, as numbers from 0 joined by commas
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pin: Vec<u32>,
+    /// Vertices drawn to where they are, or to a point, joined by commas; a weight of 1
+    /// ends a step half-way between the flow and the point
+    #[arg(long, value_name = "V:W[:X:Y:Z]", value_delimiter = ',', allow_hyphen_values = true)]
+    soft: Vec<Soft>,
     /// What happens to the volume of a closed mesh; it drifts unless said
     #[arg(long, value_enum)]
     volume: Option<Keep>,
@@ -107,6 +121,9 @@ pub(crate) struct Smooth {
     /// low-pass: where a Butterworth filter halves, a wavelength in units of the file
     #[arg(long, value_name = "W", conflicts_with = "time")]
     cutoff: Option<f64>,
+    /// low-pass: keep the K smoothest modes and nothing else
+    #[arg(long, value_name = "K", conflicts_with_all = ["time", "cutoff"])]
+    modes: Option<usize>,
     /// region: 1 soap film, 2 thin plate, 3 least variation of curvature; low-pass:
     /// how steeply a Butterworth filter falls
     #[arg(long, value_name = "K")]
@@ -120,6 +137,16 @@ pub(crate) struct Smooth {
     /// implicit, conformal: the relative residual of the linear systems
     #[arg(long, value_name = "R")]
     tolerance: Option<f64>,
+    /// conformal: ends when no vertex moves by more than this, in roots of the area
+    #[arg(long, value_name = "S")]
+    settled: Option<f64>,
+    /// Methods that take steps: end when no vertex moves by more than this in a step, in
+    /// mean edge lengths
+    #[arg(long, value_name = "S")]
+    until: Option<f64>,
+    /// If a step fails after others, write the mesh before it all the same; still an error
+    #[arg(long)]
+    last_good: bool,
     /// Print what was done as one JSON object
     #[arg(long)]
     json: bool,
@@ -138,85 +165,6 @@ struct MaybeOutput {
     overwrite: files::Overwrite,
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Name {
-    Explicit,
-    Implicit,
-    MeanCurvature,
-    Conformal,
-    Taubin,
-    WindowedSinc,
-    Hc,
-    ScaleDependent,
-    LowPass,
-    Region,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Weights {
-    /// Every neighbour counts the same
-    Uniform,
-    /// The Laplace–Beltrami operator
-    Cotangent,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum Area {
-    /// A third of the faces around
-    Barycentric,
-    /// Voronoi cells, kept inside obtuse faces
-    Mixed,
-    /// Voronoi cells; may be negative at obtuse angles, which is refused
-    Voronoi,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum Border {
-    /// It moves inward as its neighbours pull
-    Free,
-    /// It stays
-    Pinned,
-    /// It moves along its own curve
-    Sliding,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum Keep {
-    /// It goes where the flow takes it
-    Drift,
-    /// Kept by scaling about the centroid in each step
-    Rescale,
-    /// Kept by an offset along the normals in each step
-    Offset,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum Unstable {
-    /// They are an error
-    Refuse,
-    /// They are taken, with a warning
-    Warn,
-    /// They are taken
-    Allow,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum WindowName {
-    Hanning,
-    Hamming,
-    Blackman,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum When {
-    /// The operator of the input
-    Never,
-    /// Areas of the current mesh, stiffness of the input
-    Mass,
-    /// All of the current mesh
-    Both,
-}
-
 impl Smooth {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
         if self.list {
@@ -227,15 +175,38 @@ impl Smooth {
         };
         self.output.overwrite.check(path)?;
         self.check()?;
-        let method = self.method()?;
         let file = files::read(input)?;
         files::say_report(context, input, &file.report);
-        let smoothed = method.run(&file.mesh, None).map_err(|error| match error.failure {
-            FlowFailure::InvalidOption { .. } | FlowFailure::Unsupported { .. } => {
-                Failure::usage(error.failure)
+        let method = self.method(&file.mesh)?;
+        let small = self.until.map(|until| until * file.mesh.mean_edge_length());
+        let mut settle = |step: &Step<'_>| match small {
+            Some(small) if step.largest_displacement() <= small => ControlFlow::Break(()),
+            _ => ControlFlow::Continue(()),
+        };
+        let observer: Option<&mut Observer<'_>> = match small {
+            Some(_) => Some(&mut settle),
+            None => None,
+        };
+        let output = Output {
+            path: path.clone(),
+            overwrite: files::Overwrite { force: self.output.overwrite.force },
+        };
+        let smoothed = match method.run(&file.mesh, observer) {
+            Ok(smoothed) => smoothed,
+            Err(error) => {
+                return Err(match error.failure {
+                    FlowFailure::InvalidOption { .. } | FlowFailure::Unsupported { .. } => {
+                        Failure::usage(error.failure)
+                    }
+                    _ => {
+                        if self.last_good && error.iteration > 1 {
+                            files::write_moved(context, &output, &error.last_good, file.fields)?;
+                        }
+                        Failure::from(error)
+                    }
+                });
             }
-            _ => Failure::from(error),
-        })?;
+        };
         let warns = matches!(self.unstable, Some(Unstable::Warn));
         if let (true, Some(limit)) =
             (smoothed.report.unstable && warns, smoothed.report.stable_limit)
@@ -246,232 +217,7 @@ impl Smooth {
             ));
         }
         self.summarise(context, &method, &file.mesh, &smoothed)?;
-        let output = Output {
-            path: path.clone(),
-            overwrite: files::Overwrite { force: self.output.overwrite.force },
-        };
         files::write_moved(context, &output, &smoothed.mesh, file.fields)
-    }
-
-    /// Refuses options that the method does not have.
-    fn check(&self) -> Result<(), Failure> {
-        use Name::{
-            Conformal, Explicit, Hc, Implicit, LowPass, MeanCurvature, Region, ScaleDependent,
-            Taubin, WindowedSinc,
-        };
-        let stepping = [Explicit, Implicit, MeanCurvature, Taubin, Hc, ScaleDependent];
-        let given: [(&str, bool, &[Name]); 19] = [
-            ("--weights", self.weights.is_some(), &[Explicit, Implicit, Region]),
-            ("--lambda", self.lambda.is_some(), &[Explicit, Implicit, MeanCurvature, Taubin]),
-            (
-                "--time",
-                self.time.is_some(),
-                &[Explicit, Implicit, MeanCurvature, LowPass, Conformal],
-            ),
-            (
-                "--iterations",
-                self.iterations.is_some(),
-                &[Explicit, Implicit, MeanCurvature, Taubin, Hc, ScaleDependent, Conformal],
-            ),
-            ("--area", self.area.is_some(), &[Explicit, Implicit, MeanCurvature, LowPass, Region]),
-            (
-                "--boundary",
-                self.boundary.is_some(),
-                &[
-                    Explicit,
-                    Implicit,
-                    MeanCurvature,
-                    Taubin,
-                    Hc,
-                    ScaleDependent,
-                    LowPass,
-                    WindowedSinc,
-                ],
-            ),
-            ("--pin", !self.pin.is_empty(), &stepping),
-            ("--volume", self.volume.is_some(), &[Explicit, Implicit, MeanCurvature]),
-            ("--unstable", self.unstable.is_some(), &[Explicit]),
-            ("--mu", self.mu.is_some(), &[Taubin]),
-            ("--pass-band", self.pass_band.is_some(), &[Taubin, WindowedSinc]),
-            ("--degree", self.degree.is_some(), &[WindowedSinc]),
-            ("--window", self.window.is_some(), &[WindowedSinc]),
-            ("--alpha or --beta", self.alpha.is_some() || self.beta.is_some(), &[Hc]),
-            ("--fraction", self.fraction.is_some(), &[ScaleDependent]),
-            ("--cutoff", self.cutoff.is_some(), &[LowPass]),
-            ("--order", self.order.is_some(), &[Region, LowPass]),
-            ("--vertices", !self.vertices.is_empty(), &[Region]),
-            ("--tolerance", self.tolerance.is_some(), &[Implicit, MeanCurvature, Conformal]),
-        ];
-        let foreign =
-            given.iter().find(|(_, given, methods)| *given && !methods.contains(&self.method));
-        if let Some((option, ..)) = foreign {
-            let method = self.method.to_possible_value();
-            let method = method.as_ref().map_or("", |value| value.get_name());
-            return Err(Failure::usage(format_args!("the method {method} has no {option}")));
-        }
-        if self.update.is_some() && self.method != Implicit {
-            return Err(Failure::usage("--update belongs to the method implicit"));
-        }
-        Ok(())
-    }
-
-    /// The method with its options.
-    fn method(&self) -> Result<Method, Failure> {
-        let constraints = self.constraints();
-        let volume = match self.volume {
-            None | Some(Keep::Drift) => Volume::Drifts,
-            Some(Keep::Rescale) => Volume::Rescaled,
-            Some(Keep::Offset) => Volume::Offset,
-        };
-        let n = self.iterations;
-        Ok(match self.method {
-            Name::Explicit => Method::Explicit(Explicit {
-                iterations: n.unwrap_or(10),
-                stability: match self.unstable {
-                    None | Some(Unstable::Refuse) => Stability::Refuse,
-                    Some(Unstable::Warn) => Stability::Warn,
-                    Some(Unstable::Allow) => Stability::Allow,
-                },
-                constraints,
-                volume,
-                ..Explicit::new(self.diffusion(0.5, 0.1)?)
-            }),
-            Name::Implicit | Name::MeanCurvature => {
-                let flows = self.method == Name::MeanCurvature;
-                let diffusion =
-                    if flows { self.cotangents(1.0) } else { self.diffusion(5.0, 5.0)? };
-                let options = Implicit::new(diffusion);
-                Method::Implicit(Implicit {
-                    iterations: n.unwrap_or(10),
-                    update: match self.update {
-                        _ if flows => Update::Both,
-                        None | Some(When::Never) => Update::Never,
-                        Some(When::Mass) => Update::Mass,
-                        Some(When::Both) => Update::Both,
-                    },
-                    tolerance: self.tolerance.unwrap_or(options.tolerance),
-                    constraints,
-                    volume,
-                    ..options
-                })
-            }
-            Name::Conformal => {
-                let options = ConformalizedMcf::default();
-                Method::ConformalizedMcf(ConformalizedMcf {
-                    time: self.time.unwrap_or(options.time),
-                    iterations: n.unwrap_or(options.iterations),
-                    tolerance: self.tolerance.unwrap_or(options.tolerance),
-                    ..options
-                })
-            }
-            Name::Taubin => {
-                let options = Taubin::default();
-                let lambda = self.lambda.unwrap_or(options.lambda);
-                let options = match (self.mu, self.pass_band) {
-                    (Some(mu), _) => Taubin::from_steps(lambda, mu),
-                    (None, band) => Taubin::new(lambda, band.unwrap_or(options.pass_band)),
-                };
-                Method::Taubin(Taubin { pairs: n.unwrap_or(10), constraints, ..options })
-            }
-            Name::WindowedSinc => {
-                let options = WindowedSinc::default();
-                Method::WindowedSinc(WindowedSinc {
-                    pass_band: self.pass_band.unwrap_or(options.pass_band),
-                    degree: self.degree.unwrap_or(options.degree),
-                    window: match self.window {
-                        Some(WindowName::Hanning) => Window::Hanning,
-                        None | Some(WindowName::Hamming) => Window::Hamming,
-                        Some(WindowName::Blackman) => Window::Blackman,
-                    },
-                    constraints,
-                })
-            }
-            Name::Hc => {
-                let options = Hc::default();
-                Method::Hc(Hc {
-                    alpha: self.alpha.unwrap_or(options.alpha),
-                    beta: self.beta.unwrap_or(options.beta),
-                    iterations: n.unwrap_or(options.iterations),
-                    constraints,
-                })
-            }
-            Name::ScaleDependent => {
-                let options = ScaleDependent::default();
-                Method::ScaleDependent(ScaleDependent {
-                    fraction: self.fraction.unwrap_or(options.fraction),
-                    iterations: n.unwrap_or(options.iterations),
-                    constraints,
-                })
-            }
-            Name::LowPass => {
-                let transfer = match (self.time, self.cutoff) {
-                    (Some(time), _) => Transfer::Heat(Time::SquaredUnits(time)),
-                    (None, Some(wavelength)) => Transfer::Butterworth {
-                        cutoff: (2.0 * std::f64::consts::PI / wavelength).powi(2),
-                        order: self.order.unwrap_or(2),
-                    },
-                    (None, None) => Transfer::Heat(Time::SquaredEdges(5.0)),
-                };
-                Method::LowPass(LowPass {
-                    area: self.area(),
-                    constraints,
-                    ..LowPass::new(transfer)
-                })
-            }
-            Name::Region => {
-                if self.vertices.is_empty() {
-                    return Err(Failure::usage("which region? say --vertices LIST"));
-                }
-                Method::FairRegion(FairRegion {
-                    region: self.vertices.clone(),
-                    order: self.order.unwrap_or(2),
-                    weights: match self.weights {
-                        Some(Weights::Uniform) => FairingWeights::Uniform,
-                        _ => FairingWeights::Cotangent(self.area()),
-                    },
-                })
-            }
-        })
-    }
-
-    fn constraints(&self) -> Constraints {
-        let boundary = match self.boundary {
-            None | Some(Border::Free) => Boundary::Free,
-            Some(Border::Pinned) => Boundary::Pinned,
-            Some(Border::Sliding) => Boundary::Sliding,
-        };
-        Constraints { pinned: self.pin.clone(), ..Constraints::boundary(boundary) }
-    }
-
-    /// The diffusion with its default steps for either weights.
-    fn diffusion(&self, uniform: f64, cotangent: f64) -> Result<Diffusion, Failure> {
-        let weights = self.weights.unwrap_or(match self.time {
-            Some(_) => Weights::Cotangent,
-            None => Weights::Uniform,
-        });
-        if weights == Weights::Cotangent {
-            return Ok(self.cotangents(cotangent));
-        }
-        if self.time.is_some() {
-            return Err(Failure::usage("uniform weights have no --time, only --lambda"));
-        }
-        Ok(Diffusion::uniform(self.lambda.unwrap_or(uniform)))
-    }
-
-    fn cotangents(&self, lambda: f64) -> Diffusion {
-        let time = match self.time {
-            Some(time) => Time::SquaredUnits(time),
-            None => Time::SquaredEdges(self.lambda.unwrap_or(lambda)),
-        };
-        Diffusion::Cotangent { time, area: self.area() }
-    }
-
-    fn area(&self) -> LumpedArea {
-        match self.area {
-            None | Some(Area::Barycentric) => LumpedArea::Barycentric,
-            Some(Area::Mixed) => LumpedArea::Mixed,
-            Some(Area::Voronoi) => LumpedArea::Voronoi,
-        }
     }
 
     /// Says what was done.
@@ -530,6 +276,7 @@ fn approach(approach: Approach) -> String {
         Approach::ConjugateGradients { iterations } => {
             format!("conjugate gradients, {iterations} iterations")
         }
+        Approach::Modes { count } => format!("{count} modes"),
         Approach::Cholesky { factorisations } => format!("Cholesky, {factorisations} factors"),
     }
 }

@@ -118,11 +118,16 @@ fn the_measured_cotangent_limit_separates_stable_from_unstable() {
     let h = mesh.mean_edge_length();
     assert!((0.1..0.4).contains(&(limit / (h * h))), "{}", limit / (h * h));
     let run = |factor: f64| {
-        let Diffusion::Cotangent { area, .. } = Diffusion::cotangent(1.0) else { unreachable!() };
+        let Diffusion::Cotangent { operator, .. } = Diffusion::cotangent(1.0) else {
+            unreachable!()
+        };
         let options = Explicit {
             iterations: 400,
             stability: Stability::Allow,
-            ..Explicit::new(Diffusion::Cotangent { time: Time::SquaredUnits(factor * limit), area })
+            ..Explicit::new(Diffusion::Cotangent {
+                time: Time::SquaredUnits(factor * limit),
+                operator,
+            })
         };
         explicit(&mesh, &options, None).unwrap().mesh.diagonal() / mesh.diagonal()
     };

@@ -137,7 +137,9 @@ fn faired_regions_reproduce_what_the_operator_annihilates() {
     for order in 1..=3 {
         for weights in [
             FairingWeights::Uniform,
-            FairingWeights::Cotangent(fairing_operators::LumpedArea::Mixed),
+            FairingWeights::Cotangent(fairing_smoothing::Operator::Plain(
+                fairing_operators::LumpedArea::Mixed,
+            )),
         ] {
             let options = FairRegion { order, weights, ..FairRegion::new(inside.clone()) };
             let faired = fair_region(&rough, &options).unwrap().mesh;

@@ -19,7 +19,7 @@ fn a_sphere_shrinks_as_theory_has_it_with_second_order_in_space() {
             tolerance: 1e-11,
             ..Implicit::new(Diffusion::Cotangent {
                 time: Time::SquaredUnits(end / steps as f64),
-                area: fairing_operators::LumpedArea::Barycentric,
+                operator: fairing_smoothing::Operator::default(),
             })
         };
         let shrunk = implicit(&sphere, &options, None).unwrap().mesh;
@@ -45,7 +45,7 @@ fn backward_euler_is_of_first_order_in_time() {
             tolerance: 1e-12,
             ..Implicit::new(Diffusion::Cotangent {
                 time: Time::SquaredUnits(0.1 / steps as f64),
-                area: fairing_operators::LumpedArea::Barycentric,
+                operator: fairing_smoothing::Operator::default(),
             })
         };
         mean_radius(&implicit(&sphere, &options, None).unwrap().mesh)

@@ -1,0 +1,247 @@
+//! Clenshaw's recurrence over a mesh, several terms at a time while rows are in cache.
+//!
+//! A term reads and writes every vertex once, and a large mesh does not fit in cache: terms taken one after another
+//! run at the speed of memory. But row `i` of term `k` needs term `k − 1` at the neighbours of `i` only. With
+//! vertices in an order in which neighbours are at most a *reach* apart, a block of rows can go on to the next term
+//! as soon as the block after it has done this one. So blocks are taken in waves, each block one term behind the
+//! block after it, and memory is passed over once for a whole batch of terms.
+//!
+//! Threads take parts of the rows. Where a part ends, each term ends one block earlier than the one before; the
+//! triangles left out between two parts are filled in afterwards. Every value is computed from the same numbers in
+//! the same way however the rows are cut, so the result does not depend on threads, parts or blocks.
+
+use std::ops::Range;
+
+use pulp::NullaryFnOnce;
+use rayon::prelude::*;
+
+use crate::laplacian::{Factors, Laplacian, Padded};
+
+/// Bytes that the blocks at work in one batch may take: most of the second-level cache of one core.
+const CACHE: usize = 1 << 20;
+
+/// Bytes that a row takes: three points, its neighbours and what belongs to them.
+const ROW: usize = 160;
+
+/// The most terms in one batch: more save hardly any memory traffic.
+const MOST_TERMS: usize = 16;
+
+/// Fewer terms in a batch than this are not worth the trouble.
+const LEAST_TERMS: usize = 3;
+
+/// The fewest rows in a block, so that a block is long beside what surrounds it.
+const LEAST_BLOCK: usize = 128;
+
+/// `bₖ = cₖ x + 2 T bₖ₊₁ − bₖ₊₂` with `T = 1 + s L`, for k from the highest down to 0, where `T b` counts once.
+#[derive(Clone, Copy)]
+pub(crate) struct Clenshaw<'a> {
+    pub(crate) laplacian: &'a Laplacian,
+    pub(crate) x: &'a [Padded],
+    pub(crate) coefficients: &'a [f64],
+    pub(crate) scale: f64,
+}
+
+impl Clenshaw<'_> {
+    /// `b₀`.
+    pub(crate) fn evaluate(self) -> Vec<Padded> {
+        let n = self.x.len();
+        let (mut last, mut before) = (vec![[0.0; 4]; n], vec![[0.0; 4]; n]);
+        let block = self.laplacian.reach().max(LEAST_BLOCK);
+        // Two blocks more than terms are at work: the ones ahead of the first and behind the last.
+        let batch = (CACHE / (ROW * block)).saturating_sub(2).min(MOST_TERMS);
+        let batch = if batch < LEAST_TERMS || n < 2 * block { 1 } else { batch };
+        let terms = self.coefficients.len();
+        let mut done = 0;
+        while done < terms {
+            let count = batch.min(terms - done);
+            let batch = Batch { recurrence: self, done, count, block };
+            batch.run(&mut last, &mut before);
+            if !count.is_multiple_of(2) {
+                std::mem::swap(&mut last, &mut before);
+            }
+            done += count;
+        }
+        last
+    }
+
+    /// The term after `done` others on some rows; slices begin with row `offset`.
+    #[inline(always)]
+    fn term(
+        self,
+        done: usize,
+        rows: Range<usize>,
+        offset: usize,
+        last: &[Padded],
+        before: &mut [Padded],
+    ) {
+        let k = self.coefficients.len() - 1 - done;
+        let twice = if k == 0 { 1.0 } else { 2.0 };
+        let factors = Factors { point: self.coefficients[k], own: twice, l: twice * self.scale };
+        let points = &self.x[rows.clone()];
+        let out = &mut before[rows.start - offset..rows.end - offset];
+        self.laplacian.recur(rows, offset, last, points, out, factors);
+    }
+}
+
+/// Some terms in one pass over memory.
+#[derive(Clone, Copy)]
+struct Batch<'a> {
+    recurrence: Clenshaw<'a>,
+    /// Terms before this batch.
+    done: usize,
+    /// Terms of this batch.
+    count: usize,
+    /// Rows of a block, no fewer than the reach.
+    block: usize,
+}
+
+impl Batch<'_> {
+    /// Takes the terms in turn from `last` to `before` and back.
+    fn run(self, last: &mut [Padded], before: &mut [Padded]) {
+        let n = last.len();
+        // Half a part has to hold the triangle at its end, and a block that it reads.
+        let room = 2 * (self.count + 1) * self.block;
+        let parts = (n / room).clamp(1, rayon::current_num_threads().max(1));
+        let ends: Vec<usize> = (0..=parts).map(|q| q * n / parts).collect();
+        let middles: Vec<usize> = ends.windows(2).map(|e| (e[0] + e[1]) / 2).collect();
+        split(last, before, &ends).into_par_iter().for_each(|piece| {
+            pulp::Arch::new().dispatch(Trapezoid { batch: self, piece, n });
+        });
+        let between = split(last, before, &middles);
+        between.into_par_iter().zip(&ends[1..]).for_each(|(piece, &end)| {
+            pulp::Arch::new().dispatch(Triangle { batch: self, piece, end });
+        });
+    }
+
+    /// Term `t` of the batch on some rows of a piece.
+    #[inline(always)]
+    fn term(self, t: usize, rows: Range<usize>, piece: &mut Piece<'_>) {
+        if rows.is_empty() {
+            return;
+        }
+        let Piece { offset, last, before } = piece;
+        let (from, to) = if t.is_multiple_of(2) { (last, before) } else { (before, last) };
+        self.recurrence.term(self.done + t, rows, *offset, from, to);
+    }
+}
+
+/// Rows from `offset` on of both arrays.
+struct Piece<'a> {
+    offset: usize,
+    last: &'a mut [Padded],
+    before: &'a mut [Padded],
+}
+
+/// The pieces between consecutive rows of `ends`.
+fn split<'a>(last: &'a mut [Padded], before: &'a mut [Padded], ends: &[usize]) -> Vec<Piece<'a>> {
+    let first = ends.first().copied().unwrap_or(0);
+    let (mut last, mut before) = (&mut last[first..], &mut before[first..]);
+    let mut pieces = Vec::with_capacity(ends.len());
+    for pair in ends.windows(2) {
+        let (l, rest) = last.split_at_mut(pair[1] - pair[0]);
+        last = rest;
+        let (b, rest) = before.split_at_mut(pair[1] - pair[0]);
+        before = rest;
+        pieces.push(Piece { offset: pair[0], last: l, before: b });
+    }
+    pieces
+}
+
+/// A part of the rows, which each term takes one block further from the ends that border on other parts.
+struct Trapezoid<'a> {
+    batch: Batch<'a>,
+    piece: Piece<'a>,
+    /// All rows.
+    n: usize,
+}
+
+impl NullaryFnOnce for Trapezoid<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(mut self) {
+        let Batch { count, block, .. } = self.batch;
+        let (start, end) = (self.piece.offset, self.piece.offset + self.piece.last.len());
+        let blocks = (end - start).div_ceil(block);
+        for wave in 0..blocks + count {
+            for t in 0..count.min(wave + 1) {
+                let first = start + (wave - t) * block;
+                let low = if start == 0 { 0 } else { start + (t + 1) * block };
+                let high = if end == self.n { end } else { end - (t + 1) * block };
+                let rows = first.max(low)..(first + block).min(high);
+                self.batch.term(t, rows, &mut self.piece);
+            }
+        }
+    }
+}
+
+/// What the trapezoids on both sides of `end` leave out: more with every term.
+struct Triangle<'a> {
+    batch: Batch<'a>,
+    piece: Piece<'a>,
+    end: usize,
+}
+
+impl NullaryFnOnce for Triangle<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(mut self) {
+        let Batch { count, block, .. } = self.batch;
+        for t in 0..count {
+            let rows = self.end - (t + 1) * block..self.end + (t + 1) * block;
+            self.batch.term(t, rows, &mut self.piece);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use fairing_mesh::shapes;
+
+    use super::*;
+    use crate::arrangement::Arrangement;
+
+    /// The recurrence as it is written, one term after another.
+    fn plainly(of: Clenshaw<'_>) -> Vec<Padded> {
+        let n = of.x.len();
+        let (mut last, mut before) = (vec![[0.0; 4]; n], vec![[0.0; 4]; n]);
+        for done in 0..of.coefficients.len() {
+            of.term(done, 0..n, 0, &last, &mut before);
+            std::mem::swap(&mut last, &mut before);
+        }
+        last
+    }
+
+    /// Blocks and parts change nothing, to the bit: on meshes that fill several parts, with a border, and in an
+    /// order of no locality at all.
+    #[test]
+    fn blocks_and_parts_do_not_show() {
+        let torus = shapes::torus(3.0, 1.0, 400, 60);
+        let patch = shapes::plane(20, 900, shapes::Diagonals::Alternating);
+        let coefficients: Vec<f64> = (0..40).map(|k| 1.0 / f64::from(1 + k * k)).collect();
+        for (mesh, arranged) in [(&torus, true), (&patch, true), (&torus, false)] {
+            let arrangement = match arranged {
+                true => Arrangement::in_slabs(mesh).unwrap(),
+                false => Arrangement::as_given(mesh),
+            };
+            let mesh = arrangement.mesh();
+            let laplacian = Laplacian::uniform(
+                mesh.vertex_count(),
+                mesh.faces(),
+                &vec![false; mesh.vertex_count()],
+            );
+            let x = crate::laplacian::padded(mesh.positions());
+            for terms in [1, 2, 7, 40] {
+                let coefficients = &coefficients[..terms];
+                let of = Clenshaw { laplacian: &laplacian, x: &x, coefficients, scale: 0.9 };
+                let expected = plainly(of);
+                for threads in [1, 2, 5] {
+                    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+                    let result = pool.unwrap().install(|| of.evaluate());
+                    assert!(result == expected, "{terms} terms, {threads} threads");
+                }
+            }
+        }
+    }
+}
