@@ -11,10 +11,11 @@ mod q6;
 mod q7;
 
 mod estimators;
+mod flows;
 mod noise;
 
-mod flows;
 mod gallery;
+mod models;
 mod refinement;
 mod samples;
 mod spread;
@@ -31,4 +32,5 @@ pub const ALL: &[&dyn Experiment] = &[
     &q7::GrowingNoise,
     &estimators::Estimators,
     &noise::Noise,
+    &flows::Flows,
 ];

@@ -7,15 +7,14 @@ use fairing_figure::{Figure, Up};
 use fairing_mesh::{TriMesh, shapes};
 use fairing_smoothing::{Diffusion, largest_eigenvalue};
 
-use super::flows::{self, Model};
 use super::gallery::{Gallery, Look, VIEWPOINTS, plotted};
+use super::models::{self, Model, OverLambda};
 use crate::experiment::{Card, Context, Experiment, Formula};
 use crate::inputs::Input;
-use crate::outcome::{MeshOutput, Outcome, Picture};
+use crate::outcome::{Outcome, Picture};
 use crate::row;
 use crate::table::{Table, Tables, Tolerance, Unit, short};
 use crate::verdict::{Judgement, Verdict};
-use crate::view::{Panel, Slider, View};
 
 pub(super) struct ExplicitFlow;
 
@@ -51,37 +50,15 @@ impl Experiment for ExplicitFlow {
     fn run(&self, context: &Context<'_>) -> Result<Outcome> {
         let mut outcome = Outcome::default();
         let models = Model::all(context)?;
-        let mut table = flows::table(
-            "flows",
-            "After 50 explicit steps; λ = 0 is the input. Volume and area against the truth; growth is the diagonal over that of the input.",
-            &[("mesh", Unit::Label), ("lambda", Unit::One)],
-        )
-        // A diverged mesh is mostly its roughest mode, in which rounding is amplified too.
-        .tolerance("normal error", Some(Tolerance::LOOSE));
-        for (i, model) in models.iter().enumerate() {
-            context.progress(0.1 * i as f64, model.name);
-            let mut smoothed = vec![model.noisy.clone()];
-            for lambda in LAMBDAS {
-                smoothed.push(model.explicit(lambda, ITERATIONS)?.mesh);
-            }
-            for (lambda, mesh) in [0.0].into_iter().chain(LAMBDAS).zip(&smoothed) {
-                let leading = row![model.name, lambda];
-                table.push(leading.into_iter().chain(model.measure(mesh)?.cells()));
-            }
-            outcome.figures.push(picture(model, &smoothed)?);
-            outcome.views.push(view(model, &smoothed));
-            for (lambda, mesh) in LAMBDAS.into_iter().zip(smoothed.into_iter().skip(1)) {
-                outcome.meshes.push(MeshOutput {
-                    id: format!("{}-{}", slug(model.name), slug(&lambda.to_string())),
-                    caption: format!(
-                        "The {} after 50 explicit steps with λ = {lambda}.",
-                        model.name
-                    ),
-                    mesh,
-                    fields: vec![],
-                });
-            }
-        }
+        let flow = OverLambda {
+            kind: "explicit",
+            lambdas: &LAMBDAS,
+            iterations: ITERATIONS,
+            viewed: LAMBDAS.len() - 1,
+            run: Model::explicit,
+            draw: picture,
+        };
+        let table = flow.measure(context, &models, &mut outcome)?;
         context.progress(0.5, "sweep");
         let sweep = sweep(context, &models)?;
         outcome.figures.push(plot(&sweep)?);
@@ -307,37 +284,17 @@ fn picture(model: &Model, smoothed: &[TriMesh]) -> Result<Picture> {
         };
         let mut mesh = mesh.clone();
         if growth > DIVERGED {
-            mesh = flows::fitted(&mesh, &model.noisy)?;
+            mesh = models::fitted(&mesh, &model.noisy)?;
             title += &format!(" (1 : {})", short(growth));
         }
         shown.push((title, mesh));
     }
     let looks = shown.iter().map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
     Gallery { looks, viewpoints: &VIEWPOINTS, up: Up::Z, aspect: 1.0 }.draw(
-        &slug(model.name),
+        &model.slug(),
         &format!("The {} before and after 50 explicit steps, from two viewpoints. What has diverged is scaled down to fit, as its title says.", model.name),
         &format!("Ten pictures of the {}: the input and four steps, from two sides.", model.name),
     )
-}
-
-fn view(model: &Model, smoothed: &[TriMesh]) -> View {
-    let stable = smoothed.len() - 1;
-    let stops = ["input".to_string()].into_iter().chain(LAMBDAS.map(|l| format!("λ = {l}")));
-    View {
-        id: format!("{}-view", slug(model.name)),
-        caption: format!(
-            "The {} after 50 explicit steps; λ = 2, which diverges, is left out.",
-            model.name
-        ),
-        alt: format!("The {} to turn, with a slider over λ.", model.name),
-        fallback: slug(model.name),
-        sliders: vec![Slider::new("λ", stops.take(stable))],
-        panels: vec![Panel::moving(
-            "explicit",
-            &model.noisy,
-            smoothed[..stable].iter().map(TriMesh::positions),
-        )],
-    }
 }
 
 /// Errors over λ.
@@ -364,11 +321,6 @@ fn plot(sweep: &Table) -> Result<Picture> {
         "Errors after 50 explicit steps over λ: normals and vertices want different steps, and so do the meshes.",
         "Two plots of error over λ, each with a minimum.",
     )
-}
-
-/// Lower-case words joined by hyphens.
-fn slug(text: &str) -> String {
-    text.replace([' ', '.'], "-")
 }
 
 const FORMULAS: &[Formula] = &[Formula {

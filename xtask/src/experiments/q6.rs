@@ -9,15 +9,14 @@ use fairing_mesh::vec3::{add, dot, scale, sub};
 use fairing_mesh::{TriMesh, shapes};
 use fairing_smoothing::{Approach, Diffusion, Implicit, implicit};
 
-use super::flows::{self, Model};
 use super::gallery::{Gallery, Look, VIEWPOINTS, plotted};
+use super::models::{Model, OverLambda};
 use crate::experiment::{Card, Context, Experiment, Formula};
 use crate::inputs::Input;
-use crate::outcome::{MeshOutput, Outcome, Picture};
+use crate::outcome::{Outcome, Picture};
 use crate::row;
 use crate::table::{Cell, Table, Tables, Tolerance, Unit, short};
 use crate::verdict::{Judgement, Verdict};
-use crate::view::{Panel, Slider, View};
 
 pub(super) struct ImplicitFlow;
 
@@ -59,38 +58,15 @@ impl Experiment for ImplicitFlow {
     fn run(&self, context: &Context<'_>) -> Result<Outcome> {
         let mut outcome = Outcome::default();
         let models = Model::all(context)?;
-        let mut table = flows::table(
-            "flows",
-            "After 50 implicit steps; λ = 0 is the input. Volume and area against the truth; growth is the diagonal over that of the input.",
-            &[("mesh", Unit::Label), ("lambda", Unit::One)],
-        )
-        // A mesh collapsed to a point is rounding.
-        .tolerance("normal error", Some(Tolerance::LOOSE));
-        for (i, model) in models.iter().enumerate() {
-            context.progress(0.15 * i as f64, model.name);
-            let mut smoothed = vec![model.noisy.clone()];
-            for lambda in LAMBDAS {
-                smoothed.push(model.implicit(lambda, ITERATIONS)?.mesh);
-            }
-            for (lambda, mesh) in [0.0].into_iter().chain(LAMBDAS).zip(&smoothed) {
-                let leading = row![model.name, lambda];
-                table.push(leading.into_iter().chain(model.measure(mesh)?.cells()));
-            }
-            outcome.figures.push(over_lambda(model, &smoothed)?);
-            outcome.views.push(view(model, &smoothed));
-            for (lambda, mesh) in LAMBDAS.into_iter().zip(smoothed.into_iter().skip(1)) {
-                let lambda = lambda.to_string();
-                outcome.meshes.push(MeshOutput {
-                    id: format!("{}-{}", slug(model.name), slug(&lambda)),
-                    caption: format!(
-                        "The {} after 50 implicit steps with λ = {lambda}.",
-                        model.name
-                    ),
-                    mesh,
-                    fields: vec![],
-                });
-            }
-        }
+        let flow = OverLambda {
+            kind: "implicit",
+            lambdas: &LAMBDAS,
+            iterations: ITERATIONS,
+            viewed: LAMBDAS.len(),
+            run: Model::implicit,
+            draw: over_lambda,
+        };
+        let table = flow.measure(context, &models, &mut outcome)?;
         context.progress(0.5, "sweep");
         let sweep = sweep(context, &models)?;
         outcome.figures.push(plot(&sweep)?);
@@ -409,7 +385,7 @@ fn over_lambda(model: &Model, smoothed: &[TriMesh]) -> Result<Picture> {
     let looks = titles.iter().zip(smoothed);
     let looks = looks.map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
     Gallery { looks, viewpoints: &VIEWPOINTS, up: Up::Z, aspect: 1.0 }.draw(
-        &slug(model.name),
+        &model.slug(),
         &format!(
             "The {} before and after 50 implicit steps, from two viewpoints, all at one scale.",
             model.name
@@ -433,26 +409,10 @@ fn over_iterations(model: &Model) -> Result<Picture> {
     ];
     let looks = meshes.iter().map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
     Gallery { looks, viewpoints: &VIEWPOINTS, up: Up::Z, aspect: 1.0 }.draw(
-        &format!("{}-iterations", slug(model.name)),
+        &format!("{}-iterations", model.slug()),
         &format!("The {} after implicit steps (λ × iterations), explicit steps of the same number, and explicit steps of the same diffusion time: the last two look like the first two.", model.name),
         &format!("Twelve pictures of the {} after implicit and explicit steps, from two sides.", model.name),
     )
-}
-
-fn view(model: &Model, smoothed: &[TriMesh]) -> View {
-    let stops = ["input".to_string()].into_iter().chain(LAMBDAS.map(|l| format!("λ = {l}")));
-    View {
-        id: format!("{}-view", slug(model.name)),
-        caption: format!("The {} after 50 implicit steps, over λ.", model.name),
-        alt: format!("The {} to turn, with a slider over λ.", model.name),
-        fallback: slug(model.name),
-        sliders: vec![Slider::new("λ", stops)],
-        panels: vec![Panel::moving(
-            "implicit",
-            &model.noisy,
-            smoothed.iter().map(TriMesh::positions),
-        )],
-    }
 }
 
 /// Errors over λ.
@@ -479,11 +439,6 @@ fn plot(sweep: &Table) -> Result<Picture> {
         "Errors after 50 implicit steps over λ.",
         "Two plots of error over λ on logarithmic axes.",
     )
-}
-
-/// Lower-case words joined by hyphens.
-fn slug(text: &str) -> String {
-    text.replace([' ', '.'], "-")
 }
 
 const FORMULAS: &[Formula] = &[Formula {

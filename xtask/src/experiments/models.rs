@@ -1,0 +1,292 @@
+//! What questions 5 and 6 share: noisy meshes with a ground truth, how far from it a flow ends, and the same flow at
+//! several λ in numbers, meshes and views.
+
+use anyhow::{Context as _, Result};
+use fairing_evaluation::{
+    drift, feature_edges, normal_error, vertex_displacement, vertex_distance,
+};
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{add, cross, dot, normalize, scale, sub};
+use fairing_smoothing::{
+    Diffusion, Explicit, FlowError, Implicit, Smoothed, Stability, explicit, implicit,
+};
+
+use crate::experiment::Context;
+use crate::inputs::Input;
+use crate::outcome::{MeshOutput, Outcome, Picture};
+use crate::row;
+use crate::table::{Cell, Table, Tolerance, Unit};
+use crate::view::{Panel, Slider, View};
+
+/// Edges that turn by at least this many degrees are features.
+pub(super) const FEATURE: f64 = 30.0;
+
+/// A mesh to smooth and what it ought to become.
+pub(super) struct Model {
+    pub(super) name: &'static str,
+    pub(super) noisy: TriMesh,
+    pub(super) truth: TriMesh,
+}
+
+impl Model {
+    /// The three meshes of the questions: the patch, the machine part and the cube.
+    pub(super) fn all(context: &Context<'_>) -> Result<[Self; 3]> {
+        let patch = context.mesh(Input::NoisyPlane)?;
+        let cube = context.mesh(Input::Cube)?;
+        Ok([
+            Self { name: "patch", truth: flattened(&patch)?, noisy: patch },
+            Self {
+                name: "machine part",
+                noisy: context.mesh(Input::NoisyFandisk)?,
+                truth: context.mesh(Input::Fandisk)?,
+            },
+            Self { name: "cube", truth: cube.clone(), noisy: cube },
+        ])
+    }
+
+    /// Its name in ids.
+    pub(super) fn slug(&self) -> String {
+        slug(self.name)
+    }
+
+    /// Mean edge length of the truth.
+    pub(super) fn h(&self) -> f64 {
+        self.truth.mean_edge_length()
+    }
+
+    /// Explicit steps, unstable ones too.
+    pub(super) fn explicit(&self, lambda: f64, iterations: usize) -> Result<Smoothed, FlowError> {
+        let options = Explicit {
+            iterations,
+            stability: Stability::Allow,
+            ..Explicit::new(Diffusion::uniform(lambda))
+        };
+        explicit(&self.noisy, &options, None)
+    }
+
+    /// Implicit steps.
+    pub(super) fn implicit(&self, lambda: f64, iterations: usize) -> Result<Smoothed, FlowError> {
+        let options = Implicit { iterations, ..Implicit::new(Diffusion::uniform(lambda)) };
+        implicit(&self.noisy, &options, None)
+    }
+
+    /// How `mesh` compares with the truth and with the input.
+    pub(super) fn measure(&self, mesh: &TriMesh) -> Result<Measures> {
+        let change = drift(mesh, &self.truth);
+        let moved = vertex_displacement(mesh, &self.noisy)?;
+        let boundary = mesh.topology().boundary_vertices();
+        let part = |border: bool| {
+            let squares: Vec<f64> = (0..mesh.vertex_count())
+                .filter(|&v| boundary[v] == border)
+                .map(|v| {
+                    let d = sub(mesh.positions()[v], self.noisy.positions()[v]);
+                    dot(d, d)
+                })
+                .collect();
+            let n = squares.len() as f64;
+            (n > 0.0).then(|| (squares.iter().sum::<f64>() / n).sqrt() / self.h())
+        };
+        // A mesh that has collapsed has no normals, and one without creases no recall.
+        Ok(Measures {
+            normal: normal_error(mesh, &self.truth).ok().map(|e| e.mean),
+            vertex: vertex_distance(mesh, &self.truth)?.rms / self.h(),
+            volume: change.volume.map(|v| 100.0 * v),
+            area: change.area.map(|a| 100.0 * a),
+            recall: feature_edges(mesh, &self.truth, FEATURE)?.recall(),
+            rms: moved.rms / self.h(),
+            largest: moved.max / self.h(),
+            inside: part(false),
+            border: part(true),
+            growth: mesh.diagonal() / self.noisy.diagonal(),
+        })
+    }
+}
+
+/// How a flow ended.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Measures {
+    /// Mean angle between normals of faces and of the truth, in degrees.
+    pub(super) normal: Option<f64>,
+    /// Root mean square distance of the vertices from the surface of the truth, in h.
+    pub(super) vertex: f64,
+    /// Change of volume against the truth in per cent; `None` if open.
+    pub(super) volume: Option<f64>,
+    /// Change of area against the truth in per cent.
+    pub(super) area: Option<f64>,
+    /// The share of the truth's features that are found; `None` if it has none.
+    pub(super) recall: Option<f64>,
+    /// Root mean square displacement from the input, in h.
+    pub(super) rms: f64,
+    /// Largest displacement from the input, in h.
+    pub(super) largest: f64,
+    /// Root mean square displacement of inner vertices, in h.
+    pub(super) inside: Option<f64>,
+    /// Root mean square displacement of boundary vertices, in h.
+    pub(super) border: Option<f64>,
+    /// Diagonal over that of the input.
+    pub(super) growth: f64,
+}
+
+/// The columns that [`Measures::cells`] fills.
+const COLUMNS: [(&str, Unit); 10] = [
+    ("normal error", Unit::Degrees),
+    ("vertex error", Unit::EdgeLengths),
+    ("volume", Unit::Percent),
+    ("area", Unit::Percent),
+    ("feature recall", Unit::One),
+    ("displacement", Unit::EdgeLengths),
+    ("largest displacement", Unit::EdgeLengths),
+    ("displacement inside", Unit::EdgeLengths),
+    ("displacement of the border", Unit::EdgeLengths),
+    ("growth", Unit::One),
+];
+
+impl Measures {
+    pub(super) fn cells(&self) -> [Cell; 10] {
+        [
+            self.normal.into(),
+            self.vertex.into(),
+            self.volume.into(),
+            self.area.into(),
+            self.recall.into(),
+            self.rms.into(),
+            self.largest.into(),
+            self.inside.into(),
+            self.border.into(),
+            self.growth.into(),
+        ]
+    }
+}
+
+/// One flow at several λ.
+pub(super) struct OverLambda<'a> {
+    /// `explicit` or `implicit`.
+    pub(super) kind: &'static str,
+    pub(super) lambdas: &'a [f64],
+    /// Steps at each λ.
+    pub(super) iterations: usize,
+    /// How many of the λ views show: what diverges cannot be shown beside the rest.
+    pub(super) viewed: usize,
+    /// The flow.
+    pub(super) run: fn(&Model, f64, usize) -> Result<Smoothed, FlowError>,
+    /// The figure of the input and the results.
+    pub(super) draw: fn(&Model, &[TriMesh]) -> Result<Picture>,
+}
+
+impl OverLambda<'_> {
+    /// Runs the flow on all models: fills in figures, views and meshes, and returns the table.
+    pub(super) fn measure(
+        &self,
+        context: &Context<'_>,
+        models: &[Model],
+        outcome: &mut Outcome,
+    ) -> Result<Table> {
+        let Self { kind, lambdas, iterations, .. } = *self;
+        let columns: Vec<(&str, Unit)> =
+            [("mesh", Unit::Label), ("lambda", Unit::One)].into_iter().chain(COLUMNS).collect();
+        let caption = format!(
+            "After {iterations} {kind} steps; λ = 0 is the input. Volume and area against the truth; growth is the diagonal over that of the input."
+        );
+        let mut table = Table::new("flows", &caption, &columns)
+            // What has diverged is mostly its roughest mode, what has collapsed is a point: rounding has its say.
+            .tolerance("normal error", Some(Tolerance::LOOSE));
+        for (i, model) in models.iter().enumerate() {
+            context.progress(0.15 * i as f64, model.name);
+            let mut smoothed = vec![model.noisy.clone()];
+            for &lambda in lambdas {
+                smoothed.push((self.run)(model, lambda, iterations)?.mesh);
+            }
+            let with_input = || [0.0].into_iter().chain(lambdas.iter().copied());
+            for (lambda, mesh) in with_input().zip(&smoothed) {
+                let leading = row![model.name, lambda];
+                table.push(leading.into_iter().chain(model.measure(mesh)?.cells()));
+            }
+            outcome.figures.push((self.draw)(model, &smoothed)?);
+            outcome.views.push(self.view(model, &smoothed));
+            for (lambda, mesh) in with_input().zip(smoothed).skip(1) {
+                outcome.meshes.push(MeshOutput {
+                    id: format!("{}-{}", model.slug(), slug(&lambda.to_string())),
+                    caption: format!(
+                        "The {} after {iterations} {kind} steps with λ = {lambda}.",
+                        model.name
+                    ),
+                    mesh,
+                    fields: vec![],
+                });
+            }
+        }
+        Ok(table)
+    }
+
+    /// The input, which the page can smooth, beside the result at each λ.
+    fn view(&self, model: &Model, smoothed: &[TriMesh]) -> View {
+        let Self { kind, lambdas, iterations, viewed, .. } = *self;
+        let stops = lambdas[..viewed].iter().map(|lambda| format!("λ = {lambda}"));
+        let left_out = if viewed < lambdas.len() { " (what diverges is left out)" } else { "" };
+        View {
+            id: format!("{}-view", model.slug()),
+            caption: format!(
+                "The {} before and after {iterations} {kind} steps, over λ{left_out}. The page can take implicit steps of any λ from the input on the left.",
+                model.name
+            ),
+            alt: format!("The {} twice, to turn, with a slider over λ.", model.name),
+            fallback: model.slug(),
+            sliders: vec![Slider::new("λ", stops)],
+            panels: vec![
+                Panel::still("input", &model.noisy).with_live_smoothing(&model.noisy),
+                Panel::moving(
+                    kind,
+                    &model.noisy,
+                    smoothed[1..=viewed].iter().map(TriMesh::positions),
+                ),
+            ],
+        }
+    }
+}
+
+/// Lower-case words joined by hyphens.
+pub(super) fn slug(text: &str) -> String {
+    text.replace([' ', '.'], "-")
+}
+
+/// The mesh with every vertex on its plane of least squared distances.
+fn flattened(mesh: &TriMesh) -> Result<TriMesh> {
+    let x = mesh.positions();
+    let centre = scale(x.iter().fold([0.0; 3], |s, &p| add(s, p)), 1.0 / x.len() as f64);
+    let vectors = (0..mesh.face_count()).map(|f| mesh.area_vector(f));
+    let mut normal =
+        normalize(vectors.fold([0.0; 3], add)).context("the patch has no mean normal")?;
+    // The height over the plane is fitted by au + bv; the best plane is where a = b = 0.
+    for _ in 0..20 {
+        let axis = if normal[0].abs() < 0.6 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
+        let e1 = normalize(cross(normal, axis)).context("a normal without length")?;
+        let e2 = cross(normal, e1);
+        let mut s = [0.0; 5];
+        for &p in x {
+            let d = sub(p, centre);
+            let (u, v, w) = (dot(d, e1), dot(d, e2), dot(d, normal));
+            for (s, term) in s.iter_mut().zip([u * u, u * v, v * v, u * w, v * w]) {
+                *s += term;
+            }
+        }
+        let determinant = s[0] * s[2] - s[1] * s[1];
+        let a = (s[3] * s[2] - s[4] * s[1]) / determinant;
+        let b = (s[4] * s[0] - s[3] * s[1]) / determinant;
+        let tilted = sub(normal, add(scale(e1, a), scale(e2, b)));
+        normal = normalize(tilted).context("the patch is a line")?;
+    }
+    let flat = x.iter().map(|&p| sub(p, scale(normal, dot(sub(p, centre), normal))));
+    Ok(mesh.with_positions(flat.collect())?)
+}
+
+/// The mesh scaled about its mean to the size of another, so that both fit in one picture.
+pub(super) fn fitted(mesh: &TriMesh, like: &TriMesh) -> Result<TriMesh> {
+    let mean = |m: &TriMesh| {
+        let n = m.vertex_count() as f64;
+        scale(m.positions().iter().fold([0.0; 3], |s, &p| add(s, p)), 1.0 / n)
+    };
+    let factor = like.diagonal() / mesh.diagonal();
+    let (from, to) = (mean(mesh), mean(like));
+    let moved = mesh.positions().iter().map(|&p| add(to, scale(sub(p, from), factor)));
+    Ok(mesh.with_positions(moved.collect())?)
+}
