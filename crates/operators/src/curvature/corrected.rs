@@ -163,10 +163,8 @@ pub fn corrected_curvature(
                 }
             }
             Some(radius) => explorer.visit(mesh, topology, v, radius, |part| {
-                let f = part.face as usize;
-                let share = if part.whole { 1.0 } else { part.area / mesh.face_area(f) };
-                if share > 0.0 && share.is_finite() {
-                    sum = sum.plus(&measures[f], share);
+                if part.share > 0.0 {
+                    sum = sum.plus(&measures[part.face as usize], part.share);
                 }
             }),
         }

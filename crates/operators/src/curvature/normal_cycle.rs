@@ -12,10 +12,10 @@
 //! Source: \[cohensteiner2003\].
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{distance, normalize, scale, sub};
+use fairing_mesh::vec3::{normalize, scale, sub};
 use rayon::prelude::*;
 
-use super::ball::{BallExplorer, segment_in_ball};
+use super::ball::BallExplorer;
 use super::bending::{BendSum, edge_bending, normal_sum};
 use super::field::{AtVertex, CurvatureField};
 use super::neighborhood::Length;
@@ -54,13 +54,10 @@ pub fn normal_cycle_curvature(
     let radius = options.radius.on(mesh)?;
     let topology = mesh.topology();
     let bending = edge_bending(mesh, topology);
-    let lengths: Vec<f64> = topology
-        .edges()
-        .iter()
-        .map(|&[a, b]| {
-            let p = mesh.positions();
-            distance(p[a as usize], p[b as usize])
-        })
+    let areas: Vec<f64> = (0..mesh.face_count())
+        .into_par_iter()
+        .with_min_len(4096)
+        .map(|f| mesh.face_area(f))
         .collect();
     let at_vertex = |explorer: &mut BallExplorer, v: u32| {
         if mesh.incidence().corners(v).is_empty() {
@@ -70,19 +67,12 @@ pub fn normal_cycle_curvature(
         let mut sum = BendSum::new(tangent_frame(normal));
         let mut area = 0.0;
         explorer.visit(mesh, topology, v, radius, |part| {
-            area += part.area;
-            for (k, &e) in topology.face_edges()[part.face as usize].iter().enumerate() {
-                let [a, b] = [part.triangle[(k + 1) % 3], part.triangle[(k + 2) % 3]];
-                let e = e as usize;
+            let f = part.face as usize;
+            area += part.share * areas[f];
+            for (k, &e) in topology.face_edges()[f].iter().enumerate() {
+                let edge = sub(part.triangle[(k + 2) % 3], part.triangle[(k + 1) % 3]);
                 // An edge inside comes from both of its faces.
-                let share = if bending[e] == 0.0 {
-                    0.0
-                } else if part.whole {
-                    0.5
-                } else {
-                    0.5 * segment_in_ball(a, b, radius) / lengths[e]
-                };
-                sum.add(sub(b, a), share * bending[e]);
+                sum.add(edge, 0.5 * part.sides[k] * bending[e as usize]);
             }
         });
         if area <= 0.0 {
