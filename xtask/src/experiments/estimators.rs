@@ -8,9 +8,12 @@ use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{cross, dot, norm};
 use fairing_operators::curvature::{CurvatureField, Estimator};
 use fairing_operators::surface::PointCurvature;
+use rayon::prelude::*;
 
 use super::gallery::plotted;
+use super::refinement::second_order;
 use super::samples::{Layout, Sample};
+use super::surfaces::TestSurface;
 use crate::experiment::{Card, Context, Experiment, Formula};
 use crate::outcome::{Outcome, Picture};
 use crate::row;
@@ -42,80 +45,29 @@ impl Experiment for Estimators {
     }
 
     fn run(&self, context: &Context<'_>) -> Result<Outcome> {
-        let mut errors = Table::new(
-            "errors",
-            "Errors against exact curvature at inner vertices. Root mean square and largest, over the root mean square of the exact values (of κ₁ for both principal ones). Directions: root mean square angle between the estimated and the true direction of κ₁ where the exact κ₁ − κ₂ is more than a tenth of its largest value.",
-            &[
-                ("surface", Unit::Label),
-                ("sampling", Unit::Label),
-                ("estimator", Unit::Label),
-                ("vertices", Unit::Count),
-                ("h", Unit::Length),
-                ("RMS H", Unit::Relative),
-                ("max H", Unit::Relative),
-                ("RMS K", Unit::Relative),
-                ("max K", Unit::Relative),
-                ("RMS κ₁", Unit::Relative),
-                ("max κ₁", Unit::Relative),
-                ("RMS κ₂", Unit::Relative),
-                ("max κ₂", Unit::Relative),
-                ("directions", Unit::Degrees),
-                ("undefined", Unit::Count),
-            ],
-        );
-        for name in MEASURES.iter().chain(&["directions"]) {
-            // Values where estimators are exact up to rounding amplify it.
-            errors = errors.tolerance(name, Some(Tolerance { relative: 1e-4, absolute: 1e-7 }));
-        }
-        let levels = context.choose(2..=6, 2..=4);
-        let mut orders = orders_table();
-        let mut seconds = vec![vec![]; Estimator::ALL.len()];
+        let levels: Vec<u32> = context.choose(2..=6, 2..=4).collect();
+        let (mut errors, mut orders) = (errors_table(), orders_table());
         for (s, sample) in Sample::ALL.into_iter().enumerate() {
-            for (l, layout) in Layout::ALL.into_iter().enumerate() {
-                context.progress((3 * s + l) as f64 / 12.0, sample.name());
-                let mut studies = vec![vec![]; Estimator::ALL.len()];
-                for level in levels.clone() {
-                    let seed = context.seed(&format!("{} {level}", sample.name()));
-                    let mesh = sample.mesh(level, layout, seed);
-                    mesh.topology();
-                    let exact = exact_values(sample, &mesh)?;
-                    let h = mesh.mean_edge_length();
-                    for (i, estimator) in Estimator::ALL.iter().enumerate() {
-                        let start = Instant::now();
-                        let field = estimator.estimate(&mesh)?;
-                        let time = start.elapsed().as_secs_f64() / mesh.vertex_count() as f64;
-                        let study = Study::of(&field, &exact);
-                        let mut row = vec![
-                            Cell::from(sample.name()),
-                            Cell::from(layout.name()),
-                            Cell::from(estimator.name()),
-                            Cell::from(mesh.vertex_count()),
-                            Cell::from(h),
-                        ];
-                        row.extend(study.errors.map(Cell::from));
-                        row.push(Cell::from(study.angle));
-                        row.push(Cell::from(study.undefined));
-                        errors.push(row);
-                        studies[i].push((h, study));
-                        if level == *levels.end() {
-                            seconds[i].push(time);
-                        }
-                    }
+            context.progress(s as f64 / Sample::ALL.len() as f64, sample.name());
+            let meshes: Vec<(Layout, u32, u64)> = Layout::ALL
+                .into_iter()
+                .flat_map(|layout| levels.iter().map(move |&level| (layout, level)))
+                .map(|(l, i)| (l, i, context.seed(&format!("{} {i}", sample.name()))))
+                .collect();
+            let found: Vec<Refinement> = meshes
+                .into_par_iter()
+                .map(|(layout, level, seed)| Refinement::of(sample, layout, level, seed))
+                .collect::<Result<_>>()?;
+            for (layout, found) in Layout::ALL.into_iter().zip(found.chunks(levels.len())) {
+                for refinement in found {
+                    refinement.push(&mut errors, sample, layout);
                 }
-                for (estimator, study) in Estimator::ALL.iter().zip(&studies) {
-                    orders.push(order_row(sample, layout, estimator, study)?);
+                for i in 0..Estimator::ALL.len() {
+                    orders.push(order_row(sample, layout, i, found)?);
                 }
             }
         }
-        let mut times = Table::new(
-            "times",
-            "Seconds per vertex on the finest meshes, topology not counted: the median over surfaces and samplings, on as many threads as the machine has.",
-            &[("estimator", Unit::Label), ("time per vertex", Unit::Seconds)],
-        );
-        for (estimator, seconds) in Estimator::ALL.iter().zip(&mut seconds) {
-            seconds.sort_by(f64::total_cmp);
-            times.push(row![estimator.name(), seconds[seconds.len() / 2]]);
-        }
+        let times = times(levels.last().copied().context("no levels")?, context)?;
         let figures = vec![plot(&errors, "max H", "H")?, plot(&errors, "max K", "K")?];
         Ok(Outcome { tables: vec![errors, orders, times], figures, ..Outcome::default() })
     }
@@ -186,6 +138,44 @@ fn exact_values(sample: Sample, mesh: &TriMesh) -> Result<Vec<Option<PointCurvat
     mesh.positions().iter().map(exact).collect()
 }
 
+/// All estimators on one mesh.
+struct Refinement {
+    vertices: usize,
+    h: f64,
+    /// In the order of [`Estimator::ALL`].
+    studies: Vec<Study>,
+}
+
+impl Refinement {
+    fn of(sample: Sample, layout: Layout, level: u32, seed: u64) -> Result<Self> {
+        let mesh = sample.mesh(level, layout, seed);
+        let exact = exact_values(sample, &mesh)?;
+        let study = |e: &Estimator| anyhow::Ok(Study::of(&e.estimate(&mesh)?, &exact));
+        Ok(Self {
+            vertices: mesh.vertex_count(),
+            h: mesh.mean_edge_length(),
+            studies: Estimator::ALL.iter().map(study).collect::<Result<_>>()?,
+        })
+    }
+
+    /// Adds a row for each estimator.
+    fn push(&self, errors: &mut Table, sample: Sample, layout: Layout) {
+        for (estimator, study) in Estimator::ALL.iter().zip(&self.studies) {
+            let mut row = vec![
+                Cell::from(sample.name()),
+                Cell::from(layout.name()),
+                Cell::from(estimator.name()),
+                Cell::from(self.vertices),
+                Cell::from(self.h),
+            ];
+            row.extend(study.errors.map(Cell::from));
+            row.push(Cell::from(study.angle));
+            row.push(Cell::from(study.undefined));
+            errors.push(row);
+        }
+    }
+}
+
 /// Errors of one estimator on one mesh.
 #[derive(Debug, Clone)]
 struct Study {
@@ -247,6 +237,35 @@ fn angle(field: &CurvatureField, defined: &[(usize, PointCurvature)]) -> Option<
     (!angles.is_empty()).then(|| (square / angles.len() as f64).sqrt())
 }
 
+fn errors_table() -> Table {
+    let mut errors = Table::new(
+        "errors",
+        "Errors against exact curvature at inner vertices. Root mean square and largest, over the root mean square of the exact values (of κ₁ for both principal ones). Directions: root mean square angle between the estimated and the true direction of κ₁ where the exact κ₁ − κ₂ is more than a tenth of its largest value.",
+        &[
+            ("surface", Unit::Label),
+            ("sampling", Unit::Label),
+            ("estimator", Unit::Label),
+            ("vertices", Unit::Count),
+            ("h", Unit::Length),
+            ("RMS H", Unit::Relative),
+            ("max H", Unit::Relative),
+            ("RMS K", Unit::Relative),
+            ("max K", Unit::Relative),
+            ("RMS κ₁", Unit::Relative),
+            ("max κ₁", Unit::Relative),
+            ("RMS κ₂", Unit::Relative),
+            ("max κ₂", Unit::Relative),
+            ("directions", Unit::Degrees),
+            ("undefined", Unit::Count),
+        ],
+    );
+    for name in MEASURES.iter().chain(&["directions"]) {
+        // Values where estimators are exact up to rounding amplify it.
+        errors = errors.tolerance(name, Some(Tolerance { relative: 1e-4, absolute: 1e-7 }));
+    }
+    errors
+}
+
 fn orders_table() -> Table {
     let columns: Vec<(&str, Unit)> = ["surface", "sampling", "estimator"]
         .map(|c| (c, Unit::Label))
@@ -267,18 +286,42 @@ fn orders_table() -> Table {
 fn order_row(
     sample: Sample,
     layout: Layout,
-    estimator: &Estimator,
-    study: &[(f64, Study)],
+    estimator: usize,
+    found: &[Refinement],
 ) -> Result<Vec<Cell>> {
-    let [from, _, to] = study.last_chunk::<3>().context("three refinements at least")?;
-    let mut row = vec![sample.name().into(), layout.name().into(), Cell::from(estimator.name())];
+    let [from, _, to] = found.last_chunk::<3>().context("three refinements at least")?;
+    let name = Estimator::ALL[estimator].name();
+    let mut row = vec![sample.name().into(), layout.name().into(), Cell::from(name)];
     for i in 0..MEASURES.len() {
-        let (e, f) = (from.1.errors[i], to.1.errors[i]);
+        let [e, f] = [from, to].map(|r| r.studies[estimator].errors[i]);
         // Exact up to rounding: there is no order to observe.
-        let order = (f > ROUNDING).then(|| (e / f).ln() / (from.0 / to.0).ln());
+        let order = (f > ROUNDING).then(|| (e / f).ln() / (from.h / to.h).ln());
         row.push(order.into());
     }
     Ok(row)
+}
+
+/// The time of each estimator on one thread, on the finest jittered torus.
+fn times(level: u32, context: &Context<'_>) -> Result<Table> {
+    let mut times = Table::new(
+        "times",
+        "Seconds per vertex on the finest jittered torus, topology not counted: the least of three runs on one thread.",
+        &[("estimator", Unit::Label), ("time per vertex", Unit::Seconds)],
+    );
+    let torus = Sample::Closed(TestSurface::Torus);
+    let mesh = torus.mesh(level, Layout::Jittered, context.seed("times"));
+    mesh.topology();
+    let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+    for estimator in Estimator::ALL {
+        let mut least = f64::INFINITY;
+        for _ in 0..3 {
+            let start = Instant::now();
+            one_thread.install(|| estimator.estimate(&mesh))?;
+            least = least.min(start.elapsed().as_secs_f64());
+        }
+        times.push(row![estimator.name(), least / mesh.vertex_count() as f64]);
+    }
+    Ok(times)
 }
 
 /// The largest error over h on jittered meshes, a panel for each surface.
@@ -303,13 +346,14 @@ fn plot(errors: &Table, column: &str, what: &str) -> Result<Picture> {
             let points = points.map(|(h, error)| [h, error.max(ROUNDING)]).collect();
             plot.series.push(Series::marked(estimator.name(), points));
         }
+        plot.series.extend(second_order(&plot.series));
         figure.panels.push(Panel::drawing(plot.draw(if right { 500.0 } else { 340.0 }, 300.0)?));
     }
     plotted(
         &figure,
         if what == "H" { "largest-mean" } else { "largest-gaussian" },
         &format!(
-            "The largest error of {what} over inner vertices of jittered meshes. A line that falls to the left converges at every vertex; one that stays level does not."
+            "The largest error of {what} over inner vertices of jittered meshes. A line that falls to the left converges at every vertex, at second order if it falls like the grey one; a line that stays level does not."
         ),
         &format!(
             "Four plots of the largest relative error of {what} over mean edge length on logarithmic axes, for sphere, torus, ellipsoid and graph, a line for each estimator."

@@ -5,6 +5,7 @@ use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
 use fairing_figure::{Axis, Figure, Legend, Panel, Plot, Series};
 use fairing_mesh::TriMesh;
 use fairing_operators::curvature::{CurvatureField, Estimator, angle_defect};
+use rayon::prelude::*;
 
 use super::gallery::plotted;
 use super::surfaces::{Sampling, TestSurface};
@@ -38,7 +39,7 @@ impl Experiment for Noise {
     }
 
     fn run(&self, context: &Context<'_>) -> Result<Outcome> {
-        let seeds = context.choose(10, 3);
+        let seeds = context.choose(8, 3);
         let levels = context.choose(3..=5, 2..=4);
         let steps = SURFACES.len() * levels.clone().count();
         let mut changes = Table::new(
@@ -76,24 +77,23 @@ impl Experiment for Noise {
                 context.progress(f64::from(step) / steps as f64, surface.name());
                 step += 1;
                 let mesh = surface.mesh(level, Sampling::Regular, 0);
+                mesh.topology();
                 let clean: Vec<CurvatureField> =
                     Estimator::ALL.iter().map(|e| e.estimate(&mesh)).collect::<Result<_, _>>()?;
                 for sigma in LEVELS {
-                    let mut sums = vec![Change::default(); Estimator::ALL.len()];
-                    let mut distance = 0.0f64;
-                    for s in 0..seeds {
-                        let seed = context.seed(&format!("{} {level} {sigma} {s}", surface.name()));
-                        let noise = NoiseLevel::EdgeLengths(sigma);
-                        let noisy = add_noise(&mesh, NoiseKind::GaussianPerAxis, noise, seed)?;
-                        distance = distance.max(gap_of_the_total(&noisy));
-                        for (i, estimator) in Estimator::ALL.iter().enumerate() {
-                            sums[i].add(&clean[i], &estimator.estimate(&noisy)?);
-                        }
-                    }
-                    for (estimator, sum) in Estimator::ALL.iter().zip(&sums) {
-                        let [h, k] = sum.changes();
-                        let ranks = |x: f64| {
-                            (surface != TestSurface::Sphere).then_some(x / f64::from(seeds))
+                    let seeds: Vec<u64> = (0..seeds)
+                        .map(|s| context.seed(&format!("{} {level} {sigma} {s}", surface.name())))
+                        .collect();
+                    let runs: Vec<Run> = seeds
+                        .into_par_iter()
+                        .map(|seed| Run::of(&mesh, &clean, surface, sigma, seed))
+                        .collect::<Result<_>>()?;
+                    for (i, estimator) in Estimator::ALL.iter().enumerate() {
+                        let all: Vec<&Change> = runs.iter().map(|run| &run.changes[i]).collect();
+                        let [h, k] = changes_over(&all);
+                        let ranks = |j: usize| -> Option<f64> {
+                            let sum: Option<f64> = all.iter().map(|c| Some(c.ranks?[j])).sum();
+                            Some(sum? / all.len() as f64)
                         };
                         changes.push(row![
                             surface.name(),
@@ -103,10 +103,11 @@ impl Experiment for Noise {
                             h,
                             k,
                             k / h,
-                            ranks(sum.ranks[0]),
-                            ranks(sum.ranks[1]),
+                            ranks(0),
+                            ranks(1),
                         ]);
                     }
+                    let distance = runs.iter().map(|run| run.gap_of_the_total).fold(0.0, f64::max);
                     totals.push(row![surface.name(), mesh.vertex_count(), sigma, distance]);
                 }
             }
@@ -163,27 +164,63 @@ fn gap_of_the_total(mesh: &TriMesh) -> f64 {
     (angle_defect(mesh).iter().sum::<f64>() - std::f64::consts::TAU * euler).abs()
 }
 
-/// Sums over seeds, H first and K second.
-#[derive(Debug, Clone, Default)]
+/// All estimators on one noisy mesh.
+struct Run {
+    /// In the order of [`Estimator::ALL`].
+    changes: Vec<Change>,
+    gap_of_the_total: f64,
+}
+
+impl Run {
+    fn of(
+        mesh: &TriMesh,
+        clean: &[CurvatureField],
+        surface: TestSurface,
+        sigma: f64,
+        seed: u64,
+    ) -> Result<Self> {
+        let level = NoiseLevel::EdgeLengths(sigma);
+        let noisy = add_noise(mesh, NoiseKind::GaussianPerAxis, level, seed)?;
+        let ranked = surface != TestSurface::Sphere;
+        let change = |(e, clean): (&Estimator, &CurvatureField)| {
+            anyhow::Ok(Change::between(clean, &e.estimate(&noisy)?, ranked))
+        };
+        Ok(Self {
+            changes: Estimator::ALL.iter().zip(clean).map(change).collect::<Result<_>>()?,
+            gap_of_the_total: gap_of_the_total(&noisy),
+        })
+    }
+}
+
+/// Of H first and of K second.
 struct Change {
+    /// Sums of squared changes.
     squares: [f64; 2],
+    /// Sums of squared clean values.
     sizes: [f64; 2],
-    ranks: [f64; 2],
+    /// Rank correlations, where clean values differ.
+    ranks: Option<[f64; 2]>,
 }
 
 impl Change {
-    fn add(&mut self, clean: &CurvatureField, noisy: &CurvatureField) {
+    fn between(clean: &CurvatureField, noisy: &CurvatureField, ranked: bool) -> Self {
         let fields = [(&clean.mean, &noisy.mean), (&clean.gaussian, &noisy.gaussian)];
-        for (i, (clean, noisy)) in fields.into_iter().enumerate() {
-            self.squares[i] += clean.iter().zip(noisy).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
-            self.sizes[i] += clean.iter().map(|a| a * a).sum::<f64>();
-            self.ranks[i] += rank_correlation(clean, noisy);
+        Self {
+            squares: fields
+                .map(|(clean, noisy)| clean.iter().zip(noisy).map(|(a, b)| (a - b).powi(2)).sum()),
+            sizes: fields.map(|(clean, _)| clean.iter().map(|a| a * a).sum()),
+            ranks: ranked.then(|| fields.map(|(clean, noisy)| rank_correlation(clean, noisy))),
         }
     }
+}
 
-    fn changes(&self) -> [f64; 2] {
-        std::array::from_fn(|i| (self.squares[i] / self.sizes[i]).sqrt())
-    }
+/// The root mean square change over runs, relative to the clean values.
+fn changes_over(runs: &[&Change]) -> [f64; 2] {
+    std::array::from_fn(|i| {
+        let square: f64 = runs.iter().map(|c| c.squares[i]).sum();
+        let size: f64 = runs.iter().map(|c| c.sizes[i]).sum();
+        (square / size).sqrt()
+    })
 }
 
 /// Spearman's rank correlation; zero where one side has equal values only.

@@ -11,6 +11,7 @@ use fairing_operators::curvature::{
 use super::gallery::{Coloring, FLAT, Gallery, Look, Range, VIEWPOINTS};
 use super::refinement::{self, Estimator, Quantity};
 use super::spread;
+use super::surfaces::TestSurface;
 use crate::experiment::{Card, Context, Experiment, Formula};
 use crate::inputs::Input;
 use crate::outcome::{MeshOutput, Outcome, Picture};
@@ -56,14 +57,10 @@ impl Experiment for UniformCurvature {
             method: "Mean curvature is half the length of the uniform Laplacian of the positions, H = ‖Δx‖/2 with (Δx)ᵢ the way from xᵢ to the mean of its neighbours. This is a length, not a curvature: it shrinks with the square of the edges. The scaled form divides by a quarter of the mean squared edge length at the vertex, which makes it comparable, and takes the sign from the normal. Gaussian curvature is the angle defect over the barycentric area, a third of the faces around the vertex.\n\nBoth are shown on the two meshes of the assignment with its colours (normalised, histogram equalised, hue from blue, low, to red, high) and in diverging colours about zero. Then both are held against the exact curvature of closed surfaces, on regular meshes and on meshes whose vertices were moved at random along the surface.",
             formulas: FORMULAS,
             inputs: &[Input::Flower, Input::Plane],
-            parameters: vec![
-                ("area of a vertex", "barycentric".into()),
-                ("surfaces", super::surfaces::TestSurface::description()),
-                (
-                    "jitter",
-                    format!("{} of the shortest edge at the vertex", super::surfaces::JITTER),
-                ),
-            ],
+            parameters: [("area of a vertex", "barycentric".into())]
+                .into_iter()
+                .chain(TestSurface::parameters())
+                .collect(),
         }
     }
 

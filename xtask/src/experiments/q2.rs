@@ -206,13 +206,13 @@ fn plot(directions: &Table) -> Result<Picture> {
             x: Axis::linear("θ/π, from +y (0) over +z (½)").from_to(0.0, 1.0),
             y: Axis::linear("κₙ in 1/mesh units"),
             series: vec![
-                Series::line("from the forms at (a, 0, 0)", line("κ")?),
-                Series::line("as the source report states", line("κ, source")?),
+                Series::line("from the forms", line("κ")?),
+                Series::line("source report", line("κ, source")?),
             ],
-            legend: Legend::None,
+            legend: Legend::Auto,
             ..Plot::default()
         };
-        figure.panels.push(Panel::drawing(plot.draw(300.0, 230.0)?));
+        figure.panels.push(Panel::drawing(plot.draw(300.0, 270.0)?));
     }
     plotted(
         &figure,

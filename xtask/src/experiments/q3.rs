@@ -58,14 +58,10 @@ impl Experiment for CotangentCurvature {
             method: "The cotangent stiffness S applied to the positions, over the mixed area of each vertex, gives the mean curvature vector: Δx = −M⁻¹Sx = −2Hn. The sign of H comes from the normal.\n\nFirst both meshes of the assignment; then the error against exact curvature, side by side with the uniform operator scaled by edge lengths (see q1). Last, planes: the curvature of a plane is zero, so that whatever an operator returns there is its artefact; the inside and the boundary are counted apart, and the mesh is regular, jittered, and irregular.",
             formulas: FORMULAS,
             inputs: &[Input::Flower, Input::Plane],
-            parameters: vec![
-                ("surfaces", TestSurface::description()),
-                ("area of a vertex", "mixed (Voronoi where no angle is obtuse)".into()),
-                (
-                    "jitter",
-                    format!("{} of the shortest edge at the vertex", super::surfaces::JITTER),
-                ),
-            ],
+            parameters: [("area of a vertex", "mixed (Voronoi where no angle is obtuse)".into())]
+                .into_iter()
+                .chain(TestSurface::parameters())
+                .collect(),
         }
     }
 

@@ -1,7 +1,7 @@
 //! Errors of curvature estimators under refinement, against exact curvature.
 
 use anyhow::{Context as _, Result};
-use fairing_figure::{Axis, Figure, Legend, Panel, Plot, Series};
+use fairing_figure::{Axis, Figure, Legend, Panel, Plot, Series, Shape};
 use fairing_mesh::TriMesh;
 use fairing_operators::{LumpedArea, lumped_mass};
 
@@ -160,14 +160,33 @@ pub(super) fn plot(errors: &Table, estimators: &[Estimator]) -> Result<Picture> 
                 plot.series.push(Series::marked(name, points));
             }
         }
+        plot.series.extend(second_order(&plot.series));
         figure.panels.push(Panel::drawing(plot.draw(if i == 2 { 540.0 } else { 270.0 }, 270.0)?));
     }
     plotted(
         &figure,
         "convergence",
-        "Error against exact curvature under refinement, on regular and on jittered meshes. A line that falls to the left converges; one that stays level does not.",
+        "Error against exact curvature under refinement, on regular and on jittered meshes. A line that falls to the left converges, at second order if it falls like the grey one; a line that stays level does not.",
         "Three plots of relative error over mean edge length on logarithmic axes, for sphere, torus and ellipsoid.",
     )
+}
+
+/// A line to compare with: second order, from the largest error of the
+/// coarsest mesh down.
+pub(super) fn second_order(errors: &[Series]) -> Option<Series> {
+    let points = || {
+        let of = |s: &Series| match &s.shape {
+            Shape::MarkedLine(points) => points.clone(),
+            _ => vec![],
+        };
+        errors.iter().flat_map(of)
+    };
+    let finest = points().map(|[h, _]| h).reduce(f64::min)?;
+    let coarsest = points().map(|[h, _]| h).reduce(f64::max)?;
+    // Jittered meshes have slightly longer edges.
+    let first = points().filter(|[h, _]| *h > 0.9 * coarsest);
+    let error = first.map(|[_, error]| error).reduce(f64::max)?;
+    Some(Series::slope("second order", 2.0, [coarsest, error], [finest, coarsest]))
 }
 
 /// The error of the finest mesh.

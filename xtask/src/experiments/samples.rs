@@ -55,6 +55,7 @@ impl Sample {
         }
     }
 
+    /// The mesh of a refinement level, as [`TestSurface::mesh`].
     pub(super) fn mesh(self, level: u32, layout: Layout, seed: u64) -> TriMesh {
         match (self, layout) {
             (Self::Closed(s), Layout::Regular) => s.mesh(level, Sampling::Regular, seed),
@@ -67,7 +68,7 @@ impl Sample {
                 lifted(&shapes::jittered(&grid(level), JITTER, seed, |p| p))
             }
             (Self::Graph, Layout::Irregular) => {
-                lifted(&shapes::irregular_plane(1.0 / f64::from(6u32 << level), seed))
+                lifted(&shapes::irregular_plane(1.0 / f64::from(cells(level)), seed))
             }
         }
     }
@@ -102,7 +103,12 @@ impl Layout {
 }
 
 fn grid(level: u32) -> TriMesh {
-    shapes::plane(6 << level, 6 << level, shapes::Diagonals::Alternating)
+    shapes::plane(cells(level), cells(level), shapes::Diagonals::Alternating)
+}
+
+/// Along a side of the graph: as many vertices as the other surfaces have.
+fn cells(level: u32) -> u32 {
+    3 << level
 }
 
 fn lifted(plane: &TriMesh) -> TriMesh {

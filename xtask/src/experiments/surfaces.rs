@@ -32,13 +32,14 @@ pub(super) const JITTER: f64 = 0.3;
 impl TestSurface {
     pub(super) const ALL: [Self; 3] = [Self::Sphere, Self::Torus, Self::Ellipsoid];
 
-    /// All of them with their sizes, for the list of parameters.
-    pub(super) fn description() -> String {
+    /// All of them with their sizes, and the jitter, for a list of parameters.
+    pub(super) fn parameters() -> [(&'static str, String); 2] {
         let [a, b, c] = AXES;
         let Torus { major, minor } = TORUS;
-        format!(
+        let surfaces = format!(
             "unit sphere; torus with radii {major} and {minor}; ellipsoid with half axes {a}, {b}, {c}"
-        )
+        );
+        [("surfaces", surfaces), ("jitter", format!("{JITTER} of the shortest edge at the vertex"))]
     }
 
     pub(super) fn name(self) -> &'static str {
@@ -49,12 +50,13 @@ impl TestSurface {
         }
     }
 
-    /// The mesh of a refinement level; each has about four times the faces of
-    /// the one before. The seed matters to jittered meshes only.
+    /// The mesh of a refinement level, 2 at least; each has about four times
+    /// the faces of the one before, and the three are of about one size. The
+    /// seed matters to jittered meshes only.
     pub(super) fn mesh(self, level: u32, sampling: Sampling, seed: u64) -> TriMesh {
         let regular = match self {
             Self::Sphere => shapes::icosphere(level),
-            Self::Torus => shapes::torus(TORUS.major, TORUS.minor, 8 << level, 4 << level),
+            Self::Torus => shapes::torus(TORUS.major, TORUS.minor, 4 << level, 2 << level),
             Self::Ellipsoid => shapes::ellipsoid(AXES, level),
         };
         match (sampling, self) {
