@@ -76,8 +76,9 @@ fn twice_sector(a: [f64; 2], b: [f64; 2], [from, to]: [f64; 2], square: f64) -> 
 /// Finds the faces that a ball about a vertex meets, one vertex after another.
 #[derive(Debug, Default)]
 pub(crate) struct BallExplorer {
-    /// The vertex for which each face was last reached, plus one.
-    reached_for: Vec<u32>,
+    /// The visit at which each face was last reached, counted from one.
+    reached_at: Vec<u32>,
+    visits: u32,
     stack: Vec<u32>,
 }
 
@@ -114,11 +115,13 @@ impl BallExplorer {
         radius: f64,
         mut face: impl FnMut(&FaceInBall),
     ) {
-        self.reached_for.resize(mesh.face_count(), 0);
-        let (mark, centre, square) = (v + 1, mesh.positions()[v as usize], radius * radius);
+        self.reached_at.resize(mesh.face_count(), 0);
+        self.visits += 1;
+        let (visit, centre) = (self.visits, mesh.positions()[v as usize]);
+        let square = radius * radius;
         self.stack.clear();
         for &c in mesh.incidence().corners(v) {
-            self.reached_for[c as usize / 3] = mark;
+            self.reached_at[c as usize / 3] = visit;
             self.stack.push(c / 3);
         }
         while let Some(f) = self.stack.pop() {
@@ -130,8 +133,8 @@ impl BallExplorer {
                     continue;
                 }
                 for &g in topology.edge_faces(e) {
-                    if self.reached_for[g as usize] != mark {
-                        self.reached_for[g as usize] = mark;
+                    if self.reached_at[g as usize] != visit {
+                        self.reached_at[g as usize] = visit;
                         self.stack.push(g);
                     }
                 }

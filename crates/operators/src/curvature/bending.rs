@@ -4,7 +4,10 @@ use fairing_mesh::vec3::{add, cross, dot, norm, sub};
 use fairing_mesh::{Topology, TriMesh};
 use rayon::prelude::*;
 
+use super::field::AtVertex;
+use super::status::Undefined;
 use crate::symmetric::Symmetric2;
+use crate::tangent::tangent_frame;
 
 /// The dihedral angle of each edge times its length, in edge order: twice the
 /// mean curvature of the edge, integrated, in mesh units.
@@ -43,13 +46,25 @@ fn runs(face: [u32; 3], [a, b]: [u32; 2]) -> bool {
 /// The sum of `w m ⊗ m` over bends w across directions m, in a tangent frame.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BendSum {
-    pub(crate) frame: [[f64; 3]; 2],
-    pub(crate) form: Symmetric2,
+    normal: [f64; 3],
+    frame: [[f64; 3]; 2],
+    form: Symmetric2,
 }
 
 impl BendSum {
-    pub(crate) fn new(frame: [[f64; 3]; 2]) -> Self {
-        Self { frame, form: Symmetric2::default() }
+    /// None yet, in the plane across the unit normal.
+    pub(crate) fn new(normal: [f64; 3]) -> Self {
+        Self { normal, frame: tangent_frame(normal), form: Symmetric2::default() }
+    }
+
+    /// The curvature of which the sum is the integral over an area.
+    pub(crate) fn over(self, area: f64) -> Result<AtVertex, Undefined> {
+        if area <= 0.0 {
+            return Err(Undefined::NoArea);
+        }
+        let Symmetric2 { a, b, c } = self.form;
+        let form = Symmetric2 { a: a / area, b: b / area, c: c / area };
+        Ok(AtVertex::of_form(form, self.frame, self.normal))
     }
 
     /// Adds a bend across an edge: in the tangent plane, along the quarter turn

@@ -170,12 +170,5 @@ pub fn corrected_curvature(
         }
         sum.at(normal).ok_or(Undefined::NoArea)
     };
-    let found = (0..mesh.vertex_count() as u32)
-        .into_par_iter()
-        .with_min_len(4096)
-        .map_init(BallExplorer::default, |explorer, v| {
-            (at_vertex(explorer, v), topology.is_boundary_vertex(v))
-        })
-        .collect();
-    Ok(CurvatureField::collect(found, true))
+    Ok(CurvatureField::of_each(mesh, at_vertex))
 }

@@ -125,3 +125,41 @@ fn face_tensor(mesh: &TriMesh, normals: &[[f64; 3]], f: usize) -> Option<FaceTen
     let shares = LumpedArea::Mixed.shares(&corners).unwrap_or([area / 3.0; 3]);
     Some(FaceTensor { normal, frame, form: Symmetric2 { a, b, c }, shares })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fairing_mesh::shapes;
+    use fairing_mesh::vec3::scale;
+
+    /// On any triangulation of a sphere the normals are those of the sphere,
+    /// and the tensor of each face is the identity over the radius.
+    #[test]
+    fn exact_on_any_triangulation_of_a_sphere() {
+        let unit = shapes::jittered(&shapes::icosphere(1), 0.4, 3, shapes::onto_sphere);
+        let positions = unit.positions().iter().map(|&p| scale(p, 2.5)).collect();
+        let sphere = unit.with_positions(positions).unwrap();
+        let field = face_tensor_curvature(&sphere, FaceTensorOptions::default());
+        for v in 0..field.len() {
+            assert!((field.kappa1[v] - 0.4).abs() < 1e-13, "{}", field.kappa1[v]);
+            assert!((field.kappa2[v] - 0.4).abs() < 1e-13, "{}", field.kappa2[v]);
+        }
+        let areas = FaceTensorOptions { normals: NormalWeight::Area };
+        let field = face_tensor_curvature(&sphere, areas);
+        let largest = field.mean.iter().fold(0.0, |m: f64, h| m.max((h - 0.4).abs()));
+        assert!(largest > 1e-3, "area-weighted normals are not exact: {largest}");
+    }
+
+    #[test]
+    fn a_plane_is_flat_and_a_collapsed_face_has_no_say() {
+        let plane = shapes::jittered_plane(4, 4, 0.2, 1);
+        let mut faces = plane.faces().to_vec();
+        let mut positions = plane.positions().to_vec();
+        positions.push(positions[7]);
+        faces.push([7, 8, positions.len() as u32 - 1]);
+        let mesh = TriMesh::new(positions, faces).unwrap();
+        let field = face_tensor_curvature(&mesh, FaceTensorOptions::default());
+        assert!(field.kappa1.iter().chain(&field.kappa2).all(|k| k.abs() < 1e-12));
+        assert_eq!(field.status.iter().filter(|s| !s.is_defined()).count(), 1);
+    }
+}

@@ -98,6 +98,21 @@ impl CurvatureField {
         self.kappa1.iter().zip(&self.kappa2).map(|(a, b)| a.hypot(*b) / 2f64.sqrt()).collect()
     }
 
+    /// From what is found at each vertex, looked at on its own with something
+    /// to work with that may be kept from one vertex to another.
+    pub(crate) fn of_each<W: Default>(
+        mesh: &TriMesh,
+        at_vertex: impl Fn(&mut W, u32) -> Result<AtVertex, Undefined> + Sync,
+    ) -> Self {
+        let topology = mesh.topology();
+        let found = (0..mesh.vertex_count() as u32)
+            .into_par_iter()
+            .with_min_len(1024)
+            .map_init(W::default, |work, v| (at_vertex(work, v), topology.is_boundary_vertex(v)))
+            .collect();
+        Self::collect(found, true)
+    }
+
     /// From what was found at each vertex. Values that are not finite are
     /// [`Undefined::IllConditioned`].
     pub(crate) fn collect(

@@ -3,7 +3,6 @@
 
 use fairing_mesh::vec3::{distance, dot, sub};
 use fairing_mesh::{Topology, TriMesh};
-use rayon::prelude::*;
 
 use super::field::{AtVertex, CurvatureField};
 use super::neighborhood::{Explorer, Neighborhood};
@@ -100,12 +99,38 @@ where
         let field = HeightField { mesh, vertices, frame: tangent_frame(normal), normal, scale };
         fit(&field).ok_or(Undefined::IllConditioned)
     };
-    let found = (0..mesh.vertex_count() as u32)
-        .into_par_iter()
-        .with_min_len(4096)
-        .map_init(Explorer::default, |explorer, v| {
-            (at_vertex(explorer, v), topology.is_boundary_vertex(v))
-        })
-        .collect();
-    Ok(CurvatureField::collect(found, true))
+    Ok(CurvatureField::of_each(mesh, at_vertex))
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use fairing_mesh::shapes::{Diagonals, plane};
+
+    /// The graph of a height over [−½, ½]², and its vertex in the middle.
+    pub(crate) fn dome(height: impl Fn(f64, f64) -> f64) -> (TriMesh, usize) {
+        let flat = plane(10, 10, Diagonals::Regular);
+        let lift = |p: &[f64; 3]| {
+            let [x, y] = [p[0] - 0.5, p[1] - 0.5];
+            [x, y, height(x, y)]
+        };
+        let positions = flat.positions().iter().map(lift).collect();
+        (flat.with_positions(positions).unwrap(), 60)
+    }
+
+    /// A slope is not curved, and the curvature of a cylinder does not depend
+    /// on where the frame has its axes.
+    #[test]
+    fn gradients_are_taken_into_account() {
+        let (mesh, v) = dome(|x, y| 0.3 * x - 0.7 * y);
+        let flat = fit_each(&mesh, Neighborhood::Rings(1), 5, |f| f.curvature([0.0; 2], [0.0; 3]));
+        assert_eq!(flat.unwrap().kappa1[v], 0.0);
+        // z = ½ x² at x = 1 has the curvature 1 / (1 + 1)^(3/2), downwards.
+        let scaled = fit_each(&mesh, Neighborhood::Rings(1), 5, |f| {
+            f.curvature([1.0, 0.0], [f.scale, 0.0, 0.0])
+        });
+        let scaled = scaled.unwrap();
+        assert!((scaled.kappa2[v] + 8f64.sqrt().recip()).abs() < 1e-14, "{}", scaled.kappa2[v]);
+        assert_eq!(scaled.kappa1[v], 0.0);
+    }
 }

@@ -12,17 +12,15 @@
 //! Source: \[cohensteiner2003\].
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{normalize, scale, sub};
+use fairing_mesh::vec3::{normalize, sub};
 use rayon::prelude::*;
 
 use super::ball::BallExplorer;
 use super::bending::{BendSum, edge_bending, normal_sum};
-use super::field::{AtVertex, CurvatureField};
+use super::field::CurvatureField;
 use super::neighborhood::Length;
 use super::status::Undefined;
 use crate::error::OperatorError;
-use crate::symmetric::Symmetric2;
-use crate::tangent::tangent_frame;
 
 /// The scale of [`normal_cycle_curvature`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,7 +62,7 @@ pub fn normal_cycle_curvature(
             return Err(Undefined::Isolated);
         }
         let normal = normalize(normal_sum(mesh, v)).ok_or(Undefined::NoArea)?;
-        let mut sum = BendSum::new(tangent_frame(normal));
+        let mut sum = BendSum::new(normal);
         let mut area = 0.0;
         explorer.visit(mesh, topology, v, radius, |part| {
             let f = part.face as usize;
@@ -75,19 +73,7 @@ pub fn normal_cycle_curvature(
                 sum.add(edge, 0.5 * part.sides[k] * bending[e as usize]);
             }
         });
-        if area <= 0.0 {
-            return Err(Undefined::NoArea);
-        }
-        let Symmetric2 { a, b, c } = sum.form;
-        let [a, b, c] = scale([a, b, c], 1.0 / area);
-        Ok(AtVertex::of_form(Symmetric2 { a, b, c }, sum.frame, normal))
+        sum.over(area)
     };
-    let found = (0..mesh.vertex_count() as u32)
-        .into_par_iter()
-        .with_min_len(4096)
-        .map_init(BallExplorer::default, |explorer, v| {
-            (at_vertex(explorer, v), topology.is_boundary_vertex(v))
-        })
-        .collect();
-    Ok(CurvatureField::collect(found, true))
+    Ok(CurvatureField::of_each(mesh, at_vertex))
 }

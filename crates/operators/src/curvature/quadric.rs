@@ -53,3 +53,19 @@ pub fn quadric_curvature(
         field.curvature([a, b], [c, d, e])
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::curvature::fit::tests::dome;
+
+    /// κ of `z = −½ (3 x² + x y + y²)` at the origin: eigenvalues of its matrix.
+    #[test]
+    fn exact_on_a_paraboloid() {
+        let (mesh, centre) = dome(|x, y| -0.5 * (3.0 * x * x + x * y + y * y));
+        let field = quadric_curvature(&mesh, QuadricOptions::default()).unwrap();
+        let root = 1.25f64.sqrt();
+        assert!((field.kappa1[centre] - 2.0 - root).abs() < 1e-11, "{}", field.kappa1[centre]);
+        assert!((field.kappa2[centre] - 2.0 + root).abs() < 1e-11, "{}", field.kappa2[centre]);
+    }
+}

@@ -13,14 +13,11 @@
 //! Source: \[sullivan2008\].
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{normalize, scale, sub};
-use rayon::prelude::*;
+use fairing_mesh::vec3::{normalize, sub};
 
 use super::bending::{BendSum, edge_bending, normal_sum};
-use super::field::{AtVertex, CurvatureField};
+use super::field::CurvatureField;
 use super::status::Undefined;
-use crate::symmetric::Symmetric2;
-use crate::tangent::tangent_frame;
 
 /// Principal curvatures from dihedral angles.
 ///
@@ -29,13 +26,13 @@ use crate::tangent::tangent_frame;
 pub fn steiner_curvature(mesh: &TriMesh) -> CurvatureField {
     let topology = mesh.topology();
     let bending = edge_bending(mesh, topology);
-    let at_vertex = |v: u32| {
+    let at_vertex = |_: &mut (), v: u32| {
         let corners = mesh.incidence().corners(v);
         if corners.is_empty() {
             return Err(Undefined::Isolated);
         }
         let normal = normalize(normal_sum(mesh, v)).ok_or(Undefined::NoArea)?;
-        let mut sum = BendSum::new(tangent_frame(normal));
+        let mut sum = BendSum::new(normal);
         let mut area = 0.0;
         for &c in corners {
             let (f, k) = (c as usize / 3, c as usize % 3);
@@ -47,17 +44,51 @@ pub fn steiner_curvature(mesh: &TriMesh) -> CurvatureField {
                 sum.add(edge, 0.25 * bending[edges[opposite] as usize]);
             }
         }
-        if area <= 0.0 {
-            return Err(Undefined::NoArea);
-        }
-        let Symmetric2 { a, b, c } = sum.form;
-        let [a, b, c] = scale([a, b, c], 1.0 / area);
-        Ok(AtVertex::of_form(Symmetric2 { a, b, c }, sum.frame, normal))
+        sum.over(area)
     };
-    let found = (0..mesh.vertex_count() as u32)
-        .into_par_iter()
-        .with_min_len(1024)
-        .map(|v| (at_vertex(v), topology.is_boundary_vertex(v)))
-        .collect();
-    CurvatureField::collect(found, true)
+    CurvatureField::of_each(mesh, at_vertex)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fairing_mesh::TriMesh;
+    use fairing_mesh::vec3::dot;
+    use std::f64::consts::{FRAC_PI_2, PI};
+
+    /// Three edges of length 1 meet in each corner of a unit cube; half of
+    /// each, bent by a right angle, makes a trace of 3π/4, integrated. The
+    /// diagonals of the squares do not bend.
+    #[test]
+    fn each_corner_of_a_cube_holds_half_of_three_edges() {
+        let cube = fairing_mesh::shapes::cube(1, fairing_mesh::shapes::Diagonals::Regular);
+        let side = cube.edge_lengths().into_iter().fold(f64::INFINITY, f64::min);
+        let field = steiner_curvature(&cube);
+        for v in 0..8 {
+            let faces = cube.incidence().corners(v).iter();
+            let area: f64 = faces.map(|&c| cube.face_area(c as usize / 3) / 3.0).sum();
+            let trace = 2.0 * field.mean[v as usize] * area;
+            assert!((trace - 0.75 * PI * side).abs() < 1e-14, "{v} {trace}");
+        }
+    }
+
+    /// Along its ridge a roof bends across it alone.
+    #[test]
+    fn a_ridge_bends_across_itself() {
+        let positions =
+            vec![[0.0; 3], [0.0, 2.0, 0.0], [-1.0, 1.0, -1.0], [1.0, 1.0, -1.0], [9.0; 3]];
+        let roof = TriMesh::new(positions, vec![[0, 1, 2], [1, 0, 3]]).unwrap();
+        let field = steiner_curvature(&roof);
+        // The faces have the area √2 each.
+        let expected = 0.5 * FRAC_PI_2 * 2.0 / (2.0 * 2f64.sqrt() / 3.0);
+        let [first, second] = field.directions.as_ref().unwrap();
+        for v in 0..2 {
+            assert!((field.kappa1[v] - expected).abs() < 1e-14, "{}", field.kappa1[v]);
+            assert!(field.kappa2[v].abs() < 1e-15);
+            assert!(dot(first[v], [1.0, 0.0, 0.0]).abs() > 1.0 - 1e-14);
+            assert!(dot(second[v], [0.0, 1.0, 0.0]).abs() > 1.0 - 1e-14);
+        }
+        assert_eq!((field.kappa1[2], field.kappa2[2]), (0.0, 0.0));
+        assert_eq!(field.status[4], super::super::VertexStatus::Undefined(Undefined::Isolated));
+    }
 }
