@@ -65,6 +65,7 @@ impl Connectivity {
 pub struct Incidence {
     offsets: Vec<u32>,
     corners: Vec<u32>,
+    sides: Vec<[u32; 2]>,
 }
 
 impl Incidence {
@@ -79,12 +80,16 @@ impl Incidence {
         }
         let mut next = offsets.clone();
         let mut corners = vec![0u32; faces.len() * 3];
-        for (c, &v) in faces.as_flattened().iter().enumerate() {
-            let slot = &mut next[v as usize];
-            corners[*slot as usize] = c as u32;
-            *slot += 1;
+        let mut sides = vec![[0u32; 2]; faces.len() * 3];
+        for (f, &[a, b, c]) in faces.iter().enumerate() {
+            for (k, v, others) in [(0, a, [b, c]), (1, b, [c, a]), (2, c, [a, b])] {
+                let slot = &mut next[v as usize];
+                corners[*slot as usize] = 3 * f as u32 + k;
+                sides[*slot as usize] = others;
+                *slot += 1;
+            }
         }
-        Self { offsets, corners }
+        Self { offsets, corners, sides }
     }
 
     /// The corners at vertex `v`, ascending; empty for an isolated vertex.
@@ -92,9 +97,26 @@ impl Incidence {
     /// # Panics
     ///
     /// If there is no vertex `v`.
+    #[inline]
     pub fn corners(&self, v: u32) -> &[u32] {
-        let v = v as usize;
-        &self.corners[self.offsets[v] as usize..self.offsets[v + 1] as usize]
+        &self.corners[self.range(v)]
+    }
+
+    /// The next and the previous vertex in the face of each corner at vertex
+    /// `v`, in the order of [`Self::corners`]: what the faces say, without
+    /// going to look at them.
+    ///
+    /// # Panics
+    ///
+    /// If there is no vertex `v`.
+    #[inline]
+    pub fn sides(&self, v: u32) -> &[[u32; 2]] {
+        &self.sides[self.range(v)]
+    }
+
+    #[inline]
+    fn range(&self, v: u32) -> std::ops::Range<usize> {
+        self.offsets[v as usize] as usize..self.offsets[v as usize + 1] as usize
     }
 
     /// Where the corners of each vertex begin in [`Self::all_corners`]; one
@@ -106,5 +128,20 @@ impl Incidence {
     /// The corners of all vertices, one vertex after another.
     pub fn all_corners(&self) -> &[u32] {
         &self.corners
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn corners_and_sides_of_a_strip() {
+        let incidence = Incidence::new(5, &[[0, 1, 2], [3, 2, 1]]);
+        assert_eq!(incidence.offsets(), [0, 1, 3, 5, 6, 6]);
+        assert_eq!(incidence.corners(1), [1, 5]);
+        assert_eq!(incidence.sides(1), [[2, 0], [3, 2]]);
+        assert_eq!(incidence.sides(2), [[0, 1], [1, 3]]);
+        assert!(incidence.corners(4).is_empty() && incidence.sides(4).is_empty());
     }
 }

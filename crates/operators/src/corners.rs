@@ -77,19 +77,6 @@ impl FaceCorners {
     }
 }
 
-/// Something of each face, in face order.
-pub(crate) fn map_faces<T: Send>(
-    mesh: &TriMesh,
-    of: impl Fn(FaceCorners) -> T + Sync + Send,
-) -> Vec<T> {
-    let positions = mesh.positions();
-    mesh.faces()
-        .par_iter()
-        .with_min_len(FACES_PER_TASK)
-        .map(|f| of(FaceCorners::of(f.map(|v| positions[v as usize]))))
-        .collect()
-}
-
 /// Something of each face, in face order, none of them degenerate.
 pub(crate) fn map_sound_faces<T: Send>(
     mesh: &TriMesh,

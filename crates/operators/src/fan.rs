@@ -1,9 +1,5 @@
 //! The fan of faces around a vertex, as sorted neighbours.
 
-use fairing_mesh::Incidence;
-
-use crate::corners::{next, previous};
-
 /// The neighbours of a vertex, ascending, and where in them the two other
 /// vertices of each of its corners are.
 #[derive(Debug, Default)]
@@ -19,36 +15,34 @@ pub(crate) struct Fan {
 }
 
 impl Fan {
-    /// Becomes the fan of the vertex at `corners`, with `vertices` the faces
-    /// in a row.
+    /// Becomes the fan with these sides: the next and the previous vertex of
+    /// each corner.
     #[inline]
-    pub(crate) fn gather(&mut self, vertices: &[u32], corners: &[u32]) {
-        self.closed = match corners.len() {
-            3..=8 => self.gather_closed::<8>(vertices, corners),
-            9..=16 => self.gather_closed::<16>(vertices, corners),
+    pub(crate) fn gather(&mut self, sides: impl ExactSizeIterator<Item = [u32; 2]> + Clone) {
+        self.closed = match sides.len() {
+            3..=8 => self.gather_closed::<8>(sides.clone()),
+            9..=16 => self.gather_closed::<16>(sides.clone()),
             _ => false,
         };
         if !self.closed {
-            self.gather_any(vertices, corners);
+            self.gather_any(sides);
         }
-    }
-
-    /// The fan of vertex `v`.
-    #[inline]
-    pub(crate) fn of(&mut self, vertices: &[u32], incidence: &Incidence, v: u32) {
-        self.gather(vertices, incidence.corners(v));
     }
 
     /// The common case, without sorting: a rank is the number of smaller
     /// neighbours, counted over rows of fixed length. Says whether the fan is
     /// closed.
     #[inline]
-    fn gather_closed<const ROOM: usize>(&mut self, vertices: &[u32], corners: &[u32]) -> bool {
+    fn gather_closed<const ROOM: usize>(
+        &mut self,
+        sides: impl ExactSizeIterator<Item = [u32; 2]>,
+    ) -> bool {
+        let count = sides.len();
         // No vertex has the last number, so that it is smaller than none.
         let (mut after, mut before) = ([u32::MAX; ROOM], [u32::MAX; ROOM]);
-        for (i, &c) in corners.iter().enumerate() {
-            after[i] = vertices[next(c) as usize];
-            before[i] = vertices[previous(c) as usize];
+        for (i, [next, previous]) in sides.enumerate() {
+            after[i] = next;
+            before[i] = previous;
         }
         let mut ranks = [[0u32; ROOM]; 2];
         for w in after {
@@ -60,35 +54,28 @@ impl Fan {
         }
         let mut sorted = [u32::MAX; ROOM];
         let mut seen = [0u32; 2];
-        for i in 0..corners.len() {
+        for i in 0..count {
             sorted[ranks[0][i] as usize % ROOM] = after[i];
             seen[0] |= 1 << ranks[0][i];
             seen[1] |= 1 << ranks[1][i];
         }
-        let agree = (0..corners.len()).all(|i| sorted[ranks[1][i] as usize % ROOM] == before[i]);
+        let agree = (0..count).all(|i| sorted[ranks[1][i] as usize % ROOM] == before[i]);
         self.neighbors.clear();
-        self.neighbors.extend_from_slice(&sorted[..corners.len()]);
+        self.neighbors.extend_from_slice(&sorted[..count]);
         self.ranks.clear();
-        self.ranks.extend((0..corners.len()).map(|i| [ranks[0][i], ranks[1][i]]));
-        agree && seen == [(1 << corners.len()) - 1; 2]
+        self.ranks.extend((0..count).map(|i| [ranks[0][i], ranks[1][i]]));
+        agree && seen == [(1 << count) - 1; 2]
     }
 
-    fn gather_any(&mut self, vertices: &[u32], corners: &[u32]) {
+    fn gather_any(&mut self, sides: impl Iterator<Item = [u32; 2]> + Clone) {
         self.neighbors.clear();
-        for &c in corners {
-            self.neighbors.push(vertices[next(c) as usize]);
-            self.neighbors.push(vertices[previous(c) as usize]);
-        }
+        self.neighbors.extend(sides.clone().flatten());
         self.neighbors.sort_unstable();
         self.neighbors.dedup();
         let neighbors = &self.neighbors;
         let rank = |w: u32| neighbors.partition_point(|&x| x < w) as u32;
         self.ranks.clear();
-        self.ranks.extend(
-            corners
-                .iter()
-                .map(|&c| [rank(vertices[next(c) as usize]), rank(vertices[previous(c) as usize])]),
-        );
+        self.ranks.extend(sides.map(|side| side.map(rank)));
     }
 
     /// Whether an edge at the vertex has one face only.
@@ -112,7 +99,7 @@ mod tests {
     fn fan(faces: &[[u32; 3]]) -> Fan {
         let mesh = TriMesh::new(vec![[0.0; 3]; 64], faces.to_vec()).unwrap();
         let mut fan = Fan::default();
-        fan.of(mesh.faces().as_flattened(), mesh.incidence(), 20);
+        fan.gather(mesh.incidence().sides(20).iter().copied());
         fan
     }
 

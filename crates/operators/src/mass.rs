@@ -3,8 +3,8 @@
 use fairing_mesh::TriMesh;
 use fairing_sparse::SparseMatrix;
 
-use crate::assembly::{CornerEntries, Pattern};
-use crate::corners::{FaceCorners, degenerate, map_faces};
+use crate::assembly::{Diagonal, sum_sides};
+use crate::corners::{FaceCorners, degenerate};
 use crate::error::OperatorError;
 
 /// How the area of a face is shared between its corners.
@@ -68,6 +68,15 @@ impl LumpedArea {
 /// Source: \[meyer2003\].
 pub fn lumped_mass(mesh: &TriMesh, area: LumpedArea) -> Result<Vec<f64>, OperatorError> {
     let mut mass = vec![0.0; mesh.vertex_count()];
+    if area == LumpedArea::Barycentric {
+        for (f, vertices) in mesh.faces().iter().enumerate() {
+            let third = mesh.face_area(f) / 3.0;
+            for &v in vertices {
+                mass[v as usize] += third;
+            }
+        }
+        return Ok(mass);
+    }
     // One pass over the faces on one thread: as fast as gathering by vertices
     // on several, and without a table of shares.
     for (f, vertices) in mesh.faces().iter().enumerate() {
@@ -96,15 +105,7 @@ pub fn lumped_mass(mesh: &TriMesh, area: LumpedArea) -> Result<Vec<f64>, Operato
 ///
 /// Source: \[vallet2008\].
 pub fn consistent_mass(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
-    let twice_areas = map_faces(mesh, |face| face.twice_area);
-    Ok(Pattern::of(mesh)?.fill(mesh, |c| {
-        let twice_area = twice_areas[c as usize / 3];
-        CornerEntries {
-            diagonal: twice_area / 12.0,
-            next: twice_area / 24.0,
-            previous: twice_area / 24.0,
-        }
-    }))
+    sum_sides(mesh, Diagonal::Sum, |f| Ok([mesh.face_area(f) / 12.0; 3]))
 }
 
 #[cfg(test)]

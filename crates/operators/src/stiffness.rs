@@ -12,8 +12,8 @@
 use fairing_mesh::TriMesh;
 use fairing_sparse::SparseMatrix;
 
-use crate::assembly::{CornerEntries, Pattern};
-use crate::corners::map_sound_faces;
+use crate::assembly::{Diagonal, sum_sides};
+use crate::corners::{FaceCorners, degenerate};
 use crate::error::OperatorError;
 
 /// Assembles the cotangent stiffness matrix.
@@ -46,11 +46,11 @@ use crate::error::OperatorError;
 ///
 /// Source: \[pinkall1993\].
 pub fn cotan_stiffness(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
-    let half = map_sound_faces(mesh, |face| face.cotangents().map(|cot| 0.5 * cot))?;
-    Ok(Pattern::of(mesh)?.fill(mesh, |c| {
-        let (half, k) = (&half[c as usize / 3], c as usize % 3);
-        // The edge to the next corner lies opposite the previous one.
-        let (to_next, to_previous) = (half[(k + 2) % 3], half[(k + 1) % 3]);
-        CornerEntries { diagonal: to_next + to_previous, next: -to_next, previous: -to_previous }
-    }))
+    sum_sides(mesh, Diagonal::MinusSum, |f| {
+        let face = FaceCorners::of(mesh.triangle(f));
+        if face.is_degenerate() {
+            return Err(degenerate(f, &face));
+        }
+        Ok(face.cotangents().map(|cot| -0.5 * cot))
+    })
 }

@@ -3,7 +3,7 @@
 use fairing_mesh::TriMesh;
 use fairing_sparse::SparseMatrix;
 
-use crate::assembly::{Pattern, position};
+use crate::assembly::assemble;
 use crate::error::OperatorError;
 
 /// Assembles the combinatorial Laplacian `D − A`.
@@ -21,10 +21,10 @@ use crate::error::OperatorError;
 ///
 /// [`OperatorError::TooLarge`] beyond 2³² entries.
 pub fn combinatorial_laplacian(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
-    Ok(Pattern::of(mesh)?.fill_rows(|v, columns, values| {
-        values.fill(-1.0);
-        values[position(columns, v)] = (columns.len() - 1) as f64;
-    }))
+    assemble(mesh, |fan, place, row| {
+        row.fill(-1.0);
+        row[place] = fan.neighbors.len() as f64;
+    })
 }
 
 /// Assembles the random-walk Laplacian `L = D⁻¹A − I`, the operator of
@@ -44,13 +44,13 @@ pub fn combinatorial_laplacian(mesh: &TriMesh) -> Result<SparseMatrix, OperatorE
 ///
 /// [`OperatorError::TooLarge`] beyond 2³² entries.
 pub fn random_walk_laplacian(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
-    Ok(Pattern::of(mesh)?.fill_rows(|v, columns, values| {
-        let degree = columns.len() - 1;
+    assemble(mesh, |fan, place, row| {
+        let degree = fan.neighbors.len();
         if degree > 0 {
-            values.fill(1.0 / degree as f64);
-            values[position(columns, v)] = -1.0;
+            row.fill(1.0 / degree as f64);
+            row[place] = -1.0;
         }
-    }))
+    })
 }
 
 #[cfg(test)]

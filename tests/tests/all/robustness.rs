@@ -73,7 +73,7 @@ fn a_strip_of_needles_is_not_determined() {
 /// Collapsed, collinear, doubled, turned and pinched faces in one soup.
 #[test]
 fn a_soup_of_everything() {
-    let mut sphere = shapes::icosphere(2);
+    let mut sphere = shapes::icosphere(3);
     let n = sphere.vertex_count() as u32;
     let mut positions = sphere.positions().to_vec();
     let mut faces = sphere.faces().to_vec();
@@ -86,11 +86,12 @@ fn a_soup_of_everything() {
     for estimator in Estimator::ALL {
         let field = estimator.estimate(&sphere).unwrap();
         check(&field, &sphere, estimator.name());
-        // Far from the damage, the sphere is what it was, to one ring's error.
         let defined = field.status.iter().filter(|s| s.is_defined()).count();
-        assert!(defined > 100, "{estimator} {defined}");
-        let ones = field.mean.iter().filter(|h| (**h - 1.0).abs() < 0.15).count();
-        assert!(ones > 80, "{estimator} {ones}");
+        assert!(defined > 600, "{estimator} {defined}");
+        // Far from the damage, beyond four rings of it, the sphere is what it
+        // was, up to the error of fits this wide.
+        let ones = field.mean.iter().filter(|h| (**h - 1.0).abs() < 0.1).count();
+        assert!(ones > 300, "{estimator} {ones}");
     }
 }
 

@@ -40,7 +40,7 @@ impl EdgeTables {
             .into_par_iter()
             .map(|i| {
                 let end = ((i + 1) * CHUNK).min(vertex_count);
-                Piece::new((i * CHUNK) as u32..end as u32, faces, incidence)
+                Piece::new((i * CHUNK) as u32..end as u32, incidence)
             })
             .collect();
         let mut tables = Self {
@@ -91,18 +91,14 @@ impl EdgeTables {
 }
 
 impl Piece {
-    fn new(vertices: std::ops::Range<u32>, faces: &[[u32; 3]], incidence: &Incidence) -> Self {
+    fn new(vertices: std::ops::Range<u32>, incidence: &Incidence) -> Self {
         let mut piece = Self::default();
         // Other end in the high half, face in the low: sorts by both.
         let mut keys: Vec<u64> = vec![];
         for v in vertices {
             keys.clear();
-            for &c in incidence.corners(v) {
-                let (f, k) = (c / 3, c as usize % 3);
-                let face = faces[f as usize];
-                for other in [face[(k + 1) % 3], face[(k + 2) % 3]] {
-                    keys.push(u64::from(other) << 32 | u64::from(f));
-                }
+            for (&c, &side) in incidence.corners(v).iter().zip(incidence.sides(v)) {
+                keys.extend(side.map(|other| u64::from(other) << 32 | u64::from(c / 3)));
             }
             keys.sort_unstable();
             let (edges, neighbors) = (piece.edges.len(), piece.neighbors.len());

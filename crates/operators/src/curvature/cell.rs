@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::corners::{FaceCorners, degenerate, next, previous};
+use crate::corners::{FaceCorners, degenerate};
 use crate::error::OperatorError;
 use crate::fan::Fan;
 use crate::mass::LumpedArea;
@@ -50,9 +50,9 @@ impl Cell {
 
 impl Links {
     #[inline]
-    pub(crate) fn of(fan: &Fan, corners: &[u32]) -> Self {
+    pub(crate) fn of(fan: &Fan, faces: usize) -> Self {
         Self {
-            faces: corners.len() as u32,
+            faces: faces as u32,
             edges: fan.neighbors.len() as u32,
             boundary: fan.has_boundary_edge(),
         }
@@ -77,28 +77,25 @@ pub(crate) fn map_cells<T: Send>(
     area: LumpedArea,
     of: impl Fn(&Cell) -> T + Sync + Send,
 ) -> Result<Vec<T>, OperatorError> {
-    let (positions, vertices) = (mesh.positions(), mesh.faces().as_flattened());
-    let incidence = mesh.incidence();
+    let (positions, incidence) = (mesh.positions(), mesh.incidence());
     let first = AtomicUsize::new(usize::MAX);
     let gather = |fan: &mut Fan, v: u32| {
-        let corners = incidence.corners(v);
-        fan.gather(vertices, corners);
+        let (sides, at) = (incidence.sides(v), positions[v as usize]);
+        fan.gather(sides.iter().copied());
         let mut cell = Cell {
             laplacian: [0.0; 3],
             area: 0.0,
             normal: [0.0; 3],
             angles: 0.0,
-            links: Links::of(fan, corners),
+            links: Links::of(fan, sides.len()),
         };
         let mut turns = Turns::default();
-        for &c in corners {
-            let at = positions[v as usize];
-            let [to_next, to_previous] =
-                [next(c), previous(c)].map(|c| sub(positions[vertices[c as usize] as usize], at));
+        for (i, side) in sides.iter().enumerate() {
+            let [to_next, to_previous] = side.map(|w| sub(positions[w as usize], at));
             let (face, normal) = FaceCorners::of_sides(to_next, to_previous);
             let shares = area.shares(&face);
             if shares.is_none() || face.is_degenerate() {
-                first.fetch_min(c as usize / 3, Ordering::Relaxed);
+                first.fetch_min(incidence.corners(v)[i] as usize / 3, Ordering::Relaxed);
             }
             let cot = face.cotangents();
             let pull = add(scale(to_next, cot[2]), scale(to_previous, cot[1]));

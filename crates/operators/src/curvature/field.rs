@@ -146,10 +146,9 @@ const NOTHING: AtVertex =
 
 /// Whether each vertex is on the boundary, from the incidence alone.
 pub(crate) fn boundary_flags(mesh: &TriMesh) -> Vec<bool> {
-    let vertices = mesh.faces().as_flattened();
     let incidence = mesh.incidence();
     let on_boundary = |fan: &mut Fan, v: u32| {
-        fan.of(vertices, incidence, v);
+        fan.gather(incidence.sides(v).iter().copied());
         fan.has_boundary_edge()
     };
     (0..mesh.vertex_count() as u32)

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 
 use super::cell::{Links, Turns};
 use super::status::{ScalarCurvature, Undefined};
-use crate::corners::{FaceCorners, next, previous};
+use crate::corners::FaceCorners;
 use crate::error::OperatorError;
 use crate::fan::Fan;
 use crate::mass::{LumpedArea, lumped_mass};
@@ -36,18 +36,16 @@ pub fn angle_defect(mesh: &TriMesh) -> Vec<f64> {
 
 /// The angle defect and the surroundings of each vertex, on any mesh.
 pub(crate) fn defects(mesh: &TriMesh) -> Vec<(f64, Links)> {
-    let (positions, vertices) = (mesh.positions(), mesh.faces().as_flattened());
-    let incidence = mesh.incidence();
+    let (positions, incidence) = (mesh.positions(), mesh.incidence());
     let defect = |fan: &mut Fan, v: u32| {
-        let corners = incidence.corners(v);
-        fan.gather(vertices, corners);
+        let (sides, at) = (incidence.sides(v), positions[v as usize]);
+        fan.gather(sides.iter().copied());
         let mut turns = Turns::default();
-        for &c in corners {
-            let [to_next, to_previous] = [next(c), previous(c)]
-                .map(|c| sub(positions[vertices[c as usize] as usize], positions[v as usize]));
+        for side in sides {
+            let [to_next, to_previous] = side.map(|w| sub(positions[w as usize], at));
             turns.add(FaceCorners::of_sides(to_next, to_previous).0.turn(0));
         }
-        let links = Links::of(fan, corners);
+        let links = Links::of(fan, sides.len());
         (links.defect(turns.sum()), links)
     };
     (0..mesh.vertex_count() as u32)

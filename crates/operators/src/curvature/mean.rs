@@ -113,11 +113,10 @@ impl AtVertex {
 /// `mean(xⱼ) − xᵢ` over the neighbours, each once; times `4 / mean(ℓ²)` if
 /// scaled.
 fn umbrellas(mesh: &TriMesh, scaled: bool) -> Vec<AtVertex> {
-    let (positions, vertices) = (mesh.positions(), mesh.faces().as_flattened());
-    let incidence = mesh.incidence();
+    let (positions, incidence) = (mesh.positions(), mesh.incidence());
     let umbrella = |fan: &mut Fan, v: u32| {
-        let (at, corners) = (positions[v as usize], incidence.corners(v));
-        fan.gather(vertices, corners);
+        let (at, sides) = (positions[v as usize], incidence.sides(v));
+        fan.gather(sides.iter().copied());
         let (mut sum, mut squares) = ([0.0; 3], 0.0);
         for &w in &fan.neighbors {
             let edge = sub(positions[w as usize], at);
@@ -130,7 +129,7 @@ fn umbrellas(mesh: &TriMesh, scaled: bool) -> Vec<AtVertex> {
         });
         let divisor = if scaled { 0.25 * squares } else { fan.neighbors.len() as f64 };
         let vector = (divisor > 0.0).then(|| scale(sum, 1.0 / divisor));
-        AtVertex::new(vector, normal, Links::of(fan, corners))
+        AtVertex::new(vector, normal, Links::of(fan, sides.len()))
     };
     (0..mesh.vertex_count() as u32)
         .into_par_iter()
