@@ -6,7 +6,7 @@
 use anyhow::{Context as _, Result};
 use fairing_mesh::{TriMesh, io};
 use fairing_operators::curvature::{
-    CurvatureField, Estimator, MeanOperator, angle_defect, mean_curvature,
+    CurvatureField, Estimator, MeanCurvature, ScalarCurvature, mean_and_gaussian_curvature,
 };
 use fairing_operators::{LumpedArea, SparseMatrix, cotan_stiffness, lumped_mass};
 
@@ -79,31 +79,32 @@ impl Task for Curvature {
 
     fn prepare(&self, job: &Job) -> Result<Box<dyn Work>> {
         let mesh = io::read(&job.input)?.mesh;
-        Ok(Box::new(Bending { mesh, mean: vec![], defects: vec![] }))
+        Ok(Box::new(Bending { mesh, result: None }))
     }
 }
 
 struct Bending {
     mesh: TriMesh,
-    mean: Vec<f64>,
-    defects: Vec<f64>,
+    result: Option<(MeanCurvature, ScalarCurvature)>,
 }
 
 impl Work for Bending {
     fn run(&mut self, watch: &mut Stopwatch) -> Result<()> {
+        self.result = None;
         let mesh = anew(&self.mesh, watch)?;
-        let operator = MeanOperator::Cotangent(LumpedArea::Barycentric);
-        self.mean = watch.phase("mean", || mean_curvature(&mesh, operator).map(|h| h.norms()))?;
-        self.defects = watch.phase("gauss", || angle_defect(&mesh));
+        let both = || mean_and_gaussian_curvature(&mesh, LumpedArea::Barycentric);
+        self.result = Some(watch.phase("mean and gauss", both)?);
         Ok(())
     }
 
     fn fingerprint(&mut self) -> Result<Fingerprint> {
+        let (mean, gaussian) = self.result.as_ref().context("nothing was estimated")?;
         let m = lumped_mass(&self.mesh, LumpedArea::Barycentric)?;
+        let defects: Vec<f64> = gaussian.values.iter().zip(&m).map(|(k, a)| k * a).collect();
         Ok(fingerprint! {
-            sum_absH_area: self.mean.iter().zip(&m).map(|(h, a)| h.abs() * a).sum::<f64>(),
-            sum_K: self.defects.iter().sum::<f64>(),
-            sum_absK: self.defects.iter().map(|k| k.abs()).sum::<f64>(),
+            sum_absH_area: mean.norms().iter().zip(&m).map(|(h, a)| h * a).sum::<f64>(),
+            sum_K: defects.iter().sum::<f64>(),
+            sum_absK: defects.iter().map(|k| k.abs()).sum::<f64>(),
         })
     }
 }

@@ -36,7 +36,7 @@ pub use face_tensor::{FaceTensorOptions, face_tensor_curvature};
 pub use field::CurvatureField;
 pub use gaussian::{angle_defect, gaussian_curvature};
 pub use jet::{JetDegree, JetOptions, JetWeight, jet_curvature};
-pub use mean::{MeanCurvature, MeanOperator, mean_curvature};
+pub use mean::{MeanCurvature, MeanOperator, mean_and_gaussian_curvature, mean_curvature};
 pub use neighborhood::{Length, Neighborhood};
 pub use normal_cycle::{NormalCycleOptions, normal_cycle_curvature};
 pub use principal::principal_values;
