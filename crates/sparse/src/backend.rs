@@ -11,6 +11,7 @@ use faer::linalg::cholesky::llt::factor::LltError;
 use faer::linalg::evd;
 use faer::perm::PermRef;
 use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::amd;
 use faer::sparse::linalg::cholesky::{
     self, CholeskySymbolicParams, SymbolicCholeskyRaw, SymmetricOrdering,
 };
@@ -125,6 +126,18 @@ impl Symbolic {
 
 fn values_of(rows: Rows<'_>) -> SparseColMatRef<'_, u32, f64> {
     SparseColMatRef::new(pattern(rows), rows.values)
+}
+
+/// `order[k]`: the row that minimum degree eliminates as the k-th of a symmetric matrix.
+pub(crate) fn minimum_degree(rows: Rows<'_>) -> Result<Vec<u32>, Failure> {
+    let n = rows.count();
+    let (mut order, mut inverse) = (vec![0; n], vec![0; n]);
+    let mut memory = MemBuffer::try_new(amd::order_scratch::<u32>(n, rows.columns.len()))
+        .map_err(|_| Failure::TooLarge)?;
+    let stack = MemStack::new(&mut memory);
+    amd::order(&mut order, &mut inverse, pattern(rows), Default::default(), stack)
+        .map_err(|_| Failure::TooLarge)?;
+    Ok(order)
 }
 
 fn pattern(rows: Rows<'_>) -> SymbolicSparseColMatRef<'_, u32> {

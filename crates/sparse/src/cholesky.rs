@@ -145,15 +145,20 @@ impl SymbolicCholesky {
     ///
     /// [`CholeskyError`]: not square, not finite, not symmetric, not an ordering, too large.
     pub fn new(matrix: &SparseMatrix, ordering: Ordering) -> Result<Self, CholeskyError> {
+        if ordering == Ordering::LeastFill {
+            return Self::with_least_fill(matrix);
+        }
         symmetry::check(matrix)?;
         let rows = Rows::of(matrix);
         let n = rows.count();
         let composed;
         let order = match ordering {
-            Ordering::MinimumDegree => Order::MinimumDegree,
-            Ordering::Natural | Ordering::Custom(_) => {
+            Ordering::MinimumDegree | Ordering::LeastFill => Order::MinimumDegree,
+            Ordering::NestedDissection | Ordering::Natural | Ordering::Custom(_) => {
                 let custom = match ordering {
                     Ordering::Custom(order) => order,
+                    Ordering::NestedDissection => ordering::dissected(rows)
+                        .map_err(|_| CholeskyError::TooLarge { rows: n })?,
                     _ => (0..n as u32).collect(),
                 };
                 let bad =
@@ -179,6 +184,15 @@ impl SymbolicCholesky {
                 columns: rows.columns.to_vec(),
             }),
         })
+    }
+
+    fn with_least_fill(matrix: &SparseMatrix) -> Result<Self, CholeskyError> {
+        let first = Self::new(matrix, Ordering::MinimumDegree)?;
+        if (first.factor_entries() as f64) < ordering::usual_fill(first.rows()) {
+            return Ok(first);
+        }
+        let second = Self::new(matrix, Ordering::NestedDissection)?;
+        Ok(if second.factor_entries() < first.factor_entries() { second } else { first })
     }
 
     /// Rows of the matrix.

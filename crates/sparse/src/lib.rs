@@ -7,6 +7,7 @@
 mod backend;
 mod cg;
 mod cholesky;
+mod dissection;
 mod eigen;
 mod factor;
 mod incomplete;

@@ -23,6 +23,7 @@
 
 use crate::mass::Mass;
 use crate::matrix::{Rows, SparseMatrix};
+use crate::ordering;
 
 /// How to solve a symmetric positive definite system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -94,7 +95,7 @@ impl Workload {
     /// Estimated nanoseconds of analysis, one factorisation, and all solves.
     pub fn direct_cost(&self) -> f64 {
         let n = self.rows as f64;
-        let guess = n * (5.5 * n.max(2.0).log2() - 35.0).max(4.0);
+        let guess = ordering::usual_fill(self.rows);
         let entries = self.factor_entries.map_or(guess, |e| e as f64);
         // The work of a factorisation goes with the square of the length of its columns; a factor that is fuller
         // than a mesh's costs accordingly more.

@@ -1,5 +1,7 @@
 //! Fill-reducing orderings and the elimination tree.
 
+use crate::backend::{self, Failure};
+use crate::dissection;
 use crate::matrix::Rows;
 
 /// The order in which a factorisation eliminates the rows.
@@ -9,11 +11,47 @@ pub enum Ordering {
     /// Approximate minimum degree.
     #[default]
     MinimumDegree,
+    /// Nested dissection, minimum degree inside its smallest pieces. On a sphere of 160 thousand vertices at random
+    /// 10.4 million numbers instead of 13.9, half of the operations; on meshes with regular connectivity, which
+    /// minimum degree sees through, more than with it (2.1 million for 1.2 on a scan of 43 thousand).
+    NestedDissection,
+    /// Minimum degree, and nested dissection as well where that leaves more than is usual on surface meshes; the
+    /// one with fewer numbers. Two analyses for one: worth it before many solves.
+    LeastFill,
     /// The order of the matrix.
     Natural,
     /// `order[k]` is the row to eliminate as the k-th. It is composed with the postorder of its elimination
     /// tree, which keeps the fill and lets the columns of a supernode stand together (1.7 times faster).
     Custom(Vec<u32>),
+}
+
+/// Numbers in a factor of a surface mesh with that many rows, n (5.5 log₂ n − 35): fitted to minimum degree on regular
+/// triangle grids (within a tenth from a thousand rows to 640 thousand); nested dissection reaches it on all.
+pub(crate) fn usual_fill(rows: usize) -> f64 {
+    let n = rows as f64;
+    n * (5.5 * n.max(2.0).log2() - 35.0).max(4.0)
+}
+
+/// Rows in the order of nested dissection.
+pub(crate) fn dissected(rows: Rows<'_>) -> Result<Vec<u32>, Failure> {
+    let mut dissection = dissection::dissect(rows);
+    dissection.leaves.sort_unstable();
+    let leaves = dissection.leaves;
+    let mut number = vec![u32::MAX; rows.count()];
+    for (new, &old) in leaves.iter().enumerate() {
+        number[old as usize] = new as u32;
+    }
+    let (mut starts, mut columns) = (vec![0], vec![]);
+    for &row in &leaves {
+        let inside = rows.row(row as usize).0.iter().map(|&j| number[j as usize]);
+        columns.extend(inside.filter(|&j| j != u32::MAX));
+        starts.push(columns.len() as u32);
+    }
+    let graph = Rows { starts: &starts, columns: &columns, values: &[] };
+    let mut order: Vec<u32> =
+        backend::minimum_degree(graph)?.into_iter().map(|k| leaves[k as usize]).collect();
+    order.extend(dissection.separators);
+    Ok(order)
 }
 
 /// The inverse of a permutation, or the first entry that is out of range or repeated.

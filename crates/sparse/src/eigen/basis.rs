@@ -18,15 +18,29 @@ pub(crate) type Small = [[f64; LANES]; LANES];
 const PIECE: usize = 256;
 /// Rows of one partial sum.
 const SEGMENT: usize = 32 * PIECE;
+/// Rows that stay in the second cache for some thirty blocks of a basis.
+const SHARED: usize = 2 * PIECE;
 
 /// Uᵀ W for every block U of the basis.
 pub(crate) fn products(basis: &[Block], w: &[[f64; LANES]]) -> Vec<Small> {
+    weighted_products(basis, None, w)
+}
+
+/// Uᵀ D W for every block U of the basis, D diagonal, the identity where none is given. Without ever storing D W:
+/// fresh memory for a block costs as much as a product.
+pub(crate) fn weighted_products(
+    basis: &[Block],
+    weights: Option<&[f64]>,
+    w: &[[f64; LANES]],
+) -> Vec<Small> {
     let parts: Vec<Vec<Small>> = w
         .par_chunks(SEGMENT)
         .enumerate()
         .map(|(segment, w)| {
             let mut sums = vec![[[0.0; LANES]; LANES]; basis.len()];
-            simd::dispatch(Products { basis, from: segment * SEGMENT, w, sums: &mut sums });
+            let from = segment * SEGMENT;
+            let weights = weights.map(|d| &d[from..from + w.len()]);
+            simd::dispatch(Products { basis, from, weights, w, sums: &mut sums });
             sums
         })
         .collect();
@@ -39,6 +53,16 @@ pub(crate) fn products(basis: &[Block], w: &[[f64; LANES]]) -> Vec<Small> {
         }
     }
     total
+}
+
+/// The diagonal of Wᵀ D W.
+pub(crate) fn weighted_squares(weights: &[f64], w: &[[f64; LANES]]) -> [f64; LANES] {
+    let parts: Vec<[f64; LANES]> = w
+        .par_chunks(SEGMENT)
+        .zip(weights.par_chunks(SEGMENT))
+        .map(|(w, weights)| simd::dispatch(Squares { weights, w }))
+        .collect();
+    parts.iter().fold([0.0; LANES], |sum, part| std::array::from_fn(|j| sum[j] + part[j]))
 }
 
 /// W ← W − Σ U C over the blocks U of the basis.
@@ -55,17 +79,26 @@ pub(crate) fn combine(
     coefficients: impl Fn(usize, usize) -> Small + Sync,
 ) -> Vec<Block> {
     let Some(first) = basis.first() else { return vec![] };
-    let rows = first.len();
-    (0..count)
-        .into_par_iter()
-        .map(|j| {
-            let mut w = vec![[0.0; LANES]; rows];
-            let mut c: Vec<Small> = (0..basis.len()).map(|u| coefficients(u, j)).collect();
-            c.iter_mut().flatten().flatten().for_each(|c| *c = -*c);
-            subtract(basis, &c, &mut w);
-            w
-        })
-        .collect()
+    let coefficients: Vec<Vec<Small>> = (0..count)
+        .map(|j| (0..basis.len()).map(|u| coefficients(u, j).map(|row| row.map(|c| -c))).collect())
+        .collect();
+    let mut results = vec![vec![[0.0; LANES]; first.len()]; count];
+    // Segment by segment for all results: a piece of the basis is read from memory once.
+    let mut segments: Vec<Vec<&mut [[f64; LANES]]>> = vec![];
+    for result in &mut results {
+        for (k, piece) in result.chunks_mut(SHARED).enumerate() {
+            if segments.len() == k {
+                segments.push(vec![]);
+            }
+            segments[k].push(piece);
+        }
+    }
+    segments.into_par_iter().enumerate().for_each(|(k, pieces)| {
+        for (w, coefficients) in pieces.into_iter().zip(&coefficients) {
+            simd::dispatch(Subtract { basis, coefficients, from: k * SHARED, w });
+        }
+    });
+    results
 }
 
 /// W ← W C.
@@ -78,6 +111,7 @@ pub(crate) fn transform(w: &mut [[f64; LANES]], c: &Small) {
 struct Products<'a> {
     basis: &'a [Block],
     from: usize,
+    weights: Option<&'a [f64]>,
     w: &'a [[f64; LANES]],
     sums: &'a mut [Small],
 }
@@ -88,12 +122,46 @@ impl Kernel for Products<'_> {
     #[inline(always)]
     fn call(self) {
         let mut from = self.from;
-        for w in self.w.chunks(PIECE) {
+        let mut weighted = [[0.0; LANES]; PIECE];
+        for (k, w) in self.w.chunks(PIECE).enumerate() {
+            let w = match self.weights {
+                None => w,
+                Some(weights) => {
+                    let weights = &weights[k * PIECE..][..w.len()];
+                    let weighted = &mut weighted[..w.len()];
+                    for ((out, w), d) in weighted.iter_mut().zip(w).zip(weights) {
+                        for j in 0..LANES {
+                            out[j] = d * w[j];
+                        }
+                    }
+                    &*weighted
+                }
+            };
             for (u, sum) in self.basis.iter().zip(&mut *self.sums) {
                 product_piece(&u[from..from + w.len()], w, sum);
             }
             from += w.len();
         }
+    }
+}
+
+struct Squares<'a> {
+    weights: &'a [f64],
+    w: &'a [[f64; LANES]],
+}
+
+impl Kernel for Squares<'_> {
+    type Output = [f64; LANES];
+
+    #[inline(always)]
+    fn call(self) -> [f64; LANES] {
+        let mut sum = [0.0; LANES];
+        for (w, d) in self.w.iter().zip(self.weights) {
+            for j in 0..LANES {
+                sum[j] = (d * w[j]).mul_add(w[j], sum[j]);
+            }
+        }
+        sum
     }
 }
 

@@ -80,9 +80,11 @@ impl<'a> Lanczos<'a> {
         // After a restart the new block couples to all the kept ones.
         let near = if self.fresh_restart { 0 } else { count.saturating_sub(2) };
         self.fresh_restart = false;
-        self.take_off(near, &mut column, &mut w);
+        let [found] = self.operator.problem.mass_products([&self.basis[near..]], &w);
+        basis::subtract(&self.basis[near..], &found, &mut w);
+        column[near..].copy_from_slice(&found);
         for _ in 0..MOST_PASSES {
-            if self.take_off(0, &mut column, &mut w) <= ANOTHER_PASS {
+            if self.take_off(&mut column, &mut w) <= ANOTHER_PASS {
                 break;
             }
         }
@@ -91,14 +93,13 @@ impl<'a> Lanczos<'a> {
         self.projected.push(column, r);
     }
 
-    /// W ← W − V Vᵀ M W for the blocks from `first` on and the locked vectors; adds the coefficients to
-    /// `column`. The largest share of a column that this took off.
-    fn take_off(&self, first: usize, column: &mut [Small], w: &mut Block) -> f64 {
-        let mw = self.operator.problem.mass_times(w);
-        let length = diagonal(&basis::products(std::slice::from_ref(w), &mw)[0]).map(f64::sqrt);
+    /// W ← W − V Vᵀ M W for the whole basis and the locked vectors; adds the coefficients to `column`. The
+    /// largest share of a column that this took off.
+    fn take_off(&self, column: &mut [Small], w: &mut Block) -> f64 {
+        let problem = self.operator.problem;
+        let length = problem.squares(w).map(f64::sqrt);
         let mut taken = [0.0; LANES];
-        let found = basis::products(&self.basis[first..], &mw);
-        let known = basis::products(self.locked, &mw);
+        let [found, known] = problem.mass_products([self.basis.as_slice(), self.locked], w);
         for block in found.iter().chain(&known) {
             for row in block {
                 for j in 0..LANES {
@@ -106,9 +107,9 @@ impl<'a> Lanczos<'a> {
                 }
             }
         }
-        basis::subtract(&self.basis[first..], &found, w);
+        basis::subtract(&self.basis, &found, w);
         basis::subtract(self.locked, &known, w);
-        for (sum, part) in column[first..].iter_mut().zip(&found) {
+        for (sum, part) in column.iter_mut().zip(&found) {
             for i in 0..LANES {
                 for j in 0..LANES {
                     sum[i][j] += part[i][j];
@@ -147,7 +148,7 @@ impl<'a> Lanczos<'a> {
         }
         let mut ignored = vec![ZERO; self.basis.len()];
         for _ in 0..2 {
-            self.take_off(0, &mut ignored, w);
+            self.take_off(&mut ignored, w);
         }
     }
 
@@ -236,7 +237,7 @@ pub(crate) fn constants(problem: &Problem) -> Vec<Block> {
         }
     }
     for block in &mut blocks {
-        let square = diagonal(&problem.gram(block));
+        let square = problem.squares(block);
         let scale = square.map(|s| if s > 0.0 { 1.0 / s.sqrt() } else { 0.0 });
         for row in block {
             for j in 0..LANES {
@@ -245,10 +246,6 @@ pub(crate) fn constants(problem: &Problem) -> Vec<Block> {
         }
     }
     blocks
-}
-
-fn diagonal(c: &Small) -> [f64; LANES] {
-    std::array::from_fn(|i| c[i][i])
 }
 
 fn identity() -> Small {

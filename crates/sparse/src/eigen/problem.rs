@@ -2,7 +2,7 @@
 
 use crate::cholesky::{Cholesky, CholeskyError, SymbolicCholesky};
 use crate::eigen::EigenError;
-use crate::eigen::basis::{Block, Small, products};
+use crate::eigen::basis::{self, Block, Small, products, weighted_products};
 use crate::eigen::nullspace;
 use crate::factor::LANES;
 use crate::ldlt::Ldlt;
@@ -54,7 +54,7 @@ impl Problem {
             Mass::Consistent(matrix) => UnorderedMass::Consistent(scaled(matrix, mass_unit)),
         };
         let pattern = combine(1.0, unordered_mass.view(), 1.0, &unordered_stiffness);
-        let symbolic = SymbolicCholesky::new(&pattern, Ordering::default())
+        let symbolic = SymbolicCholesky::new(&pattern, Ordering::LeastFill)
             .map_err(|source| EigenError::Factor { shift: 0.0, source })?;
         let order = symbolic.order();
         let stiffness = permuted(&unordered_stiffness, order);
@@ -120,9 +120,36 @@ impl Problem {
         }
     }
 
+    /// Uᵀ M' W for every block U of each basis.
+    pub(crate) fn mass_products<const N: usize>(
+        &self,
+        bases: [&[Block]; N],
+        w: &[[f64; LANES]],
+    ) -> [Vec<Small>; N] {
+        match &self.mass {
+            OrderedMass::Lumped(d) => bases.map(|basis| weighted_products(basis, Some(d), w)),
+            OrderedMass::Consistent { .. } => {
+                let mw = self.mass_times(w);
+                bases.map(|basis| products(basis, &mw))
+            }
+        }
+    }
+
+    /// The diagonal of Wᵀ M' W.
+    pub(crate) fn squares(&self, w: &Block) -> [f64; LANES] {
+        match &self.mass {
+            OrderedMass::Lumped(d) => basis::weighted_squares(d, w),
+            OrderedMass::Consistent { .. } => {
+                let gram = self.gram(w);
+                std::array::from_fn(|j| gram[j][j])
+            }
+        }
+    }
+
     /// Wᵀ M' W.
     pub(crate) fn gram(&self, w: &Block) -> Small {
-        products(std::slice::from_ref(w), &self.mass_times(w))[0]
+        let [gram] = self.mass_products([std::slice::from_ref(w)], w);
+        gram[0]
     }
 
     /// Rᵀ M'⁻¹ R.

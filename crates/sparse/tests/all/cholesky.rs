@@ -25,7 +25,13 @@ proptest! {
     fn solutions_are_found_again(n in 1usize..120, density in 0usize..4, k in 1usize..20, seed: u64) {
         let a = random_definite(n, density * n, seed);
         let reverse = Ordering::Custom((0..n as u32).rev().collect());
-        for ordering in [Ordering::MinimumDegree, Ordering::Natural, reverse] {
+        for ordering in [
+            Ordering::MinimumDegree,
+            Ordering::NestedDissection,
+            Ordering::LeastFill,
+            Ordering::Natural,
+            reverse,
+        ] {
             let factor = SymbolicCholesky::new(&a, ordering).unwrap().factorize(&a).unwrap();
             let x = random_vector(n, seed);
             prop_assert!(distance(&factor.solve(&multiply(&a, &x)), &x) < 1e-12);
@@ -207,4 +213,28 @@ fn threads_do_not_change_bits() {
         })
     };
     assert_eq!(run(1), run(4));
+}
+
+/// Least fill is the least: on a cube of nodes, which fills in so much that both orderings are tried, and on a plane
+/// grid, which is as sparse as meshes usually are and is not dissected at all.
+#[test]
+fn least_fill_is_the_least() {
+    let side = 20;
+    let n = side * side * side;
+    let cube = graph_laplacian(
+        n,
+        (0..n).flat_map(|v| {
+            let steps = [(1, v % side), (side, v / side % side), (side * side, v / (side * side))];
+            steps.into_iter().filter(|s| s.1 + 1 < side).map(move |s| (v, v + s.0))
+        }),
+    );
+    let fill =
+        |a: &SparseMatrix, ordering| SymbolicCholesky::new(a, ordering).unwrap().factor_entries();
+    for a in [cube, grid(80, 80)] {
+        let degree = fill(&a, Ordering::MinimumDegree);
+        let dissected = fill(&a, Ordering::NestedDissection);
+        assert_eq!(fill(&a, Ordering::LeastFill), degree.min(dissected));
+        // Cuts are good enough to be a choice at all.
+        assert!(dissected < degree + degree / 2, "{dissected} {degree}");
+    }
 }
