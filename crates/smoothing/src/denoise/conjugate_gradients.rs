@@ -1,6 +1,6 @@
 //! Conjugate gradients for fields of vectors, without a matrix.
 
-use fairing_mesh::vec3::dot;
+use fairing_mesh::vec3::{add, dot, scale, sub};
 use rayon::prelude::*;
 
 use super::DenoiseError;
@@ -25,14 +25,11 @@ pub(crate) fn conjugate_gradients(
     if b_norm == 0.0 {
         return (vec![[0.0; 3]; b.len()], 0.0);
     }
-    let ax = apply(&x);
-    let mut r: Vec<[f64; 3]> = combine(b, &ax, -1.0);
-    let precondition = |r: &[[f64; 3]]| -> Vec<[f64; 3]> {
-        r.par_iter().zip(diagonal).map(|(r, d)| r.map(|x| x / d)).collect()
-    };
-    let mut z = precondition(&r);
-    let mut p = z.clone();
-    let mut rz = inner(&r, &z);
+    let mut r = apply(&x);
+    r.par_iter_mut().zip(b).for_each(|(r, b)| *r = sub(*b, *r));
+    let mut p: Vec<[f64; 3]> =
+        r.par_iter().zip(diagonal).map(|(r, d)| scale(*r, 1.0 / d)).collect();
+    let mut rz = inner(&r, &p);
     for _ in 0..max_iterations {
         if inner(&r, &r).sqrt() <= tolerance * b_norm {
             break;
@@ -43,11 +40,13 @@ pub(crate) fn conjugate_gradients(
             break;
         }
         let alpha = rz / curvature;
-        x = combine(&x, &p, alpha);
-        r = combine(&r, &ap, -alpha);
-        z = precondition(&r);
+        x.par_iter_mut().zip(&p).for_each(|(x, p)| *x = add(*x, scale(*p, alpha)));
+        r.par_iter_mut().zip(&ap).for_each(|(r, ap)| *r = sub(*r, scale(*ap, alpha)));
+        // The preconditioned residual, in the place of what is no longer needed.
+        let mut z = ap;
+        z.par_iter_mut().zip(&r).zip(diagonal).for_each(|((z, r), d)| *z = scale(*r, 1.0 / d));
         let next = inner(&r, &z);
-        p = combine(&z, &p, next / rz);
+        p.par_iter_mut().zip(&z).for_each(|(p, z)| *p = add(*z, scale(*p, next / rz)));
         rz = next;
     }
     let residual = inner(&r, &r).sqrt() / b_norm;
@@ -70,11 +69,6 @@ pub(crate) fn solve(
         return Ok(x);
     }
     Err(DenoiseError::NotSolved { step, iterations: max_iterations, residual })
-}
-
-/// `a + s b`.
-fn combine(a: &[[f64; 3]], b: &[[f64; 3]], s: f64) -> Vec<[f64; 3]> {
-    a.par_iter().zip(b).map(|(a, b)| [a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]]).collect()
 }
 
 /// The inner product over all vectors, in blocks of fixed size.

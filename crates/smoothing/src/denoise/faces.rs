@@ -61,6 +61,36 @@ impl Hinges {
     }
 }
 
+/// Which faces a search has seen: emptied without a pass over all of them.
+#[derive(Debug)]
+pub(crate) struct Marks {
+    stamps: Vec<u32>,
+    current: u32,
+}
+
+impl Marks {
+    /// No face is marked.
+    pub(crate) fn new(face_count: usize) -> Self {
+        Self { stamps: vec![0; face_count], current: 1 }
+    }
+
+    /// Takes all marks away.
+    pub(crate) fn clear(&mut self) {
+        self.current = self.current.wrapping_add(1);
+        // After four billion searches stamps begin to repeat.
+        if self.current == 0 {
+            self.stamps.fill(0);
+            self.current = 1;
+        }
+    }
+
+    /// Marks a face, and says whether it was not marked before.
+    pub(crate) fn insert(&mut self, f: u32) -> bool {
+        let stamp = &mut self.stamps[f as usize];
+        std::mem::replace(stamp, self.current) != self.current
+    }
+}
+
 /// Lists of faces, one for each face, in compressed rows.
 #[derive(Debug)]
 pub(crate) struct FaceLists {
@@ -72,21 +102,24 @@ impl FaceLists {
     /// Gathers the rows that `row` writes, in parallel, in the order of faces.
     pub(crate) fn gather(
         face_count: usize,
-        row: impl Fn(usize, &mut Vec<u32>) + Sync + Send,
+        row: impl Fn(usize, &mut Vec<u32>, &mut Marks) + Sync + Send,
     ) -> Self {
         const BLOCK: usize = 4096;
         let blocks: Vec<(Vec<usize>, Vec<u32>)> = (0..face_count.div_ceil(BLOCK))
             .into_par_iter()
-            .map(|block| {
-                let (mut lengths, mut items, mut list) = (vec![], vec![], vec![]);
-                for f in block * BLOCK..((block + 1) * BLOCK).min(face_count) {
-                    list.clear();
-                    row(f, &mut list);
-                    lengths.push(list.len());
-                    items.extend_from_slice(&list);
-                }
-                (lengths, items)
-            })
+            .map_init(
+                || Marks::new(face_count),
+                |marks, block| {
+                    let (mut lengths, mut items, mut list) = (vec![], vec![], vec![]);
+                    for f in block * BLOCK..((block + 1) * BLOCK).min(face_count) {
+                        list.clear();
+                        row(f, &mut list, marks);
+                        lengths.push(list.len());
+                        items.extend_from_slice(&list);
+                    }
+                    (lengths, items)
+                },
+            )
             .collect();
         let mut offsets = Vec::with_capacity(face_count + 1);
         offsets.push(0);
@@ -102,7 +135,7 @@ impl FaceLists {
     /// ascending.
     pub(crate) fn rings(mesh: &TriMesh) -> Self {
         let (incidence, faces) = (mesh.incidence(), mesh.faces());
-        Self::gather(faces.len(), |f, list| {
+        Self::gather(faces.len(), |f, list, _| {
             for &v in &faces[f] {
                 list.extend(incidence.corners(v).iter().map(|c| c / 3));
             }
@@ -116,15 +149,16 @@ impl FaceLists {
     /// are reached from it through faces that share vertices and do too; the
     /// face itself left out, in the order they are reached.
     pub(crate) fn within(rings: &Self, centroids: &[[f64; 3]], radius: f64) -> Self {
-        Self::gather(centroids.len(), |f, list| {
+        Self::gather(centroids.len(), |f, list, marks| {
+            marks.clear();
+            marks.insert(f as u32);
             list.push(f as u32);
             let mut next = 0;
             while next < list.len() {
                 let g = list[next] as usize;
                 next += 1;
                 for &k in rings.row(g) {
-                    if distance(centroids[f], centroids[k as usize]) < radius && !list.contains(&k)
-                    {
+                    if distance(centroids[f], centroids[k as usize]) < radius && marks.insert(k) {
                         list.push(k);
                     }
                 }

@@ -88,8 +88,12 @@ pub fn l0(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> 
     let lambda = options.sparsity * 0.02 * angle * h * h;
     let mut alpha = options.regularity * 0.1 * angle;
     let stencils = Stencils::new(mesh, &hinges);
-    let noisy = mesh.positions();
-    let mut positions = noisy.to_vec();
+    // Both operators leave out translations; far from the origin the tolerance
+    // of the systems would be larger than the mesh.
+    let sum = mesh.positions().iter().fold([0.0; 3], |s, &p| add(s, p));
+    let centre = scale(sum, 1.0 / mesh.vertex_count() as f64);
+    let noisy: Vec<[f64; 3]> = mesh.positions().iter().map(|&p| sub(p, centre)).collect();
+    let mut positions = noisy.clone();
     let mut beta = 1e-3;
     while beta < options.last_beta {
         let weights = stencils.edge_operators(&positions);
@@ -138,7 +142,7 @@ pub fn l0(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> 
         beta *= options.growth;
         alpha *= 0.5;
     }
-    rebuild(mesh, positions)
+    rebuild(mesh, positions.into_iter().map(|p| add(p, centre)).collect())
 }
 
 /// The regulariser's coefficients.

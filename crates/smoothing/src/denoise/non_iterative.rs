@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::DenoiseError;
 use super::error::positive;
-use super::faces::{FaceLists, FaceShapes};
+use super::faces::{FaceLists, FaceShapes, Marks};
 use super::vertex_update::rebuild;
 
 /// Parameters of [`non_iterative`].
@@ -78,33 +78,40 @@ fn average(
     let a = -0.5 / (spatial * spatial).max(f64::MIN_POSITIVE);
     let positions = (0..mesh.vertex_count())
         .into_par_iter()
-        .map_init(Vec::new, |near: &mut Vec<u32>, v| {
-            let p = mesh.positions()[v];
-            near.clear();
-            near.extend(mesh.incidence().corners(v as u32).iter().map(|c| c / 3));
-            let mut next = 0;
-            while next < near.len() {
-                for &g in rings.row(near[next] as usize) {
-                    if distance(shapes.centroids[g as usize], p) < 2.0 * spatial
-                        && !near.contains(&g)
-                    {
-                        near.push(g);
+        .map_init(
+            || (vec![], Marks::new(mesh.face_count())),
+            |(near, marks), v| {
+                let p = mesh.positions()[v];
+                near.clear();
+                marks.clear();
+                near.extend(mesh.incidence().corners(v as u32).iter().map(|c| c / 3));
+                near.iter().for_each(|&f| {
+                    marks.insert(f);
+                });
+                let mut next = 0;
+                while next < near.len() {
+                    for &g in rings.row(near[next] as usize) {
+                        if distance(shapes.centroids[g as usize], p) < 2.0 * spatial
+                            && marks.insert(g)
+                        {
+                            near.push(g);
+                        }
                     }
+                    next += 1;
                 }
-                next += 1;
-            }
-            let (mut sum, mut total) = ([0.0; 3], 0.0);
-            for &f in near.iter() {
-                let f = f as usize;
-                let c = shapes.centroids[f];
-                let Some((q, w)) = predict(p, c, f) else { continue };
-                let d = distance(p, c);
-                let w = w * shapes.areas[f] * (a * d * d).exp();
-                sum = add(sum, scale(sub(q, p), w));
-                total += w;
-            }
-            if total > 0.0 { add(p, scale(sum, 1.0 / total)) } else { p }
-        })
+                let (mut sum, mut total) = ([0.0; 3], 0.0);
+                for &f in near.iter() {
+                    let f = f as usize;
+                    let c = shapes.centroids[f];
+                    let Some((q, w)) = predict(p, c, f) else { continue };
+                    let d = distance(p, c);
+                    let w = w * shapes.areas[f] * (a * d * d).exp();
+                    sum = add(sum, scale(sub(q, p), w));
+                    total += w;
+                }
+                if total > 0.0 { add(p, scale(sum, 1.0 / total)) } else { p }
+            },
+        )
         .collect();
     rebuild(mesh, positions)
 }

@@ -78,6 +78,28 @@ pub(crate) fn rebuild(mesh: &TriMesh, positions: Vec<[f64; 3]>) -> Result<TriMes
         .map_err(|_| DenoiseError::NonFinite { vertex: broken.unwrap_or(usize::MAX) })
 }
 
+/// What a step needs of a face.
+#[derive(Clone, Copy)]
+struct Aim {
+    normal: [f64; 3],
+    centroid: [f64; 3],
+    /// A corner that moves less than this alone does not turn the face against
+    /// its normal; infinite where the face may turn freely.
+    slack: f64,
+}
+
+impl Aim {
+    fn new([a, b, c]: [[f64; 3]; 3], normal: [f64; 3]) -> Self {
+        let sides = [sub(b, a), sub(c, b), sub(a, c)];
+        let agreement = dot(cross(sides[0], sides[1]), normal);
+        // The agreement is linear in a corner, and its gradient at most as long
+        // as the side opposite; a margin for rounding.
+        let longest = sides.map(norm).into_iter().fold(0.0, f64::max);
+        let slack = if agreement > 0.0 { 0.999 * agreement / longest } else { f64::INFINITY };
+        Self { normal, centroid: scale(add(add(a, b), c), 1.0 / 3.0), slack }
+    }
+}
+
 /// One step of all vertices from `current`.
 fn step(
     mesh: &TriMesh,
@@ -87,25 +109,27 @@ fn step(
     limit: Option<f64>,
 ) -> Vec<[f64; 3]> {
     let (incidence, faces) = (mesh.incidence(), mesh.faces());
-    let next: Vec<[f64; 3]> = (0..current.len())
+    let aims: Vec<Aim> = faces
+        .par_iter()
+        .zip(normals)
+        .map(|(face, &normal)| Aim::new(face.map(|v| current[v as usize]), normal))
+        .collect();
+    (0..current.len())
         .into_par_iter()
         .map(|v| {
             let x = current[v];
             let corners = incidence.corners(v as u32);
-            let (mut sum, mut count) = ([0.0; 3], 0u32);
+            let (mut sum, mut count, mut slack) = ([0.0; 3], 0u32, f64::INFINITY);
             for &c in corners {
-                let (f, k) = (c as usize / 3, c as usize % 3);
-                let p = current[faces[f][(k + 1) % 3] as usize];
-                let q = current[faces[f][(k + 2) % 3] as usize];
-                let n = normals[f];
-                if n == [0.0; 3] {
+                let aim = &aims[c as usize / 3];
+                if aim.normal == [0.0; 3] {
                     continue;
                 }
-                let height = (dot(n, sub(p, x)) + dot(n, sub(q, x))) / 3.0;
-                sum = add(sum, scale(n, height));
+                sum = add(sum, scale(aim.normal, dot(aim.normal, sub(aim.centroid, x))));
+                slack = slack.min(aim.slack);
                 count += 1;
             }
-            let mut y = add(x, scale(sum, 1.0 / count.max(1) as f64));
+            let mut y = add(x, scale(sum, 1.0 / f64::from(count.max(1))));
             if let Some(limit) = limit {
                 let offset = sub(y, start[v]);
                 let length = norm(offset);
@@ -113,32 +137,28 @@ fn step(
                     y = add(start[v], scale(offset, limit / length));
                 }
             }
-            y
-        })
-        .collect();
-    // A vertex that alone turns a face against its normal goes back part of
-    // the way; the neighbours are held where they were, so that vertices do
-    // not depend on the order they are visited in.
-    (0..current.len())
-        .into_par_iter()
-        .map(|v| {
+            if norm(sub(y, x)) < slack {
+                return y;
+            }
+            // A vertex that alone turns a face against its normal goes back
+            // part of the way; the neighbours are held where they were, so
+            // that vertices do not depend on the order they are visited in.
             let turns = |y: [f64; 3]| {
-                incidence.corners(v as u32).iter().any(|&c| {
+                corners.iter().any(|&c| {
                     let (f, k) = (c as usize / 3, c as usize % 3);
                     let p = current[faces[f][(k + 1) % 3] as usize];
                     let q = current[faces[f][(k + 2) % 3] as usize];
                     let side = |x| dot(cross(sub(p, x), sub(q, x)), normals[f]);
-                    side(current[v]) > 0.0 && side(y) <= 0.0
+                    side(x) > 0.0 && side(y) <= 0.0
                 })
             };
-            let mut y = next[v];
             for _ in 0..3 {
                 if !turns(y) {
                     return y;
                 }
-                y = scale(add(y, current[v]), 0.5);
+                y = scale(add(y, x), 0.5);
             }
-            if turns(y) { current[v] } else { y }
+            if turns(y) { x } else { y }
         })
         .collect()
 }

@@ -1,7 +1,7 @@
 //! Denoising of bodies with creases: labels, then local fits within creases.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::dot;
+use fairing_mesh::vec3::{dot, sub};
 
 use super::local_fits::{FitRule, Regions, local_fits};
 use super::mumford_shah::{PiecewiseSmooth, piecewise_smooth_normals};
@@ -73,7 +73,9 @@ pub(super) fn denoise_creased(
     let agreement = if impulsive { 1.7 } else { 1.4 };
     for _ in 0..3 {
         if impulsive {
-            weights = cauchy_weights(mesh.positions(), current.positions(), sigma);
+            let moves = mesh.positions().iter().zip(current.positions());
+            let moves: Vec<[f64; 3]> = moves.map(|(&p, &x)| sub(x, p)).collect();
+            weights = cauchy_weights(&moves, sigma);
         }
         let crease: Vec<bool> = hinges
             .all

@@ -5,8 +5,9 @@ use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, dot, scale, sub};
 use rayon::prelude::*;
 
+use super::residuals::residuals;
+use super::thin_plate::ThinPlate;
 use crate::denoise::DenoiseError;
-use crate::denoise::conjugate_gradients::solve;
 use crate::denoise::faces::{FaceShapes, unit_or_zero};
 use crate::denoise::vertex_update::{VertexUpdate, rebuild, update_vertices};
 
@@ -35,8 +36,44 @@ const REWEIGHTINGS: usize = 4;
 /// too: noise along the normals alone hardly folds any.
 const FOLDED_SHARE: f64 = 0.01;
 
+/// Rounds of evening out folded faces.
+const UNFOLDINGS: usize = 10;
+
 /// The strength of the last smoothing, which blends neighbouring choices.
 const LAST: f64 = 1.5;
+
+/// A first smoothing, which tells normals and folds.
+pub(super) struct Pilot {
+    plate: ThinPlate,
+    mesh: TriMesh,
+    /// The share of faces that oppose the smoothed surface.
+    pub(super) folded: f64,
+}
+
+impl Pilot {
+    /// Smooths with one strength, reweighted where the noise is `impulsive`.
+    ///
+    /// # Errors
+    ///
+    /// [`DenoiseError::NotSolved`] if a linear system is not solved to its
+    /// tolerance.
+    pub(super) fn new(mesh: &TriMesh, sigma: f64, impulsive: bool) -> Result<Self, DenoiseError> {
+        let mut plate = ThinPlate::new(mesh);
+        let noisy = mesh.positions();
+        let mut moves = plate.displacements(noisy, PILOT, vec![[0.0; 3]; noisy.len()])?;
+        let rounds = if impulsive { REWEIGHTINGS } else { 0 };
+        for _ in 0..rounds {
+            plate.weights = cauchy_weights(&moves, sigma);
+            moves = plate.displacements(noisy, PILOT, moves)?;
+        }
+        let pilot = rebuild(mesh, moved(noisy, &moves))?;
+        let folded = (0..mesh.face_count())
+            .filter(|&f| dot(mesh.area_vector(f), pilot.area_vector(f)) < 0.0)
+            .count();
+        let folded = folded as f64 / mesh.face_count().max(1) as f64;
+        Ok(Self { plate, mesh: pilot, folded })
+    }
+}
 
 /// Moves vertices along smoothed normals by thin-plate smoothing,
 ///
@@ -52,7 +89,9 @@ const LAST: f64 = 1.5;
 /// λ is chosen at each vertex among a ladder by Stein's unbiased estimate of
 /// the risk, `(residual)² + 2 σ² h − σ²`, with the mean leverage h of the
 /// linear smoother from a random probe and averaged over a neighbourhood;
-/// close calls are blended. σ is the noise level in mesh units, `limit` the
+/// close calls are blended. Last, the result moves to where the noisy vertices
+/// are on average, which makes up for the shrinkage of smoothing, and folded
+/// faces are evened out. σ is the noise level in mesh units, `limit` the
 /// largest displacement.
 ///
 /// Where more than one face in a hundred opposes the smoothed surface, the noise
@@ -65,44 +104,36 @@ const LAST: f64 = 1.5;
 ///
 /// # Errors
 ///
-/// [`DenoiseError::NotSolved`] if conjugate gradients stall.
+/// [`DenoiseError::NotSolved`] if a linear system is not solved to its
+/// tolerance.
 ///
 /// Source of the risk estimate: \[stein1981\].
 pub(super) fn denoise_smooth(
     mesh: &TriMesh,
+    pilot: Pilot,
     sigma: f64,
-    impulsive: bool,
     limit: f64,
 ) -> Result<TriMesh, DenoiseError> {
-    let mut plate = ThinPlate::new(mesh);
     let noisy = mesh.positions();
+    let rest = vec![[0.0; 3]; noisy.len()];
     let probe: Vec<[f64; 3]> = (0..noisy.len() as u64).map(signs).collect();
-    let mut pilot = plate.smooth(noisy, PILOT)?;
-    let rounds = if impulsive { REWEIGHTINGS } else { 0 };
-    for _ in 0..rounds {
-        plate.weights = cauchy_weights(noisy, &pilot, sigma);
-        pilot = plate.smooth(noisy, PILOT)?;
-    }
-    let pilot = rebuild(mesh, pilot)?;
-    let normals = vertex_normals(&pilot);
-    let folded = (0..mesh.face_count())
-        .filter(|&f| dot(mesh.area_vector(f), pilot.area_vector(f)) < 0.0)
-        .count();
-    let free = folded as f64 > FOLDED_SHARE * mesh.face_count() as f64;
+    let free = pilot.folded > FOLDED_SHARE;
+    let normals = vertex_normals(&pilot.mesh);
+    let mut plate = pilot.plate;
     let dimensions = if free { 3.0 } else { 1.0 };
     let variance = sigma * sigma;
     // Of each strength: the moves, and the local risk over σ².
     let mut candidates: Vec<(Vec<[f64; 3]>, Vec<f64>)> = vec![];
+    let (mut offsets, mut response) = (rest.clone(), rest.clone());
     for strength in STRENGTHS {
-        let smoothed = plate.smooth(noisy, strength)?;
-        let response = plate.smooth(&probe, strength)?;
-        let trace: f64 = response.iter().zip(&probe).map(|(a, b)| dot(*a, *b)).sum();
-        let leverage = trace / (3 * noisy.len().max(1)) as f64;
-        let moves: Vec<[f64; 3]> = (0..noisy.len())
-            .map(|v| {
-                let offset = sub(smoothed[v], noisy[v]);
-                if free { offset } else { scale(normals[v], dot(normals[v], offset)) }
-            })
+        offsets = plate.displacements(noisy, strength, offsets)?;
+        response = plate.displacements(&probe, strength, response)?;
+        let trace: f64 = response.iter().zip(&probe).map(|(d, b)| dot(*d, *b)).sum();
+        let leverage = 1.0 + trace / (3 * noisy.len().max(1)) as f64;
+        let moves: Vec<[f64; 3]> = offsets
+            .iter()
+            .zip(&normals)
+            .map(|(&offset, &n)| if free { offset } else { scale(n, dot(n, offset)) })
             .collect();
         let risk = moves
             .iter()
@@ -124,13 +155,68 @@ pub(super) fn denoise_smooth(
         })
         .collect();
     let blended = rebuild(mesh, positions)?;
-    plate.weights.fill(1.0);
-    let last = rebuild(mesh, plate.smooth(blended.positions(), LAST)?)?;
+    let weights = std::mem::replace(&mut plate.weights, vec![1.0; noisy.len()]);
+    let last = plate.displacements(blended.positions(), LAST, rest)?;
+    let last = rebuild(mesh, moved(blended.positions(), &last))?;
     let target = FaceShapes::new(&last).normals;
     let update = VertexUpdate { steps: 10, limit: None };
     let result = update_vertices(&blended, &target, &update)?;
+    let result = restore_size(mesh, &result, &weights)?;
+    let result = unfold(&result)?;
     let held = result.positions().iter().zip(noisy).map(|(&x, &p)| hold(p, x, limit)).collect();
     rebuild(mesh, held)
+}
+
+/// Moves a result along its normals to where the noisy vertices are on average,
+/// weighted, over neighbourhoods: noise averages out there, shrinkage does not.
+fn restore_size(
+    noisy: &TriMesh,
+    result: &TriMesh,
+    weights: &[f64],
+) -> Result<TriMesh, DenoiseError> {
+    let off = residuals(noisy, result);
+    let off = average(noisy, off.iter().zip(weights).map(|(r, w)| r * w).collect());
+    let total = average(noisy, weights.to_vec());
+    let normals = vertex_normals(result);
+    let positions = (0..off.len())
+        .map(|v| add(result.positions()[v], scale(normals[v], off[v] / total[v])))
+        .collect();
+    rebuild(result, positions)
+}
+
+/// Evens out the vertices of faces that oppose the faces around them, within
+/// the surface: thin faces fold under any noise.
+fn unfold(mesh: &TriMesh) -> Result<TriMesh, DenoiseError> {
+    let topology = mesh.topology();
+    let mut current = mesh.clone();
+    for _ in 0..UNFOLDINGS {
+        let normals = vertex_normals(&current);
+        let mut folded = vec![false; mesh.vertex_count()];
+        for (f, face) in mesh.faces().iter().enumerate() {
+            let around = face.iter().fold([0.0; 3], |s, &v| add(s, normals[v as usize]));
+            if dot(current.area_vector(f), around) < 0.0 {
+                face.iter().for_each(|&v| folded[v as usize] = true);
+            }
+        }
+        if !folded.contains(&true) {
+            break;
+        }
+        let x = current.positions();
+        let next = (0..x.len())
+            .map(|v| {
+                let ring = topology.neighbors(v as u32);
+                if !folded[v] || topology.is_boundary_vertex(v as u32) || ring.is_empty() {
+                    return x[v];
+                }
+                let sum = ring.iter().fold([0.0; 3], |s, &w| add(s, x[w as usize]));
+                let offset = sub(scale(sum, 1.0 / ring.len() as f64), x[v]);
+                let along = sub(offset, scale(normals[v], dot(normals[v], offset)));
+                add(x[v], scale(along, 0.5))
+            })
+            .collect();
+        current = rebuild(&current, next)?;
+    }
+    Ok(current)
 }
 
 /// `x`, or the point towards it at the distance `limit` from `p`.
@@ -181,114 +267,13 @@ fn signs(index: u64) -> [f64; 3] {
     [0, 1, 2].map(|k| if (x >> k) & 1 == 0 { 1.0 } else { -1.0 })
 }
 
-/// Cauchy weights of the distances between noisy and smoothed positions.
-pub(super) fn cauchy_weights(noisy: &[[f64; 3]], smooth: &[[f64; 3]], sigma: f64) -> Vec<f64> {
+/// `p + d`.
+fn moved(p: &[[f64; 3]], d: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    p.iter().zip(d).map(|(&p, &d)| add(p, d)).collect()
+}
+
+/// Cauchy weights of displacements from noisy to smoothed positions.
+pub(super) fn cauchy_weights(displacements: &[[f64; 3]], sigma: f64) -> Vec<f64> {
     let scale = 1.0 / (CAUCHY_SCALE * sigma).powi(2);
-    noisy
-        .iter()
-        .zip(smooth)
-        .map(|(&p, &x)| {
-            let d = sub(p, x);
-            1.0 / (1.0 + scale * dot(d, d))
-        })
-        .collect()
-}
-
-/// The rows of L, each an average over some neighbours minus the vertex, and
-/// its columns; and the weights of the data.
-struct ThinPlate {
-    weights: Vec<f64>,
-    offsets: Vec<u32>,
-    items: Vec<u32>,
-    column_offsets: Vec<u32>,
-    columns: Vec<u32>,
-}
-
-impl ThinPlate {
-    fn new(mesh: &TriMesh) -> Self {
-        let topology = mesh.topology();
-        let count = mesh.vertex_count();
-        let (mut offsets, mut items) = (vec![0u32], vec![]);
-        for v in 0..count as u32 {
-            let border = topology.is_boundary_vertex(v);
-            items.extend(topology.neighbors(v).iter().copied().filter(|&w| {
-                !border || topology.edge_between(v, w).is_some_and(|e| topology.is_boundary_edge(e))
-            }));
-            offsets.push(items.len() as u32);
-        }
-        let mut column_offsets = vec![0u32; count + 1];
-        for &w in &items {
-            column_offsets[w as usize + 1] += 1;
-        }
-        for v in 0..count {
-            column_offsets[v + 1] += column_offsets[v];
-        }
-        let mut next = column_offsets.clone();
-        let mut columns = vec![0; items.len()];
-        for v in 0..count {
-            for &w in &items[offsets[v] as usize..offsets[v + 1] as usize] {
-                columns[next[w as usize] as usize] = v as u32;
-                next[w as usize] += 1;
-            }
-        }
-        Self { weights: vec![1.0; count], offsets, items, column_offsets, columns }
-    }
-
-    fn row(&self, v: usize) -> &[u32] {
-        &self.items[self.offsets[v] as usize..self.offsets[v + 1] as usize]
-    }
-
-    fn column(&self, v: usize) -> &[u32] {
-        &self.columns[self.column_offsets[v] as usize..self.column_offsets[v + 1] as usize]
-    }
-
-    /// Solves `(W + λ LᵀL) x = W p` with the weights W of the data.
-    fn smooth(&self, p: &[[f64; 3]], strength: f64) -> Result<Vec<[f64; 3]>, DenoiseError> {
-        let apply = |x: &[[f64; 3]]| -> Vec<[f64; 3]> {
-            // Each row already divided by its length, for the columns.
-            let bends: Vec<([f64; 3], [f64; 3])> = (0..x.len())
-                .into_par_iter()
-                .map(|v| {
-                    let row = self.row(v);
-                    if row.is_empty() {
-                        return ([0.0; 3], [0.0; 3]);
-                    }
-                    let share = 1.0 / row.len() as f64;
-                    let sum = row.iter().fold([0.0; 3], |s, &w| add(s, x[w as usize]));
-                    let bend = sub(scale(sum, share), x[v]);
-                    (bend, scale(bend, share))
-                })
-                .collect();
-            (0..x.len())
-                .into_par_iter()
-                .map(|v| {
-                    let spread = self
-                        .column(v)
-                        .iter()
-                        .fold(scale(bends[v].0, -1.0), |s, &u| add(s, bends[u as usize].1));
-                    add(scale(x[v], self.weights[v]), scale(spread, strength))
-                })
-                .collect()
-        };
-        let diagonal: Vec<f64> = (0..p.len())
-            .map(|v| {
-                let own = if self.row(v).is_empty() { 0.0 } else { 1.0 };
-                let others: f64 = self
-                    .column(v)
-                    .iter()
-                    .map(|&u| (self.row(u as usize).len() as f64).powi(-2))
-                    .sum();
-                self.weights[v] + strength * (own + others)
-            })
-            .collect();
-        // Far from the origin the right-hand side hides the noise: solve for
-        // positions around their centre.
-        let centre = p.iter().fold([0.0; 3], |s, &x| add(s, x));
-        let centre = scale(centre, 1.0 / p.len().max(1) as f64);
-        let start: Vec<[f64; 3]> = p.iter().map(|&x| sub(x, centre)).collect();
-        let b: Vec<[f64; 3]> =
-            start.iter().zip(&self.weights).map(|(&x, &w)| scale(x, w)).collect();
-        let x = solve(apply, &diagonal, &b, start, 1e-7, 2000, 0)?;
-        Ok(x.into_iter().map(|x| add(x, centre)).collect())
-    }
+    displacements.iter().map(|&d| 1.0 / (1.0 + scale * dot(d, d))).collect()
 }
