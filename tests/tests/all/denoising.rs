@@ -3,7 +3,7 @@
 use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise, drift, flipped_faces, normal_error};
 use fairing_mesh::vec3::distance;
 use fairing_mesh::{TriMesh, shapes};
-use fairing_smoothing::denoise::{Denoiser, automatic};
+use fairing_smoothing::denoise::{Denoiser, SurfaceKind, VertexUpdate, automatic, update_vertices};
 
 fn noisy(mesh: &TriMesh, share: f64) -> TriMesh {
     add_noise(mesh, NoiseKind::GaussianAlongNormals, NoiseLevel::EdgeLengths(share), 5).unwrap()
@@ -18,9 +18,10 @@ fn error(mesh: &TriMesh, truth: &TriMesh) -> f64 {
 #[test]
 fn automatic_restores_a_block_with_creases() {
     let block = shapes::cad_block(0.1);
-    for share in [0.1, 0.5] {
+    for share in [0.1, 0.3, 0.5] {
         let input = noisy(&block, share);
         let result = automatic(&input).unwrap();
+        assert_eq!(result.kind, SurfaceKind::Creased, "{share}");
         let (before, after) = (error(&input, &block), error(&result.mesh, &block));
         assert!(after < 0.15 * before, "{share}: {before} to {after}");
         let guided = error(&Denoiser::GuidedNormal.denoise(&input).unwrap(), &block);
@@ -42,5 +43,164 @@ fn automatic_smooths_a_sphere_and_a_torus() {
         let result = automatic(&input).unwrap();
         let (before, after) = (error(&input, &truth), error(&result.mesh, &truth));
         assert!(after < 0.2 * before, "{before} to {after}");
+        // A flow that reaches this much smoothness shrinks both by per cents.
+        assert!(drift(&result.mesh, &truth).volume.unwrap().abs() < 0.005);
+    }
+}
+
+/// Each removes noise of 0.3 h from the block; what the published tables show
+/// at that level is a half for vertex filters and far less for normal filters.
+#[test]
+fn every_denoiser_helps() {
+    let block = shapes::cad_block(0.15);
+    let input = noisy(&block, 0.3);
+    let before = error(&input, &block);
+    for denoiser in Denoiser::ALL {
+        let after = error(&denoiser.denoise(&input).unwrap(), &block);
+        assert!(after < 0.75 * before, "{denoiser}: {before} to {after}");
+    }
+}
+
+/// Scaling and moving the input scales and moves the output. Rounding grows
+/// through thresholds on noisy normals, so a few faces may decide otherwise:
+/// the bound is on the mean distance. (A power of two scales without rounding.)
+#[test]
+fn denoisers_move_with_the_mesh() {
+    let input = noisy(&shapes::cad_block(0.2), 0.3);
+    let h = input.mean_edge_length();
+    let motions: [fn([f64; 3]) -> [f64; 3]; 2] = [
+        |[x, y, z]| [8.0 * y + 3.0, -8.0 * x, 8.0 * z - 1.0],
+        |[x, y, z]| [1000.0 * z, 1000.0 * x + 1e6, 1000.0 * y],
+    ];
+    for (motion, size) in motions.into_iter().zip([8.0, 1000.0]) {
+        let moved = input.positions().iter().map(|&p| motion(p)).collect();
+        let moved = input.with_positions(moved).unwrap();
+        for denoiser in Denoiser::ALL {
+            let plain = denoiser.denoise(&input).unwrap();
+            let other = denoiser.denoise(&moved).unwrap();
+            let total: f64 = (plain.positions().iter().zip(other.positions()))
+                .map(|(&p, &q)| distance(motion(p), q) / (size * h))
+                .sum();
+            let mean = total / input.vertex_count() as f64;
+            assert!(mean < 2e-3, "{denoiser}: {mean}");
+        }
+    }
+}
+
+/// Renumbering vertices and faces, and turning the corners of a face, renumbers
+/// the output; sums in another order round otherwise, as above.
+#[test]
+fn denoisers_do_not_depend_on_the_numbering() {
+    let input = noisy(&shapes::cad_block(0.2), 0.3);
+    let (n, h) = (input.vertex_count(), input.mean_edge_length());
+    let step = (n / 3..).find(|s| gcd(*s, n) == 1).unwrap();
+    let new = |v: usize| (v * step + 5) % n;
+    let mut positions = vec![[0.0; 3]; n];
+    for (v, p) in input.positions().iter().enumerate() {
+        positions[new(v)] = *p;
+    }
+    let renumbered = |[a, b, c]: [u32; 3]| [b, c, a].map(|v| new(v as usize) as u32);
+    let faces = input.faces().iter().rev().map(|f| renumbered(*f)).collect();
+    let other = TriMesh::new(positions, faces).unwrap();
+    // The probe of the automatic denoiser is drawn by number, but a body with
+    // creases does not take that way.
+    for denoiser in Denoiser::ALL {
+        let (a, b) = (denoiser.denoise(&input).unwrap(), denoiser.denoise(&other).unwrap());
+        let total: f64 =
+            (0..n).map(|v| distance(a.positions()[v], b.positions()[new(v)]) / h).sum();
+        assert!(total / (n as f64) < 2e-3, "{denoiser}: {}", total / n as f64);
+    }
+}
+
+fn gcd(a: usize, b: usize) -> usize {
+    if b == 0 { a } else { gcd(b, a % b) }
+}
+
+#[test]
+fn denoisers_do_not_depend_on_the_threads() {
+    let input = noisy(&shapes::cad_block(0.2), 0.4);
+    let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    let (single, several) = (pool(1), pool(3));
+    for denoiser in Denoiser::ALL {
+        let one = single.install(|| denoiser.denoise(&input).unwrap());
+        let three = several.install(|| denoiser.denoise(&input).unwrap());
+        assert!(one.positions() == three.positions(), "{denoiser}");
+    }
+    let sphere = noisy(&shapes::icosphere(3), 0.3);
+    let one = single.install(|| automatic(&sphere).unwrap().mesh);
+    let three = several.install(|| automatic(&sphere).unwrap().mesh);
+    assert!(one.positions() == three.positions());
+}
+
+/// Bad input gives a mesh with finite positions or a clear error, never a
+/// panic. `TriMesh` itself refuses coordinates that are not finite.
+#[test]
+fn denoisers_survive_bad_input() {
+    let open = noisy(&shapes::jittered_plane(20, 15, 0.2, 3), 0.2);
+    let lost = noisy(&shapes::icosphere(2), 20.0);
+    let fan = TriMesh::new(
+        vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.2], [0.0, 0.0, 1.0]],
+        vec![[0, 1, 2], [1, 0, 3], [0, 1, 4]],
+    );
+    let degenerate = TriMesh::new(vec![[0.0; 3]; 4], vec![[0, 1, 2], [0, 2, 3]]);
+    let needle = TriMesh::new(
+        vec![[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [9.0, 9.0, 9.0]],
+        vec![[0, 1, 2], [0, 1, 3]],
+    );
+    let empty = TriMesh::new(vec![], vec![]);
+    let points = TriMesh::new(vec![[1.0, 2.0, 3.0]; 3], vec![]);
+    let meshes = [fan, degenerate, needle, empty, points].map(Result::unwrap);
+    for (k, mesh) in meshes.iter().chain([&open, &lost]).enumerate() {
+        for denoiser in Denoiser::ALL {
+            match denoiser.denoise(mesh) {
+                Ok(out) => assert_eq!(out.vertex_count(), mesh.vertex_count(), "{k} {denoiser}"),
+                Err(error) => assert!(!error.to_string().is_empty(), "{k} {denoiser}"),
+            }
+        }
+    }
+}
+
+/// Impulses far above the noise level: the median ignores them, and so does
+/// the system, whose weights then span many orders.
+#[test]
+fn impulses_on_a_smooth_body() {
+    let sphere = shapes::icosphere(4);
+    let kind = NoiseKind::Impulsive { share: 0.1 };
+    let fine =
+        add_noise(&sphere, NoiseKind::GaussianAlongNormals, NoiseLevel::EdgeLengths(0.02), 3);
+    let input = add_noise(&fine.unwrap(), kind, NoiseLevel::EdgeLengths(1.0), 4).unwrap();
+    let result = automatic(&input).unwrap();
+    assert!(result.noise.unwrap().is_impulsive());
+    let (before, after) = (error(&input, &sphere), error(&result.mesh, &sphere));
+    assert!(after < 0.7 * before, "{before} to {after}");
+}
+
+/// Where every face agrees with its normal, no step makes one oppose it, even
+/// with normals that ask for a crumpled surface.
+#[test]
+fn vertex_updates_do_not_flip_faces() {
+    let plane = shapes::jittered_plane(20, 20, 0.2, 8);
+    let input = noisy(&plane, 0.1);
+    let truth: Vec<[f64; 3]> = vec![[0.0, 0.0, 1.0]; plane.face_count()];
+    let tilted: Vec<[f64; 3]> = (0..plane.face_count())
+        .map(|f| {
+            let (s, c) = (1.2 * (f as f64).sin()).sin_cos();
+            [s, 0.0, c]
+        })
+        .collect();
+    let opposing = |mesh: &TriMesh, normals: &[[f64; 3]]| {
+        (0..mesh.face_count())
+            .filter(|&f| {
+                let a = mesh.area_vector(f);
+                (0..3).map(|k| a[k] * normals[f][k]).sum::<f64>() < 0.0
+            })
+            .count()
+    };
+    let update = VertexUpdate { steps: 50, limit: None };
+    for normals in [&truth, &tilted] {
+        let before = opposing(&input, normals);
+        let after = opposing(&update_vertices(&input, normals, &update).unwrap(), normals);
+        // Two vertices that move at once may still turn a face between them.
+        assert!(after <= before + plane.face_count() / 100, "{before} to {after}");
     }
 }
