@@ -51,7 +51,8 @@ pub struct Card {
     pub method: &'static str,
     /// The formulas behind the method.
     pub formulas: &'static [Formula],
-    /// The meshes it loads; shapes that it makes itself are not listed.
+    /// The meshes it loads, those without a stand-in where they are found;
+    /// shapes that it makes itself are not listed.
     pub inputs: &'static [Input],
     /// Its parameters, as the report lists them.
     pub parameters: Vec<(&'static str, String)>,
@@ -90,13 +91,24 @@ impl<'a> Context<'a> {
         self.inputs.mesh(input)
     }
 
-    /// Whether a stand-in plays this part.
+    /// The mesh that plays a part without a stand-in; `None` where it was not
+    /// found.
     ///
     /// # Errors
     ///
-    /// If the input is not on the experiment's card.
-    pub fn is_stand_in(&self, input: Input) -> Result<bool> {
-        Ok(self.inputs.source(input)?.stand_in)
+    /// If it cannot be read.
+    pub fn mesh_if_present(&self, input: Input) -> Result<Option<fairing_mesh::TriMesh>> {
+        self.inputs.source(input).map(|_| self.inputs.mesh(input)).transpose()
+    }
+
+    /// Whether a mesh plays this part, be it a stand-in.
+    pub fn is_present(&self, input: Input) -> bool {
+        self.inputs.source(input).is_some()
+    }
+
+    /// Whether a stand-in plays this part.
+    pub fn is_stand_in(&self, input: Input) -> bool {
+        self.inputs.source(input).is_some_and(|source| source.stand_in)
     }
 
     /// A seed of its own for each purpose, the same in every run.

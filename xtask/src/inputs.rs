@@ -30,6 +30,35 @@ pub enum Input {
     Fandisk,
     /// The simple cube of questions 5 to 7.
     Cube,
+    /// A scanned animal; question 7.
+    Scan,
+    /// A noisy mesh of the literature on denoising.
+    LiteratureNoisy(Pair),
+    /// The same mesh without noise, face for face.
+    LiteratureTrue(Pair),
+}
+
+/// A mesh on which denoisers are compared in the literature. The number is the
+/// standard deviation of its noise in mean edge lengths.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Pair {
+    /// A machine part, 0.3.
+    FandiskLow,
+    /// The same part, 0.7.
+    FandiskHigh,
+    /// A machine part with holes, 0.4.
+    Block,
+    /// A polyhedron, impulsive noise of 0.5.
+    Twelve,
+    /// A scanned bust, 0.2.
+    Julius,
+}
+
+impl Pair {
+    /// All of them.
+    pub const ALL: [Self; 5] =
+        [Self::FandiskLow, Self::FandiskHigh, Self::Block, Self::Twelve, Self::Julius];
 }
 
 /// How one input is known.
@@ -38,13 +67,13 @@ struct Known {
     file: &'static str,
     /// Its digest, so that another file of the same name is not taken for it.
     sha256: &'static str,
-    /// The name of the stand-in in `data/`.
-    stand_in: &'static str,
+    /// The name of the stand-in in `data/`; some parts have none.
+    stand_in: Option<&'static str>,
 }
 
 impl Input {
-    /// All of them, in the order of the questions.
-    pub const ALL: [Self; 8] = [
+    /// Those with a stand-in, in the order of the questions.
+    pub const WITH_STAND_IN: [Self; 8] = [
         Self::Flower,
         Self::Plane,
         Self::Armadillo,
@@ -60,43 +89,94 @@ impl Input {
             Self::Flower => (
                 "lilium_s.obj",
                 "907a2122f6cc8e4f40c8aa79203f51cc0384aed7d9e5812ff1eb9bfbef848147",
-                "flower.ply",
+                Some("flower.ply"),
             ),
             Self::Plane => (
                 "plane.obj",
                 "b26a07b8831e022a99de1a5a9d720537adc405eb00ba2250afcf61afc29ae30e",
-                "plane.ply",
+                Some("plane.ply"),
             ),
             Self::Armadillo => (
                 "armadillo.obj",
                 "a79d32581c0c01b219b69026120f2054cbaf26465c8f0c5fae3c7a6d26c20333",
-                "creature.ply",
+                Some("creature.ply"),
             ),
             Self::ArmadilloLarge => (
                 "armadillo_25k.obj",
                 "9ece90210ccd5ed58645f44a52dcd4fc4e339581c0e3d16c6b8166bc02725baf",
-                "creature_25k.ply",
+                Some("creature_25k.ply"),
             ),
             Self::NoisyPlane => (
                 "plane_ns.obj",
                 "a3046911dfd4fe5c588fb5a344e30910fb3c9780ae34d97efb7228660c231e6c",
-                "plane_noisy.ply",
+                Some("plane_noisy.ply"),
             ),
             Self::NoisyFandisk => (
                 "fandisk_ns.obj",
                 "ffed02522f353d4314a9adca3386552c30a14578f531480c710fc8b78e350a6c",
-                "block_noisy.ply",
+                Some("block_noisy.ply"),
             ),
             Self::Fandisk => (
                 "fandisk.off",
                 "05bd799a78e7feece372b5b19787b7bc56c5f5e46888f998db23eaf30be2e443",
-                "block.ply",
+                Some("block.ply"),
             ),
             Self::Cube => (
                 "cube.obj",
                 "cccfb0498e91aaa1e83db7090a05d81ea9ada249f3175e758e0c6c74eec9491d",
-                "cube.obj",
+                Some("cube.obj"),
             ),
+            Self::Scan => (
+                "bunny.obj",
+                "12d26e804794001d1330143b7a2e5f3df9fd55f80176bcb40a11ac017241dd41",
+                None,
+            ),
+            Self::LiteratureNoisy(pair) => {
+                let (file, sha256) = match pair {
+                    Pair::FandiskLow => (
+                        "Fandisk0.3_noisy.obj",
+                        "acae4757eeb8efdd76f186b4d80318dc109f19302dcb5a7f5ab1d3812a7b2c2f",
+                    ),
+                    Pair::FandiskHigh => (
+                        "Fandisk0.7_noisy.obj",
+                        "ce83ab470906858d3113044b27cc180f4addcc932f9ab9446b52438c00552faa",
+                    ),
+                    Pair::Block => (
+                        "Block0.4_noisy.obj",
+                        "3e5ff9342a58517ec99727906d148977d14964045b778c1d1939a10c1b9f868d",
+                    ),
+                    Pair::Twelve => (
+                        "Twelve0.5Impulsive_noisy.obj",
+                        "ae35fb3dd7ac7c4e2446714aaafec227d8e743cc406aee0e9dc80f273d903200",
+                    ),
+                    Pair::Julius => (
+                        "Julius0.2_noisy.obj",
+                        "2fdf99e486bdf8e0fb77dd2785103ca9cf4203e8ed2697cf21b6450b79ef9944",
+                    ),
+                };
+                (file, sha256, None)
+            }
+            Self::LiteratureTrue(pair) => {
+                let (file, sha256) = match pair {
+                    Pair::FandiskLow | Pair::FandiskHigh => (
+                        "Fandisk0.3_original.obj",
+                        "d05a56a399db3f8efdff97e95e9db18f055b26d86ef2922dc3f5b64d3e40a0ed",
+                    ),
+                    Pair::Block => (
+                        "Block0.4_original.obj",
+                        "2d0f1ac29d97d0e4b08bf8827f63e13e97176b70e0303df44a570310ca555205",
+                    ),
+                    Pair::Twelve => (
+                        "Twelve0.5Impulsive_original.obj",
+                        "4da595a329aa1d3f1ae4fe595e2bf2e289355a8af0e197a1fd1d47754db99cdc",
+                    ),
+                    Pair::Julius => (
+                        "Julius0.2_original.obj",
+                        "de1b91d99dad06668dc29162e1a745b3d2f31c6ff90476e9ba0592c7c3b12b2b",
+                    ),
+                };
+                (file, sha256, None)
+            }
         };
         Known { file, sha256, stand_in }
     }
@@ -106,8 +186,8 @@ impl Input {
         self.known().file
     }
 
-    /// The name of the stand-in in `data/`.
-    pub fn stand_in(self) -> &'static str {
+    /// The name of the stand-in in `data/`, if there is one.
+    pub fn stand_in(self) -> Option<&'static str> {
         self.known().stand_in
     }
 }
@@ -136,7 +216,7 @@ pub struct Inputs {
 impl Inputs {
     /// Looks for the wanted meshes by the names of the assignment below
     /// `meshes`, and takes the stand-ins of the folder `data` for those that
-    /// are not there.
+    /// are not there. Parts that have no stand-in are absent then.
     ///
     /// # Errors
     ///
@@ -151,29 +231,27 @@ impl Inputs {
         for &input in wanted {
             let known = input.known();
             let candidates = found.get(known.file).map_or(&[][..], Vec::as_slice);
-            let (path, stand_in) = match candidates {
-                [] => (data.join(known.stand_in), true),
-                paths => (matching(paths, &known)?, false),
+            let (file, path, stand_in) = match (candidates, known.stand_in) {
+                ([], Some(name)) => (name, data.join(name), true),
+                ([], None) => continue,
+                (paths, _) => (known.file, matching(paths, &known)?, false),
             };
-            let sha256 = file_sha256(&path)?;
-            let file = if stand_in { known.stand_in } else { known.file }.to_string();
+            let (file, sha256) = (file.to_string(), file_sha256(&path)?);
             let source = Source { input, file, sha256, stand_in, stands_for: known.file.into() };
             sources.insert(input, (source, path));
         }
         Ok(Self { sources })
     }
 
-    /// Where this input came from.
-    ///
-    /// # Errors
-    ///
-    /// If it was not among those wanted.
-    pub fn source(&self, input: Input) -> Result<&Source> {
-        Ok(&self.entry(input)?.0)
+    /// Where this input came from; `None` if it is absent.
+    pub fn source(&self, input: Input) -> Option<&Source> {
+        self.sources.get(&input).map(|(source, _)| source)
     }
 
     fn entry(&self, input: Input) -> Result<&(Source, PathBuf)> {
-        let missing = || format!("{input:?} is not among the inputs on the card of the experiment");
+        let missing = || {
+            format!("{input:?} is absent, or not among the inputs on the card of the experiment")
+        };
         self.sources.get(&input).with_context(missing)
     }
 

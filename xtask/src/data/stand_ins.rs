@@ -28,8 +28,8 @@ const BLOCK_NOISE: f64 = 0.389;
 /// Noise of the patch, as the standard deviation along z in mean edge lengths.
 const PATCH_NOISE: f64 = 0.17;
 
-/// Makes the stand-in of an input.
-pub(super) fn of(input: Input) -> StandIn {
+/// Makes the stand-in of an input, if it has one.
+pub(super) fn of(input: Input) -> Option<StandIn> {
     let (mesh, about, made_by) = match input {
         Input::Flower => (
             shapes::flower(0.0714, SEED),
@@ -78,8 +78,9 @@ pub(super) fn of(input: Input) -> StandIn {
             "a cube of 8 vertices",
             "shapes::cube(1, Diagonals::Regular)".into(),
         ),
+        Input::Scan | Input::LiteratureNoisy(_) | Input::LiteratureTrue(_) => return None,
     };
-    StandIn { mesh, about, made_by }
+    Some(StandIn { mesh, about, made_by })
 }
 
 /// Normal noise along z.

@@ -67,13 +67,13 @@ pub(super) const VIEWPOINTS: [Viewpoint; 2] = [
 pub(super) const FLAT: f64 = 1e-6;
 
 /// The widest a figure gets, in CSS pixels.
-const WIDTH: f64 = 900.0;
+pub(super) const WIDTH: f64 = 900.0;
 
 /// The widest a picture gets, in CSS pixels.
 const COLUMN: f64 = 330.0;
 
 /// Pixels of the file for each CSS pixel.
-const ZOOM: f64 = 1.6;
+pub(super) const ZOOM: f64 = 1.6;
 
 impl Gallery<'_> {
     /// Draws the grid; all meshes share their cameras.

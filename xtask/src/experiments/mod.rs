@@ -10,13 +10,16 @@ mod q5;
 mod q6;
 mod q7;
 
+mod denoisers;
 mod estimators;
 mod flows;
 mod noise;
 
 mod gallery;
+mod grid;
 mod models;
 mod refinement;
+mod restoring;
 mod samples;
 mod spread;
 mod surfaces;
@@ -30,6 +33,7 @@ pub const ALL: &[&dyn Experiment] = &[
     &q5::ExplicitFlow,
     &q6::ImplicitFlow,
     &q7::GrowingNoise,
+    &denoisers::Denoisers,
     &estimators::Estimators,
     &noise::Noise,
     &flows::Flows,

@@ -165,7 +165,7 @@ fn run(
         title: card.title.into(),
         question: card.question.into(),
         error: None,
-        inputs: card.inputs.iter().map(|&i| inputs.source(i).cloned()).collect::<Result<_>>()?,
+        inputs: card.inputs.iter().filter_map(|&i| inputs.source(i).cloned()).collect(),
         parameters: card
             .parameters
             .iter()

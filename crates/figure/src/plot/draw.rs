@@ -247,6 +247,9 @@ impl Frame {
                 ));
             }
             Shape::Bars(values) => self.bars(out, plot, series, values, color),
+            Shape::Reference(points) => {
+                self.path(out, points, SOFT, " stroke-dasharray=\"4 3\"");
+            }
             &Shape::Slope { order, through, span } => {
                 let ends = slope_ends(order, through, span);
                 self.path(out, &ends, SOFT, " stroke-dasharray=\"4 3\"");

@@ -61,7 +61,9 @@ fn swatch(out: &mut Drawing, series: &Series, style: Style, [left, y]: [f64; 2])
     };
     match series.shape {
         Shape::Line(_) => line(out, color, style.dashes()),
-        Shape::Slope { .. } | Shape::Level(_) => line(out, SOFT, " stroke-dasharray=\"4 3\""),
+        Shape::Slope { .. } | Shape::Reference(_) | Shape::Level(_) => {
+            line(out, SOFT, " stroke-dasharray=\"4 3\"");
+        }
         Shape::MarkedLine(_) => line(out, color, ""),
         Shape::Band(_) | Shape::Bars(_) => out.push(format_args!(
             "<rect x=\"{left}\" y=\"{}\" width=\"{SWATCH}\" height=\"9\" fill=\"{color}\"{}/>",

@@ -41,6 +41,8 @@ pub enum Shape {
         /// Where it begins and ends.
         span: [f64; 2],
     },
+    /// A grey dashed line through points: what the others are held against.
+    Reference(Vec<[f64; 2]>),
     /// A grey horizontal line at a value, over the whole width.
     Level(f64),
 }
@@ -77,6 +79,11 @@ impl Series {
         Self::new(name, Shape::Slope { order, through, span })
     }
 
+    /// A grey dashed line through points.
+    pub fn reference(name: impl Into<String>, points: Vec<[f64; 2]>) -> Self {
+        Self::new(name, Shape::Reference(points))
+    }
+
     /// Any shape.
     pub fn new(name: impl Into<String>, shape: Shape) -> Self {
         Self { name: name.into(), shape, style: None }
@@ -84,13 +91,15 @@ impl Series {
 
     /// Whether it takes a colour of its own.
     pub(super) fn is_styled(&self) -> bool {
-        !matches!(self.shape, Shape::Slope { .. } | Shape::Level(_))
+        !matches!(self.shape, Shape::Slope { .. } | Shape::Reference(_) | Shape::Level(_))
     }
 
     /// All points that must lie in the frame, bars apart.
     pub(super) fn extent(&self) -> Vec<[f64; 2]> {
         match &self.shape {
-            Shape::MarkedLine(p) | Shape::Line(p) | Shape::Points(p) => p.clone(),
+            Shape::MarkedLine(p) | Shape::Line(p) | Shape::Points(p) | Shape::Reference(p) => {
+                p.clone()
+            }
             Shape::Band(p) => p.iter().flat_map(|&[x, a, b]| [[x, a], [x, b]]).collect(),
             Shape::Bars(_) | Shape::Level(_) => vec![],
             &Shape::Slope { order, through, span } => slope_ends(order, through, span).to_vec(),
