@@ -59,7 +59,15 @@ impl Renewal {
         }
     }
 
-    /// Replaces `laplacian`, which this or [`assemble`] made of the same faces, by that at other positions.
+    /// The Laplacian at the positions of `mesh`.
+    pub(crate) fn assemble(&self, mesh: &TriMesh, held: &[bool]) -> Result<Laplacian, FlowFailure> {
+        match self {
+            Self::Pattern(pattern) => pattern.assemble(mesh),
+            Self::Whole(diffusion) => assemble(mesh, *diffusion, held),
+        }
+    }
+
+    /// Replaces `laplacian`, which [`Self::assemble`] made of the same faces, by that at other positions.
     pub(crate) fn renew(
         &self,
         mesh: &TriMesh,

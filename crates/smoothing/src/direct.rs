@@ -12,7 +12,8 @@ use crate::spectrum::upper_bound;
 
 type Point = [f64; 3];
 
-/// Solves with refinement: the residual of a solution is solved for again. One is the rule, two are rare.
+/// Solves with refinement: the residual of a solution is solved for again. One is the rule, two are rare. Beyond a
+/// condition of one over the tolerance the residual ends at its own rounding, which the report then tells.
 const MOST_SOLVES: usize = 4;
 
 /// What a step changes at most, as a share of positions: conjugate gradients begin that close to the solution.
@@ -67,11 +68,13 @@ impl Direct {
         let scale = solver.right_hand_side_norm(x, freedom);
         displacement.fill([0.0; 3]);
         let mut r = vec![[0.0; 3]; x.len()];
+        // A residual is a difference of terms up to t ω times as large as M x: it cannot be smaller than their rounding.
+        let rounding = 8.0 * f64::EPSILON * solver.step * solver.laplacian.gershgorin();
         let mut iterations = 0;
         loop {
             let squares = residual(solver, x, freedom, displacement, &mut r);
             let residual = relative(&squares, scale);
-            if residual <= solver.tolerance {
+            if residual <= solver.tolerance.max(if iterations > 0 { rounding } else { 0.0 }) {
                 return Ok(Solved { iterations, residual });
             }
             if iterations == MOST_SOLVES || !residual.is_finite() {

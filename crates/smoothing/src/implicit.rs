@@ -2,14 +2,14 @@
 
 use fairing_mesh::TriMesh;
 
-use crate::assemble::{Renewal, assemble, mass};
+use crate::assemble::{Renewal, mass};
 use crate::collapse::Collapse;
 use crate::conjugate::ImplicitSolver;
 use crate::constraints::Constraints;
 use crate::diffusion::{Diffusion, Operator};
 use crate::direct::{self, Direct};
 use crate::error::{FlowError, FlowFailure, at_least};
-use crate::laplacian::Laplacian;
+use crate::laplacian::{Laplacian, by_chunk};
 use crate::outcome::{Approach, Smoothed};
 use crate::run::{Frame, Run, StepNote};
 use crate::series::Series;
@@ -127,10 +127,15 @@ pub(crate) fn implicit_with(
         ..Frame::new(&options.constraints, options.iterations)
     };
     let mut run = Run::new(mesh, &frame, observer)?;
-    let mut laplacian = assemble(run.arrangement.mesh(), options.diffusion, &run.freedom.held)
-        .map_err(|failure| run.refuse(failure))?;
+    let frozen = options.update == Update::Never;
+    let start = run.arrangement.mesh();
+    let renewal = Renewal::new(start, options.diffusion, &run.freedom.held);
+    let mut laplacian =
+        renewal.assemble(start, &run.freedom.held).map_err(|failure| run.refuse(failure))?;
+    // A pattern that nobody will fill again only takes memory.
+    let renewal = (options.update == Update::Both).then_some(renewal);
     let k = options.iterations;
-    if run.is_linear() && options.update == Update::Never && k > 0 {
+    if run.is_linear() && frozen && k > 0 {
         let power = |mu: f64| (1.0 - step * mu).powi(-(k.min(i32::MAX as usize) as i32));
         if let Some(series) = Series::expand(upper_bound(&laplacian), power) {
             run.report.approach = Approach::Series { degree: series.degree() };
@@ -139,18 +144,12 @@ pub(crate) fn implicit_with(
             return run.finish(x);
         }
     }
-    let frozen = options.update == Update::Never;
     // A factor serves as many solves as steps share their operator. Sliding vertices couple the coordinates, which a
     // factor of the scalar system does not know.
     let mut direct = (run.freedom.sliding.is_none()
         && direct::pays(&laplacian, step, options.tolerance, if frozen { k } else { 1 }))
     .then(Direct::default);
-    // What is taken anew, and what it began with, in the order of the arrangement.
-    let start = run.arrangement.mesh();
-    let held = &run.freedom.held;
-    let renewal =
-        (options.update == Update::Both).then(|| Renewal::new(start, options.diffusion, held));
-    let collapse = (!frozen).then(|| Collapse::new(start));
+    let collapse = (!frozen).then(|| Collapse::new(run.arrangement.mesh()));
     // Conjugate gradients begin with the displacement of the step before.
     let mut displacement = vec![[0.0; 3]; mesh.vertex_count()];
     let mut total = 0;
@@ -182,9 +181,7 @@ pub(crate) fn implicit_with(
                 None => solver.solve(x, freedom, &mut displacement)?,
             };
             total += solved.iterations;
-            for ((next, x), d) in next.iter_mut().zip(x).zip(&displacement) {
-                *next = [x[0] + d[0], x[1] + d[1], x[2] + d[2]];
-            }
+            by_chunk(next, |i, _| ([0, 1, 2].map(|k| x[i][k] + displacement[i][k]), []));
             if let Some(collapse) = &collapse {
                 collapse.check(mesh.faces(), next)?;
             }

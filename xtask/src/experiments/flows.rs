@@ -50,7 +50,7 @@ impl Experiment for Flows {
         let mut outcome = Outcome::default();
         outcome.tables.push(spheres(context.choose(4, 3))?);
         context.progress(0.4, "conformal flow");
-        outcome.tables.push(conformal(context.choose(&[2, 3, 4], &[2, 3]))?);
+        outcome.tables.push(conformal(context.choose(&[3, 4, 5], &[3, 4]))?);
         context.progress(0.7, "methods");
         let (table, picture) = methods(context)?;
         outcome.tables.push(table);

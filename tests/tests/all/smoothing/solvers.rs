@@ -94,6 +94,24 @@ fn long_steps_of_mean_curvature_flow_are_factored() {
     }
 }
 
+/// With a condition beyond one over the tolerance the residual ends at rounding, which is no failure: the patch has
+/// become a point all the same.
+#[test]
+fn endless_steps_end_at_rounding() {
+    let plane = shapes::plane(60, 45, shapes::Diagonals::Alternating);
+    let rough = plane.positions().iter().enumerate();
+    let rough = rough.map(|(v, p)| [p[0] + 7.0, p[1], p[2] + 0.01 * (v as f64 * 2.399_963).sin()]);
+    let mesh = plane.with_positions(rough.collect()).unwrap();
+    for lambda in [1e6, 1e8, 1e10] {
+        let options = Implicit { iterations: 1, ..Implicit::new(Diffusion::uniform(lambda)) };
+        let smoothed = implicit(&mesh, &options, None).unwrap();
+        assert!(matches!(smoothed.report.approach, Approach::Cholesky { .. }));
+        // The smoothest mode of the patch has |μ| ≈ 10⁻³; rounding relative to the distance of the origin is 10⁻¹⁶ λ.
+        let left = smoothed.mesh.diagonal() / mesh.diagonal();
+        assert!(left < 3e3 / lambda + 1e-14 * lambda, "λ = {lambda}: {left:e}");
+    }
+}
+
 /// All modes give the mesh back; the first four of a sphere, a constant and the coordinates, nearly a sphere; and
 /// the projection does nothing to what it has projected.
 #[test]
