@@ -36,7 +36,7 @@ impl Experiment for ExplicitFlow {
             id: "q5",
             title: "Explicit smoothing",
             question: "Explicit diffusion x ← x + λLx with the uniform Laplacian, 50 iterations: what λ is good, and what happens beyond?",
-            method: "The assignment's four λ on its two noisy meshes and a cube. The machine part has a ground truth with the same faces; the truth of the patch is its own vertices on their best plane, that of the cube is the cube. Measured are the mean angle between the normals of faces and of the truth, the distance of vertices from its surface, volume, area, the share of its features (edges that turn by 30° or more) that are found, and how far vertices moved.\n\nThen λ is swept finely; and once more over a generated block at two resolutions with two levels of noise, to see whether the best λ is a constant. Last, stability: each mode of L is multiplied by 1 + λμ, so the smallest eigenvalue decides. It is measured (200 Lanczos steps) and held against the bounds: μ ≥ −3/2 on every closed triangle mesh (sum (xₐ + x_b + x_c)² over the triangles), μ ≥ −7/4 on every open one, and, since the trace of L is −n, μ ≤ −n/(n − 1) on all: λ = 2 diverges on every mesh.",
+            method: "The assignment's four λ on its two noisy meshes and a cube. The machine part has a ground truth with the same faces; the truth of the patch is its own vertices on their best plane, that of the cube is the cube. Measured are the mean angle between the normals of faces and of the truth, the distance of vertices from its surface, volume, area, the share of its features (edges that turn by 30° or more) that are found, and how far vertices moved.\n\nThen λ is swept finely; and once more over a generated block at two resolutions with three levels of noise, to see whether the best λ is a constant. Last, stability: each mode of L is multiplied by 1 + λμ, so the smallest eigenvalue decides. It is measured (200 Lanczos steps) and held against the bounds: μ ≥ −3/2 on every closed triangle mesh (sum (xₐ + x_b + x_c)² over the triangles), μ ≥ −7/4 on every open one, and, since the trace of L is −n, μ ≤ −n/(n − 1) on all: λ = 2 diverges on every mesh.",
             formulas: FORMULAS,
             inputs: &[Input::NoisyPlane, Input::NoisyFandisk, Input::Fandisk, Input::Cube],
             parameters: vec![
@@ -103,7 +103,7 @@ impl Experiment for ExplicitFlow {
             _ => Verdict::Qualified,
         };
         let reason = format!(
-            "Of the four steps the one with the smallest normal error is λ = {} on the patch and λ = {} on the machine part. There is no best λ as such: on a block at two resolutions and two levels of noise it lies between {} and {}, since what counts is the diffusion time 50 λ against the noise and the size of the features. λ = 1 {} features of the machine part (recall {} against {} at 0.05) but is stable, as every λ up to 4/3 is on a closed mesh. λ = 2 does not deform, it diverges: the smallest eigenvalue is at most {} on these meshes, so that the roughest mode grows in every step, and the smallest growth of a diagonal in 50 steps is {}.",
+            "Of the four steps the one with the smallest normal error is λ = {} on the patch and λ = {} on the machine part. There is no best λ as such: on a block over resolutions and levels of noise it lies between {} and {}, since what counts is the diffusion time 50 λ against the noise and the size of the features. λ = 1 {} features of the machine part (recall {} against {} at 0.05) but is stable, as every λ up to 4/3 is on a closed mesh. λ = 2 does not deform, it diverges: the smallest eigenvalue is at most {} on these meshes, so that the roughest mode grows in every step, and the smallest growth of a diagonal in 50 steps is {}.",
             short(favourites[0]),
             short(favourites[1]),
             short(lowest),
@@ -160,7 +160,7 @@ fn steps(count: usize) -> impl Iterator<Item = f64> + Clone {
     (0..count).map(move |i| 0.005 * (ratio * i as f64).exp())
 }
 
-/// The best λ of a block with sharp edges at two resolutions and two levels of noise.
+/// The best λ of a block with sharp edges at two resolutions and three levels of noise.
 fn best(context: &Context<'_>) -> Result<Table> {
     let mut table = Table::new(
         "best",
