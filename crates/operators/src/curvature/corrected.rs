@@ -172,3 +172,41 @@ pub fn corrected_curvature(
     };
     Ok(CurvatureField::of_each(mesh, at_vertex))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fairing_mesh::vec3::norm;
+
+    /// A ball within the faces at the tip of an uneven tent holds a sector of
+    /// each: ½ r² θ, whatever the size of the face.
+    #[test]
+    fn a_small_ball_holds_sectors() {
+        let mut positions = vec![[0.0, 0.0, 0.5]];
+        for (k, length) in [1.0, 2.0, 0.8, 1.5, 3.0].into_iter().enumerate() {
+            let (s, c) = (k as f64 * 0.4 * std::f64::consts::PI).sin_cos();
+            positions.push([length * c, length * s, 0.1 * k as f64]);
+        }
+        let faces: Vec<[u32; 3]> = (0..5).map(|k| [0, k + 1, (k + 1) % 5 + 1]).collect();
+        let tent = TriMesh::new(positions, faces).unwrap();
+        let radius = 0.2;
+        let options = CorrectedOptions {
+            radius: Some(Length::MeshUnits(radius)),
+            ..CorrectedOptions::default()
+        };
+        let field = corrected_curvature(&tent, options).unwrap();
+        let normals = weighted_vertex_normals(&tent, options.normals);
+        let mut sum = CorrectedMeasures::default();
+        for f in 0..5 {
+            let [a, b, c] = tent.triangle(f);
+            let (p, q) = (sub(b, a), sub(c, a));
+            let angle = norm(cross(p, q)).atan2(dot(p, q));
+            let normals = tent.faces()[f].map(|v| normals[v as usize]);
+            let measures = CorrectedMeasures::of_triangle(tent.triangle(f), normals);
+            sum = sum.plus(&measures, 0.5 * radius * radius * angle / tent.face_area(f));
+        }
+        let expected = (sum.mean_curvature().unwrap(), sum.gaussian_curvature().unwrap());
+        assert!((field.mean[0] - expected.0).abs() < 1e-13, "{} {expected:?}", field.mean[0]);
+        assert!((field.gaussian[0] - expected.1).abs() < 1e-13);
+    }
+}
