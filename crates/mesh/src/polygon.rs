@@ -107,6 +107,19 @@ impl PolygonMesh {
         (0..self.polygon_count()).map(|f| self.polygon(f))
     }
 
+    /// The number of edges: pairs of vertices that follow each other in a
+    /// polygon, each counted once.
+    pub fn edge_count(&self) -> usize {
+        let mut edges: Vec<[u32; 2]> = Vec::with_capacity(self.corners.len());
+        for polygon in self.polygons() {
+            let next = polygon.iter().cycle().skip(1);
+            edges.extend(polygon.iter().zip(next).map(|(&a, &b)| [a.min(b), a.max(b)]));
+        }
+        edges.sort_unstable();
+        edges.dedup();
+        edges.len()
+    }
+
     /// Splits the polygons into triangles: n − 2 for n corners, in the order
     /// of the polygons, all corners used, none added.
     ///
@@ -132,6 +145,14 @@ impl PolygonMesh {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn edges_are_those_of_the_polygons() {
+        let positions = (0..5).map(|i| [f64::from(i), f64::from(i * i), 0.0]).collect();
+        let mesh = PolygonMesh::new(positions, [&[0u32, 1, 2, 3][..], &[3, 2, 4]]).unwrap();
+        assert_eq!(mesh.edge_count(), 6);
+        assert_eq!(mesh.triangulate().topology().edges().len(), 7);
+    }
 
     #[test]
     fn invalid_polygons_are_refused_by_name() {
