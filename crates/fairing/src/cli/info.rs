@@ -3,20 +3,19 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use fairing::mesh::io::{MeshFile, ReadReport};
-use fairing::mesh::{Diagnosis, Tally};
+use fairing::mesh::io::{self, PolygonFile, ReadReport};
+use fairing::mesh::{Diagnosis, PolygonMesh, Tally};
 use serde_json::{Value, json};
 
 use super::exit::Failure;
-use super::files;
 use super::table::{Table, number};
 use super::{Context, print};
 
 /// Say what a mesh is: counts, topology, defects and measures
 ///
 /// Lengths, areas and volumes are in the units of the file. Vertices, edges and
-/// faces are numbered from 0. Polygons count as the triangles they are split
-/// into.
+/// faces are numbered from 0. Faces and edges are those of the file; degenerate,
+/// sliver and duplicate faces are triangles, which polygons are split into.
 #[derive(Args)]
 pub(crate) struct Info {
     /// The mesh
@@ -28,16 +27,17 @@ pub(crate) struct Info {
 
 impl Info {
     pub(crate) fn run(&self, _: &Context) -> Result<(), Failure> {
-        let MeshFile { mesh, fields, report, .. } = files::read(&self.file)?;
-        let diagnosis = Diagnosis::of(&mesh);
+        let PolygonFile { mesh, fields, report, .. } =
+            io::read_polygons(&self.file).map_err(Failure::input)?;
+        let diagnosis = Diagnosis::of(&mesh.triangulate());
         let mut names: Vec<&str> = fields.scalars.iter().map(|(name, _)| &name[..]).collect();
         names.extend(fields.vectors.iter().map(|(name, _)| &name[..]));
         names.extend(fields.colors.is_some().then_some("colors"));
         if self.json {
-            return print(format_args!("{:#}\n", as_json(&diagnosis, &report, &names)));
+            return print(format_args!("{:#}\n", as_json(&mesh, &diagnosis, &report, &names)));
         }
         let mut text = format!("{}\n", report);
-        text += &as_table(&diagnosis).to_string();
+        text += &as_table(&mesh, &diagnosis).to_string();
         if !names.is_empty() {
             text += &format!("fields: {}\n", names.join(", "));
         }
@@ -45,12 +45,13 @@ impl Info {
     }
 }
 
-fn as_json(d: &Diagnosis, report: &ReadReport, fields: &[&str]) -> Value {
+fn as_json(mesh: &PolygonMesh, d: &Diagnosis, report: &ReadReport, fields: &[&str]) -> Value {
     json!({
         "format": report.format.to_string(),
         "vertices": d.vertices,
-        "faces": d.faces,
-        "edges": d.edges,
+        "faces": mesh.polygon_count(),
+        "triangles": d.faces,
+        "edges": mesh.edge_count(),
         "components": d.components,
         "boundary_loops": d.boundary_loops,
         "euler_characteristic": d.euler_characteristic,
@@ -83,12 +84,15 @@ fn as_json(d: &Diagnosis, report: &ReadReport, fields: &[&str]) -> Value {
     })
 }
 
-fn as_table(d: &Diagnosis) -> Table {
+fn as_table(mesh: &PolygonMesh, d: &Diagnosis) -> Table {
     let mut table = Table::new();
     let mut row = |name: &str, value: String| table.row([name.to_owned(), value]);
     row("vertices", d.vertices.to_string());
-    row("faces", d.faces.to_string());
-    row("edges", d.edges.to_string());
+    row("faces", mesh.polygon_count().to_string());
+    if mesh.polygon_count() != d.faces {
+        row("triangles", d.faces.to_string());
+    }
+    row("edges", mesh.edge_count().to_string());
     row("components", d.components.to_string());
     row("boundary loops", d.boundary_loops.to_string());
     row("Euler characteristic", d.euler_characteristic.to_string());
