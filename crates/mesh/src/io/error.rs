@@ -143,6 +143,14 @@ impl Fault {
         Self { at: Place::Byte(offset as u64), problem }
     }
 
+    /// The same problem so many bytes further on; lines stay what they are.
+    pub(crate) fn moved(mut self, bytes: usize) -> Self {
+        if let Place::Byte(offset) = &mut self.at {
+            *offset += bytes as u64;
+        }
+        self
+    }
+
     pub(crate) fn in_file(self, file: &Path) -> ReadError {
         ReadError { file: file.to_owned(), at: self.at, problem: self.problem }
     }

@@ -188,14 +188,29 @@ fn finished(name: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Finished
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return Err(Fault::whole(ReadProblem::Empty));
     }
-    let format = Format::decide(name, &bytes)?;
+    let body = after_mark(&bytes);
+    let format = Format::decide(name, body)?;
     let parsed = match format {
-        Format::Obj => obj::parse(&bytes)?,
-        Format::Ply => ply::parse(&bytes)?,
-        Format::Off => off::parse(&bytes)?,
-        Format::Stl => stl::parse(&bytes)?,
+        Format::Obj => obj::parse(body),
+        Format::Ply => ply::parse(body),
+        Format::Off => off::parse(body),
+        Format::Stl => stl::parse(body),
     };
+    let mark = bytes.len() - body.len();
+    let mut parsed = parsed.map_err(|fault| fault.moved(mark))?;
+    if mark > 0 {
+        parsed.notes.push("the byte-order mark at the beginning is ignored".to_owned());
+    }
     parsed.finish(format, compressed, options)
+}
+
+/// What follows the byte-order mark that some editors put before UTF-8 text. A
+/// binary STL may begin with any three bytes.
+fn after_mark(bytes: &[u8]) -> &[u8] {
+    match bytes.strip_prefix(b"\xef\xbb\xbf") {
+        Some(body) if !stl::is_binary(bytes) => body,
+        _ => bytes,
+    }
 }
 
 #[cfg(test)]

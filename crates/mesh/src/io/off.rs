@@ -36,7 +36,6 @@ fn strip<'a>(bytes: &'a [u8], prefix: &[u8]) -> (bool, &'a [u8]) {
 
 /// Whether the first token ends in `OFF`.
 pub(crate) fn looks_like(bytes: &[u8]) -> bool {
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let mut cursor = Cursor::new(bytes, 0, Some(b'#'));
     cursor.token().is_some_and(|token| token.len() <= 8 && token.ends_with(b"OFF"))
 }

@@ -5,10 +5,8 @@ use std::borrow::Cow;
 use crate::io::error::{Fault, ReadProblem, unexpected};
 use crate::io::number::{self, is_delimiter};
 
-/// The text without a byte order mark, and with `\n` where a lone `\r` ends
-/// the lines. (`\r\n` stays: `\r` counts as a blank.)
+/// The text, with `\n` where a lone `\r` ends the lines. (`\r\n` stays: `\r` counts as a blank.)
 pub(crate) fn normalized(bytes: &[u8]) -> Cow<'_, [u8]> {
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let first = bytes.iter().position(|&b| b == b'\n' || b == b'\r');
     let lone = first.is_some_and(|at| bytes[at] == b'\r' && bytes.get(at + 1) != Some(&b'\n'));
     if lone && !bytes.contains(&b'\n') {
@@ -171,7 +169,7 @@ mod tests {
 
     #[test]
     fn lone_carriage_returns_end_lines() {
-        assert_eq!(&normalized(b"\xef\xbb\xbfa\rb\r")[..], b"a\nb\n");
+        assert_eq!(&normalized(b"a\rb\r")[..], b"a\nb\n");
         assert_eq!(&normalized(b"a\r\nb")[..], b"a\r\nb");
     }
 }

@@ -13,6 +13,11 @@ pub(crate) fn looks_like(bytes: &[u8]) -> bool {
     binary::has_its_size(bytes) || ascii::looks_like(bytes)
 }
 
+/// Whether the file is as long as a binary one with its count of triangles.
+pub(crate) fn is_binary(bytes: &[u8]) -> bool {
+    binary::has_its_size(bytes)
+}
+
 /// Parses a file. A binary one may begin with `solid` too, so that size and
 /// content decide.
 pub(crate) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {

@@ -36,6 +36,41 @@ fn content_decides_where_the_name_is_silent() {
     }
 }
 
+/// The mark is skipped in text and before the header of a binary PLY; places
+/// in errors are those of the file.
+#[test]
+fn a_byte_order_mark_is_no_content() {
+    const MARK: &[u8] = b"\xef\xbb\xbf";
+    for (format, ending) in FORMATS {
+        let marked = [MARK, &bytes(format, &WriteOptions::ascii())].concat();
+        for name in ["", &format!("a.{ending}")] {
+            for bytes in [marked.clone(), packed(&marked)] {
+                // A packed file has another ending.
+                let name = if bytes == marked { name } else { "" };
+                let file = read(name, &bytes);
+                assert_eq!(file.report.format, format);
+                assert!(file.report.notes.iter().any(|note| note.contains("byte-order mark")));
+                assert_eq!(file.mesh.face_count(), tetrahedron().face_count());
+            }
+        }
+    }
+    let options = ReadOptions::default();
+    assert!(refusal("a.obj", b"\xef\xbb\xbfv 0 0 0\nv 1 x 0\n", &options).contains("line 2"));
+    let ply = [MARK, &bytes(Format::Ply, &WriteOptions::default())].concat();
+    assert_eq!(read("a.ply", &ply).mesh, tetrahedron());
+    let cut = ply.len() - 30;
+    let plain = refusal("a.ply", &ply[3..cut], &options);
+    let moved = refusal("a.ply", &ply[..cut], &options);
+    let byte = |message: &str| -> u64 {
+        let digits = message.split("byte ").nth(1).unwrap();
+        digits[..digits.find(|c: char| !c.is_ascii_digit()).unwrap()].parse().unwrap()
+    };
+    assert_eq!(byte(&moved), byte(&plain) + 3);
+    // Nothing but the mark, and a mark before what is no mesh.
+    assert!(!refusal("a.obj", MARK, &options).is_empty());
+    assert!(refusal("", b"\xef\xbb\xbfhello", &options).contains("expected an OBJ"));
+}
+
 #[test]
 fn another_kind_than_the_ending_is_named() {
     for (content, _) in FORMATS {
