@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 
 use fairing_mesh::TriMesh;
+use fairing_operators::intrinsic::{RobustOptions, robust_laplacian};
 use fairing_operators::{
     LumpedArea, combinatorial_laplacian, consistent_mass, cotan_stiffness, lumped_mass,
 };
@@ -36,9 +37,24 @@ pub enum Boundary {
     Dirichlet,
 }
 
+/// Where the stiffness comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum SurfaceOperator {
+    /// The cotangents of the faces: refuses faces without area.
+    #[default]
+    Cotangent,
+    /// The intrinsic Delaunay triangulation of the tufted cover, with its own barycentric mass: it
+    /// exists for any mesh that has an edge with a length, faces without area and edges with many
+    /// faces included. Source: \[sharp2020\].
+    Robust,
+}
+
 /// How to compute a spectrum.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SpectrumOptions {
+    /// The stiffness.
+    pub operator: SurfaceOperator,
     /// The mass.
     pub mass: MassKind,
     /// The boundary.
@@ -58,13 +74,14 @@ pub enum GraphWeights {
     RandomWalk,
 }
 
-/// The k smoothest modes of the Laplace–Beltrami operator, S φ = λ M φ with cotangent stiffness S.
+/// The k smoothest modes of the Laplace–Beltrami operator, S φ = λ M φ.
 ///
 /// λ in 1/(mesh units)². Vertices without faces take no part: their value is 0 in every mode.
 ///
 /// # Errors
 ///
-/// [`SpectralError::TooManyModes`], [`SpectralError::Mass`], or what assembling and solving report.
+/// [`SpectralError::TooManyModes`], [`SpectralError::Mass`], [`SpectralError::RobustMass`] for a
+/// robust operator with any but the barycentric mass, or what assembling and solving report.
 ///
 /// # Examples
 ///
@@ -98,18 +115,33 @@ pub fn spectrum_with(
     options: &SpectrumOptions,
     watch: &mut EigenWatch<'_>,
 ) -> Result<Spectrum, SpectralError> {
-    let stiffness = cotan_stiffness(mesh)?;
-    let mass = match options.mass {
-        MassKind::Barycentric => MassMatrix::Lumped(lumped_mass(mesh, LumpedArea::Barycentric)?),
-        MassKind::Mixed => MassMatrix::Lumped(lumped_mass(mesh, LumpedArea::Mixed)?),
-        MassKind::Consistent => MassMatrix::Consistent(consistent_mass(mesh)?),
-    };
+    let (stiffness, mass) = operators(mesh, options)?;
     let topology = mesh.topology();
     let mut kept = with_faces(mesh);
     if options.boundary == Boundary::Dirichlet {
         kept.retain(|&v| !topology.is_boundary_vertex(v));
     }
     solve(&stiffness, mass, &kept, k, &options.eigen, watch)
+}
+
+fn operators(
+    mesh: &TriMesh,
+    options: &SpectrumOptions,
+) -> Result<(SparseMatrix, MassMatrix), SpectralError> {
+    if options.operator == SurfaceOperator::Robust {
+        if options.mass != MassKind::Barycentric {
+            return Err(SpectralError::RobustMass);
+        }
+        let robust = robust_laplacian(mesh, RobustOptions::default())?;
+        return Ok((robust.stiffness, MassMatrix::Lumped(robust.mass)));
+    }
+    let stiffness = cotan_stiffness(mesh)?;
+    let mass = match options.mass {
+        MassKind::Barycentric => MassMatrix::Lumped(lumped_mass(mesh, LumpedArea::Barycentric)?),
+        MassKind::Mixed => MassMatrix::Lumped(lumped_mass(mesh, LumpedArea::Mixed)?),
+        MassKind::Consistent => MassMatrix::Consistent(consistent_mass(mesh)?),
+    };
+    Ok((stiffness, mass))
 }
 
 /// The k smoothest modes of the graph of the edges, for comparison with those of the surface.

@@ -24,6 +24,9 @@ pub enum SpectralError {
         /// Its mass, in squared mesh units.
         mass: f64,
     },
+    /// The robust operator was asked for with another mass than its own.
+    #[error("the robust operator comes with the barycentric mass of its own triangulation")]
+    RobustMass,
     /// More modes were asked for than there are.
     #[error("{wanted} modes wanted of {available}")]
     TooManyModes {

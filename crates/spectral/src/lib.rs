@@ -16,7 +16,8 @@ mod spectrum;
 
 pub use compression::{Compressed, compress};
 pub use compute::{
-    Boundary, GraphWeights, MassKind, SpectrumOptions, graph_spectrum, spectrum, spectrum_with,
+    Boundary, GraphWeights, MassKind, SpectrumOptions, SurfaceOperator, graph_spectrum, spectrum,
+    spectrum_with,
 };
 pub use diffusion::HeatDiffusion;
 pub use error::SpectralError;

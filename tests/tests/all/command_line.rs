@@ -26,13 +26,13 @@ fn program() -> &'static Path {
     })
 }
 
-fn fairing(folder: &Path, line: &str) -> Output {
+pub(crate) fn fairing(folder: &Path, line: &str) -> Output {
     let output = Command::new(program()).args(line.split_whitespace()).current_dir(folder).output();
     output.expect("the program runs")
 }
 
 /// Runs a line that must succeed and gives its standard output.
-fn run(folder: &Path, line: &str) -> String {
+pub(crate) fn run(folder: &Path, line: &str) -> String {
     let output = fairing(folder, line);
     let error = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{line}: {error}");
@@ -40,7 +40,7 @@ fn run(folder: &Path, line: &str) -> String {
 }
 
 /// Runs a line that must fail with an exit code, and gives its message.
-fn refuse(folder: &Path, line: &str, code: i32) -> String {
+pub(crate) fn refuse(folder: &Path, line: &str, code: i32) -> String {
     let output = fairing(folder, line);
     let error = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(code), "{line}: {error}");

@@ -11,3 +11,4 @@ mod robustness;
 mod shapes;
 mod smoothing;
 mod spectra;
+mod spectral_verbs;

@@ -18,8 +18,9 @@ Examples:
 /// Rebuild a mesh from its k smoothest modes
 ///
 /// Projects the positions onto the k smallest modes of the Laplace-Beltrami
-/// operator, in the inner product of the mass. Prints the root mean square of
-/// the displacement, weighted by area, in the unit of the file. Vertices without
+/// operator, in the inner product of the mass. Where faces have no area it takes
+/// the robust operator and says so. Prints the root mean square of the
+/// displacement, weighted by area, in the unit of the file. Vertices without
 /// faces stay where they are; normals in the file are dropped, other properties
 /// are kept.
 #[derive(Args)]
@@ -39,7 +40,8 @@ impl Reconstruct {
         self.output.check()?;
         let file = files::read(&self.input)?;
         files::say_report(context, &self.input, &file.report);
-        let modes = spectrum::compute(context, &file.mesh, self.k, &SpectrumOptions::default())?;
+        let options = SpectrumOptions::default();
+        let modes = spectrum::compute_any(context, &file.mesh, self.k, options)?.spectrum;
         let mesh = reconstruct(&file.mesh, &modes, self.k)?;
         let errors = reconstruction_errors(&file.mesh, &modes)?;
         files::write_moved(context, &self.output, &mesh, file.fields)?;

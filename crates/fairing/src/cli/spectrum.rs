@@ -4,7 +4,10 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use fairing::mesh::TriMesh;
-use fairing::spectral::{self, Boundary, MassKind, SpectrumOptions};
+use fairing::operators::OperatorError;
+use fairing::spectral::{
+    self, Boundary, MassKind, SpectralError, SpectrumOptions, SurfaceOperator,
+};
 use serde_json::json;
 
 use super::exit::Failure;
@@ -22,9 +25,10 @@ Read the modes in Python: numpy.load(\"modes.npz\")[\"modes\"]";
 
 /// Compute the smallest eigenvalues and modes of the Laplace-Beltrami operator
 ///
-/// Solves S u = w M u with the cotangent stiffness S. Eigenvalues are in one
-/// over the squared unit of the file. Each pair comes with its residual in the
-/// inverse mass norm; certified means that a count by inertia proves that none
+/// Solves S u = w M u with the cotangent stiffness S; where faces have no area,
+/// with that of the intrinsic Delaunay triangulation, and says so. Eigenvalues
+/// are in one over the squared unit of the file. Each pair comes with its
+/// residual in the inverse mass norm; certified means that a count by inertia proves that none
 /// was missed. The output is an npz file with values (k), modes (n x k,
 /// orthonormal in the mass), residuals (k) and mass.
 #[derive(Args)]
@@ -50,12 +54,22 @@ pub(crate) struct Spectrum {
 /// Which operator.
 #[derive(Args)]
 pub(crate) struct Kind {
+    /// The stiffness: auto takes cotangent, and robust where that refuses a face without area
+    #[arg(long, value_enum, default_value_t = OperatorName::Auto)]
+    operator: OperatorName,
     /// The mass matrix
     #[arg(long, value_enum, default_value_t = MassName::Barycentric)]
     mass: MassName,
     /// What holds at the boundary: neumann leaves it free, dirichlet holds it at zero
     #[arg(long, value_enum, default_value_t = BoundaryName::Neumann)]
     boundary: BoundaryName,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum OperatorName {
+    Auto,
+    Cotangent,
+    Robust,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -79,8 +93,44 @@ impl Kind {
                 BoundaryName::Neumann => Boundary::Neumann,
                 BoundaryName::Dirichlet => Boundary::Dirichlet,
             },
+            operator: match self.operator {
+                OperatorName::Auto | OperatorName::Cotangent => SurfaceOperator::Cotangent,
+                OperatorName::Robust => SurfaceOperator::Robust,
+            },
             ..Default::default()
         }
+    }
+}
+
+/// Modes, and the operator they belong to.
+pub(crate) struct Modes {
+    pub(crate) spectrum: spectral::Spectrum,
+    operator: SurfaceOperator,
+}
+
+/// The modes of the cotangent operator or, with a note, of the robust one where a face has no area.
+pub(crate) fn compute_any(
+    context: &Context,
+    mesh: &TriMesh,
+    k: usize,
+    options: SpectrumOptions,
+) -> Result<Modes, Failure> {
+    let degenerate = |error: &SpectralError| {
+        matches!(
+            error,
+            SpectralError::Operator(OperatorError::DegenerateFace { .. })
+                | SpectralError::Mass { .. }
+        )
+    };
+    match compute(context, mesh, k, &options) {
+        Ok(spectrum) => Ok(Modes { spectrum, operator: options.operator }),
+        Err(error) if degenerate(&error) && options.mass == MassKind::Barycentric => {
+            context.note(format_args!("{error}; using the robust operator"));
+            let operator = SurfaceOperator::Robust;
+            let options = SpectrumOptions { operator, ..options };
+            Ok(Modes { spectrum: compute(context, mesh, k, &options)?, operator })
+        }
+        Err(error) => Err(error.into()),
     }
 }
 
@@ -93,12 +143,12 @@ fn mass(name: MassName) -> MassKind {
 }
 
 /// Computes modes, with a bar on a terminal.
-pub(crate) fn compute(
+fn compute(
     context: &Context,
     mesh: &TriMesh,
     k: usize,
     options: &SpectrumOptions,
-) -> Result<spectral::Spectrum, Failure> {
+) -> Result<spectral::Spectrum, SpectralError> {
     let bar = if context.quiet {
         indicatif::ProgressBar::hidden()
     } else {
@@ -110,7 +160,7 @@ pub(crate) fn compute(
         std::ops::ControlFlow::Continue(())
     });
     bar.finish_and_clear();
-    Ok(result?)
+    result
 }
 
 impl Spectrum {
@@ -120,7 +170,14 @@ impl Spectrum {
         }
         let file = files::read(&self.input)?;
         files::say_report(context, &self.input, &file.report);
-        let modes = compute(context, &file.mesh, self.k, &self.kind.options())?;
+        let options = self.kind.options();
+        let Modes { spectrum: modes, operator } = match self.kind.operator {
+            OperatorName::Auto => compute_any(context, &file.mesh, self.k, options)?,
+            OperatorName::Cotangent | OperatorName::Robust => Modes {
+                spectrum: compute(context, &file.mesh, self.k, &options)?,
+                operator: options.operator,
+            },
+        };
         if let Some(output) = &self.output {
             modes.save(output).map_err(Failure::output)?;
         }
@@ -129,6 +186,10 @@ impl Spectrum {
                 "eigenvalues": modes.values,
                 "residuals": modes.residuals,
                 "certified": modes.certified,
+                "operator": match operator {
+                    SurfaceOperator::Robust => "robust",
+                    _ => "cotangent",
+                },
             });
             return print(format_args!("{summary:#}\n"));
         }

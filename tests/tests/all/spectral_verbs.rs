@@ -1,0 +1,188 @@
+//! `fairing spectrum` and `fairing reconstruct` on everything that is not a nice closed mesh.
+
+use std::path::Path;
+
+use fairing_mesh::{TriMesh, io, shapes};
+use ndarray::{Array1, Array2};
+use ndarray_npy::NpzReader;
+use serde_json::Value;
+
+use crate::command_line::{fairing, refuse, run};
+
+fn save(folder: &Path, name: &str, mesh: &TriMesh) {
+    io::write(folder.join(name), mesh).unwrap();
+}
+
+fn scaled(mesh: &TriMesh, s: f64) -> TriMesh {
+    mesh.with_positions(mesh.positions().iter().map(|p| p.map(|x| s * x)).collect()).unwrap()
+}
+
+/// A mesh and a copy of it beside, as two components.
+fn twice(mesh: &TriMesh) -> TriMesh {
+    let n = mesh.vertex_count() as u32;
+    let mut points = mesh.positions().to_vec();
+    points.extend(mesh.positions().iter().map(|p| [p[0] + 5.0, p[1], p[2]]));
+    let mut faces = mesh.faces().to_vec();
+    faces.extend(mesh.faces().iter().map(|f| f.map(|v| v + n)));
+    TriMesh::new(points, faces).unwrap()
+}
+
+/// A sphere with a face whose corners lie on a line, glued to one of its edges.
+fn with_a_needle() -> TriMesh {
+    let sphere = shapes::icosphere(2);
+    let mut points = sphere.positions().to_vec();
+    let [a, b, _] = sphere.faces()[0];
+    let (p, q) = (points[a as usize], points[b as usize]);
+    points.push(std::array::from_fn(|i| 0.5 * (p[i] + q[i])));
+    let mut faces = sphere.faces().to_vec();
+    faces.push([b, a, points.len() as u32 - 1]);
+    TriMesh::new(points, faces).unwrap()
+}
+
+fn spectrum(folder: &Path, line: &str) -> Value {
+    serde_json::from_str(&run(folder, line)).unwrap()
+}
+
+fn values(found: &Value, key: &str) -> Vec<f64> {
+    found[key].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
+}
+
+/// What numpy sees: `modes` (n × k), orthonormal in `mass`, with `values` and `residuals`.
+#[test]
+fn npz_holds_the_documented_arrays() {
+    let folder = tempfile::tempdir().unwrap();
+    save(folder.path(), "sphere.ply", &shapes::icosphere(3));
+    let found = spectrum(folder.path(), "spectrum sphere.ply -k 9 -o modes.npz --json");
+    let file = std::fs::File::open(folder.path().join("modes.npz")).unwrap();
+    let mut npz = NpzReader::new(file).unwrap();
+    let modes: Array2<f64> = npz.by_name("modes").unwrap();
+    let mass: Array1<f64> = npz.by_name("mass").unwrap();
+    let stored: Array1<f64> = npz.by_name("values").unwrap();
+    let residuals: Array1<f64> = npz.by_name("residuals").unwrap();
+    assert_eq!(modes.dim(), (642, 9));
+    assert_eq!(stored.to_vec(), values(&found, "eigenvalues"));
+    assert_eq!(residuals.to_vec(), values(&found, "residuals"));
+    let weighted = &modes * &mass.insert_axis(ndarray::Axis(1));
+    let gram = modes.t().dot(&weighted);
+    assert!((&gram - &Array2::<f64>::eye(9)).iter().all(|d| d.abs() < 1e-9));
+    assert_eq!(found["certified"], true);
+    assert_eq!(found["operator"], "cotangent");
+    // Nothing is overwritten unasked.
+    refuse(folder.path(), "spectrum sphere.ply -k 9 -o modes.npz", 4);
+}
+
+#[test]
+fn too_many_modes_are_refused_with_both_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    save(folder.path(), "small.ply", &shapes::icosphere(1));
+    for line in ["spectrum small.ply -k 43", "reconstruct small.ply -k 43 -o out.obj"] {
+        let error = refuse(folder.path(), line, 1);
+        assert!(error.contains("43") && error.contains("42"), "{error}");
+    }
+    assert!(!folder.path().join("out.obj").exists());
+    let all = spectrum(folder.path(), "spectrum small.ply -k 42 --json");
+    assert_eq!(values(&all, "eigenvalues").len(), 42);
+}
+
+/// Every component has a zero of its own, and each eigenvalue of one comes twice.
+#[test]
+fn components_have_a_zero_each() {
+    let folder = tempfile::tempdir().unwrap();
+    let ellipsoid = shapes::ellipsoid([1.0, 1.3, 1.7], 3);
+    save(folder.path(), "one.ply", &ellipsoid);
+    save(folder.path(), "two.ply", &twice(&ellipsoid));
+    let one = values(&spectrum(folder.path(), "spectrum one.ply -k 6 --json"), "eigenvalues");
+    let two = values(&spectrum(folder.path(), "spectrum two.ply -k 12 --json"), "eigenvalues");
+    assert_eq!(two[..2], [0.0, 0.0]);
+    for i in 0..12 {
+        assert!((two[i] - one[i / 2]).abs() < 1e-7 * one[5], "{two:?} {one:?}");
+    }
+}
+
+/// Free, a disc has the constant; pinned, its least eigenvalue is that of the membrane.
+#[test]
+fn boundaries_are_free_or_pinned() {
+    let folder = tempfile::tempdir().unwrap();
+    let side = 31;
+    let mut points = vec![];
+    let mut faces = vec![];
+    for j in 0..side {
+        for i in 0..side {
+            points.push([f64::from(i) / 30.0, f64::from(j) / 30.0, 0.0]);
+            if i + 1 < side && j + 1 < side {
+                let a = (j * side + i) as u32;
+                let up = a + side as u32;
+                faces.extend([[a, a + 1, up + 1], [a, up + 1, up]]);
+            }
+        }
+    }
+    save(folder.path(), "square.ply", &TriMesh::new(points, faces).unwrap());
+    let free = spectrum(folder.path(), "spectrum square.ply -k 3 --json");
+    assert_eq!(values(&free, "eigenvalues")[0], 0.0);
+    let pinned = spectrum(folder.path(), "spectrum square.ply -k 3 --boundary dirichlet --json");
+    let least = values(&pinned, "eigenvalues")[0];
+    let exact = 2.0 * std::f64::consts::PI.powi(2);
+    // Second order: h² λ / 12 with h = 1/30 is 0.2 %.
+    assert!((least / exact - 1.0).abs() < 0.005, "{least}");
+}
+
+/// Micrometres and kilometres, dense (162 vertices) and sparse (642): eigenvalues go with the
+/// square.
+#[test]
+fn units_of_the_file_do_not_matter() {
+    let folder = tempfile::tempdir().unwrap();
+    for level in [2, 3] {
+        let mesh = shapes::bumpy_sphere(level, 0.15, 4.0);
+        save(folder.path(), "one.ply", &mesh);
+        let one = values(&spectrum(folder.path(), "spectrum one.ply -k 8 --json"), "eigenvalues");
+        for s in [1e-6, 1e6] {
+            save(folder.path(), "other.ply", &scaled(&mesh, s));
+            let found = spectrum(folder.path(), "spectrum other.ply -k 8 --json");
+            assert_eq!(found["certified"], true);
+            for (a, b) in values(&found, "eigenvalues").iter().zip(&one) {
+                assert!((a * s * s - b).abs() < 1e-8 * one[7], "{s:e}: {a} {b}");
+            }
+            run(folder.path(), "reconstruct other.ply -k 20 -o back.ply --force");
+        }
+        let back = io::read(folder.path().join("back.ply")).unwrap().mesh;
+        let size =
+            |m: &TriMesh| m.positions().iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
+        assert!((size(&back) / size(&mesh) / 1e6 - 1.0).abs() < 0.3);
+    }
+}
+
+/// A face without area: the robust operator takes over and says so; asked for cotangents, the
+/// program refuses.
+#[test]
+fn faces_without_area_get_the_robust_operator() {
+    let folder = tempfile::tempdir().unwrap();
+    save(folder.path(), "needle.ply", &with_a_needle());
+    let output = fairing(folder.path(), "spectrum needle.ply -k 5 --json");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success() && said.contains("robust operator"), "{said}");
+    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((&found["operator"], &found["certified"]), (&"robust".into(), &true.into()));
+    // The needle hangs on a sphere: three eigenvalues near 2.
+    let sphere = values(&found, "eigenvalues");
+    assert!(sphere[1..4].iter().all(|l| (l - 2.0).abs() < 0.2), "{sphere:?}");
+    let error = refuse(folder.path(), "spectrum needle.ply -k 5 --operator cotangent", 1);
+    assert!(error.contains("degenerate"), "{error}");
+    run(folder.path(), "reconstruct needle.ply -k 30 -o back.obj");
+    let back = io::read(folder.path().join("back.obj")).unwrap().mesh;
+    assert_eq!(back.vertex_count(), 163);
+    assert!(back.positions().iter().flatten().all(|x| x.is_finite()));
+}
+
+/// The mass is stored with the modes; the robust operator has only one.
+#[test]
+fn masses_are_chosen_or_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    save(folder.path(), "sphere.ply", &shapes::icosphere(2));
+    for mass in ["barycentric", "mixed", "consistent"] {
+        let line = format!("spectrum sphere.ply -k 4 --mass {mass} --json");
+        let found = values(&spectrum(folder.path(), &line), "eigenvalues");
+        assert!((found[1] - 2.0).abs() < 0.1);
+    }
+    let line = "spectrum sphere.ply -k 4 --mass mixed --operator robust";
+    assert!(refuse(folder.path(), line, 1).contains("barycentric"));
+}
