@@ -17,6 +17,8 @@ pub struct Outcome {
     pub views: Vec<View>,
     /// Meshes to keep, with their fields.
     pub meshes: Vec<MeshOutput>,
+    /// Further files to keep.
+    pub attachments: Vec<Attachment>,
     /// Remarks for the reader, a sentence or two each. A number in them is
     /// formatted from a result, never typed.
     pub notes: Vec<String>,
@@ -48,4 +50,24 @@ pub struct MeshOutput {
     pub mesh: TriMesh,
     /// Scalar fields, one value a vertex; the name becomes a PLY property.
     pub fields: Vec<(String, Vec<f64>)>,
+}
+
+/// A file to keep beside the tables.
+#[derive(Debug, Clone)]
+pub struct Attachment {
+    /// Its name, unique within the experiment.
+    pub name: String,
+    /// What it is.
+    pub about: String,
+    /// What it holds.
+    pub content: Content,
+}
+
+/// What a file holds.
+#[derive(Debug, Clone)]
+pub enum Content {
+    /// Text as it is.
+    Text(String),
+    /// A mesh in the format of the name's extension.
+    Mesh(TriMesh),
 }

@@ -99,7 +99,11 @@ impl Gallery<'_> {
                 None => None,
                 Some(coloring) => {
                     let (colors, bar) = coloring.paint()?;
-                    figure.bars.push(bar);
+                    // Looks on one scale share its bar.
+                    let same = |b: &ColorBar| b.scale == bar.scale && b.quantity == bar.quantity;
+                    if !figure.bars.iter().any(same) {
+                        figure.bars.push(bar);
+                    }
                     Some(colors)
                 }
             });

@@ -23,6 +23,7 @@ mod restoring;
 mod samples;
 mod spread;
 mod surfaces;
+mod torus;
 
 /// The table of contents: the seven questions, then what goes beyond.
 pub const ALL: &[&dyn Experiment] = &[

@@ -2,14 +2,19 @@
 
 use anyhow::Result;
 use fairing_evaluation::{normal_error, observed_orders, surface_distance};
-use fairing_figure::{Axis, Figure, Panel as FigurePanel, Plot, Series, Up, Viewpoint};
+use fairing_figure::{
+    Axis, Figure, Limits, Panel as FigurePanel, Plot, ScaleOptions, Series, Up, Viewpoint,
+};
 use fairing_mesh::{TriMesh, shapes};
+use fairing_operators::curvature::{ScalarCurvature, VertexStatus};
 use fairing_spectral::{Spectrum, SpectrumOptions, reconstruct, reconstruction_errors, spectrum};
+use ndarray::ArrayView2;
 
-use super::gallery::{Gallery, Look, plotted};
+use super::gallery::{Coloring, Gallery, Look, Range, plotted};
+use super::torus;
 use crate::experiment::{Card, Context, Experiment, Formula};
 use crate::inputs::Input;
-use crate::outcome::{MeshOutput, Outcome, Picture};
+use crate::outcome::{Attachment, Content, MeshOutput, Outcome, Picture};
 use crate::row;
 use crate::table::{Table, Tables, Tolerance, Unit, short};
 use crate::verdict::{Judgement, Verdict};
@@ -99,7 +104,16 @@ impl Experiment for Reconstruction {
             let id = name.replace(' ', "-");
             outcome.figures.push(picture(&id, name, mesh, &stops, &rebuilt)?);
             outcome.views.push(view(&id, name, mesh, &stops, &rebuilt));
+            if i == 0 {
+                outcome.figures.push(modes_picture(&id, name, mesh, &modes)?);
+            }
+            outcome.attachments.push(coefficients(&id, name, mesh, &modes)?);
             for (k, mesh) in stops.iter().zip(rebuilt) {
+                outcome.attachments.push(Attachment {
+                    name: format!("{id}-{k}.obj"),
+                    about: format!("The {name} from {k} modes."),
+                    content: Content::Mesh(mesh.clone()),
+                });
                 outcome.meshes.push(MeshOutput {
                     id: format!("{id}-{k}"),
                     caption: format!("The {name} from {k} modes."),
@@ -111,6 +125,8 @@ impl Experiment for Reconstruction {
         outcome.figures.push(decay(curves)?);
         context.progress(0.8, "sphere");
         outcome.tables.extend([errors, weyl, sphere(context.choose(5, 4))?]);
+        context.progress(0.9, "torus");
+        outcome.tables.push(torus::table(context.choose(4, 3))?);
         Ok(outcome)
     }
 
@@ -140,9 +156,10 @@ impl Experiment for Reconstruction {
             short(steps[0]),
             short(last),
         );
-        let orders = tables.get("sphere")?.column("order")?;
-        let least = orders[1..].iter().copied().fold(f64::INFINITY, f64::min);
-        let most = orders[1..].iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let mut orders = tables.get("sphere")?.column("order")?[1..].to_vec();
+        orders.extend_from_slice(&tables.get("torus")?.column("order")?[1..]);
+        let least = orders.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = orders.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let second = if least > 1.9 && most < 2.1 { Verdict::Confirmed } else { Verdict::Refuted };
         Ok(vec![
             Judgement::new("4a", "A larger k approaches the original", verdict, reason)
@@ -153,7 +170,7 @@ impl Experiment for Reconstruction {
                 "The eigenvalues converge to those of the surface with second order",
                 second,
                 format!(
-                    "On the unit sphere the error of λ = 6 and 12 falls with orders {} to {}.",
+                    "On the unit sphere (λ = 6 and 12) and on a torus of revolution (its first dozen) the errors fall with orders {} to {}.",
                     short(least),
                     short(most),
                 ),
@@ -283,6 +300,67 @@ fn picture(
         &format!("The {name} from more and more modes, and the original, from two viewpoints."),
         &format!("Pictures of the {name}: a few modes give a smooth blob, more bring limbs, then details."),
     )
+}
+
+/// The modes drawn, by number.
+const DRAWN: [usize; 5] = [1, 2, 4, 9, 29];
+
+fn modes_picture(id: &str, name: &str, mesh: &TriMesh, modes: &Spectrum) -> Result<Picture> {
+    let fields: Vec<(String, ScalarCurvature)> = DRAWN
+        .iter()
+        .filter(|&&i| i < modes.len())
+        .map(|&i| {
+            let mode = modes.modes.column(i);
+            let largest = mode.iter().fold(f64::MIN_POSITIVE, |m: f64, x| m.max(x.abs()));
+            let n = mesh.vertex_count();
+            let field = ScalarCurvature {
+                values: mode.iter().map(|x| x / largest).collect(),
+                status: vec![VertexStatus::Defined; n],
+                boundary: vec![false; n],
+            };
+            (format!("mode {i}, λ = {}", short(modes.values[i])), field)
+        })
+        .collect();
+    let options =
+        ScaleOptions { limits: Limits::Fixed { low: -1.0, high: 1.0 }, ..ScaleOptions::SIGNED };
+    let looks = fields
+        .iter()
+        .map(|(title, field)| Look {
+            title,
+            mesh,
+            coloring: Some(Coloring {
+                field,
+                range: Range::All,
+                options,
+                quantity: "mode over its largest value",
+                unit: "",
+            }),
+        })
+        .collect();
+    Gallery { looks, viewpoints: &VIEWS, up: Up::Y, aspect: 0.9 }.draw(
+        &format!("{id}-modes"),
+        &format!("Modes of the {name}, from two viewpoints: the larger the eigenvalue, the more often the sign changes. Signs are arbitrary."),
+        &format!("The {name} coloured from blue to red: first in halves, then limb by limb, then in many patches."),
+    )
+}
+
+/// Eigenvalues and the coefficients of the positions: with the modes, all that a reconstruction
+/// needs.
+fn coefficients(id: &str, name: &str, mesh: &TriMesh, modes: &Spectrum) -> Result<Attachment> {
+    let c = modes.transform(ArrayView2::from(mesh.positions()))?;
+    let mut csv = String::from("mode,eigenvalue,residual,x,y,z\n");
+    for (i, row) in c.rows().into_iter().enumerate() {
+        let (value, residual) = (modes.values[i], modes.residuals[i]);
+        csv.push_str(&format!(
+            "{i},{value:e},{residual:e},{:e},{:e},{:e}\n",
+            row[0], row[1], row[2]
+        ));
+    }
+    Ok(Attachment {
+        name: format!("{id}-coefficients.csv"),
+        about: format!("Eigenvalues of the {name} and the coefficients of its positions, ΦᵀMX."),
+        content: Content::Text(csv),
+    })
 }
 
 fn view(id: &str, name: &str, mesh: &TriMesh, stops: &[usize], rebuilt: &[TriMesh]) -> View {

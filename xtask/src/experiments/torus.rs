@@ -6,8 +6,8 @@
 //! −(w f′)′ / r² + m² f / w = λ w f
 //! ```
 //!
-//! on the circle. Galerkin with trigonometric polynomials converges geometrically, since all coefficients are analytic;
-//! the trapezoidal rule integrates them as well.
+//! on the circle. Galerkin with trigonometric polynomials converges geometrically, since all
+//! coefficients are analytic; the trapezoidal rule integrates them as well.
 
 use std::f64::consts::TAU;
 

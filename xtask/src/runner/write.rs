@@ -7,7 +7,7 @@ use anyhow::{Context as _, Result};
 use fairing_mesh::io::{self, FloatWidth, VertexFields, WriteOptions};
 use rayon::prelude::*;
 
-use crate::outcome::Outcome;
+use crate::outcome::{Content, Outcome};
 use crate::palette;
 use crate::results::{FigureFile, File, Record};
 
@@ -50,6 +50,17 @@ pub(super) fn outcome(outcome: Outcome, work: &Path, record: &mut Record) -> Res
             .with_context(|| format!("writing {path}"))?;
         let bytes = fs::metadata(work.join(&path))?.len();
         record.files.push(File { path, about: output.caption, bytes });
+    }
+    for attachment in outcome.attachments {
+        let path = format!("{id}/{}", attachment.name);
+        match &attachment.content {
+            Content::Text(content) => text(&work.join(&path), content)?,
+            Content::Mesh(mesh) => {
+                io::write(work.join(&path), mesh).with_context(|| format!("writing {path}"))?;
+            }
+        }
+        let bytes = fs::metadata(work.join(&path))?.len();
+        record.files.push(File { path, about: attachment.about, bytes });
     }
     record.tables = outcome.tables;
     record.notes = outcome.notes;
