@@ -36,6 +36,22 @@ fn automatic_restores_a_block_with_creases() {
     }
 }
 
+/// Noise along all axes folds faces over each other, which moves across the
+/// surface alone do not open.
+#[test]
+fn automatic_opens_folds() {
+    let block = shapes::cad_block(0.1);
+    let level = NoiseLevel::EdgeLengths(0.22);
+    let input = add_noise(&block, NoiseKind::GaussianPerAxis, level, 5).unwrap();
+    let result = automatic(&input).unwrap();
+    assert_eq!(result.kind, SurfaceKind::Creased);
+    let (before, after) = (error(&input, &block), error(&result.mesh, &block));
+    assert!(after < 0.1 * before, "{before} to {after}");
+    let flipped = |m: &TriMesh| flipped_faces(m, &block).unwrap();
+    let (before, after) = (flipped(&input), flipped(&result.mesh));
+    assert!(before > 20 && 2 * after < before, "{before} to {after} flipped");
+}
+
 #[test]
 fn automatic_smooths_a_sphere_and_a_torus() {
     for truth in [shapes::icosphere(4), shapes::torus(1.0, 0.4, 96, 40)] {

@@ -2,16 +2,18 @@
 
 use std::path::Path;
 
-use fairing_evaluation::{drift, flipped_faces, normal_error, vertex_distance};
+use fairing_evaluation::{
+    NoiseKind, NoiseLevel, add_noise, drift, flipped_faces, normal_error, vertex_distance,
+};
 use fairing_mesh::{TriMesh, io};
-use fairing_smoothing::denoise::automatic;
+use fairing_smoothing::denoise::{SurfaceKind, automatic};
 use libtest_mimic::Failed;
 
 use crate::Test;
 
 /// Tests of this area.
 pub(crate) fn trials() -> Vec<(&'static str, Test)> {
-    vec![("automatic_meets_its_bars", bars)]
+    vec![("automatic_meets_its_bars", bars), ("automatic_tells_creases", kinds)]
 }
 
 /// Noisy, original, the bar for the mean normal error in degrees, and what
@@ -46,6 +48,32 @@ fn bars(folder: &Path) -> Result<(), Failed> {
         }
         let away = vertex_distance(&result.mesh, &truth)?.mean / truth.diagonal();
         assert!(away <= far, "{noisy}: vertex distance {away:e}");
+    }
+    Ok(())
+}
+
+/// What real surfaces are, at little and at much noise: machine parts with fillets,
+/// smooth bodies with thin limbs, scans.
+fn kinds(folder: &Path) -> Result<(), Failed> {
+    let surfaces = [
+        ("reference/fandisk.off", SurfaceKind::Creased),
+        ("denoising/Twelve0.5Impulsive_original.obj", SurfaceKind::Creased),
+        ("standard/fertility.off", SurfaceKind::Smooth),
+        ("standard/spot.obj", SurfaceKind::Smooth),
+        ("standard/3holes.off", SurfaceKind::Smooth),
+        ("assignment/other-years/bunny.obj", SurfaceKind::Smooth),
+    ];
+    for (name, kind) in surfaces {
+        let truth = io::read(folder.join(name))?.mesh;
+        for share in [0.1, 0.5] {
+            let level = NoiseLevel::EdgeLengths(share);
+            let input = add_noise(&truth, NoiseKind::GaussianAlongNormals, level, 3)?;
+            let result = automatic(&input)?;
+            assert_eq!(result.kind, kind, "{name}, {share} h");
+            let before = normal_error(&input, &truth)?.mean;
+            let after = normal_error(&result.mesh, &truth)?.mean;
+            assert!(after < before, "{name}, {share} h: {before} to {after}");
+        }
     }
     Ok(())
 }

@@ -7,6 +7,7 @@ use super::local_fits::{FitRule, Regions, local_fits};
 use super::mumford_shah::{PiecewiseSmooth, piecewise_smooth_normals};
 use super::relabel::relabel;
 use super::smooth::cauchy_weights;
+use super::unfold::unfold;
 use super::vote::vote;
 use crate::denoise::DenoiseError;
 use crate::denoise::faces::{FaceLists, FaceShapes, Hinges};
@@ -53,7 +54,8 @@ pub(super) fn first_labels(
 /// Rounds of: fits within the creases of the labels ([`local_fits`]), votes
 /// among neighbouring fits ([`vote`]), faces changing sides ([`relabel`]).
 /// Where the noise is `impulsive`, vertices have Cauchy weights by their
-/// distance from the surface of the round before.
+/// distance from the surface of the round before. Last, folded faces are opened
+/// ([`unfold`]).
 ///
 /// # Errors
 ///
@@ -98,5 +100,6 @@ pub(super) fn denoise_creased(
         current = update_vertices(mesh, &normals, &step)?;
     }
     let last = VertexUpdate { steps: LAST_STEPS, limit: Some(limit) };
-    update_vertices(mesh, &normals, &last)
+    let result = update_vertices(mesh, &normals, &last)?;
+    unfold(mesh, result, &normals, limit)
 }

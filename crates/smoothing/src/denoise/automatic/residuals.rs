@@ -6,9 +6,6 @@ use rayon::prelude::*;
 
 use super::smooth::vertex_normals;
 
-/// Products beyond this are held there, so that a few outliers do not decide.
-const LARGEST: f64 = 3.0;
-
 /// The distances of the noisy vertices from a result along its normals, in
 /// mesh units, positive outside.
 pub(super) fn residuals(noisy: &TriMesh, result: &TriMesh) -> Vec<f64> {
@@ -22,20 +19,23 @@ pub(super) fn residuals(noisy: &TriMesh, result: &TriMesh) -> Vec<f64> {
 /// How alike the residuals r of neighbouring vertices are,
 ///
 /// ```text
-/// mean over the edges ij of rᵢ rⱼ / σ²
+/// mean over the edges ij of rᵢ rⱼ  /  mean over the vertices of r²
 /// ```
 ///
-/// with each product held between −3 and 3. Independent noise gives zero, and
-/// a little less since it leaks into the result; a result of another shape than
-/// the surface, facets in the place of a curved part for one, leaves residuals
-/// that are alike on neighbours. Zero without edges.
-pub(super) fn neighbour_correlation(noisy: &TriMesh, result: &TriMesh, sigma: f64) -> f64 {
+/// (Moran's coefficient). Independent noise gives zero, and less where a result
+/// follows the noise, which takes from each vertex what its neighbours have. A
+/// result of another shape than the surface, facets in the place of a curved
+/// part or rounded creases, leaves residuals that are alike on neighbours. Zero
+/// without edges or residuals.
+///
+/// Source: \[moran1950\].
+pub(super) fn neighbour_correlation(noisy: &TriMesh, result: &TriMesh) -> f64 {
     let r = residuals(noisy, result);
     let edges = noisy.topology().edges();
-    let products = edges
-        .iter()
-        .map(|&[a, b]| (r[a as usize] * r[b as usize] / (sigma * sigma)).clamp(-LARGEST, LARGEST));
-    products.sum::<f64>() / edges.len().max(1) as f64
+    let products: f64 = edges.iter().map(|&[a, b]| r[a as usize] * r[b as usize]).sum();
+    let squares: f64 = r.iter().map(|r| r * r).sum();
+    let correlation = products / edges.len() as f64 * r.len() as f64 / squares;
+    if correlation.is_finite() { correlation } else { 0.0 }
 }
 
 #[cfg(test)]
@@ -44,17 +44,26 @@ mod tests {
 
     use super::*;
 
-    /// A sphere blown up by σ has equal residuals everywhere; alternating ones
-    /// on a strip of equal faces cancel.
+    /// A sphere blown up has equal residuals everywhere. Of six around a vertex
+    /// of a grid, raised in turn, two are alike and four are not.
     #[test]
     fn a_shift_correlates_fully() {
         let sphere = shapes::icosphere(3);
         let blown = sphere.positions().iter().map(|p| p.map(|x| 1.1 * x)).collect();
         let blown = sphere.with_positions(blown).unwrap();
-        let found = neighbour_correlation(&blown, &sphere, 0.1);
+        let found = neighbour_correlation(&blown, &sphere);
         // Vertex normals of an icosphere are radial to O(h²).
         assert!((found - 1.0).abs() < 1e-2, "{found}");
         assert!(residuals(&blown, &sphere).iter().all(|r| *r > 0.09));
-        assert_eq!(neighbour_correlation(&sphere, &sphere, 0.1), 0.0);
+        assert_eq!(neighbour_correlation(&sphere, &sphere), 0.0);
+        let plane = shapes::plane(40, 40, shapes::Diagonals::Regular);
+        let raised = plane.positions().iter().enumerate().map(|(v, &[x, y, _])| {
+            let (i, j) = (v % 41, v / 41);
+            [x, y, if (i + j) % 2 == 0 { 1e-3 } else { -1e-3 }]
+        });
+        let raised = plane.with_positions(raised.collect()).unwrap();
+        let found = neighbour_correlation(&raised, &plane);
+        // Up to the border, where diagonals are missing.
+        assert!((found + 1.0 / 3.0).abs() < 0.02, "{found}");
     }
 }

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::residuals::residuals;
 use super::thin_plate::ThinPlate;
+use super::unfold::hold;
 use crate::denoise::DenoiseError;
 use crate::denoise::faces::{FaceShapes, unit_or_zero};
 use crate::denoise::vertex_update::{VertexUpdate, rebuild, update_vertices};
@@ -217,13 +218,6 @@ fn unfold(mesh: &TriMesh) -> Result<TriMesh, DenoiseError> {
         current = rebuild(&current, next)?;
     }
     Ok(current)
-}
-
-/// `x`, or the point towards it at the distance `limit` from `p`.
-fn hold(p: [f64; 3], x: [f64; 3], limit: f64) -> [f64; 3] {
-    let offset = sub(x, p);
-    let length = dot(offset, offset).sqrt();
-    if length > limit { add(p, scale(offset, limit / length)) } else { x }
 }
 
 /// Area-weighted unit normals; zero where undefined.
