@@ -280,6 +280,38 @@ mod tests {
         }
     }
 
+    /// The coordinates have the energy of twice the area of the fan, so that
+    /// it tells where the virtual vertex is. Σ A² is quadratic in its place:
+    /// differences give its minimum exactly, and far from the mean.
+    #[test]
+    fn the_virtual_vertex_minimises_squared_areas() {
+        let corners = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.5], [5.0, 1.0, 0.0], [0.0, 3.0, 1.0]];
+        let areas = |p: [f64; 3]| -> [f64; 4] {
+            std::array::from_fn(|i| {
+                0.5 * norm(cross(sub(corners[i], p), sub(corners[(i + 1) % 4], p)))
+            })
+        };
+        let squares = |p: [f64; 3]| areas(p).map(|a| a * a).iter().sum::<f64>();
+        let at = |steps: &[usize]| {
+            let mut p = [0.0; 3];
+            steps.iter().for_each(|&axis| p[axis] += 1.0);
+            squares(p)
+        };
+        let second = |i, j| at(&[i, j]) - at(&[i]) - at(&[j]) + at(&[]);
+        let hessian = [0, 1, 2].map(|i| [0, 1, 2].map(|j| second(i, j)));
+        let downhill = [0, 1, 2].map(|i| at(&[]) - at(&[i]) + 0.5 * hessian[i][i]);
+        let lowest = solve_on_range(hessian, downhill).unwrap();
+        let mean = scale(corners.iter().fold([0.0; 3], |sum, &p| add(sum, p)), 0.25);
+        assert!(squares(mean) > 1.05 * squares(lowest));
+
+        let found = polygon_laplacian(&polygons(corners.to_vec(), &[&[0, 1, 2, 3]])).unwrap();
+        let area: f64 = areas(lowest).iter().sum();
+        let coordinate = |axis| corners.iter().map(|p: &[f64; 3]| p[axis]).collect::<Vec<_>>();
+        let twice: f64 = (0..3).map(|axis| energy(&found.stiffness, &coordinate(axis))).sum();
+        assert!((twice - 2.0 * area).abs() < 1e-12, "{twice} {area}");
+        assert!((found.lumped_mass.iter().sum::<f64>() - area).abs() < 1e-12);
+    }
+
     #[test]
     fn a_flat_polygon_of_no_area_is_refused() {
         let line = vec![[0.0; 3], [1.0, 0.0, 0.0], [3.0, 0.0, 0.0], [2.0, 0.0, 0.0]];
