@@ -108,6 +108,30 @@ fn faces_may_come_before_vertices() {
     assert_eq!(parsed.polygons, Polygons::Triangles(vec![[2, 1, 0]]));
 }
 
+/// In the bulk path of either byte order as elsewhere: no vertex has the number
+/// of vertices, nor −1.
+#[test]
+fn an_index_just_out_of_range_is_refused() {
+    for (order, big_endian) in [("binary_little_endian", false), ("binary_big_endian", true)] {
+        let file = |last: i32| {
+            let mut bytes =
+                format!("ply\nformat {order} 1.0\nelement vertex 3\n{XYZ}\nelement face 1\n{LIST}\nend_header\n")
+                    .into_bytes();
+            bytes.extend([0; 36]);
+            bytes.push(3);
+            for index in [0, 1, last] {
+                bytes.extend(if big_endian { index.to_be_bytes() } else { index.to_le_bytes() });
+            }
+            outcome(&bytes).map(|parsed| parsed.polygons)
+        };
+        assert_eq!(file(2), Ok(Polygons::Triangles(vec![[0, 1, 2]])));
+        for last in [3, -1] {
+            let error = file(last).unwrap_err();
+            assert!(error.contains(&format!("{last}")) && error.contains("face 0"), "{error}");
+        }
+    }
+}
+
 #[test]
 fn strips_restart_and_turn_one_way() {
     let header = format!(
