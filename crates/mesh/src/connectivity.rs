@@ -53,7 +53,10 @@ impl Connectivity {
     }
 
     fn shared_incidence(&self) -> &Arc<Incidence> {
-        self.incidence.get_or_init(|| Arc::new(Incidence::new(self.vertex_count, &self.faces)))
+        self.incidence.get_or_init(|| {
+            let faces = Arc::clone(&self.faces);
+            Arc::new(Incidence::new(self.vertex_count, faces))
+        })
     }
 }
 
@@ -61,16 +64,20 @@ impl Connectivity {
 ///
 /// Corner `c` is corner `c % 3` of face `c / 3`. Within a vertex corners
 /// ascend.
-#[derive(Debug, Clone, PartialEq, Eq)]
+///
+/// Corners and sides are sorted at the first call that asks for them: writing
+/// all over an array costs more than the counting, and few ask for both.
+#[derive(Debug)]
 pub struct Incidence {
+    faces: Arc<Vec<[u32; 3]>>,
     offsets: Vec<u32>,
-    corners: Vec<u32>,
-    sides: Vec<[u32; 2]>,
+    corners: OnceLock<Vec<u32>>,
+    sides: OnceLock<Vec<[u32; 2]>>,
 }
 
 impl Incidence {
-    /// A counting sort of the corners by vertex: linear in faces.
-    fn new(vertex_count: usize, faces: &[[u32; 3]]) -> Self {
+    /// Counts the corners of each vertex: linear in faces.
+    fn new(vertex_count: usize, faces: Arc<Vec<[u32; 3]>>) -> Self {
         let mut offsets = vec![0u32; vertex_count + 1];
         for &v in faces.as_flattened() {
             offsets[v as usize + 1] += 1;
@@ -78,18 +85,22 @@ impl Incidence {
         for v in 0..vertex_count {
             offsets[v + 1] += offsets[v];
         }
-        let mut next = offsets.clone();
-        let mut corners = vec![0u32; faces.len() * 3];
-        let mut sides = vec![[0u32; 2]; faces.len() * 3];
-        for (f, &[a, b, c]) in faces.iter().enumerate() {
-            for (k, v, others) in [(0, a, [b, c]), (1, b, [c, a]), (2, c, [a, b])] {
+        Self { faces, offsets, corners: OnceLock::new(), sides: OnceLock::new() }
+    }
+
+    /// A counting sort by vertex of what `of_face` says of the three corners
+    /// of a face: linear in faces.
+    fn sorted<T: Copy + Default>(&self, of_face: impl Fn(u32, [u32; 3]) -> [T; 3]) -> Vec<T> {
+        let mut next = self.offsets.clone();
+        let mut sorted = vec![T::default(); 3 * self.faces.len()];
+        for (f, &face) in self.faces.iter().enumerate() {
+            for (v, value) in face.into_iter().zip(of_face(f as u32, face)) {
                 let slot = &mut next[v as usize];
-                corners[*slot as usize] = 3 * f as u32 + k;
-                sides[*slot as usize] = others;
+                sorted[*slot as usize] = value;
                 *slot += 1;
             }
         }
-        Self { offsets, corners, sides }
+        sorted
     }
 
     /// The corners at vertex `v`, ascending; empty for an isolated vertex.
@@ -99,7 +110,7 @@ impl Incidence {
     /// If there is no vertex `v`.
     #[inline]
     pub fn corners(&self, v: u32) -> &[u32] {
-        &self.corners[self.range(v)]
+        &self.all_corners()[self.range(v)]
     }
 
     /// The next and the previous vertex in the face of each corner at vertex
@@ -111,7 +122,8 @@ impl Incidence {
     /// If there is no vertex `v`.
     #[inline]
     pub fn sides(&self, v: u32) -> &[[u32; 2]] {
-        &self.sides[self.range(v)]
+        let all = self.sides.get_or_init(|| self.sorted(|_, [a, b, c]| [[b, c], [c, a], [a, b]]));
+        &all[self.range(v)]
     }
 
     #[inline]
@@ -127,7 +139,7 @@ impl Incidence {
 
     /// The corners of all vertices, one vertex after another.
     pub fn all_corners(&self) -> &[u32] {
-        &self.corners
+        self.corners.get_or_init(|| self.sorted(|f, _| [3 * f, 3 * f + 1, 3 * f + 2]))
     }
 }
 
@@ -137,7 +149,7 @@ mod tests {
 
     #[test]
     fn corners_and_sides_of_a_strip() {
-        let incidence = Incidence::new(5, &[[0, 1, 2], [3, 2, 1]]);
+        let incidence = Incidence::new(5, Arc::new(vec![[0, 1, 2], [3, 2, 1]]));
         assert_eq!(incidence.offsets(), [0, 1, 3, 5, 6, 6]);
         assert_eq!(incidence.corners(1), [1, 5]);
         assert_eq!(incidence.sides(1), [[2, 0], [3, 2]]);

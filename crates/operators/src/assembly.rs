@@ -50,14 +50,8 @@ pub(crate) fn sum_sides(
     of_face: impl Fn(usize) -> Result<[f64; 3], OperatorError>,
 ) -> Result<SparseMatrix, OperatorError> {
     check_size(mesh)?;
-    let mut starts = vec![0u32; mesh.vertex_count() + 1];
-    for &v in mesh.faces().as_flattened() {
-        starts[v as usize + 1] += 1;
-    }
-    for v in 0..mesh.vertex_count() {
-        starts[v + 1] += starts[v];
-    }
-    let mut next = starts.clone();
+    let starts = mesh.incidence().offsets();
+    let mut next = starts.to_vec();
     let mut sides = vec![Side::default(); 3 * mesh.face_count()];
     for (f, &[a, b, c]) in mesh.faces().iter().enumerate() {
         let [at_a, at_b, at_c] = of_face(f)?;
