@@ -104,6 +104,27 @@ fn convert_goes_round_all_formats_without_loss() {
     assert_eq!(io::read(folder.path().join("d.ply")).unwrap().mesh, original);
 }
 
+/// Faces of the file, triangles and edges, as `info` counts them.
+#[test]
+fn polygons_stay_polygons_until_triangles_are_asked_for() {
+    let folder = folder_with_torus();
+    let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nf 1 2 3 4\nf 2 5 3\n";
+    std::fs::write(folder.path().join("a.obj"), square).unwrap();
+    for (line, counts) in [
+        ("convert a.obj b.ply", [2, 3, 6]),
+        ("convert b.ply c.off.gz", [2, 3, 6]),
+        ("convert c.off.gz d.obj --triangulate", [3, 3, 7]),
+        ("convert c.off.gz e.stl", [3, 3, 7]),
+    ] {
+        run(folder.path(), line);
+        let output = line.split(' ').nth(2).unwrap();
+        let info = run(folder.path(), &format!("info {output} --json"));
+        let info: Value = serde_json::from_str(&info).unwrap();
+        let found = ["faces", "triangles", "edges"].map(|key| info[key].as_u64().unwrap());
+        assert_eq!(found, counts, "{line}");
+    }
+}
+
 #[test]
 fn nothing_is_overwritten_unasked() {
     let folder = folder_with_torus();

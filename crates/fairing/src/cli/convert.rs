@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use fairing::mesh::io::{self, Encoding, FloatWidth, ReadOptions, UnheldFields, WriteOptions};
+use fairing::mesh::io::{
+    self, Encoding, FloatWidth, Format, PolygonFile, ReadOptions, UnheldFields, WriteOptions,
+};
 
 use super::Context;
 use super::exit::Failure;
@@ -13,8 +15,8 @@ use super::files::{self, Overwrite};
 ///
 /// The endings decide the formats; add .gz for a compressed file. Vertices keep
 /// their order, isolated ones included, except in STL, which stores corners and
-/// no vertices. Polygons are split into triangles. What cannot be kept is left
-/// out and named.
+/// no vertices. Polygons stay polygons, except in STL, which has triangles only.
+/// What cannot be kept is left out and named.
 #[derive(Args)]
 pub(crate) struct Convert {
     /// The mesh to read
@@ -23,6 +25,9 @@ pub(crate) struct Convert {
     output: PathBuf,
     #[command(flatten)]
     overwrite: Overwrite,
+    /// Split polygons into triangles
+    #[arg(long)]
+    triangulate: bool,
     /// Write PLY and STL as text instead of binary
     #[arg(long)]
     ascii: bool,
@@ -38,11 +43,10 @@ pub(crate) struct Convert {
 impl Convert {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
         self.overwrite.check(&self.output)?;
-        let file = match self.strict {
-            true => io::read_with(&self.input, &ReadOptions::strict()).map_err(Failure::input)?,
-            false => files::read(&self.input)?,
-        };
-        files::say_report(context, &self.input, &file.report);
+        let reading = if self.strict { ReadOptions::strict() } else { ReadOptions::default() };
+        let PolygonFile { mesh, fields, report, .. } =
+            io::read_polygons_with(&self.input, &reading).map_err(Failure::input)?;
+        files::say_report(context, &self.input, &report);
         let mut options = WriteOptions::default();
         if self.ascii {
             options.encoding = Encoding::Ascii;
@@ -53,6 +57,12 @@ impl Convert {
         if !self.strict {
             options.unheld_fields = UnheldFields::Drop;
         }
-        files::write(context, &self.output, &file.mesh, &file.fields, &options)
+        let (format, _) = Format::of_name(&self.output);
+        if self.triangulate || format == Some(Format::Stl) {
+            return files::write(context, &self.output, &mesh.triangulate(), &fields, &options);
+        }
+        let report = io::write_polygons(&self.output, &mesh, &fields, &options);
+        files::say_written(context, &self.output, &report.map_err(Failure::output)?);
+        Ok(())
     }
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use fairing::mesh::TriMesh;
-use fairing::mesh::io::{self, MeshFile, ReadReport, VertexFields, WriteOptions};
+use fairing::mesh::io::{self, MeshFile, ReadReport, VertexFields, WriteOptions, WriteReport};
 
 use super::Context;
 use super::exit::Failure;
@@ -69,6 +69,12 @@ pub(crate) fn write(
     options: &WriteOptions,
 ) -> Result<(), Failure> {
     let report = io::write_with_fields(path, mesh, fields, options).map_err(Failure::output)?;
+    say_written(context, path, &report);
+    Ok(())
+}
+
+/// Tells what a format could not hold, if anything.
+pub(crate) fn say_written(context: &Context, path: &Path, report: &WriteReport) {
     if !report.dropped.is_empty() {
         let names = report.dropped.join(", ");
         context.note(format_args!("{}: {} cannot hold {names}", path.display(), report.format));
@@ -76,7 +82,6 @@ pub(crate) fn write(
     for note in &report.notes {
         context.note(format_args!("{}: {note}", path.display()));
     }
-    Ok(())
 }
 
 /// Writes bytes, whole or not at all.
