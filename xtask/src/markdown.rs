@@ -208,7 +208,7 @@ fn body(record: &Record) -> String {
 }
 
 /// Tables with more rows than this are folded.
-const LONG: usize = 24;
+pub(crate) const LONG: usize = 24;
 
 /// Text that does not end its cell.
 fn cell(text: &str) -> String {

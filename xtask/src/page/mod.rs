@@ -38,6 +38,9 @@ const SCRIPTS: [&str; 7] = [
     include_str!("../../assets/page.js"),
 ];
 
+/// The experiment and the figure that open the page.
+const FIRST: (&str, &str) = ("q1", "flower-signed");
+
 const STYLE: &str = include_str!("../../assets/style.css");
 
 /// The page. `folder` holds the files of the report, whose pictures are put
@@ -53,6 +56,7 @@ pub fn report(
     form: Form,
 ) -> Result<String> {
     let mut main = opening(results);
+    main += &first_picture(results, folder, form)?;
     main += &claims(results);
     let section = |record: &Record| {
         let card = experiments.iter().map(|e| e.card()).find(|c| c.id == record.id);
@@ -161,6 +165,20 @@ fn opening(results: &Results) -> String {
     text
 }
 
+/// A picture before any table, as a link to where it belongs.
+fn first_picture(results: &Results, folder: &Path, form: Form) -> Result<String> {
+    let (record, id) = FIRST;
+    let records = results.experiments.iter().filter(|r| r.id == record);
+    let Some(figure) = records.flat_map(|r| &r.figures).find(|f| f.id == id) else {
+        return Ok(String::new());
+    };
+    Ok(format!(
+        "<a class=\"first\" href=\"#figure-{record}-{id}\"><img src=\"{}\" alt=\"{}\"></a>",
+        section::source(figure, folder, form)?,
+        escape(&figure.alt)
+    ))
+}
+
 fn claims(results: &Results) -> String {
     let mut bodies = String::new();
     for (ours, heading) in [(false, "The source report claims"), (true, "Fairing claims")] {
@@ -188,7 +206,7 @@ fn claims(results: &Results) -> String {
         return bodies;
     }
     format!(
-        "<section id=\"claims\"><h2>The claims</h2><div class=\"wide\"><table>{bodies}</table></div></section>"
+        "<section id=\"claims\"><h2>The claims</h2><div class=\"wide\"><table class=\"claims\">{bodies}</table></div></section>"
     )
 }
 

@@ -10,6 +10,7 @@ use base64::Engine as _;
 use super::html::escape;
 use super::view;
 use crate::experiment::Card;
+use crate::markdown;
 use crate::results::{FigureFile, Record};
 use crate::runner::Form;
 use crate::table::{Cell, Table, Unit};
@@ -126,9 +127,9 @@ fn parameters(record: &Record) -> String {
     }
 }
 
-/// The smaller of PNG and SVG stands in the page, or is shown from its file if
-/// the report is to be small; both are linked.
-fn picture(record: &Record, figure: &FigureFile, folder: &Path, form: Form) -> Result<String> {
+/// What the page shows of a figure: the smaller of PNG and SVG, or its file if
+/// the report is to be small.
+pub(super) fn source(figure: &FigureFile, folder: &Path, form: Form) -> Result<String> {
     let read = |path: &str| fs::read(folder.join(path)).with_context(|| format!("reading {path}"));
     let png = read(&figure.png)?;
     let svg = figure.svg.as_deref().map(read).transpose()?;
@@ -136,13 +137,18 @@ fn picture(record: &Record, figure: &FigureFile, folder: &Path, form: Form) -> R
         (Some(svg), Some(path)) if svg.len() <= png.len() => ("svg+xml", svg, path),
         _ => ("png", png, &figure.png),
     };
-    let source = match form {
+    Ok(match form {
         Form::Small => escape(path),
         Form::Whole => {
             let data = base64::engine::general_purpose::STANDARD.encode(bytes);
             format!("data:image/{kind};base64,{data}")
         }
-    };
+    })
+}
+
+/// A figure with its caption, and links to both of its files.
+fn picture(record: &Record, figure: &FigureFile, folder: &Path, form: Form) -> Result<String> {
+    let source = source(figure, folder, form)?;
     let mut links = format!("<a href=\"{}\">PNG</a>", escape(&figure.png));
     if let Some(svg) = &figure.svg {
         let _ = write!(links, ", <a href=\"{}\">SVG</a>", escape(svg));
@@ -157,11 +163,23 @@ fn picture(record: &Record, figure: &FigureFile, folder: &Path, form: Form) -> R
 }
 
 fn table(table: &Table, csv: &str) -> String {
-    let mut text = format!(
-        "<div class=\"wide\"><table id=\"table-{}\"><caption>{} <span class=\"soft\">(<a href=\"{}\">CSV</a>)</span></caption><thead><tr>",
-        escape(csv.trim_end_matches(".csv")).replace('/', "-"),
+    let caption = format!(
+        "{} <span class=\"soft\">(<a href=\"{}\">CSV</a>)</span>",
         escape(&table.caption),
         escape(csv)
+    );
+    // What is folded is not printed either.
+    let (before, caption, after) = match table.rows.len() {
+        rows if rows > markdown::LONG => (
+            format!("<p class=\"caption\">{caption}</p><details><summary>{rows} rows</summary>"),
+            String::new(),
+            "</details>",
+        ),
+        _ => (String::new(), format!("<caption>{caption}</caption>"), ""),
+    };
+    let mut text = format!(
+        "{before}<div class=\"wide\"><table id=\"table-{}\">{caption}<thead><tr>",
+        escape(csv.trim_end_matches(".csv")).replace('/', "-"),
     );
     for c in &table.columns {
         let unit = match c.unit {
@@ -180,7 +198,7 @@ fn table(table: &Table, csv: &str) -> String {
         }
         text += "</tr>";
     }
-    text + "</tbody></table></div>"
+    text + "</tbody></table></div>" + after
 }
 
 /// Numbers are set flush right.
