@@ -3,10 +3,11 @@
 /**
  * A camera that turns about the origin; the meshes of a view are scaled to fit
  * a ball of radius 1 about it. Angles as in the printed figures: azimuth from
- * the front (+z) towards +x, elevation above the horizon.
+ * the front (+z, or −y where z is up) towards +x, elevation above the horizon.
  */
 class Camera {
-  constructor(azimuth, elevation) {
+  constructor(azimuth, elevation, zUp = false) {
+    this.zUp = zUp;
     this.home = {azimuth, elevation, distance: 3.4, x: 0, y: 0};
     this.reset();
   }
@@ -34,12 +35,11 @@ class Camera {
     const a = (this.azimuth * Math.PI) / 180;
     const e = (this.elevation * Math.PI) / 180;
     const [sa, ca, se, ce] = [Math.sin(a), Math.cos(a), Math.sin(e), Math.cos(e)];
-    return [
-      ca, -sa * se, sa * ce, 0,
-      0, ce, se, 0,
-      -sa, -ca * se, ca * ce, 0,
-      this.x, this.y, -this.distance, 1,
-    ];
+    const side = [ca, -sa * se, sa * ce, 0];
+    const up = [0, ce, se, 0];
+    const front = [-sa, -ca * se, ca * ce, 0];
+    const [y, z] = this.zUp ? [front.map((x) => -x), up] : [up, front];
+    return [...side, ...y, ...z, this.x, this.y, -this.distance, 1];
   }
 
   /** Perspective with 36° from top to bottom, more in a tall picture. */

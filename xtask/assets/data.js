@@ -84,7 +84,12 @@ function decodeView(description, block) {
   return description.panels.map((panel) => {
     const n = panel.vertices;
     let before = null;
-    const stops = panel.stops.map(({low, size, follows}) => {
+    const decoded = [];
+    for (const {low, size, follows, same} of panel.stops) {
+      if (same !== undefined) {
+        decoded.push(decoded[same]);
+        continue;
+      }
       const q = block.shorts(n, 3);
       if (follows) for (let i = 0; i < q.length; i++) q[i] = (q[i] + before[i]) & 0xffff;
       before = q;
@@ -92,8 +97,8 @@ function decodeView(description, block) {
       for (let i = 0; i < positions.length; i++) {
         positions[i] = low[i % 3] + (size[i % 3] * q[i]) / 65535;
       }
-      return positions;
-    });
+      decoded.push(positions);
+    }
     const occlusion = block.raw(n);
     const fields = panel.fields.map((field) => ({
       ...field,
@@ -105,7 +110,7 @@ function decodeView(description, block) {
       }),
     }));
     const live = panel.live ? block.doubles(n, 3) : null;
-    return {...panel, faces: faceLists[panel.faces], stops, occlusion, fields, live};
+    return {...panel, faces: faceLists[panel.faces], stops: decoded, occlusion, fields, live};
   });
 }
 

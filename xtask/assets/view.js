@@ -31,8 +31,8 @@ class View {
     this.id = figure.id;
     this.maps = maps;
     this.description = JSON.parse(figure.querySelector('script.about').textContent);
-    const {angles, sliders, fields} = this.description;
-    this.camera = new Camera(angles[0], angles[1]);
+    const {angles, zUp, sliders, fields} = this.description;
+    this.camera = new Camera(angles[0], angles[1], zUp);
     this.state = {
       stops: sliders.map(() => 0),
       field: fields.length ? 0 : -1,

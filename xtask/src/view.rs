@@ -15,6 +15,9 @@ pub struct View {
     pub alt: String,
     /// The figure (by id) that stands in where there is no WebGL.
     pub fallback: String,
+    /// Whether the third axis points up, else the second, as in the figure.
+    #[serde(default)]
+    pub z_up: bool,
     /// The sliders, top to bottom. What a panel shows is given for each
     /// combination of their stops, those of the last slider running fastest.
     pub sliders: Vec<Slider>,

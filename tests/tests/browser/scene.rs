@@ -59,6 +59,7 @@ fn flow() -> View {
         caption: "Explicit smoothing of a noisy sphere.".into(),
         alt: "Two bumpy spheres, one noisy, one smooth.".into(),
         fallback: "picture".into(),
+        z_up: false,
         sliders: vec![Slider::new("iterations", 0..stops.len())],
         panels: vec![still, moving],
     }
@@ -80,6 +81,7 @@ fn open() -> View {
         caption: "An open surface.".into(),
         alt: "A flower of four petals.".into(),
         fallback: "picture".into(),
+        z_up: false,
         sliders: vec![],
         panels: vec![panel],
     }
@@ -100,6 +102,7 @@ fn grid() -> View {
         caption: "Ellipsoids.".into(),
         alt: "An ellipsoid.".into(),
         fallback: "picture".into(),
+        z_up: false,
         sliders: vec![Slider::new("width", WIDTHS), Slider::new("height", HEIGHTS)],
         panels: vec![Panel::moving("ellipsoid", &sphere, all.iter().map(|p| &p[..]))],
     }

@@ -320,7 +320,7 @@ fn picture(body: &Body, restored: &[TriMesh]) -> Result<Picture> {
     Grid {
         rows: vec![row(0..half), row(half..restored.len())],
         viewpoint: VIEWPOINTS[0],
-        up: Up::Z,
+        up: if body.name == GENERATED[2] { Up::Y } else { Up::Z },
         aspect: 1.0,
     }
     .draw(

@@ -18,6 +18,9 @@ use crate::row;
 use crate::table::{Cell, Table, Tolerance, Unit};
 use crate::view::{Panel, Slider, View};
 
+/// The numbers of steps that views show, up to those of the flow.
+const VIEWED_STEPS: [usize; 2] = [1, 10];
+
 /// Edges that turn by at least this many degrees are features.
 pub(super) const FEATURE: f64 = 30.0;
 
@@ -202,7 +205,7 @@ impl OverLambda<'_> {
                 table.push(leading.into_iter().chain(model.measure(mesh)?.cells()));
             }
             outcome.figures.push((self.draw)(model, &smoothed)?);
-            outcome.views.push(self.view(model, &smoothed));
+            outcome.views.push(self.view(model, &smoothed)?);
             for (lambda, mesh) in with_input().zip(smoothed).skip(1) {
                 outcome.meshes.push(MeshOutput {
                     id: format!("{}-{}", model.slug(), slug(&lambda.to_string())),
@@ -218,29 +221,34 @@ impl OverLambda<'_> {
         Ok(table)
     }
 
-    /// The input, which the page can smooth, beside the result at each λ.
-    fn view(&self, model: &Model, smoothed: &[TriMesh]) -> View {
+    /// The input, which the page can smooth, beside the flow at each λ on its way.
+    fn view(&self, model: &Model, smoothed: &[TriMesh]) -> Result<View> {
         let Self { kind, lambdas, iterations, viewed, .. } = *self;
-        let stops = lambdas[..viewed].iter().map(|lambda| format!("λ = {lambda}"));
         let left_out = if viewed < lambdas.len() { " (what diverges is left out)" } else { "" };
-        View {
+        let counts: Vec<usize> =
+            VIEWED_STEPS.into_iter().filter(|&n| n < iterations).chain([iterations]).collect();
+        let mut stops: Vec<TriMesh> = vec![];
+        for (&lambda, last) in lambdas[..viewed].iter().zip(&smoothed[1..]) {
+            for &count in &counts[..counts.len() - 1] {
+                stops.push((self.run)(model, lambda, count)?.mesh);
+            }
+            stops.push(last.clone());
+        }
+        Ok(View {
             id: format!("{}-view", model.slug()),
             caption: format!(
-                "The {} before and after {iterations} {kind} steps, over λ{left_out}. The page can take implicit steps of any λ from the input on the left.",
+                "The {} before and after {kind} steps, over λ and their number{left_out}. The page can take implicit steps of any λ from the input on the left.",
                 model.name
             ),
-            alt: format!("The {} twice, to turn, with a slider over λ.", model.name),
+            alt: format!("The {} twice, to turn, with sliders over λ and iterations.", model.name),
             fallback: model.slug(),
-            sliders: vec![Slider::new("λ", stops)],
+            z_up: true,
+            sliders: vec![Slider::new("λ", &lambdas[..viewed]), Slider::new("iterations", &counts)],
             panels: vec![
                 Panel::still("input", &model.noisy).with_live_smoothing(&model.noisy),
-                Panel::moving(
-                    kind,
-                    &model.noisy,
-                    smoothed[1..=viewed].iter().map(TriMesh::positions),
-                ),
+                Panel::moving(kind, &model.noisy, stops.iter().map(TriMesh::positions)),
             ],
-        }
+        })
     }
 }
 

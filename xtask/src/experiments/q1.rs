@@ -187,6 +187,7 @@ impl<'a> Pictures<'a> {
             ),
             alt: format!("The {} to turn, plain and coloured by curvature.", self.name),
             fallback: format!("{}-signed", self.name),
+            z_up: true,
             sliders: vec![],
             panels: vec![Panel::still("original", self.mesh), colored],
         }

@@ -235,6 +235,7 @@ fn view(name: &str, mesh: &TriMesh, uniform: &MeanCurvature, cotangent: &MeanCur
         ),
         alt: format!("The {name} twice, to turn, coloured by either mean curvature."),
         fallback: format!("{name}-signed"),
+        z_up: true,
         sliders: vec![],
         panels: vec![panel("uniform", uniform), panel("cotangent", cotangent)],
     }

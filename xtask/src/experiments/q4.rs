@@ -369,6 +369,7 @@ fn view(id: &str, name: &str, mesh: &TriMesh, stops: &[usize], rebuilt: &[TriMes
         caption: format!("The {name} from k modes on the left, the original on the right."),
         alt: format!("The {name} twice, to turn; a slider changes the number of modes."),
         fallback: id.into(),
+        z_up: false,
         sliders: vec![Slider::new("k", stops)],
         panels: vec![
             Panel::moving("k modes", mesh, rebuilt.iter().map(TriMesh::positions)),

@@ -127,10 +127,12 @@ impl Experiment for GrowingNoise {
         let resolutions = resolutions(context)?;
         let limits = limits::table(&sweep)?;
         context.progress(0.85, "pictures");
-        let mut figures = vec![pictures::of_levels(context, &part)?];
+        let (levels, levels_view) = pictures::of_levels(context, &part)?;
+        let (scan, scan_view) = pictures::of_scan(context, &bodies[2])?;
+        let mut figures = vec![levels];
         figures.extend(pictures::curves(&sweep)?);
-        figures.push(pictures::of_scan(context, &bodies[2])?);
-        let views = vec![pictures::view(context, &bodies[2])?];
+        figures.push(scan);
+        let views = vec![levels_view, scan_view];
         let tables = vec![model, limits, resolutions, sweep];
         Ok(Outcome { tables, figures, views, notes, ..Outcome::default() })
     }

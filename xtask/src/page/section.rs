@@ -11,6 +11,7 @@ use super::html::escape;
 use super::view;
 use crate::experiment::Card;
 use crate::markdown;
+use crate::palette;
 use crate::results::{FigureFile, Record};
 use crate::runner::Form;
 use crate::table::{Cell, Table, Unit};
@@ -56,7 +57,7 @@ pub(super) fn experiment(
     for v in &record.views {
         let id = format!("{}-{}", record.id, v.id);
         let fallback = figure_id(record, &v.fallback);
-        text += &view::figure(v, &id, &fallback)?;
+        text += &view::figure(v, &id, &fallback, form)?;
     }
     for figure in &record.figures {
         text += &picture(record, figure, folder, form)?;
@@ -127,6 +128,9 @@ fn parameters(record: &Record) -> String {
     }
 }
 
+/// Pictures in the page have at most this width, in pixels; their files have more.
+const WIDTH: usize = 1280;
+
 /// What the page shows of a figure: the smaller of PNG and SVG, or its file if
 /// the report is to be small.
 pub(super) fn source(figure: &FigureFile, folder: &Path, form: Form) -> Result<String> {
@@ -140,6 +144,7 @@ pub(super) fn source(figure: &FigureFile, folder: &Path, form: Form) -> Result<S
     Ok(match form {
         Form::Small => escape(path),
         Form::Whole => {
+            let bytes = if kind == "png" { palette::narrow(&bytes, WIDTH)? } else { bytes };
             let data = base64::engine::general_purpose::STANDARD.encode(bytes);
             format!("data:image/{kind};base64,{data}")
         }

@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 
 use super::html::{escape, script_json};
 use super::pack::{Pack, Quantiser};
+use crate::runner::Form;
 use crate::view::{Panel, View};
 
 /// The colour maps of the viewer, 256 colours each, for `page.js`.
@@ -25,14 +26,19 @@ pub(super) fn color_maps() -> String {
 }
 
 /// The view as a `<figure>` that the page's script brings to life; `id` is
-/// unique on the page, `fallback` the id of the figure that stands in.
+/// unique on the page, `fallback` the id of the figure that stands in. In a
+/// small report positions have 12 bits instead of 16.
 ///
 /// # Errors
 ///
 /// If a panel is empty, has positions that are not finite, or values that do
 /// not match its vertices.
-pub(super) fn figure(view: &View, id: &str, fallback: &str) -> Result<String> {
-    let (about, data) = describe(view).with_context(|| format!("view {id}"))?;
+pub(super) fn figure(view: &View, id: &str, fallback: &str, form: Form) -> Result<String> {
+    let step = match form {
+        Form::Whole => 1,
+        Form::Small => 16,
+    };
+    let (about, data) = describe(view, step).with_context(|| format!("view {id}"))?;
     let mut html = String::new();
     let _ = write!(
         html,
@@ -53,7 +59,7 @@ pub(super) fn figure(view: &View, id: &str, fallback: &str) -> Result<String> {
 }
 
 /// The description and the packed data.
-fn describe(view: &View) -> Result<(Value, String)> {
+fn describe(view: &View, step: u16) -> Result<(Value, String)> {
     ensure!(!view.panels.is_empty(), "there is no panel");
     for panel in &view.panels {
         check(panel, view.combinations()).with_context(|| format!("panel {}", panel.title))?;
@@ -72,7 +78,7 @@ fn describe(view: &View) -> Result<(Value, String)> {
         .iter()
         .map(|panel| {
             let faces = lists.iter().position(|l| *l == panel.faces).unwrap_or_default();
-            describe_panel(panel, faces, &frame, &mut pack)
+            describe_panel(panel, faces, &frame, step, &mut pack)
         })
         .collect::<Result<_>>()?;
     let mut fields: Vec<Value> = Vec::new();
@@ -84,7 +90,8 @@ fn describe(view: &View) -> Result<(Value, String)> {
     }
     let about = json!({
         "alt": view.alt,
-        "angles": frame.angles(),
+        "zUp": view.z_up,
+        "angles": frame.angles(view.z_up),
         "ball": {"center": frame.center(), "radius": reach(&view.panels, frame.center())},
         "flat": view.panels.iter().any(|p| p.positions.len() > 1),
         "sliders": view.sliders.iter().map(|slider| {
@@ -130,16 +137,27 @@ fn check(panel: &Panel, stops: usize) -> Result<()> {
     Ok(())
 }
 
-fn describe_panel(panel: &Panel, faces: usize, frame: &Frame, pack: &mut Pack) -> Result<Value> {
+fn describe_panel(
+    panel: &Panel,
+    faces: usize,
+    frame: &Frame,
+    step: u16,
+    pack: &mut Pack,
+) -> Result<Value> {
     let mut stops = Vec::new();
     let mut before: Option<Vec<[u16; 3]>> = None;
-    for positions in &panel.positions {
+    for (s, positions) in panel.positions.iter().enumerate() {
+        // A panel that only one of the sliders moves.
+        if let Some(first) = panel.positions[..s].iter().position(|p| p == positions) {
+            stops.push(json!({"same": first}));
+            continue;
+        }
         // A stop that leaves the common box by far, as unstable flows do, has
         // a box of its own and takes no precision from the others.
         let own = Frame::of(positions);
         let stray = !frame.nearly_holds(&own);
         let place = if stray { own } else { frame.enlarged() };
-        let codes: Vec<[u16; 3]> = positions.iter().map(|&p| place.code(p)).collect();
+        let codes: Vec<[u16; 3]> = positions.iter().map(|&p| place.code(p, step)).collect();
         let follows = !stray && before.is_some();
         match &before {
             Some(last) if follows => {
@@ -276,19 +294,23 @@ impl Frame {
         (0..3).all(|k| own.low[k] <= other.low[k] && other.high[k] <= own.high[k])
     }
 
-    fn code(&self, p: [f32; 3]) -> [u16; 3] {
+    /// Where in the box, in 65535ths, to the next multiple of `step`.
+    fn code(&self, p: [f32; 3], step: u16) -> [u16; 3] {
+        let (step, last) = (f64::from(step), f64::from(u16::MAX));
         [0, 1, 2].map(|k| {
             let size = self.high[k] - self.low[k];
             let t = if size > 0.0 { (f64::from(p[k]) - self.low[k]) / size } else { 0.0 };
-            (t * 65_535.0).round() as u16
+            (step * (t * last / step).round()).min(last) as u16
         })
     }
 
     /// Azimuth and elevation at which the view begins, in degrees: what is
     /// nearly flat is seen almost face on, everything else a little from the
     /// side and above.
-    fn angles(&self) -> [f64; 2] {
-        let size = [0, 1, 2].map(|k| self.high[k] - self.low[k]);
+    fn angles(&self, z_up: bool) -> [f64; 2] {
+        // Sideways, up, towards the camera.
+        let axes = if z_up { [0, 2, 1] } else { [0, 1, 2] };
+        let size = axes.map(|k| self.high[k] - self.low[k]);
         let thin = 0.1 * self.radius();
         match size.iter().position(|&s| s < thin) {
             Some(0) => [70.0, 15.0],

@@ -15,8 +15,8 @@ const fn limb(ends: [[f64; 3]; 2], radii: [f64; 2]) -> Limb {
     Limb { ends, radii }
 }
 
-/// Standing, looking along −y, the left half (x > 0) of it; the rest is its
-/// mirror image.
+/// Standing on z, looking along −y, the left half (x > 0) of it; the rest is
+/// its mirror image.
 const LIMBS: [Limb; 12] = [
     limb([[0.0, 0.02, 0.12], [0.0, 0.06, -0.18]], [0.24, 0.28]), // trunk
     limb([[0.0, -0.02, 0.42], [0.0, -0.10, 0.50]], [0.13, 0.14]), // head
@@ -34,11 +34,12 @@ const LIMBS: [Limb; 12] = [
 
 /// An upright animal about 1.8 high with head, ears, limbs, fingers, a tail,
 /// a grooved back and wrinkled skin: smooth, closed, genus 0, in nearly equal
-/// triangles of about `2 / resolution`, vertices on the analytic surface.
+/// triangles of about `2 / resolution`, vertices on the analytic surface. It
+/// stands on y and looks along +z, as scanned figures do.
 ///
 /// The field is a smooth union of tapered limbs with waves of small amplitude
 /// added; the surface is its zero set. Numbering follows the grid that found
-/// the surface: z slowest, then y, x. A resolution of 100 gives about 13
+/// the surface, from the feet up. A resolution of 100 gives about 13
 /// thousand vertices.
 ///
 /// # Panics
@@ -46,7 +47,9 @@ const LIMBS: [Limb; 12] = [
 /// Unless 48 ≤ `resolution` ≤ 320: a coarser grid tears the thin parts.
 pub fn creature(resolution: u32) -> TriMesh {
     assert!((48..=320).contains(&resolution), "resolution {resolution} is not in [48, 320]");
-    implicit(field, 1.0, resolution as usize)
+    let mesh = implicit(field, 1.0, resolution as usize);
+    let standing_on_y = mesh.positions().iter().map(|&[x, y, z]| [x, z, -y]).collect();
+    TriMesh::from_checked(standing_on_y, mesh.faces().to_vec())
 }
 
 /// Negative inside.

@@ -1,4 +1,4 @@
-//! The pictures, plots and the view of question 7.
+//! The pictures, plots and views of question 7.
 
 use anyhow::Result;
 use fairing_evaluation::NoiseLevel;
@@ -7,7 +7,7 @@ use fairing_mesh::TriMesh;
 use fairing_smoothing::denoise::Denoiser;
 use rayon::prelude::*;
 
-use super::{ASSIGNMENT, SWEEP};
+use super::ASSIGNMENT;
 use crate::experiment::Context;
 use crate::experiments::gallery::{VIEWPOINTS, plotted};
 use crate::experiments::grid::{Grid, Row};
@@ -16,7 +16,7 @@ use crate::outcome::Picture;
 use crate::table::{Cell, Table};
 use crate::view::{Panel, Slider, View};
 
-/// The columns of the pictures.
+/// The columns of the pictures; the first is what the others begin with.
 const SHOWN: [Method; 6] = [
     Method::Nothing,
     Method::Explicit,
@@ -37,71 +37,114 @@ const CURVES: [Method; 7] = [
     Method::Denoiser(Denoiser::Automatic),
 ];
 
-/// The levels of the scan's pictures, in h.
-const SCAN_LEVELS: [f64; 3] = [0.1, 0.3, 1.0];
+/// The levels of the scan's view, in h, and whether they are drawn too.
+const SCAN_LEVELS: [(f64, bool); 4] = [(0.1, true), (0.3, true), (0.5, false), (1.0, true)];
 
 /// The noisy part and what the methods make of it, a row for each level of the assignment.
-pub(super) fn of_levels(context: &Context<'_>, part: &Body) -> Result<Picture> {
-    let rows = ASSIGNMENT.map(|sigma| (format!("σ = {sigma}"), NoiseLevel::Model(sigma)));
-    grid(context, part, &rows, VIEWPOINTS[0], Up::Z)?.draw(
-        part,
+pub(super) fn of_levels(context: &Context<'_>, part: &Body) -> Result<(Picture, View)> {
+    let levels = ASSIGNMENT.map(|sigma| Level {
+        name: sigma.to_string(),
+        noise: NoiseLevel::Model(sigma),
+        drawn: true,
+    });
+    let restored = Restored::new(context, part, &levels, VIEWPOINTS[0], Up::Z)?;
+    let picture = restored.draw(
         "levels",
         "The machine part under the assignment's three levels of noise, in model units, and after each method; flat shaded, so that every face shows its normal.",
         "Three rows of six pictures of the machine part: at the two lower levels guided filtering and the automatic denoiser bring its faces and edges back, smoothing rounds them; at the highest nothing is left of it.",
-    )
+    )?;
+    Ok((picture, restored.view("levels")))
 }
 
 /// The same of the scan, levels in h.
-pub(super) fn of_scan(context: &Context<'_>, scan: &Body) -> Result<Picture> {
-    let rows = SCAN_LEVELS.map(|sigma| (format!("σ = {sigma} h"), NoiseLevel::EdgeLengths(sigma)));
+pub(super) fn of_scan(context: &Context<'_>, scan: &Body) -> Result<(Picture, View)> {
+    let levels = SCAN_LEVELS.map(|(sigma, drawn)| Level {
+        name: format!("{sigma} h"),
+        noise: NoiseLevel::EdgeLengths(sigma),
+        drawn,
+    });
     let viewpoint = Viewpoint::Angles { azimuth: 30.0, elevation: 10.0 };
-    let up = if context.is_present(crate::inputs::Input::Scan) { Up::Y } else { Up::Z };
-    grid(context, scan, &rows, viewpoint, up)?.draw(
-        scan,
+    let restored = Restored::new(context, scan, &levels, viewpoint, Up::Y)?;
+    let picture = restored.draw(
         "scan",
         "The scan under three levels of noise in mean edge lengths, and after each method.",
         "Three rows of six pictures of an animal: at the highest level only its outline is left.",
-    )
+    )?;
+    Ok((picture, restored.view("scan")))
 }
 
-/// The meshes of a grid.
-struct Restored {
-    rows: Vec<(String, Vec<TriMesh>)>,
+/// A level of noise.
+struct Level {
+    name: String,
+    noise: NoiseLevel,
+    /// Whether it is a row of the picture.
+    drawn: bool,
+}
+
+/// A body under each level of noise, after each method.
+struct Restored<'a> {
+    body: &'a Body,
+    levels: &'a [Level],
+    /// In the order of the levels, each in the order of [`SHOWN`].
+    meshes: Vec<Vec<TriMesh>>,
     viewpoint: Viewpoint,
     up: Up,
 }
 
-fn grid(
-    context: &Context<'_>,
-    body: &Body,
-    levels: &[(String, NoiseLevel)],
-    viewpoint: Viewpoint,
-    up: Up,
-) -> Result<Restored> {
-    let mut rows = vec![];
-    for (title, level) in levels {
-        let noisy = body.noisy(*level, context.seed("noise"))?;
-        let meshes = SHOWN.par_iter().map(|&m| body.restore(m, &noisy));
-        rows.push((title.clone(), meshes.collect::<Result<Vec<_>>>()?));
+impl<'a> Restored<'a> {
+    fn new(
+        context: &Context<'_>,
+        body: &'a Body,
+        levels: &'a [Level],
+        viewpoint: Viewpoint,
+        up: Up,
+    ) -> Result<Self> {
+        let restore = |level: &Level| -> Result<Vec<TriMesh>> {
+            let noisy = body.noisy(level.noise, context.seed("noise"))?;
+            SHOWN.par_iter().map(|&m| body.restore(m, &noisy)).collect()
+        };
+        let meshes = levels.iter().map(restore).collect::<Result<_>>()?;
+        Ok(Self { body, levels, meshes, viewpoint, up })
     }
-    Ok(Restored { rows, viewpoint, up })
-}
 
-impl Restored {
-    fn draw<'a>(&'a self, body: &'a Body, id: &str, caption: &str, alt: &str) -> Result<Picture> {
-        let row = |(title, meshes): &'a (String, Vec<TriMesh>)| Row {
-            title: title.clone(),
-            frame: &body.truth,
+    fn draw(&self, id: &str, caption: &str, alt: &str) -> Result<Picture> {
+        let drawn = self.levels.iter().zip(&self.meshes).filter(|(level, _)| level.drawn);
+        let rows = drawn.map(|(level, meshes)| Row {
+            title: format!("σ = {}", level.name),
+            frame: &self.body.truth,
             meshes: meshes.iter().collect(),
             titles: SHOWN.map(|m| m.name().into()).to_vec(),
-        };
-        Grid {
-            rows: self.rows.iter().map(row).collect(),
-            viewpoint: self.viewpoint,
-            up: self.up,
-            aspect: 1.0,
+        });
+        Grid { rows: rows.collect(), viewpoint: self.viewpoint, up: self.up, aspect: 1.0 }
+            .draw(id, caption, alt)
+    }
+
+    /// The noisy body, what a method makes of it, and the truth, with sliders over the noise and the method.
+    fn view(&self, figure: &str) -> View {
+        let name = self.body.name;
+        let (mut noisy, mut results) = (vec![], vec![]);
+        for meshes in &self.meshes {
+            for result in &meshes[1..] {
+                noisy.push(meshes[0].positions());
+                results.push(result.positions());
+            }
         }
-        .draw(id, caption, alt)
+        View {
+            id: format!("{figure}-view"),
+            caption: format!("The {name} under noise, after each method, and without noise."),
+            alt: format!("The {name} three times, to turn, with sliders over noise and method."),
+            fallback: figure.into(),
+            z_up: self.up == Up::Z,
+            sliders: vec![
+                Slider::new("σ", self.levels.iter().map(|level| &level.name)),
+                Slider::new("method", SHOWN[1..].iter().map(|method| method.name())),
+            ],
+            panels: vec![
+                Panel::moving(SHOWN[0].name(), &self.body.truth, noisy),
+                Panel::moving("result", &self.body.truth, results),
+                Panel::still("truth", &self.body.truth),
+            ],
+        }
     }
 }
 
@@ -159,32 +202,4 @@ pub(super) fn curves(sweep: &Table) -> Result<Vec<Picture>> {
         )
     };
     errors.into_iter().map(draw).collect()
-}
-
-/// The scan with a slider over the noise: noisy, smoothed, denoised.
-pub(super) fn view(context: &Context<'_>, scan: &Body) -> Result<View> {
-    let methods = [Method::Nothing, Method::Implicit, Method::Denoiser(Denoiser::Automatic)];
-    let stops = context.choose(&SWEEP[..], &SWEEP[2..5]);
-    let noisy = stops
-        .iter()
-        .map(|&sigma| scan.noisy(NoiseLevel::EdgeLengths(sigma), context.seed("noise")))
-        .collect::<Result<Vec<_>>>()?;
-    let mut panels = vec![];
-    for method in methods {
-        let restored = noisy.par_iter().map(|mesh| scan.restore(method, mesh));
-        let restored = restored.collect::<Result<Vec<TriMesh>>>()?;
-        let positions = restored.iter().map(TriMesh::positions);
-        panels.push(Panel::moving(method.name(), &scan.truth, positions));
-    }
-    Ok(View {
-        id: "scan-view".into(),
-        caption: "The scan under growing noise, in mean edge lengths: as it is, after one implicit step, and after the automatic denoiser.".into(),
-        alt: "The scan three times, to turn; a slider changes the noise.".into(),
-        fallback: "scan".into(),
-        sliders: vec![Slider {
-            name: "σ/h".into(),
-            stops: stops.iter().map(ToString::to_string).collect(),
-        }],
-        panels,
-    })
 }
