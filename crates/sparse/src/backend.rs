@@ -5,7 +5,7 @@
 //! meshes are too small for the backend's threads, two of which made a factorisation of 160 thousand rows
 //! slower (430 ms against 375 ms).
 
-use dyn_stack::{MemBuffer, MemStack};
+use dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::ldlt::factor::LdltError;
 use faer::linalg::cholesky::llt::factor::LltError;
 use faer::linalg::evd;
@@ -101,8 +101,8 @@ impl Symbolic {
     pub(crate) fn llt(&self, rows: Rows<'_>, values: &mut [f64]) -> Result<(), Failure> {
         let scratch =
             self.inner.factorize_numeric_llt_scratch::<f64>(SEQUENTIAL, Default::default());
-        let mut memory = MemBuffer::try_new(scratch).map_err(|_| Failure::TooLarge)?;
-        let (a, stack) = (values_of(rows), MemStack::new(&mut memory));
+        let (mut memory, a) = (room(scratch)?, values_of(rows));
+        let stack = MemStack::new(&mut memory);
         let (regular, own) = Default::default();
         match self.inner.factorize_numeric_llt(values, a, SIDE, regular, SEQUENTIAL, stack, own) {
             Ok(_) => Ok(()),
@@ -114,14 +114,19 @@ impl Symbolic {
     pub(crate) fn ldlt(&self, rows: Rows<'_>, values: &mut [f64]) -> Result<(), Failure> {
         let scratch =
             self.inner.factorize_numeric_ldlt_scratch::<f64>(SEQUENTIAL, Default::default());
-        let mut memory = MemBuffer::try_new(scratch).map_err(|_| Failure::TooLarge)?;
-        let (a, stack) = (values_of(rows), MemStack::new(&mut memory));
+        let (mut memory, a) = (room(scratch)?, values_of(rows));
+        let stack = MemStack::new(&mut memory);
         let (regular, own) = Default::default();
         match self.inner.factorize_numeric_ldlt(values, a, SIDE, regular, SEQUENTIAL, stack, own) {
             Ok(_) => Ok(()),
             Err(LdltError::ZeroPivot { index }) => Err(Failure::Pivot(index)),
         }
     }
+}
+
+/// Memory to work in, or that there is not so much.
+fn room(needed: StackReq) -> Result<MemBuffer, Failure> {
+    MemBuffer::try_new(needed).map_err(|_| Failure::TooLarge)
 }
 
 fn values_of(rows: Rows<'_>) -> SparseColMatRef<'_, u32, f64> {
@@ -132,8 +137,7 @@ fn values_of(rows: Rows<'_>) -> SparseColMatRef<'_, u32, f64> {
 pub(crate) fn minimum_degree(rows: Rows<'_>) -> Result<Vec<u32>, Failure> {
     let n = rows.count();
     let (mut order, mut inverse) = (vec![0; n], vec![0; n]);
-    let mut memory = MemBuffer::try_new(amd::order_scratch::<u32>(n, rows.columns.len()))
-        .map_err(|_| Failure::TooLarge)?;
+    let mut memory = room(amd::order_scratch::<u32>(n, rows.columns.len()))?;
     let stack = MemStack::new(&mut memory);
     amd::order(&mut order, &mut inverse, pattern(rows), Default::default(), stack)
         .map_err(|_| Failure::TooLarge)?;
