@@ -2,7 +2,7 @@
 
 use fairing_mesh::TriMesh;
 use fairing_operators::LumpedArea;
-use fairing_spectral::{MassKind, SpectrumOptions, reconstruct, spectrum};
+use fairing_spectral::{MassKind, SpectrumOptions, SurfaceOperator, reconstruct, spectrum};
 
 use crate::assemble::cotangent;
 use crate::constraints::Constraints;
@@ -27,7 +27,7 @@ pub enum Transfer {
     },
     /// 1 for the k smallest eigenvalues, 0 beyond: the ideal low-pass, a projection on the k smoothest modes, which
     /// are computed. Where several eigenvalues are equal, which of their modes are kept is arbitrary. Knows no
-    /// constraints, and the plain operator over barycentric or mixed areas only.
+    /// constraints, and no Voronoi areas.
     Modes(usize),
 }
 
@@ -110,11 +110,14 @@ pub fn low_pass(mesh: &TriMesh, options: &LowPass) -> Result<Smoothed, FlowError
 
 /// The mesh from its `k` smoothest modes.
 fn smoothest(mesh: &TriMesh, k: usize, options: &LowPass) -> Result<Smoothed, FlowFailure> {
-    let mass = match options.operator {
-        Operator::Plain(LumpedArea::Barycentric) => MassKind::Barycentric,
-        Operator::Plain(LumpedArea::Mixed) => MassKind::Mixed,
+    let (operator, mass) = match options.operator {
+        Operator::Plain(LumpedArea::Barycentric) => {
+            (SurfaceOperator::Cotangent, MassKind::Barycentric)
+        }
+        Operator::Plain(LumpedArea::Mixed) => (SurfaceOperator::Cotangent, MassKind::Mixed),
+        Operator::Robust => (SurfaceOperator::Robust, MassKind::Barycentric),
         _ => {
-            let reason = "modes are those of the plain operator over barycentric or mixed areas";
+            let reason = "modes are orthonormal over barycentric or mixed areas, none negative";
             return Err(FlowFailure::Unsupported { reason });
         }
     };
@@ -122,7 +125,7 @@ fn smoothest(mesh: &TriMesh, k: usize, options: &LowPass) -> Result<Smoothed, Fl
         let reason = "a projection on modes knows no constraints";
         return Err(FlowFailure::Unsupported { reason });
     }
-    let options = SpectrumOptions { mass, ..SpectrumOptions::default() };
+    let options = SpectrumOptions { operator, mass, ..SpectrumOptions::default() };
     let mesh = spectrum(mesh, k, &options)
         .and_then(|modes| reconstruct(mesh, &modes, k))
         .map_err(|error| FlowFailure::Modes { reason: error.to_string() })?;

@@ -44,6 +44,10 @@ fn broken_meshes_smooth_through_the_robust_operator() {
         implicit(&mesh, &Implicit::new(Diffusion::uniform(5.0)), None),
         explicit(&mesh, &Explicit::new(step), None),
         low_pass(&mesh, &heat),
+        low_pass(
+            &mesh,
+            &LowPass { operator: Operator::Robust, ..LowPass::new(Transfer::Modes(30)) },
+        ),
         fair_region(&mesh, &FairRegion { weights, ..FairRegion::new(vec![0, 642, 643]) }),
     ];
     for (i, result) in results.into_iter().enumerate() {
