@@ -82,6 +82,32 @@ fn the_octahedron_attains_the_bound_and_four_thirds_is_stable() {
     assert_eq!(*error.last_good, mesh);
 }
 
+/// Two triangles at an edge have μ = −5/3: between 8/7, where open meshes are safe, and the 4/3 of closed ones there
+/// are steps under which a mesh grows.
+#[test]
+fn open_meshes_have_a_lower_limit() {
+    // The mode is 1 on the outer corners and −2/3 on the inner ones.
+    let x = [1.0, -2.0 / 3.0, -2.0 / 3.0, 1.0].map(|z| [z, 0.0, 0.0]);
+    let pair = TriMesh::new(x.to_vec(), vec![[0, 1, 2], [3, 2, 1]]).unwrap();
+    let run = |lambda, stability| {
+        let options =
+            Explicit { iterations: 21, stability, ..Explicit::new(Diffusion::uniform(lambda)) };
+        explicit(&pair, &options, None)
+    };
+    let error = run(1.25, Stability::Refuse).unwrap_err();
+    assert!(matches!(error.failure, FlowFailure::Unstable { limit, .. } if limit == 8.0 / 7.0));
+    let grown = run(1.25, Stability::Warn).unwrap();
+    assert!(grown.report.unstable);
+    for (lambda, smoothed) in
+        [(1.25, grown), (8.0 / 7.0, run(8.0 / 7.0, Stability::Refuse).unwrap())]
+    {
+        let factor: f64 = 1.0 - lambda * 5.0 / 3.0;
+        let found = smoothed.mesh.positions()[0][0];
+        // Twenty-one products of numbers about one; 1e-10 where the run is a series.
+        assert!((found - factor.powi(21)).abs() < 2e-10, "λ = {lambda}: {found}");
+    }
+}
+
 #[test]
 fn lambda_two_diverges_on_every_mesh_and_can_be_had() {
     let open = shapes::plane(6, 6, shapes::Diagonals::Alternating);
