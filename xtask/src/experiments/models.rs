@@ -6,7 +6,7 @@ use fairing_evaluation::{
     drift, feature_edges, normal_error, vertex_displacement, vertex_distance,
 };
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, cross, dot, normalize, scale, sub};
+use fairing_mesh::vec3::{add, cross, dot, norm, normalize, scale, sub};
 use fairing_smoothing::{
     Diffusion, Explicit, FlowError, Implicit, Smoothed, Stability, explicit, implicit,
 };
@@ -15,7 +15,7 @@ use crate::experiment::Context;
 use crate::inputs::Input;
 use crate::outcome::{MeshOutput, Outcome, Picture};
 use crate::row;
-use crate::table::{Cell, Table, Tolerance, Unit};
+use crate::table::{Cell, Table, Tolerance, Unit, short};
 use crate::view::{Panel, Slider, View};
 
 /// The numbers of steps that views show, up to those of the flow.
@@ -287,8 +287,37 @@ fn flattened(mesh: &TriMesh) -> Result<TriMesh> {
     Ok(mesh.with_positions(flat.collect())?)
 }
 
+/// Beyond this growth of the diagonal a mesh is said to diverge.
+pub(super) const DIVERGED: f64 = 2.0;
+/// Below this share of its diagonal a mesh is drawn enlarged.
+const SMALL: f64 = 0.15;
+/// Below this share hardly a digit of the shape is left.
+const POINT: f64 = 1e-9;
+/// Below this share of the squared diagonal there is no area to be seen.
+const LINE: f64 = 1e-3;
+
+/// A smoothed mesh as it is drawn beside its input, and what its title says of that: meshes that have diverged or
+/// shrunk are drawn at the size of the input.
+pub(super) fn drawn(mesh: &TriMesh, input: &TriMesh) -> Result<(TriMesh, String)> {
+    let growth = mesh.diagonal() / input.diagonal();
+    if growth < POINT {
+        return Ok((mesh.clone(), " (a point)".into()));
+    }
+    let area: f64 = (0..mesh.face_count()).map(|f| norm(mesh.area_vector(f))).sum();
+    let is_line = area < LINE * mesh.diagonal().powi(2);
+    if (SMALL..=DIVERGED).contains(&growth) {
+        return Ok((mesh.clone(), String::new()));
+    }
+    let title = match growth > 1.0 {
+        _ if is_line => " (a line)".into(),
+        true => format!(" (1 : {})", short(growth)),
+        false => format!(" (×{})", short((1.0 / growth).round())),
+    };
+    Ok((fitted(mesh, input)?, title))
+}
+
 /// The mesh scaled about its mean to the size of another, so that both fit in one picture.
-pub(super) fn fitted(mesh: &TriMesh, like: &TriMesh) -> Result<TriMesh> {
+fn fitted(mesh: &TriMesh, like: &TriMesh) -> Result<TriMesh> {
     let mean = |m: &TriMesh| {
         let n = m.vertex_count() as f64;
         scale(m.positions().iter().fold([0.0; 3], |s, &p| add(s, p)), 1.0 / n)

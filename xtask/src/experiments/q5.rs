@@ -27,9 +27,6 @@ const ITERATIONS: usize = 50;
 /// The best of the report.
 const CLAIMED: f64 = 0.05;
 
-/// Beyond this growth of the diagonal a mesh is said to diverge.
-const DIVERGED: f64 = 2.0;
-
 impl Experiment for ExplicitFlow {
     fn card(&self) -> Card {
         Card {
@@ -91,7 +88,7 @@ impl Experiment for ExplicitFlow {
         let loses = recalls[1] < recalls[0];
         let growths = spectra.column("growth at 2")?;
         let growth = growths.iter().copied().fold(f64::INFINITY, f64::min);
-        let deforms = growth > DIVERGED;
+        let deforms = growth > models::DIVERGED;
         let steps = best.column("best lambda, normals")?;
         let lowest = steps.iter().copied().fold(f64::INFINITY, f64::min);
         let highest = steps.iter().copied().fold(0.0, f64::max);
@@ -277,22 +274,17 @@ fn spectra(models: &[Model]) -> Result<Table> {
 fn picture(model: &Model, smoothed: &[TriMesh]) -> Result<Picture> {
     let mut shown = vec![];
     for (i, mesh) in smoothed.iter().enumerate() {
-        let growth = mesh.diagonal() / model.noisy.diagonal();
-        let mut title = match i {
+        let title = match i {
             0 => "input".to_string(),
             i => format!("λ = {}", LAMBDAS[i - 1]),
         };
-        let mut mesh = mesh.clone();
-        if growth > DIVERGED {
-            mesh = models::fitted(&mesh, &model.noisy)?;
-            title += &format!(" (1 : {})", short(growth));
-        }
-        shown.push((title, mesh));
+        let (mesh, scale) = models::drawn(mesh, &model.noisy)?;
+        shown.push((title + &scale, mesh));
     }
     let looks = shown.iter().map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
     Gallery { looks, viewpoints: &VIEWPOINTS, up: Up::Z, aspect: 1.0 }.draw(
         &model.slug(),
-        &format!("The {} before and after 50 explicit steps, from two viewpoints. What has diverged is scaled down to fit, as its title says.", model.name),
+        &format!("The {} before and after 50 explicit steps, from two viewpoints. What has diverged or shrunk is drawn at the size of the input, as its title says.", model.name),
         &format!("Ten pictures of the {}: the input and four steps, from two sides.", model.name),
     )
 }

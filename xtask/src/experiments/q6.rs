@@ -10,7 +10,7 @@ use fairing_mesh::{TriMesh, shapes};
 use fairing_smoothing::{Approach, Diffusion, Implicit, implicit};
 
 use super::gallery::{Gallery, Look, VIEWPOINTS, plotted};
-use super::models::{Model, OverLambda};
+use super::models::{self, Model, OverLambda};
 use crate::experiment::{Card, Context, Experiment, Formula};
 use crate::inputs::Input;
 use crate::outcome::{Outcome, Picture};
@@ -378,16 +378,18 @@ fn cost(models: &[Model]) -> Result<Table> {
 
 /// The input and the six results from two viewpoints, in two figures' worth of columns.
 fn over_lambda(model: &Model, smoothed: &[TriMesh]) -> Result<Picture> {
-    let titles: Vec<String> = ["input".to_string()]
-        .into_iter()
-        .chain(LAMBDAS.map(|lambda| format!("λ = {lambda}")))
-        .collect();
-    let looks = titles.iter().zip(smoothed);
-    let looks = looks.map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
+    let titles =
+        ["input".to_string()].into_iter().chain(LAMBDAS.map(|lambda| format!("λ = {lambda}")));
+    let mut shown = vec![];
+    for (title, mesh) in titles.zip(smoothed) {
+        let (mesh, scale) = models::drawn(mesh, &model.noisy)?;
+        shown.push((title + &scale, mesh));
+    }
+    let looks = shown.iter().map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
     Gallery { looks, viewpoints: &VIEWPOINTS, up: Up::Z, aspect: 1.0 }.draw(
         &model.slug(),
         &format!(
-            "The {} before and after 50 implicit steps, from two viewpoints, all at one scale.",
+            "The {} before and after 50 implicit steps, from two viewpoints; what has shrunk a lot is enlarged, as its title says.",
             model.name
         ),
         &format!(
