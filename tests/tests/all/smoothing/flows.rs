@@ -154,3 +154,41 @@ fn faired_regions_reproduce_what_the_operator_annihilates() {
     let error = fair_region(&grid, &FairRegion::new(all)).unwrap_err();
     assert!(matches!(error.failure, FlowFailure::NotFactored { .. }), "{:?}", error.failure);
 }
+
+/// On a mode of eigenvalue μ the method of Vollmer is a recurrence of numbers: with p = (1 + μ) q and b = p − (αo +
+/// (1 − α) q), the differences of the neighbours have the mean (1 + μ) b, and a vertex takes back βb + (1 − β)(1 + μ) b.
+#[test]
+fn hc_treats_modes_as_its_recurrence_has_it() {
+    // x and y are modes of the octahedron with μ = −1 and −3/2.
+    let [odd, even] = [[1.0, -1.0, 0.0, 0.0, 0.0, 0.0], [1.0, 1.0, -1.0, -1.0, 0.0, 0.0]];
+    let mesh = octahedron((0..6).map(|v| [odd[v], even[v], 7.0]).collect());
+    for (alpha, beta, iterations) in [(0.0, 0.3, 1), (0.2, 0.6, 3)] {
+        let options = Hc { alpha, beta, iterations, ..Hc::default() };
+        let found = hc(&mesh, &options, None).unwrap().mesh.positions()[0];
+        for (k, mu) in [-1.0, -1.5].into_iter().enumerate() {
+            let mut q = 1.0;
+            for _ in 0..iterations {
+                let p = (1.0 + mu) * q;
+                let b = p - (alpha + (1.0 - alpha) * q);
+                q = p - (beta * b + (1.0 - beta) * (1.0 + mu) * b);
+            }
+            // A few roundings of numbers about one.
+            assert!((found[k] - q).abs() < 1e-13, "α = {alpha}, β = {beta}: {} not {q}", found[k]);
+        }
+    }
+}
+
+/// A step ends at the mean, by weight, of where it would lead and of the target.
+#[test]
+fn soft_constraints_of_hc_are_weighted_means() {
+    let mesh = shapes::bumpy_sphere(2, 0.2, 5.0);
+    let free = Hc { iterations: 1, ..Hc::default() };
+    let (target, weight) = ([3.0, -1.0, 2.0], 3.0);
+    let soft = vec![SoftConstraint { vertex: 5, target, weight }];
+    let drawn = Hc { constraints: Constraints { soft, ..Constraints::default() }, ..free.clone() };
+    let [free, drawn] = [free, drawn].map(|options| hc(&mesh, &options, None).unwrap().mesh);
+    for k in 0..3 {
+        let expected = (free.positions()[5][k] + weight * target[k]) / (1.0 + weight);
+        assert!((drawn.positions()[5][k] - expected).abs() < 1e-13);
+    }
+}

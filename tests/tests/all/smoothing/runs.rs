@@ -17,6 +17,34 @@ fn volume_is_kept_when_asked_for() {
     assert!(volume(&drifted) < 0.9 * before);
 }
 
+/// The origin means nothing: a mesh elsewhere is smoothed and rescaled alike.
+#[test]
+fn rescaling_is_about_the_centroid() {
+    let mesh = shapes::bumpy_sphere(3, 0.2, 5.0);
+    let by = [10.0, -20.0, 5.0];
+    let moved = |m: &TriMesh| {
+        let x = m.positions().iter().map(|p| [0, 1, 2].map(|k| p[k] + by[k])).collect();
+        m.with_positions(x).unwrap()
+    };
+    let options = Implicit { volume: Volume::Rescaled, ..Implicit::new(Diffusion::uniform(5.0)) };
+    let run = |m: &TriMesh| implicit(m, &options, None).unwrap().mesh;
+    // The tolerance of the solver, on coordinates of twenty.
+    assert!(largest_distance(&run(&moved(&mesh)), &moved(&run(&mesh))) < 1e-6);
+}
+
+#[test]
+fn an_offset_leaves_pinned_vertices_where_they_are() {
+    let mesh = shapes::bumpy_sphere(3, 0.2, 5.0);
+    let constraints = Constraints { pinned: vec![0, 17, 300], ..Constraints::default() };
+    let options =
+        Explicit { volume: Volume::Offset, constraints, ..Explicit::new(Diffusion::uniform(0.5)) };
+    let kept = explicit(&mesh, &options, None).unwrap().mesh;
+    for v in [0, 17, 300] {
+        assert_eq!(kept.positions()[v], mesh.positions()[v]);
+    }
+    assert!((volume(&kept) / volume(&mesh) - 1.0).abs() < 1e-12);
+}
+
 #[test]
 fn volume_of_an_open_mesh_cannot_be_kept() {
     let mesh = shapes::plane(4, 4, shapes::Diagonals::Alternating);
