@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::DenoiseError;
 use super::error::positive;
-use super::faces::unit_or_zero;
+use super::faces::{Marks, unit_or_zero};
 use super::vertex_update::rebuild;
 
 /// Parameters of [`bilateral`].
@@ -54,15 +54,25 @@ pub fn bilateral(mesh: &TriMesh, options: &BilateralOptions) -> Result<TriMesh, 
         let spatial = options.spatial * current.mean_edge_length();
         let positions = (0..current.vertex_count() as u32)
             .into_par_iter()
-            .map_init(Vec::new, |near, v| move_vertex(&current, v, spatial, options.range, near))
+            .map_init(
+                || (vec![], Marks::new(current.vertex_count())),
+                |scratch, v| move_vertex(&current, v, spatial, options.range, scratch),
+            )
             .collect();
         current = rebuild(&current, positions)?;
     }
     Ok(current)
 }
 
-/// The new position of vertex `v`; `near` is scratch space.
-fn move_vertex(mesh: &TriMesh, v: u32, spatial: f64, range: f64, near: &mut Vec<u32>) -> [f64; 3] {
+/// The new position of vertex `v`. The last argument is scratch space: the
+/// vertices within reach, and which have been seen.
+fn move_vertex(
+    mesh: &TriMesh,
+    v: u32,
+    spatial: f64,
+    range: f64,
+    (near, seen): &mut (Vec<u32>, Marks),
+) -> [f64; 3] {
     let (positions, topology) = (mesh.positions(), mesh.topology());
     let x = positions[v as usize];
     let area = mesh
@@ -72,11 +82,13 @@ fn move_vertex(mesh: &TriMesh, v: u32, spatial: f64, range: f64, near: &mut Vec<
         .fold([0.0; 3], |sum, &c| add(sum, mesh.area_vector(c as usize / 3)));
     let normal = unit_or_zero(area);
     near.clear();
+    seen.clear();
     near.push(v);
+    seen.insert(v);
     let mut next = 0;
     while next < near.len() {
         for &w in topology.neighbors(near[next]) {
-            if distance(positions[w as usize], x) < 2.0 * spatial && !near.contains(&w) {
+            if distance(positions[w as usize], x) < 2.0 * spatial && seen.insert(w) {
                 near.push(w);
             }
         }

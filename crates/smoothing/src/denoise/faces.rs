@@ -61,7 +61,8 @@ impl Hinges {
     }
 }
 
-/// Which faces a search has seen: emptied without a pass over all of them.
+/// Which faces (or vertices) a search has seen: emptied without a pass over all
+/// of them.
 #[derive(Debug)]
 pub(crate) struct Marks {
     stamps: Vec<u32>,
@@ -69,9 +70,9 @@ pub(crate) struct Marks {
 }
 
 impl Marks {
-    /// No face is marked.
-    pub(crate) fn new(face_count: usize) -> Self {
-        Self { stamps: vec![0; face_count], current: 1 }
+    /// None is marked.
+    pub(crate) fn new(count: usize) -> Self {
+        Self { stamps: vec![0; count], current: 1 }
     }
 
     /// Takes all marks away.
@@ -84,7 +85,7 @@ impl Marks {
         }
     }
 
-    /// Marks a face, and says whether it was not marked before.
+    /// Marks one, and says whether it was not marked before.
     pub(crate) fn insert(&mut self, f: u32) -> bool {
         let stamp = &mut self.stamps[f as usize];
         std::mem::replace(stamp, self.current) != self.current

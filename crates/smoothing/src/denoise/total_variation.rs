@@ -43,7 +43,8 @@ impl Default for TotalVariationOptions {
 /// (the penalty is 2 α / h), followed by scaling to unit length. The weights w spare strong
 /// creases; m̄ are the normals after one averaging over the faces across the
 /// edges, so that noise does not pass for a crease. The vertices follow
-/// ([`update_vertices`]). First order: curved parts turn into facets.
+/// ([`update_vertices`]). This is the variation of first order, under which
+/// curved parts turn into facets, and not the generalised one of second order.
 ///
 /// # Errors
 ///
