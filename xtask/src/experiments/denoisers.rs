@@ -48,8 +48,8 @@ const PAIRS: [(&str, Input, Input); 6] = [
 /// The generated meshes: CAD-like, smooth, detailed.
 const GENERATED: [&str; 3] = ["block", "torus", "creature"];
 
-/// Above this many faces a mesh of the literature is left to the methods that take seconds there.
-const LARGE: usize = 40_000;
+/// A quick run leaves out noisy meshes of more faces than this.
+const LARGE: usize = 10_000;
 
 impl Experiment for Denoisers {
     fn card(&self) -> Card {
@@ -112,12 +112,12 @@ impl Experiment for Denoisers {
         }
         let quick = context.is_quick();
         let bodies = [
-            Body::new(GENERATED[0], shapes::cad_block(if quick { 0.2 } else { 0.1 }))?,
+            Body::new(GENERATED[0], shapes::cad_block(if quick { 0.25 } else { 0.15 }))?,
             Body::new(
                 GENERATED[1],
-                shapes::torus(1.0, 0.4, if quick { 48 } else { 96 }, if quick { 20 } else { 40 }),
+                shapes::torus(1.0, 0.4, if quick { 40 } else { 72 }, if quick { 16 } else { 28 }),
             )?,
-            Body::new(GENERATED[2], shapes::creature(if quick { 48 } else { 64 }))?,
+            Body::new(GENERATED[2], shapes::creature(if quick { 48 } else { 52 }))?,
         ];
         let levels = context.choose(&LEVELS[..], &LEVELS[2..]);
         for (b, body) in bodies.iter().enumerate() {
