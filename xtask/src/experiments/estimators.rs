@@ -119,7 +119,7 @@ impl Experiment for Estimators {
         )
         .ours();
         for (name, order) in worst {
-            judgement = judgement.number(name, order, Unit::Order);
+            judgement = judgement.number(&format!("least order of {name}"), order, Unit::Order);
         }
         Ok(vec![judgement])
     }

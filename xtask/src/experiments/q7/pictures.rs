@@ -51,7 +51,7 @@ pub(super) fn of_levels(context: &Context<'_>, part: &Body) -> Result<(Picture, 
     let picture = restored.draw(
         "levels",
         "The machine part under the assignment's three levels of noise, in model units, and after each method; flat shaded, so that every face shows its normal.",
-        "Three rows of six pictures of the machine part: at the two lower levels guided filtering and the automatic denoiser bring its faces and edges back, smoothing rounds them; at the highest nothing is left of it.",
+        "Three rows of six pictures of the machine part: noisy, smoothed, and denoised; the higher the level, the less of its faces and edges comes back.",
     )?;
     Ok((picture, restored.view("levels")))
 }
