@@ -4,11 +4,12 @@ use std::fmt::Write as _;
 
 use crate::experiment::Experiment;
 use crate::results::{Record, Results};
+use crate::runner::Form;
 use crate::table::{Table, Unit};
 use crate::verdict::Verdict;
 
 /// The report in Markdown. Links are relative to its folder.
-pub(crate) fn report(results: &Results, experiments: &[&dyn Experiment]) -> String {
+pub(crate) fn report(results: &Results, experiments: &[&dyn Experiment], form: Form) -> String {
     let mut text = String::from("# Fairing: the experiments\n\n");
     text += &provenance(results);
     text += &found(results);
@@ -30,7 +31,7 @@ pub(crate) fn report(results: &Results, experiments: &[&dyn Experiment]) -> Stri
                 let _ = write!(text, "\n$${}$$\n", formula.tex);
             }
         }
-        text += &body(record);
+        text += &body(record, form);
     }
     text
 }
@@ -141,7 +142,7 @@ pub(crate) fn claim_table(results: &Results, ours: bool, place: &str, numbers: b
     }
 }
 
-fn body(record: &Record) -> String {
+fn body(record: &Record, form: Form) -> String {
     let mut text = String::new();
     if !record.parameters.is_empty() {
         text += "\n";
@@ -177,7 +178,9 @@ fn body(record: &Record) -> String {
         text += "\n";
     }
     for t in &record.tables {
-        if t.rows.len() > LONG {
+        if t.rows.len() > LONG && form == Form::Small {
+            let _ = write!(text, "\n{} rows, in the CSV.\n", t.rows.len());
+        } else if t.rows.len() > LONG {
             let _ = write!(
                 text,
                 "\n<details><summary>{} rows</summary>\n{}\n</details>\n",
@@ -192,7 +195,7 @@ fn body(record: &Record) -> String {
     for note in &record.notes {
         let _ = write!(text, "\n{note}\n");
     }
-    let others: Vec<_> = record.files.iter().filter(|f| !f.path.ends_with(".csv")).collect();
+    let others: Vec<_> = record.other_files().collect();
     if !others.is_empty() {
         text += "\nFiles:\n\n";
         for f in others {
@@ -207,7 +210,7 @@ fn body(record: &Record) -> String {
     text
 }
 
-/// Tables with more rows than this are folded.
+/// Tables with more rows than this are folded, or left out of a small report.
 pub(crate) const LONG: usize = 24;
 
 /// Text that does not end its cell.

@@ -90,6 +90,15 @@ pub struct File {
     pub bytes: u64,
 }
 
+impl Record {
+    /// The files that are not the CSV of a table.
+    pub fn other_files(&self) -> impl Iterator<Item = &File> {
+        let tables: Vec<String> =
+            self.tables.iter().map(|t| format!("{}/{}.csv", self.id, t.id)).collect();
+        self.files.iter().filter(move |file| !tables.contains(&file.path))
+    }
+}
+
 impl Results {
     /// All judgements with their records: those on claims of the source report
     /// by id, then those on our own.

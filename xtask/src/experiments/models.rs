@@ -19,7 +19,7 @@ use crate::table::{Cell, Table, Tolerance, Unit, short};
 use crate::view::{Panel, Slider, View};
 
 /// The numbers of steps that views show, up to those of the flow.
-const VIEWED_STEPS: [usize; 2] = [1, 10];
+const VIEWED_STEPS: [usize; 1] = [10];
 
 /// Edges that turn by at least this many degrees are features.
 pub(super) const FEATURE: f64 = 30.0;

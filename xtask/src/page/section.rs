@@ -64,7 +64,7 @@ pub(super) fn experiment(
     }
     for t in &record.tables {
         let link = format!("{}/{}.csv", record.id, t.id);
-        text += &table(t, &link);
+        text += &table(t, &link, form);
     }
     for note in &record.notes {
         let _ = write!(text, "<p>{}</p>", escape(note));
@@ -167,12 +167,18 @@ fn picture(record: &Record, figure: &FigureFile, folder: &Path, form: Form) -> R
     ))
 }
 
-fn table(table: &Table, csv: &str) -> String {
+fn table(table: &Table, csv: &str, form: Form) -> String {
     let caption = format!(
         "{} <span class=\"soft\">(<a href=\"{}\">CSV</a>)</span>",
         escape(&table.caption),
         escape(csv)
     );
+    if table.rows.len() > markdown::LONG && form == Form::Small {
+        return format!(
+            "<p class=\"caption\">{caption} <span class=\"soft\">{} rows, in the CSV.</span></p>",
+            table.rows.len()
+        );
+    }
     // What is folded is not printed either.
     let (before, caption, after) = match table.rows.len() {
         rows if rows > markdown::LONG => (
@@ -213,7 +219,7 @@ fn class(unit: Unit) -> &'static str {
 
 fn files(record: &Record) -> String {
     let mut text = String::new();
-    let others: Vec<_> = record.files.iter().filter(|f| !f.path.ends_with(".csv")).collect();
+    let others: Vec<_> = record.other_files().collect();
     if !others.is_empty() {
         text += "<details><summary>Files</summary><ul>";
         for file in others {

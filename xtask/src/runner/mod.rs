@@ -123,7 +123,7 @@ pub fn reproduce(experiments: &[&dyn Experiment], plan: &Plan) -> Result<Results
     }
     let results = Results { provenance, experiments: records };
     write::text(&work.path().join("results.json"), &json::readable(&results)?)?;
-    write::text(&work.path().join("report.md"), &markdown::report(&results, &chosen))?;
+    write::text(&work.path().join("report.md"), &markdown::report(&results, &chosen, plan.form))?;
     write::text(
         &work.path().join("report.html"),
         &page::report(&results, &chosen, work.path(), plan.form)?,

@@ -10,17 +10,22 @@ use crate::palette;
 use crate::results::Record;
 
 /// Pictures are scaled down to this width, in pixels: what a code host shows.
-const WIDTH: usize = 960;
+const WIDTH: usize = 780;
 
-/// Leaves out meshes and spectra, which the command of each section makes
-/// again, and scales pictures down.
+/// Leaves out everything but tables and pictures, which the command of each
+/// section makes again, and scales pictures down.
 pub(super) fn records(records: &mut [Record], work: &Path) -> Result<()> {
+    let remove = |path: &str| {
+        let path = work.join(path);
+        fs::remove_file(&path).with_context(|| format!("removing {}", path.display()))
+    };
     for record in records.iter_mut() {
-        for file in record.files.iter().filter(|f| !f.path.ends_with(".csv")) {
-            let path = work.join(&file.path);
-            fs::remove_file(&path).with_context(|| format!("removing {}", path.display()))?;
+        let others: Vec<String> = record.other_files().map(|file| file.path.clone()).collect();
+        others.iter().try_for_each(|path| remove(path))?;
+        record.files.retain(|file| !others.contains(&file.path));
+        for figure in &mut record.figures {
+            figure.svg.take().map_or(Ok(()), |svg| remove(&svg))?;
         }
-        record.files.retain(|f| f.path.ends_with(".csv"));
     }
     let figures: Vec<&str> =
         records.iter().flat_map(|r| &r.figures).map(|f| f.png.as_str()).collect();

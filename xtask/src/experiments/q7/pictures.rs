@@ -26,6 +26,9 @@ const SHOWN: [Method; 6] = [
     Method::Denoiser(Denoiser::Automatic),
 ];
 
+/// What the views leave out: one step of implicit smoothing looks like ten explicit ones.
+const UNVIEWED: [Method; 2] = [Method::Nothing, Method::Explicit];
+
 /// The lines of the plots: as many as there are colours.
 const CURVES: [Method; 7] = [
     Method::Explicit,
@@ -122,11 +125,12 @@ impl<'a> Restored<'a> {
     /// The noisy body, what a method makes of it, and the truth, with sliders over the noise and the method.
     fn view(&self, figure: &str) -> View {
         let name = self.body.name;
+        let viewed = || SHOWN.iter().enumerate().filter(|(_, m)| !UNVIEWED.contains(m));
         let (mut noisy, mut results) = (vec![], vec![]);
         for meshes in &self.meshes {
-            for result in &meshes[1..] {
+            for (i, _) in viewed() {
                 noisy.push(meshes[0].positions());
-                results.push(result.positions());
+                results.push(meshes[i].positions());
             }
         }
         View {
@@ -137,7 +141,7 @@ impl<'a> Restored<'a> {
             z_up: self.up == Up::Z,
             sliders: vec![
                 Slider::new("σ", self.levels.iter().map(|level| &level.name)),
-                Slider::new("method", SHOWN[1..].iter().map(|method| method.name())),
+                Slider::new("method", viewed().map(|(_, method)| method.name())),
             ],
             panels: vec![
                 Panel::moving(SHOWN[0].name(), &self.body.truth, noisy),
