@@ -10,7 +10,7 @@ use crate::palette;
 use crate::results::Record;
 
 /// Pictures are scaled down to this width, in pixels: what a code host shows.
-const WIDTH: usize = 780;
+const WIDTH: usize = 740;
 
 /// Leaves out everything but tables and pictures, which the command of each
 /// section makes again, and scales pictures down.
