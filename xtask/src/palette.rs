@@ -44,8 +44,8 @@ pub(crate) fn narrow(file: &[u8], most: usize) -> Result<Vec<u8>> {
         return encode(width, height, &pixels);
     }
     let tall = (height * most).div_ceil(width);
-    let linear: Vec<[f64; 3]> =
-        pixels.iter().map(|p| p.map(|c| linear(f64::from(c) / 255.0))).collect();
+    let light: [f64; 256] = std::array::from_fn(|c| linear(c as f64 / 255.0));
+    let linear: Vec<[f64; 3]> = pixels.iter().map(|p| p.map(|c| light[usize::from(c)])).collect();
     // First along rows, then along columns.
     let (across, down) = (shares(width, most), shares(height, tall));
     let flat: Vec<[f64; 3]> = linear

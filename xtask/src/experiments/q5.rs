@@ -143,7 +143,7 @@ fn sweep(context: &Context<'_>, models: &[Model]) -> Result<Table> {
         ],
     );
     for model in models.iter().filter(|m| m.name != "cube") {
-        for lambda in steps(context.choose(24, 8)) {
+        for lambda in steps(context.choose(24, 6)) {
             let m = model.measure(&model.explicit(lambda, ITERATIONS)?.mesh)?;
             table.push(row![model.name, lambda, m.normal, m.vertex, m.recall, m.volume]);
         }
@@ -172,7 +172,7 @@ fn best(context: &Context<'_>) -> Result<Table> {
             ("vertex error", Unit::EdgeLengths),
         ],
     );
-    for spacing in context.choose([0.06, 0.03], [0.12, 0.06]) {
+    for spacing in context.choose([0.06, 0.03], [0.16, 0.08]) {
         let truth = shapes::cad_block(spacing);
         for sigma in [0.05, 0.1, 0.3] {
             let seed = context.seed("best");
@@ -180,7 +180,7 @@ fn best(context: &Context<'_>) -> Result<Table> {
             let noisy = add_noise(&truth, NoiseKind::GaussianAlongNormals, level, seed)?;
             let model = Model { name: "block", noisy, truth: truth.clone() };
             let (mut normals, mut vertices) = (vec![], vec![]);
-            for lambda in steps(context.choose(24, 8)) {
+            for lambda in steps(context.choose(24, 6)) {
                 let m = model.measure(&model.explicit(lambda, ITERATIONS)?.mesh)?;
                 normals.push((m.normal.context("a smoothed block without normals")?, lambda));
                 vertices.push((m.vertex, lambda));

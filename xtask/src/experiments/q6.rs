@@ -198,7 +198,7 @@ fn sweep(context: &Context<'_>, models: &[Model]) -> Result<Table> {
             ("volume", Unit::Percent),
         ],
     );
-    let count = context.choose(25, 9);
+    let count = context.choose(25, 7);
     for model in models.iter().filter(|m| m.name != "cube") {
         for i in 0..count {
             let lambda = 0.01 * 1e4f64.powf(i as f64 / (count - 1) as f64);

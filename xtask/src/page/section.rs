@@ -6,6 +6,7 @@ use std::path::Path;
 
 use anyhow::{Context as _, Result};
 use base64::Engine as _;
+use rayon::prelude::*;
 
 use super::html::escape;
 use super::view;
@@ -54,14 +55,13 @@ pub(super) fn experiment(
         text += &parameters(record);
         text += "</details>";
     }
-    for v in &record.views {
+    let views = record.views.par_iter().map(|v| {
         let id = format!("{}-{}", record.id, v.id);
-        let fallback = figure_id(record, &v.fallback);
-        text += &view::figure(v, &id, &fallback, form)?;
-    }
-    for figure in &record.figures {
-        text += &picture(record, figure, folder, form)?;
-    }
+        view::figure(v, &id, &figure_id(record, &v.fallback), form)
+    });
+    text += &views.collect::<Result<String>>()?;
+    let pictures = record.figures.par_iter().map(|f| picture(record, f, folder, form));
+    text += &pictures.collect::<Result<String>>()?;
     for t in &record.tables {
         let link = format!("{}/{}.csv", record.id, t.id);
         text += &table(t, &link, form);
