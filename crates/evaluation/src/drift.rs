@@ -50,3 +50,19 @@ pub fn flipped_faces(mesh: &TriMesh, reference: &TriMesh) -> Result<usize, Evalu
         .filter(|&f| dot(mesh.area_vector(f), reference.area_vector(f)) < 0.0)
         .count())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_face_without_area_is_not_flipped() {
+        let corners = |z| vec![[0.0; 3], [1.0, 0.0, 0.0], z];
+        let up = TriMesh::new(corners([0.0, 1.0, 0.0]), vec![[0u32, 1, 2]]).unwrap();
+        let down = up.with_positions(corners([0.0, -1.0, 0.0])).unwrap();
+        let flat = up.with_positions(corners([2.0, 0.0, 0.0])).unwrap();
+        assert_eq!(flipped_faces(&up, &up).unwrap(), 0);
+        assert_eq!(flipped_faces(&down, &up).unwrap(), 1);
+        assert_eq!(flipped_faces(&flat, &up).unwrap(), 0);
+    }
+}

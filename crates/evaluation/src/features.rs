@@ -67,3 +67,16 @@ pub fn feature_edges(
     }
     Ok(edges)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn precision_is_of_the_found_and_recall_of_the_expected() {
+        let edges = FeatureEdges { shared: 1, found: 2, expected: 4 };
+        assert_eq!((edges.precision(), edges.recall()), (Some(0.5), Some(0.25)));
+        let none = FeatureEdges { shared: 0, found: 0, expected: 0 };
+        assert_eq!((none.precision(), none.recall()), (None, None));
+    }
+}

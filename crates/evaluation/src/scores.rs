@@ -245,3 +245,21 @@ impl fmt::Display for Scores {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use fairing_mesh::shapes;
+
+    use super::*;
+
+    /// A hundredth of the diagonal is 40 dB.
+    #[test]
+    fn the_ratio_of_amplitudes_is_in_decibels() {
+        let sphere = shapes::icosphere(1);
+        let shift = 0.01 * sphere.diagonal();
+        let moved = sphere.positions().iter().map(|&[x, y, z]| [x + shift, y, z]).collect();
+        let moved = sphere.with_positions(moved).unwrap();
+        let scores = Scores::of(&moved, &sphere, &ScoreOptions::default()).unwrap();
+        assert!((scores.psnr().unwrap() - 40.0).abs() < 1e-9, "{:?}", scores.psnr());
+    }
+}
