@@ -35,7 +35,7 @@ pub struct Provenance {
 }
 
 /// The libraries worth naming.
-const LIBRARIES: [&str; 6] = ["faer", "ndarray", "sprs", "rand_chacha", "rayon", "resvg"];
+const LIBRARIES: [&str; 6] = ["faer", "ndarray", "sprs", "rand_chacha", "rayon", "tiny-skia"];
 
 impl Provenance {
     /// Looks around.

@@ -1,7 +1,8 @@
 //! The key to the colours.
 
-use crate::drawing::{Anchor, Drawing, INK, SOFT, hex, short};
+use crate::drawing::{Anchor, Drawing, INK, SOFT};
 use crate::number::{number, power_of_ten};
+use crate::outline::Outline;
 use crate::scale::{Scale, Spread};
 use crate::text::Style;
 use crate::ticks;
@@ -42,22 +43,12 @@ impl ColorBar {
             let left = at(f64::from(i) / f64::from(steps));
             // A little overlap hides the seams.
             let overlap = if i + 1 == steps { 0.0 } else { 0.5 };
-            out.push(format_args!(
-                "<rect x=\"{}\" y=\"0\" width=\"{}\" height=\"{THICKNESS}\" fill=\"{}\"/>",
-                short(left),
-                short(length / f64::from(steps) + overlap),
-                hex(map.at(t)),
-            ));
+            let size = [length / f64::from(steps) + overlap, THICKNESS];
+            out.fill(Outline::rectangle([left, 0.0], size), map.at(t), 1.0);
         }
         let mut arrow = |from: f64, to: f64, t: f64| {
-            out.push(format_args!(
-                "<path d=\"M{} 0L{} {}L{} {THICKNESS}Z\" fill=\"{}\"/>",
-                short(from),
-                short(to),
-                THICKNESS / 2.0,
-                short(from),
-                hex(map.at(t)),
-            ));
+            let corners = [[from, 0.0], [to, THICKNESS / 2.0], [from, THICKNESS]];
+            out.fill(Outline::polygon(corners), map.at(t), 1.0);
         };
         if scale.has_below() {
             arrow(at(0.0), at(0.0) - ARROW, 0.0);
@@ -67,8 +58,7 @@ impl ColorBar {
         }
         let (marks, exponent) = self.marks(length);
         for (t, label) in &marks {
-            let x = short(at(*t));
-            out.push(format_args!("<path d=\"M{x} {THICKNESS}v4\" stroke=\"{SOFT}\"/>"));
+            out.segment([at(*t), THICKNESS], [at(*t), THICKNESS + 4.0], SOFT);
             let below = [at(*t), THICKNESS + 16.0];
             out.text(below, TICK_SIZE, Anchor::Middle, Style::Regular, SOFT, label);
         }

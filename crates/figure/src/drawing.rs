@@ -1,34 +1,115 @@
-//! Pieces of SVG with a size.
+//! Pieces of pictures with a size.
 
-use std::fmt::Write;
+use std::sync::Arc;
 
-use crate::text::{FAMILY, Style, escape};
+use crate::image::Image;
+use crate::outline::Outline;
+use crate::text::Style;
+
+/// Red, green and blue, each from 0 to 255.
+pub(crate) type Color = [u8; 3];
 
 /// The colour of words and axes.
-pub(crate) const INK: &str = "#1d1f23";
+pub(crate) const INK: Color = [0x1d, 0x1f, 0x23];
 /// The colour of what should stay behind: tick labels, notes.
-pub(crate) const SOFT: &str = "#565b63";
+pub(crate) const SOFT: Color = [0x56, 0x5b, 0x63];
+pub(crate) const WHITE: Color = [0xff; 3];
 
-/// A piece of a picture: SVG elements in a box of known size, in CSS pixels,
-/// with the origin at the top left.
+/// A piece of a picture: lines, areas, words and images in a box of known
+/// size, in CSS pixels, with the origin at the top left and y downward.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drawing {
     pub(crate) width: f64,
     pub(crate) height: f64,
-    pub(crate) body: String,
+    pub(crate) elements: Vec<Element>,
 }
 
-/// Where text stands relative to its position.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Element {
+    Path(Path),
+    Text(Text),
+    /// Stretched over a box from its top left corner on.
+    Image {
+        at: [f64; 2],
+        size: [f64; 2],
+        image: Arc<Image>,
+    },
+    /// Elements moved by an offset.
+    Group {
+        at: [f64; 2],
+        elements: Vec<Element>,
+    },
+    /// Elements of which only what lies in a box is seen.
+    Clip {
+        at: [f64; 2],
+        size: [f64; 2],
+        elements: Vec<Element>,
+    },
+}
+
+/// An outline with its look, moved by an offset.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Path {
+    pub(crate) at: [f64; 2],
+    pub(crate) outline: Outline,
+    pub(crate) fill: Option<Fill>,
+    pub(crate) stroke: Option<Stroke>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Fill {
+    pub(crate) color: Color,
+    /// From 0 to 1.
+    pub(crate) opacity: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Stroke {
+    pub(crate) color: Color,
+    pub(crate) width: f64,
+    /// Lengths of dashes and gaps in turn; none for a solid line.
+    pub(crate) dashes: &'static [f64],
+    /// Whether corners are round.
+    pub(crate) round: bool,
+}
+
+/// A line of words.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Text {
+    /// Where the anchor is on the baseline.
+    pub(crate) at: [f64; 2],
+    pub(crate) size: f64,
+    pub(crate) anchor: Anchor,
+    pub(crate) style: Style,
+    pub(crate) color: Color,
+    pub(crate) words: String,
+    /// Whether it runs upward instead of to the right.
+    pub(crate) upward: bool,
+}
+
+/// The part of a line of text that is at its position.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Anchor {
     Start,
     Middle,
     End,
 }
 
+impl Stroke {
+    /// A thin solid line.
+    pub(crate) fn thin(color: Color) -> Self {
+        Self { color, width: 1.0, dashes: &[], round: false }
+    }
+
+    /// A line of a plot, with dashes or without.
+    pub(crate) fn line(color: Color, dashes: &'static [f64]) -> Self {
+        Self { color, width: 1.8, dashes, round: true }
+    }
+}
+
 impl Drawing {
     pub(crate) fn new(width: f64, height: f64) -> Self {
-        Self { width, height, body: String::new() }
+        Self { width, height, elements: Vec::new() }
     }
 
     /// Width in CSS pixels.
@@ -41,84 +122,50 @@ impl Drawing {
         self.height
     }
 
-    /// A whole SVG file on white.
-    pub fn to_svg(&self) -> String {
-        let (w, h) = (short(self.width), short(self.height));
-        format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" \
-             viewBox=\"0 0 {w} {h}\" font-family=\"{FAMILY}\" fill=\"{INK}\">\
-             <rect width=\"{w}\" height=\"{h}\" fill=\"#fff\"/>{}</svg>",
-            self.body
-        )
+    /// Fills an area.
+    pub(crate) fn fill(&mut self, outline: Outline, color: Color, opacity: f64) {
+        let fill = Some(Fill { color, opacity });
+        self.elements.push(Element::Path(Path { at: [0.0; 2], outline, fill, stroke: None }));
     }
 
-    /// Adds elements as they are.
-    pub(crate) fn push(&mut self, elements: std::fmt::Arguments<'_>) {
-        // Writing to a string cannot fail.
-        let _ = self.body.write_fmt(elements);
+    /// Draws a line.
+    pub(crate) fn stroke(&mut self, outline: Outline, stroke: Stroke) {
+        let stroke = Some(stroke);
+        self.elements.push(Element::Path(Path { at: [0.0; 2], outline, fill: None, stroke }));
+    }
+
+    /// A straight thin line.
+    pub(crate) fn segment(&mut self, from: [f64; 2], to: [f64; 2], color: Color) {
+        self.stroke(Outline::polyline([from, to]), Stroke::thin(color));
     }
 
     pub(crate) fn text(
         &mut self,
-        [x, y]: [f64; 2],
+        at: [f64; 2],
         size: f64,
         anchor: Anchor,
         style: Style,
-        color: &str,
+        color: Color,
         words: &str,
     ) {
-        if words.is_empty() {
-            return;
+        if !words.is_empty() {
+            let words = words.into();
+            let text = Text { at, size, anchor, style, color, words, upward: false };
+            self.elements.push(Element::Text(text));
         }
-        let anchor = match anchor {
-            Anchor::Start => "",
-            Anchor::Middle => " text-anchor=\"middle\"",
-            Anchor::End => " text-anchor=\"end\"",
-        };
-        let weight = if style == Style::Bold { " font-weight=\"bold\"" } else { "" };
-        let (x, y, words) = (short(x), short(y), escape(words));
-        self.push(format_args!(
-            "<text x=\"{x}\" y=\"{y}\" font-size=\"{size}\" fill=\"{color}\"{anchor}{weight}>{words}</text>"
-        ));
     }
 
-    /// Text that runs upward, its middle at (x, y).
-    pub(crate) fn text_upward(&mut self, [x, y]: [f64; 2], size: f64, style: Style, words: &str) {
-        let (x, y) = (short(x), short(y));
-        self.push(format_args!("<g transform=\"translate({x} {y}) rotate(-90)\">"));
-        self.text([0.0, 0.0], size, Anchor::Middle, style, INK, words);
-        self.push(format_args!("</g>"));
+    /// Text that runs upward, its middle at `at`.
+    pub(crate) fn text_upward(&mut self, at: [f64; 2], size: f64, style: Style, words: &str) {
+        if !words.is_empty() {
+            let (anchor, words) = (Anchor::Middle, words.into());
+            let text = Text { at, size, anchor, style, color: INK, words, upward: true };
+            self.elements.push(Element::Text(text));
+        }
     }
 
-    /// Places another drawing with its top left corner at (x, y).
-    pub(crate) fn place(&mut self, [x, y]: [f64; 2], other: &Self) {
-        let (x, y) = (short(x), short(y));
-        self.push(format_args!("<g transform=\"translate({x} {y})\">{}</g>", other.body));
-    }
-}
-
-/// A coordinate with as many digits as can be seen.
-pub(crate) fn short(x: f64) -> String {
-    let text = format!("{x:.2}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0".into() } else { text.into() }
-}
-
-/// `#rrggbb`.
-pub(crate) fn hex([r, g, b]: [u8; 3]) -> String {
-    format!("#{r:02x}{g:02x}{b:02x}")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn coordinates_are_short() {
-        assert_eq!(short(1.0), "1");
-        assert_eq!(short(-0.001), "0");
-        assert_eq!(short(2.456), "2.46");
-        assert_eq!(short(100.0), "100");
-        assert_eq!(hex([1, 171, 255]), "#01abff");
+    /// Places another drawing with its top left corner at `at`.
+    pub(crate) fn place(&mut self, at: [f64; 2], other: Self) {
+        self.elements.push(Element::Group { at, elements: other.elements });
     }
 }

@@ -89,10 +89,6 @@ pub enum EncodeError {
     /// The PNG encoder refused.
     #[error("the picture cannot be written as PNG: {0}")]
     Png(#[from] png::EncodingError),
-    /// The composed SVG is not valid, which a label with forbidden control
-    /// characters can cause.
-    #[error("the figure cannot be drawn: {0}")]
-    Svg(String),
     /// The picture has no pixel or too many.
     #[error("a figure of {width} × {height} pixels cannot be drawn")]
     Size {

@@ -1,12 +1,12 @@
 //! Figures: pictures and plots side by side, with captions.
 
-use base64::Engine;
+use std::sync::Arc;
 
 use crate::colorbar::ColorBar;
-use crate::drawing::{Anchor, Drawing, INK, short};
+use crate::drawing::{Anchor, Drawing, Element, INK};
 use crate::error::EncodeError;
 use crate::image::Image;
-use crate::text::{Style, draw_svg, width, wrap};
+use crate::text::{Style, width, wrap};
 
 /// One part of a figure.
 #[derive(Debug, Clone)]
@@ -19,20 +19,12 @@ pub struct Panel {
 impl Panel {
     /// A picture, shown `width` CSS pixels wide: two pixels or more for each
     /// look sharp in print.
-    ///
-    /// # Errors
-    ///
-    /// [`EncodeError::Png`] if it cannot be embedded.
-    pub fn image(image: &Image, width: f64) -> Result<Self, EncodeError> {
+    pub fn image(image: Image, width: f64) -> Self {
         let height = width * f64::from(image.height()) / f64::from(image.width());
         let mut drawing = Drawing::new(width, height);
-        let data = base64::engine::general_purpose::STANDARD.encode(image.to_png()?);
-        drawing.push(format_args!(
-            "<image width=\"{}\" height=\"{}\" href=\"data:image/png;base64,{data}\"/>",
-            short(width),
-            short(height),
-        ));
-        Ok(Self { drawing, caption: String::new(), bar: None })
+        let (at, size, image) = ([0.0; 2], [width, height], Arc::new(image));
+        drawing.elements.push(Element::Image { at, size, image });
+        Self::drawing(drawing)
     }
 
     /// A plot or any other drawing.
@@ -114,7 +106,7 @@ impl Figure {
             for (c, panel) in row.iter().enumerate() {
                 let letter = (self.panels.len() > 1).then(|| letter(r * columns + c));
                 let x = column(c) + (widths[c] - panel.drawing.width) / 2.0;
-                out.place([x, y + (tallest - panel.drawing.height) / 2.0], &panel.drawing);
+                out.place([x, y + (tallest - panel.drawing.height) / 2.0], panel.drawing.clone());
                 let below = panel.below(&mut out, [column(c), y + tallest], widths[c], letter);
                 lowest = lowest.max(below);
             }
@@ -127,8 +119,8 @@ impl Figure {
             for (i, bar) in self.bars.iter().enumerate() {
                 let drawing = bar.draw(bar_width);
                 let x = left + (inner - total) / 2.0 + i as f64 * (bar_width + GAP);
-                out.place([x, y], &drawing);
                 tallest = tallest.max(drawing.height);
+                out.place([x, y], drawing);
             }
             y += tallest + GAP;
         }
@@ -138,7 +130,11 @@ impl Figure {
     }
 
     /// The figure as an SVG file.
-    pub fn to_svg(&self) -> String {
+    ///
+    /// # Errors
+    ///
+    /// [`EncodeError::Png`] if an image cannot be embedded.
+    pub fn to_svg(&self) -> Result<String, EncodeError> {
         self.draw().to_svg()
     }
 
@@ -146,9 +142,9 @@ impl Figure {
     ///
     /// # Errors
     ///
-    /// [`EncodeError`] if the figure is empty, too large, or not valid.
+    /// [`EncodeError`] if the figure is empty or too large.
     pub fn to_png(&self, zoom: f64) -> Result<Vec<u8>, EncodeError> {
-        draw_svg(&self.to_svg(), zoom)?.to_png()
+        self.draw().to_image(zoom)?.to_png()
     }
 
     fn write_caption(&self, out: &mut Drawing, [x, mut y]: [f64; 2], limit: f64) -> f64 {
@@ -195,8 +191,9 @@ impl Panel {
         if let Some(bar) = &self.bar {
             y += 6.0;
             let drawing = bar.draw(width.min(BAR_WIDTH));
-            out.place([x + (width - drawing.width) / 2.0, y], &drawing);
-            y += drawing.height;
+            let height = drawing.height;
+            out.place([x + (width - drawing.width) / 2.0, y], drawing);
+            y += height;
         }
         let words = match letter {
             Some(letter) if self.caption.is_empty() => format!("({letter})"),

@@ -17,10 +17,13 @@ mod maps;
 mod normals;
 mod number;
 mod occlusion;
+mod outline;
+mod paint;
 mod plot;
 mod raster;
 mod render;
 mod scale;
+mod svg;
 mod text;
 mod ticks;
 
@@ -39,4 +42,3 @@ pub use occlusion::Occlusion;
 pub use plot::{Axis, AxisScale, Legend, Plot, PlotError, Series, Shape};
 pub use render::{Background, Colors, MAX_SIDE, RenderOptions, Wireframe, render};
 pub use scale::{Center, Limits, Scale, ScaleOptions, Spread, UNDEFINED};
-pub use text::draw_svg;

@@ -2,11 +2,11 @@
 
 use fairing_figure::{
     Axis, ColorBar, ColorMap, Field, Figure, Image, Limits, Panel, Plot, PlotError, Scale,
-    ScaleOptions, Series, Shape, draw_svg,
+    ScaleOptions, Series, Shape,
 };
 
 fn pixels(plot: &Plot) -> Image {
-    draw_svg(&plot.draw(400.0, 300.0).unwrap().to_svg(), 1.0).unwrap()
+    plot.draw(400.0, 300.0).unwrap().to_image(1.0).unwrap()
 }
 
 /// The middle of all pixels of nearly that colour.
@@ -120,7 +120,7 @@ fn the_bar_shows_the_colours_of_its_values() {
         let options = ScaleOptions { limits: Limits::Full, ..options };
         let scale = Scale::of(&[&Field::new(&values)], &options).unwrap();
         let bar = ColorBar { scale: scale.clone(), quantity: "x".into(), unit: String::new() };
-        let image = draw_svg(&bar.draw(446.0).to_svg(), 1.0).unwrap();
+        let image = bar.draw(446.0).to_image(1.0).unwrap();
         // The bar runs from 23 to 423.
         for t in [0.1, 0.35, 0.6, 0.9] {
             let found = image.pixel((23.0 + 400.0 * t) as u32, 6);
@@ -139,7 +139,7 @@ fn arrows_say_that_values_lie_beyond() {
         let options = ScaleOptions { limits, ..ScaleOptions::MAGNITUDE };
         let scale = Scale::of(&[&Field::new(&values)], &options).unwrap();
         let bar = ColorBar { scale, quantity: String::new(), unit: String::new() };
-        draw_svg(&bar.draw(446.0).to_svg(), 1.0).unwrap().pixel(426, 6)
+        bar.draw(446.0).to_image(1.0).unwrap().pixel(426, 6)
     };
     let [r, g, b] = ColorMap::Viridis.at(1.0);
     assert_eq!(draw(5.0), [r, g, b, 255]);
@@ -163,7 +163,7 @@ fn panels_are_lettered_and_laid_out_in_rows() {
         caption: "Words & <signs>.".into(),
         ..Figure::default()
     };
-    let svg = figure.to_svg();
+    let svg = figure.to_svg().unwrap();
     for letter in ["(a) a caption", "(b) a caption", "(c) a caption"] {
         assert_eq!(svg.matches(letter).count(), 1, "{letter}");
     }

@@ -113,7 +113,7 @@ impl Gallery<'_> {
             for ((look, colors), occlusion) in self.looks.iter().zip(&painted).zip(&baked) {
                 let colors = colors.as_deref().map_or(Colors::CLAY, Colors::PerVertex);
                 let image = render(look.mesh, colors, Some(occlusion), &camera, &options)?;
-                figure.panels.push(Panel::image(&image, width)?);
+                figure.panels.push(Panel::image(image, width));
             }
         }
         Ok(Picture {
@@ -147,6 +147,6 @@ pub(super) fn plotted(figure: &Figure, id: &str, caption: &str, alt: &str) -> Re
         caption: caption.into(),
         alt: alt.into(),
         png: figure.to_png(ZOOM)?,
-        svg: Some(figure.to_svg()),
+        svg: Some(figure.to_svg()?),
     })
 }

@@ -62,7 +62,7 @@ impl Grid<'_> {
             let camera = Camera::fit(&[row.frame], self.viewpoint, self.up, options.aspect())?;
             for (mesh, title) in row.meshes.iter().zip(&row.titles) {
                 let image = render(mesh, Colors::CLAY, None, &camera, &options)?;
-                let panel = Panel::image(&image, width)?;
+                let panel = Panel::image(image, width);
                 figure.panels.push(if shared { panel } else { panel.caption(title.clone()) });
             }
         }

@@ -2,15 +2,18 @@
 
 use super::axis::{Axis, AxisScale, Range, label};
 use super::legend;
-use super::series::{Series, Shape, Style, slope_ends};
+use super::series::{REFERENCE, Series, Shape, Style, slope_ends};
 use super::{Legend, Plot, PlotError};
-use crate::drawing::{Anchor, Drawing, INK, SOFT, short};
+use crate::drawing::{
+    Anchor, Color, Drawing, Element, Fill, INK, Path, SOFT, Stroke, WHITE,
+};
+use crate::outline::Outline;
 use crate::text::{Style as Face, width};
 use crate::ticks::Ticks;
 
 const TICK_SIZE: f64 = 12.0;
 const LABEL_SIZE: f64 = 13.0;
-const GRID: &str = "#e8eaed";
+const GRID: Color = [0xe8, 0xea, 0xed];
 
 pub(super) fn draw(plot: &Plot, width: f64, height: f64) -> Result<Drawing, PlotError> {
     let styled = styles(&plot.series);
@@ -51,31 +54,21 @@ pub(super) fn draw(plot: &Plot, width: f64, height: f64) -> Result<Drawing, Plot
     let mut out = Drawing::new(width, height);
     frame.axes(&mut out, plot);
     let [left, top, right, bottom] = frame.sides();
-    // A nested picture cuts off what reaches beyond given limits.
-    out.push(format_args!(
-        "<svg x=\"{0}\" y=\"{1}\" width=\"{2}\" height=\"{3}\" viewBox=\"{0} {1} {2} {3}\">",
-        short(left),
-        short(top),
-        short(right - left),
-        short(bottom - top),
-    ));
+    let mut inside = Drawing::new(width, height);
     let behind = |s: &Series| matches!(s.shape, Shape::Band(_) | Shape::Bars(_));
     for (series, style) in styled.iter().filter(|(s, _)| behind(s)) {
-        frame.series(&mut out, plot, series, *style);
+        frame.series(&mut inside, plot, series, *style);
     }
     for (series, style) in styled.iter().filter(|(s, _)| !behind(s)) {
-        frame.series(&mut out, plot, series, *style);
+        frame.series(&mut inside, plot, series, *style);
     }
-    out.push(format_args!("</svg>"));
-    out.push(format_args!(
-        "<path d=\"M{0} {1}V{2}H{3}\" fill=\"none\" stroke=\"{SOFT}\"/>",
-        short(left),
-        short(top),
-        short(bottom),
-        short(right),
-    ));
+    // What reaches beyond given limits is not seen.
+    let (at, size) = ([left, top], [right - left, bottom - top]);
+    out.elements.push(Element::Clip { at, size, elements: inside.elements });
+    let corner = [[left, top], [left, bottom], [right, bottom]];
+    out.stroke(Outline::polyline(corner), Stroke::thin(SOFT));
     if let Some((place, legend)) = legend {
-        out.place(place, &legend);
+        out.place(place, legend);
     }
     Ok(out)
 }
@@ -177,42 +170,25 @@ impl Frame {
         out.text([middle, 16.0], 14.0, Anchor::Middle, Face::Bold, INK, &plot.title);
         for (y, words) in &self.y_ticks.major {
             let [_, y] = self.at([self.x.low, *y]);
-            out.push(format_args!(
-                "<path d=\"M{} {1}H{2}\" stroke=\"{GRID}\"/><path d=\"M{3} {1}h-4\" stroke=\"{SOFT}\"/>",
-                short(left),
-                short(y),
-                short(right),
-                short(left),
-            ));
+            out.segment([left, y], [right, y], GRID);
+            out.segment([left, y], [left - 4.0, y], SOFT);
             out.text([left - 7.0, y + 4.3], TICK_SIZE, Anchor::End, Face::Regular, SOFT, words);
         }
         for y in &self.y_ticks.minor {
             let [_, y] = self.at([self.x.low, *y]);
-            out.push(format_args!(
-                "<path d=\"M{} {}h-2.5\" stroke=\"{SOFT}\"/>",
-                short(left),
-                short(y)
-            ));
+            out.segment([left, y], [left - 2.5, y], SOFT);
         }
         if plot.categories.is_empty() {
             for (x, words) in &self.x_ticks.major {
                 let [x, _] = self.at([*x, self.y.low]);
-                out.push(format_args!(
-                    "<path d=\"M{0} {1}V{2}\" stroke=\"{GRID}\"/><path d=\"M{0} {2}v4\" stroke=\"{SOFT}\"/>",
-                    short(x),
-                    short(top),
-                    short(bottom),
-                ));
+                out.segment([x, top], [x, bottom], GRID);
+                out.segment([x, bottom], [x, bottom + 4.0], SOFT);
                 let below = [x, bottom + 17.0];
                 out.text(below, TICK_SIZE, Anchor::Middle, Face::Regular, SOFT, words);
             }
             for x in &self.x_ticks.minor {
                 let [x, _] = self.at([*x, self.y.low]);
-                out.push(format_args!(
-                    "<path d=\"M{} {}v2.5\" stroke=\"{SOFT}\"/>",
-                    short(x),
-                    short(bottom)
-                ));
+                out.segment([x, bottom], [x, bottom + 2.5], SOFT);
             }
         } else {
             for (i, words) in plot.categories.iter().enumerate() {
@@ -234,66 +210,55 @@ impl Frame {
         match &series.shape {
             Shape::Line(points) => self.path(out, points, color, style.dashes()),
             Shape::MarkedLine(points) => {
-                self.path(out, points, color, "");
+                self.path(out, points, color, &[]);
                 self.marks(out, points, style);
             }
             Shape::Points(points) => self.marks(out, points, style),
             Shape::Band(points) => {
                 let upper = points.iter().map(|&[x, _, high]| [x, high]);
                 let lower = points.iter().rev().map(|&[x, low, _]| [x, low]);
-                let path = self.data(upper.chain(lower));
-                out.push(format_args!(
-                    "<path d=\"{path}Z\" fill=\"{color}\" fill-opacity=\"0.18\"/>"
-                ));
+                let corners = upper.chain(lower).map(|p| self.at(p));
+                out.fill(Outline::polygon(corners), color, 0.18);
             }
             Shape::Bars(values) => self.bars(out, plot, series, values, color),
             Shape::Reference(points) => {
-                self.path(out, points, SOFT, " stroke-dasharray=\"4 3\"");
+                self.path(out, points, SOFT, REFERENCE);
             }
             &Shape::Slope { order, through, span } => {
                 let ends = slope_ends(order, through, span);
-                self.path(out, &ends, SOFT, " stroke-dasharray=\"4 3\"");
+                self.path(out, &ends, SOFT, REFERENCE);
             }
             Shape::Level(y) => {
                 let ends = [[self.x.low, *y], [self.x.high, *y]];
-                self.path(out, &ends, SOFT, " stroke-dasharray=\"4 3\"");
+                self.path(out, &ends, SOFT, REFERENCE);
             }
         }
     }
 
-    fn data(&self, points: impl Iterator<Item = [f64; 2]>) -> String {
-        let mut path = String::new();
-        for (i, p) in points.enumerate() {
-            let [x, y] = self.at(p);
-            path.push(if i == 0 { 'M' } else { 'L' });
-            path.push_str(&format!("{} {}", short(x), short(y)));
-        }
-        path
-    }
-
-    fn path(&self, out: &mut Drawing, points: &[[f64; 2]], color: &str, dashes: &str) {
-        let path = self.data(points.iter().copied());
-        out.push(format_args!(
-            "<path d=\"{path}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"1.8\" \
-             stroke-linejoin=\"round\"{dashes}/>"
-        ));
+    fn path(
+        &self,
+        out: &mut Drawing,
+        points: &[[f64; 2]],
+        color: Color,
+        dashes: &'static [f64],
+    ) {
+        let path = Outline::polyline(points.iter().map(|&p| self.at(p)));
+        out.stroke(path, Stroke::line(color, dashes));
     }
 
     fn marks(&self, out: &mut Drawing, points: &[[f64; 2]], style: Style) {
-        let (color, mark) = (style.color(), style.mark());
         for &p in points {
-            let [x, y] = self.at(p);
-            out.push(format_args!(
-                "<path transform=\"translate({} {})\" d=\"{mark}\" fill=\"{color}\" \
-                 stroke=\"#fff\" stroke-width=\"0.8\"/>",
-                short(x),
-                short(y),
-            ));
+            out.elements.push(Element::Path(Path {
+                at: self.at(p),
+                outline: style.mark(),
+                fill: Some(Fill { color: style.color(), opacity: 1.0 }),
+                stroke: Some(Stroke { width: 0.8, ..Stroke::thin(WHITE) }),
+            }));
         }
     }
 
     /// The bars of one series stand side by side with those of the others.
-    fn bars(&self, out: &mut Drawing, plot: &Plot, own: &Series, values: &[f64], color: &str) {
+    fn bars(&self, out: &mut Drawing, plot: &Plot, own: &Series, values: &[f64], color: Color) {
         let all = plot.series.iter().filter(|s| matches!(s.shape, Shape::Bars(_)));
         let count = all.clone().count() as f64;
         let place = all.clone().position(|s| std::ptr::eq(s, own)).unwrap_or(0) as f64;
@@ -303,13 +268,8 @@ impl Frame {
             let middle = i as f64 + 1.0 - 0.38 + each * (place + 0.5);
             let [x0, y0] = self.at([middle - 0.45 * each, base]);
             let [x1, y1] = self.at([middle + 0.45 * each, value]);
-            out.push(format_args!(
-                "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"{color}\"/>",
-                short(x0),
-                short(y0.min(y1)),
-                short(x1 - x0),
-                short((y1 - y0).abs()),
-            ));
+            let (low, high) = (y0.max(y1), y0.min(y1));
+            out.fill(Outline::rectangle([x0, high], [x1 - x0, low - high]), color, 1.0);
         }
     }
 

@@ -1,13 +1,17 @@
 //! Where the series are named.
 
-use super::series::{Series, Shape, Style};
-use crate::drawing::{Anchor, Drawing, INK, SOFT, short};
+use super::series::{REFERENCE, Series, Shape, Style};
+use crate::drawing::{
+    Anchor, Color, Drawing, Element, Fill, INK, Path, SOFT, Stroke, WHITE,
+};
+use crate::outline::Outline;
 use crate::text::{Style as Face, width};
 
 pub(super) const SIZE: f64 = 12.5;
 const LINE: f64 = 18.0;
 const SWATCH: f64 = 26.0;
 const PAD: f64 = 7.0;
+const BORDER: Color = [0xd5, 0xd8, 0xdd];
 
 /// The names and looks of all series that have a name; `None` if there is
 /// none.
@@ -16,12 +20,12 @@ pub(super) fn draw(series: &[(&Series, Style)]) -> Option<Drawing> {
     let widest = named.iter().map(|(s, _)| width(&s.name, SIZE, Face::Regular)).reduce(f64::max)?;
     let size = [widest + SWATCH + 3.0 * PAD, LINE * named.len() as f64 + 1.5 * PAD];
     let mut out = Drawing::new(size[0], size[1]);
-    out.push(format_args!(
-        "<rect width=\"{}\" height=\"{}\" rx=\"3\" fill=\"#fff\" fill-opacity=\"0.85\" \
-         stroke=\"#d5d8dd\"/>",
-        short(size[0]),
-        short(size[1]),
-    ));
+    out.elements.push(Element::Path(Path {
+        at: [0.0; 2],
+        outline: Outline::rounded([0.0; 2], size, 3.0),
+        fill: Some(Fill { color: WHITE, opacity: 0.85 }),
+        stroke: Some(Stroke::thin(BORDER)),
+    }));
     for (i, (series, style)) in named.iter().enumerate() {
         let y = PAD * 0.75 + LINE * (i as f64 + 0.5);
         swatch(&mut out, series, *style, [PAD, y]);
@@ -50,34 +54,28 @@ pub(super) fn rows(series: &[(&Series, Style)], limit: f64) -> Drawing {
 }
 
 fn swatch(out: &mut Drawing, series: &Series, style: Style, [left, y]: [f64; 2]) {
-    let (right, middle) = (short(left + SWATCH), short(left + SWATCH / 2.0));
-    let left = short(left);
     let color = style.color();
-    let line = |out: &mut Drawing, color: &str, dashes: &str| {
-        out.push(format_args!(
-            "<path d=\"M{left} {0}H{right}\" stroke=\"{color}\" stroke-width=\"1.8\"{dashes}/>",
-            short(y)
-        ));
+    let line = |out: &mut Drawing, color, dashes| {
+        let ends = [[left, y], [left + SWATCH, y]];
+        out.stroke(Outline::polyline(ends), Stroke::line(color, dashes));
     };
     match series.shape {
         Shape::Line(_) => line(out, color, style.dashes()),
-        Shape::Slope { .. } | Shape::Reference(_) | Shape::Level(_) => {
-            line(out, SOFT, " stroke-dasharray=\"4 3\"");
+        Shape::Slope { .. } | Shape::Reference(_) | Shape::Level(_) => line(out, SOFT, REFERENCE),
+        Shape::MarkedLine(_) => line(out, color, &[]),
+        Shape::Band(_) | Shape::Bars(_) => {
+            let opacity = if matches!(series.shape, Shape::Band(_)) { 0.2 } else { 1.0 };
+            out.fill(Outline::rectangle([left, y - 4.5], [SWATCH, 9.0]), color, opacity);
         }
-        Shape::MarkedLine(_) => line(out, color, ""),
-        Shape::Band(_) | Shape::Bars(_) => out.push(format_args!(
-            "<rect x=\"{left}\" y=\"{}\" width=\"{SWATCH}\" height=\"9\" fill=\"{color}\"{}/>",
-            short(y - 4.5),
-            if matches!(series.shape, Shape::Band(_)) { " fill-opacity=\"0.2\"" } else { "" },
-        )),
         Shape::Points(_) => {}
     }
     if matches!(series.shape, Shape::MarkedLine(_) | Shape::Points(_)) {
-        out.push(format_args!(
-            "<path transform=\"translate({middle} {})\" d=\"{}\" fill=\"{color}\"/>",
-            short(y),
-            style.mark(),
-        ));
+        out.elements.push(Element::Path(Path {
+            at: [left + SWATCH / 2.0, y],
+            outline: style.mark(),
+            fill: Some(Fill { color, opacity: 1.0 }),
+            stroke: None,
+        }));
     }
 }
 

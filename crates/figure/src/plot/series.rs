@@ -2,6 +2,8 @@
 
 use super::PlotError;
 use super::axis::AxisScale;
+use crate::drawing::Color;
+use crate::outline::Outline;
 
 /// Points that belong together.
 #[derive(Debug, Clone, PartialEq)]
@@ -145,38 +147,47 @@ pub(super) fn slope_ends(order: f64, [x0, y0]: [f64; 2], span: [f64; 2]) -> [[f6
 
 /// Colours that stay apart for colour-blind people and in grey
 /// (\[okabe2008\], without the yellow that is too light for lines).
-const COLORS: [&str; 7] =
-    ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#3b3b3b"];
+const COLORS: [Color; 7] = [
+    [0x00, 0x72, 0xb2],
+    [0xd5, 0x5e, 0x00],
+    [0x00, 0x9e, 0x73],
+    [0xcc, 0x79, 0xa7],
+    [0xe6, 0x9f, 0x00],
+    [0x56, 0xb4, 0xe9],
+    [0x3b, 0x3b, 0x3b],
+];
+
+/// The dashes of lines that others are compared with.
+pub(super) const REFERENCE: &[f64] = &[4.0, 3.0];
 
 /// The look of one series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Style(pub(super) usize);
 
 impl Style {
-    pub(super) fn color(self) -> &'static str {
+    pub(super) fn color(self) -> Color {
         COLORS[self.0 % COLORS.len()]
     }
 
     /// Dashes for lines without marks, so that colour is not all that tells
     /// them apart.
-    pub(super) fn dashes(self) -> &'static str {
-        [
-            "",
-            " stroke-dasharray=\"7 3\"",
-            " stroke-dasharray=\"2 3\"",
-            " stroke-dasharray=\"9 3 2 3\"",
-        ][self.0 % 4]
+    pub(super) fn dashes(self) -> &'static [f64] {
+        [&[][..], &[7.0, 3.0], &[2.0, 3.0], &[9.0, 3.0, 2.0, 3.0]][self.0 % 4]
     }
 
     /// The outline of a mark about the origin.
-    pub(super) fn mark(self) -> &'static str {
-        [
-            "M-3.6 0a3.6 3.6 0 1 0 7.2 0a3.6 3.6 0 1 0 -7.2 0Z",
-            "M-3.3 -3.3h6.6v6.6h-6.6Z",
-            "M0 -4.4L4.2 3.3H-4.2Z",
-            "M0 -4.7L4.2 0L0 4.7L-4.2 0Z",
-            "M0 4.4L4.2 -3.3H-4.2Z",
-            "M-4.2 -1.5h2.7v-2.7h3v2.7h2.7v3h-2.7v2.7h-3v-2.7h-2.7Z",
-        ][self.0 % 6]
+    pub(super) fn mark(self) -> Outline {
+        let cross = |a: f64, b: f64| {
+            let quarter = [[-a, -b], [-b, -b], [-b, -a], [b, -a], [b, -b], [a, -b]];
+            quarter.into_iter().chain(quarter.map(|[x, y]| [-x, -y]))
+        };
+        match self.0 % 6 {
+            0 => Outline::circle(3.6),
+            1 => Outline::rectangle([-3.3; 2], [6.6; 2]),
+            2 => Outline::polygon([[0.0, -4.4], [4.2, 3.3], [-4.2, 3.3]]),
+            3 => Outline::polygon([[0.0, -4.7], [4.2, 0.0], [0.0, 4.7], [-4.2, 0.0]]),
+            4 => Outline::polygon([[0.0, 4.4], [4.2, -3.3], [-4.2, -3.3]]),
+            _ => Outline::polygon(cross(4.2, 1.5)),
+        }
     }
 }
