@@ -1,6 +1,7 @@
 //! The commands and their options.
 
 use std::path::{Path, PathBuf};
+use std::process::Command as Process;
 
 use anyhow::{Context as _, Result};
 use clap::{Args, Parser, Subcommand};
@@ -69,7 +70,7 @@ struct Reproduce {
 
 #[derive(Debug, Args)]
 struct Bench {
-    /// The task; without one, the tasks are listed
+    /// The task, or `build` for the times of builds from an empty target folder; without one, the tasks are listed
     task: Option<String>,
     /// The mesh
     #[arg(long = "in", value_name = "FILE")]
@@ -219,14 +220,31 @@ fn succeeded(results: &Results) -> bool {
     results.experiments.iter().all(|r| r.error.is_none())
 }
 
+/// Runs the same command in a build without checks, with the optimisation that
+/// people who install the program get.
+fn optimised() -> Result<bool> {
+    let mut cargo = Process::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    let manifest = root().join("Cargo.toml");
+    cargo.args(["run", "--release", "--package=xtask", "--manifest-path"]).arg(manifest);
+    cargo.arg("--").args(std::env::args_os().skip(1));
+    Ok(cargo.status().context("running cargo")?.success())
+}
+
 impl Bench {
     fn run(self) -> Result<bool> {
         let Some(task) = self.task else {
+            println!("{:<22} builds from an empty target folder", "build");
             for task in bench::ALL {
                 println!("{:<22} {}", task.name(), task.about());
             }
             return Ok(true);
         };
+        if task == "build" {
+            return bench::build::run(&root()).map(|()| true);
+        }
+        if cfg!(debug_assertions) {
+            return optimised();
+        }
         let job = bench::Job {
             input: self.input.context("which mesh? say --in FILE")?,
             out: self.out,

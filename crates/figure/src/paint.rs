@@ -1,8 +1,8 @@
 //! Drawings as pixels.
 
 use tiny_skia::{
-    FillRule, FilterQuality, LineJoin, Mask, Paint, PathBuilder, Pixmap, PixmapPaint, Rect,
-    StrokeDash, Transform,
+    FillRule, FilterQuality, LineJoin, Mask, Paint, PathBuilder, Pixmap, PixmapPaint, StrokeDash,
+    Transform,
 };
 
 use crate::drawing::{Anchor, Color, Drawing, Element, Path, Text};
@@ -211,9 +211,11 @@ mod tests {
     #[test]
     fn words_fill_their_width() {
         let width = text::width("mnmn", 20.0, Style::Regular);
-        for (anchor, from) in
-            [(Anchor::Start, 100.0), (Anchor::Middle, 100.0 - width / 2.0), (Anchor::End, 100.0 - width)]
-        {
+        for (anchor, from) in [
+            (Anchor::Start, 100.0),
+            (Anchor::Middle, 100.0 - width / 2.0),
+            (Anchor::End, 100.0 - width),
+        ] {
             let mut drawing = Drawing::new(200.0, 50.0);
             drawing.text([100.0, 30.0], 20.0, anchor, Style::Regular, [0; 3], "mnmn");
             let image = drawing.to_image(1.0).unwrap();

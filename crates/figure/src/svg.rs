@@ -41,9 +41,12 @@ fn write_all(out: &mut String, elements: &[Element]) -> Result<(), EncodeError> 
             Element::Image { at: [x, y], size: [w, h], image } => {
                 let data = base64::engine::general_purpose::STANDARD.encode(image.to_png()?);
                 let [x, y, w, h] = [x, y, w, h].map(|&v| short(v));
-                push(out, format_args!(
-                    "<image x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" href=\"data:image/png;base64,{data}\"/>"
-                ));
+                push(
+                    out,
+                    format_args!(
+                        "<image x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" href=\"data:image/png;base64,{data}\"/>"
+                    ),
+                );
             }
             Element::Group { at: [x, y], elements } => {
                 push(out, format_args!("<g transform=\"translate({} {})\">", short(*x), short(*y)));
@@ -53,9 +56,12 @@ fn write_all(out: &mut String, elements: &[Element]) -> Result<(), EncodeError> 
             Element::Clip { at: [x, y], size: [w, h], elements } => {
                 // A nested picture shows nothing of what reaches beyond it.
                 let [x, y, w, h] = [x, y, w, h].map(|&v| short(v));
-                push(out, format_args!(
-                    "<svg x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" viewBox=\"{x} {y} {w} {h}\">"
-                ));
+                push(
+                    out,
+                    format_args!(
+                        "<svg x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" viewBox=\"{x} {y} {w} {h}\">"
+                    ),
+                );
                 write_all(out, elements)?;
                 out.push_str("</svg>");
             }
@@ -187,7 +193,10 @@ mod tests {
         let words = "</text><rect & \u{0} \"'>";
         drawing.text([2.0, 20.0], 12.0, Anchor::Start, Style::Regular, [0; 3], words);
         let svg = drawing.to_svg().unwrap();
-        assert!(svg.contains("&lt;/text&gt;&lt;rect &amp; \u{fffd} &quot;&#39;&gt;</text>"), "{svg}");
+        assert!(
+            svg.contains("&lt;/text&gt;&lt;rect &amp; \u{fffd} &quot;&#39;&gt;</text>"),
+            "{svg}"
+        );
         assert_eq!(svg.matches("<text").count(), 1);
     }
 }

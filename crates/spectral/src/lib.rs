@@ -9,6 +9,7 @@ mod diffusion;
 mod error;
 mod filter;
 mod geodesic;
+mod npy;
 mod npz;
 mod reconstruct;
 mod signature;

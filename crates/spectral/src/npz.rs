@@ -6,10 +6,12 @@ use std::path::Path;
 
 use fairing_mesh::io::write_whole;
 use fairing_sparse::SparseMatrix;
-use ndarray::{Array1, Array2};
-use ndarray_npy::{NpzReader, NpzWriter};
+use ndarray::Array2;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
 use crate::error::SpectralError;
+use crate::npy::{Kind, Npy};
 use crate::spectrum::{MassMatrix, Spectrum};
 
 impl Spectrum {
@@ -25,26 +27,27 @@ impl Spectrum {
     }
 
     fn write(&self, file: &mut File) -> io::Result<()> {
-        let array = |values: &[f64]| Array1::from(values.to_vec());
-        let mut npz = NpzWriter::new(file);
-        let mut add = |name: &str, values: &[f64]| {
-            npz.add_array(name, &array(values)).map_err(io::Error::other)
+        let mut zip = ZipWriter::new(file);
+        let mut add = |name: &str, array: Npy| -> io::Result<()> {
+            // As numpy.savez does: not compressed. Arrays may exceed 4 GiB.
+            let stored = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
+            zip.start_file(format!("{name}.npy"), stored.large_file(true))
+                .map_err(io::Error::other)?;
+            array.write(&mut zip)
         };
-        add("values", &self.values)?;
-        add("residuals", &self.residuals)?;
-        add("certified", &[f64::from(u8::from(self.certified))])?;
+        add("values", Npy::floats(&self.values))?;
+        add("residuals", Npy::floats(&self.residuals))?;
+        add("certified", Npy::floats(&[f64::from(u8::from(self.certified))]))?;
         match &self.mass {
-            MassMatrix::Lumped(diagonal) => add("mass", diagonal)?,
+            MassMatrix::Lumped(diagonal) => add("mass", Npy::floats(diagonal))?,
             MassMatrix::Consistent(matrix) => {
-                add("mass_data", matrix.data())?;
-                let starts = Array1::from(matrix.indptr().into_raw_storage().to_vec());
-                npz.add_array("mass_indptr", &starts).map_err(io::Error::other)?;
-                let columns = Array1::from(matrix.indices().to_vec());
-                npz.add_array("mass_indices", &columns).map_err(io::Error::other)?;
+                add("mass_data", Npy::floats(matrix.data()))?;
+                add("mass_indptr", Npy::indices(matrix.indptr().raw_storage()))?;
+                add("mass_indices", Npy::indices(matrix.indices()))?;
             }
         }
-        npz.add_array("modes", &self.modes).map_err(io::Error::other)?;
-        npz.finish().map_err(io::Error::other)?;
+        add("modes", Npy::matrix(&self.modes))?;
+        zip.finish().map_err(io::Error::other)?;
         Ok(())
     }
 
@@ -56,28 +59,29 @@ impl Spectrum {
     pub fn load(path: impl AsRef<Path>) -> Result<Self, SpectralError> {
         let path = path.as_ref();
         let file = File::open(path).map_err(|e| problem(path, e))?;
-        let mut npz = NpzReader::new(file).map_err(|e| problem(path, e))?;
-        let names = npz.names().map_err(|e| problem(path, e))?;
-        let mut vector = |name: &str| -> Result<Vec<f64>, SpectralError> {
-            let array: Array1<f64> = npz.by_name(name).map_err(|e| problem(path, e))?;
-            Ok(array.to_vec())
+        let mut zip = ZipArchive::new(file).map_err(|e| problem(path, e))?;
+        let mut array = |name: &str, kind: Kind| -> Result<Npy, SpectralError> {
+            let member = format!("{name}.npy");
+            let mut file =
+                zip.by_name(&member).map_err(|e| problem(path, format!("{name}: {e}")))?;
+            let size = file.size();
+            Npy::read(&mut file, size, kind).map_err(|e| problem(path, format!("{name}: {e}")))
         };
+        let mut vector = |name: &str| array(name, Kind::Float).map(Npy::into_floats);
         let (values, residuals) = (vector("values")?, vector("residuals")?);
         let certified = vector("certified")? == [1.0];
-        let lumped = names.iter().any(|n| n.trim_end_matches(".npy") == "mass");
-        let weights = vector(if lumped { "mass" } else { "mass_data" })?;
-        let modes: Array2<f64> = npz.by_name("modes").map_err(|e| problem(path, e))?;
+        let modes = array("modes", Kind::Float)?.into_matrix();
+        let modes: Array2<f64> = modes.ok_or_else(|| problem(path, "modes: not a matrix"))?;
         let n = modes.nrows();
-        let mass = if lumped {
-            MassMatrix::Lumped(weights)
-        } else {
-            let mut indices = |name: &str| -> Result<Vec<u32>, SpectralError> {
-                let array: Array1<u32> = npz.by_name(name).map_err(|e| problem(path, e))?;
-                Ok(array.to_vec())
-            };
-            let (starts, columns) = (indices("mass_indptr")?, indices("mass_indices")?);
-            let matrix = SparseMatrix::try_new((n, n), starts, columns, weights);
-            MassMatrix::Consistent(matrix.map_err(|(.., e)| problem(path, e))?)
+        let mass = match array("mass", Kind::Float) {
+            Ok(diagonal) => MassMatrix::Lumped(diagonal.into_floats()),
+            Err(missing) => {
+                let Ok(data) = array("mass_data", Kind::Float) else { return Err(missing) };
+                let starts = array("mass_indptr", Kind::Index)?.into_indices();
+                let columns = array("mass_indices", Kind::Index)?.into_indices();
+                let matrix = SparseMatrix::try_new((n, n), starts, columns, data.into_floats());
+                MassMatrix::Consistent(matrix.map_err(|(.., e)| problem(path, e))?)
+            }
         };
         let k = values.len();
         let finite = values.iter().chain(&modes).chain(&residuals).all(|x| x.is_finite());

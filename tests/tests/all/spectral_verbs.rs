@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use fairing_mesh::{TriMesh, io, shapes};
+use fairing_spectral::{MassMatrix, Spectrum};
 use ndarray::{Array1, Array2};
-use ndarray_npy::NpzReader;
 use serde_json::Value;
 
 use crate::command_line::{fairing, refuse, run};
@@ -53,15 +53,13 @@ fn npz_holds_the_documented_arrays() {
     let folder = tempfile::tempdir().unwrap();
     save(folder.path(), "sphere.ply", &shapes::icosphere(3));
     let found = spectrum(folder.path(), "spectrum sphere.ply -k 9 -o modes.npz --json");
-    let file = std::fs::File::open(folder.path().join("modes.npz")).unwrap();
-    let mut npz = NpzReader::new(file).unwrap();
-    let modes: Array2<f64> = npz.by_name("modes").unwrap();
-    let mass: Array1<f64> = npz.by_name("mass").unwrap();
-    let stored: Array1<f64> = npz.by_name("values").unwrap();
-    let residuals: Array1<f64> = npz.by_name("residuals").unwrap();
+    let Spectrum { values: stored, residuals, modes, mass, .. } =
+        Spectrum::load(folder.path().join("modes.npz")).unwrap();
+    let MassMatrix::Lumped(mass) = mass else { panic!("the mass is lumped") };
+    let mass = Array1::from(mass);
     assert_eq!(modes.dim(), (642, 9));
-    assert_eq!(stored.to_vec(), values(&found, "eigenvalues"));
-    assert_eq!(residuals.to_vec(), values(&found, "residuals"));
+    assert_eq!(stored, values(&found, "eigenvalues"));
+    assert_eq!(residuals, values(&found, "residuals"));
     let weighted = &modes * &mass.insert_axis(ndarray::Axis(1));
     let gram = modes.t().dot(&weighted);
     assert!((&gram - &Array2::<f64>::eye(9)).iter().all(|d| d.abs() < 1e-9));

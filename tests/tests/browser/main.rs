@@ -29,9 +29,11 @@ fn main() {
     let trial = |name: String, page: Option<PathBuf>, test: Test| {
         let (program, shared) = (browser.clone(), Arc::clone(&shared));
         let absent = program.is_none() || page.as_ref().is_some_and(|p| !p.is_file());
-        Trial::test(name, move || match program {
-            Some(program) => run(&program, &shared, page.as_deref(), test)
-                .map_err(|e| Failed::from(format!("{e:#}"))),
+        Trial::test(name.clone(), move || match program {
+            Some(program) => fairing_tests::timed(&name, || {
+                run(&program, &shared, page.as_deref(), test)
+                    .map_err(|e| Failed::from(format!("{e:#}")))
+            }),
             None => Ok(()),
         })
         .with_kind("chromium")

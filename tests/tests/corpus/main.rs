@@ -30,8 +30,9 @@ fn main() {
         .map(|(area, name, test)| {
             let folder = folder.clone();
             let absent = folder.is_none();
-            Trial::test(format!("{area}::{name}"), move || match folder {
-                Some(folder) => test(&folder),
+            let name = format!("{area}::{name}");
+            Trial::test(name.clone(), move || match folder {
+                Some(folder) => fairing_tests::timed(&name, || test(&folder)),
                 None => Ok(()),
             })
             .with_ignored_flag(absent)

@@ -1,5 +1,6 @@
 //! Times one task inside the process, for comparison with other libraries.
 
+pub mod build;
 mod files;
 mod metrics;
 mod operators;

@@ -86,28 +86,35 @@ pub fn reproduce(experiments: &[&dyn Experiment], plan: &Plan) -> Result<Results
         let known = cache.last_seconds(id, plan.quick).or_else(|| reference.get(id).copied());
         known.unwrap_or(UNKNOWN_SECONDS)
     };
-    let progress = Progress::new(chosen.iter().map(|&e| expected(e)).sum());
+    let mut left: f64 = chosen.iter().map(|&e| expected(e)).sum();
+    let progress = Progress::new(left);
+    progress.say(&format!("{} experiments, {}", chosen.len(), about(left)));
     let mut records = vec![];
-    for &experiment in &chosen {
+    for (i, &experiment) in chosen.iter().enumerate() {
         let card = experiment.card();
         progress.begin(card.title, expected(experiment));
+        left -= expected(experiment);
+        let named = format!("[{}/{}] {}: {}", i + 1, chosen.len(), card.id, card.title);
         let key = cache.key(&card, &inputs, plan.quick, SEED)?;
         let place = work.path().join(card.id);
         let reused = if plan.fresh { None } else { cache.restore(card.id, &key, &place)? };
         let record = match reused {
             Some(record) => {
-                progress
-                    .say(&format!("{}: {} (unchanged since the last run)", card.id, card.title));
+                progress.say(&format!("{named} (unchanged since the last run)"));
                 record
             }
             None => {
                 let record = run(experiment, &inputs, &progress, plan.quick, work.path())?;
                 match &record.error {
-                    Some(error) => progress.say(&format!("{} FAILED: {error}", card.id)),
+                    Some(error) => progress.say(&format!("{named} FAILED: {error}")),
                     None => {
                         cache.store(&key, plan.quick, &place, &record)?;
-                        progress
-                            .say(&format!("{}: {} ({:.1} s)", card.id, card.title, record.seconds));
+                        let left = if i + 1 < chosen.len() {
+                            about(left) + " left"
+                        } else {
+                            "done".into()
+                        };
+                        progress.say(&format!("{named} ({:.1} s, {left})", record.seconds));
                     }
                 }
                 record
@@ -116,6 +123,7 @@ pub fn reproduce(experiments: &[&dyn Experiment], plan: &Plan) -> Result<Results
         progress.end();
         records.push(record);
     }
+    progress.say("writing the report");
     progress.finish();
     let provenance = Provenance::gather(&plan.root, SEED, plan.quick);
     if plan.form == Form::Small {
@@ -130,6 +138,14 @@ pub fn reproduce(experiments: &[&dyn Experiment], plan: &Plan) -> Result<Results
     )?;
     move_into_place(work, &plan.out)?;
     Ok(results)
+}
+
+/// `about 40 s`, `about 3 min`.
+fn about(seconds: f64) -> String {
+    match seconds {
+        s if s < 100.0 => format!("about {s:.0} s"),
+        s => format!("about {:.0} min", s / 60.0),
+    }
 }
 
 /// The experiments with these ids, in the order of the report.

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use anyhow::{Context as _, Result};
-use cargo_metadata::{DependencyKind, MetadataCommand};
+use anyhow::Result;
+
+use super::packages::{self, Dependency, Package};
 
 /// For each library crate, the crates of ours that it may use. The façade,
 /// `xtask` and the tests may use everything.
@@ -25,25 +26,20 @@ const FREE: [&str; 3] = ["fairing", "xtask", "fairing-tests"];
 
 /// Dependencies that no arrow allows. What only tests of a crate use is free.
 pub(super) fn check(root: &Path) -> Result<Vec<String>> {
-    let mut command = MetadataCommand::new();
-    command.manifest_path(root.join("Cargo.toml")).no_deps();
-    let metadata = command.exec().context("asking cargo for the dependencies")?;
-    let ours: Vec<&str> = metadata.packages.iter().map(|p| p.name.as_str()).collect();
+    let packages = packages::read(root)?;
+    let ours: Vec<&str> = packages.iter().map(|p| p.name.as_str()).collect();
     let mut broken = vec![];
-    for package in &metadata.packages {
-        let name = package.name.as_str();
-        if FREE.contains(&name) {
+    for Package { name, dependencies, .. } in &packages {
+        if FREE.contains(&name.as_str()) {
             continue;
         }
-        let Some((_, allowed)) = ARROWS.iter().find(|(n, _)| *n == name) else {
+        let Some((_, allowed)) = ARROWS.iter().find(|(n, _)| n == name) else {
             broken.push(format!("{name} has no place among the arrows"));
             continue;
         };
-        for dependency in
-            package.dependencies.iter().filter(|d| d.kind != DependencyKind::Development)
-        {
-            let used = dependency.name.as_str();
-            if ours.contains(&used) && !allowed.contains(&used) {
+        for Dependency { name: used, kind, .. } in dependencies {
+            let used = used.as_str();
+            if kind.as_deref() != Some("dev") && ours.contains(&used) && !allowed.contains(&used) {
                 broken.push(format!("{name} uses {used}"));
             }
         }

@@ -1,9 +1,11 @@
 //! Holds the tree against its own rules.
 
 mod arrows;
+mod packages;
 mod readme;
 mod report;
 mod sources;
+mod unused;
 
 use std::path::Path;
 
@@ -22,8 +24,9 @@ pub struct Finding {
 type Check = fn(&Path) -> Result<Vec<String>>;
 
 /// The rules.
-const RULES: [(&str, Check); 7] = [
+const RULES: [(&str, Check); 8] = [
     ("dependencies follow the arrows of docs/architecture.md", arrows::check),
+    ("no crate has a dependency that it does not use", unused::check),
     ("no file of code is longer than 600 lines", sources::lengths),
     ("no file names a path of somebody's machine", sources::machine_paths),
     ("no module is named utils, common or helpers", sources::names),

@@ -4,9 +4,7 @@ use super::axis::{Axis, AxisScale, Range, label};
 use super::legend;
 use super::series::{REFERENCE, Series, Shape, Style, slope_ends};
 use super::{Legend, Plot, PlotError};
-use crate::drawing::{
-    Anchor, Color, Drawing, Element, Fill, INK, Path, SOFT, Stroke, WHITE,
-};
+use crate::drawing::{Anchor, Color, Drawing, Element, Fill, INK, Path, SOFT, Stroke, WHITE};
 use crate::outline::Outline;
 use crate::text::{Style as Face, width};
 use crate::ticks::Ticks;
@@ -235,13 +233,7 @@ impl Frame {
         }
     }
 
-    fn path(
-        &self,
-        out: &mut Drawing,
-        points: &[[f64; 2]],
-        color: Color,
-        dashes: &'static [f64],
-    ) {
+    fn path(&self, out: &mut Drawing, points: &[[f64; 2]], color: Color, dashes: &'static [f64]) {
         let path = Outline::polyline(points.iter().map(|&p| self.at(p)));
         out.stroke(path, Stroke::line(color, dashes));
     }

@@ -1,9 +1,7 @@
 //! Where the series are named.
 
 use super::series::{REFERENCE, Series, Shape, Style};
-use crate::drawing::{
-    Anchor, Color, Drawing, Element, Fill, INK, Path, SOFT, Stroke, WHITE,
-};
+use crate::drawing::{Anchor, Color, Drawing, Element, Fill, INK, Path, SOFT, Stroke, WHITE};
 use crate::outline::Outline;
 use crate::text::{Style as Face, width};
 

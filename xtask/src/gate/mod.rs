@@ -1,0 +1,182 @@
+//! The test command: everything that guards a merge.
+
+mod programs;
+
+use std::path::Path;
+use std::process::Command;
+use std::time::Instant;
+
+use anyhow::{Context as _, Result};
+
+use crate::{reference, tidy};
+use programs::Programs;
+
+/// A step that runs cargo.
+struct Step {
+    name: &'static str,
+    arguments: &'static [&'static str],
+    environment: &'static [(&'static str, &'static str)],
+}
+
+const FORMAT: Step =
+    Step { name: "format", arguments: &["fmt", "--all", "--", "--check"], environment: &[] };
+const LINTS: Step = Step {
+    name: "lints",
+    arguments: &["clippy", "--workspace", "--all-targets", "--locked", "--", "-D", "warnings"],
+    environment: &[],
+};
+const DOCUMENTATION: Step = Step {
+    name: "documentation",
+    arguments: &["doc", "--workspace", "--no-deps", "--locked"],
+    environment: &[("RUSTDOCFLAGS", "-D warnings")],
+};
+const EXAMPLES: Step = Step {
+    name: "examples in the documentation",
+    arguments: &["test", "--workspace", "--doc", "--locked"],
+    environment: &[],
+};
+
+/// The dense eigensolver of the system as an oracle: only where there is one.
+const LAPACK_STEPS: [Step; 2] = [
+    Step {
+        name: "lints with LAPACK",
+        arguments: &[
+            "clippy",
+            "--package=fairing-sparse",
+            "--features=lapack",
+            "--all-targets",
+            "--locked",
+            "--",
+            "-D",
+            "warnings",
+        ],
+        environment: &[],
+    },
+    Step {
+        name: "eigenpairs against LAPACK",
+        arguments: &[
+            "test",
+            "--package=fairing-sparse",
+            "--features=lapack",
+            "--test=all",
+            "--locked",
+            "lapack::",
+        ],
+        environment: &[],
+    },
+];
+
+/// How many of the slowest tests are named.
+const NAMED: usize = 10;
+
+/// What has been run, and how it went.
+#[derive(Default)]
+struct Log {
+    steps: Vec<(&'static str, f64)>,
+    failed: Vec<&'static str>,
+}
+
+impl Log {
+    /// Runs a step and takes its time; it has failed unless it says `true`.
+    fn step(&mut self, name: &'static str, run: impl FnOnce() -> Result<bool>) -> Result<()> {
+        let start = Instant::now();
+        if !run()? {
+            self.failed.push(name);
+        }
+        self.steps.push((name, start.elapsed().as_secs_f64()));
+        Ok(())
+    }
+
+    fn cargo(&mut self, root: &Path, step: &Step) -> Result<()> {
+        self.step(step.name, || {
+            println!("== {}: cargo {}", step.name, step.arguments.join(" "));
+            let mut cargo = cargo(root);
+            cargo.args(step.arguments).envs(step.environment.iter().copied());
+            Ok(cargo.status().context("running cargo")?.success())
+        })
+    }
+}
+
+/// The cargo that runs us, in the root of the repository.
+fn cargo(root: &Path) -> Command {
+    let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    cargo.current_dir(root);
+    cargo
+}
+
+/// Runs all steps, also after one has failed; whether none has. Ends with how
+/// long each took, the slowest tests, and what was skipped and why.
+///
+/// # Errors
+///
+/// If cargo cannot be run or the tree cannot be read.
+pub fn run(root: &Path) -> Result<bool> {
+    let mut log = Log::default();
+    log.step("tidy", || tidy::run(root))?;
+    log.cargo(root, &FORMAT)?;
+    log.cargo(root, &LINTS)?;
+    log.cargo(root, &DOCUMENTATION)?;
+    let mut tests = Programs::default();
+    log.step("building the tests", || tests.build(root))?;
+    log.step("tests", || tests.run())?;
+    log.cargo(root, &EXAMPLES)?;
+    if has_openblas() {
+        for step in &LAPACK_STEPS {
+            log.cargo(root, step)?;
+        }
+    }
+    if reference::path(root, true).is_file() {
+        log.step("reference values", || {
+            println!("== reference values: cargo xtask reproduce --quick --check");
+            let program = std::env::current_exe().context("finding our own program")?;
+            let check = Command::new(program).args(["reproduce", "--quick", "--check"]).status();
+            Ok(check.context("running the experiments")?.success())
+        })?;
+    }
+    println!("== times");
+    for (name, seconds) in &log.steps {
+        println!("{seconds:8.1} s  {name}");
+    }
+    println!("== the slowest tests");
+    for (name, seconds) in tests.slowest(NAMED) {
+        println!("{seconds:8.1} s  {name}");
+    }
+    for (what, why) in skipped(root) {
+        println!("skipped: {what} ({why})");
+    }
+    match log.failed.as_slice() {
+        [] => println!("All of it passed."),
+        names => eprintln!("FAILED: {}", names.join(", ")),
+    }
+    Ok(log.failed.is_empty())
+}
+
+/// Tests that need what is not here.
+fn skipped(root: &Path) -> Vec<(&'static str, &'static str)> {
+    let mut skipped = vec![];
+    if !reference::path(root, true).is_file() {
+        skipped.push(("reference values", "none yet: cargo xtask reproduce --quick --accept"));
+    }
+    if std::env::var_os("FAIRING_MESHES").is_none() {
+        skipped.push(("corpus: every test", "FAIRING_MESHES names no folder of meshes"));
+    }
+    if !has_openblas() {
+        skipped.push(("eigenpairs against LAPACK", "pkg-config finds no openblas"));
+    }
+    let on_path = |name: &str| {
+        let folders = std::env::var_os("PATH").unwrap_or_default();
+        std::env::split_paths(&folders).any(|folder| folder.join(name).is_file())
+    };
+    if !["chromium", "chromium-browser", "google-chrome"].into_iter().any(on_path) {
+        skipped.push(("browser: every test", "there is no chromium on the path"));
+    }
+    skipped
+}
+
+/// Whether the feature `lapack` can be linked.
+fn has_openblas() -> bool {
+    Command::new("pkg-config")
+        .args(["--exists", "openblas"])
+        .status()
+        .is_ok_and(|status| status.success())
+}
