@@ -1,0 +1,59 @@
+//! One step of inverse iteration on vectors that have converged, and what rounding leaves in any vector.
+//!
+//! For a Ritz pair of A = (S − σM)⁻¹ M, A φ − θ φ = Q z, and φ' = A φ / θ has (S − λM) φ' = −M Q z / θ²: where ‖z‖
+//! is at rounding, so is the residual of φ', while that of φ magnifies its rough errors by up to the largest
+//! eigenvalue there is. That matters on meshes where a few vertices have tiny masses or huge weights.
+
+use crate::eigen::basis::Block;
+use crate::eigen::operator::ShiftInvert;
+use crate::eigen::problem::Problem;
+use crate::factor::LANES;
+
+/// A residual of so many roundings is as good as can be computed: sums over some ten entries of a row, and a
+/// solution with the errors of a factorisation.
+const ATTAINABLE: f64 = 64.0;
+
+/// The eigenvalues of a block; zero in empty lanes.
+pub(crate) fn lanes_of(lambdas: &[f64], block: usize) -> [f64; LANES] {
+    std::array::from_fn(|lane| lambdas.get(block * LANES + lane).copied().unwrap_or(0.0))
+}
+
+/// ‖S' φ − λ' M' φ‖ in the M'⁻¹ norm of each vector of a block.
+pub(crate) fn residuals(problem: &Problem, block: &Block, lambda: &[f64; LANES]) -> [f64; LANES] {
+    let square = problem.inverse_gram(&problem.residual(block, lambda));
+    std::array::from_fn(|j| square[j][j].max(0.0).sqrt())
+}
+
+/// The residual that rounding alone may leave: so many ε ‖|S'| |φ| + |λ'| M' |φ|‖ in the M'⁻¹ norm.
+pub(crate) fn attainable(problem: &Problem, block: &Block, lambda: &[f64; LANES]) -> [f64; LANES] {
+    let square = problem.inverse_gram(&problem.magnitude(block, lambda));
+    std::array::from_fn(|j| ATTAINABLE * f64::EPSILON * square[j][j].max(0.0).sqrt())
+}
+
+/// Takes the rough errors off the vectors whose residual is above `goal`.
+pub(crate) fn polish(operator: &ShiftInvert<'_>, lambdas: &[f64], blocks: &mut [Block], goal: f64) {
+    let problem = operator.problem;
+    for (b, block) in blocks.iter_mut().enumerate() {
+        let lambda = lanes_of(lambdas, b);
+        let before = residuals(problem, block, &lambda);
+        if before.iter().all(|r| *r <= goal) {
+            continue;
+        }
+        let mut better = operator.apply(block);
+        let scale = problem.squares(&better).map(|s| if s > 0.0 { 1.0 / s.sqrt() } else { 0.0 });
+        // With σ above λ the operator turns the sign.
+        let sign: [f64; LANES] =
+            std::array::from_fn(|j| if lambda[j] < operator.sigma { -1.0 } else { 1.0 });
+        for row in &mut better {
+            for j in 0..LANES {
+                row[j] *= sign[j] * scale[j];
+            }
+        }
+        let after = residuals(problem, &better, &lambda);
+        for j in (0..LANES).filter(|&j| after[j] < before[j] && before[j] > goal) {
+            for (row, better) in block.iter_mut().zip(&better) {
+                row[j] = better[j];
+            }
+        }
+    }
+}
