@@ -5,7 +5,7 @@ use std::io;
 use std::path::Path;
 
 use fairing_mesh::io::write_whole;
-use fairing_sparse::SparseMatrix;
+use fairing_sparse::{Beyond, SparseMatrix};
 use ndarray::{Array1, Array2};
 use ndarray_npy::{NpzReader, NpzWriter};
 
@@ -13,8 +13,9 @@ use crate::error::SpectralError;
 use crate::spectrum::{MassMatrix, Spectrum};
 
 impl Spectrum {
-    /// Writes `values` (k), `modes` (n × k), `residuals` (k), `certified` (1 or 0) and the mass: `mass` (n) where
-    /// lumped, `mass_indptr`, `mass_indices`, `mass_data` (CSR) where consistent. Whole or not at all.
+    /// Writes `values` (k), `modes` (n × k), `residuals` (k), `certified` (1 or 0), the eigenvalues known `beyond`
+    /// and what is `clear_below`, and the mass: `mass` (n) where lumped, `mass_indptr`, `mass_indices`, `mass_data`
+    /// (CSR) where consistent. Whole or not at all.
     ///
     /// # Errors
     ///
@@ -33,6 +34,8 @@ impl Spectrum {
         add("values", &self.values)?;
         add("residuals", &self.residuals)?;
         add("certified", &[f64::from(u8::from(self.certified))])?;
+        add("beyond", &self.beyond.values)?;
+        add("clear_below", &[self.beyond.clear_below])?;
         match &self.mass {
             MassMatrix::Lumped(diagonal) => add("mass", diagonal)?,
             MassMatrix::Consistent(matrix) => {
@@ -48,7 +51,7 @@ impl Spectrum {
         Ok(())
     }
 
-    /// Reads what [`Spectrum::save`] has written.
+    /// Reads what [`Spectrum::save`] has written. Without `beyond` nothing is known after the last eigenvalue.
     ///
     /// # Errors
     ///
@@ -64,7 +67,15 @@ impl Spectrum {
         };
         let (values, residuals) = (vector("values")?, vector("residuals")?);
         let certified = vector("certified")? == [1.0];
-        let lumped = names.iter().any(|n| n.trim_end_matches(".npy") == "mass");
+        let has = |name: &str| names.iter().any(|n| n.trim_end_matches(".npy") == name);
+        let beyond = if has("beyond") && has("clear_below") {
+            let clear_below = vector("clear_below")?.first().copied();
+            let clear_below = clear_below.ok_or_else(|| problem(path, "clear_below is empty"))?;
+            Beyond { values: vector("beyond")?, clear_below }
+        } else {
+            Beyond { values: vec![], clear_below: values.last().copied().unwrap_or(0.0) }
+        };
+        let lumped = has("mass");
         let weights = vector(if lumped { "mass" } else { "mass_data" })?;
         let modes: Array2<f64> = npz.by_name("modes").map_err(|e| problem(path, e))?;
         let n = modes.nrows();
@@ -80,11 +91,13 @@ impl Spectrum {
             MassMatrix::Consistent(matrix.map_err(|(.., e)| problem(path, e))?)
         };
         let k = values.len();
-        let finite = values.iter().chain(&modes).chain(&residuals).all(|x| x.is_finite());
+        let finite = values.iter().chain(&modes).chain(&residuals).all(|x| x.is_finite())
+            && beyond.values.iter().all(|x| x.is_finite())
+            && !beyond.clear_below.is_nan();
         if modes.ncols() != k || residuals.len() != k || mass.as_mass().len() != n || !finite {
             return Err(problem(path, "the arrays of the spectrum do not fit together"));
         }
-        Ok(Self { values, modes, residuals, mass, certified })
+        Ok(Self { values, modes, residuals, mass, certified, beyond })
     }
 }
 
