@@ -64,3 +64,19 @@ pub(crate) fn count_in_gap(problem: &Problem, from: f64, to: f64) -> Result<Coun
         (None, None) => Ok(Counted { shift: from, ..Counted::NONE }),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Growth, strain and nearness each take certainty away; without any of them a gap of 10⁻¹¹ is sure.
+    #[test]
+    fn counts_are_sure_away_from_eigenvalues() {
+        let counted = |growth| Counted { count: 3, shift: 1e-3, growth };
+        assert!(counted(1.0).is_sure(1.0, 1e-11));
+        assert!(!counted(1e9).is_sure(1.0, 1e-11));
+        assert!(!counted(1.0).is_sure(1e9, 1e-11));
+        assert!(!counted(1.0).is_sure(1.0, 1e-15));
+        assert!(!counted(f64::NAN).is_sure(1.0, 1.0));
+    }
+}

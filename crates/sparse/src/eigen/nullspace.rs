@@ -74,4 +74,14 @@ mod tests {
         let (count, names) = constant_components(Rows::of(&matrix));
         assert_eq!((count, names), (2, vec![Some(0), Some(1), Some(0), None, None]));
     }
+
+    /// Two rows tied to each other by 10¹² and to a pinned one by 1 are pinned; ties of rounding are none.
+    #[test]
+    fn weak_ties_are_ties() {
+        for (tie, count) in [(1.0, 0), (1e-4, 1)] {
+            let values = vec![1e12 + tie, -1e12, -1e12, 1e12];
+            let matrix = SparseMatrix::new((2, 2), vec![0, 2, 4], vec![0, 1, 0, 1], values);
+            assert_eq!(constant_components(Rows::of(&matrix)).0, count, "{tie}");
+        }
+    }
 }

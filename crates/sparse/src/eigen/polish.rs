@@ -4,7 +4,7 @@
 //! is at rounding, so is the residual of φ', while that of φ magnifies its rough errors by up to the largest
 //! eigenvalue there is. That matters on meshes where a few vertices have tiny masses or huge weights.
 
-use crate::eigen::basis::Block;
+use crate::eigen::basis::{self, Block, Small};
 use crate::eigen::operator::ShiftInvert;
 use crate::eigen::problem::Problem;
 use crate::factor::LANES;
@@ -30,9 +30,10 @@ pub(crate) fn attainable(problem: &Problem, block: &Block, lambda: &[f64; LANES]
     std::array::from_fn(|j| ATTAINABLE * f64::EPSILON * square[j][j].max(0.0).sqrt())
 }
 
-/// Takes the rough errors off the vectors whose residual is above `goal`.
+/// Takes the rough errors off the vectors whose residual is above `goal`; the others change by rounding.
 pub(crate) fn polish(operator: &ShiftInvert<'_>, lambdas: &[f64], blocks: &mut [Block], goal: f64) {
     let problem = operator.problem;
+    let mut changed = false;
     for (b, block) in blocks.iter_mut().enumerate() {
         let lambda = lanes_of(lambdas, b);
         let before = residuals(problem, block, &lambda);
@@ -51,9 +52,37 @@ pub(crate) fn polish(operator: &ShiftInvert<'_>, lambdas: &[f64], blocks: &mut [
         }
         let after = residuals(problem, &better, &lambda);
         for j in (0..LANES).filter(|&j| after[j] < before[j] && before[j] > goal) {
+            changed = true;
             for (row, better) in block.iter_mut().zip(&better) {
                 row[j] = better[j];
             }
         }
+        problem.remove_constants(block);
+    }
+    if changed {
+        orthonormalise(problem, blocks);
+    }
+}
+
+/// V ← V (3 − VᵀM'V) / 2, which squares what vectors that are nearly orthonormal lack: solutions with huge weights
+/// are off by more than ε.
+fn orthonormalise(problem: &Problem, blocks: &mut [Block]) {
+    let gram: Vec<Vec<Small>> = blocks
+        .iter()
+        .map(|w| {
+            let [column] = problem.mass_products([&*blocks], w);
+            column
+        })
+        .collect();
+    let better = basis::combine(blocks, blocks.len(), |u, j| {
+        std::array::from_fn(|a| {
+            std::array::from_fn(|b| {
+                let one = if u == j && a == b { 1.5 } else { 0.0 };
+                one - 0.5 * gram[j][u][a][b]
+            })
+        })
+    });
+    for (block, better) in blocks.iter_mut().zip(better) {
+        *block = better;
     }
 }
