@@ -86,3 +86,65 @@ fn orthonormalise(problem: &Problem, blocks: &mut [Block]) {
         *block = better;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mass::{Mass, combine};
+    use crate::matrix::SparseMatrix;
+
+    /// A path of 40 rows, pinned at one end.
+    fn pinned_path() -> SparseMatrix {
+        let n = 40;
+        let (mut starts, mut columns, mut values) = (vec![0], vec![], vec![]);
+        for i in 0..n {
+            for j in [i.wrapping_sub(1), i, i + 1] {
+                if j < n {
+                    columns.push(j as u32);
+                    values.push(if i == j { 2.0 } else { -1.0 });
+                }
+            }
+            starts.push(columns.len() as u32);
+        }
+        SparseMatrix::new((n, n), starts, columns, values)
+    }
+
+    /// Rough errors of 10⁻⁶ go, signs stay on both sides of σ, and what rounding may leave is no more than some
+    /// hundred ε of the entries of S, of size 1.
+    #[test]
+    fn rough_errors_are_taken_off() {
+        let s = combine(1.0, Mass::Lumped(&[0.0; 40]), 1.0, &pinned_path());
+        let ones = [1.0; 40];
+        let problem = Problem::new(&s, Mass::Lumped(&ones)).unwrap();
+        let angle = |k: usize| std::f64::consts::PI * (k + 1) as f64 / 41.0;
+        let lambdas: Vec<f64> =
+            (0..4).map(|k| (2.0 - 2.0 * angle(k).cos()) / problem.unit).collect();
+        let exact: Block = problem
+            .order()
+            .iter()
+            .map(|&row| {
+                std::array::from_fn(|k| {
+                    let x = (angle(k) * f64::from(row + 1)).sin() * (2.0f64 / 41.0).sqrt();
+                    if k < 4 { x * problem.norm_unit() } else { 0.0 }
+                })
+            })
+            .collect();
+        let mut rough = exact.clone();
+        for (i, row) in rough.iter_mut().enumerate() {
+            for value in &mut row[..4] {
+                *value += if i % 2 == 0 { 1e-6 } else { -1e-6 };
+            }
+        }
+        let sigma = 0.5 * (lambdas[1] + lambdas[2]);
+        let (operator, ..) = ShiftInvert::among(&problem, sigma).unwrap();
+        let mut blocks = [rough];
+        polish(&operator, &lambdas, &mut blocks, 0.0);
+        for (row, exact) in blocks[0].iter().zip(&exact) {
+            // Smooth parts of the error stay: a few per cent of it at most.
+            assert!((0..LANES).all(|k| (row[k] - exact[k]).abs() < 1e-6), "{row:?} {exact:?}");
+        }
+        let limits = attainable(&problem, &exact, &lanes_of(&lambdas, 0));
+        assert!(limits[..4].iter().all(|l| (1e-15..1e-12).contains(l)), "{limits:?}");
+        assert_eq!(limits[4..], [0.0; 4]);
+    }
+}

@@ -140,3 +140,16 @@ fn files_keep_what_lies_beyond() {
         assert_eq!(back.split(6), Some(Split { below: 4, above: Some(9) }));
     }
 }
+
+/// Two components whose sizes differ by 10⁻⁶: pairs of eigenvalues as close as 2 · 10⁻⁶ are clusters, and the other
+/// one of a pair that is cut is known.
+#[test]
+fn nearly_equal_eigenvalues_are_a_cluster() {
+    let one = shapes::bumpy_sphere(3, 0.15, 4.0);
+    let mesh = union(&one, &scaled(&one, 1.0 + 1e-6));
+    let alone = modes(&one, 3);
+    assert_eq!(alone.split(2), None);
+    let found = modes(&mesh, 3);
+    assert_eq!(found.split(3), Some(Split { below: 2, above: Some(4) }));
+    assert_eq!(modes(&mesh, 4).split(4), None);
+}
