@@ -95,7 +95,7 @@ mod tests {
 
     /// A path of 40 rows, pinned at one end.
     fn pinned_path() -> SparseMatrix {
-        let n = 40;
+        let n = 40_usize;
         let (mut starts, mut columns, mut values) = (vec![0], vec![], vec![]);
         for i in 0..n {
             for j in [i.wrapping_sub(1), i, i + 1] {
@@ -137,13 +137,16 @@ mod tests {
         }
         let sigma = 0.5 * (lambdas[1] + lambdas[2]);
         let (operator, ..) = ShiftInvert::among(&problem, sigma).unwrap();
+        let lanes = lanes_of(&lambdas, 0);
+        let before = residuals(&problem, &rough, &lanes);
         let mut blocks = [rough];
         polish(&operator, &lambdas, &mut blocks, 0.0);
+        let after = residuals(&problem, &blocks[0], &lanes);
+        assert!((0..4).all(|k| after[k] < 0.2 * before[k]), "{before:?} {after:?}");
         for (row, exact) in blocks[0].iter().zip(&exact) {
-            // Smooth parts of the error stay: a few per cent of it at most.
-            assert!((0..LANES).all(|k| (row[k] - exact[k]).abs() < 1e-6), "{row:?} {exact:?}");
+            assert!((0..LANES).all(|k| (row[k] - exact[k]).abs() < 1e-4), "{row:?} {exact:?}");
         }
-        let limits = attainable(&problem, &exact, &lanes_of(&lambdas, 0));
+        let limits = attainable(&problem, &exact, &lanes);
         assert!(limits[..4].iter().all(|l| (1e-15..1e-12).contains(l)), "{limits:?}");
         assert_eq!(limits[4..], [0.0; 4]);
     }
