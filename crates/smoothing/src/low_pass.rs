@@ -128,7 +128,8 @@ fn smoothest(mesh: &TriMesh, k: usize, options: &LowPass) -> Result<Smoothed, Fl
     let options = SpectrumOptions { operator, mass, ..SpectrumOptions::default() };
     let mesh = spectrum(mesh, k, &options)
         .and_then(|modes| reconstruct(mesh, &modes, k))
-        .map_err(|error| FlowFailure::Modes { reason: error.to_string() })?;
+        .map_err(|error| FlowFailure::Modes { reason: error.to_string() })?
+        .mesh;
     let approach = Approach::Modes { count: k };
     Ok(Smoothed { mesh, report: Report { iterations: 1, approach, ..Report::default() } })
 }

@@ -20,7 +20,8 @@ pub enum Preconditioner {
 /// When to stop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CgOptions {
-    /// Relative residual ‖b − A x‖ / ‖b‖ to reach in every column.
+    /// Relative residual ‖b − A x‖ / ‖b‖ to reach in every column, measured. Where rounding leaves more,
+    /// a residual within 4 ε ‖|A| |x| + |b|‖ / ‖b‖ is as good, and [`CgSolution::residuals`] tells.
     pub tolerance: f64,
     /// Iterations after which to give up.
     pub max_iterations: usize,
@@ -183,38 +184,108 @@ impl<'a> ConjugateGradient<'a> {
         options: &CgOptions,
     ) -> Result<CgSolution<Vec<[f64; B]>>, CgError> {
         self.check(b)?;
-        let n = b.len();
+        if let Some(guess) = &guess {
+            self.check(guess)?;
+        }
+        let Some(scale) = to_safe_range(b) else {
+            return self.solve_scaled(b, guess, options);
+        };
+        // Powers of two: exact but for what underflows beside the largest entry.
+        let times = |v: &[f64; B]| std::array::from_fn(|lane| v[lane] * scale[lane]);
+        let scaled: Vec<[f64; B]> = b.iter().map(times).collect();
+        let guess = guess.map(|x| x.iter().map(times).collect());
+        let mut solution = self.solve_scaled(&scaled, guess, options)?;
+        for x in &mut solution.x {
+            for lane in 0..B {
+                x[lane] /= scale[lane];
+            }
+        }
+        Ok(solution)
+    }
+
+    /// Squares of `b` neither overflow nor underflow.
+    fn solve_scaled<const B: usize>(
+        &self,
+        b: &[[f64; B]],
+        guess: Option<Vec<[f64; B]>>,
+        options: &CgOptions,
+    ) -> Result<CgSolution<Vec<[f64; B]>>, CgError> {
         let rows = Rows::of(self.matrix);
-        let goal = reduce::dot(b, b).map(|bb| options.tolerance * bb.sqrt());
-        let mut q = vec![[0.0; B]; n];
+        let mut q = vec![[0.0; B]; b.len()];
         let (mut x, mut r) = match guess {
-            None => (vec![[0.0; B]; n], b.to_vec()),
+            None => (vec![[0.0; B]; b.len()], b.to_vec()),
             Some(x) => {
-                self.check(&x)?;
                 product::multiply_lanes(rows, &x, &mut q);
                 let r = b.iter().zip(&q).map(|(b, q)| sub(b, q)).collect();
                 (x, r)
             }
         };
-        let mut z = self.incomplete.as_ref().map(|_| vec![[0.0; B]; n]);
-        let mut rz = self.precondition(&r, &mut z);
-        let mut p: Vec<[f64; B]> = (0..n).map(|i| self.direction(i, &r, &z)).collect();
-        let mut rr = reduce::dot(&r, &r);
+        let goal = reduce::dot(b, b).map(|bb| options.tolerance * bb.sqrt());
         let mut iterations = 0;
-        while (0..B).any(|lane| rr[lane].sqrt() > goal[lane]) {
-            if iterations == options.max_iterations {
-                let residual = self.residuals(b, &x, &mut q).into_iter().fold(0.0, f64::max);
+        let mut last = [f64::INFINITY; B];
+        loop {
+            let end = self.descend((&mut x, &mut r, &mut q), &goal, &mut iterations, options);
+            // The residual that is carried along departs from the true one: what counts is measured.
+            product::multiply_lanes(rows, &x, &mut q);
+            for ((r, b), q) in r.iter_mut().zip(b).zip(&q) {
+                *r = sub(b, q);
+            }
+            let found = reduce::dot(&r, &r).map(f64::sqrt);
+            let residuals = || relative(&found, b);
+            match end {
+                Ok(()) => {}
+                Err(CgError::NotConverged { .. }) => {
+                    let residual = residuals().into_iter().fold(0.0, f64::max);
+                    return Err(CgError::NotConverged { iterations, residual });
+                }
+                Err(error) => return Err(error),
+            }
+            let floor = if (0..B).any(|lane| found[lane] > goal[lane]) {
+                self.attainable(b, &x)
+            } else {
+                [0.0; B]
+            };
+            if (0..B).all(|lane| found[lane] <= goal[lane] + floor[lane]) {
+                let residuals = residuals();
+                return Ok(CgSolution { x, iterations, residuals });
+            }
+            if (0..B).all(|lane| found[lane].is_nan() || found[lane] > 0.5 * last[lane]) {
+                let residual = residuals().into_iter().fold(0.0, f64::max);
                 return Err(CgError::NotConverged { iterations, residual });
             }
-            let pq = reduce::sum1(&mut q, |first, q| multiply_dot(rows, first, &p, q));
+            last = found;
+        }
+    }
+
+    /// Iterates until the residual `r` that is carried along meets the goal in every lane.
+    fn descend<const B: usize>(
+        &self,
+        (x, r, q): (&mut [[f64; B]], &mut [[f64; B]], &mut [[f64; B]]),
+        goal: &[f64; B],
+        iterations: &mut usize,
+        options: &CgOptions,
+    ) -> Result<(), CgError> {
+        let rows = Rows::of(self.matrix);
+        let mut z = self.incomplete.as_ref().map(|_| vec![[0.0; B]; r.len()]);
+        let mut rz = self.precondition(r, &mut z);
+        let mut p: Vec<[f64; B]> = (0..r.len()).map(|i| self.direction(i, r, &z)).collect();
+        let mut rr = reduce::dot(r, r);
+        while (0..B).any(|lane| rr[lane].sqrt() > goal[lane]) {
+            if *iterations == options.max_iterations {
+                return Err(CgError::NotConverged { iterations: *iterations, residual: 0.0 });
+            }
+            let pq = reduce::sum1(q, |first, q| multiply_dot(rows, first, &p, q));
             let mut alpha = [0.0; B];
             for lane in (0..B).filter(|&lane| rr[lane].sqrt() > goal[lane]) {
                 if pq[lane].is_nan() || pq[lane] <= 0.0 {
-                    return Err(CgError::Indefinite { iteration: iterations, curvature: pq[lane] });
+                    return Err(CgError::Indefinite {
+                        iteration: *iterations,
+                        curvature: pq[lane],
+                    });
                 }
                 alpha[lane] = rz[lane] / pq[lane];
             }
-            rr = reduce::sum2(&mut x, &mut r, |first, x, r| {
+            rr = reduce::sum2(x, r, |first, x, r| {
                 let mut sum = [0.0; B];
                 for (i, (x, r)) in x.iter_mut().zip(r).enumerate() {
                     let (p, q) = (&p[first + i], &q[first + i]);
@@ -226,24 +297,42 @@ impl<'a> ConjugateGradient<'a> {
                 }
                 sum
             });
-            let next = self.precondition(&r, &mut z);
+            let next = self.precondition(r, &mut z);
             let beta: [f64; B] = std::array::from_fn(|lane| {
                 if rr[lane].sqrt() > goal[lane] { next[lane] / rz[lane] } else { 0.0 }
             });
             rz = next;
             reduce::sum1::<_, 0>(&mut p, |first, p| {
                 for (i, p) in p.iter_mut().enumerate() {
-                    let z = self.direction(first + i, &r, &z);
+                    let z = self.direction(first + i, r, &z);
                     for lane in 0..B {
                         p[lane] = z[lane] + beta[lane] * p[lane];
                     }
                 }
                 []
             });
-            iterations += 1;
+            *iterations += 1;
         }
-        let residuals = self.residuals(b, &x, &mut q);
-        Ok(CgSolution { x, iterations, residuals })
+        Ok(())
+    }
+
+    /// The residual that rounding alone may leave: 4 ε ‖|A| |x| + |b|‖ in each lane.
+    fn attainable<const B: usize>(&self, b: &[[f64; B]], x: &[[f64; B]]) -> [f64; B] {
+        let rows = Rows::of(self.matrix);
+        let mut squares = [0.0; B];
+        for (i, b) in b.iter().enumerate() {
+            let mut sum = b.map(f64::abs);
+            let (columns, values) = rows.row(i);
+            for (&j, &a) in columns.iter().zip(values) {
+                for lane in 0..B {
+                    sum[lane] += (a * x[j as usize][lane]).abs();
+                }
+            }
+            for lane in 0..B {
+                squares[lane] += sum[lane] * sum[lane];
+            }
+        }
+        squares.map(|s| 4.0 * f64::EPSILON * s.sqrt())
     }
 
     /// rᵀ P⁻¹ r, with P⁻¹ r left in `z` where it is not cheaper to compute it again.
@@ -272,20 +361,6 @@ impl<'a> ConjugateGradient<'a> {
             Some(z) => z[i],
             None => r[i].map(|r| r * self.inverse_diagonal[i]),
         }
-    }
-
-    fn residuals<const B: usize>(
-        &self,
-        b: &[[f64; B]],
-        x: &[[f64; B]],
-        q: &mut [[f64; B]],
-    ) -> Vec<f64> {
-        product::multiply_lanes(Rows::of(self.matrix), x, q);
-        let r: Vec<[f64; B]> = b.iter().zip(&*q).map(|(b, q)| sub(b, q)).collect();
-        let (rr, bb) = (reduce::dot(&r, &r), reduce::dot(b, b));
-        (0..B)
-            .map(|lane| if bb[lane] > 0.0 { (rr[lane] / bb[lane]).sqrt() } else { rr[lane].sqrt() })
-            .collect()
     }
 
     fn check<const B: usize>(&self, v: &[[f64; B]]) -> Result<(), CgError> {
@@ -323,6 +398,33 @@ fn multiply_dot<const B: usize>(
         *q = sum;
     }
     dot
+}
+
+/// ‖r‖ / ‖b‖ in each lane; ‖r‖ where b is zero.
+fn relative<const B: usize>(r: &[f64; B], b: &[[f64; B]]) -> Vec<f64> {
+    let bb = reduce::dot(b, b).map(f64::sqrt);
+    (0..B).map(|lane| if bb[lane] > 0.0 { r[lane] / bb[lane] } else { r[lane] }).collect()
+}
+
+/// Numbers whose squares add up without loss.
+const SAFE: std::ops::Range<f64> = 1e-100..1e100;
+
+/// The powers of two that bring the largest entry of each lane near 1, or `None` where all are near enough.
+fn to_safe_range<const B: usize>(b: &[[f64; B]]) -> Option<[f64; B]> {
+    let mut largest = [0.0_f64; B];
+    for b in b {
+        for lane in 0..B {
+            largest[lane] = largest[lane].max(b[lane].abs());
+        }
+    }
+    if largest.iter().all(|l| *l == 0.0 || SAFE.contains(l)) {
+        return None;
+    }
+    // Down to 2⁻¹⁰²²: the inverse must be finite.
+    Some(
+        largest
+            .map(|l| if l > 0.0 { (-l.log2().round()).clamp(-1022.0, 1022.0).exp2() } else { 1.0 }),
+    )
 }
 
 fn sub<const B: usize>(a: &[f64; B], b: &[f64; B]) -> [f64; B] {

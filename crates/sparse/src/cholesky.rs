@@ -251,8 +251,11 @@ impl SymbolicCholesky {
                 return Err(CholeskyError::Singular { row, pivot, diagonal: diagonal[row] });
             }
         }
+        let largest: Vec<f64> = (0..rows.count())
+            .map(|i| rows.row(i).1.iter().fold(0.0, |m: f64, v| m.max(v.abs())))
+            .collect();
         let analysis = Arc::clone(&self.analysis);
-        Ok(Ldlt::new(Factor { analysis, values, diagonal: Diagonal::Pivots }, &diagonal))
+        Ok(Ldlt::new(Factor { analysis, values, diagonal: Diagonal::Pivots }, &largest))
     }
 
     fn llt(&self, matrix: &SparseMatrix, values: &mut [f64]) -> Result<(), CholeskyError> {
@@ -332,11 +335,11 @@ fn scaled_up(rows: Rows<'_>, diagonal: &[f64]) -> (Vec<f64>, i32) {
     (rows.values.iter().map(|v| v * half * half).collect(), root.clamp(-500, 500))
 }
 
-/// Undoes [`scaled_up`] on the factor. What is below 2⁻⁵⁰⁰ of the largest entry cannot show in any solution;
-/// as zero it costs nothing.
+/// Undoes [`scaled_up`] on the factor. What would be close to the smallest normal number beside a largest entry
+/// of 1 becomes zero, for speed: a block that is smaller than the rest by 2⁻¹⁸⁰⁰ is singular.
 fn unscale(values: &mut [f64], root: i32) {
     let scale = 2f64.powi(-root);
-    let cutoff = 2f64.powi(HEADROOM / 2 - 500);
+    let cutoff = 2f64.powi(HEADROOM / 2 - 900);
     for v in values {
         *v = if v.abs() < cutoff { 0.0 } else { *v * scale };
     }

@@ -26,7 +26,7 @@ mod symmetry;
 pub use cg::{CgError, CgOptions, CgSolution, ConjugateGradient, Preconditioner};
 pub use cholesky::{Cholesky, CholeskyError, SymbolicCholesky};
 pub use eigen::{
-    Count, DenseSolver, EigenError, EigenOptions, EigenPairs, EigenProgress, EigenWatch,
+    Beyond, Count, DenseSolver, EigenError, EigenOptions, EigenPairs, EigenProgress, EigenWatch,
     eigenpairs_within, smallest_eigenpairs, smallest_eigenpairs_with,
 };
 pub use ldlt::{Inertia, Ldlt};

@@ -102,6 +102,52 @@ impl Supernodes {
         })
     }
 
+    /// Σₖ lᵢₖ² |dₖ| for each row i of the factor of L D Lᵀ with these values, D on the diagonal of L.
+    pub(crate) fn eliminated(&self, values: &[f64]) -> Vec<f64> {
+        let mut sums = vec![0.0; self.columns()];
+        for part in &self.parts {
+            for s in part.nodes.clone() {
+                let own = part.columns.len();
+                self.add_eliminated(s, values, &mut sums, |local| match local.checked_sub(own) {
+                    None => part.columns.start + local,
+                    Some(outside) => part.outside[outside] as usize,
+                });
+            }
+        }
+        for &s in &self.top {
+            self.add_eliminated(s as usize, values, &mut sums, |row| row);
+        }
+        sums
+    }
+
+    fn add_eliminated(
+        &self,
+        s: usize,
+        values: &[f64],
+        sums: &mut [f64],
+        place: impl Fn(usize) -> usize,
+    ) {
+        let columns = self.range(s);
+        let rows = self.rows(s);
+        let (width, height) = (columns.len(), columns.len() + rows.len());
+        let block = &values[self.values(s)];
+        let mut local = vec![0.0; height];
+        for j in 0..width {
+            let column = &block[j * height..(j + 1) * height];
+            let pivot = column[j].abs();
+            local[j] += pivot;
+            for (sum, l) in local[j + 1..].iter_mut().zip(&column[j + 1..]) {
+                *sum += l * l * pivot;
+            }
+        }
+        for (j, sum) in local[..width].iter().enumerate() {
+            sums[columns.start + j] += sum;
+        }
+        for (&row, sum) in rows.iter().zip(&local[width..]) {
+            sums[place(row as usize)] += sum;
+        }
+    }
+
     /// Entries of the factor on and below its diagonal, explicit zeros of the supernodes included.
     pub(crate) fn entries(&self) -> usize {
         (0..self.len())

@@ -4,6 +4,7 @@ use ndarray::{Array2, Axis, Slice};
 
 use fairing_mesh::TriMesh;
 
+use crate::cluster::Split;
 use crate::error::SpectralError;
 use crate::reconstruct::positions_view;
 use crate::spectrum::Spectrum;
@@ -18,6 +19,9 @@ pub struct Compressed {
     /// M-weighted RMS error to expect, in mesh units: of the modes left out and of the rounding together. Exact
     /// up to the (measured) rounding errors themselves: modes are orthonormal.
     pub error: f64,
+    /// The cluster of eigenvalues that the number of coefficients splits, if any: the levels and their error then
+    /// depend on the basis of an eigenspace.
+    pub split: Option<Split>,
 }
 
 /// Keeps the first k coefficients, rounded so that rounding alone costs an M-weighted RMS of `precision`, in mesh
@@ -52,7 +56,7 @@ pub fn compress(
     let levels = kept.mapv(|c| (c / step).round() as i64);
     let rounding: f64 = kept.iter().zip(&levels).map(|(c, l)| (c - *l as f64 * step).powi(2)).sum();
     let error = (truncation * truncation + rounding / area).sqrt();
-    Ok(Compressed { step, levels, error })
+    Ok(Compressed { step, levels, error, split: spectrum.split(k) })
 }
 
 impl Compressed {

@@ -229,6 +229,7 @@ fn solve(
         residuals: pairs.residuals,
         mass,
         certified: pairs.certified,
+        beyond: pairs.beyond,
     })
 }
 

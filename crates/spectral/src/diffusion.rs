@@ -2,7 +2,7 @@
 
 use fairing_mesh::TriMesh;
 use fairing_operators::{LumpedArea, cotan_stiffness, lumped_mass};
-use fairing_sparse::{Cholesky, Mass, Ordering, SparseMatrix, SymbolicCholesky, combine};
+use fairing_sparse::{Cholesky, Mass, combine};
 
 use crate::error::SpectralError;
 
@@ -43,19 +43,6 @@ impl HeatDiffusion {
         self.factor.solve_in_place(&mut heat);
         Ok(heat)
     }
-}
-
-/// M + tS and S + εM share their pattern: one analysis serves both.
-pub(crate) fn factor_pair(
-    stiffness: &SparseMatrix,
-    mass: &[f64],
-    time: f64,
-    epsilon: f64,
-) -> Result<(Cholesky, Cholesky), SpectralError> {
-    let heat = combine(1.0, Mass::Lumped(mass), time, stiffness);
-    let symbolic = SymbolicCholesky::new(&heat, Ordering::default())?;
-    let poisson = combine(epsilon, Mass::Lumped(mass), 1.0, stiffness);
-    Ok((symbolic.factorize(&heat)?, symbolic.factorize(&poisson)?))
 }
 
 /// Barycentric masses, with the mean mass at vertices without faces: their rows of S are zero, and any positive

@@ -53,6 +53,12 @@ pub enum SpectralError {
         /// What it must be.
         must: &'static str,
     },
+    /// Heat does not arrive at a vertex within the range of the numbers.
+    #[error("no heat arrives at vertex {vertex}: take a longer time")]
+    NoHeat {
+        /// The first such vertex.
+        vertex: u32,
+    },
     /// A vertex that does not exist.
     #[error("vertex {vertex} of {vertices}")]
     NoSuchVertex {

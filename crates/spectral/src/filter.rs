@@ -2,8 +2,23 @@
 
 use ndarray::{Array2, ArrayView2};
 
+use crate::cluster::Split;
 use crate::error::SpectralError;
 use crate::spectrum::Spectrum;
+
+/// A field after a filter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Filtered {
+    /// The field, `n × d`.
+    pub field: Array2<f64>,
+    /// The first cluster of eigenvalues that the response splits, if any: it differs inside by more than a
+    /// thousandth of its largest value, or falls to that of the rest within a cluster that goes on beyond
+    /// the modes. The field then depends on the basis of an eigenspace, which is arbitrary.
+    pub split: Option<Split>,
+}
+
+/// Responses that differ by less than this share of the largest are alike.
+const ALIKE: f64 = 1e-3;
 
 /// What becomes of the part of a field outside the modes at hand.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,21 +42,37 @@ impl Spectrum {
         field: ArrayView2<'_, f64>,
         response: impl Fn(f64) -> f64,
         rest: Rest,
-    ) -> Result<Array2<f64>, SpectralError> {
+    ) -> Result<Filtered, SpectralError> {
         let coefficients = self.transform(field)?;
         let beyond = match rest {
             Rest::Dropped => 0.0,
             Rest::Scaled(factor) => factor,
         };
         let mut scaled = coefficients;
-        for (mut row, &lambda) in scaled.rows_mut().into_iter().zip(&self.values) {
-            row *= response(lambda) - beyond;
+        let responses: Vec<f64> = self.values.iter().map(|lambda| response(*lambda)).collect();
+        for (mut row, response) in scaled.rows_mut().into_iter().zip(&responses) {
+            row *= response - beyond;
         }
         let mut filtered = self.inverse(scaled.view())?;
         if beyond != 0.0 {
             filtered.scaled_add(beyond, &field);
         }
-        Ok(filtered)
+        Ok(Filtered { field: filtered, split: self.split_by(&responses, beyond) })
+    }
+
+    /// The first cluster whose modes have different responses.
+    fn split_by(&self, responses: &[f64], beyond: f64) -> Option<Split> {
+        let largest = responses.iter().fold(beyond.abs(), |m: f64, r| m.max(r.abs()));
+        let differ = |a: f64, b: f64| (a - b).abs() > ALIKE * largest;
+        for cluster in self.clusters() {
+            let inside = &responses[cluster.clone()];
+            let goes_on = cluster.end == self.len() && self.split(self.len()).is_some();
+            if inside.iter().any(|r| differ(*r, inside[0]) || (goes_on && differ(*r, beyond))) {
+                let above = self.gap_above(cluster.end);
+                return Some(Split { below: cluster.start, above });
+            }
+        }
+        None
     }
 }
 

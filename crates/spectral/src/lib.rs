@@ -3,11 +3,13 @@
 //! Modes are orthonormal in the inner product of the mass, φᵢᵀ M φⱼ = δᵢⱼ, so a field is projected by Φᵀ M f. A
 //! plain transpose in place of Φᵀ M is the classic mistake: types here carry the mass along with the modes.
 
+mod cluster;
 mod compression;
 mod compute;
 mod diffusion;
 mod error;
 mod filter;
+mod flat_face;
 mod geodesic;
 mod npy;
 mod npz;
@@ -15,6 +17,7 @@ mod reconstruct;
 mod signature;
 mod spectrum;
 
+pub use cluster::Split;
 pub use compression::{Compressed, compress};
 pub use compute::{
     Boundary, GraphWeights, MassKind, SpectrumOptions, SurfaceOperator, graph_spectrum, spectrum,
@@ -22,10 +25,10 @@ pub use compute::{
 };
 pub use diffusion::HeatDiffusion;
 pub use error::SpectralError;
-pub use fairing_sparse::{Count, EigenOptions, EigenProgress};
-pub use filter::{Rest, band_pass, high_pass, low_pass};
+pub use fairing_sparse::{Beyond, Count, EigenOptions, EigenProgress};
+pub use filter::{Filtered, Rest, band_pass, high_pass, low_pass};
 pub use geodesic::HeatGeodesics;
-pub use reconstruct::{reconstruct, reconstruction_errors};
+pub use reconstruct::{Reconstruction, reconstruct, reconstruction_errors};
 pub use signature::{
     global_point_signature, heat_kernel_signature, heat_kernel_times, shape_dna,
     wave_kernel_signature,

@@ -5,7 +5,7 @@ use std::io;
 use std::path::Path;
 
 use fairing_mesh::io::write_whole;
-use fairing_sparse::SparseMatrix;
+use fairing_sparse::{Beyond, SparseMatrix};
 use ndarray::Array2;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
@@ -15,8 +15,9 @@ use crate::npy::{Kind, Npy};
 use crate::spectrum::{MassMatrix, Spectrum};
 
 impl Spectrum {
-    /// Writes `values` (k), `modes` (n × k), `residuals` (k), `certified` (1 or 0) and the mass: `mass` (n) where
-    /// lumped, `mass_indptr`, `mass_indices`, `mass_data` (CSR) where consistent. Whole or not at all.
+    /// Writes `values` (k), `modes` (n × k), `residuals` (k), `certified` (1 or 0), the eigenvalues known `beyond`
+    /// and what is `clear_below`, and the mass: `mass` (n) where lumped, `mass_indptr`, `mass_indices`, `mass_data`
+    /// (CSR) where consistent. Whole or not at all.
     ///
     /// # Errors
     ///
@@ -38,6 +39,8 @@ impl Spectrum {
         add("values", Npy::floats(&self.values))?;
         add("residuals", Npy::floats(&self.residuals))?;
         add("certified", Npy::floats(&[f64::from(u8::from(self.certified))]))?;
+        add("beyond", Npy::floats(&self.beyond.values))?;
+        add("clear_below", Npy::floats(&[self.beyond.clear_below]))?;
         match &self.mass {
             MassMatrix::Lumped(diagonal) => add("mass", Npy::floats(diagonal))?,
             MassMatrix::Consistent(matrix) => {
@@ -51,7 +54,7 @@ impl Spectrum {
         Ok(())
     }
 
-    /// Reads what [`Spectrum::save`] has written.
+    /// Reads what [`Spectrum::save`] has written. Without `beyond` nothing is known after the last eigenvalue.
     ///
     /// # Errors
     ///
@@ -60,6 +63,8 @@ impl Spectrum {
         let path = path.as_ref();
         let file = File::open(path).map_err(|e| problem(path, e))?;
         let mut zip = ZipArchive::new(file).map_err(|e| problem(path, e))?;
+        let names: Vec<String> = zip.file_names().map(str::to_string).collect();
+        let has = |name: &str| names.iter().any(|n| n.strip_suffix(".npy") == Some(name));
         let mut array = |name: &str, kind: Kind| -> Result<Npy, SpectralError> {
             let member = format!("{name}.npy");
             let mut file =
@@ -70,25 +75,33 @@ impl Spectrum {
         let mut vector = |name: &str| array(name, Kind::Float).map(Npy::into_floats);
         let (values, residuals) = (vector("values")?, vector("residuals")?);
         let certified = vector("certified")? == [1.0];
+        let beyond = if has("beyond") && has("clear_below") {
+            let clear_below = vector("clear_below")?.first().copied();
+            let clear_below = clear_below.ok_or_else(|| problem(path, "clear_below is empty"))?;
+            Beyond { values: vector("beyond")?, clear_below }
+        } else {
+            Beyond { values: vec![], clear_below: values.last().copied().unwrap_or(0.0) }
+        };
         let modes = array("modes", Kind::Float)?.into_matrix();
         let modes: Array2<f64> = modes.ok_or_else(|| problem(path, "modes: not a matrix"))?;
         let n = modes.nrows();
-        let mass = match array("mass", Kind::Float) {
-            Ok(diagonal) => MassMatrix::Lumped(diagonal.into_floats()),
-            Err(missing) => {
-                let Ok(data) = array("mass_data", Kind::Float) else { return Err(missing) };
-                let starts = array("mass_indptr", Kind::Index)?.into_indices();
-                let columns = array("mass_indices", Kind::Index)?.into_indices();
-                let matrix = SparseMatrix::try_new((n, n), starts, columns, data.into_floats());
-                MassMatrix::Consistent(matrix.map_err(|(.., e)| problem(path, e))?)
-            }
+        let mass = if has("mass") {
+            MassMatrix::Lumped(array("mass", Kind::Float)?.into_floats())
+        } else {
+            let data = array("mass_data", Kind::Float)?.into_floats();
+            let starts = array("mass_indptr", Kind::Index)?.into_indices();
+            let columns = array("mass_indices", Kind::Index)?.into_indices();
+            let matrix = SparseMatrix::try_new((n, n), starts, columns, data);
+            MassMatrix::Consistent(matrix.map_err(|(.., e)| problem(path, e))?)
         };
         let k = values.len();
-        let finite = values.iter().chain(&modes).chain(&residuals).all(|x| x.is_finite());
+        let finite = values.iter().chain(&modes).chain(&residuals).all(|x| x.is_finite())
+            && beyond.values.iter().all(|x| x.is_finite())
+            && !beyond.clear_below.is_nan();
         if modes.ncols() != k || residuals.len() != k || mass.as_mass().len() != n || !finite {
             return Err(problem(path, "the arrays of the spectrum do not fit together"));
         }
-        Ok(Self { values, modes, residuals, mass, certified })
+        Ok(Self { values, modes, residuals, mass, certified, beyond })
     }
 }
 

@@ -3,8 +3,20 @@
 use fairing_mesh::TriMesh;
 use ndarray::{ArrayView2, Axis, Slice};
 
+use crate::cluster::Split;
 use crate::error::SpectralError;
 use crate::spectrum::Spectrum;
+
+/// A mesh from some of its modes.
+#[derive(Debug, Clone)]
+pub struct Reconstruction {
+    /// The mesh.
+    pub mesh: TriMesh,
+    /// The cluster of eigenvalues that the number of modes splits, if any: the mesh then depends on the basis
+    /// of an eigenspace, which is arbitrary, and differs between processors. [`Spectrum::gap_below`] and
+    /// [`Spectrum::gap_above`] give numbers that split none.
+    pub split: Option<Split>,
+}
 
 /// The mesh with its positions projected onto the first k modes: X_k = Φ Φᵀ M X.
 ///
@@ -20,7 +32,7 @@ pub fn reconstruct(
     mesh: &TriMesh,
     spectrum: &Spectrum,
     k: usize,
-) -> Result<TriMesh, SpectralError> {
+) -> Result<Reconstruction, SpectralError> {
     spectrum.check_modes(k)?;
     let positions = positions_view(mesh);
     let coefficients = spectrum.transform(positions)?;
@@ -35,8 +47,10 @@ pub fn reconstruct(
         .collect();
     let rows = moved.len();
     // Same number of finite positions; only an overflow of the sums could spoil them.
-    mesh.with_positions(moved)
-        .map_err(|_| SpectralError::Rows { found: rows, expected: mesh.vertex_count() })
+    let mesh = mesh
+        .with_positions(moved)
+        .map_err(|_| SpectralError::Rows { found: rows, expected: mesh.vertex_count() })?;
+    Ok(Reconstruction { mesh, split: spectrum.split(k) })
 }
 
 /// The positions as an `n × 3` view, without a copy.

@@ -1,6 +1,6 @@
 //! Eigenvalues and modes with their mass: the transform and its inverse.
 
-use fairing_sparse::{Mass, SparseMatrix, multiply_block};
+use fairing_sparse::{Beyond, Mass, SparseMatrix, multiply_block};
 use ndarray::{Array2, ArrayView2, Axis, Slice};
 
 use crate::error::SpectralError;
@@ -40,6 +40,11 @@ impl MassMatrix {
 
 /// The k smoothest modes of a mesh.
 ///
+/// Modes with equal eigenvalues are one basis of many of the space they span: [`Spectrum::clusters`] tells which
+/// ones belong together. λᵢ is good to its residual rᵢ (to rᵢ² / gap where that is less), φᵢ to an angle of
+/// rᵢ / gap, the gap being the distance to the nearest λ of another cluster; processors that round in another
+/// order give values and modes that differ by as much. Beyond that, rounding leaves some ε φᵀ|S|φ in λ.
+///
 /// Isolated vertices and pinned ones have the value 0 in every mode.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spectrum {
@@ -53,6 +58,8 @@ pub struct Spectrum {
     pub mass: MassMatrix,
     /// Whether it is proved that no smaller eigenvalue was missed.
     pub certified: bool,
+    /// The eigenvalues after the last mode, as far as they are known.
+    pub beyond: Beyond,
 }
 
 impl Spectrum {
@@ -76,14 +83,17 @@ impl Spectrum {
         self.mass.as_mass().total()
     }
 
-    /// The first k modes only.
+    /// The first k modes only. [`Spectrum::split`] of the result at k tells whether that splits a cluster.
     ///
     /// # Errors
     ///
     /// [`SpectralError::TooManyModes`].
     pub fn truncated(&self, k: usize) -> Result<Self, SpectralError> {
         self.check_modes(k)?;
+        let mut following = self.values[k..].to_vec();
+        following.extend(&self.beyond.values);
         Ok(Self {
+            beyond: Beyond { values: following, clear_below: self.beyond.clear_below },
             values: self.values[..k].to_vec(),
             modes: self.modes.slice_axis(Axis(1), Slice::from(..k)).to_owned(),
             residuals: self.residuals[..k].to_vec(),

@@ -50,7 +50,7 @@ fn all_modes_give_the_mesh_back() {
     let mesh = shapes::icosphere(2);
     let n = mesh.vertex_count();
     let all = modes(&mesh, n);
-    let back = reconstruct(&mesh, &all, n).unwrap();
+    let back = reconstruct(&mesh, &all, n).unwrap().mesh;
     for (a, b) in mesh.positions().iter().zip(back.positions()) {
         assert!((0..3).all(|i| (a[i] - b[i]).abs() < 1e-12));
     }
@@ -101,7 +101,7 @@ fn truncation_errors_are_known_beforehand() {
     assert!(errors.is_sorted_by(|a, b| a >= b));
     let mass = found.mass.as_mass().diagonal();
     for k in [0, 1, 5, 33, 60] {
-        let moved = reconstruct(&mesh, &found, k).unwrap();
+        let moved = reconstruct(&mesh, &found, k).unwrap().mesh;
         let square: f64 = (0..mesh.vertex_count())
             .map(|v| {
                 let (a, b) = (mesh.positions()[v], moved.positions()[v]);
@@ -113,10 +113,10 @@ fn truncation_errors_are_known_beforehand() {
     }
     // The low pass up to λ₂₀ keeps what 20 modes keep, whatever the rest.
     let cutoff = 0.5 * (found.values[19] + found.values[20]);
-    let filtered = found.filter(positions(&mesh), low_pass(cutoff), Rest::Dropped).unwrap();
-    let kept = reconstruct(&mesh, &found, 20).unwrap();
+    let filtered = found.filter(positions(&mesh), low_pass(cutoff), Rest::Dropped).unwrap().field;
+    let kept = reconstruct(&mesh, &found, 20).unwrap().mesh;
     assert!((&filtered - &positions(&kept)).iter().all(|d| d.abs() < 1e-12));
-    let identity = found.filter(positions(&mesh), |_| 1.0, Rest::Scaled(1.0)).unwrap();
+    let identity = found.filter(positions(&mesh), |_| 1.0, Rest::Scaled(1.0)).unwrap().field;
     assert!((&identity - &positions(&mesh)).iter().all(|d| d.abs() < 1e-12));
 }
 
@@ -149,7 +149,7 @@ fn isolated_vertices_take_no_part() {
         assert!((found.values[i] - alone.values[i]).abs() < 1e-9 * alone.values[8]);
         assert_eq!(found.modes[[0, i]], 0.0);
     }
-    let smooth = reconstruct(&mesh, &found, 4).unwrap();
+    let smooth = reconstruct(&mesh, &found, 4).unwrap().mesh;
     assert_eq!(smooth.positions()[0], [5.0, 6.0, 7.0]);
     assert!(matches!(
         spectrum(&mesh, mesh.vertex_count(), &SpectrumOptions::default()),

@@ -184,3 +184,33 @@ fn masses_are_chosen_or_refused() {
     let line = "spectrum sphere.ply -k 4 --mass mixed --operator robust";
     assert!(refuse(folder.path(), line, 1).contains("barycentric"));
 }
+
+/// No modes at all are wrong usage, and nothing is read or written for them.
+#[test]
+fn no_modes_are_wrong_usage() {
+    let folder = tempfile::tempdir().unwrap();
+    for line in ["spectrum nothing.ply -k 0", "reconstruct nothing.ply -k 0 -o out.obj"] {
+        let error = refuse(folder.path(), line, 2);
+        assert!(error.contains("at least one mode"), "{error}");
+    }
+}
+
+/// A sphere has 1, 3 and 5 modes that belong together: 6 of them split a cluster, 4 and 9 do not.
+#[test]
+fn a_split_cluster_is_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    save(folder.path(), "sphere.ply", &shapes::icosphere(3));
+    for verb in ["spectrum sphere.ply", "reconstruct sphere.ply -o out.obj --force"] {
+        for (k, good) in
+            [(6, Some("-k 4 and -k 9 do not")), (2, Some("-k 1 and -k 4 do not")), (9, None)]
+        {
+            let output = fairing(folder.path(), &format!("{verb} -k {k}"));
+            let said = String::from_utf8_lossy(&output.stderr).into_owned();
+            assert!(output.status.success());
+            assert_eq!(said.contains("split a cluster"), good.is_some(), "{said}");
+            assert!(good.is_none_or(|good| said.contains(good)), "{said}");
+        }
+    }
+    let found = spectrum(folder.path(), "spectrum sphere.ply -k 6 --json");
+    assert_eq!((&found["gap_below"], &found["gap_above"]), (&4.into(), &9.into()));
+}

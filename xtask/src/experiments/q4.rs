@@ -92,7 +92,7 @@ impl Experiment for Reconstruction {
             let modes = spectrum(mesh, most, &SpectrumOptions::default())?;
             let rebuilt = stops
                 .iter()
-                .map(|&k| Ok(reconstruct(mesh, &modes, k)?))
+                .map(|&k| Ok(reconstruct(mesh, &modes, k)?.mesh))
                 .collect::<Result<Vec<TriMesh>>>()?;
             let predicted = reconstruction_errors(mesh, &modes)?;
             tabulate(&mut errors, name, mesh, &modes, &predicted, &stops, &rebuilt)?;

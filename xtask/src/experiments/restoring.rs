@@ -86,7 +86,7 @@ impl Body {
             Method::Taubin => taubin(noisy, &Taubin::default(), None)?.mesh,
             Method::Spectral => {
                 let modes = self.modes.as_ref().context("this body has no modes")?;
-                reconstruct(noisy, modes, modes.len())?
+                reconstruct(noisy, modes, modes.len())?.mesh
             }
             Method::Denoiser(denoiser) => denoiser.denoise(noisy)?,
         })

@@ -20,7 +20,8 @@ Examples:
 /// Projects the positions onto the k smallest modes of the Laplace-Beltrami
 /// operator, in the inner product of the mass. Where faces have no area it takes
 /// the robust operator and says so. Prints the root mean square of the
-/// displacement, weighted by area, in the unit of the file. Vertices without
+/// displacement, weighted by area, in the unit of the file. Warns where K splits
+/// a cluster of eigenvalues: the result is arbitrary then. Vertices without
 /// faces stay where they are; normals in the file are dropped, other properties
 /// are kept.
 #[derive(Args)]
@@ -29,7 +30,7 @@ pub(crate) struct Reconstruct {
     /// The mesh
     input: PathBuf,
     /// How many modes
-    #[arg(short, value_name = "K")]
+    #[arg(short, value_name = "K", value_parser = spectrum::at_least_one)]
     k: usize,
     #[command(flatten)]
     output: Output,
@@ -42,7 +43,8 @@ impl Reconstruct {
         files::say_report(context, &self.input, &file.report);
         let options = SpectrumOptions::default();
         let modes = spectrum::compute_any(context, &file.mesh, self.k, options)?.spectrum;
-        let mesh = reconstruct(&file.mesh, &modes, self.k)?;
+        spectrum::warn_of_split(context, &modes, self.k);
+        let mesh = reconstruct(&file.mesh, &modes, self.k)?.mesh;
         let errors = reconstruction_errors(&file.mesh, &modes)?;
         files::write_moved(context, &self.output, &mesh, file.fields)?;
         context.note(format_args!("displacement: {} (RMS)", number(errors[self.k])));

@@ -29,7 +29,8 @@ Read the modes in Python: numpy.load(\"modes.npz\")[\"modes\"]";
 /// with that of the intrinsic Delaunay triangulation, and says so. Eigenvalues
 /// are in one over the squared unit of the file. Each pair comes with its
 /// residual in the inverse mass norm; certified means that a count by inertia proves that none
-/// was missed. The output is an npz file with values (k), modes (n x k,
+/// was missed. Where K splits a cluster of equal or nearly equal eigenvalues, a
+/// warning names numbers that do not. The output is an npz file with values (k), modes (n x k,
 /// orthonormal in the mass), residuals (k) and mass.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
@@ -37,7 +38,7 @@ pub(crate) struct Spectrum {
     /// The mesh
     input: PathBuf,
     /// How many modes
-    #[arg(short, value_name = "K", default_value_t = 10)]
+    #[arg(short, value_name = "K", default_value_t = 10, value_parser = at_least_one)]
     k: usize,
     /// The npz file to write; without it, the eigenvalues are only printed
     #[arg(short, long, value_name = "FILE")]
@@ -46,9 +47,34 @@ pub(crate) struct Spectrum {
     overwrite: Overwrite,
     #[command(flatten)]
     kind: Kind,
-    /// Print eigenvalues, residuals and certified as one JSON object
+    /// Print eigenvalues, residuals, certified, and the numbers of modes next to K that split no
+    /// cluster of eigenvalues, as one JSON object
     #[arg(long)]
     json: bool,
+}
+
+/// A number of modes.
+pub(crate) fn at_least_one(text: &str) -> Result<usize, String> {
+    match text.parse::<usize>() {
+        Ok(0) => Err("at least one mode is needed".to_owned()),
+        Ok(k) => Ok(k),
+        Err(error) => Err(error.to_string()),
+    }
+}
+
+/// Warns where the first k modes split a cluster of eigenvalues.
+pub(crate) fn warn_of_split(context: &Context, modes: &spectral::Spectrum, k: usize) {
+    let Some(split) = modes.split(k) else { return };
+    let good = match (split.below, split.above) {
+        (0, Some(above)) => format!("-k {above} does not"),
+        (below, Some(above)) => format!("-k {below} and -k {above} do not"),
+        (0, None) => "a larger number may not".to_owned(),
+        (below, None) => format!("-k {below} does not"),
+    };
+    context.note(format_args!(
+        "warning: {k} modes split a cluster of equal or nearly equal eigenvalues, whose modes are an \
+         arbitrary basis; {good}"
+    ));
 }
 
 /// Which operator.
@@ -181,8 +207,11 @@ impl Spectrum {
         if let Some(output) = &self.output {
             modes.save(output).map_err(Failure::output)?;
         }
+        warn_of_split(context, &modes, self.k);
         if self.json {
             let summary = json!({
+                "gap_below": modes.gap_below(self.k),
+                "gap_above": modes.gap_above(self.k),
                 "eigenvalues": modes.values,
                 "residuals": modes.residuals,
                 "certified": modes.certified,

@@ -12,4 +12,4 @@ mod delaunay;
 mod robust;
 mod triangulation;
 
-pub use robust::{Cover, RobustLaplacian, RobustOptions, robust_laplacian};
+pub use robust::{Cover, IntrinsicFaces, RobustLaplacian, RobustOptions, robust_laplacian};

@@ -54,6 +54,20 @@ pub struct RobustLaplacian {
     /// How many edges are not Delaunay, because flipping them would have made
     /// a triangle without area: zero but for extreme lengths.
     pub stuck: usize,
+    /// The triangles that the operators belong to.
+    pub faces: IntrinsicFaces,
+}
+
+/// Triangles given by the lengths of their sides.
+#[derive(Debug, Clone, PartialEq)]
+pub struct IntrinsicFaces {
+    /// The corners, three for each face; side k runs from corner k to corner
+    /// k + 1. An edge may lead from a vertex to itself.
+    pub corners: Vec<u32>,
+    /// The lengths of the sides, three for each face, in mesh units.
+    pub lengths: Vec<f64>,
+    /// What a face counts: ½ where the surface is covered twice.
+    pub share: f64,
 }
 
 /// Assembles a stiffness and a mass on any triangle mesh that has an edge of a
@@ -109,7 +123,8 @@ pub fn robust_laplacian(
         (flips, stuck) = (done.count, done.stuck);
     }
     let (stiffness, mass) = assemble(mesh.vertex_count(), &triangles, share)?;
-    Ok(RobustLaplacian { stiffness, mass, added_length, flips, stuck })
+    let faces = IntrinsicFaces { corners: triangles.start, lengths: triangles.length, share };
+    Ok(RobustLaplacian { stiffness, mass, added_length, flips, stuck, faces })
 }
 
 fn longest_of(triangles: &Triangulation, t: usize) -> f64 {

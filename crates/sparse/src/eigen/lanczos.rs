@@ -27,7 +27,7 @@ const SPENT: f64 = 1e-13;
 
 /// A Krylov basis in the making.
 pub(crate) struct Lanczos<'a> {
-    operator: &'a ShiftInvert<'a>,
+    pub(crate) operator: &'a ShiftInvert<'a>,
     /// Vectors to stay orthogonal to: known eigenvectors.
     locked: &'a [Block],
     basis: Vec<Block>,
@@ -47,6 +47,8 @@ pub(crate) struct Candidate {
     pub(crate) lambda: f64,
     /// ‖S' φ − λ' M' φ‖ in the M'⁻¹ norm.
     pub(crate) residual: f64,
+    /// ‖A φ − θ φ‖ / θ² in the M' norm: the same residual after a step of inverse iteration.
+    pub(crate) polished: f64,
 }
 
 impl<'a> Lanczos<'a> {
@@ -99,6 +101,9 @@ impl<'a> Lanczos<'a> {
         let problem = self.operator.problem;
         let length = problem.squares(w).map(f64::sqrt);
         let mut taken = [0.0; LANES];
+        if problem.constants.0 > LANES {
+            problem.remove_constants(w);
+        }
         let [found, known] = problem.mass_products([self.basis.as_slice(), self.locked], w);
         for block in found.iter().chain(&known) {
             for row in block {
@@ -184,7 +189,9 @@ impl<'a> Lanczos<'a> {
                     }
                 }
                 let residual = square.max(0.0).sqrt() / theta.abs();
-                Candidate { index, lambda: operator.eigenvalue(theta), residual }
+                let length = z.iter().map(|z| z * z).sum::<f64>().sqrt();
+                let polished = length / (theta * theta);
+                Candidate { index, lambda: operator.eigenvalue(theta), residual, polished }
             })
             .collect();
         Ok((ritz, candidates))
@@ -192,16 +199,7 @@ impl<'a> Lanczos<'a> {
 
     /// V y for the chosen Ritz pairs, in blocks; the last one is filled up with zeros.
     pub(crate) fn vectors(&self, ritz: &Ritz, chosen: &[usize]) -> Vec<Block> {
-        basis::combine(&self.basis, chosen.len().div_ceil(LANES), |u, j| {
-            let mut c = ZERO;
-            for (b, &index) in chosen[j * LANES..].iter().take(LANES).enumerate() {
-                let y = ritz.vector(index);
-                for a in 0..LANES {
-                    c[a][b] = y[u * LANES + a];
-                }
-            }
-            c
-        })
+        combined(&self.basis, ritz, chosen)
     }
 
     /// Replaces the basis by the chosen Ritz vectors, a multiple of eight of them, and carries on.
@@ -227,13 +225,27 @@ impl<'a> Lanczos<'a> {
     }
 }
 
-/// M-normalised constants of the components of the problem, in blocks.
-pub(crate) fn constants(problem: &Problem) -> Vec<Block> {
-    let (count, component) = &problem.constants;
+/// V y for the chosen Ritz pairs of a basis V, in blocks; the last one is filled up with zeros.
+pub(crate) fn combined(basis: &[Block], ritz: &Ritz, chosen: &[usize]) -> Vec<Block> {
+    basis::combine(basis, chosen.len().div_ceil(LANES), |u, j| {
+        let mut c = ZERO;
+        for (b, &index) in chosen[j * LANES..].iter().take(LANES).enumerate() {
+            let y = ritz.vector(index);
+            for a in 0..LANES {
+                c[a][b] = y[u * LANES + a];
+            }
+        }
+        c
+    })
+}
+
+/// M-normalised constants of the first components of the problem, in blocks.
+pub(crate) fn constants(problem: &Problem, count: usize) -> Vec<Block> {
+    let component = &problem.constants.1;
     let mut blocks = vec![vec![[0.0; LANES]; problem.rows()]; count.div_ceil(LANES)];
     for (row, c) in component.iter().enumerate() {
-        if let Some(c) = c {
-            blocks[*c as usize / LANES][row][*c as usize % LANES] = 1.0;
+        if let Some(c) = c.filter(|c| (*c as usize) < count) {
+            blocks[c as usize / LANES][row][c as usize % LANES] = 1.0;
         }
     }
     for block in &mut blocks {

@@ -10,6 +10,7 @@ mod dense;
 mod lanczos;
 mod nullspace;
 mod operator;
+mod polish;
 mod problem;
 mod projected;
 mod shift;
@@ -30,7 +31,8 @@ pub use solve::{smallest_eigenpairs, smallest_eigenpairs_with};
 #[derive(Debug, Clone, PartialEq)]
 pub struct EigenOptions {
     /// Largest residual ‖S φ − λ M φ‖ in the M⁻¹ norm, as a share of the largest wanted eigenvalue, of a
-    /// vector with φᵀMφ = 1.
+    /// vector with φᵀMφ = 1. Where tiny masses or huge weights leave more than that to rounding, a residual
+    /// within 64 ε ‖|S| |φ| + λ M |φ|‖ is as good.
     pub tolerance: f64,
     /// Seed of the starting vectors.
     pub seed: u64,
@@ -82,7 +84,20 @@ impl Default for EigenOptions {
     }
 }
 
+/// What is known about the eigenvalues after those asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Beyond {
+    /// Those that came along, ascending: a solver goes on to the next gap.
+    pub values: Vec<f64>,
+    /// No others lie below this, as surely as `certified` says. Infinite if there are no others.
+    pub clear_below: f64,
+}
+
 /// Eigenpairs of S φ = λ M φ.
+///
+/// An eigenvalue is off by no more than its residual r, and by about r² divided by the distance to the next
+/// eigenvalue where that is larger than r; rounding adds some ε φᵀ|S|φ. A vector is off by an angle of about r
+/// divided by that distance. Between processors, which round in another order, results differ by as much.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EigenPairs {
     /// Eigenvalues, ascending. Those of the constants of each component that S maps to zero are exactly 0.
@@ -92,8 +107,11 @@ pub struct EigenPairs {
     pub vectors: Array2<f64>,
     /// ‖S φ − λ M φ‖ in the M⁻¹ norm of each pair, in units of λ, measured on the vectors returned.
     pub residuals: Vec<f64>,
-    /// Whether inertia (or a dense decomposition) proves that no smaller eigenvalue was missed.
+    /// Whether inertia (or a dense decomposition) proves that no smaller eigenvalue was missed. Not so where the
+    /// pivots of the count grew so much that it could be wrong.
     pub certified: bool,
+    /// The eigenvalues after the last.
+    pub beyond: Beyond,
 }
 
 /// Where a computation stands.

@@ -2,8 +2,10 @@
 
 use crate::matrix::Rows;
 
-/// Row sums below this share of the row's largest entry count as zero: assembly leaves a few ε.
-const ROW_SUM_TOLERANCE: f64 = 1e-11;
+/// A row sum counts as zero within so many ε of the sum of the sizes of the entries, for each entry: assembly
+/// rounds every entry and every addition. More would take a small pinned part, whose ties to the rest are
+/// weak beside its own weights, for a component of its own.
+const ROUNDINGS: f64 = 4.0;
 
 /// The component of every row in the graph of S, numbered by first row, or `None` where some row of the
 /// component has a sum that is not zero (pinned rows, potentials).
@@ -22,8 +24,9 @@ pub(crate) fn constant_components(rows: Rows<'_>) -> (usize, Vec<Option<u32>>) {
         stack.push(seed);
         while let Some(i) = stack.pop() {
             let (columns, values) = rows.row(i);
-            let largest = values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-            balanced &= values.iter().sum::<f64>().abs() <= ROW_SUM_TOLERANCE * largest;
+            let size: f64 = values.iter().map(|v| v.abs()).sum();
+            let rounding = ROUNDINGS * values.len() as f64 * f64::EPSILON * size;
+            balanced &= values.iter().sum::<f64>().abs() <= rounding;
             for (&j, &v) in columns.iter().zip(values) {
                 if v != 0.0 && component[j as usize] == u32::MAX {
                     component[j as usize] = number;
@@ -70,5 +73,15 @@ mod tests {
         let matrix: SparseMatrix = t.to_csr();
         let (count, names) = constant_components(Rows::of(&matrix));
         assert_eq!((count, names), (2, vec![Some(0), Some(1), Some(0), None, None]));
+    }
+
+    /// Two rows tied to each other by 10¹² and to a pinned one by 1 are pinned; ties of rounding are none.
+    #[test]
+    fn weak_ties_are_ties() {
+        for (tie, count) in [(1.0, 0), (1e-4, 1)] {
+            let values = vec![1e12 + tie, -1e12, -1e12, 1e12];
+            let matrix = SparseMatrix::new((2, 2), vec![0, 2, 4], vec![0, 1, 0, 1], values);
+            assert_eq!(constant_components(Rows::of(&matrix)).0, count, "{tie}");
+        }
     }
 }

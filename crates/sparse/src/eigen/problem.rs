@@ -11,7 +11,8 @@ use crate::matrix::{Rows, SparseMatrix};
 use crate::ordering::{self, Ordering};
 use crate::product;
 
-/// S' = S / s and M' = M / m with mean diagonals 1, rows in the order of elimination.
+/// S' = S / s and M' = M / m, rows in the order of elimination: s the median of the diagonal, which a few huge
+/// entries do not move, m the mean, both to the nearest power of two, so that the division is exact.
 ///
 /// λ = λ' · s / m; everything inside the solver is in units of λ', so that tiny and huge meshes are alike.
 pub(crate) struct Problem {
@@ -25,6 +26,8 @@ pub(crate) struct Problem {
     mass_unit: f64,
     /// Number of components with constants in the null space of S, and which one each ordered row is in.
     pub(crate) constants: (usize, Vec<Option<u32>>),
+    /// The mass M' of each of those components.
+    constant_masses: Vec<f64>,
 }
 
 enum UnorderedMass {
@@ -41,12 +44,9 @@ impl Problem {
     pub(crate) fn new(stiffness: &SparseMatrix, mass: Mass<'_>) -> Result<Self, EigenError> {
         let n = stiffness.rows();
         mass.check(n)?;
-        let mean = |d: Vec<f64>| d.iter().sum::<f64>() / n as f64;
-        let stiffness_unit = match mean(Rows::of(stiffness).diagonal()) {
-            d if d > 0.0 && d.is_finite() => d,
-            _ => 1.0,
-        };
-        let mass_unit = mean(mass.diagonal());
+        let stiffness_unit = power_of_two(median_of_positive(Rows::of(stiffness).diagonal()));
+        // Divided before they are added: the sum of huge masses may overflow.
+        let mass_unit = power_of_two(mass.diagonal().iter().map(|m| m / n as f64).sum());
         let scaled = |matrix: &SparseMatrix, unit: f64| matrix.map(|v| v / unit);
         let unordered_stiffness = scaled(stiffness, stiffness_unit);
         let unordered_mass = match mass {
@@ -68,8 +68,11 @@ impl Problem {
                 OrderedMass::Consistent { matrix, factor }
             }
         };
+        let constants = nullspace::constant_components(Rows::of(&stiffness));
+        let constant_masses = component_masses(&mass, &constants);
         Ok(Self {
-            constants: nullspace::constant_components(Rows::of(&stiffness)),
+            constants,
+            constant_masses,
             unit: stiffness_unit / mass_unit,
             mass_unit,
             symbolic,
@@ -169,6 +172,54 @@ impl Problem {
         products(std::slice::from_ref(r), &solved)[0]
     }
 
+    /// |S'| |W| + M' |W| diag |λ'|: what the terms of a residual add up to without signs.
+    pub(crate) fn magnitude(&self, w: &Block, lambda: &[f64; LANES]) -> Block {
+        let w: Block = w.iter().map(|w| w.map(f64::abs)).collect();
+        let s = Rows::of(&self.stiffness);
+        let mut out = self.mass_times(&w);
+        for (i, out) in out.iter_mut().enumerate() {
+            for lane in 0..LANES {
+                out[lane] = (out[lane] * lambda[lane]).abs();
+            }
+            let (columns, values) = s.row(i);
+            for (&j, v) in columns.iter().zip(values) {
+                for lane in 0..LANES {
+                    out[lane] += v.abs() * w[j as usize][lane];
+                }
+            }
+        }
+        out
+    }
+
+    /// The largest Σ sᵢᵢ φᵢ² of the vectors in these blocks.
+    pub(crate) fn strain(&self, blocks: &[Block]) -> f64 {
+        let diagonal = Rows::of(&self.stiffness).diagonal();
+        let squares = |block: &Block| basis::weighted_squares(&diagonal, block);
+        blocks.iter().flat_map(squares).fold(0.0, f64::max)
+    }
+
+    /// Takes off a block its parts along the constants of all components.
+    pub(crate) fn remove_constants(&self, w: &mut Block) {
+        let (count, component) = &self.constants;
+        let mw = self.mass_times(w);
+        let mut sums = vec![[0.0; LANES]; *count];
+        for (c, mw) in component.iter().zip(&mw) {
+            if let Some(c) = c {
+                for lane in 0..LANES {
+                    sums[*c as usize][lane] += mw[lane];
+                }
+            }
+        }
+        for (w, c) in w.iter_mut().zip(component) {
+            if let Some(c) = c {
+                let (sum, mass) = (&sums[*c as usize], self.constant_masses[*c as usize]);
+                for lane in 0..LANES {
+                    w[lane] -= sum[lane] / mass;
+                }
+            }
+        }
+    }
+
     /// S' W − M' W diag(λ').
     pub(crate) fn residual(&self, w: &Block, lambda: &[f64; LANES]) -> Block {
         let mut r = vec![[0.0; LANES]; w.len()];
@@ -180,6 +231,40 @@ impl Problem {
         }
         r
     }
+}
+
+/// 1ᵀ M' 1 over each component with constants.
+fn component_masses(mass: &OrderedMass, constants: &(usize, Vec<Option<u32>>)) -> Vec<f64> {
+    let ones;
+    let row_masses = match mass {
+        OrderedMass::Lumped(d) => d,
+        OrderedMass::Consistent { matrix, .. } => {
+            ones = product::multiply(matrix, &vec![1.0; matrix.rows()]);
+            &ones
+        }
+    };
+    let mut masses = vec![0.0; constants.0];
+    for (c, m) in constants.1.iter().zip(row_masses) {
+        if let Some(c) = c {
+            masses[*c as usize] += m;
+        }
+    }
+    masses
+}
+
+/// The median of the entries above zero; 1 without any.
+fn median_of_positive(mut values: Vec<f64>) -> f64 {
+    values.retain(|v| *v > 0.0 && v.is_finite());
+    if values.is_empty() {
+        return 1.0;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// The nearest power of two that is far from both ends of the range.
+fn power_of_two(value: f64) -> f64 {
+    value.log2().round().clamp(-1000.0, 1000.0).exp2()
 }
 
 impl UnorderedMass {

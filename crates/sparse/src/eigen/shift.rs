@@ -31,6 +31,7 @@ const SAFE_GROWTH: f64 = 1e6;
 /// The operator for the `count` smallest eigenvalues, constants included.
 pub(crate) fn for_smallest(problem: &Problem, count: usize) -> Result<ShiftInvert<'_>, EigenError> {
     let n = problem.rows() as f64;
+    let mut below = -1.0 / n;
     if count >= FEW {
         let mut sigma = BEST_SHARE * WEYL * count as f64 / n;
         for _ in 0..TRIES {
@@ -40,6 +41,10 @@ pub(crate) fn for_smallest(problem: &Problem, count: usize) -> Result<ShiftInver
             };
             let share = inertia as f64 / count as f64;
             if !GOOD_SHARES.contains(&share) {
+                // Far more below than wanted: the wanted ones lie much closer to zero than Weyl's law has it.
+                if inertia > count {
+                    below = below.max(-sigma / share);
+                }
                 sigma *= (BEST_SHARE / share.max(0.05)).min(8.0);
             } else if growth > SAFE_GROWTH {
                 sigma *= 0.97;
@@ -48,7 +53,6 @@ pub(crate) fn for_smallest(problem: &Problem, count: usize) -> Result<ShiftInver
             }
         }
     }
-    let sigma = -1.0 / n;
-    ShiftInvert::below(problem, sigma)
-        .map_err(|source| EigenError::Factor { shift: sigma * problem.unit, source })
+    ShiftInvert::below(problem, below)
+        .map_err(|source| EigenError::Factor { shift: below * problem.unit, source })
 }

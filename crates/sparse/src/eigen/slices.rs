@@ -9,8 +9,9 @@ use std::ops::{ControlFlow, Range};
 use ndarray::{Axis, Slice};
 
 use crate::eigen::basis::Block;
-use crate::eigen::certificate::count_in_gap;
+use crate::eigen::certificate::{Counted, count_in_gap};
 use crate::eigen::operator::ShiftInvert;
+use crate::eigen::polish;
 use crate::eigen::problem::Problem;
 use crate::eigen::solve::{Found, Run, smallest_eigenpairs};
 use crate::eigen::{EigenError, EigenOptions, EigenPairs, EigenWatch};
@@ -44,14 +45,15 @@ pub fn eigenpairs_within(
     }
     mass.check(stiffness.rows())?;
     let problem = Problem::new(stiffness, mass)?;
-    let below = |lambda: f64| -> Result<(usize, f64), EigenError> {
+    let below = |lambda: f64| -> Result<Counted, EigenError> {
         let shift = lambda / problem.unit;
         if shift <= 0.0 {
-            return Ok((0, 0.0));
+            return Ok(Counted::NONE);
         }
         count_in_gap(&problem, shift, shift * (1.0 + 1e-10))
     };
-    let ((first, start), (last, end)) = (below(from)?, below(to)?);
+    let (lower, upper) = (below(from)?, below(to)?);
+    let (first, last) = (lower.count, upper.count);
     if first == 0 || stiffness.rows() <= options.dense_rows {
         let mut pairs = smallest_eigenpairs(stiffness, mass, last, options)?;
         let vectors = pairs.vectors.slice_axis(Axis(1), Slice::from(first..)).to_owned();
@@ -59,11 +61,13 @@ pub fn eigenpairs_within(
         pairs.residuals.drain(..first);
         return Ok(EigenPairs { vectors, ..pairs });
     }
-    let mut found = Found { lambdas: vec![], blocks: vec![], certified: true };
-    let mut slices = Slices { problem: &problem, from: start, counted: first, options };
+    let mut found =
+        Found { lambdas: vec![], blocks: vec![], certified: true, clear_below: upper.shift };
+    let mut slices = Slices { problem: &problem, from: lower.shift, counted: first, options };
     let mut watch = |_: &_| ControlFlow::Continue(());
-    let guess = (end - start) * options.slice as f64 / (last - first).max(1) as f64;
-    slices.up_to(&mut found, Some(end), last, guess, &mut watch)?;
+    let width = upper.shift - lower.shift;
+    let guess = width * options.slice as f64 / (last - first).max(1) as f64;
+    slices.up_to(&mut found, Some(upper.shift), last, guess, &mut watch)?;
     let count = found.lambdas.len();
     found.finish(&problem, 0, count, options.tolerance)
 }
@@ -113,20 +117,22 @@ impl Slices<'_> {
             if let Some(end) = end {
                 to = if to > end - 0.2 * width * share { end } else { to };
             }
-            let (mut count, mut shift) = count_in_gap(self.problem, to, to * (1.0 + 1e-8))?;
+            let mut next = count_in_gap(self.problem, to, to * (1.0 + 1e-8))?;
             // Cuts shrink the window by a third and more; only a huge multiple eigenvalue defies them.
             for _ in 0..MOST_CUTS {
-                if (count - self.counted.min(count)) as f64 <= TOO_FULL * plan as f64 {
+                let inside = next.count.saturating_sub(self.counted) as f64;
+                if inside <= TOO_FULL * plan as f64 {
                     break;
                 }
-                let inside = (count - self.counted) as f64;
                 to = self.from + (to - self.from) * plan as f64 / inside;
-                (count, shift) = count_in_gap(self.problem, to, to * (1.0 + 1e-8))?;
+                next = count_in_gap(self.problem, to, to * (1.0 + 1e-8))?;
             }
-            let inside = count - self.counted.min(count);
+            let Counted { count, shift, .. } = next;
+            let inside = count.saturating_sub(self.counted);
             if inside > 0 {
-                self.window(found, shift, inside, watch)?;
+                self.window(found, next, inside, watch)?;
             }
+            found.clear_below = shift;
             // The next window by the density of this one, between half and double its width.
             let density = inside.max(1) as f64 / (shift - self.from);
             width = (plan as f64 / density).clamp(0.5 * width, 2.0 * width);
@@ -136,23 +142,23 @@ impl Slices<'_> {
         Ok(())
     }
 
-    /// All `inside` pairs between `self.from` and `to`.
+    /// All `inside` pairs between `self.from` and the place of the next count.
     fn window(
         &self,
         found: &mut Found,
-        to: f64,
+        next: Counted,
         inside: usize,
         watch: &mut EigenWatch<'_>,
     ) -> Result<(), EigenError> {
-        let problem = self.problem;
+        let (problem, to) = (self.problem, next.shift);
         let sigma = 0.5 * (self.from + to) + 1e-3 * (to - self.from);
         let (operator, ..) = ShiftInvert::among(problem, sigma)
             .map_err(|source| EigenError::Factor { shift: sigma * problem.unit, source })?;
         let known = found.blocks.len();
         let mut locked: Vec<Block> = found.blocks[known.saturating_sub(LOCKED_BLOCKS)..].to_vec();
         // Empty lanes are zero vectors: harmless.
-        if known > LOCKED_BLOCKS && problem.constants.0 > 0 {
-            locked.extend_from_slice(&found.blocks[..problem.constants.0.div_ceil(LANES)]);
+        if known > LOCKED_BLOCKS && (1..=LANES).contains(&problem.constants.0) {
+            locked.push(found.blocks[0].clone());
         }
         let mut run = Run::new(&operator, &locked, inside, self.options, watch);
         let goal = self.options.tolerance * to;
@@ -163,23 +169,25 @@ impl Slices<'_> {
             candidates
                 .sort_by(|a, b| (a.lambda - sigma).abs().total_cmp(&(b.lambda - sigma).abs()));
             let is_inside = |lambda: f64| lambda > self.from && lambda < to;
-            let mut done: Vec<_> = candidates
-                .iter()
-                .copied()
-                .filter(|c| is_inside(c.lambda) && c.residual <= goal)
-                .collect();
+            let showing: Vec<_> =
+                candidates.iter().copied().filter(|c| is_inside(c.lambda)).collect();
+            let will_do = run.will_do(&showing, goal, inside);
+            let mut done: Vec<_> =
+                showing.iter().zip(will_do).filter(|(_, done)| *done).map(|(c, _)| *c).collect();
             run.report(done.len().min(inside))?;
             if done.len() == inside {
                 done.sort_by(|a, b| a.lambda.total_cmp(&b.lambda));
                 let chosen: Vec<usize> = done.iter().map(|c| c.index).collect();
-                let vectors = run.lanczos.vectors(&ritz, &chosen);
+                let mut vectors = run.lanczos.vectors(&ritz, &chosen);
                 let lambdas: Vec<f64> = done.iter().map(|c| c.lambda).collect();
+                polish::polish(&operator, &lambdas, &mut vectors, goal);
+                let nearest = lambdas.last().map_or(f64::INFINITY, |last| to - last);
+                found.certified &= next.is_sure(problem.strain(&vectors), nearest);
                 found.append(&lambdas, &vectors);
                 return Ok(());
             }
             // All that show inside have converged, yet some are missing: they hide from the start.
-            let showing = candidates.iter().filter(|c| is_inside(c.lambda)).count();
-            stalled = if showing == done.len() { stalled + 1 } else { 0 };
+            stalled = if showing.len() == done.len() { stalled + 1 } else { 0 };
             if done.len() > inside || (stalled >= 3 && renewals == RENEWALS) {
                 return Err(EigenError::Miscounted {
                     found: self.counted + done.len(),

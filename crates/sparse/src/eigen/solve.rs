@@ -7,13 +7,15 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use crate::eigen::basis::Block;
-use crate::eigen::certificate::count_in_gap;
+use crate::eigen::certificate::{Counted, count_in_gap};
 use crate::eigen::lanczos::{self, Candidate, Lanczos};
 use crate::eigen::operator::ShiftInvert;
+use crate::eigen::polish::{self, lanes_of};
 use crate::eigen::problem::Problem;
-use crate::eigen::projected::Ritz;
+use crate::eigen::projected::{Projected, Ritz, ZERO};
 use crate::eigen::{
-    Count, EigenError, EigenOptions, EigenPairs, EigenProgress, EigenWatch, dense, shift, slices,
+    Beyond, Count, EigenError, EigenOptions, EigenPairs, EigenProgress, EigenWatch, dense, shift,
+    slices,
 };
 use crate::factor::LANES;
 use crate::mass::Mass;
@@ -69,24 +71,29 @@ pub fn smallest_eigenpairs_with(
     mass.check(rows)?;
     if count == 0 {
         let vectors = Array2::zeros((rows, 0));
-        return Ok(EigenPairs { values: vec![], vectors, residuals: vec![], certified: true });
+        let beyond = Beyond { values: vec![], clear_below: 0.0 };
+        return Ok(EigenPairs {
+            values: vec![],
+            vectors,
+            residuals: vec![],
+            certified: true,
+            beyond,
+        });
     }
     if rows <= options.dense_rows || (rows <= 4 * options.dense_rows && 4 * count >= rows) {
         return dense_pairs(stiffness, mass, count, options);
     }
     let problem = Problem::new(stiffness, mass)?;
-    let mut found = Found::constants(&problem);
-    let constants = found.lambdas.len();
+    let constants = problem.constants.0;
+    let mut found = Found::constants(&problem, count);
     if constants < count {
         let wanted = count - constants;
         let first = wanted.min(options.slice);
-        let certified = run_from_below(&problem, &mut found, first, options, watch)?;
+        let shift = run_from_below(&problem, &mut found, first, options, watch)?;
+        found.clear_below = shift;
         if wanted > first {
-            slices::continue_upwards(&problem, &mut found, certified, count, options, watch)?;
+            slices::continue_upwards(&problem, &mut found, shift, count, options, watch)?;
         }
-        found.certified = options.count == Count::Certified || wanted > first;
-    } else {
-        found.certified = true;
     }
     found.finish(&problem, 0, count, options.tolerance)
 }
@@ -98,46 +105,111 @@ fn dense_pairs(
     options: &EigenOptions,
 ) -> Result<EigenPairs, EigenError> {
     let problem = Problem::new(stiffness, mass)?;
-    let (mut values, vectors) = dense::all_eigenpairs(stiffness, mass, options.dense)?;
-    values.truncate(count);
+    let (values, vectors) = dense::all_eigenpairs(stiffness, mass, options.dense)?;
     let order = problem.order();
-    let mut found = Found { lambdas: vec![], blocks: vec![], certified: true };
     let scale = problem.norm_unit();
-    for from in (0..count).step_by(LANES) {
-        let width = LANES.min(count - from);
-        let mut block = vec![[0.0; LANES]; stiffness.rows()];
-        for (k, &row) in order.iter().enumerate() {
-            for lane in 0..width {
-                block[k][lane] = vectors[[row as usize, from + lane]] * scale;
+    // Blocks of the vectors from one column on.
+    let blocks = |first: usize, end: usize| -> Vec<Block> {
+        let block = |from: usize| {
+            let width = LANES.min(end - from);
+            let mut block = vec![[0.0; LANES]; stiffness.rows()];
+            for (block, &row) in block.iter_mut().zip(order) {
+                for (lane, value) in block[..width].iter_mut().enumerate() {
+                    *value = vectors[[row as usize, from + lane]] * scale;
+                }
             }
-        }
-        found.blocks.push(block);
+            block
+        };
+        (first..end).step_by(LANES).map(block).collect()
+    };
+    let mut found = Found {
+        lambdas: values.iter().map(|v| v / problem.unit).collect(),
+        blocks: blocks(0, count),
+        certified: true,
+        clear_below: f64::INFINITY,
+    };
+    let constants = problem.constants.0;
+    if found.unsettled(&problem, 0, count, options.tolerance) > 0 && constants < count {
+        let basis = blocks(constants, stiffness.rows());
+        let missing = count - constants;
+        found = from_inverse(&problem, found, &basis, missing)?;
     }
-    found.lambdas = values.iter().map(|v| v / problem.unit).collect();
     found.finish(&problem, 0, count, options.tolerance)
 }
 
+/// Shifts tried until one is of the size of the last eigenvalue wanted.
+const INVERSE_TRIES: usize = 4;
+
+/// The `wanted` smallest pairs above the constants from the decomposition of (S' − σM')⁻¹ M' in a basis of all
+/// vectors that are orthogonal to the constants.
+///
+/// A decomposition of S itself is off by ε times its largest eigenvalue, which one needle makes huge. With σ at
+/// minus the last eigenvalue wanted this one is off by a few ε times that.
+fn from_inverse(
+    problem: &Problem,
+    first: Found,
+    basis: &[Block],
+    wanted: usize,
+) -> Result<Found, EigenError> {
+    let constants = problem.constants.0;
+    let mut last = first.lambdas[constants + wanted - 1].abs();
+    let mut found = first;
+    for _ in 0..INVERSE_TRIES {
+        let sigma = -last.max(f64::MIN_POSITIVE / f64::EPSILON);
+        let operator = ShiftInvert::below(problem, sigma)
+            .map_err(|source| EigenError::Factor { shift: sigma * problem.unit, source })?;
+        let mut projected = Projected::default();
+        for j in 0..basis.len() {
+            let w = operator.apply(&basis[j]);
+            let [column] = problem.mass_products([&basis[..=j]], &w);
+            projected.push(column, ZERO);
+        }
+        let ritz = projected.solve().map_err(|_| EigenError::Dense { rows: problem.rows() })?;
+        let top = ritz.values.len();
+        let chosen: Vec<usize> = (0..wanted).map(|i| top - 1 - i).collect();
+        let all = problem.rows() - constants;
+        let lambdas: Vec<f64> =
+            (0..all).map(|i| operator.eigenvalue(ritz.values[top - 1 - i])).collect();
+        let mut vectors = lanczos::combined(basis, &ritz, &chosen);
+        polish::polish(&operator, &lambdas, &mut vectors, 0.0);
+        found = Found::constants(problem, constants + wanted);
+        found.append(&lambdas[..wanted], &vectors);
+        found.lambdas.extend(&lambdas[wanted..]);
+        found.certified = true;
+        found.clear_below = f64::INFINITY;
+        let next = lambdas[wanted - 1];
+        if next > 0.25 * last && next < 4.0 * last {
+            break;
+        }
+        last = next.abs();
+    }
+    Ok(found)
+}
+
 /// How much larger than the tolerance a measured residual may be: eigenvalues of a multiple group are measured
-/// with the residual of their neighbours, and rounding adds its share.
+/// with the residual of their neighbours.
 const SLACK: f64 = 10.0;
-/// Residuals of the constants, in units of S': a few ε.
-const ROUNDING: f64 = 1e-5;
 
 /// Dimensionless eigenpairs, ascending, in the order of the factor.
 pub(crate) struct Found {
+    /// More than there are vectors where some are known without.
     pub(crate) lambdas: Vec<f64>,
     /// Vectors in blocks; the last block may have empty lanes.
     pub(crate) blocks: Vec<Block>,
     pub(crate) certified: bool,
+    /// No eigenvalue that is not here lies below.
+    pub(crate) clear_below: f64,
 }
 
 impl Found {
-    /// The exact zero modes.
-    pub(crate) fn constants(problem: &Problem) -> Self {
+    /// The exact zero modes, of which the first `count` at most get vectors.
+    pub(crate) fn constants(problem: &Problem, count: usize) -> Self {
+        let constants = problem.constants.0;
         Self {
-            lambdas: vec![0.0; problem.constants.0],
-            blocks: lanczos::constants(problem),
-            certified: false,
+            lambdas: vec![0.0; constants],
+            blocks: lanczos::constants(problem, count.min(constants)),
+            certified: true,
+            clear_below: 0.0,
         }
     }
 
@@ -158,6 +230,46 @@ impl Found {
         }
     }
 
+    /// Residuals of all vectors, dimensionless.
+    fn residuals(&self, problem: &Problem) -> Vec<f64> {
+        let of = |(b, block)| polish::residuals(problem, block, &lanes_of(&self.lambdas, b));
+        self.blocks.iter().enumerate().flat_map(of).collect()
+    }
+
+    /// How many of the pairs `from .. to` have residuals above the tolerance and above what rounding leaves.
+    fn unsettled(&self, problem: &Problem, from: usize, to: usize, tolerance: f64) -> usize {
+        self.above_limit(problem, &self.residuals(problem), from..to, tolerance)
+    }
+
+    fn above_limit(
+        &self,
+        problem: &Problem,
+        residuals: &[f64],
+        pairs: std::ops::Range<usize>,
+        tolerance: f64,
+    ) -> usize {
+        let largest = self.lambdas[pairs.clone()].iter().fold(0.0, |m: f64, l| m.max(*l));
+        let limit = SLACK * tolerance * largest;
+        let mut above = 0;
+        for (b, block) in self.blocks.iter().enumerate() {
+            let suspects: Vec<usize> = (0..LANES)
+                .filter(|lane| pairs.contains(&(b * LANES + lane)))
+                .filter(|lane| {
+                    let residual = residuals[b * LANES + lane];
+                    residual.is_nan() || residual > limit
+                })
+                .collect();
+            if !suspects.is_empty() {
+                let lambda = lanes_of(&self.lambdas, b);
+                let attainable = polish::attainable(problem, block, &lambda);
+                // Not a number is above every limit.
+                let meets = |lane: &&usize| residuals[b * LANES + **lane] <= attainable[**lane];
+                above += suspects.len() - suspects.iter().filter(meets).count();
+            }
+        }
+        above
+    }
+
     /// Pairs `from .. to` in the caller's units and order, residuals measured.
     ///
     /// # Errors
@@ -170,21 +282,12 @@ impl Found {
         to: usize,
         tolerance: f64,
     ) -> Result<EigenPairs, EigenError> {
-        let mut residuals = vec![];
-        for (b, block) in self.blocks.iter().enumerate() {
-            let lambda = std::array::from_fn(|lane| {
-                self.lambdas.get(b * LANES + lane).copied().unwrap_or(0.0)
-            });
-            let square = problem.inverse_gram(&problem.residual(block, &lambda));
-            residuals.extend((0..LANES).map(|j| square[j][j].max(0.0).sqrt() * problem.unit));
-        }
-        // With constants only there is nothing but the rounding of S', of size 1, to compare with.
-        let largest = self.lambdas[from..to].iter().fold(ROUNDING, |m: f64, l| m.max(*l));
-        let limit = SLACK * tolerance * largest * problem.unit;
-        let converged = residuals[from..to].iter().filter(|r| **r <= limit).count();
-        if converged < to - from {
+        let residuals = self.residuals(problem);
+        let unsettled = self.above_limit(problem, &residuals, from..to, tolerance);
+        if unsettled > 0 {
+            let wanted = to - from;
             let blocks = self.blocks.len();
-            return Err(EigenError::NotConverged { converged, wanted: to - from, blocks });
+            return Err(EigenError::NotConverged { converged: wanted - unsettled, wanted, blocks });
         }
         let mut vectors = Array2::zeros((problem.rows(), to - from));
         for (k, &row) in problem.order().iter().enumerate() {
@@ -194,11 +297,16 @@ impl Found {
                 *value = self.blocks[i / LANES][k][i % LANES] / problem.norm_unit();
             }
         }
+        let scaled = |values: &[f64]| values.iter().map(|v| v * problem.unit).collect();
         Ok(EigenPairs {
-            values: self.lambdas[from..to].iter().map(|l| l * problem.unit).collect(),
+            values: scaled(&self.lambdas[from..to]),
             vectors,
-            residuals: residuals[from..to].to_vec(),
+            residuals: scaled(&residuals[from..to]),
             certified: self.certified,
+            beyond: Beyond {
+                values: scaled(&self.lambdas[to..]),
+                clear_below: self.clear_below * problem.unit,
+            },
         })
     }
 }
@@ -213,15 +321,18 @@ fn run_from_below(
 ) -> Result<f64, EigenError> {
     let operator = shift::for_smallest(problem, found.lambdas.len() + wanted)?;
     let constants = found.lambdas.len();
-    let locked = std::mem::take(&mut found.blocks);
-    let result = {
-        let mut run = Run::new(&operator, &locked, wanted, options, watch);
-        run.until_counted(constants)
-    };
-    found.blocks = locked;
-    let (candidates, vectors, shift) = result?;
-    found.append(&candidates.iter().map(|c| c.lambda).collect::<Vec<_>>(), &vectors);
-    Ok(shift)
+    let locked: &[Block] = if constants <= LANES { &found.blocks } else { &[] };
+    let mut run = Run::new(&operator, locked, wanted, options, watch);
+    let (lambdas, vectors, counted) = run.until_counted(constants)?;
+    if options.count == Count::Certified {
+        let nearest = lambdas.iter().fold(0.0, |m: f64, l| m.max(*l));
+        let distance = counted.shift - nearest;
+        found.certified &= counted.is_sure(problem.strain(&vectors), distance);
+    } else {
+        found.certified = false;
+    }
+    found.append(&lambdas, &vectors);
+    Ok(counted.shift)
 }
 
 /// A Lanczos run towards some number of pairs.
@@ -234,16 +345,26 @@ pub(crate) struct Run<'a, 'w> {
     watch: &'a mut EigenWatch<'w>,
     cap: usize,
     next_check: usize,
+    /// Looks at the basis since all wanted pairs were within reach of a step of inverse iteration.
+    waited: usize,
 }
 
-/// Two eigenvalues closer than this share of the larger are not told apart by a count between them.
-const GAP: f64 = 1e-7;
+/// The wanted pairs are completed up to a gap of at least this share of the eigenvalue above it: so wide that the
+/// count, a fifth into it, leaves two parts in 10⁵ without eigenvalues, which sets the vectors on both sides apart.
+const GAP: f64 = 1.1e-4;
+/// The share of the goal that residuals must be within after a step of inverse iteration, if they are to be
+/// reached that way.
+const POLISHED: f64 = 1e-2;
+/// Looks at the basis before that way is taken. Where residuals are not magnified they arrive first.
+const PATIENCE: usize = 2;
+/// A share of σ within which an eigenvalue counts as zero up to rounding.
+const ZERO_SHARE: f64 = 1e-6;
 /// New starting vectors before a count that does not fit is an error.
 const RENEWALS: usize = 3;
 /// Numbers in a basis, at most, unless the pairs themselves need more: 2.4 GB.
 const MOST_NUMBERS: usize = 300_000_000;
 
-type Counted = (Vec<Candidate>, Vec<Block>, f64);
+type Below = (Vec<f64>, Vec<Block>, Counted);
 
 impl<'a, 'w> Run<'a, 'w> {
     pub(crate) fn new(
@@ -266,7 +387,29 @@ impl<'a, 'w> Run<'a, 'w> {
             watch,
             cap,
             next_check: wanted + wanted / 3 + 5 * LANES,
+            waited: 0,
         }
+    }
+
+    /// Which of the candidates will do: their residual is within the goal or, if that takes too long for
+    /// `wanted` of them, will be after a step of inverse iteration.
+    pub(crate) fn will_do(
+        &mut self,
+        candidates: &[Candidate],
+        goal: f64,
+        wanted: usize,
+    ) -> Vec<bool> {
+        let now: Vec<bool> = candidates.iter().map(|c| c.residual <= goal).collect();
+        let soon: Vec<bool> = candidates
+            .iter()
+            .zip(&now)
+            .map(|(c, now)| *now || c.polished <= POLISHED * goal)
+            .collect();
+        let count = |of: &[bool]| of.iter().take(wanted).filter(|x| **x).count();
+        if count(&now) < wanted && count(&soon) == wanted {
+            self.waited += 1;
+        }
+        if self.waited >= PATIENCE { soon } else { now }
     }
 
     /// Extends the basis until the next look at it. Restarts where it is full.
@@ -317,16 +460,20 @@ impl<'a, 'w> Run<'a, 'w> {
     }
 
     /// The wanted pairs from below, completed to the next gap, which inertia counts.
-    fn until_counted(&mut self, constants: usize) -> Result<Counted, EigenError> {
+    fn until_counted(&mut self, constants: usize) -> Result<Below, EigenError> {
         let mut renewals = 0;
+        let operator = self.lanczos.operator;
+        // Zero up to rounding may come out negative. What has not converged is anywhere.
+        let least = -ZERO_SHARE * operator.sigma.abs();
         loop {
             let (ritz, mut candidates) = self.advance()?;
-            candidates.retain(|c| c.lambda > 0.0);
+            candidates.retain(|c| c.lambda > least);
             candidates.sort_by(|a, b| a.lambda.total_cmp(&b.lambda));
             let goal = candidates
                 .get(self.wanted - 1)
                 .map_or(0.0, |last| self.options.tolerance * last.lambda);
-            let converged = candidates.iter().take_while(|c| c.residual <= goal).count();
+            let done = self.will_do(&candidates, goal, self.wanted);
+            let converged = done.iter().take_while(|done| **done).count();
             self.report(converged.min(self.wanted))?;
             let gap = (self.wanted..=converged).find(|&g| {
                 candidates
@@ -339,22 +486,28 @@ impl<'a, 'w> Run<'a, 'w> {
             };
             let from = candidates[g - 1].lambda;
             let to = candidates.get(g).map_or(1.01 * from, |next| next.lambda);
-            let (count, shift) = match self.options.count {
+            let counted = match self.options.count {
                 Count::Certified => count_in_gap(self.problem, from, to)?,
-                Count::Unchecked => (constants + g, from + 0.5 * (to - from)),
+                Count::Unchecked => Counted {
+                    count: constants + g,
+                    shift: from + 0.25 * (to - from),
+                    ..Counted::NONE
+                },
             };
-            if count == constants + g {
+            if counted.count == constants + g {
                 candidates.truncate(g);
                 let chosen: Vec<usize> = candidates.iter().map(|c| c.index).collect();
-                let vectors = self.lanczos.vectors(&ritz, &chosen);
-                return Ok((candidates, vectors, shift));
+                let lambdas: Vec<f64> = candidates.iter().map(|c| c.lambda).collect();
+                let mut vectors = self.lanczos.vectors(&ritz, &chosen);
+                polish::polish(operator, &lambdas, &mut vectors, goal);
+                return Ok((lambdas, vectors, counted));
             }
             renewals += 1;
             if renewals > RENEWALS {
                 return Err(EigenError::Miscounted {
                     found: constants + g,
-                    counted: count,
-                    shift: shift * self.problem.unit,
+                    counted: counted.count,
+                    shift: counted.shift * self.problem.unit,
                 });
             }
             self.renew(&ritz, &candidates, converged);

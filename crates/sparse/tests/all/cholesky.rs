@@ -238,3 +238,34 @@ fn least_fill_is_the_least() {
         assert!(dissected < degree + degree / 2, "{dissected} {degree}");
     }
 }
+
+/// A tiny pivot in one block shows beside another block of entries 10⁹ times as large; definite matrices have
+/// no growth.
+#[test]
+fn growth_is_measured_row_by_row() {
+    use fairing_sparse::{Ordering, SparseMatrix, SymbolicCholesky};
+    let grown = |corner: f64| {
+        let values = vec![1e9, corner, 1.0, 1.0, 2.0];
+        let (starts, columns) = (vec![0, 1, 3, 5], vec![0, 1, 2, 1, 2]);
+        let matrix = SparseMatrix::new((3, 3), starts, columns, values);
+        let symbolic = SymbolicCholesky::new(&matrix, Ordering::Natural).unwrap();
+        symbolic.factorize_indefinite(&matrix).unwrap().growth()
+    };
+    assert!(grown(1e-10) > 1e9, "{:e}", grown(1e-10));
+    assert_eq!(grown(1.0), 1.0);
+}
+
+/// The sums of a factor that is cut into parts are those of L |D| Lᵀ: the diagonal, of a definite matrix.
+#[test]
+fn definite_matrices_have_no_growth() {
+    let s = crate::matrices::grid(130, 140);
+    let ones = vec![1.0; s.rows()];
+    let matrix = fairing_sparse::combine(0.1, fairing_sparse::Mass::Lumped(&ones), 1.0, &s);
+    for ordering in
+        [fairing_sparse::Ordering::NestedDissection, fairing_sparse::Ordering::LeastFill]
+    {
+        let symbolic = fairing_sparse::SymbolicCholesky::new(&matrix, ordering).unwrap();
+        let growth = symbolic.factorize_indefinite(&matrix).unwrap().growth();
+        assert!((growth - 1.0).abs() < 1e-12, "{growth}");
+    }
+}

@@ -112,3 +112,57 @@ fn threads_do_not_change_bits() {
     };
     assert_eq!(run(1), run(4));
 }
+
+/// Right-hand sides whose squares underflow or overflow, alone and three of different sizes together: the same
+/// solution in another unit.
+#[test]
+fn sizes_of_the_right_hand_side_do_not_matter() {
+    use fairing_sparse::{CgOptions, ConjugateGradient, Mass, Preconditioner, combine};
+    let s = crate::matrices::grid(20, 17);
+    let a = combine(0.5, Mass::Lumped(&vec![1.0; s.rows()]), 1.0, &s);
+    let b = crate::matrices::random_vector(s.rows(), 4);
+    for preconditioner in [Preconditioner::Jacobi, Preconditioner::IncompleteCholesky] {
+        let cg = ConjugateGradient::new(&a, preconditioner).unwrap();
+        let options = CgOptions::default();
+        let one = cg.solve(&b, None, &options).unwrap();
+        for unit in [1e-300, 1e-170, 1e170, 1e300] {
+            let scaled: Vec<f64> = b.iter().map(|b| b * unit).collect();
+            let found = cg.solve(&scaled, None, &options).unwrap();
+            assert!(found.iterations > 5 && found.residuals[0] <= 1e-10);
+            let again = cg.solve(&scaled, Some(&found.x), &options).unwrap();
+            assert_eq!(again.iterations, 0);
+            for (x, y) in found.x.iter().zip(&one.x) {
+                assert!((x / unit - y).abs() < 1e-9, "{unit:e}: {x:e} {y}");
+            }
+        }
+        let points: Vec<[f64; 3]> = b.iter().map(|b| [b * 1e-200, *b, b * 1e200]).collect();
+        let found = cg.solve_points(&points, None, &options).unwrap();
+        for (x, y) in found.x.iter().zip(&one.x) {
+            let back = [x[0] * 1e200, x[1], x[2] * 1e-200];
+            assert!(back.iter().all(|x| (x - y).abs() < 1e-9), "{back:?} {y}");
+        }
+    }
+}
+
+/// A tolerance below rounding: done at what rounding leaves, and the residual that is told is the true one.
+#[test]
+fn residuals_are_measured() {
+    use fairing_sparse::{CgOptions, ConjugateGradient, Mass, Preconditioner, combine, multiply};
+    let s = crate::matrices::grid(30, 30);
+    let a = combine(1e-3, Mass::Lumped(&vec![1.0; s.rows()]), 1.0, &s);
+    let b = crate::matrices::random_vector(s.rows(), 8);
+    let cg = ConjugateGradient::new(&a, Preconditioner::Jacobi).unwrap();
+    for tolerance in [1e-10, 1e-20, 0.0] {
+        let options = CgOptions { tolerance, max_iterations: 2000 };
+        let Ok(found) = cg.solve(&b, None, &options) else {
+            assert_eq!(tolerance, 0.0, "only this cannot be reached");
+            continue;
+        };
+        let product = multiply(&a, &found.x);
+        let norm = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let rest: Vec<f64> = b.iter().zip(&product).map(|(b, p)| b - p).collect();
+        let residual = norm(&rest) / norm(&b);
+        assert!((found.residuals[0] - residual).abs() <= 1e-3 * residual);
+        assert!(residual > 1e-17 && residual < 1e-9);
+    }
+}

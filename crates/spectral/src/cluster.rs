@@ -1,0 +1,101 @@
+//! Clusters of equal and nearly equal eigenvalues, and where to cut between them.
+
+use std::ops::Range;
+
+use crate::spectrum::Spectrum;
+
+/// The largest angle by which modes on both sides of a gap may lean towards each other, in radians: what the
+/// residuals leave undetermined, and so what differs between processors.
+const ANGLE: f64 = 1e-4;
+/// Residuals count as at least this share of λ, the usual tolerance: where they happen to be smaller, they are
+/// rounding, and clusters must not depend on that.
+const LEAST_RESIDUAL: f64 = 1e-9;
+
+/// A cut through a cluster: what is kept depends on the basis of an eigenspace, which is arbitrary.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Split {
+    /// The number of modes below the cluster: the largest smaller number that is no such cut.
+    pub below: usize,
+    /// The number of modes with all of the cluster: the smallest larger number that is no such cut, if the
+    /// spectrum reaches so far. It may be larger than the number of modes at hand.
+    pub above: Option<usize>,
+}
+
+impl Spectrum {
+    /// The modes in clusters of equal and nearly equal eigenvalues, ascending.
+    ///
+    /// Neighbours are apart where |λᵢ₊₁ − λᵢ| is more than 10⁴ times the larger of their residuals, each at
+    /// least 10⁻⁹ λ: then modes on both sides are determined to an angle of 10⁻⁴. Exact zeros have no residual.
+    /// The last cluster may go on beyond the last mode: see [`Spectrum::split`].
+    pub fn clusters(&self) -> Vec<Range<usize>> {
+        let mut clusters = vec![];
+        let mut start = 0;
+        for end in 1..=self.len() {
+            if end == self.len() || self.is_gap(end) {
+                clusters.push(start..end);
+                start = end;
+            }
+        }
+        clusters
+    }
+
+    /// The cluster that is split by keeping the first k modes, or `None` if there is a gap between mode k − 1 and
+    /// mode k (or nothing on one side).
+    ///
+    /// # Panics
+    ///
+    /// Panics if there are fewer than k modes.
+    pub fn split(&self, k: usize) -> Option<Split> {
+        assert!(k <= self.len(), "{k} modes of {}", self.len());
+        (!self.is_gap(k)).then(|| Split { below: self.gap_below(k), above: self.gap_above(k) })
+    }
+
+    /// The largest number of modes up to k that splits no cluster; 0 if all k are in one that goes on.
+    ///
+    /// # Panics
+    ///
+    /// Panics if there are fewer than k modes.
+    pub fn gap_below(&self, k: usize) -> usize {
+        assert!(k <= self.len(), "{k} modes of {}", self.len());
+        (1..=k).rev().find(|&k| self.is_gap(k)).unwrap_or(0)
+    }
+
+    /// The smallest number of modes from k on that splits no cluster; `None` if none is known. It may be larger
+    /// than [`Spectrum::len`]: so many modes have to be computed then.
+    ///
+    /// # Panics
+    ///
+    /// Panics if there are fewer than k modes.
+    pub fn gap_above(&self, k: usize) -> Option<usize> {
+        assert!(k <= self.len(), "{k} modes of {}", self.len());
+        (k..=self.len() + self.beyond.values.len()).find(|&k| self.is_gap(k))
+    }
+
+    /// Whether eigenvalues k − 1 and k are apart.
+    fn is_gap(&self, k: usize) -> bool {
+        if k == 0 {
+            return true;
+        }
+        let (last, residual) = self.known(k - 1);
+        if k < self.len() + self.beyond.values.len() {
+            let (next, next_residual) = self.known(k);
+            let of_last = if last == 0.0 { 0.0 } else { residual };
+            let of_next = if next == 0.0 { 0.0 } else { next_residual };
+            return next - last > of_last.max(of_next) / ANGLE;
+        }
+        // Exact zeros were counted, whatever comes next.
+        last == 0.0 || self.beyond.clear_below - last > residual / ANGLE
+    }
+
+    /// Eigenvalue k and what it may be off by.
+    fn known(&self, k: usize) -> (f64, f64) {
+        let least = |value: f64| LEAST_RESIDUAL * value.abs();
+        match self.values.get(k) {
+            Some(&value) => (value, self.residuals[k].max(least(value))),
+            None => {
+                let value = self.beyond.values[k - self.len()];
+                (value, least(value))
+            }
+        }
+    }
+}

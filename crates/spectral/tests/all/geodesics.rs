@@ -1,0 +1,127 @@
+//! Distances by the heat method against known ones.
+
+use fairing_mesh::{TriMesh, shapes};
+use fairing_spectral::{HeatGeodesics, SpectralError, SurfaceOperator};
+
+use crate::meshes::{capsule, mapped, relabelled, scaled, sheet, turned, union};
+
+fn distances(mesh: &TriMesh, sources: &[u32]) -> Vec<f64> {
+    let found = HeatGeodesics::new(mesh).unwrap().distance(sources).unwrap();
+    found.into_iter().map(|d| d.unwrap()).collect()
+}
+
+/// Mean and largest error against the distance in the plane, as shares of the largest distance.
+fn errors(mesh: &TriMesh, source: u32, operator: Option<SurfaceOperator>) -> (f64, f64) {
+    let heat = HeatGeodesics::with_operator(mesh, operator, None).unwrap();
+    let found = heat.distance(&[source]).unwrap();
+    let p = mesh.positions();
+    let from = p[source as usize];
+    let exact = |v: usize| ((p[v][0] - from[0]).powi(2) + (p[v][1] - from[1]).powi(2)).sqrt();
+    let largest = (0..p.len()).map(exact).fold(0.0, f64::max);
+    let off = |v: usize| (found[v].unwrap() - exact(v)).abs() / largest;
+    let worst = (0..p.len()).map(off).fold(0.0, f64::max);
+    ((0..p.len()).map(off).sum::<f64>() / p.len() as f64, worst)
+}
+
+/// A flat sheet of slivers, sheared by `shear` and more: its intrinsic Delaunay triangulation has none.
+#[test]
+fn slivers_do_no_harm() {
+    for shear in [3.0, 6.0] {
+        let mesh = sheet(40, 40, [0.025, 0.025], shear);
+        let heat = HeatGeodesics::new(&mesh).unwrap();
+        assert_eq!(heat.operator(), SurfaceOperator::Robust);
+        let source = 20 * 41 + 20;
+        let (mean, worst) = errors(&mesh, source, None);
+        let (plain, _) = errors(&mesh, source, Some(SurfaceOperator::Cotangent));
+        assert!(mean < 0.02 && worst < 0.05, "{shear}: {mean} {worst}");
+        assert!(plain > 2.0 * mean, "{shear}: {plain} {mean}");
+    }
+    let good = HeatGeodesics::new(&shapes::icosphere(3)).unwrap();
+    assert_eq!(good.operator(), SurfaceOperator::Cotangent);
+}
+
+/// On a good mesh both operators are the same, and so are the distances.
+#[test]
+fn operators_agree_on_delaunay_meshes() {
+    let mesh = shapes::icosphere(3);
+    let [a, b] = [SurfaceOperator::Cotangent, SurfaceOperator::Robust].map(|operator| {
+        let heat = HeatGeodesics::with_operator(&mesh, Some(operator), None).unwrap();
+        assert_eq!(heat.operator(), operator);
+        heat.distance(&[3, 77]).unwrap()
+    });
+    for (a, b) in a.iter().zip(&b) {
+        assert!((a.unwrap() - b.unwrap()).abs() < 1e-9);
+    }
+}
+
+/// Strips of unit squares: heat falls by a factor of 2.6 an edge, far below what squares can hold.
+#[test]
+fn distances_do_not_stop_growing() {
+    for n in [300, 700, 1200] {
+        let found = distances(&sheet(n, 1, [1.0, 1.0], 0.0), &[0]);
+        let end = found[n];
+        assert!((end - n as f64).abs() < 1.0 + 0.01 * n as f64, "{n}: {end}");
+        assert!((1..=n).all(|v| found[v] > found[v - 1]));
+    }
+    let long = HeatGeodesics::new(&sheet(1800, 1, [1.0, 1.0], 0.0)).unwrap();
+    let Err(SpectralError::NoHeat { vertex }) = long.distance(&[0]) else { panic!() };
+    assert!(vertex > 1000);
+    // More time, more reach.
+    let long = HeatGeodesics::with_time(&sheet(1800, 1, [1.0, 1.0], 0.0), 16.0).unwrap();
+    let end = long.distance(&[0]).unwrap()[1800].unwrap();
+    assert!((end - 1800.0).abs() < 20.0, "{end}");
+}
+
+/// Along the axis a capsule is 2 + π long; faces without area at the poles do not matter.
+#[test]
+fn fans_without_area_have_distances() {
+    let mesh = capsule(40, 12, true);
+    let heat = HeatGeodesics::new(&mesh).unwrap();
+    assert_eq!(heat.operator(), SurfaceOperator::Robust);
+    let last = mesh.vertex_count() - 1;
+    let found = heat.distance(&[0]).unwrap()[last].unwrap();
+    let length = 2.0 + std::f64::consts::PI;
+    assert!((found / length - 1.0).abs() < 0.05, "{found}");
+}
+
+/// Units, frames and numbers do not matter, nor do other components of any size; those have no distance, and
+/// their own sources.
+#[test]
+fn distances_belong_to_the_surface() {
+    let body = shapes::bumpy_sphere(3, 0.15, 4.0);
+    let slivers = sheet(20, 20, [0.05, 0.05], 3.0);
+    for mesh in [body, slivers] {
+        let n = mesh.vertex_count();
+        let one = distances(&mesh, &[7]);
+        let largest = one.iter().fold(0.0, |m: f64, d| m.max(*d));
+        let compare = |found: &[f64], unit: f64, tolerance: f64| {
+            for (a, b) in found.iter().zip(&one) {
+                assert!((a / unit - b).abs() < tolerance * largest, "{a} {b}");
+            }
+        };
+        for s in [1e-9, 1e-8, 1e8, 1e9] {
+            compare(&distances(&scaled(&mesh, s), &[7]), s, 1e-8);
+        }
+        compare(&distances(&turned(&mesh), &[7]), 1.0, 1e-8);
+        // Positions keep ten digits.
+        compare(&distances(&mapped(&mesh, |p| p.map(|x| x + 1e6)), &[7]), 1.0, 1e-6);
+        let (other, place) = relabelled(&mesh);
+        let found = distances(&other, &[place[7] as u32]);
+        compare(&place.iter().map(|&v| found[v]).collect::<Vec<_>>(), 1.0, 1e-8);
+        let plain = HeatGeodesics::new(&mesh).unwrap().operator() == SurfaceOperator::Cotangent;
+        // The robust operator adds a length of the whole mesh to every edge.
+        let sizes: &[f64] = if plain { &[1e-4, 1.0, 1e4] } else { &[1.0] };
+        for &size in sizes {
+            let both = union(&mesh, &scaled(&mesh, size));
+            let heat = HeatGeodesics::new(&both).unwrap();
+            let first = heat.distance(&[7]).unwrap();
+            assert!(first[n..].iter().all(|d| d.is_none()));
+            let found: Vec<f64> = first[..n].iter().map(|d| d.unwrap()).collect();
+            let tolerance = 1e-8;
+            compare(&found, 1.0, tolerance);
+            let second: Vec<f64> =
+                heat.distance(&[n as u32 + 7]).unwrap()[n..].iter().map(|d| d.unwrap()).collect();
+            compare(&second, size, tolerance);
+        }
+    }
+}

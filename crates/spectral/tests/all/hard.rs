@@ -1,0 +1,148 @@
+//! Eigenpairs of meshes with tiny masses, huge weights and many components.
+
+use fairing_mesh::{TriMesh, shapes};
+use fairing_spectral::{
+    Boundary, EigenOptions, Spectrum, SpectrumOptions, SurfaceOperator, spectrum,
+};
+
+use crate::meshes::{capsule, scaled, sheet, union};
+
+fn robust() -> SpectrumOptions {
+    SpectrumOptions { operator: SurfaceOperator::Robust, ..Default::default() }
+}
+
+/// Certified, ascending, and Φᵀ M Φ = I.
+fn check(found: &Spectrum) {
+    assert!(found.certified && found.values.is_sorted(), "{:?}", found.values);
+    let gram = found.transform(found.modes.view()).unwrap();
+    let worst = gram
+        .indexed_iter()
+        .fold(0.0, |m: f64, ((i, j), g)| m.max((g - if i == j { 1.0 } else { 0.0 }).abs()));
+    assert!(worst < 1e-9, "orthonormal to {worst:e}");
+}
+
+fn close(found: &[f64], expected: &[f64], share: f64) {
+    let largest = expected[expected.len() - 1];
+    for (a, b) in found.iter().zip(expected) {
+        assert!((a - b).abs() <= share * largest, "{found:?} instead of {expected:?}");
+    }
+}
+
+/// Poles of faces without area are as good as poles without them, in any unit, dense and sparse. Mollification
+/// adds 10⁻⁵ of an edge length to every edge at most a few hundred times over: 0.5 % of the area.
+#[test]
+fn capsules_with_fans_at_the_poles() {
+    for (around, half) in [(12, 4), (40, 9)] {
+        let clean = spectrum(&capsule(around, half, false), 12, &robust()).unwrap();
+        let mesh = capsule(around, half, true);
+        let fans = spectrum(&mesh, 12, &robust()).unwrap();
+        check(&fans);
+        close(&fans.values, &clean.values, 5e-3);
+        for s in [1e-9, 1e9] {
+            let other = spectrum(&scaled(&mesh, s), 12, &robust()).unwrap();
+            check(&other);
+            let back: Vec<f64> = other.values.iter().map(|l| l * s * s).collect();
+            // Lengths of 10⁻⁵ edges come from differences of coordinates: ε / 10⁻⁵, magnified by cotangents.
+            close(&back, &fans.values, 1e-7);
+        }
+    }
+}
+
+/// A second component of another size, as in scans: both have their zero, and the larger one its values.
+#[test]
+fn components_of_different_sizes() {
+    let large = shapes::bumpy_sphere(3, 0.15, 4.0);
+    let alone = spectrum(&large, 7, &SpectrumOptions::default()).unwrap();
+    for size in [1e-3, 1e-4, 1e-6] {
+        for small in [shapes::icosphere(1), shapes::icosphere(3)] {
+            let small = scaled(&small, size);
+            for mesh in [union(&large, &small), union(&small, &large)] {
+                let found = spectrum(&mesh, 8, &SpectrumOptions::default()).unwrap();
+                check(&found);
+                assert_eq!(found.values[..2], [0.0, 0.0]);
+                close(&found.values[1..], &alone.values, 1e-9);
+            }
+        }
+    }
+}
+
+/// Tetrahedra of edge a have 16/(3a²) three times, on top of a zero each; isolated vertices have nothing.
+#[test]
+fn many_small_components() {
+    let (mut points, mut faces, mut expected) = (vec![], vec![], vec![]);
+    for i in 0..150 {
+        let a = 0.1 * 100f64.powf(f64::from(i) / 149.0);
+        let r = a / 8f64.sqrt();
+        points.push([7.0; 3]);
+        let n = points.len() as u32;
+        for p in [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]] {
+            points.push(p.map(|x: f64| r * x + 30.0 * f64::from(i)));
+        }
+        faces.extend([[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]].map(|f| f.map(|v| n + v)));
+        expected.extend([16.0 / (3.0 * a * a); 3]);
+    }
+    let mesh = TriMesh::new(points, faces).unwrap();
+    expected.sort_by(f64::total_cmp);
+    // Zeros only, and zeros with more: in one run and in slices.
+    for (k, slice) in [(20, 320), (150, 320), (160, 320), (190, 16)] {
+        let eigen = EigenOptions { slice, ..Default::default() };
+        let options = SpectrumOptions { eigen, ..Default::default() };
+        let found = spectrum(&mesh, k, &options).unwrap();
+        check(&found);
+        assert!(found.values.iter().take(150).all(|l| *l == 0.0));
+        if k > 150 {
+            // Edges of 0.1 far from the origin have 12 digits.
+            close(&found.values[150..], &expected[..k - 150], 1e-8);
+        }
+        assert!(found.modes.rows().into_iter().step_by(5).all(|row| row.iter().all(|x| *x == 0.0)));
+    }
+}
+
+/// A sphere with one edge much shorter than the others keeps its eigenvalues, with the collapsed one within
+/// what leaving out the vertex changes.
+#[test]
+fn one_short_edge() {
+    for level in [2, 3] {
+        let sphere = shapes::icosphere(level);
+        let whole = spectrum(&sphere, 9, &SpectrumOptions::default()).unwrap();
+        let [a, b, _] = sphere.faces()[0].map(|v| v as usize);
+        for length in [1e-3, 1e-6, 1e-9] {
+            let mut points = sphere.positions().to_vec();
+            points[a] =
+                std::array::from_fn(|i| points[b][i] + length * (points[a][i] - points[b][i]));
+            let mesh = sphere.with_positions(points).unwrap();
+            let found = spectrum(&mesh, 9, &SpectrumOptions::default()).unwrap();
+            check(&found);
+            close(&found.values, &whole.values, 0.1);
+            assert_eq!(found.values[0], 0.0);
+        }
+    }
+}
+
+/// Two ways that share little, on a pinned sheet with two vertices very close together: shift-invert and a dense
+/// decomposition, which is off by ε times its largest eigenvalue unless it is mended.
+#[test]
+fn dense_and_sparse_agree_beside_a_needle() {
+    for length in [1e-4, 1e-6] {
+        let sheet = sheet(10, 11, [0.1, 0.1], 0.0);
+        let mut points = sheet.positions().to_vec();
+        points[60] =
+            std::array::from_fn(|i| points[61][i] + length * (points[60][i] - points[61][i]));
+        let mesh = sheet.with_positions(points).unwrap();
+        let solve = |k: usize, dense_rows: usize| {
+            let eigen = EigenOptions { dense_rows, ..Default::default() };
+            let options =
+                SpectrumOptions { boundary: Boundary::Dirichlet, eigen, ..Default::default() };
+            spectrum(&mesh, k, &options).unwrap()
+        };
+        for k in [1, 7] {
+            let (dense, sparse) = (solve(k, 400), solve(k, 10));
+            check(&dense);
+            check(&sparse);
+            // ε φᵀ|S|φ with weights of 1 / length on vertices that carry a hundredth of the mass.
+            let share = 1e-10 + 1e-16 / length;
+            close(&dense.values, &sparse.values, share);
+            assert!(dense.residuals.iter().all(|r| *r < 1e-6 * dense.values[0]));
+        }
+    }
+}
