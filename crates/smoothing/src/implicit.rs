@@ -11,6 +11,8 @@ use crate::direct::{self, Direct};
 use crate::error::{FlowError, FlowFailure, at_least};
 use crate::laplacian::{Laplacian, by_chunk};
 use crate::outcome::{Approach, Smoothed};
+use crate::parts::Parts;
+use crate::response::Response;
 use crate::run::{Frame, Run, StepNote};
 use crate::series::Series;
 use crate::spectrum::upper_bound;
@@ -136,7 +138,7 @@ pub(crate) fn implicit_with(
     let renewal = (options.update == Update::Both).then_some(renewal);
     let k = options.iterations;
     if run.is_linear() && frozen && k > 0 {
-        let power = |mu: f64| (1.0 - step * mu).powi(-(k.min(i32::MAX as usize) as i32));
+        let power = Response::Implicit { step, steps: k };
         if let Some(series) = Series::expand(upper_bound(&laplacian), power) {
             run.report.approach = Approach::Series { degree: series.degree() };
             run.report.iterations = k;
@@ -149,6 +151,7 @@ pub(crate) fn implicit_with(
     let mut direct = (run.freedom.sliding.is_none()
         && direct::pays(&laplacian, step, options.tolerance, if frozen { k } else { 1 }))
     .then(Direct::default);
+    let parts = Parts::of(&laplacian, &run.freedom);
     let collapse = (!frozen).then(|| Collapse::new(run.arrangement.mesh()));
     // Conjugate gradients begin with the displacement of the step before.
     let mut displacement = vec![[0.0; 3]; mesh.vertex_count()];
@@ -166,6 +169,7 @@ pub(crate) fn implicit_with(
             }
             let solver = ImplicitSolver {
                 laplacian,
+                parts: &parts,
                 step,
                 tolerance: options.tolerance,
                 most_iterations: MOST_ITERATIONS,

@@ -36,9 +36,14 @@ pub enum Approach {
     /// One after another, by products with the Laplacian alone.
     #[default]
     Stepping,
-    /// All at once, by a Chebyshev series of this degree.
+    /// All at once, by a Chebyshev series of this degree, or several one after another of this degree in all.
     Series {
         /// The number of products with the Laplacian.
+        degree: usize,
+    },
+    /// All at once, by a Chebyshev series of this degree in the resolvent `(I − τL)⁻¹`, factored once.
+    Resolvent {
+        /// The number of linear systems solved.
         degree: usize,
     },
     /// At once, by projection on modes.

@@ -16,6 +16,7 @@ mod flows;
 mod mean_curvature;
 mod runs;
 mod solvers;
+mod spectra;
 
 /// The octahedron; its uniform Laplacian has the eigenvalues 0, −1 (three times) and −3/2 (twice).
 fn octahedron(positions: Vec<[f64; 3]>) -> TriMesh {

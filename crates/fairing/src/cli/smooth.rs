@@ -273,6 +273,7 @@ fn approach(approach: Approach) -> String {
     match approach {
         Approach::Stepping => "steps".into(),
         Approach::Series { degree } => format!("series of degree {degree}"),
+        Approach::Resolvent { degree } => format!("series of degree {degree} in the resolvent"),
         Approach::ConjugateGradients { iterations } => {
             format!("conjugate gradients, {iterations} iterations")
         }
