@@ -6,6 +6,7 @@ use crate::assemble::{Renewal, mass};
 use crate::collapse::Collapse;
 use crate::conjugate::ImplicitSolver;
 use crate::constraints::Constraints;
+use crate::cotangents::Degenerate;
 use crate::diffusion::{Diffusion, Operator};
 use crate::direct::{self, Direct};
 use crate::error::{FlowError, FlowFailure, at_least};
@@ -88,9 +89,13 @@ const MOST_ITERATIONS: usize = 20_000;
 ///
 /// # Errors
 ///
-/// [`FlowError`] with the last good mesh: for options out of range, for faces too thin for cotangents (also after
-/// some steps), [`FlowFailure::Collapsed`] where an updated flow pinches a neck or shrinks the mesh to a point, and
-/// for a system not solved to the tolerance.
+/// [`FlowError`] with the last good mesh: for options out of range, for faces of the input too thin for cotangents,
+/// [`FlowFailure::Collapsed`] where an updated flow has shrunk the mesh to next to nothing, and for a system not solved
+/// to the tolerance.
+///
+/// Faces that become degenerate while the operator is taken again in each step do not end the flow: their cotangents and
+/// areas are those of a triangle whose sides are longer by a hundred-thousandth of the longest. The report says how
+/// many there were.
 ///
 /// # Examples
 ///
@@ -156,47 +161,67 @@ pub(crate) fn implicit_with(
     // Conjugate gradients begin with the displacement of the step before.
     let mut displacement = vec![[0.0; 3]; mesh.vertex_count()];
     let mut total = 0;
+    let mut flattened = vec![false; if renewal.is_some() { mesh.face_count() } else { 0 }];
     let smoothed = run.iterate(|iteration, mesh, freedom, next| {
-        let mut step_from = |laplacian: &mut Laplacian| -> Result<StepNote, FlowFailure> {
-            if iteration > 0 {
-                match (options.update, &renewal) {
-                    (Update::Both, Some(renewal)) => {
-                        renewal.renew(mesh, &freedom.held, laplacian)?;
-                    }
-                    (Update::Mass, _) => laplacian.replace_mass(mass(mesh, operator(options))?),
-                    _ => {}
+        let mut step_from =
+            |laplacian: &mut Laplacian, degenerate: Degenerate| -> Result<StepNote, FlowFailure> {
+                if degenerate == Degenerate::Slack {
+                    displacement.fill([0.0; 3]);
                 }
-            }
-            let solver = ImplicitSolver {
-                laplacian,
-                parts: &parts,
-                step,
-                tolerance: options.tolerance,
-                most_iterations: MOST_ITERATIONS,
-            };
-            let x = mesh.positions();
-            let solved = match &mut direct {
-                Some(direct) => {
-                    if !frozen {
-                        direct.renew();
+                if iteration > 0 {
+                    match (options.update, &renewal) {
+                        (Update::Both, Some(renewal)) => {
+                            for f in renewal.renew(mesh, &freedom.held, laplacian, degenerate)? {
+                                flattened[f as usize] = true;
+                            }
+                        }
+                        (Update::Mass, _) => laplacian.replace_mass(mass(mesh, operator(options))?),
+                        _ => {}
                     }
-                    direct.solve(solver, x, freedom, &mut displacement)?
                 }
-                None => solver.solve(x, freedom, &mut displacement)?,
+                let solver = ImplicitSolver {
+                    laplacian,
+                    parts: &parts,
+                    step,
+                    tolerance: options.tolerance,
+                    most_iterations: MOST_ITERATIONS,
+                };
+                let x = mesh.positions();
+                let solved = match &mut direct {
+                    Some(direct) => {
+                        if !frozen {
+                            direct.renew();
+                        }
+                        direct.solve(solver, x, freedom, &mut displacement)?
+                    }
+                    None => solver.solve(x, freedom, &mut displacement)?,
+                };
+                total += solved.iterations;
+                by_chunk(next, |i, _| ([0, 1, 2].map(|k| x[i][k] + displacement[i][k]), []));
+                if let Some(collapse) = &collapse {
+                    collapse.check(mesh.faces(), next)?;
+                }
+                Ok(StepNote { step_size: step, residual: Some(solved.residual) })
             };
-            total += solved.iterations;
-            by_chunk(next, |i, _| ([0, 1, 2].map(|k| x[i][k] + displacement[i][k]), []));
-            if let Some(collapse) = &collapse {
-                collapse.check(mesh.faces(), next)?;
-            }
-            Ok(StepNote { step_size: step, residual: Some(solved.residual) })
+        let taken = step_from(&mut laplacian, Degenerate::Thin);
+        // A system that thin faces spoil is solved with those that are nearly flat made a little wider.
+        let spoilt = |failure: &FlowFailure| {
+            use FlowFailure::{NotConverged, NotFactored};
+            iteration > 0 && matches!(failure, NotConverged { .. } | NotFactored { .. })
         };
-        step_from(&mut laplacian).map_err(|failure| match &collapse {
+        let taken = match taken {
+            Err(failure) if renewal.is_some() && spoilt(&failure) => {
+                step_from(&mut laplacian, Degenerate::Slack)
+            }
+            other => other,
+        };
+        taken.map_err(|failure| match &collapse {
             Some(collapse) => collapse.explain(mesh, failure),
             None => failure,
         })
     });
     smoothed.map(|mut smoothed| {
+        smoothed.report.degenerate_faces = flattened.iter().filter(|&&f| f).count();
         smoothed.report.approach = match direct {
             Some(Direct { factorisations, .. }) => Approach::Cholesky { factorisations },
             None => Approach::ConjugateGradients { iterations: total },

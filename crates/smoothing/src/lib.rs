@@ -18,6 +18,7 @@ mod cotangents;
 pub mod denoise;
 mod diffusion;
 mod direct;
+mod double;
 mod error;
 mod explicit;
 mod hc;

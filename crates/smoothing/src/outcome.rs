@@ -24,6 +24,9 @@ pub struct Report {
     pub stable_limit: Option<f64>,
     /// Whether steps beyond the stable limit were taken.
     pub unstable: bool,
+    /// The faces that became degenerate on the way and were taken with longer sides than theirs: for flows that take
+    /// their operator again in each step. A face counts once.
+    pub degenerate_faces: usize,
     /// How the steps were computed.
     pub approach: Approach,
     /// The largest relative residual of all linear systems solved.

@@ -13,6 +13,7 @@ mod boundaries;
 mod broken;
 mod eigenmodes;
 mod flows;
+mod hard_cases;
 mod mean_curvature;
 mod runs;
 mod solvers;
