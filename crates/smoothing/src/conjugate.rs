@@ -223,9 +223,16 @@ impl<'a> System<'a> {
     /// determine it by the masses alone, which a residual of long steps hardly shows.
     fn settle(&self, d: &mut [Padded]) {
         let parts = self.solver.parts;
+        let mass = self.solver.laplacian.mass();
         let sums = parts.sums(|i| {
             let (q, x, d) = (self.shifted[i], self.x[i], d[i]);
-            [q * (x[0] + d[0]), q * (x[1] + d[1]), q * (x[2] + d[2]), q]
+            let ((w, target), c) = (self.freedom.pull(i), self.centres[parts.part(i)]);
+            // The left side less the right, which the rounding of a centre leaves a little off zero.
+            let [a, b, c] = [0, 1, 2].map(|k| {
+                let pull = if w > 0.0 { w * (target[k] - c[k]) } else { 0.0 };
+                q * (x[k] + d[k]) - mass[i] * (x[k] + pull)
+            });
+            [a, b, c, q]
         });
         by_chunk(d, |i, d| {
             let s = sums[parts.part(i)];

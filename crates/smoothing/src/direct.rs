@@ -112,6 +112,7 @@ impl Direct {
             }
         }
         let mut u = vec![[0.0; 3]; x.len()];
+        grounded.balance(parts, mass, freedom, &mut b);
         let mut r = b.clone();
         let mut iterations = 0;
         let reported = loop {
@@ -134,6 +135,7 @@ impl Direct {
                     false => [0, 1, 2].map(|k| b[i][k] - (q * u[k] - t * mass[i] * l[k])),
                 }
             });
+            grounded.balance(parts, mass, freedom, &mut r);
         };
         for (i, (d, u)) in displacement.iter_mut().zip(&u).enumerate() {
             let base = base(i);
@@ -185,7 +187,18 @@ impl Direct {
 }
 
 impl Grounded {
-    /// `u ← u + A⁻¹ r`; `r` is used up.
+    /// Takes off what rounding leaves of the sum of a residual over each part that moves as a whole: of a centre, and of
+    /// the terms of t S.
+    fn balance(&self, parts: &Parts, mass: &[f64], freedom: &Freedom, r: &mut [Point]) {
+        let sums = parts.sums(|i| r[i]);
+        for (i, r) in r.iter_mut().enumerate().filter(|(i, _)| parts.is_free(*i)) {
+            let part = parts.part(i);
+            let share = mass[i] * (1.0 + freedom.pull(i).0) / self.weight[part][0];
+            *r = [0, 1, 2].map(|k| r[k] - share * sums[part][k]);
+        }
+    }
+
+    /// `u ← u + A⁻¹ r` for a residual that is balanced; `r` is used up.
     fn correct(
         &self,
         parts: &Parts,
@@ -195,13 +208,6 @@ impl Grounded {
         u: &mut [Point],
     ) {
         let weigh = |i: usize| mass[i] * (1.0 + freedom.pull(i).0);
-        // The sum of a residual over a part that moves as a whole is zero but for rounding of t S.
-        let sums = parts.sums(|i| r[i]);
-        for (i, r) in r.iter_mut().enumerate().filter(|(i, _)| parts.is_free(*i)) {
-            let part = parts.part(i);
-            let share = weigh(i) / self.weight[part][0];
-            *r = [0, 1, 2].map(|k| r[k] - share * sums[part][k]);
-        }
         self.factor.solve_points_in_place(r);
         let means = parts.sums(|i| [0, 1, 2].map(|k| weigh(i) * (u[i][k] + r[i][k])));
         for (i, (u, r)) in u.iter_mut().zip(r).enumerate() {

@@ -72,6 +72,9 @@ impl Implicit {
 /// Conjugate gradient iterations after which a step is given up.
 const MOST_ITERATIONS: usize = 20_000;
 
+/// Those after which it is factored, where vertices do not slide.
+const SOME_ITERATIONS: usize = 2000;
+
 /// Smooths by implicit diffusion steps `(I − λL) x' = x`.
 ///
 /// A mode of eigenvalue μ ≤ 0 of `L` is multiplied by `1/(1 − λμ)`: no λ is unstable, and none converges to the
@@ -153,7 +156,9 @@ pub(crate) fn implicit_with(
     }
     // A factor serves as many solves as steps share their operator. Sliding vertices couple the coordinates, which a
     // factor of the scalar system does not know.
-    let mut direct = (run.freedom.sliding.is_none()
+    let may_factor = run.freedom.sliding.is_none();
+    let mut rescue = Direct::default();
+    let mut direct = (may_factor
         && direct::pays(&laplacian, step, options.tolerance, if frozen { k } else { 1 }))
     .then(Direct::default);
     let parts = Parts::of(&laplacian, &run.freedom);
@@ -163,46 +168,64 @@ pub(crate) fn implicit_with(
     let mut total = 0;
     let mut flattened = vec![false; if renewal.is_some() { mesh.face_count() } else { 0 }];
     let smoothed = run.iterate(|iteration, mesh, freedom, next| {
-        let mut step_from =
-            |laplacian: &mut Laplacian, degenerate: Degenerate| -> Result<StepNote, FlowFailure> {
-                if degenerate == Degenerate::Slack {
-                    displacement.fill([0.0; 3]);
-                }
-                if iteration > 0 {
-                    match (options.update, &renewal) {
-                        (Update::Both, Some(renewal)) => {
-                            for f in renewal.renew(mesh, &freedom.held, laplacian, degenerate)? {
-                                flattened[f as usize] = true;
-                            }
+        let mut step_from = |laplacian: &mut Laplacian,
+                             degenerate: Degenerate|
+         -> Result<StepNote, FlowFailure> {
+            let mut hard = false;
+            if degenerate == Degenerate::Slack {
+                displacement.fill([0.0; 3]);
+            }
+            if iteration > 0 {
+                match (options.update, &renewal) {
+                    (Update::Both, Some(renewal)) => {
+                        let faces = renewal.renew(mesh, &freedom.held, laplacian, degenerate)?;
+                        hard = !faces.is_empty();
+                        for f in faces {
+                            flattened[f as usize] = true;
                         }
-                        (Update::Mass, _) => laplacian.replace_mass(mass(mesh, operator(options))?),
-                        _ => {}
                     }
+                    (Update::Mass, _) => laplacian.replace_mass(mass(mesh, operator(options))?),
+                    _ => {}
                 }
-                let solver = ImplicitSolver {
-                    laplacian,
-                    parts: &parts,
-                    step,
-                    tolerance: options.tolerance,
-                    most_iterations: MOST_ITERATIONS,
-                };
-                let x = mesh.positions();
-                let solved = match &mut direct {
-                    Some(direct) => {
-                        if !frozen {
-                            direct.renew();
-                        }
-                        direct.solve(solver, x, freedom, &mut displacement)?
-                    }
-                    None => solver.solve(x, freedom, &mut displacement)?,
-                };
-                total += solved.iterations;
-                by_chunk(next, |i, _| ([0, 1, 2].map(|k| x[i][k] + displacement[i][k]), []));
-                if let Some(collapse) = &collapse {
-                    collapse.check(mesh.faces(), next)?;
-                }
-                Ok(StepNote { step_size: step, residual: Some(solved.residual) })
+            }
+            let solver = ImplicitSolver {
+                laplacian,
+                parts: &parts,
+                step,
+                tolerance: options.tolerance,
+                most_iterations: if may_factor { SOME_ITERATIONS } else { MOST_ITERATIONS },
             };
+            let x = mesh.positions();
+            let solved = match &mut direct {
+                Some(direct) => {
+                    if !frozen {
+                        direct.renew();
+                    }
+                    direct.solve(solver, x, freedom, &mut displacement)?
+                }
+                // Thin faces make a system ill conditioned within an otherwise easy run.
+                None => {
+                    let solved = match hard && may_factor {
+                        true => None,
+                        false => Some(solver.solve(x, freedom, &mut displacement)),
+                    };
+                    match solved {
+                        Some(Err(failure)) if !may_factor => return Err(failure),
+                        Some(Ok(solved)) => solved,
+                        _ => {
+                            rescue.renew();
+                            rescue.solve(solver, x, freedom, &mut displacement)?
+                        }
+                    }
+                }
+            };
+            total += solved.iterations;
+            by_chunk(next, |i, _| ([0, 1, 2].map(|k| x[i][k] + displacement[i][k]), []));
+            if let Some(collapse) = &collapse {
+                collapse.check(mesh.faces(), next)?;
+            }
+            Ok(StepNote { step_size: step, residual: Some(solved.residual) })
+        };
         let taken = step_from(&mut laplacian, Degenerate::Thin);
         // A system that thin faces spoil is solved with those that are nearly flat made a little wider.
         let spoilt = |failure: &FlowFailure| {
