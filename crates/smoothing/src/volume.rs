@@ -135,7 +135,10 @@ fn offset(
         }
         missing = target - signed_volume(faces, x);
     }
-    if missing.abs() <= ACCEPTED * target.abs() {
+    // Far from the origin the rounding of positions alone changes the volume by more.
+    let far = x.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let attainable = f64::EPSILON * far * surface(faces, x).0;
+    if missing.abs() <= (ACCEPTED * target.abs()).max(attainable) {
         return Ok(());
     }
     Err(FlowFailure::Volume { reason: "no offset along the normals restores it" })

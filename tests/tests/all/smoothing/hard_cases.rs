@@ -101,13 +101,15 @@ fn flows_far_from_the_origin() {
     };
     for volume in [Volume::Drifts, Volume::Rescaled, Volume::Offset] {
         for lambda in [3.0, 1e4] {
+            // Long steps leave next to a point, of which no volume can be restored.
+            if lambda > 10.0 && volume != Volume::Drifts {
+                continue;
+            }
             let a = implicit(&here, &implicit_by([0.0; 3], volume, lambda), None).unwrap().mesh;
             let b = implicit(&there, &implicit_by(by, volume, lambda), None).unwrap().mesh;
-            // Each of three steps rounds to 1.2e-7; rescaling a point-like mesh by λ = 1e4 would amplify that.
+            // Each of three steps rounds to 1.2e-7.
             let off = largest_distance(&moved(&a), &b);
-            if lambda < 10.0 || volume == Volume::Drifts {
-                assert!(off < 2e-5, "{volume:?}, λ = {lambda}: {off:e}");
-            }
+            assert!(off < 2e-5, "{volume:?}, λ = {lambda}: {off:e}");
         }
     }
 }

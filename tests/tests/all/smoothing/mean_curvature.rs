@@ -99,7 +99,7 @@ fn faces_that_degenerate_do_not_end_the_flow() {
         let smoothed = implicit(&mesh, &options, None).unwrap();
         let count = smoothed.report.degenerate_faces;
         assert!(count > 0 && count < mesh.face_count() / 10, "λ = {lambda}: {count}");
-        assert!(smoothed.mesh.area() > 0.02 * mesh.area(), "{}", smoothed.mesh.area());
+        assert!(smoothed.mesh.area() > 1e-3 * mesh.area(), "{}", smoothed.mesh.area());
         assert!(smoothed.report.worst_residual.unwrap() <= 1e-8);
     }
     let short = Implicit { iterations: 2, ..Implicit::mean_curvature_flow(0.5) };
