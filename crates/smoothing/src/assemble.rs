@@ -4,7 +4,7 @@ use fairing_mesh::TriMesh;
 use fairing_operators::intrinsic::{RobustLaplacian, RobustOptions, robust_laplacian};
 use fairing_operators::{LumpedArea, lumped_mass};
 
-use crate::cotangents::Cotangents;
+use crate::cotangents::{Cotangents, Degenerate};
 use crate::diffusion::{Diffusion, Operator};
 use crate::error::FlowFailure;
 use crate::laplacian::Laplacian;
@@ -67,18 +67,20 @@ impl Renewal {
         }
     }
 
-    /// Replaces `laplacian`, which [`Self::assemble`] made of the same faces, by that at other positions.
+    /// Replaces `laplacian`, which [`Self::assemble`] made of the same faces, by that at other positions. Returns the
+    /// faces that are taken as degenerate; the robust operator knows none.
     pub(crate) fn renew(
         &self,
         mesh: &TriMesh,
         held: &[bool],
         laplacian: &mut Laplacian,
-    ) -> Result<(), FlowFailure> {
+        degenerate: Degenerate,
+    ) -> Result<Vec<u32>, FlowFailure> {
         match self {
-            Self::Pattern(pattern) => pattern.assemble_into(mesh, laplacian),
+            Self::Pattern(pattern) => pattern.assemble_into(mesh, laplacian, degenerate),
             Self::Whole(diffusion) => {
                 *laplacian = assemble(mesh, *diffusion, held)?;
-                Ok(())
+                Ok(Vec::new())
             }
         }
     }

@@ -1,8 +1,8 @@
 //! The end of mean curvature flow: a mesh, or a part of it, that shrinks to a point.
 //!
 //! A closed surface of area A is gone after a time of about A/8π, a neck much earlier. Implicit steps pass that
-//! moment without noticing: what should have vanished is left as a speck in which the next system is singular. It
-//! is told by the areas of faces beside those in the input.
+//! moment without noticing: what should have vanished is left as a speck. It is told by the areas of faces beside those
+//! in the input. A neck that pinches off, or faces that degenerate here and there, do not end a flow.
 
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{cross, norm, sub};

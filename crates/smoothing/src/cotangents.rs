@@ -32,6 +32,24 @@ pub(crate) struct Cotangents {
 /// Half the cotangents of the corners of a face, and a third of its area.
 type FaceTerms = [f64; 4];
 
+/// Which faces are taken as degenerate: their terms are those of a triangle of sides longer than theirs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Degenerate {
+    /// None: a face too thin for cotangents is an error.
+    Refused,
+    /// Those too thin for cotangents.
+    Thin,
+    /// Those of which two sides are longer than the third by less than [`SLACK`] of the longest.
+    Slack,
+}
+
+/// How much longer than the third side two sides of a degenerate face are made, as a share of the longest; the same
+/// as robust operators take of the mean edge length.
+const SLACK: f64 = 1e-5;
+
+/// The mass of a vertex whose faces are all points, as a share of the mean mass: it moves with its neighbours.
+const LEAST_MASS: f64 = 1e-12;
+
 /// A chunk of rows.
 struct Rows {
     lengths: Vec<u32>,
@@ -66,17 +84,18 @@ impl Cotangents {
     /// The Laplacian at the positions of `mesh`, whose faces are those of the pattern.
     pub(crate) fn assemble(&self, mesh: &TriMesh) -> Result<Laplacian, FlowFailure> {
         let mut laplacian = Laplacian::empty(self.offsets.clone(), self.columns.clone());
-        self.assemble_into(mesh, &mut laplacian)?;
+        self.assemble_into(mesh, &mut laplacian, Degenerate::Refused)?;
         Ok(laplacian)
     }
 
-    /// Replaces the numbers of a Laplacian on this pattern.
+    /// Replaces the numbers of a Laplacian on this pattern. Returns the faces that are taken as degenerate.
     pub(crate) fn assemble_into(
         &self,
         mesh: &TriMesh,
         laplacian: &mut Laplacian,
-    ) -> Result<(), FlowFailure> {
-        let terms = face_terms(mesh)?;
+        degenerate: Degenerate,
+    ) -> Result<Vec<u32>, FlowFailure> {
+        let (terms, faces) = face_terms(mesh, degenerate)?;
         let incidence = mesh.incidence();
         let corners =
             |v: usize| incidence.offsets()[v] as usize..incidence.offsets()[v + 1] as usize;
@@ -92,6 +111,9 @@ impl Cotangents {
                         }
                     }
                 });
+                if !faces.is_empty() {
+                    raise(mesh, &faces, numbers.mass);
+                }
                 if let Some(v) = numbers.mass.iter().position(|m| *m <= 0.0 || m.is_nan()) {
                     return Err(FlowFailure::NonPositiveMass {
                         vertex: v as u32,
@@ -131,7 +153,7 @@ impl Cotangents {
                 }
             },
         );
-        Ok(())
+        Ok(faces)
     }
 
     /// Cuts the entries at the borders of chunks of rows.
@@ -192,11 +214,14 @@ fn rows(mesh: &TriMesh, first: usize, held: &[bool]) -> Rows {
     rows
 }
 
-/// Half the cotangents and a third of the area of every face.
-fn face_terms(mesh: &TriMesh) -> Result<Vec<FaceTerms>, FlowFailure> {
+/// Half the cotangents and a third of the area of every face, and the faces that are taken as degenerate.
+fn face_terms(
+    mesh: &TriMesh,
+    degenerate: Degenerate,
+) -> Result<(Vec<FaceTerms>, Vec<u32>), FlowFailure> {
     let x = mesh.positions();
     let thin = AtomicBool::new(false);
-    let terms = mesh
+    let mut terms: Vec<FaceTerms> = mesh
         .faces()
         .par_iter()
         .with_min_len(ROWS)
@@ -205,19 +230,77 @@ fn face_terms(mesh: &TriMesh) -> Result<Vec<FaceTerms>, FlowFailure> {
             let (ab, bc, ca) = (sub(b, a), sub(c, b), sub(a, c));
             let twice_area = norm(cross(ab, ca));
             let longest = dot(ab, ab).max(dot(bc, bc)).max(dot(ca, ca));
-            // Written so that a face that is not finite is thin too.
-            if !(twice_area >= MIN_HEIGHT_RATIO * longest && twice_area > 0.0) {
+            if is_thin(twice_area, longest) {
                 thin.store(true, Ordering::Relaxed);
             }
             let s = -0.5 / twice_area;
             [s * dot(ab, ca), s * dot(bc, ab), s * dot(ca, bc), 0.5 * twice_area / 3.0]
         })
         .collect();
-    if thin.into_inner() {
-        // The operators say which face, and hold the same measure.
-        cotan_stiffness(mesh)?;
+    let thin = thin.into_inner();
+    let mut faces = Vec::new();
+    match degenerate {
+        Degenerate::Refused if thin => {
+            // The operators say which face, and hold the same measure.
+            cotan_stiffness(mesh)?;
+        }
+        Degenerate::Refused => {}
+        Degenerate::Thin if !thin => {}
+        Degenerate::Thin | Degenerate::Slack => {
+            for (f, (face, terms)) in mesh.faces().iter().zip(&mut terms).enumerate() {
+                let [a, b, c] = face.map(|v| x[v as usize]);
+                let sides = [sub(c, b), sub(a, c), sub(b, a)];
+                let longest = sides.iter().map(|&s| dot(s, s)).fold(0.0, f64::max);
+                let lengths = sides.map(norm);
+                let wanted = match degenerate {
+                    Degenerate::Slack => lacking(lengths) > 0.0,
+                    _ => is_thin(norm(cross(sides[0], sides[1])), longest),
+                };
+                if wanted {
+                    *terms = mollified(lengths);
+                    faces.push(f as u32);
+                }
+            }
+        }
     }
-    Ok(terms)
+    Ok((terms, faces))
+}
+
+/// Whether a face is too thin for cotangents; true if its area is not a number.
+fn is_thin(twice_area: f64, squared_longest: f64) -> bool {
+    !(twice_area >= MIN_HEIGHT_RATIO * squared_longest && twice_area > 0.0)
+}
+
+/// What every side lacks so that two are longer than the third by [`SLACK`] of the longest.
+fn lacking([a, b, c]: [f64; 3]) -> f64 {
+    let slack = SLACK * a.max(b).max(c);
+    (slack - (a + b - c).min(b + c - a).min(c + a - b)).max(0.0)
+}
+
+/// The terms of the triangle whose sides are longer by what they lack; those of an equilateral triangle without area
+/// for a point. Side k lies opposite corner k.
+fn mollified(sides: [f64; 3]) -> FaceTerms {
+    let [a, b, c] = sides.map(|side| side + lacking(sides));
+    let longest = a.max(b).max(c);
+    if longest == 0.0 || !longest.is_finite() {
+        let half = 0.5 / 3.0f64.sqrt();
+        return [half, half, half, 0.0];
+    }
+    // In units of the longest side, so that no square underflows.
+    let [a, b, c] = [a, b, c].map(|side| side / longest);
+    let product = (a + b + c) * (b + c - a) * (c + a - b) * (a + b - c);
+    let area = 0.25 * product.max(0.0).sqrt();
+    let half = |own: f64, p: f64, q: f64| (p * p + q * q - own * own) / (8.0 * area);
+    [half(a, b, c), half(b, c, a), half(c, a, b), area * longest * longest / 3.0]
+}
+
+/// Raises the masses of the corners of degenerate faces to [`LEAST_MASS`] of the mean.
+fn raise(mesh: &TriMesh, faces: &[u32], mass: &mut [f64]) {
+    let least = LEAST_MASS * mass.iter().sum::<f64>() / mass.len() as f64;
+    for &v in faces.iter().flat_map(|&f| &mesh.faces()[f as usize]) {
+        let m = &mut mass[v as usize];
+        *m = m.max(least);
+    }
 }
 
 #[cfg(test)]
@@ -256,7 +339,7 @@ mod tests {
                     Laplacian::weighted(&stiffness, positive_mass(mesh, area).unwrap(), &held);
                 // Assembled twice into the same memory: nothing is left of the first time.
                 let mut found = pattern.assemble(mesh).unwrap();
-                pattern.assemble_into(mesh, &mut found).unwrap();
+                pattern.assemble_into(mesh, &mut found, Degenerate::Thin).unwrap();
                 let x: Vec<[f64; 3]> =
                     mesh.positions().iter().map(|p| [p[0], p[1] * p[2], 1.0]).collect();
                 let value = |l: &Laplacian| {
@@ -284,5 +367,28 @@ mod tests {
         let pattern = Cotangents::of(&mesh, LumpedArea::Barycentric, &[false; 4]);
         let error = pattern.assemble(&mesh).map(|_| ()).unwrap_err();
         assert_eq!(error, FlowFailure::Operator(cotan_stiffness(&mesh).unwrap_err()));
+    }
+
+    /// A needle, a cap and a point become triangles of bounded cotangents and some area; a good face is left alone.
+    #[test]
+    fn degenerate_faces_have_terms() {
+        for sides in [[1.0, 1.0, 1e-14], [1.0, 0.5, 0.5], [3.0, 4.0, 7.0], [2e-200, 1e-200, 1e-200]]
+        {
+            let [a, b, c, third] = mollified(sides);
+            let longest = sides.iter().copied().fold(0.0, f64::max);
+            // A cap with this slack has a height of √(slack/2) of its base, a needle a base of the slack.
+            assert!([a, b, c].iter().all(|x| x.abs() < 1.0 / SLACK), "{sides:?}: {a} {b} {c}");
+            assert!(third > 1e-7 * longest * longest || longest < 1e-100, "{sides:?}: {third}");
+            // cot A cot B + cot B cot C + cot C cot A = 1.
+            let sum = 4.0 * (a * b + b * c + c * a);
+            assert!((sum - 1.0).abs() < 1e-4, "{sides:?}: {sum}");
+        }
+        let [half, _, _, area] = mollified([0.0; 3]);
+        assert!((half - 0.5 / 3f64.sqrt()).abs() < 1e-15 && area == 0.0);
+        let [a, b, c, third] = mollified([3.0, 4.0, 5.0]);
+        let expected = [0.5 * 4.0 / 3.0, 0.5 * 0.75, 0.0, 2.0];
+        for (x, y) in [a, b, c, third].into_iter().zip(expected) {
+            assert!((x - y).abs() < 1e-14, "{x} is not {y}");
+        }
     }
 }

@@ -4,23 +4,30 @@ use fairing_sparse::{
     Cholesky, CholeskyError, Method, Ordering, SparseMatrix, SymbolicCholesky, Workload,
 };
 
-use crate::conjugate::{ImplicitSolver, Solved, not_converged, relative};
+use crate::conjugate::{ImplicitSolver, Solved, not_converged};
 use crate::constraints::Freedom;
 use crate::error::FlowFailure;
 use crate::laplacian::Laplacian;
+use crate::parts::{Gauge, Parts, larger};
 use crate::spectrum::upper_bound;
 
 type Point = [f64; 3];
 
-/// Solves with refinement: the residual of a solution is solved for again. One is the rule, two are rare. Beyond a
-/// condition of one over the tolerance the residual ends at its own rounding, which the report then tells.
-const MOST_SOLVES: usize = 4;
+/// Solves with refinement: the residual of a solution is solved for again. One is the rule, two are rare.
+const MOST_SOLVES: usize = 6;
 
 /// What a step changes at most, as a share of positions: conjugate gradients begin that close to the solution.
 const CHANGE: f64 = 0.01;
 
+/// Beyond this condition systems are always factored. The smallest eigenvalues of a part that moves nearly as a whole
+/// are then so far below the largest that conjugate gradients see rounding before they see them.
+const ILL_CONDITIONED: f64 = 1e6;
+
+/// Steps of this many times the reciprocal of the largest eigenvalue are solved with a vertex of each part grounded.
+const LONG: f64 = 100.0;
+
 /// Whether factorisation is faster than conjugate gradients for a run of implicit steps, by the measured rule of
-/// [`fairing_sparse::Method`].
+/// [`fairing_sparse::Method`], or needed.
 ///
 /// The condition is `κ = 1 + t ω` for the largest eigenvalue ω of `−L`, about 7.4/h² with cotangents on even meshes. A
 /// factor of a frozen operator serves all steps; an operator taken anew needs one for each. So λ decides: short steps
@@ -34,16 +41,32 @@ pub(crate) fn pays(laplacian: &Laplacian, step: f64, tolerance: f64, solves: usi
         tolerance: (tolerance / CHANGE).min(1.0),
         solves,
     };
-    Method::choose(&work) == Method::Direct
+    work.condition > ILL_CONDITIONED || Method::choose(&work) == Method::Direct
 }
 
 /// The systems of a run, factored. Held vertices are taken out; soft constraints are within.
+///
+/// For long steps `A = M(1 + w) + tS` is nearly singular: a part without held vertices costs next to nothing to move
+/// as a whole, and rounding of t S would decide where it goes. But where it goes is known: 1ᵀ A = 1ᵀ M(1 + w) fixes
+/// the weighted mean of a part. So one solves about that mean, for a right-hand side whose sum over each part is
+/// zero, with a vertex g of each part *grounded*: `A' = A + s e eᵀ` at g, as well conditioned as t S is without its
+/// constants. With `u = A'⁻¹ b` and the response `v = A'⁻¹ s e`, the solution of `A x = b` is `u + c v`, and c is what
+/// makes its weighted mean vanish.
 #[derive(Default)]
 pub(crate) struct Direct {
     symbolic: Option<SymbolicCholesky>,
-    factor: Option<Cholesky>,
+    factor: Option<Grounded>,
     /// Numeric factorisations so far.
     pub(crate) factorisations: usize,
+}
+
+/// The factor of a grounded system.
+struct Grounded {
+    factor: Cholesky,
+    /// The response v of all parts; empty if none is grounded.
+    response: Vec<f64>,
+    /// `1ᵀ M(1 + w)` over each part, and the same of the response.
+    weight: Vec<[f64; 2]>,
 }
 
 impl Direct {
@@ -52,7 +75,7 @@ impl Direct {
         self.factor = None;
     }
 
-    /// The displacement of one step, as [`ImplicitSolver::solve`] defines it. Vertices that slide cannot be had.
+    /// The displacement of one step, as [`ImplicitSolver::solve`] defines it, for vertices that do not slide.
     pub(crate) fn solve(
         &mut self,
         solver: ImplicitSolver<'_>,
@@ -60,34 +83,90 @@ impl Direct {
         freedom: &Freedom,
         displacement: &mut [Point],
     ) -> Result<Solved, FlowFailure> {
-        let factor = match self.factor.take() {
-            Some(factor) => factor,
-            None => self.factorise(&system(solver.laplacian, solver.step, freedom))?,
+        let grounded = match self.factor.take() {
+            Some(grounded) => grounded,
+            None => self.ground(solver, freedom)?,
         };
-        let factor = self.factor.insert(factor);
-        let scale = solver.right_hand_side_norm(x, freedom);
-        displacement.fill([0.0; 3]);
-        let mut r = vec![[0.0; 3]; x.len()];
-        // A residual is a difference of terms up to t ω times as large as M x: it cannot be smaller than their rounding.
-        let rounding = 8.0 * f64::EPSILON * solver.step * solver.laplacian.gershgorin();
+        let grounded = &*self.factor.insert(grounded);
+        let (laplacian, parts, t) = (solver.laplacian, solver.parts, solver.step);
+        let (mass, centres) =
+            (laplacian.mass(), solver.parts.centres(laplacian.mass(), x, freedom));
+        // Unknown is u = x' − base: about the centre of a part that moves as a whole, else about where vertices are.
+        let base = |i: usize| if parts.is_free(i) { centres[parts.part(i)] } else { x[i] };
+        let mut b = vec![[0.0; 3]; x.len()];
+        let about = |i: usize, k: usize| x[i][k] - centres[parts.part(i)][k];
+        let centred: Vec<Point> = (0..x.len()).map(|i| [0, 1, 2].map(|k| about(i, k))).collect();
+        laplacian.sweep(&centred, &mut b, |i, l, _, _| {
+            let (w, target) = freedom.pull(i);
+            let (base, moves) = (base(i), !freedom.held[i]);
+            let flow = if parts.is_free(i) { [0.0; 3] } else { l };
+            [0, 1, 2].map(|k| {
+                let pull = if w > 0.0 { w * (target[k] - base[k]) } else { 0.0 };
+                if moves { mass[i] * (x[i][k] - base[k] + pull + t * flow[k]) } else { 0.0 }
+            })
+        });
+        let mut sides = solver.sides(x, freedom, &centres);
+        for (side, own) in sides.iter_mut().zip(parts.sums(|i| b[i].map(|b| b * b))) {
+            for (side, own) in side.iter_mut().zip(own) {
+                *side = larger(*side, own);
+            }
+        }
+        let mut u = vec![[0.0; 3]; x.len()];
+        grounded.balance(parts, mass, freedom, &mut b);
+        let mut r = b.clone();
         let mut iterations = 0;
-        loop {
-            let squares = residual(solver, x, freedom, displacement, &mut r);
-            let residual = relative(&squares, scale);
-            if residual <= solver.tolerance.max(if iterations > 0 { rounding } else { 0.0 }) {
-                return Ok(Solved { iterations, residual });
+        let reported = loop {
+            // Rounding of the terms of a residual goes with u, not with x.
+            let reach = parts.largest(|i| u[i].map(f64::abs));
+            let gauge = Gauge::new(parts, &sides, &reach, solver.tolerance, false);
+            let residual = gauge.measured(&r);
+            if residual <= solver.tolerance && iterations > 0 {
+                break gauge.reported(&r);
             }
             if iterations == MOST_SOLVES || !residual.is_finite() {
-                return Err(not_converged(residual, iterations, &r));
+                return Err(not_converged(gauge.reported(&r), iterations, &r));
             }
-            factor.solve_points_in_place(&mut r);
-            for (d, r) in displacement.iter_mut().zip(&r) {
-                for k in 0..3 {
-                    d[k] += r[k];
-                }
-            }
+            grounded.correct(parts, mass, freedom, &mut r, &mut u);
             iterations += 1;
+            laplacian.sweep(&u, &mut r, |i, l, u, _| {
+                let q = mass[i] * (1.0 + freedom.pull(i).0);
+                match freedom.held[i] {
+                    true => [0.0; 3],
+                    false => [0, 1, 2].map(|k| b[i][k] - (q * u[k] - t * mass[i] * l[k])),
+                }
+            });
+            grounded.balance(parts, mass, freedom, &mut r);
+        };
+        for (i, (d, u)) in displacement.iter_mut().zip(&u).enumerate() {
+            let base = base(i);
+            *d = [0, 1, 2].map(|k| (base[k] - x[i][k]) + u[k]);
         }
+        Ok(Solved { iterations, residual: reported })
+    }
+
+    /// Factors the system of a step, grounded if it is long.
+    fn ground(
+        &mut self,
+        solver: ImplicitSolver<'_>,
+        freedom: &Freedom,
+    ) -> Result<Grounded, FlowFailure> {
+        let (laplacian, parts, t) = (solver.laplacian, solver.parts, solver.step);
+        let mut ground = vec![0.0; laplacian.len()];
+        if t * laplacian.gershgorin() > LONG {
+            for v in parts.representatives().filter(|&v| !laplacian.is_still(v)) {
+                ground[v] = t * laplacian.diagonal()[v];
+            }
+        }
+        let factor = self.factorise(&system(laplacian, t, freedom, &ground))?;
+        let mut response = Vec::new();
+        if ground.iter().any(|&s| s > 0.0) {
+            response = factor.solve(&ground);
+        }
+        let weight = parts.sums(|i| {
+            let q = laplacian.mass()[i] * (1.0 + freedom.pull(i).0);
+            [q, q * response.get(i).copied().unwrap_or(0.0)]
+        });
+        Ok(Grounded { factor, response, weight })
     }
 
     fn factorise(&mut self, matrix: &SparseMatrix) -> Result<Cholesky, FlowFailure> {
@@ -107,8 +186,48 @@ impl Direct {
     }
 }
 
-/// `M(1 + w) + t S` over the vertices that move, with ones on the diagonal of those that are held.
-fn system(laplacian: &Laplacian, step: f64, freedom: &Freedom) -> SparseMatrix {
+impl Grounded {
+    /// Takes off what rounding leaves of the sum of a residual over each part that moves as a whole: of a centre, and of
+    /// the terms of t S.
+    fn balance(&self, parts: &Parts, mass: &[f64], freedom: &Freedom, r: &mut [Point]) {
+        let sums = parts.sums(|i| r[i]);
+        for (i, r) in r.iter_mut().enumerate().filter(|(i, _)| parts.is_free(*i)) {
+            let part = parts.part(i);
+            let share = mass[i] * (1.0 + freedom.pull(i).0) / self.weight[part][0];
+            *r = [0, 1, 2].map(|k| r[k] - share * sums[part][k]);
+        }
+    }
+
+    /// `u ← u + A⁻¹ r` for a residual that is balanced; `r` is used up.
+    fn correct(
+        &self,
+        parts: &Parts,
+        mass: &[f64],
+        freedom: &Freedom,
+        r: &mut [Point],
+        u: &mut [Point],
+    ) {
+        let weigh = |i: usize| mass[i] * (1.0 + freedom.pull(i).0);
+        self.factor.solve_points_in_place(r);
+        let means = parts.sums(|i| [0, 1, 2].map(|k| weigh(i) * (u[i][k] + r[i][k])));
+        for (i, (u, r)) in u.iter_mut().zip(r).enumerate() {
+            let (part, mut shift) = (parts.part(i), [0.0; 3]);
+            if parts.is_free(i) {
+                // Parts that are not grounded are shifted as they are.
+                let (v, weight) = match self.weight[part] {
+                    [_, weight] if weight > 0.0 => (self.response[i], weight),
+                    [weight, _] => (1.0, weight),
+                };
+                shift = means[part].map(|m| v * (m / weight));
+            }
+            *u = [0, 1, 2].map(|k| u[k] + (r[k] - shift[k]));
+        }
+    }
+}
+
+/// `M(1 + w) + t S` over the vertices that move, with ones on the diagonal of those that are held, and `ground` added
+/// to the diagonal.
+fn system(laplacian: &Laplacian, step: f64, freedom: &Freedom, ground: &[f64]) -> SparseMatrix {
     let n = laplacian.len();
     let (mut starts, mut columns, mut values) = (vec![0u32], Vec::new(), Vec::new());
     let mut row: Vec<(u32, f64)> = Vec::new();
@@ -120,7 +239,7 @@ fn system(laplacian: &Laplacian, step: f64, freedom: &Freedom) -> SparseMatrix {
                 let neighbors = laplacian.stiffness_row(i);
                 row.extend(neighbors.filter(|&(j, _)| !freedom.held[j as usize]));
                 let s = if laplacian.is_still(i) { 0.0 } else { laplacian.diagonal()[i] };
-                laplacian.mass()[i] * (1.0 + freedom.pull(i).0) + step * s
+                laplacian.mass()[i] * (1.0 + freedom.pull(i).0) + step * s + ground[i]
             }
         };
         for (_, s) in &mut row {
@@ -133,25 +252,6 @@ fn system(laplacian: &Laplacian, step: f64, freedom: &Freedom) -> SparseMatrix {
         starts.push(columns.len() as u32);
     }
     SparseMatrix::new((n, n), starts, columns, values)
-}
-
-/// `r = P M (t L (x + d) + w (c − x − d) − d)` and its squared norm in each coordinate.
-fn residual(
-    solver: ImplicitSolver<'_>,
-    x: &[Point],
-    freedom: &Freedom,
-    d: &[Point],
-    r: &mut [Point],
-) -> [f64; 3] {
-    let (mass, t) = (solver.laplacian.mass(), solver.step);
-    let moved: Vec<Point> =
-        x.iter().zip(d).map(|(x, d)| [x[0] + d[0], x[1] + d[1], x[2] + d[2]]).collect();
-    solver.laplacian.sweep_summing(&moved, r, |i, l, y, _| {
-        let (w, target) = freedom.pull(i);
-        let r = [0, 1, 2].map(|k| mass[i] * (t * l[k] + w * (target[k] - y[k]) - d[i][k]));
-        let r = freedom.project(i, r);
-        (r, r.map(|x| x * x))
-    })
 }
 
 #[cfg(test)]

@@ -72,6 +72,18 @@ pub enum FlowFailure {
         /// The largest step for which no mode grows.
         limit: f64,
     },
+    /// Pairs of steps would amplify a mode of the pass band by more than two, and
+    /// [`Stability::Refuse`](crate::Stability::Refuse) is set.
+    #[error(
+        "{pairs} pairs of steps would amplify the modes about half the pass band by {gain} each time, more than twofold \
+         in all; take fewer pairs, a smaller λ or pass band, or allow unstable steps"
+    )]
+    Amplified {
+        /// The largest factor of a mode in one pair.
+        gain: f64,
+        /// The pairs asked for.
+        pairs: usize,
+    },
     /// A coordinate left the range of numbers.
     #[error("vertex {vertex} would move to ({}, {}, {})", position[0], position[1], position[2])]
     NonFinite {
@@ -86,8 +98,8 @@ pub enum FlowFailure {
         "the operator cannot be assembled; the robust one or uniform weights serve on such meshes"
     )]
     Operator(#[from] OperatorError),
-    /// A flow that takes its operator anew has shrunk the mesh, or a part of it, to a point: the surface that it
-    /// follows has vanished or pinched off within this step.
+    /// A flow that takes its operator again in each step has shrunk the mesh to next to nothing: the surface that it
+    /// follows has vanished within this step.
     #[error(
         "the surface collapses in this step: a face at vertex {vertex} has an area of {area:e}, of {before:e} at the \
          beginning; end the flow before, or take the robust operator or conformal flow, which go on"

@@ -8,8 +8,9 @@ use crate::diffusion::Diffusion;
 use crate::error::{FlowError, FlowFailure, at_least};
 use crate::laplacian::Laplacian;
 use crate::outcome::{Approach, Smoothed};
+use crate::response::Response;
 use crate::run::{Frame, Run, StepNote};
-use crate::series::Series;
+use crate::series::Chain;
 use crate::spectrum::upper_bound;
 use crate::stability::{Stability, measured_limit, uniform_limit};
 use crate::step::Observer;
@@ -52,7 +53,7 @@ impl Explicit {
 /// The limit is checked before the first step.
 ///
 /// A soft constraint of weight w and target c ends each step at `(x + λLx + wc)/(1 + w)`. Cost: linear in vertices
-/// and steps; unobserved stable runs with many steps take about the square root of their number in products.
+/// and steps; unobserved stable runs with many steps take about seven times the square root of their number in products.
 ///
 /// # Errors
 ///
@@ -100,12 +101,12 @@ pub fn explicit(
     }
     let k = options.iterations;
     if run.is_linear() && k > 1 {
-        let power = |mu: f64| (1.0 + step * mu).powi(k.min(i32::MAX as usize) as i32);
-        let series = Series::expand(bound, power);
-        if let Some(series) = series.filter(|series| 2 * series.degree() < 3 * k) {
-            run.report.approach = Approach::Series { degree: series.degree() };
+        // A product of a series costs a third less than a step.
+        let most = k.saturating_add(k / 2);
+        if let Some(chain) = Chain::expand(bound, Response::Explicit { step, steps: k }, most) {
+            run.report.approach = Approach::Series { degree: chain.products() };
             run.report.iterations = k;
-            let x = series.apply(&laplacian, run.arrangement.mesh().positions());
+            let x = chain.apply(&laplacian, run.arrangement.mesh().positions());
             return run.finish(x);
         }
     }

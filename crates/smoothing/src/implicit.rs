@@ -6,11 +6,14 @@ use crate::assemble::{Renewal, mass};
 use crate::collapse::Collapse;
 use crate::conjugate::ImplicitSolver;
 use crate::constraints::Constraints;
+use crate::cotangents::Degenerate;
 use crate::diffusion::{Diffusion, Operator};
 use crate::direct::{self, Direct};
 use crate::error::{FlowError, FlowFailure, at_least};
 use crate::laplacian::{Laplacian, by_chunk};
 use crate::outcome::{Approach, Smoothed};
+use crate::parts::Parts;
+use crate::response::Response;
 use crate::run::{Frame, Run, StepNote};
 use crate::series::Series;
 use crate::spectrum::upper_bound;
@@ -69,6 +72,9 @@ impl Implicit {
 /// Conjugate gradient iterations after which a step is given up.
 const MOST_ITERATIONS: usize = 20_000;
 
+/// Those after which it is factored, where vertices do not slide.
+const SOME_ITERATIONS: usize = 2000;
+
 /// Smooths by implicit diffusion steps `(I − λL) x' = x`.
 ///
 /// A mode of eigenvalue μ ≤ 0 of `L` is multiplied by `1/(1 − λμ)`: no λ is unstable, and none converges to the
@@ -86,9 +92,13 @@ const MOST_ITERATIONS: usize = 20_000;
 ///
 /// # Errors
 ///
-/// [`FlowError`] with the last good mesh: for options out of range, for faces too thin for cotangents (also after
-/// some steps), [`FlowFailure::Collapsed`] where an updated flow pinches a neck or shrinks the mesh to a point, and
-/// for a system not solved to the tolerance.
+/// [`FlowError`] with the last good mesh: for options out of range, for faces of the input too thin for cotangents,
+/// [`FlowFailure::Collapsed`] where an updated flow has shrunk the mesh to next to nothing, and for a system not solved
+/// to the tolerance.
+///
+/// Faces that become degenerate while the operator is taken again in each step do not end the flow: their cotangents and
+/// areas are those of a triangle whose sides are longer by a hundred-thousandth of the longest. The report says how
+/// many there were.
 ///
 /// # Examples
 ///
@@ -136,7 +146,7 @@ pub(crate) fn implicit_with(
     let renewal = (options.update == Update::Both).then_some(renewal);
     let k = options.iterations;
     if run.is_linear() && frozen && k > 0 {
-        let power = |mu: f64| (1.0 - step * mu).powi(-(k.min(i32::MAX as usize) as i32));
+        let power = Response::Implicit { step, steps: k };
         if let Some(series) = Series::expand(upper_bound(&laplacian), power) {
             run.report.approach = Approach::Series { degree: series.degree() };
             run.report.iterations = k;
@@ -146,19 +156,33 @@ pub(crate) fn implicit_with(
     }
     // A factor serves as many solves as steps share their operator. Sliding vertices couple the coordinates, which a
     // factor of the scalar system does not know.
-    let mut direct = (run.freedom.sliding.is_none()
+    let may_factor = run.freedom.sliding.is_none();
+    let mut rescue = Direct::default();
+    let mut direct = (may_factor
         && direct::pays(&laplacian, step, options.tolerance, if frozen { k } else { 1 }))
     .then(Direct::default);
+    let parts = Parts::of(&laplacian, &run.freedom);
     let collapse = (!frozen).then(|| Collapse::new(run.arrangement.mesh()));
     // Conjugate gradients begin with the displacement of the step before.
     let mut displacement = vec![[0.0; 3]; mesh.vertex_count()];
     let mut total = 0;
+    let mut flattened = vec![false; if renewal.is_some() { mesh.face_count() } else { 0 }];
     let smoothed = run.iterate(|iteration, mesh, freedom, next| {
-        let mut step_from = |laplacian: &mut Laplacian| -> Result<StepNote, FlowFailure> {
+        let mut step_from = |laplacian: &mut Laplacian,
+                             degenerate: Degenerate|
+         -> Result<StepNote, FlowFailure> {
+            let mut hard = false;
+            if degenerate == Degenerate::Slack {
+                displacement.fill([0.0; 3]);
+            }
             if iteration > 0 {
                 match (options.update, &renewal) {
                     (Update::Both, Some(renewal)) => {
-                        renewal.renew(mesh, &freedom.held, laplacian)?;
+                        let faces = renewal.renew(mesh, &freedom.held, laplacian, degenerate)?;
+                        hard = !faces.is_empty();
+                        for f in faces {
+                            flattened[f as usize] = true;
+                        }
                     }
                     (Update::Mass, _) => laplacian.replace_mass(mass(mesh, operator(options))?),
                     _ => {}
@@ -166,9 +190,10 @@ pub(crate) fn implicit_with(
             }
             let solver = ImplicitSolver {
                 laplacian,
+                parts: &parts,
                 step,
                 tolerance: options.tolerance,
-                most_iterations: MOST_ITERATIONS,
+                most_iterations: if may_factor { SOME_ITERATIONS } else { MOST_ITERATIONS },
             };
             let x = mesh.positions();
             let solved = match &mut direct {
@@ -178,7 +203,21 @@ pub(crate) fn implicit_with(
                     }
                     direct.solve(solver, x, freedom, &mut displacement)?
                 }
-                None => solver.solve(x, freedom, &mut displacement)?,
+                // Thin faces make a system ill conditioned within an otherwise easy run.
+                None => {
+                    let solved = match hard && may_factor {
+                        true => None,
+                        false => Some(solver.solve(x, freedom, &mut displacement)),
+                    };
+                    match solved {
+                        Some(Err(failure)) if !may_factor => return Err(failure),
+                        Some(Ok(solved)) => solved,
+                        _ => {
+                            rescue.renew();
+                            rescue.solve(solver, x, freedom, &mut displacement)?
+                        }
+                    }
+                }
             };
             total += solved.iterations;
             by_chunk(next, |i, _| ([0, 1, 2].map(|k| x[i][k] + displacement[i][k]), []));
@@ -187,12 +226,25 @@ pub(crate) fn implicit_with(
             }
             Ok(StepNote { step_size: step, residual: Some(solved.residual) })
         };
-        step_from(&mut laplacian).map_err(|failure| match &collapse {
+        let taken = step_from(&mut laplacian, Degenerate::Thin);
+        // A system that thin faces spoil is solved with those that are nearly flat made a little wider.
+        let spoilt = |failure: &FlowFailure| {
+            use FlowFailure::{NotConverged, NotFactored};
+            iteration > 0 && matches!(failure, NotConverged { .. } | NotFactored { .. })
+        };
+        let taken = match taken {
+            Err(failure) if renewal.is_some() && spoilt(&failure) => {
+                step_from(&mut laplacian, Degenerate::Slack)
+            }
+            other => other,
+        };
+        taken.map_err(|failure| match &collapse {
             Some(collapse) => collapse.explain(mesh, failure),
             None => failure,
         })
     });
     smoothed.map(|mut smoothed| {
+        smoothed.report.degenerate_faces = flattened.iter().filter(|&&f| f).count();
         smoothed.report.approach = match direct {
             Some(Direct { factorisations, .. }) => Approach::Cholesky { factorisations },
             None => Approach::ConjugateGradients { iterations: total },

@@ -24,6 +24,9 @@ pub struct Report {
     pub stable_limit: Option<f64>,
     /// Whether steps beyond the stable limit were taken.
     pub unstable: bool,
+    /// The faces that became degenerate on the way and were taken with longer sides than theirs: for flows that take
+    /// their operator again in each step. A face counts once.
+    pub degenerate_faces: usize,
     /// How the steps were computed.
     pub approach: Approach,
     /// The largest relative residual of all linear systems solved.
@@ -36,9 +39,14 @@ pub enum Approach {
     /// One after another, by products with the Laplacian alone.
     #[default]
     Stepping,
-    /// All at once, by a Chebyshev series of this degree.
+    /// All at once, by a Chebyshev series of this degree, or several one after another of this degree in all.
     Series {
         /// The number of products with the Laplacian.
+        degree: usize,
+    },
+    /// All at once, by a Chebyshev series of this degree in the resolvent `(I − τL)⁻¹`, factored once.
+    Resolvent {
+        /// The number of linear systems solved.
         degree: usize,
     },
     /// At once, by projection on modes.

@@ -6,8 +6,10 @@ use fairing_sparse::{Cholesky, SparseMatrix};
 
 use crate::assemble::{positive_mass, robust};
 use crate::diffusion::Operator;
+use crate::double::{self, Double};
 use crate::error::{FlowError, FlowFailure};
 use crate::outcome::{Approach, Report, Smoothed};
+use crate::parts::larger;
 
 /// The weights of [`fair_region`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -51,7 +53,8 @@ impl FairRegion {
 /// # Errors
 ///
 /// [`FlowError`] for an order out of range, for vertices that do not exist, for faces too thin for cotangents, and
-/// where nothing holds a part of the region (it fills a component), so that its place is not determined.
+/// where nothing holds a part of the region (it fills a component), so that its place is not determined; and
+/// [`FlowFailure::NotConverged`] for a region so wide that an order as high as this is beyond the digits of a factor.
 ///
 /// # Examples
 ///
@@ -105,7 +108,8 @@ fn solve(mesh: &TriMesh, options: &FairRegion) -> Result<TriMesh, FlowFailure> {
     if region.is_empty() {
         return Ok(mesh.clone());
     }
-    let operator = operator(mesh, options)?;
+    let (stiffness, mass) = operators(mesh, options)?;
+    let operator = power(&stiffness, &mass, options.order);
     let (mut starts, mut columns, mut values) = (vec![0u32], Vec::new(), Vec::new());
     let mut right = vec![[0.0; 3]; region.len()];
     for (r, &v) in region.iter().enumerate() {
@@ -134,12 +138,106 @@ fn solve(mesh: &TriMesh, options: &FairRegion) -> Result<TriMesh, FlowFailure> {
     for (&v, p) in region.iter().zip(factor.solve_points(&right)) {
         positions[v as usize] = p;
     }
+    refine(
+        &factor,
+        &Powers { stiffness: &stiffness, mass: &mass, order: options.order },
+        &region,
+        &mut positions,
+    )?;
     Ok(mesh.with_positions(positions)?)
 }
 
-/// `S (M⁻¹S)ᵏ⁻¹`; for uniform weights `M = D`.
-fn operator(mesh: &TriMesh, options: &FairRegion) -> Result<SparseMatrix, FlowFailure> {
-    let (stiffness, mass) = match options.weights {
+/// The most corrections of a solution; two are the rule.
+const MOST_CORRECTIONS: usize = 20;
+
+/// Corrections of this share of the extent are taken for rounding.
+const SETTLED: f64 = 4.0 * f64::EPSILON;
+
+/// What a correction may still change where corrections no longer become smaller.
+const ACCEPTED: f64 = 1e-10;
+
+/// Solves for the residual until it changes nothing more. A power of a Laplacian over a region m edges wide has a
+/// condition of m²ᵏ, so that both the factor and a residual in plain arithmetic know the smooth part of a solution to few
+/// digits; the factor serves as long as it knows one, the residual is computed in twice the digits from the factors of
+/// the power.
+fn refine(
+    factor: &Cholesky,
+    powers: &Powers<'_>,
+    region: &[u32],
+    x: &mut [[f64; 3]],
+) -> Result<(), FlowFailure> {
+    let low = x.iter().fold([f64::INFINITY; 3], |m, p| [0, 1, 2].map(|k| m[k].min(p[k])));
+    let high = x.iter().fold([f64::NEG_INFINITY; 3], |m, p| [0, 1, 2].map(|k| m[k].max(p[k])));
+    let extent = (0..3).map(|k| (high[k] - low[k]).max(high[k].abs()).max(low[k].abs()));
+    let extent = extent.fold(0.0, f64::max);
+    let mut before = f64::INFINITY;
+    for iterations in 1..=MOST_CORRECTIONS {
+        let all = powers.apply(x);
+        let residual: Vec<[f64; 3]> = region.iter().map(|&v| all[v as usize].map(|y| -y)).collect();
+        let mut largest = (0.0, 0u32);
+        for (&v, d) in region.iter().zip(factor.solve_points(&residual)) {
+            let p = &mut x[v as usize];
+            *p = [0, 1, 2].map(|k| p[k] + d[k]);
+            let size = d.into_iter().map(f64::abs).fold(0.0, larger);
+            // NaN is no smaller than anything.
+            if !(size <= largest.0) {
+                largest = (size, v);
+            }
+        }
+        let (size, vertex) = (largest.0 / extent, largest.1);
+        if size <= SETTLED || extent == 0.0 {
+            return Ok(());
+        }
+        if !(size < 0.5 * before) || iterations == MOST_CORRECTIONS {
+            return match size <= ACCEPTED {
+                true => Ok(()),
+                false => Err(FlowFailure::NotConverged { residual: size, iterations, vertex }),
+            };
+        }
+        before = size;
+    }
+    Ok(())
+}
+
+/// `S (M⁻¹S)ᵏ⁻¹` as its factors. Rows of `S` act on differences, so that constants vanish exactly.
+struct Powers<'a> {
+    stiffness: &'a SparseMatrix,
+    mass: &'a [f64],
+    order: u32,
+}
+
+impl Powers<'_> {
+    /// The product with points, in numbers of twice the digits, rounded at the end.
+    fn apply(&self, x: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        let mut y: Vec<[Double; 3]> = x.iter().map(|p| p.map(|x| (x, 0.0))).collect();
+        for factor in 0..self.order {
+            let last = factor + 1 == self.order;
+            y = self
+                .stiffness
+                .outer_iterator()
+                .enumerate()
+                .map(|(i, row)| {
+                    let mut sum = [(0.0, 0.0); 3];
+                    for (j, &s) in row.iter().filter(|&(j, _)| j != i) {
+                        for k in 0..3 {
+                            let difference = double::sum(y[j][k], double::negative(y[i][k]));
+                            sum[k] = double::sum(sum[k], double::times(difference, s));
+                        }
+                    }
+                    if last { sum } else { sum.map(|s| double::over(s, self.mass[i])) }
+                })
+                .collect();
+        }
+        y.into_iter().map(|p| p.map(|(high, low)| high + low)).collect()
+    }
+}
+
+/// `S` and `M`; for uniform weights `M = D`.
+fn operators(
+    mesh: &TriMesh,
+    options: &FairRegion,
+) -> Result<(SparseMatrix, Vec<f64>), FlowFailure> {
+    Ok(match options.weights {
         FairingWeights::Uniform => {
             let stiffness = combinatorial_laplacian(mesh)?;
             let degree = stiffness.diag().to_dense().iter().map(|d| d.max(1.0)).collect();
@@ -152,18 +250,22 @@ fn operator(mesh: &TriMesh, options: &FairRegion) -> Result<SparseMatrix, FlowFa
             let robust = robust(mesh)?;
             (robust.stiffness, robust.mass)
         }
-    };
+    })
+}
+
+/// `S (M⁻¹S)ᵏ⁻¹`.
+fn power(stiffness: &SparseMatrix, mass: &[f64], order: u32) -> SparseMatrix {
     let mut walk = stiffness.clone();
     for (i, mut row) in walk.outer_iterator_mut().enumerate() {
         for (_, value) in row.iter_mut() {
             *value /= mass[i];
         }
     }
-    let mut product = stiffness;
-    for _ in 1..options.order {
+    let mut product = stiffness.clone();
+    for _ in 1..order {
         product = &product * &walk;
     }
-    Ok(product)
+    product
 }
 
 /// The mean of a matrix and its transpose: products are symmetric but for rounding.

@@ -61,7 +61,8 @@ impl SizeKeeper {
             });
         }
         let target = signed_volume(faces, x);
-        if !(target.is_finite() && target != 0.0) {
+        // Of a flat or doubled sheet rounding alone is left.
+        if !(target.is_finite() && target.abs() > rounding(faces, x)) {
             return Err(FlowFailure::Volume { reason: "the input has none" });
         }
         if frame.volume == Volume::Offset {
@@ -134,7 +135,10 @@ fn offset(
         }
         missing = target - signed_volume(faces, x);
     }
-    if missing.abs() <= ACCEPTED * target.abs() {
+    // Far from the origin the rounding of positions alone changes the volume by more.
+    let far = x.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let attainable = f64::EPSILON * far * surface(faces, x).0;
+    if missing.abs() <= (ACCEPTED * target.abs()).max(attainable) {
         return Ok(());
     }
     Err(FlowFailure::Volume { reason: "no offset along the normals restores it" })
@@ -159,6 +163,19 @@ pub(crate) fn signed_volume(faces: &[[u32; 3]], x: &[[f64; 3]]) -> f64 {
     let origin = mean(x);
     let corner = |v: u32| sub(x[v as usize], origin);
     faces.iter().map(|&[a, b, c]| dot(corner(a), cross(corner(b), corner(c)))).sum::<f64>() / 6.0
+}
+
+/// What rounding may leave of a volume that vanishes: of each term, and of their sum.
+fn rounding(faces: &[[u32; 3]], x: &[[f64; 3]]) -> f64 {
+    let origin = mean(x);
+    let corner = |v: u32| sub(x[v as usize], origin);
+    let (mut products, mut terms) = (0.0, 0.0);
+    for &[a, b, c] in faces {
+        let [a, b, c] = [corner(a), corner(b), corner(c)];
+        products += norm(a) * norm(b) * norm(c);
+        terms += dot(a, cross(b, c)).abs();
+    }
+    f64::EPSILON * (8.0 * products + faces.len() as f64 * terms) / 6.0
 }
 
 /// The centroid of the volume: tetrahedra from the mean of the points, weighted by their signed volumes.

@@ -13,9 +13,11 @@ mod boundaries;
 mod broken;
 mod eigenmodes;
 mod flows;
+mod hard_cases;
 mod mean_curvature;
 mod runs;
 mod solvers;
+mod spectra;
 
 /// The octahedron; its uniform Laplacian has the eigenvalues 0, −1 (three times) and −3/2 (twice).
 fn octahedron(positions: Vec<[f64; 3]>) -> TriMesh {

@@ -94,7 +94,8 @@ pub(crate) struct Smooth {
     /// What happens to the volume of a closed mesh; it drifts unless said
     #[arg(long, value_enum)]
     volume: Option<Keep>,
-    /// What happens to explicit steps beyond the stable limit; refused unless said
+    /// What happens to explicit steps beyond the stable limit, and to pairs of taubin that
+    /// amplify a mode by more than two; refused unless said
     #[arg(long, value_enum)]
     unstable: Option<Unstable>,
     /// The growing step of taubin, below -lambda
@@ -215,6 +216,8 @@ impl Smooth {
                 "warning: the step is beyond the stable limit {}; some modes grew",
                 number(limit)
             ));
+        } else if smoothed.report.unstable && warns {
+            context.note("warning: modes of the pass band grew by more than two");
         }
         self.summarise(context, &method, &file.mesh, &smoothed)?;
         files::write_moved(context, &output, &smoothed.mesh, file.fields)
@@ -230,9 +233,14 @@ impl Smooth {
     ) -> Result<(), Failure> {
         let (report, after) = (&smoothed.report, &smoothed.mesh);
         let change = |old: f64, new: f64| (old != 0.0).then(|| 100.0 * (new / old - 1.0));
-        let closed = before.topology().is_closed();
-        let volume =
-            if closed { change(before.signed_volume(), after.signed_volume()) } else { None };
+        // A flat closed mesh has no volume but rounding; a ball of its area has (area/π)^(3/2)/6 or less.
+        let none = 1e-12 * before.area().powf(1.5);
+        let volume = match before.signed_volume() {
+            old if before.topology().is_closed() && old.abs() > none => {
+                change(old, after.signed_volume())
+            }
+            _ => None,
+        };
         let area = change(before.area(), after.area());
         let farthest = before
             .positions()
@@ -247,6 +255,7 @@ impl Smooth {
                 "stopped": report.stopped,
                 "stable_limit": report.stable_limit,
                 "unstable": report.unstable,
+                "degenerate_faces": report.degenerate_faces,
                 "computed_by": approach(report.approach),
                 "worst_residual": report.worst_residual,
                 "volume_change_percent": volume,
@@ -260,6 +269,9 @@ impl Smooth {
         table.row(["method".into(), method.name().into()]);
         table.row(["iterations".into(), report.iterations.to_string()]);
         table.row(["computed by".into(), approach(report.approach)]);
+        if report.degenerate_faces > 0 {
+            table.row(["degenerate faces".into(), report.degenerate_faces.to_string()]);
+        }
         table.row(["largest displacement".into(), number(farthest)]);
         table.row(["volume".into(), percent(volume)]);
         table.row(["area".into(), percent(area)]);
@@ -273,6 +285,7 @@ fn approach(approach: Approach) -> String {
     match approach {
         Approach::Stepping => "steps".into(),
         Approach::Series { degree } => format!("series of degree {degree}"),
+        Approach::Resolvent { degree } => format!("series of degree {degree} in the resolvent"),
         Approach::ConjugateGradients { iterations } => {
             format!("conjugate gradients, {iterations} iterations")
         }

@@ -140,7 +140,7 @@ impl Smooth {
                 &[Explicit, Implicit, MeanCurvature, Taubin, Hc, ScaleDependent, Conformal],
             ),
             ("--volume", self.volume.is_some(), &[Explicit, Implicit, MeanCurvature]),
-            ("--unstable", self.unstable.is_some(), &[Explicit]),
+            ("--unstable", self.unstable.is_some(), &[Explicit, Taubin]),
             ("--mu", self.mu.is_some(), &[Taubin]),
             ("--pass-band", self.pass_band.is_some(), &[Taubin, WindowedSinc]),
             ("--degree", self.degree.is_some(), &[WindowedSinc]),
@@ -174,11 +174,7 @@ impl Smooth {
         Ok(match self.method {
             Name::Explicit => Method::Explicit(Explicit {
                 iterations: n.unwrap_or(10),
-                stability: match self.unstable {
-                    None | Some(Unstable::Refuse) => Stability::Refuse,
-                    Some(Unstable::Warn) => Stability::Warn,
-                    Some(Unstable::Allow) => Stability::Allow,
-                },
+                stability: self.stability(),
                 constraints,
                 volume,
                 ..Explicit::new(self.diffusion(0.5, 0.1)?)
@@ -219,7 +215,8 @@ impl Smooth {
                     (Some(mu), _) => Taubin::from_steps(lambda, mu),
                     (None, band) => Taubin::new(lambda, band.unwrap_or(options.pass_band)),
                 };
-                Method::Taubin(Taubin { pairs: n.unwrap_or(10), constraints, ..options })
+                let (pairs, stability) = (n.unwrap_or(10), self.stability());
+                Method::Taubin(Taubin { pairs, stability, constraints, ..options })
             }
             Name::WindowedSinc => {
                 let options = WindowedSinc::default();
@@ -281,6 +278,14 @@ impl Smooth {
                 })
             }
         })
+    }
+
+    fn stability(&self) -> Stability {
+        match self.unstable {
+            None | Some(Unstable::Refuse) => Stability::Refuse,
+            Some(Unstable::Warn) => Stability::Warn,
+            Some(Unstable::Allow) => Stability::Allow,
+        }
     }
 
     fn constraints(&self, mesh: &TriMesh) -> Result<Constraints, Failure> {

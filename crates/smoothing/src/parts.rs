@@ -1,0 +1,241 @@
+//! The parts of a mesh that move on their own, and how exactly a system is to be solved in each.
+//!
+//! A system `(M(1 + w) + tS) x' = b` falls apart into one for each connected part of the vertices that move. Parts
+//! may differ in size by any factor, and so may coordinates: a tolerance relative to the largest would leave the
+//! smallest as they are. So residuals are measured for each coordinate of each part, against its own right-hand side,
+//! but never below what rounding leaves of it.
+
+use rayon::prelude::*;
+
+use crate::constraints::Freedom;
+use crate::laplacian::{Laplacian, ROWS};
+
+type Point = [f64; 3];
+
+/// Rounding that a residual may hold, as a multiple of ε times its terms.
+const ROUNDING: f64 = 8.0;
+
+/// A residual is reported relative to no less than the rounding of its terms times this: where a right-hand side is
+/// rounding itself, the share of it that is left says nothing.
+const NOISE: f64 = 1e8;
+
+/// With more parts than this, sums over parts are formed by one thread.
+const FEW: usize = 16;
+
+/// Connected parts of the vertices that move.
+pub(crate) struct Parts {
+    /// The part of each vertex; for vertices that are held, one more than there are.
+    label: Vec<u32>,
+    /// A vertex of each part.
+    first: Vec<u32>,
+    /// Whether a part has neighbours that are held, or vertices that slide, so that it cannot move as a whole.
+    anchored: Vec<bool>,
+}
+
+impl Parts {
+    /// The parts that the pattern of a Laplacian connects.
+    pub(crate) fn of(laplacian: &Laplacian, freedom: &Freedom) -> Self {
+        const NONE: u32 = u32::MAX;
+        let n = laplacian.len();
+        let (mut label, mut first, mut anchored) = (vec![NONE; n], Vec::new(), Vec::new());
+        let mut open = Vec::new();
+        for seed in 0..n {
+            if label[seed] != NONE || freedom.held[seed] {
+                continue;
+            }
+            let part = first.len() as u32;
+            first.push(seed as u32);
+            anchored.push(freedom.sliding.is_some());
+            label[seed] = part;
+            open.push(seed as u32);
+            while let Some(i) = open.pop() {
+                for &j in laplacian.neighbors(i as usize) {
+                    if freedom.held[j as usize] {
+                        anchored[part as usize] = true;
+                    } else if label[j as usize] == NONE {
+                        label[j as usize] = part;
+                        open.push(j);
+                    }
+                }
+            }
+        }
+        let count = first.len() as u32;
+        for label in &mut label {
+            *label = (*label).min(count);
+        }
+        anchored.push(true);
+        Self { label, first, anchored }
+    }
+
+    /// The number of parts; vertices that are held count as one more.
+    pub(crate) fn count(&self) -> usize {
+        self.anchored.len()
+    }
+
+    /// The part of vertex `i`.
+    #[inline]
+    pub(crate) fn part(&self, i: usize) -> usize {
+        self.label[i] as usize
+    }
+
+    /// Whether the part of vertex `i` may move as a whole.
+    #[inline]
+    pub(crate) fn is_free(&self, i: usize) -> bool {
+        !self.anchored[self.label[i] as usize]
+    }
+
+    /// Whether each part may move as a whole.
+    pub(crate) fn free(&self) -> impl Iterator<Item = bool> + '_ {
+        self.anchored.iter().map(|anchored| !anchored)
+    }
+
+    /// A vertex of each part that may move as a whole.
+    pub(crate) fn representatives(&self) -> impl Iterator<Item = usize> + '_ {
+        self.first
+            .iter()
+            .zip(&self.anchored)
+            .filter(|(_, anchored)| !**anchored)
+            .map(|(&v, _)| v as usize)
+    }
+
+    /// The sum over each part of what `f` gives for its vertices.
+    pub(crate) fn sums<const K: usize>(
+        &self,
+        f: impl Fn(usize) -> [f64; K] + Sync,
+    ) -> Vec<[f64; K]> {
+        self.fold(f, |a, b| a + b)
+    }
+
+    /// The largest in each part of what `f` gives for its vertices, zero at least.
+    pub(crate) fn largest<const K: usize>(
+        &self,
+        f: impl Fn(usize) -> [f64; K] + Sync,
+    ) -> Vec<[f64; K]> {
+        self.fold(f, larger)
+    }
+
+    fn fold<const K: usize>(
+        &self,
+        f: impl Fn(usize) -> [f64; K] + Sync,
+        join: impl Fn(f64, f64) -> f64 + Sync,
+    ) -> Vec<[f64; K]> {
+        let gather = |(chunk, labels): (usize, &[u32])| {
+            let mut all = vec![[0.0; K]; self.count()];
+            for (k, &part) in labels.iter().enumerate() {
+                for (s, x) in all[part as usize].iter_mut().zip(f(chunk * ROWS + k)) {
+                    *s = join(*s, x);
+                }
+            }
+            all
+        };
+        if self.count() > FEW {
+            return gather((0, &self.label));
+        }
+        let chunks: Vec<_> = self.label.par_chunks(ROWS).enumerate().map(gather).collect();
+        let mut total = vec![[0.0; K]; self.count()];
+        for chunk in &chunks {
+            for (t, p) in total.as_flattened_mut().iter_mut().zip(chunk.as_flattened()) {
+                *t = join(*t, *p);
+            }
+        }
+        total
+    }
+
+    /// The points about which each part is solved: where `M(1 + w) x' = M (x + w c)` leaves it as a whole, if it
+    /// may move so; otherwise the mean of all such parts, weighted alike, one for all.
+    pub(crate) fn centres(&self, mass: &[f64], x: &[Point], freedom: &Freedom) -> Vec<Point> {
+        // About a point of the part, so that coordinates far from the origin lose nothing.
+        let origin = |part: usize| x[self.first.get(part).map_or(0, |&v| v as usize)];
+        let sums = self.sums(|i| {
+            let (m, (w, c), o) = (mass[i], freedom.pull(i), origin(self.part(i)));
+            let moment = [0, 1, 2]
+                .map(|k| m * (x[i][k] - o[k] + if w > 0.0 { w * (c[k] - o[k]) } else { 0.0 }));
+            [moment[0], moment[1], moment[2], m * (1.0 + w)]
+        });
+        let mut centres: Vec<Point> = sums
+            .iter()
+            .enumerate()
+            .map(|(part, s)| {
+                let o = origin(part);
+                [0, 1, 2].map(|k| if s[3] > 0.0 { o[k] + s[k] / s[3] } else { 0.0 })
+            })
+            .collect();
+        let (mut common, mut total) = ([0.0; 3], 0.0);
+        for (part, s) in sums.iter().enumerate().filter(|(part, _)| self.anchored[*part]) {
+            total += s[3];
+            for k in 0..3 {
+                common[k] += s[3] * centres[part][k];
+            }
+        }
+        for (centre, _) in centres.iter_mut().zip(&self.anchored).filter(|(_, anchored)| **anchored)
+        {
+            *centre = common.map(|c| if total > 0.0 { c / total } else { 0.0 });
+        }
+        centres
+    }
+}
+
+/// How large residuals may be in each coordinate of each part.
+pub(crate) struct Gauge<'a> {
+    pub(crate) parts: &'a Parts,
+    /// The reciprocals of the right-hand sides, raised to rounding, in which an iteration measures.
+    pub(crate) measure: Vec<Point>,
+    /// The reciprocals of the right-hand sides, in which it reports.
+    report: Vec<Point>,
+}
+
+impl<'a> Gauge<'a> {
+    /// From the squared norms of the right-hand sides of parts and, as a fourth, of the coefficients of their terms;
+    /// and the largest coordinates in each. Coordinates that are coupled are measured together.
+    pub(crate) fn new(
+        parts: &'a Parts,
+        sides: &[[f64; 4]],
+        reach: &[Point],
+        tolerance: f64,
+        coupled: bool,
+    ) -> Self {
+        let together = |p: Point, f: fn(f64, f64) -> f64| match coupled {
+            true => [p.into_iter().fold(0.0, f); 3],
+            false => p,
+        };
+        let reciprocal = |x: f64| if x > 0.0 { 1.0 / x } else { 0.0 };
+        let (mut measure, mut report) = (Vec::new(), Vec::new());
+        for (&[a, b, c, square], reach) in sides.iter().zip(reach) {
+            let side = together([a, b, c], |a, b| a + b).map(f64::sqrt);
+            let reach = together(*reach, f64::max);
+            let floor = reach.map(|r| ROUNDING * f64::EPSILON * square.sqrt() * r);
+            measure.push([0, 1, 2].map(|k| reciprocal(side[k].max(floor[k] / tolerance))));
+            report.push([0, 1, 2].map(|k| reciprocal(side[k].max(NOISE * floor[k]))));
+        }
+        Self { parts, measure, report }
+    }
+
+    /// The reciprocals in which the residual at vertex `i` is measured.
+    #[inline]
+    pub(crate) fn at(&self, i: usize) -> Point {
+        self.measure[self.parts.label[i] as usize]
+    }
+
+    /// The residual of each coordinate of each part as an iteration measures it: the largest.
+    pub(crate) fn measured(&self, r: &[Point]) -> f64 {
+        self.relative(r, &self.measure)
+    }
+
+    /// The residual as it is reported, of each coordinate of each part relative to its right-hand side: the largest.
+    pub(crate) fn reported<const N: usize>(&self, r: &[[f64; N]]) -> f64 {
+        self.relative(r, &self.report)
+    }
+
+    fn relative<const N: usize>(&self, r: &[[f64; N]], to: &[Point]) -> f64 {
+        let sums = self.parts.sums(|i| {
+            let g = to[self.parts.part(i)];
+            [0, 1, 2].map(|k| (r[i][k] * g[k]).powi(2))
+        });
+        sums.into_iter().flatten().map(f64::sqrt).fold(0.0, larger)
+    }
+}
+
+/// The larger of two numbers; NaN if one is.
+pub(crate) fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
+}
