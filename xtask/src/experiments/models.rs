@@ -3,14 +3,16 @@
 
 use anyhow::{Context as _, Result};
 use fairing_evaluation::{
-    drift, feature_edges, normal_error, vertex_displacement, vertex_distance,
+    drift, feature_edges, normal_error, surface_distance, vertex_displacement,
 };
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, cross, dot, norm, normalize, scale, sub};
 use fairing_smoothing::{
     Diffusion, Explicit, FlowError, Implicit, Smoothed, Stability, explicit, implicit,
 };
+use rayon::prelude::*;
 
+use super::statistics::least;
 use crate::experiment::Context;
 use crate::inputs::Input;
 use crate::outcome::{MeshOutput, Outcome, Picture};
@@ -89,18 +91,24 @@ impl Model {
             let n = squares.len() as f64;
             (n > 0.0).then(|| (squares.iter().sum::<f64>() / n).sqrt() / self.h())
         };
-        // A mesh that has collapsed has no normals, and one without creases no recall.
+        let growth = mesh.diagonal() / self.noisy.diagonal();
+        // A mesh that has collapsed to a point has no normals but those of rounding, and one without creases no
+        // recall.
+        let is_shape = growth > POINT;
+        let distance = surface_distance(mesh, &self.truth)?;
+        let recall = feature_edges(mesh, &self.truth, FEATURE)?.recall();
         Ok(Measures {
-            normal: normal_error(mesh, &self.truth).ok().map(|e| e.mean),
-            vertex: vertex_distance(mesh, &self.truth)?.rms / self.h(),
+            normal: normal_error(mesh, &self.truth).ok().filter(|_| is_shape).map(|e| e.mean),
+            vertex: distance.forward.rms / self.h(),
+            surface: distance.forward.rms.hypot(distance.backward.rms) / 2f64.sqrt() / self.h(),
             volume: change.volume.map(|v| 100.0 * v),
             area: change.area.map(|a| 100.0 * a),
-            recall: feature_edges(mesh, &self.truth, FEATURE)?.recall(),
+            recall: recall.filter(|_| is_shape),
             rms: moved.rms / self.h(),
             largest: moved.max / self.h(),
             inside: part(false),
             border: part(true),
-            growth: mesh.diagonal() / self.noisy.diagonal(),
+            growth,
         })
     }
 }
@@ -112,6 +120,9 @@ pub(super) struct Measures {
     pub(super) normal: Option<f64>,
     /// Root mean square distance of the vertices from the surface of the truth, in h.
     pub(super) vertex: f64,
+    /// Root mean square distance between the surfaces both ways, from the vertices of each to the other, in h: what has
+    /// shrunk within the truth leaves vertices of the truth behind.
+    pub(super) surface: f64,
     /// Change of volume against the truth in per cent; `None` if open.
     pub(super) volume: Option<f64>,
     /// Change of area against the truth in per cent.
@@ -131,9 +142,10 @@ pub(super) struct Measures {
 }
 
 /// The columns that [`Measures::cells`] fills.
-const COLUMNS: [(&str, Unit); 10] = [
+const COLUMNS: [(&str, Unit); 11] = [
     ("normal error", Unit::Degrees),
     ("vertex error", Unit::EdgeLengths),
+    ("surface error", Unit::EdgeLengths),
     ("volume", Unit::Percent),
     ("area", Unit::Percent),
     ("feature recall", Unit::One),
@@ -145,10 +157,11 @@ const COLUMNS: [(&str, Unit); 10] = [
 ];
 
 impl Measures {
-    pub(super) fn cells(&self) -> [Cell; 10] {
+    pub(super) fn cells(&self) -> [Cell; 11] {
         [
             self.normal.into(),
             self.vertex.into(),
+            self.surface.into(),
             self.volume.into(),
             self.area.into(),
             self.recall.into(),
@@ -159,6 +172,43 @@ impl Measures {
             self.growth.into(),
         ]
     }
+}
+
+/// The columns of a sweep over λ.
+pub(super) const SWEPT: [(&str, Unit); 7] = [
+    ("mesh", Unit::Label),
+    ("lambda", Unit::One),
+    ("normal error", Unit::Degrees),
+    ("vertex error", Unit::EdgeLengths),
+    ("surface error", Unit::EdgeLengths),
+    ("feature recall", Unit::One),
+    ("volume", Unit::Percent),
+];
+
+/// A flow over many λ: a row of [`SWEPT`] for each of them, on each model with a truth of its own.
+pub(super) fn sweep(
+    table: &mut Table,
+    models: &[Model],
+    lambdas: &[f64],
+    run: impl Fn(&Model, f64) -> Result<Smoothed, FlowError> + Sync,
+) -> Result<()> {
+    for model in models.iter().filter(|m| m.name != "cube") {
+        let measure = |&lambda: &f64| model.measure(&run(model, lambda)?.mesh);
+        let measured: Vec<Measures> = lambdas.par_iter().map(measure).collect::<Result<_>>()?;
+        for (lambda, m) in lambdas.iter().zip(measured) {
+            table
+                .push(row![model.name, *lambda, m.normal, m.vertex, m.surface, m.recall, m.volume]);
+        }
+    }
+    Ok(())
+}
+
+/// The λ of a sweep with the least error in this column.
+pub(super) fn best_lambda(sweep: &Table, mesh: &str, column: &str) -> Result<f64> {
+    let rows = sweep.only(&[("mesh", mesh.into())])?;
+    let pairs: Vec<(f64, f64)> =
+        rows.column(column)?.into_iter().zip(rows.column("lambda")?).collect();
+    Ok(least(&pairs).context("an empty sweep")?.1)
 }
 
 /// One flow at several λ.
@@ -188,21 +238,22 @@ impl OverLambda<'_> {
         let columns: Vec<(&str, Unit)> =
             [("mesh", Unit::Label), ("lambda", Unit::One)].into_iter().chain(COLUMNS).collect();
         let caption = format!(
-            "After {iterations} {kind} steps; λ = 0 is the input. Volume and area against the truth; growth is the diagonal over that of the input."
+            "After {iterations} {kind} steps; λ = 0 is the input. Volume and area against the truth; growth is the diagonal over that of the input. The vertex error is the distance of the vertices from the true surface, the surface error the root mean square of that distance and of the distance back: only the latter sees that a patch has shrunk."
         );
         let mut table = Table::new("flows", &caption, &columns)
             // What has diverged is mostly its roughest mode, what has collapsed is a point: rounding has its say.
             .tolerance("normal error", Some(Tolerance::LOOSE));
         for (i, model) in models.iter().enumerate() {
             context.progress(0.15 * i as f64, model.name);
-            let mut smoothed = vec![model.noisy.clone()];
-            for &lambda in lambdas {
-                smoothed.push((self.run)(model, lambda, iterations)?.mesh);
-            }
+            let run = |&lambda: &f64| Ok((self.run)(model, lambda, iterations)?.mesh);
+            let after: Vec<TriMesh> = lambdas.par_iter().map(run).collect::<Result<_>>()?;
+            let smoothed: Vec<TriMesh> = [model.noisy.clone()].into_iter().chain(after).collect();
             let with_input = || [0.0].into_iter().chain(lambdas.iter().copied());
-            for (lambda, mesh) in with_input().zip(&smoothed) {
+            let measured: Vec<Measures> =
+                smoothed.par_iter().map(|mesh| model.measure(mesh)).collect::<Result<_>>()?;
+            for (lambda, measures) in with_input().zip(&measured) {
                 let leading = row![model.name, lambda];
-                table.push(leading.into_iter().chain(model.measure(mesh)?.cells()));
+                table.push(leading.into_iter().chain(measures.cells()));
             }
             outcome.figures.push((self.draw)(model, &smoothed)?);
             outcome.views.push(self.view(model, &smoothed)?);

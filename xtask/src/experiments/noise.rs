@@ -8,6 +8,7 @@ use fairing_operators::curvature::{CurvatureField, Estimator, angle_defect};
 use rayon::prelude::*;
 
 use super::gallery::plotted;
+use super::statistics::median;
 use super::surfaces::{Sampling, TestSurface};
 use crate::experiment::{Card, Context, Experiment};
 use crate::outcome::{Outcome, Picture};
@@ -122,8 +123,8 @@ impl Experiment for Noise {
         let range = |table: &Table| -> Result<[f64; 3]> {
             let mut ratios = table.column("K over H")?;
             ratios.sort_by(f64::total_cmp);
-            let last = ratios.len() - 1;
-            Ok([ratios[0], ratios[last / 2], ratios[last]])
+            let middle = median(&ratios).context("no changes")?;
+            Ok([ratios[0], middle, ratios[ratios.len() - 1]])
         };
         let ([low, middle, high], [all_low, all_middle, _]) = (range(&plain)?, range(changes)?);
         let total = tables.get("totals")?.column("largest distance")?;
