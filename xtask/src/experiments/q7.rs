@@ -100,7 +100,7 @@ impl Experiment for GrowingNoise {
         let (torus, scan) = match (context.is_quick(), context.mesh_if_present(Input::Scan)?) {
             (true, _) => (shapes::torus(1.0, 0.4, 40, 16), shapes::bumpy_sphere(3, 0.12, 4.0)),
             (false, Some(scan)) => (shapes::torus(1.0, 0.4, 48, 20), scan),
-            (false, None) => (shapes::torus(1.0, 0.4, 48, 20), shapes::creature(40)),
+            (false, None) => (shapes::torus(1.0, 0.4, 48, 20), shapes::creature(48)),
         };
         let part = Body::new("machine part", part)?.with_modes()?;
         let bodies = [
