@@ -2,9 +2,7 @@
 //! several λ in numbers, meshes and views.
 
 use anyhow::{Context as _, Result};
-use fairing_evaluation::{
-    drift, feature_edges, normal_error, surface_distance, vertex_displacement,
-};
+use fairing_evaluation::{SurfaceTree, drift, feature_edges, normal_error, vertex_displacement};
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, cross, dot, norm, normalize, scale, sub};
 use fairing_smoothing::{
@@ -31,21 +29,45 @@ pub(super) struct Model {
     pub(super) name: &'static str,
     pub(super) noisy: TriMesh,
     pub(super) truth: TriMesh,
+    /// The surface of the truth.
+    surface: SurfaceTree,
+}
+
+/// Distances between surfaces are measured at no more than about so many vertices of each, every mth: a root mean
+/// square over n independent values is known to 1/√(2n), here 1.6 %, and comparisons over λ use the same vertices.
+const SAMPLES: usize = 2000;
+
+/// Every mth vertex, from as many as there are to half of [`SAMPLES`] at least.
+fn sampled(mesh: &TriMesh) -> Vec<[f64; 3]> {
+    let step = mesh.vertex_count().div_ceil(SAMPLES).max(1);
+    mesh.positions().iter().copied().step_by(step).collect()
+}
+
+/// The root mean square distance of points from a surface.
+fn rms_distance(points: &[[f64; 3]], surface: &SurfaceTree) -> f64 {
+    let squares: f64 = surface.distances(points).iter().map(|d| d * d).sum();
+    (squares / points.len() as f64).sqrt()
 }
 
 impl Model {
+    /// A model of this name.
+    pub(super) fn new(name: &'static str, noisy: TriMesh, truth: TriMesh) -> Result<Self> {
+        let surface = SurfaceTree::new(&truth)?;
+        Ok(Self { name, noisy, truth, surface })
+    }
+
     /// The three meshes of the questions: the patch, the machine part and the cube.
     pub(super) fn all(context: &Context<'_>) -> Result<[Self; 3]> {
         let patch = context.mesh(Input::NoisyPlane)?;
         let cube = context.mesh(Input::Cube)?;
         Ok([
-            Self { name: "patch", truth: flattened(&patch)?, noisy: patch },
-            Self {
-                name: "machine part",
-                noisy: context.mesh(Input::NoisyFandisk)?,
-                truth: context.mesh(Input::Fandisk)?,
-            },
-            Self { name: "cube", truth: cube.clone(), noisy: cube },
+            Self::new("patch", patch.clone(), flattened(&patch)?)?,
+            Self::new(
+                "machine part",
+                context.mesh(Input::NoisyFandisk)?,
+                context.mesh(Input::Fandisk)?,
+            )?,
+            Self::new("cube", cube.clone(), cube)?,
         ])
     }
 
@@ -95,12 +117,13 @@ impl Model {
         // A mesh that has collapsed to a point has no normals but those of rounding, and one without creases no
         // recall.
         let is_shape = growth > POINT;
-        let distance = surface_distance(mesh, &self.truth)?;
+        let forward = rms_distance(&sampled(mesh), &self.surface) / self.h();
+        let backward = rms_distance(&sampled(&self.truth), &SurfaceTree::new(mesh)?) / self.h();
         let recall = feature_edges(mesh, &self.truth, FEATURE)?.recall();
         Ok(Measures {
             normal: normal_error(mesh, &self.truth).ok().filter(|_| is_shape).map(|e| e.mean),
-            vertex: distance.forward.rms / self.h(),
-            surface: distance.forward.rms.hypot(distance.backward.rms) / 2f64.sqrt() / self.h(),
+            vertex: forward,
+            surface: forward.hypot(backward) / 2f64.sqrt(),
             volume: change.volume.map(|v| 100.0 * v),
             area: change.area.map(|a| 100.0 * a),
             recall: recall.filter(|_| is_shape),
@@ -238,7 +261,7 @@ impl OverLambda<'_> {
         let columns: Vec<(&str, Unit)> =
             [("mesh", Unit::Label), ("lambda", Unit::One)].into_iter().chain(COLUMNS).collect();
         let caption = format!(
-            "After {iterations} {kind} steps; λ = 0 is the input. Volume and area against the truth; growth is the diagonal over that of the input. The vertex error is the distance of the vertices from the true surface, the surface error the root mean square of that distance and of the distance back: only the latter sees that a patch has shrunk."
+            "After {iterations} {kind} steps; λ = 0 is the input. Volume and area against the truth; growth is the diagonal over that of the input. The vertex error is the distance of the vertices from the true surface, the surface error the root mean square of that distance and of the distance back: only the latter sees that a patch has shrunk. Distances are measured at up to 2000 vertices spread over each mesh."
         );
         let mut table = Table::new("flows", &caption, &columns)
             // What has diverged is mostly its roughest mode, what has collapsed is a point: rounding has its say.

@@ -175,7 +175,7 @@ fn best(context: &Context<'_>) -> Result<Table> {
             let seed = context.seed("best");
             let level = NoiseLevel::EdgeLengths(sigma);
             let noisy = add_noise(&truth, NoiseKind::GaussianAlongNormals, level, seed)?;
-            let model = Model { name: "block", noisy, truth: truth.clone() };
+            let model = Model::new("block", noisy, truth.clone())?;
             let lambdas: Vec<f64> = steps(context.choose(24, 6)).collect();
             let measure = |&lambda: &f64| -> Result<[(f64, f64); 2]> {
                 let m = model.measure(&model.explicit(lambda, ITERATIONS)?.mesh)?;
@@ -243,9 +243,8 @@ fn spectra(models: &[Model]) -> Result<Table> {
             [0, 3, 5],
         ],
     )?;
-    let sphere =
-        Model { name: "icosphere", noisy: shapes::icosphere(4), truth: shapes::icosphere(4) };
-    let attained = Model { name: "octahedron", noisy: octahedron.clone(), truth: octahedron };
+    let sphere = Model::new("icosphere", shapes::icosphere(4), shapes::icosphere(4))?;
+    let attained = Model::new("octahedron", octahedron.clone(), octahedron)?;
     for model in models.iter().chain([&sphere, &attained]) {
         let mesh = &model.noisy;
         let closed = mesh.topology().is_closed();
@@ -253,7 +252,7 @@ fn spectra(models: &[Model]) -> Result<Table> {
         // Symmetric positions hold nothing of the roughest modes: some noise brings all of them in.
         let level = NoiseLevel::EdgeLengths(0.01);
         let noisy = add_noise(mesh, NoiseKind::GaussianPerAxis, level, 1)?;
-        let model = Model { name: model.name, noisy, truth: model.truth.clone() };
+        let model = Model::new(model.name, noisy, model.truth.clone())?;
         let after = model.explicit(2.0, ITERATIONS)?.mesh;
         let n = mesh.vertex_count() as f64;
         table.push(row![
