@@ -54,6 +54,8 @@ pub(super) struct Gallery<'a> {
     pub(super) up: Up,
     /// Width over height of each picture.
     pub(super) aspect: f64,
+    /// Whether hollows are darker: half of the work of a picture, which quick runs leave out.
+    pub(super) occlusion: bool,
 }
 
 /// The two viewpoints of the figures.
@@ -87,7 +89,7 @@ impl Gallery<'_> {
             ..RenderOptions::default()
         };
         let meshes: Vec<&TriMesh> = self.looks.iter().map(|l| l.mesh).collect();
-        let baked = baked(&meshes);
+        let baked = self.occlusion.then(|| baked(&meshes));
         let mut figure = Figure {
             columns: self.looks.len(),
             column_titles: self.looks.iter().map(|l| l.title.to_string()).collect(),
@@ -110,10 +112,10 @@ impl Gallery<'_> {
         }
         for &viewpoint in self.viewpoints {
             let camera = Camera::fit(&meshes, viewpoint, self.up, options.aspect())?;
-            for ((look, colors), &shared) in self.looks.iter().zip(&painted).zip(&baked.1) {
-                let occlusion = &baked.0[shared];
+            for (i, (look, colors)) in self.looks.iter().zip(&painted).enumerate() {
+                let occlusion = baked.as_ref().map(|(distinct, which)| &distinct[which[i]]);
                 let colors = colors.as_deref().map_or(Colors::CLAY, Colors::PerVertex);
-                let image = render(look.mesh, colors, Some(occlusion), &camera, &options)?;
+                let image = render(look.mesh, colors, occlusion, &camera, &options)?;
                 figure.panels.push(Panel::image(&image, width)?);
             }
         }

@@ -31,6 +31,8 @@ pub(super) struct Model {
     pub(super) truth: TriMesh,
     /// The surface of the truth.
     surface: SurfaceTree,
+    /// Whether its pictures have occlusion.
+    pub(super) occlusion: bool,
 }
 
 /// Distances between surfaces are measured at no more than about so many vertices of each, every mth: a root mean
@@ -53,14 +55,14 @@ impl Model {
     /// A model of this name.
     pub(super) fn new(name: &'static str, noisy: TriMesh, truth: TriMesh) -> Result<Self> {
         let surface = SurfaceTree::new(&truth)?;
-        Ok(Self { name, noisy, truth, surface })
+        Ok(Self { name, noisy, truth, surface, occlusion: true })
     }
 
     /// The three meshes of the questions: the patch, the machine part and the cube.
     pub(super) fn all(context: &Context<'_>) -> Result<[Self; 3]> {
         let patch = context.mesh(Input::NoisyPlane)?;
         let cube = context.mesh(Input::Cube)?;
-        Ok([
+        let models = [
             Self::new("patch", patch.clone(), flattened(&patch)?)?,
             Self::new(
                 "machine part",
@@ -68,7 +70,8 @@ impl Model {
                 context.mesh(Input::Fandisk)?,
             )?,
             Self::new("cube", cube.clone(), cube)?,
-        ])
+        ];
+        Ok(models.map(|model| Self { occlusion: !context.is_quick(), ..model }))
     }
 
     /// Its name in ids.

@@ -176,6 +176,7 @@ impl<'a> Pictures<'a> {
             viewpoints: &VIEWPOINTS,
             up: Up::Z,
             aspect: 1.3,
+            occlusion: true,
         }
     }
 

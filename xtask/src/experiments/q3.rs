@@ -200,7 +200,8 @@ fn pictures(
 ) -> Result<[Picture; 2]> {
     let norms = sizes(cotangent);
     let (uniform, cotangent) = (uniform.clone().into_signed(), cotangent.clone().into_signed());
-    let gallery = |looks| Gallery { looks, viewpoints: &VIEWPOINTS, up: Up::Z, aspect: 1.3 };
+    let gallery =
+        |looks| Gallery { looks, viewpoints: &VIEWPOINTS, up: Up::Z, aspect: 1.3, occlusion: true };
     let assignment = gallery(vec![
         Look { title: "original", mesh, coloring: None },
         Look {

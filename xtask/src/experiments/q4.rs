@@ -89,10 +89,16 @@ impl Experiment for Reconstruction {
         )
         .tolerance("worst residual", None);
         let mut curves = vec![];
+        let occlusion = !context.is_quick();
         let generated = shapes::bumpy_sphere(context.choose(4, 3), 0.15, 4.0);
+        // A quick run is to be quick.
+        let large = match context.is_quick() {
+            true => shapes::creature(64),
+            false => context.mesh(Input::ArmadilloLarge)?,
+        };
         let meshes = [
             ("armadillo", context.mesh(Input::Armadillo)?),
-            ("large armadillo", context.mesh(Input::ArmadilloLarge)?),
+            ("large armadillo", large),
             ("bumpy sphere", generated),
         ];
         for (i, (name, mesh)) in meshes.iter().enumerate() {
@@ -120,10 +126,10 @@ impl Experiment for Reconstruction {
             // What is below rounding has no place on a logarithmic axis.
             curves.push(Series::line(*name, curve.filter(|p| p[1] > 1e-12).collect()));
             let id = name.replace(' ', "-");
-            outcome.figures.push(picture(&id, name, mesh, &stops, &rebuilt)?);
+            outcome.figures.push(picture(&id, name, mesh, &stops, &rebuilt, occlusion)?);
             outcome.views.push(view(&id, name, mesh, &stops, &rebuilt));
             if i == 0 {
-                outcome.figures.push(modes_picture(&id, name, mesh, &modes)?);
+                outcome.figures.push(modes_picture(&id, name, mesh, &modes, occlusion)?);
             }
             outcome.attachments.push(energies(&id, name, mesh, &modes)?);
             for (k, mesh) in stops.iter().zip(rebuilt) {
@@ -304,6 +310,7 @@ fn picture(
     mesh: &TriMesh,
     stops: &[usize],
     rebuilt: &[TriMesh],
+    occlusion: bool,
 ) -> Result<Picture> {
     let titles: Vec<String> = stops.iter().map(|k| format!("k = {k}")).collect();
     let mut looks = vec![];
@@ -316,7 +323,7 @@ fn picture(
     looks.dedup_by_key(|l| l.0);
     let looks =
         looks.into_iter().map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
-    Gallery { looks, viewpoints: &VIEWS, up: Up::Y, aspect: 0.9 }.draw(
+    Gallery { looks, viewpoints: &VIEWS, up: Up::Y, aspect: 0.9, occlusion }.draw(
         id,
         &format!("The {name} from more and more modes, and the original, from two viewpoints."),
         &format!("Pictures of the {name}: a few modes give a smooth blob, more bring limbs, then details."),
@@ -326,7 +333,13 @@ fn picture(
 /// The modes drawn, by number.
 const DRAWN: [usize; 5] = [1, 2, 4, 9, 29];
 
-fn modes_picture(id: &str, name: &str, mesh: &TriMesh, modes: &Spectrum) -> Result<Picture> {
+fn modes_picture(
+    id: &str,
+    name: &str,
+    mesh: &TriMesh,
+    modes: &Spectrum,
+    occlusion: bool,
+) -> Result<Picture> {
     let fields: Vec<(String, ScalarCurvature)> = DRAWN
         .iter()
         .filter(|&&i| i < modes.len())
@@ -358,7 +371,7 @@ fn modes_picture(id: &str, name: &str, mesh: &TriMesh, modes: &Spectrum) -> Resu
             }),
         })
         .collect();
-    Gallery { looks, viewpoints: &VIEWS, up: Up::Y, aspect: 0.9 }.draw(
+    Gallery { looks, viewpoints: &VIEWS, up: Up::Y, aspect: 0.9, occlusion }.draw(
         &format!("{id}-modes"),
         &format!("Modes of the {name}, from two viewpoints: the larger the eigenvalue, the more often the sign changes. Signs are arbitrary, and the basis where eigenvalues are equal."),
         &format!("The {name} coloured from blue to red: first in halves, then limb by limb, then in many patches."),

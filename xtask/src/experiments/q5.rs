@@ -282,7 +282,7 @@ fn picture(model: &Model, smoothed: &[TriMesh]) -> Result<Picture> {
         shown.push((title + &scale, mesh));
     }
     let looks = shown.iter().map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
-    Gallery { looks, viewpoints: &VIEWPOINTS, up: Up::Z, aspect: 1.0 }.draw(
+    Gallery { looks, viewpoints: &VIEWPOINTS, up: Up::Z, aspect: 1.0, occlusion: model.occlusion }.draw(
         &model.slug(),
         &format!("The {} before and after 50 explicit steps, from two viewpoints. What has diverged or shrunk is drawn at the size of the input, as its title says.", model.name),
         &format!("Ten pictures of the {}: the input and four steps, from two sides.", model.name),

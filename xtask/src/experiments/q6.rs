@@ -371,7 +371,7 @@ fn over_lambda(model: &Model, smoothed: &[TriMesh]) -> Result<Picture> {
         shown.push((title + &scale, mesh));
     }
     let looks = shown.iter().map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
-    Gallery { looks, viewpoints: &VIEWPOINTS, up: Up::Z, aspect: 1.0 }.draw(
+    Gallery { looks, viewpoints: &VIEWPOINTS, up: Up::Z, aspect: 1.0, occlusion: model.occlusion }.draw(
         &model.slug(),
         &format!(
             "The {} before and after 50 implicit steps, from two viewpoints; what has shrunk a lot is enlarged, as its title says.",
@@ -395,7 +395,7 @@ fn over_iterations(model: &Model) -> Result<Picture> {
         ("explicit ½ × 500", model.explicit(EXPLICIT, 500)?.mesh),
     ];
     let looks = meshes.iter().map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
-    Gallery { looks, viewpoints: &VIEWPOINTS, up: Up::Z, aspect: 1.0 }.draw(
+    Gallery { looks, viewpoints: &VIEWPOINTS, up: Up::Z, aspect: 1.0, occlusion: model.occlusion }.draw(
         &format!("{}-iterations", model.slug()),
         &format!("The {} after implicit steps (λ × iterations), explicit steps of the same number, and explicit steps of the same diffusion time: the last two look like the first two.", model.name),
         &format!("Twelve pictures of the {} after implicit and explicit steps, from two sides.", model.name),
