@@ -404,3 +404,49 @@ fn fitted(mesh: &TriMesh, like: &TriMesh) -> Result<TriMesh> {
     let moved = mesh.positions().iter().map(|&p| add(to, scale(sub(p, from), factor)));
     Ok(mesh.with_positions(moved.collect())?)
 }
+
+#[cfg(test)]
+mod tests {
+    use fairing_mesh::shapes;
+
+    use super::*;
+
+    /// Towards a corner of the unit square.
+    fn scaled(mesh: &TriMesh, factor: f64) -> TriMesh {
+        let moved = mesh.positions().iter().map(|p| p.map(|x| factor * x));
+        mesh.with_positions(moved.collect()).unwrap()
+    }
+
+    /// Inside its own plane a patch can shrink without a trace in its normals or in the distance of its vertices
+    /// from the truth. What it leaves behind is found by the distance back.
+    #[test]
+    fn the_surface_error_sees_a_patch_shrink() {
+        let patch = shapes::plane(16, 16, shapes::Diagonals::Alternating);
+        let model = Model::new("patch", patch.clone(), patch.clone()).unwrap();
+        let m = model.measure(&scaled(&patch, 0.5)).unwrap();
+        assert!(m.normal.unwrap() < 1e-9 && m.vertex < 1e-9, "{m:?}");
+        // Half of the diagonal at the far corner, 0 in a quarter of the square.
+        assert!(m.surface * model.h() > 0.1, "{m:?}");
+        assert!(model.measure(&patch).unwrap().surface < 1e-9);
+    }
+
+    /// The normals of a point are those of its rounding.
+    #[test]
+    fn a_point_has_no_normals() {
+        let cube = shapes::icosphere(1);
+        let model = Model::new("ball", cube.clone(), cube.clone()).unwrap();
+        let m = model.measure(&scaled(&cube, 1e-12)).unwrap();
+        assert_eq!((m.normal, m.recall), (None, None));
+        assert!(model.measure(&scaled(&cube, 1e-3)).unwrap().normal.is_some());
+    }
+
+    /// Of a sweep whose error falls to a plateau, the first λ on it.
+    #[test]
+    fn the_best_lambda_is_the_first_of_equal_ones() {
+        let mut sweep = Table::new("s", "S.", &SWEPT);
+        for (lambda, error) in [(0.1, 2.0), (1.0, 1.0), (10.0, 1.0 - f64::EPSILON)] {
+            sweep.push(row!["patch", lambda, 0.0, 0.0, error, 0.0, 0.0]);
+        }
+        assert_eq!(best_lambda(&sweep, "patch", "surface error").unwrap(), 1.0);
+    }
+}
