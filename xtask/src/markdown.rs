@@ -85,10 +85,11 @@ pub(crate) fn stand_ins(results: &Results) -> Vec<String> {
 }
 
 /// Verdicts with the words for all claims on which they were given.
-pub(crate) const GROUPS: [(Verdict, &str); 3] = [
+pub(crate) const GROUPS: [(Verdict, &str); 4] = [
     (Verdict::Confirmed, "Confirmed"),
     (Verdict::Qualified, "True in part"),
     (Verdict::Refuted, "Refuted"),
+    (Verdict::Undecided, "Undecided"),
 ];
 
 /// What was found, a line for each verdict.

@@ -16,6 +16,9 @@ pub enum Verdict {
     Refuted,
     /// Parts hold, or it holds under conditions that the claim does not name.
     Qualified,
+    /// The measurements cannot tell: what differs lies within their standard error,
+    /// or beyond the end of a sweep.
+    Undecided,
 }
 
 impl fmt::Display for Verdict {
@@ -24,6 +27,7 @@ impl fmt::Display for Verdict {
             Self::Confirmed => "confirmed",
             Self::Refuted => "refuted",
             Self::Qualified => "qualified",
+            Self::Undecided => "undecided",
         })
     }
 }

@@ -66,7 +66,10 @@ fn results_follow_the_schema() {
         }
         let claims = e["claims"].as_array().unwrap();
         assert_eq!(text(&claims[0], "id"), "2a");
-        assert!(["confirmed", "refuted", "qualified"].contains(&text(&claims[0], "verdict")));
+        assert!(
+            ["confirmed", "refuted", "qualified", "undecided"]
+                .contains(&text(&claims[0], "verdict"))
+        );
         assert!(claims[0]["numbers"].as_array().unwrap().iter().all(|n| n["value"].is_number()));
         for figure in e["figures"].as_array().unwrap() {
             assert!(out.join(text(figure, "png")).is_file(), "{figure}");
@@ -128,7 +131,7 @@ fn a_second_run_returns_the_same() {
     assert_eq!(xtask::compare::differences(&first, &second, false), []);
 }
 
-/// An experiment made for these tests: fails, panics or succeeds.
+/// An experiment made for these tests: fails, panics, cannot tell, or succeeds.
 struct Sample(&'static str);
 
 impl Experiment for Sample {
@@ -157,7 +160,8 @@ impl Experiment for Sample {
 
     fn judge(&self, tables: Tables<'_>) -> anyhow::Result<Vec<Judgement>> {
         let drawn = tables.get("draws")?.column("seed")?[0];
-        Ok(vec![Judgement::new("0a", "It draws.", Verdict::Confirmed, "It does.").number(
+        let verdict = if self.0 == "wavers" { Verdict::Undecided } else { Verdict::Confirmed };
+        Ok(vec![Judgement::new("0a", "It draws.", verdict, "It does.").number(
             "seed",
             drawn,
             Unit::One,
@@ -178,6 +182,24 @@ fn a_failing_experiment_is_reported_and_the_others_run() {
     assert_eq!(results.experiments[2].claims.len(), 1);
     let report = std::fs::read_to_string(out.join("report.md")).unwrap();
     assert!(report.contains("vertex 7 is missing") && report.contains("It draws."));
+}
+
+/// What the numbers do not decide is said to be undecided, in both reports and in `results.json`.
+#[test]
+fn an_undecided_claim_is_shown_as_such() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("report");
+    let results = reproduce(&[&Sample("wavers")], &plan(&out, &[])).unwrap();
+    assert_eq!(results.judged(Verdict::Undecided).len(), 1);
+    assert_eq!(
+        Results::read(&out.join("results.json")).unwrap().judged(Verdict::Undecided).len(),
+        1
+    );
+    let [report, page] =
+        ["report.md", "report.html"].map(|name| std::fs::read_to_string(out.join(name)).unwrap());
+    assert!(report.contains("- **Undecided:** 0a It draws.") && report.contains("**undecided**"));
+    assert!(page.contains("<span class=\"verdict undecided\">Undecided:</span>"));
+    assert!(page.contains(".verdict.undecided {"));
 }
 
 #[test]

@@ -236,7 +236,7 @@ fn methods(context: &Context<'_>) -> Result<(Table, Picture)> {
     let shown = ["input", "implicit", "mean-curvature", "taubin", "hc"];
     let looks = results.iter().filter(|(name, _)| shown.contains(&name.as_str()));
     let looks = looks.map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
-    let picture = Gallery { looks, viewpoints: &VIEWPOINTS[..1], up: Up::Z, aspect: 1.0 }.draw(
+    let picture = Gallery { looks, viewpoints: &VIEWPOINTS[..1], up: Up::Z, aspect: 1.0, occlusion: !context.is_quick() }.draw(
         "methods",
         "A bumpy sphere with noise, and after some of the methods with the options they have by default.",
         "Five pictures: a rough sphere with bumps, and smoother ones of which some have shrunk.",

@@ -54,6 +54,8 @@ pub(super) struct Gallery<'a> {
     pub(super) up: Up,
     /// Width over height of each picture.
     pub(super) aspect: f64,
+    /// Whether hollows are darker: half of the work of a picture, which quick runs leave out.
+    pub(super) occlusion: bool,
 }
 
 /// The two viewpoints of the figures.
@@ -87,7 +89,7 @@ impl Gallery<'_> {
             ..RenderOptions::default()
         };
         let meshes: Vec<&TriMesh> = self.looks.iter().map(|l| l.mesh).collect();
-        let baked: Vec<Occlusion> = meshes.iter().map(|m| Occlusion::bake(m)).collect();
+        let baked = self.occlusion.then(|| baked(&meshes));
         let mut figure = Figure {
             columns: self.looks.len(),
             column_titles: self.looks.iter().map(|l| l.title.to_string()).collect(),
@@ -110,9 +112,10 @@ impl Gallery<'_> {
         }
         for &viewpoint in self.viewpoints {
             let camera = Camera::fit(&meshes, viewpoint, self.up, options.aspect())?;
-            for ((look, colors), occlusion) in self.looks.iter().zip(&painted).zip(&baked) {
+            for (i, (look, colors)) in self.looks.iter().zip(&painted).enumerate() {
+                let occlusion = baked.as_ref().map(|(distinct, which)| &distinct[which[i]]);
                 let colors = colors.as_deref().map_or(Colors::CLAY, Colors::PerVertex);
-                let image = render(look.mesh, colors, Some(occlusion), &camera, &options)?;
+                let image = render(look.mesh, colors, occlusion, &camera, &options)?;
                 figure.panels.push(Panel::image(image, width));
             }
         }
@@ -124,6 +127,19 @@ impl Gallery<'_> {
             svg: None,
         })
     }
+}
+
+/// The occlusion of each mesh that is not the same as one before, and which of them each mesh has.
+fn baked(meshes: &[&TriMesh]) -> (Vec<Occlusion>, Vec<usize>) {
+    let (mut distinct, mut which): (Vec<&TriMesh>, Vec<usize>) = (vec![], vec![]);
+    for &mesh in meshes {
+        let known = distinct.iter().position(|&other| std::ptr::eq(other, mesh));
+        which.push(known.unwrap_or(distinct.len()));
+        if known.is_none() {
+            distinct.push(mesh);
+        }
+    }
+    (distinct.into_iter().map(Occlusion::bake).collect(), which)
 }
 
 impl Coloring<'_> {

@@ -16,12 +16,14 @@ mod flows;
 mod noise;
 
 mod gallery;
+mod gap;
 mod grid;
 mod models;
 mod refinement;
 mod restoring;
 mod samples;
 mod spread;
+mod statistics;
 mod surfaces;
 mod torus;
 

@@ -8,6 +8,7 @@ use fairing_operators::curvature::{CurvatureField, Estimator, angle_defect};
 use rayon::prelude::*;
 
 use super::gallery::plotted;
+use super::statistics::median;
 use super::surfaces::{Sampling, TestSurface};
 use crate::experiment::{Card, Context, Experiment};
 use crate::outcome::{Outcome, Picture};
@@ -39,12 +40,12 @@ impl Experiment for Noise {
     }
 
     fn run(&self, context: &Context<'_>) -> Result<Outcome> {
-        let seeds = context.choose(8, 3);
+        let seeds = context.choose(4, 2);
         let levels = context.choose(3..=5, 2..=4);
         let steps = SURFACES.len() * levels.clone().count();
         let mut changes = Table::new(
             "changes",
-            "Change under noise, root mean square over vertices and seeds, over the root mean square of the clean values; rank correlation of noisy with clean values, mean over seeds.",
+            "Change under noise, root mean square over vertices and seeds, over the root mean square of the clean values; rank correlation of noisy with clean values, mean over seeds. The standard error is that of K over H, from its spread over the seeds.",
             &[
                 ("surface", Unit::Label),
                 ("vertices", Unit::Count),
@@ -53,11 +54,14 @@ impl Experiment for Noise {
                 ("change of H", Unit::Relative),
                 ("change of K", Unit::Relative),
                 ("K over H", Unit::One),
+                ("standard error", Unit::One),
                 ("ranks of H", Unit::One),
                 ("ranks of K", Unit::One),
             ],
         );
-        for column in ["change of H", "change of K", "K over H", "ranks of H", "ranks of K"] {
+        for column in
+            ["change of H", "change of K", "K over H", "standard error", "ranks of H", "ranks of K"]
+        {
             changes = changes.tolerance(column, Some(Tolerance { relative: 1e-3, absolute: 1e-4 }));
         }
         let mut totals = Table::new(
@@ -103,6 +107,7 @@ impl Experiment for Noise {
                             h,
                             k,
                             k / h,
+                            standard_error(&all),
                             ranks(0),
                             ranks(1),
                         ]);
@@ -122,12 +127,14 @@ impl Experiment for Noise {
         let range = |table: &Table| -> Result<[f64; 3]> {
             let mut ratios = table.column("K over H")?;
             ratios.sort_by(f64::total_cmp);
-            let last = ratios.len() - 1;
-            Ok([ratios[0], ratios[last / 2], ratios[last]])
+            let middle = median(&ratios).context("no changes")?;
+            Ok([ratios[0], middle, ratios[ratios.len() - 1]])
         };
         let ([low, middle, high], [all_low, all_middle, _]) = (range(&plain)?, range(changes)?);
         let total = tables.get("totals")?.column("largest distance")?;
         let total = total.into_iter().fold(0.0, f64::max);
+        let errors = changes.column("standard error")?.into_iter().zip(changes.column("K over H")?);
+        let error = errors.map(|(error, ratio)| error / ratio).fold(0.0, f64::max);
         let verdict = if low > 1.0 {
             Verdict::Refuted
         } else if high < 1.0 {
@@ -136,12 +143,13 @@ impl Experiment for Noise {
             Verdict::Qualified
         };
         let reason = format!(
-            "Relative to its own size K changes {} to {} times as much as H with cotangents and angle defects (median {}; over all estimators {}, at least {}). What noise does not change is the sum of K alone: the angle defects add up to 2πχ within {}.",
+            "Relative to its own size K changes {} to {} times as much as H with cotangents and angle defects (median {}; over all estimators {}, at least {}), with a standard error of at most {} % of each. What noise does not change is the sum of K alone: the angle defects add up to 2πχ within {}.",
             short(low),
             short(high),
             short(middle),
             short(all_middle),
             short(all_low),
+            short(100.0 * error),
             short(total),
         );
         Ok(vec![
@@ -221,6 +229,19 @@ fn changes_over(runs: &[&Change]) -> [f64; 2] {
         let size: f64 = runs.iter().map(|c| c.sizes[i]).sum();
         (square / size).sqrt()
     })
+}
+
+/// The standard error of the change of K over that of H, from run to run; zero of a single run.
+fn standard_error(runs: &[&Change]) -> f64 {
+    let ratio = |run: &&Change| {
+        let [h, k] = changes_over(&[*run]);
+        k / h
+    };
+    let ratios: Vec<f64> = runs.iter().map(ratio).collect();
+    let n = ratios.len() as f64;
+    let mean = ratios.iter().sum::<f64>() / n;
+    let squares: f64 = ratios.iter().map(|r| (r - mean).powi(2)).sum();
+    (squares / (n - 1.0).max(1.0) / n).sqrt()
 }
 
 /// Spearman's rank correlation; zero where one side has equal values only.

@@ -11,6 +11,8 @@ use fairing_smoothing::{Diffusion, Explicit, Implicit, Taubin, explicit, implici
 use fairing_spectral::{EigenOptions, GraphWeights, Spectrum, graph_spectrum, reconstruct};
 use rayon::prelude::*;
 
+use super::gap;
+
 /// A method, with the same parameters at every level of noise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Method {
@@ -20,6 +22,10 @@ pub(super) enum Method {
     Explicit,
     /// Uniform weights, λ = 5, one step: the same diffusion time.
     Implicit,
+    /// Uniform weights, λ = 0.05, fifty steps: what the original report calls best.
+    ReportExplicit,
+    /// Uniform weights, λ = 5, ten steps: likewise.
+    ReportImplicit,
     /// λ = ½, a pass band of 0.1, ten pairs.
     Taubin,
     /// Projection onto the smoothest modes of the edge graph.
@@ -34,19 +40,26 @@ impl Method {
             Self::Nothing => "noisy input",
             Self::Explicit => "explicit",
             Self::Implicit => "implicit",
+            Self::ReportExplicit => "explicit, 0.05 × 50",
+            Self::ReportImplicit => "implicit, 5 × 10",
             Self::Taubin => "Taubin",
             Self::Spectral => "spectral",
             Self::Denoiser(denoiser) => denoiser.name(),
         }
     }
 
+    /// The flows of the original report.
+    pub(super) const OF_THE_REPORT: [Self; 4] =
+        [Self::Explicit, Self::Implicit, Self::ReportExplicit, Self::ReportImplicit];
+
     /// Whether it is a flow or filter that knows nothing of creases.
     pub(super) fn is_linear(self) -> bool {
-        matches!(self, Self::Explicit | Self::Implicit | Self::Taubin | Self::Spectral)
+        Self::OF_THE_REPORT.contains(&self) || matches!(self, Self::Taubin | Self::Spectral)
     }
 }
 
-/// A share of the modes that the spectral method keeps: one in so many.
+/// A share of the modes that the spectral method keeps: one in so many, and as
+/// many more as it takes to the next gap between eigenvalues.
 pub(super) const MODES: usize = 20;
 
 /// A mesh without noise, with what methods and scores need of it.
@@ -55,7 +68,25 @@ pub(super) struct Body {
     pub(super) truth: TriMesh,
     surface: SurfaceTree,
     /// Modes of the edge graph, which noise does not change.
-    modes: Option<Spectrum>,
+    modes: Option<Modes>,
+}
+
+/// The modes that the spectral method keeps.
+struct Modes {
+    /// One more than are kept: what shows the gap.
+    spectrum: Spectrum,
+    kept: Kept,
+}
+
+/// How many modes the spectral method keeps.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Kept {
+    /// One in [`MODES`], rounded down.
+    pub(super) wanted: usize,
+    /// The number kept.
+    pub(super) modes: usize,
+    /// The gap behind them, over the eigenvalue behind it.
+    pub(super) gap: f64,
 }
 
 impl Body {
@@ -66,27 +97,35 @@ impl Body {
 
     /// The same body, ready for [`Method::Spectral`].
     pub(super) fn with_modes(mut self) -> Result<Self> {
-        let count = (self.truth.vertex_count() / MODES).max(4);
+        let n = self.truth.vertex_count();
+        let wanted = (n / MODES).max(4);
         let options = EigenOptions::default();
-        self.modes = Some(graph_spectrum(&self.truth, count, GraphWeights::RandomWalk, &options)?);
+        let spectrum = gap::modes(n, wanted, |k| {
+            graph_spectrum(&self.truth, k, GraphWeights::RandomWalk, &options)
+        })?;
+        let modes = gap::next(&spectrum, wanted).context("modes without a gap")?;
+        let kept = Kept { wanted, modes, gap: gap::behind(&spectrum, modes) };
+        self.modes = Some(Modes { spectrum, kept });
         Ok(self)
+    }
+
+    /// How many modes [`Method::Spectral`] keeps; `None` if the body has none.
+    pub(super) fn kept_modes(&self) -> Option<Kept> {
+        self.modes.as_ref().map(|m| m.kept)
     }
 
     /// The noisy mesh after the method.
     pub(super) fn restore(&self, method: Method, noisy: &TriMesh) -> Result<TriMesh> {
         Ok(match method {
             Method::Nothing => noisy.clone(),
-            Method::Explicit => {
-                explicit(noisy, &Explicit::new(Diffusion::uniform(0.5)), None)?.mesh
-            }
-            Method::Implicit => {
-                let options = Implicit { iterations: 1, ..Implicit::new(Diffusion::uniform(5.0)) };
-                implicit(noisy, &options, None)?.mesh
-            }
+            Method::Explicit => explicit_steps(noisy, 0.5, 10)?,
+            Method::Implicit => implicit_steps(noisy, 5.0, 1)?,
+            Method::ReportExplicit => explicit_steps(noisy, 0.05, 50)?,
+            Method::ReportImplicit => implicit_steps(noisy, 5.0, 10)?,
             Method::Taubin => taubin(noisy, &Taubin::default(), None)?.mesh,
             Method::Spectral => {
                 let modes = self.modes.as_ref().context("this body has no modes")?;
-                reconstruct(noisy, modes, modes.len())?.mesh
+                reconstruct(noisy, &modes.spectrum, modes.kept.modes)?.mesh
             }
             Method::Denoiser(denoiser) => denoiser.denoise(noisy)?,
         })
@@ -141,6 +180,16 @@ impl Body {
     }
 }
 
+fn explicit_steps(mesh: &TriMesh, lambda: f64, iterations: usize) -> Result<TriMesh> {
+    let options = Explicit { iterations, ..Explicit::new(Diffusion::uniform(lambda)) };
+    Ok(explicit(mesh, &options, None)?.mesh)
+}
+
+fn implicit_steps(mesh: &TriMesh, lambda: f64, iterations: usize) -> Result<TriMesh> {
+    let options = Implicit { iterations, ..Implicit::new(Diffusion::uniform(lambda)) };
+    Ok(implicit(mesh, &options, None)?.mesh)
+}
+
 /// How far a mesh is from the truth.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Score {
@@ -189,6 +238,11 @@ pub(super) struct Spread {
 }
 
 impl Spread {
+    /// The standard error of the mean; `None` of a single value.
+    pub(super) fn error(&self, seeds: usize) -> Option<f64> {
+        Some(self.deviation? / (seeds as f64).sqrt())
+    }
+
     fn of(values: impl Iterator<Item = f64> + Clone) -> Self {
         let count = values.clone().count() as f64;
         let mean = values.clone().sum::<f64>() / count;
@@ -208,6 +262,17 @@ mod tests {
         let spread = Spread::of([1.0, 2.0, 6.0].into_iter());
         assert_eq!(spread, Spread { mean: 3.0, deviation: Some(7f64.sqrt()) });
         assert_eq!(Spread::of([4.0].into_iter()).deviation, None);
+    }
+
+    /// The eigenvalues of a symmetric mesh come in clusters; none is cut.
+    #[test]
+    fn modes_end_at_a_gap() {
+        for mesh in [shapes::icosphere(3), shapes::torus(1.0, 0.4, 48, 20), shapes::cad_block(0.3)]
+        {
+            let kept = Body::new("symmetric", mesh).unwrap().with_modes().unwrap().kept_modes();
+            let kept = kept.unwrap();
+            assert!(kept.modes >= kept.wanted && kept.gap >= 1e-4, "{kept:?}");
+        }
     }
 
     /// Scores stay with their methods, and doing nothing leaves the noise:

@@ -2,6 +2,7 @@
 
 use fairing_operators::curvature::ScalarCurvature;
 
+use super::statistics::median;
 use crate::table::{Cell, Table, Unit};
 
 /// A table of [`push`]ed rows.
@@ -38,8 +39,8 @@ pub(super) fn push(table: &mut Table, mesh: &str, name: &str, unit: &str, field:
         let size = values.iter().map(|x| x.abs()).sum::<f64>() / values.len() as f64;
         // Rounding is shown as what it is, but not compared digit by digit.
         let clean = |x: f64| if x.abs() < 1e-9 { Cell::from(0.0) } else { Cell::from(x) };
-        let [first, middle, last] =
-            [0, values.len() / 2, values.len() - 1].map(|i| clean(values[i]));
+        let [first, last] = [0, values.len() - 1].map(|i| clean(values[i]));
+        let middle = median(&values).map_or(Cell::Missing, clean);
         table.push([
             mesh.into(),
             name.into(),

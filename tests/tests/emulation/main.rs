@@ -1,0 +1,155 @@
+//! The `fairing` program on other processors, which `qemu-x86_64` emulates.
+//!
+//! What is promised, and why, is in `docs/conventions.md`, section Processors.
+//! Where the emulator is not on the path, each test is listed by name as
+//! ignored. It knows no AVX-512: a machine that has it compares the others with
+//! itself.
+
+mod cases;
+mod near;
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::{Arc, OnceLock};
+
+use anyhow::{Context as _, Result, ensure};
+use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
+use fairing_mesh::{io, shapes};
+use libtest_mimic::{Arguments, Failed, Trial};
+use serde_json::Value;
+
+use cases::{CASES, Case, Promise};
+
+const EMULATOR: &str = "qemu-x86_64";
+
+/// A processor by the emulator's name for it.
+#[derive(Debug, Clone, Copy)]
+struct Processor {
+    name: &'static str,
+    /// Whether it has fused multiply-add, of which the C library's functions
+    /// have versions of their own.
+    fused: bool,
+}
+
+/// SSE4.2 and no AVX; AVX2 with fused multiply-add.
+const PROCESSORS: [Processor; 2] =
+    [Processor { name: "Nehalem", fused: false }, Processor { name: "Haswell", fused: true }];
+
+fn main() {
+    let emulator = std::env::split_paths(&std::env::var_os("PATH").unwrap_or_default())
+        .map(|folder| folder.join(EMULATOR))
+        .find(|path| path.is_file());
+    let session: Arc<OnceLock<std::result::Result<Session, String>>> = Arc::default();
+    let trials = PROCESSORS.into_iter().flat_map(|processor| {
+        let (emulator, session) = (emulator.clone(), Arc::clone(&session));
+        CASES.iter().map(move |case| {
+            let (emulator, session) = (emulator.clone(), Arc::clone(&session));
+            let absent = emulator.is_none();
+            Trial::test(format!("{}::{}", processor.name, case.name), move || {
+                let Some(emulator) = emulator else { return Ok(()) };
+                let session = session.get_or_init(|| Session::new().map_err(|e| format!("{e:#}")));
+                let session = session.as_ref().map_err(Failed::from)?;
+                session
+                    .check(&emulator, processor, case)
+                    .map_err(|e| Failed::from(format!("{e:#}")))
+            })
+            .with_kind("qemu-user")
+            .with_ignored_flag(absent)
+        })
+    });
+    let mut all: Vec<Trial> = trials.collect();
+    all.push(Trial::test("near::a_difference_is_seen", || {
+        near::self_test().map_err(|e| Failed::from(format!("{e:#}")))
+    }));
+    libtest_mimic::run(&Arguments::from_args(), all).exit();
+}
+
+/// The program and a folder with the meshes that all cases read.
+struct Session {
+    program: PathBuf,
+    folder: tempfile::TempDir,
+}
+
+impl Session {
+    fn new() -> Result<Self> {
+        let folder = tempfile::tempdir()?;
+        // Emulation is slow: only what takes another way on large meshes gets the large one.
+        for (level, prefix) in [(2, ""), (3, "large-")] {
+            let truth = shapes::bumpy_sphere(level, 0.12, 4.0);
+            let noise = NoiseLevel::EdgeLengths(0.2);
+            let noisy = add_noise(&truth, NoiseKind::GaussianPerAxis, noise, 3)?;
+            let path = |name: &str| folder.path().join(format!("{prefix}{name}.ply"));
+            io::write(path("truth"), &truth)?;
+            io::write(path("in"), &noisy)?;
+        }
+        Ok(Self { program: program()?, folder })
+    }
+
+    /// Runs the case here and there, and compares what comes out.
+    fn check(&self, emulator: &Path, processor: Processor, case: &Case) -> Result<()> {
+        let emulated = [emulator.as_os_str(), "-cpu".as_ref(), processor.name.as_ref()];
+        let there = self.run(&emulated, processor.name, case)?;
+        // Two processors are compared at once; each has a copy of its own.
+        let here = self.run(&[], &format!("native-{}", processor.name), case)?;
+        match case.promise {
+            Promise::SameBits => same(&here, &there),
+            Promise::SameBitsIfFused { .. } if processor.fused && host_is_fused() => {
+                same(&here, &there)
+            }
+            Promise::SameBitsIfFused { otherwise } | Promise::Near(otherwise) => {
+                near::check(case.output, &here, &there, otherwise)
+            }
+        }
+    }
+
+    /// What a case writes: its file, or its standard output.
+    fn run(&self, emulator: &[&std::ffi::OsStr], name: &str, case: &Case) -> Result<Vec<u8>> {
+        let file = format!("{}-{name}.{}", case.name, case.output);
+        let mut words: Vec<&std::ffi::OsStr> = emulator.to_vec();
+        words.push(self.program.as_os_str());
+        let line = case.line.replace("OUT", &file);
+        words.extend(line.split_whitespace().map(std::ffi::OsStr::new));
+        let output = Command::new(words[0])
+            .args(&words[1..])
+            .current_dir(self.folder.path())
+            .output()
+            .context("starting the program")?;
+        // The emulator warns of features that it leaves out.
+        let error = String::from_utf8_lossy(&output.stderr);
+        ensure!(output.status.success(), "{line} on {name}: {error}");
+        match case.line.contains("OUT") {
+            true => Ok(std::fs::read(self.folder.path().join(file))?),
+            false => Ok(output.stdout),
+        }
+    }
+}
+
+fn same(here: &[u8], there: &[u8]) -> Result<()> {
+    let first = here.iter().zip(there).position(|(a, b)| a != b);
+    ensure!(first.is_none(), "byte {} differs", first.unwrap_or_default());
+    ensure!(here.len() == there.len(), "{} bytes here, {} there", here.len(), there.len());
+    Ok(())
+}
+
+/// Whether the processor of this machine has fused multiply-add.
+fn host_is_fused() -> bool {
+    #[cfg(target_arch = "x86_64")]
+    return std::arch::is_x86_feature_detected!("fma");
+    #[cfg(not(target_arch = "x86_64"))]
+    return false;
+}
+
+/// Builds the program and says where it is.
+fn program() -> Result<PathBuf> {
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let mut build = Command::new(cargo);
+    build.args(["build", "--quiet", "--package", "fairing", "--message-format=json"]);
+    let output = build.output().context("running cargo")?;
+    ensure!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let messages = String::from_utf8(output.stdout)?;
+    let executable = messages.lines().find_map(|line| {
+        let message: Value = serde_json::from_str(line).ok()?;
+        message["executable"].as_str().map(PathBuf::from)
+    });
+    executable.context("cargo names no program")
+}

@@ -1,0 +1,134 @@
+//! How many modes may be kept: a truncation between equal or nearly equal
+//! eigenvalues depends on the basis that a solver happened to choose in their
+//! eigenspace, and is no property of the mesh.
+
+use anyhow::{Result, ensure};
+use fairing_spectral::{SpectralError, Spectrum};
+
+/// The least gap behind the last mode kept, over the eigenvalue behind it.
+const LEAST: f64 = 1e-4;
+
+/// The gap is at least this many times the largest residual. The kept space is
+/// then known up to an angle of the inverse (Davis and Kahan: residual over
+/// gap), and so is, relative to its size, what a projection onto it leaves out.
+const OVER_RESIDUAL: f64 = 1e5;
+
+/// How far numbers that depend on a truncation may move between processors.
+pub(super) const ANGLE: f64 = 1.0 / OVER_RESIDUAL;
+
+/// The relative gap behind the first k modes; infinite behind all of them.
+pub(super) fn behind(spectrum: &Spectrum, k: usize) -> f64 {
+    match spectrum.values.get(k) {
+        Some(next) if *next > 0.0 && k > 0 => (next - spectrum.values[k - 1]) / next,
+        Some(_) => 0.0,
+        None => f64::INFINITY,
+    }
+}
+
+/// Whether the space of the first k modes is well conditioned.
+fn is_gap(spectrum: &Spectrum, k: usize) -> bool {
+    let Some(next) = spectrum.values.get(k) else {
+        // Nothing is known of what follows, unless nothing does.
+        return k == spectrum.vertex_count();
+    };
+    let residual = spectrum.residuals[..=k].iter().fold(0.0, |a: f64, r| a.max(*r));
+    behind(spectrum, k) >= LEAST.max(OVER_RESIDUAL * residual / next)
+}
+
+/// The least number of modes from k on behind which there is a gap; `None` if
+/// the spectrum ends before.
+pub(super) fn next(spectrum: &Spectrum, k: usize) -> Option<usize> {
+    (k..=spectrum.len()).find(|&k| is_gap(spectrum, k))
+}
+
+/// Modes up to the first gap from k on and one beyond it, from a solver of so
+/// many modes of a mesh with n vertices.
+pub(super) fn modes(
+    n: usize,
+    k: usize,
+    solve: impl Fn(usize) -> Result<Spectrum, SpectralError>,
+) -> Result<Spectrum> {
+    ensure!(k <= n, "there are {n} modes, not {k}");
+    let mut more = 4 + k / 50;
+    loop {
+        let spectrum = solve((k + more).min(n))?;
+        if let Some(kept) = next(&spectrum, k) {
+            return Ok(spectrum.truncated((kept + 1).min(spectrum.len()))?);
+        }
+        ensure!(spectrum.len() < n, "no gap from {k} modes on");
+        more *= 2;
+    }
+}
+
+/// The ranges of modes between gaps: what lies in one of them has no basis of
+/// its own. The last is left out where the spectrum ends in a cluster.
+pub(super) fn clusters(spectrum: &Spectrum) -> Vec<std::ops::Range<usize>> {
+    let mut ranges: Vec<std::ops::Range<usize>> = vec![];
+    let mut start = 0;
+    while let Some(end) = next(spectrum, start + 1) {
+        ranges.push(start..end);
+        start = end;
+    }
+    ranges
+}
+
+#[cfg(test)]
+mod tests {
+    use fairing_mesh::{TriMesh, shapes};
+    use fairing_spectral::{EigenOptions, GraphWeights, SpectrumOptions, graph_spectrum, spectrum};
+
+    use super::*;
+
+    fn sphere(k: usize) -> (TriMesh, Spectrum) {
+        let mesh = shapes::icosphere(3);
+        let modes = spectrum(&mesh, k, &SpectrumOptions::default()).unwrap();
+        (mesh, modes)
+    }
+
+    /// The sphere has clusters of 1, 3, 5, 7, …; the icosphere keeps the first three whole.
+    #[test]
+    fn clusters_of_a_sphere_are_kept_whole() {
+        let (_, modes) = sphere(12);
+        assert_eq!([1, 2, 4, 5, 6, 9].map(|k| next(&modes, k)), [1, 4, 4, 9, 9, 9].map(Some));
+        assert_eq!(clusters(&modes)[..3], [0..1, 1..4, 4..9]);
+        assert_eq!(next(&modes, 12), None);
+    }
+
+    /// Every mode of a mesh: there is nothing behind to be mixed with.
+    #[test]
+    fn all_modes_end_at_a_gap() {
+        let mesh = shapes::icosphere(1);
+        let n = mesh.vertex_count();
+        let all = modes(n, n, |k| spectrum(&mesh, k, &SpectrumOptions::default())).unwrap();
+        assert_eq!((all.len(), next(&all, n)), (n, Some(n)));
+    }
+
+    /// A projection at a gap does not depend on the numbering of the vertices, by which the
+    /// solver chooses its basis; one through a cluster does.
+    #[test]
+    fn numbers_at_gaps_do_not_depend_on_the_basis() {
+        let mesh = shapes::torus(1.0, 0.4, 24, 10);
+        let n = mesh.vertex_count();
+        let map = |v: u32| (v * 7 + 3) % n as u32;
+        let mut positions = vec![[0.0; 3]; n];
+        for (v, p) in mesh.positions().iter().enumerate() {
+            // Some relief that is not symmetric.
+            positions[map(v as u32) as usize] =
+                [p[0] + 0.1 * p[1] * p[1] * p[2], p[1], p[2] + 0.2 * p[0] * p[0] * p[1]];
+        }
+        let old = (0..n as u32).map(|v| positions[map(v) as usize]).collect();
+        let faces = mesh.faces().iter().map(|f| f.map(map)).collect();
+        let other = TriMesh::new(positions, faces).unwrap();
+        let mesh = mesh.with_positions(old).unwrap();
+        let solve = |mesh: &TriMesh, k| {
+            graph_spectrum(mesh, k, GraphWeights::RandomWalk, &EigenOptions::default())
+        };
+        let [a, b] = [&mesh, &other].map(|m| modes(n, 12, |k| solve(m, k)).unwrap());
+        let kept = next(&a, 12).unwrap();
+        assert_eq!(next(&b, 12), Some(kept));
+        let errors =
+            |m: &TriMesh, s: &Spectrum| fairing_spectral::reconstruction_errors(m, s).unwrap();
+        let (a, b) = (errors(&mesh, &a), errors(&other, &b));
+        assert!((a[kept] / b[kept] - 1.0).abs() < ANGLE, "{} and {}", a[kept], b[kept]);
+    }
+}
