@@ -1,18 +1,19 @@
 //! How size and faces change.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::dot;
+use fairing_mesh::vec3::{dot, normalize};
 use rayon::prelude::*;
 
 use crate::EvaluationError;
-use crate::distance::check_correspondence;
+use crate::distance::{at_unit_scale, check_correspondence};
 
 /// The relative changes of sizes, `x / x_reference − 1`: zero for the same,
 /// negative where the mesh shrank, unchanged when both are scaled.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drift {
     /// Of the enclosed volume; `None` unless both are closed and consistently
-    /// oriented and the reference has volume.
+    /// oriented and the reference has a volume above the rounding of its sum
+    /// ([`TriMesh::volume_rounding`]).
     pub volume: Option<f64>,
     /// Of the area; `None` if the reference has none.
     pub area: Option<f64>,
@@ -24,13 +25,18 @@ pub struct Drift {
 /// The relative changes of volume, area and edge length against a reference,
 /// which may have different faces.
 pub fn drift(mesh: &TriMesh, reference: &TriMesh) -> Drift {
+    let (mesh, reference, _) = at_unit_scale(mesh, reference);
+    let (mesh, reference) = (&*mesh, &*reference);
     let change = |new: f64, old: f64| Some(new / old - 1.0).filter(|x| x.is_finite());
     let solid =
         |m: &TriMesh| m.topology().is_closed() && m.topology().orientation().is_consistent();
+    let volume = || {
+        let old = reference.signed_volume();
+        let exists = old.abs() > reference.volume_rounding();
+        exists.then(|| change(mesh.signed_volume(), old)).flatten()
+    };
     Drift {
-        volume: (solid(mesh) && solid(reference))
-            .then(|| change(mesh.signed_volume(), reference.signed_volume()))
-            .flatten(),
+        volume: (solid(mesh) && solid(reference)).then(volume).flatten(),
         area: change(mesh.area(), reference.area()),
         edge_length: change(mesh.mean_edge_length(), reference.mean_edge_length()),
     }
@@ -44,10 +50,16 @@ pub fn drift(mesh: &TriMesh, reference: &TriMesh) -> Drift {
 /// [`EvaluationError::NoCorrespondence`] unless both have the same faces.
 pub fn flipped_faces(mesh: &TriMesh, reference: &TriMesh) -> Result<usize, EvaluationError> {
     check_correspondence(mesh, reference)?;
+    let (mesh, reference, _) = at_unit_scale(mesh, reference);
+    let (mesh, reference) = (&*mesh, &*reference);
     Ok((0..mesh.face_count())
         .into_par_iter()
         .with_min_len(4096)
-        .filter(|&f| dot(mesh.area_vector(f), reference.area_vector(f)) < 0.0)
+        .filter(|&f| {
+            // Unit vectors, whose product does not underflow.
+            let [m, n] = [mesh, reference].map(|mesh| normalize(mesh.area_vector(f)));
+            m.zip(n).is_some_and(|(m, n)| dot(m, n) < 0.0)
+        })
         .count())
 }
 

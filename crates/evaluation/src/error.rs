@@ -32,15 +32,15 @@ pub enum EvaluationError {
     },
     /// A measure that compares element by element was asked of meshes with
     /// different faces.
-    #[error("the meshes do not correspond: {vertices} and {reference_vertices} vertices, {faces} and {reference_faces} faces{}", if vertices == reference_vertices && faces == reference_faces { ", which differ" } else { "" })]
+    #[error("the meshes do not correspond: {vertices} and {reference_vertices} vertices, {faces} and {reference_faces} triangles{}", if vertices == reference_vertices && faces == reference_faces { ", which differ" } else { "" })]
     NoCorrespondence {
         /// Vertices of the mesh.
         vertices: usize,
         /// Vertices of the reference.
         reference_vertices: usize,
-        /// Faces of the mesh.
+        /// Triangles of the mesh.
         faces: usize,
-        /// Faces of the reference.
+        /// Triangles of the reference.
         reference_faces: usize,
     },
     /// A tolerance or threshold that no distance or angle can meet.

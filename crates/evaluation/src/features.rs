@@ -1,10 +1,10 @@
 //! Sharp edges, found and missed.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{cross, dot, norm};
+use fairing_mesh::vec3::{cross, dot, norm, normalize};
 
 use crate::EvaluationError;
-use crate::distance::check_correspondence;
+use crate::distance::{at_unit_scale, check_correspondence};
 
 /// How well the sharp edges of a mesh are those of a reference.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,16 +51,18 @@ pub fn feature_edges(
             value: degrees,
         });
     }
+    let (mesh, reference, _) = at_unit_scale(mesh, reference);
     let topology = mesh.topology();
     let mut edges = FeatureEdges { shared: 0, found: 0, expected: 0 };
     for e in 0..topology.edges().len() as u32 {
         let [f, g] = *topology.edge_faces(e) else { continue };
         let sharp = |mesh: &TriMesh| {
-            let (m, n) = (mesh.area_vector(f as usize), mesh.area_vector(g as usize));
-            let defined = m != [0.0; 3] && n != [0.0; 3];
-            defined && norm(cross(m, n)).atan2(dot(m, n)).to_degrees() >= degrees
+            // Unit vectors: products of areas are fourth powers of lengths.
+            let [m, n] = [f, g].map(|f| normalize(mesh.area_vector(f as usize)));
+            let turn = |(m, n)| norm(cross(m, n)).atan2(dot(m, n)).to_degrees();
+            m.zip(n).map(turn).is_some_and(|angle| angle >= degrees)
         };
-        let (found, expected) = (sharp(mesh), sharp(reference));
+        let (found, expected) = (sharp(&mesh), sharp(&reference));
         edges.found += usize::from(found);
         edges.expected += usize::from(expected);
         edges.shared += usize::from(found && expected);

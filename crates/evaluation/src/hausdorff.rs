@@ -4,7 +4,7 @@ use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, distance, scale};
 use rayon::prelude::*;
 
-use crate::distance::tree;
+use crate::distance::{at_unit_scale, tree};
 use crate::triangle::squared_distance;
 use crate::{EvaluationError, SurfaceTree};
 
@@ -41,7 +41,17 @@ pub struct Hausdorff {
 /// tolerance is positive and finite.
 pub fn hausdorff(a: &TriMesh, b: &TriMesh, tolerance: f64) -> Result<Hausdorff, EvaluationError> {
     check_tolerance(tolerance)?;
-    Ok(between(a, &tree(a, "mesh")?, b, &tree(b, "reference")?, tolerance))
+    let (a, b, unit) = at_unit_scale(a, b);
+    let (own, other) = (tree(&a, "mesh")?, tree(&b, "reference")?);
+    // A tolerance beyond the range of floats is as good as its border.
+    let tolerance = (tolerance / unit).clamp(f64::MIN_POSITIVE, f64::MAX);
+    Ok(between(&a, &own, &b, &other, tolerance).times(unit))
+}
+
+impl Hausdorff {
+    pub(crate) fn times(self, unit: f64) -> Self {
+        Self { lower: self.lower * unit, upper: self.upper * unit }
+    }
 }
 
 pub(crate) fn check_tolerance(tolerance: f64) -> Result<(), EvaluationError> {

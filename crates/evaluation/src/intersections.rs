@@ -16,6 +16,8 @@ use crate::SurfaceTree;
 /// scaled by a power of two, nor when its vertices are renumbered. F log F for
 /// F faces and few crossings.
 pub fn self_intersections(mesh: &TriMesh) -> usize {
+    let (mesh, _) = mesh.at_unit_scale();
+    let mesh = &*mesh;
     // Without faces there is no tree, and nothing to cross.
     let Ok(tree) = SurfaceTree::new(mesh) else { return 0 };
     tree.count_overlapping_pairs(|f, g| {

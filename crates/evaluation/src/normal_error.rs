@@ -1,11 +1,11 @@
 //! The angle between the normals of matching faces.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{cross, dot, norm};
+use fairing_mesh::vec3::{cross, dot, norm, normalize};
 use rayon::prelude::*;
 
 use crate::EvaluationError;
-use crate::distance::check_correspondence;
+use crate::distance::{at_unit_scale, check_correspondence};
 
 /// E_a: angles between the normals of matching faces, in degrees.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,14 +31,15 @@ pub struct NormalError {
 /// [`EvaluationError::NoFaces`] if none has a normal in both.
 pub fn normal_error(mesh: &TriMesh, reference: &TriMesh) -> Result<NormalError, EvaluationError> {
     check_correspondence(mesh, reference)?;
+    let (mesh, reference, _) = at_unit_scale(mesh, reference);
     let angles: Vec<Option<[f64; 2]>> = (0..mesh.face_count())
         .into_par_iter()
         .with_min_len(4096)
         .map(|f| {
-            let (m, n) = (mesh.area_vector(f), reference.area_vector(f));
-            let (sine, cosine) = (norm(cross(m, n)), dot(m, n));
-            let defined = m != [0.0; 3] && n != [0.0; 3];
-            defined.then(|| [sine.atan2(cosine).to_degrees(), norm(n)])
+            let area = reference.area_vector(f);
+            // Unit vectors: products of areas are fourth powers of lengths.
+            let (m, n) = (normalize(mesh.area_vector(f))?, normalize(area)?);
+            Some([norm(cross(m, n)).atan2(dot(m, n)).to_degrees(), norm(area)])
         })
         .collect();
     let (mut sum, mut weighted, mut area, mut count) = (0.0, 0.0, 0.0, 0usize);

@@ -109,6 +109,8 @@ impl Scores {
         options: &ScoreOptions,
     ) -> Result<Self, EvaluationError> {
         hausdorff::check_tolerance(options.hausdorff_tolerance)?;
+        let (mesh, reference, scale) = distance::at_unit_scale(mesh, reference);
+        let (mesh, reference) = (&*mesh, &*reference);
         let (own, other) = (tree(mesh, "mesh")?, tree(reference, "reference")?);
         let diagonal = reference.diagonal();
         // A reference of one point has no diagonal to take a share of.
@@ -117,18 +119,14 @@ impl Scores {
         if let Err(error @ EvaluationError::Parameter { .. }) = features {
             return Err(error);
         }
+        let tolerance = options.hausdorff_tolerance * unit;
+        let displacement = vertex_displacement(mesh, reference);
         Ok(Self {
-            diagonal,
+            diagonal: diagonal * scale,
             normals: normal_error(mesh, reference),
-            distance: distance::between(mesh, &own, reference, &other)?,
-            hausdorff: hausdorff::between(
-                mesh,
-                &own,
-                reference,
-                &other,
-                options.hausdorff_tolerance * unit,
-            ),
-            displacement: vertex_displacement(mesh, reference),
+            distance: distance::between(mesh, &own, reference, &other)?.times(scale),
+            hausdorff: hausdorff::between(mesh, &own, reference, &other, tolerance).times(scale),
+            displacement: displacement.map(|moved| moved.times(scale)),
             drift: drift(mesh, reference),
             flipped_faces: flipped_faces(mesh, reference),
             self_intersections: self_intersections(mesh),
@@ -192,7 +190,10 @@ impl Scores {
         };
         add("psnr", "peak signal to noise", Decibels, psnr);
         let drift = &self.drift;
-        let volume = some(drift.volume, "not closed and consistently oriented");
+        let volume = some(
+            drift.volume,
+            "not closed and consistently oriented, or the reference has no volume",
+        );
         add("volume_drift", "change of volume", Relative, volume);
         add(
             "area_drift",

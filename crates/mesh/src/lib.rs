@@ -14,6 +14,7 @@ pub mod shapes;
 mod subdivide;
 mod topology;
 mod trimesh;
+mod unit_scale;
 pub mod vec3;
 
 pub use build::BuildError;

@@ -18,7 +18,7 @@ impl TriMesh {
     /// The volume that the surface encloses, in cubed mesh units:
     ///
     /// ```text
-    /// V = ⅙ Σ (a − o) · (b − o) × (c − o)
+    /// V = ⅙ Σ (a − o) · (b − a) × (c − a)
     /// ```
     ///
     /// over the faces `abc`, with `o` the middle of the bounding box, so that
@@ -29,9 +29,28 @@ impl TriMesh {
         let Some([lo, hi]) = self.bounding_box() else { return 0.0 };
         let o = scale(add(lo, hi), 0.5);
         self.sum_over_faces(|f| {
-            let [a, b, c] = self.triangle(f).map(|p| sub(p, o));
-            dot(a, cross(b, c)) / 6.0
+            let [a, b, c] = self.triangle(f);
+            dot(sub(a, o), cross(sub(b, a), sub(c, a))) / 6.0
         })
+    }
+
+    /// A bound of the rounding of [`signed_volume`](Self::signed_volume), in
+    /// cubed mesh units: a volume that is not larger cannot be told from none,
+    /// and has no ratio to another.
+    ///
+    /// With n the number of roundings that a term goes through in its products
+    /// and sums, it is `n ε Σ ‖a − o‖ ‖b − a‖ ‖c − a‖ / 6`. A closed sheet of
+    /// thickness τ and radius r has a volume for τ/r above some 10⁻¹².
+    pub fn volume_rounding(&self) -> f64 {
+        let Some([lo, hi]) = self.bounding_box() else { return 0.0 };
+        let o = scale(add(lo, hi), 0.5);
+        let terms = self.sum_over_faces(|f| {
+            let [a, b, c] = self.triangle(f);
+            distance(a, o) * distance(a, b) * distance(a, c) / 6.0
+        });
+        // Ten in a term, and those of the sums over a chunk and over chunks.
+        let roundings = 10 + self.face_count().min(CHUNK) + self.face_count() / CHUNK;
+        roundings as f64 * f64::EPSILON * terms
     }
 
     /// The length of each edge of the topology, in mesh units.
@@ -85,6 +104,27 @@ mod tests {
             for k in 0..2 {
                 let order = (pair[0][k] / pair[1][k]).log2();
                 assert!((1.97..2.01).contains(&order), "{order} in {errors:?}");
+            }
+        }
+    }
+
+    /// A sheet has no volume, though rounding gives it one; a plate of a
+    /// millionth of its width has.
+    #[test]
+    fn volumes_below_their_rounding_are_told_from_thin_bodies() {
+        let mut plate = shapes::cube(6, shapes::Diagonals::Alternating);
+        for turn in 0..40 {
+            let (s, c) = f64::from(turn).sin_cos();
+            for (thickness, thin) in [(0.0, true), (1e-6, false), (1.0, false)] {
+                let cube = shapes::cube(6, shapes::Diagonals::Alternating);
+                let positions = cube.positions().iter().map(|&[x, y, z]| {
+                    let z = thickness * z;
+                    let (x, z) = (c * x - s * z, s * x + c * z);
+                    [c * x - s * y + 3.0, s * x + c * y, z]
+                });
+                plate = plate.with_positions(positions.collect()).unwrap();
+                let (volume, rounding) = (plate.signed_volume().abs(), plate.volume_rounding());
+                assert_eq!(volume <= rounding, thin, "{thickness} {volume} {rounding}");
             }
         }
     }

@@ -79,6 +79,11 @@ impl TriMesh {
         &self.positions
     }
 
+    /// The caller keeps them finite.
+    pub(crate) fn positions_mut(&mut self) -> &mut [[f64; 3]] {
+        &mut self.positions
+    }
+
     /// The positions as an `n × 3` view, without a copy.
     pub fn positions_view(&self) -> ArrayView2<'_, f64> {
         ArrayView2::from(&self.positions[..])

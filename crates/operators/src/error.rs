@@ -48,3 +48,15 @@ pub enum OperatorError {
         entries: usize,
     },
 }
+
+impl OperatorError {
+    /// The error of a mesh that was divided by `unit`, in the units it had.
+    pub(crate) fn times(self, unit: f64) -> Self {
+        match self {
+            Self::DegenerateFace { face, area, edge } => {
+                Self::DegenerateFace { face, area: area * unit * unit, edge: edge * unit }
+            }
+            other => other,
+        }
+    }
+}

@@ -10,7 +10,7 @@
 //! of face areas, each thrice, `S = Gᵀ A G`. Source: \[botsch2010\].
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, cross, scale, sub};
+use fairing_mesh::vec3::{add, cross, norm, scale, sub};
 use fairing_sparse::SparseMatrix;
 use rayon::prelude::*;
 
@@ -98,8 +98,10 @@ fn hat_gradients(mesh: &TriMesh) -> Result<Vec<[[f64; 3]; 3]>, OperatorError> {
     let hats = |f: usize| {
         let [a, b, c] = mesh.triangle(f);
         let normal = cross(sub(b, a), sub(c, a));
-        let square = normal.iter().map(|x| x * x).sum::<f64>();
-        let hat = |from, to| scale(cross(normal, sub(to, from)), 1.0 / square);
+        // A unit normal: squares of areas are fourth powers of lengths.
+        let length = norm(normal);
+        let unit = scale(normal, 1.0 / length);
+        let hat = |from, to| scale(cross(unit, sub(to, from)), 1.0 / length);
         [hat(b, c), hat(c, a), hat(a, b)]
     };
     Ok((0..mesh.face_count()).into_par_iter().map(hats).collect())

@@ -28,7 +28,7 @@ pub use error::{MIN_HEIGHT_RATIO, OperatorError};
 pub use fairing_sparse::SparseMatrix;
 pub use gradient::{divergence, face_gradients, gradient};
 pub use mass::{LumpedArea, consistent_mass, lumped_mass};
-pub use noise_level::{NoiseLevel, noise_level};
+pub use noise_level::{NoiseLevel, NoisyParts, noise_level, noisy_parts};
 pub use normal_equations::{NormalEquations, NormalFactor};
 pub use normals::{NormalWeight, face_normals, vertex_normals, weighted_vertex_normals};
 pub use polygon::{PolygonLaplacian, polygon_laplacian};

@@ -67,6 +67,16 @@ impl LumpedArea {
 ///
 /// Source: \[meyer2003\].
 pub fn lumped_mass(mesh: &TriMesh, area: LumpedArea) -> Result<Vec<f64>, OperatorError> {
+    let (mesh, unit) = mesh.at_unit_scale();
+    let mut mass = mass_in_range(&mesh, area).map_err(|error| error.times(unit))?;
+    if unit != 1.0 {
+        mass.iter_mut().for_each(|m| *m = *m * unit * unit);
+    }
+    Ok(mass)
+}
+
+/// [`lumped_mass`] where fourth powers of lengths are floats.
+fn mass_in_range(mesh: &TriMesh, area: LumpedArea) -> Result<Vec<f64>, OperatorError> {
     let mut mass = vec![0.0; mesh.vertex_count()];
     if area == LumpedArea::Barycentric {
         for (f, vertices) in mesh.faces().iter().enumerate() {

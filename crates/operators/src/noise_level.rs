@@ -1,10 +1,12 @@
 //! The noise level of a mesh, estimated without a ground truth.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, cross, dot, norm, normalize, scale, sub};
+use fairing_mesh::vec3::{add, dot, norm, normalize, scale, sub};
 use rayon::prelude::*;
 
 use crate::NormalEquations;
+use crate::curvature::PrincipalAxes;
+use crate::tangent::tangent_frame;
 
 /// A tail ratio above this tells impulsive from Gaussian noise: Gaussian
 /// residuals give 1 by construction, and 1.15 is beyond what curvature and
@@ -38,8 +40,21 @@ impl NoiseLevel {
     }
 }
 
+/// Connected parts of a mesh with noise of about the same level.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NoisyParts {
+    /// The noise of all of them together.
+    pub level: NoiseLevel,
+    /// The numbers of the parts, as [`Topology::components`] counts them,
+    /// ascending.
+    ///
+    /// [`Topology::components`]: fairing_mesh::Topology::components
+    pub components: Vec<u32>,
+}
+
 /// Estimates the standard deviation of the noise along the normal, and whether
-/// its tails are heavy.
+/// its tails are heavy, where there is most of it: that of the first of the
+/// [`noisy_parts`].
 ///
 /// A quadric is fitted to the two-ring of each vertex without the vertex, as
 /// a height field over the plane of the ring's area vector. With the leverage
@@ -52,15 +67,73 @@ impl NoiseLevel {
 ///
 /// The median shrugs off the vertices near creases. On Gaussian noise σ̂ is a
 /// few per cent high; on a clean mesh it is what the quadric misses, not zero.
+/// A connected part that is clean does not lower the level of another one.
 /// Scales with the mesh. `None` if no vertex has a two-ring that determines a
 /// quadric (at least eight neighbours in general position). Linear cost.
 pub fn noise_level(mesh: &TriMesh) -> Option<NoiseLevel> {
-    let residuals: Vec<f64> = (0..mesh.vertex_count() as u32)
+    noisy_parts(mesh).first().map(|parts| parts.level)
+}
+
+/// The levels of a part within this factor of each other are taken for one:
+/// estimates from a few dozen vertices differ by as much as two.
+const ALIKE: f64 = 4.0;
+
+/// The connected parts of a mesh, put together where their noise is about the
+/// same, those that hold most of it first.
+///
+/// The part with the largest `n σ̂²`, n the vertices it rests on, is taken with
+/// all parts whose level is at least a quarter and at most four times its own,
+/// and so on with what is left. Parts that are too small for an estimate are in
+/// the first group; empty if all are.
+pub fn noisy_parts(mesh: &TriMesh) -> Vec<NoisyParts> {
+    let (mesh, unit) = mesh.at_unit_scale();
+    let mesh = &*mesh;
+    let residuals: Vec<(u32, f64)> = (0..mesh.vertex_count() as u32)
         .into_par_iter()
-        .map_init(Vec::new, |ring, v| leave_one_out(mesh, v, ring))
+        .map_init(Default::default, |scratch, v| {
+            leave_one_out(mesh, v, scratch).map(|r| (v, r.abs()))
+        })
         .flatten_iter()
         .collect();
-    let mut sizes: Vec<f64> = residuals.iter().map(|r| r.abs()).collect();
+    let components = mesh.topology().components();
+    let mut of_part = vec![vec![]; components.count()];
+    for (v, size) in residuals {
+        if let Some(part) = components.of_vertex(v) {
+            of_part[part as usize].push(size * unit);
+        }
+    }
+    let mut unmeasured = vec![];
+    let mut left: Vec<(u32, Vec<f64>, NoiseLevel)> = vec![];
+    for (part, mut sizes) in of_part.into_iter().enumerate() {
+        match level_of(&mut sizes) {
+            Some(level) => left.push((part as u32, sizes, level)),
+            None => unmeasured.push(part as u32),
+        }
+    }
+    let mut groups: Vec<NoisyParts> = vec![];
+    while let Some(first) = most_noise(&left) {
+        let sigma = left[first].2.sigma;
+        let alike =
+            |level: &NoiseLevel| level.sigma * ALIKE >= sigma && level.sigma <= ALIKE * sigma;
+        let (group, rest): (Vec<_>, Vec<_>) = left.into_iter().partition(|(.., l)| alike(l));
+        left = rest;
+        let mut components: Vec<u32> = group.iter().map(|(part, ..)| *part).collect();
+        components.append(&mut unmeasured);
+        components.sort_unstable();
+        let mut sizes: Vec<f64> = group.into_iter().flat_map(|(_, sizes, _)| sizes).collect();
+        groups.extend(level_of(&mut sizes).map(|level| NoisyParts { level, components }));
+    }
+    groups
+}
+
+/// Which part has the largest `n σ̂²`; the first of equal ones.
+fn most_noise(parts: &[(u32, Vec<f64>, NoiseLevel)]) -> Option<usize> {
+    let amount = |i: usize| (parts[i].2.samples as f64).sqrt() * parts[i].2.sigma;
+    (0..parts.len()).reduce(|best, i| if amount(i) > amount(best) { i } else { best })
+}
+
+/// The level of absolute values, which it sorts.
+fn level_of(sizes: &mut [f64]) -> Option<NoiseLevel> {
     if sizes.is_empty() {
         return None;
     }
@@ -74,8 +147,12 @@ pub fn noise_level(mesh: &TriMesh) -> Option<NoiseLevel> {
 }
 
 /// The residual of vertex `v` from the quadric of its two-ring, standardised
-/// to the variance of the noise. `ring` is scratch space.
-fn leave_one_out(mesh: &TriMesh, v: u32, ring: &mut Vec<u32>) -> Option<f64> {
+/// to the variance of the noise. The last argument is scratch space.
+fn leave_one_out(
+    mesh: &TriMesh,
+    v: u32,
+    (ring, points): &mut (Vec<u32>, Vec<[f64; 3]>),
+) -> Option<f64> {
     let (incidence, faces) = (mesh.incidence(), mesh.faces());
     ring.clear();
     for &c in incidence.corners(v) {
@@ -101,27 +178,23 @@ fn leave_one_out(mesh: &TriMesh, v: u32, ring: &mut Vec<u32>) -> Option<f64> {
         ring.iter().filter(|&&w| w != v).map(|&w| sub(mesh.positions()[w as usize], origin));
     let radius = offsets.clone().map(norm).fold(0.0, f64::max);
     let normal = normalize(area)?;
-    let (e1, e2) = tangent_frame(normal);
+    let [e1, e2] = tangent_frame(normal);
     if radius.is_nan() || radius <= 0.0 {
         return None;
     }
+    points.clear();
+    let flat = |d: [f64; 3]| [dot(d, e1), dot(d, e2), dot(d, normal)];
+    points.extend(offsets.map(|d| flat(scale(d, 1.0 / radius))));
+    let axes = PrincipalAxes::of(points.iter().map(|p| [p[0], p[1]]))?;
     let mut equations = NormalEquations::<6>::default();
-    for d in offsets.map(|d| scale(d, 1.0 / radius)) {
-        let (x, y) = (dot(d, e1), dot(d, e2));
-        equations.add(&[1.0, x, y, x * x, x * y, y * y], dot(d, normal), 1.0);
+    for p in points.iter() {
+        let [x, y] = axes.coordinates([p[0], p[1]]);
+        equations.add(&[1.0, x, y, x * x, x * y, y * y], p[2], 1.0);
     }
     let factor = equations.factor()?;
     let leverage = factor.variance(&[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
     let residual = -radius * factor.solve(equations.rhs())[0] / (1.0 + leverage).sqrt();
     residual.is_finite().then_some(residual)
-}
-
-/// Two unit vectors that complete a unit normal to a right-handed frame.
-fn tangent_frame(normal: [f64; 3]) -> ([f64; 3], [f64; 3]) {
-    let axis = if normal[0].abs() < 0.6 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
-    let e1 = cross(normal, axis);
-    let e1 = scale(e1, 1.0 / norm(e1));
-    (e1, cross(normal, e1))
 }
 
 #[cfg(test)]

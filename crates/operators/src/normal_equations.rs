@@ -3,8 +3,10 @@
 /// The normal equations `(Σ w a aᵀ) x = Σ w a b` of a weighted least-squares
 /// fit with `N` unknowns.
 ///
-/// Scale the rows to the order of one before adding them: the condition number
-/// of the fit is squared here.
+/// The condition number of the fit is squared here. Units of single unknowns do
+/// not matter, since pivots are judged against their own diagonal entry; a frame
+/// in which unknowns of different size mix does. Take coordinates along the
+/// principal axes of the data.
 #[derive(Debug, Clone, Copy)]
 pub struct NormalEquations<const N: usize> {
     matrix: [[f64; N]; N],

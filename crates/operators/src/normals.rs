@@ -44,6 +44,8 @@ pub fn vertex_normals(mesh: &TriMesh) -> Vec<[f64; 3]> {
 /// defined (isolated vertices, sums that cancel). Faces without area have no
 /// say.
 pub fn weighted_vertex_normals(mesh: &TriMesh, weight: NormalWeight) -> Vec<[f64; 3]> {
+    let (mesh, _) = mesh.at_unit_scale();
+    let mesh = &*mesh;
     let vectors: Vec<[f64; 3]> = (0..mesh.face_count())
         .into_par_iter()
         .with_min_len(4096)

@@ -46,11 +46,13 @@ use crate::error::OperatorError;
 ///
 /// Source: \[pinkall1993\].
 pub fn cotan_stiffness(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
-    sum_sides(mesh, Diagonal::MinusSum, |f| {
+    let (mesh, unit) = mesh.at_unit_scale();
+    let stiffness = sum_sides(&mesh, Diagonal::MinusSum, |f| {
         let face = FaceCorners::of(mesh.triangle(f));
         if face.is_degenerate() {
             return Err(degenerate(f, &face));
         }
         Ok(face.cotangents().map(|cot| -0.5 * cot))
-    })
+    });
+    stiffness.map_err(|error| error.times(unit))
 }

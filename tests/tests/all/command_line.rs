@@ -235,7 +235,7 @@ fn compare_scores_a_mesh_against_a_reference() {
     io::write(folder.path().join("sphere.ply"), &shapes::icosphere(2)).unwrap();
     let other = scores("compare sphere.ply torus.ply --json");
     assert_eq!(other["normal_mean"]["value"], Value::Null);
-    assert!(other["normal_mean"]["reason"].as_str().unwrap().contains("face"));
+    assert!(other["normal_mean"]["reason"].as_str().unwrap().contains("triangles"));
     assert!(other["distance_mean"]["value"].as_f64().unwrap() > 0.0);
 }
 
@@ -265,4 +265,66 @@ fn smooth_refuses_what_does_not_fit_and_writes_nothing() {
     refuse(folder.path(), "smooth torus.ply -o x.ply --method implicit --lambda=-1", 2);
     assert_eq!(files(folder.path()), ["torus.ply"]);
     run(folder.path(), "smooth torus.ply -o x.ply --method explicit --lambda 2 --unstable allow");
+}
+
+/// A pyramid whose sides are quads that name a corner twice, with a face of two
+/// corners beside it: the same number of faces wherever one is said, and no hole.
+#[test]
+fn faces_are_counted_alike_and_reduced_ones_are_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 0.5 1\nf 4 3 2 1\nf 1 2 5 5\nf 2 3 5 5\n\
+                f 3 3 4 5\nf 4 1 5 4\nf 1 2 2 1\n";
+    std::fs::write(folder.path().join("pyramid.obj"), text).unwrap();
+    let info: Value = serde_json::from_str(&run(folder.path(), "info pyramid.obj --json")).unwrap();
+    assert_eq!((&info["faces"], &info["triangles"]), (&5.into(), &6.into()));
+    assert_eq!((&info["closed"], &info["boundary_loops"]), (&true.into(), &0.into()));
+    let file = &info["file"];
+    assert_eq!((&file["reduced_faces"], &file["left_out_faces"]), (&4.into(), &1.into()));
+    let table = run(folder.path(), "info pyramid.obj");
+    assert!(table.starts_with("OBJ: 5 vertices, 5 faces\n"), "{table}");
+    for name in ["a.obj", "a.ply", "a.off"] {
+        let output = fairing(folder.path(), &format!("convert pyramid.obj {name}"));
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success() && said.contains("5 vertices, 5 faces"), "{said}");
+        let reduced =
+            "4 faces repeat a corner and are reduced to their distinct corners: 1, 2, 3, 4";
+        assert!(said.contains(reduced), "{said}");
+        let polygons = io::read_polygons(folder.path().join(name)).unwrap();
+        assert_eq!((polygons.mesh.polygon_count(), polygons.report.file_faces), (5, 5), "{name}");
+        assert_eq!(polygons.mesh.polygon(0), [3, 2, 1, 0]);
+        assert_eq!(polygons.mesh.polygon(3), [2, 3, 4]);
+    }
+    let said = fairing(folder.path(), "smooth pyramid.obj -o s.obj --method explicit").stderr;
+    assert!(String::from_utf8(said).unwrap().contains("5 vertices, 5 faces"));
+    let refused = refuse(folder.path(), "convert pyramid.obj b.obj --strict", 3);
+    assert!(refused.contains("face 1 repeats a corner (5 such faces)"), "{refused}");
+    // Scores that need the same faces say how many triangles there are.
+    io::write(folder.path().join("ico.ply"), &shapes::icosphere(1)).unwrap();
+    let scores = run(folder.path(), "compare pyramid.obj ico.ply --json");
+    assert!(scores.contains("6 and 80 triangles"), "{scores}");
+}
+
+/// The robust operator takes over with a word, which names the face.
+#[test]
+fn curvature_says_that_it_uses_the_robust_operator() {
+    let folder = tempfile::tempdir().unwrap();
+    let sphere = shapes::icosphere(2);
+    let (mut positions, mut faces) = (sphere.positions().to_vec(), sphere.faces().to_vec());
+    let n = positions.len() as u32;
+    positions.extend([[3.0, 0.0, 0.0], [4.0, 0.0, 0.0], [5.0, 0.0, 0.0]]);
+    faces.push([n, n + 1, n + 2]);
+    let mesh = fairing_mesh::TriMesh::new(positions, faces).unwrap();
+    io::write(folder.path().join("bad.ply"), &mesh).unwrap();
+    io::write(folder.path().join("good.ply"), &sphere).unwrap();
+    let line = |name: &str| format!("curvature {name} --estimator cotangent --json");
+    let output = fairing(folder.path(), &line("bad.ply"));
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        said.contains("face 320 is too thin for cotangents; using the robust operator"),
+        "{said}"
+    );
+    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["too_thin_face"], 320);
+    let good: Value = serde_json::from_str(&run(folder.path(), &line("good.ply"))).unwrap();
+    assert_eq!(good["too_thin_face"], Value::Null);
 }

@@ -5,6 +5,7 @@ mod convergence;
 mod denoising;
 mod ellipsoid;
 mod evaluation;
+mod extremes;
 mod invariants;
 mod report;
 mod robustness;

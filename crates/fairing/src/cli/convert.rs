@@ -34,8 +34,8 @@ pub(crate) struct Convert {
     /// Write PLY's numbers with 32 bits (by default as wide as loses nothing)
     #[arg(long)]
     single: bool,
-    /// Refuse, instead of leaving out and saying so, what cannot be kept: faces
-    /// that repeat a corner, properties that the format cannot hold
+    /// Refuse, instead of reducing or leaving out and saying so, what cannot be
+    /// kept: faces that repeat a corner, properties that the format cannot hold
     #[arg(long)]
     strict: bool,
 }

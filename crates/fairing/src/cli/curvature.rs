@@ -74,12 +74,18 @@ impl Curvature {
             let fields = with_curvature(file.fields, &field);
             files::write_held(context, output, &file.mesh, &fields)?;
         }
+        if let Some(face) = field.too_thin {
+            context.note(format_args!(
+                "face {face} is too thin for cotangents; using the robust operator"
+            ));
+        }
         let undefined = field.status.iter().filter(|s| !s.is_defined()).count();
         if self.json {
             let summary = json!({
                 "estimator": self.estimator.to_string(),
                 "vertices": field.len(),
                 "undefined": undefined,
+                "too_thin_face": field.too_thin,
                 "boundary": field.boundary.iter().filter(|&&b| b).count(),
                 "interior": summary(&field),
             });

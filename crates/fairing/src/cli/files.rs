@@ -53,9 +53,10 @@ pub(crate) fn read(path: &Path) -> Result<MeshFile, Failure> {
     io::read(path).map_err(Failure::input)
 }
 
-/// Tells what the reader split, left out or ignored, if anything.
+/// Tells what the reader split, reduced, left out or ignored, if anything.
 pub(crate) fn say_report(context: &Context, path: &Path, report: &ReadReport) {
-    if report.polygons > 0 || report.left_out > 0 || !report.notes.is_empty() {
+    let changed = report.polygons > 0 || report.reduced > 0 || report.left_out > 0;
+    if changed || !report.notes.is_empty() {
         context.note(format_args!("{}: {report}", path.display()));
     }
 }

@@ -78,6 +78,7 @@ fn as_json(mesh: &PolygonMesh, d: &Diagnosis, report: &ReadReport, fields: &[&st
             "compressed": report.compressed,
             "faces": report.file_faces,
             "polygons": report.polygons,
+            "reduced_faces": report.reduced,
             "left_out_faces": report.left_out,
             "notes": report.notes,
         },

@@ -8,8 +8,10 @@
 //!
 //! - Polygons are split by [`PolygonMesh::triangulate`]; the
 //!   [report](ReadReport) counts them. [`read_polygons`] keeps them.
-//! - Faces that repeat a corner have no area: they are left out, and the
-//!   report says which. [Strict](Strictness::Strict) reading refuses them.
+//! - Faces that repeat a corner, common in exported quads, are reduced to
+//!   their distinct corners; those with fewer than three have no area and are
+//!   left out. The report says which. [Strict](Strictness::Strict) reading
+//!   refuses both.
 //! - STL has no vertices of its own: corners at exactly equal positions
 //!   (−0 = 0) become one vertex, in the order of first appearance.
 //! - Per-vertex properties of PLY, vertex colours of OBJ and OFF and vertex

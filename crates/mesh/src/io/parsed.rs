@@ -1,7 +1,7 @@
 //! From what a parser found to what a mesh may hold.
 
 use crate::io::error::{Fault, ReadProblem, unexpected};
-use crate::io::polygons::Polygons;
+use crate::io::polygons::{Distinct, Polygons};
 use crate::io::{Format, ReadOptions, ReadReport, Strictness, VertexFields};
 
 /// What a parser found. It has checked that coordinates are finite, that
@@ -26,8 +26,9 @@ pub(crate) struct Finished {
 }
 
 impl Parsed {
-    /// Leaves out faces that repeat a corner and fields that are not finite,
-    /// or refuses to, and writes the report.
+    /// Reduces faces that repeat a corner to their distinct corners, leaves out
+    /// those with fewer than three and fields that are not finite, or refuses
+    /// to, and writes the report.
     pub(crate) fn finish(
         mut self,
         format: Format,
@@ -45,12 +46,12 @@ impl Parsed {
         check_size("corners", split * corners)?;
         self.leave_out_nonfinite_fields();
         let file_faces = self.polygons.len();
-        let (polygons, repeating) = self.polygons.without_repeating();
+        let Distinct { polygons, reduced, left_out } = self.polygons.without_repeating();
         if options.strictness == Strictness::Strict {
-            if let Some(face) = repeating.first() {
+            if let Some(face) = reduced.first().into_iter().chain(left_out.first()).min() {
                 let problem = ReadProblem::Strict(format!(
                     "face {face} repeats a corner ({} such faces)",
-                    repeating.len()
+                    reduced.len() + left_out.len()
                 ));
                 return Err(Fault::whole(problem));
             }
@@ -71,8 +72,10 @@ impl Parsed {
             vertices,
             file_faces,
             polygons: larger,
-            left_out: repeating.len(),
-            first_left_out: repeating.iter().copied().take(ReadReport::NAMED).collect(),
+            reduced: reduced.len(),
+            first_reduced: reduced.iter().copied().take(ReadReport::NAMED).collect(),
+            left_out: left_out.len(),
+            first_left_out: left_out.iter().copied().take(ReadReport::NAMED).collect(),
             notes: self.notes,
         };
         Ok(Finished { positions: self.positions, polygons, fields: self.fields, report })

@@ -135,21 +135,57 @@ impl Polygons {
         }
     }
 
-    /// Takes out the faces that repeat a corner and says which they were.
-    pub(crate) fn without_repeating(self) -> (Self, Vec<usize>) {
-        let bad = self.repeating();
-        if bad.is_empty() {
-            return (self, bad);
+    /// Reduces faces that repeat a corner to their distinct corners, in the
+    /// order in which they are first named, and leaves out those with fewer
+    /// than three.
+    pub(crate) fn without_repeating(self) -> Distinct {
+        let repeating = self.repeating();
+        let mut distinct = Distinct { reduced: vec![], left_out: vec![], polygons: self };
+        if repeating.is_empty() {
+            return distinct;
         }
-        let mut next = bad.iter().copied().peekable();
-        let mut good = Self::with_capacity(self.len() - bad.len());
-        for face in 0..self.len() {
+        let mut next = repeating.iter().copied().peekable();
+        let mut kept = Self::with_capacity(distinct.polygons.len());
+        let mut corners = Vec::new();
+        for face in 0..distinct.polygons.len() {
+            let named = distinct.polygons.face(face);
             if next.next_if_eq(&face).is_none() {
-                good.push(self.face(face));
+                kept.push(named);
+                continue;
+            }
+            keep_first_mentions(named, &mut corners);
+            if corners.len() < 3 {
+                distinct.left_out.push(face);
+            } else {
+                distinct.reduced.push(face);
+                kept.push(&corners);
             }
         }
-        (good.simplified(), bad)
+        distinct.polygons = kept.simplified();
+        distinct
     }
+}
+
+/// Faces that repeat no corner, and which faces were changed for it, ascending
+/// and numbered as before.
+#[derive(Debug)]
+pub(crate) struct Distinct {
+    pub(crate) polygons: Polygons,
+    /// Repeated a corner, and have three distinct ones or more.
+    pub(crate) reduced: Vec<usize>,
+    /// Had fewer than three distinct corners.
+    pub(crate) left_out: Vec<usize>,
+}
+
+/// The distinct corners of a face in the order in which they are first named;
+/// n log n.
+fn keep_first_mentions(face: &[u32], corners: &mut Vec<u32>) {
+    let mut order: Vec<usize> = (0..face.len()).collect();
+    order.sort_unstable_by_key(|&k| (face[k], k));
+    order.dedup_by_key(|k| face[*k]);
+    order.sort_unstable();
+    corners.clear();
+    corners.extend(order.into_iter().map(|k| face[k]));
 }
 
 /// Whether a polygon names one vertex twice: quadratic for small ones, by
@@ -178,9 +214,26 @@ mod tests {
         assert_eq!(faces.face(0), [0, 1, 2]);
         assert_eq!(faces.face(1), [0, 1, 2, 2]);
         assert_eq!(faces.face(2), [2, 1, 0]);
-        let (good, bad) = faces.without_repeating();
-        assert_eq!(bad, [1]);
-        assert_eq!(good, Polygons::Triangles(vec![[0, 1, 2], [2, 1, 0]]));
+        faces.push(&[3, 3, 1, 1]);
+        let distinct = faces.without_repeating();
+        assert_eq!((distinct.reduced, distinct.left_out), (vec![1], vec![3]));
+        let expected = Polygons::Triangles(vec![[0, 1, 2], [0, 1, 2], [2, 1, 0]]);
+        assert_eq!(distinct.polygons, expected);
+    }
+
+    #[test]
+    fn distinct_corners_keep_the_order_of_the_face() {
+        let mut corners = vec![];
+        for (face, expected) in [
+            (&[5u32, 5, 2, 9, 7][..], &[5u32, 2, 9, 7][..]),
+            (&[5, 2, 2, 9, 7], &[5, 2, 9, 7]),
+            (&[5, 2, 9, 7, 5], &[5, 2, 9, 7]),
+            (&[8, 1, 8, 1, 0, 1], &[8, 1, 0]),
+            (&[4, 4, 4], &[4]),
+        ] {
+            keep_first_mentions(face, &mut corners);
+            assert_eq!(corners, expected);
+        }
     }
 
     #[test]

@@ -4,7 +4,8 @@ use std::fmt;
 
 use crate::io::Format;
 
-/// What was read, and what was split, welded, left out or ignored on the way.
+/// What was read, and what was split, reduced, welded, left out or ignored on
+/// the way.
 /// Its `Display` says it in a few lines.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -20,7 +21,14 @@ pub struct ReadReport {
     /// Faces of more than three corners; [`read`](super::read) split them into
     /// triangles.
     pub polygons: usize,
-    /// How many faces repeat a corner and are left out.
+    /// How many faces repeat a corner and are kept with their distinct corners,
+    /// in the order in which they are first named.
+    pub reduced: usize,
+    /// The first of them, at most [`Self::NAMED`], numbered from 0 as in the
+    /// file.
+    pub first_reduced: Vec<usize>,
+    /// How many faces repeat a corner, have fewer than three distinct ones and
+    /// are left out.
     pub left_out: usize,
     /// The first of them, at most [`Self::NAMED`], numbered from 0 as in the
     /// file.
@@ -31,27 +39,32 @@ pub struct ReadReport {
 }
 
 impl ReadReport {
-    /// How many of the faces left out are named.
+    /// How many of the faces that are reduced or left out are named.
     pub const NAMED: usize = 8;
+
+    /// How many faces are read: those of the file but the ones left out.
+    pub fn faces(&self) -> usize {
+        self.file_faces - self.left_out
+    }
 }
 
 impl fmt::Display for ReadReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let packed = if self.compressed { ", gzip-compressed" } else { "" };
-        write!(
-            f,
-            "{}{packed}: {} vertices, {} faces",
-            self.format, self.vertices, self.file_faces
-        )?;
+        write!(f, "{}{packed}: {} vertices, {} faces", self.format, self.vertices, self.faces())?;
         if self.polygons > 0 {
             write!(f, "\n{} faces have more than three corners", self.polygons)?;
         }
-        if self.left_out > 0 {
-            let named: Vec<String> = self.first_left_out.iter().map(usize::to_string).collect();
-            let more = if self.left_out > named.len() { ", …" } else { "" };
-            let named = named.join(", ");
-            write!(f, "\n{} faces repeat a corner and are left out: {named}{more}", self.left_out)?;
-        }
+        let mut faces = |count: usize, first: &[usize], what: &str| {
+            if count == 0 {
+                return Ok(());
+            }
+            let named: Vec<String> = first.iter().map(usize::to_string).collect();
+            let more = if count > named.len() { ", …" } else { "" };
+            write!(f, "\n{count} faces repeat a corner and {what}: {}{more}", named.join(", "))
+        };
+        faces(self.reduced, &self.first_reduced, "are reduced to their distinct corners")?;
+        faces(self.left_out, &self.first_left_out, "are left out, having fewer than three")?;
         self.notes.iter().try_for_each(|note| write!(f, "\n{note}"))
     }
 }

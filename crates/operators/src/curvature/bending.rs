@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::field::AtVertex;
 use super::status::Undefined;
+use crate::normals::face_normals;
 use crate::symmetric::Symmetric2;
 use crate::tangent::tangent_frame;
 
@@ -16,8 +17,7 @@ use crate::tangent::tangent_frame;
 /// faces, next to faces without area, and where two faces turn against each
 /// other, so that no side is the outer one.
 pub(crate) fn edge_bending(mesh: &TriMesh, topology: &Topology) -> Vec<f64> {
-    let area_vectors: Vec<[f64; 3]> =
-        (0..mesh.face_count()).into_par_iter().map(|f| mesh.area_vector(f)).collect();
+    let normals = face_normals(mesh);
     let (positions, faces) = (mesh.positions(), mesh.faces());
     let bend = |e: usize| {
         let &[f, g] = topology.edge_faces(e as u32) else { return 0.0 };
@@ -29,7 +29,7 @@ pub(crate) fn edge_bending(mesh: &TriMesh, topology: &Topology) -> Vec<f64> {
         if forward == runs(faces[g], ends) {
             return 0.0;
         }
-        let (n, m) = (area_vectors[f], area_vectors[g]);
+        let (n, m) = (normals[f], normals[g]);
         let sine = dot(cross(n, m), along) * if forward { 1.0 } else { -1.0 };
         let cosine = dot(n, m) * length;
         if sine == 0.0 && cosine == 0.0 { 0.0 } else { sine.atan2(cosine) * length }

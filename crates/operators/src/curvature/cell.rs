@@ -1,7 +1,7 @@
 //! All that the faces say about a vertex, gathered in one pass.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, scale, sub};
+use fairing_mesh::vec3::{add, power_of_two, scale, sub};
 use rayon::prelude::*;
 
 use std::f64::consts::{PI, TAU};
@@ -150,8 +150,10 @@ impl Turns {
         (self.re, self.im) = (re, im);
         let size = re.abs() + im.abs();
         if !(1e-100..1e100).contains(&size) {
-            // Products of large or small lengths must not leave the range.
-            (self.re, self.im) = (re / size, im / size);
+            // Products of large or small lengths must not leave the range; by a
+            // power of two, which rounds nothing.
+            let unit = power_of_two(size);
+            (self.re, self.im) = (re / unit, im / unit);
         }
     }
 

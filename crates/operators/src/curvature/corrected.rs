@@ -138,6 +138,8 @@ pub fn corrected_curvature(
     options: CorrectedOptions,
 ) -> Result<CurvatureField, OperatorError> {
     let radius = options.radius.map(|r| r.on(mesh)).transpose()?;
+    let (mesh, unit) = mesh.at_unit_scale();
+    let (mesh, radius) = (&*mesh, radius.map(|r| r / unit));
     let normals = weighted_vertex_normals(mesh, options.normals);
     let topology = mesh.topology();
     let of_face = |f: usize| {
@@ -170,7 +172,7 @@ pub fn corrected_curvature(
         }
         sum.at(normal).ok_or(Undefined::NoArea)
     };
-    Ok(CurvatureField::of_each(mesh, at_vertex))
+    Ok(CurvatureField::of_each(mesh, at_vertex).times(unit))
 }
 
 #[cfg(test)]

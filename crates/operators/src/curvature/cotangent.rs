@@ -39,9 +39,10 @@ impl Default for CotangentOptions {
 /// follow. Where estimates have H² < K, κ₁ = κ₂ = H; H and K stay as they are.
 ///
 /// On a mesh with a face too thin for its cotangents, H is computed with the
-/// [`robust_laplacian`] instead, and both are divided by its mass; the rest of
-/// the mesh changes where the intrinsic Delaunay triangulation differs from
-/// it. Undefined at isolated vertices, and where there is no positive area or
+/// [`robust_laplacian`] instead, both are divided by its mass, and
+/// [`CurvatureField::too_thin`] names the face; the rest of the mesh changes
+/// where the intrinsic Delaunay triangulation differs from it, and next to such
+/// faces, whose sides are lengthened. Undefined at isolated vertices, and where there is no positive area or
 /// no normal. Linear cost.
 ///
 /// # Errors
@@ -52,11 +53,15 @@ pub fn cotangent_curvature(
     mesh: &TriMesh,
     options: CotangentOptions,
 ) -> Result<CurvatureField, OperatorError> {
-    match map_cells(mesh, options.area, at_cell) {
-        Ok(found) => Ok(CurvatureField::collect(found, false)),
-        Err(OperatorError::DegenerateFace { .. }) => robust(mesh),
-        Err(error) => Err(error),
-    }
+    let (mesh, unit) = mesh.at_unit_scale();
+    let field = match map_cells(&mesh, options.area, at_cell) {
+        Ok(found) => CurvatureField::collect(found, false),
+        Err(OperatorError::DegenerateFace { face, .. }) => {
+            CurvatureField { too_thin: Some(face), ..robust(&mesh)? }
+        }
+        Err(error) => return Err(error),
+    };
+    Ok(field.times(unit))
 }
 
 fn at_cell(cell: &Cell) -> (Result<AtVertex, Undefined>, bool) {

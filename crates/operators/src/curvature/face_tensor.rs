@@ -13,7 +13,7 @@
 //! Source: \[rusinkiewicz2004\].
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{dot, normalize, sub};
+use fairing_mesh::vec3::{cross, dot, normalize, sub};
 use rayon::prelude::*;
 
 use super::field::{AtVertex, CurvatureField, boundary_flags};
@@ -50,10 +50,13 @@ struct FaceTensor {
 
 /// Principal curvatures by averaging the tensors of faces.
 ///
-/// Faces without area or with a corner without normal have no say. Undefined
+/// Faces too thin for their cotangents ([`MIN_HEIGHT_RATIO`](crate::MIN_HEIGHT_RATIO)) or with a corner
+/// without normal have no say. Undefined
 /// at isolated vertices, where no face has one, and where the normals cancel.
 /// Linear cost.
 pub fn face_tensor_curvature(mesh: &TriMesh, options: FaceTensorOptions) -> CurvatureField {
+    let (mesh, unit) = mesh.at_unit_scale();
+    let mesh = &*mesh;
     let normals = weighted_vertex_normals(mesh, options.normals);
     let tensors: Vec<Option<FaceTensor>> = (0..mesh.face_count())
         .into_par_iter()
@@ -94,7 +97,7 @@ pub fn face_tensor_curvature(mesh: &TriMesh, options: FaceTensorOptions) -> Curv
         .with_min_len(1024)
         .map(|v| (at_vertex(v), boundary[v as usize]))
         .collect();
-    CurvatureField::collect(found, true)
+    CurvatureField::collect(found, true).times(unit)
 }
 
 fn face_tensor(mesh: &TriMesh, normals: &[[f64; 3]], f: usize) -> Option<FaceTensor> {
@@ -108,9 +111,15 @@ fn face_tensor(mesh: &TriMesh, normals: &[[f64; 3]], f: usize) -> Option<FaceTen
     if at.contains(&[0.0; 3]) {
         return None;
     }
-    let frame = tangent_frame(normal);
-    // Sides in units of the longest keep the equations of order one.
-    let unit = corners.squared_sides().into_iter().fold(0.0, f64::max).sqrt();
+    // Along the longest side and across it, where the equations of a needle are
+    // as well determined as those of any face once each is taken in its own
+    // unit, which elimination does. In units of the longest side.
+    let sides = corners.squared_sides();
+    let longest = (0..3).fold(0, |best, k| if sides[k] > sides[best] { k } else { best });
+    let unit = sides[longest].sqrt();
+    let along = sub(triangle[(longest + 2) % 3], triangle[(longest + 1) % 3]);
+    let across = normalize(cross(normal, along))?;
+    let frame = [cross(across, normal), across];
     let mut equations = NormalEquations::<3>::default();
     for k in 0..3 {
         let (from, to) = ((k + 1) % 3, (k + 2) % 3);

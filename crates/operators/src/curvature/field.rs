@@ -28,6 +28,11 @@ pub struct CurvatureField {
     pub status: Vec<VertexStatus>,
     /// Whether the vertex is on the boundary, where values are one-sided.
     pub boundary: Vec<bool>,
+    /// The first face too thin for the plain operator, where the estimator used
+    /// the intrinsic one instead ([`cotangent_curvature`]); else `None`.
+    ///
+    /// [`cotangent_curvature`]: super::cotangent_curvature
+    pub too_thin: Option<u32>,
 }
 
 /// What an estimator finds at a vertex.
@@ -98,6 +103,32 @@ impl CurvatureField {
         self.kappa1.iter().zip(&self.kappa2).map(|(a, b)| a.hypot(*b) / 2f64.sqrt()).collect()
     }
 
+    /// The field of a mesh that was divided by `unit`, in the units it had.
+    /// Where the curvature is not a float there, it is undefined.
+    pub(crate) fn times(self, unit: f64) -> Self {
+        if unit == 1.0 {
+            return self;
+        }
+        let mut field = self;
+        let values = [&mut field.kappa1, &mut field.kappa2, &mut field.mean, &mut field.gaussian];
+        for (k, values) in values.into_iter().enumerate() {
+            let power = if k == 3 { 2 } else { 1 };
+            for value in values.iter_mut() {
+                (0..power).for_each(|_| *value /= unit);
+            }
+        }
+        for v in 0..field.len() {
+            let values = [field.kappa1[v], field.kappa2[v], field.mean[v], field.gaussian[v]];
+            if values.iter().any(|x| !x.is_finite()) {
+                field.status[v] = VertexStatus::Undefined(Undefined::IllConditioned);
+                (field.kappa1[v], field.kappa2[v]) = (0.0, 0.0);
+                (field.mean[v], field.gaussian[v]) = (0.0, 0.0);
+                field.directions.iter_mut().flatten().for_each(|d| d[v] = [0.0; 3]);
+            }
+        }
+        field
+    }
+
     /// From what is found at each vertex, looked at on its own with something
     /// to work with that may be kept from one vertex to another.
     pub(crate) fn of_each<W: Default>(
@@ -137,6 +168,7 @@ impl CurvatureField {
             directions: with_directions.then(|| [direction(0), direction(1)]),
             status: found.iter().map(|(_, status, _)| *status).collect(),
             boundary: found.iter().map(|(.., boundary)| *boundary).collect(),
+            too_thin: None,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What the fits of polynomials share: local coordinates, and the curvature of
 //! a height field.
 
-use fairing_mesh::vec3::{distance, dot, sub};
+use fairing_mesh::vec3::{add, dot, norm, normalize, scale as times, sub};
 use fairing_mesh::{Topology, TriMesh};
 
 use super::field::{AtVertex, CurvatureField};
@@ -10,42 +10,87 @@ use super::status::Undefined;
 use crate::error::OperatorError;
 use crate::normals::vertex_normals;
 use crate::surface::{ChartNormal, FundamentalForms, SurfaceJet};
+use crate::symmetric::Symmetric2;
 use crate::tangent::tangent_frame;
 
 /// A neighbourhood as a height field: the vertex in the origin, its normal
 /// upwards, lengths in units of `scale`.
+///
+/// The axes are the principal ones of the neighbours in the tangent plane, each
+/// in a unit of its own, so that what a fit can determine depends neither on an
+/// arbitrary frame nor on how long the faces are one way and short the other.
 pub(crate) struct HeightField<'a> {
-    mesh: &'a TriMesh,
-    /// The vertex, then its neighbours.
-    vertices: &'a [u32],
+    /// The neighbours, without the vertex itself.
+    points: &'a [[f64; 3]],
     frame: [[f64; 3]; 2],
     normal: [f64; 3],
     scale: f64,
+    /// The units of the two axes over `scale`.
+    units: [f64; 2],
 }
 
-impl HeightField<'_> {
-    /// `[x, y, z]` of the neighbours, without the vertex itself.
+/// The least ratio of the units of the axes. Heights are rounded to ε of the
+/// long axis a, and second derivatives along the short one b divide that by b²:
+/// at this ratio they keep four digits of the curvature 1/a.
+const LEAST_UNIT: f64 = 1e-6;
+
+impl<'a> HeightField<'a> {
+    /// The neighbours of the first of `vertices`, written to `points`; `None`
+    /// where they lie on a line, up to rounding, or in one place.
+    fn new(
+        mesh: &TriMesh,
+        vertices: &[u32],
+        normal: [f64; 3],
+        points: &'a mut Vec<[f64; 3]>,
+    ) -> Option<Self> {
+        let positions = mesh.positions();
+        let centre = positions[vertices[0] as usize];
+        let offsets = vertices[1..].iter().map(|&w| sub(positions[w as usize], centre));
+        let count = offsets.len() as f64;
+        let scale = offsets.clone().map(norm).sum::<f64>() / count;
+        if scale.is_nan() || scale <= 0.0 {
+            return None;
+        }
+        let [e1, e2] = tangent_frame(normal);
+        let unit = 1.0 / scale;
+        points.clear();
+        points
+            .extend(offsets.map(|d| [dot(d, e1) * unit, dot(d, e2) * unit, dot(d, normal) * unit]));
+        let axes = PrincipalAxes::of(points.iter().map(|p| [p[0], p[1]]))?;
+        for p in points.iter_mut() {
+            let [x, y] = axes.coordinates([p[0], p[1]]);
+            *p = [x, y, p[2]];
+        }
+        let [c, s] = axes.direction;
+        let frame = [add(times(e1, c), times(e2, s)), sub(times(e2, c), times(e1, s))];
+        Some(Self { points, frame, normal, scale, units: axes.units })
+    }
+
+    /// `[x, y, z]` of the neighbours, without the vertex itself; x and y each
+    /// in the unit of its axis.
     #[inline]
     pub(crate) fn neighbors(&self) -> impl Iterator<Item = [f64; 3]> + '_ {
-        let positions = self.mesh.positions();
-        let centre = positions[self.vertices[0] as usize];
-        let unit = 1.0 / self.scale;
-        self.vertices[1..].iter().map(move |&w| {
-            let d = sub(positions[w as usize], centre);
-            [dot(d, self.frame[0]) * unit, dot(d, self.frame[1]) * unit, dot(d, self.normal) * unit]
-        })
+        self.points.iter().copied()
+    }
+
+    /// The square of the distance of a neighbour, in units of their mean.
+    #[inline]
+    pub(crate) fn squared_distance(&self, [x, y, z]: [f64; 3]) -> f64 {
+        let [a, b] = self.units;
+        (a * x).powi(2) + (b * y).powi(2) + z * z
     }
 
     /// The curvature at the origin of a height field with this gradient and
     /// these second derivatives xx, xy, yy there, in local units.
     pub(crate) fn curvature(&self, [zx, zy]: [f64; 2], second: [f64; 3]) -> Option<AtVertex> {
+        let [a, b] = self.units;
         let jet = SurfaceJet {
             point: [0.0; 3],
-            du: [1.0, 0.0, zx],
-            dv: [0.0, 1.0, zy],
-            duu: [0.0, 0.0, second[0]],
-            duv: [0.0, 0.0, second[1]],
-            dvv: [0.0, 0.0, second[2]],
+            du: [1.0, 0.0, zx / a],
+            dv: [0.0, 1.0, zy / b],
+            duu: [0.0, 0.0, second[0] / (a * a)],
+            duv: [0.0, 0.0, second[1] / (a * b)],
+            dvv: [0.0, 0.0, second[2] / (b * b)],
         };
         let principal = FundamentalForms::of(jet, ChartNormal::Outward)?.principal();
         let in_space = |[x, y, z]: [f64; 3]| -> [f64; 3] {
@@ -54,7 +99,50 @@ impl HeightField<'_> {
             })
         };
         let values = principal.values.map(|k| k / self.scale);
-        Some(AtVertex::new(values, principal.directions.map(in_space)))
+        // Steep fits leave digits of the length.
+        let [first, second] = principal.directions.map(|d| normalize(in_space(d)));
+        Some(AtVertex::new(values, [first?, second?]))
+    }
+}
+
+/// The axes along which points of a plane spread most and least, and how far.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PrincipalAxes {
+    /// The first axis; the second is its quarter turn.
+    pub(crate) direction: [f64; 2],
+    /// √2 times the root mean square along each, which is one for points on a
+    /// unit circle.
+    pub(crate) units: [f64; 2],
+}
+
+impl PrincipalAxes {
+    /// About the origin. `None` where the second unit is below a millionth of
+    /// the first: the points are on a line as far as second derivatives can
+    /// tell.
+    #[inline]
+    pub(crate) fn of(points: impl ExactSizeIterator<Item = [f64; 2]> + Clone) -> Option<Self> {
+        let count = points.len() as f64;
+        let mut moments = Symmetric2::default();
+        for [x, y] in points.clone() {
+            moments.a += x * x;
+            moments.b += x * y;
+            moments.c += y * y;
+        }
+        let (_, direction) = moments.eigen();
+        let turned = Self { direction, units: [1.0; 2] };
+        // Summed along the axes: the moments do not show a short one.
+        let squares = points
+            .map(|p| turned.coordinates(p))
+            .fold([0.0; 2], |[a, b], [x, y]| [a + x * x, b + y * y]);
+        let units = squares.map(|s| (2.0 * s / count).sqrt());
+        (units[1] > LEAST_UNIT * units[0]).then_some(Self { direction, units })
+    }
+
+    /// The coordinates of a point along the axes, each in its unit.
+    #[inline]
+    pub(crate) fn coordinates(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let ([c, s], [a, b]) = (self.direction, self.units);
+        [(c * x + s * y) / a, (c * y - s * x) / b]
     }
 }
 
@@ -73,9 +161,12 @@ where
     F: Fn(&HeightField<'_>) -> Option<AtVertex> + Sync,
 {
     let reach = neighborhood.reach(mesh)?;
+    let (mesh, unit) = mesh.at_unit_scale();
+    let mesh = &*mesh;
     let topology: &Topology = mesh.topology();
     let normals = vertex_normals(mesh);
-    let at_vertex = |explorer: &mut Explorer, v: u32| {
+    let reach = reach.divided_by(unit);
+    let at_vertex = |(explorer, points): &mut (Explorer, Vec<[f64; 3]>), v: u32| {
         if topology.neighbors(v).is_empty() {
             return Err(Undefined::Isolated);
         }
@@ -87,19 +178,10 @@ where
         if explorer.found.len() <= at_least {
             return Err(Undefined::TooFewNeighbors);
         }
-        let positions = mesh.positions();
-        let centre = positions[v as usize];
-        let others = &explorer.found[1..];
-        let sum: f64 = others.iter().map(|&w| distance(positions[w as usize], centre)).sum();
-        let scale = sum / others.len() as f64;
-        if scale == 0.0 {
-            return Err(Undefined::IllConditioned);
-        }
-        let vertices = &explorer.found;
-        let field = HeightField { mesh, vertices, frame: tangent_frame(normal), normal, scale };
-        fit(&field).ok_or(Undefined::IllConditioned)
+        let field = HeightField::new(mesh, &explorer.found, normal, points);
+        field.and_then(|field| fit(&field)).ok_or(Undefined::IllConditioned)
     };
-    Ok(CurvatureField::of_each(mesh, at_vertex))
+    Ok(CurvatureField::of_each(mesh, at_vertex).times(unit))
 }
 
 #[cfg(test)]
@@ -127,7 +209,9 @@ pub(crate) mod tests {
         assert_eq!(flat.unwrap().kappa1[v], 0.0);
         // z = ½ x² at x = 1 has the curvature 1 / (1 + 1)^(3/2), downwards.
         let scaled = fit_each(&mesh, Neighborhood::Rings(1), 5, |f| {
-            f.curvature([1.0, 0.0], [f.scale, 0.0, 0.0])
+            // In the unit of the axis.
+            let unit = f.units[0];
+            f.curvature([unit, 0.0], [f.scale * unit * unit, 0.0, 0.0])
         });
         let scaled = scaled.unwrap();
         assert!((scaled.kappa2[v] + 8f64.sqrt().recip()).abs() < 1e-14, "{}", scaled.kappa2[v]);

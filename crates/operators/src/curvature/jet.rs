@@ -9,7 +9,9 @@
 //! alike. Gradient and second derivatives at the vertex give its curvature;
 //! the frame need not be exact. With a neighbourhood of size h the second
 //! derivatives have an error of order h^(d − 1): jets converge in the maximum
-//! norm on irregular meshes. Source: \[cazals2005\].
+//! norm on irregular meshes. Coordinates are along the principal axes of the
+//! neighbours, each in its own unit: long faces are fitted as well as round ones.
+//! Source: \[cazals2005\].
 
 use fairing_mesh::TriMesh;
 
@@ -93,12 +95,13 @@ fn fit<const N: usize>(
 ) -> Option<AtVertex> {
     let mut equations = NormalEquations::<N>::default();
     equations.add(&monomials(0.0, 0.0), 0.0, 1.0);
-    for [x, y, z] in field.neighbors() {
+    for point in field.neighbors() {
         let w = match weight {
             JetWeight::Uniform => 1.0,
             // Distances are in units of their mean.
-            JetWeight::Gaussian(s) => (-0.5 * (x * x + y * y + z * z) / (s * s)).exp(),
+            JetWeight::Gaussian(s) => (-0.5 * field.squared_distance(point) / (s * s)).exp(),
         };
+        let [x, y, z] = point;
         equations.add(&monomials(x, y), z, w);
     }
     let c = equations.solve()?;

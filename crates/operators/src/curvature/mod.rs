@@ -34,6 +34,7 @@ pub use cotangent::{CotangentOptions, cotangent_curvature};
 pub use estimator::{Estimator, UnknownEstimator};
 pub use face_tensor::{FaceTensorOptions, face_tensor_curvature};
 pub use field::CurvatureField;
+pub(crate) use fit::PrincipalAxes;
 pub use gaussian::{angle_defect, gaussian_curvature};
 pub use jet::{JetDegree, JetOptions, JetWeight, jet_curvature};
 pub use mean::{MeanCurvature, MeanOperator, mean_and_gaussian_curvature, mean_curvature};

@@ -114,6 +114,16 @@ pub(crate) enum Reach {
     Radius(f64),
 }
 
+impl Reach {
+    /// That in a mesh divided by `unit`.
+    pub(crate) fn divided_by(self, unit: f64) -> Self {
+        match self {
+            Self::Radius(radius) => Self::Radius(radius / unit),
+            rings => rings,
+        }
+    }
+}
+
 impl Neighborhood {
     pub(crate) fn reach(self, mesh: &TriMesh) -> Result<Reach, OperatorError> {
         Ok(match self {

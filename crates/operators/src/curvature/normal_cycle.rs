@@ -50,6 +50,8 @@ pub fn normal_cycle_curvature(
     options: NormalCycleOptions,
 ) -> Result<CurvatureField, OperatorError> {
     let radius = options.radius.on(mesh)?;
+    let (mesh, unit) = mesh.at_unit_scale();
+    let (mesh, radius) = (&*mesh, radius / unit);
     let topology = mesh.topology();
     let bending = edge_bending(mesh, topology);
     let areas: Vec<f64> = (0..mesh.face_count())
@@ -75,5 +77,5 @@ pub fn normal_cycle_curvature(
         });
         sum.over(area)
     };
-    Ok(CurvatureField::of_each(mesh, at_vertex))
+    Ok(CurvatureField::of_each(mesh, at_vertex).times(unit))
 }

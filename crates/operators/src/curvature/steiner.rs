@@ -24,6 +24,8 @@ use super::status::Undefined;
 /// Undefined at isolated vertices and where the faces have no area or no
 /// normal. Linear cost.
 pub fn steiner_curvature(mesh: &TriMesh) -> CurvatureField {
+    let (mesh, unit) = mesh.at_unit_scale();
+    let mesh = &*mesh;
     let topology = mesh.topology();
     let bending = edge_bending(mesh, topology);
     let at_vertex = |_: &mut (), v: u32| {
@@ -46,7 +48,7 @@ pub fn steiner_curvature(mesh: &TriMesh) -> CurvatureField {
         }
         sum.over(area)
     };
-    CurvatureField::of_each(mesh, at_vertex)
+    CurvatureField::of_each(mesh, at_vertex).times(unit)
 }
 
 #[cfg(test)]

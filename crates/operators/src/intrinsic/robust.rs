@@ -25,7 +25,11 @@ pub struct RobustOptions {
     /// How the mesh becomes glued triangles.
     pub cover: Cover,
     /// By how much two sides of a triangle must be longer than the third, in
-    /// mean edge lengths; lengths are raised where they are not. Not negative.
+    /// units of its longest side, or of the mean length in its connected part
+    /// where that is less. Where they are not, lengths are raised: all sides of
+    /// the triangle by the same, and with them those of neighbours that have no
+    /// length to spare. Sound faces keep theirs, but for sides that they share
+    /// with such triangles. Not negative.
     pub mollify: f64,
     /// Whether to flip to the intrinsic Delaunay triangulation.
     pub delaunay: bool,
@@ -47,8 +51,10 @@ pub struct RobustLaplacian {
     /// The barycentric mass of each vertex in the intrinsic triangulation, in
     /// squared mesh units; zero at isolated vertices only.
     pub mass: Vec<f64>,
-    /// What mollification added to each length, in mesh units.
+    /// The most that mollification added to a length, in mesh units.
     pub added_length: f64,
+    /// How many triangles of the cover have a side that was raised.
+    pub mollified: usize,
     /// How many edges were flipped, over both sides of the cover.
     pub flips: usize,
     /// How many edges are not Delaunay, because flipping them would have made
@@ -99,6 +105,8 @@ pub fn robust_laplacian(
     if !(value >= 0.0 && value.is_finite()) {
         return Err(OperatorError::Option { name: "mollification", value });
     }
+    let (mesh, unit) = mesh.at_unit_scale();
+    let mesh = &*mesh;
     let (mut triangles, share) = match options.cover {
         Cover::Tufted => (tufted(mesh), 0.5),
         Cover::Single => (single(mesh)?, 1.0),
@@ -107,14 +115,16 @@ pub fn robust_laplacian(
     if triangles.triangle_count() > 0 && longest == 0.0 {
         return Err(OperatorError::NoLength);
     }
-    let added_length = triangles.mollify(value);
+    let parts = mesh.topology().components();
+    let part = |v| parts.of_vertex(v).unwrap_or(0) as usize;
+    let done = triangles.mollify(value, || (0..mesh.vertex_count() as u32).map(part).collect());
     if let Some(t) = (0..triangles.triangle_count()).find(|&t| triangles.area(3 * t as u32) <= 0.0)
     {
         let face = (t % mesh.face_count()) as u32;
         return Err(OperatorError::DegenerateFace {
             face,
             area: 0.0,
-            edge: longest_of(&triangles, t),
+            edge: longest_of(&triangles, t) * unit,
         });
     }
     let (mut flips, mut stuck) = (0, 0);
@@ -122,9 +132,15 @@ pub fn robust_laplacian(
         let done = triangles.flip_to_delaunay();
         (flips, stuck) = (done.count, done.stuck);
     }
-    let (stiffness, mass) = assemble(mesh.vertex_count(), &triangles, share)?;
-    let faces = IntrinsicFaces { corners: triangles.start, lengths: triangles.length, share };
-    Ok(RobustLaplacian { stiffness, mass, added_length, flips, stuck, faces })
+    let (stiffness, mut mass) = assemble(mesh.vertex_count(), &triangles, share)?;
+    let mut lengths = triangles.length;
+    if unit != 1.0 {
+        mass.iter_mut().for_each(|m| *m = *m * unit * unit);
+        lengths.iter_mut().for_each(|l| *l *= unit);
+    }
+    let (added_length, mollified) = (done.added * unit, done.triangles);
+    let faces = IntrinsicFaces { corners: triangles.start, lengths, share };
+    Ok(RobustLaplacian { stiffness, mass, added_length, mollified, flips, stuck, faces })
 }
 
 fn longest_of(triangles: &Triangulation, t: usize) -> f64 {

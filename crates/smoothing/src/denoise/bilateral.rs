@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::DenoiseError;
 use super::error::positive;
 use super::faces::{Marks, unit_or_zero};
+use super::unit_scale::at_unit_scale;
 use super::vertex_update::rebuild;
 
 /// Parameters of [`bilateral`].
@@ -47,6 +48,10 @@ impl Default for BilateralOptions {
 ///
 /// Source: \[fleishman2003\].
 pub fn bilateral(mesh: &TriMesh, options: &BilateralOptions) -> Result<TriMesh, DenoiseError> {
+    at_unit_scale(mesh, |mesh| filter(mesh, options))
+}
+
+fn filter(mesh: &TriMesh, options: &BilateralOptions) -> Result<TriMesh, DenoiseError> {
     positive("spatial", options.spatial)?;
     positive("range", options.range)?;
     let mut current = mesh.clone();

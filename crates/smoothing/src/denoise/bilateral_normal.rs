@@ -8,6 +8,7 @@ use super::DenoiseError;
 use super::conjugate_gradients::solve;
 use super::error::{positive, share};
 use super::faces::{FaceLists, FaceShapes, Hinges, mean_centroid_distance, unit_or_zero};
+use super::unit_scale::at_unit_scale;
 use super::vertex_update::{VertexUpdate, update_vertices};
 
 /// Parameters of [`bilateral_normal`].
@@ -51,6 +52,10 @@ pub fn bilateral_normal(
     mesh: &TriMesh,
     options: &BilateralNormalOptions,
 ) -> Result<TriMesh, DenoiseError> {
+    at_unit_scale(mesh, |mesh| filter(mesh, options))
+}
+
+fn filter(mesh: &TriMesh, options: &BilateralNormalOptions) -> Result<TriMesh, DenoiseError> {
     positive("spatial", options.spatial)?;
     positive("range", options.range)?;
     let weights = Weights::new(mesh, options.spatial, options.range);
@@ -109,6 +114,13 @@ impl Default for BilateralNormalGlobalOptions {
 ///
 /// Source: \[zheng2011\], the global scheme.
 pub fn bilateral_normal_global(
+    mesh: &TriMesh,
+    options: &BilateralNormalGlobalOptions,
+) -> Result<TriMesh, DenoiseError> {
+    at_unit_scale(mesh, |mesh| filter_globally(mesh, options))
+}
+
+fn filter_globally(
     mesh: &TriMesh,
     options: &BilateralNormalGlobalOptions,
 ) -> Result<TriMesh, DenoiseError> {

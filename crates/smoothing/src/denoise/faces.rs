@@ -1,7 +1,7 @@
 //! Faces as the elements of a field: areas, normals, centroids and neighbours.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, distance, norm, scale};
+use fairing_mesh::vec3::{add, distance, norm, normalize, scale};
 use rayon::prelude::*;
 
 /// Marks the side of a face that has no [`Hinge`].
@@ -204,8 +204,7 @@ impl FaceShapes {
 /// The unit vector along `a`, or zero where `a` has no direction.
 #[inline]
 pub(crate) fn unit_or_zero(a: [f64; 3]) -> [f64; 3] {
-    let length = norm(a);
-    if length > f64::MIN_POSITIVE && length.is_finite() { scale(a, 1.0 / length) } else { [0.0; 3] }
+    normalize(a).unwrap_or_default()
 }
 
 /// The mean distance of the centroids across hinges, in mesh units; zero

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::DenoiseError;
 use super::faces::{FaceLists, FaceShapes, unit_or_zero};
+use super::unit_scale::at_unit_scale;
 use super::vertex_update::{VertexUpdate, update_vertices};
 
 /// Parameters of [`fast_effective`].
@@ -46,6 +47,10 @@ pub fn fast_effective(
     mesh: &TriMesh,
     options: &FastEffectiveOptions,
 ) -> Result<TriMesh, DenoiseError> {
+    at_unit_scale(mesh, |mesh| filter(mesh, options))
+}
+
+fn filter(mesh: &TriMesh, options: &FastEffectiveOptions) -> Result<TriMesh, DenoiseError> {
     let threshold = options.threshold;
     if !(-1.0..1.0).contains(&threshold) {
         return Err(DenoiseError::InvalidOption {

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::DenoiseError;
 use super::error::positive;
 use super::faces::{FaceLists, FaceShapes, Hinges, NO_HINGE, mean_centroid_distance, unit_or_zero};
+use super::unit_scale::at_unit_scale;
 use super::vertex_update::{VertexUpdate, update_vertices};
 
 /// Parameters of [`guided_normal`].
@@ -59,6 +60,10 @@ pub fn guided_normal(
     mesh: &TriMesh,
     options: &GuidedNormalOptions,
 ) -> Result<TriMesh, DenoiseError> {
+    at_unit_scale(mesh, |mesh| filter(mesh, options))
+}
+
+fn filter(mesh: &TriMesh, options: &GuidedNormalOptions) -> Result<TriMesh, DenoiseError> {
     positive("radius", options.radius)?;
     positive("spatial", options.spatial)?;
     positive("range", options.range)?;

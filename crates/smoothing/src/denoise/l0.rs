@@ -8,6 +8,7 @@ use super::DenoiseError;
 use super::conjugate_gradients::conjugate_gradients;
 use super::error::positive;
 use super::faces::{FaceShapes, Hinge, Hinges};
+use super::unit_scale::at_unit_scale;
 use super::vertex_update::rebuild;
 
 /// Parameters of [`l0`].
@@ -60,6 +61,10 @@ impl Default for L0Options {
 ///
 /// Source: \[he2013\].
 pub fn l0(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> {
+    at_unit_scale(mesh, |mesh| filter(mesh, options))
+}
+
+fn filter(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> {
     positive("sparsity", options.sparsity)?;
     positive("regularity", options.regularity)?;
     positive("last_beta", options.last_beta)?;

@@ -12,6 +12,7 @@ mod guided_normal;
 mod l0;
 mod non_iterative;
 mod total_variation;
+mod unit_scale;
 mod vertex_update;
 
 pub use automatic::{Automatic, SurfaceKind, automatic};

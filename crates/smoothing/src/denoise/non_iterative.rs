@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::DenoiseError;
 use super::error::positive;
 use super::faces::{FaceLists, FaceShapes, Marks};
+use super::unit_scale::at_unit_scale;
 use super::vertex_update::rebuild;
 
 /// Parameters of [`non_iterative`].
@@ -50,6 +51,10 @@ pub fn non_iterative(
     mesh: &TriMesh,
     options: &NonIterativeOptions,
 ) -> Result<TriMesh, DenoiseError> {
+    at_unit_scale(mesh, |mesh| filter(mesh, options))
+}
+
+fn filter(mesh: &TriMesh, options: &NonIterativeOptions) -> Result<TriMesh, DenoiseError> {
     positive("spatial", options.spatial)?;
     positive("influence", options.influence)?;
     let h = mesh.mean_edge_length();

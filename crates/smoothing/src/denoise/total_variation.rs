@@ -8,6 +8,7 @@ use super::DenoiseError;
 use super::conjugate_gradients::solve;
 use super::error::positive;
 use super::faces::{FaceShapes, Hinges, NO_HINGE, unit_or_zero};
+use super::unit_scale::at_unit_scale;
 use super::vertex_update::{VertexUpdate, update_vertices};
 
 /// Parameters of [`total_variation`].
@@ -56,6 +57,10 @@ pub fn total_variation(
     mesh: &TriMesh,
     options: &TotalVariationOptions,
 ) -> Result<TriMesh, DenoiseError> {
+    at_unit_scale(mesh, |mesh| filter(mesh, options))
+}
+
+fn filter(mesh: &TriMesh, options: &TotalVariationOptions) -> Result<TriMesh, DenoiseError> {
     positive("weight", options.weight)?;
     let hinges = Hinges::new(mesh);
     let shapes = FaceShapes::new(mesh);

@@ -4,8 +4,88 @@ use crate::io::tests::{read, refusal, tetrahedron};
 use crate::io::{ReadOptions, UnheldFields, VertexFields, WriteOptions};
 use crate::io::{WriteProblem, read_bytes, write, write_with_fields};
 
+/// An open box whose quads name a corner twice, in a row and not, as files of
+/// the formats that have polygons, and the same faces triangle by triangle.
 #[test]
-fn faces_that_repeat_a_corner_are_left_out_by_name() {
+fn repeated_corners_are_reduced_alike_in_all_formats() {
+    let corners = ["0 0 0", "1 0 0", "0 1 0", "1 1 0", "0 0 1"];
+    let faces: [&[u32]; 6] = [
+        &[0, 1, 2, 2],
+        &[1, 1, 3, 2],
+        &[0, 2, 4, 0],
+        &[3, 1, 4, 1],
+        &[0, 1, 1, 0],
+        &[2, 4, 3, 2, 1],
+    ];
+    let lines = |begin: &str, list: &dyn Fn(&[u32]) -> String| {
+        let vertices: String = corners.iter().map(|c| format!("{begin}{c}\n")).collect();
+        vertices + &faces.iter().map(|f| list(f) + "\n").collect::<String>()
+    };
+    let named =
+        |f: &[u32], from: u32| f.iter().map(|v| format!(" {}", v + from)).collect::<String>();
+    let counted = |f: &[u32]| format!("{}{}", f.len(), named(f, 0));
+    let obj = lines("v ", &|f| format!("f{}", named(f, 1)));
+    let relative = lines("v ", &|f| {
+        "f".to_owned() + &f.iter().map(|&v| format!(" {}", i64::from(v) - 5)).collect::<String>()
+    });
+    let off = format!("OFF\n5 6 0\n{}", lines("", &counted));
+    let header = "property double x\nproperty double y\nproperty double z\nelement face 6\n\
+                  property list uchar int vertex_indices\nend_header\n";
+    let ply = format!("ply\nformat ascii 1.0\nelement vertex 5\n{header}{}", lines("", &counted));
+    let mut binary =
+        format!("ply\nformat binary_little_endian 1.0\nelement vertex 5\n{header}").into_bytes();
+    for c in corners {
+        c.split(' ').for_each(|x| binary.extend(x.parse::<f64>().unwrap().to_le_bytes()));
+    }
+    for f in faces {
+        binary.push(f.len() as u8);
+        f.iter().for_each(|v| binary.extend(v.to_le_bytes()));
+    }
+    let expected: [&[u32]; 5] = [&[0, 1, 2], &[1, 3, 2], &[0, 2, 4], &[3, 1, 4], &[2, 4, 3, 1]];
+    let files = [
+        ("a.obj", obj.as_bytes()),
+        ("b.obj", relative.as_bytes()),
+        ("a.off", off.as_bytes()),
+        ("a.ply", ply.as_bytes()),
+        ("b.ply", &binary[..]),
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    for (name, bytes) in files {
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        let file = crate::io::read_polygons(&path).unwrap();
+        assert_eq!(file.mesh.polygons().collect::<Vec<_>>(), expected, "{name}");
+        let report = &file.report;
+        assert_eq!((report.file_faces, report.faces(), report.polygons), (6, 5, 1), "{name}");
+        assert_eq!((report.reduced, &report.first_reduced[..]), (5, &[0, 1, 2, 3, 5][..]));
+        assert_eq!((report.left_out, &report.first_left_out[..]), (1, &[4][..]));
+        let said = report.to_string();
+        assert!(said.contains("5 vertices, 5 faces\n"), "{said}");
+        let reduced =
+            "5 faces repeat a corner and are reduced to their distinct corners: 0, 1, 2, 3, 5";
+        assert!(said.contains(reduced), "{said}");
+        let triangles = read(name, bytes);
+        assert_eq!(triangles.mesh.face_count(), 6, "{name}");
+        assert_eq!(triangles.report, file.report);
+        let message = refusal(name, bytes, &ReadOptions::strict());
+        assert!(message.contains("face 0 repeats a corner (6 such faces)"), "{message}");
+    }
+    // Triangles have no corner to spare: welding leaves segments and points.
+    let facet = |t: [&str; 3]| {
+        let [a, b, c] = t;
+        format!(
+            "facet normal 0 0 0\nouter loop\nvertex {a}\nvertex {b}\nvertex {c}\nendloop\nendfacet\n"
+        )
+    };
+    let [a, b, c, ..] = corners;
+    let stl = format!("solid\n{}{}{}endsolid\n", facet([a, b, c]), facet([a, b, b]), facet([c; 3]));
+    let file = read("a.stl", stl.as_bytes());
+    assert_eq!(file.mesh.faces(), [[0, 1, 2]]);
+    assert_eq!((file.report.reduced, &file.report.first_left_out[..]), (0, &[1, 2][..]));
+}
+
+#[test]
+fn faces_with_fewer_than_three_distinct_corners_are_left_out_by_name() {
     let text =
         "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 1 2 1\nf 1 2 4 3\nf 4 4 4 4\nf 2 4 3\n";
     let file = read("a.obj", text.as_bytes());
@@ -13,7 +93,10 @@ fn faces_that_repeat_a_corner_are_left_out_by_name() {
     assert_eq!((file.report.file_faces, file.report.polygons), (5, 1));
     assert_eq!((file.report.left_out, &file.report.first_left_out[..]), (2, &[1, 3][..]));
     let said = file.report.to_string();
-    assert!(said.contains("2 faces repeat a corner and are left out: 1, 3"), "{said}");
+    assert!(
+        said.contains("2 faces repeat a corner and are left out, having fewer than three: 1, 3"),
+        "{said}"
+    );
     let message = refusal("a.obj", text.as_bytes(), &ReadOptions::strict());
     assert!(message.contains("face 1 repeats a corner (2 such faces)"), "{message}");
 }

@@ -3,6 +3,7 @@
 mod creased;
 mod local_fits;
 mod mumford_shah;
+mod parts;
 mod relabel;
 mod residuals;
 mod smooth;
@@ -12,12 +13,14 @@ mod vote;
 
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::dot;
-use fairing_operators::{NoiseLevel, noise_level};
+use fairing_operators::{NoiseLevel, NoisyParts, noisy_parts};
 
 use super::DenoiseError;
 use super::faces::{FaceLists, FaceShapes, Hinges};
-use super::vertex_update::{VertexUpdate, update_vertices};
+use super::unit_scale::at_unit_scale;
+use super::vertex_update::{VertexUpdate, rebuild, update_vertices};
 use creased::{denoise_creased, first_labels};
+use parts::Part;
 use residuals::neighbour_correlation;
 use smooth::{Pilot, denoise_smooth};
 
@@ -65,9 +68,10 @@ pub enum SurfaceKind {
 pub struct Automatic {
     /// The denoised mesh, with the faces of the input.
     pub mesh: TriMesh,
-    /// The estimated noise; `None` where the mesh is too small for one.
+    /// The estimated noise, of the connected parts with most of it; `None` where
+    /// the mesh is too small for one.
     pub noise: Option<NoiseLevel>,
-    /// What the surface was taken for.
+    /// What the surface of these parts was taken for.
     pub kind: SurfaceKind,
 }
 
@@ -93,6 +97,10 @@ pub struct Automatic {
 ///    smoothing, its strength chosen locally by Stein's unbiased risk
 ///    estimate.
 ///
+/// Connected parts whose noise differs by more than a factor of four are
+/// denoised apart ([`noisy_parts`]), each group as a mesh of its own: a clean
+/// part stays as it is beside a noisy one, and does not spare it.
+///
 /// No vertex moves further than 5 σ̂. Isolated vertices stay; borders move with
 /// their faces; nothing is compared across edges with one, three or more faces
 /// or a flip of orientation on bodies with creases. A mesh whose noise level is
@@ -104,11 +112,45 @@ pub struct Automatic {
 /// [`DenoiseError::NotSolved`] or [`DenoiseError::NonFinite`] where numbers
 /// leave the range in which the systems can be solved.
 pub fn automatic(mesh: &TriMesh) -> Result<Automatic, DenoiseError> {
-    let noise = noise_level(mesh);
-    let h = mesh.mean_edge_length();
-    let Some(level) = noise.filter(|level| level.sigma > LEAST_NOISE * h) else {
+    let unit = mesh.scale_unit();
+    let (mut noise, mut kind) = (None, SurfaceKind::Clean);
+    let mesh = at_unit_scale(mesh, |mesh| {
+        let result = group_by_group(mesh)?;
+        (noise, kind) = (result.noise, result.kind);
+        Ok(result.mesh)
+    })?;
+    let in_mesh_units = |n: NoiseLevel| NoiseLevel { sigma: n.sigma * unit, ..n };
+    Ok(Automatic { mesh, noise: noise.map(in_mesh_units), kind })
+}
+
+/// [`automatic`] where powers of lengths are floats.
+fn group_by_group(mesh: &TriMesh) -> Result<Automatic, DenoiseError> {
+    let groups = noisy_parts(mesh);
+    match &groups[..] {
+        [] => Ok(Automatic { mesh: mesh.clone(), noise: None, kind: SurfaceKind::Clean }),
+        [NoisyParts { level, .. }] => denoise_alike(mesh, *level),
+        [first, ..] => {
+            let (mut positions, mut kind) = (mesh.positions().to_vec(), SurfaceKind::Clean);
+            for (i, group) in groups.iter().enumerate() {
+                let part = Part::new(mesh, &group.components)?;
+                let result = denoise_alike(&part.mesh, group.level)?;
+                part.put_back(&result.mesh, &mut positions);
+                if i == 0 {
+                    kind = result.kind;
+                }
+            }
+            let mesh = rebuild(mesh, positions)?;
+            Ok(Automatic { mesh, noise: Some(first.level), kind })
+        }
+    }
+}
+
+/// Denoises a mesh whose noise has one level.
+fn denoise_alike(mesh: &TriMesh, level: NoiseLevel) -> Result<Automatic, DenoiseError> {
+    let noise = Some(level);
+    if level.sigma <= LEAST_NOISE * mesh.mean_edge_length() {
         return Ok(Automatic { mesh: mesh.clone(), noise, kind: SurfaceKind::Clean });
-    };
+    }
     let (impulsive, limit) = (level.is_impulsive(), LIMIT * level.sigma);
     let pilot = Pilot::new(mesh, level.sigma, impulsive)?;
     let hinges = Hinges::new(mesh);
