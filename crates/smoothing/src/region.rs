@@ -179,8 +179,7 @@ fn refine(
             let p = &mut x[v as usize];
             *p = [0, 1, 2].map(|k| p[k] + d[k]);
             let size = d.into_iter().map(f64::abs).fold(0.0, larger);
-            // NaN is no smaller than anything.
-            if !(size <= largest.0) {
+            if size > largest.0 || size.is_nan() {
                 largest = (size, v);
             }
         }
@@ -188,7 +187,9 @@ fn refine(
         if size <= SETTLED || extent == 0.0 {
             return Ok(());
         }
-        if !(size < 0.5 * before) || iterations == MOST_CORRECTIONS {
+        // NaN does not contract.
+        let contracts = size < 0.5 * before;
+        if !contracts || iterations == MOST_CORRECTIONS {
             return match size <= ACCEPTED {
                 true => Ok(()),
                 false => Err(FlowFailure::NotConverged { residual: size, iterations, vertex }),

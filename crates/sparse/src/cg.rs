@@ -224,7 +224,7 @@ impl<'a> ConjugateGradient<'a> {
         let mut iterations = 0;
         let mut last = [f64::INFINITY; B];
         loop {
-            let end = self.descend((&mut x, &mut r, &mut q), &goal, &mut iterations, options);
+            let end = self.descend([&mut x, &mut r, &mut q], &goal, &mut iterations, options);
             // The residual that is carried along departs from the true one: what counts is measured.
             product::multiply_lanes(rows, &x, &mut q);
             for ((r, b), q) in r.iter_mut().zip(b).zip(&q) {
@@ -260,7 +260,7 @@ impl<'a> ConjugateGradient<'a> {
     /// Iterates until the residual `r` that is carried along meets the goal in every lane.
     fn descend<const B: usize>(
         &self,
-        (x, r, q): (&mut [[f64; B]], &mut [[f64; B]], &mut [[f64; B]]),
+        [x, r, q]: [&mut [[f64; B]]; 3],
         goal: &[f64; B],
         iterations: &mut usize,
         options: &CgOptions,
