@@ -34,6 +34,16 @@ pub(crate) enum Diagonal {
     MinusSum,
 }
 
+impl Diagonal {
+    fn of(self, sum: f64) -> f64 {
+        match self {
+            Self::Sum => sum,
+            // Not −0 where there is nothing.
+            Self::MinusSum => 0.0 - sum,
+        }
+    }
+}
+
 /// The `n × n` matrix, for `n` vertices, with a pair of entries for each edge,
 /// summed over the faces of the edge: `of_face` says, for a face, what the side
 /// opposite each corner adds. Columns ascend, the diagonal is present.
@@ -49,9 +59,84 @@ pub(crate) fn sum_sides(
     diagonal: Diagonal,
     of_face: impl Fn(usize) -> Result<[f64; 3], OperatorError>,
 ) -> Result<SparseMatrix, OperatorError> {
-    check_size(mesh)?;
+    let sides = sides_at_vertices(mesh, of_face)?;
     let starts = mesh.incidence().offsets();
-    let mut next = starts.to_vec();
+    let at = |v: u32| &sides[starts[v as usize] as usize..starts[v as usize + 1] as usize];
+    let gather = |fan: &mut Fan, v: u32| fan.gather(at(v).iter().map(|side| side.vertices));
+    let fill = |v: u32, fan: &Fan, place: usize, row: &mut [f64]| {
+        let mut sum = 0.0;
+        for (side, ranks) in at(v).iter().zip(&fan.ranks) {
+            for (&rank, value) in ranks.iter().zip(side.values) {
+                row[rank as usize + usize::from(rank as usize >= place)] += value;
+                sum += value;
+            }
+        }
+        row[place] = diagonal.of(sum);
+    };
+    Ok(assemble_rows(mesh.vertex_count(), gather, fill))
+}
+
+/// [`sum_sides`], written into a matrix that it made of the same faces: the
+/// same bits.
+///
+/// # Errors
+///
+/// The first of `of_face`; [`OperatorError::Connectivity`] for the first
+/// vertex with an edge that the matrix does not have. The matrix is as it was
+/// then.
+pub(crate) fn fill_sides(
+    mesh: &TriMesh,
+    diagonal: Diagonal,
+    of_face: impl Fn(usize) -> Result<[f64; 3], OperatorError>,
+    matrix: &mut SparseMatrix,
+) -> Result<(), OperatorError> {
+    let sides = sides_at_vertices(mesh, of_face)?;
+    let starts = mesh.incidence().offsets();
+    let (offsets, columns) = (matrix.indptr().into_raw_storage().to_vec(), matrix.indices());
+    let fill = |v: usize, columns: &[u32], row: &mut [f64]| -> Option<()> {
+        let mut sum = 0.0;
+        for side in &sides[starts[v] as usize..starts[v + 1] as usize] {
+            for (&w, value) in side.vertices.iter().zip(side.values) {
+                let place = position(columns, w);
+                if columns.get(place) != Some(&w) {
+                    return None;
+                }
+                row[place] += value;
+                sum += value;
+            }
+        }
+        *row.get_mut(position(columns, v as u32))? = diagonal.of(sum);
+        Some(())
+    };
+    let block = |rows: Range<usize>| -> Result<Vec<f64>, usize> {
+        let first = offsets[rows.start] as usize;
+        let mut values = vec![0.0; offsets[rows.end] as usize - first];
+        for v in rows {
+            let (start, end) = (offsets[v] as usize, offsets[v + 1] as usize);
+            fill(v, &columns[start..end], &mut values[start - first..end - first]).ok_or(v)?;
+        }
+        Ok(values)
+    };
+    let blocks: Vec<_> = row_ranges(mesh.vertex_count()).into_par_iter().map(block).collect();
+    let blocks: Result<Vec<_>, usize> = blocks.into_iter().collect();
+    let blocks = blocks.map_err(|v| OperatorError::Connectivity { vertex: v as u32 })?;
+    let mut rest = matrix.data_mut();
+    for block in blocks {
+        let (now, later) = rest.split_at_mut(block.len());
+        now.copy_from_slice(&block);
+        rest = later;
+    }
+    Ok(())
+}
+
+/// What `of_face` says of the sides of the faces, in the order of the corners
+/// at each vertex.
+fn sides_at_vertices(
+    mesh: &TriMesh,
+    of_face: impl Fn(usize) -> Result<[f64; 3], OperatorError>,
+) -> Result<Vec<Side>, OperatorError> {
+    check_size(mesh)?;
+    let mut next = mesh.incidence().offsets().to_vec();
     let mut sides = vec![Side::default(); 3 * mesh.face_count()];
     for (f, &[a, b, c]) in mesh.faces().iter().enumerate() {
         let [at_a, at_b, at_c] = of_face(f)?;
@@ -63,23 +148,7 @@ pub(crate) fn sum_sides(
             *slot += 1;
         }
     }
-    let at = |v: u32| &sides[starts[v as usize] as usize..starts[v as usize + 1] as usize];
-    let gather = |fan: &mut Fan, v: u32| fan.gather(at(v).iter().map(|side| side.vertices));
-    let fill = |v: u32, fan: &Fan, place: usize, row: &mut [f64]| {
-        let mut sum = 0.0;
-        for (side, ranks) in at(v).iter().zip(&fan.ranks) {
-            for (&rank, value) in ranks.iter().zip(side.values) {
-                row[rank as usize + usize::from(rank as usize >= place)] += value;
-                sum += value;
-            }
-        }
-        row[place] = match diagonal {
-            Diagonal::Sum => sum,
-            // Not −0 where there is nothing.
-            Diagonal::MinusSum => 0.0 - sum,
-        };
-    };
-    Ok(assemble_rows(mesh.vertex_count(), gather, fill))
+    Ok(sides)
 }
 
 /// The `n × n` matrix with an entry for each vertex, and a pair for each edge,

@@ -1,5 +1,7 @@
 //! Why an operator cannot be assembled.
 
+use crate::laplacian::{LaplacianKind, MassKind};
+
 /// The height of a face over its longest edge, relative to that edge, below
 /// which its cotangents are not trusted.
 ///
@@ -8,7 +10,7 @@
 /// correct digits.
 pub const MIN_HEIGHT_RATIO: f64 = 1e-10;
 
-/// Why an operator cannot be assembled.
+/// Why an operator cannot be assembled or applied.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum OperatorError {
@@ -33,6 +35,44 @@ pub enum OperatorError {
     /// All edges have length zero, or there are none that have one.
     #[error("no edge has a length above zero")]
     NoLength,
+    /// There is no such mass for such a Laplacian.
+    #[error("the {laplacian} Laplacian has no {mass} mass, {}", masses_of(*laplacian))]
+    NoSuchMass {
+        /// The Laplacian.
+        laplacian: LaplacianKind,
+        /// The mass.
+        mass: MassKind,
+    },
+    /// A vertex with faces has a mass that is not positive.
+    #[error("vertex {vertex} has mass {mass:e}, not a positive one")]
+    Mass {
+        /// The vertex.
+        vertex: u32,
+        /// Its mass, in squared mesh units.
+        mass: f64,
+    },
+    /// A vertex that does not exist.
+    #[error("there is no vertex {vertex} among {vertices}")]
+    NoSuchVertex {
+        /// The vertex.
+        vertex: u32,
+        /// How many there are.
+        vertices: usize,
+    },
+    /// A field has another number of values than there are vertices.
+    #[error("{found} values or vertices instead of {expected}")]
+    Length {
+        /// How many there are.
+        found: usize,
+        /// How many there should be.
+        expected: usize,
+    },
+    /// A mesh has other edges than the one that a pattern was made for.
+    #[error("vertex {vertex} has other edges than in the mesh of the Laplacian")]
+    Connectivity {
+        /// The first such vertex.
+        vertex: u32,
+    },
     /// An option is out of its range.
     #[error("{name} cannot be {value}")]
     Option {
@@ -58,5 +98,13 @@ impl OperatorError {
             }
             other => other,
         }
+    }
+}
+
+/// Which masses a Laplacian has that does not have all.
+fn masses_of(laplacian: LaplacianKind) -> &'static str {
+    match laplacian {
+        LaplacianKind::Polygon => "only the barycentric and the consistent one",
+        _ => "only the barycentric one of its own triangulation",
     }
 }

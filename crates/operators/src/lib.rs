@@ -13,6 +13,7 @@ mod error;
 mod fan;
 mod gradient;
 pub mod intrinsic;
+mod laplacian;
 mod mass;
 mod noise_level;
 mod normal_equations;
@@ -27,6 +28,9 @@ mod uniform;
 pub use error::{MIN_HEIGHT_RATIO, OperatorError};
 pub use fairing_sparse::SparseMatrix;
 pub use gradient::{divergence, face_gradients, gradient};
+pub use laplacian::{
+    Intrinsic, Laplacian, LaplacianKind, MassKind, MassMatrix, Reason, Restricted, UnknownKind,
+};
 pub use mass::{LumpedArea, consistent_mass, lumped_mass};
 pub use noise_level::{NoiseLevel, NoisyParts, noise_level, noisy_parts};
 pub use normal_equations::{NormalEquations, NormalFactor};

@@ -3,7 +3,7 @@
 use fairing_mesh::TriMesh;
 use fairing_sparse::SparseMatrix;
 
-use crate::assembly::{Diagonal, sum_sides};
+use crate::assembly::{Diagonal, fill_sides, sum_sides};
 use crate::corners::{FaceCorners, degenerate};
 use crate::error::OperatorError;
 
@@ -116,6 +116,18 @@ fn mass_in_range(mesh: &TriMesh, area: LumpedArea) -> Result<Vec<f64>, OperatorE
 /// Source: \[vallet2008\].
 pub fn consistent_mass(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
     sum_sides(mesh, Diagonal::Sum, |f| Ok([mesh.face_area(f) / 12.0; 3]))
+}
+
+/// [`consistent_mass`], written into a matrix that it made of the same faces.
+///
+/// # Errors
+///
+/// [`OperatorError::Connectivity`]; the matrix is as it was then.
+pub(crate) fn refill_consistent_mass(
+    mesh: &TriMesh,
+    matrix: &mut SparseMatrix,
+) -> Result<(), OperatorError> {
+    fill_sides(mesh, Diagonal::Sum, |f| Ok([mesh.face_area(f) / 12.0; 3]), matrix)
 }
 
 #[cfg(test)]

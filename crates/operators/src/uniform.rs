@@ -2,9 +2,11 @@
 
 use fairing_mesh::TriMesh;
 use fairing_sparse::SparseMatrix;
+use rayon::prelude::*;
 
 use crate::assembly::assemble;
 use crate::error::OperatorError;
+use crate::fan::Fan;
 
 /// Assembles the combinatorial Laplacian `D − A`.
 ///
@@ -51,6 +53,20 @@ pub fn random_walk_laplacian(mesh: &TriMesh) -> Result<SparseMatrix, OperatorErr
             row[place] = -1.0;
         }
     })
+}
+
+/// The number of edges at each vertex.
+pub(crate) fn degrees(mesh: &TriMesh) -> Vec<f64> {
+    let incidence = mesh.incidence();
+    let degree = |fan: &mut Fan, v: u32| {
+        fan.gather(incidence.sides(v).iter().copied());
+        fan.neighbors.len() as f64
+    };
+    (0..mesh.vertex_count() as u32)
+        .into_par_iter()
+        .with_min_len(2048)
+        .map_init(Fan::default, degree)
+        .collect()
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! Spectral low-pass filters.
 
 use fairing_mesh::TriMesh;
-use fairing_operators::LumpedArea;
-use fairing_spectral::{MassKind, SpectrumOptions, SurfaceOperator, reconstruct, spectrum};
+use fairing_operators::{Laplacian, LaplacianKind, LumpedArea, MassKind};
+use fairing_spectral::{SpectralError, SpectrumOptions, reconstruct, spectrum};
 
 use crate::assemble::cotangent;
 use crate::constraints::Constraints;
@@ -122,12 +122,11 @@ pub fn low_pass(mesh: &TriMesh, options: &LowPass) -> Result<Smoothed, FlowError
 
 /// The mesh from its `k` smoothest modes.
 fn smoothest(mesh: &TriMesh, k: usize, options: &LowPass) -> Result<Smoothed, FlowFailure> {
-    let (operator, mass) = match options.operator {
-        Operator::Plain(LumpedArea::Barycentric) => {
-            (SurfaceOperator::Cotangent, MassKind::Barycentric)
+    let (kind, mass) = match options.operator {
+        Operator::Plain(area @ (LumpedArea::Barycentric | LumpedArea::Mixed)) => {
+            (LaplacianKind::Cotangent, area.into())
         }
-        Operator::Plain(LumpedArea::Mixed) => (SurfaceOperator::Cotangent, MassKind::Mixed),
-        Operator::Robust => (SurfaceOperator::Robust, MassKind::Barycentric),
+        Operator::Robust => (LaplacianKind::Robust, MassKind::Barycentric),
         _ => {
             let reason = "modes are orthonormal over barycentric or mixed areas, none negative";
             return Err(FlowFailure::Unsupported { reason });
@@ -137,8 +136,9 @@ fn smoothest(mesh: &TriMesh, k: usize, options: &LowPass) -> Result<Smoothed, Fl
         let reason = "a projection on modes knows no constraints";
         return Err(FlowFailure::Unsupported { reason });
     }
-    let options = SpectrumOptions { operator, mass, ..SpectrumOptions::default() };
-    let mesh = spectrum(mesh, k, &options)
+    let mesh = Laplacian::new(mesh, kind, mass)
+        .map_err(SpectralError::from)
+        .and_then(|laplacian| spectrum(&laplacian, k, &SpectrumOptions::default()))
         .and_then(|modes| reconstruct(mesh, &modes, k))
         .map_err(|error| FlowFailure::Modes { reason: error.to_string() })?
         .mesh;

@@ -1,6 +1,6 @@
 //! What can go wrong with spectra.
 
-use fairing_operators::OperatorError;
+use fairing_operators::{LaplacianKind, OperatorError};
 use fairing_sparse::{CholeskyError, EigenError};
 
 /// Why a spectrum, or something made from it, cannot be had.
@@ -16,17 +16,18 @@ pub enum SpectralError {
     /// A linear system cannot be solved.
     #[error(transparent)]
     Solve(#[from] CholeskyError),
-    /// A vertex with faces has a mass that is not positive.
-    #[error("vertex {vertex} has mass {mass:e}")]
-    Mass {
+    /// A Laplacian of this kind does not serve.
+    #[error("a {kind} Laplacian does not serve here: take a cotangent or a robust one")]
+    Kind {
+        /// The kind.
+        kind: LaplacianKind,
+    },
+    /// A vertex is fixed twice.
+    #[error("vertex {vertex} is fixed twice")]
+    Repeated {
         /// The vertex.
         vertex: u32,
-        /// Its mass, in squared mesh units.
-        mass: f64,
     },
-    /// The robust operator was asked for with another mass than its own.
-    #[error("the robust operator comes with the barycentric mass of its own triangulation")]
-    RobustMass,
     /// More modes were asked for than there are.
     #[error("{wanted} modes wanted of {available}")]
     TooManyModes {

@@ -1,15 +1,11 @@
 //! Geodesic distance by the heat method.
 
-use std::ops::ControlFlow;
-
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::distance;
-use fairing_operators::cotan_stiffness;
-use fairing_operators::intrinsic::{IntrinsicFaces, RobustOptions, robust_laplacian};
+use fairing_operators::{Intrinsic, Laplacian, LaplacianKind};
 use fairing_sparse::{Cholesky, Mass, Ordering, SparseMatrix, SymbolicCholesky, combine};
 
-use crate::compute::SurfaceOperator;
-use crate::diffusion::{check_time, solvable_mass};
+use crate::diffusion::check_time;
 use crate::error::SpectralError;
 use crate::flat_face::FlatFace;
 
@@ -21,7 +17,7 @@ use crate::flat_face::FlatFace;
 /// edge length near them, of first order in h elsewhere; never exact. Natural boundaries. Source: \[crane2013\].
 #[derive(Debug)]
 pub struct HeatGeodesics {
-    operator: SurfaceOperator,
+    kind: LaplacianKind,
     heat: Cholesky,
     poisson: Cholesky,
     corners: Vec<u32>,
@@ -39,87 +35,86 @@ const REGULARISATION: f64 = 1e-6;
 /// Heat at the sources, 2⁹⁰⁰: it falls by a factor of about 2.6 in each edge length, and reaches twice as far as
 /// heat of 1 before it underflows.
 const HEAT: i32 = 900;
-/// Weights above zero by more than this share of the diagonal are not Delaunay.
-const DELAUNAY: f64 = 1e-10;
 
 impl HeatGeodesics {
-    /// Factorises for the time t = h², h the mean edge length of each component: the choice of the source.
+    /// Factorises with [`Laplacian::auto`] for the time t = h², h the mean edge length of each component: the choice
+    /// of the source.
     ///
-    /// Takes the cotangent operator where the mesh is Delaunay, that is, where no weight of an edge is negative: heat
-    /// is positive and falls with the distance then. Else it takes the robust operator, whose
-    /// intrinsic triangulation is Delaunay on any mesh; slivers, which cost the other one several times the
-    /// error and more, do no harm there. [`HeatGeodesics::operator`] tells.
+    /// Where no weight of an edge is negative, heat is positive and falls with the distance. The robust operator,
+    /// whose intrinsic triangulation is Delaunay on any mesh, makes it so elsewhere: slivers, which cost the
+    /// cotangent one several times the error and more, do no harm there. [`HeatGeodesics::kind`] tells.
     ///
     /// # Errors
     ///
     /// What assembling and factorising report.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use fairing_mesh::shapes;
+    /// use fairing_spectral::HeatGeodesics;
+    ///
+    /// let sphere = shapes::icosphere(4);
+    /// let distance = HeatGeodesics::new(&sphere)?.distance(&[0])?;
+    /// let farthest = distance.iter().flatten().fold(0.0, |m: f64, d| m.max(*d));
+    /// assert!((farthest - std::f64::consts::PI).abs() < 0.1);
+    /// # Ok::<(), fairing_spectral::SpectralError>(())
+    /// ```
     pub fn new(mesh: &TriMesh) -> Result<Self, SpectralError> {
-        Self::with_operator(mesh, None, None)
+        Self::with(mesh, &Laplacian::auto(mesh)?, None)
     }
 
-    /// Factorises for a time in squared mesh units, the same on all components: longer times smooth the distance
-    /// more.
+    /// Factorises with a Laplacian of the mesh, cotangent or robust, for a time in squared mesh units, the same on
+    /// all components, or the times of [`HeatGeodesics::new`] for `None`. Longer times smooth the distance more.
     ///
     /// # Errors
     ///
-    /// [`SpectralError::Parameter`] for a negative time; what assembling and factorising report.
-    pub fn with_time(mesh: &TriMesh, time: f64) -> Result<Self, SpectralError> {
-        Self::with_operator(mesh, None, Some(time))
-    }
-
-    /// Factorises with the given operator and time, or the defaults of [`HeatGeodesics::new`] for `None`.
-    ///
-    /// # Errors
-    ///
-    /// As [`HeatGeodesics::with_time`]; the cotangent operator refuses faces without area.
-    pub fn with_operator(
+    /// [`SpectralError::Parameter`] for a negative time; [`SpectralError::Kind`] for another kind of Laplacian, whose
+    /// gradients are not those of faces; [`SpectralError::Rows`] for that of another mesh; a mass that is not
+    /// positive; what factorising reports.
+    pub fn with(
         mesh: &TriMesh,
-        operator: Option<SurfaceOperator>,
+        laplacian: &Laplacian,
         time: Option<f64>,
     ) -> Result<Self, SpectralError> {
         if let Some(time) = time {
             check_time(time)?;
         }
-        let plain = match operator {
-            Some(SurfaceOperator::Robust) => None,
-            Some(SurfaceOperator::Cotangent) => Some(cotan_stiffness(mesh)?),
-            None => cotan_stiffness(mesh).ok().filter(is_delaunay),
-        };
-        let (operator, stiffness, mass, faces) = match plain {
-            Some(stiffness) => {
-                let faces = extrinsic(mesh);
-                (SurfaceOperator::Cotangent, stiffness, solvable_mass(mesh)?, faces)
+        let (found, expected) = (laplacian.vertex_count(), mesh.vertex_count());
+        if found != expected {
+            return Err(SpectralError::Rows { found, expected });
+        }
+        let (corners, flat) = match (laplacian.kind(), laplacian.intrinsic()) {
+            (_, Some(Intrinsic { faces, .. })) => {
+                let sides = faces.lengths.as_chunks::<3>().0;
+                let flat = sides.iter().map(|&sides| FlatFace::new(sides, faces.share)).collect();
+                (faces.corners.clone(), flat)
             }
-            None => {
-                let robust = robust_laplacian(mesh, RobustOptions::default())?;
-                let mass = with_isolated(robust.mass);
-                (SurfaceOperator::Robust, robust.stiffness, mass, robust.faces)
+            (LaplacianKind::Cotangent, None) => {
+                let flat = sides(mesh).map(|sides| FlatFace::new(sides, 1.0)).collect();
+                (mesh.faces().as_flattened().to_vec(), flat)
             }
+            (kind, None) => return Err(SpectralError::Kind { kind }),
         };
         let (components, component) = components(mesh);
         let times = match time {
             Some(time) => vec![time; components],
             None => mean_squares(mesh, components, &component),
         };
-        let (heat, poisson) = factor_pair(&stiffness, &mass, &times, &component)?;
-        let mut used = vec![false; mesh.vertex_count()];
-        for &v in mesh.faces().as_flattened() {
-            used[v as usize] = true;
+        let mass = laplacian.positive_mass()?;
+        let (heat, poisson) =
+            factor_pair(laplacian.stiffness(), &mass.lumped(), &times, &component)?;
+        let mut used = vec![true; mesh.vertex_count()];
+        for &v in laplacian.isolated() {
+            used[v as usize] = false;
         }
-        let flat = faces
-            .lengths
-            .as_chunks::<3>()
-            .0
-            .iter()
-            .map(|sides| FlatFace::new(*sides, faces.share))
-            .collect();
-        let corners = faces.corners;
-        Ok(Self { operator, heat, poisson, corners, flat, components, component, used })
+        let kind = laplacian.kind();
+        Ok(Self { kind, heat, poisson, corners, flat, components, component, used })
     }
 
-    /// The operator it was made with.
-    pub fn operator(&self) -> SurfaceOperator {
-        self.operator
+    /// The kind of the Laplacian that it was made with.
+    pub fn kind(&self) -> LaplacianKind {
+        self.kind
     }
 
     /// The distance of every vertex to the nearest source; `None` on components without a source.
@@ -172,38 +167,11 @@ impl HeatGeodesics {
     }
 }
 
-/// Whether no weight of an edge is negative.
-fn is_delaunay(stiffness: &SparseMatrix) -> bool {
-    let rows = stiffness.outer_iterator().enumerate();
-    let bad = rows.into_iter().try_for_each(|(i, row)| {
-        let limit = DELAUNAY * row.get(i).copied().unwrap_or(0.0).abs();
-        let bad = row.iter().any(|(j, &s)| j != i && s > limit);
-        if bad { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    });
-    bad.is_continue()
-}
-
-/// The faces as they are in space.
-fn extrinsic(mesh: &TriMesh) -> IntrinsicFaces {
+/// The lengths of the sides of the faces as they are in space, from corner k to corner k + 1.
+fn sides(mesh: &TriMesh) -> impl Iterator<Item = [f64; 3]> + '_ {
     let p = mesh.positions();
     let side = |a: u32, b: u32| distance(p[a as usize], p[b as usize]);
-    let sides = |&[a, b, c]: &[u32; 3]| [side(a, b), side(b, c), side(c, a)];
-    IntrinsicFaces {
-        corners: mesh.faces().as_flattened().to_vec(),
-        lengths: mesh.faces().iter().flat_map(sides).collect(),
-        share: 1.0,
-    }
-}
-
-/// Vertices without mass have no faces: any positive number keeps them apart from everything else.
-fn with_isolated(mut mass: Vec<f64>) -> Vec<f64> {
-    let mean = mass.iter().sum::<f64>() / mass.len().max(1) as f64;
-    for mass in &mut mass {
-        if *mass == 0.0 {
-            *mass = if mean > 0.0 { mean } else { 1.0 };
-        }
-    }
-    mass
+    mesh.faces().iter().map(move |&[a, b, c]| [side(a, b), side(b, c), side(c, a)])
 }
 
 /// M + tS, t that of the component, and the regular S: they share their pattern, and one analysis serves both.
@@ -245,11 +213,10 @@ fn factor_pair(
 /// The square of the mean length of the sides of the faces of each component.
 fn mean_squares(mesh: &TriMesh, components: usize, component: &[u32]) -> Vec<f64> {
     let mut sums = vec![(0.0, 0.0); components];
-    let p = mesh.positions();
-    for face in mesh.faces() {
+    for (face, sides) in mesh.faces().iter().zip(sides(mesh)) {
         let (sum, count) = &mut sums[component[face[0] as usize] as usize];
-        for k in 0..3 {
-            *sum += distance(p[face[k] as usize], p[face[(k + 1) % 3] as usize]);
+        for side in sides {
+            *sum += side;
             *count += 1.0;
         }
     }

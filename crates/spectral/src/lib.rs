@@ -2,6 +2,9 @@
 //!
 //! Modes are orthonormal in the inner product of the mass, φᵢᵀ M φⱼ = δᵢⱼ, so a field is projected by Φᵀ M f. A
 //! plain transpose in place of Φᵀ M is the classic mistake: types here carry the mass along with the modes.
+//!
+//! Everything here takes a [`Laplacian`](fairing_operators::Laplacian), of any kind: make it once, use it for spectra,
+//! heat, geodesic distance and [Poisson problems](Poisson).
 
 mod cluster;
 mod compression;
@@ -13,24 +16,24 @@ mod flat_face;
 mod geodesic;
 mod npy;
 mod npz;
+mod poisson;
 mod reconstruct;
 mod signature;
 mod spectrum;
 
 pub use cluster::Split;
 pub use compression::{Compressed, compress};
-pub use compute::{
-    Boundary, GraphWeights, MassKind, SpectrumOptions, SurfaceOperator, graph_spectrum, spectrum,
-    spectrum_with,
-};
+pub use compute::{GraphWeights, SpectrumOptions, graph_spectrum, spectrum, spectrum_with};
 pub use diffusion::HeatDiffusion;
 pub use error::SpectralError;
+pub use fairing_operators::MassMatrix;
 pub use fairing_sparse::{Beyond, Count, EigenOptions, EigenProgress};
 pub use filter::{Filtered, Rest, band_pass, high_pass, low_pass};
 pub use geodesic::HeatGeodesics;
+pub use poisson::Poisson;
 pub use reconstruct::{Reconstruction, reconstruct, reconstruction_errors};
 pub use signature::{
     global_point_signature, heat_kernel_signature, heat_kernel_times, shape_dna,
     wave_kernel_signature,
 };
-pub use spectrum::{MassMatrix, Spectrum};
+pub use spectrum::Spectrum;

@@ -5,6 +5,7 @@ use std::io;
 use std::path::Path;
 
 use fairing_mesh::io::write_whole;
+use fairing_operators::MassMatrix;
 use fairing_sparse::{Beyond, SparseMatrix};
 use ndarray::Array2;
 use zip::write::SimpleFileOptions;
@@ -12,7 +13,7 @@ use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
 use crate::error::SpectralError;
 use crate::npy::{Kind, Npy};
-use crate::spectrum::{MassMatrix, Spectrum};
+use crate::spectrum::Spectrum;
 
 impl Spectrum {
     /// Writes `values` (k), `modes` (n × k), `residuals` (k), `certified` (1 or 0), the eigenvalues known `beyond`

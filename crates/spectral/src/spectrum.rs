@@ -1,42 +1,10 @@
 //! Eigenvalues and modes with their mass: the transform and its inverse.
 
-use fairing_sparse::{Beyond, Mass, SparseMatrix, multiply_block};
+use fairing_operators::MassMatrix;
+use fairing_sparse::{Beyond, multiply_block};
 use ndarray::{Array2, ArrayView2, Axis, Slice};
 
 use crate::error::SpectralError;
-
-/// The mass that modes are orthonormal in.
-#[derive(Debug, Clone, PartialEq)]
-pub enum MassMatrix {
-    /// A diagonal, in squared mesh units (1 or degrees for graph spectra).
-    Lumped(Vec<f64>),
-    /// A sparse matrix, in squared mesh units.
-    Consistent(SparseMatrix),
-}
-
-impl MassMatrix {
-    /// The mass as the sparse crate takes it.
-    pub fn as_mass(&self) -> Mass<'_> {
-        match self {
-            Self::Lumped(diagonal) => Mass::Lumped(diagonal),
-            Self::Consistent(matrix) => Mass::Consistent(matrix),
-        }
-    }
-
-    /// M X.
-    pub(crate) fn times(&self, x: ArrayView2<'_, f64>) -> Array2<f64> {
-        match self {
-            Self::Lumped(diagonal) => {
-                let mut y = x.to_owned();
-                for (mut row, m) in y.rows_mut().into_iter().zip(diagonal) {
-                    row *= *m;
-                }
-                y
-            }
-            Self::Consistent(matrix) => multiply_block(matrix, x),
-        }
-    }
-}
 
 /// The k smoothest modes of a mesh.
 ///
@@ -111,7 +79,7 @@ impl Spectrum {
     /// Source: \[vallet2008\].
     pub fn transform(&self, field: ArrayView2<'_, f64>) -> Result<Array2<f64>, SpectralError> {
         self.check_rows(field.nrows(), self.vertex_count())?;
-        Ok(self.modes.t().dot(&self.mass.times(field)))
+        Ok(self.modes.t().dot(&times(&self.mass, field)))
     }
 
     /// The field Σ φᵢ cᵢ, `n × d`, of the first coefficients (all k or fewer).
@@ -143,7 +111,7 @@ impl Spectrum {
         // The first mode carries most of the norm and none of the error: the remainder after all modes is
         // measured, not subtracted, and the energies are added to it from the back.
         let rest = &field - &self.inverse(coefficients.view())?;
-        let mut square = (&rest * &self.mass.times(rest.view())).sum().max(0.0);
+        let mut square = (&rest * &times(&self.mass, rest.view())).sum().max(0.0);
         let area = self.area();
         let mut errors = vec![(square / area).sqrt()];
         for energy in Self::energies(coefficients.view()).into_iter().rev() {
@@ -165,5 +133,19 @@ impl Spectrum {
         } else {
             Err(SpectralError::TooManyModes { wanted, available })
         }
+    }
+}
+
+/// M X.
+fn times(mass: &MassMatrix, x: ArrayView2<'_, f64>) -> Array2<f64> {
+    match mass {
+        MassMatrix::Lumped(diagonal) => {
+            let mut y = x.to_owned();
+            for (mut row, m) in y.rows_mut().into_iter().zip(diagonal) {
+                row *= *m;
+            }
+            y
+        }
+        MassMatrix::Consistent(matrix) => multiply_block(matrix, x),
     }
 }

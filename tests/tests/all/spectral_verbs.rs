@@ -171,6 +171,56 @@ fn faces_without_area_get_the_robust_operator() {
     assert!(back.positions().iter().flatten().all(|x| x.is_finite()));
 }
 
+/// Auto is the same in every verb: cotangents where no weight is negative, the robust operator
+/// elsewhere, with a word that names the edge; with another mass, cotangents.
+#[test]
+fn auto_is_the_same_in_every_verb() {
+    let folder = tempfile::tempdir().unwrap();
+    // Slivers: x is sheared by four times y.
+    let sphere = shapes::icosphere(2);
+    let p = sphere.positions().iter().map(|p| [p[0] + 4.0 * p[1], p[1], p[2]]).collect();
+    save(folder.path(), "round.ply", &sphere);
+    save(folder.path(), "sheared.ply", &sphere.with_positions(p).unwrap());
+    let lines = [
+        "spectrum MESH -k 4 --json",
+        "reconstruct MESH -k 30 -o out.obj --force",
+        "curvature MESH --estimator cotangent --operator auto --json",
+    ];
+    let said = |line: &str| {
+        let output = fairing(folder.path(), line);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "{line}: {said}");
+        (said, output.stdout)
+    };
+    for line in lines {
+        let (good, _) = said(&line.replace("MESH", "round.ply"));
+        assert!(!good.contains("operator"), "{line}: {good}");
+        let (bad, _) = said(&line.replace("MESH", "sheared.ply"));
+        assert!(bad.contains("negative weight") && bad.contains("edge ("), "{line}: {bad}");
+        assert!(bad.contains("using the robust operator"), "{line}: {bad}");
+        let (asked, _) = said(
+            &(line.replace("MESH", "sheared.ply").replace(" --operator auto", "")
+                + " --operator cotangent"),
+        );
+        assert!(!asked.contains("robust"), "{line}: {asked}");
+    }
+    let found = spectrum(folder.path(), "spectrum sheared.ply -k 4 --json");
+    assert_eq!(found["operator"], "robust");
+    let found = spectrum(folder.path(), "spectrum sheared.ply -k 4 --mass mixed --json");
+    assert_eq!(found["operator"], "cotangent");
+    // What is asked for counts: the values differ.
+    let mean = |operator: &str| {
+        let line =
+            format!("curvature sheared.ply --estimator cotangent --operator {operator} --json");
+        let json: Value = serde_json::from_slice(&said(&line).1).unwrap();
+        json["interior"]["mean"]["greatest"].as_f64().unwrap()
+    };
+    assert_eq!(mean("auto"), mean("robust"));
+    assert!(mean("auto") != mean("cotangent"));
+    let error = refuse(folder.path(), "curvature round.ply --operator robust", 2);
+    assert!(error.contains("jet3 takes no operator"), "{error}");
+}
+
 /// The mass is stored with the modes; the robust operator has only one.
 #[test]
 fn masses_are_chosen_or_refused() {

@@ -75,13 +75,15 @@ pub(super) fn clusters(spectrum: &Spectrum) -> Vec<std::ops::Range<usize>> {
 #[cfg(test)]
 mod tests {
     use fairing_mesh::{TriMesh, shapes};
+    use fairing_operators::Laplacian;
     use fairing_spectral::{EigenOptions, GraphWeights, SpectrumOptions, graph_spectrum, spectrum};
 
     use super::*;
 
     fn sphere(k: usize) -> (TriMesh, Spectrum) {
         let mesh = shapes::icosphere(3);
-        let modes = spectrum(&mesh, k, &SpectrumOptions::default()).unwrap();
+        let laplacian = Laplacian::cotangent(&mesh).unwrap();
+        let modes = spectrum(&laplacian, k, &SpectrumOptions::default()).unwrap();
         (mesh, modes)
     }
 
@@ -99,7 +101,8 @@ mod tests {
     fn all_modes_end_at_a_gap() {
         let mesh = shapes::icosphere(1);
         let n = mesh.vertex_count();
-        let all = modes(n, n, |k| spectrum(&mesh, k, &SpectrumOptions::default())).unwrap();
+        let laplacian = Laplacian::cotangent(&mesh).unwrap();
+        let all = modes(n, n, |k| spectrum(&laplacian, k, &SpectrumOptions::default())).unwrap();
         assert_eq!((all.len(), next(&all, n)), (n, Some(n)));
     }
 

@@ -6,6 +6,7 @@ use fairing_figure::{
     Axis, Figure, Limits, Panel as FigurePanel, Plot, ScaleOptions, Series, Up, Viewpoint,
 };
 use fairing_mesh::{TriMesh, shapes};
+use fairing_operators::Laplacian;
 use fairing_operators::curvature::{ScalarCurvature, VertexStatus};
 use fairing_spectral::{Spectrum, SpectrumOptions, reconstruct, reconstruction_errors, spectrum};
 use ndarray::ArrayView2;
@@ -108,7 +109,9 @@ impl Experiment for Reconstruction {
             let most = if *name == "bumpy sphere" { 300 } else { 1000 };
             let wanted = stops(n, context.choose(most, 100));
             let last = wanted.last().copied().context("no stops")?;
-            let modes = gap::modes(n, last, |k| spectrum(mesh, k, &SpectrumOptions::default()))?;
+            let laplacian = Laplacian::cotangent(mesh)?;
+            let modes =
+                gap::modes(n, last, |k| spectrum(&laplacian, k, &SpectrumOptions::default()))?;
             let mut stops: Vec<usize> =
                 wanted.iter().filter_map(|&k| gap::next(&modes, k)).collect();
             stops.dedup();
@@ -285,7 +288,8 @@ fn sphere(finest: u32) -> Result<Table> {
     let (mut h, mut error, mut means) = (vec![], vec![], vec![]);
     for level in 2..=finest {
         let mesh = shapes::icosphere(level);
-        let values = spectrum(&mesh, 16, &SpectrumOptions::default())?.values;
+        let values =
+            spectrum(&Laplacian::cotangent(&mesh)?, 16, &SpectrumOptions::default())?.values;
         let mean = |r: std::ops::Range<usize>| {
             let n = r.len() as f64;
             values[r].iter().sum::<f64>() / n

@@ -4,11 +4,15 @@ use std::path::PathBuf;
 
 use clap::Args;
 use fairing::mesh::io::VertexFields;
-use fairing::operators::curvature::{CurvatureField, Estimator, Length, Neighborhood};
+use fairing::operators::MassKind;
+use fairing::operators::curvature::{
+    CurvatureField, Estimator, Length, Neighborhood, laplacian_curvature,
+};
 use serde_json::{Value, json};
 
 use super::exit::Failure;
 use super::files::{self, Overwrite};
+use super::operator::OperatorName;
 use super::table::{Table, number};
 use super::{Context, print};
 
@@ -48,6 +52,10 @@ pub(crate) struct Curvature {
     /// How far jets and quadrics reach, in rings of neighbours
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16))]
     rings: Option<u32>,
+    /// The Laplacian of the estimator cotangent, with its barycentric mass; without it,
+    /// cotangents over mixed areas, or robust where a face is too thin for them
+    #[arg(long, value_enum)]
+    operator: Option<OperatorName>,
     /// Print a summary as one JSON object
     #[arg(long)]
     json: bool,
@@ -69,7 +77,17 @@ impl Curvature {
         }
         let file = files::read(input)?;
         files::say_report(context, input, &file.report);
-        let field = self.estimator()?.estimate(&file.mesh)?;
+        let estimator = self.estimator()?;
+        let field = match self.operator {
+            None => estimator.estimate(&file.mesh)?,
+            Some(operator) if matches!(estimator, Estimator::Cotangent(_)) => {
+                let laplacian = operator.assemble(context, &file.mesh, MassKind::Barycentric)?;
+                laplacian_curvature(&file.mesh, &laplacian)?
+            }
+            Some(_) => {
+                return Err(Failure::usage(format_args!("{estimator} takes no operator")));
+            }
+        };
         if let Some(output) = &self.output {
             let fields = with_curvature(file.fields, &field);
             files::write_held(context, output, &file.mesh, &fields)?;

@@ -12,6 +12,7 @@ mod exit;
 mod files;
 mod info;
 mod noise;
+mod operator;
 mod reconstruct;
 mod render;
 mod smooth;

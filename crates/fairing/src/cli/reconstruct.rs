@@ -3,10 +3,12 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use fairing::operators::MassKind;
 use fairing::spectral::{SpectrumOptions, reconstruct, reconstruction_errors};
 
 use super::exit::Failure;
 use super::files::{self, Output};
+use super::operator::OperatorName;
 use super::table::number;
 use super::{Context, spectrum};
 
@@ -18,8 +20,9 @@ Examples:
 /// Rebuild a mesh from its k smoothest modes
 ///
 /// Projects the positions onto the k smallest modes of the Laplace-Beltrami
-/// operator, in the inner product of the mass. Where faces have no area it takes
-/// the robust operator and says so. Prints the root mean square of the
+/// operator, in the inner product of the mass. Where a face is too thin for
+/// cotangents or an edge has a negative weight it takes the robust operator and
+/// says so. Prints the root mean square of the
 /// displacement, weighted by area, in the unit of the file. Warns where K splits
 /// a cluster of eigenvalues: the result is arbitrary then. Vertices without
 /// faces stay where they are; normals in the file are dropped, other properties
@@ -32,6 +35,9 @@ pub(crate) struct Reconstruct {
     /// How many modes
     #[arg(short, value_name = "K", value_parser = spectrum::at_least_one)]
     k: usize,
+    /// The stiffness of the Laplacian
+    #[arg(long, value_enum, default_value_t = OperatorName::Auto)]
+    operator: OperatorName,
     #[command(flatten)]
     output: Output,
 }
@@ -41,8 +47,9 @@ impl Reconstruct {
         self.output.check()?;
         let file = files::read(&self.input)?;
         files::say_report(context, &self.input, &file.report);
+        let laplacian = self.operator.assemble(context, &file.mesh, MassKind::Barycentric)?;
         let options = SpectrumOptions::default();
-        let modes = spectrum::compute_any(context, &file.mesh, self.k, options)?.spectrum;
+        let modes = spectrum::compute(context, &laplacian, self.k, &options)?;
         spectrum::warn_of_split(context, &modes, self.k);
         let mesh = reconstruct(&file.mesh, &modes, self.k)?.mesh;
         let errors = reconstruction_errors(&file.mesh, &modes)?;

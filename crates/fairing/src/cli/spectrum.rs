@@ -4,14 +4,13 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use fairing::mesh::TriMesh;
-use fairing::operators::OperatorError;
-use fairing::spectral::{
-    self, Boundary, MassKind, SpectralError, SpectrumOptions, SurfaceOperator,
-};
+use fairing::operators::{Laplacian, MassKind};
+use fairing::spectral::{self, SpectralError, SpectrumOptions};
 use serde_json::json;
 
 use super::exit::Failure;
 use super::files::{self, Overwrite};
+use super::operator::OperatorName;
 use super::table::{Table, number};
 use super::{Context, print};
 
@@ -25,9 +24,9 @@ Read the modes in Python: numpy.load(\"modes.npz\")[\"modes\"]";
 
 /// Compute the smallest eigenvalues and modes of the Laplace-Beltrami operator
 ///
-/// Solves S u = w M u with the cotangent stiffness S; where faces have no area,
-/// with that of the intrinsic Delaunay triangulation, and says so. Eigenvalues
-/// are in one over the squared unit of the file. Each pair comes with its
+/// Solves S u = w M u with the cotangent stiffness S; where a face is too thin for
+/// cotangents or an edge has a negative weight, with that of the intrinsic Delaunay
+/// triangulation, and says so. Eigenvalues are in one over the squared unit of the file. Each pair comes with its
 /// residual in the inverse mass norm; certified means that a count by inertia proves that none
 /// was missed. Where K splits a cluster of equal or nearly equal eigenvalues, a
 /// warning names numbers that do not. The output is an npz file with values (k), modes (n x k,
@@ -80,7 +79,7 @@ pub(crate) fn warn_of_split(context: &Context, modes: &spectral::Spectrum, k: us
 /// Which operator.
 #[derive(Args)]
 pub(crate) struct Kind {
-    /// The stiffness: auto takes cotangent, and robust where that refuses a face without area
+    /// The stiffness
     #[arg(long, value_enum, default_value_t = OperatorName::Auto)]
     operator: OperatorName,
     /// The mass matrix
@@ -89,13 +88,6 @@ pub(crate) struct Kind {
     /// What holds at the boundary: neumann leaves it free, dirichlet holds it at zero
     #[arg(long, value_enum, default_value_t = BoundaryName::Neumann)]
     boundary: BoundaryName,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum OperatorName {
-    Auto,
-    Cotangent,
-    Robust,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -112,51 +104,11 @@ enum BoundaryName {
 }
 
 impl Kind {
-    fn options(&self) -> SpectrumOptions {
-        SpectrumOptions {
-            mass: mass(self.mass),
-            boundary: match self.boundary {
-                BoundaryName::Neumann => Boundary::Neumann,
-                BoundaryName::Dirichlet => Boundary::Dirichlet,
-            },
-            operator: match self.operator {
-                OperatorName::Auto | OperatorName::Cotangent => SurfaceOperator::Cotangent,
-                OperatorName::Robust => SurfaceOperator::Robust,
-            },
-            ..Default::default()
+    fn options(&self, mesh: &TriMesh) -> SpectrumOptions {
+        match self.boundary {
+            BoundaryName::Neumann => SpectrumOptions::default(),
+            BoundaryName::Dirichlet => SpectrumOptions::dirichlet(mesh),
         }
-    }
-}
-
-/// Modes, and the operator they belong to.
-pub(crate) struct Modes {
-    pub(crate) spectrum: spectral::Spectrum,
-    operator: SurfaceOperator,
-}
-
-/// The modes of the cotangent operator or, with a note, of the robust one where a face has no area.
-pub(crate) fn compute_any(
-    context: &Context,
-    mesh: &TriMesh,
-    k: usize,
-    options: SpectrumOptions,
-) -> Result<Modes, Failure> {
-    let degenerate = |error: &SpectralError| {
-        matches!(
-            error,
-            SpectralError::Operator(OperatorError::DegenerateFace { .. })
-                | SpectralError::Mass { .. }
-        )
-    };
-    match compute(context, mesh, k, &options) {
-        Ok(spectrum) => Ok(Modes { spectrum, operator: options.operator }),
-        Err(error) if degenerate(&error) && options.mass == MassKind::Barycentric => {
-            context.note(format_args!("{error}; using the robust operator"));
-            let operator = SurfaceOperator::Robust;
-            let options = SpectrumOptions { operator, ..options };
-            Ok(Modes { spectrum: compute(context, mesh, k, &options)?, operator })
-        }
-        Err(error) => Err(error.into()),
     }
 }
 
@@ -169,9 +121,9 @@ fn mass(name: MassName) -> MassKind {
 }
 
 /// Computes modes, with a bar on a terminal.
-fn compute(
+pub(crate) fn compute(
     context: &Context,
-    mesh: &TriMesh,
+    laplacian: &Laplacian,
     k: usize,
     options: &SpectrumOptions,
 ) -> Result<spectral::Spectrum, SpectralError> {
@@ -181,7 +133,7 @@ fn compute(
         // Draws to the error stream, and only where that is a terminal.
         indicatif::ProgressBar::new(k as u64)
     };
-    let result = spectral::spectrum_with(mesh, k, options, &mut |progress| {
+    let result = spectral::spectrum_with(laplacian, k, options, &mut |progress| {
         bar.set_position(progress.converged as u64);
         std::ops::ControlFlow::Continue(())
     });
@@ -196,14 +148,9 @@ impl Spectrum {
         }
         let file = files::read(&self.input)?;
         files::say_report(context, &self.input, &file.report);
-        let options = self.kind.options();
-        let Modes { spectrum: modes, operator } = match self.kind.operator {
-            OperatorName::Auto => compute_any(context, &file.mesh, self.k, options)?,
-            OperatorName::Cotangent | OperatorName::Robust => Modes {
-                spectrum: compute(context, &file.mesh, self.k, &options)?,
-                operator: options.operator,
-            },
-        };
+        let (kind, mesh) = (&self.kind, &file.mesh);
+        let laplacian = kind.operator.assemble(context, mesh, mass(kind.mass))?;
+        let modes = compute(context, &laplacian, self.k, &kind.options(mesh))?;
         if let Some(output) = &self.output {
             modes.save(output).map_err(Failure::output)?;
         }
@@ -215,10 +162,7 @@ impl Spectrum {
                 "eigenvalues": modes.values,
                 "residuals": modes.residuals,
                 "certified": modes.certified,
-                "operator": match operator {
-                    SurfaceOperator::Robust => "robust",
-                    _ => "cotangent",
-                },
+                "operator": laplacian.kind().name(),
             });
             return print(format_args!("{summary:#}\n"));
         }

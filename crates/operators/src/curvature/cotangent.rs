@@ -9,17 +9,17 @@
 //! Sources: \[meyer2003\], \[pinkall1993\].
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{dot, norm, sub};
+use fairing_mesh::vec3::{dot, norm};
 
 use super::cell::{Cell, map_cells};
 use super::field::{AtVertex, CurvatureField};
-use super::gaussian::{defects, undefined};
+use super::from_laplacian::laplacian_curvature;
+use super::gaussian::undefined;
 use super::principal::principal_values;
 use super::status::Undefined;
 use crate::error::OperatorError;
-use crate::intrinsic::{RobustOptions, robust_laplacian};
+use crate::laplacian::Laplacian;
 use crate::mass::LumpedArea;
-use crate::normals::vertex_normals;
 
 /// The area of [`cotangent_curvature`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,8 +38,8 @@ impl Default for CotangentOptions {
 /// H and K by cotangents and angle defects, and the principal values that
 /// follow. Where estimates have H² < K, κ₁ = κ₂ = H; H and K stay as they are.
 ///
-/// On a mesh with a face too thin for its cotangents, H is computed with the
-/// [`robust_laplacian`] instead, both are divided by its mass, and
+/// On a mesh with a face too thin for its cotangents this is the
+/// [`laplacian_curvature`] of the [robust](Laplacian::robust) kind, and
 /// [`CurvatureField::too_thin`] names the face; the rest of the mesh changes
 /// where the intrinsic Delaunay triangulation differs from it, and next to such
 /// faces, whose sides are lengthened. Undefined at isolated vertices, and where there is no positive area or
@@ -57,7 +57,8 @@ pub fn cotangent_curvature(
     let field = match map_cells(&mesh, options.area, at_cell) {
         Ok(found) => CurvatureField::collect(found, false),
         Err(OperatorError::DegenerateFace { face, .. }) => {
-            CurvatureField { too_thin: Some(face), ..robust(&mesh)? }
+            let field = laplacian_curvature(&mesh, &Laplacian::robust(&mesh)?)?;
+            CurvatureField { too_thin: Some(face), ..field }
         }
         Err(error) => return Err(error),
     };
@@ -75,35 +76,9 @@ fn at_cell(cell: &Cell) -> (Result<AtVertex, Undefined>, bool) {
     (found, cell.links.boundary)
 }
 
-fn at(mean: f64, gaussian: f64) -> AtVertex {
+pub(super) fn at(mean: f64, gaussian: f64) -> AtVertex {
     let (values, _) = principal_values(mean, gaussian);
     AtVertex { values, mean, gaussian, directions: [[0.0; 3]; 2] }
-}
-
-fn robust(mesh: &TriMesh) -> Result<CurvatureField, OperatorError> {
-    let operators = robust_laplacian(mesh, RobustOptions::default())?;
-    let positions = mesh.positions();
-    let rows = operators.stiffness.outer_iterator().zip(&operators.mass);
-    let found = rows.zip(vertex_normals(mesh)).zip(defects(mesh)).enumerate();
-    let found = found.map(|(v, (((row, &mass), normal), (defect, links)))| {
-        let flat = mass > 0.0 && normal != [0.0; 3];
-        let found = if flat {
-            // About the vertex itself: rows sum to zero, and this way far from
-            // the origin too.
-            let bend: f64 = row
-                .iter()
-                .map(|(w, s)| {
-                    let edge = sub(positions[w], positions[v]);
-                    s * dot(edge, normal)
-                })
-                .sum();
-            Ok(at(0.5 * bend / mass, defect / mass))
-        } else {
-            Err(undefined(links))
-        };
-        (found, links.boundary)
-    });
-    Ok(CurvatureField::collect(found.collect(), false))
 }
 
 #[cfg(test)]

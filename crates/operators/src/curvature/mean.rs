@@ -46,7 +46,7 @@ pub struct MeanCurvature {
 }
 
 impl MeanCurvature {
-    fn of(found: impl ExactSizeIterator<Item = AtVertex>) -> Self {
+    pub(super) fn of(found: impl ExactSizeIterator<Item = AtVertex>) -> Self {
         let n = found.len();
         let mut all = Self {
             vectors: Vec::with_capacity(n),
@@ -91,6 +91,9 @@ impl MeanCurvature {
 }
 
 /// Pointwise mean curvature at each vertex.
+///
+/// Needs no matrix; [`laplacian_mean_curvature`](super::laplacian_mean_curvature)
+/// takes one of any kind, the robust one for instance.
 ///
 /// Undefined at isolated vertices, where the area is not positive, and where
 /// no normal tells the sign. Boundary vertices are computed one-sidedly and
@@ -145,7 +148,7 @@ pub fn mean_and_gaussian_curvature(
     Ok((mean.times(1.0 / unit), gaussian))
 }
 
-struct AtVertex {
+pub(super) struct AtVertex {
     vector: [f64; 3],
     signed: f64,
     status: VertexStatus,
@@ -154,7 +157,7 @@ struct AtVertex {
 
 impl AtVertex {
     /// From Δx, if there is one, and a vector along the normal.
-    fn new(vector: Option<[f64; 3]>, normal: [f64; 3], links: Links) -> Self {
+    pub(super) fn new(vector: Option<[f64; 3]>, normal: [f64; 3], links: Links) -> Self {
         let boundary = links.boundary;
         if let (Some(vector), Some(normal)) = (vector, normalize(normal)) {
             let signed = -0.5 * dot(vector, normal);

@@ -8,7 +8,8 @@
 //!
 //! [`Estimator`] has all methods under one roof, with one result, the
 //! [`CurvatureField`]; [`mean_curvature`] and [`gaussian_curvature`] are the
-//! plain operators of the assignment.
+//! plain operators of the assignment, and [`laplacian_curvature`] takes a
+//! [`Laplacian`](crate::Laplacian) of any kind.
 
 mod ball;
 mod bending;
@@ -19,6 +20,7 @@ mod estimator;
 mod face_tensor;
 mod field;
 mod fit;
+mod from_laplacian;
 mod gaussian;
 mod jet;
 mod mean;
@@ -35,6 +37,7 @@ pub use estimator::{Estimator, UnknownEstimator};
 pub use face_tensor::{FaceTensorOptions, face_tensor_curvature};
 pub use field::CurvatureField;
 pub(crate) use fit::PrincipalAxes;
+pub use from_laplacian::{laplacian_curvature, laplacian_mean_curvature};
 pub use gaussian::{angle_defect, gaussian_curvature};
 pub use jet::{JetDegree, JetOptions, JetWeight, jet_curvature};
 pub use mean::{MeanCurvature, MeanOperator, mean_and_gaussian_curvature, mean_curvature};

@@ -1,6 +1,7 @@
 //! Clusters of eigenvalues: what is said about them, and that it is true.
 
 use fairing_mesh::{TriMesh, shapes};
+use fairing_operators::Laplacian;
 use fairing_spectral::{
     EigenOptions, GraphWeights, Rest, Spectrum, SpectrumOptions, Split, compress, graph_spectrum,
     reconstruct, spectrum,
@@ -10,7 +11,7 @@ use ndarray::ArrayView2;
 use crate::meshes::{relabelled, scaled, union};
 
 fn modes(mesh: &TriMesh, k: usize) -> Spectrum {
-    spectrum(mesh, k, &SpectrumOptions::default()).unwrap()
+    spectrum(&Laplacian::cotangent(mesh).unwrap(), k, &SpectrumOptions::default()).unwrap()
 }
 
 /// The symmetry of the icosahedron keeps 1, 3 and 5 modes together and parts the seven of ℓ = 3 into 4 and 3 or

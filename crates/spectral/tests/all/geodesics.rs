@@ -1,7 +1,8 @@
 //! Distances by the heat method against known ones.
 
 use fairing_mesh::{TriMesh, shapes};
-use fairing_spectral::{HeatGeodesics, SpectralError, SurfaceOperator};
+use fairing_operators::{Laplacian, LaplacianKind, MassKind};
+use fairing_spectral::{HeatGeodesics, SpectralError};
 
 use crate::meshes::{capsule, mapped, relabelled, scaled, sheet, turned, union};
 
@@ -10,9 +11,14 @@ fn distances(mesh: &TriMesh, sources: &[u32]) -> Vec<f64> {
     found.into_iter().map(|d| d.unwrap()).collect()
 }
 
+fn with(mesh: &TriMesh, kind: LaplacianKind, time: Option<f64>) -> HeatGeodesics {
+    let laplacian = Laplacian::new(mesh, kind, MassKind::Barycentric).unwrap();
+    HeatGeodesics::with(mesh, &laplacian, time).unwrap()
+}
+
 /// Mean and largest error against the distance in the plane, as shares of the largest distance.
-fn errors(mesh: &TriMesh, source: u32, operator: Option<SurfaceOperator>) -> (f64, f64) {
-    let heat = HeatGeodesics::with_operator(mesh, operator, None).unwrap();
+fn errors(mesh: &TriMesh, source: u32, kind: LaplacianKind) -> (f64, f64) {
+    let heat = with(mesh, kind, None);
     let found = heat.distance(&[source]).unwrap();
     let p = mesh.positions();
     let from = p[source as usize];
@@ -29,29 +35,41 @@ fn slivers_do_no_harm() {
     for shear in [3.0, 6.0] {
         let mesh = sheet(40, 40, [0.025, 0.025], shear);
         let heat = HeatGeodesics::new(&mesh).unwrap();
-        assert_eq!(heat.operator(), SurfaceOperator::Robust);
+        assert_eq!(heat.kind(), LaplacianKind::Robust);
         let source = 20 * 41 + 20;
-        let (mean, worst) = errors(&mesh, source, None);
-        let (plain, _) = errors(&mesh, source, Some(SurfaceOperator::Cotangent));
+        let (mean, worst) = errors(&mesh, source, LaplacianKind::Auto);
+        let (plain, _) = errors(&mesh, source, LaplacianKind::Cotangent);
         assert!(mean < 0.02 && worst < 0.05, "{shear}: {mean} {worst}");
         assert!(plain > 2.0 * mean, "{shear}: {plain} {mean}");
     }
     let good = HeatGeodesics::new(&shapes::icosphere(3)).unwrap();
-    assert_eq!(good.operator(), SurfaceOperator::Cotangent);
+    assert_eq!(good.kind(), LaplacianKind::Cotangent);
 }
 
 /// On a good mesh both operators are the same, and so are the distances.
 #[test]
 fn operators_agree_on_delaunay_meshes() {
     let mesh = shapes::icosphere(3);
-    let [a, b] = [SurfaceOperator::Cotangent, SurfaceOperator::Robust].map(|operator| {
-        let heat = HeatGeodesics::with_operator(&mesh, Some(operator), None).unwrap();
-        assert_eq!(heat.operator(), operator);
+    let [a, b] = [LaplacianKind::Cotangent, LaplacianKind::Robust].map(|kind| {
+        let heat = with(&mesh, kind, None);
+        assert_eq!(heat.kind(), kind);
         heat.distance(&[3, 77]).unwrap()
     });
     for (a, b) in a.iter().zip(&b) {
         assert!((a.unwrap() - b.unwrap()).abs() < 1e-9);
     }
+}
+
+/// Gradients belong to faces: a Laplacian without them, or of another mesh, is refused.
+#[test]
+fn laplacians_that_do_not_serve_are_refused() {
+    let mesh = shapes::icosphere(1);
+    let uniform = Laplacian::new(&mesh, LaplacianKind::Uniform, MassKind::Barycentric).unwrap();
+    let refused = HeatGeodesics::with(&mesh, &uniform, None);
+    assert!(matches!(refused, Err(SpectralError::Kind { kind: LaplacianKind::Uniform })));
+    let other = Laplacian::cotangent(&shapes::icosphere(2)).unwrap();
+    let refused = HeatGeodesics::with(&mesh, &other, None);
+    assert!(matches!(refused, Err(SpectralError::Rows { found: 162, expected: 42 })));
 }
 
 /// Strips of unit squares: heat falls by a factor of 2.6 an edge, far below what squares can hold.
@@ -67,7 +85,7 @@ fn distances_do_not_stop_growing() {
     let Err(SpectralError::NoHeat { vertex }) = long.distance(&[0]) else { panic!() };
     assert!(vertex > 1000);
     // More time, more reach.
-    let long = HeatGeodesics::with_time(&sheet(1800, 1, [1.0, 1.0], 0.0), 16.0).unwrap();
+    let long = with(&sheet(1800, 1, [1.0, 1.0], 0.0), LaplacianKind::Auto, Some(16.0));
     let end = long.distance(&[0]).unwrap()[1800].unwrap();
     assert!((end - 1800.0).abs() < 20.0, "{end}");
 }
@@ -77,7 +95,7 @@ fn distances_do_not_stop_growing() {
 fn fans_without_area_have_distances() {
     let mesh = capsule(40, 12, true);
     let heat = HeatGeodesics::new(&mesh).unwrap();
-    assert_eq!(heat.operator(), SurfaceOperator::Robust);
+    assert_eq!(heat.kind(), LaplacianKind::Robust);
     let last = mesh.vertex_count() - 1;
     let found = heat.distance(&[0]).unwrap()[last].unwrap();
     let length = 2.0 + std::f64::consts::PI;
@@ -108,7 +126,7 @@ fn distances_belong_to_the_surface() {
         let (other, place) = relabelled(&mesh);
         let found = distances(&other, &[place[7] as u32]);
         compare(&place.iter().map(|&v| found[v]).collect::<Vec<_>>(), 1.0, 1e-8);
-        let plain = HeatGeodesics::new(&mesh).unwrap().operator() == SurfaceOperator::Cotangent;
+        let plain = HeatGeodesics::new(&mesh).unwrap().kind() == LaplacianKind::Cotangent;
         // The robust operator adds a length of the whole mesh to every edge.
         let sizes: &[f64] = if plain { &[1e-4, 1.0, 1e4] } else { &[1.0] };
         for &size in sizes {

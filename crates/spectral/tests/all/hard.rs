@@ -1,14 +1,17 @@
 //! Eigenpairs of meshes with tiny masses, huge weights and many components.
 
 use fairing_mesh::{TriMesh, shapes};
-use fairing_spectral::{
-    Boundary, EigenOptions, Spectrum, SpectrumOptions, SurfaceOperator, spectrum,
-};
+use fairing_operators::Laplacian;
+use fairing_spectral::{EigenOptions, Spectrum, SpectrumOptions, spectrum};
 
 use crate::meshes::{capsule, scaled, sheet, union};
 
-fn robust() -> SpectrumOptions {
-    SpectrumOptions { operator: SurfaceOperator::Robust, ..Default::default() }
+fn modes(mesh: &TriMesh, k: usize) -> Spectrum {
+    spectrum(&Laplacian::cotangent(mesh).unwrap(), k, &SpectrumOptions::default()).unwrap()
+}
+
+fn robust(mesh: &TriMesh, k: usize) -> Spectrum {
+    spectrum(&Laplacian::robust(mesh).unwrap(), k, &SpectrumOptions::default()).unwrap()
 }
 
 /// Certified, ascending, and Φᵀ M Φ = I.
@@ -33,13 +36,13 @@ fn close(found: &[f64], expected: &[f64], share: f64) {
 #[test]
 fn capsules_with_fans_at_the_poles() {
     for (around, half) in [(12, 4), (40, 9)] {
-        let clean = spectrum(&capsule(around, half, false), 12, &robust()).unwrap();
+        let clean = robust(&capsule(around, half, false), 12);
         let mesh = capsule(around, half, true);
-        let fans = spectrum(&mesh, 12, &robust()).unwrap();
+        let fans = robust(&mesh, 12);
         check(&fans);
         close(&fans.values, &clean.values, 5e-3);
         for s in [1e-9, 1e9] {
-            let other = spectrum(&scaled(&mesh, s), 12, &robust()).unwrap();
+            let other = robust(&scaled(&mesh, s), 12);
             check(&other);
             let back: Vec<f64> = other.values.iter().map(|l| l * s * s).collect();
             // Lengths of 10⁻⁵ edges come from differences of coordinates: ε / 10⁻⁵, magnified by cotangents.
@@ -52,12 +55,12 @@ fn capsules_with_fans_at_the_poles() {
 #[test]
 fn components_of_different_sizes() {
     let large = shapes::bumpy_sphere(3, 0.15, 4.0);
-    let alone = spectrum(&large, 7, &SpectrumOptions::default()).unwrap();
+    let alone = modes(&large, 7);
     for size in [1e-3, 1e-4, 1e-6] {
         for small in [shapes::icosphere(1), shapes::icosphere(3)] {
             let small = scaled(&small, size);
             for mesh in [union(&large, &small), union(&small, &large)] {
-                let found = spectrum(&mesh, 8, &SpectrumOptions::default()).unwrap();
+                let found = modes(&mesh, 8);
                 check(&found);
                 assert_eq!(found.values[..2], [0.0, 0.0]);
                 close(&found.values[1..], &alone.values, 1e-9);
@@ -87,7 +90,7 @@ fn many_small_components() {
     for (k, slice) in [(20, 320), (150, 320), (160, 320), (190, 16)] {
         let eigen = EigenOptions { slice, ..Default::default() };
         let options = SpectrumOptions { eigen, ..Default::default() };
-        let found = spectrum(&mesh, k, &options).unwrap();
+        let found = spectrum(&Laplacian::cotangent(&mesh).unwrap(), k, &options).unwrap();
         check(&found);
         assert!(found.values.iter().take(150).all(|l| *l == 0.0));
         if k > 150 {
@@ -104,14 +107,14 @@ fn many_small_components() {
 fn one_short_edge() {
     for level in [2, 3] {
         let sphere = shapes::icosphere(level);
-        let whole = spectrum(&sphere, 9, &SpectrumOptions::default()).unwrap();
+        let whole = modes(&sphere, 9);
         let [a, b, _] = sphere.faces()[0].map(|v| v as usize);
         for length in [1e-3, 1e-6, 1e-9] {
             let mut points = sphere.positions().to_vec();
             points[a] =
                 std::array::from_fn(|i| points[b][i] + length * (points[a][i] - points[b][i]));
             let mesh = sphere.with_positions(points).unwrap();
-            let found = spectrum(&mesh, 9, &SpectrumOptions::default()).unwrap();
+            let found = modes(&mesh, 9);
             check(&found);
             close(&found.values, &whole.values, 0.1);
             assert_eq!(found.values[0], 0.0);
@@ -131,9 +134,8 @@ fn dense_and_sparse_agree_beside_a_needle() {
         let mesh = sheet.with_positions(points).unwrap();
         let solve = |k: usize, dense_rows: usize| {
             let eigen = EigenOptions { dense_rows, ..Default::default() };
-            let options =
-                SpectrumOptions { boundary: Boundary::Dirichlet, eigen, ..Default::default() };
-            spectrum(&mesh, k, &options).unwrap()
+            let options = SpectrumOptions { eigen, ..SpectrumOptions::dirichlet(&mesh) };
+            spectrum(&Laplacian::cotangent(&mesh).unwrap(), k, &options).unwrap()
         };
         for k in [1, 7] {
             let (dense, sparse) = (solve(k, 400), solve(k, 10));

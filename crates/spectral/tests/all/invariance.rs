@@ -1,6 +1,7 @@
 //! Values, filters, signatures and heat belong to the surface: not to its numbering, frame or unit.
 
 use fairing_mesh::{TriMesh, shapes};
+use fairing_operators::Laplacian;
 use fairing_spectral::{
     HeatDiffusion, Rest, Spectrum, SpectrumOptions, heat_kernel_signature, heat_kernel_times,
     spectrum, wave_kernel_signature,
@@ -22,7 +23,8 @@ struct Facts {
 
 /// In units of the mesh; `number[v]` is the vertex whose field value v has.
 fn facts(mesh: &TriMesh, unit: f64, number: &[usize]) -> Facts {
-    let found: Spectrum = spectrum(mesh, 20, &SpectrumOptions::default()).unwrap();
+    let laplacian = Laplacian::cotangent(mesh).unwrap();
+    let found: Spectrum = spectrum(&laplacian, 20, &SpectrumOptions::default()).unwrap();
     let k = found.gap_below(20);
     assert!(k >= 15 && found.certified);
     let found = found.truncated(k).unwrap();
@@ -45,7 +47,7 @@ fn facts(mesh: &TriMesh, unit: f64, number: &[usize]) -> Facts {
         filtered: filter.field,
         heat: heat_kernel_signature(&found, &times).unwrap() * area,
         wave: wave_kernel_signature(&found, 6).unwrap() * area,
-        diffused: HeatDiffusion::new(mesh, 0.01 * area).unwrap().step(&start).unwrap(),
+        diffused: HeatDiffusion::new(&laplacian, 0.01 * area).unwrap().step(&start).unwrap(),
     }
 }
 

@@ -1,0 +1,136 @@
+//! Mean and Gaussian curvature with a Laplacian of any kind.
+
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{add, scale, sub};
+
+use super::cotangent::at;
+use super::field::CurvatureField;
+use super::gaussian::{defects, undefined};
+use super::mean::{AtVertex, MeanCurvature};
+use crate::error::OperatorError;
+use crate::laplacian::Laplacian;
+use crate::normals::vertex_normals;
+
+/// [`mean_curvature`](super::mean_curvature) with a Laplacian of the mesh:
+/// `Δx = −M⁻¹ S x`, in 1 / mesh units for a mass of areas.
+///
+/// Undefined at isolated vertices, where the mass (its row sum) is not
+/// positive, and where no area-weighted normal tells the sign.
+///
+/// # Errors
+///
+/// [`OperatorError::Length`] for the Laplacian of another mesh.
+///
+/// # Examples
+///
+/// ```
+/// use fairing_mesh::shapes;
+/// use fairing_operators::Laplacian;
+/// use fairing_operators::curvature::laplacian_mean_curvature;
+///
+/// let sphere = shapes::icosphere(4);
+/// let mean = laplacian_mean_curvature(&sphere, &Laplacian::robust(&sphere)?)?;
+/// assert!(mean.signed.iter().all(|h| (h - 1.0).abs() < 0.05));
+/// # Ok::<(), fairing_operators::OperatorError>(())
+/// ```
+///
+/// Source: \[meyer2003\].
+pub fn laplacian_mean_curvature(
+    mesh: &TriMesh,
+    laplacian: &Laplacian,
+) -> Result<MeanCurvature, OperatorError> {
+    let bends = integrated(mesh, laplacian)?;
+    let mass = laplacian.mass().lumped();
+    let normals = vertex_normals(mesh);
+    let found = bends.zip(&*mass).zip(normals).zip(defects(mesh));
+    let found: Vec<AtVertex> = found
+        .map(|(((bend, &mass), normal), (_, links))| {
+            let vector = (mass > 0.0).then(|| scale(bend, -1.0 / mass));
+            AtVertex::new(vector, normal, links)
+        })
+        .collect();
+    Ok(MeanCurvature::of(found.into_iter()))
+}
+
+/// H with a Laplacian of the mesh, K from angle defects over its mass, and the
+/// principal values that follow.
+///
+/// Where estimates have H² < K, κ₁ = κ₂ = H; H and K stay as they are.
+/// Undefined as in [`laplacian_mean_curvature`]. Linear cost.
+///
+/// # Errors
+///
+/// [`OperatorError::Length`] for the Laplacian of another mesh.
+///
+/// Source: \[meyer2003\].
+pub fn laplacian_curvature(
+    mesh: &TriMesh,
+    laplacian: &Laplacian,
+) -> Result<CurvatureField, OperatorError> {
+    let (mean, mass) = (laplacian_mean_curvature(mesh, laplacian)?, laplacian.mass().lumped());
+    let found = defects(mesh).into_iter().enumerate().map(|(v, (defect, links))| {
+        let gaussian = defect / mass[v];
+        let found = if mean.status[v].is_defined() && gaussian.is_finite() {
+            Ok(at(mean.signed[v], gaussian))
+        } else {
+            Err(undefined(links))
+        };
+        (found, links.boundary)
+    });
+    Ok(CurvatureField::collect(found.collect(), false))
+}
+
+/// The rows of `S x`, about the vertex itself: rows sum to zero, and this way
+/// far from the origin too.
+fn integrated<'a>(
+    mesh: &'a TriMesh,
+    laplacian: &'a Laplacian,
+) -> Result<impl Iterator<Item = [f64; 3]> + 'a, OperatorError> {
+    let (found, expected) = (laplacian.vertex_count(), mesh.vertex_count());
+    if found != expected {
+        return Err(OperatorError::Length { found, expected });
+    }
+    let positions = mesh.positions();
+    Ok(laplacian.stiffness().outer_iterator().zip(positions).map(|(row, &at)| {
+        let edges = row.iter().map(|(w, &s)| scale(sub(positions[w], at), s));
+        edges.fold([0.0; 3], add)
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::curvature::{MeanOperator, gaussian_curvature, mean_curvature};
+    use crate::{LaplacianKind, LumpedArea, MassKind};
+    use fairing_mesh::shapes;
+
+    /// The matrix says what the cells say, on closed and open meshes with an isolated vertex.
+    #[test]
+    fn cotangents_are_those_of_the_cells() {
+        let mut positions = shapes::icosphere(2).into_positions();
+        positions.push([3.0; 3]);
+        let sphere = TriMesh::new(positions, shapes::icosphere(2).faces().to_vec()).unwrap();
+        let tube = shapes::cylinder(1.0, 2.0, 12, 6, shapes::Ends::Open);
+        for mesh in [sphere, tube] {
+            for area in [LumpedArea::Mixed, LumpedArea::Barycentric] {
+                let laplacian =
+                    Laplacian::new(&mesh, LaplacianKind::Cotangent, MassKind::from(area)).unwrap();
+                let found = laplacian_mean_curvature(&mesh, &laplacian).unwrap();
+                let expected = mean_curvature(&mesh, MeanOperator::Cotangent(area)).unwrap();
+                assert_eq!(found.status, expected.status);
+                assert_eq!(found.boundary, expected.boundary);
+                let both = laplacian_curvature(&mesh, &laplacian).unwrap();
+                let gaussian = gaussian_curvature(&mesh, area).unwrap();
+                for v in 0..mesh.vertex_count() {
+                    // The same sums in another order.
+                    assert!((found.signed[v] - expected.signed[v]).abs() < 1e-11);
+                    assert!((both.mean[v] - expected.signed[v]).abs() < 1e-11);
+                    assert!((both.gaussian[v] - gaussian.values[v]).abs() < 1e-11);
+                }
+            }
+        }
+        let other = Laplacian::cotangent(&shapes::icosphere(1)).unwrap();
+        let error = laplacian_curvature(&shapes::icosphere(2), &other).unwrap_err();
+        assert_eq!(error, OperatorError::Length { found: 42, expected: 162 });
+    }
+}

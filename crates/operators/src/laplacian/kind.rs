@@ -1,0 +1,183 @@
+//! Which Laplacian, and which mass, by name.
+
+use std::fmt;
+use std::str::FromStr;
+
+use crate::mass::LumpedArea;
+
+/// Which stiffness a [`Laplacian`](super::Laplacian) has.
+///
+/// Written as its name (`Display`), and read from it (`FromStr`).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum LaplacianKind {
+    /// [`Cotangent`](Self::Cotangent), or [`Robust`](Self::Robust) where the
+    /// mesh is bad for it: where a face is too thin for its cotangents
+    /// ([`MIN_HEIGHT_RATIO`](crate::MIN_HEIGHT_RATIO)), or where an edge that is
+    /// not Delaunay has a negative weight (by more than 10⁻¹⁰ of the
+    /// diagonal). With another mass than the barycentric one, which is the
+    /// only one that the robust kind has, always the cotangent one.
+    Auto,
+    /// The graph of the edges, each with the weight 1, whatever the positions:
+    /// [`combinatorial_laplacian`](crate::combinatorial_laplacian).
+    Uniform,
+    /// Cotangents of the faces, which refuse a face that is too thin:
+    /// [`cotan_stiffness`](crate::cotan_stiffness).
+    Cotangent,
+    /// Cotangents of the intrinsic Delaunay triangulation of the tufted cover,
+    /// on any mesh that has an edge with a length:
+    /// [`robust_laplacian`](crate::intrinsic::robust_laplacian).
+    Robust,
+    /// Polygons, each with a virtual vertex:
+    /// [`polygon_laplacian`](crate::polygon_laplacian). On triangles, the
+    /// cotangent one.
+    Polygon,
+}
+
+impl LaplacianKind {
+    /// All of them.
+    pub const ALL: [Self; 5] =
+        [Self::Auto, Self::Uniform, Self::Cotangent, Self::Robust, Self::Polygon];
+
+    /// The name on the command line and in messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Uniform => "uniform",
+            Self::Cotangent => "cotangent",
+            Self::Robust => "robust",
+            Self::Polygon => "polygon",
+        }
+    }
+}
+
+/// Which mass a [`Laplacian`](super::Laplacian) has.
+///
+/// Written as its name (`Display`), and read from it (`FromStr`).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[non_exhaustive]
+pub enum MassKind {
+    /// Diagonal, a third of the area of each face:
+    /// [`LumpedArea::Barycentric`]. All kinds of Laplacian have it.
+    #[default]
+    Barycentric,
+    /// Diagonal, [`LumpedArea::Mixed`].
+    Mixed,
+    /// Diagonal, [`LumpedArea::Voronoi`], which may be negative.
+    Voronoi,
+    /// Finite elements, [`consistent_mass`](crate::consistent_mass):
+    /// eigenvalues approach those of the surface from above.
+    Consistent,
+    /// The number of edges at the vertex, dimensionless: with the uniform
+    /// stiffness, −M⁻¹S is the
+    /// [random walk](crate::random_walk_laplacian).
+    Degree,
+    /// 1 at each vertex that has a face, dimensionless.
+    Unit,
+}
+
+impl MassKind {
+    /// All of them.
+    pub const ALL: [Self; 6] =
+        [Self::Barycentric, Self::Mixed, Self::Voronoi, Self::Consistent, Self::Degree, Self::Unit];
+
+    /// The name on the command line and in messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Barycentric => "barycentric",
+            Self::Mixed => "mixed",
+            Self::Voronoi => "voronoi",
+            Self::Consistent => "consistent",
+            Self::Degree => "degree",
+            Self::Unit => "unit",
+        }
+    }
+
+    /// The area that it is made of, if it is a diagonal of areas.
+    pub fn area(self) -> Option<LumpedArea> {
+        match self {
+            Self::Barycentric => Some(LumpedArea::Barycentric),
+            Self::Mixed => Some(LumpedArea::Mixed),
+            Self::Voronoi => Some(LumpedArea::Voronoi),
+            Self::Consistent | Self::Degree | Self::Unit => None,
+        }
+    }
+}
+
+impl From<LumpedArea> for MassKind {
+    fn from(area: LumpedArea) -> Self {
+        match area {
+            LumpedArea::Barycentric => Self::Barycentric,
+            LumpedArea::Mixed => Self::Mixed,
+            LumpedArea::Voronoi => Self::Voronoi,
+        }
+    }
+}
+
+/// There is no kind of this name.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("there is no {what} {name:?}; there are {}", known.join(", "))]
+pub struct UnknownKind {
+    /// What was asked for, "Laplacian" or "mass".
+    pub what: &'static str,
+    /// The name.
+    pub name: String,
+    /// The names that there are.
+    pub known: Vec<&'static str>,
+}
+
+impl fmt::Display for LaplacianKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl fmt::Display for MassKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl FromStr for LaplacianKind {
+    type Err = UnknownKind;
+
+    fn from_str(name: &str) -> Result<Self, UnknownKind> {
+        let known = Self::ALL.into_iter().find(|kind| kind.name() == name);
+        known.ok_or_else(|| UnknownKind {
+            what: "Laplacian",
+            name: name.into(),
+            known: Self::ALL.map(Self::name).to_vec(),
+        })
+    }
+}
+
+impl FromStr for MassKind {
+    type Err = UnknownKind;
+
+    fn from_str(name: &str) -> Result<Self, UnknownKind> {
+        let known = Self::ALL.into_iter().find(|kind| kind.name() == name);
+        known.ok_or_else(|| UnknownKind {
+            what: "mass",
+            name: name.into(),
+            known: Self::ALL.map(Self::name).to_vec(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_read_back() {
+        for kind in LaplacianKind::ALL {
+            assert_eq!(kind.to_string().parse(), Ok(kind));
+        }
+        for kind in MassKind::ALL {
+            assert_eq!(kind.to_string().parse(), Ok(kind));
+        }
+        let error = "cotan".parse::<LaplacianKind>().unwrap_err().to_string();
+        assert!(error.contains("\"cotan\"") && error.contains("uniform, cotangent"), "{error}");
+        assert!("area".parse::<MassKind>().unwrap_err().to_string().contains("barycentric"));
+    }
+}

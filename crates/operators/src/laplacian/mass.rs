@@ -1,0 +1,115 @@
+//! The masses of a Laplacian.
+
+use std::borrow::Cow;
+
+use fairing_mesh::TriMesh;
+use fairing_sparse::{Mass, SparseMatrix};
+
+use super::kind::MassKind;
+use super::{Laplacian, LaplacianKind};
+use crate::error::OperatorError;
+use crate::mass::{consistent_mass, lumped_mass};
+use crate::uniform::degrees;
+
+/// A mass matrix, diagonal or sparse.
+#[derive(Debug, Clone, PartialEq)]
+pub enum MassMatrix {
+    /// A diagonal, in squared mesh units ([`MassKind::Degree`] and
+    /// [`MassKind::Unit`]: dimensionless).
+    Lumped(Vec<f64>),
+    /// A sparse matrix, in squared mesh units.
+    Consistent(SparseMatrix),
+}
+
+impl MassMatrix {
+    /// The mass as the sparse crate takes it.
+    pub fn as_mass(&self) -> Mass<'_> {
+        match self {
+            Self::Lumped(diagonal) => Mass::Lumped(diagonal),
+            Self::Consistent(matrix) => Mass::Consistent(matrix),
+        }
+    }
+
+    /// The sums of the rows: the area of each vertex.
+    pub fn lumped(&self) -> Cow<'_, [f64]> {
+        match self {
+            Self::Lumped(diagonal) => Cow::Borrowed(diagonal),
+            Self::Consistent(matrix) => {
+                matrix.outer_iterator().map(|row| row.data().iter().sum()).collect()
+            }
+        }
+    }
+}
+
+/// The mass of a mesh, for all kinds of Laplacian but the robust one.
+pub(super) fn assemble(mesh: &TriMesh, kind: MassKind) -> Result<MassMatrix, OperatorError> {
+    if let Some(area) = kind.area() {
+        return Ok(MassMatrix::Lumped(lumped_mass(mesh, area)?));
+    }
+    let used = |degree: f64| if degree > 0.0 { 1.0 } else { 0.0 };
+    Ok(match kind {
+        MassKind::Degree => MassMatrix::Lumped(degrees(mesh)),
+        MassKind::Unit => MassMatrix::Lumped(degrees(mesh).into_iter().map(used).collect()),
+        _ => MassMatrix::Consistent(consistent_mass(mesh)?),
+    })
+}
+
+/// That there is no such mass for such a Laplacian.
+pub(super) fn refused(laplacian: LaplacianKind, mass: MassKind) -> OperatorError {
+    OperatorError::NoSuchMass { laplacian, mass }
+}
+
+impl Laplacian {
+    /// The mass with a positive number at isolated vertices too: the mean of
+    /// the masses of all vertices (1 where all are zero).
+    ///
+    /// This is the rule for isolated vertices. Their rows of the stiffness and
+    /// their masses are zero, so that they add nothing to an area, an integral
+    /// or a mode. A system `M + tS` needs a positive number in their rows, and
+    /// any does: nothing else has an entry there, and a value stays as it is.
+    /// The mean keeps the condition of the system.
+    ///
+    /// # Errors
+    ///
+    /// [`OperatorError::Mass`] for the first vertex with faces whose mass is
+    /// not positive.
+    pub fn positive_mass(&self) -> Result<Cow<'_, MassMatrix>, OperatorError> {
+        self.check_mass()?;
+        if self.isolated.is_empty() {
+            return Ok(Cow::Borrowed(&self.mass));
+        }
+        let mean = self.mass.lumped().iter().sum::<f64>() / self.vertex_count() as f64;
+        let mean = if mean > 0.0 { mean } else { 1.0 };
+        let mut mass = self.mass.clone();
+        for &v in &self.isolated {
+            match &mut mass {
+                MassMatrix::Lumped(diagonal) => diagonal[v as usize] = mean,
+                MassMatrix::Consistent(matrix) => {
+                    if let Some(m) = matrix.get_mut(v as usize, v as usize) {
+                        *m = mean;
+                    }
+                }
+            }
+        }
+        Ok(Cow::Owned(mass))
+    }
+
+    /// Whether the mass of each vertex with faces is positive.
+    fn check_mass(&self) -> Result<(), OperatorError> {
+        let mut isolated = self.isolated.iter().peekable();
+        for (v, mass) in self.mass.as_mass().diagonal().into_iter().enumerate() {
+            let vertex = v as u32;
+            if isolated.next_if_eq(&&vertex).is_none() {
+                positive(vertex, mass)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// # Errors
+///
+/// [`OperatorError::Mass`] for a mass that is not positive.
+pub(super) fn positive(vertex: u32, mass: f64) -> Result<(), OperatorError> {
+    if mass > 0.0 { Ok(()) } else { Err(OperatorError::Mass { vertex, mass }) }
+}

@@ -1,0 +1,257 @@
+//! Poisson problems on a mesh.
+
+use std::borrow::Cow;
+
+use fairing_operators::{Laplacian, OperatorError, SparseMatrix};
+use fairing_sparse::Cholesky;
+
+use crate::error::SpectralError;
+
+/// The Poisson equation −Δu = f with u given at fixed vertices, factorised
+/// once for any f and any values there.
+///
+/// In weak form `S u = M f` at the vertices that are not fixed. Boundaries are
+/// natural (zero flux) where their vertices are not fixed. On a component
+/// without a fixed vertex a solution exists only for an f of mean zero, and
+/// only up to a constant: the mean of f over the component is taken off, and
+/// the u of mean zero is the solution. Means are weighted by area. Isolated
+/// vertices have no equation: u is 0 there unless they are fixed.
+///
+/// # Examples
+///
+/// ```
+/// use fairing_mesh::shapes;
+/// use fairing_operators::Laplacian;
+/// use fairing_spectral::Poisson;
+///
+/// // On the unit sphere −Δz = 2z.
+/// let sphere = shapes::icosphere(4);
+/// let laplacian = Laplacian::auto(&sphere)?;
+/// let f: Vec<f64> = sphere.positions().iter().map(|p| 2.0 * p[2]).collect();
+/// let u = Poisson::new(&laplacian, &[])?.solve(&f, &[])?;
+/// assert!(u.iter().zip(sphere.positions()).all(|(u, p)| (u - p[2]).abs() < 0.01));
+///
+/// // Harmonic between 0 at one vertex and 1 at another.
+/// let u = Poisson::new(&laplacian, &[0, 3])?.solve(&vec![0.0; u.len()], &[0.0, 1.0])?;
+/// assert!((u[0], u[3]) == (0.0, 1.0) && u.iter().all(|u| (-1e-9..=1.0 + 1e-9).contains(u)));
+/// # Ok::<(), fairing_spectral::SpectralError>(())
+/// ```
+#[derive(Debug)]
+pub struct Poisson<'a> {
+    laplacian: &'a Laplacian,
+    fixed: Vec<u32>,
+    /// The vertices with an equation, ascending.
+    free: Vec<u32>,
+    /// `None` where there is no free vertex.
+    factor: Option<Cholesky>,
+    /// The component of each vertex.
+    component: Vec<u32>,
+    /// Whether each component has no fixed vertex.
+    floating: Vec<bool>,
+}
+
+impl<'a> Poisson<'a> {
+    /// Factorises the stiffness without the fixed vertices.
+    ///
+    /// # Errors
+    ///
+    /// [`OperatorError::NoSuchVertex`] and [`OperatorError::Mass`];
+    /// [`SpectralError::Repeated`] for a vertex that is fixed twice;
+    /// [`SpectralError::Solve`] for a stiffness that cannot be factorised,
+    /// which negative weights of polygons and extreme shapes may cause.
+    pub fn new(laplacian: &'a Laplacian, fixed: &[u32]) -> Result<Self, SpectralError> {
+        let n = laplacian.vertex_count();
+        let mut is_fixed = vec![false; n];
+        for &vertex in fixed {
+            let no = OperatorError::NoSuchVertex { vertex, vertices: n };
+            let slot = is_fixed.get_mut(vertex as usize).ok_or(no)?;
+            if std::mem::replace(slot, true) {
+                return Err(SpectralError::Repeated { vertex });
+            }
+        }
+        let component = components(laplacian.stiffness());
+        let count = component.iter().max().map_or(0, |&c| c as usize + 1);
+        let mut floating = vec![true; count];
+        for &v in fixed {
+            floating[component[v as usize] as usize] = false;
+        }
+        // One vertex of each floating component is fixed at 0. Its equation follows from the others when f has
+        // mean zero, and the mean of u is taken off in the end.
+        let mut taken = fixed.to_vec();
+        let mut grounded = vec![false; count];
+        for v in 0..n {
+            let c = component[v] as usize;
+            if floating[c] && !std::mem::replace(&mut grounded[c], true) {
+                taken.push(v as u32);
+            }
+        }
+        let part = laplacian.restricted(&taken)?;
+        let free = part.free().to_vec();
+        let factor = match free.len() {
+            0 => None,
+            _ => Some(Cholesky::new(part.stiffness())?),
+        };
+        Ok(Self { laplacian, fixed: fixed.to_vec(), free, factor, component, floating })
+    }
+
+    /// The solution u at each vertex, for f pointwise at each vertex, in the
+    /// unit of u over squared mesh units, and values for the fixed vertices,
+    /// in the order in which they were given.
+    ///
+    /// # Errors
+    ///
+    /// [`SpectralError::Rows`] for another number of values;
+    /// [`SpectralError::Parameter`] for one that is not finite.
+    pub fn solve(&self, f: &[f64], values: &[f64]) -> Result<Vec<f64>, SpectralError> {
+        let n = self.laplacian.vertex_count();
+        for (found, expected) in [(f.len(), n), (values.len(), self.fixed.len())] {
+            if found != expected {
+                return Err(SpectralError::Rows { found, expected });
+            }
+        }
+        for (name, numbers) in [("right-hand side", f), ("fixed value", values)] {
+            if let Some(&value) = numbers.iter().find(|x| !x.is_finite()) {
+                return Err(SpectralError::Parameter { name, value, must: "finite" });
+            }
+        }
+        let mass = self.laplacian.mass();
+        let areas = mass.lumped();
+        let mut right = mass.as_mass().times(f);
+        let means = self.means(right.iter().copied(), &areas);
+        for (v, right) in right.iter_mut().enumerate() {
+            *right -= areas[v] * means[self.component[v] as usize];
+        }
+        let mut u = vec![0.0; n];
+        for (&v, &value) in self.fixed.iter().zip(values) {
+            u[v as usize] = value;
+        }
+        let Some(factor) = &self.factor else { return Ok(u) };
+        let known = self.laplacian.apply(&u)?;
+        let mut inside: Vec<f64> =
+            self.free.iter().map(|&v| right[v as usize] - known[v as usize]).collect();
+        factor.solve_in_place(&mut inside);
+        for (&v, inside) in self.free.iter().zip(inside) {
+            u[v as usize] = inside;
+        }
+        let means = self.means(u.iter().zip(&*areas).map(|(u, area)| u * area), &areas);
+        for (u, &c) in u.iter_mut().zip(&self.component) {
+            *u -= means[c as usize];
+        }
+        Ok(u)
+    }
+
+    /// The mean over each floating component of what is integrated at each
+    /// vertex; 0 for the other components.
+    fn means(&self, integrated: impl Iterator<Item = f64>, areas: &Cow<'_, [f64]>) -> Vec<f64> {
+        let mut sums = vec![(0.0, 0.0); self.floating.len()];
+        for ((value, area), &c) in integrated.zip(areas.iter()).zip(&self.component) {
+            let (sum, total) = &mut sums[c as usize];
+            *sum += value;
+            *total += area;
+        }
+        let mean = |(&(sum, total), &floating): (&(f64, f64), &bool)| {
+            if floating && total > 0.0 { sum / total } else { 0.0 }
+        };
+        sums.iter().zip(&self.floating).map(mean).collect()
+    }
+}
+
+/// The component of each row, of the graph of the entries.
+fn components(matrix: &SparseMatrix) -> Vec<u32> {
+    const NONE: u32 = u32::MAX;
+    let mut component = vec![NONE; matrix.rows()];
+    let mut waiting = vec![];
+    let mut count = 0;
+    for first in 0..matrix.rows() {
+        if component[first] != NONE {
+            continue;
+        }
+        component[first] = count;
+        waiting.push(first);
+        while let Some(row) = waiting.pop() {
+            for &column in matrix.outer_view(row).iter().flat_map(|row| row.indices()) {
+                let slot = &mut component[column as usize];
+                if *slot == NONE {
+                    *slot = count;
+                    waiting.push(column as usize);
+                }
+            }
+        }
+        count += 1;
+    }
+    component
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fairing_mesh::{TriMesh, shapes};
+    use fairing_operators::{LaplacianKind, MassKind};
+
+    /// Two spheres of different sizes, and an isolated vertex.
+    fn pair() -> (TriMesh, usize) {
+        let sphere = shapes::icosphere(2);
+        let n = sphere.vertex_count();
+        let mut positions = sphere.positions().to_vec();
+        positions.extend(sphere.positions().iter().map(|p| p.map(|x| 9.0 + 3.0 * x)));
+        positions.push([50.0; 3]);
+        let mut faces = sphere.faces().to_vec();
+        faces.extend(sphere.faces().iter().map(|f| f.map(|v| v + n as u32)));
+        (TriMesh::new(positions, faces).unwrap(), n)
+    }
+
+    /// The solution solves the equation at free vertices, and has the means and values that it must.
+    #[test]
+    fn solutions_solve() {
+        let (mesh, n) = pair();
+        let f: Vec<f64> = (0..2 * n + 1).map(|v| (v as f64).sin() + 0.3).collect();
+        for kind in [LaplacianKind::Cotangent, LaplacianKind::Robust, LaplacianKind::Uniform] {
+            for mass in [MassKind::Barycentric, MassKind::Consistent] {
+                let Ok(laplacian) = Laplacian::new(&mesh, kind, mass) else { continue };
+                let areas = laplacian.mass().lumped();
+                let fixed = [7u32, 3];
+                let u = Poisson::new(&laplacian, &fixed).unwrap().solve(&f, &[2.0, -1.0]).unwrap();
+                assert_eq!((u[7], u[3], u[2 * n]), (2.0, -1.0, 0.0));
+                let second = n..2 * n;
+                let total: f64 = areas[second.clone()].iter().sum();
+                let load = laplacian.mass().as_mass().times(&f);
+                let mean = load[second.clone()].iter().sum::<f64>() / total;
+                let image = laplacian.apply(&u).unwrap();
+                for v in (0..2 * n).filter(|v| ![3, 7].contains(v)) {
+                    let expected = load[v] - if v < n { 0.0 } else { mean * areas[v] };
+                    assert!((image[v] - expected).abs() < 1e-11, "{kind} {mass} {v}");
+                }
+                let middle: f64 = second.map(|v| areas[v] * u[v]).sum();
+                assert!(middle.abs() < 1e-12 * total, "{middle}");
+            }
+        }
+    }
+
+    #[test]
+    fn bad_input_is_named() {
+        let mesh = shapes::icosphere(0);
+        let laplacian = Laplacian::cotangent(&mesh).unwrap();
+        assert!(matches!(
+            Poisson::new(&laplacian, &[4, 1, 4]),
+            Err(SpectralError::Repeated { vertex: 4 })
+        ));
+        assert!(matches!(
+            Poisson::new(&laplacian, &[12]),
+            Err(SpectralError::Operator(OperatorError::NoSuchVertex { vertex: 12, vertices: 12 }))
+        ));
+        let problem = Poisson::new(&laplacian, &[4]).unwrap();
+        assert!(matches!(
+            problem.solve(&[0.0; 12], &[]),
+            Err(SpectralError::Rows { found: 0, expected: 1 })
+        ));
+        assert!(matches!(
+            problem.solve(&[0.0; 12], &[f64::NAN]),
+            Err(SpectralError::Parameter { name: "fixed value", .. })
+        ));
+        // Nothing is left to solve where all are fixed.
+        let all: Vec<u32> = (0..12).collect();
+        let values: Vec<f64> = all.iter().map(|&v| f64::from(v)).collect();
+        let found = Poisson::new(&laplacian, &all).unwrap().solve(&[1.0; 12], &values).unwrap();
+        assert_eq!(found, values);
+    }
+}
