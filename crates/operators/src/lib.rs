@@ -1,5 +1,9 @@
 //! Discrete differential operators and curvature of triangle meshes.
 //!
+//! [`Laplacian`] is the stiffness and the mass of one mesh, of a
+//! [`LaplacianKind`] and a [`MassKind`], or chosen by the mesh
+//! ([`Laplacian::auto`]); the free functions it stands on are public too.
+//!
 //! Matrices are sparse rows in the vertex order of the mesh. The stiffness `S`
 //! is positive semi-definite and Δ ≈ −M⁻¹S; `S u` and angle defects are
 //! *integrated* over the cell of a vertex, and become *pointwise* when divided
