@@ -86,7 +86,7 @@ pub enum GraphWeights {
 /// # Examples
 ///
 /// ```
-/// use fairing_mesh::shapes;
+/// use fairing_shapes as shapes;
 /// use fairing_spectral::{SpectrumOptions, spectrum};
 /// // The unit sphere has 0, then three times 2.
 /// let modes = spectrum(&shapes::icosphere(3), 4, &SpectrumOptions::default())?;

@@ -5,7 +5,7 @@ use std::process::{Command, Output};
 use std::sync::OnceLock;
 
 use fairing_mesh::io::{self, VertexFields, WriteOptions};
-use fairing_mesh::shapes;
+use fairing_shapes as shapes;
 use serde_json::Value;
 
 /// Builds the program once and says where it is.

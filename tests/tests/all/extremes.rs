@@ -7,8 +7,8 @@ use fairing_evaluation::{
     flipped_faces, hausdorff, normal_error, self_intersections, surface_distance,
     vertex_displacement,
 };
+use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, dot, norm, normalize, scale, sub};
-use fairing_mesh::{TriMesh, shapes};
 use fairing_operators::curvature::{
     CotangentOptions, Estimator, FaceTensorOptions, MeanOperator, cotangent_curvature,
     face_tensor_curvature, gaussian_curvature, mean_curvature,
@@ -18,6 +18,7 @@ use fairing_operators::{
     LumpedArea, NormalWeight, cotan_stiffness, gradient, lumped_mass, noise_level, noisy_parts,
     weighted_vertex_normals,
 };
+use fairing_shapes as shapes;
 use fairing_smoothing::denoise::{Denoiser, SurfaceKind, automatic};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

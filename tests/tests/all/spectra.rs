@@ -1,7 +1,8 @@
 //! Spectra against analytic ones, and the transform against itself.
 
 use fairing_evaluation::observed_orders;
-use fairing_mesh::{TriMesh, shapes};
+use fairing_mesh::TriMesh;
+use fairing_shapes as shapes;
 use fairing_spectral::{
     Boundary, GraphWeights, HeatDiffusion, HeatGeodesics, MassKind, Rest, SpectralError, Spectrum,
     SpectrumOptions, compress, global_point_signature, graph_spectrum, heat_kernel_signature,

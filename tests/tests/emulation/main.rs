@@ -14,7 +14,8 @@ use std::sync::{Arc, OnceLock};
 
 use anyhow::{Context as _, Result, ensure};
 use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
-use fairing_mesh::{io, shapes};
+use fairing_mesh::io;
+use fairing_shapes as shapes;
 use libtest_mimic::{Arguments, Failed, Trial};
 use serde_json::Value;
 

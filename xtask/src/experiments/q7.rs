@@ -2,7 +2,7 @@
 
 use anyhow::{Context as _, Result};
 use fairing_evaluation::NoiseLevel;
-use fairing_mesh::shapes;
+use fairing_shapes as shapes;
 use fairing_smoothing::denoise::Denoiser;
 
 use super::restoring::{Body, MODES, Method, Trials};

@@ -253,7 +253,7 @@ impl Spread {
 
 #[cfg(test)]
 mod tests {
-    use fairing_mesh::shapes;
+    use fairing_shapes as shapes;
 
     use super::*;
 

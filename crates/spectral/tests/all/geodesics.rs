@@ -1,6 +1,7 @@
 //! Distances by the heat method against known ones.
 
-use fairing_mesh::{TriMesh, shapes};
+use fairing_mesh::TriMesh;
+use fairing_shapes as shapes;
 use fairing_spectral::{HeatGeodesics, SpectralError, SurfaceOperator};
 
 use crate::meshes::{capsule, mapped, relabelled, scaled, sheet, turned, union};

@@ -1,6 +1,7 @@
 //! Eigenpairs of meshes with tiny masses, huge weights and many components.
 
-use fairing_mesh::{TriMesh, shapes};
+use fairing_mesh::TriMesh;
+use fairing_shapes as shapes;
 use fairing_spectral::{
     Boundary, EigenOptions, Spectrum, SpectrumOptions, SurfaceOperator, spectrum,
 };

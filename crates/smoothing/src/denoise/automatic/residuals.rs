@@ -40,7 +40,7 @@ pub(super) fn neighbour_correlation(noisy: &TriMesh, result: &TriMesh) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use fairing_mesh::shapes;
+    use fairing_shapes as shapes;
 
     use super::*;
 

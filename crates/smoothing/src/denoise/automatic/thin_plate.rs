@@ -181,8 +181,8 @@ impl ThinPlate {
 
 #[cfg(test)]
 mod tests {
-    use fairing_mesh::shapes;
     use fairing_mesh::vec3::norm;
+    use fairing_shapes as shapes;
 
     use super::*;
 

@@ -123,7 +123,7 @@ pub(super) fn hold(p: [f64; 3], x: [f64; 3], limit: f64) -> [f64; 3] {
 
 #[cfg(test)]
 mod tests {
-    use fairing_mesh::shapes;
+    use fairing_shapes as shapes;
 
     use super::*;
 

@@ -4,8 +4,8 @@ use std::f64::consts::{PI, TAU};
 
 use super::grid::{Diagonals, grid_faces};
 use super::{icosphere, made};
-use crate::TriMesh;
-use crate::vec3::scale;
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::scale;
 
 /// The unit sphere in `around` meridians and `across` bands of latitude.
 ///

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::grid::{Diagonals, grid_faces};
 use super::made;
-use crate::TriMesh;
+use fairing_mesh::TriMesh;
 
 /// The cube of side 1 around the origin, each side in `squares × squares`
 /// squares cut into two; sides share the vertices of their edges.

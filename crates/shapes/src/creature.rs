@@ -1,8 +1,8 @@
 //! An animal with limbs, in the place of scanned figures.
 
 use super::implicit::implicit;
-use crate::TriMesh;
-use crate::vec3::{add, distance, dot, scale, sub};
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{add, distance, dot, scale, sub};
 
 /// A limb: the points closer to the segment than a radius that goes from
 /// `radii[0]` to `radii[1]` along it.

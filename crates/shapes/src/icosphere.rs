@@ -1,16 +1,16 @@
 //! Subdivided icosahedra.
 
 use super::made;
-use crate::TriMesh;
-use crate::subdivide::subdivide_midpoint;
-use crate::vec3::{norm, scale};
+use fairing_mesh::TriMesh;
+use fairing_mesh::subdivide_midpoint;
+use fairing_mesh::vec3::{norm, scale};
 
 /// The unit sphere as an icosahedron, each face cut into four `level` times,
 /// new vertices pushed out to the sphere.
 ///
 /// `10·4^level + 2` vertices: those of the level below, in their order, then
 /// one for each of its edges, in the order of
-/// [`Topology::edges`](crate::Topology::edges). `20·4^level` faces: the
+/// [`Topology::edges`](fairing_mesh::Topology::edges). `20·4^level` faces: the
 /// children of a face follow one another, the three corners first.
 ///
 /// # Panics

@@ -3,8 +3,8 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::TriMesh;
-use crate::vec3::{add, distance, dot, norm, scale, sub};
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{add, distance, dot, norm, scale, sub};
 
 /// The mesh with each inner vertex moved at random and put back `onto` its
 /// surface: another, irregular sampling of the same surface, as convergence
@@ -65,7 +65,7 @@ fn in_unit_ball(rng: &mut ChaCha8Rng) -> [f64; 3] {
 
 /// The closest point of the unit sphere; the centre goes to (0, 0, 1).
 pub fn onto_sphere(p: [f64; 3]) -> [f64; 3] {
-    crate::vec3::normalize(p).unwrap_or([0.0, 0.0, 1.0])
+    fairing_mesh::vec3::normalize(p).unwrap_or([0.0, 0.0, 1.0])
 }
 
 /// A point of the ellipsoid with these half-axes near `p`, for `p` near the

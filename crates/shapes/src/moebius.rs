@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::grid::{Diagonals, grid_faces};
 use super::made;
-use crate::TriMesh;
+use fairing_mesh::TriMesh;
 
 /// The Möbius band of half-width `w` around the unit circle,
 ///

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::grid::{Diagonals, grid_faces};
 use super::{made, rings};
-use crate::TriMesh;
+use fairing_mesh::TriMesh;
 
 /// Whether a cylinder has lids.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

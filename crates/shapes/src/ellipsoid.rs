@@ -1,7 +1,7 @@
 //! Ellipsoids.
 
 use super::{icosphere, made};
-use crate::TriMesh;
+use fairing_mesh::TriMesh;
 
 /// The ellipsoid x²/a² + y²/b² + z²/c² = 1 for `axes` (a, b, c): the icosphere
 /// of the level, stretched; same vertices and faces. Volume 4π/3 abc.

@@ -5,9 +5,14 @@ use std::io::{BufReader, Cursor};
 use ply_rs::parser::Parser;
 use ply_rs::ply::{DefaultElement, Property};
 
-use crate::io::tests::read;
-use crate::io::{FloatWidth, Format, VertexFields, WriteOptions, to_bytes};
-use crate::shapes;
+use fairing_mesh::io::{
+    FloatWidth, Format, MeshFile, ReadOptions, VertexFields, WriteOptions, read_bytes, to_bytes,
+};
+use fairing_shapes as shapes;
+
+fn read(name: &str, bytes: &[u8]) -> MeshFile {
+    read_bytes(name, bytes, &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"))
+}
 
 /// tobj keeps the order where every vertex is used in order of appearance; it
 /// reads to 32 bits, so that equal means equal after rounding.

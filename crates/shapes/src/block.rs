@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::made;
 use super::patch::fill;
-use crate::TriMesh;
+use fairing_mesh::TriMesh;
 
 /// A piece of the outline: a straight line or an arc, with the material on
 /// its left.

@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use super::delaunay::{delaunay, scatter};
 use super::grid::{Diagonals, grid_faces};
 use super::made;
-use crate::TriMesh;
+use fairing_mesh::TriMesh;
 
 /// The unit square 0 ≤ x, y ≤ 1, z = 0, in `columns × rows` small rectangles
 /// cut into two faces each; counter-clockwise seen from +z.

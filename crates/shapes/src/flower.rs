@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::delaunay::{delaunay, scatter};
 use super::made;
-use crate::TriMesh;
+use fairing_mesh::TriMesh;
 
 /// Four petals around a hollow: an open sheet with one boundary loop and very
 /// uneven faces, in the place of scanned flowers.

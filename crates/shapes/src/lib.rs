@@ -42,7 +42,7 @@ pub use plane::{irregular_plane, jittered_plane, plane};
 pub use sphere::{bumpy_sphere, uv_sphere};
 pub use torus::torus;
 
-use crate::TriMesh;
+use fairing_mesh::TriMesh;
 
 /// A mesh from positions and faces that its maker vouches for.
 fn made(positions: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> TriMesh {

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::grid::{Diagonals, grid_faces};
 use super::made;
-use crate::TriMesh;
+use fairing_mesh::TriMesh;
 
 /// The torus around the z axis with centre-line radius `major` and tube
 /// radius `minor`,

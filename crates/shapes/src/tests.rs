@@ -1,6 +1,6 @@
 use super::*;
-use crate::vec3::{dot, norm, sub};
-use crate::{Diagnosis, TriMesh};
+use fairing_mesh::vec3::{dot, norm, sub};
+use fairing_mesh::{Diagnosis, TriMesh};
 
 /// The smallest angle of all faces, in degrees.
 fn smallest_angle(mesh: &TriMesh) -> f64 {

@@ -3,8 +3,8 @@
 use rayon::prelude::*;
 
 use super::made;
-use crate::TriMesh;
-use crate::vec3::{add, distance, dot, norm, scale, sub};
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{add, distance, dot, norm, scale, sub};
 
 /// Step of the central differences of a field of size about 1: the cube root
 /// of the unit roundoff balances truncation against cancellation.
