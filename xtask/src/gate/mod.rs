@@ -30,6 +30,12 @@ const DOCUMENTATION: Step = Step {
     arguments: &["doc", "--workspace", "--no-deps", "--locked"],
     environment: &[("RUSTDOCFLAGS", "-D warnings")],
 };
+/// The tests of the command line run them.
+const PROGRAMS: Step = Step {
+    name: "building the programs",
+    arguments: &["build", "--workspace", "--bins", "--locked"],
+    environment: &[],
+};
 const EXAMPLES: Step = Step {
     name: "examples in the documentation",
     arguments: &["test", "--workspace", "--doc", "--locked"],
@@ -118,6 +124,7 @@ pub fn run(root: &Path) -> Result<bool> {
     log.cargo(root, &DOCUMENTATION)?;
     let mut tests = Programs::default();
     log.step("building the tests", || tests.build(root))?;
+    log.cargo(root, &PROGRAMS)?;
     log.step("tests", || tests.run())?;
     log.cargo(root, &EXAMPLES)?;
     if has_openblas() {
@@ -167,6 +174,9 @@ fn skipped(root: &Path) -> Vec<(&'static str, &'static str)> {
         let folders = std::env::var_os("PATH").unwrap_or_default();
         std::env::split_paths(&folders).any(|folder| folder.join(name).is_file())
     };
+    if !on_path("qemu-x86_64") {
+        skipped.push(("emulation: every test", "there is no qemu-x86_64 on the path"));
+    }
     if !["chromium", "chromium-browser", "google-chrome"].into_iter().any(on_path) {
         skipped.push(("browser: every test", "there is no chromium on the path"));
     }
