@@ -2,6 +2,7 @@
 //!
 //! This crate re-exports the crates of the workspace under one name.
 
+pub use fairing_denoising as denoising;
 pub use fairing_evaluation as evaluation;
 pub use fairing_figure as figure;
 pub use fairing_mesh as mesh;

@@ -223,7 +223,6 @@ mod tests {
     }
 
     /// The shares do not depend on the unit of length.
-
     #[test]
     fn defects_do_not_depend_on_scale() {
         let flat = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 1.9e-3, 0.0], [0.5, -2.1e-3, 0.0]];

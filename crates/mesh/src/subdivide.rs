@@ -109,12 +109,7 @@ fn middle(x: &[[f64; 3]], [a, b]: [u32; 2]) -> [f64; 3] {
 mod tests {
     use super::*;
 
-    /// The weights sum to one and reproduce a plane with its inner vertices,
-
-    /// where the grid is regular: there Loop's scheme has linear precision.
-
     /// An octahedron with vertices at ±1: n = 4, β = 31/256 · … by hand.
-
     #[test]
     fn loop_on_an_octahedron() {
         let x =

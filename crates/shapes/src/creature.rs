@@ -1,6 +1,7 @@
 //! An animal with limbs, in the place of scanned figures.
 
 use super::implicit::implicit;
+use super::made;
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, distance, dot, scale, sub};
 
@@ -49,7 +50,7 @@ pub fn creature(resolution: u32) -> TriMesh {
     assert!((48..=320).contains(&resolution), "resolution {resolution} is not in [48, 320]");
     let mesh = implicit(field, 1.0, resolution as usize);
     let standing_on_y = mesh.positions().iter().map(|&[x, y, z]| [x, z, -y]).collect();
-    TriMesh::from_checked(standing_on_y, mesh.faces().to_vec())
+    made(standing_on_y, mesh.faces().to_vec())
 }
 
 /// Negative inside.

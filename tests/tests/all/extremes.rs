@@ -2,6 +2,7 @@
 //! all that follows from the shape alone must not depend on its size, on what
 //! else is in the mesh, or on the frame.
 
+use fairing_denoising::{Denoiser, SurfaceKind, automatic};
 use fairing_evaluation::{
     NoiseKind, NoiseLevel, ScoreOptions, Scores, SurfaceTree, add_noise, drift, feature_edges,
     flipped_faces, hausdorff, normal_error, self_intersections, surface_distance,
@@ -19,7 +20,6 @@ use fairing_operators::{
     weighted_vertex_normals,
 };
 use fairing_shapes as shapes;
-use fairing_smoothing::denoise::{Denoiser, SurfaceKind, automatic};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 

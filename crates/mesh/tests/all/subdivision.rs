@@ -15,6 +15,8 @@ fn midpoints_leave_the_surface() {
     assert!((fine.signed_volume() / coarse.signed_volume() - 1.0).abs() < 1e-13);
 }
 
+/// The weights sum to one and reproduce a plane with its inner vertices, where
+/// the grid is regular: there Loop's scheme has linear precision.
 #[test]
 fn loop_keeps_a_regular_plane() {
     let plane = shapes::plane(6, 6, shapes::Diagonals::Regular);

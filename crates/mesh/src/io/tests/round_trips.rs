@@ -6,7 +6,7 @@ use proptest::sample::{Index, subsequence};
 
 use crate::io::{
     Encoding, FloatWidth, Format, ReadOptions, VertexFields, WriteOptions, read, read_bytes,
-    read_polygons, to_bytes, write_polygons, write_with_fields,
+    read_polygons, to_bytes, write_polygons,
 };
 use crate::{PolygonMesh, TriMesh};
 

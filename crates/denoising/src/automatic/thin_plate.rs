@@ -5,8 +5,8 @@ use fairing_mesh::vec3::{add, scale, sub};
 use fairing_sparse::{Cholesky, SparseMatrix};
 use rayon::prelude::*;
 
-use crate::denoise::DenoiseError;
-use crate::denoise::conjugate_gradients::conjugate_gradients;
+use crate::DenoiseError;
+use crate::conjugate_gradients::conjugate_gradients;
 
 /// The relative residual of the displacements, which are of the size of the
 /// noise: what is left over is far below it.

@@ -4,8 +4,8 @@ use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, dot, norm, scale, sub};
 use rayon::prelude::*;
 
-use crate::denoise::DenoiseError;
-use crate::denoise::vertex_update::{VertexUpdate, rebuild, update_vertices};
+use crate::DenoiseError;
+use crate::vertex_update::{VertexUpdate, rebuild, update_vertices};
 
 /// Rounds of moving vertices within the surface; most folds open in three.
 const ROUNDS: usize = 12;

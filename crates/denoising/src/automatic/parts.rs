@@ -2,7 +2,7 @@
 
 use fairing_mesh::TriMesh;
 
-use crate::denoise::DenoiseError;
+use crate::DenoiseError;
 
 /// A mesh of some of the parts, with vertices and faces in their order.
 pub(super) struct Part {

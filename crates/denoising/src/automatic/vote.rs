@@ -4,7 +4,7 @@ use fairing_mesh::vec3::{add, distance, scale};
 use rayon::prelude::*;
 
 use super::local_fits::{Fit, Regions};
-use crate::denoise::faces::unit_or_zero;
+use crate::faces::unit_or_zero;
 
 /// How many hinges away a fit may be.
 const HOPS: usize = 3;

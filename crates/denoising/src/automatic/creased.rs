@@ -9,10 +9,10 @@ use super::relabel::relabel;
 use super::smooth::cauchy_weights;
 use super::unfold::unfold;
 use super::vote::vote;
-use crate::denoise::DenoiseError;
-use crate::denoise::faces::{FaceLists, FaceShapes, Hinges};
-use crate::denoise::guided_normal::{GuidedNormalOptions, guided_normal};
-use crate::denoise::vertex_update::{VertexUpdate, update_vertices};
+use crate::DenoiseError;
+use crate::faces::{FaceLists, FaceShapes, Hinges};
+use crate::guided_normal::{GuidedNormalOptions, guided_normal};
+use crate::vertex_update::{VertexUpdate, update_vertices};
 
 /// The cosine of the angle between labels that makes a hinge a crease, 25°:
 /// above the steps into which curved parts are cut, below the creases of

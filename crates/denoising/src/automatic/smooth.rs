@@ -8,9 +8,9 @@ use rayon::prelude::*;
 use super::residuals::residuals;
 use super::thin_plate::ThinPlate;
 use super::unfold::hold;
-use crate::denoise::DenoiseError;
-use crate::denoise::faces::{FaceShapes, unit_or_zero};
-use crate::denoise::vertex_update::{VertexUpdate, rebuild, update_vertices};
+use crate::DenoiseError;
+use crate::faces::{FaceShapes, unit_or_zero};
+use crate::vertex_update::{VertexUpdate, rebuild, update_vertices};
 
 /// The strengths λ tried, from hardly any smoothing to a radius of four edges;
 /// the radius grows with the fourth root.

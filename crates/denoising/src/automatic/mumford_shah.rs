@@ -4,8 +4,8 @@ use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, distance, norm, scale, sub};
 use rayon::prelude::*;
 
-use crate::denoise::conjugate_gradients::conjugate_gradients;
-use crate::denoise::faces::{Hinges, NO_HINGE, unit_or_zero};
+use crate::conjugate_gradients::conjugate_gradients;
+use crate::faces::{Hinges, NO_HINGE, unit_or_zero};
 
 /// The jump starts at sixteen times the wanted one, where the energy is
 /// practically convex.

@@ -5,7 +5,7 @@ use fairing_mesh::vec3::{add, cross, distance, dot, scale, sub};
 use fairing_operators::NormalEquations;
 use rayon::prelude::*;
 
-use crate::denoise::faces::{FaceShapes, Hinges, NO_HINGE, unit_or_zero};
+use crate::faces::{FaceShapes, Hinges, NO_HINGE, unit_or_zero};
 
 /// The radii tried, in mean edge lengths: 1.3, 1.69, … 8.2.
 const RADII: [f64; 8] = [1.3, 1.69, 2.197, 2.856, 3.713, 4.827, 6.275, 8.157];

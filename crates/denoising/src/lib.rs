@@ -1,4 +1,7 @@
-//! Denoisers: they remove noise and keep creases, where flows round both away.
+//! Denoisers for triangle meshes: they remove noise and keep creases, where flows round both away.
+//!
+//! [`automatic`] has no parameters. The others are published methods, each one function with one options struct;
+//! [`Denoiser`] holds them all for programs. All keep the faces and the order of vertices.
 
 mod automatic;
 mod bilateral;
