@@ -15,10 +15,10 @@ use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::dot;
 use fairing_operators::{NoiseLevel, NoisyParts, noisy_parts};
 
-use super::DenoiseError;
 use super::faces::{FaceLists, FaceShapes, Hinges};
 use super::unit_scale::at_unit_scale;
 use super::vertex_update::{VertexUpdate, rebuild, update_vertices};
+use crate::DenoiseError;
 use creased::{denoise_creased, first_labels};
 use parts::Part;
 use residuals::neighbour_correlation;
@@ -78,7 +78,7 @@ pub struct Automatic {
 /// Denoises without parameters: noise level, kind of noise and kind of surface
 /// are estimated from the mesh.
 ///
-/// 1. The noise level σ̂ and whether it is impulsive ([`noise_level`]).
+/// 1. The noise level σ̂ and whether it is impulsive ([`noise_level`](fairing_operators::noise_level)).
 /// 2. First labels, normals that jump at creases only: guided normal filtering
 ///    under Gaussian noise, a Mumford–Shah-like field under impulsive noise;
 ///    faces on the wrong side of a crease change sides.
