@@ -1,8 +1,32 @@
-//! The tests of the workspace live in `tests/tests`; this library is empty.
+//! What the tests of the workspace share; the tests are in `tests/tests`.
 
 use std::io::Write as _;
 use std::path::PathBuf;
+use std::process::Command;
 use std::time::Instant;
+
+use serde_json::Value;
+
+/// Builds the program `fairing`, with the features that the tests have built its
+/// crates with, and says where it is.
+///
+/// # Panics
+///
+/// If cargo cannot build it.
+pub fn program() -> PathBuf {
+    let mut build = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    build.args(["build", "--quiet", "--workspace", "--bins", "--message-format=json"]);
+    // It is part of what cargo tells builds apart by.
+    let output = build.env_remove("RUSTC_BOOTSTRAP").output().expect("cargo runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let messages = String::from_utf8_lossy(&output.stdout);
+    let executable = messages.lines().find_map(|line| {
+        let message: Value = serde_json::from_str(line).ok()?;
+        let named = message["target"]["name"] == "fairing";
+        message["executable"].as_str().filter(|_| named).map(PathBuf::from)
+    });
+    executable.expect("cargo names the program")
+}
 
 /// Runs a test of a harness of its own. Where `FAIRING_TEST_TIMES` names a
 /// file, its name and its seconds are added there as a line.

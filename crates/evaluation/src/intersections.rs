@@ -51,7 +51,7 @@ fn crosses(mesh: &TriMesh, face: [u32; 3], other: [u32; 3]) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use fairing_mesh::shapes;
+    use fairing_shapes as shapes;
 
     use super::*;
 

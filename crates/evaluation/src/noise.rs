@@ -70,7 +70,7 @@ pub enum NoiseKind {
 ///
 /// ```
 /// use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
-/// let sphere = fairing_mesh::shapes::icosphere(3);
+/// let sphere = fairing_shapes::icosphere(3);
 /// let noisy = add_noise(&sphere, NoiseKind::GaussianPerAxis, NoiseLevel::EdgeLengths(0.2), 7)?;
 /// assert_eq!(noisy.faces(), sphere.faces());
 /// # Ok::<(), fairing_evaluation::EvaluationError>(())
@@ -134,8 +134,8 @@ fn direction(rng: &mut ChaCha8Rng) -> [f64; 3] {
 
 #[cfg(test)]
 mod tests {
-    use fairing_mesh::shapes;
     use fairing_mesh::vec3::{dot, sub};
+    use fairing_shapes as shapes;
 
     use super::*;
 

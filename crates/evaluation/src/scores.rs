@@ -249,7 +249,7 @@ impl fmt::Display for Scores {
 
 #[cfg(test)]
 mod tests {
-    use fairing_mesh::shapes;
+    use fairing_shapes as shapes;
 
     use super::*;
 

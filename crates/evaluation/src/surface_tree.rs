@@ -340,7 +340,7 @@ impl SurfaceTree {
 
 #[cfg(test)]
 mod tests {
-    use fairing_mesh::shapes;
+    use fairing_shapes as shapes;
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 

@@ -2,10 +2,12 @@
 //!
 //! This crate re-exports the crates of the workspace under one name.
 
+pub use fairing_denoising as denoising;
 pub use fairing_evaluation as evaluation;
 pub use fairing_figure as figure;
 pub use fairing_mesh as mesh;
 pub use fairing_operators as operators;
+pub use fairing_shapes as shapes;
 pub use fairing_smoothing as smoothing;
 pub use fairing_sparse as sparse;
 pub use fairing_spectral as spectral;

@@ -1,4 +1,4 @@
-//! Triangle meshes: validity, topology, reading and writing, analytic shapes.
+//! Triangle meshes: validity, topology, reading and writing.
 //!
 //! [`TriMesh`] holds double-precision positions and `u32` faces and is always
 //! valid. Vertices, edges and faces are numbered from 0; vertices and faces
@@ -10,7 +10,6 @@ mod diagnosis;
 pub mod io;
 mod measure;
 mod polygon;
-pub mod shapes;
 mod subdivide;
 mod topology;
 mod trimesh;

@@ -108,41 +108,6 @@ fn middle(x: &[[f64; 3]], [a, b]: [u32; 2]) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shapes;
-
-    #[test]
-    fn midpoints_leave_the_surface() {
-        let coarse = shapes::torus(3.0, 1.0, 12, 8);
-        let fine = subdivide_midpoint(&coarse).unwrap();
-        assert_eq!(fine.face_count(), 4 * coarse.face_count());
-        assert_eq!(fine.topology().genus(), Some(1));
-        // Sums of as many terms as there are faces, each rounded.
-        assert!((fine.area() / coarse.area() - 1.0).abs() < 1e-13);
-        assert!((fine.signed_volume() / coarse.signed_volume() - 1.0).abs() < 1e-13);
-    }
-
-    /// The weights sum to one and reproduce a plane with its inner vertices,
-    /// where the grid is regular: there Loop's scheme has linear precision.
-    #[test]
-    fn loop_keeps_a_regular_plane() {
-        let plane = shapes::plane(6, 6, shapes::Diagonals::Regular);
-        let fine = subdivide_loop(&plane).unwrap();
-        let old = plane.positions();
-        for v in 0..plane.vertex_count() {
-            let [x, y, _] = old[v];
-            if plane.topology().is_boundary_vertex(v as u32) {
-                let corner = [x, y].iter().all(|&t| t == 0.0 || t == 1.0);
-                let moved = crate::vec3::distance(old[v], fine.positions()[v]);
-                // A corner moves ¼ of the way to the middle of its
-                // neighbours, √2 / 12 away.
-                let expected = if corner { 2f64.sqrt() / 48.0 } else { 0.0 };
-                assert!((moved - expected).abs() < 1e-15);
-            } else {
-                assert!(crate::vec3::distance(old[v], fine.positions()[v]) < 1e-15);
-            }
-        }
-        assert!(fine.positions().iter().all(|p| p[2] == 0.0));
-    }
 
     /// An octahedron with vertices at ±1: n = 4, β = 31/256 · … by hand.
     #[test]

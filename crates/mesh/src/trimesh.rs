@@ -3,8 +3,6 @@
 use std::fmt;
 use std::sync::Arc;
 
-use ndarray::ArrayView2;
-
 use crate::build::BuildError;
 use crate::connectivity::{Connectivity, Incidence};
 use crate::topology::Topology;
@@ -85,8 +83,15 @@ impl TriMesh {
     }
 
     /// The positions as an `n × 3` view, without a copy.
-    pub fn positions_view(&self) -> ArrayView2<'_, f64> {
-        ArrayView2::from(&self.positions[..])
+    #[cfg(feature = "ndarray")]
+    pub fn positions_view(&self) -> ndarray::ArrayView2<'_, f64> {
+        ndarray::ArrayView2::from(self.positions())
+    }
+
+    /// The faces as an `m × 3` view, without a copy.
+    #[cfg(feature = "ndarray")]
+    pub fn faces_view(&self) -> ndarray::ArrayView2<'_, u32> {
+        ndarray::ArrayView2::from(self.faces())
     }
 
     /// Gives the positions away.

@@ -349,7 +349,7 @@ mod tests {
     /// Tasks differ with the number of threads, rows do not.
     #[test]
     fn threads_do_not_matter() {
-        let mesh = fairing_mesh::shapes::icosphere(5);
+        let mesh = fairing_shapes::icosphere(5);
         let sum = || {
             let of_face = |f| Ok([f as f64, 0.3 * (f % 7) as f64, -0.1]);
             sum_sides(&mesh, Diagonal::Sum, of_face)

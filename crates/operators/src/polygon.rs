@@ -222,7 +222,8 @@ fn solve_on_range(mut a: [[f64; 3]; 3], b: [f64; 3]) -> Option<[f64; 3]> {
 mod tests {
     use super::*;
     use crate::stiffness::cotan_stiffness;
-    use fairing_mesh::{TriMesh, shapes};
+    use fairing_mesh::TriMesh;
+    use fairing_shapes as shapes;
 
     fn polygons(positions: Vec<[f64; 3]>, faces: &[&[u32]]) -> PolygonMesh {
         PolygonMesh::new(positions, faces.iter().copied()).unwrap()

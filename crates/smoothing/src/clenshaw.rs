@@ -197,7 +197,7 @@ impl NullaryFnOnce for Triangle<'_> {
 
 #[cfg(test)]
 mod tests {
-    use fairing_mesh::shapes;
+    use fairing_shapes as shapes;
 
     use super::*;
     use crate::arrangement::Arrangement;

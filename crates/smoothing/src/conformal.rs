@@ -57,7 +57,7 @@ impl Default for ConformalizedMcf {
 /// # Examples
 ///
 /// ```
-/// use fairing_mesh::shapes;
+/// use fairing_shapes as shapes;
 /// use fairing_smoothing::{ConformalizedMcf, conformalized_mean_curvature_flow};
 ///
 /// let bumpy = shapes::bumpy_sphere(3, 0.2, 3.0);

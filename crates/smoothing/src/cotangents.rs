@@ -305,7 +305,7 @@ fn raise(mesh: &TriMesh, faces: &[u32], mass: &mut [f64]) {
 
 #[cfg(test)]
 mod tests {
-    use fairing_mesh::shapes;
+    use fairing_shapes as shapes;
 
     use super::*;
 

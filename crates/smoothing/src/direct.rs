@@ -260,7 +260,7 @@ mod tests {
     /// Ten steps of a frozen operator are factored where they are long and iterated where they are short.
     #[test]
     fn conditioning_decides() {
-        let mesh = fairing_mesh::shapes::icosphere(5);
+        let mesh = fairing_shapes::icosphere(5);
         let held = vec![false; mesh.vertex_count()];
         let h2 = mesh.mean_edge_length().powi(2);
         let laplacian = crate::assemble::cotangent(&mesh, Default::default(), &held).unwrap();

@@ -63,7 +63,7 @@ impl Explicit {
 /// # Examples
 ///
 /// ```
-/// use fairing_mesh::shapes;
+/// use fairing_shapes as shapes;
 /// use fairing_smoothing::{Diffusion, Explicit, explicit};
 ///
 /// let sphere = shapes::icosphere(3);

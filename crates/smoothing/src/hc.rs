@@ -47,7 +47,7 @@ impl Default for Hc {
 /// # Examples
 ///
 /// ```
-/// use fairing_mesh::shapes;
+/// use fairing_shapes as shapes;
 /// use fairing_smoothing::{Hc, hc};
 ///
 /// let smoothed = hc(&shapes::icosphere(3), &Hc::default(), None)?;

@@ -103,7 +103,7 @@ const SOME_ITERATIONS: usize = 2000;
 /// # Examples
 ///
 /// ```
-/// use fairing_mesh::shapes;
+/// use fairing_shapes as shapes;
 /// use fairing_smoothing::{Diffusion, Implicit, implicit};
 ///
 /// let sphere = shapes::icosphere(3);

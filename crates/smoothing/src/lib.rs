@@ -1,4 +1,4 @@
-//! Smoothing flows and denoisers for triangle meshes.
+//! Smoothing flows for triangle meshes.
 //!
 //! Each flow is one function with one options struct; [`Method`] holds them all for programs. Those that take steps
 //! take an optional [`Observer`], which sees every step and can end the flow. All return a [`Smoothed`] mesh or a
@@ -15,7 +15,6 @@ mod conformal;
 mod conjugate;
 mod constraints;
 mod cotangents;
-pub mod denoise;
 mod diffusion;
 mod direct;
 mod double;

@@ -68,7 +68,7 @@ impl LowPass {
 /// # Examples
 ///
 /// ```
-/// use fairing_mesh::shapes;
+/// use fairing_shapes as shapes;
 /// use fairing_smoothing::{LowPass, Time, Transfer, low_pass};
 ///
 /// // Coordinates of the unit sphere are modes of ω = 2: diffusion for a time t scales it by exp(−2t).

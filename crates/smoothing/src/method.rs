@@ -21,7 +21,7 @@ use crate::windowed_sinc::{WindowedSinc, windowed_sinc};
 /// # Examples
 ///
 /// ```
-/// use fairing_mesh::shapes;
+/// use fairing_shapes as shapes;
 /// use fairing_smoothing::Method;
 ///
 /// let sphere = shapes::icosphere(4);
@@ -137,7 +137,7 @@ impl Method {
 
 #[cfg(test)]
 mod tests {
-    use fairing_mesh::shapes;
+    use fairing_shapes as shapes;
 
     use super::*;
 

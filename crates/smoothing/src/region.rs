@@ -59,7 +59,7 @@ impl FairRegion {
 /// # Examples
 ///
 /// ```
-/// use fairing_mesh::shapes;
+/// use fairing_shapes as shapes;
 /// use fairing_smoothing::{FairRegion, fair_region};
 ///
 /// // The upper cap of a sphere, replaced by a membrane: flat above its rim.

@@ -47,7 +47,7 @@ impl Default for ScaleDependent {
 /// # Examples
 ///
 /// ```
-/// use fairing_mesh::shapes;
+/// use fairing_shapes as shapes;
 /// use fairing_smoothing::{ScaleDependent, scale_dependent};
 ///
 /// let smoothed = scale_dependent(&shapes::icosphere(2), &ScaleDependent::default(), None)?;

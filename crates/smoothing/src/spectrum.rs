@@ -44,7 +44,7 @@ pub(crate) fn upper_bound(laplacian: &Laplacian) -> f64 {
 /// # Examples
 ///
 /// ```
-/// use fairing_mesh::shapes;
+/// use fairing_shapes as shapes;
 /// use fairing_smoothing::{Diffusion, largest_eigenvalue};
 ///
 /// // At most 3/2 on every closed triangle mesh.

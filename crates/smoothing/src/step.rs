@@ -15,7 +15,7 @@ use crate::volume::signed_volume;
 ///
 /// ```
 /// use std::ops::ControlFlow;
-/// use fairing_mesh::shapes;
+/// use fairing_shapes as shapes;
 /// use fairing_smoothing::{Diffusion, Explicit, explicit};
 ///
 /// let sphere = shapes::icosphere(3);

@@ -78,7 +78,7 @@ impl Default for Taubin {
 /// # Examples
 ///
 /// ```
-/// use fairing_mesh::shapes;
+/// use fairing_shapes as shapes;
 /// use fairing_smoothing::{Taubin, taubin};
 ///
 /// let options = Taubin { pairs: 50, ..Taubin::from_steps(0.5, -0.53) };

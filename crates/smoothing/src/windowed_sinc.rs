@@ -75,7 +75,7 @@ impl Default for WindowedSinc {
 /// # Examples
 ///
 /// ```
-/// use fairing_mesh::shapes;
+/// use fairing_shapes as shapes;
 /// use fairing_smoothing::{WindowedSinc, windowed_sinc};
 ///
 /// let smoothed = windowed_sinc(&shapes::icosphere(4), &WindowedSinc::default())?;

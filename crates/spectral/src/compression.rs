@@ -6,7 +6,6 @@ use fairing_mesh::TriMesh;
 
 use crate::cluster::Split;
 use crate::error::SpectralError;
-use crate::reconstruct::positions_view;
 use crate::spectrum::Spectrum;
 
 /// Coefficients of the positions of a mesh, rounded to multiples of a step.
@@ -46,7 +45,7 @@ pub fn compress(
             must: "positive",
         });
     }
-    let positions = positions_view(mesh);
+    let positions = mesh.positions_view();
     let truncation = spectrum.truncation_errors(positions)?[k];
     let area = spectrum.area();
     // A rounded coefficient is off by step/√12 in the mean square; 3k of them share the area.

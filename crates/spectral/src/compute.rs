@@ -60,7 +60,7 @@ impl GraphWeights {
 /// # Examples
 ///
 /// ```
-/// use fairing_mesh::shapes;
+/// use fairing_shapes as shapes;
 /// use fairing_operators::Laplacian;
 /// use fairing_spectral::{SpectrumOptions, spectrum};
 /// // The unit sphere has 0, then three times 2.

@@ -12,7 +12,7 @@ use crate::error::SpectralError;
 /// # Examples
 ///
 /// ```
-/// use fairing_mesh::shapes;
+/// use fairing_shapes as shapes;
 /// use fairing_operators::Laplacian;
 /// use fairing_spectral::HeatDiffusion;
 ///

@@ -51,7 +51,7 @@ impl HeatGeodesics {
     /// # Examples
     ///
     /// ```
-    /// use fairing_mesh::shapes;
+    /// use fairing_shapes as shapes;
     /// use fairing_spectral::HeatGeodesics;
     ///
     /// let sphere = shapes::icosphere(4);

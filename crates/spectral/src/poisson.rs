@@ -20,7 +20,7 @@ use crate::error::SpectralError;
 /// # Examples
 ///
 /// ```
-/// use fairing_mesh::shapes;
+/// use fairing_shapes as shapes;
 /// use fairing_operators::Laplacian;
 /// use fairing_spectral::Poisson;
 ///
@@ -185,8 +185,9 @@ fn components(matrix: &SparseMatrix) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fairing_mesh::{TriMesh, shapes};
+    use fairing_mesh::TriMesh;
     use fairing_operators::{LaplacianKind, MassKind};
+    use fairing_shapes as shapes;
 
     /// Two spheres of different sizes, and an isolated vertex.
     fn pair() -> (TriMesh, usize) {

@@ -1,7 +1,7 @@
 //! A mesh from its smoothest modes.
 
 use fairing_mesh::TriMesh;
-use ndarray::{ArrayView2, Axis, Slice};
+use ndarray::{Axis, Slice};
 
 use crate::cluster::Split;
 use crate::error::SpectralError;
@@ -34,7 +34,7 @@ pub fn reconstruct(
     k: usize,
 ) -> Result<Reconstruction, SpectralError> {
     spectrum.check_modes(k)?;
-    let positions = positions_view(mesh);
+    let positions = mesh.positions_view();
     let coefficients = spectrum.transform(positions)?;
     let projected = spectrum.inverse(coefficients.slice_axis(Axis(0), Slice::from(..k)))?;
     let mass = spectrum.mass.as_mass().diagonal();
@@ -53,11 +53,6 @@ pub fn reconstruct(
     Ok(Reconstruction { mesh, split: spectrum.split(k) })
 }
 
-/// The positions as an `n × 3` view, without a copy.
-pub(crate) fn positions_view(mesh: &TriMesh) -> ArrayView2<'_, f64> {
-    ArrayView2::from(mesh.positions())
-}
-
 /// The error of [`reconstruct`] for k = 0 … all modes, from the coefficients alone: M-weighted RMS of the
 /// displacement, in mesh units.
 ///
@@ -68,5 +63,5 @@ pub fn reconstruction_errors(
     mesh: &TriMesh,
     spectrum: &Spectrum,
 ) -> Result<Vec<f64>, SpectralError> {
-    spectrum.truncation_errors(positions_view(mesh))
+    spectrum.truncation_errors(mesh.positions_view())
 }

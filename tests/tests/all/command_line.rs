@@ -5,25 +5,13 @@ use std::process::{Command, Output};
 use std::sync::OnceLock;
 
 use fairing_mesh::io::{self, VertexFields, WriteOptions};
-use fairing_mesh::shapes;
+use fairing_shapes as shapes;
 use serde_json::Value;
 
-/// Builds the program once and says where it is.
+/// Built once for all tests.
 fn program() -> &'static Path {
     static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
-    PROGRAM.get_or_init(|| {
-        let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-        let mut build = Command::new(cargo);
-        build.args(["build", "--quiet", "--package", "fairing", "--message-format=json"]);
-        let output = build.output().expect("cargo runs");
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        let messages = String::from_utf8(output.stdout).unwrap();
-        let executable = messages.lines().find_map(|line| {
-            let message: Value = serde_json::from_str(line).ok()?;
-            message["executable"].as_str().map(PathBuf::from)
-        });
-        executable.expect("cargo names the program")
-    })
+    PROGRAM.get_or_init(fairing_tests::program)
 }
 
 pub(crate) fn fairing(folder: &Path, line: &str) -> Output {

@@ -2,8 +2,8 @@
 //! ellipsoid, regular and jittered.
 
 use fairing_evaluation::observed_orders;
+use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, cross, dot, norm, normalize, scale};
-use fairing_mesh::{TriMesh, shapes};
 use fairing_operators::curvature::{
     CorrectedMeasures, CurvatureField, Estimator, JetOptions, MeanOperator, gaussian_curvature,
     mean_curvature,
@@ -12,6 +12,7 @@ use fairing_operators::surface::{
     Ellipsoid, ImplicitSurface, ParametricSurface, PointCurvature, Sphere, Torus,
 };
 use fairing_operators::{LumpedArea, SparseMatrix, consistent_mass, cotan_stiffness, lumped_mass};
+use fairing_shapes as shapes;
 
 const TORUS: Torus = Torus { major: 3.0, minor: 1.0 };
 const ELLIPSOID: Ellipsoid = Ellipsoid { a: 1.0, b: 1.5, c: 2.0 };

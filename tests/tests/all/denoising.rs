@@ -1,9 +1,10 @@
 //! Denoisers on generated meshes with seeded noise.
 
+use fairing_denoising::{Denoiser, SurfaceKind, VertexUpdate, automatic, update_vertices};
 use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise, drift, flipped_faces, normal_error};
+use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::distance;
-use fairing_mesh::{TriMesh, shapes};
-use fairing_smoothing::denoise::{Denoiser, SurfaceKind, VertexUpdate, automatic, update_vertices};
+use fairing_shapes as shapes;
 
 fn noisy(mesh: &TriMesh, share: f64) -> TriMesh {
     add_noise(mesh, NoiseKind::GaussianAlongNormals, NoiseLevel::EdgeLengths(share), 5).unwrap()

@@ -5,8 +5,8 @@ use fairing_evaluation::{
     drift, feature_edges, flipped_faces, hausdorff, normal_error, observed_orders,
     self_intersections, surface_distance, vertex_displacement, vertex_distance,
 };
-use fairing_mesh::shapes::{self, Diagonals};
 use fairing_mesh::{TriMesh, subdivide_midpoint};
+use fairing_shapes::{self as shapes, Diagonals};
 use proptest::prelude::*;
 
 fn mapped(mesh: &TriMesh, f: impl Fn([f64; 3]) -> [f64; 3]) -> TriMesh {

@@ -2,13 +2,14 @@
 //! all that follows from the shape alone must not depend on its size, on what
 //! else is in the mesh, or on the frame.
 
+use fairing_denoising::{Denoiser, SurfaceKind, automatic};
 use fairing_evaluation::{
     NoiseKind, NoiseLevel, ScoreOptions, Scores, SurfaceTree, add_noise, drift, feature_edges,
     flipped_faces, hausdorff, normal_error, self_intersections, surface_distance,
     vertex_displacement,
 };
+use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, dot, norm, normalize, scale, sub};
-use fairing_mesh::{TriMesh, shapes};
 use fairing_operators::curvature::{
     CotangentOptions, Estimator, FaceTensorOptions, MeanOperator, cotangent_curvature,
     face_tensor_curvature, gaussian_curvature, mean_curvature,
@@ -18,7 +19,7 @@ use fairing_operators::{
     LumpedArea, NormalWeight, cotan_stiffness, gradient, lumped_mass, noise_level, noisy_parts,
     weighted_vertex_normals,
 };
-use fairing_smoothing::denoise::{Denoiser, SurfaceKind, automatic};
+use fairing_shapes as shapes;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 

@@ -2,14 +2,15 @@
 
 use std::f64::consts::TAU;
 
+use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, cross, dot, normalize, scale};
-use fairing_mesh::{TriMesh, shapes};
 use fairing_operators::curvature::{Estimator, angle_defect, gaussian_curvature};
 use fairing_operators::intrinsic::{RobustOptions, robust_laplacian};
 use fairing_operators::{
     LumpedArea, SparseMatrix, combinatorial_laplacian, consistent_mass, cotan_stiffness,
     divergence, gradient, lumped_mass, random_walk_laplacian, vertex_normals,
 };
+use fairing_shapes as shapes;
 use proptest::prelude::*;
 
 /// Sphere, torus, open cylinder, Möbius band, flower, block: closed, with

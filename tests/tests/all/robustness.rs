@@ -1,11 +1,12 @@
 //! Bad places: a defined answer or a reason, never NaN and never a crash.
 
-use fairing_mesh::{TriMesh, shapes};
+use fairing_mesh::TriMesh;
 use fairing_operators::curvature::{
     CurvatureField, Estimator, JetOptions, JetWeight, Length, Neighborhood, NormalCycleOptions,
     Undefined, VertexStatus, jet_curvature, normal_cycle_curvature,
 };
 use fairing_operators::{OperatorError, cotan_stiffness};
+use fairing_shapes as shapes;
 
 fn check(field: &CurvatureField, mesh: &TriMesh, name: &str) {
     assert_eq!(field.len(), mesh.vertex_count());

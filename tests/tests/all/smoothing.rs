@@ -2,8 +2,9 @@
 
 use std::ops::ControlFlow;
 
+use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{distance, norm, sub};
-use fairing_mesh::{TriMesh, shapes};
+use fairing_shapes as shapes;
 use fairing_smoothing::{
     Approach, Boundary, Constraints, Diffusion, Explicit, FlowFailure, Implicit, SoftConstraint,
     Stability, Time, Volume, explicit, implicit, stable_limit,

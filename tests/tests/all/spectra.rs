@@ -1,8 +1,9 @@
 //! Spectra against analytic ones, and the transform against itself.
 
 use fairing_evaluation::observed_orders;
-use fairing_mesh::{TriMesh, shapes};
+use fairing_mesh::TriMesh;
 use fairing_operators::{Laplacian, LaplacianKind, MassKind};
+use fairing_shapes as shapes;
 use fairing_spectral::{
     GraphWeights, HeatDiffusion, HeatGeodesics, Rest, SpectralError, Spectrum, SpectrumOptions,
     compress, global_point_signature, graph_spectrum, heat_kernel_signature, heat_kernel_times,

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use fairing_mesh::{TriMesh, io, shapes};
+use fairing_mesh::{TriMesh, io};
+use fairing_shapes as shapes;
 use fairing_spectral::{MassMatrix, Spectrum};
 use ndarray::{Array1, Array2};
 use serde_json::Value;

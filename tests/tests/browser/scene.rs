@@ -1,7 +1,8 @@
 //! A report with views of every kind, small enough to be drawn in no time.
 
 use anyhow::Result;
-use fairing_mesh::{TriMesh, shapes};
+use fairing_mesh::TriMesh;
+use fairing_shapes as shapes;
 use xtask::page;
 use xtask::provenance::Provenance;
 use xtask::results::{FigureFile, Record, Results};

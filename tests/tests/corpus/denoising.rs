@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
+use fairing_denoising::{SurfaceKind, automatic};
 use fairing_evaluation::{
     NoiseKind, NoiseLevel, add_noise, drift, flipped_faces, normal_error, vertex_distance,
 };
 use fairing_mesh::{TriMesh, io};
-use fairing_smoothing::denoise::{SurfaceKind, automatic};
 use libtest_mimic::Failed;
 
 use crate::Test;

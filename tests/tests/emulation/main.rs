@@ -14,9 +14,9 @@ use std::sync::{Arc, OnceLock};
 
 use anyhow::{Context as _, Result, ensure};
 use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
-use fairing_mesh::{io, shapes};
+use fairing_mesh::io;
+use fairing_shapes as shapes;
 use libtest_mimic::{Arguments, Failed, Trial};
-use serde_json::Value;
 
 use cases::{CASES, Case, Promise};
 
@@ -82,7 +82,7 @@ impl Session {
             io::write(path("truth"), &truth)?;
             io::write(path("in"), &noisy)?;
         }
-        Ok(Self { program: program()?, folder })
+        Ok(Self { program: fairing_tests::program(), folder })
     }
 
     /// Runs the case here and there, and compares what comes out.
@@ -137,19 +137,4 @@ fn host_is_fused() -> bool {
     return std::arch::is_x86_feature_detected!("fma");
     #[cfg(not(target_arch = "x86_64"))]
     return false;
-}
-
-/// Builds the program and says where it is.
-fn program() -> Result<PathBuf> {
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let mut build = Command::new(cargo);
-    build.args(["build", "--quiet", "--package", "fairing", "--message-format=json"]);
-    let output = build.output().context("running cargo")?;
-    ensure!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let messages = String::from_utf8(output.stdout)?;
-    let executable = messages.lines().find_map(|line| {
-        let message: Value = serde_json::from_str(line).ok()?;
-        message["executable"].as_str().map(PathBuf::from)
-    });
-    executable.context("cargo names no program")
 }

@@ -1,7 +1,7 @@
 //! What stands in for which mesh of the assignment, and how it is made.
 
-use fairing_mesh::shapes::{self, Diagonals};
 use fairing_mesh::{BuildError, TriMesh};
+use fairing_shapes::{self as shapes, Diagonals};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 

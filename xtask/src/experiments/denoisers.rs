@@ -3,10 +3,11 @@
 use std::time::Instant;
 
 use anyhow::{Context as _, Result};
+use fairing_denoising::Denoiser;
 use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
 use fairing_figure::{Axis, Figure, Legend, Panel as FigurePanel, Plot, Series, Up};
-use fairing_mesh::{TriMesh, shapes};
-use fairing_smoothing::denoise::Denoiser;
+use fairing_mesh::TriMesh;
+use fairing_shapes as shapes;
 
 use super::gallery::{VIEWPOINTS, plotted};
 use super::grid::{Grid, Row};

@@ -5,8 +5,9 @@ use fairing_evaluation::{
     NoiseKind, NoiseLevel, add_noise, drift, normal_error, observed_orders, vertex_distance,
 };
 use fairing_figure::Up;
+use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, distance, norm, scale};
-use fairing_mesh::{TriMesh, shapes};
+use fairing_shapes as shapes;
 use fairing_smoothing::{
     ConformalizedMcf, Diffusion, Implicit, Method, Operator, Time, Update,
     conformalized_mean_curvature_flow, implicit,

@@ -74,8 +74,9 @@ pub(super) fn clusters(spectrum: &Spectrum) -> Vec<std::ops::Range<usize>> {
 
 #[cfg(test)]
 mod tests {
-    use fairing_mesh::{TriMesh, shapes};
+    use fairing_mesh::TriMesh;
     use fairing_operators::Laplacian;
+    use fairing_shapes as shapes;
     use fairing_spectral::{EigenOptions, GraphWeights, SpectrumOptions, graph_spectrum, spectrum};
 
     use super::*;

@@ -407,7 +407,7 @@ fn fitted(mesh: &TriMesh, like: &TriMesh) -> Result<TriMesh> {
 
 #[cfg(test)]
 mod tests {
-    use fairing_mesh::shapes;
+    use fairing_shapes as shapes;
 
     use super::*;
 

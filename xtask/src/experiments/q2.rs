@@ -4,11 +4,11 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use anyhow::{Context as _, Result, ensure};
 use fairing_figure::{Axis, Figure, Legend, Panel, Plot, Series};
-use fairing_mesh::shapes;
 use fairing_mesh::vec3::{cross, dot, norm, scale};
 use fairing_operators::LumpedArea;
 use fairing_operators::curvature::{CotangentOptions, Estimator};
 use fairing_operators::surface::{ClosedForms, Ellipsoid, ParametricSurface};
+use fairing_shapes as shapes;
 
 use super::gallery::plotted;
 use crate::experiment::{Card, Context, Experiment, Formula};

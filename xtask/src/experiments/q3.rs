@@ -2,9 +2,10 @@
 
 use anyhow::Result;
 use fairing_figure::{ScaleOptions, Up};
-use fairing_mesh::{TriMesh, shapes};
+use fairing_mesh::TriMesh;
 use fairing_operators::LumpedArea;
 use fairing_operators::curvature::{MeanCurvature, MeanOperator, ScalarCurvature, mean_curvature};
+use fairing_shapes as shapes;
 
 use super::gallery::{Coloring, FLAT, Gallery, Look, Range, VIEWPOINTS};
 use super::refinement::{self, Estimator, Quantity, finest};

@@ -5,9 +5,10 @@ use fairing_evaluation::{normal_error, observed_orders, surface_distance};
 use fairing_figure::{
     Axis, Figure, Limits, Panel as FigurePanel, Plot, ScaleOptions, Series, Up, Viewpoint,
 };
-use fairing_mesh::{TriMesh, shapes};
+use fairing_mesh::TriMesh;
 use fairing_operators::Laplacian;
 use fairing_operators::curvature::{ScalarCurvature, VertexStatus};
+use fairing_shapes as shapes;
 use fairing_spectral::{Spectrum, SpectrumOptions, reconstruct, reconstruction_errors, spectrum};
 use ndarray::ArrayView2;
 

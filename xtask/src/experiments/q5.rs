@@ -4,7 +4,8 @@ use anyhow::{Context as _, Result};
 use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
 use fairing_figure::{Axis, Legend, Panel as FigurePanel, Plot, Series};
 use fairing_figure::{Figure, Up};
-use fairing_mesh::{TriMesh, shapes};
+use fairing_mesh::TriMesh;
+use fairing_shapes as shapes;
 use fairing_smoothing::{Diffusion, largest_eigenvalue};
 use rayon::prelude::*;
 

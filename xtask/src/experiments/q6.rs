@@ -5,8 +5,9 @@ use std::time::Instant;
 use anyhow::{Context as _, Result};
 use fairing_evaluation::vertex_displacement;
 use fairing_figure::{Axis, Figure, Legend, Panel as FigurePanel, Plot, Series, Up};
+use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, dot, scale, sub};
-use fairing_mesh::{TriMesh, shapes};
+use fairing_shapes as shapes;
 use fairing_smoothing::{Approach, Diffusion, Implicit, implicit};
 
 use super::gallery::{Gallery, Look, VIEWPOINTS, plotted};

@@ -1,9 +1,9 @@
 //! Question 7: denoising under growing noise.
 
 use anyhow::{Context as _, Result};
+use fairing_denoising::Denoiser;
 use fairing_evaluation::NoiseLevel;
-use fairing_mesh::shapes;
-use fairing_smoothing::denoise::Denoiser;
+use fairing_shapes as shapes;
 
 use super::restoring::{Body, MODES, Method, Trials};
 use crate::experiment::{Card, Context, Experiment, Formula};

@@ -2,11 +2,11 @@
 //! question 7 and the comparison of denoisers share.
 
 use anyhow::{Context as _, Result};
+use fairing_denoising::Denoiser;
 use fairing_evaluation::{
     NoiseKind, NoiseLevel, SurfaceTree, add_noise, drift, flipped_faces, normal_error,
 };
 use fairing_mesh::TriMesh;
-use fairing_smoothing::denoise::Denoiser;
 use fairing_smoothing::{Diffusion, Explicit, Implicit, Taubin, explicit, implicit, taubin};
 use fairing_spectral::{EigenOptions, GraphWeights, Spectrum, graph_spectrum, reconstruct};
 use rayon::prelude::*;
@@ -253,7 +253,7 @@ impl Spread {
 
 #[cfg(test)]
 mod tests {
-    use fairing_mesh::shapes;
+    use fairing_shapes as shapes;
 
     use super::*;
 

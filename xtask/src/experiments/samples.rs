@@ -1,9 +1,10 @@
 //! Surfaces with known curvature, sampled in three ways, for the study of
 //! estimators.
 
+use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{cross, dot, norm, sub};
-use fairing_mesh::{TriMesh, shapes};
 use fairing_operators::surface::{ImplicitSurface, PointCurvature, WavyGraph};
+use fairing_shapes as shapes;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;

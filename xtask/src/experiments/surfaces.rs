@@ -1,7 +1,8 @@
 //! Closed surfaces whose curvature is known, and meshes of them.
 
-use fairing_mesh::{TriMesh, shapes};
+use fairing_mesh::TriMesh;
 use fairing_operators::surface::{Ellipsoid, ImplicitSurface, PointCurvature, Sphere, Torus};
+use fairing_shapes as shapes;
 
 /// A closed surface with known curvature.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

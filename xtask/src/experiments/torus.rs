@@ -13,8 +13,8 @@ use std::f64::consts::TAU;
 
 use anyhow::Result;
 use fairing_evaluation::observed_orders;
-use fairing_mesh::shapes;
 use fairing_operators::Laplacian;
+use fairing_shapes as shapes;
 use fairing_sparse::{EigenOptions, Mass, SparseMatrix, smallest_eigenpairs};
 use fairing_spectral::{SpectrumOptions, spectrum};
 

@@ -30,6 +30,12 @@ const DOCUMENTATION: Step = Step {
     arguments: &["doc", "--workspace", "--no-deps", "--locked"],
     environment: &[("RUSTDOCFLAGS", "-D warnings")],
 };
+/// The tests of the command line run them.
+const PROGRAMS: Step = Step {
+    name: "building the programs",
+    arguments: &["build", "--workspace", "--bins", "--locked"],
+    environment: &[],
+};
 const EXAMPLES: Step = Step {
     name: "examples in the documentation",
     arguments: &["test", "--workspace", "--doc", "--locked"],
@@ -37,34 +43,18 @@ const EXAMPLES: Step = Step {
 };
 
 /// The dense eigensolver of the system as an oracle: only where there is one.
-const LAPACK_STEPS: [Step; 2] = [
-    Step {
-        name: "lints with LAPACK",
-        arguments: &[
-            "clippy",
-            "--package=fairing-sparse",
-            "--features=lapack",
-            "--all-targets",
-            "--locked",
-            "--",
-            "-D",
-            "warnings",
-        ],
-        environment: &[],
-    },
-    Step {
-        name: "eigenpairs against LAPACK",
-        arguments: &[
-            "test",
-            "--package=fairing-sparse",
-            "--features=lapack",
-            "--test=all",
-            "--locked",
-            "lapack::",
-        ],
-        environment: &[],
-    },
-];
+const LAPACK: Step = Step {
+    name: "eigenpairs against LAPACK",
+    arguments: &[
+        "test",
+        "--package=fairing-sparse",
+        "--features=lapack",
+        "--test=all",
+        "--locked",
+        "lapack::",
+    ],
+    environment: &[],
+};
 
 /// How many of the slowest tests are named.
 const NAMED: usize = 10;
@@ -118,12 +108,11 @@ pub fn run(root: &Path) -> Result<bool> {
     log.cargo(root, &DOCUMENTATION)?;
     let mut tests = Programs::default();
     log.step("building the tests", || tests.build(root))?;
+    log.cargo(root, &PROGRAMS)?;
     log.step("tests", || tests.run())?;
     log.cargo(root, &EXAMPLES)?;
     if has_openblas() {
-        for step in &LAPACK_STEPS {
-            log.cargo(root, step)?;
-        }
+        log.cargo(root, &LAPACK)?;
     }
     if reference::path(root, true).is_file() {
         log.step("reference values", || {
@@ -167,6 +156,9 @@ fn skipped(root: &Path) -> Vec<(&'static str, &'static str)> {
         let folders = std::env::var_os("PATH").unwrap_or_default();
         std::env::split_paths(&folders).any(|folder| folder.join(name).is_file())
     };
+    if !on_path("qemu-x86_64") {
+        skipped.push(("emulation: every test", "there is no qemu-x86_64 on the path"));
+    }
     if !["chromium", "chromium-browser", "google-chrome"].into_iter().any(on_path) {
         skipped.push(("browser: every test", "there is no chromium on the path"));
     }

@@ -8,8 +8,9 @@ use super::packages::{self, Dependency, Package};
 
 /// For each library crate, the crates of ours that it may use. The façade,
 /// `xtask` and the tests may use everything.
-const ARROWS: [(&str, &[&str]); 7] = [
+const ARROWS: [(&str, &[&str]); 9] = [
     ("fairing-mesh", &[]),
+    ("fairing-shapes", &["fairing-mesh"]),
     ("fairing-sparse", &[]),
     ("fairing-operators", &["fairing-mesh", "fairing-sparse"]),
     ("fairing-spectral", &["fairing-mesh", "fairing-sparse", "fairing-operators"]),
@@ -17,6 +18,7 @@ const ARROWS: [(&str, &[&str]); 7] = [
         "fairing-smoothing",
         &["fairing-mesh", "fairing-sparse", "fairing-operators", "fairing-spectral"],
     ),
+    ("fairing-denoising", &["fairing-mesh", "fairing-sparse", "fairing-operators"]),
     ("fairing-evaluation", &["fairing-mesh", "fairing-operators"]),
     ("fairing-figure", &["fairing-mesh"]),
 ];

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use fairing::smoothing::denoise::{Denoiser, SurfaceKind, automatic};
+use fairing::denoising::{Denoiser, SurfaceKind, automatic};
 
 use super::Context;
 use super::exit::Failure;

@@ -201,7 +201,7 @@ mod tests {
     /// The faces of a plane inside a ball make up its disc.
     #[test]
     fn the_parts_of_a_plane_make_up_the_disc() {
-        let plane = fairing_mesh::shapes::plane(20, 20, fairing_mesh::shapes::Diagonals::Regular);
+        let plane = fairing_shapes::plane(20, 20, fairing_shapes::Diagonals::Regular);
         let centre = 10 * 21 + 10;
         let mut explorer = BallExplorer::default();
         for radius in [0.02, 0.13, 0.3] {

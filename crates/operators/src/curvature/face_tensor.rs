@@ -138,8 +138,8 @@ fn face_tensor(mesh: &TriMesh, normals: &[[f64; 3]], f: usize) -> Option<FaceTen
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fairing_mesh::shapes;
     use fairing_mesh::vec3::scale;
+    use fairing_shapes as shapes;
 
     /// On any triangulation of a sphere the normals are those of the sphere,
     /// and the tensor of each face is the identity over the radius.

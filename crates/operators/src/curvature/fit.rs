@@ -187,7 +187,7 @@ where
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use fairing_mesh::shapes::{Diagonals, plane};
+    use fairing_shapes::{Diagonals, plane};
 
     /// The graph of a height over [−½, ½]², and its vertex in the middle.
     pub(crate) fn dome(height: impl Fn(f64, f64) -> f64) -> (TriMesh, usize) {

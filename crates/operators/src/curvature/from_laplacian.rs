@@ -24,7 +24,7 @@ use crate::normals::vertex_normals;
 /// # Examples
 ///
 /// ```
-/// use fairing_mesh::shapes;
+/// use fairing_shapes as shapes;
 /// use fairing_operators::Laplacian;
 /// use fairing_operators::curvature::laplacian_mean_curvature;
 ///
@@ -102,7 +102,7 @@ mod tests {
     use super::*;
     use crate::curvature::{MeanOperator, gaussian_curvature, mean_curvature};
     use crate::{LaplacianKind, LumpedArea, MassKind};
-    use fairing_mesh::shapes;
+    use fairing_shapes as shapes;
 
     /// The matrix says what the cells say, on closed and open meshes with an isolated vertex.
     #[test]

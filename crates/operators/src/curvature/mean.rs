@@ -202,7 +202,8 @@ fn umbrellas(mesh: &TriMesh, scaled: bool) -> Vec<AtVertex> {
 mod tests {
     use super::*;
     use crate::curvature::gaussian_curvature;
-    use fairing_mesh::{TriMesh, shapes};
+    use fairing_mesh::TriMesh;
+    use fairing_shapes as shapes;
 
     /// Closed, open, and with a vertex that has no faces.
     #[test]

@@ -63,7 +63,7 @@ mod tests {
     /// diagonals of the squares do not bend.
     #[test]
     fn each_corner_of_a_cube_holds_half_of_three_edges() {
-        let cube = fairing_mesh::shapes::cube(1, fairing_mesh::shapes::Diagonals::Regular);
+        let cube = fairing_shapes::cube(1, fairing_shapes::Diagonals::Regular);
         let side = cube.edge_lengths().into_iter().fold(f64::INFINITY, f64::min);
         let field = steiner_curvature(&cube);
         for v in 0..8 {

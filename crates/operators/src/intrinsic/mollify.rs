@@ -76,6 +76,11 @@ fn lack([a, b, c]: [f64; 3], needed: f64) -> f64 {
     needed - (b + c - a).min(c + a - b).min(a + b - c)
 }
 
+/// The share of the needed slack that a mended triangle may lack. Triangles are
+/// mended to what they need up to rounding, which is far below this share;
+/// without it rounding would decide whether a patch grows.
+const MENDED: f64 = 1e-6;
+
 /// Raised lengths in the making.
 struct Patches<'a> {
     triangulation: &'a Triangulation,
@@ -157,10 +162,7 @@ impl<'a> Patches<'a> {
         let (first, sides) = (3 * t as usize, self.triangulation.sides(t));
         let raised = [0, 1, 2].map(|k| sides[k] + self.added[first + k]);
         let needed = self.slack * longest(sides).min(self.mean[t as usize]);
-        // Sides that have all gained as much are mended up to rounding.
-        let [x, y, z] = [0, 1, 2].map(|k| self.added[first + k]);
-        let alike = x == y && y == z && x >= self.lack(t);
-        !alike && lack(raised, needed) > 0.0
+        lack(raised, needed) > MENDED * needed
     }
 
     /// Raises the sides of a triangle to an amount, and notes the neighbours.

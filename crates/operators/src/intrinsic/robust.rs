@@ -171,7 +171,7 @@ fn assemble(
 mod tests {
     use super::*;
     use crate::{LumpedArea, cotan_stiffness, lumped_mass};
-    use fairing_mesh::shapes;
+    use fairing_shapes as shapes;
 
     fn largest_difference(a: &SparseMatrix, b: &SparseMatrix) -> f64 {
         (a.to_dense() - b.to_dense()).iter().fold(0.0, |m: f64, d| m.max(d.abs()))

@@ -44,7 +44,7 @@ pub use restricted::Restricted;
 /// # Examples
 ///
 /// ```
-/// use fairing_mesh::shapes;
+/// use fairing_shapes as shapes;
 /// use fairing_operators::{Laplacian, LaplacianKind};
 ///
 /// // On the unit sphere −Δz = 2z.

@@ -1,6 +1,6 @@
 use super::*;
 use crate::{LumpedArea, consistent_mass, lumped_mass};
-use fairing_mesh::shapes;
+use fairing_shapes as shapes;
 
 /// Two right triangles and, as vertex 0, an isolated one.
 fn square() -> TriMesh {

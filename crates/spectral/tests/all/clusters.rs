@@ -1,7 +1,8 @@
 //! Clusters of eigenvalues: what is said about them, and that it is true.
 
-use fairing_mesh::{TriMesh, shapes};
+use fairing_mesh::TriMesh;
 use fairing_operators::Laplacian;
+use fairing_shapes as shapes;
 use fairing_spectral::{
     EigenOptions, GraphWeights, Rest, Spectrum, SpectrumOptions, Split, compress, graph_spectrum,
     reconstruct, spectrum,

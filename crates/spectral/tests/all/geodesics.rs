@@ -1,7 +1,8 @@
 //! Distances by the heat method against known ones.
 
-use fairing_mesh::{TriMesh, shapes};
+use fairing_mesh::TriMesh;
 use fairing_operators::{Laplacian, LaplacianKind, MassKind};
+use fairing_shapes as shapes;
 use fairing_spectral::{HeatGeodesics, SpectralError};
 
 use crate::meshes::{capsule, mapped, relabelled, scaled, sheet, turned, union};

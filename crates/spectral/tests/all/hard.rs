@@ -1,7 +1,8 @@
 //! Eigenpairs of meshes with tiny masses, huge weights and many components.
 
-use fairing_mesh::{TriMesh, shapes};
+use fairing_mesh::TriMesh;
 use fairing_operators::Laplacian;
+use fairing_shapes as shapes;
 use fairing_spectral::{EigenOptions, Spectrum, SpectrumOptions, spectrum};
 
 use crate::meshes::{capsule, scaled, sheet, union};

@@ -1,7 +1,8 @@
 //! Values, filters, signatures and heat belong to the surface: not to its numbering, frame or unit.
 
-use fairing_mesh::{TriMesh, shapes};
+use fairing_mesh::TriMesh;
 use fairing_operators::Laplacian;
+use fairing_shapes as shapes;
 use fairing_spectral::{
     HeatDiffusion, Rest, Spectrum, SpectrumOptions, heat_kernel_signature, heat_kernel_times,
     spectrum, wave_kernel_signature,

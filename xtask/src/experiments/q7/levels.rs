@@ -1,9 +1,9 @@
 //! The assignment's levels in model units, and what they mean over the size of the faces.
 
 use anyhow::{Context as _, Result};
+use fairing_denoising::Denoiser;
 use fairing_evaluation::NoiseLevel;
-use fairing_mesh::shapes;
-use fairing_smoothing::denoise::Denoiser;
+use fairing_shapes as shapes;
 
 use super::{ASSIGNMENT, KEPT, METHODS, SHRUNK};
 use crate::experiment::Context;

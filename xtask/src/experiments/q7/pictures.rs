@@ -1,10 +1,10 @@
 //! The pictures, plots and views of question 7.
 
 use anyhow::Result;
+use fairing_denoising::Denoiser;
 use fairing_evaluation::NoiseLevel;
 use fairing_figure::{Axis, Figure, Legend, Panel as FigurePanel, Plot, Series, Up, Viewpoint};
 use fairing_mesh::TriMesh;
-use fairing_smoothing::denoise::Denoiser;
 use rayon::prelude::*;
 
 use super::ASSIGNMENT;

@@ -3,7 +3,6 @@
 mod kinds;
 mod losses;
 mod mutations;
-mod oracles;
 mod round_trips;
 
 use crate::TriMesh;

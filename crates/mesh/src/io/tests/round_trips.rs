@@ -6,7 +6,7 @@ use proptest::sample::{Index, subsequence};
 
 use crate::io::{
     Encoding, FloatWidth, Format, ReadOptions, VertexFields, WriteOptions, read, read_bytes,
-    read_polygons, to_bytes, write_polygons, write_with_fields,
+    read_polygons, to_bytes, write_polygons,
 };
 use crate::{PolygonMesh, TriMesh};
 
@@ -181,29 +181,4 @@ fn polygons_of_more_than_a_byte_of_corners_are_held() {
     let path = folder.path().join("a.ply");
     write_polygons(&path, &mesh, &VertexFields::default(), &WriteOptions::default()).unwrap();
     assert_eq!(read_polygons(&path).unwrap().mesh, mesh);
-}
-
-/// Larger than the pieces of the parallel parsers and writers.
-#[test]
-fn large_meshes_come_back_whole() {
-    let mesh = crate::shapes::icosphere(6);
-    let wave = mesh.positions().iter().map(|p| (9.0 * p[0]).sin()).collect();
-    let fields = VertexFields::default()
-        .with_scalar("wave", wave)
-        .with_vector("normal", mesh.positions().to_vec())
-        .with_colors(mesh.positions().iter().map(|p| p.map(|x| (127.0 * x) as u8)).collect());
-    let folder = tempfile::tempdir().unwrap();
-    for name in ["a.ply", "a.obj", "a.off", "a.ply.gz"] {
-        let path = folder.path().join(name);
-        for options in [WriteOptions::default(), WriteOptions::ascii()] {
-            write_with_fields(&path, &mesh, &fields, &options.dropping_fields()).unwrap();
-            let file = read(&path).unwrap();
-            assert_eq!(bits(file.mesh.positions()), bits(mesh.positions()), "{name}");
-            assert_eq!(file.mesh.faces(), mesh.faces(), "{name}");
-            assert_eq!(file.fields.colors, fields.colors, "{name}");
-        }
-        if name.contains("ply") {
-            assert_same_fields(&read(&path).unwrap().fields, &fields);
-        }
-    }
 }

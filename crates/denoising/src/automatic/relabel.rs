@@ -1,0 +1,62 @@
+//! Faces on the wrong side of a crease change sides.
+
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::dot;
+use rayon::prelude::*;
+
+use crate::DenoiseError;
+use crate::faces::{FaceLists, FaceShapes};
+use crate::vertex_update::{VertexUpdate, update_vertices};
+
+/// The least cosine between the label of a face and its geometry: 11.5°.
+const AGREE: f64 = 0.98;
+
+/// Rounds; later ones move hardly any face.
+const ROUNDS: usize = 4;
+
+/// Gives faces whose geometry contradicts their label the label of a
+/// neighbour.
+///
+/// The vertices of the noisy mesh follow the labels for twenty steps. A face
+/// whose geometry then differs from its label by more than 11.5° sits on the
+/// wrong side of a crease: its other faces hold its vertices elsewhere. Such
+/// faces are left out, the update is done again, and each takes the label of
+/// the agreeing face around it that is closest to its new geometry. Four
+/// rounds, or fewer when all agree.
+///
+/// # Errors
+///
+/// [`DenoiseError::NonFinite`] if coordinates overflow.
+pub(super) fn relabel(
+    mesh: &TriMesh,
+    rings: &FaceLists,
+    mut labels: Vec<[f64; 3]>,
+) -> Result<Vec<[f64; 3]>, DenoiseError> {
+    let update = VertexUpdate { steps: 20, limit: None };
+    for _ in 0..ROUNDS {
+        let geometry = FaceShapes::new(&update_vertices(mesh, &labels, &update)?).normals;
+        let kept: Vec<[f64; 3]> = labels
+            .iter()
+            .zip(&geometry)
+            .map(|(&n, &g)| if dot(n, g) < AGREE { [0.0; 3] } else { n })
+            .collect();
+        if kept == labels {
+            break;
+        }
+        let geometry = FaceShapes::new(&update_vertices(mesh, &kept, &update)?).normals;
+        labels = (0..labels.len())
+            .into_par_iter()
+            .map(|f| {
+                if kept[f] != [0.0; 3] {
+                    return kept[f];
+                }
+                let neighbours = rings.row(f).iter().map(|&g| kept[g as usize]);
+                neighbours
+                    .filter(|n| *n != [0.0; 3])
+                    .max_by(|a, b| dot(*a, geometry[f]).total_cmp(&dot(*b, geometry[f])))
+                    .unwrap_or(labels[f])
+            })
+            .collect();
+    }
+    Ok(labels)
+}

@@ -1,0 +1,33 @@
+//! Denoisers for triangle meshes: they remove noise and keep creases, where flows round both away.
+//!
+//! [`automatic`] has no parameters. The others are published methods, each one function with one options struct;
+//! [`Denoiser`] holds them all for programs. All keep the faces and the order of vertices.
+
+mod automatic;
+mod bilateral;
+mod bilateral_normal;
+mod conjugate_gradients;
+mod denoiser;
+mod error;
+mod faces;
+mod fast_effective;
+mod guided_normal;
+mod l0;
+mod non_iterative;
+mod total_variation;
+mod unit_scale;
+mod vertex_update;
+
+pub use automatic::{Automatic, SurfaceKind, automatic};
+pub use bilateral::{BilateralOptions, bilateral};
+pub use bilateral_normal::{
+    BilateralNormalGlobalOptions, BilateralNormalOptions, bilateral_normal, bilateral_normal_global,
+};
+pub use denoiser::{Denoiser, UnknownDenoiser};
+pub use error::DenoiseError;
+pub use fast_effective::{FastEffectiveOptions, fast_effective};
+pub use guided_normal::{GuidedNormalOptions, guided_normal};
+pub use l0::{L0Options, l0};
+pub use non_iterative::{NonIterativeOptions, non_iterative};
+pub use total_variation::{TotalVariationOptions, total_variation};
+pub use vertex_update::{VertexUpdate, update_vertices};

@@ -1,0 +1,53 @@
+//! Areas and volumes.
+
+use fairing_shapes as shapes;
+
+/// An inscribed polyhedron is short of the sphere by O(h²): each level
+/// divides the error by four.
+#[test]
+fn area_and_volume_of_a_sphere_converge() {
+    let errors: Vec<[f64; 2]> = (2..=5)
+        .map(|level| {
+            let sphere = shapes::icosphere(level);
+            let pi = std::f64::consts::PI;
+            [4.0 * pi - sphere.area(), 4.0 / 3.0 * pi - sphere.signed_volume()]
+        })
+        .collect();
+    for pair in errors.windows(2) {
+        for k in 0..2 {
+            let order = (pair[0][k] / pair[1][k]).log2();
+            assert!((1.97..2.01).contains(&order), "{order} in {errors:?}");
+        }
+    }
+}
+
+/// A sheet has no volume, though rounding gives it one; a plate of a
+/// millionth of its width has.
+#[test]
+fn volumes_below_their_rounding_are_told_from_thin_bodies() {
+    let mut plate = shapes::cube(6, shapes::Diagonals::Alternating);
+    for turn in 0..40 {
+        let (s, c) = f64::from(turn).sin_cos();
+        for (thickness, thin) in [(0.0, true), (1e-6, false), (1.0, false)] {
+            let cube = shapes::cube(6, shapes::Diagonals::Alternating);
+            let positions = cube.positions().iter().map(|&[x, y, z]| {
+                let z = thickness * z;
+                let (x, z) = (c * x - s * z, s * x + c * z);
+                [c * x - s * y + 3.0, s * x + c * y, z]
+            });
+            plate = plate.with_positions(positions.collect()).unwrap();
+            let (volume, rounding) = (plate.signed_volume().abs(), plate.volume_rounding());
+            assert_eq!(volume <= rounding, thin, "{thickness} {volume} {rounding}");
+        }
+    }
+}
+
+/// Moving a body by 10⁷ of its size leaves 16 − 7 = 9 digits of each
+/// coordinate, and the volume must not lose more.
+#[test]
+fn volume_far_from_the_origin() {
+    let sphere = shapes::icosphere(3);
+    let moved = sphere.positions().iter().map(|p| p.map(|x| x + 1e7)).collect();
+    let moved = sphere.with_positions(moved).unwrap();
+    assert!((moved.signed_volume() - sphere.signed_volume()).abs() < 1e-7);
+}

@@ -1,0 +1,102 @@
+//! Irregular meshes of the same surface.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{add, distance, dot, norm, scale, sub};
+
+/// The mesh with each inner vertex moved at random and put back `onto` its
+/// surface: another, irregular sampling of the same surface, as convergence
+/// studies need it.
+///
+/// The displacement is uniform in the ball of radius `amount` × the least
+/// height of the faces at the vertex: below ½, no corner can meet the side
+/// opposite it, so that on a flat mesh no face turns over, nor on a curved one
+/// fine enough. Boundary vertices stay, so that the border does.
+///
+/// # Panics
+///
+/// Unless 0 ≤ `amount` < ½; if `onto` gives a point that is not finite.
+pub fn jittered(
+    mesh: &TriMesh,
+    amount: f64,
+    seed: u64,
+    onto: impl Fn([f64; 3]) -> [f64; 3],
+) -> TriMesh {
+    assert!((0.0..0.5).contains(&amount), "amount {amount} is not in [0, 1/2)");
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let x = mesh.positions();
+    let topology = mesh.topology();
+    let positions = (0..mesh.vertex_count())
+        .map(|v| {
+            let shift = in_unit_ball(&mut rng);
+            let faces = mesh.incidence().corners(v as u32).iter().map(|c| c / 3);
+            let height = faces.map(|f| least_height(mesh, f as usize)).reduce(f64::min);
+            match height {
+                Some(height) if !topology.is_boundary_vertex(v as u32) => {
+                    onto(add(x[v], scale(shift, amount * height)))
+                }
+                _ => x[v],
+            }
+        })
+        .collect();
+    match mesh.with_positions(positions) {
+        Ok(moved) => moved,
+        Err(error) => panic!("the projection left the surface: {error}"),
+    }
+}
+
+/// Twice the area over the longest side.
+fn least_height(mesh: &TriMesh, f: usize) -> f64 {
+    let [a, b, c] = mesh.triangle(f);
+    2.0 * mesh.face_area(f) / distance(a, b).max(distance(b, c)).max(distance(c, a))
+}
+
+/// A point of the unit ball, all equally likely.
+fn in_unit_ball(rng: &mut ChaCha8Rng) -> [f64; 3] {
+    loop {
+        let p: [f64; 3] = std::array::from_fn(|_| rng.random_range(-1.0..=1.0));
+        if norm(p) <= 1.0 {
+            return p;
+        }
+    }
+}
+
+/// The closest point of the unit sphere; the centre goes to (0, 0, 1).
+pub fn onto_sphere(p: [f64; 3]) -> [f64; 3] {
+    fairing_mesh::vec3::normalize(p).unwrap_or([0.0, 0.0, 1.0])
+}
+
+/// A point of the ellipsoid with these half-axes near `p`, for `p` near the
+/// surface: three Newton steps along the gradient of x²/a² + y²/b² + z²/c²
+/// end closer to the closest point than the jitter is long, and a central
+/// projection puts the rest right. The centre goes to (0, 0, c).
+pub fn onto_ellipsoid(axes: [f64; 3]) -> impl Fn([f64; 3]) -> [f64; 3] {
+    move |mut p| {
+        for _ in 0..3 {
+            let g = [0, 1, 2].map(|k| 2.0 * p[k] / (axes[k] * axes[k]));
+            let f = [0, 1, 2].map(|k| (p[k] / axes[k]).powi(2)).iter().sum::<f64>() - 1.0;
+            let square = dot(g, g);
+            if square > 0.0 {
+                p = sub(p, scale(g, f / square));
+            }
+        }
+        let q = onto_sphere([0, 1, 2].map(|k| p[k] / axes[k]));
+        [0, 1, 2].map(|k| axes[k] * q[k])
+    }
+}
+
+/// The closest point of [`torus`](super::torus)`(major, minor, …)`. Points of
+/// the axis and of the centre line have no closest one and go towards +x and
+/// outwards.
+pub fn onto_torus(major: f64, minor: f64) -> impl Fn([f64; 3]) -> [f64; 3] {
+    move |[x, y, z]| {
+        let r = x.hypot(y);
+        let [cu, su] = if r > 0.0 { [x / r, y / r] } else { [1.0, 0.0] };
+        let (a, length) = (r - major, (r - major).hypot(z));
+        let [cv, sv] = if length > 0.0 { [a / length, z / length] } else { [1.0, 0.0] };
+        let s = major + minor * cv;
+        [s * cu, s * su, minor * sv]
+    }
+}

@@ -1,0 +1,56 @@
+//! Meshes made by formula: closed and open, smooth and sharp.
+//!
+//! All are manifold, without isolated vertices or degenerate faces, and turn
+//! counter-clockwise seen from outside (the open ones seen from the side that
+//! their documentation names). Vertices come in a documented order. What is
+//! random takes a seed.
+//!
+//! Parameters that make no such mesh are a mistake in the program that passes
+//! them, and panic as documented.
+
+mod block;
+mod creature;
+mod cube;
+mod cylinder;
+mod delaunay;
+mod ellipsoid;
+mod flower;
+mod grid;
+mod helicoid;
+mod icosphere;
+mod implicit;
+mod jitter;
+mod moebius;
+mod patch;
+mod plane;
+mod rings;
+mod sphere;
+mod torus;
+
+pub use block::cad_block;
+pub use creature::creature;
+pub use cube::cube;
+pub use cylinder::{Ends, cylinder};
+pub use ellipsoid::ellipsoid;
+pub use flower::flower;
+pub use grid::Diagonals;
+pub use helicoid::{Helicoid, helicoid};
+pub use icosphere::icosphere;
+pub use jitter::{jittered, onto_ellipsoid, onto_sphere, onto_torus};
+pub use moebius::moebius;
+pub use plane::{irregular_plane, jittered_plane, plane};
+pub use sphere::{bumpy_sphere, uv_sphere};
+pub use torus::torus;
+
+use fairing_mesh::TriMesh;
+
+/// A mesh from positions and faces that its maker vouches for.
+fn made(positions: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> TriMesh {
+    match TriMesh::new(positions, faces) {
+        Ok(mesh) => mesh,
+        Err(error) => panic!("the parameters of a shape give no mesh: {error}"),
+    }
+}
+
+#[cfg(test)]
+mod tests;
