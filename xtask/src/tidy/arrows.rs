@@ -8,7 +8,7 @@ use super::packages::{self, Dependency, Package};
 
 /// For each library crate, the crates of ours that it may use. The façade,
 /// `xtask` and the tests may use everything.
-const ARROWS: [(&str, &[&str]); 7] = [
+const ARROWS: [(&str, &[&str]); 10] = [
     ("fairing-mesh", &[]),
     ("fairing-sparse", &[]),
     ("fairing-operators", &["fairing-mesh", "fairing-sparse"]),
@@ -19,6 +19,21 @@ const ARROWS: [(&str, &[&str]); 7] = [
     ),
     ("fairing-evaluation", &["fairing-mesh", "fairing-operators"]),
     ("fairing-figure", &["fairing-mesh"]),
+    ("fairing-results", &["fairing-mesh"]),
+    (
+        "fairing-experiments",
+        &[
+            "fairing-mesh",
+            "fairing-sparse",
+            "fairing-operators",
+            "fairing-spectral",
+            "fairing-smoothing",
+            "fairing-evaluation",
+            "fairing-figure",
+            "fairing-results",
+        ],
+    ),
+    ("fairing-report", &["fairing-mesh", "fairing-figure", "fairing-results"]),
 ];
 
 /// Crates that see everything.
