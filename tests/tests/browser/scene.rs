@@ -108,9 +108,8 @@ fn grid() -> View {
     }
 }
 
-/// The whole page.
-pub(crate) fn page() -> Result<String> {
-    let folder = tempfile::tempdir()?;
+/// Makes the report in this folder.
+pub(crate) fn publish(folder: &Path, form: Form) -> Result<()> {
     let mesh = noisy();
     let camera = fairing_figure::Camera::fit(
         &[&mesh],
@@ -121,8 +120,8 @@ pub(crate) fn page() -> Result<String> {
     let options = fairing_figure::RenderOptions { width: 320, height: 240, ..Default::default() };
     let clay = fairing_figure::Colors::CLAY;
     let image = fairing_figure::render(&mesh, clay, None, &camera, &options)?;
-    std::fs::create_dir(folder.path().join("q5"))?;
-    std::fs::write(folder.path().join("picture.png"), image.to_png()?)?;
+    std::fs::create_dir_all(folder.join("q5"))?;
+    std::fs::write(folder.join("picture.png"), image.to_png()?)?;
     let record =
         Record {
             id: "q5".into(),
@@ -145,7 +144,7 @@ pub(crate) fn page() -> Result<String> {
             notes: vec!["A note with <angle> brackets & signs.".into()],
             views: [flow(), open(), grid()]
                 .iter()
-                .map(|view| keep(view, folder.path()))
+                .map(|view| keep(view, folder))
                 .collect::<Result<_>>()?,
             seconds: 1.0,
             ..Record::default()
@@ -164,8 +163,8 @@ pub(crate) fn page() -> Result<String> {
         date: "2000-01-01".into(),
     };
     let results = Results { provenance, form: Form::Whole, experiments: vec![record] };
-    fairing_report::publish(results, folder.path(), Form::Whole)?;
-    Ok(std::fs::read_to_string(folder.path().join("report.html"))?)
+    fairing_report::publish(results, folder, form)?;
+    Ok(())
 }
 
 /// Writes the data of a view, as the runner does.
