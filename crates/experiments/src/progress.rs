@@ -25,9 +25,3 @@ pub trait Progress: Sync {
         let _ = line;
     }
 }
-
-/// Shows nothing.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Silent;
-
-impl Progress for Silent {}

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, ensure};
 use fairing_results::results::Results;
 
 use crate::{markdown, page};
@@ -13,9 +13,17 @@ use crate::{markdown, page};
 ///
 /// # Errors
 ///
-/// If a file cannot be read or written, or a formula is not TeX.
+/// If a file cannot be read or written, a formula is not TeX, or `results.json`
+/// has numbers only.
 pub fn render(folder: &Path) -> Result<()> {
     let results = Results::read(&folder.join("results.json"))?;
+    for record in results.experiments.iter().filter(|r| r.error.is_none()) {
+        let id = &record.id;
+        ensure!(
+            !record.method.is_empty(),
+            "results.json does not say how {id} was answered: it is of an older version, or holds reference values"
+        );
+    }
     write(&folder.join("report.html"), &page::report(&results, folder)?)?;
     write(&folder.join("report.md"), &markdown::report(&results))
 }

@@ -133,6 +133,21 @@ fn a_report_holds_what_it_names() {
     }
 }
 
+/// Reference values are results without words: there is no page in them.
+#[test]
+fn numbers_alone_are_no_report() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("report");
+    let results = report(&out, Form::Whole);
+    xtask::reference::accept(folder.path(), &results).unwrap();
+    let bare = xtask::reference::path(folder.path(), true);
+    std::fs::copy(bare, out.join("results.json")).unwrap();
+    let page = std::fs::read(out.join("report.html")).unwrap();
+    let error = fairing_report::render(&out).unwrap_err().to_string();
+    assert!(error.contains("how shown was answered"), "{error}");
+    assert_eq!(std::fs::read(out.join("report.html")).unwrap(), page);
+}
+
 /// A page that cannot be made leaves the earlier one as it is.
 #[test]
 fn a_view_without_data_is_named() {

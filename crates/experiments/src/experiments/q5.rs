@@ -147,7 +147,9 @@ impl Experiment for ExplicitFlow {
 fn sweep(context: &Context<'_>, models: &[Model]) -> Result<Table> {
     let mut table = Table::new(
         "sweep",
-        "Errors after 50 explicit steps over λ, up to 8/7, which is stable on every mesh.",
+        &format!(
+            "Errors after {ITERATIONS} explicit steps over λ, up to 8/7, which is stable on every mesh."
+        ),
         &SWEPT,
     );
     let lambdas: Vec<f64> = steps(context.choose(24, 6)).collect();
@@ -165,7 +167,9 @@ fn steps(count: usize) -> impl Iterator<Item = f64> + Clone {
 fn best(context: &Context<'_>) -> Result<Table> {
     let mut table = Table::new(
         "best",
-        "The λ with the smallest error after 50 steps, on a generated block with sharp and round edges and Gaussian noise along the normals.",
+        &format!(
+            "The λ with the smallest error after {ITERATIONS} steps, on a generated block with sharp and round edges and Gaussian noise along the normals."
+        ),
         &[
             ("spacing", Unit::Length),
             ("vertices", Unit::Count),
@@ -213,7 +217,7 @@ fn best(context: &Context<'_>) -> Result<Table> {
 fn spectra(models: &[Model]) -> Result<Table> {
     let mut table = Table::new(
         "spectra",
-        "The smallest eigenvalue μ of L = D⁻¹A − I, measured; the bound below it, −3/2 if closed and −7/4 if open; the bound above it, −n/(n − 1) from the trace. The stable limit is 2/|μ|. Growth of the diagonal in 50 steps with λ = 2, beside |1 + 2μ| to the power of 50, the growth of the roughest mode.",
+        &format!("The smallest eigenvalue μ of L = D⁻¹A − I, measured; the bound below it, −3/2 if closed and −7/4 if open; the bound above it, −n/(n − 1) from the trace. The stable limit is 2/|μ|. Growth of the diagonal in {ITERATIONS} steps with λ = {DIVERGENT}, beside |1 + {DIVERGENT}μ| to the power of {ITERATIONS}, the growth of the roughest mode."),
         &[
             ("mesh", Unit::Label),
             ("vertices", Unit::Count),
@@ -291,7 +295,7 @@ fn picture(model: &Model, smoothed: &[TriMesh]) -> Result<Picture> {
     let looks = shown.iter().map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
     Gallery { looks, viewpoints: &VIEWPOINTS, up: Up::Z, aspect: 1.0, occlusion: model.occlusion }.draw(
         &model.slug(),
-        &format!("The {} before and after 50 explicit steps, from two viewpoints. What has diverged or shrunk is drawn at the size of the input, as its title says.", model.name),
+        &format!("The {} before and after {ITERATIONS} explicit steps, from two viewpoints. What has diverged or shrunk is drawn at the size of the input, as its title says.", model.name),
         &format!("Ten pictures of the {}: the input and four steps, from two sides.", model.name),
     )
 }
@@ -317,7 +321,9 @@ fn plot(sweep: &Table) -> Result<Picture> {
     plotted(
         &figure,
         "sweep",
-        "Errors after 50 explicit steps over λ: the best λ differs between normals and the distance of the surfaces, and between meshes.",
+        &format!(
+            "Errors after {ITERATIONS} explicit steps over λ: the best λ differs between normals and the distance of the surfaces, and between meshes."
+        ),
         "Two plots of error over λ, each with a minimum.",
     )
 }

@@ -29,6 +29,9 @@ const ITERATIONS: usize = 50;
 /// The best λ of the report, and the one it compares iterations with.
 const CLAIMED: f64 = 5.0;
 
+/// The best explicit step of the report.
+const REPORT: f64 = 0.05;
+
 /// The numbers of iterations that the report compares.
 const COMPARED: [usize; 2] = [10, ITERATIONS];
 
@@ -193,7 +196,8 @@ fn convergence(tables: Tables<'_>) -> Result<Judgement> {
 
 /// Errors over a fine range of λ.
 fn sweep(context: &Context<'_>, models: &[Model]) -> Result<Table> {
-    let mut table = Table::new("sweep", "Errors after 50 implicit steps over λ.", &SWEPT);
+    let mut table =
+        Table::new("sweep", &format!("Errors after {ITERATIONS} implicit steps over λ."), &SWEPT);
     let count = context.choose(25, 7);
     let lambda = |i: usize| 0.01 * 1e4f64.powf(i as f64 / (count - 1) as f64);
     let lambdas: Vec<f64> = (0..count).map(lambda).collect();
@@ -205,7 +209,7 @@ fn sweep(context: &Context<'_>, models: &[Model]) -> Result<Table> {
 fn iterations(models: &[Model]) -> Result<Table> {
     let mut table = Table::new(
         "iterations",
-        "Implicit steps of 5 beside explicit steps of the same number (5 diverges; 0.05 is the report's) and explicit steps of ½ for the same time nλ. The last columns are RMS distances, vertex by vertex, from the meshes after 10 and 50 implicit steps.",
+        &format!("Implicit steps of {CLAIMED} beside explicit steps of the same number ({CLAIMED} diverges; {REPORT} is the report's) and explicit steps of {EXPLICIT} for the same time nλ. The last columns are RMS distances, vertex by vertex, from the meshes after {} and {} implicit steps.", COMPARED[0], COMPARED[1]),
         &[
             ("mesh", Unit::Label),
             ("flow", Unit::Label),
@@ -233,8 +237,8 @@ fn iterations(models: &[Model]) -> Result<Table> {
             ("implicit", CLAIMED, 500),
             ("explicit", CLAIMED, few),
             ("explicit", CLAIMED, many),
-            ("explicit", 0.05, few),
-            ("explicit", 0.05, many),
+            ("explicit", REPORT, few),
+            ("explicit", REPORT, many),
             ("explicit", EXPLICIT, few),
             ("explicit", EXPLICIT, many),
             ("explicit", EXPLICIT, 100),
@@ -382,7 +386,7 @@ fn over_lambda(model: &Model, smoothed: &[TriMesh]) -> Result<Picture> {
     Gallery { looks, viewpoints: &VIEWPOINTS, up: Up::Z, aspect: 1.0, occlusion: model.occlusion }.draw(
         &model.slug(),
         &format!(
-            "The {} before and after 50 implicit steps, from two viewpoints; what has shrunk a lot is enlarged, as its title says.",
+            "The {} before and after {ITERATIONS} implicit steps, from two viewpoints; what has shrunk a lot is enlarged, as its title says.",
             model.name
         ),
         &format!(
@@ -392,16 +396,20 @@ fn over_lambda(model: &Model, smoothed: &[TriMesh]) -> Result<Picture> {
     )
 }
 
-/// λ = 5 after 10 and 50 steps beside explicit steps: of the same number, and of the same time.
+/// Implicit steps beside explicit steps: of the same number, and of the same time.
 fn over_iterations(model: &Model) -> Result<Picture> {
-    let meshes = [
-        ("implicit 5 × 10", model.implicit(CLAIMED, 10)?.mesh),
-        ("implicit 5 × 50", model.implicit(CLAIMED, 50)?.mesh),
-        ("explicit 0.05 × 10", model.explicit(0.05, 10)?.mesh),
-        ("explicit 0.05 × 50", model.explicit(0.05, 50)?.mesh),
-        ("explicit ½ × 100", model.explicit(EXPLICIT, 100)?.mesh),
-        ("explicit ½ × 500", model.explicit(EXPLICIT, 500)?.mesh),
-    ];
+    // As many explicit steps as take the same diffusion time.
+    let equal = COMPARED.map(|n| (n as f64 * CLAIMED / EXPLICIT).round() as usize);
+    let mut meshes = vec![];
+    for n in COMPARED {
+        let title = format!("implicit {CLAIMED} × {n}");
+        meshes.push((title, model.implicit(CLAIMED, n)?.mesh));
+    }
+    for (lambda, n) in COMPARED.map(|n| (REPORT, n)).into_iter().chain(equal.map(|n| (EXPLICIT, n)))
+    {
+        let title = format!("explicit {lambda} × {n}");
+        meshes.push((title, model.explicit(lambda, n)?.mesh));
+    }
     let looks = meshes.iter().map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
     Gallery { looks, viewpoints: &VIEWPOINTS, up: Up::Z, aspect: 1.0, occlusion: model.occlusion }.draw(
         &format!("{}-iterations", model.slug()),
@@ -431,7 +439,7 @@ fn plot(sweep: &Table) -> Result<Picture> {
     plotted(
         &figure,
         "sweep",
-        "Errors after 50 implicit steps over λ.",
+        &format!("Errors after {ITERATIONS} implicit steps over λ."),
         "Two plots of error over λ on logarithmic axes.",
     )
 }
