@@ -5,9 +5,9 @@ use std::path::Path;
 
 use anyhow::{Context as _, Result};
 
-use crate::markdown::claim_table;
 use crate::reference::REPORT;
-use crate::results::Results;
+use fairing_report::claim_table;
+use fairing_results::results::Results;
 
 const BEGIN: &str = "<!-- The claims, written by `cargo xtask reproduce --accept`. -->\n";
 const END: &str = "<!-- End of the claims. -->\n";

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
 
-use crate::compare::{Difference, differences};
-use crate::json;
-use crate::results::{Record, Results};
+use fairing_results::compare::{Difference, differences};
+use fairing_results::json;
+use fairing_results::results::{Record, Results};
 
 /// The folder of the committed report, from the root.
 pub const REPORT: &str = "docs/report";
@@ -32,7 +32,7 @@ pub fn path(root: &Path, quick: bool) -> PathBuf {
 pub fn accept(root: &Path, results: &Results) -> Result<()> {
     let path = path(root, results.provenance.quick);
     let experiments = results.experiments.iter().map(bare).collect();
-    let reference = Results { provenance: results.provenance.clone(), experiments };
+    let reference = Results { experiments, ..results.clone() };
     fs::create_dir_all(path.parent().unwrap_or(root))?;
     fs::write(&path, json::readable(&reference)?)
         .with_context(|| format!("writing {}", path.display()))
@@ -58,5 +58,13 @@ pub fn seconds(root: &Path, quick: bool) -> HashMap<String, f64> {
 
 /// Numbers and verdicts only.
 fn bare(record: &Record) -> Record {
-    Record { figures: vec![], files: vec![], notes: vec![], views: vec![], ..record.clone() }
+    Record {
+        method: String::new(),
+        formulas: vec![],
+        figures: vec![],
+        files: vec![],
+        notes: vec![],
+        views: vec![],
+        ..record.clone()
+    }
 }

@@ -7,6 +7,7 @@ mod ellipsoid;
 mod evaluation;
 mod extremes;
 mod invariants;
+mod rendering;
 mod report;
 mod robustness;
 mod shapes;

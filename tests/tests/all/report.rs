@@ -3,14 +3,16 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use fairing_experiments::experiment::{Card, Context, Experiment};
+use fairing_experiments::experiments;
+use fairing_experiments::outcome::Outcome;
+use fairing_results::compare::differences;
+use fairing_results::results::{Form, Results};
+use fairing_results::row;
+use fairing_results::table::{Table, Tables, Unit};
+use fairing_results::verdict::{Judgement, Verdict};
 use serde_json::Value;
-use xtask::experiment::{Card, Context, Experiment};
-use xtask::outcome::Outcome;
-use xtask::results::Results;
-use xtask::runner::{Form, Plan, reproduce};
-use xtask::table::{Table, Tables, Unit};
-use xtask::verdict::{Judgement, Verdict};
-use xtask::{experiments, row};
+use xtask::reproduce::{Plan, reproduce};
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
@@ -93,7 +95,7 @@ fn a_small_report_says_the_same() {
         let plan = Plan { form, ..plan(&out, &["q1"]) };
         (reproduce(experiments::ALL, &plan).unwrap(), out)
     });
-    assert_eq!(xtask::compare::differences(&whole.0, &small.0, false), []);
+    assert_eq!(differences(&whole.0, &small.0, false), []);
     let meshes =
         |r: &Results| r.experiments[0].files.iter().filter(|f| f.path.ends_with(".ply")).count();
     assert!(meshes(&whole.0) > 0 && meshes(&small.0) == 0);
@@ -128,7 +130,7 @@ fn a_second_run_returns_the_same() {
         results
     });
     assert_eq!(first.experiments[0].tables, second.experiments[0].tables);
-    assert_eq!(xtask::compare::differences(&first, &second, false), []);
+    assert_eq!(differences(&first, &second, false), []);
 }
 
 /// An experiment made for these tests: fails, panics, cannot tell, or succeeds.
@@ -140,8 +142,8 @@ impl Experiment for Sample {
             id: self.0,
             title: "A sample",
             question: "Does it run?",
-            method: "By running.",
-            formulas: &[],
+            method: "By running.".into(),
+            formulas: vec![],
             inputs: &[],
             parameters: vec![],
         }

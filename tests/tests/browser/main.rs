@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
 use anyhow::{Result, anyhow};
+use fairing_results::results::Form;
 use libtest_mimic::{Arguments, Failed, Trial};
 
 use chrome::Chrome;
@@ -26,13 +27,12 @@ fn main() {
     // One browser serves all tests, each in a tab of its own.
     arguments.test_threads = Some(1);
     let shared: Arc<Mutex<Option<Session>>> = Arc::default();
-    let trial = |name: String, page: Option<PathBuf>, test: Test| {
+    let trial = |name: String, page: Page, test: Test| {
         let (program, shared) = (browser.clone(), Arc::clone(&shared));
-        let absent = program.is_none() || page.as_ref().is_some_and(|p| !p.is_file());
+        let absent = program.is_none() || matches!(&page, Page::File(path) if !path.is_file());
         Trial::test(name.clone(), move || match program {
             Some(program) => fairing_tests::timed(&name, || {
-                run(&program, &shared, page.as_deref(), test)
-                    .map_err(|e| Failed::from(format!("{e:#}")))
+                run(&program, &shared, &page, test).map_err(|e| Failed::from(format!("{e:#}")))
             }),
             None => Ok(()),
         })
@@ -40,40 +40,58 @@ fn main() {
         .with_ignored_flag(absent)
     };
     let made = [report::trials(), live::trials()].concat().into_iter();
-    let made = made.map(|(name, test)| trial(format!("page::{name}"), None, test));
-    let committed = committed::trials()
-        .into_iter()
-        .map(|(name, test)| trial(format!("committed::{name}"), Some(committed::page()), test));
-    let trials = made.chain(committed).collect();
+    let made =
+        made.map(|(name, test)| trial(format!("page::{name}"), Page::Made(Form::Whole), test));
+    let small = report::small_trials().into_iter();
+    let small =
+        small.map(|(name, test)| trial(format!("small::{name}"), Page::Made(Form::Small), test));
+    let committed = committed::trials().into_iter().map(|(name, test)| {
+        trial(format!("committed::{name}"), Page::File(committed::page()), test)
+    });
+    let trials = made.chain(small).chain(committed).collect();
     let conclusion = libtest_mimic::run(&arguments, trials);
     // Leaving the process would skip closing the browser.
     drop(shared.lock().map(|mut session| session.take()));
     conclusion.exit();
 }
 
-/// The browser and the page, made by the first test that needs them.
+/// A page to open.
+enum Page {
+    /// That of [`scene`].
+    Made(Form),
+    /// One that may be there.
+    File(PathBuf),
+}
+
+/// The browser and the folder of the pages of [`scene`], made by the first
+/// test that needs them.
 struct Session {
     chrome: Chrome,
     folder: tempfile::TempDir,
 }
 
-/// Runs a test on this page, or on that of [`scene`].
-fn run(
-    program: &Path,
-    shared: &Mutex<Option<Session>>,
-    page: Option<&Path>,
-    test: Test,
-) -> Result<()> {
+/// Runs a test on this page.
+fn run(program: &Path, shared: &Mutex<Option<Session>>, page: &Page, test: Test) -> Result<()> {
     let mut shared = shared.lock().map_err(|_| anyhow!("another test has panicked"))?;
     let session = match &mut *shared {
         Some(session) => session,
         none => {
             let folder = tempfile::tempdir()?;
-            std::fs::write(folder.path().join("report.html"), scene::page()?)?;
+            for form in [Form::Whole, Form::Small] {
+                scene::publish(&place(folder.path(), form), form)?;
+            }
             none.insert(Session { chrome: Chrome::start(program)?, folder })
         }
     };
     session.chrome.new_tab()?;
-    let made = session.folder.path().join("report.html");
-    test(&mut session.chrome, page.unwrap_or(&made))
+    let page = match page {
+        Page::Made(form) => place(session.folder.path(), *form).join("report.html"),
+        Page::File(path) => path.clone(),
+    };
+    test(&mut session.chrome, &page)
+}
+
+/// Where the report of [`scene`] in this form is.
+fn place(folder: &Path, form: Form) -> PathBuf {
+    folder.join(format!("{form:?}"))
 }

@@ -1,15 +1,15 @@
 //! A report with views of every kind, small enough to be drawn in no time.
 
+use std::path::Path;
+
 use anyhow::Result;
 use fairing_mesh::TriMesh;
+use fairing_results::provenance::Provenance;
+use fairing_results::results::{FigureFile, Form, Record, Results, ViewFile};
+use fairing_results::table::Unit;
+use fairing_results::verdict::{Judgement, Verdict};
+use fairing_results::view::{Panel, Slider, View};
 use fairing_shapes as shapes;
-use xtask::page;
-use xtask::provenance::Provenance;
-use xtask::results::{FigureFile, Record, Results};
-use xtask::runner::Form;
-use xtask::table::Unit;
-use xtask::verdict::{Judgement, Verdict};
-use xtask::view::{Panel, Slider, View};
 
 /// The noisy mesh that the page smooths.
 pub(crate) fn noisy() -> TriMesh {
@@ -109,9 +109,8 @@ fn grid() -> View {
     }
 }
 
-/// The whole page.
-pub(crate) fn page() -> Result<String> {
-    let folder = tempfile::tempdir()?;
+/// Makes the report in this folder.
+pub(crate) fn publish(folder: &Path, form: Form) -> Result<()> {
     let mesh = noisy();
     let camera = fairing_figure::Camera::fit(
         &[&mesh],
@@ -122,16 +121,15 @@ pub(crate) fn page() -> Result<String> {
     let options = fairing_figure::RenderOptions { width: 320, height: 240, ..Default::default() };
     let clay = fairing_figure::Colors::CLAY;
     let image = fairing_figure::render(&mesh, clay, None, &camera, &options)?;
-    std::fs::write(folder.path().join("picture.png"), image.to_png()?)?;
+    std::fs::create_dir_all(folder.join("q5"))?;
+    std::fs::write(folder.join("picture.png"), image.to_png()?)?;
     let record =
         Record {
             id: "q5".into(),
             title: "Explicit smoothing".into(),
             question: "What does λ do?".into(),
-            error: None,
-            inputs: vec![],
-            parameters: vec![],
-            tables: vec![],
+            method: "By steps.".into(),
+            formulas: vec![r"x^{n+1} = x^n + \lambda L x^n".into()],
             claims: vec![
                 Judgement::new("5a", "λ = 0.05 is best.", Verdict::Qualified, "It depends.")
                     .number("normal error", 3.25, Unit::Degrees),
@@ -142,11 +140,15 @@ pub(crate) fn page() -> Result<String> {
                 alt: "A noisy sphere.".into(),
                 png: "picture.png".into(),
                 svg: None,
+                small: None,
             }],
-            files: vec![],
             notes: vec!["A note with <angle> brackets & signs.".into()],
+            views: [flow(), open(), grid()]
+                .iter()
+                .map(|view| keep(view, folder))
+                .collect::<Result<_>>()?,
             seconds: 1.0,
-            views: vec![flow(), open(), grid()],
+            ..Record::default()
         };
     let provenance = Provenance {
         program: "fairing".into(),
@@ -161,10 +163,20 @@ pub(crate) fn page() -> Result<String> {
         quick: true,
         date: "2000-01-01".into(),
     };
-    page::report(
-        &Results { provenance, experiments: vec![record] },
-        &[],
-        folder.path(),
-        Form::Whole,
-    )
+    let results = Results { provenance, form: Form::Whole, experiments: vec![record] };
+    fairing_report::publish(results, folder, form)?;
+    Ok(())
+}
+
+/// Writes the data of a view, as the runner does.
+fn keep(view: &View, folder: &Path) -> Result<ViewFile> {
+    let data = format!("{}.view", view.id);
+    std::fs::write(folder.join(&data), view.to_bytes()?)?;
+    Ok(ViewFile {
+        id: view.id.clone(),
+        caption: view.caption.clone(),
+        alt: view.alt.clone(),
+        fallback: view.fallback.clone(),
+        data,
+    })
 }

@@ -11,7 +11,7 @@ use fairing_mesh::TriMesh;
 use fairing_mesh::io::{self, FloatWidth, VertexFields, WriteOptions};
 use serde::{Deserialize, Serialize};
 
-use crate::inputs::{Input, file_sha256};
+use fairing_experiments::inputs::{Input, file_sha256};
 
 /// The manifest's name.
 const MANIFEST: &str = "manifest.toml";

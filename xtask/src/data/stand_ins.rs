@@ -5,7 +5,7 @@ use fairing_shapes::{self as shapes, Diagonals};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
-use crate::inputs::Input;
+use fairing_experiments::inputs::Input;
 
 /// A generated mesh and its description.
 pub(super) struct StandIn {

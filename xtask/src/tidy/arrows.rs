@@ -8,7 +8,7 @@ use super::packages::{self, Dependency, Package};
 
 /// For each library crate, the crates of ours that it may use. The façade,
 /// `xtask` and the tests may use everything.
-const ARROWS: [(&str, &[&str]); 9] = [
+const ARROWS: [(&str, &[&str]); 12] = [
     ("fairing-mesh", &[]),
     ("fairing-shapes", &["fairing-mesh"]),
     ("fairing-sparse", &[]),
@@ -21,6 +21,23 @@ const ARROWS: [(&str, &[&str]); 9] = [
     ("fairing-denoising", &["fairing-mesh", "fairing-sparse", "fairing-operators"]),
     ("fairing-evaluation", &["fairing-mesh", "fairing-operators"]),
     ("fairing-figure", &["fairing-mesh"]),
+    ("fairing-results", &["fairing-mesh"]),
+    (
+        "fairing-experiments",
+        &[
+            "fairing-mesh",
+            "fairing-sparse",
+            "fairing-operators",
+            "fairing-spectral",
+            "fairing-shapes",
+            "fairing-smoothing",
+            "fairing-denoising",
+            "fairing-evaluation",
+            "fairing-figure",
+            "fairing-results",
+        ],
+    ),
+    ("fairing-report", &["fairing-mesh", "fairing-figure", "fairing-results"]),
 ];
 
 /// Crates that see everything.

@@ -1,0 +1,126 @@
+//! An experiment is a value: it says what it asks, runs, and judges its claims
+//! from its own tables.
+
+use anyhow::Result;
+use sha2::{Digest, Sha256};
+
+use crate::inputs::{Input, Inputs};
+use crate::outcome::Outcome;
+use crate::progress::Progress;
+use crate::table::Tables;
+use crate::verdict::Judgement;
+
+/// One experiment of the report.
+///
+/// Experiments know nothing of files, clocks or printing: the runner loads
+/// inputs, times, writes, draws the page and records where numbers come from.
+pub trait Experiment: Sync {
+    /// What it is about.
+    fn card(&self) -> Card;
+
+    /// Measures. Everything random is drawn from [`Context::seed`], so that a
+    /// second run returns the same.
+    ///
+    /// # Errors
+    ///
+    /// Whatever stands in the way; the runner reports it and goes on with the
+    /// other experiments.
+    fn run(&self, context: &Context<'_>) -> Result<Outcome>;
+
+    /// Judges the claims from the tables, and from nothing else.
+    ///
+    /// # Errors
+    ///
+    /// If a table lacks what the judgement needs.
+    fn judge(&self, tables: Tables<'_>) -> Result<Vec<Judgement>> {
+        let _ = tables;
+        Ok(vec![])
+    }
+}
+
+/// The description of an experiment.
+#[derive(Debug, Clone)]
+pub struct Card {
+    /// The id: `q1` to `q7` for the questions, a word for what goes beyond.
+    pub id: &'static str,
+    /// The title, a few words.
+    pub title: &'static str,
+    /// What is asked.
+    pub question: &'static str,
+    /// How it is answered, in short. Paragraphs are parted by an empty line.
+    pub method: String,
+    /// The formulas behind the method, in TeX, without dollars.
+    pub formulas: Vec<String>,
+    /// The meshes it loads, those without a stand-in where they are found;
+    /// shapes that it makes itself are not listed.
+    pub inputs: &'static [Input],
+    /// Its parameters, as the report lists them.
+    pub parameters: Vec<(&'static str, String)>,
+}
+
+/// What the runner hands to an experiment.
+pub struct Context<'a> {
+    inputs: &'a Inputs,
+    progress: &'a dyn Progress,
+    seed: u64,
+    quick: bool,
+}
+
+impl<'a> Context<'a> {
+    /// Called by the runner.
+    pub fn new(inputs: &'a Inputs, progress: &'a dyn Progress, seed: u64, quick: bool) -> Self {
+        Self { inputs, progress, seed, quick }
+    }
+
+    /// The mesh that plays this part: the assignment's where it was found, its
+    /// stand-in otherwise.
+    ///
+    /// # Errors
+    ///
+    /// If it cannot be read, or is not on the experiment's card.
+    pub fn mesh(&self, input: Input) -> Result<fairing_mesh::TriMesh> {
+        self.inputs.mesh(input)
+    }
+
+    /// The mesh that plays a part without a stand-in; `None` where it was not
+    /// found.
+    ///
+    /// # Errors
+    ///
+    /// If it cannot be read.
+    pub fn mesh_if_present(&self, input: Input) -> Result<Option<fairing_mesh::TriMesh>> {
+        self.inputs.source(input).map(|_| self.inputs.mesh(input)).transpose()
+    }
+
+    /// Whether a mesh plays this part, be it a stand-in.
+    pub fn is_present(&self, input: Input) -> bool {
+        self.inputs.source(input).is_some()
+    }
+
+    /// Whether a stand-in plays this part.
+    pub fn is_stand_in(&self, input: Input) -> bool {
+        self.inputs.source(input).is_some_and(|source| source.stand_in)
+    }
+
+    /// A seed of its own for each purpose, the same in every run.
+    pub fn seed(&self, purpose: &str) -> u64 {
+        let digest = Sha256::new().chain_update(self.seed.to_le_bytes()).chain_update(purpose);
+        let bytes = digest.finalize();
+        bytes[..8].iter().fold(0, |seed, &b| seed << 8 | u64::from(b))
+    }
+
+    /// Whether to get by with small sizes and few repetitions.
+    pub fn is_quick(&self) -> bool {
+        self.quick
+    }
+
+    /// `full`, or `quick` in a quick run.
+    pub fn choose<T>(&self, full: T, quick: T) -> T {
+        if self.quick { quick } else { full }
+    }
+
+    /// Says what is being done and how much is done, 0 to 1.
+    pub fn progress(&self, done: f64, what: &str) {
+        self.progress.within(done, what);
+    }
+}

@@ -1,0 +1,360 @@
+//! Beyond the questions: which curvature estimator to trust.
+
+use std::time::Instant;
+
+use anyhow::{Context as _, Result};
+use fairing_figure::{Axis, Figure, Legend, Panel, Plot, Series};
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{cross, dot, norm};
+use fairing_operators::curvature::{CurvatureField, Estimator};
+use fairing_operators::surface::PointCurvature;
+use rayon::prelude::*;
+
+use super::gallery::plotted;
+use super::refinement::second_order;
+use super::samples::{Layout, Sample};
+use super::surfaces::TestSurface;
+use crate::experiment::{Card, Context, Experiment};
+use crate::outcome::{Outcome, Picture};
+use crate::row;
+use crate::table::{Cell, Table, Tables, Tolerance, Unit, short};
+use crate::verdict::{Judgement, Verdict};
+
+pub(super) struct Estimators;
+
+/// The order in the largest error that counts as convergence.
+const BAR: f64 = 1.7;
+
+/// Errors below this are rounding, and drawn here.
+const ROUNDING: f64 = 1e-8;
+
+impl Experiment for Estimators {
+    fn card(&self) -> Card {
+        Card {
+            id: "estimators",
+            title: "Curvature estimators side by side",
+            question: "Which estimator converges on meshes as they are, and when is each to be chosen?",
+            method: "Every estimator is run on surfaces of known curvature, over a series of refinements: sphere, torus, ellipsoid, and a wavy graph with a border. Meshes are regular, jittered along the surface, and irregular, with edges flipped as well. H, K, both principal curvatures and their directions are compared with the exact values, over inner vertices, in the root mean square and in the largest error: an estimator that converges in the largest error can be trusted at every vertex.".into(),
+            formulas: vec![r"p = \frac{\log(e_1 / e_2)}{\log(h_1 / h_2)}".into()],
+            inputs: &[],
+            parameters: Estimator::ALL.map(|e| (e.name(), e.purpose().into())).to_vec(),
+        }
+    }
+
+    fn run(&self, context: &Context<'_>) -> Result<Outcome> {
+        let levels: Vec<u32> = context.choose(2..=6, 2..=4).collect();
+        let (mut errors, mut orders) = (errors_table(), orders_table());
+        for (s, sample) in Sample::ALL.into_iter().enumerate() {
+            context.progress(s as f64 / Sample::ALL.len() as f64, sample.name());
+            let meshes: Vec<(Layout, u32, u64)> = Layout::ALL
+                .into_iter()
+                .flat_map(|layout| levels.iter().map(move |&level| (layout, level)))
+                .map(|(l, i)| (l, i, context.seed(&format!("{} {i}", sample.name()))))
+                .collect();
+            let found: Vec<Refinement> = meshes
+                .into_par_iter()
+                .map(|(layout, level, seed)| Refinement::of(sample, layout, level, seed))
+                .collect::<Result<_>>()?;
+            for (layout, found) in Layout::ALL.into_iter().zip(found.chunks(levels.len())) {
+                for refinement in found {
+                    refinement.push(&mut errors, sample, layout);
+                }
+                for i in 0..Estimator::ALL.len() {
+                    orders.push(order_row(sample, layout, i, found)?);
+                }
+            }
+        }
+        let next = levels.iter().rev().nth(1).copied().context("no levels")?;
+        let times = times(next, context)?;
+        let figures = vec![plot(&errors, "max H", "H")?, plot(&errors, "max K", "K")?];
+        Ok(Outcome { tables: vec![errors, orders, times], figures, ..Outcome::default() })
+    }
+
+    fn judge(&self, tables: Tables<'_>) -> Result<Vec<Judgement>> {
+        let orders = tables.get("orders")?;
+        let mut worst = vec![];
+        for estimator in Estimator::ALL {
+            let mut least = f64::INFINITY;
+            for surface in ["sphere", "torus", "ellipsoid"] {
+                let rows = orders.only(&[
+                    ("surface", surface.into()),
+                    ("sampling", Layout::Jittered.name().into()),
+                    ("estimator", estimator.name().into()),
+                ])?;
+                for column in ["max H", "max K"] {
+                    let c = rows.index(column)?;
+                    // No order where the error is rounding alone.
+                    let orders = rows.rows.iter().filter_map(|row| row[c].number());
+                    least = orders.fold(least, f64::min);
+                }
+            }
+            worst.push((estimator.name(), least));
+        }
+        let reaching: Vec<&str> =
+            worst.iter().filter(|(_, order)| *order >= BAR).map(|(name, _)| *name).collect();
+        let (best, order) = worst
+            .iter()
+            .copied()
+            .fold(("", f64::NEG_INFINITY), |a, b| if b.1 > a.1 { b } else { a });
+        let (verdict, reason) = if reaching.is_empty() {
+            (Verdict::Refuted, format!("None does; {best} comes closest with {}.", short(order)))
+        } else {
+            (
+                Verdict::Confirmed,
+                format!(
+                    "On jittered sphere, torus and ellipsoid these do, for H and for K: {}. The least order of {best} is {}; that of the cotangent operator and the angle defect is {}.",
+                    reaching.join(", "),
+                    short(order),
+                    short(worst[0].1),
+                ),
+            )
+        };
+        let mut judgement = Judgement::new(
+            "estimators",
+            "An estimator converges at every vertex of an irregular mesh, with order 1.7 or more",
+            verdict,
+            reason,
+        )
+        .ours();
+        for (name, order) in worst {
+            judgement = judgement.number(&format!("least order of {name}"), order, Unit::Order);
+        }
+        Ok(vec![judgement])
+    }
+}
+
+/// The columns of [`Study::errors`].
+const MEASURES: [&str; 8] =
+    ["RMS H", "max H", "RMS K", "max K", "RMS κ₁", "max κ₁", "RMS κ₂", "max κ₂"];
+
+/// The exact curvature at inner vertices, `None` elsewhere.
+fn exact_values(sample: Sample, mesh: &TriMesh) -> Result<Vec<Option<PointCurvature>>> {
+    let exact = |&p: &[f64; 3]| match sample.is_inner(p) {
+        true => sample.exact(p).context("a vertex off the surface").map(Some),
+        false => Ok(None),
+    };
+    mesh.positions().iter().map(exact).collect()
+}
+
+/// All estimators on one mesh.
+struct Refinement {
+    vertices: usize,
+    h: f64,
+    /// In the order of [`Estimator::ALL`].
+    studies: Vec<Study>,
+}
+
+impl Refinement {
+    fn of(sample: Sample, layout: Layout, level: u32, seed: u64) -> Result<Self> {
+        let mesh = sample.mesh(level, layout, seed);
+        let exact = exact_values(sample, &mesh)?;
+        let study = |e: &Estimator| anyhow::Ok(Study::of(&e.estimate(&mesh)?, &exact));
+        Ok(Self {
+            vertices: mesh.vertex_count(),
+            h: mesh.mean_edge_length(),
+            studies: Estimator::ALL.iter().map(study).collect::<Result<_>>()?,
+        })
+    }
+
+    /// Adds a row for each estimator.
+    fn push(&self, errors: &mut Table, sample: Sample, layout: Layout) {
+        for (estimator, study) in Estimator::ALL.iter().zip(&self.studies) {
+            let mut row = vec![
+                Cell::from(sample.name()),
+                Cell::from(layout.name()),
+                Cell::from(estimator.name()),
+                Cell::from(self.vertices),
+                Cell::from(self.h),
+            ];
+            row.extend(study.errors.map(Cell::from));
+            row.push(Cell::from(study.angle));
+            row.push(Cell::from(study.undefined));
+            errors.push(row);
+        }
+    }
+}
+
+/// Errors of one estimator on one mesh.
+#[derive(Debug, Clone)]
+struct Study {
+    /// In the order of [`MEASURES`].
+    errors: [f64; 8],
+    /// In degrees; `None` without directions, or where all points are umbilic.
+    angle: Option<f64>,
+    /// Inner vertices without a value.
+    undefined: usize,
+}
+
+impl Study {
+    fn of(field: &CurvatureField, exact: &[Option<PointCurvature>]) -> Self {
+        let inner = || exact.iter().enumerate().filter_map(|(v, c)| Some((v, (*c)?)));
+        let defined = || inner().filter(|(v, _)| field.status[*v].is_defined());
+        let count = defined().count() as f64;
+        let error = |value: fn(&CurvatureField, usize) -> f64,
+                     truth: fn(&PointCurvature) -> f64,
+                     size: fn(&PointCurvature) -> f64| {
+            let (mut square, mut largest, mut scale) = (0.0, 0.0f64, 0.0);
+            for (v, c) in defined() {
+                let gap = value(field, v) - truth(&c);
+                square += gap * gap;
+                largest = largest.max(gap.abs());
+                scale += size(&c).powi(2);
+            }
+            let scale = (scale / count).sqrt();
+            [(square / count).sqrt() / scale, largest / scale]
+        };
+        let h = error(|f, v| f.mean[v], PointCurvature::mean, PointCurvature::mean);
+        let k = error(|f, v| f.gaussian[v], PointCurvature::gaussian, PointCurvature::gaussian);
+        let a = error(|f, v| f.kappa1[v], |c| c.values[0], |c| c.values[0]);
+        let b = error(|f, v| f.kappa2[v], |c| c.values[1], |c| c.values[0]);
+        Self {
+            errors: [h[0], h[1], k[0], k[1], a[0], a[1], b[0], b[1]],
+            angle: angle(field, &defined().collect::<Vec<_>>()),
+            undefined: inner().count() - defined().count(),
+        }
+    }
+}
+
+/// The root mean square angle between directions of κ₁, in degrees.
+fn angle(field: &CurvatureField, defined: &[(usize, PointCurvature)]) -> Option<f64> {
+    let [first, _] = field.directions.as_ref()?;
+    let split = |c: &PointCurvature| c.values[0] - c.values[1];
+    let largest = defined.iter().map(|(_, c)| split(c)).fold(0.0, f64::max);
+    if largest < 1e-9 {
+        return None;
+    }
+    let angles: Vec<f64> = defined
+        .iter()
+        .filter(|(_, c)| split(c) > 0.1 * largest)
+        .map(|(v, c)| {
+            let (found, truth) = (first[*v], c.directions[0]);
+            norm(cross(found, truth)).atan2(dot(found, truth).abs()).to_degrees()
+        })
+        .collect();
+    let square = angles.iter().map(|a| a * a).sum::<f64>();
+    (!angles.is_empty()).then(|| (square / angles.len() as f64).sqrt())
+}
+
+fn errors_table() -> Table {
+    let mut errors = Table::new(
+        "errors",
+        "Errors against exact curvature at inner vertices. Root mean square and largest, over the root mean square of the exact values (of κ₁ for both principal ones). Directions: root mean square angle between the estimated and the true direction of κ₁ where the exact κ₁ − κ₂ is more than a tenth of its largest value.",
+        &[
+            ("surface", Unit::Label),
+            ("sampling", Unit::Label),
+            ("estimator", Unit::Label),
+            ("vertices", Unit::Count),
+            ("h", Unit::Length),
+            ("RMS H", Unit::Relative),
+            ("max H", Unit::Relative),
+            ("RMS K", Unit::Relative),
+            ("max K", Unit::Relative),
+            ("RMS κ₁", Unit::Relative),
+            ("max κ₁", Unit::Relative),
+            ("RMS κ₂", Unit::Relative),
+            ("max κ₂", Unit::Relative),
+            ("directions", Unit::Degrees),
+            ("undefined", Unit::Count),
+        ],
+    );
+    for name in MEASURES.iter().chain(&["directions"]) {
+        // Values where estimators are exact up to rounding amplify it.
+        errors = errors.tolerance(name, Some(Tolerance { relative: 1e-4, absolute: 1e-7 }));
+    }
+    errors
+}
+
+fn orders_table() -> Table {
+    let columns: Vec<(&str, Unit)> = ["surface", "sampling", "estimator"]
+        .map(|c| (c, Unit::Label))
+        .into_iter()
+        .chain(MEASURES.map(|c| (c, Unit::Order)))
+        .collect();
+    let mut table = Table::new(
+        "orders",
+        "Observed orders of convergence over the last three refinements (of the first of them to the last): 2 means that half the edge length gives a quarter of the error, 0 that the error stays.",
+        &columns,
+    );
+    for name in MEASURES {
+        table = table.tolerance(name, Some(Tolerance { relative: 0.0, absolute: 0.02 }));
+    }
+    table
+}
+
+fn order_row(
+    sample: Sample,
+    layout: Layout,
+    estimator: usize,
+    found: &[Refinement],
+) -> Result<Vec<Cell>> {
+    let [from, _, to] = found.last_chunk::<3>().context("three refinements at least")?;
+    let name = Estimator::ALL[estimator].name();
+    let mut row = vec![sample.name().into(), layout.name().into(), Cell::from(name)];
+    for i in 0..MEASURES.len() {
+        let [e, f] = [from, to].map(|r| r.studies[estimator].errors[i]);
+        // Exact up to rounding: there is no order to observe.
+        let order = (f > ROUNDING).then(|| (e / f).ln() / (from.h / to.h).ln());
+        row.push(order.into());
+    }
+    Ok(row)
+}
+
+/// The time of each estimator on one thread, on a jittered torus.
+fn times(level: u32, context: &Context<'_>) -> Result<Table> {
+    let mut times = Table::new(
+        "times",
+        "Seconds per vertex on the jittered torus next to the finest, topology not counted: the least of three runs on one thread.",
+        &[("estimator", Unit::Label), ("time per vertex", Unit::Seconds)],
+    );
+    let torus = Sample::Closed(TestSurface::Torus);
+    let mesh = torus.mesh(level, Layout::Jittered, context.seed("times"));
+    mesh.topology();
+    let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+    for estimator in Estimator::ALL {
+        let mut least = f64::INFINITY;
+        for _ in 0..3 {
+            let start = Instant::now();
+            one_thread.install(|| estimator.estimate(&mesh))?;
+            least = least.min(start.elapsed().as_secs_f64());
+        }
+        times.push(row![estimator.name(), least / mesh.vertex_count() as f64]);
+    }
+    Ok(times)
+}
+
+/// The largest error over h on jittered meshes, a panel for each surface.
+fn plot(errors: &Table, column: &str, what: &str) -> Result<Picture> {
+    let mut figure = Figure { columns: 2, ..Figure::default() };
+    for (i, sample) in Sample::ALL.into_iter().enumerate() {
+        let right = i % 2 == 1;
+        let mut plot = Plot {
+            title: sample.name().into(),
+            x: Axis::log("mean edge length h"),
+            y: Axis::log(if right { "" } else { "largest relative error" }),
+            legend: if right { Legend::Right } else { Legend::None },
+            ..Plot::default()
+        };
+        for estimator in Estimator::ALL {
+            let rows = errors.only(&[
+                ("surface", sample.name().into()),
+                ("sampling", Layout::Jittered.name().into()),
+                ("estimator", estimator.name().into()),
+            ])?;
+            let points = rows.column("h")?.into_iter().zip(rows.column(column)?);
+            let points = points.map(|(h, error)| [h, error.max(ROUNDING)]).collect();
+            plot.series.push(Series::marked(estimator.name(), points));
+        }
+        plot.series.extend(second_order(&plot.series));
+        figure.panels.push(Panel::drawing(plot.draw(if right { 500.0 } else { 340.0 }, 300.0)?));
+    }
+    plotted(
+        &figure,
+        if what == "H" { "largest-mean" } else { "largest-gaussian" },
+        &format!(
+            "The largest error of {what} over inner vertices of jittered meshes. A line that falls to the left converges at every vertex, at second order if it falls like the grey one; a line that stays level does not."
+        ),
+        &format!(
+            "Four plots of the largest relative error of {what} over mean edge length on logarithmic axes, for sphere, torus, ellipsoid and graph, a line for each estimator."
+        ),
+    )
+}

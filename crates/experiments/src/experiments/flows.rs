@@ -1,0 +1,249 @@
+//! Beyond the questions: flows held against theory, and all of them beside each other.
+
+use anyhow::{Context as _, Result};
+use fairing_evaluation::{
+    NoiseKind, NoiseLevel, add_noise, drift, normal_error, observed_orders, vertex_distance,
+};
+use fairing_figure::Up;
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{add, distance, norm, scale};
+use fairing_shapes as shapes;
+use fairing_smoothing::{
+    ConformalizedMcf, Diffusion, Implicit, Method, Operator, Time, Update,
+    conformalized_mean_curvature_flow, implicit,
+};
+
+use super::gallery::{Gallery, Look, VIEWPOINTS};
+use crate::experiment::{Card, Context, Experiment};
+use crate::outcome::{Outcome, Picture};
+use crate::row;
+use crate::table::{Table, Tables, Tolerance, Unit, short};
+use crate::verdict::{Judgement, Verdict};
+
+pub(super) struct Flows;
+
+/// When spheres are measured: their radius is then √(1 − 4t).
+const END: f64 = 0.1;
+
+/// The noise of the comparison in mean edge lengths.
+const SIGMA: f64 = 0.2;
+
+/// A shape this close to its best sphere is round: the error of the discrete operator on coarse meshes.
+const ROUND: f64 = 0.02;
+
+impl Experiment for Flows {
+    fn card(&self) -> Card {
+        Card {
+            id: "flows",
+            title: "Flows against theory, and beside each other",
+            question: "Do the flows converge to what they discretise, and which of them removes noise at what price?",
+            method: "Mean curvature flow (operator of each step) of the unit sphere against r(t) = √(1 − 4t), with time steps in proportion to h², so that both errors should fall with the square of h. Conformalised mean curvature flow of bumpy spheres of genus 0 until it settles: how far vertices are from the best sphere about the centroid. Then every method of the library with its default options on one noisy mesh whose truth is known.".into(),
+            formulas: FORMULAS.map(String::from).to_vec(),
+            inputs: &[],
+            parameters: vec![
+                ("time of the spheres", END.to_string()),
+                ("noise of the comparison", format!("{SIGMA} mean edge lengths, along normals")),
+            ],
+        }
+    }
+
+    fn run(&self, context: &Context<'_>) -> Result<Outcome> {
+        let mut outcome = Outcome::default();
+        outcome.tables.push(spheres(context.choose(4, 3))?);
+        context.progress(0.4, "conformal flow");
+        outcome.tables.push(conformal(context.choose(&[3, 4, 5], &[3, 4]))?);
+        context.progress(0.7, "methods");
+        let (table, picture) = methods(context)?;
+        outcome.tables.push(table);
+        outcome.figures.push(picture);
+        Ok(outcome)
+    }
+
+    fn judge(&self, tables: Tables<'_>) -> Result<Vec<Judgement>> {
+        let orders = tables.get("spheres")?.column("order")?;
+        let least = orders.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = orders.iter().copied().fold(0.0, f64::max);
+        let second = least > 1.8 && most < 2.2;
+        let left = tables.get("conformal")?.column("off the sphere after")?;
+        let worst = left.iter().copied().fold(0.0, f64::max);
+        let methods = tables.get("methods")?;
+        let of = |method: &str, column: &str| methods.value(&[("method", method.into())], column);
+        let plain = of("implicit", "volume")?.abs();
+        let keeping = ["taubin", "windowed-sinc", "hc"];
+        let mut lost = 0.0f64;
+        for method in keeping {
+            lost = lost.max(of(method, "volume")?.abs());
+        }
+        let judge = |holds| if holds { Verdict::Confirmed } else { Verdict::Refuted };
+        Ok(vec![
+            Judgement::new(
+                "mean-curvature",
+                "Mean curvature flow converges to that of the sphere with second order",
+                judge(second),
+                format!("Observed orders of the radius lie between {} and {}.", short(least), short(most)),
+            )
+            .ours()
+            .number("least order", least, Unit::Order)
+            .number("greatest order", most, Unit::Order),
+            Judgement::new(
+                "conformal",
+                "Conformalised mean curvature flow takes genus 0 to the round sphere",
+                judge(worst < ROUND),
+                format!("When it settles, no vertex is off the sphere by more than {} of its radius.", short(worst)),
+            )
+            .ours()
+            .number("farthest off the sphere", worst, Unit::Relative),
+            Judgement::new(
+                "volume",
+                "Taubin's steps, the windowed sinc filter and HC keep the volume that diffusion loses",
+                judge(lost < 0.2 * plain),
+                format!(
+                    "They change it by at most {} per cent, implicit diffusion by {} per cent.",
+                    short(lost),
+                    short(plain),
+                ),
+            )
+            .ours()
+            .number("largest change of the three", lost, Unit::Percent)
+            .number("change by implicit diffusion", plain, Unit::Percent),
+        ])
+    }
+}
+
+/// Mean curvature flow of the unit sphere.
+fn spheres(finest: u32) -> Result<Table> {
+    let mut table = Table::new(
+        "spheres",
+        "The unit sphere under mean curvature flow: its mean radius at the end beside √(1 − 4t), and the order observed between each mesh and the one before (the first line repeats the second).",
+        &[
+            ("h", Unit::Length),
+            ("steps", Unit::Count),
+            ("radius", Unit::Length),
+            ("exact", Unit::Length),
+            ("error", Unit::Length),
+            ("order", Unit::Order),
+        ],
+    );
+    let exact = (1.0 - 4.0 * END).sqrt();
+    let (mut h, mut steps, mut radii) = (vec![], vec![], vec![]);
+    for level in 2..=finest {
+        let sphere = shapes::icosphere(level);
+        let count = 10usize << (2 * (level - 2));
+        let options = Implicit {
+            iterations: count,
+            update: Update::Both,
+            tolerance: 1e-11,
+            ..Implicit::new(Diffusion::Cotangent {
+                time: Time::SquaredUnits(END / count as f64),
+                operator: Operator::default(),
+            })
+        };
+        let shrunk = implicit(&sphere, &options, None)?.mesh;
+        let sum: f64 = shrunk.positions().iter().map(|&p| norm(p)).sum();
+        h.push(sphere.mean_edge_length());
+        steps.push(count);
+        radii.push(sum / shrunk.vertex_count() as f64);
+    }
+    let error: Vec<f64> = radii.iter().map(|r| (r - exact).abs()).collect();
+    let orders = observed_orders(&h, &error);
+    for i in 0..h.len() {
+        let order = orders[i.saturating_sub(1)];
+        table.push(row![h[i], steps[i], radii[i], exact, error[i], order]);
+    }
+    Ok(table)
+}
+
+/// Conformalised mean curvature flow of a bumpy sphere.
+fn conformal(levels: &[u32]) -> Result<Table> {
+    let mut table = Table::new(
+        "conformal",
+        "A bumpy sphere under conformalised mean curvature flow: steps until it settles, and the largest distance of a vertex from the mean sphere about the centroid, over its radius.",
+        &[
+            ("vertices", Unit::Count),
+            ("steps", Unit::Count),
+            ("off the sphere before", Unit::Relative),
+            ("off the sphere after", Unit::Relative),
+        ],
+    )
+    .tolerance("steps", None)
+    .tolerance("off the sphere after", Some(Tolerance::LOOSE));
+    for &level in levels {
+        let bumpy = shapes::bumpy_sphere(level, 0.2, 3.0);
+        let options = ConformalizedMcf {
+            time: 0.05,
+            iterations: 300,
+            settled: 1e-7,
+            ..ConformalizedMcf::default()
+        };
+        let smoothed = conformalized_mean_curvature_flow(&bumpy, &options, None)?;
+        let steps = smoothed.report.iterations;
+        table.push(row![
+            bumpy.vertex_count(),
+            steps,
+            off_sphere(&bumpy),
+            off_sphere(&smoothed.mesh)
+        ]);
+    }
+    Ok(table)
+}
+
+/// The largest deviation of a vertex from the mean distance from the centroid of the surface, over that distance.
+fn off_sphere(mesh: &TriMesh) -> f64 {
+    let mut centre = [0.0; 3];
+    for f in 0..mesh.face_count() {
+        for p in mesh.triangle(f) {
+            centre = add(centre, scale(p, mesh.face_area(f) / 3.0));
+        }
+    }
+    centre = scale(centre, 1.0 / mesh.area());
+    let radii: Vec<f64> = mesh.positions().iter().map(|&p| distance(p, centre)).collect();
+    let mean = radii.iter().sum::<f64>() / radii.len() as f64;
+    radii.iter().map(|r| (r / mean - 1.0).abs()).fold(0.0, f64::max)
+}
+
+/// Every method with its default options on one noisy mesh.
+fn methods(context: &Context<'_>) -> Result<(Table, Picture)> {
+    let mut table = Table::new(
+        "methods",
+        "Every method with the options it has by default, on a bumpy sphere with noise: mean angle to the normals of the truth, distance of vertices from its surface, volume against the truth.",
+        &[
+            ("method", Unit::Label),
+            ("normal error", Unit::Degrees),
+            ("vertex error", Unit::EdgeLengths),
+            ("volume", Unit::Percent),
+        ],
+    );
+    let truth = shapes::bumpy_sphere(context.choose(5, 4), 0.1, 5.0);
+    let h = truth.mean_edge_length();
+    let level = NoiseLevel::EdgeLengths(SIGMA);
+    let seed = context.seed("methods");
+    let noisy = add_noise(&truth, NoiseKind::GaussianAlongNormals, level, seed)?;
+    let mut results = vec![("input".to_string(), noisy.clone())];
+    for method in Method::defaults() {
+        // These answer other questions.
+        if !matches!(method, Method::FairRegion(_) | Method::ConformalizedMcf(_)) {
+            results.push((method.name().to_string(), method.run(&noisy, None)?.mesh));
+        }
+    }
+    for (name, mesh) in &results {
+        let volume = drift(mesh, &truth).volume.context("a closed mesh without a volume")?;
+        table.push(row![
+            name.as_str(),
+            normal_error(mesh, &truth)?.mean,
+            vertex_distance(mesh, &truth)?.rms / h,
+            100.0 * volume,
+        ]);
+    }
+    let shown = ["input", "implicit", "mean-curvature", "taubin", "hc"];
+    let looks = results.iter().filter(|(name, _)| shown.contains(&name.as_str()));
+    let looks = looks.map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
+    let picture = Gallery { looks, viewpoints: &VIEWPOINTS[..1], up: Up::Z, aspect: 1.0, occlusion: !context.is_quick() }.draw(
+        "methods",
+        "A bumpy sphere with noise, and after some of the methods with the options they have by default.",
+        "Five pictures: a rough sphere with bumps, and smoother ones of which some have shrunk.",
+    )?;
+    Ok((table, picture))
+}
+
+const FORMULAS: [&str; 1] =
+    [r"\frac{\partial x}{\partial t} = \Delta x = -2Hn, \qquad r(t) = \sqrt{r_0^2 - 4t}"];

@@ -1,0 +1,318 @@
+//! Beyond the questions: claim 1a, curvature under noise.
+
+use anyhow::{Context as _, Result};
+use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
+use fairing_figure::{Axis, Figure, Legend, Panel, Plot, Series};
+use fairing_mesh::TriMesh;
+use fairing_operators::curvature::{CurvatureField, Estimator, angle_defect};
+use rayon::prelude::*;
+
+use super::gallery::plotted;
+use super::statistics::median;
+use super::surfaces::{Sampling, TestSurface};
+use crate::experiment::{Card, Context, Experiment};
+use crate::outcome::{Outcome, Picture};
+use crate::row;
+use crate::table::{Table, Tables, Tolerance, Unit, short};
+use crate::verdict::{Judgement, Verdict};
+
+pub(super) struct Noise;
+
+/// Standard deviations over the mean edge length.
+const LEVELS: [f64; 4] = [0.01, 0.03, 0.1, 0.3];
+
+const SURFACES: [TestSurface; 2] = [TestSurface::Sphere, TestSurface::Torus];
+
+impl Experiment for Noise {
+    fn card(&self) -> Card {
+        Card {
+            id: "noise",
+            title: "Curvature under noise",
+            question: "Is mean curvature disturbed by noise, and Gaussian curvature not?",
+            method: "Gaussian noise of growing size is added to every coordinate of unit sphere and torus at several resolutions, with several seeds. The change of H and of K against the same estimator on the clean mesh is compared, each over the root mean square of its own clean values, with the rank correlation of noisy and clean values on the torus (on a sphere the clean values are all alike). The sum of the angle defects is held against 2πχ.".into(),
+            formulas: vec![],
+            inputs: &[],
+            parameters: vec![
+                ("σ / h", LEVELS.map(|l| l.to_string()).join(", ")),
+                ("noise", "Gaussian, independent in each coordinate".into()),
+            ],
+        }
+    }
+
+    fn run(&self, context: &Context<'_>) -> Result<Outcome> {
+        let seeds = context.choose(4, 2);
+        let levels = context.choose(3..=5, 2..=4);
+        let steps = SURFACES.len() * levels.clone().count();
+        let mut changes = Table::new(
+            "changes",
+            "Change under noise, root mean square over vertices and seeds, over the root mean square of the clean values; rank correlation of noisy with clean values, mean over seeds. The standard error is that of K over H, from its spread over the seeds.",
+            &[
+                ("surface", Unit::Label),
+                ("vertices", Unit::Count),
+                ("σ/h", Unit::EdgeLengths),
+                ("estimator", Unit::Label),
+                ("change of H", Unit::Relative),
+                ("change of K", Unit::Relative),
+                ("K over H", Unit::One),
+                ("standard error", Unit::One),
+                ("ranks of H", Unit::One),
+                ("ranks of K", Unit::One),
+            ],
+        );
+        for column in
+            ["change of H", "change of K", "K over H", "standard error", "ranks of H", "ranks of K"]
+        {
+            changes = changes.tolerance(column, Some(Tolerance { relative: 1e-3, absolute: 1e-4 }));
+        }
+        let mut totals = Table::new(
+            "totals",
+            "The sum of all angle defects under noise: its largest distance from 2πχ over seeds.",
+            &[
+                ("surface", Unit::Label),
+                ("vertices", Unit::Count),
+                ("σ/h", Unit::EdgeLengths),
+                ("largest distance", Unit::Radians),
+            ],
+        )
+        .tolerance("largest distance", Some(Tolerance { relative: 0.0, absolute: 1e-8 }));
+        let mut step = 0;
+        for surface in SURFACES {
+            for level in levels.clone() {
+                context.progress(f64::from(step) / steps as f64, surface.name());
+                step += 1;
+                let mesh = surface.mesh(level, Sampling::Regular, 0);
+                mesh.topology();
+                let clean: Vec<CurvatureField> =
+                    Estimator::ALL.iter().map(|e| e.estimate(&mesh)).collect::<Result<_, _>>()?;
+                for sigma in LEVELS {
+                    let seeds: Vec<u64> = (0..seeds)
+                        .map(|s| context.seed(&format!("{} {level} {sigma} {s}", surface.name())))
+                        .collect();
+                    let runs: Vec<Run> = seeds
+                        .into_par_iter()
+                        .map(|seed| Run::of(&mesh, &clean, surface, sigma, seed))
+                        .collect::<Result<_>>()?;
+                    for (i, estimator) in Estimator::ALL.iter().enumerate() {
+                        let all: Vec<&Change> = runs.iter().map(|run| &run.changes[i]).collect();
+                        let [h, k] = changes_over(&all);
+                        let ranks = |j: usize| -> Option<f64> {
+                            let sum: Option<f64> = all.iter().map(|c| Some(c.ranks?[j])).sum();
+                            Some(sum? / all.len() as f64)
+                        };
+                        changes.push(row![
+                            surface.name(),
+                            mesh.vertex_count(),
+                            sigma,
+                            estimator.name(),
+                            h,
+                            k,
+                            k / h,
+                            standard_error(&all),
+                            ranks(0),
+                            ranks(1),
+                        ]);
+                    }
+                    let distance = runs.iter().map(|run| run.gap_of_the_total).fold(0.0, f64::max);
+                    totals.push(row![surface.name(), mesh.vertex_count(), sigma, distance]);
+                }
+            }
+        }
+        let figures = vec![plot(&changes)?];
+        Ok(Outcome { tables: vec![changes, totals], figures, ..Outcome::default() })
+    }
+
+    fn judge(&self, tables: Tables<'_>) -> Result<Vec<Judgement>> {
+        let changes = tables.get("changes")?;
+        let plain = changes.only(&[("estimator", "cotangent".into())])?;
+        let range = |table: &Table| -> Result<[f64; 3]> {
+            let mut ratios = table.column("K over H")?;
+            ratios.sort_by(f64::total_cmp);
+            let middle = median(&ratios).context("no changes")?;
+            Ok([ratios[0], middle, ratios[ratios.len() - 1]])
+        };
+        let ([low, middle, high], [all_low, all_middle, _]) = (range(&plain)?, range(changes)?);
+        let total = tables.get("totals")?.column("largest distance")?;
+        let total = total.into_iter().fold(0.0, f64::max);
+        let errors = changes.column("standard error")?.into_iter().zip(changes.column("K over H")?);
+        let error = errors.map(|(error, ratio)| error / ratio).fold(0.0, f64::max);
+        let verdict = if low > 1.0 {
+            Verdict::Refuted
+        } else if high < 1.0 {
+            Verdict::Confirmed
+        } else {
+            Verdict::Qualified
+        };
+        let reason = format!(
+            "Relative to its own size K changes {} to {} times as much as H with cotangents and angle defects (median {}; over all estimators {}, at least {}), with a standard error of at most {} % of each. What noise does not change is the sum of K alone: the angle defects add up to 2πχ within {}.",
+            short(low),
+            short(high),
+            short(middle),
+            short(all_middle),
+            short(all_low),
+            short(100.0 * error),
+            short(total),
+        );
+        Ok(vec![
+            Judgement::new(
+                "1a",
+                "Mean curvature is disturbed by noise, Gaussian curvature is not",
+                verdict,
+                reason,
+            )
+            .number("least change of K over H", low, Unit::One)
+            .number("median change of K over H", middle, Unit::One)
+            .number("median over all estimators", all_middle, Unit::One)
+            .number("largest distance of the total from 2πχ", total, Unit::Radians),
+        ])
+    }
+}
+
+fn gap_of_the_total(mesh: &TriMesh) -> f64 {
+    let euler = mesh.topology().euler_characteristic() as f64;
+    (angle_defect(mesh).iter().sum::<f64>() - std::f64::consts::TAU * euler).abs()
+}
+
+/// All estimators on one noisy mesh.
+struct Run {
+    /// In the order of [`Estimator::ALL`].
+    changes: Vec<Change>,
+    gap_of_the_total: f64,
+}
+
+impl Run {
+    fn of(
+        mesh: &TriMesh,
+        clean: &[CurvatureField],
+        surface: TestSurface,
+        sigma: f64,
+        seed: u64,
+    ) -> Result<Self> {
+        let level = NoiseLevel::EdgeLengths(sigma);
+        let noisy = add_noise(mesh, NoiseKind::GaussianPerAxis, level, seed)?;
+        let ranked = surface != TestSurface::Sphere;
+        let change = |(e, clean): (&Estimator, &CurvatureField)| {
+            anyhow::Ok(Change::between(clean, &e.estimate(&noisy)?, ranked))
+        };
+        Ok(Self {
+            changes: Estimator::ALL.iter().zip(clean).map(change).collect::<Result<_>>()?,
+            gap_of_the_total: gap_of_the_total(&noisy),
+        })
+    }
+}
+
+/// Of H first and of K second.
+struct Change {
+    /// Sums of squared changes.
+    squares: [f64; 2],
+    /// Sums of squared clean values.
+    sizes: [f64; 2],
+    /// Rank correlations, where clean values differ.
+    ranks: Option<[f64; 2]>,
+}
+
+impl Change {
+    fn between(clean: &CurvatureField, noisy: &CurvatureField, ranked: bool) -> Self {
+        let fields = [(&clean.mean, &noisy.mean), (&clean.gaussian, &noisy.gaussian)];
+        Self {
+            squares: fields
+                .map(|(clean, noisy)| clean.iter().zip(noisy).map(|(a, b)| (a - b).powi(2)).sum()),
+            sizes: fields.map(|(clean, _)| clean.iter().map(|a| a * a).sum()),
+            ranks: ranked.then(|| fields.map(|(clean, noisy)| rank_correlation(clean, noisy))),
+        }
+    }
+}
+
+/// The root mean square change over runs, relative to the clean values.
+fn changes_over(runs: &[&Change]) -> [f64; 2] {
+    std::array::from_fn(|i| {
+        let square: f64 = runs.iter().map(|c| c.squares[i]).sum();
+        let size: f64 = runs.iter().map(|c| c.sizes[i]).sum();
+        (square / size).sqrt()
+    })
+}
+
+/// The standard error of the change of K over that of H, from run to run; zero of a single run.
+fn standard_error(runs: &[&Change]) -> f64 {
+    let ratio = |run: &&Change| {
+        let [h, k] = changes_over(&[*run]);
+        k / h
+    };
+    let ratios: Vec<f64> = runs.iter().map(ratio).collect();
+    let n = ratios.len() as f64;
+    let mean = ratios.iter().sum::<f64>() / n;
+    let squares: f64 = ratios.iter().map(|r| (r - mean).powi(2)).sum();
+    (squares / (n - 1.0).max(1.0) / n).sqrt()
+}
+
+/// Spearman's rank correlation; zero where one side has equal values only.
+fn rank_correlation(a: &[f64], b: &[f64]) -> f64 {
+    let (a, b) = (ranks(a), ranks(b));
+    let mean = (a.len() as f64 - 1.0) / 2.0;
+    let product = |x: &[f64], y: &[f64]| -> f64 {
+        x.iter().zip(y).map(|(x, y)| (x - mean) * (y - mean)).sum()
+    };
+    let size = (product(&a, &a) * product(&b, &b)).sqrt();
+    if size > 0.0 { product(&a, &b) / size } else { 0.0 }
+}
+
+/// The rank of each value from 0 on, the mean of them where values are equal.
+fn ranks(values: &[f64]) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|&i, &j| values[i].total_cmp(&values[j]));
+    let mut ranks = vec![0.0; values.len()];
+    let mut start = 0;
+    for same in order.chunk_by(|&i, &j| values[i] == values[j]) {
+        for &i in same {
+            ranks[i] = start as f64 + (same.len() as f64 - 1.0) / 2.0;
+        }
+        start += same.len();
+    }
+    ranks
+}
+
+/// The changes of H and of K over σ/h, on the finest meshes.
+fn plot(changes: &Table) -> Result<Picture> {
+    let mut figure = Figure { columns: 2, ..Figure::default() };
+    for (i, surface) in SURFACES.into_iter().enumerate() {
+        let mut plot = Plot {
+            title: surface.name().into(),
+            x: Axis::log("noise σ/h"),
+            y: Axis::log(if i == 0 { "relative change" } else { "" }),
+            legend: if i == 1 { Legend::Right } else { Legend::None },
+            ..Plot::default()
+        };
+        let rows = changes.only(&[("surface", surface.name().into())])?;
+        let finest = rows.column("vertices")?.into_iter().fold(0.0, f64::max);
+        for name in ["cotangent", "corrected", "jet3"] {
+            let rows = rows.only(&[("estimator", name.into())])?;
+            for (column, what) in [("change of H", "H"), ("change of K", "K")] {
+                let vertices = rows.column("vertices")?;
+                let points = rows.column("σ/h")?.into_iter().zip(rows.column(column)?);
+                let kept = points.zip(vertices).filter(|(_, n)| *n == finest);
+                let points = kept.map(|((x, y), _)| [x, y]).collect();
+                plot.series.push(Series::marked(format!("{what}, {name}"), points));
+            }
+        }
+        figure.panels.push(Panel::drawing(plot.draw(if i == 1 { 500.0 } else { 340.0 }, 300.0)?));
+    }
+    plotted(
+        &figure,
+        "changes",
+        "Relative change of H and of K under noise on the finest meshes, for three estimators.",
+        "Two plots of relative change over noise on logarithmic axes, for sphere and torus.",
+    )
+    .context("the plot of changes")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranks_share_ties() {
+        assert_eq!(ranks(&[3.0, 1.0, 3.0, 2.0]), [2.5, 0.0, 2.5, 1.0]);
+        assert!((rank_correlation(&[1.0, 2.0, 3.0], &[1.0, 8.0, 9.0]) - 1.0).abs() < 1e-15);
+        assert!((rank_correlation(&[1.0, 2.0, 3.0], &[3.0, 2.0, 1.0]) + 1.0).abs() < 1e-15);
+        assert_eq!(rank_correlation(&[1.0, 1.0], &[1.0, 2.0]), 0.0);
+    }
+}

@@ -1,0 +1,265 @@
+//! Question 1: curvature from the uniform Laplacian and the angle defect.
+
+use anyhow::Result;
+use fairing_figure::{ScaleOptions, Up};
+use fairing_mesh::TriMesh;
+use fairing_operators::LumpedArea;
+use fairing_operators::curvature::{
+    MeanOperator, ScalarCurvature, gaussian_curvature, mean_curvature,
+};
+
+use super::gallery::{Coloring, FLAT, Gallery, Look, Range, VIEWPOINTS};
+use super::refinement::{self, Estimator, Quantity};
+use super::spread;
+use super::surfaces::{Sampling, TestSurface};
+use crate::experiment::{Card, Context, Experiment};
+use crate::inputs::Input;
+use crate::outcome::{MeshOutput, Outcome, Picture};
+use crate::table::{Table, short};
+use crate::view::{Panel, View};
+
+pub(super) struct UniformCurvature;
+
+const UMBRELLA: &str = "uniform ‖Δx‖/2";
+const SCALED: &str = "uniform, scaled";
+const DEFECT: &str = "angle defect / barycentric area";
+
+const ESTIMATORS: [Estimator; 3] = [
+    Estimator {
+        name: UMBRELLA,
+        quantity: Quantity::Mean,
+        estimate: |mesh| Ok(umbrella(mesh)?.values),
+    },
+    Estimator {
+        name: SCALED,
+        quantity: Quantity::Mean,
+        estimate: |mesh| Ok(mean_curvature(mesh, MeanOperator::ScaledUmbrella)?.signed),
+    },
+    Estimator {
+        name: DEFECT,
+        quantity: Quantity::Gaussian,
+        estimate: |mesh| Ok(gaussian_curvature(mesh, LumpedArea::Barycentric)?.values),
+    },
+];
+
+/// An order above this is convergence.
+const CONVERGES: f64 = 0.5;
+
+/// A largest error that gains more than this from the coarsest mesh to the finest has grown.
+const GROWS: f64 = 0.02;
+
+/// `½ ‖L x‖` with `L = D⁻¹A − I`, as the assignment has it.
+fn umbrella(mesh: &TriMesh) -> Result<ScalarCurvature> {
+    let mean = mean_curvature(mesh, MeanOperator::Umbrella)?;
+    Ok(ScalarCurvature { values: mean.norms(), status: mean.status, boundary: mean.boundary })
+}
+
+impl Experiment for UniformCurvature {
+    fn card(&self) -> Card {
+        Card {
+            id: "q1",
+            title: "Curvature from the uniform Laplacian",
+            question: "What do the mean curvature of the uniform Laplacian and the Gaussian curvature of the angle defect look like, and do they approximate the curvature of the continuous surface?",
+            method: "Mean curvature is half the length of the uniform Laplacian of the positions, H = ‖Δx‖/2 with (Δx)ᵢ the way from xᵢ to the mean of its neighbours. This is a length, not a curvature: it shrinks with the square of the edges. The scaled form divides by a quarter of the mean squared edge length at the vertex, which makes it comparable, and takes the sign from the normal. Gaussian curvature is the angle defect over the barycentric area, a third of the faces around the vertex.\n\nBoth are shown on the two meshes of the assignment with its colours (normalised, histogram equalised, hue from blue, low, to red, high) and in diverging colours about zero. Then both are held against the exact curvature of closed surfaces, on regular meshes and on meshes whose vertices were moved at random along the surface.".into(),
+            formulas: FORMULAS.map(String::from).to_vec(),
+            inputs: &[Input::Flower, Input::Plane],
+            parameters: [("area of a vertex", "barycentric".into())]
+                .into_iter()
+                .chain(TestSurface::parameters())
+                .collect(),
+        }
+    }
+
+    fn run(&self, context: &Context<'_>) -> Result<Outcome> {
+        let mut outcome = Outcome::default();
+        let mut fields = spread::table(
+            "fields",
+            "How the fields are spread over the two meshes; inside and on the boundary apart, where the Laplacian is one-sided and the defect is the turning of the border.",
+        );
+        for (name, input) in [("flower", Input::Flower), ("plane", Input::Plane)] {
+            let mesh = context.mesh(input)?;
+            let length = umbrella(&mesh)?;
+            let scaled = mean_curvature(&mesh, MeanOperator::ScaledUmbrella)?.into_signed();
+            let gaussian = gaussian_curvature(&mesh, LumpedArea::Barycentric)?;
+            spread::push(&mut fields, name, UMBRELLA, "mesh units", &length);
+            spread::push(&mut fields, name, SCALED, "1/mesh units", &scaled);
+            spread::push(&mut fields, name, DEFECT, "1/mesh units²", &gaussian);
+            let pictures = Pictures {
+                name,
+                mesh: &mesh,
+                length: &length,
+                scaled: &scaled,
+                gaussian: &gaussian,
+            };
+            outcome.figures.push(pictures.assignment()?);
+            outcome.figures.push(pictures.diverging()?);
+            outcome.views.push(pictures.view());
+            let border = gaussian.boundary.iter().map(|&b| f64::from(u8::from(b))).collect();
+            outcome.meshes.push(MeshOutput {
+                id: format!("{name}-uniform"),
+                caption: format!("The {name} with the uniform mean curvature as a length, scaled, and the Gaussian curvature."),
+                mesh,
+                fields: vec![
+                    ("mean_length".into(), length.values),
+                    ("mean".into(), scaled.values),
+                    ("gaussian".into(), gaussian.values),
+                    ("boundary".into(), border),
+                ],
+            });
+        }
+        let [errors, orders] = refinement::study(context, &ESTIMATORS)?;
+        outcome.figures.push(refinement::plot(&errors, &ESTIMATORS)?);
+        outcome.notes.push(answer(&errors, &orders)?);
+        outcome.tables.extend([fields, errors, orders]);
+        Ok(outcome)
+    }
+}
+
+/// What the pictures of a mesh show.
+struct Pictures<'a> {
+    name: &'a str,
+    mesh: &'a TriMesh,
+    length: &'a ScalarCurvature,
+    scaled: &'a ScalarCurvature,
+    gaussian: &'a ScalarCurvature,
+}
+
+impl<'a> Pictures<'a> {
+    /// The original and both curvatures by the recipe of the assignment.
+    fn assignment(&self) -> Result<Picture> {
+        let coloring = |field: &'a ScalarCurvature, quantity: &'a str, unit: &'a str| Coloring {
+            field,
+            range: Range::All,
+            options: ScaleOptions::ASSIGNMENT,
+            quantity,
+            unit,
+        };
+        self.gallery(
+            coloring(self.length, "‖Δx‖/2, uniform", "mesh units"),
+            coloring(self.gaussian, "K, angle defect", "1/mesh units²"),
+        )
+        .draw(
+            self.name,
+            &format!("The {} in the assignment's colours, from two viewpoints: the mesh, mean curvature from the uniform Laplacian, and Gaussian curvature from the angle defect over barycentric areas. Equal areas of the colour bar hold equal numbers of vertices.", self.name),
+            &format!("Six pictures of the {}: plain, coloured by mean and by Gaussian curvature, from two sides.", self.name),
+        )
+    }
+
+    /// The same in diverging colours about zero.
+    fn diverging(&self) -> Result<Picture> {
+        let coloring = |field: &'a ScalarCurvature, quantity: &'a str, unit: &'a str| Coloring {
+            field,
+            range: Range::Inside,
+            options: ScaleOptions { resolution: FLAT, ..ScaleOptions::SIGNED },
+            quantity,
+            unit,
+        };
+        self.gallery(
+            coloring(self.scaled, "H, uniform, scaled", "1/mesh units"),
+            coloring(self.gaussian, "K, angle defect", "1/mesh units²"),
+        )
+        .draw(
+            &format!("{}-signed", self.name),
+            &format!("The {} with signed curvature in diverging colours, grey at zero; the range is that of the inner vertices between the 2nd and the 98th percentile.", self.name),
+            &format!("Six pictures of the {}: plain, coloured by signed mean and by Gaussian curvature, from two sides.", self.name),
+        )
+    }
+
+    fn gallery(&self, mean: Coloring<'a>, gaussian: Coloring<'a>) -> Gallery<'a> {
+        let mesh = self.mesh;
+        Gallery {
+            looks: vec![
+                Look { title: "original", mesh, coloring: None },
+                Look { title: "mean curvature", mesh, coloring: Some(mean) },
+                Look { title: "Gaussian curvature", mesh, coloring: Some(gaussian) },
+            ],
+            viewpoints: &VIEWPOINTS,
+            up: Up::Z,
+            aspect: 1.3,
+            occlusion: true,
+        }
+    }
+
+    /// All fields on one mesh to turn, beside the plain mesh.
+    fn view(&self) -> View {
+        let colored = Panel::still("curvature", self.mesh)
+            .with_field("mean curvature, scaled", "1/mesh units", true, &self.scaled.values)
+            .with_field("Gaussian curvature", "1/mesh units²", true, &self.gaussian.values)
+            .with_field("‖Δx‖/2", "mesh units", false, &self.length.values);
+        View {
+            id: format!("{}-view", self.name),
+            caption: format!(
+                "The {} and its curvature from the uniform Laplacian and the angle defect.",
+                self.name
+            ),
+            alt: format!("The {} to turn, plain and coloured by curvature.", self.name),
+            fallback: format!("{}-signed", self.name),
+            z_up: true,
+            sliders: vec![],
+            panels: vec![Panel::still("original", self.mesh), colored],
+        }
+    }
+}
+
+/// The answer to the question, in numbers of the tables.
+fn answer(errors: &Table, orders: &Table) -> Result<String> {
+    let worst =
+        |table: &Table, sampling: &str, estimator: &str, column: &str| -> Result<[f64; 2]> {
+            let rows =
+                table.only(&[("sampling", sampling.into()), ("estimator", estimator.into())])?;
+            let values = rows.column(column)?;
+            let pick = |f: fn(f64, f64) -> f64, from: f64| values.iter().copied().fold(from, f);
+            Ok([pick(f64::min, f64::INFINITY), pick(f64::max, f64::NEG_INFINITY)])
+        };
+    let [_, length] = worst(errors, "regular", UMBRELLA, "RMS error")?;
+    let [_, regular] = worst(orders, "regular", SCALED, "order in RMS")?;
+    let [_, jittered] = worst(orders, "jittered", SCALED, "order in RMS")?;
+    let torus = refinement::finest(errors, "torus", "regular", SCALED)?;
+    let [least, gaussian] = worst(orders, "regular", DEFECT, "order in RMS")?;
+    let [_, irregular] = worst(orders, "jittered", DEFECT, "order in RMS")?;
+    let left = refinement::finest(errors, "torus", "jittered", DEFECT)?;
+    let largest = TestSurface::ALL
+        .map(|surface| -> Result<String> {
+            let rows = [
+                ("surface", surface.name().into()),
+                ("sampling", Sampling::Regular.name().into()),
+                ("estimator", DEFECT.into()),
+            ];
+            let order = orders.value(&rows, "order of the largest")?;
+            let error = errors.only(&rows)?.column("largest error")?;
+            let [first, last] = [error[0], error[error.len() - 1]];
+            let what = if order > CONVERGES {
+                "falls"
+            } else if last > first * (1.0 + GROWS) {
+                "grows"
+            } else {
+                "stays"
+            };
+            Ok(format!(
+                "{what} on the {} ({} on the coarsest mesh, {} on the finest, order {})",
+                surface.name(),
+                short(first),
+                short(last),
+                short(order)
+            ))
+        })
+        .into_iter()
+        .collect::<Result<Vec<_>>>()?;
+    Ok(format!(
+        "Answer: mean curvature, no. ‖Δx‖/2 is a length that goes to zero with the edges, whatever the surface: as an estimate of H its relative error reaches {}. Scaled by the edge lengths it is a curvature, but it does not converge either: the observed order is at most {} on regular and {} on jittered meshes, and on the finest regular torus the error is still {}, because uniform weights mistake uneven edges and tangential shifts for curvature. Gaussian curvature, on regular meshes in the mean only: its order is {} to {} in the root mean square, but the largest error {}. On jittered meshes the order in the root mean square is at most {}, and the relative error is still {} on the finest torus; only its integral is exact.",
+        short(length),
+        short(regular),
+        short(jittered),
+        short(torus),
+        short(least),
+        short(gaussian),
+        largest.join(", "),
+        short(irregular),
+        short(left),
+    ))
+}
+
+const FORMULAS: [&str; 2] = [
+    r"H_i = \tfrac12 \Big\| \tfrac{1}{d_i} \sum_{j \in N(i)} (x_j - x_i) \Big\|",
+    r"K_i = \frac{1}{A_i} \Big( 2\pi - \sum_f \theta_{i,f} \Big), \qquad A_i = \tfrac13 \sum_f A_f",
+];

@@ -1,0 +1,441 @@
+//! Question 4: a mesh from its k smoothest modes.
+
+use anyhow::{Context as _, Result};
+use fairing_evaluation::{normal_error, observed_orders, surface_distance};
+use fairing_figure::{
+    Axis, Figure, Limits, Panel as FigurePanel, Plot, ScaleOptions, Series, Up, Viewpoint,
+};
+use fairing_mesh::TriMesh;
+use fairing_operators::Laplacian;
+use fairing_operators::curvature::{ScalarCurvature, VertexStatus};
+use fairing_shapes as shapes;
+use fairing_spectral::{Spectrum, SpectrumOptions, reconstruct, reconstruction_errors, spectrum};
+use ndarray::ArrayView2;
+
+use super::gallery::{Coloring, Gallery, Look, Range, plotted};
+use super::gap;
+use super::torus;
+use crate::experiment::{Card, Context, Experiment};
+use crate::inputs::Input;
+use crate::outcome::{Attachment, Content, MeshOutput, Outcome, Picture};
+use crate::row;
+use crate::table::{Table, Tables, Tolerance, Unit, short};
+use crate::verdict::{Judgement, Verdict};
+use crate::view::{Panel, Slider, View};
+
+pub(super) struct Reconstruction;
+
+/// Numbers of modes; those beyond the size of a mesh become all of its modes.
+const STOPS: [usize; 7] = [5, 15, 50, 100, 300, 600, 1000];
+
+/// Above this many vertices the full spectrum is not computed.
+const FULL: usize = 1500;
+
+/// What the angle of the kept space leaves open.
+const TRUNCATED: Tolerance = Tolerance { relative: gap::ANGLE, absolute: 1e-9 };
+
+const VIEWS: [Viewpoint; 2] = [
+    Viewpoint::Angles { azimuth: 20.0, elevation: 10.0 },
+    Viewpoint::Angles { azimuth: 140.0, elevation: 20.0 },
+];
+
+impl Experiment for Reconstruction {
+    fn card(&self) -> Card {
+        Card {
+            id: "q4",
+            title: "Reconstruction from the smoothest modes",
+            question: "How well do the eigenvectors of the k smallest eigenvalues of the Laplace–Beltrami operator reconstruct a mesh, and does a larger k help?",
+            method: "S φ = λ M φ with cotangent stiffness S and barycentric mass M; the positions are projected in the inner product of M, X_k = Φ Φᵀ M X. The number of eigenvalues below the last one is certified by the inertia of a factorisation. Where eigenvalue k + 1 is equal to eigenvalue k or nearly so, the basis of their eigenspace is arbitrary, and k moves on to the next gap.\n\nThe error is predicted from the coefficients (Parseval); it is measured as well, with the distance between the surfaces and the angle between their normals. Eigenvalues are held against those of the unit sphere, ℓ(ℓ + 1), and against Weyl's law λ_k ≈ 4πk / A.".into(),
+            formulas: FORMULAS.map(String::from).to_vec(),
+            inputs: &[Input::Armadillo, Input::ArmadilloLarge],
+            parameters: vec![
+                (
+                    "k",
+                    STOPS.map(|k| k.to_string()).join(", ")
+                        + ", all (small meshes); each up to the next gap between eigenvalues",
+                ),
+                ("mass", "barycentric".into()),
+            ],
+        }
+    }
+
+    fn run(&self, context: &Context<'_>) -> Result<Outcome> {
+        let mut outcome = Outcome::default();
+        let mut errors = Table::new(
+            "reconstruction",
+            "Error of the mesh rebuilt from k modes: root mean square displacement weighted by area, predicted from the coefficients and measured; greatest distance between the surfaces at their vertices; mean angle between the normals of matching faces.",
+            &[
+                ("mesh", Unit::Label),
+                ("k", Unit::Count),
+                ("share of modes", Unit::Relative),
+                ("predicted RMS", Unit::Diagonals),
+                ("measured RMS", Unit::Diagonals),
+                ("distance", Unit::Diagonals),
+                ("normals", Unit::Degrees),
+            ],
+        )
+        .tolerance("predicted RMS", Some(TRUNCATED))
+        .tolerance("measured RMS", Some(TRUNCATED))
+        .tolerance("distance", Some(Tolerance::LOOSE))
+        .tolerance("normals", Some(Tolerance::LOOSE));
+        let mut weyl = Table::new(
+            "weyl",
+            "Eigenvalues against Weyl's law, λ A / 4πk: it tends to one while k is small beside the number of vertices.",
+            &[
+                ("mesh", Unit::Label),
+                ("k", Unit::Count),
+                ("eigenvalue", Unit::InverseArea),
+                ("over Weyl", Unit::One),
+                ("worst residual", Unit::Relative),
+            ],
+        )
+        .tolerance("worst residual", None);
+        let mut curves = vec![];
+        let occlusion = !context.is_quick();
+        let generated = shapes::bumpy_sphere(context.choose(4, 3), 0.15, 4.0);
+        // A quick run is to be quick.
+        let large = match context.is_quick() {
+            true => shapes::creature(64),
+            false => context.mesh(Input::ArmadilloLarge)?,
+        };
+        let meshes = [
+            ("armadillo", context.mesh(Input::Armadillo)?),
+            ("large armadillo", large),
+            ("bumpy sphere", generated),
+        ];
+        for (i, (name, mesh)) in meshes.iter().enumerate() {
+            context.progress(i as f64 / 4.0, name);
+            let n = mesh.vertex_count();
+            // Up to a tenth of its modes the generated mesh shows what the others show.
+            let most = if *name == "bumpy sphere" { 300 } else { 1000 };
+            let wanted = stops(n, context.choose(most, 100));
+            let last = wanted.last().copied().context("no stops")?;
+            let laplacian = Laplacian::cotangent(mesh)?;
+            let modes =
+                gap::modes(n, last, |k| spectrum(&laplacian, k, &SpectrumOptions::default()))?;
+            let mut stops: Vec<usize> =
+                wanted.iter().filter_map(|&k| gap::next(&modes, k)).collect();
+            stops.dedup();
+            let most = stops.last().copied().context("no gaps")?;
+            let rebuilt = stops
+                .iter()
+                .map(|&k| Ok(reconstruct(mesh, &modes, k)?.mesh))
+                .collect::<Result<Vec<TriMesh>>>()?;
+            let predicted = reconstruction_errors(mesh, &modes)?;
+            tabulate(&mut errors, name, mesh, &modes, &predicted, &stops, &rebuilt)?;
+            tabulate_weyl(&mut weyl, name, &modes, &stops);
+            let diagonal = diagonal(mesh);
+            let ends = (1..most).filter(|&k| gap::next(&modes, k) == Some(k));
+            let curve = ends.map(|k| [k as f64, predicted[k] / diagonal]);
+            // What is below rounding has no place on a logarithmic axis.
+            curves.push(Series::line(*name, curve.filter(|p| p[1] > 1e-12).collect()));
+            let id = name.replace(' ', "-");
+            outcome.figures.push(picture(&id, name, mesh, &stops, &rebuilt, occlusion)?);
+            outcome.views.push(view(&id, name, mesh, &stops, &rebuilt));
+            if i == 0 {
+                outcome.figures.push(modes_picture(&id, name, mesh, &modes, occlusion)?);
+            }
+            outcome.attachments.push(energies(&id, name, mesh, &modes)?);
+            for (k, mesh) in stops.iter().zip(rebuilt) {
+                outcome.attachments.push(Attachment {
+                    name: format!("{id}-{k}.obj"),
+                    about: format!("The {name} from {k} modes."),
+                    content: Content::Mesh(mesh.clone()),
+                });
+                outcome.meshes.push(MeshOutput {
+                    id: format!("{id}-{k}"),
+                    caption: format!("The {name} from {k} modes."),
+                    mesh,
+                    fields: vec![],
+                });
+            }
+        }
+        outcome.figures.push(decay(curves)?);
+        context.progress(0.8, "sphere");
+        outcome.tables.extend([errors, weyl, sphere(context.choose(5, 4))?]);
+        context.progress(0.9, "torus");
+        outcome.tables.push(torus::table(context.choose(4, 3))?);
+        Ok(outcome)
+    }
+
+    fn judge(&self, tables: Tables<'_>) -> Result<Vec<Judgement>> {
+        let errors = tables.get("reconstruction")?;
+        let (mut falling, mut mismatch, mut steps) = (true, 0.0_f64, vec![]);
+        for name in ["armadillo", "large armadillo", "bumpy sphere"] {
+            let rows = errors.only(&[("mesh", name.into())])?;
+            let measured = rows.column("measured RMS")?;
+            falling &= measured.windows(2).all(|w| w[1] < w[0]);
+            for (a, b) in measured.iter().zip(rows.column("predicted RMS")?) {
+                mismatch = mismatch.max((a - b).abs());
+            }
+            steps.push(measured[1] / measured[0]);
+        }
+        let all = errors.only(&[("mesh", "armadillo".into())])?;
+        let ks = all.column("k")?;
+        let last = all.column("measured RMS")?.last().copied().unwrap_or(f64::NAN);
+        let complete = all.column("share of modes")?.last().is_some_and(|s| *s == 1.0);
+        let verdict = match (falling, complete) {
+            (true, true) if last < 1e-9 => Verdict::Confirmed,
+            (true, false) => Verdict::Confirmed,
+            _ => Verdict::Refuted,
+        };
+        let reason = format!(
+            "The error falls with every step of k, as it must for modes that are orthonormal in the mass, and Parseval's identity predicts it to {} of the diagonal. From {} to {} modes it falls only to {} of what it was on the armadillo; the last stop leaves {}.",
+            short(mismatch),
+            ks[0],
+            ks[1],
+            short(steps[0]),
+            short(last),
+        );
+        let mut orders = tables.get("sphere")?.column("order")?[1..].to_vec();
+        orders.extend_from_slice(&tables.get("torus")?.column("order")?[1..]);
+        let least = orders.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = orders.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let second = if least > 1.9 && most < 2.1 { Verdict::Confirmed } else { Verdict::Refuted };
+        Ok(vec![
+            Judgement::new("4a", "A larger k approaches the original", verdict, reason)
+                .number("error of the last stop", last, Unit::Diagonals)
+                .number(&format!("error at {} over error at {}", ks[1], ks[0]), steps[0], Unit::One),
+            Judgement::new(
+                "4b",
+                "The eigenvalues converge to those of the surface with second order",
+                second,
+                format!(
+                    "On the unit sphere (λ = 6 and 12) and on a torus of revolution (its first dozen) the errors fall with orders {} to {}.",
+                    short(least),
+                    short(most),
+                ),
+            )
+            .ours()
+            .number("least order", least, Unit::Order)
+            .number("greatest order", most, Unit::Order),
+        ])
+    }
+}
+
+/// The stops for a mesh, the last of them all modes where that is cheap.
+fn stops(vertices: usize, most: usize) -> Vec<usize> {
+    let mut stops: Vec<usize> = STOPS.into_iter().filter(|&k| k < vertices && k <= most).collect();
+    if vertices <= FULL {
+        stops.push(vertices);
+    }
+    stops
+}
+
+/// The diagonal of the bounding box.
+fn diagonal(mesh: &TriMesh) -> f64 {
+    let extent = |i: usize| {
+        let of = mesh.positions().iter().map(|p| p[i]);
+        of.clone().fold(f64::NEG_INFINITY, f64::max) - of.fold(f64::INFINITY, f64::min)
+    };
+    (0..3).map(|i| extent(i).powi(2)).sum::<f64>().sqrt()
+}
+
+fn tabulate(
+    table: &mut Table,
+    name: &str,
+    mesh: &TriMesh,
+    modes: &Spectrum,
+    predicted: &[f64],
+    stops: &[usize],
+    rebuilt: &[TriMesh],
+) -> Result<()> {
+    let diagonal = diagonal(mesh);
+    let mass = modes.mass.as_mass().diagonal();
+    for (&k, moved) in stops.iter().zip(rebuilt) {
+        let square: f64 = mesh
+            .positions()
+            .iter()
+            .zip(moved.positions())
+            .zip(&mass)
+            .map(|((a, b), m)| m * (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>())
+            .sum();
+        let distance = surface_distance(mesh, moved)?.max();
+        table.push(row![
+            name,
+            k,
+            k as f64 / mesh.vertex_count() as f64,
+            predicted[k] / diagonal,
+            (square / modes.area()).sqrt() / diagonal,
+            distance / diagonal,
+            normal_error(moved, mesh)?.mean,
+        ]);
+    }
+    Ok(())
+}
+
+fn tabulate_weyl(table: &mut Table, name: &str, modes: &Spectrum, stops: &[usize]) {
+    for &k in stops {
+        let lambda = modes.values[k - 1];
+        let law = 4.0 * std::f64::consts::PI * (k - 1) as f64 / modes.area();
+        let worst = modes.residuals[..k].iter().fold(0.0, |m: f64, r| m.max(*r));
+        table.push(row![name, k, lambda, lambda / law, worst / lambda]);
+    }
+}
+
+/// Errors of the eigenvalues 6 and 12 of the unit sphere under refinement.
+fn sphere(finest: u32) -> Result<Table> {
+    let mut table = Table::new(
+        "sphere",
+        "Eigenvalues of the unit sphere: the mean of those that tend to 6 (five) and 12 (seven), their relative errors together, and the observed order.",
+        &[
+            ("h", Unit::Length),
+            ("near 6", Unit::InverseArea),
+            ("near 12", Unit::InverseArea),
+            ("error", Unit::Relative),
+            ("order", Unit::Order),
+        ],
+    );
+    let (mut h, mut error, mut means) = (vec![], vec![], vec![]);
+    for level in 2..=finest {
+        let mesh = shapes::icosphere(level);
+        let values =
+            spectrum(&Laplacian::cotangent(&mesh)?, 16, &SpectrumOptions::default())?.values;
+        let mean = |r: std::ops::Range<usize>| {
+            let n = r.len() as f64;
+            values[r].iter().sum::<f64>() / n
+        };
+        let (six, twelve) = (mean(4..9), mean(9..16));
+        h.push(mesh.mean_edge_length());
+        error.push((six / 6.0 - 1.0).abs() + (twelve / 12.0 - 1.0).abs());
+        means.push((six, twelve));
+    }
+    let orders = observed_orders(&h, &error);
+    for i in 0..h.len() {
+        // The coarsest mesh has nothing to be compared with.
+        let order = if i == 0 { orders[0] } else { orders[i - 1] };
+        table.push(row![h[i], means[i].0, means[i].1, error[i], order]);
+    }
+    Ok(table)
+}
+
+fn picture(
+    id: &str,
+    name: &str,
+    mesh: &TriMesh,
+    stops: &[usize],
+    rebuilt: &[TriMesh],
+    occlusion: bool,
+) -> Result<Picture> {
+    let titles: Vec<String> = stops.iter().map(|k| format!("k = {k}")).collect();
+    let mut looks = vec![];
+    for i in [0, 1, 3, stops.len() - 1] {
+        if let (Some(title), Some(mesh)) = (titles.get(i), rebuilt.get(i)) {
+            looks.push((title.as_str(), mesh));
+        }
+    }
+    looks.push(("original", mesh));
+    looks.dedup_by_key(|l| l.0);
+    let looks =
+        looks.into_iter().map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
+    Gallery { looks, viewpoints: &VIEWS, up: Up::Y, aspect: 0.9, occlusion }.draw(
+        id,
+        &format!("The {name} from more and more modes, and the original, from two viewpoints."),
+        &format!("Pictures of the {name}: a few modes give a smooth blob, more bring limbs, then details."),
+    )
+}
+
+/// The modes drawn, by number.
+const DRAWN: [usize; 5] = [1, 2, 4, 9, 29];
+
+fn modes_picture(
+    id: &str,
+    name: &str,
+    mesh: &TriMesh,
+    modes: &Spectrum,
+    occlusion: bool,
+) -> Result<Picture> {
+    let fields: Vec<(String, ScalarCurvature)> = DRAWN
+        .iter()
+        .filter(|&&i| i < modes.len())
+        .map(|&i| {
+            let mode = modes.modes.column(i);
+            let largest = mode.iter().fold(f64::MIN_POSITIVE, |m: f64, x| m.max(x.abs()));
+            let n = mesh.vertex_count();
+            let field = ScalarCurvature {
+                values: mode.iter().map(|x| x / largest).collect(),
+                status: vec![VertexStatus::Defined; n],
+                boundary: vec![false; n],
+            };
+            (format!("mode {i}, λ = {}", short(modes.values[i])), field)
+        })
+        .collect();
+    let options =
+        ScaleOptions { limits: Limits::Fixed { low: -1.0, high: 1.0 }, ..ScaleOptions::SIGNED };
+    let looks = fields
+        .iter()
+        .map(|(title, field)| Look {
+            title,
+            mesh,
+            coloring: Some(Coloring {
+                field,
+                range: Range::All,
+                options,
+                quantity: "mode over its largest value",
+                unit: "",
+            }),
+        })
+        .collect();
+    Gallery { looks, viewpoints: &VIEWS, up: Up::Y, aspect: 0.9, occlusion }.draw(
+        &format!("{id}-modes"),
+        &format!("Modes of the {name}, from two viewpoints: the larger the eigenvalue, the more often the sign changes. Signs are arbitrary, and the basis where eigenvalues are equal."),
+        &format!("The {name} coloured from blue to red: first in halves, then limb by limb, then in many patches."),
+    )
+}
+
+/// Eigenvalues and the energies of the positions in each cluster of them. The coefficients of single modes depend on
+/// signs, and within a cluster on the basis, which are the solver's choice; their squares, summed over a cluster, are
+/// not.
+fn energies(id: &str, name: &str, mesh: &TriMesh, modes: &Spectrum) -> Result<Attachment> {
+    let c = modes.transform(ArrayView2::from(mesh.positions()))?;
+    let mut csv = String::from("first mode,last mode,least eigenvalue,greatest eigenvalue,x,y,z\n");
+    for cluster in gap::clusters(modes) {
+        let (first, last) = (cluster.start, cluster.end - 1);
+        let [x, y, z] = [0, 1, 2].map(|d| cluster.clone().map(|i| c[[i, d]].powi(2)).sum::<f64>());
+        let (low, high) = (modes.values[first], modes.values[last]);
+        csv.push_str(&format!("{first},{last},{low:e},{high:e},{x:e},{y:e},{z:e}\n"));
+    }
+    Ok(Attachment {
+        name: format!("{id}-energies.csv"),
+        about: format!(
+            "Eigenvalues of the {name} and the energy of its positions in each cluster of equal or nearly equal ones, Σ (φᵀMX)²."
+        ),
+        content: Content::Text(csv),
+    })
+}
+
+fn view(id: &str, name: &str, mesh: &TriMesh, stops: &[usize], rebuilt: &[TriMesh]) -> View {
+    View {
+        id: format!("{id}-view"),
+        caption: format!("The {name} from k modes on the left, the original on the right."),
+        alt: format!("The {name} twice, to turn; a slider changes the number of modes."),
+        fallback: id.into(),
+        z_up: false,
+        sliders: vec![Slider::new("k", stops)],
+        panels: vec![
+            Panel::moving("k modes", mesh, rebuilt.iter().map(TriMesh::positions)),
+            Panel::still("original", mesh),
+        ],
+    }
+}
+
+fn decay(curves: Vec<Series>) -> Result<Picture> {
+    let plot = Plot {
+        x: Axis::log("modes k"),
+        y: Axis::log("RMS displacement / diagonal"),
+        series: curves,
+        ..Plot::default()
+    };
+    let mut figure = Figure::default();
+    figure.panels.push(FigurePanel::drawing(plot.draw(640.0, 380.0)?));
+    plotted(
+        &figure,
+        "decay",
+        "Error of the mesh from k modes over k: the root mean square displacement weighted by area, over the diagonal of the bounding box.",
+        "Curves that fall from a few per cent at one mode, fast where k reaches the number of vertices.",
+    )
+}
+
+const FORMULAS: [&str; 1] = [
+    r"S\varphi_i = \lambda_i M\varphi_i,\quad \varphi_i^T M \varphi_j = \delta_{ij},\quad X_k = \sum_{i<k} \varphi_i \varphi_i^T M X",
+];

@@ -1,0 +1,346 @@
+//! Question 5: explicit diffusion.
+
+use anyhow::{Context as _, Result};
+use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
+use fairing_figure::{Axis, Legend, Panel as FigurePanel, Plot, Series};
+use fairing_figure::{Figure, Up};
+use fairing_mesh::TriMesh;
+use fairing_shapes as shapes;
+use fairing_smoothing::{Diffusion, largest_eigenvalue};
+use rayon::prelude::*;
+
+use super::gallery::{Gallery, Look, VIEWPOINTS, plotted};
+use super::models::{self, Model, OverLambda, SWEPT};
+use super::statistics::least;
+use crate::experiment::{Card, Context, Experiment};
+use crate::inputs::Input;
+use crate::outcome::{Outcome, Picture};
+use crate::row;
+use crate::table::{Table, Tables, Tolerance, Unit, short};
+use crate::verdict::{Judgement, Verdict};
+
+pub(super) struct ExplicitFlow;
+
+/// The steps of the assignment.
+const LAMBDAS: [f64; 4] = [0.01, 0.05, 1.0, 2.0];
+
+/// Its number of iterations.
+const ITERATIONS: usize = 50;
+
+/// The step of the assignment that diverges on every mesh.
+const DIVERGENT: f64 = LAMBDAS[3];
+
+/// The best of the report.
+const CLAIMED: f64 = 0.05;
+
+impl Experiment for ExplicitFlow {
+    fn card(&self) -> Card {
+        Card {
+            id: "q5",
+            title: "Explicit smoothing",
+            question: "Explicit diffusion x ← x + λLx with the uniform Laplacian, 50 iterations: what λ is good, and what happens beyond?",
+            method: format!(
+                "The assignment's {} λ on its two noisy meshes and a cube. The machine part has a ground truth with the same faces; the ground truth of the patch is its vertices projected to the best-fit plane, that of the cube the cube. Measured are the mean angle between the normals of faces and of the truth, the distance of the vertices from the true surface, the distance both ways (which sees that a patch has shrunk), volume, area, the share of its features (edges that turn by {}° or more) that are found, and how far vertices moved.\n\nThen λ is swept finely; and once more over a generated block at two resolutions with three levels of noise, to see whether the best λ is a constant. Last, stability: each mode of L is multiplied by 1 + λμ, so the smallest eigenvalue decides. It is measured and held against the bounds: μ ≥ −3/2 on every closed triangle mesh (sum (xₐ + x_b + x_c)² over the triangles), μ ≥ −7/4 on every open one, and, since the trace of L is −n, μ ≤ −n/(n − 1) on all: λ = {DIVERGENT} diverges on every mesh.",
+                LAMBDAS.len(),
+                models::FEATURE
+            ),
+            formulas: FORMULAS.map(String::from).to_vec(),
+            inputs: &[Input::NoisyPlane, Input::NoisyFandisk, Input::Fandisk, Input::Cube],
+            parameters: vec![
+                ("λ", LAMBDAS.map(|l| l.to_string()).join(", ")),
+                ("iterations", ITERATIONS.to_string()),
+                ("weights", "uniform; boundaries free".into()),
+            ],
+        }
+    }
+
+    fn run(&self, context: &Context<'_>) -> Result<Outcome> {
+        let mut outcome = Outcome::default();
+        let models = Model::all(context)?;
+        let flow = OverLambda {
+            kind: "explicit",
+            lambdas: &LAMBDAS,
+            iterations: ITERATIONS,
+            viewed: LAMBDAS.len() - 1,
+            run: Model::explicit,
+            draw: picture,
+        };
+        let table = flow.measure(context, &models, &mut outcome)?;
+        context.progress(0.5, "sweep");
+        let sweep = sweep(context, &models)?;
+        outcome.figures.push(plot(&sweep)?);
+        let best = best(context)?;
+        context.progress(0.9, "spectra");
+        outcome.tables.extend([table, sweep, best, spectra(&models)?]);
+        Ok(outcome)
+    }
+
+    fn judge(&self, tables: Tables<'_>) -> Result<Vec<Judgement>> {
+        let (flows, best) = (tables.get("flows")?, tables.get("best")?);
+        let spectra = tables.get("spectra")?;
+        let of = |mesh: &str, lambda: f64, column: &str| {
+            flows.value(&[("mesh", mesh.into()), ("lambda", lambda.into())], column)
+        };
+        let mut favourites = vec![];
+        for mesh in ["patch", "machine part"] {
+            for column in ["surface error", "normal error"] {
+                let mut candidates = vec![];
+                for lambda in LAMBDAS {
+                    candidates.push((of(mesh, lambda, column)?, lambda));
+                }
+                favourites.push(least(&candidates).context("no steps")?.1);
+            }
+        }
+        // Normals do not see a patch shrink.
+        let is_best = [favourites[0], favourites[2]].iter().all(|&l| l == CLAIMED);
+        let area = of("patch", 1.0, "area")?;
+        let recalls = [
+            of("machine part", CLAIMED, "feature recall")?,
+            of("machine part", 1.0, "feature recall")?,
+        ];
+        let loses = recalls[1] < recalls[0];
+        let growths = spectra.column("growth at 2")?;
+        let growth = growths.iter().copied().fold(f64::INFINITY, f64::min);
+        let deforms = growth > models::DIVERGED;
+        let steps = best.column("best lambda, normals")?;
+        let lowest = steps.iter().copied().fold(f64::INFINITY, f64::min);
+        let highest = steps.iter().copied().fold(0.0, f64::max);
+        let eigenvalues = spectra.column("smallest eigenvalue")?;
+        let largest = eigenvalues.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let verdict = match (is_best, loses, deforms) {
+            (true, true, true) => Verdict::Confirmed,
+            (false, false, false) => Verdict::Refuted,
+            _ => Verdict::Qualified,
+        };
+        let reason = format!(
+            "Of the four steps the one that comes closest to the true surface, measured both ways, is λ = {} on the patch and λ = {} on the machine part; by normals it is {} and {}, but normals do not see that λ = 1 changes the area of the patch by {} %. There is no best λ as such: on a block over resolutions and levels of noise the best for normals lies between {} and {}, since what counts is the diffusion time 50 λ against the noise and the size of the features. λ = 1 {} features of the machine part (recall {} against {} at 0.05) but is stable, as every λ up to 4/3 is on a closed mesh. λ = 2 does worse than deform, it diverges: the smallest eigenvalue is at most {} on these meshes, so that the roughest mode grows in every step, and the smallest growth of a diagonal in 50 steps is {}.",
+            short(favourites[0]),
+            short(favourites[2]),
+            short(favourites[1]),
+            short(favourites[3]),
+            short(area),
+            short(lowest),
+            short(highest),
+            if loses { "loses" } else { "does not lose" },
+            short(recalls[1]),
+            short(recalls[0]),
+            short(largest),
+            short(growth),
+        );
+        Ok(vec![
+            Judgement::new(
+                "5a",
+                "λ = 0.05 smooths best; λ = 1 loses features, λ = 2 deforms",
+                verdict,
+                reason,
+            )
+            .number("best of the four on the patch", favourites[0], Unit::One)
+            .number("best of the four on the machine part", favourites[2], Unit::One)
+            .number("smallest best λ of the block", lowest, Unit::One)
+            .number("largest best λ of the block", highest, Unit::One)
+            .number("feature recall at λ = 1", recalls[1], Unit::One)
+            .number("smallest growth at λ = 2", growth, Unit::One),
+        ])
+    }
+}
+
+/// Errors over a fine range of λ, up to where open meshes stay stable.
+fn sweep(context: &Context<'_>, models: &[Model]) -> Result<Table> {
+    let mut table = Table::new(
+        "sweep",
+        &format!(
+            "Errors after {ITERATIONS} explicit steps over λ, up to 8/7, which is stable on every mesh."
+        ),
+        &SWEPT,
+    );
+    let lambdas: Vec<f64> = steps(context.choose(24, 6)).collect();
+    models::sweep(&mut table, models, &lambdas, |m, lambda| m.explicit(lambda, ITERATIONS))?;
+    Ok(table)
+}
+
+/// λ in equal ratios from 0.005 to 8/7.
+fn steps(count: usize) -> impl Iterator<Item = f64> + Clone {
+    let ratio = (8.0 / 7.0 / 0.005f64).ln() / (count - 1) as f64;
+    (0..count).map(move |i| 0.005 * (ratio * i as f64).exp())
+}
+
+/// The best λ of a block with sharp edges at two resolutions and three levels of noise.
+fn best(context: &Context<'_>) -> Result<Table> {
+    let mut table = Table::new(
+        "best",
+        &format!(
+            "The λ with the smallest error after {ITERATIONS} steps, on a generated block with sharp and round edges and Gaussian noise along the normals."
+        ),
+        &[
+            ("spacing", Unit::Length),
+            ("vertices", Unit::Count),
+            ("noise", Unit::EdgeLengths),
+            ("best lambda, normals", Unit::One),
+            ("normal error", Unit::Degrees),
+            ("best lambda, surface", Unit::One),
+            ("surface error", Unit::EdgeLengths),
+        ],
+    );
+    for spacing in context.choose([0.06, 0.03], [0.16, 0.08]) {
+        let truth = shapes::cad_block(spacing);
+        for sigma in [0.05, 0.1, 0.3] {
+            let seed = context.seed("best");
+            let level = NoiseLevel::EdgeLengths(sigma);
+            let noisy = add_noise(&truth, NoiseKind::GaussianAlongNormals, level, seed)?;
+            let model = Model::new("block", noisy, truth.clone())?;
+            let lambdas: Vec<f64> = steps(context.choose(24, 6)).collect();
+            let measure = |&lambda: &f64| -> Result<[(f64, f64); 2]> {
+                let m = model.measure(&model.explicit(lambda, ITERATIONS)?.mesh)?;
+                let normal = m.normal.context("a smoothed block without normals")?;
+                Ok([(normal, lambda), (m.surface, lambda)])
+            };
+            let measured: Vec<_> = lambdas.par_iter().map(measure).collect::<Result<_>>()?;
+            let best = |k: usize| {
+                let pairs: Vec<_> = measured.iter().map(|m| m[k]).collect();
+                least(&pairs).context("no steps")
+            };
+            let (normals, surface) = (best(0)?, best(1)?);
+            table.push(row![
+                spacing,
+                truth.vertex_count(),
+                sigma,
+                normals.1,
+                normals.0,
+                surface.1,
+                surface.0,
+            ]);
+        }
+    }
+    Ok(table)
+}
+
+/// The smallest eigenvalues beside their bounds, and what follows from them for λ = 2.
+fn spectra(models: &[Model]) -> Result<Table> {
+    let mut table = Table::new(
+        "spectra",
+        &format!("The smallest eigenvalue μ of L = D⁻¹A − I, measured; the bound below it, −3/2 if closed and −7/4 if open; the bound above it, −n/(n − 1) from the trace. The stable limit is 2/|μ|. Growth of the diagonal in {ITERATIONS} steps with λ = {DIVERGENT}, beside |1 + {DIVERGENT}μ| to the power of {ITERATIONS}, the growth of the roughest mode."),
+        &[
+            ("mesh", Unit::Label),
+            ("vertices", Unit::Count),
+            ("closed", Unit::Label),
+            ("bound below", Unit::One),
+            ("smallest eigenvalue", Unit::One),
+            ("bound above", Unit::One),
+            ("stable limit", Unit::One),
+            ("growth of the mode", Unit::One),
+            ("growth at 2", Unit::One),
+        ],
+    )
+    .tolerance("smallest eigenvalue", Some(Tolerance::LOOSE))
+    .tolerance("stable limit", Some(Tolerance::LOOSE))
+    .tolerance("growth of the mode", None)
+    .tolerance("growth at 2", None);
+    let octahedron = TriMesh::new(
+        vec![
+            [1.0, 0.0, 0.0],
+            [-1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [0.0, -1.0, 0.0],
+            [0.0, 0.0, 1.0],
+            [0.0, 0.0, -1.0],
+        ],
+        vec![
+            [0, 2, 4],
+            [2, 1, 4],
+            [1, 3, 4],
+            [3, 0, 4],
+            [2, 0, 5],
+            [1, 2, 5],
+            [3, 1, 5],
+            [0, 3, 5],
+        ],
+    )?;
+    let sphere = Model::new("icosphere", shapes::icosphere(4), shapes::icosphere(4))?;
+    let attained = Model::new("octahedron", octahedron.clone(), octahedron)?;
+    for model in models.iter().chain([&sphere, &attained]) {
+        let mesh = &model.noisy;
+        let closed = mesh.topology().is_closed();
+        let mu = -largest_eigenvalue(mesh, Diffusion::uniform(1.0))?;
+        // Symmetric positions hold nothing of the roughest modes: some noise brings all of them in.
+        let level = NoiseLevel::EdgeLengths(0.01);
+        let noisy = add_noise(mesh, NoiseKind::GaussianPerAxis, level, 1)?;
+        let model = Model::new(model.name, noisy, model.truth.clone())?;
+        let after = model.explicit(DIVERGENT, ITERATIONS)?.mesh;
+        let n = mesh.vertex_count() as f64;
+        table.push(row![
+            model.name,
+            mesh.vertex_count(),
+            if closed { "yes" } else { "no" },
+            if closed { -1.5 } else { -1.75 },
+            mu,
+            -n / (n - 1.0),
+            2.0 / mu.abs(),
+            (1.0 + DIVERGENT * mu).abs().powi(ITERATIONS as i32),
+            after.diagonal() / model.noisy.diagonal(),
+        ]);
+    }
+    Ok(table)
+}
+
+/// The input and the four results from two viewpoints; what has diverged is scaled to fit.
+fn picture(model: &Model, smoothed: &[TriMesh]) -> Result<Picture> {
+    let mut shown = vec![];
+    for (i, mesh) in smoothed.iter().enumerate() {
+        let title = match i {
+            0 => "input".to_string(),
+            i => format!("λ = {}", LAMBDAS[i - 1]),
+        };
+        let (mesh, scale) = models::drawn(mesh, &model.noisy)?;
+        shown.push((title + &scale, mesh));
+    }
+    let looks = shown.iter().map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
+    Gallery { looks, viewpoints: &VIEWPOINTS, up: Up::Z, aspect: 1.0, occlusion: model.occlusion }.draw(
+        &model.slug(),
+        &format!("The {} before and after {ITERATIONS} explicit steps, from two viewpoints. What has diverged or shrunk is drawn at the size of the input, as its title says.", model.name),
+        &format!("Ten pictures of the {}: the input and four steps, from two sides.", model.name),
+    )
+}
+
+/// Errors over λ.
+fn plot(sweep: &Table) -> Result<Picture> {
+    let mut figure = Figure { columns: 2, ..Figure::default() };
+    for (i, column) in ["normal error", "surface error"].into_iter().enumerate() {
+        let mut plot = Plot {
+            title: column.into(),
+            x: Axis::log("λ"),
+            y: Axis::log(if i == 0 { "degrees" } else { "mean edge lengths" }),
+            legend: Legend::Auto,
+            ..Plot::default()
+        };
+        for mesh in ["patch", "machine part"] {
+            let rows = sweep.only(&[("mesh", mesh.into())])?;
+            let points = rows.column("lambda")?.into_iter().zip(rows.column(column)?);
+            plot.series.push(Series::marked(mesh, points.map(|(x, y)| [x, y]).collect()));
+        }
+        figure.panels.push(FigurePanel::drawing(plot.draw(420.0, 320.0)?));
+    }
+    plotted(
+        &figure,
+        "sweep",
+        &format!(
+            "Errors after {ITERATIONS} explicit steps over λ: the best λ differs between normals and the distance of the surfaces, and between meshes."
+        ),
+        "Two plots of error over λ, each with a minimum.",
+    )
+}
+
+const FORMULAS: [&str; 1] = [
+    r"x^{n+1} = x^n + \lambda L x^n, \qquad L = D^{-1}A - I, \qquad \text{each mode times } 1 + \lambda\mu",
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sweep_ends_at_the_limit_of_open_meshes() {
+        let all: Vec<f64> = steps(8).collect();
+        assert_eq!(all.len(), 8);
+        assert!((all[0] - 0.005).abs() < 1e-15 && (all[7] - 8.0 / 7.0).abs() < 1e-12);
+    }
+}

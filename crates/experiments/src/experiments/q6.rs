@@ -1,0 +1,449 @@
+//! Question 6: implicit diffusion.
+
+use std::time::Instant;
+
+use anyhow::{Context as _, Result};
+use fairing_evaluation::vertex_displacement;
+use fairing_figure::{Axis, Figure, Legend, Panel as FigurePanel, Plot, Series, Up};
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{add, dot, scale, sub};
+use fairing_shapes as shapes;
+use fairing_smoothing::{Approach, Diffusion, Implicit, implicit};
+
+use super::gallery::{Gallery, Look, VIEWPOINTS, plotted};
+use super::models::{self, Model, OverLambda, SWEPT};
+use crate::experiment::{Card, Context, Experiment};
+use crate::inputs::Input;
+use crate::outcome::{Outcome, Picture};
+use crate::row;
+use crate::table::{Cell, Table, Tables, Tolerance, Unit, short};
+use crate::verdict::{Judgement, Verdict};
+
+pub(super) struct ImplicitFlow;
+
+/// The steps of the assignment.
+const LAMBDAS: [f64; 6] = [0.01, 0.05, 0.1, 2.0, 10.0, 100.0];
+
+/// Its number of iterations.
+const ITERATIONS: usize = 50;
+
+/// The best λ of the report, and the one it compares iterations with.
+const CLAIMED: f64 = 5.0;
+
+/// The best explicit step of the report.
+const REPORT: f64 = 0.05;
+
+/// The numbers of iterations that the report compares.
+const COMPARED: [usize; 2] = [10, ITERATIONS];
+
+/// The explicit step that is taken for comparisons at equal time.
+const EXPLICIT: f64 = 0.5;
+
+/// A growth of the diagonal above one by more than this is an instability, not rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// An RMS displacement below this, in mean edge lengths, is none that one could see.
+const INVISIBLE: f64 = 0.05;
+
+impl Experiment for ImplicitFlow {
+    fn card(&self) -> Card {
+        let [few, many] = COMPARED;
+        Card {
+            id: "q6",
+            title: "Implicit smoothing",
+            question: "Implicit diffusion (I − λL)x' = x (Desbrun et al. 1999, eq. 9): what do λ and the number of iterations do, and how does it compare with explicit steps?",
+            method: format!(
+                "Each step solves the symmetric positive definite system D − λ(A − D). A mode is divided by 1 − λμ ≥ 1, so that no λ is unstable. The assignment's {} λ at {ITERATIONS} iterations on its two noisy meshes and a cube, measured as in q5, inner and boundary vertices apart; then a fine sweep of λ.\n\nIterations: λ = {CLAIMED} at {few} and {many} iterations beside explicit steps with the same numbers of iterations, as in the report, and then at equal diffusion time nλ, which is what an iteration count hides: implicit steps of {CLAIMED} and explicit steps of {EXPLICIT} until both have diffused equally long. If explicit steps had merely not converged yet, the two would differ at equal time.\n\nλ → ∞: every component goes to its centroid weighted by degrees in a single step. Spheres: on a sphere of radius r a neighbour at distance e lies e²/(2r) below the tangent plane, so that a coordinate is nearly a mode of μ = −h²/(2r²), h² the mean squared edge; n steps multiply the radius by (1 + λh²/(2r²))⁻ⁿ and the volume by its cube.",
+                LAMBDAS.len()
+            ),
+            formulas: FORMULAS.map(String::from).to_vec(),
+            inputs: &[Input::NoisyPlane, Input::NoisyFandisk, Input::Fandisk, Input::Cube],
+            parameters: vec![
+                ("λ", LAMBDAS.map(|l| l.to_string()).join(", ")),
+                ("iterations", ITERATIONS.to_string()),
+                ("weights", "uniform; boundaries free".into()),
+            ],
+        }
+    }
+
+    fn run(&self, context: &Context<'_>) -> Result<Outcome> {
+        let mut outcome = Outcome::default();
+        let models = Model::all(context)?;
+        let flow = OverLambda {
+            kind: "implicit",
+            lambdas: &LAMBDAS,
+            iterations: ITERATIONS,
+            viewed: LAMBDAS.len(),
+            run: Model::implicit,
+            draw: over_lambda,
+        };
+        let table = flow.measure(context, &models, &mut outcome)?;
+        context.progress(0.5, "sweep");
+        let sweep = sweep(context, &models)?;
+        outcome.figures.push(plot(&sweep)?);
+        context.progress(0.7, "iterations");
+        for model in models.iter().filter(|m| m.name != "cube") {
+            outcome.figures.push(over_iterations(model)?);
+        }
+        outcome.tables.extend([
+            table,
+            sweep,
+            iterations(&models)?,
+            limit(&models)?,
+            spheres(context)?,
+            cost(&models)?,
+        ]);
+        Ok(outcome)
+    }
+
+    fn judge(&self, tables: Tables<'_>) -> Result<Vec<Judgement>> {
+        Ok(vec![stability(tables)?, convergence(tables)?])
+    }
+}
+
+/// Claim 6a.
+fn stability(tables: Tables<'_>) -> Result<Judgement> {
+    let flows = tables.get("flows")?;
+    let of = |mesh: &str, lambda: f64, column: &str| {
+        flows.value(&[("mesh", mesh.into()), ("lambda", lambda.into())], column)
+    };
+    let growth = flows.column("growth")?.into_iter().fold(0.0, f64::max);
+    let stable = growth <= 1.0 + ROUNDING;
+    let inside = of("patch", 10.0, "displacement inside")?;
+    let border = of("patch", 10.0, "displacement of the border")?;
+    let closed = of("machine part", 10.0, "displacement")?;
+    let volume = of("machine part", 10.0, "volume")?;
+    let only_edges = inside < INVISIBLE && closed < INVISIBLE;
+    let sweep = tables.get("sweep")?;
+    let mut best = vec![];
+    for mesh in ["patch", "machine part"] {
+        best.push(models::best_lambda(sweep, mesh, "surface error")?);
+    }
+    let by_normals = models::best_lambda(sweep, "patch", "normal error")?;
+    let area = of("patch", 100.0, "area")?;
+    // Within a factor of two of the claim on both meshes.
+    let about = best.iter().all(|l| (0.5..=2.0).contains(&(l / CLAIMED)));
+    let verdict = match (stable, only_edges, about) {
+        (true, true, true) => Verdict::Confirmed,
+        (false, false, false) => Verdict::Refuted,
+        _ => Verdict::Qualified,
+    };
+    let reason = format!(
+        "Stable: {}, the largest growth of a diagonal over all λ is {}. Only the edges: {}. At λ = 10 the border of the patch moved by {} edge lengths and its inside by {}; the machine part has no border, and its vertices moved by {} and its volume changed by {} %. The λ of 50 iterations that comes closest to the true surface, measured both ways, is {} on the patch and {} on the machine part. (By normals alone it would be {} on the patch; at λ = 100 its area has changed by {} %, which normals do not see.)",
+        if stable { "yes" } else { "no" },
+        short(growth),
+        if only_edges { "yes" } else { "no" },
+        short(border),
+        short(inside),
+        short(closed),
+        short(volume),
+        short(best[0]),
+        short(best[1]),
+        short(by_normals),
+        short(area),
+    );
+    let claim =
+        "Implicit smoothing is stable for large λ and only the edges deform; λ is best about 5";
+    Ok(Judgement::new("6a", claim, verdict, reason)
+        .number("largest growth", growth, Unit::One)
+        .number("border of the patch at λ = 10", border, Unit::EdgeLengths)
+        .number("inside of the patch at λ = 10", inside, Unit::EdgeLengths)
+        .number("machine part at λ = 10", closed, Unit::EdgeLengths)
+        .number("volume of the machine part at λ = 10", volume, Unit::Percent)
+        .number("best λ on the patch", best[0], Unit::One)
+        .number("best λ on the machine part", best[1], Unit::One))
+}
+
+/// Claim 6b.
+fn convergence(tables: Tables<'_>) -> Result<Judgement> {
+    let table = tables.get("iterations")?;
+    let (mut least, mut apart, mut ratio) = (f64::INFINITY, 0.0f64, 0.0f64);
+    for mesh in ["patch", "machine part"] {
+        let of = |flow: &str, n: usize, lambda: f64, column: &str| {
+            let row = [
+                ("mesh", Cell::from(mesh)),
+                ("flow", flow.into()),
+                ("iterations", n.into()),
+                ("lambda", lambda.into()),
+            ];
+            table.value(&row, column)
+        };
+        let still = of("implicit", 50, CLAIMED, "from 10 implicit steps")?;
+        let gap = of("explicit", 100, EXPLICIT, "from 10 implicit steps")?;
+        least = least.min(still);
+        apart = apart.max(gap);
+        ratio = ratio.max(gap / still);
+    }
+    let converged = least < INVISIBLE;
+    let explains = ratio < 0.5;
+    let verdict = match (converged, explains) {
+        (true, false) => Verdict::Confirmed,
+        (false, true) => Verdict::Refuted,
+        _ => Verdict::Qualified,
+    };
+    let reason = format!(
+        "Between 10 and 50 implicit steps vertices still move by at least {} edge lengths (RMS): ten steps have not converged, nor will any number, short of a point. At equal diffusion time, 10 implicit steps of 5 beside 100 explicit ones of ½, the two meshes are at most {} edge lengths apart, {} of that distance: what looked like convergence is a diffusion time of 50 beside one of {}.",
+        short(least),
+        short(apart),
+        short(ratio),
+        short(10.0 * EXPLICIT),
+    );
+    let claim = "Implicit smoothing has converged after 10 iterations, explicit has not";
+    Ok(Judgement::new("6b", claim, verdict, reason)
+        .number("movement from 10 to 50 implicit steps, at least", least, Unit::EdgeLengths)
+        .number("implicit against explicit at equal time, at most", apart, Unit::EdgeLengths)
+        .number("the largest ratio of the two", ratio, Unit::One))
+}
+
+/// Errors over a fine range of λ.
+fn sweep(context: &Context<'_>, models: &[Model]) -> Result<Table> {
+    let mut table =
+        Table::new("sweep", &format!("Errors after {ITERATIONS} implicit steps over λ."), &SWEPT);
+    let count = context.choose(25, 7);
+    let lambda = |i: usize| 0.01 * 1e4f64.powf(i as f64 / (count - 1) as f64);
+    let lambdas: Vec<f64> = (0..count).map(lambda).collect();
+    models::sweep(&mut table, models, &lambdas, |m, lambda| m.implicit(lambda, ITERATIONS))?;
+    Ok(table)
+}
+
+/// Implicit beside explicit, at equal counts and at equal time.
+fn iterations(models: &[Model]) -> Result<Table> {
+    let mut table = Table::new(
+        "iterations",
+        &format!("Implicit steps of {CLAIMED} beside explicit steps of the same number ({CLAIMED} diverges; {REPORT} is the report's) and explicit steps of {EXPLICIT} for the same time nλ. The last columns are RMS distances, vertex by vertex, from the meshes after {} and {} implicit steps.", COMPARED[0], COMPARED[1]),
+        &[
+            ("mesh", Unit::Label),
+            ("flow", Unit::Label),
+            ("lambda", Unit::One),
+            ("iterations", Unit::Count),
+            ("time", Unit::One),
+            ("normal error", Unit::Degrees),
+            ("vertex error", Unit::EdgeLengths),
+            ("growth", Unit::One),
+            ("from 10 implicit steps", Unit::EdgeLengths),
+            ("from 50 implicit steps", Unit::EdgeLengths),
+        ],
+    )
+    .tolerance("normal error", Some(Tolerance::LOOSE))
+    .tolerance("vertex error", Some(Tolerance::LOOSE))
+    .tolerance("growth", Some(Tolerance::LOOSE))
+    .tolerance("from 10 implicit steps", Some(Tolerance::LOOSE))
+    .tolerance("from 50 implicit steps", Some(Tolerance::LOOSE));
+    for model in models {
+        let [few, many] = COMPARED;
+        let references = [model.implicit(CLAIMED, few)?.mesh, model.implicit(CLAIMED, many)?.mesh];
+        let runs = [
+            ("implicit", CLAIMED, few),
+            ("implicit", CLAIMED, many),
+            ("implicit", CLAIMED, 500),
+            ("explicit", CLAIMED, few),
+            ("explicit", CLAIMED, many),
+            ("explicit", REPORT, few),
+            ("explicit", REPORT, many),
+            ("explicit", EXPLICIT, few),
+            ("explicit", EXPLICIT, many),
+            ("explicit", EXPLICIT, 100),
+            ("explicit", EXPLICIT, 500),
+        ];
+        for (flow, lambda, n) in runs {
+            let mesh = match flow {
+                "implicit" => model.implicit(lambda, n)?.mesh,
+                _ => model.explicit(lambda, n)?.mesh,
+            };
+            let m = model.measure(&mesh)?;
+            let [a, b] = [0, 1].map(|i| vertex_displacement(&mesh, &references[i]));
+            table.push(row![
+                model.name,
+                flow,
+                lambda,
+                n,
+                lambda * n as f64,
+                m.normal,
+                m.vertex,
+                m.growth,
+                a?.rms / model.h(),
+                b?.rms / model.h(),
+            ]);
+        }
+    }
+    Ok(table)
+}
+
+/// What a single step of growing λ leaves.
+fn limit(models: &[Model]) -> Result<Table> {
+    let mut table = Table::new(
+        "limit",
+        "One implicit step of growing λ: the root mean square distance of the vertices from the centroid of the input, weighted by degrees, over that of the input. It falls as 1/λ: collapse to a point.",
+        &[("mesh", Unit::Label), ("lambda", Unit::One), ("left", Unit::Relative)],
+    );
+    for model in models {
+        let topology = model.noisy.topology();
+        let degree: Vec<f64> = (0..model.noisy.vertex_count() as u32)
+            .map(|v| topology.neighbors(v).len() as f64)
+            .collect();
+        let total: f64 = degree.iter().sum();
+        let weighted = model.noisy.positions().iter().zip(&degree).map(|(&p, &d)| scale(p, d));
+        let centre = scale(weighted.fold([0.0; 3], add), 1.0 / total);
+        let spread = |mesh: &TriMesh| {
+            let squares = mesh.positions().iter().map(|&p| {
+                let d = sub(p, centre);
+                dot(d, d)
+            });
+            (squares.sum::<f64>() / degree.len() as f64).sqrt()
+        };
+        for exponent in [2, 4, 6, 8] {
+            let lambda = 10f64.powi(exponent);
+            let mesh = model.implicit(lambda, 1)?.mesh;
+            table.push(row![model.name, lambda, spread(&mesh) / spread(&model.noisy)]);
+        }
+    }
+    Ok(table.tolerance("left", Some(Tolerance::LOOSE)))
+}
+
+/// How spheres shrink, beside theory.
+fn spheres(context: &Context<'_>) -> Result<Table> {
+    let mut table = Table::new(
+        "spheres",
+        "The volume of unit spheres after implicit steps, as a share of that before, beside (1 + λh²/(2r²))⁻³ⁿ, h² the mean squared edge length.",
+        &[
+            ("level", Unit::Count),
+            ("lambda", Unit::One),
+            ("iterations", Unit::Count),
+            ("volume left", Unit::Relative),
+            ("predicted", Unit::Relative),
+        ],
+    );
+    for level in context.choose([3u32, 4, 5], [2, 3, 4]) {
+        let sphere = shapes::icosphere(level);
+        let x = sphere.positions();
+        let edges = sphere.topology().edges();
+        let squares = edges.iter().map(|&[a, b]| {
+            let d = sub(x[a as usize], x[b as usize]);
+            dot(d, d)
+        });
+        let h2 = squares.sum::<f64>() / edges.len() as f64;
+        for (lambda, n) in [(5.0, 10), (5.0, 50), (100.0, 10)] {
+            let options = Implicit { iterations: n, ..Implicit::new(Diffusion::uniform(lambda)) };
+            let after = implicit(&sphere, &options, None)?.mesh;
+            // μ = −h²/2 for the coordinates of a unit sphere.
+            let predicted = (1.0 + lambda * h2 / 2.0).powi(-3 * n as i32);
+            let left = after.signed_volume() / sphere.signed_volume();
+            table.push(row![level as usize, lambda, n, left, predicted]);
+        }
+    }
+    Ok(table)
+}
+
+/// Time and work.
+fn cost(models: &[Model]) -> Result<Table> {
+    let mut table = Table::new(
+        "cost",
+        "What 50 steps cost when nobody looks at the meshes in between: products with the Laplacian, and time for each step. Runs are computed at once, by a Chebyshev series of the factor of each mode, so that fifty long steps do not cost fifty solves.",
+        &[
+            ("mesh", Unit::Label),
+            ("vertices", Unit::Count),
+            ("flow", Unit::Label),
+            ("lambda", Unit::One),
+            ("products", Unit::Count),
+            ("time for each step", Unit::Seconds),
+        ],
+    );
+    for model in models {
+        for (flow, lambda) in [
+            ("explicit", 0.05),
+            ("explicit", EXPLICIT),
+            ("implicit", 0.05),
+            ("implicit", CLAIMED),
+            ("implicit", 100.0),
+        ] {
+            let start = Instant::now();
+            let smoothed = match flow {
+                "explicit" => model.explicit(lambda, ITERATIONS)?,
+                _ => model.implicit(lambda, ITERATIONS)?,
+            };
+            let seconds = start.elapsed().as_secs_f64() / ITERATIONS as f64;
+            let products = match smoothed.report.approach {
+                Approach::Series { degree } => degree,
+                Approach::ConjugateGradients { iterations } => iterations,
+                _ => ITERATIONS,
+            };
+            let n = model.noisy.vertex_count();
+            table.push(row![model.name, n, flow, lambda, products, seconds]);
+        }
+    }
+    Ok(table)
+}
+
+/// The input and the six results from two viewpoints, in two figures' worth of columns.
+fn over_lambda(model: &Model, smoothed: &[TriMesh]) -> Result<Picture> {
+    let titles =
+        ["input".to_string()].into_iter().chain(LAMBDAS.map(|lambda| format!("λ = {lambda}")));
+    let mut shown = vec![];
+    for (title, mesh) in titles.zip(smoothed) {
+        let (mesh, scale) = models::drawn(mesh, &model.noisy)?;
+        shown.push((title + &scale, mesh));
+    }
+    let looks = shown.iter().map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
+    Gallery { looks, viewpoints: &VIEWPOINTS, up: Up::Z, aspect: 1.0, occlusion: model.occlusion }.draw(
+        &model.slug(),
+        &format!(
+            "The {} before and after {ITERATIONS} implicit steps, from two viewpoints; what has shrunk a lot is enlarged, as its title says.",
+            model.name
+        ),
+        &format!(
+            "Fourteen pictures of the {}: the input and six steps, from two sides.",
+            model.name
+        ),
+    )
+}
+
+/// Implicit steps beside explicit steps: of the same number, and of the same time.
+fn over_iterations(model: &Model) -> Result<Picture> {
+    // As many explicit steps as take the same diffusion time.
+    let equal = COMPARED.map(|n| (n as f64 * CLAIMED / EXPLICIT).round() as usize);
+    let mut meshes = vec![];
+    for n in COMPARED {
+        let title = format!("implicit {CLAIMED} × {n}");
+        meshes.push((title, model.implicit(CLAIMED, n)?.mesh));
+    }
+    for (lambda, n) in COMPARED.map(|n| (REPORT, n)).into_iter().chain(equal.map(|n| (EXPLICIT, n)))
+    {
+        let title = format!("explicit {lambda} × {n}");
+        meshes.push((title, model.explicit(lambda, n)?.mesh));
+    }
+    let looks = meshes.iter().map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
+    Gallery { looks, viewpoints: &VIEWPOINTS, up: Up::Z, aspect: 1.0, occlusion: model.occlusion }.draw(
+        &format!("{}-iterations", model.slug()),
+        &format!("The {} after implicit steps (λ × iterations), explicit steps of the same number, and explicit steps of the same diffusion time: the last two look like the first two.", model.name),
+        &format!("Twelve pictures of the {} after implicit and explicit steps, from two sides.", model.name),
+    )
+}
+
+/// Errors over λ.
+fn plot(sweep: &Table) -> Result<Picture> {
+    let mut figure = Figure { columns: 2, ..Figure::default() };
+    for (i, column) in ["normal error", "surface error"].into_iter().enumerate() {
+        let mut plot = Plot {
+            title: column.into(),
+            x: Axis::log("λ"),
+            y: Axis::log(if i == 0 { "degrees" } else { "mean edge lengths" }),
+            legend: Legend::Auto,
+            ..Plot::default()
+        };
+        for mesh in ["patch", "machine part"] {
+            let rows = sweep.only(&[("mesh", mesh.into())])?;
+            let points = rows.column("lambda")?.into_iter().zip(rows.column(column)?);
+            plot.series.push(Series::marked(mesh, points.map(|(x, y)| [x, y]).collect()));
+        }
+        figure.panels.push(FigurePanel::drawing(plot.draw(420.0, 320.0).context("drawing")?));
+    }
+    plotted(
+        &figure,
+        "sweep",
+        &format!("Errors after {ITERATIONS} implicit steps over λ."),
+        "Two plots of error over λ on logarithmic axes.",
+    )
+}
+
+const FORMULAS: [&str; 1] =
+    [r"(I - \lambda L)\, x^{n+1} = x^n, \qquad \text{each mode over } 1 - \lambda\mu \ge 1"];

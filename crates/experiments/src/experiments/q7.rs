@@ -1,0 +1,269 @@
+//! Question 7: denoising under growing noise.
+
+use anyhow::{Context as _, Result};
+use fairing_denoising::Denoiser;
+use fairing_evaluation::NoiseLevel;
+use fairing_shapes as shapes;
+
+use super::restoring::{
+    Body, EXPLICIT, IMPLICIT, MODES, Method, REPORT_EXPLICIT, REPORT_IMPLICIT, Trials,
+};
+use crate::experiment::{Card, Context, Experiment};
+use crate::inputs::Input;
+use crate::outcome::Outcome;
+use crate::row;
+use crate::table::{Cell, Table, Tables, Tolerance, Unit};
+use crate::verdict::Judgement;
+
+mod levels;
+mod limits;
+mod pictures;
+
+use limits::ERRORS;
+
+pub(super) struct GrowingNoise;
+
+/// The assignment's levels, in model units.
+const ASSIGNMENT: [f64; 3] = [0.05, 0.1, 0.5];
+
+/// The levels of the sweep, in mean edge lengths.
+const SWEEP: [f64; 9] = [0.05, 0.1, 0.2, 0.3, 0.45, 0.7, 1.4, 2.0, 3.0];
+
+/// Those of a quick run.
+const QUICK: [f64; 3] = [0.3, 0.7, 2.0];
+
+/// Seeds of the methods, and of those that take several times as long as all others together. The standard error
+/// of E_a is then well below a degree where a method is near the limit of what counts as kept.
+const SEEDS: [usize; 2] = [5, 3];
+
+/// A shape counts as kept if less than this is left of the mean normal error, in degrees: two faces that
+/// are off by as much each are 30° apart, from where on an edge counts as sharp.
+const KEPT: f64 = 15.0;
+
+/// A shape that has lost more of its volume is not kept, in per cent: normals alone do not see it shrink.
+const SHRUNK: f64 = 50.0;
+
+/// A denoiser that leaves more than this at one level of noise, in degrees, is not run at higher ones.
+const HOPELESS: f64 = 20.0;
+
+/// The methods, and whether they are quick enough for all seeds. Non-iterative denoising is left to the
+/// comparison of denoisers: its radius grows with the noisy edges, at high noise to the size of the mesh.
+const METHODS: [(Method, bool); 15] = [
+    (Method::Nothing, true),
+    (Method::Explicit, true),
+    (Method::Implicit, true),
+    (Method::ReportExplicit, true),
+    (Method::ReportImplicit, true),
+    (Method::Taubin, true),
+    (Method::Spectral, true),
+    (Method::Denoiser(Denoiser::Bilateral), false),
+    (Method::Denoiser(Denoiser::FastEffective), true),
+    (Method::Denoiser(Denoiser::BilateralNormal), true),
+    (Method::Denoiser(Denoiser::BilateralNormalGlobal), true),
+    (Method::Denoiser(Denoiser::L0), false),
+    (Method::Denoiser(Denoiser::TotalVariation), false),
+    (Method::Denoiser(Denoiser::GuidedNormal), false),
+    (Method::Denoiser(Denoiser::Automatic), true),
+];
+
+impl Experiment for GrowingNoise {
+    fn card(&self) -> Card {
+        let [lowest, .., highest] = SWEEP;
+        Card {
+            id: "q7",
+            title: "Denoising under growing noise",
+            question: "When does smoothing remove noise, and when does it fail? What works instead?",
+            method: format!(
+                "Gaussian noise is added along each axis: to the machine part with the assignment's levels in model units; to a machine part, a smooth body and a scan with {lowest} to {highest} mean edge lengths h. All methods get the same noisy meshes and keep the same parameters at every level; the automatic denoiser has none. Explicit and implicit smoothing cover the same diffusion time, and are run once more as the original report recommends (it does not say what it used here): {} explicit steps of {}, {} implicit ones of {}. The spectral method projects onto the smoothest of the modes of the edge graph, one in {MODES}, which does not depend on the noise, and up to the next gap between eigenvalues: in the middle of a cluster of equal ones the result would depend on the solver. A denoiser that leaves more than {HOPELESS}° at one level is not run at higher ones.\n\nMeasured are E_a, the mean angle between the normals of matching faces of the result and of the truth, and E_v, the mean distance of the vertices from the true surface. A method helps where an error falls below that of the noisy input: smoothing also removes shape, so that at little noise it can do harm. A shape is called kept while E_a stays below {KEPT}° and no more than {SHRUNK} % of the volume is lost: two faces that are off by {KEPT}° each are {}° apart, the angle at which we call an edge sharp. The standard error of a mean is its standard deviation from seed to seed over the square root of the number of seeds; a level at which a shape is lost is found by interpolation, and its uncertainty is that of {ERRORS} standard errors.",
+                REPORT_EXPLICIT.count,
+                REPORT_EXPLICIT.lambda,
+                REPORT_IMPLICIT.count,
+                REPORT_IMPLICIT.lambda,
+                2.0 * KEPT
+            ),
+            formulas: FORMULAS.map(String::from).to_vec(),
+            inputs: &[Input::Fandisk, Input::Scan],
+            parameters: vec![
+                ("explicit", format!("uniform, {EXPLICIT}; {REPORT_EXPLICIT}")),
+                ("implicit", format!("uniform, {IMPLICIT}; {REPORT_IMPLICIT}")),
+                ("spectral", format!("one mode in {MODES} up to a gap, random-walk weights")),
+                (
+                    "Taubin and denoisers",
+                    "defaults; without non-iterative denoising, whose radius grows with the noise"
+                        .into(),
+                ),
+                (
+                    "seeds",
+                    format!(
+                        "{}; {} for bilateral, L0, total variation and guided filtering, which take longer than all others together",
+                        SEEDS[0], SEEDS[1]
+                    ),
+                ),
+            ],
+        }
+    }
+
+    fn run(&self, context: &Context<'_>) -> Result<Outcome> {
+        // A quick run is to be quick.
+        let part = match context.is_quick() {
+            true => shapes::cad_block(0.25),
+            false => context.mesh(Input::Fandisk)?,
+        };
+        let (torus, scan) = match (context.is_quick(), context.mesh_if_present(Input::Scan)?) {
+            (true, _) => (shapes::torus(1.0, 0.4, 40, 16), shapes::bumpy_sphere(3, 0.12, 4.0)),
+            (false, Some(scan)) => (shapes::torus(1.0, 0.4, 48, 20), scan),
+            (false, None) => (shapes::torus(1.0, 0.4, 48, 20), shapes::creature(48)),
+        };
+        let part = Body::new("machine part", part)?.with_modes()?;
+        let bodies = [
+            Body::new("block", shapes::cad_block(context.choose(0.25, 0.3)))?.with_modes()?,
+            Body::new("torus", torus)?.with_modes()?,
+            Body::new("scan", scan)?.with_modes()?,
+        ];
+        let mut notes = vec![];
+        if context.is_quick() {
+            notes.push("In this quick run a sphere with bumps takes the place of the scan, and a block that of the machine part.".into());
+        } else if context.mesh_if_present(Input::Scan)?.is_none() {
+            notes.push("No scan was found: a generated animal with limbs and wrinkled skin takes its place.".into());
+        }
+        let levels = context.choose(&SWEEP[..], &QUICK);
+        let mut model = table(
+            "model",
+            "The machine part under the assignment's noise, σ in model units.",
+            &[
+                ("mesh", Unit::Label),
+                ("σ", Unit::Length),
+                ("σ/h", Unit::EdgeLengths),
+                ("σ/diagonal", Unit::Diagonals),
+            ],
+        );
+        let mut running = Running::all(context);
+        for (k, &sigma) in ASSIGNMENT.iter().enumerate() {
+            context.progress(0.1 * k as f64, "model units");
+            let h = part.truth.mean_edge_length();
+            let leading = row![part.name, sigma, sigma / h, sigma / part.truth.diagonal()];
+            let trials = running.trials(context, &part, NoiseLevel::Model(sigma))?;
+            push(&mut model, &leading, &trials, part.truth.face_count());
+        }
+        let mut sweep = table(
+            "sweep",
+            "Three meshes under noise in mean edge lengths.",
+            &[("mesh", Unit::Label), ("σ/h", Unit::EdgeLengths)],
+        );
+        for (b, body) in bodies.iter().enumerate() {
+            let mut running = Running::all(context);
+            for (k, &sigma) in levels.iter().enumerate() {
+                let done = (b * levels.len() + k) as f64 / (bodies.len() * levels.len()) as f64;
+                context.progress(0.3 + 0.4 * done, body.name);
+                let trials = running.trials(context, body, NoiseLevel::EdgeLengths(sigma))?;
+                push(&mut sweep, &row![body.name, sigma], &trials, body.truth.face_count());
+            }
+        }
+        context.progress(0.7, "resolutions");
+        let resolutions = levels::resolutions(context)?;
+        let modes = modes([&part].into_iter().chain(&bodies))?;
+        let limits = limits::table(&sweep)?;
+        context.progress(0.85, "pictures");
+        let (levels, levels_view) = pictures::of_levels(context, &part)?;
+        let (scan, scan_view) = pictures::of_scan(context, &bodies[2])?;
+        let mut figures = vec![levels];
+        figures.extend(pictures::curves(&sweep)?);
+        figures.push(scan);
+        let views = vec![levels_view, scan_view];
+        let tables = vec![model, limits, resolutions, modes, sweep];
+        Ok(Outcome { tables, figures, views, notes, ..Outcome::default() })
+    }
+
+    fn judge(&self, tables: Tables<'_>) -> Result<Vec<Judgement>> {
+        Ok(vec![levels::judge(tables)?, limits::judge(tables)?])
+    }
+}
+
+/// The methods that are still run as the noise of a body grows, with their numbers of seeds.
+struct Running(Vec<(Method, usize)>);
+
+impl Running {
+    fn all(context: &Context<'_>) -> Self {
+        let seeds = context.choose(SEEDS, [2, 2]);
+        Self(METHODS.map(|(method, quick)| (method, seeds[usize::from(!quick)])).to_vec())
+    }
+
+    /// All of them at one level; those that leave too much are not run again.
+    fn trials(
+        &mut self,
+        context: &Context<'_>,
+        body: &Body,
+        level: NoiseLevel,
+    ) -> Result<Vec<Trials>> {
+        let trials = body.trials(level, context.seed("noise"), &self.0)?;
+        let is_denoiser = |method: Method| method != Method::Nothing && !method.is_linear();
+        let lost = |t: &&Trials| is_denoiser(t.method) && t.angle.mean > HOPELESS;
+        let lost: Vec<Method> = trials.iter().filter(lost).map(|t| t.method).collect();
+        self.0.retain(|(method, _)| !lost.contains(method));
+        Ok(trials)
+    }
+}
+
+/// How many modes the spectral method keeps on each body.
+fn modes<'a>(bodies: impl Iterator<Item = &'a Body>) -> Result<Table> {
+    let mut table = Table::new(
+        "modes",
+        "The spectral method: a twentieth of the modes, how many are kept to end at a gap between eigenvalues, and this gap over the eigenvalue behind it. Without a gap the result would depend on the basis of an eigenspace.",
+        &[
+            ("mesh", Unit::Label),
+            ("vertices", Unit::Count),
+            ("a twentieth", Unit::Count),
+            ("kept", Unit::Count),
+            ("gap", Unit::Relative),
+        ],
+    );
+    for body in bodies {
+        let kept = body.kept_modes().context("a body without modes")?;
+        let n = body.truth.vertex_count();
+        table.push(row![body.name, n, kept.wanted, kept.modes, kept.gap]);
+    }
+    Ok(table)
+}
+
+fn table(id: &str, caption: &str, leading: &[(&str, Unit)]) -> Table {
+    let caption = format!(
+        "{caption} Means over the seeds, each followed by the standard deviation from seed to seed; flipped faces are those that oppose the truth."
+    );
+    let columns = [
+        ("method", Unit::Label),
+        ("seeds", Unit::Count),
+        ("E_a", Unit::Degrees),
+        ("± E_a", Unit::Degrees),
+        ("E_v", Unit::EdgeLengths),
+        ("± E_v", Unit::EdgeLengths),
+        ("flipped", Unit::Percent),
+        ("volume", Unit::Percent),
+    ];
+    let columns: Vec<_> = leading.iter().copied().chain(columns).collect();
+    // Thresholds on noisy normals amplify the last digits.
+    ["E_a", "± E_a", "E_v", "± E_v", "flipped", "volume"].into_iter().fold(
+        Table::new(id, &caption, &columns),
+        |table, column| {
+            let absolute = if column == "flipped" || column == "volume" { 0.05 } else { 1e-3 };
+            table.tolerance(column, Some(Tolerance { relative: 0.02, absolute }))
+        },
+    )
+}
+
+fn push(table: &mut Table, leading: &[Cell], trials: &[Trials], faces: usize) {
+    for t in trials {
+        let measured = row![
+            t.method.name(),
+            t.seeds,
+            t.angle.mean,
+            t.angle.deviation,
+            t.distance.mean,
+            t.distance.deviation,
+            100.0 * t.flipped.mean / faces as f64,
+            t.volume.map(|v| v.mean),
+        ];
+        table.push(leading.iter().cloned().chain(measured));
+    }
+}
+
+const FORMULAS: [&str; 1] = [r"E_a = \frac{1}{|F|} \sum_{f \in F} \arccos(n_f \cdot \hat n_f)"];

@@ -1,0 +1,296 @@
+//! The assignment's levels in model units, and what they mean over the size of the faces.
+
+use anyhow::{Context as _, Result};
+use fairing_denoising::Denoiser;
+use fairing_evaluation::NoiseLevel;
+use fairing_shapes as shapes;
+
+use super::{ASSIGNMENT, KEPT, METHODS, SHRUNK};
+use crate::experiment::Context;
+use crate::experiments::restoring::{Body, Method, Trials};
+use crate::row;
+use crate::table::{Cell, Table, Tables, Tolerance, Unit, short};
+use crate::verdict::{Judgement, Verdict};
+
+/// Spacings of the block: a factor of eight in h.
+const SPACINGS: [f64; 5] = [0.3, 0.18, 0.107, 0.064, 0.0375];
+
+/// Those of a quick run.
+const QUICK: [f64; 3] = [0.3, 0.25, 0.2];
+
+/// The methods that are run at each resolution: the flows of the report, and for comparison the best filter
+/// without creases and the best denoiser at high noise.
+const COMPARED: [Method; 6] = [
+    Method::OF_THE_REPORT[0],
+    Method::OF_THE_REPORT[1],
+    Method::OF_THE_REPORT[2],
+    Method::OF_THE_REPORT[3],
+    Method::Taubin,
+    Method::Denoiser(Denoiser::Automatic),
+];
+
+/// Whether a shape is kept.
+fn is_kept(angle: f64, volume: Option<f64>) -> bool {
+    angle < KEPT && volume.is_none_or(|v| v > -SHRUNK)
+}
+
+/// The same block and the same noise in model units over the size of the faces.
+pub(super) fn resolutions(context: &Context<'_>) -> Result<Table> {
+    let mut table = Table::new(
+        "resolution",
+        &format!(
+            "One block with faces of several sizes under the same noise in model units: E_a of the noisy block and after each method, means over the seeds, the largest standard error of the means, and which flows of the report keep the shape (E_a below {KEPT}°, no more than {SHRUNK} % of the volume lost)."
+        ),
+        &[
+            ("vertices", Unit::Count),
+            ("h", Unit::Length),
+            ("σ", Unit::Length),
+            ("σ/h", Unit::EdgeLengths),
+            ("seeds", Unit::Count),
+            ("noisy", Unit::Degrees),
+            (COMPARED[0].name(), Unit::Degrees),
+            (COMPARED[1].name(), Unit::Degrees),
+            (COMPARED[2].name(), Unit::Degrees),
+            (COMPARED[3].name(), Unit::Degrees),
+            (COMPARED[4].name(), Unit::Degrees),
+            (COMPARED[5].name(), Unit::Degrees),
+            ("standard error", Unit::Degrees),
+            ("kept by", Unit::Label),
+        ],
+    );
+    for method in COMPARED {
+        table = table.tolerance(method.name(), Some(Tolerance::LOOSE));
+    }
+    table = table.tolerance("standard error", Some(Tolerance { relative: 0.05, absolute: 1e-3 }));
+    for &spacing in context.choose(&SPACINGS[..], &QUICK) {
+        let body = Body::new("block", shapes::cad_block(spacing))?;
+        let (n, h) = (body.truth.vertex_count(), body.truth.mean_edge_length());
+        // The mean over a mesh of many faces varies little from seed to seed.
+        let seeds = if n < 2000 { context.choose(5, 2) } else { 2 };
+        let methods: Vec<(Method, usize)> =
+            [Method::Nothing].into_iter().chain(COMPARED).map(|m| (m, seeds)).collect();
+        for sigma in ASSIGNMENT {
+            let level = NoiseLevel::Model(sigma);
+            let trials = body.trials(level, context.seed("resolution"), &methods)?;
+            let error = |t: &Trials| t.angle.error(seeds).unwrap_or(0.0);
+            let error = trials.iter().map(error).fold(0.0, f64::max);
+            let mut row = row![n, h, sigma, sigma / h, seeds].to_vec();
+            row.extend(trials.iter().map(|t| Cell::from(t.angle.mean)));
+            row.push(error.into());
+            row.push(keepers(&trials).into());
+            table.push(row);
+        }
+    }
+    Ok(table)
+}
+
+/// The flows of the report that keep the shape, by name.
+fn keepers(trials: &[Trials]) -> String {
+    let kept = |t: &&Trials| {
+        Method::OF_THE_REPORT.contains(&t.method) && is_kept(t.angle.mean, t.volume.map(|v| v.mean))
+    };
+    let names: Vec<&str> = trials.iter().filter(kept).map(|t| t.method.name()).collect();
+    match names.len() {
+        0 => "none".into(),
+        4 => "all".into(),
+        _ => names.join("; "),
+    }
+}
+
+/// What became of the machine part at one level.
+struct Level {
+    /// σ/h.
+    share: f64,
+    /// E_a of each flow of the report.
+    flows: Vec<f64>,
+    /// How many of them keep the shape.
+    kept: usize,
+    /// The smallest E_a of all other methods.
+    others: f64,
+}
+
+impl Level {
+    fn of(model: &Table, sigma: f64) -> Result<Self> {
+        let rows = model.only(&[("σ", sigma.into())])?;
+        let value =
+            |method: Method, column: &str| rows.value(&[("method", method.name().into())], column);
+        let (mut flows, mut kept) = (vec![], 0);
+        for method in Method::OF_THE_REPORT {
+            let angle = value(method, "E_a")?;
+            kept += usize::from(is_kept(angle, value(method, "volume").ok()));
+            flows.push(angle);
+        }
+        let others = METHODS
+            .iter()
+            .map(|m| m.0)
+            .filter(|m| *m != Method::Nothing && !Method::OF_THE_REPORT.contains(m));
+        // Some are not run at high noise.
+        let others = others.filter_map(|m| value(m, "E_a").ok()).fold(f64::INFINITY, f64::min);
+        Ok(Self { share: rows.column("σ/h")?[0], flows, kept, others })
+    }
+}
+
+/// What a flow of the report does with one level on the block, where that depends on the size of the faces.
+struct Dependence {
+    sigma: f64,
+    flow: &'static str,
+    /// The σ/h at which it keeps the shape.
+    kept: Vec<f64>,
+}
+
+/// The flows of the report and levels that are kept at one resolution and lost at another.
+fn depending(resolution: &Table) -> Result<Vec<Dependence>> {
+    let column = resolution.index("kept by")?;
+    let mut found = vec![];
+    for sigma in ASSIGNMENT {
+        let rows = resolution.only(&[("σ", sigma.into())])?;
+        let shares = rows.column("σ/h")?;
+        for flow in Method::OF_THE_REPORT.map(Method::name) {
+            let keeps = |row: &Vec<Cell>| match &row[column] {
+                Cell::Text(t) => t == "all" || t.split("; ").any(|name| name == flow),
+                _ => false,
+            };
+            let kept: Vec<f64> =
+                rows.rows.iter().zip(&shares).filter(|(r, _)| keeps(r)).map(|(_, s)| *s).collect();
+            if !kept.is_empty() && kept.len() < shares.len() {
+                found.push(Dependence { sigma, flow, kept });
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// The same as a sentence.
+fn resolved(depends: &[Dependence]) -> String {
+    let Some(first) = depends.first() else {
+        return "no level is kept at one size and lost at another".into();
+    };
+    let counts: Vec<String> = ASSIGNMENT
+        .iter()
+        .map(|sigma| {
+            let flows = depends.iter().filter(|d| d.sigma == *sigma).count();
+            format!("{flows} at σ = {}", short(*sigma))
+        })
+        .collect();
+    format!(
+        "some of the flows keep the shape at one size and lose it at another: {}. The {} flow keeps σ = {} at {} h only. A level in model units says nothing without the size of the faces",
+        counts.join(", "),
+        first.flow,
+        short(first.sigma),
+        list(&first.kept),
+    )
+}
+
+fn list(values: &[f64]) -> String {
+    values.iter().map(|x| short(*x)).collect::<Vec<_>>().join(", ")
+}
+
+/// Claim 7a.
+pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
+    let model = tables.get("model")?;
+    let levels = ASSIGNMENT.iter().map(|s| Level::of(model, *s)).collect::<Result<Vec<_>>>()?;
+    let resolution = tables.get("resolution")?;
+    let depends = depending(resolution)?;
+    let all = Method::OF_THE_REPORT.len();
+    let kept: Vec<usize> = levels.iter().map(|l| l.kept).collect();
+    let verdict = match (&kept[..], depends.is_empty()) {
+        ([a, b, 0], true) if *a == all && *b == all => Verdict::Confirmed,
+        ([0, 0, c], _) if *c == all => Verdict::Refuted,
+        _ => Verdict::Qualified,
+    };
+    let h = resolution.column("h")?;
+    let (coarse, fine) =
+        (h.iter().copied().fold(0.0, f64::max), h.iter().copied().fold(f64::INFINITY, f64::min));
+    let each =
+        |value: &dyn Fn(&Level) -> String| levels.iter().map(value).collect::<Vec<_>>().join("; ");
+    let reason = format!(
+        "On the machine part the three levels are {} h. The flows of the original report ({}) leave {}°, and keep the shape {} times out of {all} (below {KEPT}°, no more than {SHRUNK} % of the volume lost). The best of all other methods leaves {}°. On a block with faces of {} sizes, h from {} down to {}, {}.",
+        list(&levels.iter().map(|l| l.share).collect::<Vec<_>>()),
+        Method::OF_THE_REPORT.map(Method::name).join("; "),
+        each(&|l| list(&l.flows)),
+        each(&|l| l.kept.to_string()).replace("; ", ", "),
+        list(&levels.iter().map(|l| l.others).collect::<Vec<_>>()),
+        h.len() / ASSIGNMENT.len(),
+        short(coarse),
+        short(fine),
+        resolved(&depends),
+    );
+    let mut judgement =
+        Judgement::new("7a", "σ = 0.05 and 0.1 keep the shape, 0.5 destroys it", verdict, reason)
+            .number("the levels over h, lowest", levels[0].share, Unit::EdgeLengths)
+            .number("highest", levels[2].share, Unit::EdgeLengths);
+    for (level, sigma) in levels.iter().zip(ASSIGNMENT) {
+        let least = level.flows.iter().copied().reduce(f64::min).context("no flows")?;
+        let most = level.flows.iter().copied().reduce(f64::max).context("no flows")?;
+        judgement = judgement
+            .number(
+                &format!("least E_a of the report's flows at σ = {sigma}"),
+                least,
+                Unit::Degrees,
+            )
+            .number("largest", most, Unit::Degrees);
+    }
+    Ok(judgement)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Tables with these E_a of all flows of the report, and what keeps the block at two resolutions.
+    fn tables(angles: [[f64; 4]; 3], kept: [[&str; 2]; 3]) -> [Table; 2] {
+        let mut model = Table::new(
+            "model",
+            "M.",
+            &[
+                ("σ", Unit::Length),
+                ("σ/h", Unit::EdgeLengths),
+                ("method", Unit::Label),
+                ("E_a", Unit::Degrees),
+                ("volume", Unit::Percent),
+            ],
+        );
+        let mut resolution = Table::new(
+            "resolution",
+            "R.",
+            &[
+                ("h", Unit::Length),
+                ("σ", Unit::Length),
+                ("σ/h", Unit::EdgeLengths),
+                ("kept by", Unit::Label),
+            ],
+        );
+        for (k, sigma) in ASSIGNMENT.into_iter().enumerate() {
+            for (method, angle) in Method::OF_THE_REPORT.into_iter().zip(angles[k]) {
+                model.push(row![sigma, sigma, method.name(), angle, -1.0]);
+            }
+            model.push(row![sigma, sigma, Method::Denoiser(Denoiser::Automatic).name(), 1.0, 0.0]);
+            for (h, kept) in [1.0, 0.1].into_iter().zip(kept[k]) {
+                resolution.push(row![h, sigma, sigma / h, kept]);
+            }
+        }
+        [model, resolution]
+    }
+
+    fn verdict(angles: [[f64; 4]; 3], kept: [[&str; 2]; 3]) -> Verdict {
+        judge(Tables(&tables(angles, kept))).unwrap().verdict
+    }
+
+    /// The best of the other methods, which leaves a degree at every level, has no say; nor has the best flow.
+    #[test]
+    fn the_flows_of_the_report_decide() {
+        let (good, bad) = ([5.0; 4], [40.0; 4]);
+        let same = [["all"; 2], ["all"; 2], ["none"; 2]];
+        assert_eq!(verdict([good, good, bad], same), Verdict::Confirmed);
+        let one = [5.0, 27.0, 5.0, 5.0];
+        assert_eq!(verdict([good, one, bad], same), Verdict::Qualified);
+        assert_eq!(verdict([good, good, good], same), Verdict::Qualified);
+        assert_eq!(verdict([bad, bad, good], same), Verdict::Refuted);
+    }
+
+    #[test]
+    fn a_level_that_depends_on_the_resolution_is_no_level() {
+        let depends = [["all"; 2], ["all", "implicit"], ["none"; 2]];
+        assert_eq!(verdict([[5.0; 4], [5.0; 4], [40.0; 4]], depends), Verdict::Qualified);
+    }
+}

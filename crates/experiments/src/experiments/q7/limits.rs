@@ -1,0 +1,269 @@
+//! From where to where each method helps.
+
+use std::cmp::Ordering;
+
+use anyhow::{Context as _, Result};
+
+use super::{KEPT, METHODS, SHRUNK};
+use crate::experiments::restoring::Method;
+use crate::row;
+use crate::table::{Table as Results, Tables, Tolerance, Unit, short};
+use crate::verdict::{Judgement, Verdict};
+
+/// What the table calls the best of all methods.
+const ANY: &str = "best of all";
+
+/// Standard errors by which two limits must differ.
+pub(super) const ERRORS: f64 = 2.0;
+
+/// For each mesh and method: the levels at which its errors lie below those of
+/// the noisy input, the first beyond them, and the level up to which the shape
+/// is kept.
+pub(super) fn table(sweep: &Results) -> Result<Results> {
+    let mut table = Results::new(
+        "limits",
+        "Where each method helps, from the sweep: the first level at which its mean error lies below that of the noisy input; the first level after that at which it no longer does (a dash: it still helps at the last level at which it was run); the same by the distance of the vertices; and the level up to which the shape is kept, interpolated, with the range that two standard errors of E_a leave (∞: kept at the end of the sweep). The last row of each mesh takes the best method at each level: beyond its limit nothing recovers the shape.",
+        &[
+            ("mesh", Unit::Label),
+            ("method", Unit::Label),
+            ("E_a helps from", Unit::EdgeLengths),
+            ("E_a stops at", Unit::EdgeLengths),
+            ("E_v helps from", Unit::EdgeLengths),
+            ("E_v stops at", Unit::EdgeLengths),
+            ("kept up to", Unit::EdgeLengths),
+            ("at least", Unit::EdgeLengths),
+            ("at most", Unit::EdgeLengths),
+        ],
+    );
+    // Interpolated between errors that may move by two per cent.
+    for column in ["kept up to", "at least", "at most"] {
+        table = table.tolerance(column, Some(Tolerance { relative: 0.05, absolute: 1e-3 }));
+    }
+    for mesh in ["block", "torus", "scan"] {
+        let rows = sweep.only(&[("mesh", mesh.into())])?;
+        let of = |method: &str| Errors::of(&rows.only(&[("method", method.into())])?);
+        let input = of(Method::Nothing.name())?;
+        let mut best: Option<Errors> = None;
+        for (method, _) in &METHODS[1..] {
+            let own = of(method.name())?;
+            push(&mut table, [mesh, method.name()], &own, &input);
+            match &mut best {
+                Some(best) => best.improve(&own),
+                none => *none = Some(own),
+            }
+        }
+        push(&mut table, [mesh, ANY], &best.context("no methods")?, &input);
+    }
+    Ok(table)
+}
+
+/// The errors of a method over the levels at which it was run.
+#[derive(Debug, Clone)]
+struct Errors {
+    levels: Vec<f64>,
+    /// Where more of the volume is lost than [`SHRUNK`], a right angle.
+    angles: Vec<f64>,
+    /// Standard errors of the angles.
+    uncertain: Vec<f64>,
+    distances: Vec<f64>,
+}
+
+impl Errors {
+    fn of(rows: &Results) -> Result<Self> {
+        let optional = |column: &str| -> Result<Vec<Option<f64>>> {
+            let c = rows.index(column)?;
+            Ok(rows.rows.iter().map(|row| row[c].number()).collect())
+        };
+        let (angles, volumes) = (rows.column("E_a")?, optional("volume")?);
+        let (spread, seeds) = (optional("± E_a")?, rows.column("seeds")?);
+        let kept = |(angle, volume): (f64, Option<f64>)| match volume {
+            Some(v) if v <= -SHRUNK => angle.max(90.0),
+            _ => angle,
+        };
+        Ok(Self {
+            levels: rows.column("σ/h")?,
+            angles: angles.into_iter().zip(volumes).map(kept).collect(),
+            uncertain: spread.iter().zip(seeds).map(|(s, n)| s.unwrap_or(0.0) / n.sqrt()).collect(),
+            distances: rows.column("E_v")?,
+        })
+    }
+
+    /// Takes the smaller error at each level; the other was run at no more levels.
+    fn improve(&mut self, other: &Self) {
+        for k in 0..other.levels.len() {
+            if other.angles[k] < self.angles[k] {
+                (self.angles[k], self.uncertain[k]) = (other.angles[k], other.uncertain[k]);
+            }
+            self.distances[k] = self.distances[k].min(other.distances[k]);
+        }
+    }
+
+    /// The level up to which the shape is kept if all angles are off by so many
+    /// standard errors: interpolated, 0 if it never is, infinite if it always is.
+    fn limit(&self, off: f64) -> f64 {
+        let angles: Vec<f64> =
+            self.angles.iter().zip(&self.uncertain).map(|(a, e)| a + off * e).collect();
+        match angles.iter().position(|a| *a >= KEPT) {
+            None => f64::INFINITY,
+            Some(0) => 0.0,
+            Some(k) => {
+                let t = (KEPT - angles[k - 1]) / (angles[k] - angles[k - 1]);
+                self.levels[k - 1] * (self.levels[k] / self.levels[k - 1]).powf(t)
+            }
+        }
+    }
+}
+
+fn push(table: &mut Results, names: [&str; 2], own: &Errors, input: &Errors) {
+    let (a_from, a_to) = helps(&own.levels, &own.angles, &input.angles);
+    let (v_from, v_to) = helps(&own.levels, &own.distances, &input.distances);
+    let [kept, low, high] = [0.0, ERRORS, -ERRORS].map(|off| own.limit(off));
+    table.push(row![names[0], names[1], a_from, a_to, v_from, v_to, kept, low, high]);
+}
+
+/// The first level at which an error lies below that of the input, and the
+/// first after it at which it does not.
+fn helps(levels: &[f64], error: &[f64], input: &[f64]) -> (Option<f64>, Option<f64>) {
+    let better: Vec<bool> = error.iter().zip(input).map(|(e, i)| e < i).collect();
+    let Some(first) = better.iter().position(|b| *b) else {
+        return (None, levels.first().copied());
+    };
+    let end = better[first..].iter().position(|b| !*b).map(|k| levels[first + k]);
+    (Some(levels[first]), end)
+}
+
+/// The limits of a group of methods on one mesh: of the one that keeps the shape longest.
+#[derive(Debug, Clone, Copy)]
+struct Limit {
+    kept: f64,
+    low: f64,
+    high: f64,
+}
+
+/// Which of two limits is the greater.
+fn compare(a: Limit, b: Limit) -> Option<Ordering> {
+    if a.low > b.high {
+        Some(Ordering::Greater)
+    } else if a.high < b.low {
+        Some(Ordering::Less)
+    } else {
+        // Too near to each other, or both beyond the end of the sweep.
+        None
+    }
+}
+
+/// Whether denoisers keep shapes at more noise than flows.
+pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
+    let limits = tables.get("limits")?;
+    let limit = |mesh: &str, wanted: &dyn Fn(Method) -> bool| -> Result<Limit> {
+        let mut most = Limit { kept: 0.0, low: 0.0, high: 0.0 };
+        for (method, _) in METHODS.iter().filter(|m| m.0 != Method::Nothing && wanted(m.0)) {
+            let of = |column: &str| {
+                limits.value(&[("mesh", mesh.into()), ("method", method.name().into())], column)
+            };
+            most.kept = most.kept.max(of("kept up to")?);
+            most.low = most.low.max(of("at least")?);
+            most.high = most.high.max(of("at most")?);
+        }
+        Ok(most)
+    };
+    let (mut found, mut sentences, mut numbers) = (vec![], vec![], vec![]);
+    for mesh in ["block", "torus", "scan"] {
+        let flows = limit(mesh, &Method::is_linear)?;
+        let denoisers = limit(mesh, &|m| !m.is_linear())?;
+        let order = compare(denoisers, flows);
+        let words = match order {
+            Some(Ordering::Greater) => "further",
+            Some(_) => "less far",
+            None => "no measurable difference",
+        };
+        let range =
+            |l: Limit| format!("{} h ({} to {})", short(l.kept), short(l.low), short(l.high));
+        sentences.push(format!("{mesh}: {} and {}, {words}", range(flows), range(denoisers)));
+        found.push(order);
+        numbers.push((mesh, [flows.kept, denoisers.kept]));
+    }
+    let reason = format!(
+        "The level of noise up to which the best flow or filter without creases, and the best denoiser, keep the shape, with the range of two standard errors: {}.",
+        sentences.join("; "),
+    );
+    let claim = "Denoisers keep the shape under more noise than flows do";
+    let mut judgement = Judgement::new("7b", claim, verdict(&found), reason).ours();
+    for (mesh, [flows, denoisers]) in numbers {
+        for (who, kept) in [("flows", flows), ("denoisers", denoisers)] {
+            // Beyond the end of the sweep there is no number.
+            if kept.is_finite() {
+                let name = format!("{who} keep the {mesh} up to");
+                judgement = judgement.number(&name, kept, Unit::EdgeLengths);
+            }
+        }
+    }
+    Ok(judgement)
+}
+
+/// From whether denoisers go further on each mesh; `None` where that is not known.
+fn verdict(found: &[Option<Ordering>]) -> Verdict {
+    let count = |wanted: fn(&Option<Ordering>) -> bool| found.iter().filter(|o| wanted(o)).count();
+    let further = count(|o| *o == Some(Ordering::Greater));
+    match (further, count(|o| o.is_none())) {
+        (n, _) if n == found.len() => Verdict::Confirmed,
+        (0, 0) => Verdict::Refuted,
+        (0, _) => Verdict::Undecided,
+        _ => Verdict::Qualified,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_method_helps_over_a_range() {
+        let levels = [0.1, 0.2, 0.3, 0.4];
+        assert_eq!(
+            helps(&levels, &[2.0, 1.0, 1.0, 5.0], &[1.0, 2.0, 3.0, 4.0]),
+            (Some(0.2), Some(0.4))
+        );
+        assert_eq!(helps(&levels, &[0.0; 4], &[1.0; 4]), (Some(0.1), None));
+        assert_eq!(helps(&levels, &[2.0; 4], &[1.0; 4]), (None, Some(0.1)));
+    }
+
+    fn errors(angles: &[f64], uncertain: f64) -> Errors {
+        let levels: Vec<f64> = (0..angles.len()).map(|k| 2f64.powi(k as i32)).collect();
+        let n = levels.len();
+        Errors {
+            levels,
+            angles: angles.to_vec(),
+            uncertain: vec![uncertain; n],
+            distances: vec![0.0; n],
+        }
+    }
+
+    /// Half way between 10° at 2 and 20° at 4, on a logarithmic axis.
+    #[test]
+    fn limits_lie_between_levels() {
+        assert!((errors(&[5.0, 10.0, 20.0], 1.0).limit(0.0) - 8f64.sqrt()).abs() < 1e-14);
+        assert!((errors(&[5.0, 10.0, 20.0], 1.0).limit(-5.0) - 4.0).abs() < 1e-14);
+        assert_eq!(errors(&[15.0, 20.0], 0.0).limit(0.0), 0.0);
+        assert_eq!(errors(&[5.0, 10.0], 0.0).limit(0.0), f64::INFINITY);
+    }
+
+    /// A tie, at the end of the sweep or within its errors, decides nothing.
+    #[test]
+    fn ties_are_undecided() {
+        let [lost, kept] = [errors(&[10.0, 20.0], 0.5), errors(&[5.0, 10.0], 0.5)].map(|e| Limit {
+            kept: e.limit(0.0),
+            low: e.limit(ERRORS),
+            high: e.limit(-ERRORS),
+        });
+        assert_eq!(compare(kept, lost), Some(Ordering::Greater));
+        assert_eq!(compare(lost, kept), Some(Ordering::Less));
+        assert_eq!((compare(kept, kept), compare(lost, lost)), (None, None));
+        let (more, less) = (Some(Ordering::Greater), Some(Ordering::Less));
+        assert_eq!(verdict(&[more; 3]), Verdict::Confirmed);
+        assert_eq!(verdict(&[less; 3]), Verdict::Refuted);
+        assert_eq!(verdict(&[None, less, None]), Verdict::Undecided);
+        assert_eq!(verdict(&[None, more, more]), Verdict::Qualified);
+        assert_eq!(verdict(&[less, more, more]), Verdict::Qualified);
+    }
+}

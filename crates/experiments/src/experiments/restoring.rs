@@ -1,0 +1,325 @@
+//! Methods that remove noise, and how far from the truth they end: what
+//! question 7 and the comparison of denoisers share.
+
+use std::fmt;
+
+use anyhow::{Context as _, Result};
+use fairing_denoising::Denoiser;
+use fairing_evaluation::{
+    NoiseKind, NoiseLevel, SurfaceTree, add_noise, drift, flipped_faces, normal_error,
+};
+use fairing_mesh::TriMesh;
+use fairing_smoothing::{Diffusion, Explicit, Implicit, Taubin, explicit, implicit, taubin};
+use fairing_spectral::{EigenOptions, GraphWeights, Spectrum, graph_spectrum, reconstruct};
+use rayon::prelude::*;
+
+use super::gap;
+
+/// A method, with the same parameters at every level of noise.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Method {
+    /// The noisy mesh as it is, for comparison.
+    Nothing,
+    /// Uniform weights, λ = ½, ten steps.
+    Explicit,
+    /// Uniform weights, λ = 5, one step: the same diffusion time.
+    Implicit,
+    /// Uniform weights, λ = 0.05, fifty steps: what the original report calls best.
+    ReportExplicit,
+    /// Uniform weights, λ = 5, ten steps: likewise.
+    ReportImplicit,
+    /// λ = ½, a pass band of 0.1, ten pairs.
+    Taubin,
+    /// Projection onto the smoothest modes of the edge graph.
+    Spectral,
+    /// A denoiser with its defaults.
+    Denoiser(Denoiser),
+}
+
+impl Method {
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Nothing => "noisy input",
+            Self::Explicit => "explicit",
+            Self::Implicit => "implicit",
+            Self::ReportExplicit => "explicit, 0.05 × 50",
+            Self::ReportImplicit => "implicit, 5 × 10",
+            Self::Taubin => "Taubin",
+            Self::Spectral => "spectral",
+            Self::Denoiser(denoiser) => denoiser.name(),
+        }
+    }
+
+    /// The flows of the original report.
+    pub(super) const OF_THE_REPORT: [Self; 4] =
+        [Self::Explicit, Self::Implicit, Self::ReportExplicit, Self::ReportImplicit];
+
+    /// Whether it is a flow or filter that knows nothing of creases.
+    pub(super) fn is_linear(self) -> bool {
+        Self::OF_THE_REPORT.contains(&self) || matches!(self, Self::Taubin | Self::Spectral)
+    }
+}
+
+/// Steps of a flow with uniform weights.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Steps {
+    /// The length of each.
+    pub(super) lambda: f64,
+    /// How many.
+    pub(super) count: usize,
+}
+
+impl fmt::Display for Steps {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let plural = if self.count == 1 { "" } else { "s" };
+        write!(f, "λ = {}, {} step{plural}", self.lambda, self.count)
+    }
+}
+
+/// Those of [`Method::Explicit`].
+pub(super) const EXPLICIT: Steps = Steps { lambda: 0.5, count: 10 };
+
+/// Those of [`Method::Implicit`]: the same diffusion time.
+pub(super) const IMPLICIT: Steps = Steps { lambda: 5.0, count: 1 };
+
+/// Those of [`Method::ReportExplicit`]: what the original report calls best.
+pub(super) const REPORT_EXPLICIT: Steps = Steps { lambda: 0.05, count: 50 };
+
+/// Those of [`Method::ReportImplicit`]: likewise.
+pub(super) const REPORT_IMPLICIT: Steps = Steps { lambda: 5.0, count: 10 };
+
+/// A share of the modes that the spectral method keeps: one in so many, and as
+/// many more as it takes to the next gap between eigenvalues.
+pub(super) const MODES: usize = 20;
+
+/// A mesh without noise, with what methods and scores need of it.
+pub(super) struct Body {
+    pub(super) name: &'static str,
+    pub(super) truth: TriMesh,
+    surface: SurfaceTree,
+    /// Modes of the edge graph, which noise does not change.
+    modes: Option<Modes>,
+}
+
+/// The modes that the spectral method keeps.
+struct Modes {
+    /// One more than are kept: what shows the gap.
+    spectrum: Spectrum,
+    kept: Kept,
+}
+
+/// How many modes the spectral method keeps.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Kept {
+    /// One in [`MODES`], rounded down.
+    pub(super) wanted: usize,
+    /// The number kept.
+    pub(super) modes: usize,
+    /// The gap behind them, over the eigenvalue behind it.
+    pub(super) gap: f64,
+}
+
+impl Body {
+    pub(super) fn new(name: &'static str, truth: TriMesh) -> Result<Self> {
+        let surface = SurfaceTree::new(&truth)?;
+        Ok(Self { name, truth, surface, modes: None })
+    }
+
+    /// The same body, ready for [`Method::Spectral`].
+    pub(super) fn with_modes(mut self) -> Result<Self> {
+        let n = self.truth.vertex_count();
+        let wanted = (n / MODES).max(4);
+        let options = EigenOptions::default();
+        let spectrum = gap::modes(n, wanted, |k| {
+            graph_spectrum(&self.truth, k, GraphWeights::RandomWalk, &options)
+        })?;
+        let modes = gap::next(&spectrum, wanted).context("modes without a gap")?;
+        let kept = Kept { wanted, modes, gap: gap::behind(&spectrum, modes) };
+        self.modes = Some(Modes { spectrum, kept });
+        Ok(self)
+    }
+
+    /// How many modes [`Method::Spectral`] keeps; `None` if the body has none.
+    pub(super) fn kept_modes(&self) -> Option<Kept> {
+        self.modes.as_ref().map(|m| m.kept)
+    }
+
+    /// The noisy mesh after the method.
+    pub(super) fn restore(&self, method: Method, noisy: &TriMesh) -> Result<TriMesh> {
+        Ok(match method {
+            Method::Nothing => noisy.clone(),
+            Method::Explicit => explicit_steps(noisy, EXPLICIT)?,
+            Method::Implicit => implicit_steps(noisy, IMPLICIT)?,
+            Method::ReportExplicit => explicit_steps(noisy, REPORT_EXPLICIT)?,
+            Method::ReportImplicit => implicit_steps(noisy, REPORT_IMPLICIT)?,
+            Method::Taubin => taubin(noisy, &Taubin::default(), None)?.mesh,
+            Method::Spectral => {
+                let modes = self.modes.as_ref().context("this body has no modes")?;
+                reconstruct(noisy, &modes.spectrum, modes.kept.modes)?.mesh
+            }
+            Method::Denoiser(denoiser) => denoiser.denoise(noisy)?,
+        })
+    }
+
+    /// How far a mesh is from the truth.
+    pub(super) fn score(&self, mesh: &TriMesh) -> Result<Score> {
+        let distances = self.surface.distances(mesh.positions());
+        let mean = distances.iter().sum::<f64>() / distances.len() as f64;
+        Ok(Score {
+            angle: normal_error(mesh, &self.truth)?.mean,
+            distance: mean / self.truth.mean_edge_length(),
+            flipped: flipped_faces(mesh, &self.truth)? as f64,
+            volume: drift(mesh, &self.truth).volume.map(|v| 100.0 * v),
+        })
+    }
+
+    /// The body under Gaussian noise along each axis.
+    pub(super) fn noisy(&self, level: NoiseLevel, seed: u64) -> Result<TriMesh> {
+        Ok(add_noise(&self.truth, NoiseKind::GaussianPerAxis, level, seed)?)
+    }
+
+    /// Each method on as many seeds as it is given, from `first` on.
+    pub(super) fn trials(
+        &self,
+        level: NoiseLevel,
+        first: u64,
+        methods: &[(Method, usize)],
+    ) -> Result<Vec<Trials>> {
+        let most = methods.iter().map(|m| m.1).max().unwrap_or(0);
+        let noisy: Vec<TriMesh> = (0..most as u64)
+            .into_par_iter()
+            .map(|k| self.noisy(level, first.wrapping_add(k)))
+            .collect::<Result<_>>()?;
+        let pairs: Vec<(Method, &TriMesh)> = methods
+            .iter()
+            .flat_map(|&(method, seeds)| noisy[..seeds].iter().map(move |mesh| (method, mesh)))
+            .collect();
+        let scores: Vec<Score> = pairs
+            .into_par_iter()
+            .map(|(method, mesh)| self.score(&self.restore(method, mesh)?))
+            .collect::<Result<_>>()?;
+        let mut rest = &scores[..];
+        Ok(methods
+            .iter()
+            .map(|&(method, seeds)| {
+                let (own, others) = rest.split_at(seeds);
+                rest = others;
+                Trials::new(method, own)
+            })
+            .collect())
+    }
+}
+
+fn explicit_steps(mesh: &TriMesh, steps: Steps) -> Result<TriMesh> {
+    let Steps { lambda, count: iterations } = steps;
+    let options = Explicit { iterations, ..Explicit::new(Diffusion::uniform(lambda)) };
+    Ok(explicit(mesh, &options, None)?.mesh)
+}
+
+fn implicit_steps(mesh: &TriMesh, steps: Steps) -> Result<TriMesh> {
+    let Steps { lambda, count: iterations } = steps;
+    let options = Implicit { iterations, ..Implicit::new(Diffusion::uniform(lambda)) };
+    Ok(implicit(mesh, &options, None)?.mesh)
+}
+
+/// How far a mesh is from the truth.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Score {
+    /// E_a: the mean angle between matching normals, in degrees.
+    pub(super) angle: f64,
+    /// E_v: the mean distance of the vertices from the true surface, in h.
+    pub(super) distance: f64,
+    /// Faces that oppose the truth.
+    pub(super) flipped: f64,
+    /// The change of volume in per cent; `None` if open.
+    pub(super) volume: Option<f64>,
+}
+
+/// The scores of one method over seeds.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Trials {
+    pub(super) method: Method,
+    pub(super) seeds: usize,
+    pub(super) angle: Spread,
+    pub(super) distance: Spread,
+    pub(super) flipped: Spread,
+    pub(super) volume: Option<Spread>,
+}
+
+impl Trials {
+    fn new(method: Method, scores: &[Score]) -> Self {
+        let of = |f: fn(&Score) -> f64| Spread::of(scores.iter().map(f));
+        let volumes: Option<Vec<f64>> = scores.iter().map(|s| s.volume).collect();
+        Self {
+            method,
+            seeds: scores.len(),
+            angle: of(|s| s.angle),
+            distance: of(|s| s.distance),
+            flipped: of(|s| s.flipped),
+            volume: volumes.map(|v| Spread::of(v.into_iter())),
+        }
+    }
+}
+
+/// Mean and standard deviation over seeds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Spread {
+    pub(super) mean: f64,
+    /// From n − 1 degrees of freedom; `None` of a single value.
+    pub(super) deviation: Option<f64>,
+}
+
+impl Spread {
+    /// The standard error of the mean; `None` of a single value.
+    pub(super) fn error(&self, seeds: usize) -> Option<f64> {
+        Some(self.deviation? / (seeds as f64).sqrt())
+    }
+
+    fn of(values: impl Iterator<Item = f64> + Clone) -> Self {
+        let count = values.clone().count() as f64;
+        let mean = values.clone().sum::<f64>() / count;
+        let squares: f64 = values.map(|x| (x - mean) * (x - mean)).sum();
+        Self { mean, deviation: (count > 1.0).then(|| (squares / (count - 1.0)).sqrt()) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use fairing_shapes as shapes;
+
+    use super::*;
+
+    #[test]
+    fn spread_of_three_numbers() {
+        let spread = Spread::of([1.0, 2.0, 6.0].into_iter());
+        assert_eq!(spread, Spread { mean: 3.0, deviation: Some(7f64.sqrt()) });
+        assert_eq!(Spread::of([4.0].into_iter()).deviation, None);
+    }
+
+    /// The eigenvalues of a symmetric mesh come in clusters; none is cut.
+    #[test]
+    fn modes_end_at_a_gap() {
+        for mesh in [shapes::icosphere(3), shapes::torus(1.0, 0.4, 48, 20), shapes::cad_block(0.3)]
+        {
+            let kept = Body::new("symmetric", mesh).unwrap().with_modes().unwrap().kept_modes();
+            let kept = kept.unwrap();
+            assert!(kept.modes >= kept.wanted && kept.gap >= 1e-4, "{kept:?}");
+        }
+    }
+
+    /// Scores stay with their methods, and doing nothing leaves the noise:
+    /// along three axes, so E_v is that of its component along the normal,
+    /// √(2/π) σ, less a little where faces come closer than vertices.
+    #[test]
+    fn trials_keep_their_order() {
+        let body = Body::new("sphere", shapes::icosphere(4)).unwrap().with_modes().unwrap();
+        let methods = [(Method::Nothing, 3), (Method::Spectral, 1), (Method::Implicit, 2)];
+        let trials = body.trials(NoiseLevel::EdgeLengths(0.1), 1, &methods).unwrap();
+        for (trial, (method, seeds)) in trials.iter().zip(methods) {
+            assert_eq!((trial.method, trial.seeds), (method, seeds));
+        }
+        let expected = 0.1 * (2.0 / std::f64::consts::PI).sqrt();
+        assert!((trials[0].distance.mean / expected - 1.0).abs() < 0.1, "{:?}", trials[0]);
+        assert!(trials[1].angle.mean < 0.5 * trials[0].angle.mean);
+    }
+}

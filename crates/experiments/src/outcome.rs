@@ -1,0 +1,74 @@
+//! What an experiment returns.
+
+use fairing_figure::Image;
+use fairing_mesh::TriMesh;
+
+use crate::table::Table;
+use crate::view::View;
+
+/// Everything that an experiment produced, in the order in which the report
+/// shows it. The runner does the files.
+#[derive(Debug, Clone, Default)]
+pub struct Outcome {
+    /// Tables; claims are judged from these alone.
+    pub tables: Vec<Table>,
+    /// Figures.
+    pub figures: Vec<Picture>,
+    /// Interactive views of the page.
+    pub views: Vec<View>,
+    /// Meshes to keep, with their fields.
+    pub meshes: Vec<MeshOutput>,
+    /// Further files to keep.
+    pub attachments: Vec<Attachment>,
+    /// Remarks for the reader, a sentence or two each. A number in them is
+    /// formatted from a result, never typed.
+    pub notes: Vec<String>,
+}
+
+/// A finished figure.
+#[derive(Debug, Clone)]
+pub struct Picture {
+    /// Unique within the experiment; the file's name.
+    pub id: String,
+    /// The caption, as full sentences.
+    pub caption: String,
+    /// What a person who cannot see it should be told.
+    pub alt: String,
+    /// The picture.
+    pub image: Image,
+    /// The picture as SVG, where a vector form helps (plots).
+    pub svg: Option<String>,
+}
+
+/// A mesh to be written as PLY with fields for each vertex.
+#[derive(Debug, Clone)]
+pub struct MeshOutput {
+    /// Unique within the experiment; the file's name.
+    pub id: String,
+    /// What it is.
+    pub caption: String,
+    /// The mesh.
+    pub mesh: TriMesh,
+    /// Scalar fields, one value a vertex; the name becomes a PLY property.
+    pub fields: Vec<(String, Vec<f64>)>,
+}
+
+/// A file to keep beside the tables.
+#[derive(Debug, Clone)]
+pub struct Attachment {
+    /// Its name, unique within the experiment.
+    pub name: String,
+    /// What it is.
+    pub about: String,
+    /// What it holds.
+    pub content: Content,
+}
+
+/// What a file holds.
+#[derive(Debug, Clone)]
+pub enum Content {
+    /// Text as it is.
+    Text(String),
+    /// A mesh in the format of the name's extension.
+    Mesh(TriMesh),
+}

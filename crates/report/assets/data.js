@@ -1,0 +1,149 @@
+'use strict';
+
+/**
+ * Reading of the data that the page carries.
+ *
+ * Each view has one block: base64 of a zlib stream of arrays, one after
+ * another, in the order in which the view's description asks for them. Numbers
+ * are stored as differences to their predecessor, zigzag-coded, and split into
+ * planes of bytes, which compress well. The writer is `views/pack.rs`.
+ */
+class Block {
+  static async unpack(text) {
+    const packed = Uint8Array.from(atob(text.trim()), (c) => c.charCodeAt(0));
+    const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('deflate'));
+    return new Block(new Uint8Array(await new Response(stream).arrayBuffer()));
+  }
+
+  constructor(bytes) {
+    this.bytes = bytes;
+    this.at = 0;
+  }
+
+  raw(count) {
+    const from = this.at;
+    this.at += count;
+    if (this.at > this.bytes.length) throw new Error('the data of the view end too early');
+    return this.bytes.subarray(from, this.at);
+  }
+
+  /** 32-bit integers, as differences. */
+  integers(count) {
+    const planes = this.raw(4 * count);
+    const out = new Uint32Array(count);
+    let last = 0;
+    for (let i = 0; i < count; i++) {
+      const code =
+        planes[i] | (planes[count + i] << 8) | (planes[2 * count + i] << 16) |
+        (planes[3 * count + i] << 24);
+      last = (last + ((code >>> 1) ^ -(code & 1))) | 0;
+      out[i] = last;
+    }
+    return out;
+  }
+
+  /** 16-bit integers with several components, as differences; interleaved. */
+  shorts(count, components) {
+    const out = new Uint16Array(count * components);
+    for (let c = 0; c < components; c++) {
+      const planes = this.raw(2 * count);
+      let last = 0;
+      for (let i = 0; i < count; i++) {
+        const code = planes[i] | (planes[count + i] << 8);
+        last = (last + ((code >> 1) ^ -(code & 1))) & 0xffff;
+        out[i * components + c] = last;
+      }
+    }
+    return out;
+  }
+
+  /** Double precision, bit by bit, as exclusive-or with the predecessor. */
+  doubles(count, components) {
+    const out = new Float64Array(count * components);
+    const words = new Uint32Array(2);
+    const value = new Float64Array(words.buffer);
+    for (let c = 0; c < components; c++) {
+      const planes = this.raw(8 * count);
+      words.fill(0);
+      for (let i = 0; i < count; i++) {
+        for (let half = 0; half < 2; half++) {
+          let word = 0;
+          for (let b = 0; b < 4; b++) word |= planes[(4 * half + b) * count + i] << (8 * b);
+          words[half] ^= word;
+        }
+        out[i * components + c] = value[0];
+      }
+    }
+    return out;
+  }
+}
+
+const keptViews = new Map();
+
+/** Called by the files beside the page that hold the data of views. */
+function keepView({id, data}) {
+  keptViews.set(id, data);
+}
+
+/**
+ * The packed data of a view: in the page itself, or in a file beside it. That
+ * file is a script, since a page that is opened from disk may read nothing else.
+ */
+async function packedData(figure) {
+  const script = figure.querySelector('script.data');
+  const {source} = script.dataset;
+  if (!source) return script.textContent;
+  await new Promise((done, fail) => {
+    const loader = document.createElement('script');
+    loader.onload = done;
+    loader.onerror = () => fail(new Error(`${source} cannot be read`));
+    loader.src = source;
+    document.head.append(loader);
+  });
+  const data = keptViews.get(figure.id);
+  keptViews.delete(figure.id);
+  if (data === undefined) throw new Error(`${source} holds another view`);
+  return data;
+}
+
+/** The panels of a view, decoded. Positions are in mesh units. */
+function decodeView(description, block) {
+  const faceLists = description.faceLists.map((count) => block.integers(3 * count));
+  return description.panels.map((panel) => {
+    const n = panel.vertices;
+    let before = null;
+    const decoded = [];
+    for (const {low, size, follows, same} of panel.stops) {
+      if (same !== undefined) {
+        decoded.push(decoded[same]);
+        continue;
+      }
+      const q = block.shorts(n, 3);
+      if (follows) for (let i = 0; i < q.length; i++) q[i] = (q[i] + before[i]) & 0xffff;
+      before = q;
+      const positions = new Float64Array(3 * n);
+      for (let i = 0; i < positions.length; i++) {
+        positions[i] = low[i % 3] + (size[i % 3] * q[i]) / 65535;
+      }
+      decoded.push(positions);
+    }
+    const occlusion = block.raw(n);
+    const fields = panel.fields.map((field) => ({
+      ...field,
+      stops: Array.from({length: field.stops}, () => {
+        const q = block.shorts(n, 1);
+        const values = new Float32Array(n);
+        for (let i = 0; i < n; i++) values[i] = dequantised(q[i], field);
+        return values;
+      }),
+    }));
+    const live = panel.live ? block.doubles(n, 3) : null;
+    return {...panel, faces: faceLists[panel.faces], stops: decoded, occlusion, fields, live};
+  });
+}
+
+/** See `quantise` in `views/pack.rs`; 65535 marks an undefined value. */
+function dequantised(q, {scale, low, high}) {
+  if (q === 65535) return NaN;
+  return scale * Math.sinh(low + ((high - low) * q) / 65534);
+}

@@ -1,0 +1,17 @@
+//! The report: `results.json` and the files beside it as Markdown and as a page.
+//!
+//! [`render()`] needs nothing else, so that a report can be made again without
+//! running any experiment. [`publish()`] comes before it: it chooses what the
+//! folder of a new report holds and writes `results.json`.
+
+pub mod mathml;
+
+mod markdown;
+mod page;
+mod publish;
+mod render;
+mod views;
+
+pub use markdown::claim_table;
+pub use publish::publish;
+pub use render::render;

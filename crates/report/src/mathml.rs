@@ -1,0 +1,16 @@
+//! Formulas in TeX as MathML.
+
+use anyhow::{Result, anyhow};
+use math_core::{LatexToMathML, MathCoreConfig, MathDisplay};
+
+/// A displayed formula as a `<math>` element.
+///
+/// # Errors
+///
+/// If this is no TeX, or uses commands that are not known.
+pub fn displayed(tex: &str) -> Result<String> {
+    let converter = LatexToMathML::new(MathCoreConfig::default());
+    let converter = converter.map_err(|_| anyhow!("the formulas use macros that are not TeX"))?;
+    let mathml = converter.convert_with_local_counter(tex, MathDisplay::Block);
+    mathml.map_err(|error| anyhow!("the formula {tex}: {error}"))
+}

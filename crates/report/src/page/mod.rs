@@ -1,0 +1,225 @@
+//! `report.html`: one self-contained page that opens from disk.
+//!
+//! Text, tables and figures are plain HTML and readable without scripts; the
+//! interactive views are brought to life by the scripts of `assets/`, which
+//! stand in the page as they are. Nothing is requested from anywhere.
+//!
+//! The page smooths meshes itself by conjugate gradients in its own script
+//! (`assets/solver.js`), not by our crates as WebAssembly: that would need a
+//! compiler target that a machine with nothing but cargo does not have, for a
+//! solver of a hundred lines that is fast enough as it is.
+
+mod html;
+mod section;
+mod view;
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use anyhow::Result;
+use rayon::prelude::*;
+
+use crate::markdown;
+use fairing_results::results::{Record, Results};
+use fairing_results::verdict::Judgement;
+use html::escape;
+
+/// The scripts, in the order in which they use one another.
+const SCRIPTS: [&str; 7] = [
+    include_str!("../../assets/data.js"),
+    include_str!("../../assets/solver.js"),
+    include_str!("../../assets/renderer.js"),
+    include_str!("../../assets/camera.js"),
+    include_str!("../../assets/bar.js"),
+    include_str!("../../assets/view.js"),
+    include_str!("../../assets/page.js"),
+];
+
+/// The experiment and the figure that open the page.
+const FIRST: (&str, &str) = ("q1", "flower-signed");
+
+const STYLE: &str = include_str!("../../assets/style.css");
+
+/// The page. `folder` holds the files of the report, whose pictures are put
+/// into the page, or linked if the report is small.
+///
+/// # Errors
+///
+/// If a picture or the data of a view cannot be read, or a formula is not TeX.
+pub(crate) fn report(results: &Results, folder: &Path) -> Result<String> {
+    let form = results.form;
+    let mut main = opening(results);
+    main += &first_picture(results, folder)?;
+    main += &claims(results);
+    let section = |record: &Record| section::experiment(record, folder, form);
+    let sections: Vec<String> =
+        results.experiments.par_iter().map(section).collect::<Result<_>>()?;
+    main += &sections.concat();
+    main += &provenance(results);
+    Ok(document("Fairing: the experiments", &contents(results), &main))
+}
+
+/// A whole page around `main`, with styles, scripts and colour maps.
+fn document(title: &str, contents: &str, main: &str) -> String {
+    let mut page = format!(
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{title}</title>\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
+         <meta name=\"color-scheme\" content=\"light dark\">\
+         <link rel=\"icon\" href=\"data:,\"><style>{STYLE}</style></head><body>\
+         <a class=\"skip\" href=\"#main\">to the text</a>\
+         <header><h1>{title}</h1><button id=\"theme\" type=\"button\" hidden>dark</button></header>\
+         {contents}<main id=\"main\">{main}</main>\
+         <script id=\"colour-maps\" type=\"application/json\">{maps}</script>\n",
+        title = escape(title),
+        maps = view::color_maps(),
+    );
+    for script in SCRIPTS {
+        let _ = writeln!(page, "<script>{script}</script>");
+    }
+    page + "</body></html>\n"
+}
+
+fn contents(results: &Results) -> String {
+    let mut list = String::new();
+    if results.experiments.iter().any(|r| !r.claims.is_empty()) {
+        list += "<li><a href=\"#claims\">The claims</a></li>";
+    }
+    for record in &results.experiments {
+        let _ = write!(
+            list,
+            "<li><a href=\"#{0}\"><span class=\"id\">{0}</span> {1}</a></li>",
+            escape(&record.id),
+            escape(&record.title)
+        );
+    }
+    format!(
+        "<nav aria-label=\"contents\"><ol>{list}\
+         <li><a href=\"#provenance\">Where the numbers come from</a></li></ol></nav>"
+    )
+}
+
+/// What was reproduced and what was found, in about five lines.
+fn opening(results: &Results) -> String {
+    let count = |what: &str, n: usize| match n {
+        1 => format!("1 {what}"),
+        n => format!("{n} {what}s"),
+    };
+    let failed = results.experiments.iter().filter(|r| r.error.is_some()).count();
+    let mut text = String::from(
+        "<section class=\"opening\"><p>A solved coursework report on discrete curvature, spectra and \
+         smoothing of triangle meshes, done again: every experiment is run, drawn and measured by one \
+         command, and each claim of the report is judged by the numbers.</p>",
+    );
+    let claim = |c: &&Judgement| {
+        format!("<a href=\"#claim-{0}\">{0}</a> {1}", escape(&c.id), escape(&c.claim))
+    };
+    let groups: String = markdown::GROUPS
+        .iter()
+        .filter_map(|(verdict, words)| {
+            let judged = results.judged(*verdict);
+            let claims: Vec<String> = judged.iter().map(claim).collect();
+            let line = format!(
+                "<li><span class=\"verdict {verdict}\">{words}:</span> {}.</li>",
+                claims.join("; ")
+            );
+            (!claims.is_empty()).then_some(line)
+        })
+        .collect();
+    if !groups.is_empty() {
+        let _ = write!(text, "<ul class=\"found\">{groups}</ul>");
+    }
+    let stand_ins = markdown::stand_ins(results);
+    if stand_ins.is_empty() {
+        text += "<p>The meshes are those of the assignment, or made here.</p>";
+    } else {
+        let _ = write!(
+            text,
+            "<p>Generated meshes took the place of the assignment's: {}. With \
+             <code>--meshes FOLDER</code> the real ones are used.</p>",
+            escape(&stand_ins.join(", "))
+        );
+    }
+    if failed > 0 {
+        let _ = write!(text, "<p class=\"error\">{} failed.</p>", count("experiment", failed));
+    }
+    let p = &results.provenance;
+    let _ = write!(
+        text,
+        "<p class=\"soft\">{}, commit <code>{}</code>{}, {}, seed {}. Nothing below was typed by hand.</p></section>",
+        escape(&p.program),
+        escape(p.commit.get(..12).unwrap_or(&p.commit)),
+        if p.dirty { " with changes" } else { "" },
+        escape(&p.date),
+        p.seed,
+    );
+    text
+}
+
+/// A picture before any table, as a link to where it belongs.
+fn first_picture(results: &Results, folder: &Path) -> Result<String> {
+    let (record, id) = FIRST;
+    let records = results.experiments.iter().filter(|r| r.id == record);
+    let Some(figure) = records.flat_map(|r| &r.figures).find(|f| f.id == id) else {
+        return Ok(String::new());
+    };
+    Ok(format!(
+        "<a class=\"first\" href=\"#figure-{record}-{id}\"><img src=\"{}\" alt=\"{}\"></a>",
+        section::source(figure, folder, results.form)?,
+        escape(&figure.alt)
+    ))
+}
+
+fn claims(results: &Results) -> String {
+    let mut bodies = String::new();
+    for (ours, heading) in [(false, "The source report claims"), (true, "Fairing claims")] {
+        let mut rows = String::new();
+        for (_, claim) in results.claims().into_iter().filter(|(_, c)| c.ours == ours) {
+            let numbers: Vec<String> = claim.numbers.iter().map(ToString::to_string).collect();
+            let _ = write!(
+                rows,
+                "<tr><td><a href=\"#claim-{0}\">{0}</a></td><td>{1}</td><td>{2}</td><td>{3}</td></tr>",
+                escape(&claim.id),
+                escape(&claim.claim),
+                section::verdict(claim.verdict),
+                escape(&numbers.join("; ")),
+            );
+        }
+        if !rows.is_empty() {
+            let _ = write!(
+                bodies,
+                "<tbody><tr><th></th><th scope=\"colgroup\">{heading}</th><th>Verdict</th>\
+                 <th>Decided by</th></tr>{rows}</tbody>"
+            );
+        }
+    }
+    if bodies.is_empty() {
+        return bodies;
+    }
+    format!(
+        "<section id=\"claims\"><h2>The claims</h2><div class=\"wide\"><table class=\"claims\">{bodies}</table></div></section>"
+    )
+}
+
+fn provenance(results: &Results) -> String {
+    let p = &results.provenance;
+    let row = |name: &str, value: &str| {
+        format!("<tr><th scope=\"row\">{name}</th><td>{}</td></tr>", escape(value))
+    };
+    let mut rows = String::new();
+    rows += &row("program", &p.program);
+    rows += &row("commit", &format!("{}{}", p.commit, if p.dirty { ", with changes" } else { "" }));
+    rows += &row("compiler", &p.compiler);
+    rows += &row("libraries", &p.libraries.join(", "));
+    rows += &row("system", &p.system);
+    rows += &row("processor", &format!("{}, {} threads", p.processor, p.threads));
+    rows += &row("seed", &p.seed.to_string());
+    rows += &row("sizes", if p.quick { "reduced (--quick)" } else { "full" });
+    rows += &row("date", &p.date);
+    format!(
+        "<section id=\"provenance\"><h2>Where the numbers come from</h2>\
+         <p>Made by <code>cargo xtask reproduce{}</code>. All numbers stand in \
+         <a href=\"results.json\">results.json</a>.</p>\
+         <div class=\"wide\"><table class=\"facts\"><tbody>{rows}</tbody></table></div></section>",
+        if p.quick { " --quick" } else { "" },
+    )
+}

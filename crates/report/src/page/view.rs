@@ -1,0 +1,67 @@
+//! A view as a part of the page: its description, its data and its place.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context as _, Result};
+use fairing_figure::ColorMap;
+use fairing_results::results::{Form, ViewFile};
+use serde_json::Value;
+
+use super::html::{escape, script_json};
+use crate::views::Packed;
+
+/// The colour maps of the viewer, 256 colours each, for `page.js`.
+pub(super) fn color_maps() -> String {
+    let table = |map: ColorMap| -> Vec<u8> {
+        (0..256).flat_map(|i| map.at(f64::from(i) / 255.0)).collect()
+    };
+    let entry = |map: ColorMap| {
+        let engine = base64::engine::general_purpose::STANDARD;
+        (map.name().to_string(), Value::from(base64::Engine::encode(&engine, table(map))))
+    };
+    let maps = ColorMap::ALL.into_iter().map(entry).collect();
+    script_json(&Value::Object(maps))
+}
+
+/// The view as a `<figure>` that the page's script brings to life; `id` is
+/// unique on the page, `fallback` the id of the figure that takes its place
+/// where there is no WebGL. The data are in the page, or in their file if the
+/// report is small.
+///
+/// # Errors
+///
+/// If the file cannot be read.
+pub(super) fn figure(
+    view: &ViewFile,
+    id: &str,
+    fallback: &str,
+    folder: &Path,
+    form: Form,
+) -> Result<String> {
+    let text = fs::read_to_string(folder.join(&view.data));
+    let packed = text.map_err(Into::into).and_then(|text| Packed::from_script(&text));
+    let Packed { about, data, .. } = packed.with_context(|| format!("reading {}", view.data))?;
+    let (source, data) = match form {
+        Form::Whole => (String::new(), data),
+        Form::Small => (format!(" data-source=\"{}\"", escape(&view.data)), String::new()),
+    };
+    let mut html = String::new();
+    let _ = write!(
+        html,
+        "<figure class=\"view\" id=\"{id}\" data-fallback=\"{fallback}\">\
+         <div class=\"stage\"><p class=\"hint\">{alt}</p></div>\
+         <noscript><p class=\"hint\">The interactive view needs JavaScript; \
+         see <a href=\"#{fallback}\">the figure</a>.</p></noscript>\
+         <figcaption>{caption}</figcaption>\
+         <script class=\"about\" type=\"application/json\">{about}</script>\
+         <script class=\"data\" type=\"text/plain\"{source}>{data}</script></figure>",
+        id = escape(id),
+        fallback = escape(fallback),
+        alt = escape(&view.alt),
+        caption = escape(&view.caption),
+        about = script_json(&about),
+    );
+    Ok(html)
+}

@@ -1,0 +1,78 @@
+//! What the folder of a report holds.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context as _, Result};
+use fairing_results::json;
+use fairing_results::results::{Form, Record, Results};
+use fairing_results::view::View;
+use rayon::prelude::*;
+
+use crate::render::{render, write};
+use crate::views;
+
+/// Makes a report of `folder`, which holds the files of experiments that have
+/// just run: packs the data of views, keeps what belongs into this form of the
+/// report, writes `results.json`, and renders. Returns what is in
+/// `results.json`.
+///
+/// # Errors
+///
+/// If a file cannot be read or written, or a view does not hold together.
+pub fn publish(mut results: Results, folder: &Path, form: Form) -> Result<Results> {
+    results.form = form;
+    for record in &mut results.experiments {
+        pack(record, folder, form)?;
+        choose_pictures(record, folder, form)?;
+        if form == Form::Small {
+            leave_out(record, folder)?;
+        }
+    }
+    write(&folder.join("results.json"), &json::readable(&results)?)?;
+    render(folder)?;
+    Ok(results)
+}
+
+/// Packs the data of views for the page. A small report has coarser positions.
+fn pack(record: &mut Record, folder: &Path, form: Form) -> Result<()> {
+    let id = record.id.clone();
+    record.views.par_iter_mut().try_for_each(|entry| {
+        let bytes = fs::read(folder.join(&entry.data));
+        let view = bytes.map_err(Into::into).and_then(|b| View::from_bytes(&b));
+        let view = view.with_context(|| format!("reading {}", entry.data))?;
+        let packed = views::pack(&view, &format!("{id}-{}", entry.id), form)?;
+        remove(folder, &entry.data)?;
+        entry.data = format!("{id}/{}.view.js", entry.id);
+        write(&folder.join(&entry.data), &packed.to_script()?)
+    })
+}
+
+/// Keeps the pictures in one of their two sizes.
+fn choose_pictures(record: &mut Record, folder: &Path, form: Form) -> Result<()> {
+    for figure in &mut record.figures {
+        let Some(small) = figure.small.take() else { continue };
+        match form {
+            Form::Whole => remove(folder, &small)?,
+            Form::Small => fs::rename(folder.join(&small), folder.join(&figure.png))
+                .with_context(|| format!("moving {small}"))?,
+        }
+    }
+    Ok(())
+}
+
+/// Leaves out everything but tables, pictures and views, which the command of
+/// each section makes again.
+fn leave_out(record: &mut Record, folder: &Path) -> Result<()> {
+    let others: Vec<String> = record.other_files().map(|file| file.path.clone()).collect();
+    others.iter().try_for_each(|path| remove(folder, path))?;
+    record.files.retain(|file| !others.contains(&file.path));
+    for figure in &mut record.figures {
+        figure.svg.take().map_or(Ok(()), |svg| remove(folder, &svg))?;
+    }
+    Ok(())
+}
+
+fn remove(folder: &Path, path: &str) -> Result<()> {
+    fs::remove_file(folder.join(path)).with_context(|| format!("removing {path}"))
+}

@@ -1,0 +1,186 @@
+//! `results.json`: everything that was measured, for machines.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context as _, Result};
+use serde::{Deserialize, Serialize};
+
+use crate::provenance::Provenance;
+use crate::table::Table;
+use crate::verdict::{Judgement, Verdict};
+
+/// The contents of `results.json`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Results {
+    /// Where the numbers come from.
+    pub provenance: Provenance,
+    /// What the report holds.
+    #[serde(default)]
+    pub form: Form,
+    /// What was measured, in the order of the report.
+    pub experiments: Vec<Record>,
+}
+
+/// What a report holds.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Form {
+    /// Everything; the page is one file.
+    #[default]
+    Whole,
+    /// What is small enough to be committed: no meshes, smaller pictures, and
+    /// those and the data of views beside the page instead of in it.
+    Small,
+}
+
+/// One experiment that has been run.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    /// The experiment's id.
+    pub id: String,
+    /// The title.
+    pub title: String,
+    /// What was asked.
+    pub question: String,
+    /// How it was answered. Paragraphs are separated by an empty line.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub method: String,
+    /// The formulas behind the method, in TeX, without dollars.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub formulas: Vec<String>,
+    /// Why there are no results, if it failed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error: Option<String>,
+    /// Where the meshes came from.
+    pub inputs: Vec<Source>,
+    /// The parameters.
+    pub parameters: Vec<Parameter>,
+    /// The tables.
+    pub tables: Vec<Table>,
+    /// The verdicts.
+    pub claims: Vec<Judgement>,
+    /// The figures.
+    pub figures: Vec<FigureFile>,
+    /// The other files: tables as CSV, meshes with fields as PLY.
+    pub files: Vec<File>,
+    /// Remarks for the reader.
+    pub notes: Vec<String>,
+    /// The interactive views of the page.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub views: Vec<ViewFile>,
+    /// How long it took, in seconds.
+    pub seconds: f64,
+}
+
+/// Where the mesh for an input came from.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Source {
+    /// The part it plays.
+    pub input: String,
+    /// The file's name, without its folder.
+    pub file: String,
+    /// The digest of the file.
+    pub sha256: String,
+    /// Whether a generated mesh stands in for the assignment's.
+    pub stand_in: bool,
+    /// Which file of the assignment that is.
+    pub stands_for: String,
+}
+
+/// A named parameter.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Parameter {
+    /// The name.
+    pub name: String,
+    /// The value, as text.
+    pub value: String,
+}
+
+/// A figure and its files, relative to the folder of the report.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FigureFile {
+    /// Unique within the experiment.
+    pub id: String,
+    /// The caption.
+    pub caption: String,
+    /// What a person who cannot see it is told.
+    pub alt: String,
+    /// The PNG file.
+    pub png: String,
+    /// The SVG file, if there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub svg: Option<String>,
+    /// The same picture in the size for a small report, until the form of the
+    /// report is chosen.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub small: Option<String>,
+}
+
+/// An interactive view and the file with its data, relative to the folder of
+/// the report.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ViewFile {
+    /// Unique within the experiment.
+    pub id: String,
+    /// The caption.
+    pub caption: String,
+    /// What a person who cannot see it is told.
+    pub alt: String,
+    /// The figure (by id) that takes its place where there is no WebGL.
+    pub fallback: String,
+    /// The file.
+    pub data: String,
+}
+
+/// Another file of the report.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct File {
+    /// The path, relative to the folder of the report.
+    pub path: String,
+    /// What it holds.
+    pub about: String,
+    /// Its size.
+    pub bytes: u64,
+}
+
+impl Record {
+    /// The files that are not the CSV of a table.
+    pub fn other_files(&self) -> impl Iterator<Item = &File> {
+        let tables: Vec<String> =
+            self.tables.iter().map(|t| format!("{}/{}.csv", self.id, t.id)).collect();
+        self.files.iter().filter(move |file| !tables.contains(&file.path))
+    }
+}
+
+impl Results {
+    /// All judgements with their records: those on claims of the source report
+    /// by id, then those on our own.
+    pub fn claims(&self) -> Vec<(&Record, &Judgement)> {
+        let of = |r| -> Vec<(&Record, &Judgement)> {
+            let record: &Record = r;
+            record.claims.iter().map(|c| (record, c)).collect()
+        };
+        let mut all: Vec<_> = self.experiments.iter().flat_map(of).collect();
+        all.sort_by(|(_, a), (_, b)| (a.ours, &a.id).cmp(&(b.ours, &b.id)));
+        all
+    }
+
+    /// The claims of the source report on which the verdict is this one.
+    pub fn judged(&self, verdict: Verdict) -> Vec<&Judgement> {
+        let claims = self.claims().into_iter().map(|(_, c)| c);
+        claims.filter(|c| !c.ours && c.verdict == verdict).collect()
+    }
+
+    /// Reads a `results.json`.
+    ///
+    /// # Errors
+    ///
+    /// If the file cannot be read or holds something else.
+    pub fn read(path: &Path) -> Result<Self> {
+        let text =
+            fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))?;
+        serde_json::from_str(&text)
+            .with_context(|| format!("{} is no results.json", path.display()))
+    }
+}

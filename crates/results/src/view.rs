@@ -1,0 +1,150 @@
+//! Interactive views of the page: panels side by side with linked cameras.
+
+mod file;
+
+use fairing_mesh::TriMesh;
+use serde::{Deserialize, Serialize};
+
+/// Panels shown side by side, with one camera, and perhaps sliders that move
+/// the vertices of all of them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct View {
+    /// Unique within the experiment.
+    pub id: String,
+    /// The caption.
+    pub caption: String,
+    /// What a person who cannot see it should be told.
+    pub alt: String,
+    /// The figure (by id) that stands in where there is no WebGL.
+    pub fallback: String,
+    /// Whether the third axis points up, else the second, as in the figure.
+    #[serde(default)]
+    pub z_up: bool,
+    /// The sliders, top to bottom. What a panel shows is given for each
+    /// combination of their stops, those of the last slider running fastest.
+    pub sliders: Vec<Slider>,
+    /// The panels, left to right.
+    pub panels: Vec<Panel>,
+}
+
+/// A slider with fixed stops.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Slider {
+    /// What it changes: `k`, `λ`, `iterations`.
+    pub name: String,
+    /// The stops, as they are labelled.
+    pub stops: Vec<String>,
+}
+
+/// One mesh of a view.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Panel {
+    /// The title.
+    pub title: String,
+    /// Positions at each combination of stops; one entry if it does not move.
+    #[serde(skip)]
+    pub positions: Vec<Vec<[f64; 3]>>,
+    /// The faces.
+    #[serde(skip)]
+    pub faces: Vec<[u32; 3]>,
+    /// The fields to choose from; the first is shown.
+    pub fields: Vec<Field>,
+    /// What the page smooths by itself, at any λ and number of steps: the
+    /// input in double precision. One panel of a view can have it.
+    #[serde(skip)]
+    pub live: Option<Vec<[f64; 3]>>,
+}
+
+/// Values to colour vertices by.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Field {
+    /// The name, as on the colour bar.
+    pub name: String,
+    /// The unit, as on the colour bar.
+    pub unit: String,
+    /// Whether zero is the middle of the colours.
+    pub signed: bool,
+    /// Values at each combination of stops; one entry if they do not change.
+    #[serde(skip)]
+    pub values: Vec<Vec<f64>>,
+    /// The vertices without a value, ascending; theirs above is ignored.
+    #[serde(default)]
+    pub undefined: Vec<u32>,
+}
+
+impl View {
+    /// The number of combinations of stops; one without sliders.
+    pub fn combinations(&self) -> usize {
+        self.sliders.iter().map(|s| s.stops.len()).product()
+    }
+}
+
+impl Slider {
+    /// A slider with these stops.
+    pub fn new<T: ToString>(name: &str, stops: impl IntoIterator<Item = T>) -> Self {
+        Self { name: name.into(), stops: stops.into_iter().map(|s| s.to_string()).collect() }
+    }
+}
+
+impl Panel {
+    /// A mesh that does not move, without fields.
+    pub fn still(title: &str, mesh: &TriMesh) -> Self {
+        Self {
+            title: title.into(),
+            positions: vec![mesh.positions().to_vec()],
+            faces: mesh.faces().to_vec(),
+            fields: vec![],
+            live: None,
+        }
+    }
+
+    /// One set of positions for each combination of stops, over the faces of
+    /// `mesh`.
+    pub fn moving<'a>(
+        title: &str,
+        mesh: &TriMesh,
+        stops: impl IntoIterator<Item = &'a [[f64; 3]]>,
+    ) -> Self {
+        let positions = stops.into_iter().map(<[_]>::to_vec).collect();
+        Self { positions, ..Self::still(title, mesh) }
+    }
+
+    /// The same panel with a field that does not change with the sliders.
+    #[must_use]
+    pub fn with_field(self, name: &str, unit: &str, signed: bool, values: &[f64]) -> Self {
+        self.with_moving_field(name, unit, signed, [values])
+    }
+
+    /// The same panel with a field that has values of its own at each
+    /// combination of stops.
+    #[must_use]
+    pub fn with_moving_field<'a>(
+        mut self,
+        name: &str,
+        unit: &str,
+        signed: bool,
+        stops: impl IntoIterator<Item = &'a [f64]>,
+    ) -> Self {
+        let values = stops.into_iter().map(<[_]>::to_vec).collect();
+        let (name, unit) = (name.into(), unit.into());
+        self.fields.push(Field { name, unit, signed, values, undefined: vec![] });
+        self
+    }
+
+    /// The same panel without the values of the last field at these vertices.
+    #[must_use]
+    pub fn undefined_at(mut self, vertices: impl IntoIterator<Item = u32>) -> Self {
+        if let Some(field) = self.fields.last_mut() {
+            field.undefined = vertices.into_iter().collect();
+            field.undefined.sort_unstable();
+        }
+        self
+    }
+
+    /// The same panel, which the page smooths implicitly with uniform weights,
+    /// `(I − λL) x′ = x` step by step, beginning at these positions.
+    #[must_use]
+    pub fn with_live_smoothing(self, mesh: &TriMesh) -> Self {
+        Self { live: Some(mesh.positions().to_vec()), ..self }
+    }
+}

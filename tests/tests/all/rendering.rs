@@ -1,0 +1,233 @@
+//! The page and the Markdown, made again from the files of a report alone.
+
+use std::path::Path;
+
+use fairing_experiments::experiment::{Card, Context, Experiment};
+use fairing_experiments::experiments;
+use fairing_experiments::outcome::{Outcome, Picture};
+use fairing_figure::{Camera, Colors, RenderOptions, Up, Viewpoint, render};
+use fairing_report::mathml;
+use fairing_results::results::{Form, Results};
+use fairing_results::row;
+use fairing_results::table::{Table, Tables, Unit};
+use fairing_results::verdict::{Judgement, Verdict};
+use fairing_results::view::{Panel, Slider, View};
+use fairing_shapes as shapes;
+use xtask::reproduce::{Plan, reproduce};
+
+/// Has something of everything that a report can show.
+struct Shown;
+
+impl Experiment for Shown {
+    fn card(&self) -> Card {
+        Card {
+            id: "shown",
+            title: "A sphere",
+            question: "What is there to see?",
+            method: "By looking.\n\nTwice.".into(),
+            formulas: vec![r"H = \frac{1}{r}".into()],
+            inputs: &[],
+            parameters: vec![("radius", "1".into())],
+        }
+    }
+
+    fn run(&self, _: &Context<'_>) -> anyhow::Result<Outcome> {
+        let mesh = shapes::icosphere(1);
+        let camera = Camera::fit(&[&mesh], Viewpoint::ThreeQuarter, Up::Y, 4.0 / 3.0)?;
+        let options = RenderOptions { width: 80, height: 60, ..RenderOptions::default() };
+        let mut table = Table::new("radii", "The radius.", &[("r", Unit::Length)]);
+        table.push(row![1.0]);
+        let values: Vec<f64> = mesh.positions().iter().map(|p| p[0]).collect();
+        let half: Vec<[f64; 3]> = mesh.positions().iter().map(|p| p.map(|x| 0.5 * x)).collect();
+        let panel = Panel::moving("sphere", &mesh, [mesh.positions(), &half])
+            .with_field("x", "m", true, &values)
+            .with_live_smoothing(&mesh);
+        Ok(Outcome {
+            tables: vec![table],
+            figures: vec![Picture {
+                id: "sphere".into(),
+                caption: "A sphere.".into(),
+                alt: "A ball.".into(),
+                image: render(&mesh, Colors::CLAY, None, &camera, &options)?,
+                svg: None,
+            }],
+            views: vec![View {
+                id: "turning".into(),
+                caption: "The sphere, to turn.".into(),
+                alt: "A ball.".into(),
+                fallback: "sphere".into(),
+                z_up: false,
+                sliders: vec![Slider::new("size", [1.0, 0.5])],
+                panels: vec![panel],
+            }],
+            notes: vec!["A note.".into()],
+            ..Outcome::default()
+        })
+    }
+
+    fn judge(&self, tables: Tables<'_>) -> anyhow::Result<Vec<Judgement>> {
+        let radius = tables.get("radii")?.column("r")?[0];
+        let claim = Judgement::new("0a", "It is round.", Verdict::Confirmed, "It is.");
+        Ok(vec![claim.number("radius", radius, Unit::Length)])
+    }
+}
+
+fn report(out: &Path, form: Form) -> Results {
+    let plan = Plan {
+        root: Path::new(env!("CARGO_MANIFEST_DIR")).join(".."),
+        only: vec![],
+        meshes: None,
+        out: out.to_path_buf(),
+        cache: out.with_extension("cache"),
+        quick: true,
+        fresh: true,
+        form,
+    };
+    reproduce(&[&Shown], &plan).unwrap()
+}
+
+const PAGES: [&str; 2] = ["report.html", "report.md"];
+
+/// Nothing that the pages show is anywhere but in the folder of the report.
+#[test]
+fn a_report_is_made_again_from_its_files() {
+    let folder = tempfile::tempdir().unwrap();
+    for form in [Form::Whole, Form::Small] {
+        let out = folder.path().join(format!("{form:?}"));
+        let results = report(&out, form);
+        assert_eq!(results.experiments[0].error, None);
+        assert_eq!(Results::read(&out.join("results.json")).unwrap(), results);
+        let pages = PAGES.map(|name| std::fs::read(out.join(name)).unwrap());
+        for name in PAGES {
+            std::fs::remove_file(out.join(name)).unwrap();
+        }
+        let elsewhere = folder.path().join(format!("{form:?} moved"));
+        std::fs::rename(&out, &elsewhere).unwrap();
+        fairing_report::render(&elsewhere).unwrap();
+        let again = PAGES.map(|name| std::fs::read(elsewhere.join(name)).unwrap());
+        assert!(pages == again, "{form:?}");
+        let [page, markdown] = again.map(|bytes| String::from_utf8(bytes).unwrap());
+        for text in [&page, &markdown] {
+            assert!(text.contains("By looking."));
+        }
+        assert!(page.contains("<mfrac>") && markdown.contains(r"\frac{1}{r}"));
+        // The data of the view are in the page or in a file, not in both.
+        let source = "data-source=\"shown/turning.view.js\"";
+        assert_eq!(page.contains(source), form == Form::Small);
+    }
+}
+
+/// What only serves to make the report is gone once it is made.
+#[test]
+fn a_report_holds_what_it_names() {
+    let folder = tempfile::tempdir().unwrap();
+    for form in [Form::Whole, Form::Small] {
+        let out = folder.path().join(format!("{form:?}"));
+        report(&out, form);
+        let mut names: Vec<String> = std::fs::read_dir(out.join("shown"))
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        assert_eq!(names, ["radii.csv", "sphere.png", "turning.view.js"], "{form:?}");
+    }
+}
+
+/// Reference values are results without words: there is no page in them.
+#[test]
+fn numbers_alone_are_no_report() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("report");
+    let results = report(&out, Form::Whole);
+    xtask::reference::accept(folder.path(), &results).unwrap();
+    let bare = xtask::reference::path(folder.path(), true);
+    std::fs::copy(bare, out.join("results.json")).unwrap();
+    let page = std::fs::read(out.join("report.html")).unwrap();
+    let error = fairing_report::render(&out).unwrap_err().to_string();
+    assert!(error.contains("how shown was answered"), "{error}");
+    assert_eq!(std::fs::read(out.join("report.html")).unwrap(), page);
+}
+
+/// A page that cannot be made leaves the earlier one as it is.
+#[test]
+fn a_view_without_data_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("report");
+    report(&out, Form::Whole);
+    let page = std::fs::read(out.join("report.html")).unwrap();
+    for contents in [None, Some("keepView(\n{}\n);\n")] {
+        let data = out.join("shown/turning.view.js");
+        match contents {
+            None => std::fs::remove_file(&data).unwrap(),
+            Some(text) => std::fs::write(&data, text).unwrap(),
+        }
+        let error = format!("{:#}", fairing_report::render(&out).unwrap_err());
+        assert!(error.contains("shown/turning.view.js"), "{error}");
+        assert_eq!(std::fs::read(out.join("report.html")).unwrap(), page);
+    }
+}
+
+/// What TeX shows, commands replaced by what they stand for.
+fn written(tex: &str) -> String {
+    let mut text = String::new();
+    let mut rest = tex;
+    while let Some(at) = rest.find('\\') {
+        text += &rest[..at];
+        let command = &rest[at + 1..];
+        let letters = command.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(command.len());
+        let (name, after) = command.split_at(letters.max(1));
+        rest = after;
+        text += match name {
+            "Delta" => "Δ",
+            "alpha" => "α",
+            "beta" => "β",
+            "delta" => "δ",
+            "kappa" => "κ",
+            "lambda" => "λ",
+            "mu" => "μ",
+            "partial" => "∂",
+            "pi" => "π",
+            "theta" => "θ",
+            "varphi" => "φ",
+            "sum" => "∑",
+            "in" => "∈",
+            "ge" => "≥",
+            "arccos" | "cos" | "cot" | "log" | "sin" => name,
+            "frac" | "tfrac" | "sqrt" | "hat" | "text" | "cdot" => "",
+            "big" | "Big" | "left" | "right" | "quad" | "qquad" | "," | "|" => "",
+            other => panic!("what does {other} show?"),
+        };
+    }
+    text + rest
+}
+
+/// The text of a `<math>` element.
+fn shown(mathml: &str) -> String {
+    let outside = mathml.split('<').filter_map(|part| part.split_once('>'));
+    let text: String = outside.map(|(_, text)| text).collect();
+    text.replace("&lt;", "<").replace("&nbsp;", " ")
+}
+
+/// Letters, digits, and the signs that every formula writes as themselves,
+/// sorted. Minus and spaces have several forms.
+fn symbols(text: &str) -> Vec<char> {
+    let kept = |c: &char| c.is_alphanumeric() || "∑∈≥∂<=+(),".contains(*c);
+    let mut symbols: Vec<char> = text.chars().filter(kept).collect();
+    symbols.sort_unstable();
+    symbols
+}
+
+/// Every formula is converted whole: no command is unknown, and each number and
+/// letter of the TeX is in the MathML as often as it is written.
+#[test]
+fn formulas_lose_nothing() {
+    let cards = experiments::ALL.iter().map(|e| e.card());
+    let formulas: Vec<String> = cards.flat_map(|card| card.formulas).collect();
+    assert!(formulas.len() >= 9, "{formulas:?}");
+    for tex in formulas {
+        let mathml = mathml::displayed(&tex).unwrap();
+        assert_eq!(symbols(&shown(&mathml)), symbols(&written(&tex)), "{tex}\n{mathml}");
+    }
+    assert!(mathml::displayed(r"\frac{1}{\unknowncommand}").is_err());
+    assert!(mathml::displayed(r"\frac{1}{2").is_err());
+}

@@ -1,0 +1,63 @@
+//! Runs the experiments and renders the report, in its place.
+
+mod bar;
+mod place;
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use fairing_experiments::experiment::Experiment;
+use fairing_experiments::progress::Progress as _;
+use fairing_experiments::runner;
+use fairing_results::results::{Form, Results};
+
+use crate::reference;
+use bar::Bar;
+
+/// What to run, and where to put it.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// The root of the repository.
+    pub root: PathBuf,
+    /// The experiments, by id; empty for all.
+    pub only: Vec<String>,
+    /// A folder that holds the assignment's meshes.
+    pub meshes: Option<PathBuf>,
+    /// Where the report goes.
+    pub out: PathBuf,
+    /// Where finished experiments are kept for the next run.
+    pub cache: PathBuf,
+    /// Whether to reduce sizes.
+    pub quick: bool,
+    /// Whether to run what has been run before.
+    pub fresh: bool,
+    /// What the report holds.
+    pub form: Form,
+}
+
+/// Runs the plan and returns what was measured, failures included.
+///
+/// # Errors
+///
+/// If an experiment is not known, an input is missing, or a file cannot be
+/// written. An experiment that fails is no error here: its record says so.
+pub fn reproduce(experiments: &[&dyn Experiment], plan: &Plan) -> Result<Results> {
+    let work = place::beside(&plan.out)?;
+    // A first run is expected to take what it took for the reference values.
+    let run = runner::Plan {
+        root: plan.root.clone(),
+        only: plan.only.clone(),
+        meshes: plan.meshes.clone(),
+        cache: plan.cache.clone(),
+        quick: plan.quick,
+        fresh: plan.fresh,
+        expected: reference::seconds(&plan.root, plan.quick),
+    };
+    let bar = Bar::new();
+    let measured = runner::run(experiments, &run, work.path(), &bar)?;
+    bar.say("writing the report");
+    bar.finish();
+    let results = fairing_report::publish(measured, work.path(), plan.form)?;
+    place::move_into(work, &plan.out)?;
+    Ok(results)
+}
