@@ -2,7 +2,9 @@
 
 use fairing_mesh::TriMesh;
 use fairing_operators::LumpedArea;
-use fairing_spectral::{MassKind, SpectrumOptions, SurfaceOperator, reconstruct, spectrum};
+use fairing_spectral::{
+    MassKind, Reconstruction, SpectrumOptions, SurfaceOperator, reconstruct, spectrum,
+};
 
 use crate::assemble::cotangent;
 use crate::constraints::Constraints;
@@ -143,12 +145,11 @@ fn smoothest(mesh: &TriMesh, k: usize, options: &LowPass) -> Result<Smoothed, Fl
         return Err(FlowFailure::Unsupported { reason });
     }
     let options = SpectrumOptions { operator, mass, ..SpectrumOptions::default() };
-    let mesh = spectrum(mesh, k, &options)
+    let Reconstruction { mesh, split } = spectrum(mesh, k, &options)
         .and_then(|modes| reconstruct(mesh, &modes, k))
-        .map_err(|error| FlowFailure::Modes { reason: error.to_string() })?
-        .mesh;
+        .map_err(|error| FlowFailure::Modes { reason: error.to_string() })?;
     let approach = Approach::Modes { count: k };
-    Ok(Smoothed { mesh, report: Report { iterations: 1, approach, ..Report::default() } })
+    Ok(Smoothed { mesh, report: Report { iterations: 1, approach, split, ..Report::default() } })
 }
 
 fn check(options: &LowPass) -> Result<(), FlowFailure> {

@@ -43,7 +43,7 @@ impl Reconstruct {
         files::say_report(context, &self.input, &file.report);
         let options = SpectrumOptions::default();
         let modes = spectrum::compute_any(context, &file.mesh, self.k, options)?.spectrum;
-        spectrum::warn_of_split(context, &modes, self.k);
+        spectrum::warn_of_split(context, modes.split(self.k), self.k, "-k");
         let mesh = reconstruct(&file.mesh, &modes, self.k)?.mesh;
         let errors = reconstruction_errors(&file.mesh, &modes)?;
         files::write_moved(context, &self.output, &mesh, file.fields)?;
