@@ -134,16 +134,19 @@ fn most_noise(parts: &[(u32, Vec<f64>, NoiseLevel)]) -> Option<usize> {
 
 /// The level of absolute values, which it sorts.
 fn level_of(sizes: &mut [f64]) -> Option<NoiseLevel> {
-    if sizes.is_empty() {
-        return None;
-    }
     sizes.sort_unstable_by(f64::total_cmp);
-    let (median, high) = (sizes[sizes.len() / 2], sizes[sizes.len() * 9 / 10]);
+    let (median, high) = (median(sizes)?, sizes[sizes.len() * 9 / 10]);
     Some(NoiseLevel {
         sigma: median / GAUSSIAN_MEDIAN,
         tail_ratio: if median > 0.0 { high / median / GAUSSIAN_TAIL } else { 1.0 },
         samples: sizes.len(),
     })
+}
+
+/// The middle of ascending values; the mean of both where there are two.
+fn median(sorted: &[f64]) -> Option<f64> {
+    let n = sorted.len();
+    Some(0.5 * sorted.get(n.checked_sub(1)? / 2)? + 0.5 * sorted[n / 2])
 }
 
 /// The residual of vertex `v` from the quadric of its two-ring, standardised
@@ -236,6 +239,20 @@ mod tests {
             assert!((0.94..1.1).contains(&(level.sigma / sigma)), "{sigma}: {level:?}");
             assert!(!level.is_impulsive(), "{level:?}");
         }
+    }
+
+    /// Of an even number of residuals the level is that of the mean of the two in the middle.
+    #[test]
+    fn the_median_of_an_even_number_lies_between() {
+        assert_eq!(median(&[1.0, 2.0, 4.0, 9.0]), Some(3.0));
+        assert_eq!(
+            (median(&[1.0, 2.0, 9.0]), median(&[7.0]), median(&[])),
+            (Some(2.0), Some(7.0), None)
+        );
+        let level = level_of(&mut [9.0, 2.0, 1.0, 4.0]).unwrap();
+        assert_eq!((level.sigma, level.samples), (3.0 / GAUSSIAN_MEDIAN, 4));
+        assert_eq!(level.tail_ratio, 3.0 / GAUSSIAN_TAIL);
+        assert!(level_of(&mut []).is_none());
     }
 
     #[test]

@@ -9,6 +9,7 @@ use crate::error::{FlowError, FlowFailure, at_least};
 use crate::implicit::{Implicit, Update, implicit_with};
 use crate::outcome::Smoothed;
 use crate::step::Observer;
+use crate::unit_scale::at_unit_scale;
 use crate::volume::Volume;
 
 /// Options of [`conformalized_mean_curvature_flow`].
@@ -68,6 +69,14 @@ impl Default for ConformalizedMcf {
 ///
 /// Source: \[kazhdan2012\].
 pub fn conformalized_mean_curvature_flow(
+    mesh: &TriMesh,
+    options: &ConformalizedMcf,
+    observer: Option<&mut Observer<'_>>,
+) -> Result<Smoothed, FlowError> {
+    at_unit_scale(mesh, options, observer, flow)
+}
+
+fn flow(
     mesh: &TriMesh,
     options: &ConformalizedMcf,
     observer: Option<&mut Observer<'_>>,

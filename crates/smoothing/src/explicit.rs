@@ -14,6 +14,7 @@ use crate::series::Chain;
 use crate::spectrum::upper_bound;
 use crate::stability::{Stability, measured_limit, uniform_limit};
 use crate::step::Observer;
+use crate::unit_scale::at_unit_scale;
 use crate::volume::Volume;
 
 /// Options of [`explicit`].
@@ -75,6 +76,14 @@ impl Explicit {
 ///
 /// Source: \[taubin1995\], \[desbrun1999\].
 pub fn explicit(
+    mesh: &TriMesh,
+    options: &Explicit,
+    observer: Option<&mut Observer<'_>>,
+) -> Result<Smoothed, FlowError> {
+    at_unit_scale(mesh, options, observer, flow)
+}
+
+fn flow(
     mesh: &TriMesh,
     options: &Explicit,
     observer: Option<&mut Observer<'_>>,

@@ -8,6 +8,7 @@ use crate::error::{FlowError, FlowFailure};
 use crate::outcome::Smoothed;
 use crate::run::{Frame, Run, StepNote};
 use crate::step::Observer;
+use crate::unit_scale::at_unit_scale;
 
 /// Options of [`hc`].
 #[derive(Debug, Clone, PartialEq)]
@@ -58,6 +59,14 @@ impl Default for Hc {
 ///
 /// Source: \[vollmer1999\].
 pub fn hc(
+    mesh: &TriMesh,
+    options: &Hc,
+    observer: Option<&mut Observer<'_>>,
+) -> Result<Smoothed, FlowError> {
+    at_unit_scale(mesh, options, observer, flow)
+}
+
+fn flow(
     mesh: &TriMesh,
     options: &Hc,
     observer: Option<&mut Observer<'_>>,

@@ -18,6 +18,7 @@ use crate::run::{Frame, Run, StepNote};
 use crate::series::Series;
 use crate::spectrum::upper_bound;
 use crate::step::Observer;
+use crate::unit_scale::at_unit_scale;
 use crate::volume::Volume;
 
 /// When the operator is taken at the current positions.
@@ -119,7 +120,9 @@ pub fn implicit(
     options: &Implicit,
     observer: Option<&mut Observer<'_>>,
 ) -> Result<Smoothed, FlowError> {
-    implicit_with(mesh, options, false, observer)
+    at_unit_scale(mesh, options, observer, |mesh, options, observer| {
+        implicit_with(mesh, options, false, observer)
+    })
 }
 
 /// [`implicit`], and each step ends with scaling to the area of the input if `keep_area`.

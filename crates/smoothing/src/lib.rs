@@ -38,6 +38,7 @@ mod spectrum;
 mod stability;
 mod step;
 mod taubin;
+mod unit_scale;
 mod volume;
 mod windowed_sinc;
 

@@ -2,7 +2,7 @@
 
 use fairing_mesh::TriMesh;
 use fairing_operators::{Laplacian, LaplacianKind, LumpedArea, MassKind};
-use fairing_spectral::{SpectralError, SpectrumOptions, reconstruct, spectrum};
+use fairing_spectral::{Reconstruction, SpectralError, SpectrumOptions, reconstruct, spectrum};
 
 use crate::assemble::cotangent;
 use crate::constraints::Constraints;
@@ -14,6 +14,7 @@ use crate::response::Response;
 use crate::run::{Frame, Run};
 use crate::series::Series;
 use crate::spectrum::upper_bound;
+use crate::unit_scale::at_unit_scale;
 
 /// What a filter does to the mode of eigenvalue ω of `S φ = ω M φ`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,8 +29,8 @@ pub enum Transfer {
         order: u32,
     },
     /// 1 for the k smallest eigenvalues, 0 beyond: the ideal low-pass, a projection on the k smoothest modes, which
-    /// are computed. Where several eigenvalues are equal, which of their modes are kept is arbitrary. Knows no
-    /// constraints, and no Voronoi areas.
+    /// are computed. Where k splits a cluster of equal or nearly equal eigenvalues, which of their modes are kept is
+    /// arbitrary, and [`Report::split`] says so. Knows no constraints, and no Voronoi areas.
     Modes(usize),
 }
 
@@ -81,6 +82,10 @@ impl LowPass {
 ///
 /// Source: \[vallet2008\].
 pub fn low_pass(mesh: &TriMesh, options: &LowPass) -> Result<Smoothed, FlowError> {
+    at_unit_scale(mesh, options, None, |mesh, options, _| filter(mesh, options))
+}
+
+fn filter(mesh: &TriMesh, options: &LowPass) -> Result<Smoothed, FlowError> {
     check(options).map_err(|failure| failure.before(mesh))?;
     if let Transfer::Modes(k) = options.transfer {
         return smoothest(mesh, k, options).map_err(|failure| failure.before(mesh));
@@ -136,14 +141,13 @@ fn smoothest(mesh: &TriMesh, k: usize, options: &LowPass) -> Result<Smoothed, Fl
         let reason = "a projection on modes knows no constraints";
         return Err(FlowFailure::Unsupported { reason });
     }
-    let mesh = Laplacian::new(mesh, kind, mass)
+    let Reconstruction { mesh, split } = Laplacian::new(mesh, kind, mass)
         .map_err(SpectralError::from)
         .and_then(|laplacian| spectrum(&laplacian, k, &SpectrumOptions::default()))
         .and_then(|modes| reconstruct(mesh, &modes, k))
-        .map_err(|error| FlowFailure::Modes { reason: error.to_string() })?
-        .mesh;
+        .map_err(|error| FlowFailure::Modes { reason: error.to_string() })?;
     let approach = Approach::Modes { count: k };
-    Ok(Smoothed { mesh, report: Report { iterations: 1, approach, ..Report::default() } })
+    Ok(Smoothed { mesh, report: Report { iterations: 1, approach, split, ..Report::default() } })
 }
 
 fn check(options: &LowPass) -> Result<(), FlowFailure> {

@@ -1,6 +1,7 @@
 //! What a flow returns.
 
 use fairing_mesh::TriMesh;
+use fairing_spectral::Split;
 
 /// A smoothed mesh and how it came about.
 #[derive(Debug, Clone)]
@@ -31,6 +32,10 @@ pub struct Report {
     pub approach: Approach,
     /// The largest relative residual of all linear systems solved.
     pub worst_residual: Option<f64>,
+    /// For a projection on modes, the cluster of eigenvalues that their number splits, if any: the mesh then depends on
+    /// the basis of an eigenspace, which is arbitrary, and differs between processors. It names the nearest numbers of
+    /// modes that split none.
+    pub split: Option<Split>,
 }
 
 /// How the steps of a flow were computed. All give the same result within their tolerances.

@@ -10,6 +10,7 @@ use crate::double::{self, Double};
 use crate::error::{FlowError, FlowFailure};
 use crate::outcome::{Approach, Report, Smoothed};
 use crate::parts::larger;
+use crate::unit_scale::at_unit_scale;
 
 /// The weights of [`fair_region`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -74,6 +75,10 @@ impl FairRegion {
 ///
 /// Source: \[botsch2004\].
 pub fn fair_region(mesh: &TriMesh, options: &FairRegion) -> Result<Smoothed, FlowError> {
+    at_unit_scale(mesh, options, None, |mesh, options, _| fair(mesh, options))
+}
+
+fn fair(mesh: &TriMesh, options: &FairRegion) -> Result<Smoothed, FlowError> {
     let solved = solve(mesh, options).map_err(|failure| failure.before(mesh))?;
     let approach = Approach::Cholesky { factorisations: 1 };
     Ok(Smoothed { mesh: solved, report: Report { iterations: 1, approach, ..Report::default() } })
@@ -141,6 +146,7 @@ fn solve(mesh: &TriMesh, options: &FairRegion) -> Result<TriMesh, FlowFailure> {
     refine(
         &factor,
         &Powers { stiffness: &stiffness, mass: &mass, order: options.order },
+        mesh.faces(),
         &region,
         &mut positions,
     )?;
@@ -163,11 +169,13 @@ const ACCEPTED: f64 = 1e-10;
 fn refine(
     factor: &Cholesky,
     powers: &Powers<'_>,
+    faces: &[[u32; 3]],
     region: &[u32],
     x: &mut [[f64; 3]],
 ) -> Result<(), FlowFailure> {
-    let low = x.iter().fold([f64::INFINITY; 3], |m, p| [0, 1, 2].map(|k| m[k].min(p[k])));
-    let high = x.iter().fold([f64::NEG_INFINITY; 3], |m, p| [0, 1, 2].map(|k| m[k].max(p[k])));
+    let corners = || faces.as_flattened().iter().map(|&v| x[v as usize]);
+    let low = corners().fold([f64::INFINITY; 3], |m, p| [0, 1, 2].map(|k| m[k].min(p[k])));
+    let high = corners().fold([f64::NEG_INFINITY; 3], |m, p| [0, 1, 2].map(|k| m[k].max(p[k])));
     let extent = (0..3).map(|k| (high[k] - low[k]).max(high[k].abs()).max(low[k].abs()));
     let extent = extent.fold(0.0, f64::max);
     let mut before = f64::INFINITY;

@@ -38,27 +38,6 @@ pub(crate) struct Run<'a, 'o> {
     pub(crate) report: Report,
 }
 
-/// The largest coordinate, and the reciprocal of the smallest extent: areas, and squares of what has the unit of an
-/// area, stay within the range of numbers.
-const RANGE: f64 = 1e75;
-
-/// Refuses meshes so large or so small that squares of areas are not numbers.
-fn within_range(mesh: &TriMesh) -> Result<(), FlowFailure> {
-    let Some([low, high]) = mesh.bounding_box() else { return Ok(()) };
-    let far = low.into_iter().chain(high).map(f64::abs).fold(0.0, f64::max);
-    let extent = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max);
-    if far > RANGE || (extent > 0.0 && extent < 1.0 / RANGE) {
-        let value = if far > RANGE { far } else { extent };
-        let expected = "it must lie between 1e-75 and 1e75: scale the mesh";
-        return Err(FlowFailure::InvalidOption {
-            option: "the extent of the mesh",
-            value,
-            expected,
-        });
-    }
-    Ok(())
-}
-
 /// What a step did besides moving vertices.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct StepNote {
@@ -74,7 +53,6 @@ impl<'a, 'o> Run<'a, 'o> {
         observer: Option<&'a mut Observer<'o>>,
     ) -> Result<Self, FlowError> {
         let prepare = || -> Result<_, FlowFailure> {
-            within_range(input)?;
             let arrangement = match observer {
                 Some(_) => Arrangement::as_given(input),
                 None => Arrangement::in_slabs(input)?,
@@ -142,6 +120,7 @@ impl<'a, 'o> Run<'a, 'o> {
                     before: mesh.positions(),
                     mesh: &after,
                     residual: note.residual,
+                    unit: 1.0,
                 }),
             };
             next = std::mem::replace(&mut mesh, after).into_positions();

@@ -10,6 +10,7 @@ use crate::laplacian::Laplacian;
 use crate::outcome::Smoothed;
 use crate::run::{Frame, Run, StepNote};
 use crate::step::Observer;
+use crate::unit_scale::at_unit_scale;
 
 /// Options of [`scale_dependent`].
 #[derive(Debug, Clone, PartialEq)]
@@ -57,6 +58,14 @@ impl Default for ScaleDependent {
 ///
 /// Source: \[fujiwara1995\], \[desbrun1999\].
 pub fn scale_dependent(
+    mesh: &TriMesh,
+    options: &ScaleDependent,
+    observer: Option<&mut Observer<'_>>,
+) -> Result<Smoothed, FlowError> {
+    at_unit_scale(mesh, options, observer, flow)
+}
+
+fn flow(
     mesh: &TriMesh,
     options: &ScaleDependent,
     observer: Option<&mut Observer<'_>>,

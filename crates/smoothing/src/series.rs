@@ -122,12 +122,12 @@ impl Series {
 
     /// `g(L) x` by Clenshaw's recurrence, whose terms `bₖ = cₖ x + 2 T bₖ₊₁ − bₖ₊₂` overwrite each other in place.
     ///
-    /// Constants are reproduced to rounding wherever the mesh lies: the mean of the points (the first point, where
-    /// their sum is too large for a number) is taken off before and put back after, so that coordinates far from the
-    /// origin lose no digits.
+    /// Constants are reproduced to rounding wherever the mesh lies: the mean of the points that move (the first point,
+    /// where their sum is too large for a number) is taken off before and put back after, so that coordinates far from
+    /// the origin lose no digits, nor others to a point without faces that is far away.
     pub(crate) fn apply(&self, laplacian: &Laplacian, given: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let Some(&origin) = given.first() else { return Vec::new() };
-        let centre = mean(given).unwrap_or(origin);
+        let centre = mean(laplacian, given).unwrap_or(origin);
         let x: Vec<Padded> = given
             .par_iter()
             .with_min_len(ROWS)
@@ -148,10 +148,14 @@ impl Series {
     }
 }
 
-/// The mean of the points, if they are so few and so near that it is finite.
-fn mean(x: &[[f64; 3]]) -> Option<[f64; 3]> {
-    let sum = x.iter().fold([0.0; 3], |s, p| [s[0] + p[0], s[1] + p[1], s[2] + p[2]]);
-    let mean = sum.map(|s| s / x.len() as f64);
+/// The mean of the points that move, if there are any, so few and so near that it is finite.
+fn mean(laplacian: &Laplacian, x: &[[f64; 3]]) -> Option<[f64; 3]> {
+    let moving = (0..x.len()).filter(|&i| !laplacian.is_still(i));
+    let (sum, count) = moving.fold(([0.0; 3], 0.0), |(s, n), i| {
+        let p = x[i];
+        ([s[0] + p[0], s[1] + p[1], s[2] + p[2]], n + 1.0)
+    });
+    let mean = sum.map(|s| s / count);
     mean.iter().all(|m| m.is_finite()).then_some(mean)
 }
 

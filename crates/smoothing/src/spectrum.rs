@@ -8,6 +8,7 @@ use crate::assemble::assemble;
 use crate::diffusion::Diffusion;
 use crate::error::FlowFailure;
 use crate::laplacian::{Laplacian, by_chunk};
+use crate::unit_scale::{InMeshUnits, times};
 
 /// Lanczos steps; the largest eigenvalue is then known to about one percent.
 const STEPS: usize = 20;
@@ -53,9 +54,12 @@ pub(crate) fn upper_bound(laplacian: &Laplacian) -> f64 {
 /// # Ok::<(), fairing_smoothing::FlowFailure>(())
 /// ```
 pub fn largest_eigenvalue(mesh: &TriMesh, diffusion: Diffusion) -> Result<f64, FlowFailure> {
-    let laplacian = assemble(mesh, diffusion, &vec![false; mesh.vertex_count()])?;
+    let (scaled, unit) = mesh.at_unit_scale();
+    let laplacian = assemble(&scaled, diffusion, &vec![false; mesh.vertex_count()])
+        .map_err(|failure| times(failure, unit, mesh))?;
     let (alpha, beta) = tridiagonal(&laplacian, MANY_STEPS);
-    Ok(largest_ritz_value(&alpha, &beta))
+    let largest = largest_ritz_value(&alpha, &beta);
+    Ok(if diffusion.is_timed() { largest / unit / unit } else { largest })
 }
 
 /// The coefficients of the three-term recurrence of `−L`; one β for each α, the last leads out.

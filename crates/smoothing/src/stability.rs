@@ -6,6 +6,7 @@ use crate::assemble::assemble;
 use crate::diffusion::Diffusion;
 use crate::error::FlowFailure;
 use crate::spectrum::upper_bound;
+use crate::unit_scale::times;
 
 /// What happens to an explicit step beyond its stable limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -41,7 +42,10 @@ pub fn stable_limit(mesh: &TriMesh, diffusion: Diffusion) -> Result<f64, FlowFai
         Diffusion::Uniform { .. } => Ok(uniform_limit(mesh)),
         Diffusion::Cotangent { .. } => {
             let held = vec![false; mesh.vertex_count()];
-            Ok(measured_limit(upper_bound(&assemble(mesh, diffusion, &held)?)))
+            let (scaled, unit) = mesh.at_unit_scale();
+            let laplacian = assemble(&scaled, diffusion, &held)
+                .map_err(|failure| times(failure, unit, mesh))?;
+            Ok(measured_limit(upper_bound(&laplacian)) * unit * unit)
         }
     }
 }

@@ -37,6 +37,8 @@ pub struct Step<'a> {
     pub(crate) before: &'a [[f64; 3]],
     pub(crate) mesh: &'a TriMesh,
     pub(crate) residual: Option<f64>,
+    /// The power of two in which squares of lengths are numbers; 1 for ordinary sizes.
+    pub(crate) unit: f64,
 }
 
 impl Step<'_> {
@@ -67,24 +69,26 @@ impl Step<'_> {
 
     /// The largest distance that a vertex moved in this step, in mesh units. Computed when called.
     pub fn largest_displacement(&self) -> f64 {
-        self.squared_displacements().fold(0.0, f64::max).sqrt()
+        self.unit * self.squared_displacements().fold(0.0, f64::max).sqrt()
     }
 
     /// The root mean square of the distances that vertices moved in this step, in mesh units. Computed when called.
     pub fn rms_displacement(&self) -> f64 {
         let n = self.before.len().max(1) as f64;
-        (self.squared_displacements().sum::<f64>() / n).sqrt()
+        self.unit * (self.squared_displacements().sum::<f64>() / n).sqrt()
     }
 
-    /// The signed volume `⅙ Σ a · (b × c)`, in cubed mesh units, with the mean of the vertices as origin; the
+    /// The signed volume `⅙ Σ a · (b × c)`, in cubed mesh units, with a point amid the faces as origin; the
     /// volume inside where the mesh is closed. Computed when called.
     pub fn volume(&self) -> f64 {
-        signed_volume(self.mesh.faces(), self.mesh.positions())
+        let mesh = self.mesh.divided_by(self.unit);
+        signed_volume(mesh.faces(), mesh.positions()) * self.unit * self.unit * self.unit
     }
 
     /// The area, in squared mesh units: the energy that cotangent flows descend. Computed when called.
     pub fn area(&self) -> f64 {
-        (0..self.mesh.face_count()).map(|f| self.mesh.face_area(f)).sum()
+        let mesh = self.mesh.divided_by(self.unit);
+        (0..mesh.face_count()).map(|f| mesh.face_area(f)).sum::<f64>() * self.unit * self.unit
     }
 
     /// Half the sum of squared edge lengths, in squared mesh units: the energy that uniform flows descend.
@@ -92,12 +96,13 @@ impl Step<'_> {
     pub fn edge_energy(&self) -> f64 {
         let x = self.mesh.positions();
         let edges = self.mesh.topology().edges().iter();
-        0.5 * edges
+        let sum = edges
             .map(|&[a, b]| {
-                let d = sub(x[a as usize], x[b as usize]);
+                let d = sub(x[a as usize], x[b as usize]).map(|d| d / self.unit);
                 dot(d, d)
             })
-            .sum::<f64>()
+            .sum::<f64>();
+        0.5 * sum * self.unit * self.unit
     }
 
     /// The largest relative residual of the linear systems of this step; `None` for explicit steps.
@@ -105,9 +110,10 @@ impl Step<'_> {
         self.residual
     }
 
+    /// In squares of the unit.
     fn squared_displacements(&self) -> impl Iterator<Item = f64> + '_ {
         self.before.iter().zip(self.positions()).map(|(&a, &b)| {
-            let d = sub(b, a);
+            let d = sub(b, a).map(|d| d / self.unit);
             dot(d, d)
         })
     }

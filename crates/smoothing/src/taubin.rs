@@ -12,6 +12,7 @@ use crate::run::{Frame, Run, StepNote};
 use crate::series::Chain;
 use crate::stability::Stability;
 use crate::step::Observer;
+use crate::unit_scale::at_unit_scale;
 
 /// Options of [`taubin`].
 #[derive(Debug, Clone, PartialEq)]
@@ -90,6 +91,14 @@ impl Default for Taubin {
 ///
 /// Source: \[taubin1995\].
 pub fn taubin(
+    mesh: &TriMesh,
+    options: &Taubin,
+    observer: Option<&mut Observer<'_>>,
+) -> Result<Smoothed, FlowError> {
+    at_unit_scale(mesh, options, observer, flow)
+}
+
+fn flow(
     mesh: &TriMesh,
     options: &Taubin,
     observer: Option<&mut Observer<'_>>,

@@ -136,7 +136,8 @@ fn offset(
         missing = target - signed_volume(faces, x);
     }
     // Far from the origin the rounding of positions alone changes the volume by more.
-    let far = x.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let corners = faces.iter().flatten().flat_map(|&v| x[v as usize]);
+    let far = corners.fold(0.0, |m: f64, x| m.max(x.abs()));
     let attainable = f64::EPSILON * far * surface(faces, x).0;
     if missing.abs() <= (ACCEPTED * target.abs()).max(attainable) {
         return Ok(());
@@ -146,7 +147,7 @@ fn offset(
 
 /// The area of the surface and its centroid.
 fn surface(faces: &[[u32; 3]], x: &[[f64; 3]]) -> (f64, [f64; 3]) {
-    let origin = mean(x);
+    let origin = middle(faces, x);
     let mut total = 0.0;
     let mut moment = [0.0; 3];
     for &face in faces {
@@ -158,16 +159,16 @@ fn surface(faces: &[[u32; 3]], x: &[[f64; 3]]) -> (f64, [f64; 3]) {
     (total, add(origin, scale(moment, 1.0 / total)))
 }
 
-/// The signed volume `⅙ Σ a · (b × c)` about the mean of the points.
+/// The signed volume `⅙ Σ a · (b × c)` about a point amid the faces.
 pub(crate) fn signed_volume(faces: &[[u32; 3]], x: &[[f64; 3]]) -> f64 {
-    let origin = mean(x);
+    let origin = middle(faces, x);
     let corner = |v: u32| sub(x[v as usize], origin);
     faces.iter().map(|&[a, b, c]| dot(corner(a), cross(corner(b), corner(c)))).sum::<f64>() / 6.0
 }
 
 /// What rounding may leave of a volume that vanishes: of each term, and of their sum.
 fn rounding(faces: &[[u32; 3]], x: &[[f64; 3]]) -> f64 {
-    let origin = mean(x);
+    let origin = middle(faces, x);
     let corner = |v: u32| sub(x[v as usize], origin);
     let (mut products, mut terms) = (0.0, 0.0);
     for &[a, b, c] in faces {
@@ -178,9 +179,9 @@ fn rounding(faces: &[[u32; 3]], x: &[[f64; 3]]) -> f64 {
     f64::EPSILON * (8.0 * products + faces.len() as f64 * terms) / 6.0
 }
 
-/// The centroid of the volume: tetrahedra from the mean of the points, weighted by their signed volumes.
+/// The centroid of the volume: tetrahedra from a point amid the faces, weighted by their signed volumes.
 fn volume_centroid(faces: &[[u32; 3]], x: &[[f64; 3]], volume: f64) -> [f64; 3] {
-    let origin = mean(x);
+    let origin = middle(faces, x);
     let corner = |v: u32| sub(x[v as usize], origin);
     let mut moment = [0.0; 3];
     for &face in faces {
@@ -204,7 +205,9 @@ fn area_vectors(faces: &[[u32; 3]], x: &[[f64; 3]]) -> Vec<[f64; 3]> {
     sums
 }
 
-fn mean(x: &[[f64; 3]]) -> [f64; 3] {
-    let sum = x.iter().fold([0.0; 3], |s, &p| add(s, p));
-    scale(sum, 1.0 / x.len().max(1) as f64)
+/// A point about which volumes and moments lose no digits: the mean of the first corners of the faces. Vertices without
+/// faces do not matter, however far away.
+fn middle(faces: &[[u32; 3]], x: &[[f64; 3]]) -> [f64; 3] {
+    let sum = faces.iter().fold([0.0; 3], |s, face| add(s, x[face[0] as usize]));
+    scale(sum, 1.0 / faces.len().max(1) as f64)
 }

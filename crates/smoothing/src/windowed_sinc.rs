@@ -10,6 +10,7 @@ use crate::error::{FlowError, FlowFailure};
 use crate::outcome::{Approach, Smoothed};
 use crate::run::{Frame, Run};
 use crate::series::Series;
+use crate::unit_scale::at_unit_scale;
 
 /// How the Chebyshev series of the ideal filter is faded out. All are 1 at its beginning and small at its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -86,6 +87,10 @@ impl Default for WindowedSinc {
 ///
 /// Source: \[taubin1996\].
 pub fn windowed_sinc(mesh: &TriMesh, options: &WindowedSinc) -> Result<Smoothed, FlowError> {
+    at_unit_scale(mesh, options, None, |mesh, options, _| filter(mesh, options))
+}
+
+fn filter(mesh: &TriMesh, options: &WindowedSinc) -> Result<Smoothed, FlowError> {
     let WindowedSinc { pass_band, degree, window, .. } = *options;
     if !(pass_band > 0.0 && pass_band < 2.0) {
         return Err(FlowFailure::InvalidOption {

@@ -4,9 +4,6 @@ use std::ops::Range;
 
 use crate::spectrum::Spectrum;
 
-/// The largest angle by which modes on both sides of a gap may lean towards each other, in radians: what the
-/// residuals leave undetermined, and so what differs between processors.
-const ANGLE: f64 = 1e-4;
 /// Residuals count as at least this share of λ, the usual tolerance: where they happen to be smaller, they are
 /// rounding, and clusters must not depend on that.
 const LEAST_RESIDUAL: f64 = 1e-9;
@@ -22,10 +19,14 @@ pub struct Split {
 }
 
 impl Spectrum {
+    /// The largest angle by which modes on both sides of a gap may lean towards each other, in radians: what the
+    /// residuals leave undetermined, and so what differs between processors.
+    pub const GAP_ANGLE: f64 = 1e-5;
+
     /// The modes in clusters of equal and nearly equal eigenvalues, ascending.
     ///
-    /// Neighbours are apart where |λᵢ₊₁ − λᵢ| is more than 10⁴ times the larger of their residuals, each at
-    /// least 10⁻⁹ λ: then modes on both sides are determined to an angle of 10⁻⁴. Exact zeros have no residual.
+    /// Neighbours are apart where |λᵢ₊₁ − λᵢ| is more than 10⁵ times the larger of their residuals, each at
+    /// least 10⁻⁹ λ: then modes on both sides are determined to an angle of 10⁻⁵. Exact zeros have no residual.
     /// The last cluster may go on beyond the last mode: see [`Spectrum::split`].
     pub fn clusters(&self) -> Vec<Range<usize>> {
         let mut clusters = vec![];
@@ -81,10 +82,10 @@ impl Spectrum {
             let (next, next_residual) = self.known(k);
             let of_last = if last == 0.0 { 0.0 } else { residual };
             let of_next = if next == 0.0 { 0.0 } else { next_residual };
-            return next - last > of_last.max(of_next) / ANGLE;
+            return next - last > of_last.max(of_next) / Self::GAP_ANGLE;
         }
         // Exact zeros were counted, whatever comes next.
-        last == 0.0 || self.beyond.clear_below - last > residual / ANGLE
+        last == 0.0 || self.beyond.clear_below - last > residual / Self::GAP_ANGLE
     }
 
     /// Eigenvalue k and what it may be off by.

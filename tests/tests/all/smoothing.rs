@@ -17,6 +17,7 @@ mod flows;
 mod hard_cases;
 mod mean_curvature;
 mod runs;
+mod sizes;
 mod solvers;
 mod spectra;
 

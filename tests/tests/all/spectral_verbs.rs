@@ -264,4 +264,19 @@ fn a_split_cluster_is_warned_of() {
     }
     let found = spectrum(folder.path(), "spectrum sphere.ply -k 6 --json");
     assert_eq!((&found["gap_below"], &found["gap_above"]), (&4.into(), &9.into()));
+    // The low-pass flow keeps modes too.
+    let flow = "smooth sphere.ply -o out.obj --force --method low-pass";
+    for (k, below, above) in [(6, 4, 9), (2, 1, 4), (9, 9, 9)] {
+        let output = fairing(folder.path(), &format!("{flow} --modes {k} --json"));
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "{said}");
+        let good = format!("--modes {below} and --modes {above} do not");
+        assert_eq!(said.contains(&good), k != 9, "{said}");
+        assert_eq!(said.contains("split a cluster"), k != 9, "{said}");
+        let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!((&found["gap_below"], &found["gap_above"]), (&below.into(), &above.into()));
+    }
+    let output = fairing(folder.path(), &format!("{flow} --time 0.01 --json"));
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(found["gap_below"].is_null() && found["gap_above"].is_null());
 }

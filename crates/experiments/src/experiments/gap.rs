@@ -5,16 +5,8 @@
 use anyhow::{Result, ensure};
 use fairing_spectral::{SpectralError, Spectrum};
 
-/// The least gap behind the last mode kept, over the eigenvalue behind it.
-const LEAST: f64 = 1e-4;
-
-/// The gap is at least this many times the largest residual. The kept space is
-/// then known up to an angle of the inverse (Davis and Kahan: residual over
-/// gap), and so is, relative to its size, what a projection onto it leaves out.
-const OVER_RESIDUAL: f64 = 1e5;
-
 /// How far numbers that depend on a truncation may move between processors.
-pub(super) const ANGLE: f64 = 1.0 / OVER_RESIDUAL;
+pub(super) const ANGLE: f64 = Spectrum::GAP_ANGLE;
 
 /// The relative gap behind the first k modes; infinite behind all of them.
 pub(super) fn behind(spectrum: &Spectrum, k: usize) -> f64 {
@@ -25,20 +17,10 @@ pub(super) fn behind(spectrum: &Spectrum, k: usize) -> f64 {
     }
 }
 
-/// Whether the space of the first k modes is well conditioned.
-fn is_gap(spectrum: &Spectrum, k: usize) -> bool {
-    let Some(next) = spectrum.values.get(k) else {
-        // Nothing is known of what follows, unless nothing does.
-        return k == spectrum.vertex_count();
-    };
-    let residual = spectrum.residuals[..=k].iter().fold(0.0, |a: f64, r| a.max(*r));
-    behind(spectrum, k) >= LEAST.max(OVER_RESIDUAL * residual / next)
-}
-
 /// The least number of modes from k on behind which there is a gap; `None` if
-/// the spectrum ends before.
+/// the modes at hand end before.
 pub(super) fn next(spectrum: &Spectrum, k: usize) -> Option<usize> {
-    (k..=spectrum.len()).find(|&k| is_gap(spectrum, k))
+    spectrum.gap_above(k).filter(|&k| k <= spectrum.len())
 }
 
 /// Modes up to the first gap from k on and one beyond it, from a solver of so
@@ -52,24 +34,13 @@ pub(super) fn modes(
     let mut more = 4 + k / 50;
     loop {
         let spectrum = solve((k + more).min(n))?;
-        if let Some(kept) = next(&spectrum, k) {
+        let last = spectrum.len();
+        if let Some(kept) = next(&spectrum, k).filter(|&kept| kept < last || last == n) {
             return Ok(spectrum.truncated((kept + 1).min(spectrum.len()))?);
         }
         ensure!(spectrum.len() < n, "no gap from {k} modes on");
         more *= 2;
     }
-}
-
-/// The ranges of modes between gaps: what lies in one of them has no basis of
-/// its own. The last is left out where the spectrum ends in a cluster.
-pub(super) fn clusters(spectrum: &Spectrum) -> Vec<std::ops::Range<usize>> {
-    let mut ranges: Vec<std::ops::Range<usize>> = vec![];
-    let mut start = 0;
-    while let Some(end) = next(spectrum, start + 1) {
-        ranges.push(start..end);
-        start = end;
-    }
-    ranges
 }
 
 #[cfg(test)]
@@ -80,22 +51,6 @@ mod tests {
     use fairing_spectral::{EigenOptions, GraphWeights, SpectrumOptions, graph_spectrum, spectrum};
 
     use super::*;
-
-    fn sphere(k: usize) -> (TriMesh, Spectrum) {
-        let mesh = shapes::icosphere(3);
-        let laplacian = Laplacian::cotangent(&mesh).unwrap();
-        let modes = spectrum(&laplacian, k, &SpectrumOptions::default()).unwrap();
-        (mesh, modes)
-    }
-
-    /// The sphere has clusters of 1, 3, 5, 7, …; the icosphere keeps the first three whole.
-    #[test]
-    fn clusters_of_a_sphere_are_kept_whole() {
-        let (_, modes) = sphere(12);
-        assert_eq!([1, 2, 4, 5, 6, 9].map(|k| next(&modes, k)), [1, 4, 4, 9, 9, 9].map(Some));
-        assert_eq!(clusters(&modes)[..3], [0..1, 1..4, 4..9]);
-        assert_eq!(next(&modes, 12), None);
-    }
 
     /// Every mode of a mesh: there is nothing behind to be mixed with.
     #[test]

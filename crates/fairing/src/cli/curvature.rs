@@ -173,7 +173,13 @@ fn spread(field: &CurvatureField, values: &[f64]) -> Option<[f64; 3]> {
     let interior = (0..field.len() as u32).filter(|&v| field.is_interior(v));
     let mut sorted: Vec<f64> = interior.map(|v| values[v as usize]).collect();
     sorted.sort_unstable_by(f64::total_cmp);
-    Some([*sorted.first()?, sorted[sorted.len() / 2], *sorted.last()?])
+    Some([*sorted.first()?, median(&sorted)?, *sorted.last()?])
+}
+
+/// The middle of ascending values; the mean of both where there are two.
+fn median(sorted: &[f64]) -> Option<f64> {
+    let n = sorted.len();
+    Some(0.5 * sorted.get(n.checked_sub(1)? / 2)? + 0.5 * sorted[n / 2])
 }
 
 fn summary(field: &CurvatureField) -> Value {
@@ -202,4 +208,16 @@ fn with_curvature(mut fields: VertexFields, field: &CurvatureField) -> VertexFie
         fields.vectors.extend(vectors.map(|(name, values)| (name.to_owned(), values.clone())));
     }
     fields
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_median_of_an_even_number_lies_between() {
+        assert_eq!(median(&[1.0, 2.0, 4.0, 9.0]), Some(3.0));
+        assert_eq!(median(&[1.0, 2.0, 9.0]), Some(2.0));
+        assert_eq!((median(&[7.0]), median(&[])), (Some(7.0), None));
+    }
 }

@@ -50,7 +50,7 @@ impl Reconstruct {
         let laplacian = self.operator.assemble(context, &file.mesh, MassKind::Barycentric)?;
         let options = SpectrumOptions::default();
         let modes = spectrum::compute(context, &laplacian, self.k, &options)?;
-        spectrum::warn_of_split(context, &modes, self.k);
+        spectrum::warn_of_split(context, modes.split(self.k), self.k, "-k");
         let mesh = reconstruct(&file.mesh, &modes, self.k)?.mesh;
         let errors = reconstruction_errors(&file.mesh, &modes)?;
         files::write_moved(context, &self.output, &mesh, file.fields)?;

@@ -10,6 +10,7 @@ use serde_json::json;
 
 use super::exit::Failure;
 use super::files::{self, Output};
+use super::spectrum::warn_of_split;
 use super::table::{Table, number};
 use super::{Context, print};
 
@@ -219,6 +220,9 @@ impl Smooth {
         } else if smoothed.report.unstable && warns {
             context.note("warning: modes of the pass band grew by more than two");
         }
+        if let Approach::Modes { count } = smoothed.report.approach {
+            warn_of_split(context, smoothed.report.split, count, "--modes");
+        }
         self.summarise(context, &method, &file.mesh, &smoothed)?;
         files::write_moved(context, &output, &smoothed.mesh, file.fields)
     }
@@ -249,7 +253,17 @@ impl Smooth {
             .map(|(&p, &q)| fairing::mesh::vec3::distance(p, q))
             .fold(0.0, f64::max);
         if self.json {
+            // As `fairing spectrum` calls them; null where no number of modes was kept.
+            let gaps = match report.approach {
+                Approach::Modes { count } => match report.split {
+                    Some(split) => (Some(split.below), split.above),
+                    None => (Some(count), Some(count)),
+                },
+                _ => (None, None),
+            };
             let summary = json!({
+                "gap_below": gaps.0,
+                "gap_above": gaps.1,
                 "method": method.name(),
                 "iterations": report.iterations,
                 "stopped": report.stopped,

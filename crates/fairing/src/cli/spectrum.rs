@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use fairing::mesh::TriMesh;
 use fairing::operators::{Laplacian, MassKind};
-use fairing::spectral::{self, SpectralError, SpectrumOptions};
+use fairing::spectral::{self, SpectralError, SpectrumOptions, Split};
 use serde_json::json;
 
 use super::exit::Failure;
@@ -62,13 +62,15 @@ pub(crate) fn at_least_one(text: &str) -> Result<usize, String> {
 }
 
 /// Warns where the first k modes split a cluster of eigenvalues.
-pub(crate) fn warn_of_split(context: &Context, modes: &spectral::Spectrum, k: usize) {
-    let Some(split) = modes.split(k) else { return };
+///
+/// `option` is the name of the option that sets k.
+pub(crate) fn warn_of_split(context: &Context, split: Option<Split>, k: usize, option: &str) {
+    let Some(split) = split else { return };
     let good = match (split.below, split.above) {
-        (0, Some(above)) => format!("-k {above} does not"),
-        (below, Some(above)) => format!("-k {below} and -k {above} do not"),
+        (0, Some(above)) => format!("{option} {above} does not"),
+        (below, Some(above)) => format!("{option} {below} and {option} {above} do not"),
         (0, None) => "a larger number may not".to_owned(),
-        (below, None) => format!("-k {below} does not"),
+        (below, None) => format!("{option} {below} does not"),
     };
     context.note(format_args!(
         "warning: {k} modes split a cluster of equal or nearly equal eigenvalues, whose modes are an \
@@ -154,7 +156,7 @@ impl Spectrum {
         if let Some(output) = &self.output {
             modes.save(output).map_err(Failure::output)?;
         }
-        warn_of_split(context, &modes, self.k);
+        warn_of_split(context, modes.split(self.k), self.k, "-k");
         if self.json {
             let summary = json!({
                 "gap_below": modes.gap_below(self.k),

@@ -79,8 +79,8 @@ fn only_splits_depend_on_the_basis() {
         };
         let worst = (0..place.len()).map(apart).fold(0.0, f64::max);
         if x.split.is_none() {
-            // Angles of 10⁻⁴ at most, times coefficients below one.
-            assert!(worst < 1e-4, "{k}: {worst:e}");
+            // Angles of this at most, times coefficients below one.
+            assert!(worst < Spectrum::GAP_ANGLE, "{k}: {worst:e}");
         } else {
             split += 1;
             assert!(worst > 1e-3, "{k} is said to split a cluster: {worst:e}");

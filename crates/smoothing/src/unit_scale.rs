@@ -1,0 +1,317 @@
+//! Flows at a size whose powers are floats.
+
+use std::ops::ControlFlow;
+
+use fairing_mesh::TriMesh;
+
+use crate::conformal::ConformalizedMcf;
+use crate::constraints::Constraints;
+use crate::diffusion::{Diffusion, Time};
+use crate::error::{FlowError, FlowFailure};
+use crate::explicit::Explicit;
+use crate::hc::Hc;
+use crate::implicit::Implicit;
+use crate::low_pass::{LowPass, Transfer};
+use crate::outcome::Smoothed;
+use crate::region::FairRegion;
+use crate::scale_dependent::ScaleDependent;
+use crate::step::{Observer, Step};
+use crate::taubin::Taubin;
+use crate::windowed_sinc::WindowedSinc;
+
+/// Options of a flow, in mesh units where they have one.
+pub(crate) trait InMeshUnits: Sized {
+    /// What they are for a mesh divided by `unit`.
+    fn divided_by(&self, unit: f64) -> Result<Self, FlowFailure>;
+
+    /// Whether steps are times in squared mesh units, not numbers.
+    fn is_timed(&self) -> bool {
+        false
+    }
+}
+
+/// Runs a flow on the mesh [at unit scale](TriMesh::at_unit_scale) and scales back what it returns and what an observer
+/// sees. Scales are powers of two and round nothing; a vertex that does not move keeps its position to the last bit.
+pub(crate) fn at_unit_scale<O: InMeshUnits>(
+    mesh: &TriMesh,
+    options: &O,
+    observer: Option<&mut Observer<'_>>,
+    flow: impl Fn(&TriMesh, &O, Option<&mut Observer<'_>>) -> Result<Smoothed, FlowError>,
+) -> Result<Smoothed, FlowError> {
+    let unit = mesh.scale_unit();
+    if unit == 1.0 {
+        return flow(mesh, options, observer);
+    }
+    let options = options.divided_by(unit).map_err(|failure| failure.before(mesh))?;
+    let scaled = Scaled { mesh, at_unit: &mesh.divided_by(unit), unit, timed: options.is_timed() };
+    match observer {
+        Some(observe) => {
+            scaled.observed(observe, |watch| flow(scaled.at_unit, &options, Some(watch)))
+        }
+        None => {
+            let result = scaled.back(flow(scaled.at_unit, &options, None));
+            let overflown = |error: &FlowError| {
+                error.iteration == 0 && matches!(error.failure, FlowFailure::NonFinite { .. })
+            };
+            // What left the range of numbers only in mesh units did so in some step: that one is looked for.
+            match result {
+                Err(error) if overflown(&error) => scaled
+                    .observed(&mut |_| ControlFlow::Continue(()), |watch| {
+                        flow(scaled.at_unit, &options, Some(watch))
+                    }),
+                result => result,
+            }
+        }
+    }
+}
+
+/// A mesh and the same divided by a power of two.
+struct Scaled<'a> {
+    mesh: &'a TriMesh,
+    at_unit: &'a TriMesh,
+    unit: f64,
+    /// Whether steps are times.
+    timed: bool,
+}
+
+impl Scaled<'_> {
+    /// A step in mesh units.
+    fn step(&self, step: f64) -> f64 {
+        if self.timed { step * self.unit * self.unit } else { step }
+    }
+
+    /// Positions in mesh units.
+    fn positions(&self, x: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        let moved = self.at_unit.positions().iter().zip(x);
+        let given = self.mesh.positions().iter().zip(moved);
+        let back = |(&p, (old, new)): (&_, (&_, &[f64; 3]))| match old == new {
+            true => p,
+            false => new.map(|x| x * self.unit),
+        };
+        given.map(back).collect()
+    }
+
+    /// What a flow at unit scale returns, in mesh units.
+    fn back(&self, result: Result<Smoothed, FlowError>) -> Result<Smoothed, FlowError> {
+        let restore = |mesh: &TriMesh| {
+            let restored = self.mesh.with_positions(self.positions(mesh.positions()));
+            restored.map_err(|error| FlowFailure::from(error).before(self.mesh))
+        };
+        match result {
+            Ok(Smoothed { mesh, mut report }) => {
+                report.stable_limit = report.stable_limit.map(|limit| self.step(limit));
+                Ok(Smoothed { mesh: restore(&mesh)?, report })
+            }
+            Err(error) => {
+                let last_good = restore(&error.last_good)?;
+                let failure = match error.failure {
+                    FlowFailure::Unstable { step, limit } => {
+                        FlowFailure::Unstable { step: self.step(step), limit: self.step(limit) }
+                    }
+                    failure => times(failure, self.unit, &last_good),
+                };
+                Err(FlowError { failure, last_good: Box::new(last_good), ..error })
+            }
+        }
+    }
+
+    /// Runs a flow at unit scale whose observer sees every step in mesh units, and ends it where they are no numbers.
+    fn observed(
+        &self,
+        observe: &mut Observer<'_>,
+        flow: impl FnOnce(&mut Observer<'_>) -> Result<Smoothed, FlowError>,
+    ) -> Result<Smoothed, FlowError> {
+        let mut overflown = None;
+        let result = flow(&mut |step: &Step<'_>| {
+            let before = self.positions(step.before);
+            let failure = match self.mesh.with_positions(self.positions(step.positions())) {
+                Ok(mesh) => {
+                    return observe(&Step {
+                        step_size: self.step(step.step_size),
+                        before: &before,
+                        mesh: &mesh,
+                        unit: self.unit,
+                        ..*step
+                    });
+                }
+                Err(error) => FlowFailure::from(error),
+            };
+            overflown = Some(match self.mesh.with_positions(before) {
+                Ok(last_good) => {
+                    let last_good = Box::new(last_good);
+                    FlowError { failure, iteration: step.iteration, last_good }
+                }
+                Err(_) => failure.before(self.mesh),
+            });
+            ControlFlow::Break(())
+        });
+        overflown.map_or_else(|| self.back(result), Err)
+    }
+}
+
+/// A failure at a mesh that was divided by `unit`, in the units it had.
+pub(crate) fn times(failure: FlowFailure, unit: f64, last_good: &TriMesh) -> FlowFailure {
+    let area = |x: f64| x * unit * unit;
+    match failure {
+        FlowFailure::NonFinite { vertex, position } => {
+            FlowFailure::NonFinite { vertex, position: position.map(|x| x * unit) }
+        }
+        FlowFailure::Collapsed { vertex, area: left, before } => {
+            FlowFailure::Collapsed { vertex, area: area(left), before: area(before) }
+        }
+        FlowFailure::NonPositiveMass { vertex, mass } => {
+            FlowFailure::NonPositiveMass { vertex, mass: area(mass) }
+        }
+        // In units of the mesh that is asked again.
+        FlowFailure::Operator(_) => match fairing_operators::cotan_stiffness(last_good) {
+            Err(error) => FlowFailure::Operator(error),
+            Ok(_) => failure,
+        },
+        other => other,
+    }
+}
+
+/// The value of an option at unit scale, if that is a number.
+fn scaled(
+    option: &'static str,
+    value: f64,
+    scaled: f64,
+    expected: &'static str,
+) -> Result<f64, FlowFailure> {
+    // What is no number before is refused by the flow.
+    match scaled.is_finite() || !value.is_finite() {
+        true => Ok(scaled),
+        false => Err(FlowFailure::InvalidOption { option, value, expected }),
+    }
+}
+
+impl InMeshUnits for Time {
+    fn divided_by(&self, unit: f64) -> Result<Self, FlowFailure> {
+        Ok(match *self {
+            Self::SquaredEdges(lambda) => Self::SquaredEdges(lambda),
+            Self::SquaredUnits(t) => {
+                let expected = "over the squared extent of the mesh it must be a number";
+                Self::SquaredUnits(scaled("the time", t, t / unit / unit, expected)?)
+            }
+        })
+    }
+}
+
+impl InMeshUnits for Diffusion {
+    fn divided_by(&self, unit: f64) -> Result<Self, FlowFailure> {
+        Ok(match *self {
+            Self::Uniform { lambda } => Self::Uniform { lambda },
+            Self::Cotangent { time, operator } => {
+                Self::Cotangent { time: time.divided_by(unit)?, operator }
+            }
+        })
+    }
+
+    fn is_timed(&self) -> bool {
+        matches!(self, Self::Cotangent { .. })
+    }
+}
+
+impl InMeshUnits for Constraints {
+    fn divided_by(&self, unit: f64) -> Result<Self, FlowFailure> {
+        let mut constraints = self.clone();
+        for x in constraints.soft.iter_mut().flat_map(|soft| &mut soft.target) {
+            let expected = "over the extent of the mesh it must be a number";
+            *x = scaled("the target of a soft constraint", *x, *x / unit, expected)?;
+        }
+        Ok(constraints)
+    }
+}
+
+impl InMeshUnits for Explicit {
+    fn divided_by(&self, unit: f64) -> Result<Self, FlowFailure> {
+        Ok(Self {
+            diffusion: self.diffusion.divided_by(unit)?,
+            constraints: self.constraints.divided_by(unit)?,
+            ..*self
+        })
+    }
+
+    fn is_timed(&self) -> bool {
+        self.diffusion.is_timed()
+    }
+}
+
+impl InMeshUnits for Implicit {
+    fn divided_by(&self, unit: f64) -> Result<Self, FlowFailure> {
+        Ok(Self {
+            diffusion: self.diffusion.divided_by(unit)?,
+            constraints: self.constraints.divided_by(unit)?,
+            ..*self
+        })
+    }
+
+    fn is_timed(&self) -> bool {
+        self.diffusion.is_timed()
+    }
+}
+
+/// Times are fractions of the area.
+impl InMeshUnits for ConformalizedMcf {
+    fn divided_by(&self, _: f64) -> Result<Self, FlowFailure> {
+        Ok(self.clone())
+    }
+
+    fn is_timed(&self) -> bool {
+        true
+    }
+}
+
+impl InMeshUnits for Taubin {
+    fn divided_by(&self, unit: f64) -> Result<Self, FlowFailure> {
+        Ok(Self { constraints: self.constraints.divided_by(unit)?, ..*self })
+    }
+}
+
+impl InMeshUnits for WindowedSinc {
+    fn divided_by(&self, unit: f64) -> Result<Self, FlowFailure> {
+        Ok(Self { constraints: self.constraints.divided_by(unit)?, ..*self })
+    }
+}
+
+impl InMeshUnits for Hc {
+    fn divided_by(&self, unit: f64) -> Result<Self, FlowFailure> {
+        Ok(Self { constraints: self.constraints.divided_by(unit)?, ..*self })
+    }
+}
+
+/// Fractions of the limit; the steps that follow from them are times.
+impl InMeshUnits for ScaleDependent {
+    fn divided_by(&self, unit: f64) -> Result<Self, FlowFailure> {
+        Ok(Self { constraints: self.constraints.divided_by(unit)?, ..*self })
+    }
+
+    fn is_timed(&self) -> bool {
+        true
+    }
+}
+
+impl InMeshUnits for LowPass {
+    fn divided_by(&self, unit: f64) -> Result<Self, FlowFailure> {
+        let transfer = match self.transfer {
+            Transfer::Heat(time) => Transfer::Heat(time.divided_by(unit)?),
+            Transfer::Butterworth { cutoff, order } => {
+                let at_unit = cutoff * unit * unit;
+                // Beyond every eigenvalue of a mesh of unit scale, all but the constants is cut off, or nothing.
+                let at_unit = match cutoff > 0.0 && cutoff.is_finite() {
+                    true => at_unit.clamp(1e-150, 1e150),
+                    false => cutoff,
+                };
+                Transfer::Butterworth { cutoff: at_unit, order }
+            }
+            Transfer::Modes(k) => Transfer::Modes(k),
+        };
+        Ok(Self { transfer, constraints: self.constraints.divided_by(unit)?, ..*self })
+    }
+}
+
+impl InMeshUnits for FairRegion {
+    fn divided_by(&self, _: f64) -> Result<Self, FlowFailure> {
+        Ok(self.clone())
+    }
+}
