@@ -153,3 +153,31 @@ fn nearest(points: &[[f64; 3]], segment: usize, p: [f64; 3]) -> [f64; 3] {
     let t = (dot(sub(p, a), along) / square).clamp(0.0, 1.0);
     add(a, scale(along, t))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// On a regular polygon a vertex moves at right angles to its radius, not along one of its sides.
+    #[test]
+    fn tangents_at_corners_are_the_mean_of_both_sides() {
+        let n = 12;
+        let at = |i: u32| {
+            let (s, c) = (std::f64::consts::TAU * f64::from(i) / f64::from(n)).sin_cos();
+            [c, s, 0.0]
+        };
+        let mut positions: Vec<_> = (0..n).map(at).collect();
+        positions.push([0.0; 3]);
+        let faces = (0..n).map(|i| [i, (i + 1) % n, n]).collect();
+        let mesh = TriMesh::new(positions, faces).unwrap();
+        let mut held = vec![false; n as usize + 1];
+        let mut sliding = Sliding::new(&mesh, &mut held);
+        assert!(!held.contains(&true));
+        sliding.take_tangents(mesh.positions());
+        for i in 0..n {
+            let [x, y, _] = at(i);
+            let along = sliding.project(i as usize, [x - 2.0 * y, y + 2.0 * x, 1.0]);
+            assert!(distance(along, [-2.0 * y, 2.0 * x, 0.0]) < 1e-14, "{i}: {along:?}");
+        }
+    }
+}

@@ -148,6 +148,11 @@ fn features() {
     let same = feature_edges(&cube, &cube, 30.0).unwrap();
     assert_eq!((same.shared, same.found, same.expected), (72, 72, 72));
     assert_eq!((same.precision(), same.recall()), (Some(1.0), Some(1.0)));
+    // Edges that turn by the angle itself are sharp.
+    assert_eq!(feature_edges(&cube, &cube, 90.0).unwrap(), same);
+    // The bound of the rounding of a volume is some thousand roundings of its terms.
+    let sphere = shapes::icosphere(3);
+    assert!(sphere.volume_rounding() < 1e-11 * sphere.signed_volume());
     let ball = mapped(&cube, shapes::onto_sphere);
     let lost = feature_edges(&ball, &cube, 30.0).unwrap();
     assert_eq!((lost.found, lost.recall(), lost.precision()), (0, Some(0.0), None));

@@ -182,6 +182,20 @@ fn signatures_integrate_to_their_traces() {
     }
     let wave = wave_kernel_signature(&found, 10).unwrap();
     assert!(wave.columns().into_iter().all(|c| (integral(c) - 1.0).abs() < 1e-9));
+    // Ten energies d apart, σ = 7 d, the first and the last 2 σ inside of ln λ₁ and ln λ_last.
+    let (low, high) = (found.values[1].ln(), found.values[39].ln());
+    let d = (high - low) / (9.0 + 28.0);
+    for (j, column) in wave.columns().into_iter().enumerate() {
+        let energy = low + (14.0 + j as f64) * d;
+        let weight = |l: &f64| (-0.5 * ((energy - l.ln()) / (7.0 * d)).powi(2)).exp();
+        let weights: Vec<f64> = found.values[1..].iter().map(weight).collect();
+        let total: f64 = weights.iter().sum();
+        for v in [0, 77, 300] {
+            let modes = found.modes.row(v);
+            let terms = weights.iter().enumerate().map(|(i, w)| w * modes[i + 1].powi(2));
+            assert!((column[v] - terms.sum::<f64>() / total).abs() < 1e-12, "{j} {v}");
+        }
+    }
     let global = global_point_signature(&found);
     assert_eq!(global.ncols(), 39);
     assert!(

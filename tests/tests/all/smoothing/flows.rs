@@ -192,3 +192,35 @@ fn soft_constraints_of_hc_are_weighted_means() {
         assert!((drawn.positions()[5][k] - expected).abs() < 1e-13);
     }
 }
+
+/// On the octahedron every edge has the length √2, so that a vertex of four edges has the rate 2/(4√2) · 4/√2 = 1: the
+/// limit is a step of 1, twice as large a mesh has four times that.
+#[test]
+fn scale_dependent_steps_are_a_fraction_of_the_limit() {
+    for size in [1.0, 2.0] {
+        let corners = [
+            [1.0, 0.0, 0.0],
+            [-1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [0.0, -1.0, 0.0],
+            [0.0, 0.0, 1.0],
+            [0.0, 0.0, -1.0],
+        ];
+        let mesh = octahedron(corners.map(|p: [f64; 3]| p.map(|x| size * x)).to_vec());
+        for fraction in [0.25, 1.0] {
+            let mut steps = vec![];
+            let options = ScaleDependent { fraction, iterations: 1, ..Default::default() };
+            scale_dependent(
+                &mesh,
+                &options,
+                Some(&mut |step| {
+                    steps.push(step.step_size());
+                    ControlFlow::Continue(())
+                }),
+            )
+            .unwrap();
+            assert_eq!(steps.len(), 1);
+            assert!((steps[0] - fraction * size * size).abs() < 1e-14, "{steps:?}");
+        }
+    }
+}

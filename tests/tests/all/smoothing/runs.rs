@@ -164,3 +164,32 @@ fn isolated_vertices_and_empty_meshes_are_no_trouble() {
         }
     }
 }
+
+/// Of a closed sheet rounding alone is the volume, which nothing can be scaled to.
+#[test]
+fn a_volume_of_rounding_cannot_be_kept() {
+    let sheet = shapes::jittered_plane(6, 6, 0.2, 1);
+    let n = sheet.vertex_count() as u32;
+    let border = |v: u32| sheet.topology().is_boundary_vertex(v);
+    let back = |f: &[u32; 3]| [f[0], f[2], f[1]].map(|v| if border(v) { v } else { v + n });
+    let faces = sheet.faces().iter().copied().chain(sheet.faces().iter().map(back));
+    let both = [sheet.positions(), sheet.positions()].concat();
+    let pillow = TriMesh::new(both, faces.collect()).unwrap();
+    let mut rounded = 0;
+    for turn in 0..20 {
+        let ((s, c), (t, d)) = (f64::from(turn).sin_cos(), (1.3 * f64::from(turn)).sin_cos());
+        let turned = |&[x, y, z]: &[f64; 3]| {
+            let [x, y] = [c * x - s * y, s * x + c * y];
+            [x + 1.0, d * y - t * z + 7.0, t * y + d * z - 2.0]
+        };
+        let mesh = pillow.with_positions(pillow.positions().iter().map(turned).collect()).unwrap();
+        rounded += usize::from(mesh.signed_volume() != 0.0);
+        for volume in [Volume::Rescaled, Volume::Offset] {
+            let options = Explicit { volume, ..Explicit::new(Diffusion::uniform(0.5)) };
+            let error = explicit(&mesh, &options, None).unwrap_err();
+            let reason = "the input has none";
+            assert_eq!((error.iteration, error.failure), (0, FlowFailure::Volume { reason }));
+        }
+    }
+    assert!(rounded > 5, "{rounded}");
+}
