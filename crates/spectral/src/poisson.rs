@@ -1,7 +1,5 @@
 //! Poisson problems on a mesh.
 
-use std::borrow::Cow;
-
 use fairing_operators::{Laplacian, OperatorError, SparseMatrix};
 use fairing_sparse::Cholesky;
 
@@ -142,7 +140,7 @@ impl<'a> Poisson<'a> {
 
     /// The mean over each floating component of what is integrated at each
     /// vertex; 0 for the other components.
-    fn means(&self, integrated: impl Iterator<Item = f64>, areas: &Cow<'_, [f64]>) -> Vec<f64> {
+    fn means(&self, integrated: impl Iterator<Item = f64>, areas: &[f64]) -> Vec<f64> {
         let mut sums = vec![(0.0, 0.0); self.floating.len()];
         for ((value, area), &c) in integrated.zip(areas.iter()).zip(&self.component) {
             let (sum, total) = &mut sums[c as usize];
