@@ -25,12 +25,14 @@ use crate::normals::vertex_normals;
 ///
 /// ```
 /// use fairing_shapes as shapes;
-/// use fairing_operators::Laplacian;
+/// use fairing_operators::{Laplacian, LaplacianKind, MassKind};
 /// use fairing_operators::curvature::laplacian_mean_curvature;
 ///
 /// let sphere = shapes::icosphere(4);
-/// let mean = laplacian_mean_curvature(&sphere, &Laplacian::robust(&sphere)?)?;
-/// assert!(mean.signed.iter().all(|h| (h - 1.0).abs() < 0.05));
+/// // Mixed areas are the best for pointwise values.
+/// let laplacian = Laplacian::new(&sphere, LaplacianKind::Cotangent, MassKind::Mixed)?;
+/// let mean = laplacian_mean_curvature(&sphere, &laplacian)?;
+/// assert!(mean.signed.iter().all(|h| (h - 1.0).abs() < 0.02));
 /// # Ok::<(), fairing_operators::OperatorError>(())
 /// ```
 ///
