@@ -35,6 +35,21 @@ pub struct Plan {
     pub form: Form,
 }
 
+impl Plan {
+    fn run(&self) -> runner::Plan {
+        runner::Plan {
+            root: self.root.clone(),
+            only: self.only.clone(),
+            meshes: self.meshes.clone(),
+            cache: self.cache.clone(),
+            quick: self.quick,
+            fresh: self.fresh,
+            // A first run is expected to take what it took for the reference values.
+            expected: reference::seconds(&self.root, self.quick),
+        }
+    }
+}
+
 /// Runs the plan and returns what was measured, failures included.
 ///
 /// # Errors
@@ -43,21 +58,23 @@ pub struct Plan {
 /// written. An experiment that fails is no error here: its record says so.
 pub fn reproduce(experiments: &[&dyn Experiment], plan: &Plan) -> Result<Results> {
     let work = place::beside(&plan.out)?;
-    // A first run is expected to take what it took for the reference values.
-    let run = runner::Plan {
-        root: plan.root.clone(),
-        only: plan.only.clone(),
-        meshes: plan.meshes.clone(),
-        cache: plan.cache.clone(),
-        quick: plan.quick,
-        fresh: plan.fresh,
-        expected: reference::seconds(&plan.root, plan.quick),
-    };
     let bar = Bar::new();
-    let measured = runner::run(experiments, &run, work.path(), &bar)?;
+    let measured = runner::run(experiments, &plan.run(), Some(work.path()), &bar)?;
     bar.say("writing the report");
     bar.finish();
     let results = fairing_report::publish(measured, work.path(), plan.form)?;
     place::move_into(work, &plan.out)?;
     Ok(results)
+}
+
+/// Runs the plan for its numbers and verdicts alone.
+///
+/// # Errors
+///
+/// As [`reproduce`].
+pub fn measure(experiments: &[&dyn Experiment], plan: &Plan) -> Result<Results> {
+    let bar = Bar::new();
+    let measured = runner::run(experiments, &plan.run(), None, &bar)?;
+    bar.finish();
+    Ok(measured)
 }

@@ -45,7 +45,8 @@ pub struct Plan {
 }
 
 /// Runs the plan, writes the files of each experiment into a folder of its own
-/// below `work`, and returns what was measured, failures included.
+/// below `work`, and returns what was measured, failures included. Without
+/// `work` nothing is written, and nothing is taken from an earlier run.
 ///
 /// Nothing is left out yet: each figure has a picture in both sizes.
 ///
@@ -56,7 +57,7 @@ pub struct Plan {
 pub fn run(
     experiments: &[&dyn Experiment],
     plan: &Plan,
-    work: &Path,
+    work: Option<&Path>,
     progress: &dyn Progress,
 ) -> Result<Results> {
     let chosen = choose(experiments, &plan.only)?;
@@ -79,8 +80,11 @@ pub fn run(
         left -= expected(experiment);
         let named = format!("[{}/{}] {}: {}", i + 1, chosen.len(), card.id, card.title);
         let key = cache.key(&card, &inputs, plan.quick, SEED)?;
-        let place = work.join(card.id);
-        let reused = if plan.fresh { None } else { cache.restore(card.id, &key, &place)? };
+        let place = work.map(|work| work.join(card.id));
+        let reused = match &place {
+            Some(place) if !plan.fresh => cache.restore(card.id, &key, place)?,
+            _ => None,
+        };
         let record = match reused {
             Some(record) => {
                 progress.say(&format!("{named} (unchanged since the last run)"));
@@ -91,7 +95,9 @@ pub fn run(
                 match &record.error {
                     Some(error) => progress.say(&format!("{named} FAILED: {error}")),
                     None => {
-                        cache.store(&key, plan.quick, &place, &record)?;
+                        if let Some(place) = &place {
+                            cache.store(&key, plan.quick, place, &record)?;
+                        }
                         let left = if i + 1 < chosen.len() {
                             about(left) + " left"
                         } else {
@@ -128,13 +134,13 @@ fn choose<'a>(all: &[&'a dyn Experiment], only: &[String]) -> Result<Vec<&'a dyn
     Ok(all.iter().filter(wanted).copied().collect())
 }
 
-/// Runs one experiment, judges it and writes its files into `work/id`.
+/// Runs one experiment, judges it and writes its files, if any, into `work/id`.
 fn measure(
     experiment: &dyn Experiment,
     inputs: &Inputs,
     progress: &dyn Progress,
     quick: bool,
-    work: &Path,
+    work: Option<&Path>,
 ) -> Result<Record> {
     let card = experiment.card();
     let context = Context::new(inputs, progress, SEED, quick);
@@ -164,7 +170,10 @@ fn measure(
     match outcome {
         Ok((outcome, claims)) => {
             record.claims = claims;
-            write::outcome(outcome, work, &mut record)?;
+            match work {
+                Some(work) => write::outcome(outcome, work, &mut record)?,
+                None => (record.tables, record.notes) = (outcome.tables, outcome.notes),
+            }
         }
         Err(error) => record.error = Some(format!("{error:#}")),
     }
