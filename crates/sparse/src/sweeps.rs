@@ -31,7 +31,7 @@ pub(crate) fn solve<const B: usize>(
     diagonal: Diagonal,
     x: &mut [[f64; B]],
 ) {
-    debug_assert_eq!(nodes.columns(), x.len());
+    assert_eq!(nodes.columns(), x.len(), "one row for each column");
     let factor = FactorView { nodes, values, diagonal };
     let shared = &*x;
     let locals: Vec<Vec<[f64; B]>> = nodes

@@ -107,7 +107,7 @@ impl Experiment for Reconstruction {
             context.progress(i as f64 / 4.0, name);
             let n = mesh.vertex_count();
             // Up to a tenth of its modes the generated mesh shows what the others show.
-            let most = if *name == "bumpy sphere" { 300 } else { 1000 };
+            let most = if *name == "bumpy sphere" { 300 } else { 600 };
             let wanted = stops(n, context.choose(most, 100));
             let last = wanted.last().copied().context("no stops")?;
             let laplacian = Laplacian::cotangent(mesh)?;

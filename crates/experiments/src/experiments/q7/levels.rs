@@ -13,7 +13,7 @@ use crate::table::{Cell, Table, Tables, Tolerance, Unit, short};
 use crate::verdict::{Judgement, Verdict};
 
 /// Spacings of the block: a factor of eight in h.
-const SPACINGS: [f64; 5] = [0.3, 0.18, 0.107, 0.064, 0.0375];
+const SPACINGS: [f64; 5] = [0.3, 0.178, 0.106, 0.063, 0.0375];
 
 /// Those of a quick run.
 const QUICK: [f64; 3] = [0.3, 0.25, 0.2];
