@@ -9,8 +9,8 @@ use super::Context;
 /// The value of `--operator`.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum OperatorName {
-    /// cotangent, or robust where a face is too thin for cotangents or an edge has a negative
-    /// weight; with another mass than barycentric, always cotangent
+    /// cotangent, or robust where a face is too thin for cotangents; with another mass than
+    /// barycentric, always cotangent
     Auto,
     /// The cotangents of the faces
     Cotangent,
@@ -27,15 +27,17 @@ impl OperatorName {
         mass: MassKind,
     ) -> Result<Laplacian, OperatorError> {
         let kind = match self {
-            Self::Auto => LaplacianKind::Auto,
-            Self::Cotangent => LaplacianKind::Cotangent,
+            Self::Auto | Self::Cotangent => LaplacianKind::Cotangent,
             Self::Robust => LaplacianKind::Robust,
         };
-        let laplacian = Laplacian::new(mesh, kind, mass)?;
-        if self == Self::Auto && laplacian.kind() == LaplacianKind::Robust {
-            let reason = laplacian.reason();
-            context.note(format_args!("{reason}; using the robust operator"));
+        match Laplacian::new(mesh, kind, mass) {
+            Err(thin @ OperatorError::DegenerateFace { .. })
+                if self == Self::Auto && mass == MassKind::Barycentric =>
+            {
+                context.note(format_args!("{thin}; using the robust operator"));
+                Laplacian::robust(mesh)
+            }
+            other => other,
         }
-        Ok(laplacian)
     }
 }

@@ -21,8 +21,7 @@ Examples:
 ///
 /// Projects the positions onto the k smallest modes of the Laplace-Beltrami
 /// operator, in the inner product of the mass. Where a face is too thin for
-/// cotangents or an edge has a negative weight it takes the robust operator and
-/// says so. Prints the root mean square of the
+/// cotangents it takes the robust operator and says so. Prints the root mean square of the
 /// displacement, weighted by area, in the unit of the file. Warns where K splits
 /// a cluster of eigenvalues: the result is arbitrary then. Vertices without
 /// faces stay where they are; normals in the file are dropped, other properties

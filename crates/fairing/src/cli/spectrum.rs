@@ -25,8 +25,7 @@ Read the modes in Python: numpy.load(\"modes.npz\")[\"modes\"]";
 /// Compute the smallest eigenvalues and modes of the Laplace-Beltrami operator
 ///
 /// Solves S u = w M u with the cotangent stiffness S; where a face is too thin for
-/// cotangents or an edge has a negative weight, with that of the intrinsic Delaunay
-/// triangulation, and says so. Eigenvalues are in one over the squared unit of the file. Each pair comes with its
+/// cotangents, with that of the intrinsic Delaunay triangulation, and says so. Eigenvalues are in one over the squared unit of the file. Each pair comes with its
 /// residual in the inverse mass norm; certified means that a count by inertia proves that none
 /// was missed. Where K splits a cluster of equal or nearly equal eigenvalues, a
 /// warning names numbers that do not. The output is an npz file with values (k), modes (n x k,
