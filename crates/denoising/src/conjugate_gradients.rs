@@ -5,6 +5,9 @@ use rayon::prelude::*;
 
 use super::DenoiseError;
 
+/// Vectors that a thread takes at least: fewer are not worth handing over.
+const VECTORS: usize = 4096;
+
 /// Solves `A x = b` for a field of vectors, one scalar operator acting on each
 /// coordinate alike, by conjugate gradients with the diagonal as the
 /// preconditioner, from `x`, to a relative residual of `tolerance`.
@@ -26,9 +29,9 @@ pub(crate) fn conjugate_gradients(
         return (vec![[0.0; 3]; b.len()], 0.0);
     }
     let mut r = apply(&x);
-    r.par_iter_mut().zip(b).for_each(|(r, b)| *r = sub(*b, *r));
+    r.par_iter_mut().with_min_len(VECTORS).zip(b).for_each(|(r, b)| *r = sub(*b, *r));
     let mut p: Vec<[f64; 3]> =
-        r.par_iter().zip(diagonal).map(|(r, d)| scale(*r, 1.0 / d)).collect();
+        r.par_iter().with_min_len(VECTORS).zip(diagonal).map(|(r, d)| scale(*r, 1.0 / d)).collect();
     let mut rz = inner(&r, &p);
     for _ in 0..max_iterations {
         if inner(&r, &r).sqrt() <= tolerance * b_norm {
@@ -40,13 +43,26 @@ pub(crate) fn conjugate_gradients(
             break;
         }
         let alpha = rz / curvature;
-        x.par_iter_mut().zip(&p).for_each(|(x, p)| *x = add(*x, scale(*p, alpha)));
-        r.par_iter_mut().zip(&ap).for_each(|(r, ap)| *r = sub(*r, scale(*ap, alpha)));
+        x.par_iter_mut()
+            .with_min_len(VECTORS)
+            .zip(&p)
+            .for_each(|(x, p)| *x = add(*x, scale(*p, alpha)));
+        r.par_iter_mut()
+            .with_min_len(VECTORS)
+            .zip(&ap)
+            .for_each(|(r, ap)| *r = sub(*r, scale(*ap, alpha)));
         // The preconditioned residual, in the place of what is no longer needed.
         let mut z = ap;
-        z.par_iter_mut().zip(&r).zip(diagonal).for_each(|((z, r), d)| *z = scale(*r, 1.0 / d));
+        z.par_iter_mut()
+            .with_min_len(VECTORS)
+            .zip(&r)
+            .zip(diagonal)
+            .for_each(|((z, r), d)| *z = scale(*r, 1.0 / d));
         let next = inner(&r, &z);
-        p.par_iter_mut().zip(&z).for_each(|(p, z)| *p = add(*z, scale(*p, next / rz)));
+        p.par_iter_mut()
+            .with_min_len(VECTORS)
+            .zip(&z)
+            .for_each(|(p, z)| *p = add(*z, scale(*p, next / rz)));
         rz = next;
     }
     let residual = inner(&r, &r).sqrt() / b_norm;

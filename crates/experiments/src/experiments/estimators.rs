@@ -51,10 +51,17 @@ impl Experiment for Estimators {
                 .flat_map(|layout| levels.iter().map(move |&level| (layout, level)))
                 .map(|(l, i)| (l, i, context.seed(&format!("{} {i}", sample.name()))))
                 .collect();
-            let found: Vec<Refinement> = meshes
+            // The largest first: they take most of the time, each on one thread for the most part.
+            let of = |&(layout, level, seed)| Refinement::of(sample, layout, level, seed);
+            let mut largest_first: Vec<usize> = (0..meshes.len()).collect();
+            largest_first.sort_by_key(|&i| std::cmp::Reverse(meshes[i].1));
+            let mut found: Vec<(usize, Refinement)> = largest_first
                 .into_par_iter()
-                .map(|(layout, level, seed)| Refinement::of(sample, layout, level, seed))
+                .with_max_len(1)
+                .map(|i| anyhow::Ok((i, of(&meshes[i])?)))
                 .collect::<Result<_>>()?;
+            found.sort_by_key(|f| f.0);
+            let found: Vec<Refinement> = found.into_iter().map(|f| f.1).collect();
             for (layout, found) in Layout::ALL.into_iter().zip(found.chunks(levels.len())) {
                 for refinement in found {
                     refinement.push(&mut errors, sample, layout);

@@ -1,15 +1,18 @@
 //! L0 minimisation of dihedral bends.
 
+mod system;
+
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, cross, dot, norm, scale, sub};
 use rayon::prelude::*;
 
-use super::DenoiseError;
-use super::conjugate_gradients::conjugate_gradients;
-use super::error::positive;
-use super::faces::{FaceShapes, Hinge, Hinges};
-use super::unit_scale::at_unit_scale;
-use super::vertex_update::rebuild;
+use crate::DenoiseError;
+use crate::conjugate_gradients::conjugate_gradients;
+use crate::error::positive;
+use crate::faces::{FaceShapes, Hinge, Hinges};
+use crate::unit_scale::at_unit_scale;
+use crate::vertex_update::rebuild;
+use system::System;
 
 /// Parameters of [`l0`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -99,6 +102,7 @@ fn filter(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> 
     let centre = scale(sum, 1.0 / mesh.vertex_count() as f64);
     let noisy: Vec<[f64; 3]> = mesh.positions().iter().map(|&p| sub(p, centre)).collect();
     let mut positions = noisy.clone();
+    let mut system = System::new(&stencils);
     let mut beta = 1e-3;
     while beta < options.last_beta {
         let weights = stencils.edge_operators(&positions);
@@ -114,35 +118,9 @@ fn filter(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> 
         let b = stencils.transpose(&weights, &delta);
         let b: Vec<[f64; 3]> =
             noisy.iter().zip(&b).map(|(p, d)| add(*p, scale(*d, beta))).collect();
-        let apply = |x: &[[f64; 3]]| {
-            let bends: Vec<[f64; 3]> = stencils
-                .corners
-                .par_iter()
-                .zip(&weights)
-                .map(|(corners, w)| scale(combine(corners, w, x), beta))
-                .collect();
-            let folds: Vec<[f64; 3]> = stencils
-                .corners
-                .par_iter()
-                .map(|corners| scale(combine(corners, &FOLD, x), alpha))
-                .collect();
-            let (bends, folds) =
-                (stencils.transpose(&weights, &bends), stencils.transpose_fold(&folds));
-            x.par_iter()
-                .zip(&bends)
-                .zip(&folds)
-                .map(|((x, d), r)| [0, 1, 2].map(|k| x[k] + d[k] + r[k]))
-                .collect::<Vec<_>>()
-        };
-        let diagonal: Vec<f64> = (0..noisy.len())
-            .into_par_iter()
-            .map(|v| {
-                1.0 + stencils
-                    .at(v)
-                    .map(|(e, k)| beta * weights[e][k] * weights[e][k] + alpha)
-                    .sum::<f64>()
-            })
-            .collect();
+        system.fill(&weights, beta, alpha);
+        let apply = |x: &[[f64; 3]]| system.apply(x);
+        let diagonal = system.diagonal();
         positions = conjugate_gradients(apply, &diagonal, &b, positions, 1e-4, 200).0;
         beta *= options.growth;
         alpha *= 0.5;
@@ -233,14 +211,6 @@ impl Stencils {
             .map(|v| {
                 self.at(v).fold([0.0; 3], |sum, (e, k)| add(sum, scale(values[e], weights[e][k])))
             })
-            .collect()
-    }
-
-    /// `Rᵀ values`.
-    fn transpose_fold(&self, values: &[[f64; 3]]) -> Vec<[f64; 3]> {
-        (0..self.offsets.len() - 1)
-            .into_par_iter()
-            .map(|v| self.at(v).fold([0.0; 3], |sum, (e, k)| add(sum, scale(values[e], FOLD[k]))))
             .collect()
     }
 }
