@@ -7,6 +7,7 @@
 mod build;
 mod connectivity;
 mod diagnosis;
+#[cfg(feature = "io")]
 pub mod io;
 mod measure;
 mod polygon;

@@ -1,10 +1,15 @@
 //! Meshes of polygons.
 
+#[cfg_attr(not(feature = "io"), allow(dead_code, reason = "readers fill the list"))]
+mod list;
 mod triangulate;
 
 use crate::build::BuildError;
-use crate::io::{Polygons, repeats_a_corner};
 use crate::trimesh::TriMesh;
+
+pub(crate) use list::repeats_a_corner;
+#[cfg(feature = "io")]
+pub(crate) use list::{Distinct, Polygons};
 
 /// A mesh whose faces have three corners or more, always valid: indices are in
 /// range, coordinates are finite, and no face repeats a corner.
@@ -64,6 +69,7 @@ impl PolygonMesh {
     }
 
     /// The caller has made the checks of [`Self::new`].
+    #[cfg(feature = "io")]
     pub(crate) fn from_checked(positions: Vec<[f64; 3]>, polygons: Polygons) -> Self {
         let (ends, corners): (Vec<u32>, _) = match polygons {
             Polygons::Triangles(faces) => {

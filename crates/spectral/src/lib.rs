@@ -14,7 +14,9 @@ mod error;
 mod filter;
 mod flat_face;
 mod geodesic;
+#[cfg(feature = "npz")]
 mod npy;
+#[cfg(feature = "npz")]
 mod npz;
 mod poisson;
 mod reconstruct;

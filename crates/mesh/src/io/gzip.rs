@@ -7,11 +7,6 @@ use flate2::read::MultiGzDecoder;
 use crate::io::ReadOptions;
 use crate::io::error::{Fault, ReadProblem};
 
-/// Whether the bytes begin like a gzip member.
-pub(crate) fn is_gzip(bytes: &[u8]) -> bool {
-    bytes.starts_with(&[0x1f, 0x8b])
-}
-
 /// Unpacks all members of a gzip file.
 ///
 /// The output grows by what has been decoded, never by what the file

@@ -21,6 +21,9 @@
 //! No count in a file is trusted: memory grows with the bytes that are really
 //! there, and compressed files are bounded by [`ReadOptions`].
 //!
+//! Features of the crate: `io` reads files and bytes and makes bytes, `gzip`
+//! reads compressed files, `files` (on by default) writes files.
+//!
 //! # Examples
 //!
 //! ```
@@ -42,6 +45,7 @@
 mod error;
 mod fields;
 mod format;
+#[cfg(feature = "gzip")]
 mod gzip;
 mod number;
 mod obj;
@@ -49,10 +53,10 @@ mod off;
 mod options;
 mod parsed;
 mod ply;
-mod polygons;
 mod report;
 mod stl;
 mod text;
+#[cfg(feature = "files")]
 mod whole;
 mod write;
 
@@ -61,16 +65,18 @@ pub use fields::VertexFields;
 pub use format::Format;
 pub use options::{Encoding, FloatWidth, ReadOptions, Strictness, UnheldFields, WriteOptions};
 pub use report::ReadReport;
+#[cfg(feature = "files")]
 pub use whole::write_whole;
-pub use write::{WriteReport, to_bytes, write, write_polygons, write_with_fields};
-
-pub(crate) use polygons::{Polygons, repeats_a_corner};
+pub use write::{WriteReport, polygons_to_bytes, to_bytes};
+#[cfg(feature = "files")]
+pub use write::{write, write_polygons, write_with_fields};
 
 use std::borrow::Cow;
 use std::path::Path;
 
 use crate::io::error::Fault;
 use crate::io::parsed::Finished;
+use crate::polygon::Polygons;
 use crate::{PolygonMesh, TriMesh};
 
 /// A triangle mesh from a file, with the data that came along.
@@ -176,7 +182,7 @@ fn triangles(name: &Path, bytes: &[u8], options: &ReadOptions) -> Result<MeshFil
 }
 
 fn finished(name: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Finished, Fault> {
-    let compressed = gzip::is_gzip(bytes);
+    let compressed = is_gzip(bytes);
     if let (Some(_), true) = Format::of_name(name)
         && !compressed
         && !bytes.is_empty()
@@ -186,7 +192,7 @@ fn finished(name: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Finished
             content: "not".to_owned(),
         }));
     }
-    let bytes = if compressed { Cow::Owned(gzip::unpack(bytes, options)?) } else { bytes.into() };
+    let bytes = if compressed { unpack(bytes, options)? } else { bytes.into() };
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return Err(Fault::whole(ReadProblem::Empty));
     }
@@ -215,5 +221,21 @@ fn after_mark(bytes: &[u8]) -> &[u8] {
     }
 }
 
-#[cfg(test)]
+/// Whether the bytes begin like a gzip member.
+fn is_gzip(bytes: &[u8]) -> bool {
+    bytes.starts_with(&[0x1f, 0x8b])
+}
+
+#[cfg(feature = "gzip")]
+fn unpack<'a>(bytes: &[u8], options: &ReadOptions) -> Result<Cow<'a, [u8]>, Fault> {
+    gzip::unpack(bytes, options).map(Cow::Owned)
+}
+
+#[cfg(not(feature = "gzip"))]
+fn unpack<'a>(_: &[u8], _: &ReadOptions) -> Result<Cow<'a, [u8]>, Fault> {
+    let reason = "this program was built without the feature gzip";
+    Err(Fault::whole(ReadProblem::Compression(std::io::Error::other(reason))))
+}
+
+#[cfg(all(test, feature = "files"))]
 mod tests;

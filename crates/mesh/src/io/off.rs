@@ -8,8 +8,8 @@
 use crate::io::VertexFields;
 use crate::io::error::{Fault, unexpected};
 use crate::io::parsed::{Parsed, check_finite, too_few_corners, vertex_index};
-use crate::io::polygons::Polygons;
 use crate::io::text::{Cursor, normalized, shown};
+use crate::polygon::Polygons;
 
 /// What the prefixes of the keyword announce.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -1,8 +1,8 @@
 //! From what a parser found to what a mesh may hold.
 
 use crate::io::error::{Fault, ReadProblem, unexpected};
-use crate::io::polygons::{Distinct, Polygons};
 use crate::io::{Format, ReadOptions, ReadReport, Strictness, VertexFields};
+use crate::polygon::{Distinct, Polygons};
 
 /// What a parser found. It has checked that coordinates are finite, that
 /// indices are in range and that faces have three corners or more.

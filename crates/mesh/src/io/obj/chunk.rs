@@ -6,8 +6,8 @@ use crate::io::error::{ReadProblem, unexpected};
 use crate::io::number::{self, is_delimiter};
 use crate::io::obj::scan::{ends, is_keyword, next_line, next_statement, skip_blanks, word_end};
 use crate::io::parsed::check_finite;
-use crate::io::polygons::Polygons;
 use crate::io::text::shown;
+use crate::polygon::Polygons;
 
 /// What a piece holds. Indices count from 0; a relative one (negative in the
 /// file) waits until the number of vertices before the piece is known.

@@ -12,8 +12,8 @@ use rayon::prelude::*;
 use crate::io::error::{Fault, ReadProblem};
 use crate::io::off::bytes_of_colors;
 use crate::io::parsed::{Parsed, vertex_index};
-use crate::io::polygons::Polygons;
 use crate::io::text::normalized;
+use crate::polygon::Polygons;
 use chunk::{Chunk, Counts};
 
 /// The size of the pieces that are parsed independently. It depends on

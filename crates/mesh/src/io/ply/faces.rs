@@ -7,7 +7,7 @@ use crate::io::parsed::{Parsed, too_few_corners, vertex_index};
 use crate::io::ply::header::{Element, Kind, Scalar};
 use crate::io::ply::source::{Source, decode_integer};
 use crate::io::ply::vertices::list_length;
-use crate::io::polygons::Polygons;
+use crate::polygon::Polygons;
 
 /// The names under which writers list the corners of a face.
 pub(super) const INDICES: [&str; 2] = ["vertex_indices", "vertex_index"];

@@ -1,5 +1,5 @@
 use super::*;
-use crate::io::polygons::Polygons;
+use crate::polygon::Polygons;
 
 fn outcome(bytes: &[u8]) -> Result<Parsed, String> {
     parse(bytes).map_err(|fault| format!("{}{}", fault.at, fault.problem))

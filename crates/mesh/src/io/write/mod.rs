@@ -2,22 +2,20 @@
 
 mod encode;
 mod fields;
+#[cfg(feature = "files")]
+mod file;
 mod number;
 mod obj;
 mod off;
 mod ply;
 mod stl;
 
-use std::io::Write;
-use std::path::Path;
-
-use flate2::Compression;
-use flate2::write::GzEncoder;
-
-use crate::io::error::{WriteError, WriteProblem};
-use crate::io::{Format, VertexFields, WriteOptions, write_whole};
+use crate::io::error::WriteError;
+use crate::io::{Format, VertexFields, WriteOptions};
 use crate::{PolygonMesh, TriMesh};
 use encode::{Faces, Surface};
+#[cfg(feature = "files")]
+pub use file::{write, write_polygons, write_with_fields};
 
 /// What was written, and what was not.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -34,102 +32,43 @@ pub struct WriteReport {
     pub notes: Vec<String>,
 }
 
-/// Writes a mesh in the format of the name's ending: OBJ, PLY (binary), OFF or
-/// STL (binary), compressed if `.gz` follows.
-///
-/// The file appears whole under its name or not at all: it is written under a
-/// temporary name in the same folder and renamed. A file of that name is
-/// replaced.
-///
-/// Coordinates are written as the shortest text that reads back as the same
-/// `f64`, in PLY as [`FloatWidth::Lossless`](super::FloatWidth::Lossless)
-/// says; only STL rounds, to 32 bits, and forgets the numbering of vertices:
-/// the report says so.
+/// The bytes of an uncompressed file.
 ///
 /// # Errors
 ///
-/// [`WriteError`] names the file and what keeps it from being written.
-pub fn write(path: impl AsRef<Path>, mesh: &TriMesh) -> Result<WriteReport, WriteError> {
-    write_with_fields(path, mesh, &VertexFields::default(), &WriteOptions::default())
-}
-
-/// [`write()`] with fields per vertex and options.
-///
-/// PLY holds all fields. OBJ holds colours (after the coordinates, from 0 to
-/// 1), OFF colours and the vector field `normal`, STL nothing; a field that
-/// the format cannot hold is an error unless the options say otherwise.
-///
-/// # Errors
-///
-/// As for [`write()`]; a field of the wrong length, with a value that is not
-/// finite, or whose name would be read back as something else.
-pub fn write_with_fields(
-    path: impl AsRef<Path>,
-    mesh: &TriMesh,
-    fields: &VertexFields,
-    options: &WriteOptions,
-) -> Result<WriteReport, WriteError> {
-    let faces = Faces::Triangles(mesh.faces());
-    write_surface(path.as_ref(), mesh.positions(), faces, fields, options)
-}
-
-/// [`write_with_fields`] for polygons. STL does not hold them.
-///
-/// # Errors
-///
-/// As for [`write_with_fields`].
-pub fn write_polygons(
-    path: impl AsRef<Path>,
-    mesh: &PolygonMesh,
-    fields: &VertexFields,
-    options: &WriteOptions,
-) -> Result<WriteReport, WriteError> {
-    let faces = Faces::Polygons(mesh);
-    write_surface(path.as_ref(), mesh.positions(), faces, fields, options)
-}
-
-/// The bytes that [`write_with_fields`] puts into an uncompressed file.
-///
-/// # Errors
-///
-/// As for [`write_with_fields`]; the file in the error is empty.
+/// As for writing a file; the file in the error is empty.
 pub fn to_bytes(
     format: Format,
     mesh: &TriMesh,
     fields: &VertexFields,
     options: &WriteOptions,
 ) -> Result<Vec<u8>, WriteError> {
-    let faces = Faces::Triangles(mesh.faces());
-    let surface = Surface { positions: mesh.positions(), faces, fields };
-    match encode::encode(format, surface, options) {
-        Ok((pieces, _)) => Ok(pieces.concat()),
-        Err(problem) => Err(WriteError { file: Default::default(), problem }),
-    }
+    bytes(format, mesh.positions(), Faces::Triangles(mesh.faces()), fields, options)
 }
 
-fn write_surface(
-    path: &Path,
+/// [`to_bytes`] for polygons. STL does not hold them.
+///
+/// # Errors
+///
+/// As for [`to_bytes`].
+pub fn polygons_to_bytes(
+    format: Format,
+    mesh: &PolygonMesh,
+    fields: &VertexFields,
+    options: &WriteOptions,
+) -> Result<Vec<u8>, WriteError> {
+    bytes(format, mesh.positions(), Faces::Polygons(mesh), fields, options)
+}
+
+fn bytes(
+    format: Format,
     positions: &[[f64; 3]],
     faces: Faces<'_>,
     fields: &VertexFields,
     options: &WriteOptions,
-) -> Result<WriteReport, WriteError> {
-    let attempt = || {
-        let (Some(format), gzip) = Format::of_name(path) else {
-            return Err(WriteProblem::UnknownEnding);
-        };
-        let surface = Surface { positions, faces, fields };
-        let (pieces, report) = encode::encode(format, surface, options)?;
-        write_whole(path, |file| {
-            if gzip {
-                let mut encoder = GzEncoder::new(file, Compression::default());
-                pieces.iter().try_for_each(|piece| encoder.write_all(piece))?;
-                encoder.finish().map(|_| ())
-            } else {
-                pieces.iter().try_for_each(|piece| file.write_all(piece))
-            }
-        })?;
-        Ok(report)
-    };
-    attempt().map_err(|problem| WriteError { file: path.to_owned(), problem })
+) -> Result<Vec<u8>, WriteError> {
+    match encode::encode(format, Surface { positions, faces, fields }, options) {
+        Ok((pieces, _)) => Ok(pieces.concat()),
+        Err(problem) => Err(WriteError { file: Default::default(), problem }),
+    }
 }
