@@ -1,5 +1,7 @@
 //! Bilateral filtering of vertices.
 
+use std::f64::consts::LOG2_E;
+
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, distance, dot, scale, sub};
 use rayon::prelude::*;
@@ -113,9 +115,11 @@ fn move_vertex(
     if variance.is_nan() || variance <= 0.0 {
         return x;
     }
-    let (a, b) = (-0.5 / (spatial * spatial), -0.5 / (range * range * variance));
+    // exp(x) = 2^(x log2 e), with the factor in the constants.
+    let half = -0.5 * LOG2_E;
+    let (a, b) = (half / (spatial * spatial), half / (range * range * variance));
     let (sum, total) = heights.fold((0.0, 0.0), |(sum, total), (d2, h)| {
-        let w = (a * d2 + b * h * h).exp();
+        let w = libm::exp2(a * d2 + b * h * h);
         (sum + w * h, total + w)
     });
     if total > 0.0 { add(x, scale(normal, sum / total)) } else { x }

@@ -1,5 +1,7 @@
 //! Bilateral filtering of normals, local and global.
 
+use std::f64::consts::LOG2_E;
+
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, distance, scale};
 use rayon::prelude::*;
@@ -172,6 +174,7 @@ fn filter_globally(
 struct Weights {
     shapes: FaceShapes,
     rings: FaceLists,
+    /// `−log2(e) / 2σ²`, so that the weight is a power of two.
     spatial: f64,
     range: f64,
 }
@@ -180,8 +183,9 @@ impl Weights {
     fn new(mesh: &TriMesh, spatial: f64, range: f64) -> Self {
         let shapes = FaceShapes::new(mesh);
         let unit = mean_centroid_distance(&Hinges::new(mesh), &shapes.centroids);
-        let spatial = -0.5 / (spatial * unit).powi(2).max(f64::MIN_POSITIVE);
-        Self { shapes, rings: FaceLists::rings(mesh), spatial, range: -0.5 / range.powi(2) }
+        let half = -0.5 * LOG2_E;
+        let spatial = half / (spatial * unit).powi(2).max(f64::MIN_POSITIVE);
+        Self { shapes, rings: FaceLists::rings(mesh), spatial, range: half / range.powi(2) }
     }
 
     /// Face `f` and the faces of its ring with their weights.
@@ -194,7 +198,7 @@ impl Weights {
         std::iter::once(f).chain(self.rings.row(f).iter().map(|&g| g as usize)).map(move |g| {
             let d = distance(centroids[f], centroids[g]);
             let t = distance(normals[f], normals[g]);
-            (g, areas[g] * (self.spatial * d * d + self.range * t * t).exp())
+            (g, areas[g] * libm::exp2(self.spatial * d * d + self.range * t * t))
         })
     }
 }

@@ -1,5 +1,7 @@
 //! Guided normal filtering.
 
+use std::f64::consts::LOG2_E;
+
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, distance, scale};
 use rayon::prelude::*;
@@ -78,8 +80,9 @@ fn filter(mesh: &TriMesh, options: &GuidedNormalOptions) -> Result<TriMesh, Deno
         let shapes = FaceShapes::new(&current);
         let guidance = guidance(&hinges, &rings, &shapes);
         let unit = mean_centroid_distance(&hinges, &shapes.centroids);
-        let spatial = -0.5 / (options.spatial * unit).powi(2).max(f64::MIN_POSITIVE);
-        let range = -0.5 / options.range.powi(2);
+        let half = -0.5 * LOG2_E;
+        let spatial = half / (options.spatial * unit).powi(2).max(f64::MIN_POSITIVE);
+        let range = half / options.range.powi(2);
         let normals: Vec<[f64; 3]> = (0..current.face_count())
             .into_par_iter()
             .map(|f| {
@@ -88,7 +91,7 @@ fn filter(mesh: &TriMesh, options: &GuidedNormalOptions) -> Result<TriMesh, Deno
                     let g = g as usize;
                     let d = distance(shapes.centroids[f], shapes.centroids[g]);
                     let t = distance(guidance[f], guidance[g]);
-                    let w = shapes.areas[g] * (spatial * d * d + range * t * t).exp();
+                    let w = shapes.areas[g] * libm::exp2(spatial * d * d + range * t * t);
                     sum = add(sum, scale(shapes.normals[g], w));
                 }
                 unit_or_zero(sum)

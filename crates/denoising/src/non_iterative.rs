@@ -1,5 +1,7 @@
 //! Non-iterative, feature-preserving smoothing.
 
+use std::f64::consts::LOG2_E;
+
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, distance, dot, scale, sub};
 use rayon::prelude::*;
@@ -63,10 +65,10 @@ fn filter(mesh: &TriMesh, options: &NonIterativeOptions) -> Result<TriMesh, Deno
     let rings = FaceLists::rings(mesh);
     let mollified = average(mesh, &rings, &shapes, 0.5 * spatial, |_, c, _| Some((c, 1.0)))?;
     let normals = FaceShapes::new(&mollified).normals;
-    let b = -0.5 / (influence * influence).max(f64::MIN_POSITIVE);
+    let b = -0.5 * LOG2_E / (influence * influence).max(f64::MIN_POSITIVE);
     average(mesh, &rings, &shapes, spatial, |p, c, f| {
         let height = dot(normals[f], sub(c, p));
-        Some((add(p, scale(normals[f], height)), (b * height * height).exp()))
+        Some((add(p, scale(normals[f], height)), libm::exp2(b * height * height)))
             .filter(|_| normals[f] != [0.0; 3])
     })
 }
@@ -80,7 +82,7 @@ fn average(
     spatial: f64,
     predict: impl Fn([f64; 3], [f64; 3], usize) -> Option<([f64; 3], f64)> + Sync,
 ) -> Result<TriMesh, DenoiseError> {
-    let a = -0.5 / (spatial * spatial).max(f64::MIN_POSITIVE);
+    let a = -0.5 * LOG2_E / (spatial * spatial).max(f64::MIN_POSITIVE);
     let positions = (0..mesh.vertex_count())
         .into_par_iter()
         .map_init(
@@ -110,7 +112,7 @@ fn average(
                     let c = shapes.centroids[f];
                     let Some((q, w)) = predict(p, c, f) else { continue };
                     let d = distance(p, c);
-                    let w = w * shapes.areas[f] * (a * d * d).exp();
+                    let w = w * shapes.areas[f] * libm::exp2(a * d * d);
                     sum = add(sum, scale(sub(q, p), w));
                     total += w;
                 }

@@ -86,7 +86,7 @@ fn filter(mesh: &TriMesh, options: &TotalVariationOptions) -> Result<TriMesh, De
         .map(|hinge| {
             let [a, b] = hinge.ends.map(|v| positions[v as usize]);
             let [m, n] = hinge.faces.map(|f| averaged[f as usize]);
-            (distance(a, b) / h, options.weight * (-distance(m, n).powi(4)).exp())
+            (distance(a, b) / h, options.weight * libm::exp(-distance(m, n).powi(4)))
         })
         .unzip();
     let penalty = 2.0 * options.weight;

@@ -59,7 +59,7 @@ pub fn feature_edges(
         let sharp = |mesh: &TriMesh| {
             // Unit vectors: products of areas are fourth powers of lengths.
             let [m, n] = [f, g].map(|f| normalize(mesh.area_vector(f as usize)));
-            let turn = |(m, n)| norm(cross(m, n)).atan2(dot(m, n)).to_degrees();
+            let turn = |(m, n)| libm::atan2(norm(cross(m, n)), dot(m, n)).to_degrees();
             m.zip(n).map(turn).is_some_and(|angle| angle >= degrees)
         };
         let (found, expected) = (sharp(&mesh), sharp(&reference));

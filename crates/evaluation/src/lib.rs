@@ -4,6 +4,8 @@
 //! surfaces, in double precision; measures that compare element by element
 //! need meshes with the same faces, and say so otherwise.
 
+#![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
+
 mod curvature_error;
 mod distance;
 mod drift;
@@ -13,6 +15,7 @@ mod hausdorff;
 mod hilbert;
 mod intersections;
 mod noise;
+mod normal;
 mod normal_error;
 mod orders;
 mod scores;

@@ -5,9 +5,9 @@ use fairing_mesh::vec3::{add, norm, scale};
 use fairing_operators::vertex_normals;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rand_distr::StandardNormal;
 
 use crate::EvaluationError;
+use crate::normal::standard_normal;
 
 /// How large the noise is, in the unit of its name.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -95,24 +95,23 @@ pub fn add_noise(
         _ => vec![],
     };
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let gaussian = |rng: &mut ChaCha8Rng| -> f64 { rng.sample(StandardNormal) };
     let positions = mesh
         .positions()
         .iter()
         .enumerate()
         .map(|(v, &p)| {
             let unit = match kind {
-                NoiseKind::GaussianPerAxis => std::array::from_fn(|_| gaussian(&mut rng)),
-                NoiseKind::GaussianAlongNormals => scale(normals[v], gaussian(&mut rng)),
+                NoiseKind::GaussianPerAxis => std::array::from_fn(|_| standard_normal(&mut rng)),
+                NoiseKind::GaussianAlongNormals => scale(normals[v], standard_normal(&mut rng)),
                 NoiseKind::GaussianAlongDirections => {
                     let direction = direction(&mut rng);
-                    scale(direction, gaussian(&mut rng))
+                    scale(direction, standard_normal(&mut rng))
                 }
                 NoiseKind::UniformPerAxis => std::array::from_fn(|_| rng.random_range(-1.0..=1.0)),
                 NoiseKind::Impulsive { share } => {
                     let moved = rng.random::<f64>() < share;
                     let direction = direction(&mut rng);
-                    scale(direction, if moved { gaussian(&mut rng) } else { 0.0 })
+                    scale(direction, if moved { standard_normal(&mut rng) } else { 0.0 })
                 }
             };
             add(p, scale(unit, sigma))
@@ -125,7 +124,7 @@ pub fn add_noise(
 /// between two heights, which depends on their difference only.
 fn direction(rng: &mut ChaCha8Rng) -> [f64; 3] {
     let z: f64 = rng.random_range(-1.0..=1.0);
-    let (s, c) = rng.random_range(0.0..std::f64::consts::TAU).sin_cos();
+    let (s, c) = libm::sincos(rng.random_range(0.0..std::f64::consts::TAU));
     let r = (1.0 - z * z).sqrt();
     let d = [r * c, r * s, z];
     debug_assert!((norm(d) - 1.0).abs() < 1e-12);

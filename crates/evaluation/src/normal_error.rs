@@ -39,7 +39,7 @@ pub fn normal_error(mesh: &TriMesh, reference: &TriMesh) -> Result<NormalError, 
             let area = reference.area_vector(f);
             // Unit vectors: products of areas are fourth powers of lengths.
             let (m, n) = (normalize(mesh.area_vector(f))?, normalize(area)?);
-            Some([norm(cross(m, n)).atan2(dot(m, n)).to_degrees(), norm(area)])
+            Some([libm::atan2(norm(cross(m, n)), dot(m, n)).to_degrees(), norm(area)])
         })
         .collect();
     let (mut sum, mut weighted, mut area, mut count) = (0.0, 0.0, 0.0, 0usize);

@@ -18,7 +18,7 @@ pub fn observed_order_steps(h: &[f64], error: &[f64]) -> Vec<Option<f64>> {
     h.windows(2)
         .zip(error.windows(2))
         .map(|(h, e)| {
-            let order = (e[0] / e[1]).ln() / (h[0] / h[1]).ln();
+            let order = libm::log(e[0] / e[1]) / libm::log(h[0] / h[1]);
             (e[0] > 0.0 && e[1] > 0.0 && order.is_finite()).then_some(order)
         })
         .collect()

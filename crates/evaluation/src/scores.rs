@@ -144,7 +144,7 @@ impl Scores {
     /// `None` where vertices do not correspond or nothing moved.
     pub fn psnr(&self) -> Option<f64> {
         let rms = self.displacement.as_ref().ok()?.rms;
-        Some(20.0 * (self.diagonal / rms).log10()).filter(|x| x.is_finite())
+        Some(20.0 * libm::log10(self.diagonal / rms)).filter(|x| x.is_finite())
     }
 
     /// All scores, in the order of the table; always the same names.

@@ -99,12 +99,12 @@ fn weighted((first, shares): &(usize, Vec<f64>), pixel: impl Fn(usize) -> [f64; 
 
 /// The transfer function of sRGB, inverted.
 fn linear(c: f64) -> f64 {
-    if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+    if c <= 0.04045 { c / 12.92 } else { libm::pow((c + 0.055) / 1.055, 2.4) }
 }
 
 /// The transfer function of sRGB.
 fn nonlinear(c: f64) -> f64 {
-    if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
+    if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * libm::pow(c, 1.0 / 2.4) - 0.055 }
 }
 
 fn encode(width: usize, height: usize, pixels: &[[u8; 3]]) -> Result<Vec<u8>> {

@@ -126,7 +126,7 @@ impl Camera {
     ) -> Result<Self, RenderError> {
         let [right, upward, forward] = axes(viewpoint, up);
         let (center, scale) = bounds(meshes)?;
-        let half_height = (FIELD_OF_VIEW / 2.0).to_radians().tan();
+        let half_height = libm::tan((FIELD_OF_VIEW / 2.0).to_radians());
         let ty = half_height * (1.0 - 2.0 * MARGIN);
         let tx = ty * aspect;
 
@@ -174,8 +174,8 @@ impl Camera {
 /// The camera's right, up and forward directions.
 fn axes(viewpoint: Viewpoint, up: Up) -> [DVec3; 3] {
     let (azimuth, elevation) = viewpoint.angles();
-    let (sa, ca) = azimuth.to_radians().sin_cos();
-    let (se, ce) = elevation.clamp(-90.0, 90.0).to_radians().sin_cos();
+    let (sa, ca) = libm::sincos(azimuth.to_radians());
+    let (se, ce) = libm::sincos(elevation.clamp(-90.0, 90.0).to_radians());
     // With y up; azimuth alone gives the right direction, so that it stays
     // defined when looking straight down.
     let right = DVec3::new(ca, 0.0, -sa);

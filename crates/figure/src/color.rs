@@ -7,7 +7,7 @@
 pub fn linear_from_srgb(color: [u8; 3]) -> [f32; 3] {
     color.map(|c| {
         let x = f32::from(c) / 255.0;
-        if x <= 0.040_45 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
+        if x <= 0.040_45 { x / 12.92 } else { libm::powf((x + 0.055) / 1.055, 2.4) }
     })
 }
 
@@ -16,7 +16,7 @@ pub fn linear_from_srgb(color: [u8; 3]) -> [f32; 3] {
 pub fn srgb_from_linear(linear: [f32; 3]) -> [u8; 3] {
     linear.map(|c| {
         let c = c.clamp(0.0, 1.0);
-        let y = if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
+        let y = if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * libm::powf(c, 1.0 / 2.4) - 0.055 };
         (y * 255.0 + 0.5) as u8
     })
 }

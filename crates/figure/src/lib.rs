@@ -4,6 +4,8 @@
 //! linear light with baked [`Occlusion`]. Pictures are values: nothing here
 //! writes files, and nothing depends on the number of threads.
 
+#![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
+
 mod camera;
 mod color;
 mod colorbar;

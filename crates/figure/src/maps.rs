@@ -74,9 +74,9 @@ fn cool_warm(t: f64) -> [u8; 3] {
     let magnitude = 88.0 - 8.0 * far;
     let saturation = 1.08 * far;
     let hue = if t < 0.5 { -1.661 + 0.561 * far } else { 1.061 - 0.561 * far };
-    let lightness = magnitude * saturation.cos();
-    let a = magnitude * saturation.sin() * hue.cos();
-    let b = magnitude * saturation.sin() * hue.sin();
+    let lightness = magnitude * libm::cos(saturation);
+    let a = magnitude * libm::sin(saturation) * libm::cos(hue);
+    let b = magnitude * libm::sin(saturation) * libm::sin(hue);
     // CIELAB to XYZ under D65, then to linear sRGB.
     let f = |x: f64| {
         let delta: f64 = 6.0 / 29.0;

@@ -70,7 +70,7 @@ pub(crate) fn corner_normals(
                 .collect()
         }
         Shading::Creased { degrees } => {
-            let least = degrees.to_radians().cos();
+            let least = libm::cos(degrees.to_radians());
             let unit: Vec<DVec3> = area_vectors.iter().map(|n| n.normalize_or_zero()).collect();
             let incidence = mesh.incidence();
             faces

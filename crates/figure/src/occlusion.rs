@@ -135,7 +135,7 @@ impl Tree {
             .iter()
             .filter(|[u, w]| {
                 let (u, w) = ((u + du).fract(), (w + dv).fract());
-                let (sin, cos) = (std::f32::consts::TAU * w).sin_cos();
+                let (sin, cos) = libm::sincosf(std::f32::consts::TAU * w);
                 let radius = u.sqrt();
                 let direction = tangent * (radius * cos)
                     + bitangent * (radius * sin)

@@ -209,7 +209,7 @@ impl Raster {
         if p[2].min(q[2]).min(r[2]) <= 0.0 {
             return 0.0;
         }
-        let length = |a: [f64; 3], b: [f64; 3]| (b[0] - a[0]).hypot(b[1] - a[1]);
+        let length = |a: [f64; 3], b: [f64; 3]| libm::hypot(b[0] - a[0], b[1] - a[1]);
         let sides = [(q, r), (r, p), (p, q)];
         let longest = sides.iter().fold(0.0f64, |m, &(a, b)| m.max(length(a, b)));
         let area = edge(p, q, r[0], r[1]).abs();

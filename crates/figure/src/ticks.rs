@@ -20,7 +20,7 @@ pub(crate) fn linear(low: f64, high: f64, wanted: usize) -> Ticks {
     if !raw.is_normal() || raw < 0.0 {
         return Ticks { major: vec![(low, crate::number::number(low, 3))], ..none };
     }
-    let decade = 10f64.powf(raw.log10().floor());
+    let decade = libm::pow(10.0, libm::log10(raw).floor());
     let step = [1.0, 2.0, 2.5, 5.0].iter().map(|m| m * decade).find(|&s| s >= raw * 0.75);
     let step = step.unwrap_or(10.0 * decade);
     let first = (low / step - 1e-9).ceil();
@@ -46,13 +46,13 @@ pub(crate) fn linear(low: f64, high: f64, wanted: usize) -> Ticks {
 /// to 99 999.
 pub(crate) fn exponent(low: f64, high: f64) -> i32 {
     let largest = low.abs().max(high.abs());
-    let magnitude = if largest > 0.0 { largest.log10().floor() as i32 } else { 0 };
+    let magnitude = if largest > 0.0 { libm::log10(largest).floor() as i32 } else { 0 };
     if (-2..=4).contains(&magnitude) { 0 } else { magnitude }
 }
 
 /// Powers of ten, with 2 and 5 times those where there are few.
 pub(crate) fn logarithmic(low: f64, high: f64, wanted: usize) -> Ticks {
-    let (first, last) = (low.log10(), high.log10());
+    let (first, last) = (libm::log10(low), libm::log10(high));
     let decades = last - first;
     let within = |x: f64| x >= low * (1.0 - 1e-9) && x <= high * (1.0 + 1e-9);
     let range = first.floor() as i32..=last.ceil() as i32;

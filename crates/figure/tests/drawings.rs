@@ -1,5 +1,7 @@
 //! What figures and plots must show, measured in their pixels.
 
+#![expect(clippy::disallowed_methods, reason = "tests do not need the same bits")]
+
 use fairing_figure::{
     Axis, ColorBar, ColorMap, Field, Figure, Image, Limits, Panel, Plot, PlotError, Scale,
     ScaleOptions, Series, Shape,

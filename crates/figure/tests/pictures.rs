@@ -1,5 +1,7 @@
 //! What pictures must show, measured in their pixels.
 
+#![expect(clippy::disallowed_methods, reason = "tests do not need the same bits")]
+
 use fairing_figure::{
     Background, Camera, Colors, Image, Occlusion, RenderError, RenderOptions, Shading, Up,
     Viewpoint, Wireframe, render,

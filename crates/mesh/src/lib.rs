@@ -4,6 +4,8 @@
 //! valid. Vertices, edges and faces are numbered from 0; vertices and faces
 //! keep the order of the file they came from.
 
+#![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
+
 mod build;
 mod connectivity;
 mod diagnosis;

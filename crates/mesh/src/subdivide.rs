@@ -80,7 +80,7 @@ fn smoothed(x: &[[f64; 3]], topology: &Topology, v: usize) -> [f64; 3] {
     if neighbors.is_empty() {
         return x[v];
     }
-    let c = 0.375 + 0.25 * (std::f64::consts::TAU / n).cos();
+    let c = 0.375 + 0.25 * libm::cos(std::f64::consts::TAU / n);
     let beta = (0.625 - c * c) / n;
     let sum = neighbors.iter().fold([0.0; 3], |s, &w| add(s, x[w as usize]));
     add(scale(x[v], 1.0 - n * beta), scale(sum, beta))

@@ -10,6 +10,8 @@
 //! by its mass. Curvature is positive where the surface bends away from its
 //! outward normal as a sphere does.
 
+#![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
+
 mod assembly;
 mod corners;
 pub mod curvature;

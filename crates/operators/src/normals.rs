@@ -68,7 +68,7 @@ pub fn weighted_vertex_normals(mesh: &TriMesh, weight: NormalWeight) -> Vec<[f64
                 }
                 NormalWeight::Angle => {
                     let (x, y) = FaceCorners::of(mesh.triangle(f)).turn(c as usize % 3);
-                    scale(vectors[f], y.atan2(x))
+                    scale(vectors[f], libm::atan2(y, x))
                 }
             };
             add(sum, share)

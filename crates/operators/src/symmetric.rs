@@ -15,13 +15,13 @@ impl Symmetric2 {
     #[inline]
     pub(crate) fn eigen(self) -> ([f64; 2], [f64; 2]) {
         let (mean, half) = (0.5 * (self.a + self.c), 0.5 * (self.a - self.c));
-        let radius = half.hypot(self.b);
+        let radius = libm::hypot(half, self.b);
         if radius == 0.0 {
             return ([mean; 2], [1.0, 0.0]);
         }
         // The column of A − κ₂ I that does not cancel.
         let (x, y) = if half >= 0.0 { (half + radius, self.b) } else { (self.b, radius - half) };
-        let length = x.hypot(y);
+        let length = libm::hypot(x, y);
         ([mean + radius, mean - radius], [x / length, y / length])
     }
 }

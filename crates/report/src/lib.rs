@@ -4,6 +4,8 @@
 //! running any experiment. [`publish()`] comes before it: it chooses what the
 //! folder of a new report holds and writes `results.json`.
 
+#![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
+
 pub mod mathml;
 
 mod markdown;

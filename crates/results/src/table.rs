@@ -212,7 +212,7 @@ pub fn short(x: f64) -> String {
     } else if !(1e-3..1e5).contains(&magnitude) {
         format!("{x:.2e}")
     } else {
-        let digits = 3 - magnitude.log10().floor() as i32;
+        let digits = 3 - libm::log10(magnitude).floor() as i32;
         let fixed = format!("{x:.*}", digits.max(0) as usize);
         match fixed.contains('.') {
             true => fixed.trim_end_matches('0').trim_end_matches('.').to_string(),

@@ -26,7 +26,7 @@ enum Piece {
 impl Piece {
     fn length(self) -> f64 {
         match self {
-            Self::Line { from, to } => (to[0] - from[0]).hypot(to[1] - from[1]),
+            Self::Line { from, to } => libm::hypot(to[0] - from[0], to[1] - from[1]),
             Self::Arc { radius, sweep, .. } => radius * sweep.abs(),
         }
     }
@@ -36,7 +36,7 @@ impl Piece {
         match self {
             Self::Line { from, to } => [0, 1].map(|k| from[k] + t * (to[k] - from[k])),
             Self::Arc { centre, radius, start, sweep } => {
-                let (s, c) = (start + t * sweep).sin_cos();
+                let (s, c) = libm::sincos(start + t * sweep);
                 [centre[0] + radius * c, centre[1] + radius * s]
             }
         }

@@ -67,12 +67,12 @@ fn field([x, y, z]: [f64; 3]) -> f64 {
             [Some(left), right]
         })
         .flatten()
-        .map(|d| (-SHARPNESS * d).exp())
+        .map(|d| libm::exp(-SHARPNESS * d))
         .sum();
-    let skin = 0.004 * (31.0 * x).sin() * (29.0 * y + 1.0).sin() * (27.0 * z).sin();
+    let skin = 0.004 * libm::sin(31.0 * x) * libm::sin(29.0 * y + 1.0) * libm::sin(27.0 * z);
     // Grooves across the back, fading to the front.
-    let back = 1.0 / (1.0 + (-30.0 * (y - 0.12)).exp());
-    -sum.ln() / SHARPNESS + skin + 0.010 * back * (34.0 * z).sin()
+    let back = 1.0 / (1.0 + libm::exp(-30.0 * (y - 0.12)));
+    -libm::log(sum) / SHARPNESS + skin + 0.010 * back * libm::sin(34.0 * z)
 }
 
 impl Limb {

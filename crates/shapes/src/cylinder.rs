@@ -37,7 +37,7 @@ pub fn cylinder(radius: f64, height: f64, around: u32, along: u32, ends: Ends) -
     for j in 0..=along {
         let z = height * f64::from(j) / f64::from(along);
         for i in 0..around {
-            let (s, c) = (TAU * f64::from(i) / f64::from(around)).sin_cos();
+            let (s, c) = libm::sincos(TAU * f64::from(i) / f64::from(around));
             positions.push([radius * c, radius * s, z]);
         }
     }
@@ -47,7 +47,7 @@ pub fn cylinder(radius: f64, height: f64, around: u32, along: u32, ends: Ends) -
             let border: Vec<u32> = (row * around..(row + 1) * around).collect();
             let (points, lid) = rings::disc(&border, positions.len() as u32);
             positions.extend(points.iter().map(|&[r, turn]| {
-                let (s, c) = (TAU * turn).sin_cos();
+                let (s, c) = libm::sincos(TAU * turn);
                 [radius * r * c, radius * r * s, z]
             }));
             // The lower lid looks down.

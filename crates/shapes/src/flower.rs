@@ -32,8 +32,8 @@ pub fn flower(spacing: f64, seed: u64) -> TriMesh {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     // Slow waves over the disc make dense and sparse regions.
     let size = |[x, y]: [f64; 2]| {
-        let wave = (5.0 * x + 1.0).sin() * (4.0 * y + 0.5).sin();
-        spacing * (0.9 + 0.4 * x.hypot(y) - 0.3 + 0.5 * wave).max(0.45)
+        let wave = libm::sin(5.0 * x + 1.0) * libm::sin(4.0 * y + 0.5);
+        spacing * (0.9 + 0.4 * libm::hypot(x, y) - 0.3 + 0.5 * wave).max(0.45)
     };
     let smallest = 0.45 * spacing;
 
@@ -41,18 +41,18 @@ pub fn flower(spacing: f64, seed: u64) -> TriMesh {
     let mut turn = 0.0;
     while turn < 1.0 {
         turns.push(turn);
-        let (s, c) = (TAU * turn).sin_cos();
+        let (s, c) = libm::sincos(TAU * turn);
         turn += size([c, s]) * rng.random_range(0.8..1.3) / TAU;
     }
     // Stretched so that the last step is like the others.
     let mut points: Vec<[f64; 2]> = turns
         .iter()
         .map(|t| {
-            let (s, c) = (TAU * t / turn).sin_cos();
+            let (s, c) = libm::sincos(TAU * t / turn);
             [c, s]
         })
         .collect();
-    let inside = |p: [f64; 2]| p[0].hypot(p[1]) < 1.0 - 0.6 * size(p);
+    let inside = |p: [f64; 2]| libm::hypot(p[0], p[1]) < 1.0 - 0.6 * size(p);
     scatter(&mut points, [-1.0, 1.0], smallest, size, inside, &mut rng);
     let faces = delaunay(&points, &[]);
     made(points.iter().map(|&p| petal(p)).collect(), faces)
@@ -61,7 +61,7 @@ pub fn flower(spacing: f64, seed: u64) -> TriMesh {
 /// The flower over the unit disc.
 fn petal([x, y]: [f64; 2]) -> [f64; 3] {
     let q2 = x * x + y * y;
-    let four = (4.0 * y.atan2(x)).cos();
+    let four = libm::cos(4.0 * libm::atan2(y, x));
     let lobes = 0.28 * q2 * q2 / (0.2 + q2 * q2) * four;
     [x * (0.8 + lobes), y * (0.8 + lobes), 0.7 * q2 - 0.75 * q2 * q2 + 0.5 * lobes]
 }

@@ -49,7 +49,7 @@ pub fn helicoid(shape: &Helicoid) -> TriMesh {
     let mut positions = vec![];
     for j in 0..=along {
         let u = TAU * turns * f64::from(j) / f64::from(along);
-        let (s, c) = u.sin_cos();
+        let (s, c) = libm::sincos(u);
         for i in 0..=across {
             let v = from + (to - from) * f64::from(i) / f64::from(across);
             positions.push([v * c, v * s, rise * u]);

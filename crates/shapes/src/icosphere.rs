@@ -38,7 +38,7 @@ fn icosahedron() -> TriMesh {
     for (ring, z) in [(0, z), (1, -z)] {
         for i in 0..5 {
             let angle = std::f64::consts::PI * (2 * i + ring) as f64 / 5.0;
-            positions.push([r * angle.cos(), r * angle.sin(), z]);
+            positions.push([r * libm::cos(angle), r * libm::sin(angle), z]);
         }
     }
     positions.push([0.0, 0.0, -1.0]);

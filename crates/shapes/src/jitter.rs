@@ -92,9 +92,9 @@ pub fn onto_ellipsoid(axes: [f64; 3]) -> impl Fn([f64; 3]) -> [f64; 3] {
 /// outwards.
 pub fn onto_torus(major: f64, minor: f64) -> impl Fn([f64; 3]) -> [f64; 3] {
     move |[x, y, z]| {
-        let r = x.hypot(y);
+        let r = libm::hypot(x, y);
         let [cu, su] = if r > 0.0 { [x / r, y / r] } else { [1.0, 0.0] };
-        let (a, length) = (r - major, (r - major).hypot(z));
+        let (a, length) = (r - major, libm::hypot(r - major, z));
         let [cv, sv] = if length > 0.0 { [a / length, z / length] } else { [1.0, 0.0] };
         let s = major + minor * cv;
         [s * cu, s * su, minor * sv]

@@ -8,6 +8,8 @@
 //! Parameters that make no such mesh are a mistake in the program that passes
 //! them, and panic as documented.
 
+#![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
+
 mod block;
 mod creature;
 mod cube;

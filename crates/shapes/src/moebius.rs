@@ -28,8 +28,8 @@ pub fn moebius(w: f64, around: u32, across: u32) -> TriMesh {
         let v = w * (2.0 * f64::from(j) / f64::from(across) - 1.0);
         for i in 0..around {
             let u = TAU * f64::from(i) / f64::from(around);
-            let r = 1.0 + v * (u / 2.0).cos();
-            positions.push([r * u.cos(), r * u.sin(), v * (u / 2.0).sin()]);
+            let r = 1.0 + v * libm::cos(u / 2.0);
+            positions.push([r * libm::cos(u), r * libm::sin(u), v * libm::sin(u / 2.0)]);
         }
     }
     // After a turn, v has changed its sign.

@@ -79,5 +79,5 @@ fn left_of_crossing(p: [f64; 2], [a, b]: [[f64; 2]; 2]) -> bool {
 fn distance_to(p: [f64; 2], [a, b]: [[f64; 2]; 2]) -> f64 {
     let (d, q) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
     let t = ((q[0] * d[0] + q[1] * d[1]) / (d[0] * d[0] + d[1] * d[1])).clamp(0.0, 1.0);
-    (q[0] - t * d[0]).hypot(q[1] - t * d[1])
+    libm::hypot(q[0] - t * d[0], q[1] - t * d[1])
 }

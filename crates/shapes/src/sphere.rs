@@ -20,9 +20,9 @@ pub fn uv_sphere(around: u32, across: u32) -> TriMesh {
     assert!(around >= 3 && across >= 2, "{around} meridians and {across} bands make no sphere");
     let mut positions = vec![[0.0, 0.0, -1.0]];
     for j in 1..across {
-        let (r, z) = (PI * f64::from(j) / f64::from(across)).sin_cos();
+        let (r, z) = libm::sincos(PI * f64::from(j) / f64::from(across));
         for i in 0..around {
-            let (s, c) = (TAU * f64::from(i) / f64::from(around)).sin_cos();
+            let (s, c) = libm::sincos(TAU * f64::from(i) / f64::from(around));
             positions.push([r * c, r * s, -z]);
         }
     }
@@ -57,7 +57,7 @@ pub fn bumpy_sphere(level: u32, amplitude: f64, frequency: f64) -> TriMesh {
         .positions()
         .iter()
         .map(|&p| {
-            let [x, y, z] = p.map(|t| (frequency * t).sin());
+            let [x, y, z] = p.map(|t| libm::sin(frequency * t));
             scale(p, 1.0 + amplitude * (x * y + y * z + z * x))
         })
         .collect();

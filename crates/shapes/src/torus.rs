@@ -25,9 +25,9 @@ pub fn torus(major: f64, minor: f64, around: u32, across: u32) -> TriMesh {
     assert!(0.0 < minor && minor < major && major.is_finite(), "radii {major}, {minor}");
     let mut positions = Vec::with_capacity(around as usize * across as usize);
     for j in 0..across {
-        let (sv, cv) = (TAU * f64::from(j) / f64::from(across)).sin_cos();
+        let (sv, cv) = libm::sincos(TAU * f64::from(j) / f64::from(across));
         for i in 0..around {
-            let (su, cu) = (TAU * f64::from(i) / f64::from(around)).sin_cos();
+            let (su, cu) = libm::sincos(TAU * f64::from(i) / f64::from(around));
             let r = major + minor * cv;
             positions.push([r * cu, r * su, minor * sv]);
         }

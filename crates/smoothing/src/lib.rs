@@ -7,6 +7,8 @@
 //! A flow diffuses along the negative semi-definite Laplacian `L = −M⁻¹S`; the [`Diffusion`] says with which
 //! weights and how far in one step, in the unit that belongs to them.
 
+#![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
+
 mod arrangement;
 mod assemble;
 mod clenshaw;

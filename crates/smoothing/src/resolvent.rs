@@ -48,7 +48,7 @@ impl Resolvent {
     pub(crate) fn expand(of: Response) -> Option<Self> {
         let (step, of_y): (f64, Box<dyn Fn(f64) -> f64>) = match of {
             Response::Heat { time } => {
-                (time / RATIO, Box::new(|y| (RATIO * (1.0 - 1.0 / y)).exp()))
+                (time / RATIO, Box::new(|y| libm::exp(RATIO * (1.0 - 1.0 / y))))
             }
             Response::Butterworth { cutoff, order } => {
                 let power = move |y: f64| y.powi(order as i32);

@@ -32,7 +32,7 @@ impl Response {
                 ((1.0 + shrink * mu) * (1.0 + grow * mu)).powi(whole(pairs))
             }
             Self::Implicit { step, steps } => (1.0 - step * mu).powi(-whole(steps)),
-            Self::Heat { time } => (time * mu).exp(),
+            Self::Heat { time } => libm::exp(time * mu),
             Self::Butterworth { cutoff, order } => {
                 1.0 / (1.0 + (-mu / cutoff).powi(whole(order as usize)))
             }
@@ -51,12 +51,14 @@ impl Response {
     /// The logarithm of the largest modulus on [−b, 0].
     pub(crate) fn ln_largest(self, b: f64) -> f64 {
         match self {
-            Self::Explicit { step, steps } => steps as f64 * (1.0 - step * b).abs().max(1.0).ln(),
+            Self::Explicit { step, steps } => {
+                steps as f64 * libm::log((1.0 - step * b).abs().max(1.0))
+            }
             Self::Pairs { shrink, grow, pairs } => {
                 let pair = |mu: f64| ((1.0 + shrink * mu) * (1.0 + grow * mu)).abs();
                 // A parabola in μ that is 1 at 0: its top, if that lies within, and the far end.
                 let top = (-0.5 * (1.0 / shrink + 1.0 / grow)).clamp(-b, 0.0);
-                pairs as f64 * pair(top).max(pair(-b)).max(1.0).ln()
+                pairs as f64 * libm::log(pair(top).max(pair(-b)).max(1.0))
             }
             Self::Implicit { .. } | Self::Heat { .. } | Self::Butterworth { .. } => 0.0,
         }
@@ -72,17 +74,17 @@ impl Response {
             // 1 + λμ = 1 − c + c z with c = λb/2.
             Self::Explicit { step, steps } => {
                 let c = 0.5 * step * b;
-                steps as f64 * ((1.0 - c).abs() + c * a).ln()
+                steps as f64 * libm::log((1.0 - c).abs() + c * a)
             }
             Self::Pairs { shrink, grow, pairs } => {
                 let (c, d) = (0.5 * shrink * b, -0.5 * grow * b);
                 let pair = ((1.0 - c).abs() + c * a) * (1.0 + d + d * a);
-                pairs as f64 * pair.ln()
+                pairs as f64 * libm::log(pair)
             }
             // The real part of 1 − λμ = 1 + c (1 − z) is least at z = a.
             Self::Implicit { step, steps } => {
                 let least = 1.0 - 0.5 * step * b * beyond;
-                if least > 0.0 { -(steps as f64) * least.ln() } else { f64::INFINITY }
+                if least > 0.0 { -(steps as f64) * libm::log(least) } else { f64::INFINITY }
             }
             Self::Heat { time } => 0.5 * time * b * beyond,
             Self::Butterworth { cutoff, order } => butterworth(2.0 * cutoff / b, order, rho),
@@ -119,15 +121,15 @@ fn butterworth(delta: f64, order: u32, rho: f64) -> f64 {
     let mut sum = 0.0;
     for m in 0..order {
         let angle = PI * f64::from(2 * m + 1) / f64::from(order);
-        let (dx, dy) = (delta * angle.cos(), delta * angle.sin());
+        let (dx, dy) = (delta * libm::cos(angle), delta * libm::sin(angle));
         // |z − 1| + |z + 1| for z = 1 − δ exp(i angle).
-        let two_a = delta + (2.0 - dx).hypot(dy);
+        let two_a = delta + libm::hypot(2.0 - dx, dy);
         let half = 0.5 * two_a;
         let zero = half + ((half - 1.0).max(0.0) * (half + 1.0)).sqrt();
         if zero <= rho {
             return f64::INFINITY;
         }
-        sum -= (0.5 * (zero - rho) * (1.0 - 1.0 / (rho * zero)) / delta).ln();
+        sum -= libm::log(0.5 * (zero - rho) * (1.0 - 1.0 / (rho * zero)) / delta);
     }
     sum
 }

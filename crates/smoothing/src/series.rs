@@ -54,7 +54,7 @@ impl Chain {
     /// A run in as few parts as have a series each; `None` where none or only a chain of more than `most` products
     /// does.
     pub(crate) fn expand(bound: f64, of: Response, most: usize) -> Option<Self> {
-        if of.ln_largest(bound) > LARGEST.ln() {
+        if of.ln_largest(bound) > libm::log(LARGEST) {
             return None;
         }
         let mut parts = 1;
@@ -97,7 +97,7 @@ impl Series {
     /// Expands a response on `[−bound, 0]`; `None` where it takes more than two thousand terms, or where it is so
     /// large that cancellation is not harmless (an unstable flow).
     pub(crate) fn expand(bound: f64, of: Response) -> Option<Self> {
-        if of.ln_largest(bound) > LARGEST.ln() {
+        if of.ln_largest(bound) > libm::log(LARGEST) {
             return None;
         }
         let values = sample(bound, samples(bound, of)?, |mu| of.at(mu));
@@ -165,8 +165,8 @@ fn samples(bound: f64, of: Response) -> Option<usize> {
     let exact = of.degree().map_or(f64::INFINITY, |degree| degree as f64 + 1.0);
     let by_bound = (0..160).map(|k| {
         let rho = 1.0 + 1e-5 * 1.12f64.powi(k);
-        let ln_error = of.ln_on_ellipse(bound, rho) + (4.0 / (rho - 1.0) / SAMPLED).ln();
-        1.0 + (ln_error.max(0.0) / rho.ln()).ceil()
+        let ln_error = of.ln_on_ellipse(bound, rho) + libm::log(4.0 / (rho - 1.0) / SAMPLED);
+        1.0 + (ln_error.max(0.0) / libm::log(rho)).ceil()
     });
     // NaN never counts.
     let least = by_bound.fold(exact, f64::min).max(2.0);
@@ -179,7 +179,7 @@ pub(crate) fn sample(bound: f64, n: usize, g: impl Fn(f64) -> f64) -> Vec<f64> {
         .map(|j| {
             let half = 0.5 * std::f64::consts::PI * (j as f64 + 0.5) / n as f64;
             // (1 − cos θ)/2 = sin² (θ/2) without cancellation near μ = 0.
-            g(-bound * half.sin().powi(2))
+            g(-bound * libm::sin(half).powi(2))
         })
         .collect()
 }
@@ -189,7 +189,7 @@ pub(crate) fn transform(values: &[f64]) -> Vec<f64> {
     let n = values.len();
     // cos kθⱼ = cos(π k(2j + 1)/(2n)) repeats after 4n quarter steps.
     let cosines: Vec<f64> =
-        (0..4 * n).map(|q| (std::f64::consts::PI * q as f64 / (2 * n) as f64).cos()).collect();
+        (0..4 * n).map(|q| libm::cos(std::f64::consts::PI * q as f64 / (2 * n) as f64)).collect();
     (0..n)
         .into_par_iter()
         .with_min_len(64)

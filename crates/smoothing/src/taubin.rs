@@ -108,11 +108,11 @@ fn flow(
     let frame = Frame::new(&options.constraints, 2 * options.pairs);
     let mut run = Run::new(mesh, &frame, observer)?;
     let of = Response::Pairs { shrink: lambda, grow: mu, pairs: options.pairs };
-    if of.ln_largest(2.0) > MOST_GROWTH.ln() {
+    if of.ln_largest(2.0) > libm::log(MOST_GROWTH) {
         run.report.unstable = true;
         if options.stability == Stability::Refuse {
             let one = Response::Pairs { shrink: lambda, grow: mu, pairs: 1 };
-            let gain = one.ln_largest(2.0).exp();
+            let gain = libm::exp(one.ln_largest(2.0));
             return Err(run.refuse(FlowFailure::Amplified { gain, pairs: options.pairs }));
         }
     }

@@ -90,7 +90,7 @@ impl SizeKeeper {
             }
             Self::Rescaled(target) => {
                 let volume = signed_volume(faces, x);
-                rescale(x, volume_centroid(faces, x, volume), (target / volume).cbrt())
+                rescale(x, volume_centroid(faces, x, volume), libm::cbrt(target / volume))
             }
             Self::Offset(target) => offset(target, faces, x, freedom),
         }

@@ -29,9 +29,9 @@ impl Window {
     fn weight(self, k: usize, degree: usize) -> f64 {
         let angle = PI * k as f64 / (degree + 1) as f64;
         match self {
-            Self::Hanning => 0.5 + 0.5 * angle.cos(),
-            Self::Hamming => 0.54 + 0.46 * angle.cos(),
-            Self::Blackman => 0.42 + 0.5 * angle.cos() + 0.08 * (2.0 * angle).cos(),
+            Self::Hanning => 0.5 + 0.5 * libm::cos(angle),
+            Self::Hamming => 0.54 + 0.46 * libm::cos(angle),
+            Self::Blackman => 0.42 + 0.5 * libm::cos(angle) + 0.08 * libm::cos(2.0 * angle),
         }
     }
 }
@@ -116,12 +116,12 @@ fn filter(mesh: &TriMesh, options: &WindowedSinc) -> Result<Smoothed, FlowError>
 
 /// The windowed coefficients in `Tⱼ(1 + μ)`, which sum to one: the value at μ = 0.
 fn coefficients(pass_band: f64, degree: usize, window: Window) -> Vec<f64> {
-    let edge = (1.0 - pass_band).acos();
+    let edge = libm::acos(1.0 - pass_band);
     let mut c: Vec<f64> = (0..=degree)
         .map(|j| {
             let ideal = match j {
                 0 => edge / PI,
-                j => 2.0 * (j as f64 * edge).sin() / (j as f64 * PI),
+                j => 2.0 * libm::sin(j as f64 * edge) / (j as f64 * PI),
             };
             ideal * window.weight(j, degree)
         })

@@ -56,7 +56,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let mass = vec![0.5 * 3f64.sqrt(); n];
         let b: Vec<[f64; 3]> = (0..n)
             .map(|i| {
-                let bump = (i as f64 * 12.9898).sin() * 0.3;
+                let bump = libm::sin(i as f64 * 12.9898) * 0.3;
                 [(i % side) as f64 + bump, (i / side) as f64 - bump, bump]
             })
             .collect();

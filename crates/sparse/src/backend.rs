@@ -166,7 +166,7 @@ pub(crate) fn symmetric_eigen(
     if !largest.is_finite() {
         return Err(NoConvergence);
     }
-    let unit = if largest > 0.0 { 2f64.powi(largest.log2().floor() as i32) } else { 1.0 };
+    let unit = if largest > 0.0 { 2f64.powi(libm::log2(largest).floor() as i32) } else { 1.0 };
     let scaled: Vec<f64> = matrix.iter().map(|v| v / unit).collect();
     let (mut values, mut vectors) = (vec![0.0; n], vec![0.0; n * n]);
     let scratch = evd::self_adjoint_evd_scratch::<f64>(

@@ -421,10 +421,9 @@ fn to_safe_range<const B: usize>(b: &[[f64; B]]) -> Option<[f64; B]> {
         return None;
     }
     // Down to 2⁻¹⁰²²: the inverse must be finite.
-    Some(
-        largest
-            .map(|l| if l > 0.0 { (-l.log2().round()).clamp(-1022.0, 1022.0).exp2() } else { 1.0 }),
-    )
+    Some(largest.map(|l| {
+        if l > 0.0 { libm::exp2((-libm::log2(l).round()).clamp(-1022.0, 1022.0)) } else { 1.0 }
+    }))
 }
 
 fn sub<const B: usize>(a: &[f64; B], b: &[f64; B]) -> [f64; B] {

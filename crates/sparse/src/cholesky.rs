@@ -330,7 +330,7 @@ fn scaled_up(rows: Rows<'_>, diagonal: &[f64]) -> (Vec<f64>, i32) {
     if largest == 0.0 {
         return (rows.values.to_vec(), 0);
     }
-    let root = (HEADROOM - largest.log2() as i32) / 2;
+    let root = (HEADROOM - libm::log2(largest) as i32) / 2;
     let half = 2f64.powi(root.clamp(-500, 500));
     (rows.values.iter().map(|v| v * half * half).collect(), root.clamp(-500, 500))
 }
@@ -387,7 +387,7 @@ impl Cholesky {
 
     /// log det A = 2 Σ log Lᵢᵢ.
     pub fn log_determinant(&self) -> f64 {
-        self.factor.analysis.nodes.diagonal(&self.factor.values).map(|l| 2.0 * l.ln()).sum()
+        self.factor.analysis.nodes.diagonal(&self.factor.values).map(|l| 2.0 * libm::log(l)).sum()
     }
 
     /// x with A x = b.

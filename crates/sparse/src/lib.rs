@@ -4,6 +4,8 @@
 //! a symmetric matrix holds both triangles. Blocks of vectors are row-major: `[[f64; 3]]` for three
 //! columns, `n × k` `ndarray` arrays for more. No result depends on the number of threads.
 
+#![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
+
 mod backend;
 mod cg;
 mod cholesky;

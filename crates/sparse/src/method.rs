@@ -88,7 +88,7 @@ impl Workload {
     /// Iterations of conjugate gradients that a solve will take: ½ √κ ln (2/ε), less a tenth, and at most as many
     /// as there are rows.
     pub fn iterations(&self) -> f64 {
-        let digits = (2.0 / self.tolerance.clamp(f64::EPSILON, 1.0)).ln();
+        let digits = libm::log(2.0 / self.tolerance.clamp(f64::EPSILON, 1.0));
         (EARLY * 0.5 * self.condition.max(1.0).sqrt() * digits).clamp(1.0, self.rows.max(1) as f64)
     }
 

@@ -29,7 +29,7 @@ pub enum Ordering {
 /// triangle grids (within a tenth from a thousand rows to 640 thousand); nested dissection reaches it on all.
 pub(crate) fn usual_fill(rows: usize) -> f64 {
     let n = rows as f64;
-    n * (5.5 * n.max(2.0).log2() - 35.0).max(4.0)
+    n * (5.5 * libm::log2(n.max(2.0)) - 35.0).max(4.0)
 }
 
 /// Rows in the order of nested dissection.

@@ -75,6 +75,6 @@ impl Compressed {
             *counts.entry(*level).or_insert(0usize) += 1;
         }
         let total = self.levels.len() as f64;
-        counts.values().map(|&c| -(c as f64) * (c as f64 / total).log2()).sum()
+        counts.values().map(|&c| -(c as f64) * libm::log2(c as f64 / total)).sum()
     }
 }

@@ -35,7 +35,7 @@ impl FlatFace {
         // Differences from the first corner: the gradient of a constant is exactly zero.
         let d = [scaled[1] - scaled[0], scaled[2] - scaled[0]];
         let g: [f64; 2] = std::array::from_fn(|k| self.hats[1][k] * d[0] + self.hats[2][k] * d[1]);
-        let norm = g[0].hypot(g[1]);
+        let norm = libm::hypot(g[0], g[1]);
         if norm == 0.0 {
             return [0.0; 3];
         }

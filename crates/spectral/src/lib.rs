@@ -6,6 +6,8 @@
 //! Everything here takes a [`Laplacian`](fairing_operators::Laplacian), of any kind: make it once, use it for spectra,
 //! heat, geodesic distance and [Poisson problems](Poisson).
 
+#![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
+
 mod cluster;
 mod compression;
 mod compute;

@@ -28,7 +28,7 @@ pub fn heat_kernel_signature(
     }
     let squares = spectrum.modes.mapv(|x| x * x);
     let weights = Array2::from_shape_fn((spectrum.len(), times.len()), |(i, t)| {
-        (-spectrum.values[i] * times[t]).exp()
+        libm::exp(-spectrum.values[i] * times[t])
     });
     Ok(squares.dot(&weights))
 }
@@ -37,8 +37,9 @@ pub fn heat_kernel_signature(
 /// 4 ln 10 / λ₁ (the first that is not zero). Empty without such a λ. Source: \[sun2009\].
 pub fn heat_kernel_times(spectrum: &Spectrum, count: usize) -> Vec<f64> {
     let Some((first, last)) = range(spectrum) else { return vec![] };
-    let (from, to) = ((4.0 * 10f64.ln() / last).ln(), (4.0 * 10f64.ln() / first).ln());
-    spread(from, to, count).map(f64::exp).collect()
+    let (from, to) =
+        (libm::log(4.0 * libm::log(10.0) / last), libm::log(4.0 * libm::log(10.0) / first));
+    spread(from, to, count).map(libm::exp).collect()
 }
 
 /// Wave kernel signature, `n × energies`: Σ φᵢ(x)² exp(−(e − ln λᵢ)² / 2σ²) / Σ exp(−(e − ln λᵢ)² / 2σ²).
@@ -64,7 +65,7 @@ pub fn wave_kernel_signature(
     let Some((first, last)) = range(spectrum).filter(|(a, b)| a < b) else {
         return too_few("number of modes", spectrum.len(), "enough for two λ above zero");
     };
-    let (low, high) = (first.ln(), last.ln());
+    let (low, high) = (libm::log(first), libm::log(last));
     // The step d obeys low + 2σ … high − 2σ in energies − 1 steps with σ = 7d.
     let step = (high - low) / (energies as f64 - 1.0 + 28.0);
     let sigma = 7.0 * step;
@@ -73,8 +74,8 @@ pub fn wave_kernel_signature(
     let mut weights = Array2::zeros((spectrum.len(), energies));
     for (j, energy) in spread(low + 2.0 * sigma, high - 2.0 * sigma, energies).enumerate() {
         for &i in &positive {
-            let d = (energy - spectrum.values[i].ln()) / sigma;
-            weights[[i, j]] = (-0.5 * d * d).exp();
+            let d = (energy - libm::log(spectrum.values[i])) / sigma;
+            weights[[i, j]] = libm::exp(-0.5 * d * d);
         }
         let total: f64 = weights.column(j).sum();
         if total > 0.0 {

@@ -1,5 +1,7 @@
 //! Tests across the crates that need no files but their own.
 
+#![expect(clippy::disallowed_methods, reason = "tests do not need the same bits")]
+
 mod command_line;
 mod convergence;
 mod denoising;

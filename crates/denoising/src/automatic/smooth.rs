@@ -148,7 +148,7 @@ pub(super) fn denoise_smooth(
             let least = candidates.iter().map(|(_, r)| r[v]).fold(f64::INFINITY, f64::min);
             let (mut sum, mut total) = ([0.0; 3], 0.0);
             for (moves, risk) in &candidates {
-                let w = ((least - risk[v]) / RISK_SCALE).exp();
+                let w = libm::exp((least - risk[v]) / RISK_SCALE);
                 sum = add(sum, scale(moves[v], w));
                 total += w;
             }

@@ -88,7 +88,7 @@ fn filter(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> 
         .iter()
         .map(|h| {
             let [a, b] = h.faces.map(|f| normals[f as usize]);
-            norm(cross(a, b)).atan2(dot(a, b))
+            libm::atan2(norm(cross(a, b)), dot(a, b))
         })
         .sum::<f64>()
         / hinges.all.len() as f64;

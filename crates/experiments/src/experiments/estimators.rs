@@ -235,7 +235,7 @@ fn angle(field: &CurvatureField, defined: &[(usize, PointCurvature)]) -> Option<
         .filter(|(_, c)| split(c) > 0.1 * largest)
         .map(|(v, c)| {
             let (found, truth) = (first[*v], c.directions[0]);
-            norm(cross(found, truth)).atan2(dot(found, truth).abs()).to_degrees()
+            libm::atan2(norm(cross(found, truth)), dot(found, truth).abs()).to_degrees()
         })
         .collect();
     let square = angles.iter().map(|a| a * a).sum::<f64>();
@@ -300,7 +300,7 @@ fn order_row(
     for i in 0..MEASURES.len() {
         let [e, f] = [from, to].map(|r| r.studies[estimator].errors[i]);
         // Exact up to rounding: there is no order to observe.
-        let order = (f > ROUNDING).then(|| (e / f).ln() / (from.h / to.h).ln());
+        let order = (f > ROUNDING).then(|| libm::log(e / f) / libm::log(from.h / to.h));
         row.push(order.into());
     }
     Ok(row)

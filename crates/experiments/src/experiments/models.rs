@@ -126,7 +126,7 @@ impl Model {
         Ok(Measures {
             normal: normal_error(mesh, &self.truth).ok().filter(|_| is_shape).map(|e| e.mean),
             vertex: forward,
-            surface: forward.hypot(backward) / 2f64.sqrt(),
+            surface: libm::hypot(forward, backward) / 2f64.sqrt(),
             volume: change.volume.map(|v| 100.0 * v),
             area: change.area.map(|a| 100.0 * a),
             recall: recall.filter(|_| is_shape),

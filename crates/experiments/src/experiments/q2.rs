@@ -154,7 +154,9 @@ fn forms() -> Result<Table> {
 
 /// κₙ along y at (a, 0, 0) from values of p alone.
 fn difference_curvature([a, b, c]: [f64; 3]) -> f64 {
-    let p = |u: f64, v: f64| [a * u.cos() * v.sin(), b * u.sin() * v.sin(), c * v.cos()];
+    let p = |u: f64, v: f64| {
+        [a * libm::cos(u) * libm::sin(v), b * libm::sin(u) * libm::sin(v), c * libm::cos(v)]
+    };
     let (u, v, h) = (0.0, FRAC_PI_2, STEP);
     let difference = |x: [f64; 3], y: [f64; 3]| [0, 1, 2].map(|k| (x[k] - y[k]) / (2.0 * h));
     let pu = difference(p(u + h, v), p(u - h, v));
@@ -183,7 +185,7 @@ fn directions() -> Result<Table> {
         for step in 0..=36 {
             let theta = PI * f64::from(step) / 36.0;
             // The report takes dv for y: at θ = 0 it has du = 0.
-            let (s, co) = theta.sin_cos();
+            let (s, co) = libm::sincos(theta);
             let kappa = forms.normal_curvature([co / b, -s / c]).context("no direction")?;
             let stated = -c * (co / c).powi(2);
             table.push(row![axes_name(axes), theta.to_degrees(), kappa, stated]);
@@ -257,7 +259,7 @@ fn meshes(context: &Context<'_>) -> Result<Table> {
             ensure!(field.status[tip].is_defined(), "{estimator} is undefined at the tip");
             let (k1, k2) = (field.kappa1[tip], field.kappa2[tip]);
             // A direction has no sense: an angle is at most 90°.
-            let angle = field.directions.map(|[first, _]| first[tip][2].abs().min(1.0).acos());
+            let angle = field.directions.map(|[first, _]| libm::acos(first[tip][2].abs().min(1.0)));
             table.push(row![
                 estimator.name(),
                 mesh.vertex_count(),

@@ -160,8 +160,8 @@ fn sweep(context: &Context<'_>, models: &[Model]) -> Result<Table> {
 
 /// λ in equal ratios from 0.005 to 8/7.
 fn steps(count: usize) -> impl Iterator<Item = f64> + Clone {
-    let ratio = (8.0 / 7.0 / 0.005f64).ln() / (count - 1) as f64;
-    (0..count).map(move |i| 0.005 * (ratio * i as f64).exp())
+    let ratio = libm::log(8.0 / 7.0 / 0.005) / (count - 1) as f64;
+    (0..count).map(move |i| 0.005 * libm::exp(ratio * i as f64))
 }
 
 /// The best λ of a block with sharp edges at two resolutions and three levels of noise.

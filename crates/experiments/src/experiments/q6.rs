@@ -200,7 +200,7 @@ fn sweep(context: &Context<'_>, models: &[Model]) -> Result<Table> {
     let mut table =
         Table::new("sweep", &format!("Errors after {ITERATIONS} implicit steps over λ."), &SWEPT);
     let count = context.choose(25, 7);
-    let lambda = |i: usize| 0.01 * 1e4f64.powf(i as f64 / (count - 1) as f64);
+    let lambda = |i: usize| 0.01 * libm::pow(1e4, i as f64 / (count - 1) as f64);
     let lambdas: Vec<f64> = (0..count).map(lambda).collect();
     models::sweep(&mut table, models, &lambdas, |m, lambda| m.implicit(lambda, ITERATIONS))?;
     Ok(table)

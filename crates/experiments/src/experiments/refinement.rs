@@ -120,7 +120,7 @@ pub(super) fn study(context: &Context<'_>, estimators: &[Estimator]) -> Result<[
             }
             for (e, found) in estimators.iter().zip(&deviations) {
                 let (n, order) = (sizes.len(), |a: f64, b: f64| {
-                    (a / b).ln() / (sizes[sizes.len() - 2] / sizes[sizes.len() - 1]).ln()
+                    libm::log(a / b) / libm::log(sizes[sizes.len() - 2] / sizes[sizes.len() - 1])
                 });
                 let (last, before) = (found[n - 1], found[n - 2]);
                 orders.push(row![

@@ -114,7 +114,8 @@ fn cells(level: u32) -> u32 {
 
 fn lifted(plane: &TriMesh) -> TriMesh {
     let k = GRAPH.wave_number;
-    let lift = |&[x, y, _]: &[f64; 3]| [x, y, GRAPH.amplitude * (k * x).sin() * (k * y).cos()];
+    let lift =
+        |&[x, y, _]: &[f64; 3]| [x, y, GRAPH.amplitude * libm::sin(k * x) * libm::cos(k * y)];
     match plane.with_positions(plane.positions().iter().map(lift).collect()) {
         Ok(mesh) => mesh,
         Err(error) => unreachable!("heights are finite: {error}"),
@@ -165,6 +166,6 @@ fn sound(mesh: &TriMesh, triangle: [u32; 3]) -> bool {
     let p = triangle.map(|v| mesh.positions()[v as usize]);
     (0..3).all(|k| {
         let (x, y) = (sub(p[(k + 1) % 3], p[k]), sub(p[(k + 2) % 3], p[k]));
-        norm(cross(x, y)).atan2(dot(x, y)).to_degrees() >= LEAST_ANGLE
+        libm::atan2(norm(cross(x, y)), dot(x, y)).to_degrees() >= LEAST_ANGLE
     })
 }

@@ -39,12 +39,12 @@ fn eigenvalues(major: f64, minor: f64, count: usize) -> Result<Vec<f64>> {
         let (mut s, mut b) = (vec![0.0; size * size], vec![0.0; size * size]);
         for p in 0..points {
             let v = TAU * p as f64 / points as f64;
-            let w = major + minor * v.cos();
+            let w = major + minor * libm::cos(v);
             // 1, cos v, sin v, cos 2v, … and their derivatives.
             let basis: Vec<(f64, f64)> = (0..size)
                 .map(|k| {
                     let q = k.div_ceil(2) as f64;
-                    let (sin, cos) = (q * v).sin_cos();
+                    let (sin, cos) = libm::sincos(q * v);
                     if k % 2 == 1 {
                         (cos, -q * sin)
                     } else if k == 0 {

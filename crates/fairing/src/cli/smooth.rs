@@ -238,7 +238,7 @@ impl Smooth {
         let (report, after) = (&smoothed.report, &smoothed.mesh);
         let change = |old: f64, new: f64| (old != 0.0).then(|| 100.0 * (new / old - 1.0));
         // A flat closed mesh has no volume but rounding; a ball of its area has (area/π)^(3/2)/6 or less.
-        let none = 1e-12 * before.area().powf(1.5);
+        let none = 1e-12 * libm::pow(before.area(), 1.5);
         let volume = match before.signed_volume() {
             old if before.topology().is_closed() && old.abs() > none => {
                 change(old, after.signed_volume())

@@ -49,7 +49,7 @@ pub(crate) fn number(x: f64) -> String {
     if x == 0.0 {
         return "0".to_owned();
     }
-    let exponent = x.abs().log10().floor();
+    let exponent = libm::log10(x.abs()).floor();
     if !(-4.0..9.0).contains(&exponent) {
         return format!("{x:.5e}");
     }

@@ -70,7 +70,7 @@ impl Range {
                 Self { low: low - air, high: high + air, scale }
             }
             AxisScale::Log => {
-                let air = if high > low { (high / low).powf(0.06) } else { 3.0 };
+                let air = if high > low { libm::pow(high / low, 0.06) } else { 3.0 };
                 Self { low: low / air, high: high * air, scale }
             }
         })
@@ -80,7 +80,7 @@ impl Range {
     pub(super) fn position(&self, value: f64) -> f64 {
         match self.scale {
             AxisScale::Linear => (value - self.low) / (self.high - self.low),
-            AxisScale::Log => (value / self.low).ln() / (self.high / self.low).ln(),
+            AxisScale::Log => libm::log(value / self.low) / libm::log(self.high / self.low),
         }
     }
 

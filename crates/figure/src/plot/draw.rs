@@ -288,7 +288,7 @@ impl Frame {
             }
             for pair in points.windows(2) {
                 let [a, b] = [pair[0], pair[1]];
-                let steps = ((b[0] - a[0]).hypot(b[1] - a[1]) / 6.0).clamp(1.0, 500.0) as u32;
+                let steps = (libm::hypot(b[0] - a[0], b[1] - a[1]) / 6.0).clamp(1.0, 500.0) as u32;
                 taken.extend((1..steps).map(|i| {
                     let t = f64::from(i) / f64::from(steps);
                     [a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t]

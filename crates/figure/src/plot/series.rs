@@ -142,7 +142,7 @@ impl Series {
 
 /// The ends of y = y₀ (x / x₀)ᵖ over a span of x.
 pub(super) fn slope_ends(order: f64, [x0, y0]: [f64; 2], span: [f64; 2]) -> [[f64; 2]; 2] {
-    span.map(|x| [x, y0 * (x / x0).powf(order)])
+    span.map(|x| [x, y0 * libm::pow(x / x0, order)])
 }
 
 /// Colours that stay apart for colour-blind people and in grey

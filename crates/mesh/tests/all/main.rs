@@ -1,5 +1,7 @@
 //! Tests of meshes and files on shapes whose measures are known.
 
+#![expect(clippy::disallowed_methods, reason = "tests do not need the same bits")]
+
 mod diagnosis;
 mod large;
 mod measures;

@@ -57,7 +57,7 @@ fn share_in_ball(triangle: &[[f64; 3]; 3], sides: &[[f64; 2]; 3], square: f64) -
 #[inline]
 fn twice_sector(a: [f64; 2], b: [f64; 2], [from, to]: [f64; 2], square: f64) -> f64 {
     let wedge = |p: [f64; 2], q: [f64; 2]| p[0] * q[1] - p[1] * q[0];
-    let turn = |p: [f64; 2], q: [f64; 2]| wedge(p, q).atan2(p[0] * q[0] + p[1] * q[1]);
+    let turn = |p: [f64; 2], q: [f64; 2]| libm::atan2(wedge(p, q), p[0] * q[0] + p[1] * q[1]);
     if from >= to {
         return square * turn(a, b);
     }

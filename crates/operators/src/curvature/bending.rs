@@ -32,7 +32,7 @@ pub(crate) fn edge_bending(mesh: &TriMesh, topology: &Topology) -> Vec<f64> {
         let (n, m) = (normals[f], normals[g]);
         let sine = dot(cross(n, m), along) * if forward { 1.0 } else { -1.0 };
         let cosine = dot(n, m) * length;
-        if sine == 0.0 && cosine == 0.0 { 0.0 } else { sine.atan2(cosine) * length }
+        if sine == 0.0 && cosine == 0.0 { 0.0 } else { libm::atan2(sine, cosine) * length }
     };
     (0..topology.edges().len()).into_par_iter().with_min_len(4096).map(bend).collect()
 }

@@ -160,7 +160,7 @@ impl Turns {
     /// The sum, in radians.
     #[inline]
     pub(crate) fn sum(&self) -> f64 {
-        let angle = self.im.atan2(self.re);
+        let angle = libm::atan2(self.im, self.re);
         f64::from(self.full) * TAU + if angle < 0.0 { angle + TAU } else { angle }
     }
 }

@@ -92,7 +92,7 @@ impl CurvatureField {
             .map(|v| {
                 let (a, b) = (self.kappa1[v], self.kappa2[v]);
                 let bent = self.status[v].is_defined() && (a != 0.0 || b != 0.0);
-                bent.then(|| (a + b).atan2(a - b) * std::f64::consts::FRAC_2_PI)
+                bent.then(|| libm::atan2(a + b, a - b) * std::f64::consts::FRAC_2_PI)
             })
             .collect()
     }
@@ -100,7 +100,11 @@ impl CurvatureField {
     /// The curvedness `√((κ₁² + κ₂²) / 2)` of each vertex, in 1 / mesh units;
     /// zero where undefined. Source: \[koenderink1992\].
     pub fn curvedness(&self) -> Vec<f64> {
-        self.kappa1.iter().zip(&self.kappa2).map(|(a, b)| a.hypot(*b) / 2f64.sqrt()).collect()
+        self.kappa1
+            .iter()
+            .zip(&self.kappa2)
+            .map(|(a, b)| libm::hypot(*a, *b) / 2f64.sqrt())
+            .collect()
     }
 
     /// The field of a mesh that was divided by `unit`, in the units it had.

@@ -99,7 +99,7 @@ fn fit<const N: usize>(
         let w = match weight {
             JetWeight::Uniform => 1.0,
             // Distances are in units of their mean.
-            JetWeight::Gaussian(s) => (-0.5 * field.squared_distance(point) / (s * s)).exp(),
+            JetWeight::Gaussian(s) => libm::exp(-0.5 * field.squared_distance(point) / (s * s)),
         };
         let [x, y, z] = point;
         equations.add(&monomials(x, y), z, w);

@@ -96,7 +96,7 @@ fn angle_around(mesh: &TriMesh, f: u32, [a, b]: [u32; 2]) -> f64 {
     debug_assert!(dot(cross(x, y), axis) > 0.0);
     let opposite = mesh.faces()[f as usize].into_iter().find(|&v| v != a && v != b);
     let out = sub(p[opposite.unwrap_or(a) as usize], from);
-    dot(out, y).atan2(dot(out, x))
+    libm::atan2(dot(out, y), dot(out, x))
 }
 
 fn sides(mesh: &TriMesh, faces: &[[u32; 3]]) -> Triangulation {

@@ -84,7 +84,7 @@ impl Triangulation {
         // In the plane: i in 0, j on the x axis, k above and m below.
         let (kx, ky) = ((ij * ij + lki * lki - ljk * ljk) / (2.0 * ij), 2.0 * above / ij);
         let (mx, my) = ((ij * ij + lim * lim - lmj * lmj) / (2.0 * ij), -2.0 * below / ij);
-        let diagonal = (kx - mx).hypot(ky - my);
+        let diagonal = libm::hypot(kx - mx, ky - my);
         let floor = 1e-14 * diagonal * diagonal;
         let sound = |sides: [f64; 3]| area(sides) > floor;
         if !diagonal.is_finite() || !sound([diagonal, lmj, ljk]) || !sound([diagonal, lki, lim]) {

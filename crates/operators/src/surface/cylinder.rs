@@ -11,7 +11,7 @@ pub struct Cylinder {
 
 impl ParametricSurface for Cylinder {
     fn jet(&self, u: f64, v: f64) -> SurfaceJet {
-        let (su, cu) = u.sin_cos();
+        let (su, cu) = libm::sincos(u);
         let r = self.radius;
         SurfaceJet {
             point: [r * cu, r * su, v],

@@ -22,14 +22,14 @@ impl Ellipsoid {
     /// ‖pᵤ × pᵥ‖ / sin v. Positive everywhere, poles included.
     pub fn discriminant(&self, u: f64, v: f64) -> f64 {
         let Self { a, b, c } = *self;
-        let ((su, cu), (sv, cv)) = (u.sin_cos(), v.sin_cos());
+        let ((su, cu), (sv, cv)) = (libm::sincos(u), libm::sincos(v));
         (b * c * cu * sv).powi(2) + (a * c * su * sv).powi(2) + (a * b * cv).powi(2)
     }
 
     /// κₙ at (a, 0, 0) in the direction `cos θ y + sin θ z`:
     /// `a (cos²θ / b² + sin²θ / c²)`.
     pub fn normal_curvature_at_a(&self, theta: f64) -> f64 {
-        let (s, c) = theta.sin_cos();
+        let (s, c) = libm::sincos(theta);
         self.a * ((c / self.b).powi(2) + (s / self.c).powi(2))
     }
 }
@@ -37,7 +37,7 @@ impl Ellipsoid {
 impl ParametricSurface for Ellipsoid {
     fn jet(&self, u: f64, v: f64) -> SurfaceJet {
         let Self { a, b, c } = *self;
-        let ((su, cu), (sv, cv)) = (u.sin_cos(), v.sin_cos());
+        let ((su, cu), (sv, cv)) = (libm::sincos(u), libm::sincos(v));
         let point = [a * cu * sv, b * su * sv, c * cv];
         SurfaceJet {
             point,
@@ -57,7 +57,7 @@ impl ParametricSurface for Ellipsoid {
 impl ClosedForms for Ellipsoid {
     fn first_form(&self, u: f64, v: f64) -> [f64; 3] {
         let (a2, b2, c2) = (self.a.powi(2), self.b.powi(2), self.c.powi(2));
-        let ((su, cu), (sv, cv)) = (u.sin_cos(), v.sin_cos());
+        let ((su, cu), (sv, cv)) = (libm::sincos(u), libm::sincos(v));
         [
             (a2 * su * su + b2 * cu * cu) * sv * sv,
             (b2 - a2) * su * cu * sv * cv,
@@ -67,7 +67,7 @@ impl ClosedForms for Ellipsoid {
 
     fn second_form(&self, u: f64, v: f64) -> [f64; 3] {
         let n = self.a * self.b * self.c / self.discriminant(u, v).sqrt();
-        [n * v.sin().powi(2), 0.0, n]
+        [n * libm::sin(v).powi(2), 0.0, n]
     }
 
     fn mean_curvature(&self, u: f64, v: f64) -> f64 {

@@ -15,7 +15,7 @@ impl WavyGraph {
     /// The height, its gradient, and its second derivatives xx, xy, yy.
     fn height(&self, x: f64, y: f64) -> (f64, [f64; 2], [f64; 3]) {
         let (a, k) = (self.amplitude, self.wave_number);
-        let ((sx, cx), (sy, cy)) = ((k * x).sin_cos(), (k * y).sin_cos());
+        let ((sx, cx), (sy, cy)) = (libm::sincos(k * x), libm::sincos(k * y));
         let z = a * sx * cy;
         let bend = -k * k * z;
         (z, [a * k * cx * cy, -a * k * sx * sy], [bend, -a * k * k * cx * sy, bend])

@@ -12,7 +12,7 @@ pub struct Helicoid {
 
 impl ParametricSurface for Helicoid {
     fn jet(&self, u: f64, v: f64) -> SurfaceJet {
-        let (su, cu) = u.sin_cos();
+        let (su, cu) = libm::sincos(u);
         SurfaceJet {
             point: [v * cu, v * su, self.rise * u],
             du: [-v * su, v * cu, self.rise],
@@ -30,7 +30,7 @@ impl ClosedForms for Helicoid {
     }
 
     fn second_form(&self, _: f64, v: f64) -> [f64; 3] {
-        [0.0, -self.rise / v.hypot(self.rise), 0.0]
+        [0.0, -self.rise / libm::hypot(v, self.rise), 0.0]
     }
 
     fn mean_curvature(&self, _: f64, _: f64) -> f64 {

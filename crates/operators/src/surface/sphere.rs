@@ -22,11 +22,11 @@ impl ParametricSurface for Sphere {
 
 impl ClosedForms for Sphere {
     fn first_form(&self, _: f64, v: f64) -> [f64; 3] {
-        [(self.radius * v.sin()).powi(2), 0.0, self.radius * self.radius]
+        [(self.radius * libm::sin(v)).powi(2), 0.0, self.radius * self.radius]
     }
 
     fn second_form(&self, _: f64, v: f64) -> [f64; 3] {
-        [self.radius * v.sin().powi(2), 0.0, self.radius]
+        [self.radius * libm::sin(v).powi(2), 0.0, self.radius]
     }
 
     fn mean_curvature(&self, _: f64, _: f64) -> f64 {

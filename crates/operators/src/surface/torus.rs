@@ -14,7 +14,7 @@ pub struct Torus {
 
 impl ParametricSurface for Torus {
     fn jet(&self, u: f64, v: f64) -> SurfaceJet {
-        let ((su, cu), (sv, cv)) = (u.sin_cos(), v.sin_cos());
+        let ((su, cu), (sv, cv)) = (libm::sincos(u), libm::sincos(v));
         let (r, rho) = (self.minor, self.major + self.minor * cv);
         SurfaceJet {
             point: [rho * cu, rho * su, r * sv],
@@ -29,32 +29,32 @@ impl ParametricSurface for Torus {
 
 impl ClosedForms for Torus {
     fn first_form(&self, _: f64, v: f64) -> [f64; 3] {
-        [(self.major + self.minor * v.cos()).powi(2), 0.0, self.minor * self.minor]
+        [(self.major + self.minor * libm::cos(v)).powi(2), 0.0, self.minor * self.minor]
     }
 
     fn second_form(&self, _: f64, v: f64) -> [f64; 3] {
-        [(self.major + self.minor * v.cos()) * v.cos(), 0.0, self.minor]
+        [(self.major + self.minor * libm::cos(v)) * libm::cos(v), 0.0, self.minor]
     }
 
     fn mean_curvature(&self, _: f64, v: f64) -> f64 {
-        let rho = self.major + self.minor * v.cos();
-        (self.major + 2.0 * self.minor * v.cos()) / (2.0 * self.minor * rho)
+        let rho = self.major + self.minor * libm::cos(v);
+        (self.major + 2.0 * self.minor * libm::cos(v)) / (2.0 * self.minor * rho)
     }
 
     fn gaussian_curvature(&self, _: f64, v: f64) -> f64 {
-        v.cos() / (self.minor * (self.major + self.minor * v.cos()))
+        libm::cos(v) / (self.minor * (self.major + self.minor * libm::cos(v)))
     }
 }
 
 /// `(ρ − R)² + z² = r²` with ρ = √(x² + y²); not differentiable on the axis.
 impl ImplicitSurface for Torus {
     fn gradient(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
-        let s = 2.0 * (1.0 - self.major / x.hypot(y));
+        let s = 2.0 * (1.0 - self.major / libm::hypot(x, y));
         [s * x, s * y, 2.0 * z]
     }
 
     fn hessian(&self, [x, y, _]: [f64; 3]) -> [[f64; 3]; 3] {
-        let rho = x.hypot(y);
+        let rho = libm::hypot(x, y);
         let (s, t) = (2.0 * (1.0 - self.major / rho), 2.0 * self.major / rho.powi(3));
         [[s + t * x * x, t * x * y, 0.0], [t * x * y, s + t * y * y, 0.0], [0.0, 0.0, 2.0]]
     }

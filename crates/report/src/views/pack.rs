@@ -102,7 +102,7 @@ impl Quantiser {
             true => 1.0,
             false => *sizes.select_nth_unstable_by(middle, f64::total_cmp).1,
         };
-        let ends = values.iter().map(|x| (x / scale).asinh());
+        let ends = values.iter().map(|x| libm::asinh(x / scale));
         let (low, high) = ends.fold((0.0f64, 0.0f64), |(a, b), t| (a.min(t), b.max(t)));
         Self { scale, low, high }
     }
@@ -115,7 +115,7 @@ impl Quantiser {
         if width <= 0.0 {
             return 0;
         }
-        let t = ((value / self.scale).asinh() - self.low) / width;
+        let t = (libm::asinh(value / self.scale) - self.low) / width;
         (t * 65_534.0).round().clamp(0.0, 65_534.0) as u16
     }
 }

@@ -264,7 +264,7 @@ fn median_of_positive(mut values: Vec<f64>) -> f64 {
 
 /// The nearest power of two that is far from both ends of the range.
 fn power_of_two(value: f64) -> f64 {
-    value.log2().round().clamp(-1000.0, 1000.0).exp2()
+    libm::exp2(libm::log2(value).round().clamp(-1000.0, 1000.0))
 }
 
 impl UnorderedMass {

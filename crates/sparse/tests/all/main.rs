@@ -1,5 +1,7 @@
 //! Tests of the public interface, in one binary.
 
+#![expect(clippy::disallowed_methods, reason = "tests do not need the same bits")]
+
 mod cholesky;
 mod conjugate_gradient;
 mod eigenpairs;

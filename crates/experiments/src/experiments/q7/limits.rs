@@ -108,7 +108,7 @@ impl Errors {
             Some(0) => 0.0,
             Some(k) => {
                 let t = (KEPT - angles[k - 1]) / (angles[k] - angles[k - 1]);
-                self.levels[k - 1] * (self.levels[k] / self.levels[k - 1]).powf(t)
+                self.levels[k - 1] * libm::pow(self.levels[k] / self.levels[k - 1], t)
             }
         }
     }
