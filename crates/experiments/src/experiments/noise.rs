@@ -255,13 +255,21 @@ fn rank_correlation(a: &[f64], b: &[f64]) -> f64 {
     if size > 0.0 { product(&a, &b) / size } else { 0.0 }
 }
 
+/// Values nearer than this share of the median magnitude are equal: rounding
+/// decides which of them is larger, as at the vertices of one ring of a torus.
+/// Distinct values are ten thousand at most, and so much further apart.
+const SAME: f64 = 1e-9;
+
 /// The rank of each value from 0 on, the mean of them where values are equal.
 fn ranks(values: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|&i, &j| values[i].total_cmp(&values[j]));
+    let mut sizes: Vec<f64> = values.iter().map(|x| x.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    let near = SAME * sizes.get(sizes.len() / 2).copied().unwrap_or_default();
     let mut ranks = vec![0.0; values.len()];
     let mut start = 0;
-    for same in order.chunk_by(|&i, &j| values[i] == values[j]) {
+    for same in order.chunk_by(|&i, &j| values[j] - values[i] <= near) {
         for &i in same {
             ranks[i] = start as f64 + (same.len() as f64 - 1.0) / 2.0;
         }
@@ -306,6 +314,8 @@ fn plot(changes: &Table) -> Result<Picture> {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::HashMap;
+
     use super::*;
 
     #[test]
@@ -314,5 +324,31 @@ mod tests {
         assert!((rank_correlation(&[1.0, 2.0, 3.0], &[1.0, 8.0, 9.0]) - 1.0).abs() < 1e-15);
         assert!((rank_correlation(&[1.0, 2.0, 3.0], &[3.0, 2.0, 1.0]) + 1.0).abs() < 1e-15);
         assert_eq!(rank_correlation(&[1.0, 1.0], &[1.0, 2.0]), 0.0);
+    }
+
+    /// Equal values that differ by rounding.
+    #[test]
+    fn rounding_decides_no_rank() {
+        let exact = [3.0, 1.0, 3.0, 2.0, 1.0];
+        let rounded = [3.0, 1.0 + 1e-15, 3.0 - 4e-15, 2.0, 1.0 - 2e-16];
+        assert_eq!(ranks(&rounded), ranks(&exact));
+    }
+
+    /// All vertices of a ring have the same curvature.
+    #[test]
+    fn a_ring_of_a_torus_shares_its_rank() {
+        let mesh = TestSurface::Torus.mesh(0, Sampling::Regular, 0);
+        for estimator in Estimator::ALL {
+            let field = estimator.estimate(&mesh).unwrap();
+            for (values, name) in [(&field.mean, "H"), (&field.gaussian, "K")] {
+                let mut rings = HashMap::new();
+                for (p, rank) in mesh.positions().iter().zip(ranks(values)) {
+                    let ring = [libm::hypot(p[0], p[1]), p[2]].map(|x| (x * 1e9).round() as i64);
+                    let first = *rings.entry(ring).or_insert(rank);
+                    assert_eq!(rank, first, "{name} of {}", estimator.name());
+                }
+                assert!(rings.len() > 2 && rings.len() < mesh.vertex_count() / 2);
+            }
+        }
     }
 }
