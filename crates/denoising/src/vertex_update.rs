@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::DenoiseError;
 use super::error::positive;
+use super::unit_scale::at_unit_scale;
 
 /// How [`update_vertices`] moves vertices.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,12 +64,15 @@ pub fn update_vertices(
     if let Some(limit) = options.limit {
         positive("limit", limit)?;
     }
-    let start = mesh.positions();
-    let mut positions = start.to_vec();
-    for _ in 0..options.steps {
-        positions = step(mesh, normals, start, &positions, options.limit);
-    }
-    rebuild(mesh, positions)
+    let limit = options.limit.map(|limit| limit / mesh.scale_unit());
+    at_unit_scale(mesh, |mesh| {
+        let start = mesh.positions();
+        let mut positions = start.to_vec();
+        for _ in 0..options.steps {
+            positions = step(mesh, normals, start, &positions, limit);
+        }
+        rebuild(mesh, positions)
+    })
 }
 
 /// The mesh with other positions; an error instead of infinities.

@@ -115,7 +115,14 @@ fn mass_in_range(mesh: &TriMesh, area: LumpedArea) -> Result<Vec<f64>, OperatorE
 ///
 /// Source: \[vallet2008\].
 pub fn consistent_mass(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
-    sum_sides(mesh, Diagonal::Sum, |f| Ok([mesh.face_area(f) / 12.0; 3]))
+    let (mesh, unit) = mesh.at_unit_scale();
+    sum_sides(&mesh, Diagonal::Sum, |f| Ok(twelfth(&mesh, f, unit)))
+}
+
+/// A twelfth of the area of a face, thrice, of a mesh that was divided by
+/// `unit`, in the units it had.
+fn twelfth(mesh: &TriMesh, f: usize, unit: f64) -> [f64; 3] {
+    [mesh.face_area(f) / 12.0 * unit * unit; 3]
 }
 
 /// [`consistent_mass`], written into a matrix that it made of the same faces.
@@ -127,7 +134,8 @@ pub(crate) fn refill_consistent_mass(
     mesh: &TriMesh,
     matrix: &mut SparseMatrix,
 ) -> Result<(), OperatorError> {
-    fill_sides(mesh, Diagonal::Sum, |f| Ok([mesh.face_area(f) / 12.0; 3]), matrix)
+    let (mesh, unit) = mesh.at_unit_scale();
+    fill_sides(&mesh, Diagonal::Sum, |f| Ok(twelfth(&mesh, f, unit)), matrix)
 }
 
 #[cfg(test)]

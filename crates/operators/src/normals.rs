@@ -26,6 +26,8 @@ pub enum NormalWeight {
 /// The unit normal of each face, outward for counter-clockwise faces; the zero
 /// vector for a face without area.
 pub fn face_normals(mesh: &TriMesh) -> Vec<[f64; 3]> {
+    let (mesh, _) = mesh.at_unit_scale();
+    let mesh = &*mesh;
     (0..mesh.face_count())
         .into_par_iter()
         .with_min_len(4096)

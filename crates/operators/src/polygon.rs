@@ -15,7 +15,7 @@
 //! convex. Source: \[bunge2020\].
 
 use fairing_mesh::PolygonMesh;
-use fairing_mesh::vec3::{add, cross, dot, norm, scale, sub};
+use fairing_mesh::vec3::{add, cross, dot, norm, power_of_two, scale, sub};
 use fairing_sparse::SparseMatrix;
 use rayon::prelude::*;
 
@@ -100,7 +100,12 @@ impl Local {
         let k = corners.len();
         // About the mean of the corners, for precision far from the origin.
         let mean = scale(corners.iter().fold([0.0; 3], |sum, &p| add(sum, p)), 1.0 / k as f64);
-        let x: Vec<[f64; 3]> = corners.iter().map(|&p| sub(p, mean)).collect();
+        // At a size whose fourth powers are floats, by a power of two, which
+        // rounds nothing.
+        let reach =
+            corners.iter().flat_map(|&p| sub(p, mean)).fold(0.0, |m: f64, x| m.max(x.abs()));
+        let unit = if reach > 0.0 { power_of_two(reach) } else { 1.0 };
+        let x: Vec<[f64; 3]> = corners.iter().map(|&p| sub(p, mean).map(|x| x / unit)).collect();
         let weights = affine_weights(&x, least_squared_areas(&x)?)?;
         let centre = x.iter().zip(&weights).fold([0.0; 3], |sum, (&p, &w)| add(sum, scale(p, w)));
 
@@ -137,7 +142,8 @@ impl Local {
                 })
                 .collect()
         };
-        Some(Self { stiffness: condense(&s), mass: condense(&a) })
+        let mass = condense(&a).into_iter().map(|m| m * unit * unit).collect();
+        Some(Self { stiffness: condense(&s), mass })
     }
 }
 

@@ -239,3 +239,91 @@ impl<'a> Gauge<'a> {
 pub(crate) fn larger(a: f64, b: f64) -> f64 {
     if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
 }
+
+#[cfg(test)]
+mod tests {
+    use fairing_mesh::TriMesh;
+
+    use super::*;
+    use crate::arrangement::Arrangement;
+    use crate::constraints::{Constraints, SoftConstraint};
+
+    /// Three tetrahedra of sizes 1, 2 and 1/8 apart from each other, and masses without a pattern.
+    fn three() -> (TriMesh, Vec<f64>) {
+        let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let placed = [(1.0, -3.0), (2.0, 5.0), (0.125, 40.0)].into_iter();
+        let positions = placed
+            .flat_map(|(size, x)| corners.map(|p| [size * p[0] + x, size * p[1] - x, size * p[2]]));
+        let faces = [0u32, 4, 8]
+            .into_iter()
+            .flat_map(|v| [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]].map(|f| f.map(|k| k + v)));
+        let mesh = TriMesh::new(positions.collect(), faces.collect()).unwrap();
+        (mesh, (0..12).map(|v| 1.0 + f64::from(v * v % 7)).collect())
+    }
+
+    /// A free part is solved about the mean that its masses and pulls have; all others, and what holds them, about one
+    /// mean of theirs.
+    #[test]
+    fn anchored_parts_have_one_centre() {
+        let (mesh, mass) = three();
+        let pull = SoftConstraint { vertex: 10, target: [50.0, -7.0, 3.0], weight: 2.5 };
+        let constraints =
+            Constraints { pinned: vec![1, 6], soft: vec![pull], ..Constraints::default() };
+        let freedom = Freedom::new(&Arrangement::as_given(&mesh), &constraints).unwrap();
+        let laplacian = Laplacian::uniform(12, mesh.faces(), &freedom.held);
+        let parts = Parts::of(&laplacian, &freedom);
+        assert_eq!(parts.free().collect::<Vec<_>>(), [false, false, true, false]);
+        let x = mesh.positions();
+        let mean = |of: std::ops::Range<usize>| {
+            let (mut sum, mut total) = ([0.0; 3], 0.0);
+            for v in of {
+                let (w, target) = freedom.pull(v);
+                total += mass[v] * (1.0 + w);
+                for k in 0..3 {
+                    sum[k] += mass[v] * (x[v][k] + w * target[k]);
+                }
+            }
+            sum.map(|s| s / total)
+        };
+        let expected = [mean(0..8), mean(0..8), mean(8..12), mean(0..8)];
+        let found = parts.centres(&mass, x, &freedom);
+        for (found, expected) in found.iter().zip(&expected) {
+            for k in 0..3 {
+                assert!((found[k] - expected[k]).abs() < 1e-13, "{found:?} {expected:?}");
+            }
+        }
+        // Parts that cannot move as a whole stay next to each other, to the last bit.
+        assert!(found[0] == found[1] && found[1] == found[3]);
+    }
+
+    /// Each part has its own measure, and each of its coordinates unless they are coupled.
+    #[test]
+    fn residuals_are_relative_to_their_own_part() {
+        let (mesh, _) = three();
+        let freedom = Freedom::new(&Arrangement::as_given(&mesh), &Constraints::default()).unwrap();
+        let laplacian = Laplacian::uniform(12, mesh.faces(), &freedom.held);
+        let parts = Parts::of(&laplacian, &freedom);
+        assert_eq!(parts.count(), 4);
+        // Right-hand sides of 1, 10⁻⁶ and 10³ in x, half of that in y, and a hundredth in z.
+        let sides = [1.0, 1e-6, 1e3, 0.0].map(|s: f64| [s * s, 0.25 * s * s, 1e-4 * s * s, s * s]);
+        let reach = [1.0, 1e-6, 1e3, 0.0].map(|s| [s; 3]);
+        let at = |v: usize, r: Point| -> Vec<Point> {
+            (0..12).map(|i| if i == v { r } else { [0.0; 3] }).collect()
+        };
+        let gauge = Gauge::new(&parts, &sides, &reach, 1e-8, false);
+        for (v, size) in [(2, 1.0), (7, 1e-6), (11, 1e3)] {
+            for (r, relative) in
+                [([3e-5, 0.0, 0.0], 3e-5), ([0.0, 3e-5, 0.0], 6e-5), ([0.0, 0.0, 3e-5], 3e-3)]
+            {
+                let r = at(v, r.map(|r| r * size));
+                for found in [gauge.measured(&r), gauge.reported(&r)] {
+                    assert!((found / relative - 1.0).abs() < 1e-12, "{v}: {found} {relative}");
+                }
+            }
+        }
+        // Sliding vertices couple coordinates: relative to the length of the right-hand side.
+        let coupled = Gauge::new(&parts, &sides, &reach, 1e-8, true);
+        let found = coupled.reported(&at(7, [0.0, 0.0, 3e-11]));
+        assert!((found / (3e-5 / 1.2501f64.sqrt()) - 1.0).abs() < 1e-12, "{found}");
+    }
+}

@@ -282,3 +282,43 @@ fn symmetric(matrix: &SparseMatrix) -> SparseMatrix {
     let transpose = matrix.transpose_view().to_csr();
     (matrix + &transpose).map(|x| 0.5 * x)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// On integers of 50 bits the powers of a graph Laplacian, with powers of two as masses, are integers of up to 70
+    /// bits, which differences of them make small again: what is returned is the exact result, rounded once.
+    #[test]
+    fn powers_are_rounded_once() {
+        let mesh = fairing_shapes::torus(1.0, 0.4, 11, 7);
+        let stiffness = combinatorial_laplacian(&mesh).unwrap();
+        let n = mesh.vertex_count();
+        let mass: Vec<f64> = (0..n).map(|v| [1.0, 0.5, 0.25][v % 3]).collect();
+        let mut state = 1u64;
+        let mut integer = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            i128::from(state >> 14)
+        };
+        let x: Vec<[i128; 3]> = (0..n).map(|_| [0; 3].map(|_| integer())).collect();
+        for order in 1..=4 {
+            let mut exact = x.clone();
+            for factor in 0..order {
+                exact = (0..n)
+                    .map(|i| {
+                        let row = stiffness.outer_view(i).unwrap();
+                        let over = if factor + 1 == order { 1 } else { (1.0 / mass[i]) as i128 };
+                        let entry = |k: usize| {
+                            row.iter().map(|(j, &s)| s as i128 * exact[j][k]).sum::<i128>() * over
+                        };
+                        [entry(0), entry(1), entry(2)]
+                    })
+                    .collect();
+            }
+            let points: Vec<[f64; 3]> = x.iter().map(|p| p.map(|x| x as f64)).collect();
+            let found = Powers { stiffness: &stiffness, mass: &mass, order }.apply(&points);
+            let expected: Vec<[f64; 3]> = exact.iter().map(|p| p.map(|x| x as f64)).collect();
+            assert_eq!(found, expected, "order {order}");
+        }
+    }
+}

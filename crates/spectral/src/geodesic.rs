@@ -26,6 +26,8 @@ pub struct HeatGeodesics {
     /// The component of each vertex.
     component: Vec<u32>,
     used: Vec<bool>,
+    /// Distances are in this many mesh units: a power of two, 1 for meshes of ordinary size.
+    unit: f64,
 }
 
 /// S + D in place of the singular S: D is the mass of a vertex as a share of that of its component, times this
@@ -84,10 +86,14 @@ impl HeatGeodesics {
         if found != expected {
             return Err(SpectralError::Rows { found, expected });
         }
+        // At a size whose squares are floats.
+        let unit = mesh.scale_unit();
+        let mesh = &*mesh.divided_by(unit);
         let (corners, flat) = match (laplacian.kind(), laplacian.intrinsic()) {
             (_, Some(Intrinsic { faces, .. })) => {
-                let sides = faces.lengths.as_chunks::<3>().0;
-                let flat = sides.iter().map(|&sides| FlatFace::new(sides, faces.share)).collect();
+                let sides = faces.lengths.as_chunks::<3>().0.iter();
+                let sides = sides.map(|sides| sides.map(|side| side / unit));
+                let flat = sides.map(|sides| FlatFace::new(sides, faces.share)).collect();
                 (faces.corners.clone(), flat)
             }
             (LaplacianKind::Cotangent, None) => {
@@ -98,18 +104,18 @@ impl HeatGeodesics {
         };
         let (components, component) = components(mesh);
         let times = match time {
-            Some(time) => vec![time; components],
+            Some(time) => vec![time / unit / unit; components],
             None => mean_squares(mesh, components, &component),
         };
         let mass = laplacian.positive_mass()?;
-        let (heat, poisson) =
-            factor_pair(laplacian.stiffness(), &mass.lumped(), &times, &component)?;
+        let mass: Vec<f64> = mass.lumped().iter().map(|m| m / unit / unit).collect();
+        let (heat, poisson) = factor_pair(laplacian.stiffness(), &mass, &times, &component)?;
         let mut used = vec![true; mesh.vertex_count()];
         for &v in laplacian.isolated() {
             used[v as usize] = false;
         }
         let kind = laplacian.kind();
-        Ok(Self { kind, heat, poisson, corners, flat, components, component, used })
+        Ok(Self { kind, heat, poisson, corners, flat, components, component, used, unit })
     }
 
     /// The kind of the Laplacian that it was made with.
@@ -161,7 +167,7 @@ impl HeatGeodesics {
             least[c as usize] = least[c as usize].min(*phi);
         }
         let distance = |(v, phi): (usize, &f64)| {
-            is_reached(v).then(|| phi - least[self.component[v] as usize])
+            is_reached(v).then(|| (phi - least[self.component[v] as usize]) * self.unit)
         };
         Ok(phi.iter().enumerate().map(distance).collect())
     }

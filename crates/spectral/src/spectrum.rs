@@ -24,7 +24,10 @@ pub struct Spectrum {
     pub residuals: Vec<f64>,
     /// M, on all vertices; 0 at isolated ones.
     pub mass: MassMatrix,
-    /// Whether it is proved that no smaller eigenvalue was missed.
+    /// Whether it is proved that no smaller eigenvalue was missed. How exact the pairs are is said by `residuals`,
+    /// which are within [`EigenOptions::residual_limit`] or what rounding leaves of each vector, certified or not.
+    ///
+    /// [`EigenOptions::residual_limit`]: fairing_sparse::EigenOptions::residual_limit
     pub certified: bool,
     /// The eigenvalues after the last mode, as far as they are known.
     pub beyond: Beyond,

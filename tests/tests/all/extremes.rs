@@ -35,7 +35,7 @@ fn mapped(mesh: &TriMesh, f: impl Fn([f64; 3]) -> [f64; 3]) -> TriMesh {
     mesh.with_positions(mesh.positions().iter().map(|&p| f(p)).collect()).unwrap()
 }
 
-fn scaled(mesh: &TriMesh, factor: f64) -> TriMesh {
+pub(crate) fn scaled(mesh: &TriMesh, factor: f64) -> TriMesh {
     mapped(mesh, |p| scale(p, factor))
 }
 
@@ -55,7 +55,7 @@ fn union(meshes: &[TriMesh]) -> TriMesh {
 }
 
 /// A rotation about an arbitrary axis.
-fn turned(mesh: &TriMesh, angle: f64) -> TriMesh {
+pub(crate) fn turned(mesh: &TriMesh, angle: f64) -> TriMesh {
     let (s, c) = angle.sin_cos();
     let (t, d) = (1.3 * angle).sin_cos();
     mapped(mesh, |[x, y, z]| {
@@ -401,7 +401,7 @@ fn clean_parts_do_not_hide_noise() {
 }
 
 /// Random triangles on random points, many of them flat, doubled or turned.
-fn soup(seed: u64) -> TriMesh {
+pub(crate) fn soup(seed: u64) -> TriMesh {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let n = rng.random_range(8..30u32);
     let positions = (0..n)

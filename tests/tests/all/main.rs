@@ -13,6 +13,7 @@ mod rendering;
 mod report;
 mod robustness;
 mod shapes;
+mod sizes;
 mod smoothing;
 mod spectra;
 mod spectral_verbs;

@@ -285,3 +285,32 @@ fn a_split_cluster_is_warned_of() {
     let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert!(found["gap_below"].is_null() && found["gap_above"].is_null());
 }
+
+/// Beside a huge eigenvalue, or with masses that leave more to rounding, a reader is told which bound residuals meet.
+#[test]
+fn residuals_above_the_usual_bound_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let sphere = shapes::icosphere(3);
+    save(folder.path(), "good.ply", &sphere);
+    let quiet = fairing(folder.path(), "spectrum good.ply -k 9");
+    let said = String::from_utf8(quiet.stderr).unwrap();
+    assert!(said.contains("certified") && !said.contains("residual"), "{said}");
+
+    // Weights of 10⁹ at two vertices so close to each other.
+    let sheet = shapes::plane(10, 10, shapes::Diagonals::Regular);
+    let mut points = sheet.positions().to_vec();
+    points[60] = std::array::from_fn(|i| points[59][i] + 1e-9 * (points[60][i] - points[59][i]));
+    save(folder.path(), "close.ply", &sheet.with_positions(points).unwrap());
+    let output = fairing(folder.path(), "spectrum close.ply -k 3 --boundary dirichlet");
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(said.contains("above 1e-8 of their eigenvalue"), "{said}");
+    assert!(said.contains("what rounding leaves"), "{said}");
+
+    // Faces without area: the largest eigenvalue of the robust operator is 10¹⁰ of the others.
+    let points = vec![[0.0; 3], [0.0; 3], [1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]];
+    let faces = vec![[0, 1, 2], [1, 3, 2], [2, 3, 4]];
+    save(folder.path(), "flat.ply", &TriMesh::new(points, faces).unwrap());
+    let output = fairing(folder.path(), "spectrum flat.ply -k 5");
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(said.contains("of the largest eigenvalue"), "{said}");
+}

@@ -1,7 +1,7 @@
 //! Polynomials fitted around each face at the largest scale the data allow.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, cross, distance, dot, scale, sub};
+use fairing_mesh::vec3::{add, cross, distance, dot, norm, scale, sub};
 use fairing_operators::NormalEquations;
 use rayon::prelude::*;
 
@@ -167,10 +167,7 @@ impl<'a> Growth<'a> {
 
     /// Begins a region at face `f`.
     fn start(&mut self, f: u32) {
-        let n = self.regions.normals[f as usize];
-        let axis = if n[0].abs() < 0.6 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
-        let e1 = unit_or_zero(cross(n, axis));
-        self.frame = [e1, cross(n, e1), n];
+        self.frame = self.frame_of(f);
         self.origin = self.centroids[f as usize];
         self.planes = NormalEquations::default();
         self.quadrics = NormalEquations::default();
@@ -179,6 +176,24 @@ impl<'a> Growth<'a> {
         self.faces[f as usize] = self.stamp;
         self.frontier.clear();
         self.frontier.push(f);
+    }
+
+    /// The axes of the fit around face `f`: the last is the direction of
+    /// heights, the first points along the longest side of the face. They turn
+    /// with the mesh, and so do all decisions that depend on them, such as
+    /// whether the vertices of a thin strip determine a fit.
+    fn frame_of(&self, f: u32) -> [[f64; 3]; 3] {
+        let n = self.regions.normals[f as usize];
+        let [a, b, c] = self.regions.current.triangle(f as usize);
+        let sides = [sub(b, a), sub(c, b), sub(a, c)];
+        let square = |k: usize| dot(sides[k], sides[k]);
+        let longest = (1..3).fold(0, |best, k| if square(k) > square(best) { k } else { best });
+        let across = cross(n, sides[longest]);
+        // A side along the direction of heights leaves any axis as good.
+        let steep = norm(across) <= 1e-6 * norm(sides[longest]);
+        let axis = if n[0].abs() < 0.6 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
+        let e2 = unit_or_zero(if steep { cross(n, axis) } else { across });
+        [cross(e2, n), e2, n]
     }
 
     /// Takes in the faces up to a radius, in mesh units.

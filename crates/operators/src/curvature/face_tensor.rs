@@ -159,6 +159,40 @@ mod tests {
         assert!(largest > 1e-3, "area-weighted normals are not exact: {largest}");
     }
 
+    /// The form of a face with one short side at a slant: along that side the
+    /// equations would be those of one unknown, to the square of the shape.
+    #[test]
+    fn needles_of_any_slant_have_their_form() {
+        for short in [1e-2, 1e-5, 1e-7] {
+            for slant in [0.4, 0.8, 1.3, 1.9, 2.7] {
+                let (s, c) = f64::sin_cos(slant);
+                let corners = [[0.0; 3], [short * c, short * s, 0.0], [1.0, 0.0, 0.0]];
+                for turn in 0..3 {
+                    let positions = [0, 1, 2].map(|k| corners[(k + turn) % 3]).to_vec();
+                    // II = (2, −0.5; −0.5, 3) in the plane, the normals turned as it says.
+                    let mut normals = vec![[0.0, 0.0, 1.0]; 3];
+                    for (n, p) in normals.iter_mut().zip(&positions) {
+                        n[0] = 2.0 * p[0] - 0.5 * p[1];
+                        n[1] = -0.5 * p[0] + 3.0 * p[1];
+                    }
+                    let mesh = TriMesh::new(positions, vec![[0, 1, 2]]).unwrap();
+                    let found = face_tensor(&mesh, &normals, 0).unwrap();
+                    // Back to the axes of the plane.
+                    let Symmetric2 { a, b, c } = found.form;
+                    let entry = |i: usize, j: usize| {
+                        let [u, v] = found.frame;
+                        a * u[i] * u[j] + b * (u[i] * v[j] + v[i] * u[j]) + c * v[i] * v[j]
+                    };
+                    let gap = [(0, 0, 2.0), (0, 1, -0.5), (1, 1, 3.0)]
+                        .map(|(i, j, expected)| (entry(i, j) - expected).abs());
+                    // Rounding of the normals over the length of the short side.
+                    let limit = 1e-14 / short;
+                    assert!(gap.iter().all(|g| *g < limit), "{short} {slant} {turn}: {gap:?}");
+                }
+            }
+        }
+    }
+
     #[test]
     fn a_plane_is_flat_and_a_collapsed_face_has_no_say() {
         let plane = shapes::jittered_plane(4, 4, 0.2, 1);

@@ -31,8 +31,7 @@ pub use solve::{smallest_eigenpairs, smallest_eigenpairs_with};
 #[derive(Debug, Clone, PartialEq)]
 pub struct EigenOptions {
     /// Largest residual ‖S φ − λ M φ‖ in the M⁻¹ norm, as a share of the largest wanted eigenvalue, of a
-    /// vector with φᵀMφ = 1. Where tiny masses or huge weights leave more than that to rounding, a residual
-    /// within 64 ε ‖|S| |φ| + λ M |φ|‖ is as good.
+    /// vector with φᵀMφ = 1: what the iteration aims at. [`EigenOptions::residual_limit`] says what is returned.
     pub tolerance: f64,
     /// Seed of the starting vectors.
     pub seed: u64,
@@ -84,6 +83,18 @@ impl Default for EigenOptions {
     }
 }
 
+impl EigenOptions {
+    /// The bound on measured residuals: those of all pairs returned are within ten times the tolerance times the
+    /// largest eigenvalue wanted, or, where tiny masses or huge weights leave more than that to rounding, within
+    /// 64 ε ‖|S| |φ| + |λ| M |φ|‖ in the M⁻¹ norm.
+    ///
+    /// The first is one number for all pairs: beside a huge eigenvalue it says little about a small one, whose
+    /// residual does. The second belongs to each vector.
+    pub fn residual_limit(&self, largest: f64) -> f64 {
+        solve::SLACK * self.tolerance * largest
+    }
+}
+
 /// What is known about the eigenvalues after those asked for.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Beyond {
@@ -108,7 +119,8 @@ pub struct EigenPairs {
     /// ‖S φ − λ M φ‖ in the M⁻¹ norm of each pair, in units of λ, measured on the vectors returned.
     pub residuals: Vec<f64>,
     /// Whether inertia (or a dense decomposition) proves that no smaller eigenvalue was missed. Not so where the
-    /// pivots of the count grew so much that it could be wrong.
+    /// pivots of the count grew so much that it could be wrong. It says nothing about how exact the pairs are:
+    /// `residuals` do, and their bound is [`EigenOptions::residual_limit`], certified or not.
     pub certified: bool,
     /// The eigenvalues after the last.
     pub beyond: Beyond,

@@ -188,7 +188,7 @@ fn from_inverse(
 
 /// How much larger than the tolerance a measured residual may be: eigenvalues of a multiple group are measured
 /// with the residual of their neighbours.
-const SLACK: f64 = 10.0;
+pub(super) const SLACK: f64 = 10.0;
 
 /// Dimensionless eigenpairs, ascending, in the order of the factor.
 pub(crate) struct Found {
@@ -249,6 +249,7 @@ impl Found {
         tolerance: f64,
     ) -> usize {
         let largest = self.lambdas[pairs.clone()].iter().fold(0.0, |m: f64, l| m.max(*l));
+        // [`EigenOptions::residual_limit`].
         let limit = SLACK * tolerance * largest;
         let mut above = 0;
         for (b, block) in self.blocks.iter().enumerate() {
