@@ -133,11 +133,13 @@ impl Incidence {
 
     /// Where the corners of each vertex begin in [`Self::all_corners`]; one
     /// entry more than there are vertices.
+    #[inline]
     pub fn offsets(&self) -> &[u32] {
         &self.offsets
     }
 
     /// The corners of all vertices, one vertex after another.
+    #[inline]
     pub fn all_corners(&self) -> &[u32] {
         self.corners.get_or_init(|| self.sorted(|f, _| [3 * f, 3 * f + 1, 3 * f + 2]))
     }

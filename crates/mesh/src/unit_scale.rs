@@ -54,12 +54,14 @@ impl TriMesh {
         Cow::Owned(scaled)
     }
 
-    /// Whether the extent is ordinary for certain, in a pass over the vertices
-    /// and usually one face.
+    /// Whether the extent is ordinary for certain, in a pass over the
+    /// coordinates and usually one face.
     fn is_ordinary(&self) -> bool {
-        let Some([lo, hi]) = self.bounding_box() else { return true };
-        // Of all vertices, which is not smaller than that of the faces'.
-        if (0..3).any(|k| 0.5 * hi[k] - 0.5 * lo[k] > 0.5 * ORDINARY.end()) {
+        // No two coordinates this small are farther apart than an extent may be. Written without a branch: vector
+        // instructions compare several at a time.
+        let near = 0.5 * ORDINARY.end();
+        let all = self.positions().as_flattened().iter();
+        if all.fold(false, |far, x| far | (x.abs() > near)) {
             return false;
         }
         (0..self.face_count()).any(|f| {

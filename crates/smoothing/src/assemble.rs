@@ -60,7 +60,11 @@ impl Renewal {
     }
 
     /// The Laplacian at the positions of `mesh`.
-    pub(crate) fn assemble(&self, mesh: &TriMesh, held: &[bool]) -> Result<Laplacian, FlowFailure> {
+    pub(crate) fn assemble(
+        &mut self,
+        mesh: &TriMesh,
+        held: &[bool],
+    ) -> Result<Laplacian, FlowFailure> {
         match self {
             Self::Pattern(pattern) => pattern.assemble(mesh),
             Self::Whole(diffusion) => assemble(mesh, *diffusion, held),
@@ -70,7 +74,7 @@ impl Renewal {
     /// Replaces `laplacian`, which [`Self::assemble`] made of the same faces, by that at other positions. Returns the
     /// faces that are taken as degenerate; the robust operator knows none.
     pub(crate) fn renew(
-        &self,
+        &mut self,
         mesh: &TriMesh,
         held: &[bool],
         laplacian: &mut Laplacian,

@@ -231,7 +231,7 @@ mod tests {
                 mesh.faces(),
                 &vec![false; mesh.vertex_count()],
             );
-            let x = crate::laplacian::padded(mesh.positions());
+            let x: Vec<Padded> = mesh.positions().iter().map(|p| [p[0], p[1], p[2], 0.0]).collect();
             for terms in [1, 2, 7, 40] {
                 let coefficients = &coefficients[..terms];
                 let of = Clenshaw { laplacian: &laplacian, x: &x, coefficients, scale: 0.9 };

@@ -1,11 +1,13 @@
 //! Conjugate gradients for the step of an implicit flow, three coordinates together.
 
+use std::borrow::Cow;
+
 use rayon::prelude::*;
 
 use crate::constraints::Freedom;
 use crate::error::FlowFailure;
-use crate::laplacian::{Laplacian, Padded, ROWS, by_chunk, padded};
-use crate::parts::{Gauge, Parts, larger};
+use crate::laplacian::{Laplacian, Padded, ROWS, by_chunk};
+use crate::parts::{Gauge, Parts, larger, reciprocal};
 
 type Point = [f64; 3];
 
@@ -34,6 +36,16 @@ pub(crate) struct Solved {
     pub(crate) residual: f64,
 }
 
+/// Memory that the steps of a run share: clearing it in every step would take longer than an iteration.
+#[derive(Default)]
+pub(crate) struct Room {
+    d: Vec<Padded>,
+    p: Vec<Padded>,
+    q: Vec<Padded>,
+    r: Vec<Padded>,
+    inverse: Vec<f64>,
+}
+
 /// Times that conjugate gradients begin again where the measured residual is larger than that of the recurrence.
 const MOST_RESTARTS: usize = 3;
 
@@ -44,41 +56,42 @@ impl<'a> ImplicitSolver<'a> {
         x: &[Point],
         freedom: &Freedom,
         guess: &mut [Point],
+        room: &mut Room,
     ) -> Result<Solved, FlowFailure> {
         let centres = self.parts.centres(self.laplacian.mass(), x, freedom);
-        let system = System::new(*self, x, freedom, &centres);
-        let mut d = padded(guess);
-        by_chunk(&mut d, |i, d| (system.project(i, d), []));
-        let mut r = vec![[0.0; 4]; x.len()];
-        let mut p = vec![[0.0; 4]; x.len()];
+        for all in [&mut room.d, &mut room.p, &mut room.q, &mut room.r] {
+            all.resize(x.len(), [0.0; 4]);
+        }
+        let Room { d, p, q, r, inverse } = room;
+        let system = System::new(*self, x, freedom, &centres, inverse);
+        system.begin(guess, d, p);
         let mut iterations = 0;
         for restart in 0..=MOST_RESTARTS {
-            let sums = system.residual(&d, &mut p, &mut r);
+            let sums = system.residual(d, p, r);
             if restart > 0 && root(&sums) <= self.tolerance {
-                break;
+                system.end(d, guess);
+                let residual = system.gauge.reported_in_units(r, &sums);
+                return Ok(Solved { iterations, residual });
             }
-            if restart == MOST_RESTARTS {
-                return Err(not_converged(system.gauge.reported(&r), iterations, &r));
+            if restart < MOST_RESTARTS {
+                system.iterate(sums, [d, p, q, r], &mut iterations)?;
+                system.settle(d, p);
             }
-            system.iterate(sums, &mut d, &mut p, &mut r, &mut iterations)?;
-            system.settle(&mut d);
         }
-        for (guess, d) in guess.iter_mut().zip(&d) {
-            *guess = [d[0], d[1], d[2]];
-        }
-        Ok(Solved { iterations, residual: system.gauge.reported(&r) })
+        Err(system.not_converged(iterations, r))
     }
 
     /// How residuals of the step at `x` are measured: against `M (x − c̄ + w (c − c̄))` about the centres c̄.
     fn gauge(&self, x: &[Point], freedom: &Freedom, centres: &[Point]) -> Gauge<'a> {
-        let sides = self.sides(x, freedom, centres);
-        let mut reach = self.parts.largest(|i| {
-            let ((w, target), c) = (freedom.pull(i), centres[self.parts.part(i)]);
-            [0, 1, 2].map(|k| {
+        let both = self.parts.sums_and_largest(|part, i| {
+            let ((w, target), c) = (freedom.pull(i), centres[part]);
+            let reach = |k: usize| {
                 let pull = if w > 0.0 { (target[k] - c[k]).abs() } else { 0.0 };
                 larger((x[i][k] - c[k]).abs(), pull)
-            })
+            };
+            (self.side(x, freedom, c, i), [reach(0), reach(1), reach(2)])
         });
+        let (sides, mut reach): (Vec<_>, Vec<_>) = both.into_iter().unzip();
         // Held vertices are neighbours of every part that is not free.
         if let Some(&held) = reach.last() {
             for (reach, _) in reach.iter_mut().zip(self.parts.free()).filter(|(_, free)| !free) {
@@ -90,156 +103,228 @@ impl<'a> ImplicitSolver<'a> {
 
     /// What [`Gauge::new`] takes: the squared norms of `M (x − c̄ + w (c − c̄))` and of the coefficients of the rows.
     pub(crate) fn sides(&self, x: &[Point], freedom: &Freedom, centres: &[Point]) -> Vec<[f64; 4]> {
-        let (mass, diagonal) = (self.laplacian.mass(), self.laplacian.diagonal());
-        self.parts.sums(|i| {
-            let ((w, target), c, m) = (freedom.pull(i), centres[self.parts.part(i)], mass[i]);
-            let held = freedom.held[i];
-            let term = if held { 0.0 } else { m * (1.0 + w) + 2.0 * self.step * diagonal[i] };
-            let [a, b, c] = [0, 1, 2].map(|k| {
-                let pull = if w > 0.0 { w * (target[k] - c[k]) } else { 0.0 };
-                (m * (x[i][k] - c[k] + pull)).powi(2)
-            });
-            [a, b, c, term * term]
-        })
+        self.parts.sums(|part, i| self.side(x, freedom, centres[part], i))
+    }
+
+    /// What vertex `i` adds to [`Self::sides`].
+    #[inline(always)]
+    fn side(&self, x: &[Point], freedom: &Freedom, centre: Point, i: usize) -> [f64; 4] {
+        let ((w, target), m) = (freedom.pull(i), self.laplacian.mass()[i]);
+        let term = match freedom.held[i] {
+            true => 0.0,
+            false => m * (1.0 + w) + 2.0 * self.step * self.laplacian.diagonal()[i],
+        };
+        let side = |k: usize| {
+            let pull = if w > 0.0 { w * (target[k] - centre[k]) } else { 0.0 };
+            let side = m * (x[i][k] - centre[k] + pull);
+            side * side
+        };
+        [side(0), side(1), side(2), term * term]
     }
 }
 
-/// The system of one step.
+/// The system of one step, in units of the gauge: positions, displacements and residuals of each coordinate of each
+/// part are multiplied by what makes its right-hand side one, which changes nothing in a linear system of its own.
 struct System<'a> {
     solver: ImplicitSolver<'a>,
     freedom: &'a Freedom,
-    /// Positions about the centres of their parts.
-    x: Vec<Padded>,
+    x: &'a [Point],
     centres: &'a [Point],
     gauge: Gauge<'a>,
     /// `M (1 + w)`.
-    shifted: Vec<f64>,
+    shifted: Cow<'a, [f64]>,
     /// The reciprocal of the diagonal of the matrix.
-    inverse: Vec<f64>,
+    inverse: &'a [f64],
 }
 
 impl<'a> System<'a> {
     fn new(
         solver: ImplicitSolver<'a>,
-        x: &[Point],
+        x: &'a [Point],
         freedom: &'a Freedom,
         centres: &'a [Point],
+        inverse: &'a mut Vec<f64>,
     ) -> Self {
-        let (l, parts) = (solver.laplacian, solver.parts);
-        let pulled = |(i, m): (usize, &f64)| m * (1.0 + freedom.pull(i).0);
-        let shifted: Vec<f64> = l.mass().iter().enumerate().map(pulled).collect();
-        let inverse =
-            shifted.iter().zip(l.diagonal()).map(|(m, s)| 1.0 / (m + solver.step * s)).collect();
-        let mut about = padded(x);
-        by_chunk(&mut about, |i, x| {
-            let [a, b, c] = centres[parts.part(i)];
-            ([x[0] - a, x[1] - b, x[2] - c, 0.0], [])
-        });
+        let (mass, diagonal) = (solver.laplacian.mass(), solver.laplacian.diagonal());
+        let shifted = match &freedom.soft {
+            None => Cow::Borrowed(mass),
+            Some((w, _)) => mass.iter().zip(w).map(|(m, w)| m * (1.0 + w)).collect(),
+        };
+        let pairs = shifted.par_iter().zip(diagonal).with_min_len(ROWS);
+        pairs.map(|(m, s)| 1.0 / (m + solver.step * s)).collect_into_vec(inverse);
         let gauge = solver.gauge(x, freedom, centres);
-        Self { solver, freedom, x: about, centres, gauge, shifted, inverse }
+        Self { solver, freedom, x, centres, gauge, shifted, inverse }
     }
 
-    #[inline]
+    /// The position of vertex `i` about the centre of its part.
+    #[inline(always)]
+    fn position(&self, i: usize) -> Padded {
+        let part = self.solver.parts.part(i);
+        let (g, x, c) = (&self.gauge.measure[part], &self.x[i], &self.centres[part]);
+        [g[0] * (x[0] - c[0]), g[1] * (x[1] - c[1]), g[2] * (x[2] - c[2]), 0.0]
+    }
+
+    /// The soft constraint of vertex `i`: its weight times its target about the centre of its part.
+    #[inline(always)]
+    fn pull(&self, i: usize) -> (f64, Point) {
+        let (w, target) = self.freedom.pull(i);
+        if w == 0.0 {
+            return (0.0, [0.0; 3]);
+        }
+        let part = self.solver.parts.part(i);
+        let (g, c) = (&self.gauge.measure[part], &self.centres[part]);
+        (w, [0, 1, 2].map(|k| w * (g[k] * (target[k] - c[k]))))
+    }
+
+    #[inline(always)]
     fn project(&self, i: usize, d: Padded) -> Padded {
         let p = self.freedom.project(i, [d[0], d[1], d[2]]);
         [p[0], p[1], p[2], 0.0]
     }
 
-    #[inline]
+    #[inline(always)]
     fn precondition(&self, i: usize, r: Padded) -> Padded {
-        self.project(i, r.map(|r| r * self.inverse[i]))
+        let s = self.inverse[i];
+        self.project(i, [s * r[0], s * r[1], s * r[2], 0.0])
     }
 
-    /// `r · r` and `r · z` for each coordinate, as the gauge weighs them.
-    #[inline]
+    /// `r · r` and `r · z` for each coordinate.
+    #[inline(always)]
     fn six(&self, i: usize, r: Padded) -> [f64; 6] {
-        let (g, z) = (self.gauge.at(i), self.precondition(i, r));
-        let [a, b, c] = [0, 1, 2].map(|k| g[k] * r[k]);
-        [a * a, b * b, c * c, a * (g[0] * z[0]), b * (g[1] * z[1]), c * (g[2] * z[2])]
+        let z = self.precondition(i, r);
+        [r[0] * r[0], r[1] * r[1], r[2] * r[2], r[0] * z[0], r[1] * z[1], r[2] * z[2]]
     }
 
-    /// `r = P (M (t L (x + d) + w (c − x − d)) − M d)`, whose first part is one product at x + d; `p` is the first
-    /// direction.
-    fn residual(&self, d: &[Padded], p: &mut [Padded], r: &mut [Padded]) -> [f64; 6] {
-        let (l, t, x) = (self.solver.laplacian, self.solver.step, &self.x);
+    /// `d` from a first guess in mesh units, and `p = x + d`.
+    fn begin(&self, guess: &[Point], d: &mut [Padded], p: &mut [Padded]) {
+        both(d, p, |i, d, p| {
+            let g = &self.gauge.measure[self.solver.parts.part(i)];
+            let [a, b, c] = guess[i];
+            *d = self.project(i, [g[0] * a, g[1] * b, g[2] * c, 0.0]);
+            *p = plus(self.position(i), *d);
+        });
+    }
+
+    /// The displacement in mesh units.
+    fn end(&self, d: &[Padded], displacement: &mut [Point]) {
+        let units: Vec<Point> = self.gauge.measure.iter().map(|g| g.map(reciprocal)).collect();
+        by_chunk(displacement, |i, _| {
+            let (d, unit) = (&d[i], &units[self.solver.parts.part(i)]);
+            ([d[0] * unit[0], d[1] * unit[1], d[2] * unit[2]], [])
+        });
+    }
+
+    /// `r = P (M (t L (x + d) + w (c − x − d)) − M d)`, whose first part is one product at `p = x + d`.
+    fn residual(&self, d: &[Padded], p: &[Padded], r: &mut [Padded]) -> [f64; 6] {
+        let (l, t) = (self.solver.laplacian, self.solver.step);
         let mass = l.mass();
-        by_chunk(p, |i, _| (std::array::from_fn(|k| x[i][k] + d[i][k]), []));
-        let sums = l.sweep_summing(p, r, |i, lx, y, _| {
-            let (w, target) = self.freedom.pull(i);
-            let c = self.centres[self.solver.parts.part(i)];
-            let r = std::array::from_fn(|k| {
-                let pull = if w > 0.0 && k < 3 { w * (target[k] - c[k] - y[k]) } else { 0.0 };
-                mass[i] * (t * lx[k] + pull - d[i][k])
-            });
+        l.sweep_summing(p, r, |i, lx, y, _| {
+            let (w, [a, b, c]) = self.pull(i);
+            let (m, d, target) = (mass[i], d[i], [a, b, c, 0.0]);
+            let mut r = [0.0; 4];
+            for k in 0..4 {
+                r[k] = m * (t * lx[k] + (target[k] - w * y[k]) - d[k]);
+            }
             let r = self.project(i, r);
             (r, self.six(i, r))
-        });
-        by_chunk(p, |i, _| (self.precondition(i, r[i]), []));
-        sums
+        })
     }
 
-    /// Conjugate gradients from the residual `r` and the direction `p` at `d`, until the recurrence is below the
-    /// tolerance.
+    /// Conjugate gradients from the residual `r` at `d`, until the recurrence is below the tolerance; `p` and `q` are
+    /// room for the directions and their images.
     fn iterate(
         &self,
         mut sums: [f64; 6],
-        d: &mut [Padded],
-        p: &mut [Padded],
-        r: &mut [Padded],
+        [d, p, q, r]: [&mut Vec<Padded>; 4],
         iterations: &mut usize,
     ) -> Result<(), FlowFailure> {
-        let ImplicitSolver { laplacian: l, step: t, most_iterations, .. } = self.solver;
+        let ImplicitSolver { laplacian: l, step: t, tolerance, most_iterations, .. } = self.solver;
         let mass = l.mass();
         let coupled = self.freedom.sliding.is_some();
-        let mut q = vec![[0.0; 4]; p.len()];
-        loop {
-            let residual = root(&sums);
-            if residual <= self.solver.tolerance {
-                return Ok(());
+        by_chunk(p, |i, _| (self.precondition(i, r[i]), []));
+        while root(&sums) > tolerance || !root(&sums).is_finite() {
+            if *iterations == most_iterations || !root(&sums).is_finite() {
+                return Err(self.not_converged(*iterations, r));
             }
-            if *iterations == most_iterations || !residual.is_finite() {
-                return Err(not_converged(self.gauge.reported(r), *iterations, r));
-            }
-            let curvature = l.sweep_summing(p, &mut q, |i, lp, p, _| {
+            let curvature = l.sweep_summing(p, q, |i, lp, p, _| {
                 let (m, tm) = (self.shifted[i], t * mass[i]);
-                let q = self.project(i, std::array::from_fn(|k| m * p[k] - tm * lp[k]));
-                let g = self.gauge.at(i);
-                (q, [0, 1, 2].map(|k| (g[k] * p[k]) * (g[k] * q[k])))
+                let mut q = [0.0; 4];
+                for k in 0..4 {
+                    q[k] = m * p[k] - tm * lp[k];
+                }
+                let q = self.project(i, q);
+                (q, [p[0] * q[0], p[1] * q[1], p[2] * q[2]])
             });
             let old = [sums[3], sums[4], sums[5]];
             let alpha = quotients(old, curvature, coupled);
             sums = by_chunk(r, |i, r| {
-                let q = &q[i];
-                let r = std::array::from_fn(|k| r[k] - alpha[k] * q[k]);
+                let (mut r, q) = (r, &q[i]);
+                for k in 0..4 {
+                    r[k] -= alpha[k] * q[k];
+                }
                 (r, self.six(i, r))
             });
             let beta = quotients([sums[3], sums[4], sums[5]], old, coupled);
-            advance(d, p, r, alpha, beta, |i, r| self.precondition(i, r));
+            both(d, p, |i, d, p| {
+                let z = self.precondition(i, r[i]);
+                for k in 0..4 {
+                    d[k] += alpha[k] * p[k];
+                    p[k] = z[k] + beta[k] * p[k];
+                }
+            });
             *iterations += 1;
         }
+        Ok(())
     }
 
     /// Puts the weighted mean of each part that may move as a whole where the equations have it: at its centre. They
-    /// determine it by the masses alone, which a residual of long steps hardly shows.
-    fn settle(&self, d: &mut [Padded]) {
+    /// determine it by the masses alone, which a residual of long steps hardly shows. `p` receives `x + d`.
+    fn settle(&self, d: &mut [Padded], p: &mut [Padded]) {
         let parts = self.solver.parts;
         let mass = self.solver.laplacian.mass();
-        let sums = parts.sums(|i| {
-            let (q, x, d) = (self.shifted[i], self.x[i], d[i]);
-            let ((w, target), c) = (self.freedom.pull(i), self.centres[parts.part(i)]);
+        let sums = parts.sums(|_, i| {
+            let (q, m, d, x, (_, pull)) =
+                (self.shifted[i], mass[i], d[i], self.position(i), self.pull(i));
             // The left side less the right, which the rounding of a centre leaves a little off zero.
-            let [a, b, c] = [0, 1, 2].map(|k| {
-                let pull = if w > 0.0 { w * (target[k] - c[k]) } else { 0.0 };
-                q * (x[k] + d[k]) - mass[i] * (x[k] + pull)
-            });
-            [a, b, c, q]
+            let off = |k: usize| q * (x[k] + d[k]) - m * (x[k] + pull[k]);
+            [off(0), off(1), off(2), q]
         });
-        by_chunk(d, |i, d| {
-            let s = sums[parts.part(i)];
-            let off = |k: usize| if parts.is_free(i) && s[3] > 0.0 { s[k] / s[3] } else { 0.0 };
-            ([d[0] - off(0), d[1] - off(1), d[2] - off(2), 0.0], [])
+        let off = |(s, free): (&[f64; 4], bool)| match free && s[3] > 0.0 {
+            true => [s[0] / s[3], s[1] / s[3], s[2] / s[3], 0.0],
+            false => [0.0; 4],
+        };
+        let off: Vec<Padded> = sums.iter().zip(parts.free()).map(off).collect();
+        both(d, p, |i, d, p| {
+            let off = &off[parts.part(i)];
+            for k in 0..3 {
+                d[k] -= off[k];
+            }
+            *p = plus(self.position(i), *d);
         });
     }
+
+    fn not_converged(&self, iterations: usize, r: &[Padded]) -> FlowFailure {
+        let sums = by_chunk(&mut r.to_vec(), |_, r| (r, [r[0] * r[0], r[1] * r[1], r[2] * r[2]]));
+        not_converged(self.gauge.reported_in_units(r, &sums), iterations, r)
+    }
+}
+
+/// Calls `f(i, dᵢ, pᵢ)` for every vertex, in parallel.
+#[inline(always)]
+fn both<F>(d: &mut [Padded], p: &mut [Padded], f: F)
+where
+    F: Fn(usize, &mut Padded, &mut Padded) + Sync,
+{
+    d.par_chunks_mut(ROWS).zip(p.par_chunks_mut(ROWS)).enumerate().for_each(|(chunk, (d, p))| {
+        for (k, (d, p)) in d.iter_mut().zip(p).enumerate() {
+            f(chunk * ROWS + k, d, p);
+        }
+    });
+}
+
+#[inline(always)]
+fn plus(a: Padded, b: Padded) -> Padded {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]]
 }
 
 /// The largest root of the first three sums; NaN if one is.
@@ -256,27 +341,6 @@ pub(crate) fn not_converged<const N: usize>(
     let size = |r: &[f64; N]| r.iter().map(|x| x.abs()).fold(0.0, larger);
     let worst = (0..r.len()).max_by(|&a, &b| size(&r[a]).total_cmp(&size(&r[b])));
     FlowFailure::NotConverged { residual, iterations, vertex: worst.unwrap_or(0) as u32 }
-}
-
-/// `d ← d + α p`, then `p ← z + β p`, in one pass.
-fn advance(
-    d: &mut [Padded],
-    p: &mut [Padded],
-    r: &[Padded],
-    alpha: Padded,
-    beta: Padded,
-    precondition: impl Fn(usize, Padded) -> Padded + Sync,
-) {
-    d.par_chunks_mut(ROWS).zip(p.par_chunks_mut(ROWS)).enumerate().for_each(|(chunk, (d, p))| {
-        for (k, (d, p)) in d.iter_mut().zip(p).enumerate() {
-            let i = chunk * ROWS + k;
-            let z = precondition(i, r[i]);
-            for k in 0..4 {
-                d[k] += alpha[k] * p[k];
-                p[k] = z[k] + beta[k] * p[k];
-            }
-        }
-    });
 }
 
 /// The quotients of the coordinates, or of their sums where they are coupled; zero over zero is zero.

@@ -117,18 +117,24 @@ impl Freedom {
     }
 
     /// Weight and target of the soft constraint at vertex `i`; weight zero if there is none.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn pull(&self, i: usize) -> (f64, [f64; 3]) {
-        self.soft.as_ref().map_or((0.0, [0.0; 3]), |(w, t)| (w[i], t[i]))
+        match &self.soft {
+            None => (0.0, [0.0; 3]),
+            Some((w, t)) => (w[i], t[i]),
+        }
     }
 
     /// The part of a displacement of vertex `i` that is allowed at the positions the tangents were taken at.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn project(&self, i: usize, d: [f64; 3]) -> [f64; 3] {
         if self.held[i] {
             return [0.0; 3];
         }
-        self.sliding.as_ref().map_or(d, |sliding| sliding.project(i, d))
+        match &self.sliding {
+            None => d,
+            Some(sliding) => sliding.project(i, d),
+        }
     }
 
     /// Takes the tangents of the boundary curves at the positions.

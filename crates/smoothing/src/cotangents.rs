@@ -27,6 +27,8 @@ pub(crate) struct Cotangents {
     /// corner of its face; none for held vertices.
     places: Vec<[u32; 2]>,
     held: Vec<bool>,
+    /// Those of the last assembly, whose memory the next one uses.
+    terms: Vec<FaceTerms>,
 }
 
 /// Half the cotangents of the corners of a face, and a third of its area.
@@ -78,11 +80,11 @@ impl Cotangents {
                 end
             }));
         }
-        Self { area, offsets, columns, places, held: held.to_vec() }
+        Self { area, offsets, columns, places, held: held.to_vec(), terms: Vec::new() }
     }
 
     /// The Laplacian at the positions of `mesh`, whose faces are those of the pattern.
-    pub(crate) fn assemble(&self, mesh: &TriMesh) -> Result<Laplacian, FlowFailure> {
+    pub(crate) fn assemble(&mut self, mesh: &TriMesh) -> Result<Laplacian, FlowFailure> {
         let mut laplacian = Laplacian::empty(self.offsets.clone(), self.columns.clone());
         self.assemble_into(mesh, &mut laplacian, Degenerate::Refused)?;
         Ok(laplacian)
@@ -90,21 +92,21 @@ impl Cotangents {
 
     /// Replaces the numbers of a Laplacian on this pattern. Returns the faces that are taken as degenerate.
     pub(crate) fn assemble_into(
-        &self,
+        &mut self,
         mesh: &TriMesh,
         laplacian: &mut Laplacian,
         degenerate: Degenerate,
     ) -> Result<Vec<u32>, FlowFailure> {
-        let (terms, faces) = face_terms(mesh, degenerate)?;
-        let incidence = mesh.incidence();
-        let corners =
-            |v: usize| incidence.offsets()[v] as usize..incidence.offsets()[v + 1] as usize;
+        let faces = face_terms(mesh, degenerate, &mut self.terms)?;
+        let (incidence, terms) = (mesh.incidence(), &self.terms[..]);
+        let (ends, all_corners) = (incidence.offsets(), incidence.all_corners());
+        let corners = |v: usize| ends[v] as usize..ends[v + 1] as usize;
         let numbers = laplacian.numbers_mut();
         match self.area {
             LumpedArea::Barycentric => {
                 numbers.mass.par_chunks_mut(ROWS).enumerate().for_each(|(chunk, mass)| {
                     for (k, mass) in mass.iter_mut().enumerate() {
-                        let around = &incidence.all_corners()[corners(chunk * ROWS + k)];
+                        let around = &all_corners[corners(chunk * ROWS + k)];
                         *mass = around.iter().map(|&c| terms[c as usize / 3][3]).sum();
                         if around.is_empty() {
                             *mass = 1.0;
@@ -135,7 +137,7 @@ impl Cotangents {
                     row.fill(0.0);
                     let mut sum = 0.0;
                     for c in corners(v) {
-                        let corner = incidence.all_corners()[c] as usize;
+                        let corner = all_corners[c] as usize;
                         let (half, own) = (&terms[corner / 3], corner % 3);
                         // The edge to the next corner lies opposite the previous one.
                         let (next, previous) = (half[(own + 2) % 3], half[(own + 1) % 3]);
@@ -218,11 +220,11 @@ fn rows(mesh: &TriMesh, first: usize, held: &[bool]) -> Rows {
 fn face_terms(
     mesh: &TriMesh,
     degenerate: Degenerate,
-) -> Result<(Vec<FaceTerms>, Vec<u32>), FlowFailure> {
+    terms: &mut Vec<FaceTerms>,
+) -> Result<Vec<u32>, FlowFailure> {
     let x = mesh.positions();
     let thin = AtomicBool::new(false);
-    let mut terms: Vec<FaceTerms> = mesh
-        .faces()
+    mesh.faces()
         .par_iter()
         .with_min_len(ROWS)
         .map(|face| {
@@ -236,7 +238,7 @@ fn face_terms(
             let s = -0.5 / twice_area;
             [s * dot(ab, ca), s * dot(bc, ab), s * dot(ca, bc), 0.5 * twice_area / 3.0]
         })
-        .collect();
+        .collect_into_vec(terms);
     let thin = thin.into_inner();
     let mut faces = Vec::new();
     match degenerate {
@@ -247,7 +249,7 @@ fn face_terms(
         Degenerate::Refused => {}
         Degenerate::Thin if !thin => {}
         Degenerate::Thin | Degenerate::Slack => {
-            for (f, (face, terms)) in mesh.faces().iter().zip(&mut terms).enumerate() {
+            for (f, (face, terms)) in mesh.faces().iter().zip(terms).enumerate() {
                 let [a, b, c] = face.map(|v| x[v as usize]);
                 let sides = [sub(c, b), sub(a, c), sub(b, a)];
                 let longest = sides.iter().map(|&s| dot(s, s)).fold(0.0, f64::max);
@@ -263,7 +265,7 @@ fn face_terms(
             }
         }
     }
-    Ok((terms, faces))
+    Ok(faces)
 }
 
 /// Whether a face is too thin for cotangents; true if its area is not a number.
@@ -333,7 +335,7 @@ mod tests {
             let n = mesh.vertex_count();
             let held: Vec<bool> = (0..n).map(|v| v % 7 == 3).collect();
             for area in [LumpedArea::Barycentric, LumpedArea::Mixed] {
-                let pattern = Cotangents::of(mesh, area, &held);
+                let mut pattern = Cotangents::of(mesh, area, &held);
                 let stiffness = cotan_stiffness(mesh).unwrap();
                 let expected =
                     Laplacian::weighted(&stiffness, positive_mass(mesh, area).unwrap(), &held);
@@ -364,7 +366,7 @@ mod tests {
     fn a_thin_face_is_the_error_of_the_operator() {
         let line = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [2.0, 0.0, 0.0]];
         let mesh = TriMesh::new(line, vec![[0, 1, 2], [0, 1, 3]]).unwrap();
-        let pattern = Cotangents::of(&mesh, LumpedArea::Barycentric, &[false; 4]);
+        let mut pattern = Cotangents::of(&mesh, LumpedArea::Barycentric, &[false; 4]);
         let error = pattern.assemble(&mesh).map(|_| ()).unwrap_err();
         assert_eq!(error, FlowFailure::Operator(cotan_stiffness(&mesh).unwrap_err()));
     }

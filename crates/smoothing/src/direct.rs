@@ -106,7 +106,7 @@ impl Direct {
             })
         });
         let mut sides = solver.sides(x, freedom, &centres);
-        for (side, own) in sides.iter_mut().zip(parts.sums(|i| b[i].map(|b| b * b))) {
+        for (side, own) in sides.iter_mut().zip(parts.sums(|_, i| b[i].map(|b| b * b))) {
             for (side, own) in side.iter_mut().zip(own) {
                 *side = larger(*side, own);
             }
@@ -117,7 +117,7 @@ impl Direct {
         let mut iterations = 0;
         let reported = loop {
             // Rounding of the terms of a residual goes with u, not with x.
-            let reach = parts.largest(|i| u[i].map(f64::abs));
+            let reach = parts.largest(|_, i| u[i].map(f64::abs));
             let gauge = Gauge::new(parts, &sides, &reach, solver.tolerance, false);
             let residual = gauge.measured(&r);
             if residual <= solver.tolerance && iterations > 0 {
@@ -162,7 +162,7 @@ impl Direct {
         if ground.iter().any(|&s| s > 0.0) {
             response = factor.solve(&ground);
         }
-        let weight = parts.sums(|i| {
+        let weight = parts.sums(|_, i| {
             let q = laplacian.mass()[i] * (1.0 + freedom.pull(i).0);
             [q, q * response.get(i).copied().unwrap_or(0.0)]
         });
@@ -190,7 +190,7 @@ impl Grounded {
     /// Takes off what rounding leaves of the sum of a residual over each part that moves as a whole: of a centre, and of
     /// the terms of t S.
     fn balance(&self, parts: &Parts, mass: &[f64], freedom: &Freedom, r: &mut [Point]) {
-        let sums = parts.sums(|i| r[i]);
+        let sums = parts.sums(|_, i| r[i]);
         for (i, r) in r.iter_mut().enumerate().filter(|(i, _)| parts.is_free(*i)) {
             let part = parts.part(i);
             let share = mass[i] * (1.0 + freedom.pull(i).0) / self.weight[part][0];
@@ -209,7 +209,7 @@ impl Grounded {
     ) {
         let weigh = |i: usize| mass[i] * (1.0 + freedom.pull(i).0);
         self.factor.solve_points_in_place(r);
-        let means = parts.sums(|i| [0, 1, 2].map(|k| weigh(i) * (u[i][k] + r[i][k])));
+        let means = parts.sums(|_, i| [0, 1, 2].map(|k| weigh(i) * (u[i][k] + r[i][k])));
         for (i, (u, r)) in u.iter_mut().zip(r).enumerate() {
             let (part, mut shift) = (parts.part(i), [0.0; 3]);
             if parts.is_free(i) {

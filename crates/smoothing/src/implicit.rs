@@ -4,7 +4,7 @@ use fairing_mesh::TriMesh;
 
 use crate::assemble::{Renewal, mass};
 use crate::collapse::Collapse;
-use crate::conjugate::ImplicitSolver;
+use crate::conjugate::{ImplicitSolver, Room};
 use crate::constraints::Constraints;
 use crate::cotangents::Degenerate;
 use crate::diffusion::{Diffusion, Operator};
@@ -142,11 +142,11 @@ pub(crate) fn implicit_with(
     let mut run = Run::new(mesh, &frame, observer)?;
     let frozen = options.update == Update::Never;
     let start = run.arrangement.mesh();
-    let renewal = Renewal::new(start, options.diffusion, &run.freedom.held);
+    let mut renewal = Renewal::new(start, options.diffusion, &run.freedom.held);
     let mut laplacian =
         renewal.assemble(start, &run.freedom.held).map_err(|failure| run.refuse(failure))?;
     // A pattern that nobody will fill again only takes memory.
-    let renewal = (options.update == Update::Both).then_some(renewal);
+    let mut renewal = (options.update == Update::Both).then_some(renewal);
     let k = options.iterations;
     if run.is_linear() && frozen && k > 0 {
         let power = Response::Implicit { step, steps: k };
@@ -168,8 +168,10 @@ pub(crate) fn implicit_with(
     let collapse = (!frozen).then(|| Collapse::new(run.arrangement.mesh()));
     // Conjugate gradients begin with the displacement of the step before.
     let mut displacement = vec![[0.0; 3]; mesh.vertex_count()];
+    let mut room = Room::default();
     let mut total = 0;
-    let mut flattened = vec![false; if renewal.is_some() { mesh.face_count() } else { 0 }];
+    let renews = renewal.is_some();
+    let mut flattened = vec![false; if renews { mesh.face_count() } else { 0 }];
     let smoothed = run.iterate(|iteration, mesh, freedom, next| {
         let mut step_from = |laplacian: &mut Laplacian,
                              degenerate: Degenerate|
@@ -179,7 +181,7 @@ pub(crate) fn implicit_with(
                 displacement.fill([0.0; 3]);
             }
             if iteration > 0 {
-                match (options.update, &renewal) {
+                match (options.update, &mut renewal) {
                     (Update::Both, Some(renewal)) => {
                         let faces = renewal.renew(mesh, &freedom.held, laplacian, degenerate)?;
                         hard = !faces.is_empty();
@@ -210,7 +212,7 @@ pub(crate) fn implicit_with(
                 None => {
                     let solved = match hard && may_factor {
                         true => None,
-                        false => Some(solver.solve(x, freedom, &mut displacement)),
+                        false => Some(solver.solve(x, freedom, &mut displacement, &mut room)),
                     };
                     match solved {
                         Some(Err(failure)) if !may_factor => return Err(failure),
@@ -223,7 +225,10 @@ pub(crate) fn implicit_with(
                 }
             };
             total += solved.iterations;
-            by_chunk(next, |i, _| ([0, 1, 2].map(|k| x[i][k] + displacement[i][k]), []));
+            by_chunk(next, |i, _| {
+                let (x, d) = (&x[i], &displacement[i]);
+                ([x[0] + d[0], x[1] + d[1], x[2] + d[2]], [])
+            });
             if let Some(collapse) = &collapse {
                 collapse.check(mesh.faces(), next)?;
             }
@@ -236,7 +241,7 @@ pub(crate) fn implicit_with(
             iteration > 0 && matches!(failure, NotConverged { .. } | NotFactored { .. })
         };
         let taken = match taken {
-            Err(failure) if renewal.is_some() && spoilt(&failure) => {
+            Err(failure) if renews && spoilt(&failure) => {
                 step_from(&mut laplacian, Degenerate::Slack)
             }
             other => other,

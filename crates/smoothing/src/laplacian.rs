@@ -268,34 +268,34 @@ impl Laplacian {
     where
         F: Fn(usize, [f64; N], [f64; N], [f64; N]) -> ([f64; N], [f64; K]) + Sync,
     {
-        match &self.rows {
-            Rows::Uniform { offsets, neighbors, inverse_degree } => by_chunk(y, |i, y| {
-                let mut l = [0.0; N];
-                for &j in &neighbors[offsets[i] as usize..offsets[i + 1] as usize] {
-                    let b = &x[j as usize];
+        by_chunk(y, |i, y| {
+            let (a, mut l) = (x[i], [0.0; N]);
+            match &self.rows {
+                Rows::Uniform { offsets, neighbors, inverse_degree } => {
+                    for &j in &neighbors[offsets[i] as usize..offsets[i + 1] as usize] {
+                        let b = &x[j as usize];
+                        for k in 0..N {
+                            l[k] += b[k];
+                        }
+                    }
+                    let w = inverse_degree[i];
                     for k in 0..N {
-                        l[k] += b[k];
+                        l[k] = l[k] * w - a[k];
                     }
                 }
-                let (a, w) = (x[i], inverse_degree[i]);
-                for k in 0..N {
-                    l[k] = l[k] * w - a[k];
-                }
-                f(i, l, a, y)
-            }),
-            Rows::Weighted { offsets, columns, weights } => by_chunk(y, |i, y| {
-                let range = offsets[i] as usize..offsets[i + 1] as usize;
-                let a = x[i];
-                let mut l = [0.0; N];
-                for (&j, &w) in columns[range.clone()].iter().zip(&weights[range]) {
-                    let b = &x[j as usize];
-                    for k in 0..N {
-                        l[k] += w * (b[k] - a[k]);
+                Rows::Weighted { offsets, columns, weights } => {
+                    let range = offsets[i] as usize..offsets[i + 1] as usize;
+                    for (&j, &w) in columns[range.clone()].iter().zip(&weights[range]) {
+                        let b = &x[j as usize];
+                        for k in 0..N {
+                            l[k] += w * (b[k] - a[k]);
+                        }
                     }
                 }
-                f(i, l, a, y)
-            }),
-        }
+            }
+            // In one place only, so that it is compiled into the loop.
+            f(i, l, a, y)
+        })
     }
 }
 
@@ -313,11 +313,6 @@ pub(crate) struct Factors {
 /// A point with a fourth coordinate of zero: whole registers, and two thirds of the instructions. For the inner
 /// loops of long computations only; memory traffic grows by a third.
 pub(crate) type Padded = [f64; 4];
-
-/// Points with a fourth coordinate of zero.
-pub(crate) fn padded(x: &[Point]) -> Vec<Padded> {
-    x.par_iter().with_min_len(ROWS).map(|p| [p[0], p[1], p[2], 0.0]).collect()
-}
 
 /// `yᵢ ← f(i, yᵢ)` in units of [`ROWS`], with sums that do not depend on the number of threads.
 pub(crate) fn by_chunk<const N: usize, const K: usize, F>(y: &mut [[f64; N]], f: F) -> [f64; K]

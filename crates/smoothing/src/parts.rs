@@ -8,7 +8,7 @@
 use rayon::prelude::*;
 
 use crate::constraints::Freedom;
-use crate::laplacian::{Laplacian, ROWS};
+use crate::laplacian::{Laplacian, Padded, ROWS};
 
 type Point = [f64; 3];
 
@@ -73,7 +73,7 @@ impl Parts {
     }
 
     /// The part of vertex `i`.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn part(&self, i: usize) -> usize {
         self.label[i] as usize
     }
@@ -98,33 +98,53 @@ impl Parts {
             .map(|(&v, _)| v as usize)
     }
 
-    /// The sum over each part of what `f` gives for its vertices.
+    /// The sum over each part of what `f` gives for the part and each of its vertices.
     pub(crate) fn sums<const K: usize>(
         &self,
-        f: impl Fn(usize) -> [f64; K] + Sync,
+        f: impl Fn(usize, usize) -> [f64; K] + Sync,
     ) -> Vec<[f64; K]> {
-        self.fold(f, |a, b| a + b)
+        self.sums_and_largest(|part, i| (f(part, i), []))
+            .into_iter()
+            .map(|(sums, [])| sums)
+            .collect()
     }
 
-    /// The largest in each part of what `f` gives for its vertices, zero at least.
+    /// The largest in each part of what `f` gives for the part and each of its vertices, zero at least.
     pub(crate) fn largest<const K: usize>(
         &self,
-        f: impl Fn(usize) -> [f64; K] + Sync,
+        f: impl Fn(usize, usize) -> [f64; K] + Sync,
     ) -> Vec<[f64; K]> {
-        self.fold(f, larger)
+        self.sums_and_largest(|part, i| ([], f(part, i)))
+            .into_iter()
+            .map(|([], most)| most)
+            .collect()
     }
 
-    fn fold<const K: usize>(
+    /// [`Self::sums`] of the first and [`Self::largest`] of the second, in one pass.
+    pub(crate) fn sums_and_largest<const A: usize, const B: usize>(
         &self,
-        f: impl Fn(usize) -> [f64; K] + Sync,
-        join: impl Fn(f64, f64) -> f64 + Sync,
-    ) -> Vec<[f64; K]> {
+        f: impl Fn(usize, usize) -> ([f64; A], [f64; B]) + Sync,
+    ) -> Vec<([f64; A], [f64; B])> {
+        let add = |to: &mut ([f64; A], [f64; B]), from: ([f64; A], [f64; B])| {
+            for (s, x) in to.0.iter_mut().zip(from.0) {
+                *s += x;
+            }
+            for (s, x) in to.1.iter_mut().zip(from.1) {
+                *s = larger(*s, x);
+            }
+        };
         let gather = |(chunk, labels): (usize, &[u32])| {
-            let mut all = vec![[0.0; K]; self.count()];
-            for (k, &part) in labels.iter().enumerate() {
-                for (s, x) in all[part as usize].iter_mut().zip(f(chunk * ROWS + k)) {
-                    *s = join(*s, x);
+            let mut all = vec![([0.0; A], [0.0; B]); self.count()];
+            let mut i = chunk * ROWS;
+            // Vertices in a row are mostly of one part, whose sums stay in registers.
+            for run in labels.chunk_by(|a, b| a == b) {
+                let part = run[0] as usize;
+                let mut here = all[part];
+                for i in i..i + run.len() {
+                    add(&mut here, f(part, i));
                 }
+                all[part] = here;
+                i += run.len();
             }
             all
         };
@@ -132,10 +152,10 @@ impl Parts {
             return gather((0, &self.label));
         }
         let chunks: Vec<_> = self.label.par_chunks(ROWS).enumerate().map(gather).collect();
-        let mut total = vec![[0.0; K]; self.count()];
-        for chunk in &chunks {
-            for (t, p) in total.as_flattened_mut().iter_mut().zip(chunk.as_flattened()) {
-                *t = join(*t, *p);
+        let mut total = vec![([0.0; A], [0.0; B]); self.count()];
+        for chunk in chunks {
+            for (total, part) in total.iter_mut().zip(chunk) {
+                add(total, part);
             }
         }
         total
@@ -146,17 +166,18 @@ impl Parts {
     pub(crate) fn centres(&self, mass: &[f64], x: &[Point], freedom: &Freedom) -> Vec<Point> {
         // About a point of the part, so that coordinates far from the origin lose nothing.
         let origin = |part: usize| x[self.first.get(part).map_or(0, |&v| v as usize)];
-        let sums = self.sums(|i| {
-            let (m, (w, c), o) = (mass[i], freedom.pull(i), origin(self.part(i)));
-            let moment = [0, 1, 2]
-                .map(|k| m * (x[i][k] - o[k] + if w > 0.0 { w * (c[k] - o[k]) } else { 0.0 }));
-            [moment[0], moment[1], moment[2], m * (1.0 + w)]
+        let origins: Vec<Point> = (0..self.count()).map(origin).collect();
+        let sums = self.sums(|part, i| {
+            let (m, (w, c), o) = (mass[i], freedom.pull(i), origins[part]);
+            let moment =
+                |k: usize| m * (x[i][k] - o[k] + if w > 0.0 { w * (c[k] - o[k]) } else { 0.0 });
+            [moment(0), moment(1), moment(2), m * (1.0 + w)]
         });
         let mut centres: Vec<Point> = sums
             .iter()
             .enumerate()
             .map(|(part, s)| {
-                let o = origin(part);
+                let o = origins[part];
                 [0, 1, 2].map(|k| if s[3] > 0.0 { o[k] + s[k] / s[3] } else { 0.0 })
             })
             .collect();
@@ -177,8 +198,8 @@ impl Parts {
 
 /// How large residuals may be in each coordinate of each part.
 pub(crate) struct Gauge<'a> {
-    pub(crate) parts: &'a Parts,
-    /// The reciprocals of the right-hand sides, raised to rounding, in which an iteration measures.
+    parts: &'a Parts,
+    /// The reciprocals of the right-hand sides of parts, raised to rounding, in which an iteration measures.
     pub(crate) measure: Vec<Point>,
     /// The reciprocals of the right-hand sides, in which it reports.
     report: Vec<Point>,
@@ -198,7 +219,6 @@ impl<'a> Gauge<'a> {
             true => [p.into_iter().fold(0.0, f); 3],
             false => p,
         };
-        let reciprocal = |x: f64| if x > 0.0 { 1.0 / x } else { 0.0 };
         let (mut measure, mut report) = (Vec::new(), Vec::new());
         for (&[a, b, c, square], reach) in sides.iter().zip(reach) {
             let side = together([a, b, c], |a, b| a + b).map(f64::sqrt);
@@ -210,34 +230,42 @@ impl<'a> Gauge<'a> {
         Self { parts, measure, report }
     }
 
-    /// The reciprocals in which the residual at vertex `i` is measured.
-    #[inline]
-    pub(crate) fn at(&self, i: usize) -> Point {
-        self.measure[self.parts.label[i] as usize]
-    }
-
     /// The residual of each coordinate of each part as an iteration measures it: the largest.
     pub(crate) fn measured(&self, r: &[Point]) -> f64 {
         self.relative(r, &self.measure)
     }
 
     /// The residual as it is reported, of each coordinate of each part relative to its right-hand side: the largest.
-    pub(crate) fn reported<const N: usize>(&self, r: &[[f64; N]]) -> f64 {
+    pub(crate) fn reported(&self, r: &[Point]) -> f64 {
         self.relative(r, &self.report)
     }
 
+    /// [`Self::reported`] of a residual in units of [`Self::measure`]; `sums` are the sums of its squares.
+    pub(crate) fn reported_in_units(&self, r: &[Padded], sums: &[f64]) -> f64 {
+        let units = self.measure.iter().zip(&self.report);
+        let shares: Vec<Point> =
+            units.map(|(m, r)| [0, 1, 2].map(|k| r[k] * reciprocal(m[k]))).collect();
+        match self.parts.first[..] {
+            [_] => (0..3).map(|k| sums[k].sqrt() * shares[0][k]).fold(0.0, larger),
+            _ => self.relative(r, &shares),
+        }
+    }
+
     fn relative<const N: usize>(&self, r: &[[f64; N]], to: &[Point]) -> f64 {
-        let sums = self.parts.sums(|i| {
-            let g = to[self.parts.part(i)];
-            [0, 1, 2].map(|k| (r[i][k] * g[k]).powi(2))
-        });
+        let sums = self.parts.sums(|part, i| [0, 1, 2].map(|k| (r[i][k] * to[part][k]).powi(2)));
         sums.into_iter().flatten().map(f64::sqrt).fold(0.0, larger)
     }
 }
 
+/// `1/x`, zero for zero.
+pub(crate) fn reciprocal(x: f64) -> f64 {
+    if x > 0.0 { 1.0 / x } else { 0.0 }
+}
+
 /// The larger of two numbers; NaN if one is.
+#[inline(always)]
 pub(crate) fn larger(a: f64, b: f64) -> f64 {
-    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
+    if a > b || a.is_nan() { a } else { b }
 }
 
 #[cfg(test)]
