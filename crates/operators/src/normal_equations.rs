@@ -37,6 +37,7 @@ impl<const N: usize> NormalEquations<N> {
     /// 10⁻¹⁰ of its diagonal entry: the rows do not determine the unknowns.
     pub fn factor(&self) -> Option<NormalFactor<N>> {
         let mut l = self.matrix;
+        let mut inverse = [0.0; N];
         for i in 0..N {
             for j in 0..=i {
                 let mut sum = l[i][j];
@@ -47,13 +48,13 @@ impl<const N: usize> NormalEquations<N> {
                     if sum.is_nan() || sum <= 1e-10 * self.matrix[i][i] || sum <= 0.0 {
                         return None;
                     }
-                    l[i][i] = sum.sqrt();
+                    inverse[i] = 1.0 / sum.sqrt();
                 } else {
-                    l[i][j] = sum / l[j][j];
+                    l[i][j] = sum * inverse[j];
                 }
             }
         }
-        Some(NormalFactor { l })
+        Some(NormalFactor { l, inverse })
     }
 
     /// The least-squares solution, or `None` where [`Self::factor`] has none.
@@ -71,7 +72,10 @@ impl<const N: usize> NormalEquations<N> {
 /// [`NormalEquations`].
 #[derive(Debug, Clone, Copy)]
 pub struct NormalFactor<const N: usize> {
+    /// Its part below the diagonal.
     l: [[f64; N]; N],
+    /// The inverse of its diagonal.
+    inverse: [f64; N],
 }
 
 impl<const N: usize> NormalFactor<N> {
@@ -82,7 +86,7 @@ impl<const N: usize> NormalFactor<N> {
             for k in i + 1..N {
                 x[i] -= self.l[k][i] * x[k];
             }
-            x[i] /= self.l[i][i];
+            x[i] *= self.inverse[i];
         }
         x
     }
@@ -99,7 +103,7 @@ impl<const N: usize> NormalFactor<N> {
             for k in 0..i {
                 y[i] -= self.l[i][k] * y[k];
             }
-            y[i] /= self.l[i][i];
+            y[i] *= self.inverse[i];
         }
         y
     }

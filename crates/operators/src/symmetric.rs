@@ -15,15 +15,22 @@ impl Symmetric2 {
     #[inline]
     pub(crate) fn eigen(self) -> ([f64; 2], [f64; 2]) {
         let (mean, half) = (0.5 * (self.a + self.c), 0.5 * (self.a - self.c));
-        let radius = libm::hypot(half, self.b);
+        let radius = length(half, self.b);
         if radius == 0.0 {
             return ([mean; 2], [1.0, 0.0]);
         }
         // The column of A − κ₂ I that does not cancel.
         let (x, y) = if half >= 0.0 { (half + radius, self.b) } else { (self.b, radius - half) };
-        let length = libm::hypot(x, y);
-        ([mean + radius, mean - radius], [x / length, y / length])
+        let unit = 1.0 / length(x, y);
+        ([mean + radius, mean - radius], [x * unit, y * unit])
     }
+}
+
+/// √(x² + y²), also where the squares leave the range of numbers.
+#[inline]
+fn length(x: f64, y: f64) -> f64 {
+    let square = x * x + y * y;
+    if (1e-280..1e280).contains(&square) { square.sqrt() } else { libm::hypot(x, y) }
 }
 
 #[cfg(test)]

@@ -63,6 +63,17 @@ impl AtVertex {
     }
 }
 
+/// The values of a vertex, whether they are defined, and whether the vertex is on the boundary.
+type Settled = (AtVertex, VertexStatus, bool);
+
+fn settled(at: Result<AtVertex, Undefined>, boundary: bool) -> Settled {
+    match at {
+        Ok(at) if at.is_finite() => (at, VertexStatus::Defined, boundary),
+        Ok(_) => (NOTHING, VertexStatus::Undefined(Undefined::IllConditioned), boundary),
+        Err(reason) => (NOTHING, VertexStatus::Undefined(reason), boundary),
+    }
+}
+
 impl CurvatureField {
     /// The number of vertices.
     pub fn len(&self) -> usize {
@@ -133,8 +144,7 @@ impl CurvatureField {
         field
     }
 
-    /// From what is found at each vertex, looked at on its own with something
-    /// to work with that may be kept from one vertex to another.
+    /// Each vertex by itself, in parallel. `W` is memory that vertices share.
     pub(crate) fn of_each<W: Default>(
         mesh: &TriMesh,
         at_vertex: impl Fn(&mut W, u32) -> Result<AtVertex, Undefined> + Sync,
@@ -143,27 +153,25 @@ impl CurvatureField {
         let found = (0..mesh.vertex_count() as u32)
             .into_par_iter()
             .with_min_len(1024)
-            .map_init(W::default, |work, v| (at_vertex(work, v), topology.is_boundary_vertex(v)))
+            .map_init(W::default, |work, v| {
+                settled(at_vertex(work, v), topology.is_boundary_vertex(v))
+            })
             .collect();
-        Self::collect(found, true)
+        Self::split(found, true)
     }
 
-    /// From what was found at each vertex. Values that are not finite are
-    /// [`Undefined::IllConditioned`].
+    /// The values and boundary flags of all vertices. Values that are not
+    /// finite are [`Undefined::IllConditioned`].
     pub(crate) fn collect(
         found: Vec<(Result<AtVertex, Undefined>, bool)>,
         with_directions: bool,
     ) -> Self {
-        let found: Vec<_> = found
-            .into_par_iter()
-            .map(|(at, boundary)| match at {
-                Ok(at) if at.is_finite() => (at, VertexStatus::Defined, boundary),
-                Ok(_) => (NOTHING, VertexStatus::Undefined(Undefined::IllConditioned), boundary),
-                Err(reason) => (NOTHING, VertexStatus::Undefined(reason), boundary),
-            })
-            .collect();
-        let number = |of: fn(&AtVertex) -> f64| found.iter().map(|(at, ..)| of(at)).collect();
-        let direction = |k: usize| found.iter().map(|(at, ..)| at.directions[k]).collect();
+        Self::split(found.into_par_iter().map(|(at, b)| settled(at, b)).collect(), with_directions)
+    }
+
+    fn split(found: Vec<Settled>, with_directions: bool) -> Self {
+        let number = |of: fn(&AtVertex) -> f64| found.par_iter().map(|(at, ..)| of(at)).collect();
+        let direction = |k: usize| found.par_iter().map(|(at, ..)| at.directions[k]).collect();
         Self {
             kappa1: number(|at| at.values[0]),
             kappa2: number(|at| at.values[1]),

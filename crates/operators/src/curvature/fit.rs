@@ -45,23 +45,25 @@ impl<'a> HeightField<'a> {
     ) -> Option<Self> {
         let positions = mesh.positions();
         let centre = positions[vertices[0] as usize];
-        let offsets = vertices[1..].iter().map(|&w| sub(positions[w as usize], centre));
-        let count = offsets.len() as f64;
-        let scale = offsets.clone().map(norm).sum::<f64>() / count;
+        let [e1, e2] = tangent_frame(normal);
+        points.clear();
+        let mut sum = 0.0;
+        for &w in &vertices[1..] {
+            let d = sub(positions[w as usize], centre);
+            sum += norm(d);
+            points.push([dot(d, e1), dot(d, e2), dot(d, normal)]);
+        }
+        let scale = sum / points.len() as f64;
         if scale.is_nan() || scale <= 0.0 {
             return None;
         }
-        let [e1, e2] = tangent_frame(normal);
         let unit = 1.0 / scale;
-        points.clear();
-        points
-            .extend(offsets.map(|d| [dot(d, e1) * unit, dot(d, e2) * unit, dot(d, normal) * unit]));
-        let axes = PrincipalAxes::of(points.iter().map(|p| [p[0], p[1]]))?;
-        for p in points.iter_mut() {
-            let [x, y] = axes.coordinates([p[0], p[1]]);
-            *p = [x, y, p[2]];
-        }
+        let axes = PrincipalAxes::of(points.iter().map(|p| [p[0] * unit, p[1] * unit]))?;
         let [c, s] = axes.direction;
+        let [a, b] = axes.units.map(|u| unit / u);
+        for [x, y, z] in points.iter_mut() {
+            [*x, *y, *z] = [(c * *x + s * *y) * a, (c * *y - s * *x) * b, *z * unit];
+        }
         let frame = [add(times(e1, c), times(e2, s)), sub(times(e2, c), times(e1, s))];
         Some(Self { points, frame, normal, scale, units: axes.units })
     }
