@@ -274,4 +274,21 @@ mod tests {
         let flat = TriMesh::new(vec![[0.0; 3]; 3], vec![[0, 1, 2]]).unwrap();
         assert!(noise_level(&flat).is_none());
     }
+
+    /// Seven points around a vertex are hardly more than the six unknowns of a
+    /// fit: what is left of them says nothing about noise.
+    #[test]
+    fn few_neighbours_measure_nothing() {
+        let mut positions = vec![[0.1, 0.0, 1.0], [0.0, 0.05, -1.1]];
+        positions.extend((0..6).map(|i| {
+            let (s, c) = (f64::from(i) * 1.05).sin_cos();
+            [c, s, 0.1 * (3.1 * f64::from(i)).sin()]
+        }));
+        let faces = (0..6).flat_map(|i| {
+            let (a, b) = (2 + i, 2 + (i + 1) % 6);
+            [[0, a, b], [1, b, a]]
+        });
+        let mesh = TriMesh::new(positions, faces.collect()).unwrap();
+        assert_eq!(noise_level(&mesh), None);
+    }
 }

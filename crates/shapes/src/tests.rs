@@ -191,3 +191,14 @@ fn the_block_has_exact_creases() {
     let ratio = (volumes[0] - volumes[1]) / (volumes[1] - volumes[2]);
     assert!((3.0..5.0).contains(&ratio), "{volumes:?}");
 }
+
+/// Noise leaves the border of an open mesh where it is, to the last bit, and nothing else.
+#[test]
+fn jitter_keeps_the_border() {
+    let open = cylinder(1.0, 2.0, 14, 6, Ends::Open);
+    let moved = jittered(&open, 0.4, 2, |p| p);
+    let border = open.topology().boundary_vertices();
+    for (v, &border) in border.iter().enumerate() {
+        assert_eq!(moved.positions()[v] == open.positions()[v], border, "{v}");
+    }
+}

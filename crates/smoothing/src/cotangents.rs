@@ -385,6 +385,10 @@ mod tests {
             let sum = 4.0 * (a * b + b * c + c * a);
             assert!((sum - 1.0).abs() < 1e-4, "{sides:?}: {sum}");
         }
+        // Lengthened by a hundred-thousandth and not by more: 16 area² = (a+b+c)(b+c−a)(c+a−b)(a+b−c).
+        let [.., third] = mollified([1.0, 0.5, 0.5]);
+        let expected = (2.0f64 * 1e-5).sqrt() / 4.0 / 3.0;
+        assert!((third / expected - 1.0).abs() < 1e-3, "{third} {expected}");
         let [half, _, _, area] = mollified([0.0; 3]);
         assert!((half - 0.5 / 3f64.sqrt()).abs() < 1e-15 && area == 0.0);
         let [a, b, c, third] = mollified([3.0, 4.0, 5.0]);

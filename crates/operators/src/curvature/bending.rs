@@ -114,4 +114,24 @@ mod tests {
         // The second face turns against the first.
         assert_eq!(roof(vec![[0, 1, 2], [0, 1, 3]], down), 0.0);
     }
+
+    /// The form of an edge is that of its part in the tangent plane, however
+    /// steep the edge is: bending across it, none along it.
+    #[test]
+    fn steep_edges_count_by_their_direction() {
+        let [e1, e2] = tangent_frame([0.0, 0.0, 1.0]);
+        for steep in [0.0, 1.0, 30.0, 1e4] {
+            for scale in [1.0, 1e-3] {
+                let (x, y) = (0.6 * scale, 0.8 * scale);
+                let edge = [0, 1, 2]
+                    .map(|k| x * e1[k] + y * e2[k] + if k == 2 { steep * scale } else { 0.0 });
+                let mut sum = BendSum::new([0.0, 0.0, 1.0]);
+                sum.add(edge, 2.0);
+                let Symmetric2 { a, b, c } = sum.form;
+                for (found, expected) in [(a, 1.28), (b, -0.96), (c, 0.72)] {
+                    assert!((found - expected).abs() < 1e-10, "{steep} {found} {expected}");
+                }
+            }
+        }
+    }
 }

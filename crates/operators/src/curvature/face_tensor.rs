@@ -193,6 +193,15 @@ mod tests {
         }
     }
 
+    /// Half for an obtuse corner, a quarter for each of the others.
+    #[test]
+    fn faces_are_shared_by_mixed_areas() {
+        let positions = vec![[0.0; 3], [4.0, 0.0, 0.0], [2.0, 0.5, 0.0]];
+        let mesh = TriMesh::new(positions, vec![[0, 1, 2]]).unwrap();
+        let found = face_tensor(&mesh, &[[0.0, 0.0, 1.0]; 3], 0).unwrap();
+        assert_eq!(found.shares, [0.25, 0.25, 0.5]);
+    }
+
     #[test]
     fn a_plane_is_flat_and_a_collapsed_face_has_no_say() {
         let plane = shapes::jittered_plane(4, 4, 0.2, 1);

@@ -161,7 +161,10 @@ impl<'a> Patches<'a> {
     fn lacks_still(&self, t: u32) -> bool {
         let (first, sides) = (3 * t as usize, self.triangulation.sides(t));
         let raised = [0, 1, 2].map(|k| sides[k] + self.added[first + k]);
-        let needed = self.slack * longest(sides).min(self.mean[t as usize]);
+        // A triangle that is small beside what its neighbours add is as large as
+        // that: a point with two raised sides would be a segment.
+        let added = longest([0, 1, 2].map(|k| self.added[first + k]));
+        let needed = self.slack * longest(sides).max(added).min(self.mean[t as usize]);
         lack(raised, needed) > MENDED * needed
     }
 
@@ -186,6 +189,28 @@ mod tests {
 
     fn triangle(length: [f64; 3]) -> Triangulation {
         Triangulation { start: vec![0, 1, 2], twin: vec![BORDER; 3], length: length.to_vec() }
+    }
+
+    /// A strip of points behind a flat triangle: whatever neighbours add to
+    /// their sides, every triangle ends with area.
+    #[test]
+    fn points_beside_raised_sides_have_area() {
+        for count in 1..6u32 {
+            // Triangle t has the corners t, t + 1, t + 2 and shares the side
+            // from t + 1 to t + 2 with the next one.
+            let start = (0..count).flat_map(|t| [t, t + 1, t + 2]).collect();
+            let mut twin = vec![BORDER; 3 * count as usize];
+            for t in 1..count {
+                twin[3 * t as usize - 2] = 3 * t;
+                twin[3 * t as usize] = 3 * t - 2;
+            }
+            let mut length = vec![0.0; 3 * count as usize];
+            // The first is flat, and has no length at the side it shares.
+            (length[0], length[2]) = (1.0, 1.0);
+            let mut triangles = Triangulation { start, twin, length };
+            triangles.mollify(1e-5, || vec![0; count as usize + 2]);
+            assert!((0..count).all(|t| triangles.area(3 * t) > 0.0), "{count}");
+        }
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use crate::cholesky::CholeskyError;
 use crate::eigen::basis::Block;
 use crate::eigen::problem::Problem;
-use crate::factor::Factor;
+use crate::factor::{Factor, LANES};
 
 /// S − σM, factorised.
 pub(crate) struct ShiftInvert<'a> {
@@ -32,6 +32,26 @@ impl<'a> ShiftInvert<'a> {
     pub(crate) fn apply(&self, v: &Block) -> Block {
         let mut w = self.problem.mass_times(v);
         self.factor.solve_ordered(&mut w);
+        w
+    }
+
+    /// [`ShiftInvert::apply`], once refined: what the factor leaves of the right-hand side is solved for too, so that
+    /// what is left is the rounding of each row's own terms, however small they are beside those of other rows.
+    pub(crate) fn apply_refined(&self, v: &Block) -> Block {
+        let mut w = self.apply(v);
+        let mut rest = self.problem.mass_times(v);
+        let found = self.problem.residual(&w, &[self.sigma; LANES]);
+        for (rest, found) in rest.iter_mut().zip(found) {
+            for lane in 0..LANES {
+                rest[lane] -= found[lane];
+            }
+        }
+        self.factor.solve_ordered(&mut rest);
+        for (w, correction) in w.iter_mut().zip(rest) {
+            for lane in 0..LANES {
+                w[lane] += correction[lane];
+            }
+        }
         w
     }
 

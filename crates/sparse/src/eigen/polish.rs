@@ -40,7 +40,7 @@ pub(crate) fn polish(operator: &ShiftInvert<'_>, lambdas: &[f64], blocks: &mut [
         if before.iter().all(|r| *r <= goal) {
             continue;
         }
-        let mut better = operator.apply(block);
+        let mut better = operator.apply_refined(block);
         let scale = problem.squares(&better).map(|s| if s > 0.0 { 1.0 / s.sqrt() } else { 0.0 });
         // With σ above λ the operator turns the sign.
         let sign: [f64; LANES] =

@@ -4,8 +4,8 @@ use fairing_mesh::TriMesh;
 use fairing_operators::Laplacian;
 use fairing_shapes as shapes;
 use fairing_spectral::{
-    EigenOptions, GraphWeights, Rest, Spectrum, SpectrumOptions, Split, compress, graph_spectrum,
-    reconstruct, spectrum,
+    EigenOptions, GraphWeights, Rest, Spectrum, SpectrumOptions, Split, band_pass, compress,
+    graph_spectrum, heat_kernel_times, high_pass, low_pass, reconstruct, spectrum,
 };
 use ndarray::ArrayView2;
 
@@ -154,4 +154,40 @@ fn nearly_equal_eigenvalues_are_a_cluster() {
     let found = modes(&mesh, 3);
     assert_eq!(found.split(3), Some(Split { below: 2, above: Some(4) }));
     assert_eq!(modes(&mesh, 4).split(4), None);
+}
+
+/// The residual of either neighbour closes a gap, whichever of them it is.
+#[test]
+fn a_rough_neighbour_on_either_side_is_no_gap() {
+    let mut found = modes(&shapes::bumpy_sphere(3, 0.15, 4.0), 5);
+    assert_eq!(found.split(2), None);
+    let gap = found.values[2] - found.values[1];
+    for rough in [1, 2] {
+        let before =
+            std::mem::replace(&mut found.residuals[rough], 2.0 * Spectrum::GAP_ANGLE * gap);
+        assert!(found.split(2).is_some(), "{rough}");
+        found.residuals[rough] = before;
+    }
+    assert_eq!(found.split(2), None);
+}
+
+/// A cut-off belongs to the band below it, and every λ to one of neighbouring bands.
+#[test]
+fn bands_meet_at_their_ends() {
+    let bands = |l: f64| [low_pass(2.0)(l), band_pass(2.0, 3.0)(l), high_pass(3.0)(l)];
+    assert_eq!(bands(2.0), [1.0, 0.0, 0.0]);
+    assert_eq!(bands(3.0), [0.0, 1.0, 0.0]);
+    assert_eq!(bands(2.5), [0.0, 1.0, 0.0]);
+    assert_eq!(bands(3.5), [0.0, 0.0, 1.0]);
+}
+
+/// From 4 ln 10 / λ of the last mode to that of the first above zero, evenly in the logarithm.
+#[test]
+fn times_of_heat_kernels_span_the_spectrum() {
+    let found = modes(&shapes::icosphere(3), 9);
+    let times = heat_kernel_times(&found, 3);
+    let [first, last] = [8, 1].map(|i| 4.0 * 10f64.ln() / found.values[i]);
+    for (time, expected) in times.iter().zip([first, (first * last).sqrt(), last]) {
+        assert!((time / expected - 1.0).abs() < 1e-12, "{times:?}");
+    }
 }

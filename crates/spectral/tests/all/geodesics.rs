@@ -141,3 +141,72 @@ fn distances_belong_to_the_surface() {
         }
     }
 }
+
+/// Distances along the faces by Dijkstra's algorithm over the vertices and `cuts` points on each edge, joined across
+/// every face: never too small, and too large by the square of the share of an edge that a path is moved by.
+fn along_faces(mesh: &TriMesh, source: u32, cuts: usize) -> Vec<f64> {
+    let (topology, n) = (mesh.topology(), mesh.vertex_count());
+    let mut points = mesh.positions().to_vec();
+    for &[a, b] in topology.edges() {
+        let [a, b] = [a, b].map(|v| mesh.positions()[v as usize]);
+        for k in 1..=cuts {
+            let t = k as f64 / (cuts + 1) as f64;
+            points.push([0, 1, 2].map(|i| a[i] + t * (b[i] - a[i])));
+        }
+    }
+    let on_face = |f: usize| -> Vec<usize> {
+        let corners = mesh.faces()[f].into_iter().map(|v| v as usize);
+        let sides = topology.face_edges()[f].into_iter();
+        let cut = sides.flat_map(|e| (0..cuts).map(move |k| n + e as usize * cuts + k));
+        corners.chain(cut).collect()
+    };
+    let mut faces_of = vec![vec![]; points.len()];
+    for f in 0..mesh.face_count() {
+        for p in on_face(f) {
+            faces_of[p].push(f);
+        }
+    }
+    let mut found = vec![f64::INFINITY; points.len()];
+    // Lengths that are not negative are ordered as their bits are.
+    let mut queue = std::collections::BTreeSet::from([(0u64, source as usize)]);
+    found[source as usize] = 0.0;
+    while let Some((bits, p)) = queue.pop_first() {
+        let so_far = f64::from_bits(bits);
+        if so_far > found[p] {
+            continue;
+        }
+        for q in faces_of[p].iter().flat_map(|&f| on_face(f)) {
+            let length = so_far + fairing_mesh::vec3::distance(points[p], points[q]);
+            if length < found[q] {
+                found[q] = length;
+                queue.insert((length.to_bits(), q));
+            }
+        }
+    }
+    found.truncate(n);
+    found
+}
+
+/// Mean and largest error against distances along the faces, as shares of the largest.
+fn errors_along_faces(mesh: &TriMesh, exact: &[f64], kind: LaplacianKind) -> (f64, f64) {
+    let largest = exact.iter().fold(0.0, |m: f64, d| m.max(*d));
+    let found = with(mesh, kind, None).distance(&[0]).unwrap();
+    let off = found.iter().zip(exact).map(|(d, e)| (d.unwrap() - e).abs() / largest);
+    (off.clone().sum::<f64>() / exact.len() as f64, off.fold(0.0, f64::max))
+}
+
+/// An animal with thin limbs, as it is and stretched to faces with angles of nearly 180° all over: the robust operator,
+/// which the default takes for all of them, is within 1.2 % of the largest distance in the mean and 3.6 % at worst.
+#[test]
+fn limbs_of_slivers() {
+    let plain = shapes::creature(48);
+    for stretch in [1.0, 4.0, 8.0] {
+        let mesh = mapped(&plain, |[x, y, z]| [x + 0.5 * (stretch - 1.0) * y, stretch * y, z]);
+        let exact = along_faces(&mesh, 0, 3);
+        let [auto, cotangent] = [LaplacianKind::Auto, LaplacianKind::Cotangent]
+            .map(|kind| errors_along_faces(&mesh, &exact, kind));
+        assert!(auto.0 < 0.012 && auto.1 < 0.036, "{stretch}: {auto:?}");
+        // Half of the largest distance in the mean, where the robust operator is off by a hundredth.
+        assert!(stretch == 1.0 || cotangent.0 > 10.0 * auto.0, "{stretch}: {auto:?} {cotangent:?}");
+    }
+}

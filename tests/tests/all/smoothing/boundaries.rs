@@ -135,3 +135,22 @@ fn constraints_on_vertices_that_are_not_there_are_errors() {
     let error = explicit(&mesh, &options, None).unwrap_err();
     assert_eq!(error.failure, FlowFailure::NoSuchVertex { vertex: 42, vertex_count: 42 });
 }
+
+/// Of two soft constraints for one vertex the later counts, as is documented.
+#[test]
+fn the_later_of_two_soft_constraints_counts() {
+    let mesh = patch();
+    let [first, later] = [[0.2, 0.3, 1.0], [0.5, 0.1, -2.0]].map(|target| SoftConstraint {
+        vertex: 30,
+        target,
+        weight: 3.0,
+    });
+    let run = |soft: Vec<SoftConstraint>| {
+        let constraints = Constraints { soft, ..Constraints::default() };
+        let options =
+            Implicit { iterations: 1, constraints, ..Implicit::new(Diffusion::uniform(1.0)) };
+        implicit(&mesh, &options, None).unwrap().mesh
+    };
+    assert_eq!(run(vec![first, later]), run(vec![later]));
+    assert_ne!(run(vec![first, later]), run(vec![first]));
+}

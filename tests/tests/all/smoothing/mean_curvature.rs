@@ -105,3 +105,36 @@ fn faces_that_degenerate_do_not_end_the_flow() {
     let short = Implicit { iterations: 2, ..Implicit::mean_curvature_flow(0.5) };
     assert_eq!(implicit(&mesh, &short, None).unwrap().report.degenerate_faces, 0);
 }
+
+/// A vertex that is drawn onto the line through two fixed neighbours keeps faces flat in every step: each counts once, however many steps.
+#[test]
+fn a_face_that_stays_degenerate_counts_once() {
+    let mesh = shapes::plane(6, 6, shapes::Diagonals::Alternating);
+    let middle = (0..mesh.face_count())
+        .find(|&f| {
+            let boundary = mesh.topology().boundary_vertices();
+            mesh.faces()[f].iter().all(|&v| !boundary[v as usize])
+        })
+        .unwrap();
+    let [v, a, b] = mesh.faces()[middle];
+    let p = mesh.positions();
+    let target = [0, 1, 2].map(|k| 0.5 * (p[a as usize][k] + p[b as usize][k]));
+    // Within 10⁻¹³ of the line, where 10⁻¹⁰ is too thin.
+    let soft = vec![SoftConstraint { vertex: v, target, weight: 1e13 }];
+    let pinned = vec![a, b];
+    let constraints = Constraints { boundary: Boundary::Pinned, pinned, soft };
+    let mut drawn = p.to_vec();
+    drawn[v as usize] = target;
+    let drawn = mesh.with_positions(drawn).unwrap();
+    let flat = (0..mesh.face_count()).filter(|&f| drawn.face_area(f) < 1e-12).count();
+    assert!((1..4).contains(&flat), "{flat}");
+    for iterations in [2, 3, 6] {
+        let options = Implicit {
+            iterations,
+            constraints: constraints.clone(),
+            ..Implicit::mean_curvature_flow(0.1)
+        };
+        let report = implicit(&mesh, &options, None).unwrap().report;
+        assert_eq!((report.iterations, report.degenerate_faces), (iterations, flat));
+    }
+}

@@ -26,6 +26,16 @@ fn convex_polygons_are_fans_around_the_first_corner() {
     assert_eq!(triangulated(&hexagon).faces(), fan);
 }
 
+/// A corner that turns by a millionth is one, to the left or to the right.
+#[test]
+fn blunt_corners_are_corners() {
+    let with_depth =
+        |y: f64| triangulated(&[[0.0, 0.0, 0.0], [1.0, y, 0.0], [2.0, 0.0, 0.0], [1.0, 1.0, 0.0]]);
+    assert_eq!(with_depth(-1e-6).faces(), [[0, 1, 2], [0, 2, 3]]);
+    let dart = with_depth(1e-6);
+    assert!(dart.faces().iter().all(|face| face.contains(&1)), "{:?}", dart.faces());
+}
+
 /// The diagonal of a dart runs from its inner corner, wherever that stands; a
 /// fan around any other corner would cover the outside.
 #[test]
