@@ -2,19 +2,19 @@
 
 use fairing_mesh::TriMesh;
 
-use crate::conformal::{ConformalizedMcf, conformalized_mean_curvature_flow};
-use crate::diffusion::{Diffusion, Time};
-use crate::error::FlowError;
-use crate::explicit::{Explicit, explicit};
-use crate::hc::{Hc, hc};
-use crate::implicit::{Implicit, implicit};
-use crate::low_pass::{LowPass, Transfer, low_pass};
-use crate::outcome::Smoothed;
-use crate::region::{FairRegion, fair_region};
-use crate::scale_dependent::{ScaleDependent, scale_dependent};
-use crate::step::Observer;
-use crate::taubin::{Taubin, taubin};
-use crate::windowed_sinc::{WindowedSinc, windowed_sinc};
+use crate::engine::diffusion::{Diffusion, Time};
+use crate::engine::error::FlowError;
+use crate::engine::outcome::Smoothed;
+use crate::engine::step::Observer;
+use crate::flows::conformal::{ConformalizedMcf, conformalized_mean_curvature_flow};
+use crate::flows::explicit::{Explicit, explicit};
+use crate::flows::hc::{Hc, hc};
+use crate::flows::implicit::{Implicit, implicit};
+use crate::flows::low_pass::{LowPass, Transfer, low_pass};
+use crate::flows::region::{FairRegion, fair_region};
+use crate::flows::scale_dependent::{ScaleDependent, scale_dependent};
+use crate::flows::taubin::{Taubin, taubin};
+use crate::flows::windowed_sinc::{WindowedSinc, windowed_sinc};
 
 /// A flow with its options.
 ///
@@ -146,7 +146,7 @@ mod tests {
     fn results_do_not_depend_on_the_number_of_threads() {
         // More vertices than one unit of parallel work holds.
         let mesh = shapes::bumpy_sphere(5, 0.1, 7.0);
-        assert!(mesh.vertex_count() > 2 * crate::laplacian::ROWS);
+        assert!(mesh.vertex_count() > 2 * crate::engine::laplacian::ROWS);
         for method in Method::defaults() {
             let run = |threads: usize| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

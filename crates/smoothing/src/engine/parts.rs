@@ -7,8 +7,8 @@
 
 use rayon::prelude::*;
 
-use crate::constraints::Freedom;
-use crate::laplacian::{Laplacian, Padded, ROWS};
+use crate::engine::constraints::Freedom;
+use crate::engine::laplacian::{Laplacian, Padded, ROWS};
 
 type Point = [f64; 3];
 

@@ -4,11 +4,11 @@ use fairing_mesh::TriMesh;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::assemble::assemble;
-use crate::diffusion::Diffusion;
-use crate::error::FlowFailure;
-use crate::laplacian::{Laplacian, by_chunk};
-use crate::unit_scale::{InMeshUnits, times};
+use crate::engine::assemble::assemble;
+use crate::engine::diffusion::Diffusion;
+use crate::engine::error::FlowFailure;
+use crate::engine::laplacian::{Laplacian, by_chunk};
+use crate::engine::unit_scale::{InMeshUnits, times};
 
 /// Lanczos steps; the largest eigenvalue is then known to about one percent.
 const STEPS: usize = 20;

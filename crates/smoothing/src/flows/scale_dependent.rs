@@ -3,14 +3,14 @@
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::distance;
 
-use crate::assemble::uniform;
-use crate::constraints::Constraints;
-use crate::error::{FlowError, FlowFailure, at_least};
-use crate::laplacian::Laplacian;
-use crate::outcome::Smoothed;
-use crate::run::{Frame, Run, StepNote};
-use crate::step::Observer;
-use crate::unit_scale::at_unit_scale;
+use crate::engine::assemble::uniform;
+use crate::engine::constraints::Constraints;
+use crate::engine::error::{FlowError, FlowFailure, at_least};
+use crate::engine::laplacian::Laplacian;
+use crate::engine::outcome::Smoothed;
+use crate::engine::run::{Frame, Run, StepNote};
+use crate::engine::step::Observer;
+use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
 
 /// Options of [`scale_dependent`].
 #[derive(Debug, Clone, PartialEq)]
@@ -63,6 +63,17 @@ pub fn scale_dependent(
     observer: Option<&mut Observer<'_>>,
 ) -> Result<Smoothed, FlowError> {
     at_unit_scale(mesh, options, observer, flow)
+}
+
+/// Fractions of the limit; the steps that follow from them are times.
+impl InMeshUnits for ScaleDependent {
+    fn divided_by(&self, unit: f64) -> Result<Self, FlowFailure> {
+        Ok(Self { constraints: self.constraints.divided_by(unit)?, ..*self })
+    }
+
+    fn is_timed(&self) -> bool {
+        true
+    }
 }
 
 fn flow(

@@ -2,20 +2,20 @@
 
 use fairing_mesh::TriMesh;
 
-use crate::assemble::assemble;
-use crate::constraints::Constraints;
-use crate::diffusion::Diffusion;
-use crate::error::{FlowError, FlowFailure, at_least};
-use crate::laplacian::Laplacian;
-use crate::outcome::{Approach, Smoothed};
-use crate::response::Response;
-use crate::run::{Frame, Run, StepNote};
-use crate::series::Chain;
-use crate::spectrum::upper_bound;
-use crate::stability::{Stability, measured_limit, uniform_limit};
-use crate::step::Observer;
-use crate::unit_scale::at_unit_scale;
-use crate::volume::Volume;
+use crate::engine::assemble::assemble;
+use crate::engine::constraints::Constraints;
+use crate::engine::diffusion::Diffusion;
+use crate::engine::error::{FlowError, FlowFailure, at_least};
+use crate::engine::laplacian::Laplacian;
+use crate::engine::outcome::{Approach, Smoothed};
+use crate::engine::response::Response;
+use crate::engine::run::{Frame, Run, StepNote};
+use crate::engine::series::Chain;
+use crate::engine::spectrum::upper_bound;
+use crate::engine::stability::{Stability, measured_limit, uniform_limit};
+use crate::engine::step::Observer;
+use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
+use crate::engine::volume::Volume;
 
 /// Options of [`explicit`].
 #[derive(Debug, Clone, PartialEq)]
@@ -83,6 +83,20 @@ pub fn explicit(
     at_unit_scale(mesh, options, observer, flow)
 }
 
+impl InMeshUnits for Explicit {
+    fn divided_by(&self, unit: f64) -> Result<Self, FlowFailure> {
+        Ok(Self {
+            diffusion: self.diffusion.divided_by(unit)?,
+            constraints: self.constraints.divided_by(unit)?,
+            ..*self
+        })
+    }
+
+    fn is_timed(&self) -> bool {
+        self.diffusion.is_timed()
+    }
+}
+
 fn flow(
     mesh: &TriMesh,
     options: &Explicit,
@@ -130,7 +144,7 @@ pub(crate) fn explicit_step(
     laplacian: &Laplacian,
     step: f64,
     mesh: &TriMesh,
-    freedom: &crate::constraints::Freedom,
+    freedom: &crate::engine::constraints::Freedom,
     next: &mut [[f64; 3]],
 ) {
     if freedom.is_linear() {

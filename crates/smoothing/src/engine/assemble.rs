@@ -4,10 +4,10 @@ use fairing_mesh::TriMesh;
 use fairing_operators::intrinsic::{RobustLaplacian, RobustOptions, robust_laplacian};
 use fairing_operators::{LumpedArea, lumped_mass};
 
-use crate::cotangents::{Cotangents, Degenerate};
-use crate::diffusion::{Diffusion, Operator};
-use crate::error::FlowFailure;
-use crate::laplacian::Laplacian;
+use crate::engine::cotangents::{Cotangents, Degenerate};
+use crate::engine::diffusion::{Diffusion, Operator};
+use crate::engine::error::FlowFailure;
+use crate::engine::laplacian::Laplacian;
 
 /// Assembles `L` at the positions of `mesh`; vertices for which `held` is true have zero rows.
 pub(crate) fn assemble(

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{dot, sub};
 
-use crate::volume::signed_volume;
+use crate::engine::volume::signed_volume;
 
 /// Called after every step with what it did; `ControlFlow::Break` ends the flow there.
 ///

@@ -71,7 +71,7 @@ impl Arrangement {
 /// and within a slab along a Morton curve through the other two sides; ties in the order of the file.
 ///
 /// A surface has about as many vertices across as slabs, so that a slab holds about as many: neighbours, a slab or
-/// two apart, are some multiple of √n apart. That is what [`crate::clenshaw`] lives on.
+/// two apart, are some multiple of √n apart. That is what [`crate::engine::clenshaw`] lives on.
 fn slab_order(mesh: &TriMesh) -> Vec<u32> {
     let Some([low, high]) = mesh.bounding_box() else { return Vec::new() };
     let side = [0, 1, 2].map(|d| high[d] - low[d]);

@@ -15,7 +15,7 @@ use std::ops::Range;
 use pulp::NullaryFnOnce;
 use rayon::prelude::*;
 
-use crate::laplacian::{Factors, Laplacian, Padded};
+use crate::engine::laplacian::{Factors, Laplacian, Padded};
 
 /// Bytes that the blocks at work in one batch may take: most of the second-level cache of one core.
 const CACHE: usize = 1 << 20;
@@ -200,7 +200,7 @@ mod tests {
     use fairing_shapes as shapes;
 
     use super::*;
-    use crate::arrangement::Arrangement;
+    use crate::engine::arrangement::Arrangement;
 
     /// The recurrence as it is written, one term after another.
     fn plainly(of: Clenshaw<'_>) -> Vec<Padded> {

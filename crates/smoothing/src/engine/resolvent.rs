@@ -14,14 +14,14 @@
 //! `tan(π/2p) + 1/cos(π/2p)`: 31 terms for p = 1 to 4, 250 for p = 16. R is factored once, and every mode is right,
 //! however large t or small c is.
 
-use crate::conjugate::{ImplicitSolver, Solved};
-use crate::constraints::Freedom;
-use crate::direct::Direct;
-use crate::error::FlowFailure;
-use crate::laplacian::Laplacian;
-use crate::parts::Parts;
-use crate::response::Response;
-use crate::series::{sample, transform, truncated};
+use crate::engine::conjugate::{ImplicitSolver, Solved};
+use crate::engine::constraints::Freedom;
+use crate::engine::direct::Direct;
+use crate::engine::error::FlowFailure;
+use crate::engine::laplacian::Laplacian;
+use crate::engine::parts::Parts;
+use crate::engine::response::Response;
+use crate::engine::series::{sample, transform, truncated};
 
 type Point = [f64; 3];
 
@@ -29,7 +29,7 @@ type Point = [f64; 3];
 const RATIO: f64 = 20.0;
 
 /// Samples: for p = 16 the error of the polynomial through them is below 1e-20, by the bound of
-/// [`crate::series`]; that of the heat filter is tested at other points.
+/// [`crate::engine::series`]; that of the heat filter is tested at other points.
 const SAMPLES: usize = 1024;
 
 /// The relative residual of the systems: below the tolerance of a series, since each adds to it.
@@ -122,7 +122,7 @@ impl Resolvent {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::series::TOLERANCE;
+    use crate::engine::series::TOLERANCE;
 
     /// At twenty thousand points of the interval, most of them near its ends, and 1 at y = 1. Both functions change by
     /// less than 20 times a difference of y (heat) or 16 times (Butterworth); so do the polynomials, up to the sum of

@@ -3,9 +3,9 @@
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, cross, dot, norm, scale, sub};
 
-use crate::constraints::Freedom;
-use crate::error::FlowFailure;
-use crate::run::Frame;
+use crate::engine::constraints::Freedom;
+use crate::engine::error::FlowFailure;
+use crate::engine::run::Frame;
 
 /// What happens to the volume in each step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]

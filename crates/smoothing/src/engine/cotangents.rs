@@ -11,9 +11,9 @@ use fairing_mesh::vec3::{cross, dot, norm, sub};
 use fairing_operators::{LumpedArea, MIN_HEIGHT_RATIO, cotan_stiffness};
 use rayon::prelude::*;
 
-use crate::assemble::positive_mass;
-use crate::error::FlowFailure;
-use crate::laplacian::{Laplacian, ROWS};
+use crate::engine::assemble::positive_mass;
+use crate::engine::error::FlowFailure;
+use crate::engine::laplacian::{Laplacian, ROWS};
 
 /// Rows with more corners look for their columns by bisection.
 const MANY_CORNERS: usize = 64;

@@ -4,17 +4,17 @@ use fairing_mesh::TriMesh;
 use fairing_operators::{Laplacian, LaplacianKind, LumpedArea, MassKind};
 use fairing_spectral::{Reconstruction, SpectralError, SpectrumOptions, reconstruct, spectrum};
 
-use crate::assemble::cotangent;
-use crate::constraints::Constraints;
-use crate::diffusion::{Operator, Time};
-use crate::error::{FlowError, FlowFailure, at_least};
-use crate::outcome::{Approach, Report, Smoothed};
-use crate::resolvent::Resolvent;
-use crate::response::Response;
-use crate::run::{Frame, Run};
-use crate::series::Series;
-use crate::spectrum::upper_bound;
-use crate::unit_scale::at_unit_scale;
+use crate::engine::assemble::cotangent;
+use crate::engine::constraints::Constraints;
+use crate::engine::diffusion::{Operator, Time};
+use crate::engine::error::{FlowError, FlowFailure, at_least};
+use crate::engine::outcome::{Approach, Report, Smoothed};
+use crate::engine::resolvent::Resolvent;
+use crate::engine::response::Response;
+use crate::engine::run::{Frame, Run};
+use crate::engine::series::Series;
+use crate::engine::spectrum::upper_bound;
+use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
 
 /// What a filter does to the mode of eigenvalue ω of `S φ = ω M φ`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -83,6 +83,25 @@ impl LowPass {
 /// Source: \[vallet2008\].
 pub fn low_pass(mesh: &TriMesh, options: &LowPass) -> Result<Smoothed, FlowError> {
     at_unit_scale(mesh, options, None, |mesh, options, _| filter(mesh, options))
+}
+
+impl InMeshUnits for LowPass {
+    fn divided_by(&self, unit: f64) -> Result<Self, FlowFailure> {
+        let transfer = match self.transfer {
+            Transfer::Heat(time) => Transfer::Heat(time.divided_by(unit)?),
+            Transfer::Butterworth { cutoff, order } => {
+                let at_unit = cutoff * unit * unit;
+                // Beyond every eigenvalue of a mesh of unit scale, all but the constants is cut off, or nothing.
+                let at_unit = match cutoff > 0.0 && cutoff.is_finite() {
+                    true => at_unit.clamp(1e-150, 1e150),
+                    false => cutoff,
+                };
+                Transfer::Butterworth { cutoff: at_unit, order }
+            }
+            Transfer::Modes(k) => Transfer::Modes(k),
+        };
+        Ok(Self { transfer, constraints: self.constraints.divided_by(unit)?, ..*self })
+    }
 }
 
 fn filter(mesh: &TriMesh, options: &LowPass) -> Result<Smoothed, FlowError> {

@@ -2,11 +2,11 @@
 
 use fairing_mesh::TriMesh;
 
-use crate::assemble::assemble;
-use crate::diffusion::Diffusion;
-use crate::error::FlowFailure;
-use crate::spectrum::upper_bound;
-use crate::unit_scale::times;
+use crate::engine::assemble::assemble;
+use crate::engine::diffusion::Diffusion;
+use crate::engine::error::FlowFailure;
+use crate::engine::spectrum::upper_bound;
+use crate::engine::unit_scale::times;
 
 /// What happens to an explicit step beyond its stable limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]

@@ -4,13 +4,13 @@ use std::ops::ControlFlow;
 
 use fairing_mesh::TriMesh;
 
-use crate::diffusion::{Diffusion, Operator, Time};
-use crate::error::{FlowError, FlowFailure, at_least};
-use crate::implicit::{Implicit, Update, implicit_with};
-use crate::outcome::Smoothed;
-use crate::step::Observer;
-use crate::unit_scale::at_unit_scale;
-use crate::volume::Volume;
+use crate::engine::diffusion::{Diffusion, Operator, Time};
+use crate::engine::error::{FlowError, FlowFailure, at_least};
+use crate::engine::outcome::Smoothed;
+use crate::engine::step::Observer;
+use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
+use crate::engine::volume::Volume;
+use crate::flows::implicit::{Implicit, Update, implicit_with};
 
 /// Options of [`conformalized_mean_curvature_flow`].
 #[derive(Debug, Clone, PartialEq)]
@@ -76,6 +76,17 @@ pub fn conformalized_mean_curvature_flow(
     at_unit_scale(mesh, options, observer, flow)
 }
 
+/// Times are fractions of the area.
+impl InMeshUnits for ConformalizedMcf {
+    fn divided_by(&self, _: f64) -> Result<Self, FlowFailure> {
+        Ok(self.clone())
+    }
+
+    fn is_timed(&self) -> bool {
+        true
+    }
+}
+
 fn flow(
     mesh: &TriMesh,
     options: &ConformalizedMcf,
@@ -102,7 +113,7 @@ fn flow(
     };
     let threshold = options.settled * area.sqrt();
     let mut observer = observer;
-    let mut watch = |step: &crate::step::Step<'_>| {
+    let mut watch = |step: &crate::engine::step::Step<'_>| {
         if let Some(observe) = &mut observer
             && observe(step).is_break()
         {

@@ -4,13 +4,13 @@ use std::f64::consts::PI;
 
 use fairing_mesh::TriMesh;
 
-use crate::assemble::uniform;
-use crate::constraints::Constraints;
-use crate::error::{FlowError, FlowFailure};
-use crate::outcome::{Approach, Smoothed};
-use crate::run::{Frame, Run};
-use crate::series::Series;
-use crate::unit_scale::at_unit_scale;
+use crate::engine::assemble::uniform;
+use crate::engine::constraints::Constraints;
+use crate::engine::error::{FlowError, FlowFailure};
+use crate::engine::outcome::{Approach, Smoothed};
+use crate::engine::run::{Frame, Run};
+use crate::engine::series::Series;
+use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
 
 /// How the Chebyshev series of the ideal filter is faded out. All are 1 at its beginning and small at its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -88,6 +88,12 @@ impl Default for WindowedSinc {
 /// Source: \[taubin1996\].
 pub fn windowed_sinc(mesh: &TriMesh, options: &WindowedSinc) -> Result<Smoothed, FlowError> {
     at_unit_scale(mesh, options, None, |mesh, options, _| filter(mesh, options))
+}
+
+impl InMeshUnits for WindowedSinc {
+    fn divided_by(&self, unit: f64) -> Result<Self, FlowFailure> {
+        Ok(Self { constraints: self.constraints.divided_by(unit)?, ..*self })
+    }
 }
 
 fn filter(mesh: &TriMesh, options: &WindowedSinc) -> Result<Smoothed, FlowError> {

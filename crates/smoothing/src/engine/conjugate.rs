@@ -4,10 +4,10 @@ use std::borrow::Cow;
 
 use rayon::prelude::*;
 
-use crate::constraints::Freedom;
-use crate::error::FlowFailure;
-use crate::laplacian::{Laplacian, Padded, ROWS, by_chunk};
-use crate::parts::{Gauge, Parts, larger, reciprocal};
+use crate::engine::constraints::Freedom;
+use crate::engine::error::FlowFailure;
+use crate::engine::laplacian::{Laplacian, Padded, ROWS, by_chunk};
+use crate::engine::parts::{Gauge, Parts, larger, reciprocal};
 
 type Point = [f64; 3];
 

@@ -4,20 +4,11 @@ use std::ops::ControlFlow;
 
 use fairing_mesh::TriMesh;
 
-use crate::conformal::ConformalizedMcf;
-use crate::constraints::Constraints;
-use crate::diffusion::{Diffusion, Time};
-use crate::error::{FlowError, FlowFailure};
-use crate::explicit::Explicit;
-use crate::hc::Hc;
-use crate::implicit::Implicit;
-use crate::low_pass::{LowPass, Transfer};
-use crate::outcome::Smoothed;
-use crate::region::FairRegion;
-use crate::scale_dependent::ScaleDependent;
-use crate::step::{Observer, Step};
-use crate::taubin::Taubin;
-use crate::windowed_sinc::WindowedSinc;
+use crate::engine::constraints::Constraints;
+use crate::engine::diffusion::{Diffusion, Time};
+use crate::engine::error::{FlowError, FlowFailure};
+use crate::engine::outcome::Smoothed;
+use crate::engine::step::{Observer, Step};
 
 /// Options of a flow, in mesh units where they have one.
 pub(crate) trait InMeshUnits: Sized {
@@ -220,98 +211,5 @@ impl InMeshUnits for Constraints {
             *x = scaled("the target of a soft constraint", *x, *x / unit, expected)?;
         }
         Ok(constraints)
-    }
-}
-
-impl InMeshUnits for Explicit {
-    fn divided_by(&self, unit: f64) -> Result<Self, FlowFailure> {
-        Ok(Self {
-            diffusion: self.diffusion.divided_by(unit)?,
-            constraints: self.constraints.divided_by(unit)?,
-            ..*self
-        })
-    }
-
-    fn is_timed(&self) -> bool {
-        self.diffusion.is_timed()
-    }
-}
-
-impl InMeshUnits for Implicit {
-    fn divided_by(&self, unit: f64) -> Result<Self, FlowFailure> {
-        Ok(Self {
-            diffusion: self.diffusion.divided_by(unit)?,
-            constraints: self.constraints.divided_by(unit)?,
-            ..*self
-        })
-    }
-
-    fn is_timed(&self) -> bool {
-        self.diffusion.is_timed()
-    }
-}
-
-/// Times are fractions of the area.
-impl InMeshUnits for ConformalizedMcf {
-    fn divided_by(&self, _: f64) -> Result<Self, FlowFailure> {
-        Ok(self.clone())
-    }
-
-    fn is_timed(&self) -> bool {
-        true
-    }
-}
-
-impl InMeshUnits for Taubin {
-    fn divided_by(&self, unit: f64) -> Result<Self, FlowFailure> {
-        Ok(Self { constraints: self.constraints.divided_by(unit)?, ..*self })
-    }
-}
-
-impl InMeshUnits for WindowedSinc {
-    fn divided_by(&self, unit: f64) -> Result<Self, FlowFailure> {
-        Ok(Self { constraints: self.constraints.divided_by(unit)?, ..*self })
-    }
-}
-
-impl InMeshUnits for Hc {
-    fn divided_by(&self, unit: f64) -> Result<Self, FlowFailure> {
-        Ok(Self { constraints: self.constraints.divided_by(unit)?, ..*self })
-    }
-}
-
-/// Fractions of the limit; the steps that follow from them are times.
-impl InMeshUnits for ScaleDependent {
-    fn divided_by(&self, unit: f64) -> Result<Self, FlowFailure> {
-        Ok(Self { constraints: self.constraints.divided_by(unit)?, ..*self })
-    }
-
-    fn is_timed(&self) -> bool {
-        true
-    }
-}
-
-impl InMeshUnits for LowPass {
-    fn divided_by(&self, unit: f64) -> Result<Self, FlowFailure> {
-        let transfer = match self.transfer {
-            Transfer::Heat(time) => Transfer::Heat(time.divided_by(unit)?),
-            Transfer::Butterworth { cutoff, order } => {
-                let at_unit = cutoff * unit * unit;
-                // Beyond every eigenvalue of a mesh of unit scale, all but the constants is cut off, or nothing.
-                let at_unit = match cutoff > 0.0 && cutoff.is_finite() {
-                    true => at_unit.clamp(1e-150, 1e150),
-                    false => cutoff,
-                };
-                Transfer::Butterworth { cutoff: at_unit, order }
-            }
-            Transfer::Modes(k) => Transfer::Modes(k),
-        };
-        Ok(Self { transfer, constraints: self.constraints.divided_by(unit)?, ..*self })
-    }
-}
-
-impl InMeshUnits for FairRegion {
-    fn divided_by(&self, _: f64) -> Result<Self, FlowFailure> {
-        Ok(self.clone())
     }
 }

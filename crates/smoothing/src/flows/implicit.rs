@@ -2,24 +2,24 @@
 
 use fairing_mesh::TriMesh;
 
-use crate::assemble::{Renewal, mass};
-use crate::collapse::Collapse;
-use crate::conjugate::{ImplicitSolver, Room};
-use crate::constraints::Constraints;
-use crate::cotangents::Degenerate;
-use crate::diffusion::{Diffusion, Operator};
-use crate::direct::{self, Direct};
-use crate::error::{FlowError, FlowFailure, at_least};
-use crate::laplacian::{Laplacian, by_chunk};
-use crate::outcome::{Approach, Smoothed};
-use crate::parts::Parts;
-use crate::response::Response;
-use crate::run::{Frame, Run, StepNote};
-use crate::series::Series;
-use crate::spectrum::upper_bound;
-use crate::step::Observer;
-use crate::unit_scale::at_unit_scale;
-use crate::volume::Volume;
+use crate::engine::assemble::{Renewal, mass};
+use crate::engine::collapse::Collapse;
+use crate::engine::conjugate::{ImplicitSolver, Room};
+use crate::engine::constraints::Constraints;
+use crate::engine::cotangents::Degenerate;
+use crate::engine::diffusion::{Diffusion, Operator};
+use crate::engine::direct::{self, Direct};
+use crate::engine::error::{FlowError, FlowFailure, at_least};
+use crate::engine::laplacian::{Laplacian, by_chunk};
+use crate::engine::outcome::{Approach, Smoothed};
+use crate::engine::parts::Parts;
+use crate::engine::response::Response;
+use crate::engine::run::{Frame, Run, StepNote};
+use crate::engine::series::Series;
+use crate::engine::spectrum::upper_bound;
+use crate::engine::step::Observer;
+use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
+use crate::engine::volume::Volume;
 
 /// When the operator is taken at the current positions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -123,6 +123,20 @@ pub fn implicit(
     at_unit_scale(mesh, options, observer, |mesh, options, observer| {
         implicit_with(mesh, options, false, observer)
     })
+}
+
+impl InMeshUnits for Implicit {
+    fn divided_by(&self, unit: f64) -> Result<Self, FlowFailure> {
+        Ok(Self {
+            diffusion: self.diffusion.divided_by(unit)?,
+            constraints: self.constraints.divided_by(unit)?,
+            ..*self
+        })
+    }
+
+    fn is_timed(&self) -> bool {
+        self.diffusion.is_timed()
+    }
 }
 
 /// [`implicit`], and each step ends with scaling to the area of the input if `keep_area`.

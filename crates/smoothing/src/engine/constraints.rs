@@ -2,9 +2,9 @@
 
 use fairing_mesh::TriMesh;
 
-use crate::arrangement::Arrangement;
-use crate::error::FlowFailure;
-use crate::sliding::Sliding;
+use crate::engine::arrangement::Arrangement;
+use crate::engine::error::FlowFailure;
+use crate::engine::sliding::Sliding;
 
 /// What happens at the boundary of an open mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -95,7 +95,11 @@ impl Freedom {
             let (mut weights, mut targets) = (vec![0.0; n], vec![[0.0; 3]; n]);
             for constraint in &constraints.soft {
                 let v = check(constraint.vertex)?;
-                crate::error::at_least("the weight of a soft constraint", constraint.weight, 0.0)?;
+                crate::engine::error::at_least(
+                    "the weight of a soft constraint",
+                    constraint.weight,
+                    0.0,
+                )?;
                 if let Some(&value) = constraint.target.iter().find(|x| !x.is_finite()) {
                     return Err(FlowFailure::InvalidOption {
                         option: "the target of a soft constraint",

@@ -2,17 +2,17 @@
 
 use fairing_mesh::TriMesh;
 
-use crate::assemble::uniform;
-use crate::constraints::Constraints;
-use crate::error::{FlowError, FlowFailure};
-use crate::explicit::explicit_step;
-use crate::outcome::{Approach, Smoothed};
-use crate::response::Response;
-use crate::run::{Frame, Run, StepNote};
-use crate::series::Chain;
-use crate::stability::Stability;
-use crate::step::Observer;
-use crate::unit_scale::at_unit_scale;
+use crate::engine::assemble::uniform;
+use crate::engine::constraints::Constraints;
+use crate::engine::error::{FlowError, FlowFailure};
+use crate::engine::outcome::{Approach, Smoothed};
+use crate::engine::response::Response;
+use crate::engine::run::{Frame, Run, StepNote};
+use crate::engine::series::Chain;
+use crate::engine::stability::Stability;
+use crate::engine::step::Observer;
+use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
+use crate::flows::explicit::explicit_step;
 
 /// Options of [`taubin`].
 #[derive(Debug, Clone, PartialEq)]
@@ -96,6 +96,12 @@ pub fn taubin(
     observer: Option<&mut Observer<'_>>,
 ) -> Result<Smoothed, FlowError> {
     at_unit_scale(mesh, options, observer, flow)
+}
+
+impl InMeshUnits for Taubin {
+    fn divided_by(&self, unit: f64) -> Result<Self, FlowFailure> {
+        Ok(Self { constraints: self.constraints.divided_by(unit)?, ..*self })
+    }
 }
 
 fn flow(

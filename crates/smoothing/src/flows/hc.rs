@@ -2,13 +2,13 @@
 
 use fairing_mesh::TriMesh;
 
-use crate::assemble::uniform;
-use crate::constraints::Constraints;
-use crate::error::{FlowError, FlowFailure};
-use crate::outcome::Smoothed;
-use crate::run::{Frame, Run, StepNote};
-use crate::step::Observer;
-use crate::unit_scale::at_unit_scale;
+use crate::engine::assemble::uniform;
+use crate::engine::constraints::Constraints;
+use crate::engine::error::{FlowError, FlowFailure};
+use crate::engine::outcome::Smoothed;
+use crate::engine::run::{Frame, Run, StepNote};
+use crate::engine::step::Observer;
+use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
 
 /// Options of [`hc`].
 #[derive(Debug, Clone, PartialEq)]
@@ -64,6 +64,12 @@ pub fn hc(
     observer: Option<&mut Observer<'_>>,
 ) -> Result<Smoothed, FlowError> {
     at_unit_scale(mesh, options, observer, flow)
+}
+
+impl InMeshUnits for Hc {
+    fn divided_by(&self, unit: f64) -> Result<Self, FlowFailure> {
+        Ok(Self { constraints: self.constraints.divided_by(unit)?, ..*self })
+    }
 }
 
 fn flow(

@@ -17,9 +17,9 @@
 
 use rayon::prelude::*;
 
-use crate::clenshaw::Clenshaw;
-use crate::laplacian::{Laplacian, Padded, ROWS};
-use crate::response::Response;
+use crate::engine::clenshaw::Clenshaw;
+use crate::engine::laplacian::{Laplacian, Padded, ROWS};
+use crate::engine::response::Response;
 
 /// The sum of the coefficients left out; `|g| ≤ 1` for all stable flows but λ|μ, where it is at most
 /// [`LARGEST`].

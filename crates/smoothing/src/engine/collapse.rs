@@ -8,8 +8,8 @@ use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{cross, norm, sub};
 use rayon::prelude::*;
 
-use crate::error::FlowFailure;
-use crate::laplacian::ROWS;
+use crate::engine::error::FlowFailure;
+use crate::engine::laplacian::ROWS;
 
 /// A mesh with less than this share of its area is gone: a hundredth of its size.
 const GONE: f64 = 1e-4;

@@ -4,12 +4,12 @@ use fairing_sparse::{
     Cholesky, CholeskyError, Method, Ordering, SparseMatrix, SymbolicCholesky, Workload,
 };
 
-use crate::conjugate::{ImplicitSolver, Solved, not_converged};
-use crate::constraints::Freedom;
-use crate::error::FlowFailure;
-use crate::laplacian::Laplacian;
-use crate::parts::{Gauge, Parts, larger};
-use crate::spectrum::upper_bound;
+use crate::engine::conjugate::{ImplicitSolver, Solved, not_converged};
+use crate::engine::constraints::Freedom;
+use crate::engine::error::FlowFailure;
+use crate::engine::laplacian::Laplacian;
+use crate::engine::parts::{Gauge, Parts, larger};
+use crate::engine::spectrum::upper_bound;
 
 type Point = [f64; 3];
 
@@ -263,7 +263,8 @@ mod tests {
         let mesh = fairing_shapes::icosphere(5);
         let held = vec![false; mesh.vertex_count()];
         let h2 = mesh.mean_edge_length().powi(2);
-        let laplacian = crate::assemble::cotangent(&mesh, Default::default(), &held).unwrap();
+        let laplacian =
+            crate::engine::assemble::cotangent(&mesh, Default::default(), &held).unwrap();
         let pays = |lambda: f64, solves| super::pays(&laplacian, lambda * h2, 1e-8, solves);
         assert!(!pays(1.0, 1) && !pays(0.1, 10));
         assert!(pays(100.0, 10) && pays(1e4, 1));

@@ -4,13 +4,13 @@ use fairing_mesh::TriMesh;
 use fairing_operators::{combinatorial_laplacian, cotan_stiffness};
 use fairing_sparse::{Cholesky, SparseMatrix};
 
-use crate::assemble::{positive_mass, robust};
-use crate::diffusion::Operator;
-use crate::double::{self, Double};
-use crate::error::{FlowError, FlowFailure};
-use crate::outcome::{Approach, Report, Smoothed};
-use crate::parts::larger;
-use crate::unit_scale::at_unit_scale;
+use crate::engine::assemble::{positive_mass, robust};
+use crate::engine::diffusion::Operator;
+use crate::engine::double::{self, Double};
+use crate::engine::error::{FlowError, FlowFailure};
+use crate::engine::outcome::{Approach, Report, Smoothed};
+use crate::engine::parts::larger;
+use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
 
 /// The weights of [`fair_region`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -76,6 +76,12 @@ impl FairRegion {
 /// Source: \[botsch2004\].
 pub fn fair_region(mesh: &TriMesh, options: &FairRegion) -> Result<Smoothed, FlowError> {
     at_unit_scale(mesh, options, None, |mesh, options, _| fair(mesh, options))
+}
+
+impl InMeshUnits for FairRegion {
+    fn divided_by(&self, _: f64) -> Result<Self, FlowFailure> {
+        Ok(self.clone())
+    }
 }
 
 fn fair(mesh: &TriMesh, options: &FairRegion) -> Result<Smoothed, FlowError> {

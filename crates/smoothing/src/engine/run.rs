@@ -4,12 +4,12 @@ use std::ops::ControlFlow;
 
 use fairing_mesh::TriMesh;
 
-use crate::arrangement::Arrangement;
-use crate::constraints::{Constraints, Freedom};
-use crate::error::{FlowError, FlowFailure};
-use crate::outcome::{Report, Smoothed};
-use crate::step::{Observer, Step};
-use crate::volume::{SizeKeeper, Volume};
+use crate::engine::arrangement::Arrangement;
+use crate::engine::constraints::{Constraints, Freedom};
+use crate::engine::error::{FlowError, FlowFailure};
+use crate::engine::outcome::{Report, Smoothed};
+use crate::engine::step::{Observer, Step};
+use crate::engine::volume::{SizeKeeper, Volume};
 
 /// What all flows are told in the same way.
 pub(crate) struct Frame<'a> {

@@ -1,0 +1,26 @@
+//! What flows share: kernels over positions, solvers, constraints, the loop over steps, and errors.
+
+pub(crate) mod arrangement;
+pub(crate) mod assemble;
+pub(crate) mod clenshaw;
+pub(crate) mod collapse;
+pub(crate) mod conjugate;
+pub(crate) mod constraints;
+pub(crate) mod cotangents;
+pub(crate) mod diffusion;
+pub(crate) mod direct;
+pub(crate) mod double;
+pub(crate) mod error;
+pub(crate) mod laplacian;
+pub(crate) mod outcome;
+pub(crate) mod parts;
+pub(crate) mod resolvent;
+pub(crate) mod response;
+pub(crate) mod run;
+pub(crate) mod series;
+pub(crate) mod sliding;
+pub(crate) mod spectrum;
+pub(crate) mod stability;
+pub(crate) mod step;
+pub(crate) mod unit_scale;
+pub(crate) mod volume;
