@@ -1,8 +1,5 @@
 //! The denoisers by name.
 
-use std::fmt;
-use std::str::FromStr;
-
 use fairing_mesh::TriMesh;
 
 use super::{
@@ -10,7 +7,9 @@ use super::{
     guided_normal, l0, non_iterative, total_variation,
 };
 
-/// A denoiser with its default options, to be chosen by name.
+/// A denoiser with its default options.
+///
+/// Written as its name (`Display`), and read from it (`FromStr`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Denoiser {
@@ -48,7 +47,7 @@ impl Denoiser {
         Self::GuidedNormal,
     ];
 
-    /// The name that [`FromStr`] reads.
+    /// The name on the command line and in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Automatic => "automatic",
@@ -102,34 +101,7 @@ impl Denoiser {
     }
 }
 
-impl fmt::Display for Denoiser {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-/// There is no denoiser of that name.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("no denoiser is called {name:?}; there are {}", names())]
-pub struct UnknownDenoiser {
-    /// The name asked for.
-    pub name: String,
-}
-
-fn names() -> String {
-    Denoiser::ALL.map(Denoiser::name).join(", ")
-}
-
-impl FromStr for Denoiser {
-    type Err = UnknownDenoiser;
-
-    fn from_str(name: &str) -> Result<Self, UnknownDenoiser> {
-        Self::ALL
-            .into_iter()
-            .find(|d| d.name() == name)
-            .ok_or_else(|| UnknownDenoiser { name: name.to_owned() })
-    }
-}
+fairing_mesh::named!(Denoiser, "denoiser");
 
 #[cfg(test)]
 mod tests {

@@ -23,7 +23,7 @@ pub use bilateral::{BilateralOptions, bilateral};
 pub use bilateral_normal::{
     BilateralNormalGlobalOptions, BilateralNormalOptions, bilateral_normal, bilateral_normal_global,
 };
-pub use denoiser::{Denoiser, UnknownDenoiser};
+pub use denoiser::Denoiser;
 pub use error::DenoiseError;
 pub use fast_effective::{FastEffectiveOptions, fast_effective};
 pub use guided_normal::{GuidedNormalOptions, guided_normal};

@@ -8,6 +8,7 @@ use fairing_mesh::vec3::{distance, power_of_two};
 
 /// Distances of the vertices of one mesh from the surface of another.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct VertexDistance {
     /// The mean over the vertices, in mesh units, as the others.
     pub mean: f64,
@@ -21,6 +22,7 @@ pub struct VertexDistance {
 
 /// How far two surfaces are from each other, measured at their vertices.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct SurfaceDistance {
     /// From the vertices of the mesh to the surface of the reference.
     pub forward: VertexDistance,
@@ -144,6 +146,7 @@ fn summary(
 
 /// Distances between vertices of the same number.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct VertexDisplacement {
     /// The root mean square, in mesh units.
     pub rms: f64,

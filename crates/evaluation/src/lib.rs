@@ -33,7 +33,7 @@ pub use features::{FeatureEdges, feature_edges};
 pub use hausdorff::{Hausdorff, hausdorff};
 pub use intersections::self_intersections;
 pub use noise::{NoiseKind, NoiseLevel, add_noise};
-pub use normal_error::{NormalError, normal_error};
+pub use normal_error::{NormalAngles, normal_error};
 pub use orders::{observed_order_steps, observed_orders};
 pub use scores::{Score, ScoreOptions, ScoreUnit, Scores};
 pub use surface_tree::{Closest, SurfaceTree};

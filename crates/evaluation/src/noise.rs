@@ -11,6 +11,7 @@ use crate::normal::standard_normal;
 
 /// How large the noise is, in the unit of its name.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum NoiseLevel {
     /// In mesh units.
     Model(f64),
@@ -32,7 +33,10 @@ impl NoiseLevel {
 }
 
 /// What the level σ measures, and where it moves the vertices.
+///
+/// Written as its name (`Display`), and read from it (`FromStr`).
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum NoiseKind {
     /// Each coordinate by an independent Gaussian of standard deviation σ: the
     /// root mean square displacement is √3 σ.
@@ -52,6 +56,43 @@ pub enum NoiseKind {
         share: f64,
     },
 }
+
+impl NoiseKind {
+    /// One of each, impulsive noise on a quarter of the vertices.
+    pub const ALL: [Self; 5] = [
+        Self::GaussianAlongNormals,
+        Self::GaussianPerAxis,
+        Self::GaussianAlongDirections,
+        Self::UniformPerAxis,
+        Self::Impulsive { share: 0.25 },
+    ];
+
+    /// The name on the command line and in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::GaussianAlongNormals => "normal",
+            Self::GaussianPerAxis => "axes",
+            Self::GaussianAlongDirections => "direction",
+            Self::UniformPerAxis => "uniform",
+            Self::Impulsive { .. } => "impulsive",
+        }
+    }
+
+    /// One line: how vertices move.
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::GaussianAlongNormals => "Gaussian along the vertex normal",
+            Self::GaussianPerAxis => "Gaussian along each axis (the assignment's)",
+            Self::GaussianAlongDirections => "Gaussian along a random direction",
+            Self::UniformPerAxis => "uniform along each axis",
+            Self::Impulsive { .. } => {
+                "Gaussian along a random direction, on a share of the vertices"
+            }
+        }
+    }
+}
+
+fairing_mesh::named!(NoiseKind, "kind of noise");
 
 /// The mesh with noise on its vertices; faces and topology are shared.
 ///
@@ -138,13 +179,15 @@ mod tests {
 
     use super::*;
 
-    const KINDS: [NoiseKind; 5] = [
-        NoiseKind::GaussianPerAxis,
-        NoiseKind::GaussianAlongNormals,
-        NoiseKind::GaussianAlongDirections,
-        NoiseKind::UniformPerAxis,
-        NoiseKind::Impulsive { share: 0.25 },
-    ];
+    const KINDS: [NoiseKind; 5] = NoiseKind::ALL;
+
+    #[test]
+    fn names_read_back() {
+        for kind in KINDS {
+            assert_eq!(kind.to_string().parse(), Ok(kind));
+        }
+        assert!("white".parse::<NoiseKind>().unwrap_err().to_string().contains("axes, direction"));
+    }
 
     fn displacements(kind: NoiseKind, level: NoiseLevel, seed: u64) -> Vec<[f64; 3]> {
         let sphere = shapes::icosphere(5);
@@ -157,7 +200,7 @@ mod tests {
     #[test]
     fn each_kind_has_its_variance() {
         let sigma = 0.01;
-        for (kind, expected) in KINDS.into_iter().zip([3.0, 1.0, 1.0, 1.0, 0.25]) {
+        for (kind, expected) in KINDS.into_iter().zip([1.0, 3.0, 1.0, 1.0, 0.25]) {
             let d = displacements(kind, NoiseLevel::Model(sigma), 1);
             let square = d.iter().map(|&x| dot(x, x)).sum::<f64>() / d.len() as f64;
             let ratio = square / (sigma * sigma) / expected;

@@ -9,7 +9,8 @@ use crate::distance::{at_unit_scale, check_correspondence};
 
 /// E_a: angles between the normals of matching faces, in degrees.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct NormalError {
+#[non_exhaustive]
+pub struct NormalAngles {
     /// The mean over the faces, as the literature has it.
     pub mean: f64,
     /// The mean weighted by the area of the reference's faces.
@@ -29,7 +30,7 @@ pub struct NormalError {
 ///
 /// [`EvaluationError::NoCorrespondence`] unless both have the same faces,
 /// [`EvaluationError::NoFaces`] if none has a normal in both.
-pub fn normal_error(mesh: &TriMesh, reference: &TriMesh) -> Result<NormalError, EvaluationError> {
+pub fn normal_error(mesh: &TriMesh, reference: &TriMesh) -> Result<NormalAngles, EvaluationError> {
     check_correspondence(mesh, reference)?;
     let (mesh, reference, _) = at_unit_scale(mesh, reference);
     let angles: Vec<Option<[f64; 2]>> = (0..mesh.face_count())
@@ -57,7 +58,7 @@ pub fn normal_error(mesh: &TriMesh, reference: &TriMesh) -> Result<NormalError, 
     if count == 0 {
         return Err(EvaluationError::NoFaces { which: "mesh" });
     }
-    Ok(NormalError {
+    Ok(NormalAngles {
         mean: sum / count as f64,
         area_weighted: weighted / area,
         max,

@@ -7,7 +7,7 @@ use fairing_mesh::TriMesh;
 use crate::distance::{self, tree};
 use crate::hausdorff;
 use crate::{
-    Drift, EvaluationError, FeatureEdges, Hausdorff, NormalError, SurfaceDistance,
+    Drift, EvaluationError, FeatureEdges, Hausdorff, NormalAngles, SurfaceDistance,
     VertexDisplacement, curvature_error, drift, feature_edges, flipped_faces, normal_error,
     self_intersections, vertex_displacement,
 };
@@ -36,7 +36,7 @@ pub struct Scores {
     /// The diagonal of the reference's bounding box, in mesh units.
     pub diagonal: f64,
     /// E_a: angles between the normals of matching faces.
-    pub normals: Result<NormalError, EvaluationError>,
+    pub normals: Result<NormalAngles, EvaluationError>,
     /// E_v and its reverse: distances between vertices and surfaces.
     pub distance: SurfaceDistance,
     /// The Hausdorff distance over all points of both surfaces.
@@ -57,6 +57,7 @@ pub struct Scores {
 
 /// The unit of a score.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum ScoreUnit {
     /// Degrees.
     Degrees,
@@ -84,6 +85,7 @@ impl fmt::Display for ScoreUnit {
 
 /// One number, or why there is none.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Score {
     /// A name for machines, in lower case with underscores.
     pub name: &'static str,

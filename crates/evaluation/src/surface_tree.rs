@@ -28,6 +28,7 @@ const CHUNK: usize = 256;
 
 /// The point of a surface closest to a given point.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Closest {
     /// The distance, in mesh units.
     pub distance: f64,

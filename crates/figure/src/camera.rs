@@ -1,11 +1,17 @@
 //! Where a mesh is looked at from.
 
-use fairing_mesh::TriMesh;
+use std::fmt;
+use std::str::FromStr;
+
+use fairing_mesh::{TriMesh, UnknownName, by_name};
 use glam::DVec3;
 
 use crate::error::RenderError;
 
 /// The direction from which a mesh is looked at.
+///
+/// Written as its name or as its angles (`Display`), `front` or `30,20`, and
+/// read from that (`FromStr`).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub enum Viewpoint {
@@ -42,6 +48,33 @@ impl Viewpoint {
     pub const SIX: [Self; 6] =
         [Self::Front, Self::Back, Self::Left, Self::Right, Self::Top, Self::Bottom];
 
+    /// All that have a name.
+    pub const ALL: [Self; 8] = [
+        Self::Front,
+        Self::Back,
+        Self::Left,
+        Self::Right,
+        Self::Top,
+        Self::Bottom,
+        Self::ThreeQuarter,
+        Self::ThreeQuarterBack,
+    ];
+
+    /// The name on the command line; `None` for [`Viewpoint::Angles`].
+    pub fn name(self) -> Option<&'static str> {
+        Some(match self {
+            Self::Front => "front",
+            Self::Back => "back",
+            Self::Left => "left",
+            Self::Right => "right",
+            Self::Top => "top",
+            Self::Bottom => "bottom",
+            Self::ThreeQuarter => "three-quarter",
+            Self::ThreeQuarterBack => "behind",
+            Self::Angles { .. } => return None,
+        })
+    }
+
     /// Azimuth and elevation, in degrees.
     pub fn angles(self) -> (f64, f64) {
         match self {
@@ -56,19 +89,27 @@ impl Viewpoint {
             Self::Angles { azimuth, elevation } => (azimuth, elevation),
         }
     }
+}
 
-    /// What a caption calls it.
-    pub fn name(self) -> String {
-        match self {
-            Self::Front => "front".into(),
-            Self::Back => "back".into(),
-            Self::Left => "left".into(),
-            Self::Right => "right".into(),
-            Self::Top => "top".into(),
-            Self::Bottom => "bottom".into(),
-            Self::ThreeQuarter => "three-quarter view".into(),
-            Self::ThreeQuarterBack => "three-quarter view from behind".into(),
-            Self::Angles { azimuth, elevation } => format!("{azimuth}°, {elevation}°"),
+impl fmt::Display for Viewpoint {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (self, self.name()) {
+            (_, Some(name)) => f.pad(name),
+            (Self::Angles { azimuth, elevation }, None) => write!(f, "{azimuth},{elevation}"),
+            (_, None) => Ok(()),
+        }
+    }
+}
+
+impl FromStr for Viewpoint {
+    type Err = UnknownName;
+
+    fn from_str(text: &str) -> Result<Self, UnknownName> {
+        let angle = |text: &str| text.trim().parse().ok().filter(|a: &f64| a.is_finite());
+        let angles = text.split_once(',').and_then(|(a, e)| Some((angle(a)?, angle(e)?)));
+        match angles {
+            Some((azimuth, elevation)) => Ok(Self::Angles { azimuth, elevation }),
+            None => by_name("view", &Self::ALL, |view| view.name().unwrap_or_default(), text),
         }
     }
 }

@@ -88,7 +88,7 @@ pub enum ScaleError {
 pub enum EncodeError {
     /// The PNG encoder refused.
     #[error("the picture cannot be written as PNG: {0}")]
-    Png(#[from] png::EncodingError),
+    Png(#[source] Box<dyn std::error::Error + Send + Sync>),
     /// The picture has no pixel or too many.
     #[error("a figure of {width} × {height} pixels cannot be drawn")]
     Size {

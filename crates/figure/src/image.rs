@@ -55,9 +55,12 @@ impl Image {
         encoder.set_depth(png::BitDepth::Eight);
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
         encoder.set_compression(png::Compression::Balanced);
-        let mut writer = encoder.write_header()?;
-        writer.write_image_data(self.pixels.as_flattened())?;
-        writer.finish()?;
+        let encode = move || {
+            let mut writer = encoder.write_header()?;
+            writer.write_image_data(self.pixels.as_flattened())?;
+            writer.finish()
+        };
+        encode().map_err(|source| EncodeError::Png(Box::new(source)))?;
         Ok(bytes)
     }
 }

@@ -3,6 +3,8 @@
 use crate::color::{from_hue, srgb_from_linear};
 
 /// A way from numbers in [0, 1] to colours.
+///
+/// Written as its name (`Display`), and read from it (`FromStr`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum ColorMap {
@@ -41,11 +43,6 @@ impl ColorMap {
         }
     }
 
-    /// The map of that name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|map| map.name() == name)
-    }
-
     /// The colour at `t`; values outside of [0, 1] get the colour of the
     /// nearer end.
     pub fn at(self, t: f64) -> [u8; 3] {
@@ -62,6 +59,8 @@ impl ColorMap {
         [c.r, c.g, c.b]
     }
 }
+
+fairing_mesh::named!(ColorMap, "colour map");
 
 /// Polar CIELAB (Msh) from blue (80, 1.08, −1.1) over the unsaturated point
 /// of magnitude 88 to red (80, 1.08, 0.5).
@@ -130,8 +129,9 @@ mod tests {
     #[test]
     fn names_lead_back() {
         for map in ColorMap::ALL {
-            assert_eq!(ColorMap::from_name(map.name()), Some(map));
+            assert_eq!(map.to_string().parse(), Ok(map));
         }
-        assert_eq!(ColorMap::from_name("jet"), None);
+        let error = "jet".parse::<ColorMap>().unwrap_err().to_string();
+        assert!(error.contains("colour map \"jet\"") && error.contains("viridis, "), "{error}");
     }
 }

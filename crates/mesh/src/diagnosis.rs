@@ -7,6 +7,7 @@ use crate::vec3::{cross, distance, norm, sub};
 
 /// How many elements of a kind were found, and the lowest of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub struct Tally {
     /// How many.
     pub count: usize,

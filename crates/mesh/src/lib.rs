@@ -12,6 +12,7 @@ mod diagnosis;
 #[cfg(feature = "io")]
 pub mod io;
 mod measure;
+mod named;
 mod polygon;
 mod subdivide;
 mod topology;
@@ -22,6 +23,7 @@ pub mod vec3;
 pub use build::BuildError;
 pub use connectivity::{Connectivity, Incidence};
 pub use diagnosis::{Diagnosis, Tally};
+pub use named::{UnknownName, by_name};
 pub use polygon::PolygonMesh;
 pub use subdivide::{subdivide_loop, subdivide_midpoint};
 pub use topology::{Components, Fan, Orientation, Topology};

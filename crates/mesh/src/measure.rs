@@ -64,16 +64,6 @@ impl TriMesh {
             .collect()
     }
 
-    /// The unit normal of each face, outward; `None` where the face has no
-    /// area.
-    pub fn face_normals(&self) -> Vec<Option<[f64; 3]>> {
-        (0..self.face_count())
-            .into_par_iter()
-            .with_min_len(CHUNK)
-            .map(|f| crate::vec3::normalize(self.area_vector(f)))
-            .collect()
-    }
-
     /// The sum of a quantity over the faces, by parts of fixed size.
     fn sum_over_faces(&self, quantity: impl Fn(usize) -> f64 + Sync) -> f64 {
         let count = self.face_count();

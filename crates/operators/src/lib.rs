@@ -35,10 +35,10 @@ pub use error::{MIN_HEIGHT_RATIO, OperatorError};
 pub use fairing_sparse::SparseMatrix;
 pub use gradient::{divergence, face_gradients, gradient};
 pub use laplacian::{
-    Intrinsic, Laplacian, LaplacianKind, MassKind, MassMatrix, Reason, Restricted, UnknownKind,
+    Intrinsic, Laplacian, LaplacianKind, MassKind, MassMatrix, Reason, Restricted,
 };
 pub use mass::{LumpedArea, consistent_mass, lumped_mass};
-pub use noise_level::{NoiseLevel, NoisyParts, noise_level, noisy_parts};
+pub use noise_level::{NoiseEstimate, NoisyParts, noise_level, noisy_parts};
 pub use normal_equations::{NormalEquations, NormalFactor};
 pub use normals::{NormalWeight, face_normals, vertex_normals, weighted_vertex_normals};
 pub use polygon::{PolygonLaplacian, polygon_laplacian};

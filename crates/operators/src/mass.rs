@@ -8,7 +8,10 @@ use crate::corners::{FaceCorners, degenerate};
 use crate::error::OperatorError;
 
 /// How the area of a face is shared between its corners.
+///
+/// Written as its name (`Display`), and read from it (`FromStr`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum LumpedArea {
     /// A third each: `Aᵢ = ⅓ Σ A`. Positive wherever a face has area, and
     /// defined on every mesh; on irregular meshes the cells ignore the shape
@@ -24,7 +27,21 @@ pub enum LumpedArea {
     Mixed,
 }
 
+fairing_mesh::named!(LumpedArea, "area of a vertex");
+
 impl LumpedArea {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Barycentric, Self::Voronoi, Self::Mixed];
+
+    /// The name on the command line and in messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Barycentric => "barycentric",
+            Self::Voronoi => "voronoi",
+            Self::Mixed => "mixed",
+        }
+    }
+
     /// The area of each corner of a face, in squared mesh units, summing to
     /// the area of the face; `None` where cotangents are needed and the face
     /// is too thin for them.

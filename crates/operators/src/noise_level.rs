@@ -21,7 +21,8 @@ const GAUSSIAN_MEDIAN: f64 = 0.674_489_75;
 
 /// What [`noise_level`] finds.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct NoiseLevel {
+#[non_exhaustive]
+pub struct NoiseEstimate {
     /// The standard deviation of the displacement of a vertex along the
     /// normal, in mesh units.
     pub sigma: f64,
@@ -33,7 +34,7 @@ pub struct NoiseLevel {
     pub samples: usize,
 }
 
-impl NoiseLevel {
+impl NoiseEstimate {
     /// Whether the tails are those of impulsive noise: a tail ratio above 1.15.
     pub fn is_impulsive(&self) -> bool {
         self.tail_ratio > IMPULSIVE_TAIL
@@ -42,9 +43,10 @@ impl NoiseLevel {
 
 /// Connected parts of a mesh with noise of about the same level.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct NoisyParts {
     /// The noise of all of them together.
-    pub level: NoiseLevel,
+    pub level: NoiseEstimate,
     /// The numbers of the parts, as [`Topology::components`] counts them,
     /// ascending.
     ///
@@ -70,7 +72,7 @@ pub struct NoisyParts {
 /// A connected part that is clean does not lower the level of another one.
 /// Scales with the mesh. `None` if no vertex has a two-ring that determines a
 /// quadric (at least eight neighbours in general position). Linear cost.
-pub fn noise_level(mesh: &TriMesh) -> Option<NoiseLevel> {
+pub fn noise_level(mesh: &TriMesh) -> Option<NoiseEstimate> {
     noisy_parts(mesh).first().map(|parts| parts.level)
 }
 
@@ -103,7 +105,7 @@ pub fn noisy_parts(mesh: &TriMesh) -> Vec<NoisyParts> {
         }
     }
     let mut unmeasured = vec![];
-    let mut left: Vec<(u32, Vec<f64>, NoiseLevel)> = vec![];
+    let mut left: Vec<(u32, Vec<f64>, NoiseEstimate)> = vec![];
     for (part, mut sizes) in of_part.into_iter().enumerate() {
         match level_of(&mut sizes) {
             Some(level) => left.push((part as u32, sizes, level)),
@@ -114,7 +116,7 @@ pub fn noisy_parts(mesh: &TriMesh) -> Vec<NoisyParts> {
     while let Some(first) = most_noise(&left) {
         let sigma = left[first].2.sigma;
         let alike =
-            |level: &NoiseLevel| level.sigma * ALIKE >= sigma && level.sigma <= ALIKE * sigma;
+            |level: &NoiseEstimate| level.sigma * ALIKE >= sigma && level.sigma <= ALIKE * sigma;
         let (group, rest): (Vec<_>, Vec<_>) = left.into_iter().partition(|(.., l)| alike(l));
         left = rest;
         let mut components: Vec<u32> = group.iter().map(|(part, ..)| *part).collect();
@@ -127,16 +129,16 @@ pub fn noisy_parts(mesh: &TriMesh) -> Vec<NoisyParts> {
 }
 
 /// Which part has the largest `n σ̂²`; the first of equal ones.
-fn most_noise(parts: &[(u32, Vec<f64>, NoiseLevel)]) -> Option<usize> {
+fn most_noise(parts: &[(u32, Vec<f64>, NoiseEstimate)]) -> Option<usize> {
     let amount = |i: usize| (parts[i].2.samples as f64).sqrt() * parts[i].2.sigma;
     (0..parts.len()).reduce(|best, i| if amount(i) > amount(best) { i } else { best })
 }
 
 /// The level of absolute values, which it sorts.
-fn level_of(sizes: &mut [f64]) -> Option<NoiseLevel> {
+fn level_of(sizes: &mut [f64]) -> Option<NoiseEstimate> {
     sizes.sort_unstable_by(f64::total_cmp);
     let (median, high) = (median(sizes)?, sizes[sizes.len() * 9 / 10]);
-    Some(NoiseLevel {
+    Some(NoiseEstimate {
         sigma: median / GAUSSIAN_MEDIAN,
         tail_ratio: if median > 0.0 { high / median / GAUSSIAN_TAIL } else { 1.0 },
         samples: sizes.len(),

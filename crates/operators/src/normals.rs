@@ -6,8 +6,11 @@ use rayon::prelude::*;
 
 use crate::corners::FaceCorners;
 
-/// How much each face has to say about the normal of its vertex.
+/// The weight of each face in the normal of its vertex.
+///
+/// Written as its name (`Display`), and read from it (`FromStr`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum NormalWeight {
     /// By its area: robust, cheap, and independent of flat triangulation
     /// only on average.
@@ -22,6 +25,23 @@ pub enum NormalWeight {
     /// All alike. Source: \[gouraud1971\].
     Uniform,
 }
+
+impl NormalWeight {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Area, Self::Angle, Self::Sphere, Self::Uniform];
+
+    /// The name on the command line and in messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Area => "area",
+            Self::Angle => "angle",
+            Self::Sphere => "sphere",
+            Self::Uniform => "uniform",
+        }
+    }
+}
+
+fairing_mesh::named!(NormalWeight, "weight of normals");
 
 /// The unit normal of each face, outward for counter-clockwise faces; the zero
 /// vector for a face without area.

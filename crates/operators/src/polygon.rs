@@ -25,6 +25,7 @@ use crate::error::OperatorError;
 
 /// Stiffness and mass of a polygon mesh.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct PolygonLaplacian {
     /// `n × n`, symmetric, positive semi-definite, zero row sums,
     /// dimensionless; exact for linear functions on flat polygons.

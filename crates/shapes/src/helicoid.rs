@@ -8,7 +8,7 @@ use fairing_mesh::TriMesh;
 
 /// What makes a helicoid.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Helicoid {
+pub struct HelicoidOptions {
     /// The rise c, in mesh units per radian.
     pub rise: f64,
     /// The range of v, the distance from the axis (negative beyond it).
@@ -21,7 +21,7 @@ pub struct Helicoid {
     pub along: u32,
 }
 
-impl Default for Helicoid {
+impl Default for HelicoidOptions {
     fn default() -> Self {
         Self { rise: 0.5, radii: [-1.0, 1.0], turns: 1.0, across: 24, along: 48 }
     }
@@ -41,8 +41,8 @@ impl Default for Helicoid {
 ///
 /// Unless rise, turns and the range of radii are positive and finite and there
 /// are squares both ways.
-pub fn helicoid(shape: &Helicoid) -> TriMesh {
-    let &Helicoid { rise, radii: [from, to], turns, across, along } = shape;
+pub fn helicoid(shape: &HelicoidOptions) -> TriMesh {
+    let &HelicoidOptions { rise, radii: [from, to], turns, across, along } = shape;
     assert!(rise > 0.0 && rise.is_finite() && turns > 0.0 && turns.is_finite(), "{shape:?}");
     assert!(from < to && from.is_finite() && to.is_finite(), "{shape:?}");
     assert!(across > 0 && along > 0, "{shape:?}");

@@ -36,7 +36,7 @@ pub use cylinder::{Ends, cylinder};
 pub use ellipsoid::ellipsoid;
 pub use flower::flower;
 pub use grid::Diagonals;
-pub use helicoid::{Helicoid, helicoid};
+pub use helicoid::{HelicoidOptions, helicoid};
 pub use icosphere::icosphere;
 pub use jitter::{jittered, onto_ellipsoid, onto_sphere, onto_torus};
 pub use moebius::moebius;

@@ -36,6 +36,7 @@ impl Default for CgOptions {
 
 /// A solution and how it was reached.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct CgSolution<X> {
     /// The solution.
     pub x: X,

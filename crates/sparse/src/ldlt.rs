@@ -9,6 +9,7 @@ use crate::factor::Factor;
 /// By Sylvester's law of inertia these are the signs of D in A = L D Lᵀ. For A = S − σM with M positive
 /// definite, `negative` counts the eigenvalues of S φ = λ M φ below σ.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Inertia {
     /// Negative eigenvalues.
     pub negative: usize,

@@ -10,6 +10,7 @@ use crate::spectrum::Spectrum;
 
 /// Coefficients of the positions of a mesh, rounded to multiples of a step.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Compressed {
     /// The step, in squared mesh units like the coefficients.
     pub step: f64,

@@ -1,5 +1,6 @@
 //! What can go wrong with spectra.
 
+use fairing_mesh::BuildError;
 use fairing_operators::{LaplacianKind, OperatorError};
 use fairing_sparse::{CholeskyError, EigenError};
 
@@ -16,6 +17,9 @@ pub enum SpectralError {
     /// A linear system cannot be solved.
     #[error(transparent)]
     Solve(#[from] CholeskyError),
+    /// The positions of the result are not those of a mesh.
+    #[error(transparent)]
+    Positions(#[from] BuildError),
     /// A Laplacian of this kind does not serve.
     #[error("a {kind} Laplacian does not serve here: take a cotangent or a robust one")]
     Kind {

@@ -32,7 +32,7 @@ pub use diffusion::HeatDiffusion;
 pub use error::SpectralError;
 pub use fairing_operators::MassMatrix;
 pub use fairing_sparse::{Beyond, Count, EigenOptions, EigenProgress};
-pub use filter::{Filtered, Rest, band_pass, high_pass, low_pass};
+pub use filter::{Filtered, Rest, ideal_band_pass, ideal_high_pass, ideal_low_pass};
 pub use geodesic::HeatGeodesics;
 pub use poisson::Poisson;
 pub use reconstruct::{Reconstruction, reconstruct, reconstruction_errors};

@@ -79,9 +79,9 @@ impl Spectrum {
         let beyond = if has("beyond") && has("clear_below") {
             let clear_below = vector("clear_below")?.first().copied();
             let clear_below = clear_below.ok_or_else(|| problem(path, "clear_below is empty"))?;
-            Beyond { values: vector("beyond")?, clear_below }
+            Beyond::new(vector("beyond")?, clear_below)
         } else {
-            Beyond { values: vec![], clear_below: values.last().copied().unwrap_or(0.0) }
+            Beyond::new(vec![], values.last().copied().unwrap_or(0.0))
         };
         let modes = array("modes", Kind::Float)?.into_matrix();
         let modes: Array2<f64> = modes.ok_or_else(|| problem(path, "modes: not a matrix"))?;

@@ -9,6 +9,7 @@ use crate::spectrum::Spectrum;
 
 /// A mesh from some of its modes.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Reconstruction {
     /// The mesh.
     pub mesh: TriMesh,
@@ -25,7 +26,8 @@ pub struct Reconstruction {
 ///
 /// # Errors
 ///
-/// [`SpectralError::Rows`] for a spectrum of another mesh, [`SpectralError::TooManyModes`].
+/// [`SpectralError::Rows`] for a spectrum of another mesh, [`SpectralError::TooManyModes`],
+/// [`SpectralError::Positions`] where the sums overflow.
 ///
 /// Source: \[vallet2008\].
 pub fn reconstruct(
@@ -45,11 +47,7 @@ pub fn reconstruct(
         .zip(mass)
         .map(|((old, new), m)| if m > 0.0 { [new[0], new[1], new[2]] } else { *old })
         .collect();
-    let rows = moved.len();
-    // Same number of finite positions; only an overflow of the sums could spoil them.
-    let mesh = mesh
-        .with_positions(moved)
-        .map_err(|_| SpectralError::Rows { found: rows, expected: mesh.vertex_count() })?;
+    let mesh = mesh.with_positions(moved)?;
     Ok(Reconstruction { mesh, split: spectrum.split(k) })
 }
 

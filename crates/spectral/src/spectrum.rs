@@ -15,6 +15,7 @@ use crate::error::SpectralError;
 ///
 /// Isolated vertices and pinned ones have the value 0 in every mode.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Spectrum {
     /// λ, ascending, in 1/(mesh units)² (dimensionless for graph spectra).
     pub values: Vec<f64>,
@@ -64,7 +65,7 @@ impl Spectrum {
         let mut following = self.values[k..].to_vec();
         following.extend(&self.beyond.values);
         Ok(Self {
-            beyond: Beyond { values: following, clear_below: self.beyond.clear_below },
+            beyond: Beyond::new(following, self.beyond.clear_below),
             values: self.values[..k].to_vec(),
             modes: self.modes.slice_axis(Axis(1), Slice::from(..k)).to_owned(),
             residuals: self.residuals[..k].to_vec(),

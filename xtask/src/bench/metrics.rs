@@ -1,7 +1,7 @@
 //! Distances and normals between a mesh and its reference.
 
 use anyhow::{Context as _, Result};
-use fairing_evaluation::{NormalError, SurfaceDistance, normal_error, surface_distance};
+use fairing_evaluation::{NormalAngles, SurfaceDistance, normal_error, surface_distance};
 use fairing_mesh::{TriMesh, io};
 
 use super::{Fingerprint, Job, Stopwatch, Task, Work, anew};
@@ -30,7 +30,7 @@ impl Task for Metrics {
 struct Comparing {
     mesh: TriMesh,
     reference: TriMesh,
-    found: Option<(SurfaceDistance, NormalError)>,
+    found: Option<(SurfaceDistance, NormalAngles)>,
 }
 
 impl Work for Comparing {

@@ -13,7 +13,7 @@ mod vote;
 
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::dot;
-use fairing_operators::{NoiseLevel, NoisyParts, noisy_parts};
+use fairing_operators::{NoiseEstimate, NoisyParts, noisy_parts};
 
 use super::faces::{FaceLists, FaceShapes, Hinges};
 use super::unit_scale::at_unit_scale;
@@ -65,12 +65,13 @@ pub enum SurfaceKind {
 
 /// What [`automatic`] returns.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Automatic {
     /// The denoised mesh, with the faces of the input.
     pub mesh: TriMesh,
     /// The estimated noise, of the connected parts with most of it; `None` where
     /// the mesh is too small for one.
-    pub noise: Option<NoiseLevel>,
+    pub noise: Option<NoiseEstimate>,
     /// What the surface of these parts was taken for.
     pub kind: SurfaceKind,
 }
@@ -119,7 +120,10 @@ pub fn automatic(mesh: &TriMesh) -> Result<Automatic, DenoiseError> {
         (noise, kind) = (result.noise, result.kind);
         Ok(result.mesh)
     })?;
-    let in_mesh_units = |n: NoiseLevel| NoiseLevel { sigma: n.sigma * unit, ..n };
+    let in_mesh_units = |mut noise: NoiseEstimate| {
+        noise.sigma *= unit;
+        noise
+    };
     Ok(Automatic { mesh, noise: noise.map(in_mesh_units), kind })
 }
 
@@ -146,7 +150,7 @@ fn group_by_group(mesh: &TriMesh) -> Result<Automatic, DenoiseError> {
 }
 
 /// Denoises a mesh whose noise has one level.
-fn denoise_alike(mesh: &TriMesh, level: NoiseLevel) -> Result<Automatic, DenoiseError> {
+fn denoise_alike(mesh: &TriMesh, level: NoiseEstimate) -> Result<Automatic, DenoiseError> {
     let noise = Some(level);
     if level.sigma <= LEAST_NOISE * mesh.mean_edge_length() {
         return Ok(Automatic { mesh: mesh.clone(), noise, kind: SurfaceKind::Clean });

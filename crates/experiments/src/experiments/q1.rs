@@ -51,7 +51,7 @@ const GROWS: f64 = 0.02;
 /// `½ ‖L x‖` with `L = D⁻¹A − I`, as the assignment has it.
 fn umbrella(mesh: &TriMesh) -> Result<ScalarCurvature> {
     let mean = mean_curvature(mesh, MeanOperator::Umbrella)?;
-    Ok(ScalarCurvature { values: mean.norms(), status: mean.status, boundary: mean.boundary })
+    Ok(ScalarCurvature::new(mean.norms(), mean.status, mean.boundary))
 }
 
 impl Experiment for UniformCurvature {

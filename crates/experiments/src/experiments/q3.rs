@@ -268,11 +268,7 @@ fn view(name: &str, mesh: &TriMesh, uniform: &MeanCurvature, cotangent: &MeanCur
 
 /// `½ ‖Δx‖` with the flags.
 fn sizes(mean: &MeanCurvature) -> ScalarCurvature {
-    ScalarCurvature {
-        values: mean.norms(),
-        status: mean.status.clone(),
-        boundary: mean.boundary.clone(),
-    }
+    ScalarCurvature::new(mean.norms(), mean.status.clone(), mean.boundary.clone())
 }
 
 /// What the operators return on planes, where all of it is wrong.

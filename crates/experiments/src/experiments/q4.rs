@@ -352,11 +352,11 @@ fn modes_picture(
             let mode = modes.modes.column(i);
             let largest = mode.iter().fold(f64::MIN_POSITIVE, |m: f64, x| m.max(x.abs()));
             let n = mesh.vertex_count();
-            let field = ScalarCurvature {
-                values: mode.iter().map(|x| x / largest).collect(),
-                status: vec![VertexStatus::Defined; n],
-                boundary: vec![false; n],
-            };
+            let field = ScalarCurvature::new(
+                mode.iter().map(|x| x / largest).collect(),
+                vec![VertexStatus::Defined; n],
+                vec![false; n],
+            );
             (format!("mode {i}, λ = {}", short(modes.values[i])), field)
         })
         .collect();

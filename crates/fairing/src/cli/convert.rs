@@ -57,8 +57,8 @@ impl Convert {
         if !self.strict {
             options.unheld_fields = UnheldFields::Drop;
         }
-        let (format, _) = Format::of_name(&self.output);
-        if self.triangulate || format == Some(Format::Stl) {
+        let is_stl = Format::from_path(&self.output).is_some_and(|n| n.format == Format::Stl);
+        if self.triangulate || is_stl {
             return files::write(context, &self.output, &mesh.triangulate(), &fields, &options);
         }
         let report = io::write_polygons(&self.output, &mesh, &fields, &options);

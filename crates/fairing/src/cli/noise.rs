@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use fairing::evaluation::{NoiseKind, NoiseLevel, add_noise};
 
@@ -33,8 +34,8 @@ pub(crate) struct Noise {
     #[arg(long, value_enum, default_value = "edge")]
     unit: Unit,
     /// How vertices are moved
-    #[arg(long, value_enum, default_value = "normal")]
-    kind: Kind,
+    #[arg(long, default_value = "normal", value_parser = kinds())]
+    kind: NoiseKind,
     /// The share of vertices that impulsive noise moves
     #[arg(long, value_name = "SHARE", default_value_t = 0.25)]
     share: f64,
@@ -53,18 +54,9 @@ enum Unit {
     Diagonal,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-enum Kind {
-    /// Gaussian along the vertex normal
-    Normal,
-    /// Gaussian along each axis (the assignment's)
-    Axes,
-    /// Gaussian along a random direction
-    Direction,
-    /// Uniform along each axis
-    Uniform,
-    /// Gaussian along a random direction, on a share of the vertices
-    Impulsive,
+fn kinds() -> impl TypedValueParser<Value = NoiseKind> {
+    let names = NoiseKind::ALL.map(|kind| PossibleValue::new(kind.name()).help(kind.description()));
+    PossibleValuesParser::new(names).try_map(|name| name.parse::<NoiseKind>())
 }
 
 impl Noise {
@@ -78,11 +70,8 @@ impl Noise {
             Unit::Diagonal => NoiseLevel::Diagonals(self.sigma),
         };
         let kind = match self.kind {
-            Kind::Normal => NoiseKind::GaussianAlongNormals,
-            Kind::Axes => NoiseKind::GaussianPerAxis,
-            Kind::Direction => NoiseKind::GaussianAlongDirections,
-            Kind::Uniform => NoiseKind::UniformPerAxis,
-            Kind::Impulsive => NoiseKind::Impulsive { share: self.share },
+            NoiseKind::Impulsive { .. } => NoiseKind::Impulsive { share: self.share },
+            other => other,
         };
         let noisy = add_noise(&file.mesh, kind, level, self.seed)?;
         context.note(format_args!(

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context as _, anyhow};
+use anyhow::anyhow;
 use clap::{Args, ValueEnum};
 use fairing::figure::{
     Background, Camera, Center, ColorMap, Colors, Field, Image, Limits, Occlusion, RenderOptions,
@@ -40,7 +40,7 @@ pub(crate) struct Render {
     #[arg(long, value_name = "NAME")]
     field: Option<String>,
     /// The colour map: viridis, cividis, magma, turbo, coolwarm or hue
-    #[arg(long, value_name = "MAP", value_parser = color_map, requires = "field")]
+    #[arg(long, value_name = "MAP", requires = "field")]
     map: Option<ColorMap>,
     /// The values at the two ends of the map
     #[arg(long, value_name = "LOW,HIGH", value_parser = range, allow_hyphen_values = true, requires = "field")]
@@ -50,7 +50,7 @@ pub(crate) struct Render {
     equalize: bool,
     /// Where to look from: front, back, left, right, top, bottom, three-quarter,
     /// behind, or AZIMUTH,ELEVATION in degrees
-    #[arg(long, value_name = "VIEW", value_parser = viewpoint, default_value = "three-quarter", allow_hyphen_values = true)]
+    #[arg(long, value_name = "VIEW", default_value = "three-quarter", allow_hyphen_values = true)]
     view: Viewpoint,
     /// The axis that points upward in the picture
     #[arg(long, value_enum, default_value = "y")]
@@ -188,29 +188,6 @@ fn values_of(fields: &VertexFields, name: &str) -> Result<Vec<f64>, Failure> {
         true => format!("there is no field {name}: the file has no vertex properties"),
         false => format!("there is no field {name}; the file has {}", known.join(", ")),
     }))
-}
-
-fn color_map(text: &str) -> Result<ColorMap, String> {
-    ColorMap::from_name(text)
-        .ok_or_else(|| format!("the maps are {}", ColorMap::ALL.map(ColorMap::name).join(", ")))
-}
-
-fn viewpoint(text: &str) -> anyhow::Result<Viewpoint> {
-    Ok(match text {
-        "front" => Viewpoint::Front,
-        "back" => Viewpoint::Back,
-        "left" => Viewpoint::Left,
-        "right" => Viewpoint::Right,
-        "top" => Viewpoint::Top,
-        "bottom" => Viewpoint::Bottom,
-        "three-quarter" => Viewpoint::ThreeQuarter,
-        "behind" => Viewpoint::ThreeQuarterBack,
-        _ => {
-            let (azimuth, elevation) = pair(text, ',')
-                .context("expected the name of a view or AZIMUTH,ELEVATION in degrees")?;
-            Viewpoint::Angles { azimuth, elevation }
-        }
-    })
 }
 
 fn range(text: &str) -> anyhow::Result<(f64, f64)> {

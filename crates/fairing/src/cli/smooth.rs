@@ -305,6 +305,7 @@ fn approach(approach: Approach) -> String {
         }
         Approach::Modes { count } => format!("{count} modes"),
         Approach::Cholesky { factorisations } => format!("Cholesky, {factorisations} factors"),
+        other => format!("{other:?}"),
     }
 }
 

@@ -21,6 +21,7 @@ pub struct ReadError {
 
 /// A place in a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Place {
     /// The file as a whole.
     Whole,
@@ -53,15 +54,15 @@ pub enum ReadProblem {
     /// A sound file without a single vertex.
     #[error("the file holds no vertices")]
     NoVertices,
-    /// The content is of another kind than the ending of the name.
-    #[error("the name says {ending}, but the content is {content}")]
+    /// The content is of another kind than the file extension says.
+    #[error("the name says {extension}, but the content is {content}")]
     OtherKind {
-        /// What the ending of the name says.
-        ending: String,
+        /// What the file extension says.
+        extension: String,
         /// What the content is.
         content: String,
     },
-    /// Neither the ending nor the content is of a known format.
+    /// Neither the file extension nor the content is of a known format.
     #[error("expected an OBJ, PLY, OFF or STL file, found {found}")]
     UnknownKind {
         /// How the content begins.
@@ -179,9 +180,9 @@ pub enum WriteProblem {
     /// The operating system cannot write it.
     #[error("cannot be written: {0}")]
     Io(#[from] io::Error),
-    /// The ending of the name is not that of a known format.
-    #[error("the name must end in .obj, .ply, .off or .stl, perhaps followed by .gz")]
-    UnknownEnding,
+    /// The file extension is not that of a known format.
+    #[error("the file extension must be .obj, .ply, .off or .stl, optionally followed by .gz")]
+    UnknownExtension,
     /// The format has no place for these fields.
     #[error("{format} cannot hold {}; write PLY, or ask for fields to be dropped", fields.join(", "))]
     FieldsNotHeld {

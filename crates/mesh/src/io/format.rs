@@ -1,6 +1,5 @@
 //! The formats, and how one is told from a name and from content.
 
-use std::fmt;
 use std::path::Path;
 
 use crate::io::error::{Fault, ReadProblem};
@@ -20,36 +19,50 @@ pub enum Format {
     Stl,
 }
 
-impl fmt::Display for Format {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
+/// The format of a file by its name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub struct NamedFormat {
+    /// What the file extension says.
+    pub format: Format,
+    /// Whether the file is gzip-compressed: `.gz` follows.
+    pub gzip: bool,
+}
+
+crate::named!(Format, "format");
+
+impl Format {
+    /// All formats.
+    pub const ALL: [Self; 4] = [Self::Obj, Self::Ply, Self::Off, Self::Stl];
+
+    /// The name in messages: the file extension in capital letters.
+    pub fn name(self) -> &'static str {
+        match self {
             Self::Obj => "OBJ",
             Self::Ply => "PLY",
             Self::Off => "OFF",
             Self::Stl => "STL",
-        })
+        }
     }
-}
 
-impl Format {
-    /// What the ending of a name says: the format if it is a known one, and
-    /// whether `.gz` follows. Case does not matter; `coff`, `noff` and `stoff`
-    /// count as `off`.
-    pub fn of_name(path: &Path) -> (Option<Self>, bool) {
+    /// The format that the file extension says, if it is a known one. Case does
+    /// not matter; `coff`, `noff` and `stoff` count as `off`.
+    pub fn from_path(path: impl AsRef<Path>) -> Option<NamedFormat> {
+        let path = path.as_ref();
         let name = path.file_name().map(|n| n.to_string_lossy().to_ascii_lowercase());
         let name = name.unwrap_or_default();
         let (stem, gzip) = match name.strip_suffix(".gz") {
             Some(stem) => (stem, true),
             None => (&name[..], false),
         };
-        let format = match stem.rsplit_once('.').map(|(_, ending)| ending) {
-            Some("obj") => Some(Self::Obj),
-            Some("ply") => Some(Self::Ply),
-            Some("off" | "coff" | "noff" | "stoff") => Some(Self::Off),
-            Some("stl") => Some(Self::Stl),
-            _ => None,
+        let format = match stem.rsplit_once('.')?.1 {
+            "obj" => Self::Obj,
+            "ply" => Self::Ply,
+            "off" | "coff" | "noff" | "stoff" => Self::Off,
+            "stl" => Self::Stl,
+            _ => return None,
         };
-        (format, gzip)
+        Some(NamedFormat { format, gzip })
     }
 
     /// What the content looks like, if it looks like one of the formats.
@@ -70,19 +83,18 @@ impl Format {
     /// Decides by content and name. The content decides where the name says
     /// nothing; where the content is unclear (a damaged file, say) the name
     /// does, and its reader says what is wrong.
-    pub(crate) fn decide(path: &Path, bytes: &[u8]) -> Result<Self, Fault> {
-        let (named, _) = Self::of_name(path);
+    pub(crate) fn decide(named: Option<Self>, bytes: &[u8]) -> Result<Self, Fault> {
         match (named, Self::of_content(bytes)) {
             (Some(name), Some(content)) if name != content => {
                 Err(Fault::whole(ReadProblem::OtherKind {
-                    ending: name.to_string(),
+                    extension: name.to_string(),
                     content: content.to_string(),
                 }))
             }
             (_, Some(content)) => Ok(content),
             (Some(name), None) => match foreign_kind(bytes) {
                 Some(kind) => Err(Fault::whole(ReadProblem::OtherKind {
-                    ending: name.to_string(),
+                    extension: name.to_string(),
                     content: kind.to_owned(),
                 })),
                 None => Ok(name),
@@ -125,7 +137,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn endings_name_formats_in_any_case_and_under_gz() {
+    fn extensions_name_formats_in_any_case_and_under_gz() {
         for (name, format, gzip) in [
             ("a.obj", Some(Format::Obj), false),
             ("b.tar.PLY.GZ", Some(Format::Ply), true),
@@ -134,7 +146,18 @@ mod tests {
             ("e.gz", None, true),
             ("obj", None, false),
         ] {
-            assert_eq!(Format::of_name(Path::new(name)), (format, gzip), "{name}");
+            let expected = format.map(|format| NamedFormat { format, gzip });
+            assert_eq!(Format::from_path(name), expected, "{name}");
         }
+    }
+
+    #[test]
+    fn names_read_back_in_any_case() {
+        for format in Format::ALL {
+            assert_eq!(format.to_string().parse(), Ok(format));
+            assert_eq!(format.name().to_lowercase().parse(), Ok(format));
+        }
+        let error = "fbx".parse::<Format>().unwrap_err().to_string();
+        assert!(error.contains("OBJ, PLY, OFF, STL"), "{error}");
     }
 }

@@ -1,7 +1,7 @@
 //! Reading and writing OBJ, PLY, OFF and STL, plain or gzip-compressed.
 //!
 //! The order of vertices is kept exactly, isolated ones included; coordinates
-//! go from text to `f64` with correct rounding. Content and ending decide the
+//! go from text to `f64` with correct rounding. Content and file extension decide the
 //! format together: a file of another kind than its name says is an error.
 //!
 //! What is kept, and what becomes of the rest:
@@ -62,16 +62,17 @@ mod write;
 
 pub use error::{Place, ReadError, ReadProblem, WriteError, WriteProblem};
 pub use fields::VertexFields;
-pub use format::Format;
+pub use format::{Format, NamedFormat};
 pub use options::{Encoding, FloatWidth, ReadOptions, Strictness, UnheldFields, WriteOptions};
 pub use report::ReadReport;
 #[cfg(feature = "files")]
 pub use whole::write_whole;
-pub use write::{WriteReport, polygons_to_bytes, to_bytes};
+pub use write::{WriteReport, polygons_to_bytes, to_bytes, write_polygons_to, write_to};
 #[cfg(feature = "files")]
 pub use write::{write, write_polygons, write_with_fields};
 
 use std::borrow::Cow;
+use std::io::Read;
 use std::path::Path;
 
 use crate::io::error::Fault;
@@ -121,9 +122,8 @@ pub fn read(path: impl AsRef<Path>) -> Result<MeshFile, ReadError> {
 /// As for [`read`].
 pub fn read_with(path: impl AsRef<Path>, options: &ReadOptions) -> Result<MeshFile, ReadError> {
     let path = path.as_ref();
-    load(path)
-        .and_then(|bytes| triangles(path, &bytes, options))
-        .map_err(|fault| fault.in_file(path))
+    let parse = |bytes: Vec<u8>| named_triangles(path, &bytes, options);
+    load(path).and_then(parse).map_err(|fault| fault.in_file(path))
 }
 
 /// Reads a mesh and keeps its polygons.
@@ -145,16 +145,15 @@ pub fn read_polygons_with(
     options: &ReadOptions,
 ) -> Result<PolygonFile, ReadError> {
     let path = path.as_ref();
-    let finish = |bytes: Vec<u8>| {
-        let Finished { positions, polygons, fields, report } = finished(path, &bytes, options)?;
-        let mesh = PolygonMesh::from_checked(positions, polygons);
-        Ok(PolygonFile { mesh, fields, report })
+    let parse = |bytes: Vec<u8>| {
+        let (format, bytes) = as_named(path, &bytes)?;
+        polygons(format, bytes, options)
     };
-    load(path).and_then(finish).map_err(|fault: Fault| fault.in_file(path))
+    load(path).and_then(parse).map_err(|fault| fault.in_file(path))
 }
 
 /// Reads a triangle mesh from the bytes of a file; `name` is only looked at
-/// for its ending and for error messages, and may be empty.
+/// for its extension and for error messages, and may be empty.
 ///
 /// # Errors
 ///
@@ -165,15 +164,96 @@ pub fn read_bytes(
     options: &ReadOptions,
 ) -> Result<MeshFile, ReadError> {
     let name = name.as_ref();
-    triangles(name, bytes, options).map_err(|fault| fault.in_file(name))
+    named_triangles(name, bytes, options).map_err(|fault| fault.in_file(name))
+}
+
+fn named_triangles(name: &Path, bytes: &[u8], options: &ReadOptions) -> Result<MeshFile, Fault> {
+    let (format, bytes) = as_named(name, bytes)?;
+    triangles(format, bytes, options)
+}
+
+/// Reads a triangle mesh from a stream, to its end: a file, a response, an
+/// archive member, standard input. Gzip is recognised by its content.
+///
+/// Without a format, the content decides.
+///
+/// # Errors
+///
+/// As for [`read`]; the file in the error is empty.
+///
+/// # Examples
+///
+/// ```
+/// use fairing_mesh::io::{self, Format, ReadOptions};
+///
+/// let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+/// let file = io::read_from(text.as_bytes(), Some(Format::Obj), &ReadOptions::default())?;
+/// assert_eq!(file.mesh.face_count(), 1);
+/// # Ok::<(), io::ReadError>(())
+/// ```
+pub fn read_from(
+    stream: impl Read,
+    format: Option<Format>,
+    options: &ReadOptions,
+) -> Result<MeshFile, ReadError> {
+    drained(stream)
+        .and_then(|bytes| triangles(format, &bytes, options))
+        .map_err(|fault| fault.in_file(Path::new("")))
+}
+
+/// [`read_from`] for polygons, which it keeps.
+///
+/// # Errors
+///
+/// As for [`read_from`].
+pub fn read_polygons_from(
+    stream: impl Read,
+    format: Option<Format>,
+    options: &ReadOptions,
+) -> Result<PolygonFile, ReadError> {
+    drained(stream)
+        .and_then(|bytes| polygons(format, &bytes, options))
+        .map_err(|fault| fault.in_file(Path::new("")))
 }
 
 fn load(path: &Path) -> Result<Vec<u8>, Fault> {
     std::fs::read(path).map_err(|error| Fault::whole(ReadProblem::Io(error)))
 }
 
-fn triangles(name: &Path, bytes: &[u8], options: &ReadOptions) -> Result<MeshFile, Fault> {
-    let Finished { positions, polygons, fields, report } = finished(name, bytes, options)?;
+/// The bytes of a file, unless it is not compressed and its name says that it is.
+fn as_named<'a>(path: &Path, bytes: &'a [u8]) -> Result<(Option<Format>, &'a [u8]), Fault> {
+    let named = Format::from_path(path);
+    if named.is_some_and(|named| named.gzip) && !is_gzip(bytes) && !bytes.is_empty() {
+        return Err(Fault::whole(ReadProblem::OtherKind {
+            extension: "gzip-compressed".to_owned(),
+            content: "not".to_owned(),
+        }));
+    }
+    Ok((named.map(|named| named.format), bytes))
+}
+
+fn drained(mut stream: impl Read) -> Result<Vec<u8>, Fault> {
+    let mut bytes = Vec::new();
+    stream.read_to_end(&mut bytes).map_err(|error| Fault::whole(ReadProblem::Io(error)))?;
+    Ok(bytes)
+}
+
+fn polygons(
+    format: Option<Format>,
+    bytes: &[u8],
+    options: &ReadOptions,
+) -> Result<PolygonFile, Fault> {
+    let Finished { positions, polygons, fields, report } = finished(format, bytes, options)?;
+    let mesh = PolygonMesh::from_checked(positions, polygons);
+    Ok(PolygonFile { mesh, fields, report })
+}
+
+fn triangles(
+    format: Option<Format>,
+    bytes: &[u8],
+    options: &ReadOptions,
+) -> Result<MeshFile, Fault> {
+    let Finished { positions, polygons, fields, report } = finished(format, bytes, options)?;
     let mesh = match polygons {
         Polygons::Triangles(faces) => TriMesh::from_checked(positions, faces),
         mixed => PolygonMesh::from_checked(positions, mixed).triangulate(),
@@ -181,23 +261,14 @@ fn triangles(name: &Path, bytes: &[u8], options: &ReadOptions) -> Result<MeshFil
     Ok(MeshFile { mesh, fields, report })
 }
 
-fn finished(name: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Finished, Fault> {
+fn finished(named: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Result<Finished, Fault> {
     let compressed = is_gzip(bytes);
-    if let (Some(_), true) = Format::of_name(name)
-        && !compressed
-        && !bytes.is_empty()
-    {
-        return Err(Fault::whole(ReadProblem::OtherKind {
-            ending: "gzip-compressed".to_owned(),
-            content: "not".to_owned(),
-        }));
-    }
     let bytes = if compressed { unpack(bytes, options)? } else { bytes.into() };
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return Err(Fault::whole(ReadProblem::Empty));
     }
     let body = after_mark(&bytes);
-    let format = Format::decide(name, body)?;
+    let format = Format::decide(named, body)?;
     let parsed = match format {
         Format::Obj => obj::parse(body),
         Format::Ply => ply::parse(body),

@@ -13,7 +13,6 @@ pub enum Strictness {
 
 /// How to read.
 #[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
 pub struct ReadOptions {
     /// What to do with content that cannot be kept.
     pub strictness: Strictness,
@@ -81,7 +80,6 @@ pub enum UnheldFields {
 
 /// How to write.
 #[derive(Debug, Clone, Default, PartialEq)]
-#[non_exhaustive]
 pub struct WriteOptions {
     /// For PLY and STL; the other formats are text.
     pub encoding: Encoding,

@@ -4,6 +4,7 @@ use super::Topology;
 
 /// Faces around a vertex, each sharing an edge with the next.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Fan {
     /// The other vertices in order, counter-clockwise seen from outside (in
     /// the sense of the fan's lowest face where faces disagree). An open fan

@@ -31,6 +31,7 @@ use crate::tangent::tangent_frame;
 
 /// The measures of a part of a surface, integrated; they add up.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
 pub struct CorrectedMeasures {
     /// μ⁰: the area, seen along the normals, in squared mesh units.
     pub area: f64,

@@ -1,8 +1,5 @@
 //! All estimators under one name.
 
-use std::fmt;
-use std::str::FromStr;
-
 use fairing_mesh::TriMesh;
 
 use super::corrected::{CorrectedOptions, corrected_curvature};
@@ -154,32 +151,7 @@ const fn jet(degree: JetDegree, rings: u32) -> Estimator {
     })
 }
 
-impl fmt::Display for Estimator {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
-    }
-}
-
-/// There is no estimator of this name.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("there is no estimator {name:?}; there are {}", names())]
-pub struct UnknownEstimator {
-    /// The name.
-    pub name: String,
-}
-
-fn names() -> String {
-    Estimator::ALL.map(|e| e.name()).join(", ")
-}
-
-impl FromStr for Estimator {
-    type Err = UnknownEstimator;
-
-    fn from_str(name: &str) -> Result<Self, UnknownEstimator> {
-        let known = Self::ALL.into_iter().find(|e| e.name() == name);
-        known.ok_or_else(|| UnknownEstimator { name: name.into() })
-    }
-}
+fairing_mesh::named!(Estimator, "estimator");
 
 #[cfg(test)]
 mod tests {

@@ -12,6 +12,7 @@ use fairing_mesh::vec3::{add, cross, scale};
 ///
 /// Everything is zero where the status says undefined; nothing is ever NaN.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct CurvatureField {
     /// κ₁ ≥ κ₂, in 1 / mesh units, positive on a sphere.
     pub kappa1: Vec<f64>,

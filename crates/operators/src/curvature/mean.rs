@@ -32,6 +32,7 @@ pub enum MeanOperator {
 
 /// The mean curvature at each vertex, and the vectors it is read from.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct MeanCurvature {
     /// `Δx` at each vertex; zero where undefined.
     pub vectors: Vec<[f64; 3]>,

@@ -33,7 +33,7 @@ mod steiner;
 
 pub use corrected::{CorrectedMeasures, CorrectedOptions, corrected_curvature};
 pub use cotangent::{CotangentOptions, cotangent_curvature};
-pub use estimator::{Estimator, UnknownEstimator};
+pub use estimator::Estimator;
 pub use face_tensor::{FaceTensorOptions, face_tensor_curvature};
 pub use field::CurvatureField;
 pub(crate) use fit::PrincipalAxes;

@@ -45,6 +45,7 @@ impl VertexStatus {
 
 /// A curvature at each vertex.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct ScalarCurvature {
     /// The values in vertex order, zero where undefined.
     pub values: Vec<f64>,
@@ -55,6 +56,22 @@ pub struct ScalarCurvature {
 }
 
 impl ScalarCurvature {
+    /// Values, whether each is defined, and whether its vertex is on the boundary.
+    ///
+    /// # Panics
+    ///
+    /// If the three differ in length.
+    pub fn new(values: Vec<f64>, status: Vec<VertexStatus>, boundary: Vec<bool>) -> Self {
+        assert!(
+            values.len() == status.len() && values.len() == boundary.len(),
+            "{} values, {} states, {} flags of the boundary",
+            values.len(),
+            status.len(),
+            boundary.len()
+        );
+        Self { values, status, boundary }
+    }
+
     /// The value at vertex `v`, if defined.
     ///
     /// # Panics

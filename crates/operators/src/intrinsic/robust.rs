@@ -44,6 +44,7 @@ impl Default for RobustOptions {
 
 /// Stiffness and mass of a mesh in its intrinsic metric.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct RobustLaplacian {
     /// The stiffness, `n × n`, as [`cotan_stiffness`](crate::cotan_stiffness)
     /// makes it: positive semi-definite, zero row sums, dimensionless.
@@ -66,6 +67,7 @@ pub struct RobustLaplacian {
 
 /// Triangles given by the lengths of their sides.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct IntrinsicFaces {
     /// The corners, three for each face; side k runs from corner k to corner
     /// k + 1. An edge may lead from a vertex to itself.

@@ -1,8 +1,5 @@
 //! Which Laplacian, and which mass, by name.
 
-use std::fmt;
-use std::str::FromStr;
-
 use crate::mass::LumpedArea;
 
 /// Which stiffness a [`Laplacian`](super::Laplacian) has.
@@ -114,59 +111,13 @@ impl From<LumpedArea> for MassKind {
     }
 }
 
-/// There is no kind of this name.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("there is no {what} {name:?}; there are {}", known.join(", "))]
-pub struct UnknownKind {
-    /// What was asked for, "Laplacian" or "mass".
-    pub what: &'static str,
-    /// The name.
-    pub name: String,
-    /// The names that there are.
-    pub known: Vec<&'static str>,
-}
-
-impl fmt::Display for LaplacianKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
-    }
-}
-
-impl fmt::Display for MassKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
-    }
-}
-
-impl FromStr for LaplacianKind {
-    type Err = UnknownKind;
-
-    fn from_str(name: &str) -> Result<Self, UnknownKind> {
-        let known = Self::ALL.into_iter().find(|kind| kind.name() == name);
-        known.ok_or_else(|| UnknownKind {
-            what: "Laplacian",
-            name: name.into(),
-            known: Self::ALL.map(Self::name).to_vec(),
-        })
-    }
-}
-
-impl FromStr for MassKind {
-    type Err = UnknownKind;
-
-    fn from_str(name: &str) -> Result<Self, UnknownKind> {
-        let known = Self::ALL.into_iter().find(|kind| kind.name() == name);
-        known.ok_or_else(|| UnknownKind {
-            what: "mass",
-            name: name.into(),
-            known: Self::ALL.map(Self::name).to_vec(),
-        })
-    }
-}
+fairing_mesh::named!(LaplacianKind, "Laplacian");
+fairing_mesh::named!(MassKind, "mass");
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::normals::NormalWeight;
 
     #[test]
     fn names_read_back() {
@@ -175,6 +126,13 @@ mod tests {
         }
         for kind in MassKind::ALL {
             assert_eq!(kind.to_string().parse(), Ok(kind));
+        }
+        for area in LumpedArea::ALL {
+            assert_eq!(area.to_string().parse(), Ok(area));
+            assert_eq!(MassKind::from(area).name(), area.name());
+        }
+        for weight in NormalWeight::ALL {
+            assert_eq!(weight.to_string().parse(), Ok(weight));
         }
         let error = "cotan".parse::<LaplacianKind>().unwrap_err().to_string();
         assert!(error.contains("\"cotan\"") && error.contains("uniform, cotangent"), "{error}");

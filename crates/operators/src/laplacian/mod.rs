@@ -30,7 +30,7 @@ use crate::stiffness::cotan_stiffness;
 use crate::uniform::combinatorial_laplacian;
 
 pub use choice::Reason;
-pub use kind::{LaplacianKind, MassKind, UnknownKind};
+pub use kind::{LaplacianKind, MassKind};
 pub use mass::MassMatrix;
 pub use restricted::Restricted;
 

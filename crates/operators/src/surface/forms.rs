@@ -33,6 +33,7 @@ pub enum SurfaceError {
 /// with m the unit normal pointing **inward**, so that curvature is positive
 /// where the surface bends like a sphere. Source: \[docarmo1976\].
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct FundamentalForms {
     /// `[E, F, G]`, in squared mesh units.
     pub first: [f64; 3],
@@ -48,6 +49,7 @@ pub struct FundamentalForms {
 
 /// Principal curvatures and their directions at a point of a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct PrincipalDirections {
     /// κ₁ ≥ κ₂, in 1 / mesh units.
     pub values: [f64; 2],

@@ -40,6 +40,7 @@ pub trait ImplicitSurface {
 
 /// Exact curvature at a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct PointCurvature {
     /// κ₁ ≥ κ₂, in 1 / mesh units, positive on a sphere.
     pub values: [f64; 2],

@@ -7,6 +7,7 @@ use fairing_operators::OperatorError;
 
 /// A flow that could not go on, and the mesh as far as it came.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct FlowError {
     /// What stood in the way.
     pub failure: FlowFailure,

@@ -5,6 +5,7 @@ use fairing_spectral::Split;
 
 /// A smoothed mesh and how it came about.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Smoothed {
     /// The mesh, vertices and faces in the order of the input.
     pub mesh: TriMesh,
@@ -14,6 +15,7 @@ pub struct Smoothed {
 
 /// How a flow went.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[non_exhaustive]
 pub struct Report {
     /// Steps taken.
     pub iterations: usize,
@@ -40,6 +42,7 @@ pub struct Report {
 
 /// How the steps of a flow were computed. All give the same result within their tolerances.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum Approach {
     /// One after another, by products with the Laplacian alone.
     #[default]

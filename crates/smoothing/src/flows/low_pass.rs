@@ -160,7 +160,7 @@ fn smoothest(mesh: &TriMesh, k: usize, options: &LowPass) -> Result<Smoothed, Fl
         let reason = "a projection on modes knows no constraints";
         return Err(FlowFailure::Unsupported { reason });
     }
-    let Reconstruction { mesh, split } = Laplacian::new(mesh, kind, mass)
+    let Reconstruction { mesh, split, .. } = Laplacian::new(mesh, kind, mass)
         .map_err(SpectralError::from)
         .and_then(|laplacian| spectrum(&laplacian, k, &SpectrumOptions::default()))
         .and_then(|modes| reconstruct(mesh, &modes, k))

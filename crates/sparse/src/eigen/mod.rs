@@ -97,11 +97,19 @@ impl EigenOptions {
 
 /// What is known about the eigenvalues after those asked for.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Beyond {
     /// Those that came along, ascending: a solver goes on to the next gap.
     pub values: Vec<f64>,
     /// No others lie below this, as surely as `certified` says. Infinite if there are no others.
     pub clear_below: f64,
+}
+
+impl Beyond {
+    /// Values that follow, ascending, and the bound below which there are no others.
+    pub fn new(values: Vec<f64>, clear_below: f64) -> Self {
+        Self { values, clear_below }
+    }
 }
 
 /// Eigenpairs of S φ = λ M φ.
@@ -110,6 +118,7 @@ pub struct Beyond {
 /// eigenvalue where that is larger than r; rounding adds some ε φᵀ|S|φ. A vector is off by an angle of about r
 /// divided by that distance. Between processors, which round in another order, results differ by as much.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct EigenPairs {
     /// Eigenvalues, ascending. Those of the constants of each component that S maps to zero are exactly 0.
     pub values: Vec<f64>,
@@ -128,6 +137,7 @@ pub struct EigenPairs {
 
 /// Where a computation stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct EigenProgress {
     /// Eigenpairs that meet the tolerance.
     pub converged: usize,

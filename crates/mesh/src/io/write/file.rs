@@ -9,10 +9,10 @@ use flate2::write::GzEncoder;
 use super::WriteReport;
 use super::encode::{self, Faces, Surface};
 use crate::io::error::{WriteError, WriteProblem};
-use crate::io::{Format, VertexFields, WriteOptions, write_whole};
+use crate::io::{Format, NamedFormat, VertexFields, WriteOptions, write_whole};
 use crate::{PolygonMesh, TriMesh};
 
-/// Writes a mesh in the format of the name's ending: OBJ, PLY (binary), OFF or
+/// Writes a mesh in the format of the file extension: OBJ, PLY (binary), OFF or
 /// STL (binary), compressed if `.gz` follows.
 ///
 /// The file appears whole under its name or not at all: it is written under a
@@ -74,8 +74,8 @@ fn write_surface(
     options: &WriteOptions,
 ) -> Result<WriteReport, WriteError> {
     let attempt = || {
-        let (Some(format), gzip) = Format::of_name(path) else {
-            return Err(WriteProblem::UnknownEnding);
+        let Some(NamedFormat { format, gzip }) = Format::from_path(path) else {
+            return Err(WriteProblem::UnknownExtension);
         };
         let surface = Surface { positions, faces, fields };
         let (pieces, report) = encode::encode(format, surface, options)?;

@@ -1,0 +1,56 @@
+//! Choices that have names.
+
+/// There is no choice of this name.
+///
+/// The error of `FromStr` of every type that is written as a name, in all
+/// crates: colour maps, noise, estimators, Laplacians, and so on. Case does not
+/// matter.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("there is no {what} {name:?}; there are {}", known.join(", "))]
+#[non_exhaustive]
+pub struct UnknownName {
+    /// What was asked for, such as `"colour map"`.
+    pub what: &'static str,
+    /// The name that was given.
+    pub name: String,
+    /// The names that there are.
+    pub known: Vec<&'static str>,
+}
+
+/// The choice of that name.
+#[doc(hidden)]
+pub fn by_name<T: Copy>(
+    what: &'static str,
+    all: &[T],
+    name_of: impl Fn(&T) -> &'static str,
+    name: &str,
+) -> Result<T, UnknownName> {
+    let found = all.iter().find(|choice| name_of(choice).eq_ignore_ascii_case(name));
+    found.copied().ok_or_else(|| UnknownName {
+        what,
+        name: name.to_owned(),
+        known: all.iter().map(name_of).collect(),
+    })
+}
+
+/// Makes a type be written as its name (`Display`) and read from it
+/// (`FromStr`), from its constant `ALL` and its method `name`.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! named {
+    ($type:ty, $what:literal) => {
+        impl ::std::fmt::Display for $type {
+            fn fmt(&self, f: &mut ::std::fmt::Formatter<'_>) -> ::std::fmt::Result {
+                f.pad(self.name())
+            }
+        }
+
+        impl ::std::str::FromStr for $type {
+            type Err = $crate::UnknownName;
+
+            fn from_str(name: &str) -> ::std::result::Result<Self, $crate::UnknownName> {
+                $crate::by_name($what, &Self::ALL, |choice| choice.name(), name)
+            }
+        }
+    };
+}
