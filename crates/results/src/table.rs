@@ -303,6 +303,23 @@ impl Table {
         self.rows.iter().enumerate().map(number).collect()
     }
 
+    /// The different cells of a column, as text, in the order in which they first occur.
+    ///
+    /// # Errors
+    ///
+    /// If there is no such column.
+    pub fn labels(&self, column: &str) -> Result<Vec<String>> {
+        let c = self.index(column)?;
+        let mut labels: Vec<String> = vec![];
+        for row in &self.rows {
+            let label = row[c].to_string();
+            if !labels.contains(&label) {
+                labels.push(label);
+            }
+        }
+        Ok(labels)
+    }
+
     /// The rows whose cells in the named columns read like this, as a table.
     ///
     /// # Errors

@@ -119,23 +119,10 @@ impl Experiment for CotangentCurvature {
 
     fn judge(&self, tables: Tables<'_>) -> Result<Vec<Judgement>> {
         let errors = tables.get("analytic")?;
-        let mut ratios = vec![];
-        for surface in TestSurface::ALL {
-            for sampling in Sampling::BOTH {
-                let [uniform, cotangent] = [UNIFORM, COTANGENT]
-                    .map(|e| finest(errors, surface.name(), sampling.name(), e));
-                ratios.push(cotangent? / uniform?);
-            }
-        }
+        let ratios = ratios(errors)?;
         let worst = ratios.iter().copied().fold(0.0, f64::max);
         let best = ratios.iter().copied().fold(f64::INFINITY, f64::min);
-        let planes = tables.get("planes")?;
-        let largest = |operator: &str, column: &str| -> Result<f64> {
-            let rows = planes.only(&[("operator", operator.into())])?;
-            Ok(rows.column(column)?.into_iter().fold(0.0, f64::max))
-        };
-        let (inside, border) = (largest(COTANGENT, "inside")?, largest(COTANGENT, "boundary")?);
-        let uniform = largest(UNIFORM, "inside")?;
+        let [inside, border, uniform] = on_planes(tables.get("planes")?)?;
         let orders = tables.get("orders")?;
         let jittered = orders.only(&[
             ("sampling", Sampling::Jittered.name().into()),
@@ -189,6 +176,32 @@ impl Experiment for CotangentCurvature {
             .number("cotangent on boundaries of planes", border, Unit::One),
         ])
     }
+}
+
+/// The errors of the cotangent operator over those of the uniform one, on the finest meshes.
+fn ratios(errors: &Table) -> Result<Vec<f64>> {
+    let mut ratios = vec![];
+    for surface in TestSurface::ALL {
+        for sampling in Sampling::BOTH {
+            let [uniform, cotangent] =
+                [UNIFORM, COTANGENT].map(|e| finest(errors, surface.name(), sampling.name(), e));
+            ratios.push(cotangent? / uniform?);
+        }
+    }
+    Ok(ratios)
+}
+
+/// The largest values on planes: of the cotangent operator inside and on boundaries, and of the uniform one inside.
+fn on_planes(planes: &Table) -> Result<[f64; 3]> {
+    let largest = |operator: &str, column: &str| -> Result<f64> {
+        let rows = planes.only(&[("operator", operator.into())])?;
+        Ok(rows.column(column)?.into_iter().fold(0.0, f64::max))
+    };
+    Ok([
+        largest(COTANGENT, "inside")?,
+        largest(COTANGENT, "boundary")?,
+        largest(UNIFORM, "inside")?,
+    ])
 }
 
 /// The cotangent estimate in the assignment's colours beside the original, and

@@ -2,19 +2,15 @@
 
 use anyhow::{Context as _, Result};
 use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
-use fairing_figure::{Axis, Legend, Panel as FigurePanel, Plot, Series};
-use fairing_figure::{Figure, Up};
-use fairing_mesh::TriMesh;
 use fairing_shapes as shapes;
 use fairing_smoothing::{Diffusion, largest_eigenvalue};
 use rayon::prelude::*;
 
-use super::gallery::{Gallery, Look, VIEWPOINTS, plotted};
-use super::models::{self, Model, OverLambda, SWEPT};
+use super::models::{self, Model};
+use super::over_lambda::{self, DIVERGED, OverLambda, SWEPT};
 use super::statistics::least;
 use crate::experiment::{Card, Context, Experiment};
-use crate::inputs::Input;
-use crate::outcome::{Outcome, Picture};
+use crate::outcome::Outcome;
 use crate::row;
 use crate::table::{Table, Tables, Tolerance, Unit, short};
 use crate::verdict::{Judgement, Verdict};
@@ -45,12 +41,8 @@ impl Experiment for ExplicitFlow {
                 models::FEATURE
             ),
             formulas: FORMULAS.map(String::from).to_vec(),
-            inputs: &[Input::NoisyPlane, Input::NoisyFandisk, Input::Fandisk, Input::Cube],
-            parameters: vec![
-                ("λ", LAMBDAS.map(|l| l.to_string()).join(", ")),
-                ("iterations", ITERATIONS.to_string()),
-                ("weights", "uniform; boundaries free".into()),
-            ],
+            inputs: over_lambda::INPUTS,
+            parameters: over_lambda::parameters(&LAMBDAS, ITERATIONS),
         }
     }
 
@@ -63,12 +55,14 @@ impl Experiment for ExplicitFlow {
             iterations: ITERATIONS,
             viewed: LAMBDAS.len() - 1,
             run: Model::explicit,
-            draw: picture,
         };
         let table = flow.measure(context, &models, &mut outcome)?;
         context.progress(0.5, "sweep");
         let sweep = sweep(context, &models)?;
-        outcome.figures.push(plot(&sweep)?);
+        let caption = format!(
+            "Errors after {ITERATIONS} explicit steps over λ: the best λ differs between normals and the distance of the surfaces, and between meshes."
+        );
+        outcome.figures.push(over_lambda::plot(&sweep, &caption)?);
         let best = best(context)?;
         context.progress(0.9, "spectra");
         outcome.tables.extend([table, sweep, best, spectra(&models)?]);
@@ -81,16 +75,7 @@ impl Experiment for ExplicitFlow {
         let of = |mesh: &str, lambda: f64, column: &str| {
             flows.value(&[("mesh", mesh.into()), ("lambda", lambda.into())], column)
         };
-        let mut favourites = vec![];
-        for mesh in ["patch", "machine part"] {
-            for column in ["surface error", "normal error"] {
-                let mut candidates = vec![];
-                for lambda in LAMBDAS {
-                    candidates.push((of(mesh, lambda, column)?, lambda));
-                }
-                favourites.push(least(&candidates).context("no steps")?.1);
-            }
-        }
+        let favourites = favourites(flows)?;
         // Normals do not see a patch shrink.
         let is_best = [favourites[0], favourites[2]].iter().all(|&l| l == CLAIMED);
         let area = of("patch", 1.0, "area")?;
@@ -101,7 +86,7 @@ impl Experiment for ExplicitFlow {
         let loses = recalls[1] < recalls[0];
         let growths = spectra.column("growth at 2")?;
         let growth = growths.iter().copied().fold(f64::INFINITY, f64::min);
-        let deforms = growth > models::DIVERGED;
+        let deforms = growth > DIVERGED;
         let steps = best.column("best lambda, normals")?;
         let lowest = steps.iter().copied().fold(f64::INFINITY, f64::min);
         let highest = steps.iter().copied().fold(0.0, f64::max);
@@ -144,6 +129,22 @@ impl Experiment for ExplicitFlow {
     }
 }
 
+/// The best of the four λ by surfaces and by normals, on the patch, then on the machine part.
+fn favourites(flows: &Table) -> Result<Vec<f64>> {
+    let mut favourites = vec![];
+    for mesh in ["patch", "machine part"] {
+        for column in ["surface error", "normal error"] {
+            let mut candidates = vec![];
+            for lambda in LAMBDAS {
+                let row = [("mesh", mesh.into()), ("lambda", lambda.into())];
+                candidates.push((flows.value(&row, column)?, lambda));
+            }
+            favourites.push(least(&candidates).context("no steps")?.1);
+        }
+    }
+    Ok(favourites)
+}
+
 /// Errors over a fine range of λ, up to where open meshes stay stable.
 fn sweep(context: &Context<'_>, models: &[Model]) -> Result<Table> {
     let mut table = Table::new(
@@ -154,7 +155,7 @@ fn sweep(context: &Context<'_>, models: &[Model]) -> Result<Table> {
         &SWEPT,
     );
     let lambdas: Vec<f64> = steps(context.choose(24, 6)).collect();
-    models::sweep(&mut table, models, &lambdas, |m, lambda| m.explicit(lambda, ITERATIONS))?;
+    over_lambda::sweep(&mut table, models, &lambdas, |m, lambda| m.explicit(lambda, ITERATIONS))?;
     Ok(table)
 }
 
@@ -235,26 +236,7 @@ fn spectra(models: &[Model]) -> Result<Table> {
     .tolerance("stable limit", Some(Tolerance::LOOSE))
     .tolerance("growth of the mode", None)
     .tolerance("growth at 2", None);
-    let octahedron = TriMesh::new(
-        vec![
-            [1.0, 0.0, 0.0],
-            [-1.0, 0.0, 0.0],
-            [0.0, 1.0, 0.0],
-            [0.0, -1.0, 0.0],
-            [0.0, 0.0, 1.0],
-            [0.0, 0.0, -1.0],
-        ],
-        vec![
-            [0, 2, 4],
-            [2, 1, 4],
-            [1, 3, 4],
-            [3, 0, 4],
-            [2, 0, 5],
-            [1, 2, 5],
-            [3, 1, 5],
-            [0, 3, 5],
-        ],
-    )?;
+    let octahedron = shapes::octahedron();
     let sphere = Model::new("icosphere", shapes::icosphere(4), shapes::icosphere(4))?;
     let attained = Model::new("octahedron", octahedron.clone(), octahedron)?;
     for model in models.iter().chain([&sphere, &attained]) {
@@ -280,53 +262,6 @@ fn spectra(models: &[Model]) -> Result<Table> {
         ]);
     }
     Ok(table)
-}
-
-/// The input and the four results from two viewpoints; what has diverged is scaled to fit.
-fn picture(model: &Model, smoothed: &[TriMesh]) -> Result<Picture> {
-    let mut shown = vec![];
-    for (i, mesh) in smoothed.iter().enumerate() {
-        let title = match i {
-            0 => "input".to_string(),
-            i => format!("λ = {}", LAMBDAS[i - 1]),
-        };
-        let (mesh, scale) = models::drawn(mesh, &model.noisy)?;
-        shown.push((title + &scale, mesh));
-    }
-    let looks = shown.iter().map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
-    Gallery { looks, viewpoints: &VIEWPOINTS, up: Up::Z, aspect: 1.0, occlusion: model.occlusion }.draw(
-        &model.slug(),
-        &format!("The {} before and after {ITERATIONS} explicit steps, from two viewpoints. What has diverged or shrunk is drawn at the size of the input, as its title says.", model.name),
-        &format!("Ten pictures of the {}: the input and four steps, from two sides.", model.name),
-    )
-}
-
-/// Errors over λ.
-fn plot(sweep: &Table) -> Result<Picture> {
-    let mut figure = Figure { columns: 2, ..Figure::default() };
-    for (i, column) in ["normal error", "surface error"].into_iter().enumerate() {
-        let mut plot = Plot {
-            title: column.into(),
-            x: Axis::log("λ"),
-            y: Axis::log(if i == 0 { "degrees" } else { "mean edge lengths" }),
-            legend: Legend::Auto,
-            ..Plot::default()
-        };
-        for mesh in ["patch", "machine part"] {
-            let rows = sweep.only(&[("mesh", mesh.into())])?;
-            let points = rows.column("lambda")?.into_iter().zip(rows.column(column)?);
-            plot.series.push(Series::marked(mesh, points.map(|(x, y)| [x, y]).collect()));
-        }
-        figure.panels.push(FigurePanel::drawing(plot.draw(420.0, 320.0)?));
-    }
-    plotted(
-        &figure,
-        "sweep",
-        &format!(
-            "Errors after {ITERATIONS} explicit steps over λ: the best λ differs between normals and the distance of the surfaces, and between meshes."
-        ),
-        "Two plots of error over λ, each with a minimum.",
-    )
 }
 
 const FORMULAS: [&str; 1] = [

@@ -2,18 +2,16 @@
 
 use std::time::Instant;
 
-use anyhow::{Context as _, Result};
+use anyhow::Result;
 use fairing_evaluation::vertex_displacement;
-use fairing_figure::{Axis, Figure, Legend, Panel as FigurePanel, Plot, Series, Up};
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, dot, scale, sub};
 use fairing_shapes as shapes;
 use fairing_smoothing::{Approach, Diffusion, Implicit, implicit};
 
-use super::gallery::{Gallery, Look, VIEWPOINTS, plotted};
-use super::models::{self, Model, OverLambda, SWEPT};
+use super::models::Model;
+use super::over_lambda::{self, OverLambda, SWEPT};
 use crate::experiment::{Card, Context, Experiment};
-use crate::inputs::Input;
 use crate::outcome::{Outcome, Picture};
 use crate::row;
 use crate::table::{Cell, Table, Tables, Tolerance, Unit, short};
@@ -57,12 +55,8 @@ impl Experiment for ImplicitFlow {
                 LAMBDAS.len()
             ),
             formulas: FORMULAS.map(String::from).to_vec(),
-            inputs: &[Input::NoisyPlane, Input::NoisyFandisk, Input::Fandisk, Input::Cube],
-            parameters: vec![
-                ("λ", LAMBDAS.map(|l| l.to_string()).join(", ")),
-                ("iterations", ITERATIONS.to_string()),
-                ("weights", "uniform; boundaries free".into()),
-            ],
+            inputs: over_lambda::INPUTS,
+            parameters: over_lambda::parameters(&LAMBDAS, ITERATIONS),
         }
     }
 
@@ -75,12 +69,12 @@ impl Experiment for ImplicitFlow {
             iterations: ITERATIONS,
             viewed: LAMBDAS.len(),
             run: Model::implicit,
-            draw: over_lambda,
         };
         let table = flow.measure(context, &models, &mut outcome)?;
         context.progress(0.5, "sweep");
         let sweep = sweep(context, &models)?;
-        outcome.figures.push(plot(&sweep)?);
+        let caption = format!("Errors after {ITERATIONS} implicit steps over λ.");
+        outcome.figures.push(over_lambda::plot(&sweep, &caption)?);
         context.progress(0.7, "iterations");
         for model in models.iter().filter(|m| m.name != "cube") {
             outcome.figures.push(over_iterations(model)?);
@@ -117,9 +111,9 @@ fn stability(tables: Tables<'_>) -> Result<Judgement> {
     let sweep = tables.get("sweep")?;
     let mut best = vec![];
     for mesh in ["patch", "machine part"] {
-        best.push(models::best_lambda(sweep, mesh, "surface error")?);
+        best.push(over_lambda::best_lambda(sweep, mesh, "surface error")?);
     }
-    let by_normals = models::best_lambda(sweep, "patch", "normal error")?;
+    let by_normals = over_lambda::best_lambda(sweep, "patch", "normal error")?;
     let area = of("patch", 100.0, "area")?;
     // Within a factor of two of the claim on both meshes.
     let about = best.iter().all(|l| (0.5..=2.0).contains(&(l / CLAIMED)));
@@ -202,7 +196,7 @@ fn sweep(context: &Context<'_>, models: &[Model]) -> Result<Table> {
     let count = context.choose(25, 7);
     let lambda = |i: usize| 0.01 * libm::pow(1e4, i as f64 / (count - 1) as f64);
     let lambdas: Vec<f64> = (0..count).map(lambda).collect();
-    models::sweep(&mut table, models, &lambdas, |m, lambda| m.implicit(lambda, ITERATIONS))?;
+    over_lambda::sweep(&mut table, models, &lambdas, |m, lambda| m.implicit(lambda, ITERATIONS))?;
     Ok(table)
 }
 
@@ -374,29 +368,6 @@ fn cost(models: &[Model]) -> Result<Table> {
     Ok(table)
 }
 
-/// The input and the six results from two viewpoints, in two figures' worth of columns.
-fn over_lambda(model: &Model, smoothed: &[TriMesh]) -> Result<Picture> {
-    let titles =
-        ["input".to_string()].into_iter().chain(LAMBDAS.map(|lambda| format!("λ = {lambda}")));
-    let mut shown = vec![];
-    for (title, mesh) in titles.zip(smoothed) {
-        let (mesh, scale) = models::drawn(mesh, &model.noisy)?;
-        shown.push((title + &scale, mesh));
-    }
-    let looks = shown.iter().map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
-    Gallery { looks, viewpoints: &VIEWPOINTS, up: Up::Z, aspect: 1.0, occlusion: model.occlusion }.draw(
-        &model.slug(),
-        &format!(
-            "The {} before and after {ITERATIONS} implicit steps, from two viewpoints; what has shrunk a lot is enlarged, as its title says.",
-            model.name
-        ),
-        &format!(
-            "Fourteen pictures of the {}: the input and six steps, from two sides.",
-            model.name
-        ),
-    )
-}
-
 /// Implicit steps beside explicit steps: of the same number, and of the same time.
 fn over_iterations(model: &Model) -> Result<Picture> {
     // As many explicit steps as take the same diffusion time.
@@ -411,38 +382,17 @@ fn over_iterations(model: &Model) -> Result<Picture> {
         let title = format!("explicit {lambda} × {n}");
         meshes.push((title, model.explicit(lambda, n)?.mesh));
     }
-    let looks = meshes.iter().map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
-    Gallery { looks, viewpoints: &VIEWPOINTS, up: Up::Z, aspect: 1.0, occlusion: model.occlusion }.draw(
-        &format!("{}-iterations", model.slug()),
-        &format!("The {} after implicit steps (λ × iterations), explicit steps of the same number, and explicit steps of the same diffusion time: the last two look like the first two.", model.name),
-        &format!("Twelve pictures of the {} after implicit and explicit steps, from two sides.", model.name),
-    )
-}
-
-/// Errors over λ.
-fn plot(sweep: &Table) -> Result<Picture> {
-    let mut figure = Figure { columns: 2, ..Figure::default() };
-    for (i, column) in ["normal error", "surface error"].into_iter().enumerate() {
-        let mut plot = Plot {
-            title: column.into(),
-            x: Axis::log("λ"),
-            y: Axis::log(if i == 0 { "degrees" } else { "mean edge lengths" }),
-            legend: Legend::Auto,
-            ..Plot::default()
-        };
-        for mesh in ["patch", "machine part"] {
-            let rows = sweep.only(&[("mesh", mesh.into())])?;
-            let points = rows.column("lambda")?.into_iter().zip(rows.column(column)?);
-            plot.series.push(Series::marked(mesh, points.map(|(x, y)| [x, y]).collect()));
-        }
-        figure.panels.push(FigurePanel::drawing(plot.draw(420.0, 320.0).context("drawing")?));
-    }
-    plotted(
-        &figure,
-        "sweep",
-        &format!("Errors after {ITERATIONS} implicit steps over λ."),
-        "Two plots of error over λ on logarithmic axes.",
-    )
+    let caption = format!(
+        "The {} after implicit steps (λ × iterations), explicit steps of the same number, and explicit steps of the same diffusion time: the last two look like the first two.",
+        model.name
+    );
+    let alt = format!(
+        "{} pictures of the {} after implicit and explicit steps, from two sides.",
+        2 * meshes.len(),
+        model.name
+    );
+    let id = format!("{}-iterations", model.slug());
+    over_lambda::side_by_side(model, &id, &meshes, &caption, &alt)
 }
 
 const FORMULAS: [&str; 1] =

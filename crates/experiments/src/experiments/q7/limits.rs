@@ -39,7 +39,8 @@ pub(super) fn table(sweep: &Results) -> Result<Results> {
     for column in ["kept up to", "at least", "at most"] {
         table = table.tolerance(column, Some(Tolerance { relative: 0.05, absolute: 1e-3 }));
     }
-    for mesh in ["block", "torus", "scan"] {
+    for mesh in sweep.labels("mesh")? {
+        let mesh = mesh.as_str();
         let rows = sweep.only(&[("mesh", mesh.into())])?;
         let of = |method: &str| Errors::of(&rows.only(&[("method", method.into())])?);
         let input = of(Method::Nothing.name())?;
@@ -168,7 +169,8 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
         Ok(most)
     };
     let (mut found, mut sentences, mut numbers) = (vec![], vec![], vec![]);
-    for mesh in ["block", "torus", "scan"] {
+    for mesh in limits.labels("mesh")? {
+        let mesh = mesh.as_str();
         let flows = limit(mesh, &Method::is_linear)?;
         let denoisers = limit(mesh, &|m| !m.is_linear())?;
         let order = compare(denoisers, flows);
@@ -181,7 +183,7 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
             |l: Limit| format!("{} h ({} to {})", short(l.kept), short(l.low), short(l.high));
         sentences.push(format!("{mesh}: {} and {}, {words}", range(flows), range(denoisers)));
         found.push(order);
-        numbers.push((mesh, [flows.kept, denoisers.kept]));
+        numbers.push((mesh.to_string(), [flows.kept, denoisers.kept]));
     }
     let reason = format!(
         "The level of noise up to which the best flow or filter without creases, and the best denoiser, keep the shape, with the range of two standard errors: {}.",
