@@ -16,7 +16,7 @@ use crate::experiment::{Card, Context, Experiment};
 use crate::inputs::{Input, Pair};
 use crate::outcome::{Outcome, Picture};
 use crate::row;
-use crate::table::{Table, Tables, Tolerance, Unit, short};
+use crate::table::{Table, Tables, Tolerance, Unit, brief};
 use crate::verdict::{Judgement, Verdict};
 
 pub(super) struct Denoisers;
@@ -116,7 +116,7 @@ impl Experiment for Denoisers {
         let reason = format!(
             "The automatic denoiser leaves the smallest E_a on {wins} of {} noisy meshes; where it does not, at most {} times the smallest.",
             least.len(),
-            short(ratio),
+            brief(ratio),
         );
         Ok(vec![
             Judgement::new(
@@ -125,6 +125,11 @@ impl Experiment for Denoisers {
                 verdict,
                 reason,
             )
+            .finding(format!(
+                "It leaves the smallest error on {wins} of {} noisy meshes, elsewhere at most {} times the smallest.",
+                least.len(),
+                brief(ratio)
+            ))
             .ours()
             .number("largest ratio to the best", ratio, Unit::One),
         ])

@@ -13,7 +13,7 @@ use super::surfaces::{Sampling, TestSurface};
 use crate::experiment::{Card, Context, Experiment};
 use crate::outcome::{Outcome, Picture};
 use crate::row;
-use crate::table::{Table, Tables, Tolerance, Unit, short};
+use crate::table::{Table, Tables, Tolerance, Unit, brief};
 use crate::verdict::{Judgement, Verdict};
 
 pub(super) struct Noise;
@@ -94,13 +94,13 @@ impl Experiment for Noise {
         };
         let reason = format!(
             "Relative to its own size K changes {} to {} times as much as H with cotangents and angle defects (median {}; over all estimators {}, at least {}), with a standard error of at most {} % of each. What noise does not change is the sum of K alone: the angle defects add up to 2πχ within {}.",
-            short(low),
-            short(high),
-            short(middle),
-            short(all_middle),
-            short(all_low),
-            short(100.0 * error),
-            short(total),
+            brief(low),
+            brief(high),
+            brief(middle),
+            brief(all_middle),
+            brief(all_low),
+            brief(100.0 * error),
+            brief(total),
         );
         Ok(vec![
             Judgement::new(
@@ -109,8 +109,12 @@ impl Experiment for Noise {
                 verdict,
                 reason,
             )
-            .number("least change of K over H", low, Unit::One)
+            .finding(format!(
+                "Noise changes K {} times as much as H in the median. Only the total of K, 2πχ, stays.",
+                brief(middle)
+            ))
             .number("median change of K over H", middle, Unit::One)
+            .number("least change of K over H", low, Unit::One)
             .number("median over all estimators", all_middle, Unit::One)
             .number("largest distance of the total from 2πχ", total, Unit::Radians),
         ])

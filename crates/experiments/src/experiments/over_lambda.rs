@@ -14,7 +14,7 @@ use crate::experiment::Context;
 use crate::inputs::Input;
 use crate::outcome::{MeshOutput, Outcome, Picture};
 use crate::row;
-use crate::table::{Table, Tolerance, Unit, short};
+use crate::table::{Table, Tolerance, Unit, brief};
 use crate::view::{Panel, Slider, View};
 
 /// The numbers of steps that views show, up to those of the flow.
@@ -245,8 +245,8 @@ fn drawn(mesh: &TriMesh, input: &TriMesh) -> Result<(TriMesh, String)> {
     }
     let title = match growth > 1.0 {
         _ if is_line => " (a line)".into(),
-        true => format!(" (1 : {})", short(growth)),
-        false => format!(" (×{})", short((1.0 / growth).round())),
+        true => format!(" (1 : {})", brief(growth)),
+        false => format!(" (×{})", brief((1.0 / growth).round())),
     };
     Ok((fitted(mesh, input)?, title))
 }

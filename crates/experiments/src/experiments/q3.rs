@@ -15,7 +15,7 @@ use crate::experiment::{Card, Context, Experiment};
 use crate::inputs::Input;
 use crate::outcome::{MeshOutput, Outcome, Picture};
 use crate::row;
-use crate::table::{Cell, Table, Tables, Unit, short};
+use crate::table::{Cell, Table, Tables, Unit, brief};
 use crate::verdict::{Judgement, Verdict};
 use crate::view::{Panel, View};
 
@@ -152,15 +152,15 @@ impl Experiment for CotangentCurvature {
         };
         let reason = format!(
             "{first}: its RMS error on the finest meshes is {} to {} times that of the uniform one. But better is not convergent: on jittered meshes cotangents {} (order at most {} in the root mean square and {} in the largest error; up to {} of H is still wrong on the finest meshes). Inside a plane they give {} on every triangulation tried; the uniform operator reaches {}/h. Only boundary vertices show, up to {}/h, where either operator is one-sided and points inwards along the plane; the signed value, the part along the normal, is zero there as well.",
-            short(best),
-            short(worst),
+            brief(best),
+            brief(worst),
             if converges { "converge on some surface" } else { "do not converge either" },
-            short(mean),
-            short(largest_order),
-            short(left),
-            if clean { "zero".to_string() } else { format!("up to {}/h", short(inside)) },
-            short(uniform),
-            short(border),
+            brief(mean),
+            brief(largest_order),
+            brief(left),
+            if clean { "zero".to_string() } else { format!("up to {}/h", brief(inside)) },
+            brief(uniform),
+            brief(border),
         );
         Ok(vec![
             Judgement::new(
@@ -169,6 +169,13 @@ impl Experiment for CotangentCurvature {
                 verdict,
                 reason,
             )
+            .finding(format!(
+                "Cotangents leave {} to {} of the error of uniform weights on the finest meshes. On a plane they reach {}/h inside and {}/h on the boundary.",
+                brief(best),
+                brief(worst),
+                brief(inside),
+                brief(border)
+            ))
             .number("largest ratio of errors, cotangent to uniform", worst, Unit::One)
             .number("highest order of cotangents on jittered meshes", mean, Unit::Order)
             .number("cotangent inside planes", inside, Unit::One)

@@ -7,7 +7,7 @@ use anyhow::{Context as _, Result};
 use super::{KEPT, METHODS, SHRUNK};
 use crate::experiments::restoring::Method;
 use crate::row;
-use crate::table::{Table as Results, Tables, Tolerance, Unit, short};
+use crate::table::{Table as Results, Tables, Tolerance, Unit, brief};
 use crate::verdict::{Judgement, Verdict};
 
 /// What the table calls the best of all methods.
@@ -180,7 +180,7 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
             None => "no measurable difference",
         };
         let range =
-            |l: Limit| format!("{} h ({} to {})", short(l.kept), short(l.low), short(l.high));
+            |l: Limit| format!("{} h ({} to {})", brief(l.kept), brief(l.low), brief(l.high));
         sentences.push(format!("{mesh}: {} and {}, {words}", range(flows), range(denoisers)));
         found.push(order);
         numbers.push((mesh.to_string(), [flows.kept, denoisers.kept]));
@@ -190,7 +190,9 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
         sentences.join("; "),
     );
     let claim = "Denoisers keep the shape under more noise than flows do";
-    let mut judgement = Judgement::new("7b", claim, verdict(&found), reason).ours();
+    let mut judgement = Judgement::new("7b", claim, verdict(&found), reason)
+        .finding(format!("In edge lengths of noise, flows and denoisers: {}.", summary(&numbers)))
+        .ours();
     for (mesh, [flows, denoisers]) in numbers {
         for (who, kept) in [("flows", flows), ("denoisers", denoisers)] {
             // Beyond the end of the sweep there is no number.
@@ -201,6 +203,14 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
         }
     }
     Ok(judgement)
+}
+
+/// What flows and denoisers keep on each mesh.
+fn summary(numbers: &[(String, [f64; 2])]) -> String {
+    let each = numbers.iter().map(|(mesh, [flows, denoisers])| {
+        format!("{mesh} {} and {}", brief(*flows), brief(*denoisers))
+    });
+    each.collect::<Vec<_>>().join(", ")
 }
 
 /// From whether denoisers go further on each mesh; `None` where that is not known.
