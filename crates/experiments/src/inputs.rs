@@ -67,6 +67,63 @@ impl Pair {
             Self::Julius => "julius",
         }
     }
+
+    /// File, digest and stand-in of the noisy mesh.
+    fn noisy(self) -> (&'static str, &'static str, Option<&'static str>) {
+        match self {
+            Self::FandiskLow => (
+                "Fandisk0.3_noisy.obj",
+                "acae4757eeb8efdd76f186b4d80318dc109f19302dcb5a7f5ab1d3812a7b2c2f",
+                None,
+            ),
+            Self::FandiskHigh => (
+                "Fandisk0.7_noisy.obj",
+                "ce83ab470906858d3113044b27cc180f4addcc932f9ab9446b52438c00552faa",
+                None,
+            ),
+            Self::Block => (
+                "Block0.4_noisy.obj",
+                "3e5ff9342a58517ec99727906d148977d14964045b778c1d1939a10c1b9f868d",
+                None,
+            ),
+            Self::Twelve => (
+                "Twelve0.5Impulsive_noisy.obj",
+                "ae35fb3dd7ac7c4e2446714aaafec227d8e743cc406aee0e9dc80f273d903200",
+                None,
+            ),
+            Self::Julius => (
+                "Julius0.2_noisy.obj",
+                "2fdf99e486bdf8e0fb77dd2785103ca9cf4203e8ed2697cf21b6450b79ef9944",
+                None,
+            ),
+        }
+    }
+
+    /// File, digest and stand-in of the mesh without noise.
+    fn truth(self) -> (&'static str, &'static str, Option<&'static str>) {
+        match self {
+            Self::FandiskLow | Self::FandiskHigh => (
+                "Fandisk0.3_original.obj",
+                "d05a56a399db3f8efdff97e95e9db18f055b26d86ef2922dc3f5b64d3e40a0ed",
+                None,
+            ),
+            Self::Block => (
+                "Block0.4_original.obj",
+                "2d0f1ac29d97d0e4b08bf8827f63e13e97176b70e0303df44a570310ca555205",
+                None,
+            ),
+            Self::Twelve => (
+                "Twelve0.5Impulsive_original.obj",
+                "4da595a329aa1d3f1ae4fe595e2bf2e289355a8af0e197a1fd1d47754db99cdc",
+                None,
+            ),
+            Self::Julius => (
+                "Julius0.2_original.obj",
+                "de1b91d99dad06668dc29162e1a745b3d2f31c6ff90476e9ba0592c7c3b12b2b",
+                None,
+            ),
+        }
+    }
 }
 
 /// How one input is known.
@@ -156,52 +213,8 @@ impl Input {
                 "12d26e804794001d1330143b7a2e5f3df9fd55f80176bcb40a11ac017241dd41",
                 None,
             ),
-            Self::LiteratureNoisy(pair) => {
-                let (file, sha256) = match pair {
-                    Pair::FandiskLow => (
-                        "Fandisk0.3_noisy.obj",
-                        "acae4757eeb8efdd76f186b4d80318dc109f19302dcb5a7f5ab1d3812a7b2c2f",
-                    ),
-                    Pair::FandiskHigh => (
-                        "Fandisk0.7_noisy.obj",
-                        "ce83ab470906858d3113044b27cc180f4addcc932f9ab9446b52438c00552faa",
-                    ),
-                    Pair::Block => (
-                        "Block0.4_noisy.obj",
-                        "3e5ff9342a58517ec99727906d148977d14964045b778c1d1939a10c1b9f868d",
-                    ),
-                    Pair::Twelve => (
-                        "Twelve0.5Impulsive_noisy.obj",
-                        "ae35fb3dd7ac7c4e2446714aaafec227d8e743cc406aee0e9dc80f273d903200",
-                    ),
-                    Pair::Julius => (
-                        "Julius0.2_noisy.obj",
-                        "2fdf99e486bdf8e0fb77dd2785103ca9cf4203e8ed2697cf21b6450b79ef9944",
-                    ),
-                };
-                (file, sha256, None)
-            }
-            Self::LiteratureTrue(pair) => {
-                let (file, sha256) = match pair {
-                    Pair::FandiskLow | Pair::FandiskHigh => (
-                        "Fandisk0.3_original.obj",
-                        "d05a56a399db3f8efdff97e95e9db18f055b26d86ef2922dc3f5b64d3e40a0ed",
-                    ),
-                    Pair::Block => (
-                        "Block0.4_original.obj",
-                        "2d0f1ac29d97d0e4b08bf8827f63e13e97176b70e0303df44a570310ca555205",
-                    ),
-                    Pair::Twelve => (
-                        "Twelve0.5Impulsive_original.obj",
-                        "4da595a329aa1d3f1ae4fe595e2bf2e289355a8af0e197a1fd1d47754db99cdc",
-                    ),
-                    Pair::Julius => (
-                        "Julius0.2_original.obj",
-                        "de1b91d99dad06668dc29162e1a745b3d2f31c6ff90476e9ba0592c7c3b12b2b",
-                    ),
-                };
-                (file, sha256, None)
-            }
+            Self::LiteratureNoisy(pair) => pair.noisy(),
+            Self::LiteratureTrue(pair) => pair.truth(),
         };
         Known { file, sha256, stand_in }
     }

@@ -173,20 +173,8 @@ fn body(record: &Record, form: Form) -> String {
         }
         text += "\n";
     }
-    for t in &record.tables {
-        if t.rows.len() > LONG && form == Form::Small {
-            let _ = write!(text, "\n{} rows, in the CSV.\n", t.rows.len());
-        } else if t.rows.len() > LONG {
-            let _ = write!(
-                text,
-                "\n<details><summary>{} rows</summary>\n{}\n</details>\n",
-                t.rows.len(),
-                table(t)
-            );
-        } else {
-            text += &table(t);
-        }
-        let _ = write!(text, "\n*{}* ([CSV]({}/{}.csv))\n", t.caption, record.id, t.id);
+    for table in &record.tables {
+        text += &captioned(table, record, form);
     }
     for note in &record.notes {
         let _ = write!(text, "\n{note}\n");
@@ -206,6 +194,25 @@ fn body(record: &Record, form: Form) -> String {
     text
 }
 
+/// A table over its caption.
+fn captioned(t: &Table, record: &Record, form: Form) -> String {
+    let mut text = String::new();
+    if t.rows.len() > LONG && form == Form::Small {
+        let _ = write!(text, "\n{} rows, in the CSV.\n", t.rows.len());
+    } else if t.rows.len() > LONG {
+        let _ = write!(
+            text,
+            "\n<details><summary>{} rows</summary>\n{}\n</details>\n",
+            t.rows.len(),
+            rows(t)
+        );
+    } else {
+        text += &rows(t);
+    }
+    let _ = write!(text, "\n*{}* ([CSV]({}/{}.csv))\n", t.caption, record.id, t.id);
+    text
+}
+
 /// Tables with more rows than this are folded, or left out of a small report.
 pub(crate) const LONG: usize = 24;
 
@@ -215,7 +222,7 @@ fn cell(text: &str) -> String {
 }
 
 /// A table; numbers are set flush right.
-fn table(table: &Table) -> String {
+fn rows(table: &Table) -> String {
     let heading = |c: &Column| match c.unit {
         Unit::Label | Unit::One | Unit::Count => c.name.clone(),
         unit => format!("{} ({unit})", c.name),

@@ -222,6 +222,30 @@ pub fn short(x: f64) -> String {
     text.replace('-', "−")
 }
 
+/// A number in two significant digits, as sentences show it; whole numbers of up to six digits keep theirs.
+pub fn brief(x: f64) -> String {
+    if !x.is_finite() || x == 0.0 {
+        return short(x);
+    }
+    let exponent = libm::log10(x.abs()).floor() as i32;
+    if (-3..=5).contains(&exponent) {
+        let fixed = format!("{x:.*}", (1 - exponent).max(0) as usize);
+        let text = match fixed.contains('.') {
+            true => fixed.trim_end_matches('0').trim_end_matches('.'),
+            false => &fixed,
+        };
+        return text.replace('-', "−");
+    }
+    let rounded = format!("{x:.1e}");
+    let (mantissa, exponent) = rounded.split_once('e').unwrap_or((&rounded, "0"));
+    let raised = |c: char| match c {
+        '-' => '⁻',
+        c => "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().nth(c.to_digit(10).unwrap_or(0) as usize).unwrap_or(c),
+    };
+    let exponent: String = exponent.chars().map(raised).collect();
+    format!("{} × 10{exponent}", mantissa.replace('-', "−"))
+}
+
 /// A table of results.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Table {
@@ -301,6 +325,23 @@ impl Table {
             row[c].number().with_context(name)
         };
         self.rows.iter().enumerate().map(number).collect()
+    }
+
+    /// The different cells of a column, as text, in the order in which they first occur.
+    ///
+    /// # Errors
+    ///
+    /// If there is no such column.
+    pub fn labels(&self, column: &str) -> Result<Vec<String>> {
+        let c = self.index(column)?;
+        let mut labels: Vec<String> = vec![];
+        for row in &self.rows {
+            let label = row[c].to_string();
+            if !labels.contains(&label) {
+                labels.push(label);
+            }
+        }
+        Ok(labels)
     }
 
     /// The rows whose cells in the named columns read like this, as a table.
@@ -384,6 +425,25 @@ mod tests {
         t.push(row!["a, b", 0.1]);
         t.push(row!["c", f64::INFINITY]);
         t
+    }
+
+    #[test]
+    fn sentences_have_two_digits() {
+        let cases = [
+            (0.0, "0"),
+            (0.01468, "0.015"),
+            (-90.37, "−90"),
+            (13.42, "13"),
+            (0.9409, "0.94"),
+            (1.999, "2"),
+            (642.0, "642"),
+            (3.08e11, "3.1 × 10¹¹"),
+            (9.59e-14, "9.6 × 10⁻¹⁴"),
+            (f64::INFINITY, "∞"),
+        ];
+        for (x, text) in cases {
+            assert_eq!(brief(x), text);
+        }
     }
 
     #[test]

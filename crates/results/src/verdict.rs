@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::table::{Unit, short};
+use crate::table::{Unit, brief};
 
 /// Whether a claim stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -45,7 +45,7 @@ pub struct Deciding {
 
 impl fmt::Display for Deciding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} {}", self.name, short(self.value))?;
+        write!(f, "{} {}", self.name, brief(self.value))?;
         match self.unit {
             Unit::Label | Unit::One | Unit::Count | Unit::Order | Unit::Relative => Ok(()),
             Unit::Degrees | Unit::Percent => write!(f, "{}", self.unit),
@@ -65,7 +65,10 @@ pub struct Judgement {
     pub verdict: Verdict,
     /// Why, in a sentence or two whose numbers come from the tables.
     pub reason: String,
-    /// The numbers that decided.
+    /// What is true instead, or in which sense the claim holds, in one sentence for the table of claims.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub finding: String,
+    /// The numbers that decided; tables of claims show the first.
     pub numbers: Vec<Deciding>,
     /// Whether the claim is ours, rather than one of the source report.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
@@ -76,13 +79,19 @@ impl Judgement {
     /// A judgement without numbers yet; add them with [`Self::number`].
     pub fn new(id: &str, claim: &str, verdict: Verdict, reason: impl Into<String>) -> Self {
         let (id, claim, reason) = (id.into(), claim.into(), reason.into());
-        Self { id, claim, verdict, reason, numbers: vec![], ours: false }
+        Self { id, claim, verdict, reason, finding: String::new(), numbers: vec![], ours: false }
     }
 
     /// The same, of a claim that is ours.
     #[must_use]
     pub fn ours(self) -> Self {
         Self { ours: true, ..self }
+    }
+
+    /// Says in one sentence what is true.
+    #[must_use]
+    pub fn finding(self, finding: impl Into<String>) -> Self {
+        Self { finding: finding.into(), ..self }
     }
 
     /// Adds a deciding number.

@@ -21,19 +21,9 @@ mod sizes;
 mod solvers;
 mod spectra;
 
-/// The octahedron; its uniform Laplacian has the eigenvalues 0, −1 (three times) and −3/2 (twice).
+/// The octahedron at other positions; its uniform Laplacian has the eigenvalues 0, −1 (three times) and −3/2 (twice).
 fn octahedron(positions: Vec<[f64; 3]>) -> TriMesh {
-    let faces = vec![
-        [0, 2, 4],
-        [2, 1, 4],
-        [1, 3, 4],
-        [3, 0, 4],
-        [2, 0, 5],
-        [1, 2, 5],
-        [3, 1, 5],
-        [0, 3, 5],
-    ];
-    TriMesh::new(positions, faces).unwrap()
+    shapes::octahedron().with_positions(positions).unwrap()
 }
 
 /// The largest distance between corresponding vertices.

@@ -17,7 +17,7 @@ use super::surfaces::TestSurface;
 use crate::experiment::{Card, Context, Experiment};
 use crate::outcome::{Outcome, Picture};
 use crate::row;
-use crate::table::{Cell, Table, Tables, Tolerance, Unit, short};
+use crate::table::{Cell, Table, Tables, Tolerance, Unit, brief};
 use crate::verdict::{Judgement, Verdict};
 
 pub(super) struct Estimators;
@@ -104,25 +104,31 @@ impl Experiment for Estimators {
             .copied()
             .fold(("", f64::NEG_INFINITY), |a, b| if b.1 > a.1 { b } else { a });
         let (verdict, reason) = if reaching.is_empty() {
-            (Verdict::Refuted, format!("None does; {best} comes closest with {}.", short(order)))
+            (Verdict::Refuted, format!("None does; {best} comes closest with {}.", brief(order)))
         } else {
             (
                 Verdict::Confirmed,
                 format!(
-                    "On jittered sphere, torus and ellipsoid these do, for H and for K: {}. The least order of {best} is {}; that of the cotangent operator and the angle defect is {}.",
+                    "On jittered sphere, torus and ellipsoid {} do, for both H and K. The least order of {best} is {}; that of the cotangent operator and the angle defect is {}.",
                     reaching.join(", "),
-                    short(order),
-                    short(worst[0].1),
+                    brief(order),
+                    brief(worst[0].1),
                 ),
             )
         };
         let mut judgement = Judgement::new(
             "estimators",
-            "An estimator converges at every vertex of an irregular mesh, with order 1.7 or more",
+            &format!("An estimator converges at every vertex of an irregular mesh, with order {BAR} or more"),
             verdict,
             reason,
         )
+        .finding(match reaching.is_empty() {
+            true => "None of the estimators does.".to_string(),
+            false => format!("Only fitted polynomials of higher degree do: {}.", reaching.join(" and ")),
+        })
         .ours();
+        // The best one first: tables of claims show it.
+        worst.sort_by(|a, b| b.1.total_cmp(&a.1));
         for (name, order) in worst {
             judgement = judgement.number(&format!("least order of {name}"), order, Unit::Order);
         }

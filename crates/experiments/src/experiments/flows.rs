@@ -17,7 +17,7 @@ use super::gallery::{Gallery, Look, VIEWPOINTS};
 use crate::experiment::{Card, Context, Experiment};
 use crate::outcome::{Outcome, Picture};
 use crate::row;
-use crate::table::{Table, Tables, Tolerance, Unit, short};
+use crate::table::{Table, Tables, Tolerance, Unit, brief};
 use crate::verdict::{Judgement, Verdict};
 
 pub(super) struct Flows;
@@ -80,8 +80,9 @@ impl Experiment for Flows {
                 "mean-curvature",
                 "Mean curvature flow converges to that of the sphere with second order",
                 judge(second),
-                format!("Observed orders of the radius lie between {} and {}.", short(least), short(most)),
+                format!("Observed orders of the radius lie between {} and {}.", brief(least), brief(most)),
             )
+            .finding(format!("The observed orders are {} to {}.", brief(least), brief(most)))
             .ours()
             .number("least order", least, Unit::Order)
             .number("greatest order", most, Unit::Order),
@@ -89,8 +90,9 @@ impl Experiment for Flows {
                 "conformal",
                 "Conformalised mean curvature flow takes genus 0 to the round sphere",
                 judge(worst < ROUND),
-                format!("When it settles, no vertex is off the sphere by more than {} of its radius.", short(worst)),
+                format!("When it settles, no vertex is off the sphere by more than {} of its radius.", brief(worst)),
             )
+            .finding(format!("No vertex ends farther from the sphere than {} of its radius.", brief(worst)))
             .ours()
             .number("farthest off the sphere", worst, Unit::Relative),
             Judgement::new(
@@ -99,10 +101,11 @@ impl Experiment for Flows {
                 judge(lost < 0.2 * plain),
                 format!(
                     "They change it by at most {} per cent, implicit diffusion by {} per cent.",
-                    short(lost),
-                    short(plain),
+                    brief(lost),
+                    brief(plain),
                 ),
             )
+            .finding(format!("They change the volume by at most {} %, diffusion by {} %.", brief(lost), brief(plain)))
             .ours()
             .number("largest change of the three", lost, Unit::Percent)
             .number("change by implicit diffusion", plain, Unit::Percent),

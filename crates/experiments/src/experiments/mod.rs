@@ -19,6 +19,7 @@ mod gallery;
 mod gap;
 mod grid;
 mod models;
+mod over_lambda;
 mod refinement;
 mod restoring;
 mod samples;

@@ -1,25 +1,19 @@
-//! What questions 5 and 6 share: noisy meshes with a ground truth, how far from it a flow ends, and the same flow at
-//! several λ in numbers, meshes and views.
+//! What questions 5 and 6 smooth: noisy meshes with a ground truth, and how far from it a flow ends.
 
 use anyhow::{Context as _, Result};
 use fairing_evaluation::{SurfaceTree, drift, feature_edges, normal_error, vertex_displacement};
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, cross, dot, norm, normalize, scale, sub};
+use fairing_mesh::vec3::{add, cross, dot, normalize, scale, sub};
 use fairing_smoothing::{
     Diffusion, Explicit, FlowError, Implicit, Smoothed, Stability, explicit, implicit,
 };
-use rayon::prelude::*;
 
-use super::statistics::least;
 use crate::experiment::Context;
 use crate::inputs::Input;
-use crate::outcome::{MeshOutput, Outcome, Picture};
-use crate::row;
-use crate::table::{Cell, Table, Tolerance, Unit, short};
-use crate::view::{Panel, Slider, View};
+use crate::table::{Cell, Unit};
 
-/// The numbers of steps that views show, up to those of the flow.
-const VIEWED_STEPS: [usize; 1] = [10];
+/// Below this share hardly a digit of the shape is left.
+pub(super) const POINT: f64 = 1e-9;
 
 /// Edges that turn by at least this many degrees are features.
 pub(super) const FEATURE: f64 = 30.0;
@@ -37,7 +31,7 @@ pub(super) struct Model {
 
 /// Distances between surfaces are measured at no more than about so many vertices of each, every mth: a root mean
 /// square over n independent values is known to 1/√(2n), here 1.6 %, and comparisons over λ use the same vertices.
-const SAMPLES: usize = 2000;
+pub(super) const SAMPLES: usize = 2000;
 
 /// Every mth vertex, from as many as there are to half of [`SAMPLES`] at least.
 fn sampled(mesh: &TriMesh) -> Vec<[f64; 3]> {
@@ -168,7 +162,7 @@ pub(super) struct Measures {
 }
 
 /// The columns that [`Measures::cells`] fills.
-const COLUMNS: [(&str, Unit); 11] = [
+pub(super) const COLUMNS: [(&str, Unit); 11] = [
     ("normal error", Unit::Degrees),
     ("vertex error", Unit::EdgeLengths),
     ("surface error", Unit::EdgeLengths),
@@ -197,135 +191,6 @@ impl Measures {
             self.border.into(),
             self.growth.into(),
         ]
-    }
-}
-
-/// The columns of a sweep over λ.
-pub(super) const SWEPT: [(&str, Unit); 7] = [
-    ("mesh", Unit::Label),
-    ("lambda", Unit::One),
-    ("normal error", Unit::Degrees),
-    ("vertex error", Unit::EdgeLengths),
-    ("surface error", Unit::EdgeLengths),
-    ("feature recall", Unit::One),
-    ("volume", Unit::Percent),
-];
-
-/// A flow over many λ: a row of [`SWEPT`] for each of them, on each model with a truth of its own.
-pub(super) fn sweep(
-    table: &mut Table,
-    models: &[Model],
-    lambdas: &[f64],
-    run: impl Fn(&Model, f64) -> Result<Smoothed, FlowError> + Sync,
-) -> Result<()> {
-    for model in models.iter().filter(|m| m.name != "cube") {
-        let measure = |&lambda: &f64| model.measure(&run(model, lambda)?.mesh);
-        let measured: Vec<Measures> = lambdas.par_iter().map(measure).collect::<Result<_>>()?;
-        for (lambda, m) in lambdas.iter().zip(measured) {
-            table
-                .push(row![model.name, *lambda, m.normal, m.vertex, m.surface, m.recall, m.volume]);
-        }
-    }
-    Ok(())
-}
-
-/// The λ of a sweep with the least error in this column.
-pub(super) fn best_lambda(sweep: &Table, mesh: &str, column: &str) -> Result<f64> {
-    let rows = sweep.only(&[("mesh", mesh.into())])?;
-    let pairs: Vec<(f64, f64)> =
-        rows.column(column)?.into_iter().zip(rows.column("lambda")?).collect();
-    Ok(least(&pairs).context("an empty sweep")?.1)
-}
-
-/// One flow at several λ.
-pub(super) struct OverLambda<'a> {
-    /// `explicit` or `implicit`.
-    pub(super) kind: &'static str,
-    pub(super) lambdas: &'a [f64],
-    /// Steps at each λ.
-    pub(super) iterations: usize,
-    /// How many of the λ views show: what diverges cannot be shown beside the rest.
-    pub(super) viewed: usize,
-    /// The flow.
-    pub(super) run: fn(&Model, f64, usize) -> Result<Smoothed, FlowError>,
-    /// The figure of the input and the results.
-    pub(super) draw: fn(&Model, &[TriMesh]) -> Result<Picture>,
-}
-
-impl OverLambda<'_> {
-    /// Runs the flow on all models: fills in figures, views and meshes, and returns the table.
-    pub(super) fn measure(
-        &self,
-        context: &Context<'_>,
-        models: &[Model],
-        outcome: &mut Outcome,
-    ) -> Result<Table> {
-        let Self { kind, lambdas, iterations, .. } = *self;
-        let columns: Vec<(&str, Unit)> =
-            [("mesh", Unit::Label), ("lambda", Unit::One)].into_iter().chain(COLUMNS).collect();
-        let caption = format!(
-            "After {iterations} {kind} steps; λ = 0 is the input. Volume and area against the truth; growth is the diagonal over that of the input. The vertex error is the distance of the vertices from the true surface, the surface error the root mean square of that distance and of the distance back: only the latter sees that a patch has shrunk. Distances are measured at up to {SAMPLES} vertices spread over each mesh."
-        );
-        let mut table = Table::new("flows", &caption, &columns)
-            // What has diverged is mostly its roughest mode, what has collapsed is a point: rounding has its say.
-            .tolerance("normal error", Some(Tolerance::LOOSE));
-        for (i, model) in models.iter().enumerate() {
-            context.progress(0.15 * i as f64, model.name);
-            let run = |&lambda: &f64| Ok((self.run)(model, lambda, iterations)?.mesh);
-            let after: Vec<TriMesh> = lambdas.par_iter().map(run).collect::<Result<_>>()?;
-            let smoothed: Vec<TriMesh> = [model.noisy.clone()].into_iter().chain(after).collect();
-            let with_input = || [0.0].into_iter().chain(lambdas.iter().copied());
-            let measured: Vec<Measures> =
-                smoothed.par_iter().map(|mesh| model.measure(mesh)).collect::<Result<_>>()?;
-            for (lambda, measures) in with_input().zip(&measured) {
-                let leading = row![model.name, lambda];
-                table.push(leading.into_iter().chain(measures.cells()));
-            }
-            outcome.figures.push((self.draw)(model, &smoothed)?);
-            outcome.views.push(self.view(model, &smoothed)?);
-            for (lambda, mesh) in with_input().zip(smoothed).skip(1) {
-                outcome.meshes.push(MeshOutput {
-                    id: format!("{}-{}", model.slug(), slug(&lambda.to_string())),
-                    caption: format!(
-                        "The {} after {iterations} {kind} steps with λ = {lambda}.",
-                        model.name
-                    ),
-                    mesh,
-                    fields: vec![],
-                });
-            }
-        }
-        Ok(table)
-    }
-
-    /// The input, which the page can smooth, beside the flow at each λ on its way.
-    fn view(&self, model: &Model, smoothed: &[TriMesh]) -> Result<View> {
-        let Self { kind, lambdas, iterations, viewed, .. } = *self;
-        let left_out = if viewed < lambdas.len() { " (what diverges is left out)" } else { "" };
-        let counts: Vec<usize> =
-            VIEWED_STEPS.into_iter().filter(|&n| n < iterations).chain([iterations]).collect();
-        let mut stops: Vec<TriMesh> = vec![];
-        for (&lambda, last) in lambdas[..viewed].iter().zip(&smoothed[1..]) {
-            for &count in &counts[..counts.len() - 1] {
-                stops.push((self.run)(model, lambda, count)?.mesh);
-            }
-            stops.push(last.clone());
-        }
-        Ok(View {
-            id: format!("{}-view", model.slug()),
-            caption: format!(
-                "The {} before and after {kind} steps, over λ and their number{left_out}. The page can take implicit steps of any λ from the input on the left.",
-                model.name
-            ),
-            alt: format!("The {} twice, to turn, with sliders over λ and iterations.", model.name),
-            fallback: model.slug(),
-            z_up: true,
-            sliders: vec![Slider::new("λ", &lambdas[..viewed]), Slider::new("iterations", &counts)],
-            panels: vec![
-                Panel::still("input", &model.noisy).with_live_smoothing(&model.noisy),
-                Panel::moving(kind, &model.noisy, stops.iter().map(TriMesh::positions)),
-            ],
-        })
     }
 }
 
@@ -364,47 +229,6 @@ fn flattened(mesh: &TriMesh) -> Result<TriMesh> {
     Ok(mesh.with_positions(flat.collect())?)
 }
 
-/// Beyond this growth of the diagonal a mesh is said to diverge.
-pub(super) const DIVERGED: f64 = 2.0;
-/// Below this share of its diagonal a mesh is drawn enlarged.
-const SMALL: f64 = 0.15;
-/// Below this share hardly a digit of the shape is left.
-const POINT: f64 = 1e-9;
-/// Below this share of the squared diagonal there is no area to be seen.
-const LINE: f64 = 1e-3;
-
-/// A smoothed mesh as it is drawn beside its input, and what its title says of that: meshes that have diverged or
-/// shrunk are drawn at the size of the input.
-pub(super) fn drawn(mesh: &TriMesh, input: &TriMesh) -> Result<(TriMesh, String)> {
-    let growth = mesh.diagonal() / input.diagonal();
-    if growth < POINT {
-        return Ok((mesh.clone(), " (a point)".into()));
-    }
-    let area: f64 = (0..mesh.face_count()).map(|f| norm(mesh.area_vector(f))).sum();
-    let is_line = area < LINE * mesh.diagonal().powi(2);
-    if (SMALL..=DIVERGED).contains(&growth) {
-        return Ok((mesh.clone(), String::new()));
-    }
-    let title = match growth > 1.0 {
-        _ if is_line => " (a line)".into(),
-        true => format!(" (1 : {})", short(growth)),
-        false => format!(" (×{})", short((1.0 / growth).round())),
-    };
-    Ok((fitted(mesh, input)?, title))
-}
-
-/// The mesh scaled about its mean to the size of another, so that both fit in one picture.
-fn fitted(mesh: &TriMesh, like: &TriMesh) -> Result<TriMesh> {
-    let mean = |m: &TriMesh| {
-        let n = m.vertex_count() as f64;
-        scale(m.positions().iter().fold([0.0; 3], |s, &p| add(s, p)), 1.0 / n)
-    };
-    let factor = like.diagonal() / mesh.diagonal();
-    let (from, to) = (mean(mesh), mean(like));
-    let moved = mesh.positions().iter().map(|&p| add(to, scale(sub(p, from), factor)));
-    Ok(mesh.with_positions(moved.collect())?)
-}
-
 #[cfg(test)]
 mod tests {
     use fairing_shapes as shapes;
@@ -438,15 +262,5 @@ mod tests {
         let m = model.measure(&scaled(&cube, 1e-12)).unwrap();
         assert_eq!((m.normal, m.recall), (None, None));
         assert!(model.measure(&scaled(&cube, 1e-3)).unwrap().normal.is_some());
-    }
-
-    /// Of a sweep whose error falls to a plateau, the first λ on it.
-    #[test]
-    fn the_best_lambda_is_the_first_of_equal_ones() {
-        let mut sweep = Table::new("s", "S.", &SWEPT);
-        for (lambda, error) in [(0.1, 2.0), (1.0, 1.0), (10.0, 1.0 - f64::EPSILON)] {
-            sweep.push(row!["patch", lambda, 0.0, 0.0, error, 0.0, 0.0]);
-        }
-        assert_eq!(best_lambda(&sweep, "patch", "surface error").unwrap(), 1.0);
     }
 }

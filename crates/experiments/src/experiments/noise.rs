@@ -13,7 +13,7 @@ use super::surfaces::{Sampling, TestSurface};
 use crate::experiment::{Card, Context, Experiment};
 use crate::outcome::{Outcome, Picture};
 use crate::row;
-use crate::table::{Table, Tables, Tolerance, Unit, short};
+use crate::table::{Table, Tables, Tolerance, Unit, brief};
 use crate::verdict::{Judgement, Verdict};
 
 pub(super) struct Noise;
@@ -43,38 +43,7 @@ impl Experiment for Noise {
         let seeds = context.choose(4, 2);
         let levels = context.choose(3..=5, 2..=4);
         let steps = SURFACES.len() * levels.clone().count();
-        let mut changes = Table::new(
-            "changes",
-            "Change under noise, root mean square over vertices and seeds, over the root mean square of the clean values; rank correlation of noisy with clean values, mean over seeds. The standard error is that of K over H, from its spread over the seeds.",
-            &[
-                ("surface", Unit::Label),
-                ("vertices", Unit::Count),
-                ("σ/h", Unit::EdgeLengths),
-                ("estimator", Unit::Label),
-                ("change of H", Unit::Relative),
-                ("change of K", Unit::Relative),
-                ("K over H", Unit::One),
-                ("standard error", Unit::One),
-                ("ranks of H", Unit::One),
-                ("ranks of K", Unit::One),
-            ],
-        );
-        for column in
-            ["change of H", "change of K", "K over H", "standard error", "ranks of H", "ranks of K"]
-        {
-            changes = changes.tolerance(column, Some(Tolerance { relative: 1e-3, absolute: 1e-4 }));
-        }
-        let mut totals = Table::new(
-            "totals",
-            "The sum of all angle defects under noise: its largest distance from 2πχ over seeds.",
-            &[
-                ("surface", Unit::Label),
-                ("vertices", Unit::Count),
-                ("σ/h", Unit::EdgeLengths),
-                ("largest distance", Unit::Radians),
-            ],
-        )
-        .tolerance("largest distance", Some(Tolerance { relative: 0.0, absolute: 1e-8 }));
+        let (mut changes, mut totals) = (changes_table(), totals_table());
         let mut step = 0;
         for surface in SURFACES {
             for level in levels.clone() {
@@ -92,26 +61,7 @@ impl Experiment for Noise {
                         .into_par_iter()
                         .map(|seed| Run::of(&mesh, &clean, surface, sigma, seed))
                         .collect::<Result<_>>()?;
-                    for (i, estimator) in Estimator::ALL.iter().enumerate() {
-                        let all: Vec<&Change> = runs.iter().map(|run| &run.changes[i]).collect();
-                        let [h, k] = changes_over(&all);
-                        let ranks = |j: usize| -> Option<f64> {
-                            let sum: Option<f64> = all.iter().map(|c| Some(c.ranks?[j])).sum();
-                            Some(sum? / all.len() as f64)
-                        };
-                        changes.push(row![
-                            surface.name(),
-                            mesh.vertex_count(),
-                            sigma,
-                            estimator.name(),
-                            h,
-                            k,
-                            k / h,
-                            standard_error(&all),
-                            ranks(0),
-                            ranks(1),
-                        ]);
-                    }
+                    push(&mut changes, surface, mesh.vertex_count(), sigma, &runs);
                     let distance = runs.iter().map(|run| run.gap_of_the_total).fold(0.0, f64::max);
                     totals.push(row![surface.name(), mesh.vertex_count(), sigma, distance]);
                 }
@@ -144,13 +94,13 @@ impl Experiment for Noise {
         };
         let reason = format!(
             "Relative to its own size K changes {} to {} times as much as H with cotangents and angle defects (median {}; over all estimators {}, at least {}), with a standard error of at most {} % of each. What noise does not change is the sum of K alone: the angle defects add up to 2πχ within {}.",
-            short(low),
-            short(high),
-            short(middle),
-            short(all_middle),
-            short(all_low),
-            short(100.0 * error),
-            short(total),
+            brief(low),
+            brief(high),
+            brief(middle),
+            brief(all_middle),
+            brief(all_low),
+            brief(100.0 * error),
+            brief(total),
         );
         Ok(vec![
             Judgement::new(
@@ -159,11 +109,78 @@ impl Experiment for Noise {
                 verdict,
                 reason,
             )
-            .number("least change of K over H", low, Unit::One)
+            .finding(format!(
+                "Noise changes K {} times as much as H in the median. Only the total of K, 2πχ, stays.",
+                brief(middle)
+            ))
             .number("median change of K over H", middle, Unit::One)
+            .number("least change of K over H", low, Unit::One)
             .number("median over all estimators", all_middle, Unit::One)
             .number("largest distance of the total from 2πχ", total, Unit::Radians),
         ])
+    }
+}
+
+fn changes_table() -> Table {
+    let mut changes = Table::new(
+        "changes",
+        "Change under noise, root mean square over vertices and seeds, over the root mean square of the clean values; rank correlation of noisy with clean values, mean over seeds. The standard error is that of K over H, from its spread over the seeds.",
+        &[
+            ("surface", Unit::Label),
+            ("vertices", Unit::Count),
+            ("σ/h", Unit::EdgeLengths),
+            ("estimator", Unit::Label),
+            ("change of H", Unit::Relative),
+            ("change of K", Unit::Relative),
+            ("K over H", Unit::One),
+            ("standard error", Unit::One),
+            ("ranks of H", Unit::One),
+            ("ranks of K", Unit::One),
+        ],
+    );
+    for column in
+        ["change of H", "change of K", "K over H", "standard error", "ranks of H", "ranks of K"]
+    {
+        changes = changes.tolerance(column, Some(Tolerance { relative: 1e-3, absolute: 1e-4 }));
+    }
+    changes
+}
+
+fn totals_table() -> Table {
+    Table::new(
+        "totals",
+        "The sum of all angle defects under noise: its largest distance from 2πχ over seeds.",
+        &[
+            ("surface", Unit::Label),
+            ("vertices", Unit::Count),
+            ("σ/h", Unit::EdgeLengths),
+            ("largest distance", Unit::Radians),
+        ],
+    )
+    .tolerance("largest distance", Some(Tolerance { relative: 0.0, absolute: 1e-8 }))
+}
+
+/// A row for each estimator.
+fn push(changes: &mut Table, surface: TestSurface, vertices: usize, sigma: f64, runs: &[Run]) {
+    for (i, estimator) in Estimator::ALL.iter().enumerate() {
+        let all: Vec<&Change> = runs.iter().map(|run| &run.changes[i]).collect();
+        let [h, k] = changes_over(&all);
+        let ranks = |j: usize| -> Option<f64> {
+            let sum: Option<f64> = all.iter().map(|c| Some(c.ranks?[j])).sum();
+            Some(sum? / all.len() as f64)
+        };
+        changes.push(row![
+            surface.name(),
+            vertices,
+            sigma,
+            estimator.name(),
+            h,
+            k,
+            k / h,
+            standard_error(&all),
+            ranks(0),
+            ranks(1),
+        ]);
     }
 }
 

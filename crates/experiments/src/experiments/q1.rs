@@ -15,7 +15,7 @@ use super::surfaces::{Sampling, TestSurface};
 use crate::experiment::{Card, Context, Experiment};
 use crate::inputs::Input;
 use crate::outcome::{MeshOutput, Outcome, Picture};
-use crate::table::{Table, short};
+use crate::table::{Table, brief};
 use crate::view::{Panel, View};
 
 pub(super) struct UniformCurvature;
@@ -238,24 +238,24 @@ fn answer(errors: &Table, orders: &Table) -> Result<String> {
             Ok(format!(
                 "{what} on the {} ({} on the coarsest mesh, {} on the finest, order {})",
                 surface.name(),
-                short(first),
-                short(last),
-                short(order)
+                brief(first),
+                brief(last),
+                brief(order)
             ))
         })
         .into_iter()
         .collect::<Result<Vec<_>>>()?;
     Ok(format!(
         "Answer: mean curvature, no. ‖Δx‖/2 is a length that goes to zero with the edges, whatever the surface: as an estimate of H its relative error reaches {}. Scaled by the edge lengths it is a curvature, but it does not converge either: the observed order is at most {} on regular and {} on jittered meshes, and on the finest regular torus the error is still {}, because uniform weights mistake uneven edges and tangential shifts for curvature. Gaussian curvature, on regular meshes in the mean only: its order is {} to {} in the root mean square, but the largest error {}. On jittered meshes the order in the root mean square is at most {}, and the relative error is still {} on the finest torus; only its integral is exact.",
-        short(length),
-        short(regular),
-        short(jittered),
-        short(torus),
-        short(least),
-        short(gaussian),
+        brief(length),
+        brief(regular),
+        brief(jittered),
+        brief(torus),
+        brief(least),
+        brief(gaussian),
         largest.join(", "),
-        short(irregular),
-        short(left),
+        brief(irregular),
+        brief(left),
     ))
 }
 

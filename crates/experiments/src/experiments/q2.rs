@@ -74,9 +74,9 @@ impl Experiment for EllipsoidForms {
         let right = ours.iter().zip(&sizes).filter(|(a, b)| (*a - *b).abs() < 1e-9).count();
         let reason = format!(
             "Closed forms, derivatives and central differences agree on a/b² along y (largest relative gap {}), and L is never zero (at least {}). The source's −1/c is off by up to {} % in size, and is right on {right} of the {} ellipsoids, the sphere. It evaluates L and N at the pole (0, 0, c), E and G at (a, 0, 0), and takes dv, which runs along z, for the y direction.",
-            crate::table::short(check),
-            crate::table::short(smallest_l),
-            crate::table::short(100.0 * error),
+            crate::table::brief(check),
+            crate::table::brief(smallest_l),
+            crate::table::brief(100.0 * error),
             ours.len(),
         );
         Ok(vec![
@@ -86,6 +86,7 @@ impl Experiment for EllipsoidForms {
                 verdict,
                 reason,
             )
+            .finding(format!("Along y the normal curvature is a/b² in size; −1/c is right on {right} of {} ellipsoids, the sphere.", ours.len()))
             .number("largest error of |−1/c|", error, Unit::Relative)
             .number("gap between closed form and differences", check, Unit::Relative)
             .number(

@@ -15,7 +15,7 @@ use crate::experiment::{Card, Context, Experiment};
 use crate::inputs::Input;
 use crate::outcome::{MeshOutput, Outcome, Picture};
 use crate::row;
-use crate::table::{Cell, Table, Tables, Unit, short};
+use crate::table::{Cell, Table, Tables, Unit, brief};
 use crate::verdict::{Judgement, Verdict};
 use crate::view::{Panel, View};
 
@@ -119,23 +119,10 @@ impl Experiment for CotangentCurvature {
 
     fn judge(&self, tables: Tables<'_>) -> Result<Vec<Judgement>> {
         let errors = tables.get("analytic")?;
-        let mut ratios = vec![];
-        for surface in TestSurface::ALL {
-            for sampling in Sampling::BOTH {
-                let [uniform, cotangent] = [UNIFORM, COTANGENT]
-                    .map(|e| finest(errors, surface.name(), sampling.name(), e));
-                ratios.push(cotangent? / uniform?);
-            }
-        }
+        let ratios = ratios(errors)?;
         let worst = ratios.iter().copied().fold(0.0, f64::max);
         let best = ratios.iter().copied().fold(f64::INFINITY, f64::min);
-        let planes = tables.get("planes")?;
-        let largest = |operator: &str, column: &str| -> Result<f64> {
-            let rows = planes.only(&[("operator", operator.into())])?;
-            Ok(rows.column(column)?.into_iter().fold(0.0, f64::max))
-        };
-        let (inside, border) = (largest(COTANGENT, "inside")?, largest(COTANGENT, "boundary")?);
-        let uniform = largest(UNIFORM, "inside")?;
+        let [inside, border, uniform] = on_planes(tables.get("planes")?)?;
         let orders = tables.get("orders")?;
         let jittered = orders.only(&[
             ("sampling", Sampling::Jittered.name().into()),
@@ -165,15 +152,15 @@ impl Experiment for CotangentCurvature {
         };
         let reason = format!(
             "{first}: its RMS error on the finest meshes is {} to {} times that of the uniform one. But better is not convergent: on jittered meshes cotangents {} (order at most {} in the root mean square and {} in the largest error; up to {} of H is still wrong on the finest meshes). Inside a plane they give {} on every triangulation tried; the uniform operator reaches {}/h. Only boundary vertices show, up to {}/h, where either operator is one-sided and points inwards along the plane; the signed value, the part along the normal, is zero there as well.",
-            short(best),
-            short(worst),
+            brief(best),
+            brief(worst),
             if converges { "converge on some surface" } else { "do not converge either" },
-            short(mean),
-            short(largest_order),
-            short(left),
-            if clean { "zero".to_string() } else { format!("up to {}/h", short(inside)) },
-            short(uniform),
-            short(border),
+            brief(mean),
+            brief(largest_order),
+            brief(left),
+            if clean { "zero".to_string() } else { format!("up to {}/h", brief(inside)) },
+            brief(uniform),
+            brief(border),
         );
         Ok(vec![
             Judgement::new(
@@ -182,6 +169,13 @@ impl Experiment for CotangentCurvature {
                 verdict,
                 reason,
             )
+            .finding(format!(
+                "Cotangents leave {} to {} of the error of uniform weights on the finest meshes. On a plane they reach {}/h inside and {}/h on the boundary.",
+                brief(best),
+                brief(worst),
+                brief(inside),
+                brief(border)
+            ))
             .number("largest ratio of errors, cotangent to uniform", worst, Unit::One)
             .number("highest order of cotangents on jittered meshes", mean, Unit::Order)
             .number("cotangent inside planes", inside, Unit::One)
@@ -189,6 +183,32 @@ impl Experiment for CotangentCurvature {
             .number("cotangent on boundaries of planes", border, Unit::One),
         ])
     }
+}
+
+/// The errors of the cotangent operator over those of the uniform one, on the finest meshes.
+fn ratios(errors: &Table) -> Result<Vec<f64>> {
+    let mut ratios = vec![];
+    for surface in TestSurface::ALL {
+        for sampling in Sampling::BOTH {
+            let [uniform, cotangent] =
+                [UNIFORM, COTANGENT].map(|e| finest(errors, surface.name(), sampling.name(), e));
+            ratios.push(cotangent? / uniform?);
+        }
+    }
+    Ok(ratios)
+}
+
+/// The largest values on planes: of the cotangent operator inside and on boundaries, and of the uniform one inside.
+fn on_planes(planes: &Table) -> Result<[f64; 3]> {
+    let largest = |operator: &str, column: &str| -> Result<f64> {
+        let rows = planes.only(&[("operator", operator.into())])?;
+        Ok(rows.column(column)?.into_iter().fold(0.0, f64::max))
+    };
+    Ok([
+        largest(COTANGENT, "inside")?,
+        largest(COTANGENT, "boundary")?,
+        largest(UNIFORM, "inside")?,
+    ])
 }
 
 /// The cotangent estimate in the assignment's colours beside the original, and

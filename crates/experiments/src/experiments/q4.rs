@@ -19,7 +19,7 @@ use crate::experiment::{Card, Context, Experiment};
 use crate::inputs::Input;
 use crate::outcome::{Attachment, Content, MeshOutput, Outcome, Picture};
 use crate::row;
-use crate::table::{Table, Tables, Tolerance, Unit, short};
+use crate::table::{Table, Tables, Tolerance, Unit, brief};
 use crate::verdict::{Judgement, Verdict};
 use crate::view::{Panel, Slider, View};
 
@@ -30,6 +30,12 @@ const STOPS: [usize; 7] = [5, 15, 50, 100, 300, 600, 1000];
 
 /// Above this many vertices the full spectrum is not computed.
 const FULL: usize = 1500;
+
+/// The name of the generated mesh that both kinds of runs have.
+const BALL: &str = "bumpy ball";
+
+/// Predicted errors below this are rounding, over the diagonal.
+const FLOOR: f64 = 1e-12;
 
 /// What the angle of the kept space leaves open.
 const TRUNCATED: Tolerance = Tolerance { relative: gap::ANGLE, absolute: 1e-9 };
@@ -61,94 +67,15 @@ impl Experiment for Reconstruction {
 
     fn run(&self, context: &Context<'_>) -> Result<Outcome> {
         let mut outcome = Outcome::default();
-        let mut errors = Table::new(
-            "reconstruction",
-            "Error of the mesh rebuilt from k modes: root mean square displacement weighted by area, predicted from the coefficients and measured; greatest distance between the surfaces at their vertices; mean angle between the normals of matching faces.",
-            &[
-                ("mesh", Unit::Label),
-                ("k", Unit::Count),
-                ("share of modes", Unit::Relative),
-                ("predicted RMS", Unit::Diagonals),
-                ("measured RMS", Unit::Diagonals),
-                ("distance", Unit::Diagonals),
-                ("normals", Unit::Degrees),
-            ],
-        )
-        .tolerance("predicted RMS", Some(TRUNCATED))
-        .tolerance("measured RMS", Some(TRUNCATED))
-        .tolerance("distance", Some(Tolerance::LOOSE))
-        .tolerance("normals", Some(Tolerance::LOOSE));
-        let mut weyl = Table::new(
-            "weyl",
-            "Eigenvalues against Weyl's law, λ A / 4πk: it tends to one while k is small beside the number of vertices.",
-            &[
-                ("mesh", Unit::Label),
-                ("k", Unit::Count),
-                ("eigenvalue", Unit::InverseArea),
-                ("over Weyl", Unit::One),
-                ("worst residual", Unit::Relative),
-            ],
-        )
-        .tolerance("worst residual", None);
-        let mut curves = vec![];
-        let occlusion = !context.is_quick();
-        let generated = shapes::bumpy_sphere(context.choose(4, 3), 0.15, 4.0);
-        // A quick run is to be quick.
-        let large = match context.is_quick() {
-            true => shapes::creature(64),
-            false => context.mesh(Input::ArmadilloLarge)?,
-        };
-        let meshes = [
-            ("armadillo", context.mesh(Input::Armadillo)?),
-            ("large armadillo", large),
-            ("bumpy sphere", generated),
-        ];
+        let (mut errors, mut weyl, mut curves) = (errors_table(), weyl_table(), vec![]);
+        let meshes = meshes(context)?;
         for (i, (name, mesh)) in meshes.iter().enumerate() {
             context.progress(i as f64 / 4.0, name);
-            let n = mesh.vertex_count();
-            // Up to a tenth of its modes the generated mesh shows what the others show.
-            let most = if *name == "bumpy sphere" { 300 } else { 600 };
-            let wanted = stops(n, context.choose(most, 100));
-            let last = wanted.last().copied().context("no stops")?;
-            let laplacian = Laplacian::cotangent(mesh)?;
-            let modes =
-                gap::modes(n, last, |k| spectrum(&laplacian, k, &SpectrumOptions::default()))?;
-            let mut stops: Vec<usize> =
-                wanted.iter().filter_map(|&k| gap::next(&modes, k)).collect();
-            stops.dedup();
-            let most = stops.last().copied().context("no gaps")?;
-            let rebuilt = stops
-                .iter()
-                .map(|&k| Ok(reconstruct(mesh, &modes, k)?.mesh))
-                .collect::<Result<Vec<TriMesh>>>()?;
-            let predicted = reconstruction_errors(mesh, &modes)?;
-            tabulate(&mut errors, name, mesh, &modes, &predicted, &stops, &rebuilt)?;
-            tabulate_weyl(&mut weyl, name, &modes, &stops);
-            let diagonal = diagonal(mesh);
-            let ends = (1..most).filter(|&k| gap::next(&modes, k) == Some(k));
-            let curve = ends.map(|k| [k as f64, predicted[k] / diagonal]);
-            // What is below rounding has no place on a logarithmic axis.
-            curves.push(Series::line(*name, curve.filter(|p| p[1] > 1e-12).collect()));
-            let id = name.replace(' ', "-");
-            outcome.figures.push(picture(&id, name, mesh, &stops, &rebuilt, occlusion)?);
-            outcome.views.push(view(&id, name, mesh, &stops, &rebuilt));
-            if i == 0 {
-                outcome.figures.push(modes_picture(&id, name, mesh, &modes, occlusion)?);
-            }
-            outcome.attachments.push(energies(&id, name, mesh, &modes)?);
-            for (k, mesh) in stops.iter().zip(rebuilt) {
-                outcome.attachments.push(Attachment {
-                    name: format!("{id}-{k}.obj"),
-                    about: format!("The {name} from {k} modes."),
-                    content: Content::Mesh(mesh.clone()),
-                });
-                outcome.meshes.push(MeshOutput {
-                    id: format!("{id}-{k}"),
-                    caption: format!("The {name} from {k} modes."),
-                    mesh,
-                    fields: vec![],
-                });
-            }
+            let rebuilt = Rebuilt::new(context, name, mesh)?;
+            rebuilt.tabulate(&mut errors)?;
+            rebuilt.tabulate_weyl(&mut weyl);
+            curves.push(rebuilt.curve());
+            rebuilt.show(&mut outcome, !context.is_quick(), i == 0)?;
         }
         outcome.figures.push(decay(curves)?);
         context.progress(0.8, "sphere");
@@ -161,8 +88,9 @@ impl Experiment for Reconstruction {
     fn judge(&self, tables: Tables<'_>) -> Result<Vec<Judgement>> {
         let errors = tables.get("reconstruction")?;
         let (mut falling, mut mismatch, mut steps) = (true, 0.0_f64, vec![]);
-        for name in ["armadillo", "large armadillo", "bumpy sphere"] {
-            let rows = errors.only(&[("mesh", name.into())])?;
+        let names = errors.labels("mesh")?;
+        for name in &names {
+            let rows = errors.only(&[("mesh", name.as_str().into())])?;
             let measured = rows.column("measured RMS")?;
             falling &= measured.windows(2).all(|w| w[1] < w[0]);
             for (a, b) in measured.iter().zip(rows.column("predicted RMS")?) {
@@ -170,7 +98,7 @@ impl Experiment for Reconstruction {
             }
             steps.push(measured[1] / measured[0]);
         }
-        let all = errors.only(&[("mesh", "armadillo".into())])?;
+        let all = errors.only(&[("mesh", names[0].as_str().into())])?;
         let ks = all.column("k")?;
         let last = all.column("measured RMS")?.last().copied().unwrap_or(f64::NAN);
         let complete = all.column("share of modes")?.last().is_some_and(|s| *s == 1.0);
@@ -180,12 +108,14 @@ impl Experiment for Reconstruction {
             _ => Verdict::Refuted,
         };
         let reason = format!(
-            "The error falls with every step of k, as it must for modes that are orthonormal in the mass, and Parseval's identity predicts it to {} of the diagonal. From {} to {} modes it falls only to {} of what it was on the armadillo; the last stop leaves {}.",
-            short(mismatch),
+            "The error falls with every step of k, as it must for modes that are orthonormal in the mass, and Parseval's identity predicts it to {} of the diagonal. From {} to {} modes the error of the {} falls to {} of what it was; the last stop, {} modes, leaves {} of the diagonal.",
+            brief(mismatch),
             ks[0],
             ks[1],
-            short(steps[0]),
-            short(last),
+            names[0],
+            brief(steps[0]),
+            ks[ks.len() - 1],
+            brief(last),
         );
         let mut orders = tables.get("sphere")?.column("order")?[1..].to_vec();
         orders.extend_from_slice(&tables.get("torus")?.column("order")?[1..]);
@@ -194,18 +124,25 @@ impl Experiment for Reconstruction {
         let second = if least > 1.9 && most < 2.1 { Verdict::Confirmed } else { Verdict::Refuted };
         Ok(vec![
             Judgement::new("4a", "A larger k approaches the original", verdict, reason)
-                .number("error of the last stop", last, Unit::Diagonals)
-                .number(&format!("error at {} over error at {}", ks[1], ks[0]), steps[0], Unit::One),
+                .finding(format!(
+                    "The first modes help little: from {} to {} modes the error falls to {} of what it was.",
+                    ks[0],
+                    ks[1],
+                    brief(steps[0])
+                ))
+                .number(&format!("error at {} over error at {}", ks[1], ks[0]), steps[0], Unit::One)
+                .number("error of the last stop", last, Unit::Diagonals),
             Judgement::new(
                 "4b",
                 "The eigenvalues converge to those of the surface with second order",
                 second,
                 format!(
                     "On the unit sphere (λ = 6 and 12) and on a torus of revolution (its first dozen) the errors fall with orders {} to {}.",
-                    short(least),
-                    short(most),
+                    brief(least),
+                    brief(most),
                 ),
             )
+            .finding(format!("The observed orders are {} to {}: half the edge length leaves a quarter of the error.", brief(least), brief(most)))
             .ours()
             .number("least order", least, Unit::Order)
             .number("greatest order", most, Unit::Order),
@@ -222,54 +159,155 @@ fn stops(vertices: usize, most: usize) -> Vec<usize> {
     stops
 }
 
-/// The diagonal of the bounding box.
-fn diagonal(mesh: &TriMesh) -> f64 {
-    let extent = |i: usize| {
-        let of = mesh.positions().iter().map(|p| p[i]);
-        of.clone().fold(f64::NEG_INFINITY, f64::max) - of.fold(f64::INFINITY, f64::min)
+fn errors_table() -> Table {
+    Table::new(
+        "reconstruction",
+        "Error of the mesh rebuilt from k modes: root mean square displacement weighted by area, predicted from the coefficients and measured; greatest distance between the surfaces at their vertices; mean angle between the normals of matching faces.",
+        &[
+            ("mesh", Unit::Label),
+            ("k", Unit::Count),
+            ("share of modes", Unit::Relative),
+            ("predicted RMS", Unit::Diagonals),
+            ("measured RMS", Unit::Diagonals),
+            ("distance", Unit::Diagonals),
+            ("normals", Unit::Degrees),
+        ],
+    )
+    .tolerance("predicted RMS", Some(TRUNCATED))
+    .tolerance("measured RMS", Some(TRUNCATED))
+    .tolerance("distance", Some(Tolerance::LOOSE))
+    .tolerance("normals", Some(Tolerance::LOOSE))
+}
+
+fn weyl_table() -> Table {
+    Table::new(
+        "weyl",
+        "Eigenvalues against Weyl's law, λ A / 4πk: it tends to one while k is small beside the number of vertices.",
+        &[
+            ("mesh", Unit::Label),
+            ("k", Unit::Count),
+            ("eigenvalue", Unit::InverseArea),
+            ("over Weyl", Unit::One),
+            ("worst residual", Unit::Relative),
+        ],
+    )
+    .tolerance("worst residual", None)
+}
+
+/// The meshes by their names: those of the assignment are named after what they are, stand-ins too.
+fn meshes(context: &Context<'_>) -> Result<[(&'static str, TriMesh); 3]> {
+    let named = |input, real, stand_in| if context.is_stand_in(input) { stand_in } else { real };
+    let small = named(Input::Armadillo, "armadillo", "creature");
+    // A quick run is to be quick.
+    let (large, mesh) = match context.is_quick() {
+        true => ("large creature", shapes::creature(64)),
+        false => (
+            named(Input::ArmadilloLarge, "large armadillo", "large creature"),
+            context.mesh(Input::ArmadilloLarge)?,
+        ),
     };
-    (0..3).map(|i| extent(i).powi(2)).sum::<f64>().sqrt()
+    let generated = shapes::bumpy_sphere(context.choose(4, 3), 0.15, 4.0);
+    Ok([(small, context.mesh(Input::Armadillo)?), (large, mesh), (BALL, generated)])
 }
 
-fn tabulate(
-    table: &mut Table,
-    name: &str,
-    mesh: &TriMesh,
-    modes: &Spectrum,
-    predicted: &[f64],
-    stops: &[usize],
-    rebuilt: &[TriMesh],
-) -> Result<()> {
-    let diagonal = diagonal(mesh);
-    let mass = modes.mass.as_mass().diagonal();
-    for (&k, moved) in stops.iter().zip(rebuilt) {
-        let square: f64 = mesh
-            .positions()
-            .iter()
-            .zip(moved.positions())
-            .zip(&mass)
-            .map(|((a, b), m)| m * (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>())
-            .sum();
-        let distance = surface_distance(mesh, moved)?.max();
-        table.push(row![
-            name,
-            k,
-            k as f64 / mesh.vertex_count() as f64,
-            predicted[k] / diagonal,
-            (square / modes.area()).sqrt() / diagonal,
-            distance / diagonal,
-            normal_error(moved, mesh)?.mean,
-        ]);
+/// A mesh, its smoothest modes, and what they give back.
+struct Rebuilt<'a> {
+    name: &'a str,
+    /// The name in ids.
+    id: String,
+    mesh: &'a TriMesh,
+    modes: Spectrum,
+    /// Predicted errors over the number of modes.
+    predicted: Vec<f64>,
+    /// Numbers of modes that end at a gap.
+    stops: Vec<usize>,
+    /// The mesh at each stop.
+    meshes: Vec<TriMesh>,
+}
+
+impl<'a> Rebuilt<'a> {
+    fn new(context: &Context<'_>, name: &'a str, mesh: &'a TriMesh) -> Result<Self> {
+        let n = mesh.vertex_count();
+        // Up to a tenth of its modes the generated mesh shows what the others show.
+        let most = if name == BALL { 300 } else { 600 };
+        let wanted = stops(n, context.choose(most, 100));
+        let last = wanted.last().copied().context("no stops")?;
+        let laplacian = Laplacian::cotangent(mesh)?;
+        let modes = gap::modes(n, last, |k| spectrum(&laplacian, k, &SpectrumOptions::default()))?;
+        let mut stops: Vec<usize> = wanted.iter().filter_map(|&k| gap::next(&modes, k)).collect();
+        stops.dedup();
+        let rebuilt = stops.iter().map(|&k| Ok(reconstruct(mesh, &modes, k)?.mesh));
+        let meshes = rebuilt.collect::<Result<_>>()?;
+        let predicted = reconstruction_errors(mesh, &modes)?;
+        Ok(Self { name, id: name.replace(' ', "-"), mesh, modes, predicted, stops, meshes })
     }
-    Ok(())
-}
 
-fn tabulate_weyl(table: &mut Table, name: &str, modes: &Spectrum, stops: &[usize]) {
-    for &k in stops {
-        let lambda = modes.values[k - 1];
-        let law = 4.0 * std::f64::consts::PI * (k - 1) as f64 / modes.area();
-        let worst = modes.residuals[..k].iter().fold(0.0, |m: f64, r| m.max(*r));
-        table.push(row![name, k, lambda, lambda / law, worst / lambda]);
+    /// Errors over the number of modes.
+    fn curve(&self) -> Series {
+        let most = self.stops.last().copied().unwrap_or_default();
+        let diagonal = self.mesh.diagonal();
+        let ends = (1..most).filter(|&k| gap::next(&self.modes, k) == Some(k));
+        let points = ends.map(|k| [k as f64, self.predicted[k] / diagonal]);
+        // What is below rounding has no place on a logarithmic axis.
+        Series::line(self.name, points.filter(|p| p[1] > FLOOR).collect())
+    }
+
+    fn tabulate(&self, table: &mut Table) -> Result<()> {
+        let Self { name, mesh, modes, .. } = self;
+        let diagonal = mesh.diagonal();
+        let mass = modes.mass.as_mass().diagonal();
+        for (&k, moved) in self.stops.iter().zip(&self.meshes) {
+            let square: f64 = mesh
+                .positions()
+                .iter()
+                .zip(moved.positions())
+                .zip(&mass)
+                .map(|((a, b), m)| m * (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>())
+                .sum();
+            let distance = surface_distance(mesh, moved)?.max();
+            table.push(row![
+                *name,
+                k,
+                k as f64 / mesh.vertex_count() as f64,
+                self.predicted[k] / diagonal,
+                (square / modes.area()).sqrt() / diagonal,
+                distance / diagonal,
+                normal_error(moved, mesh)?.mean,
+            ]);
+        }
+        Ok(())
+    }
+
+    fn tabulate_weyl(&self, table: &mut Table) {
+        let modes = &self.modes;
+        for &k in &self.stops {
+            let lambda = modes.values[k - 1];
+            let law = 4.0 * std::f64::consts::PI * (k - 1) as f64 / modes.area();
+            let worst = modes.residuals[..k].iter().fold(0.0, |m: f64, r| m.max(*r));
+            table.push(row![self.name, k, lambda, lambda / law, worst / lambda]);
+        }
+    }
+
+    /// Pictures, the view, and files.
+    fn show(self, outcome: &mut Outcome, occlusion: bool, with_modes: bool) -> Result<()> {
+        let Self { name, id, mesh, modes, stops, meshes, .. } = self;
+        outcome.figures.push(picture(&id, name, mesh, &stops, &meshes, occlusion)?);
+        outcome.views.push(view(&id, name, mesh, &stops, &meshes));
+        if with_modes {
+            outcome.figures.push(modes_picture(&id, name, mesh, &modes, occlusion)?);
+        }
+        outcome.attachments.push(energies(&id, name, mesh, &modes)?);
+        for (k, mesh) in stops.iter().zip(meshes) {
+            let about = format!("The {name} from {k} modes.");
+            outcome.attachments.push(Attachment {
+                name: format!("{id}-{k}.obj"),
+                about: about.clone(),
+                content: Content::Mesh(mesh.clone()),
+            });
+            let id = format!("{id}-{k}");
+            outcome.meshes.push(MeshOutput { id, caption: about, mesh, fields: vec![] });
+        }
+        Ok(())
     }
 }
 
@@ -357,7 +395,7 @@ fn modes_picture(
                 vec![VertexStatus::Defined; n],
                 vec![false; n],
             );
-            (format!("mode {i}, λ = {}", short(modes.values[i])), field)
+            (format!("mode {i}, λ = {}", brief(modes.values[i])), field)
         })
         .collect();
     let options =

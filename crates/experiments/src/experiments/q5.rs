@@ -2,21 +2,17 @@
 
 use anyhow::{Context as _, Result};
 use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
-use fairing_figure::{Axis, Legend, Panel as FigurePanel, Plot, Series};
-use fairing_figure::{Figure, Up};
-use fairing_mesh::TriMesh;
 use fairing_shapes as shapes;
 use fairing_smoothing::{Diffusion, largest_eigenvalue};
 use rayon::prelude::*;
 
-use super::gallery::{Gallery, Look, VIEWPOINTS, plotted};
-use super::models::{self, Model, OverLambda, SWEPT};
+use super::models::{self, Model};
+use super::over_lambda::{self, DIVERGED, OverLambda, SWEPT};
 use super::statistics::least;
 use crate::experiment::{Card, Context, Experiment};
-use crate::inputs::Input;
-use crate::outcome::{Outcome, Picture};
+use crate::outcome::Outcome;
 use crate::row;
-use crate::table::{Table, Tables, Tolerance, Unit, short};
+use crate::table::{Table, Tables, Tolerance, Unit, brief};
 use crate::verdict::{Judgement, Verdict};
 
 pub(super) struct ExplicitFlow;
@@ -29,6 +25,9 @@ const ITERATIONS: usize = 50;
 
 /// The step of the assignment that diverges on every mesh.
 const DIVERGENT: f64 = LAMBDAS[3];
+
+/// The step of the assignment that the report says loses features.
+const STRONG: f64 = LAMBDAS[2];
 
 /// The best of the report.
 const CLAIMED: f64 = 0.05;
@@ -45,12 +44,8 @@ impl Experiment for ExplicitFlow {
                 models::FEATURE
             ),
             formulas: FORMULAS.map(String::from).to_vec(),
-            inputs: &[Input::NoisyPlane, Input::NoisyFandisk, Input::Fandisk, Input::Cube],
-            parameters: vec![
-                ("λ", LAMBDAS.map(|l| l.to_string()).join(", ")),
-                ("iterations", ITERATIONS.to_string()),
-                ("weights", "uniform; boundaries free".into()),
-            ],
+            inputs: over_lambda::INPUTS,
+            parameters: over_lambda::parameters(&LAMBDAS, ITERATIONS),
         }
     }
 
@@ -63,12 +58,14 @@ impl Experiment for ExplicitFlow {
             iterations: ITERATIONS,
             viewed: LAMBDAS.len() - 1,
             run: Model::explicit,
-            draw: picture,
         };
         let table = flow.measure(context, &models, &mut outcome)?;
         context.progress(0.5, "sweep");
         let sweep = sweep(context, &models)?;
-        outcome.figures.push(plot(&sweep)?);
+        let caption = format!(
+            "Errors after {ITERATIONS} explicit steps over λ: the best λ differs between normals and the distance of the surfaces, and between meshes."
+        );
+        outcome.figures.push(over_lambda::plot(&sweep, &caption)?);
         let best = best(context)?;
         context.progress(0.9, "spectra");
         outcome.tables.extend([table, sweep, best, spectra(&models)?]);
@@ -81,27 +78,18 @@ impl Experiment for ExplicitFlow {
         let of = |mesh: &str, lambda: f64, column: &str| {
             flows.value(&[("mesh", mesh.into()), ("lambda", lambda.into())], column)
         };
-        let mut favourites = vec![];
-        for mesh in ["patch", "machine part"] {
-            for column in ["surface error", "normal error"] {
-                let mut candidates = vec![];
-                for lambda in LAMBDAS {
-                    candidates.push((of(mesh, lambda, column)?, lambda));
-                }
-                favourites.push(least(&candidates).context("no steps")?.1);
-            }
-        }
+        let favourites = favourites(flows)?;
         // Normals do not see a patch shrink.
         let is_best = [favourites[0], favourites[2]].iter().all(|&l| l == CLAIMED);
-        let area = of("patch", 1.0, "area")?;
+        let area = of("patch", STRONG, "area")?;
         let recalls = [
             of("machine part", CLAIMED, "feature recall")?,
-            of("machine part", 1.0, "feature recall")?,
+            of("machine part", STRONG, "feature recall")?,
         ];
         let loses = recalls[1] < recalls[0];
         let growths = spectra.column("growth at 2")?;
         let growth = growths.iter().copied().fold(f64::INFINITY, f64::min);
-        let deforms = growth > models::DIVERGED;
+        let deforms = growth > DIVERGED;
         let steps = best.column("best lambda, normals")?;
         let lowest = steps.iter().copied().fold(f64::INFINITY, f64::min);
         let highest = steps.iter().copied().fold(0.0, f64::max);
@@ -113,19 +101,20 @@ impl Experiment for ExplicitFlow {
             _ => Verdict::Qualified,
         };
         let reason = format!(
-            "Of the four steps the one that comes closest to the true surface, measured both ways, is λ = {} on the patch and λ = {} on the machine part; by normals it is {} and {}, but normals do not see that λ = 1 changes the area of the patch by {} %. There is no best λ as such: on a block over resolutions and levels of noise the best for normals lies between {} and {}, since what counts is the diffusion time 50 λ against the noise and the size of the features. λ = 1 {} features of the machine part (recall {} against {} at 0.05) but is stable, as every λ up to 4/3 is on a closed mesh. λ = 2 does worse than deform, it diverges: the smallest eigenvalue is at most {} on these meshes, so that the roughest mode grows in every step, and the smallest growth of a diagonal in 50 steps is {}.",
-            short(favourites[0]),
-            short(favourites[2]),
-            short(favourites[1]),
-            short(favourites[3]),
-            short(area),
-            short(lowest),
-            short(highest),
+            "Of the {} steps, λ = {} comes closest to the true surface of the patch, and λ = {} to that of the machine part. By normals it is {} and {}, but normals do not see that λ = {STRONG} changes the area of the patch by {} %. There is no best λ as such. On a block at two resolutions and three levels of noise, the best λ for normals lies between {} and {}: what counts is the diffusion time {ITERATIONS} λ against the noise and the size of the features. λ = {STRONG} {} features of the machine part (recall {} against {} at {CLAIMED}) but is stable, as every λ up to 4/3 is on a closed mesh. λ = {DIVERGENT} does worse than deform: it diverges. The smallest eigenvalue is at most {} on these meshes, so the roughest mode grows in every step; after {ITERATIONS} steps even the tamest mesh is {} times as large.",
+            LAMBDAS.len(),
+            brief(favourites[0]),
+            brief(favourites[2]),
+            brief(favourites[1]),
+            brief(favourites[3]),
+            brief(area),
+            brief(lowest),
+            brief(highest),
             if loses { "loses" } else { "does not lose" },
-            short(recalls[1]),
-            short(recalls[0]),
-            short(largest),
-            short(growth),
+            brief(recalls[1]),
+            brief(recalls[0]),
+            brief(largest),
+            brief(growth),
         );
         Ok(vec![
             Judgement::new(
@@ -134,14 +123,35 @@ impl Experiment for ExplicitFlow {
                 verdict,
                 reason,
             )
+            .finding(format!(
+                "No λ is best: it depends on the noise and the mesh ({} to {} on one block). λ = {STRONG} is stable, λ = {DIVERGENT} diverges on every mesh.",
+                brief(lowest),
+                brief(highest)
+            ))
+            .number(&format!("least growth in {ITERATIONS} steps of λ = {DIVERGENT}"), growth, Unit::One)
             .number("best of the four on the patch", favourites[0], Unit::One)
             .number("best of the four on the machine part", favourites[2], Unit::One)
             .number("smallest best λ of the block", lowest, Unit::One)
             .number("largest best λ of the block", highest, Unit::One)
-            .number("feature recall at λ = 1", recalls[1], Unit::One)
-            .number("smallest growth at λ = 2", growth, Unit::One),
+            .number(&format!("feature recall at λ = {STRONG}"), recalls[1], Unit::One),
         ])
     }
+}
+
+/// The best of the four λ by surfaces and by normals, on the patch, then on the machine part.
+fn favourites(flows: &Table) -> Result<Vec<f64>> {
+    let mut favourites = vec![];
+    for mesh in ["patch", "machine part"] {
+        for column in ["surface error", "normal error"] {
+            let mut candidates = vec![];
+            for lambda in LAMBDAS {
+                let row = [("mesh", mesh.into()), ("lambda", lambda.into())];
+                candidates.push((flows.value(&row, column)?, lambda));
+            }
+            favourites.push(least(&candidates).context("no steps")?.1);
+        }
+    }
+    Ok(favourites)
 }
 
 /// Errors over a fine range of λ, up to where open meshes stay stable.
@@ -154,7 +164,7 @@ fn sweep(context: &Context<'_>, models: &[Model]) -> Result<Table> {
         &SWEPT,
     );
     let lambdas: Vec<f64> = steps(context.choose(24, 6)).collect();
-    models::sweep(&mut table, models, &lambdas, |m, lambda| m.explicit(lambda, ITERATIONS))?;
+    over_lambda::sweep(&mut table, models, &lambdas, |m, lambda| m.explicit(lambda, ITERATIONS))?;
     Ok(table)
 }
 
@@ -235,26 +245,7 @@ fn spectra(models: &[Model]) -> Result<Table> {
     .tolerance("stable limit", Some(Tolerance::LOOSE))
     .tolerance("growth of the mode", None)
     .tolerance("growth at 2", None);
-    let octahedron = TriMesh::new(
-        vec![
-            [1.0, 0.0, 0.0],
-            [-1.0, 0.0, 0.0],
-            [0.0, 1.0, 0.0],
-            [0.0, -1.0, 0.0],
-            [0.0, 0.0, 1.0],
-            [0.0, 0.0, -1.0],
-        ],
-        vec![
-            [0, 2, 4],
-            [2, 1, 4],
-            [1, 3, 4],
-            [3, 0, 4],
-            [2, 0, 5],
-            [1, 2, 5],
-            [3, 1, 5],
-            [0, 3, 5],
-        ],
-    )?;
+    let octahedron = shapes::octahedron();
     let sphere = Model::new("icosphere", shapes::icosphere(4), shapes::icosphere(4))?;
     let attained = Model::new("octahedron", octahedron.clone(), octahedron)?;
     for model in models.iter().chain([&sphere, &attained]) {
@@ -280,53 +271,6 @@ fn spectra(models: &[Model]) -> Result<Table> {
         ]);
     }
     Ok(table)
-}
-
-/// The input and the four results from two viewpoints; what has diverged is scaled to fit.
-fn picture(model: &Model, smoothed: &[TriMesh]) -> Result<Picture> {
-    let mut shown = vec![];
-    for (i, mesh) in smoothed.iter().enumerate() {
-        let title = match i {
-            0 => "input".to_string(),
-            i => format!("λ = {}", LAMBDAS[i - 1]),
-        };
-        let (mesh, scale) = models::drawn(mesh, &model.noisy)?;
-        shown.push((title + &scale, mesh));
-    }
-    let looks = shown.iter().map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
-    Gallery { looks, viewpoints: &VIEWPOINTS, up: Up::Z, aspect: 1.0, occlusion: model.occlusion }.draw(
-        &model.slug(),
-        &format!("The {} before and after {ITERATIONS} explicit steps, from two viewpoints. What has diverged or shrunk is drawn at the size of the input, as its title says.", model.name),
-        &format!("Ten pictures of the {}: the input and four steps, from two sides.", model.name),
-    )
-}
-
-/// Errors over λ.
-fn plot(sweep: &Table) -> Result<Picture> {
-    let mut figure = Figure { columns: 2, ..Figure::default() };
-    for (i, column) in ["normal error", "surface error"].into_iter().enumerate() {
-        let mut plot = Plot {
-            title: column.into(),
-            x: Axis::log("λ"),
-            y: Axis::log(if i == 0 { "degrees" } else { "mean edge lengths" }),
-            legend: Legend::Auto,
-            ..Plot::default()
-        };
-        for mesh in ["patch", "machine part"] {
-            let rows = sweep.only(&[("mesh", mesh.into())])?;
-            let points = rows.column("lambda")?.into_iter().zip(rows.column(column)?);
-            plot.series.push(Series::marked(mesh, points.map(|(x, y)| [x, y]).collect()));
-        }
-        figure.panels.push(FigurePanel::drawing(plot.draw(420.0, 320.0)?));
-    }
-    plotted(
-        &figure,
-        "sweep",
-        &format!(
-            "Errors after {ITERATIONS} explicit steps over λ: the best λ differs between normals and the distance of the surfaces, and between meshes."
-        ),
-        "Two plots of error over λ, each with a minimum.",
-    )
 }
 
 const FORMULAS: [&str; 1] = [

@@ -2,21 +2,19 @@
 
 use std::time::Instant;
 
-use anyhow::{Context as _, Result};
+use anyhow::Result;
 use fairing_evaluation::vertex_displacement;
-use fairing_figure::{Axis, Figure, Legend, Panel as FigurePanel, Plot, Series, Up};
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, dot, scale, sub};
 use fairing_shapes as shapes;
 use fairing_smoothing::{Approach, Diffusion, Implicit, implicit};
 
-use super::gallery::{Gallery, Look, VIEWPOINTS, plotted};
-use super::models::{self, Model, OverLambda, SWEPT};
+use super::models::Model;
+use super::over_lambda::{self, OverLambda, SWEPT};
 use crate::experiment::{Card, Context, Experiment};
-use crate::inputs::Input;
 use crate::outcome::{Outcome, Picture};
 use crate::row;
-use crate::table::{Cell, Table, Tables, Tolerance, Unit, short};
+use crate::table::{Cell, Table, Tables, Tolerance, Unit, brief};
 use crate::verdict::{Judgement, Verdict};
 
 pub(super) struct ImplicitFlow;
@@ -39,6 +37,15 @@ const COMPARED: [usize; 2] = [10, ITERATIONS];
 /// The explicit step that is taken for comparisons at equal time.
 const EXPLICIT: f64 = 0.5;
 
+/// The λ at which it is looked at what moves.
+const MOVED: f64 = LAMBDAS[4];
+
+/// The largest λ.
+const LARGEST: f64 = LAMBDAS[5];
+
+/// The explicit steps that take as long as the fewer of the compared numbers of implicit ones.
+const EQUAL: usize = (COMPARED[0] as f64 * CLAIMED / EXPLICIT) as usize;
+
 /// A growth of the diagonal above one by more than this is an instability, not rounding.
 const ROUNDING: f64 = 1e-9;
 
@@ -57,12 +64,8 @@ impl Experiment for ImplicitFlow {
                 LAMBDAS.len()
             ),
             formulas: FORMULAS.map(String::from).to_vec(),
-            inputs: &[Input::NoisyPlane, Input::NoisyFandisk, Input::Fandisk, Input::Cube],
-            parameters: vec![
-                ("λ", LAMBDAS.map(|l| l.to_string()).join(", ")),
-                ("iterations", ITERATIONS.to_string()),
-                ("weights", "uniform; boundaries free".into()),
-            ],
+            inputs: over_lambda::INPUTS,
+            parameters: over_lambda::parameters(&LAMBDAS, ITERATIONS),
         }
     }
 
@@ -75,12 +78,12 @@ impl Experiment for ImplicitFlow {
             iterations: ITERATIONS,
             viewed: LAMBDAS.len(),
             run: Model::implicit,
-            draw: over_lambda,
         };
         let table = flow.measure(context, &models, &mut outcome)?;
         context.progress(0.5, "sweep");
         let sweep = sweep(context, &models)?;
-        outcome.figures.push(plot(&sweep)?);
+        let caption = format!("Errors after {ITERATIONS} implicit steps over λ.");
+        outcome.figures.push(over_lambda::plot(&sweep, &caption)?);
         context.progress(0.7, "iterations");
         for model in models.iter().filter(|m| m.name != "cube") {
             outcome.figures.push(over_iterations(model)?);
@@ -109,18 +112,18 @@ fn stability(tables: Tables<'_>) -> Result<Judgement> {
     };
     let growth = flows.column("growth")?.into_iter().fold(0.0, f64::max);
     let stable = growth <= 1.0 + ROUNDING;
-    let inside = of("patch", 10.0, "displacement inside")?;
-    let border = of("patch", 10.0, "displacement of the border")?;
-    let closed = of("machine part", 10.0, "displacement")?;
-    let volume = of("machine part", 10.0, "volume")?;
+    let inside = of("patch", MOVED, "displacement inside")?;
+    let border = of("patch", MOVED, "displacement of the border")?;
+    let closed = of("machine part", MOVED, "displacement")?;
+    let volume = of("machine part", MOVED, "volume")?;
     let only_edges = inside < INVISIBLE && closed < INVISIBLE;
     let sweep = tables.get("sweep")?;
     let mut best = vec![];
     for mesh in ["patch", "machine part"] {
-        best.push(models::best_lambda(sweep, mesh, "surface error")?);
+        best.push(over_lambda::best_lambda(sweep, mesh, "surface error")?);
     }
-    let by_normals = models::best_lambda(sweep, "patch", "normal error")?;
-    let area = of("patch", 100.0, "area")?;
+    let by_normals = over_lambda::best_lambda(sweep, "patch", "normal error")?;
+    let area = of("patch", LARGEST, "area")?;
     // Within a factor of two of the claim on both meshes.
     let about = best.iter().all(|l| (0.5..=2.0).contains(&(l / CLAIMED)));
     let verdict = match (stable, only_edges, about) {
@@ -129,27 +132,35 @@ fn stability(tables: Tables<'_>) -> Result<Judgement> {
         _ => Verdict::Qualified,
     };
     let reason = format!(
-        "Stable: {}, the largest growth of a diagonal over all λ is {}. Only the edges: {}. At λ = 10 the border of the patch moved by {} edge lengths and its inside by {}; the machine part has no border, and its vertices moved by {} and its volume changed by {} %. The λ of 50 iterations that comes closest to the true surface, measured both ways, is {} on the patch and {} on the machine part. (By normals alone it would be {} on the patch; at λ = 100 its area has changed by {} %, which normals do not see.)",
+        "Stable: {}, the largest growth of a diagonal over all λ is {}. Only the edges: {}. At λ = {MOVED} the border of the patch moved by {} edge lengths and its inside by {}. The machine part has no border: its vertices moved by {} edge lengths and its volume changed by {} %. With {ITERATIONS} iterations the λ that comes closest to the true surface is {} on the patch and {} on the machine part. By normals alone it would be {} on the patch, but at λ = {LARGEST} its area has changed by {} %, which normals do not see.",
         if stable { "yes" } else { "no" },
-        short(growth),
+        brief(growth),
         if only_edges { "yes" } else { "no" },
-        short(border),
-        short(inside),
-        short(closed),
-        short(volume),
-        short(best[0]),
-        short(best[1]),
-        short(by_normals),
-        short(area),
+        brief(border),
+        brief(inside),
+        brief(closed),
+        brief(volume),
+        brief(best[0]),
+        brief(best[1]),
+        brief(by_normals),
+        brief(area),
     );
     let claim =
         "Implicit smoothing is stable for large λ and only the edges deform; λ is best about 5";
+    let finding = format!(
+        "Implicit steps {}, but {}; the best λ is {} to {}.",
+        if stable { "are stable at every λ" } else { "are not always stable" },
+        if only_edges { "only edges move" } else { "the whole shape shrinks, not the edges alone" },
+        brief(best[0].min(best[1])),
+        brief(best[0].max(best[1])),
+    );
     Ok(Judgement::new("6a", claim, verdict, reason)
+        .finding(finding)
+        .number(&format!("volume of the machine part at λ = {MOVED}"), volume, Unit::Percent)
         .number("largest growth", growth, Unit::One)
-        .number("border of the patch at λ = 10", border, Unit::EdgeLengths)
-        .number("inside of the patch at λ = 10", inside, Unit::EdgeLengths)
-        .number("machine part at λ = 10", closed, Unit::EdgeLengths)
-        .number("volume of the machine part at λ = 10", volume, Unit::Percent)
+        .number(&format!("border of the patch at λ = {MOVED}"), border, Unit::EdgeLengths)
+        .number(&format!("inside of the patch at λ = {MOVED}"), inside, Unit::EdgeLengths)
+        .number(&format!("machine part at λ = {MOVED}"), closed, Unit::EdgeLengths)
         .number("best λ on the patch", best[0], Unit::One)
         .number("best λ on the machine part", best[1], Unit::One))
 }
@@ -157,6 +168,7 @@ fn stability(tables: Tables<'_>) -> Result<Judgement> {
 /// Claim 6b.
 fn convergence(tables: Tables<'_>) -> Result<Judgement> {
     let table = tables.get("iterations")?;
+    let [few, many] = COMPARED;
     let (mut least, mut apart, mut ratio) = (f64::INFINITY, 0.0f64, 0.0f64);
     for mesh in ["patch", "machine part"] {
         let of = |flow: &str, n: usize, lambda: f64, column: &str| {
@@ -168,8 +180,8 @@ fn convergence(tables: Tables<'_>) -> Result<Judgement> {
             ];
             table.value(&row, column)
         };
-        let still = of("implicit", 50, CLAIMED, "from 10 implicit steps")?;
-        let gap = of("explicit", 100, EXPLICIT, "from 10 implicit steps")?;
+        let still = of("implicit", many, CLAIMED, "from 10 implicit steps")?;
+        let gap = of("explicit", EQUAL, EXPLICIT, "from 10 implicit steps")?;
         least = least.min(still);
         apart = apart.max(gap);
         ratio = ratio.max(gap / still);
@@ -182,15 +194,26 @@ fn convergence(tables: Tables<'_>) -> Result<Judgement> {
         _ => Verdict::Qualified,
     };
     let reason = format!(
-        "Between 10 and 50 implicit steps vertices still move by at least {} edge lengths (RMS): ten steps have not converged, nor will any number, short of a point. At equal diffusion time, 10 implicit steps of 5 beside 100 explicit ones of ½, the two meshes are at most {} edge lengths apart, {} of that distance: what looked like convergence is a diffusion time of 50 beside one of {}.",
-        short(least),
-        short(apart),
-        short(ratio),
-        short(10.0 * EXPLICIT),
+        "Between {few} and {many} implicit steps vertices still move by at least {} edge lengths (RMS): {few} steps have not converged, and no number of steps converges to anything but a point. At equal diffusion time, {few} implicit steps of {CLAIMED} beside {EQUAL} explicit ones of {EXPLICIT}, the two meshes are at most {} edge lengths apart, {} of that distance. What looked like convergence is a longer diffusion: {} units of time beside {}.",
+        brief(least),
+        brief(apart),
+        brief(ratio),
+        brief(few as f64 * CLAIMED),
+        brief(few as f64 * EXPLICIT),
     );
     let claim = "Implicit smoothing has converged after 10 iterations, explicit has not";
+    let finding = format!(
+        "From {few} to {many} implicit steps the mesh still moves by {} edge lengths. At equal diffusion time both flows agree within {}.",
+        brief(least),
+        brief(apart)
+    );
     Ok(Judgement::new("6b", claim, verdict, reason)
-        .number("movement from 10 to 50 implicit steps, at least", least, Unit::EdgeLengths)
+        .finding(finding)
+        .number(
+            &format!("movement from {few} to {many} implicit steps, at least"),
+            least,
+            Unit::EdgeLengths,
+        )
         .number("implicit against explicit at equal time, at most", apart, Unit::EdgeLengths)
         .number("the largest ratio of the two", ratio, Unit::One))
 }
@@ -202,7 +225,7 @@ fn sweep(context: &Context<'_>, models: &[Model]) -> Result<Table> {
     let count = context.choose(25, 7);
     let lambda = |i: usize| 0.01 * libm::pow(1e4, i as f64 / (count - 1) as f64);
     let lambdas: Vec<f64> = (0..count).map(lambda).collect();
-    models::sweep(&mut table, models, &lambdas, |m, lambda| m.implicit(lambda, ITERATIONS))?;
+    over_lambda::sweep(&mut table, models, &lambdas, |m, lambda| m.implicit(lambda, ITERATIONS))?;
     Ok(table)
 }
 
@@ -242,7 +265,7 @@ fn iterations(models: &[Model]) -> Result<Table> {
             ("explicit", REPORT, many),
             ("explicit", EXPLICIT, few),
             ("explicit", EXPLICIT, many),
-            ("explicit", EXPLICIT, 100),
+            ("explicit", EXPLICIT, EQUAL),
             ("explicit", EXPLICIT, 500),
         ];
         for (flow, lambda, n) in runs {
@@ -338,7 +361,9 @@ fn spheres(context: &Context<'_>) -> Result<Table> {
 fn cost(models: &[Model]) -> Result<Table> {
     let mut table = Table::new(
         "cost",
-        "What 50 steps cost when nobody looks at the meshes in between: products with the Laplacian, and time for each step. Runs are computed at once, by a Chebyshev series of the factor of each mode, so that fifty long steps do not cost fifty solves.",
+        &format!(
+            "Cost of {ITERATIONS} steps computed in one go: products with the Laplacian, and time for each step. A Chebyshev polynomial applies all {ITERATIONS} steps together."
+        ),
         &[
             ("mesh", Unit::Label),
             ("vertices", Unit::Count),
@@ -374,29 +399,6 @@ fn cost(models: &[Model]) -> Result<Table> {
     Ok(table)
 }
 
-/// The input and the six results from two viewpoints, in two figures' worth of columns.
-fn over_lambda(model: &Model, smoothed: &[TriMesh]) -> Result<Picture> {
-    let titles =
-        ["input".to_string()].into_iter().chain(LAMBDAS.map(|lambda| format!("λ = {lambda}")));
-    let mut shown = vec![];
-    for (title, mesh) in titles.zip(smoothed) {
-        let (mesh, scale) = models::drawn(mesh, &model.noisy)?;
-        shown.push((title + &scale, mesh));
-    }
-    let looks = shown.iter().map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
-    Gallery { looks, viewpoints: &VIEWPOINTS, up: Up::Z, aspect: 1.0, occlusion: model.occlusion }.draw(
-        &model.slug(),
-        &format!(
-            "The {} before and after {ITERATIONS} implicit steps, from two viewpoints; what has shrunk a lot is enlarged, as its title says.",
-            model.name
-        ),
-        &format!(
-            "Fourteen pictures of the {}: the input and six steps, from two sides.",
-            model.name
-        ),
-    )
-}
-
 /// Implicit steps beside explicit steps: of the same number, and of the same time.
 fn over_iterations(model: &Model) -> Result<Picture> {
     // As many explicit steps as take the same diffusion time.
@@ -411,38 +413,17 @@ fn over_iterations(model: &Model) -> Result<Picture> {
         let title = format!("explicit {lambda} × {n}");
         meshes.push((title, model.explicit(lambda, n)?.mesh));
     }
-    let looks = meshes.iter().map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
-    Gallery { looks, viewpoints: &VIEWPOINTS, up: Up::Z, aspect: 1.0, occlusion: model.occlusion }.draw(
-        &format!("{}-iterations", model.slug()),
-        &format!("The {} after implicit steps (λ × iterations), explicit steps of the same number, and explicit steps of the same diffusion time: the last two look like the first two.", model.name),
-        &format!("Twelve pictures of the {} after implicit and explicit steps, from two sides.", model.name),
-    )
-}
-
-/// Errors over λ.
-fn plot(sweep: &Table) -> Result<Picture> {
-    let mut figure = Figure { columns: 2, ..Figure::default() };
-    for (i, column) in ["normal error", "surface error"].into_iter().enumerate() {
-        let mut plot = Plot {
-            title: column.into(),
-            x: Axis::log("λ"),
-            y: Axis::log(if i == 0 { "degrees" } else { "mean edge lengths" }),
-            legend: Legend::Auto,
-            ..Plot::default()
-        };
-        for mesh in ["patch", "machine part"] {
-            let rows = sweep.only(&[("mesh", mesh.into())])?;
-            let points = rows.column("lambda")?.into_iter().zip(rows.column(column)?);
-            plot.series.push(Series::marked(mesh, points.map(|(x, y)| [x, y]).collect()));
-        }
-        figure.panels.push(FigurePanel::drawing(plot.draw(420.0, 320.0).context("drawing")?));
-    }
-    plotted(
-        &figure,
-        "sweep",
-        &format!("Errors after {ITERATIONS} implicit steps over λ."),
-        "Two plots of error over λ on logarithmic axes.",
-    )
+    let caption = format!(
+        "The {} after implicit steps (λ × iterations), explicit steps of the same number, and explicit steps of the same diffusion time: the last two look like the first two.",
+        model.name
+    );
+    let alt = format!(
+        "{} pictures of the {} after implicit and explicit steps, from two sides.",
+        2 * meshes.len(),
+        model.name
+    );
+    let id = format!("{}-iterations", model.slug());
+    over_lambda::side_by_side(model, &id, &meshes, &caption, &alt)
 }
 
 const FORMULAS: [&str; 1] =

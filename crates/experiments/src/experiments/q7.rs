@@ -74,7 +74,7 @@ impl Experiment for GrowingNoise {
             title: "Denoising under growing noise",
             question: "When does smoothing remove noise, and when does it fail? What works instead?",
             method: format!(
-                "Gaussian noise is added along each axis: to the machine part with the assignment's levels in model units; to a machine part, a smooth body and a scan with {lowest} to {highest} mean edge lengths h. All methods get the same noisy meshes and keep the same parameters at every level; the automatic denoiser has none. Explicit and implicit smoothing cover the same diffusion time, and are run once more as the original report recommends (it does not say what it used here): {} explicit steps of {}, {} implicit ones of {}. The spectral method projects onto the smoothest of the modes of the edge graph, one in {MODES}, which does not depend on the noise, and up to the next gap between eigenvalues: in the middle of a cluster of equal ones the result would depend on the solver. A denoiser that leaves more than {HOPELESS}° at one level is not run at higher ones.\n\nMeasured are E_a, the mean angle between the normals of matching faces of the result and of the truth, and E_v, the mean distance of the vertices from the true surface. A method helps where an error falls below that of the noisy input: smoothing also removes shape, so that at little noise it can do harm. A shape is called kept while E_a stays below {KEPT}° and no more than {SHRUNK} % of the volume is lost: two faces that are off by {KEPT}° each are {}° apart, the angle at which we call an edge sharp. The standard error of a mean is its standard deviation from seed to seed over the square root of the number of seeds; a level at which a shape is lost is found by interpolation, and its uncertainty is that of {ERRORS} standard errors.",
+                "Gaussian noise is added along each axis: to the machine part with the assignment's levels in model units; to a block with creases, a smooth torus and a body with details with {lowest} to {highest} mean edge lengths h. All methods get the same noisy meshes and keep the same parameters at every level; the automatic denoiser has none. Explicit and implicit smoothing cover the same diffusion time, and are run once more as the original report recommends (it does not say what it used here): {} explicit steps of {}, {} implicit ones of {}. The spectral method projects onto the smoothest of the modes of the edge graph, one in {MODES}, which does not depend on the noise, and up to the next gap between eigenvalues: in the middle of a cluster of equal ones the result would depend on the solver. A denoiser that leaves more than {HOPELESS}° at one level is not run at higher ones.\n\nMeasured are E_a, the mean angle between the normals of matching faces of the result and of the truth, and E_v, the mean distance of the vertices from the true surface. A method helps where an error falls below that of the noisy input: smoothing also removes shape, so that at little noise it can do harm. A shape is called kept while E_a stays below {KEPT}° and no more than {SHRUNK} % of the volume is lost: two faces that are off by {KEPT}° each are {}° apart, the angle at which we call an edge sharp. The standard error of a mean is its standard deviation from seed to seed over the square root of the number of seeds; a level at which a shape is lost is found by interpolation, and its uncertainty is that of {ERRORS} standard errors.",
                 REPORT_EXPLICIT.count,
                 REPORT_EXPLICIT.lambda,
                 REPORT_IMPLICIT.count,
@@ -104,61 +104,9 @@ impl Experiment for GrowingNoise {
     }
 
     fn run(&self, context: &Context<'_>) -> Result<Outcome> {
-        // A quick run is to be quick.
-        let part = match context.is_quick() {
-            true => shapes::cad_block(0.25),
-            false => context.mesh(Input::Fandisk)?,
-        };
-        let (torus, scan) = match (context.is_quick(), context.mesh_if_present(Input::Scan)?) {
-            (true, _) => (shapes::torus(1.0, 0.4, 40, 16), shapes::bumpy_sphere(3, 0.12, 4.0)),
-            (false, Some(scan)) => (shapes::torus(1.0, 0.4, 48, 20), scan),
-            (false, None) => (shapes::torus(1.0, 0.4, 48, 20), shapes::creature(48)),
-        };
-        let part = Body::new("machine part", part)?.with_modes()?;
-        let bodies = [
-            Body::new("block", shapes::cad_block(context.choose(0.25, 0.3)))?.with_modes()?,
-            Body::new("torus", torus)?.with_modes()?,
-            Body::new("scan", scan)?.with_modes()?,
-        ];
-        let mut notes = vec![];
-        if context.is_quick() {
-            notes.push("In this quick run a sphere with bumps takes the place of the scan, and a block that of the machine part.".into());
-        } else if context.mesh_if_present(Input::Scan)?.is_none() {
-            notes.push("No scan was found: a generated animal with limbs and wrinkled skin takes its place.".into());
-        }
-        let levels = context.choose(&SWEEP[..], &QUICK);
-        let mut model = table(
-            "model",
-            "The machine part under the assignment's noise, σ in model units.",
-            &[
-                ("mesh", Unit::Label),
-                ("σ", Unit::Length),
-                ("σ/h", Unit::EdgeLengths),
-                ("σ/diagonal", Unit::Diagonals),
-            ],
-        );
-        let mut running = Running::all(context);
-        for (k, &sigma) in ASSIGNMENT.iter().enumerate() {
-            context.progress(0.1 * k as f64, "model units");
-            let h = part.truth.mean_edge_length();
-            let leading = row![part.name, sigma, sigma / h, sigma / part.truth.diagonal()];
-            let trials = running.trials(context, &part, NoiseLevel::Model(sigma))?;
-            push(&mut model, &leading, &trials, part.truth.face_count());
-        }
-        let mut sweep = table(
-            "sweep",
-            "Three meshes under noise in mean edge lengths.",
-            &[("mesh", Unit::Label), ("σ/h", Unit::EdgeLengths)],
-        );
-        for (b, body) in bodies.iter().enumerate() {
-            let mut running = Running::all(context);
-            for (k, &sigma) in levels.iter().enumerate() {
-                let done = (b * levels.len() + k) as f64 / (bodies.len() * levels.len()) as f64;
-                context.progress(0.3 + 0.4 * done, body.name);
-                let trials = running.trials(context, body, NoiseLevel::EdgeLengths(sigma))?;
-                push(&mut sweep, &row![body.name, sigma], &trials, body.truth.face_count());
-            }
-        }
+        let (part, bodies) = bodies(context)?;
+        let model = model(context, &part)?;
+        let sweep = sweep(context, &bodies)?;
         context.progress(0.7, "resolutions");
         let resolutions = levels::resolutions(context)?;
         let modes = modes([&part].into_iter().chain(&bodies))?;
@@ -171,12 +119,75 @@ impl Experiment for GrowingNoise {
         figures.push(scan);
         let views = vec![levels_view, scan_view];
         let tables = vec![model, limits, resolutions, modes, sweep];
-        Ok(Outcome { tables, figures, views, notes, ..Outcome::default() })
+        Ok(Outcome { tables, figures, views, ..Outcome::default() })
     }
 
     fn judge(&self, tables: Tables<'_>) -> Result<Vec<Judgement>> {
         Ok(vec![levels::judge(tables)?, limits::judge(tables)?])
     }
+}
+
+/// The machine part, and the meshes of the sweep: one with creases, a smooth one, and one with details, each under the
+/// name of what it is.
+fn bodies(context: &Context<'_>) -> Result<(Body, [Body; 3])> {
+    // A quick run is to be quick.
+    let quick = context.is_quick();
+    let part = if quick { shapes::cad_block(0.25) } else { context.mesh(Input::Fandisk)? };
+    let rings = context.choose([48, 20], [40, 16]);
+    let (name, detailed) = match context.mesh_if_present(Input::Scan)? {
+        _ if quick => ("bumpy ball", shapes::bumpy_sphere(3, 0.12, 4.0)),
+        Some(scan) => ("bunny", scan),
+        None => ("creature", shapes::creature(48)),
+    };
+    let bodies = [
+        Body::new("block", shapes::cad_block(context.choose(0.25, 0.3)))?.with_modes()?,
+        Body::new("torus", shapes::torus(1.0, 0.4, rings[0], rings[1]))?.with_modes()?,
+        Body::new(name, detailed)?.with_modes()?,
+    ];
+    Ok((Body::new("machine part", part)?.with_modes()?, bodies))
+}
+
+/// Errors of all methods under the levels of the assignment.
+fn model(context: &Context<'_>, part: &Body) -> Result<Table> {
+    let mut model = table(
+        "model",
+        "The machine part under the assignment's noise, σ in model units.",
+        &[
+            ("mesh", Unit::Label),
+            ("σ", Unit::Length),
+            ("σ/h", Unit::EdgeLengths),
+            ("σ/diagonal", Unit::Diagonals),
+        ],
+    );
+    let mut running = Running::all(context);
+    for (k, &sigma) in ASSIGNMENT.iter().enumerate() {
+        context.progress(0.1 * k as f64, "model units");
+        let h = part.truth.mean_edge_length();
+        let leading = row![part.name, sigma, sigma / h, sigma / part.truth.diagonal()];
+        let trials = running.trials(context, part, NoiseLevel::Model(sigma))?;
+        push(&mut model, &leading, &trials, part.truth.face_count());
+    }
+    Ok(model)
+}
+
+/// Errors of all methods over the noise in mean edge lengths.
+fn sweep(context: &Context<'_>, bodies: &[Body; 3]) -> Result<Table> {
+    let levels = context.choose(&SWEEP[..], &QUICK);
+    let mut sweep = table(
+        "sweep",
+        "Three meshes under noise in mean edge lengths.",
+        &[("mesh", Unit::Label), ("σ/h", Unit::EdgeLengths)],
+    );
+    for (b, body) in bodies.iter().enumerate() {
+        let mut running = Running::all(context);
+        for (k, &sigma) in levels.iter().enumerate() {
+            let done = (b * levels.len() + k) as f64 / (bodies.len() * levels.len()) as f64;
+            context.progress(0.3 + 0.4 * done, body.name);
+            let trials = running.trials(context, body, NoiseLevel::EdgeLengths(sigma))?;
+            push(&mut sweep, &row![body.name, sigma], &trials, body.truth.face_count());
+        }
+    }
+    Ok(sweep)
 }
 
 /// The methods that are still run as the noise of a body grows, with their numbers of seeds.

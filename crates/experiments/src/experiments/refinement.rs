@@ -53,12 +53,9 @@ fn levels(context: &Context<'_>) -> std::ops::RangeInclusive<u32> {
     context.choose(2..=5, 2..=4)
 }
 
-/// The errors of each estimator on each surface and level, and the orders in
-/// which they fall between levels.
-///
-/// The tables have the ids `analytic` and `orders`.
-pub(super) fn study(context: &Context<'_>, estimators: &[Estimator]) -> Result<[Table; 2]> {
-    let mut errors = Table::new(
+/// Empty tables of errors and of their orders.
+fn tables() -> [Table; 2] {
+    let errors = Table::new(
         "analytic",
         "Relative error against the exact curvature on ever finer meshes: root mean square, weighted by area, and largest, both over the root mean square of the exact values. h is the mean edge length.",
         &[
@@ -71,7 +68,7 @@ pub(super) fn study(context: &Context<'_>, estimators: &[Estimator]) -> Result<[
             ("largest error", Unit::Relative),
         ],
     );
-    let mut orders = Table::new(
+    let orders = Table::new(
         "orders",
         "Observed order of convergence between the last two refinements, log(e₁/e₂) / log(h₁/h₂). At second order half the edge length leaves a quarter of the error; at order zero the error stays, below it grows.",
         &[
@@ -82,6 +79,15 @@ pub(super) fn study(context: &Context<'_>, estimators: &[Estimator]) -> Result<[
             ("order of the largest", Unit::Order),
         ],
     );
+    [errors, orders]
+}
+
+/// The errors of each estimator on each surface and level, and the orders in
+/// which they fall between levels.
+///
+/// The tables have the ids `analytic` and `orders`.
+pub(super) fn study(context: &Context<'_>, estimators: &[Estimator]) -> Result<[Table; 2]> {
+    let [mut errors, mut orders] = tables();
     for (i, surface) in TestSurface::ALL.into_iter().enumerate() {
         for sampling in Sampling::BOTH {
             context.progress(i as f64 / TestSurface::ALL.len() as f64, surface.name());

@@ -289,6 +289,17 @@ mod tests {
 
     use super::*;
 
+    /// The names of the report's flows say the steps that they take.
+    #[test]
+    fn names_say_the_steps() {
+        for (method, kind, steps) in [
+            (Method::ReportExplicit, "explicit", REPORT_EXPLICIT),
+            (Method::ReportImplicit, "implicit", REPORT_IMPLICIT),
+        ] {
+            assert_eq!(method.name(), format!("{kind}, {} × {}", steps.lambda, steps.count));
+        }
+    }
+
     #[test]
     fn spread_of_three_numbers() {
         let spread = Spread::of([1.0, 2.0, 6.0].into_iter());

@@ -84,7 +84,9 @@ pub(super) fn table(levels: u32) -> Result<Table> {
     let exact = eigenvalues(MAJOR, MINOR, COMPARED + 1)?;
     let mut table = Table::new(
         "torus",
-        "Eigenvalues of a torus of revolution with radii 1 and 0.4 against those of its separated equation (solved to rounding): the first that is not zero, the largest relative error of the first twelve, and the observed order.",
+        &format!(
+            "Eigenvalues of a torus of revolution with radii {MAJOR} and {MINOR} against those of its separated equation (solved to rounding): the first that is not zero, the largest relative error of the first twelve, and the observed order."
+        ),
         &[
             ("h", Unit::Length),
             ("first", Unit::InverseArea),

@@ -7,7 +7,7 @@ use anyhow::{Context as _, Result};
 use fairing_mesh::io::{self, FloatWidth, VertexFields, WriteOptions};
 use rayon::prelude::*;
 
-use crate::outcome::{Content, Outcome};
+use crate::outcome::{Attachment, Content, MeshOutput, Outcome};
 use crate::palette;
 use crate::results::{FigureFile, File, Record, ViewFile};
 
@@ -50,26 +50,10 @@ pub(super) fn outcome(outcome: Outcome, work: &Path, record: &mut Record) -> Res
         });
     }
     for output in outcome.meshes {
-        let fields = output.fields.into_iter();
-        let fields =
-            fields.fold(VertexFields::default(), |f, (name, values)| f.with_scalar(name, values));
-        let path = format!("{id}/{}.ply", output.id);
-        let options = WriteOptions::default().with_float_width(FloatWidth::Single);
-        io::write_with_fields(work.join(&path), &output.mesh, &fields, &options)
-            .with_context(|| format!("writing {path}"))?;
-        let bytes = fs::metadata(work.join(&path))?.len();
-        record.files.push(File { path, about: output.caption, bytes });
+        record.files.push(mesh(output, work, &id)?);
     }
     for attachment in outcome.attachments {
-        let path = format!("{id}/{}", attachment.name);
-        match &attachment.content {
-            Content::Text(content) => text(&work.join(&path), content)?,
-            Content::Mesh(mesh) => {
-                io::write(work.join(&path), mesh).with_context(|| format!("writing {path}"))?;
-            }
-        }
-        let bytes = fs::metadata(work.join(&path))?.len();
-        record.files.push(File { path, about: attachment.about, bytes });
+        record.files.push(attached(attachment, work, &id)?);
     }
     record.tables = outcome.tables;
     record.notes = outcome.notes;
@@ -84,6 +68,32 @@ pub(super) fn outcome(outcome: Outcome, work: &Path, record: &mut Record) -> Res
         });
     }
     Ok(())
+}
+
+/// Writes a mesh and its fields.
+fn mesh(output: MeshOutput, work: &Path, id: &str) -> Result<File> {
+    let fields = output.fields.into_iter();
+    let fields =
+        fields.fold(VertexFields::default(), |f, (name, values)| f.with_scalar(name, values));
+    let path = format!("{id}/{}.ply", output.id);
+    let options = WriteOptions::default().with_float_width(FloatWidth::Single);
+    io::write_with_fields(work.join(&path), &output.mesh, &fields, &options)
+        .with_context(|| format!("writing {path}"))?;
+    let bytes = fs::metadata(work.join(&path))?.len();
+    Ok(File { path, about: output.caption, bytes })
+}
+
+/// Writes a file that is neither table, picture nor view.
+fn attached(attachment: Attachment, work: &Path, id: &str) -> Result<File> {
+    let path = format!("{id}/{}", attachment.name);
+    match &attachment.content {
+        Content::Text(content) => text(&work.join(&path), content)?,
+        Content::Mesh(mesh) => {
+            io::write(work.join(&path), mesh).with_context(|| format!("writing {path}"))?;
+        }
+    }
+    let bytes = fs::metadata(work.join(&path))?.len();
+    Ok(File { path, about: attachment.about, bytes })
 }
 
 /// Writes a text file.

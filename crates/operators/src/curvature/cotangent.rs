@@ -83,30 +83,11 @@ pub(super) fn at(mean: f64, gaussian: f64) -> AtVertex {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use std::f64::consts::PI;
 
-    fn octahedron() -> TriMesh {
-        let positions = vec![
-            [1.0, 0.0, 0.0],
-            [-1.0, 0.0, 0.0],
-            [0.0, 1.0, 0.0],
-            [0.0, -1.0, 0.0],
-            [0.0, 0.0, 1.0],
-            [0.0, 0.0, -1.0],
-        ];
-        let faces = vec![
-            [0, 2, 4],
-            [2, 1, 4],
-            [1, 3, 4],
-            [3, 0, 4],
-            [2, 0, 5],
-            [1, 2, 5],
-            [3, 1, 5],
-            [0, 3, 5],
-        ];
-        TriMesh::new(positions, faces).unwrap()
-    }
+    use fairing_shapes::octahedron;
+
+    use super::*;
 
     /// Weights 1/√3, areas 2/√3, defects 2π/3: H = 1, K = π/√3 > H².
     #[test]

@@ -144,6 +144,22 @@ fn describe_panel(
         stops.push(json!({"low": place.low, "size": size, "follows": follows}));
     }
     pack.raw(occlusion(panel)?);
+    let fields = describe_fields(panel, pack);
+    if let Some(input) = &panel.live {
+        pack.doubles(input);
+    }
+    Ok(json!({
+        "title": panel.title,
+        "vertices": panel.positions[0].len(),
+        "faces": faces,
+        "stops": stops,
+        "fields": fields,
+        "live": panel.live.is_some(),
+    }))
+}
+
+/// Packs the fields of a panel.
+fn describe_fields(panel: &Panel, pack: &mut Pack) -> Vec<Value> {
     let mut fields = Vec::new();
     for field in &panel.fields {
         let mut defined = vec![true; panel.positions[0].len()];
@@ -169,17 +185,7 @@ fn describe_panel(
             "high": quantiser.high,
         }));
     }
-    if let Some(input) = &panel.live {
-        pack.doubles(input);
-    }
-    Ok(json!({
-        "title": panel.title,
-        "vertices": panel.positions[0].len(),
-        "faces": faces,
-        "stops": stops,
-        "fields": fields,
-        "live": panel.live.is_some(),
-    }))
+    fields
 }
 
 /// Occlusion for all stops, from the one with the least area: noise, which

@@ -273,8 +273,8 @@ mod tests {
     use fairing_mesh::TriMesh;
 
     use super::*;
-    use crate::arrangement::Arrangement;
-    use crate::constraints::{Constraints, SoftConstraint};
+    use crate::engine::arrangement::Arrangement;
+    use crate::engine::constraints::{Constraints, SoftConstraint};
 
     /// Three tetrahedra of sizes 1, 2 and 1/8 apart from each other, and masses without a pattern.
     fn three() -> (TriMesh, Vec<f64>) {

@@ -4,8 +4,8 @@ use fairing_mesh::TriMesh;
 use fairing_operators::Laplacian;
 use fairing_shapes as shapes;
 use fairing_spectral::{
-    EigenOptions, GraphWeights, Rest, Spectrum, SpectrumOptions, Split, band_pass, compress,
-    graph_spectrum, heat_kernel_times, high_pass, low_pass, reconstruct, spectrum,
+    EigenOptions, GraphWeights, Rest, Spectrum, SpectrumOptions, Split, compress, graph_spectrum,
+    heat_kernel_times, ideal_band_pass, ideal_high_pass, ideal_low_pass, reconstruct, spectrum,
 };
 use ndarray::ArrayView2;
 
@@ -178,7 +178,8 @@ fn a_rough_neighbour_on_either_side_is_no_gap() {
 /// A cut-off belongs to the band below it, and every λ to one of neighbouring bands.
 #[test]
 fn bands_meet_at_their_ends() {
-    let bands = |l: f64| [low_pass(2.0)(l), band_pass(2.0, 3.0)(l), high_pass(3.0)(l)];
+    let bands =
+        |l: f64| [ideal_low_pass(2.0)(l), ideal_band_pass(2.0, 3.0)(l), ideal_high_pass(3.0)(l)];
     assert_eq!(bands(2.0), [1.0, 0.0, 0.0]);
     assert_eq!(bands(3.0), [0.0, 1.0, 0.0]);
     assert_eq!(bands(2.5), [0.0, 1.0, 0.0]);

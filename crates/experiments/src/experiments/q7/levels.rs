@@ -9,7 +9,7 @@ use super::{ASSIGNMENT, KEPT, METHODS, SHRUNK};
 use crate::experiment::Context;
 use crate::experiments::restoring::{Body, Method, Trials};
 use crate::row;
-use crate::table::{Cell, Table, Tables, Tolerance, Unit, short};
+use crate::table::{Cell, Table, Tables, Tolerance, Unit, brief};
 use crate::verdict::{Judgement, Verdict};
 
 /// Spacings of the block: a factor of eight in h.
@@ -169,20 +169,20 @@ fn resolved(depends: &[Dependence]) -> String {
         .iter()
         .map(|sigma| {
             let flows = depends.iter().filter(|d| d.sigma == *sigma).count();
-            format!("{flows} at σ = {}", short(*sigma))
+            format!("{flows} at σ = {}", brief(*sigma))
         })
         .collect();
     format!(
         "some of the flows keep the shape at one size and lose it at another: {}. The {} flow keeps σ = {} at {} h only. A level in model units says nothing without the size of the faces",
         counts.join(", "),
         first.flow,
-        short(first.sigma),
+        brief(first.sigma),
         list(&first.kept),
     )
 }
 
 fn list(values: &[f64]) -> String {
-    values.iter().map(|x| short(*x)).collect::<Vec<_>>().join(", ")
+    values.iter().map(|x| brief(*x)).collect::<Vec<_>>().join(", ")
 }
 
 /// Claim 7a.
@@ -211,12 +211,16 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
         each(&|l| l.kept.to_string()).replace("; ", ", "),
         list(&levels.iter().map(|l| l.others).collect::<Vec<_>>()),
         h.len() / ASSIGNMENT.len(),
-        short(coarse),
-        short(fine),
+        brief(coarse),
+        brief(fine),
         resolved(&depends),
     );
     let mut judgement =
         Judgement::new("7a", "σ = 0.05 and 0.1 keep the shape, 0.5 destroys it", verdict, reason)
+            .finding(format!(
+                "What counts is the noise over the edge length: these levels are {} edge lengths of the machine part.",
+                list(&levels.iter().map(|l| l.share).collect::<Vec<_>>())
+            ))
             .number("the levels over h, lowest", levels[0].share, Unit::EdgeLengths)
             .number("highest", levels[2].share, Unit::EdgeLengths);
     for (level, sigma) in levels.iter().zip(ASSIGNMENT) {

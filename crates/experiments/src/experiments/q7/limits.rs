@@ -7,7 +7,7 @@ use anyhow::{Context as _, Result};
 use super::{KEPT, METHODS, SHRUNK};
 use crate::experiments::restoring::Method;
 use crate::row;
-use crate::table::{Table as Results, Tables, Tolerance, Unit, short};
+use crate::table::{Table as Results, Tables, Tolerance, Unit, brief};
 use crate::verdict::{Judgement, Verdict};
 
 /// What the table calls the best of all methods.
@@ -39,7 +39,8 @@ pub(super) fn table(sweep: &Results) -> Result<Results> {
     for column in ["kept up to", "at least", "at most"] {
         table = table.tolerance(column, Some(Tolerance { relative: 0.05, absolute: 1e-3 }));
     }
-    for mesh in ["block", "torus", "scan"] {
+    for mesh in sweep.labels("mesh")? {
+        let mesh = mesh.as_str();
         let rows = sweep.only(&[("mesh", mesh.into())])?;
         let of = |method: &str| Errors::of(&rows.only(&[("method", method.into())])?);
         let input = of(Method::Nothing.name())?;
@@ -168,7 +169,8 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
         Ok(most)
     };
     let (mut found, mut sentences, mut numbers) = (vec![], vec![], vec![]);
-    for mesh in ["block", "torus", "scan"] {
+    for mesh in limits.labels("mesh")? {
+        let mesh = mesh.as_str();
         let flows = limit(mesh, &Method::is_linear)?;
         let denoisers = limit(mesh, &|m| !m.is_linear())?;
         let order = compare(denoisers, flows);
@@ -178,17 +180,19 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
             None => "no measurable difference",
         };
         let range =
-            |l: Limit| format!("{} h ({} to {})", short(l.kept), short(l.low), short(l.high));
+            |l: Limit| format!("{} h ({} to {})", brief(l.kept), brief(l.low), brief(l.high));
         sentences.push(format!("{mesh}: {} and {}, {words}", range(flows), range(denoisers)));
         found.push(order);
-        numbers.push((mesh, [flows.kept, denoisers.kept]));
+        numbers.push((mesh.to_string(), [flows.kept, denoisers.kept]));
     }
     let reason = format!(
         "The level of noise up to which the best flow or filter without creases, and the best denoiser, keep the shape, with the range of two standard errors: {}.",
         sentences.join("; "),
     );
     let claim = "Denoisers keep the shape under more noise than flows do";
-    let mut judgement = Judgement::new("7b", claim, verdict(&found), reason).ours();
+    let mut judgement = Judgement::new("7b", claim, verdict(&found), reason)
+        .finding(format!("In edge lengths of noise, flows and denoisers: {}.", summary(&numbers)))
+        .ours();
     for (mesh, [flows, denoisers]) in numbers {
         for (who, kept) in [("flows", flows), ("denoisers", denoisers)] {
             // Beyond the end of the sweep there is no number.
@@ -199,6 +203,14 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
         }
     }
     Ok(judgement)
+}
+
+/// What flows and denoisers keep on each mesh.
+fn summary(numbers: &[(String, [f64; 2])]) -> String {
+    let each = numbers.iter().map(|(mesh, [flows, denoisers])| {
+        format!("{mesh} {} and {}", brief(*flows), brief(*denoisers))
+    });
+    each.collect::<Vec<_>>().join(", ")
 }
 
 /// From whether denoisers go further on each mesh; `None` where that is not known.

@@ -70,8 +70,14 @@ pub(super) fn of_scan(context: &Context<'_>, scan: &Body) -> Result<(Picture, Vi
     let restored = Restored::new(context, scan, &levels, viewpoint, Up::Y)?;
     let picture = restored.draw(
         "scan",
-        "The scan under three levels of noise in mean edge lengths, and after each method.",
-        "Three rows of six pictures of an animal: at the highest level only its outline is left.",
+        &format!(
+            "The {} under three levels of noise in mean edge lengths, and after each method.",
+            scan.name
+        ),
+        &format!(
+            "Three rows of six pictures of the {}: at the highest level only its outline is left.",
+            scan.name
+        ),
     )?;
     Ok((picture, restored.view("scan")))
 }
@@ -170,15 +176,15 @@ pub(super) fn curves(sweep: &Table) -> Result<Vec<Picture>> {
     ];
     let draw = |(id, column, label, caption): (&str, &str, &str, &str)| -> Result<Picture> {
         let mut figure = Figure { columns: 3, ..Figure::default() };
-        for (i, mesh) in ["block", "torus", "scan"].into_iter().enumerate() {
+        for (i, mesh) in sweep.labels("mesh")?.iter().enumerate() {
             let mut plot = Plot {
-                title: mesh.into(),
+                title: mesh.clone(),
                 x: Axis::log("noise σ/h"),
                 y: Axis::log(if i == 0 { label } else { "" }),
                 legend: if i == 2 { Legend::Right } else { Legend::None },
                 ..Plot::default()
             };
-            let rows = sweep.only(&[("mesh", mesh.into())])?;
+            let rows = sweep.only(&[("mesh", mesh.as_str().into())])?;
             for (style, method) in CURVES.into_iter().enumerate() {
                 let rows = rows.only(&[("method", method.name().into())])?;
                 let (x, y) = (rows.column("σ/h")?, rows.column(column)?);
