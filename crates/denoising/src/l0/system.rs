@@ -105,7 +105,7 @@ mod tests {
             vec![[0, 1, 2], [0, 2, 1]],
         )
         .unwrap();
-        for mesh in [shapes::cad_block(0.5), pillow] {
+        for mesh in [shapes::cad_block(0.3), pillow] {
             let stencils = Stencils::new(&mesh, &Hinges::new(&mesh));
             let weights = stencils.edge_operators(mesh.positions());
             let (beta, alpha) = (3.0, 0.7);

@@ -354,7 +354,7 @@ mod tests {
     /// All vertices of a ring have the same curvature.
     #[test]
     fn a_ring_of_a_torus_shares_its_rank() {
-        let mesh = TestSurface::Torus.mesh(0, Sampling::Regular, 0);
+        let mesh = TestSurface::Torus.mesh(1, Sampling::Regular, 0);
         for estimator in Estimator::ALL {
             let field = estimator.estimate(&mesh).unwrap();
             for (values, name) in [(&field.mean, "H"), (&field.gaussian, "K")] {
