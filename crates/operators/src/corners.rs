@@ -104,6 +104,18 @@ pub(crate) fn map_sound_faces<T: Send>(
     }
 }
 
+/// Whether each face has cotangents: what [`cotan_stiffness`](crate::cotan_stiffness)
+/// asks, without a matrix.
+///
+/// # Errors
+///
+/// [`OperatorError::DegenerateFace`] for the first face that is too thin.
+pub fn check_faces(mesh: &TriMesh) -> Result<(), OperatorError> {
+    let (mesh, unit) = mesh.at_unit_scale();
+    map_sound_faces(&mesh, |_| ()).map_err(|error| error.times(unit))?;
+    Ok(())
+}
+
 /// The error that names face `face`.
 pub(crate) fn degenerate(face: usize, corners: &FaceCorners) -> OperatorError {
     OperatorError::DegenerateFace {

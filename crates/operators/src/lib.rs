@@ -31,11 +31,13 @@ mod symmetric;
 mod tangent;
 mod uniform;
 
+pub use corners::check_faces;
 pub use error::{MIN_HEIGHT_RATIO, OperatorError};
 pub use fairing_sparse::SparseMatrix;
 pub use gradient::{divergence, face_gradients, gradient};
 pub use laplacian::{
-    Intrinsic, Laplacian, LaplacianKind, MassKind, MassMatrix, Reason, Restricted,
+    CotangentNumbers, CotangentPattern, Intrinsic, Laplacian, LaplacianKind, MassKind, MassMatrix,
+    Reason, Restricted, ThinFaces, positive_lumped_mass,
 };
 pub use mass::{LumpedArea, consistent_mass, lumped_mass};
 pub use noise_level::{NoiseEstimate, NoisyParts, noise_level, noisy_parts};

@@ -190,6 +190,10 @@ fn auto_is_the_same_in_every_verb() {
         "spectrum MESH -k 4 --json",
         "reconstruct MESH -k 30 -o out.obj --force",
         "curvature MESH --estimator cotangent --operator auto --json",
+        "smooth MESH -o out.ply --force --method explicit --weights cotangent --lambda 0.001",
+        "smooth MESH -o out.ply --force --method mean-curvature --lambda 0.1 --iterations 2",
+        "smooth MESH -o out.ply --force --method low-pass --modes 20",
+        "smooth MESH -o out.ply --force --method region --vertices 7,8,30",
     ];
     let said = |line: &str| {
         let output = fairing(folder.path(), line);
@@ -223,6 +227,9 @@ fn auto_is_the_same_in_every_verb() {
     };
     assert_eq!(mean("auto"), mean("cotangent"));
     assert!(mean("auto") != mean("robust"));
+    // Only barycentric areas have a robust operator.
+    let line = "smooth flat.ply -o no.ply --method implicit --weights cotangent --area mixed";
+    assert!(refuse(folder.path(), line, 1).contains("face 0 is degenerate"));
     let error = refuse(folder.path(), "curvature round.ply --operator robust", 2);
     assert!(error.contains("jet3 takes no operator"), "{error}");
 }

@@ -2,7 +2,8 @@
 
 use clap::ValueEnum;
 use fairing::mesh::TriMesh;
-use fairing::operators::{Laplacian, LaplacianKind, MassKind, OperatorError};
+use fairing::operators::{Laplacian, LaplacianKind, LumpedArea, MassKind, OperatorError};
+use fairing::smoothing::Operator;
 
 use super::Context;
 
@@ -31,13 +32,31 @@ impl OperatorName {
             Self::Robust => LaplacianKind::Robust,
         };
         match Laplacian::new(mesh, kind, mass) {
-            Err(thin @ OperatorError::DegenerateFace { .. })
-                if self == Self::Auto && mass == MassKind::Barycentric =>
-            {
-                context.note(format_args!("{thin}; using the robust operator"));
-                Laplacian::robust(mesh)
-            }
+            Err(thin) if self.gives_way(context, &thin, mass) => Laplacian::robust(mesh),
             other => other,
         }
+    }
+
+    /// The operator of a flow over these areas, as it is tried first.
+    pub(crate) fn of_flow(self, area: LumpedArea) -> Operator {
+        match self {
+            Self::Auto | Self::Cotangent => Operator::Plain(area),
+            Self::Robust => Operator::Robust,
+        }
+    }
+
+    /// Whether the robust operator is taken where another failed, which a note then says.
+    pub(crate) fn gives_way(
+        self,
+        context: &Context,
+        error: &OperatorError,
+        mass: MassKind,
+    ) -> bool {
+        let thin = matches!(error, OperatorError::DegenerateFace { .. });
+        let gives_way = thin && self == Self::Auto && mass == MassKind::Barycentric;
+        if gives_way {
+            context.note(format_args!("{error}; using the robust operator"));
+        }
+        gives_way
     }
 }

@@ -5,18 +5,19 @@ use std::path::PathBuf;
 
 use clap::Args;
 use fairing::mesh::TriMesh;
-use fairing::smoothing::{Approach, FlowFailure, Method, Observer, Smoothed, Step};
+use fairing::smoothing::{Approach, FlowFailure, Method, Observer, Operator, Smoothed, Step};
 use serde_json::json;
 
 use super::exit::Failure;
 use super::files::{self, Output};
+use super::operator::OperatorName;
 use super::spectrum::warn_of_split;
 use super::table::{Table, number};
 use super::{Context, print};
 
 mod options;
 
-use options::{Area, Border, Keep, Name, OperatorName, Soft, Unstable, Weights, When, WindowName};
+use options::{Area, Border, Keep, Name, Soft, Unstable, Weights, When, WindowName};
 
 const HELP: &str = "\
 Which method?
@@ -30,8 +31,8 @@ Which method?
   A sphere out of a closed blob     conformal
   A dent, a filled hole             region --vertices LIST --order 2
   Sharp edges must survive          none of these: fairing denoise
-  Faces without area, edges of      those with uniform weights as they are; those with
-  three faces, soups                cotangents with --operator robust
+  Faces without area, edges of      any; --operator robust takes weights that are never
+  three faces, soups                negative, as do cotangents where a face has no area
 
 The step --lambda is, for uniform weights, a fraction of the way to the mean of the
 neighbours: explicit steps are stable up to 4/3 (8/7 with a boundary), implicit ones
@@ -79,8 +80,8 @@ pub(crate) struct Smooth {
     /// The areas of vertices for cotangents; barycentric unless said
     #[arg(long, value_enum)]
     area: Option<Area>,
-    /// How cotangents are made; plain unless said
-    #[arg(long, value_enum, conflicts_with = "area")]
+    /// How cotangents are made; auto unless said
+    #[arg(long, value_enum)]
     operator: Option<OperatorName>,
     /// What happens at the boundary of an open mesh; free unless said
     #[arg(long, value_enum)]
@@ -179,21 +180,30 @@ impl Smooth {
         self.check()?;
         let file = files::read(input)?;
         files::say_report(context, input, &file.report);
-        let method = self.method(&file.mesh)?;
         let small = self.until.map(|until| until * file.mesh.mean_edge_length());
         let mut settle = |step: &Step<'_>| match small {
             Some(small) if step.largest_displacement() <= small => ControlFlow::Break(()),
             _ => ControlFlow::Continue(()),
         };
-        let observer: Option<&mut Observer<'_>> = match small {
-            Some(_) => Some(&mut settle),
-            None => None,
+        let mut run = |operator| -> Result<_, Failure> {
+            let method = self.method(&file.mesh, operator)?;
+            let observer = small.map(|_| &mut settle as &mut Observer<'_>);
+            Ok((method.run(&file.mesh, observer), method))
         };
+        let name = self.operator.unwrap_or(OperatorName::Auto);
+        let (mut result, mut method) = run(name.of_flow(self.area()))?;
+        if let Err(error) = &result
+            && let FlowFailure::Operator(thin) = &error.failure
+            && error.iteration == 0
+            && name.gives_way(context, thin, self.area().into())
+        {
+            (result, method) = run(Operator::Robust)?;
+        }
         let output = Output {
             path: path.clone(),
             overwrite: files::Overwrite { force: self.output.overwrite.force },
         };
-        let smoothed = match method.run(&file.mesh, observer) {
+        let smoothed = match result {
             Ok(smoothed) => smoothed,
             Err(error) => {
                 return Err(match error.failure {

@@ -8,7 +8,7 @@ use fairing_sparse::{Mass, SparseMatrix};
 use super::kind::MassKind;
 use super::{Laplacian, LaplacianKind};
 use crate::error::OperatorError;
-use crate::mass::{consistent_mass, lumped_mass};
+use crate::mass::{LumpedArea, consistent_mass, lumped_mass};
 use crate::uniform::degrees;
 
 /// A mass matrix, diagonal or sparse.
@@ -78,8 +78,7 @@ impl Laplacian {
         if self.isolated.is_empty() {
             return Ok(Cow::Borrowed(&self.mass));
         }
-        let mean = self.mass.lumped().iter().sum::<f64>() / self.vertex_count() as f64;
-        let mean = if mean > 0.0 { mean } else { 1.0 };
+        let mean = mean(&self.mass.lumped());
         let mut mass = self.mass.clone();
         for &v in &self.isolated {
             match &mut mass {
@@ -105,6 +104,42 @@ impl Laplacian {
         }
         Ok(())
     }
+}
+
+/// What an isolated vertex has for its mass: the mean, or 1 where all are zero.
+fn mean(mass: &[f64]) -> f64 {
+    let mean = mass.iter().sum::<f64>() / mass.len() as f64;
+    if mean > 0.0 { mean } else { 1.0 }
+}
+
+/// [`lumped_mass`], with a positive number at isolated vertices too: what
+/// [`Laplacian::positive_mass`] is, without a stiffness.
+///
+/// # Errors
+///
+/// As [`lumped_mass`], and [`OperatorError::Mass`] for the first vertex with
+/// faces whose mass is not positive.
+pub fn positive_lumped_mass(mesh: &TriMesh, area: LumpedArea) -> Result<Vec<f64>, OperatorError> {
+    let mut mass = lumped_mass(mesh, area)?;
+    give_isolated(mesh, &mut mass)?;
+    Ok(mass)
+}
+
+/// Gives isolated vertices the mass that they have in a system.
+///
+/// # Errors
+///
+/// [`OperatorError::Mass`] for the first vertex with faces whose mass is not
+/// positive.
+pub(super) fn give_isolated(mesh: &TriMesh, mass: &mut [f64]) -> Result<(), OperatorError> {
+    let (mean, offsets) = (mean(mass), mesh.incidence().offsets());
+    for (v, m) in mass.iter_mut().enumerate() {
+        match offsets[v] == offsets[v + 1] {
+            true => *m = mean,
+            false => positive(v as u32, *m)?,
+        }
+    }
+    Ok(())
 }
 
 /// # Errors

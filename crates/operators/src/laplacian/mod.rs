@@ -17,6 +17,7 @@
 mod choice;
 mod kind;
 mod mass;
+mod pattern;
 mod refill;
 mod restricted;
 
@@ -31,7 +32,8 @@ use crate::uniform::combinatorial_laplacian;
 
 pub use choice::Reason;
 pub use kind::{LaplacianKind, MassKind};
-pub use mass::MassMatrix;
+pub use mass::{MassMatrix, positive_lumped_mass};
+pub use pattern::{CotangentNumbers, CotangentPattern, ThinFaces};
 pub use restricted::Restricted;
 
 /// Stiffness S and mass M of one mesh.

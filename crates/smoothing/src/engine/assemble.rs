@@ -1,10 +1,11 @@
 //! The Laplacian of a mesh for a kind of diffusion.
 
 use fairing_mesh::TriMesh;
-use fairing_operators::intrinsic::{RobustLaplacian, RobustOptions, robust_laplacian};
-use fairing_operators::{LumpedArea, lumped_mass};
+use fairing_operators::{
+    CotangentPattern, LaplacianKind, MassKind, ThinFaces, positive_lumped_mass,
+};
+use fairing_sparse::SparseMatrix;
 
-use crate::engine::cotangents::{Cotangents, Degenerate};
 use crate::engine::diffusion::{Diffusion, Operator};
 use crate::engine::error::FlowFailure;
 use crate::engine::laplacian::Laplacian;
@@ -33,30 +34,41 @@ pub(crate) fn cotangent(
     held: &[bool],
 ) -> Result<Laplacian, FlowFailure> {
     match operator {
-        Operator::Plain(area) => Cotangents::of(mesh, area, held).assemble(mesh),
+        Operator::Plain(area) => on_pattern(&mut CotangentPattern::new(mesh, area, held)?, mesh),
         Operator::Robust => {
-            let RobustLaplacian { stiffness, mass, .. } = robust(mesh)?;
+            let (stiffness, mass) = operators(mesh, operator.kinds())?;
             Ok(Laplacian::weighted(&stiffness, mass, held))
         }
     }
 }
 
-/// Takes the operator anew as positions change.
+/// `L` for the cotangents of a pattern.
+fn on_pattern(pattern: &mut CotangentPattern, mesh: &TriMesh) -> Result<Laplacian, FlowFailure> {
+    let mut laplacian = Laplacian::on(pattern);
+    laplacian.refill(pattern, mesh, ThinFaces::Refuse)?;
+    Ok(laplacian)
+}
+
+/// Takes the operator again as positions change.
 pub(crate) enum Renewal {
     /// On the pattern of the faces.
-    Pattern(Cotangents),
+    Pattern(CotangentPattern),
     /// From the beginning: intrinsic edges change with the positions.
     Whole(Diffusion),
 }
 
 impl Renewal {
-    pub(crate) fn new(mesh: &TriMesh, diffusion: Diffusion, held: &[bool]) -> Self {
-        match diffusion {
+    pub(crate) fn new(
+        mesh: &TriMesh,
+        diffusion: Diffusion,
+        held: &[bool],
+    ) -> Result<Self, FlowFailure> {
+        Ok(match diffusion {
             Diffusion::Cotangent { operator: Operator::Plain(area), .. } => {
-                Self::Pattern(Cotangents::of(mesh, area, held))
+                Self::Pattern(CotangentPattern::new(mesh, area, held)?)
             }
             other => Self::Whole(other),
-        }
+        })
     }
 
     /// The Laplacian at the positions of `mesh`.
@@ -66,22 +78,22 @@ impl Renewal {
         held: &[bool],
     ) -> Result<Laplacian, FlowFailure> {
         match self {
-            Self::Pattern(pattern) => pattern.assemble(mesh),
+            Self::Pattern(pattern) => on_pattern(pattern, mesh),
             Self::Whole(diffusion) => assemble(mesh, *diffusion, held),
         }
     }
 
     /// Replaces `laplacian`, which [`Self::assemble`] made of the same faces, by that at other positions. Returns the
-    /// faces that are taken as degenerate; the robust operator knows none.
+    /// faces that are widened; the robust operator knows none.
     pub(crate) fn renew(
         &mut self,
         mesh: &TriMesh,
         held: &[bool],
         laplacian: &mut Laplacian,
-        degenerate: Degenerate,
+        thin: ThinFaces,
     ) -> Result<Vec<u32>, FlowFailure> {
         match self {
-            Self::Pattern(pattern) => pattern.assemble_into(mesh, laplacian, degenerate),
+            Self::Pattern(pattern) => Ok(laplacian.refill(pattern, mesh, thin)?),
             Self::Whole(diffusion) => {
                 *laplacian = assemble(mesh, *diffusion, held)?;
                 Ok(Vec::new())
@@ -90,34 +102,20 @@ impl Renewal {
     }
 }
 
-/// The masses of the operator, all positive; 1 at isolated vertices, which nothing moves.
+/// The positive masses of the operator.
 pub(crate) fn mass(mesh: &TriMesh, operator: Operator) -> Result<Vec<f64>, FlowFailure> {
     match operator {
-        Operator::Plain(area) => positive_mass(mesh, area),
-        Operator::Robust => Ok(robust(mesh)?.mass),
+        Operator::Plain(area) => Ok(positive_lumped_mass(mesh, area)?),
+        Operator::Robust => Ok(operators(mesh, operator.kinds())?.1),
     }
 }
 
-/// The lumped mass, all positive; 1 at isolated vertices, which nothing moves.
-pub(crate) fn positive_mass(mesh: &TriMesh, area: LumpedArea) -> Result<Vec<f64>, FlowFailure> {
-    positive(mesh, lumped_mass(mesh, area)?)
-}
-
-/// The robust operator, with positive masses.
-pub(crate) fn robust(mesh: &TriMesh) -> Result<RobustLaplacian, FlowFailure> {
-    let mut robust = robust_laplacian(mesh, RobustOptions::default())?;
-    robust.mass = positive(mesh, robust.mass)?;
-    Ok(robust)
-}
-
-fn positive(mesh: &TriMesh, mut mass: Vec<f64>) -> Result<Vec<f64>, FlowFailure> {
-    let offsets = mesh.incidence().offsets();
-    for (v, m) in mass.iter_mut().enumerate() {
-        if offsets[v] == offsets[v + 1] {
-            *m = 1.0;
-        } else if *m <= 0.0 {
-            return Err(FlowFailure::NonPositiveMass { vertex: v as u32, mass: *m });
-        }
-    }
-    Ok(mass)
+/// The stiffness of a kind, and the positive masses of a kind.
+pub(crate) fn operators(
+    mesh: &TriMesh,
+    (kind, mass): (LaplacianKind, MassKind),
+) -> Result<(SparseMatrix, Vec<f64>), FlowFailure> {
+    let laplacian = fairing_operators::Laplacian::new(mesh, kind, mass)?;
+    let mass = laplacian.positive_mass()?.lumped().into_owned();
+    Ok((laplacian.into_parts().0, mass))
 }

@@ -11,7 +11,7 @@ use crate::engine::parts::{Gauge, Parts, larger, reciprocal};
 
 type Point = [f64; 3];
 
-/// Solves `P (M(1 + w) − t M L) P d = P M (t L x + w (c − x))` for the displacement `d` of one implicit step.
+/// Solves `P (M(1 + w) + t S) P d = P (M w (c − x) − t S x)` for the displacement `d` of one implicit step.
 ///
 /// `P` lets through what constraints allow: nothing at held vertices, the tangent at sliding ones. Conjugate
 /// gradients with the diagonal as preconditioner and the displacement of the step before as a first guess. Each
@@ -123,14 +123,17 @@ impl<'a> ImplicitSolver<'a> {
     }
 }
 
-/// The system of one step, in units of the gauge: positions, displacements and residuals of each coordinate of each
-/// part are multiplied by what makes its right-hand side one, which changes nothing in a linear system of its own.
+/// The system of one step. Displacements and residuals of each coordinate of each part are in units of the gauge, which
+/// make its right-hand side one and change nothing in a linear system of its own. Positions are not: fixed vertices
+/// are neighbours of several parts.
 struct System<'a> {
     solver: ImplicitSolver<'a>,
     freedom: &'a Freedom,
     x: &'a [Point],
     centres: &'a [Point],
     gauge: Gauge<'a>,
+    /// The units of each part, in mesh units.
+    units: Vec<Point>,
     /// `M (1 + w)`.
     shifted: Cow<'a, [f64]>,
     /// The reciprocal of the diagonal of the matrix.
@@ -153,27 +156,27 @@ impl<'a> System<'a> {
         let pairs = shifted.par_iter().zip(diagonal).with_min_len(ROWS);
         pairs.map(|(m, s)| 1.0 / (m + solver.step * s)).collect_into_vec(inverse);
         let gauge = solver.gauge(x, freedom, centres);
-        Self { solver, freedom, x, centres, gauge, shifted, inverse }
+        let units = gauge.measure.iter().map(|g| g.map(reciprocal)).collect();
+        Self { solver, freedom, x, centres, gauge, units, shifted, inverse }
     }
 
-    /// The position of vertex `i` about the centre of its part.
+    /// The position of vertex `i` about the centre of its part, displaced by `d` in units of the gauge.
     #[inline(always)]
-    fn position(&self, i: usize) -> Padded {
+    fn position(&self, i: usize, d: Padded) -> Padded {
         let part = self.solver.parts.part(i);
-        let (g, x, c) = (&self.gauge.measure[part], &self.x[i], &self.centres[part]);
-        [g[0] * (x[0] - c[0]), g[1] * (x[1] - c[1]), g[2] * (x[2] - c[2]), 0.0]
+        let (u, x, c) = (&self.units[part], &self.x[i], &self.centres[part]);
+        [x[0] - c[0] + u[0] * d[0], x[1] - c[1] + u[1] * d[1], x[2] - c[2] + u[2] * d[2], 0.0]
     }
 
-    /// The soft constraint of vertex `i`: its weight times its target about the centre of its part.
+    /// The soft constraint of vertex `i`: its weight, and that times its target about the centre of its part.
     #[inline(always)]
     fn pull(&self, i: usize) -> (f64, Point) {
         let (w, target) = self.freedom.pull(i);
         if w == 0.0 {
             return (0.0, [0.0; 3]);
         }
-        let part = self.solver.parts.part(i);
-        let (g, c) = (&self.gauge.measure[part], &self.centres[part]);
-        (w, [0, 1, 2].map(|k| w * (g[k] * (target[k] - c[k]))))
+        let c = &self.centres[self.solver.parts.part(i)];
+        (w, [0, 1, 2].map(|k| w * (target[k] - c[k])))
     }
 
     #[inline(always)]
@@ -201,29 +204,29 @@ impl<'a> System<'a> {
             let g = &self.gauge.measure[self.solver.parts.part(i)];
             let [a, b, c] = guess[i];
             *d = self.project(i, [g[0] * a, g[1] * b, g[2] * c, 0.0]);
-            *p = plus(self.position(i), *d);
+            *p = self.position(i, *d);
         });
     }
 
     /// The displacement in mesh units.
     fn end(&self, d: &[Padded], displacement: &mut [Point]) {
-        let units: Vec<Point> = self.gauge.measure.iter().map(|g| g.map(reciprocal)).collect();
         by_chunk(displacement, |i, _| {
-            let (d, unit) = (&d[i], &units[self.solver.parts.part(i)]);
+            let (d, unit) = (&d[i], &self.units[self.solver.parts.part(i)]);
             ([d[0] * unit[0], d[1] * unit[1], d[2] * unit[2]], [])
         });
     }
 
-    /// `r = P (M (t L (x + d) + w (c − x − d)) − M d)`, whose first part is one product at `p = x + d`.
+    /// `r = P (M (w (c − x − d) − d) − t S (x + d))`, whose first part is one product at `p = x + d`.
     fn residual(&self, d: &[Padded], p: &[Padded], r: &mut [Padded]) -> [f64; 6] {
         let (l, t) = (self.solver.laplacian, self.solver.step);
         let mass = l.mass();
-        l.sweep_summing(p, r, |i, lx, y, _| {
+        l.sweep_summing(p, r, |i, s, y, _| {
             let (w, [a, b, c]) = self.pull(i);
-            let (m, d, target) = (mass[i], d[i], [a, b, c, 0.0]);
+            let (m, d, target) = (mass[i], d[i], [a, b, c]);
+            let g = &self.gauge.measure[self.solver.parts.part(i)];
             let mut r = [0.0; 4];
-            for k in 0..4 {
-                r[k] = m * (t * lx[k] + (target[k] - w * y[k]) - d[k]);
+            for k in 0..3 {
+                r[k] = g[k] * (t * s[k] + m * (target[k] - w * y[k])) - m * d[k];
             }
             let r = self.project(i, r);
             (r, self.six(i, r))
@@ -239,18 +242,17 @@ impl<'a> System<'a> {
         iterations: &mut usize,
     ) -> Result<(), FlowFailure> {
         let ImplicitSolver { laplacian: l, step: t, tolerance, most_iterations, .. } = self.solver;
-        let mass = l.mass();
         let coupled = self.freedom.sliding.is_some();
         by_chunk(p, |i, _| (self.precondition(i, r[i]), []));
         while root(&sums) > tolerance || !root(&sums).is_finite() {
             if *iterations == most_iterations || !root(&sums).is_finite() {
                 return Err(self.not_converged(*iterations, r));
             }
-            let curvature = l.sweep_summing(p, q, |i, lp, p, _| {
-                let (m, tm) = (self.shifted[i], t * mass[i]);
+            let curvature = l.sweep_summing(p, q, |i, s, p, _| {
+                let m = self.shifted[i];
                 let mut q = [0.0; 4];
                 for k in 0..4 {
-                    q[k] = m * p[k] - tm * lp[k];
+                    q[k] = m * p[k] - t * s[k];
                 }
                 let q = self.project(i, q);
                 (q, [p[0] * q[0], p[1] * q[1], p[2] * q[2]])
@@ -283,10 +285,10 @@ impl<'a> System<'a> {
         let parts = self.solver.parts;
         let mass = self.solver.laplacian.mass();
         let sums = parts.sums(|_, i| {
-            let (q, m, d, x, (_, pull)) =
-                (self.shifted[i], mass[i], d[i], self.position(i), self.pull(i));
+            let (q, m, (_, pull)) = (self.shifted[i], mass[i], self.pull(i));
+            let (before, after) = (self.position(i, [0.0; 4]), self.position(i, d[i]));
             // The left side less the right, which the rounding of a centre leaves a little off zero.
-            let off = |k: usize| q * (x[k] + d[k]) - m * (x[k] + pull[k]);
+            let off = |k: usize| q * after[k] - m * (before[k] + pull[k]);
             [off(0), off(1), off(2), q]
         });
         let off = |(s, free): (&[f64; 4], bool)| match free && s[3] > 0.0 {
@@ -295,11 +297,11 @@ impl<'a> System<'a> {
         };
         let off: Vec<Padded> = sums.iter().zip(parts.free()).map(off).collect();
         both(d, p, |i, d, p| {
-            let off = &off[parts.part(i)];
+            let (off, g) = (&off[parts.part(i)], &self.gauge.measure[parts.part(i)]);
             for k in 0..3 {
-                d[k] -= off[k];
+                d[k] -= g[k] * off[k];
             }
-            *p = plus(self.position(i), *d);
+            *p = self.position(i, *d);
         });
     }
 
@@ -320,11 +322,6 @@ where
             f(chunk * ROWS + k, d, p);
         }
     });
-}
-
-#[inline(always)]
-fn plus(a: Padded, b: Padded) -> Padded {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]]
 }
 
 /// The largest root of the first three sums; NaN if one is.

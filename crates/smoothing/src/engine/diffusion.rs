@@ -1,6 +1,6 @@
 //! What diffuses, and how far in one step.
 
-use fairing_operators::LumpedArea;
+use fairing_operators::{LaplacianKind, LumpedArea, MassKind};
 
 /// The Laplacian of a flow with the length of a step in its unit.
 ///
@@ -35,6 +35,16 @@ pub enum Operator {
     /// long to assemble.
     /// Source: \[sharp2020\].
     Robust,
+}
+
+impl Operator {
+    /// The kinds of stiffness and mass.
+    pub(crate) fn kinds(self) -> (LaplacianKind, MassKind) {
+        match self {
+            Self::Plain(area) => (LaplacianKind::Cotangent, area.into()),
+            Self::Robust => (LaplacianKind::Robust, MassKind::Barycentric),
+        }
+    }
 }
 
 /// Plain, over barycentric areas.

@@ -96,14 +96,15 @@ impl Direct {
         let mut b = vec![[0.0; 3]; x.len()];
         let about = |i: usize, k: usize| x[i][k] - centres[parts.part(i)][k];
         let centred: Vec<Point> = (0..x.len()).map(|i| [0, 1, 2].map(|k| about(i, k))).collect();
-        laplacian.sweep(&centred, &mut b, |i, l, _, _| {
+        laplacian.sweep_summing(&centred, &mut b, |i, s, _, _| {
             let (w, target) = freedom.pull(i);
             let (base, moves) = (base(i), !freedom.held[i]);
-            let flow = if parts.is_free(i) { [0.0; 3] } else { l };
-            [0, 1, 2].map(|k| {
+            let flow = if parts.is_free(i) { [0.0; 3] } else { s };
+            let b = [0, 1, 2].map(|k| {
                 let pull = if w > 0.0 { w * (target[k] - base[k]) } else { 0.0 };
-                if moves { mass[i] * (x[i][k] - base[k] + pull + t * flow[k]) } else { 0.0 }
-            })
+                if moves { mass[i] * (x[i][k] - base[k] + pull) + t * flow[k] } else { 0.0 }
+            });
+            (b, [])
         });
         let mut sides = solver.sides(x, freedom, &centres);
         for (side, own) in sides.iter_mut().zip(parts.sums(|_, i| b[i].map(|b| b * b))) {
@@ -128,12 +129,13 @@ impl Direct {
             }
             grounded.correct(parts, mass, freedom, &mut r, &mut u);
             iterations += 1;
-            laplacian.sweep(&u, &mut r, |i, l, u, _| {
+            laplacian.sweep_summing(&u, &mut r, |i, s, u, _| {
                 let q = mass[i] * (1.0 + freedom.pull(i).0);
-                match freedom.held[i] {
+                let residual = match freedom.held[i] {
                     true => [0.0; 3],
-                    false => [0, 1, 2].map(|k| b[i][k] - (q * u[k] - t * mass[i] * l[k])),
-                }
+                    false => [0, 1, 2].map(|k| b[i][k] - (q * u[k] - t * s[k])),
+                };
+                (residual, [])
             });
             grounded.balance(parts, mass, freedom, &mut r);
         };

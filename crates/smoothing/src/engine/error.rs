@@ -33,6 +33,16 @@ impl std::error::Error for FlowError {
     }
 }
 
+/// A mass that is not positive is a failure of its own.
+impl From<OperatorError> for FlowFailure {
+    fn from(error: OperatorError) -> Self {
+        match error {
+            OperatorError::Mass { vertex, mass } => Self::NonPositiveMass { vertex, mass },
+            error => Self::Operator(error),
+        }
+    }
+}
+
 /// What stands in the way of a step.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -98,7 +108,7 @@ pub enum FlowFailure {
     #[error(
         "the operator cannot be assembled; the robust one or uniform weights serve on such meshes"
     )]
-    Operator(#[from] OperatorError),
+    Operator(#[source] OperatorError),
     /// A flow that takes its operator again in each step has shrunk the mesh to next to nothing: the surface that it
     /// follows has vanished within this step.
     #[error(

@@ -6,6 +6,8 @@
 
 use std::ops::Range;
 
+use fairing_mesh::TriMesh;
+use fairing_operators::{CotangentNumbers, CotangentPattern, OperatorError, ThinFaces};
 use fairing_sparse::SparseMatrix;
 use rayon::prelude::*;
 
@@ -15,41 +17,29 @@ pub(crate) const ROWS: usize = 4096;
 
 type Point = [f64; 3];
 
-/// `L = −M⁻¹S`, negative semi-definite in the inner product of `M`.
+/// `L = −M⁻¹S`, negative semi-definite in the inner product of `M`, for a symmetric `S` with zero row sums.
 pub(crate) struct Laplacian {
-    rows: Rows,
+    offsets: Vec<u32>,
+    /// The neighbours. With uniform weights a held or isolated vertex is its own only one.
+    columns: Vec<u32>,
+    /// `−Sᵢⱼ` for each neighbour, so that a row of `−S x` is `Σⱼ wⱼ (xⱼ − xᵢ)`; `None` for ones.
+    weights: Option<Vec<f64>>,
     /// `M`: degrees for uniform weights, areas for cotangents.
     mass: Vec<f64>,
+    /// `M⁻¹`.
+    inverse: Vec<f64>,
     /// The diagonal of `S`.
     diagonal: Vec<f64>,
-}
-
-/// The numbers of a Laplacian on its pattern.
-pub(crate) struct Numbers<'a> {
-    /// `−Sᵢⱼ/Mᵢ` for each neighbour of each vertex.
-    pub(crate) weights: &'a mut [f64],
-    /// `M`.
-    pub(crate) mass: &'a mut [f64],
-    /// The diagonal of `S`.
-    pub(crate) diagonal: &'a mut [f64],
-}
-
-enum Rows {
-    /// The mean of the neighbours minus the vertex. A held or isolated vertex is its own only neighbour.
-    Uniform { offsets: Vec<u32>, neighbors: Vec<u32>, inverse_degree: Vec<f64> },
-    /// Off-diagonal entries `−Sᵢⱼ/Mᵢ`, so that a row is `Σⱼ wⱼ (xⱼ − xᵢ)`.
-    Weighted { offsets: Vec<u32>, columns: Vec<u32>, weights: Vec<f64> },
 }
 
 impl Laplacian {
     /// Uniform weights, `(Lx)ᵢ = mean over neighbours xⱼ − xᵢ`: `S = D − A`, `M = D`. Vertices for which `held`
     /// is true, and isolated ones, have zero rows.
     pub(crate) fn uniform(vertex_count: usize, faces: &[[u32; 3]], held: &[bool]) -> Self {
-        let (offsets, neighbors) = neighbor_lists(vertex_count, faces, held);
-        let degree: Vec<f64> = offsets.windows(2).map(|w| f64::from(w[1] - w[0])).collect();
-        let inverse_degree = degree.iter().map(|d| 1.0 / d).collect();
-        let diagonal = degree.clone();
-        Self { rows: Rows::Uniform { offsets, neighbors, inverse_degree }, mass: degree, diagonal }
+        let (offsets, columns) = neighbor_lists(vertex_count, faces, held);
+        let mass: Vec<f64> = offsets.windows(2).map(|w| f64::from(w[1] - w[0])).collect();
+        let (inverse, diagonal) = (reciprocals(&mass), mass.clone());
+        Self { offsets, columns, weights: None, mass, inverse, diagonal }
     }
 
     /// From a symmetric stiffness `S` with zero row sums and positive masses. Vertices for which `held` is true
@@ -67,39 +57,48 @@ impl Laplacian {
                     diagonal[i] = s;
                 } else if !held[i] {
                     columns.push(j as u32);
-                    weights.push(-s / mass[i]);
+                    weights.push(-s);
                 }
             }
             offsets.push(columns.len() as u32);
         }
-        Self { rows: Rows::Weighted { offsets, columns, weights }, mass, diagonal }
+        let inverse = reciprocals(&mass);
+        Self { offsets, columns, weights: Some(weights), mass, inverse, diagonal }
     }
 
-    /// All zero, on a pattern without the diagonal.
-    pub(crate) fn empty(offsets: Vec<u32>, columns: Vec<u32>) -> Self {
-        let n = offsets.len() - 1;
-        let weights = vec![0.0; columns.len()];
-        let rows = Rows::Weighted { offsets, columns, weights };
-        Self { rows, mass: vec![0.0; n], diagonal: vec![0.0; n] }
+    /// All zero, on the pattern of cotangents.
+    pub(crate) fn on(pattern: &CotangentPattern) -> Self {
+        let (offsets, columns) = (pattern.offsets().to_vec(), pattern.columns().to_vec());
+        let (n, weights) = (offsets.len() - 1, Some(vec![0.0; columns.len()]));
+        let [mass, inverse, diagonal] = [(); 3].map(|()| vec![0.0; n]);
+        Self { offsets, columns, weights, mass, inverse, diagonal }
     }
 
-    /// The numbers on the pattern, to be replaced. Uniform weights have none but mass and diagonal.
-    pub(crate) fn numbers_mut(&mut self) -> Numbers<'_> {
-        let weights = match &mut self.rows {
-            Rows::Uniform { .. } => &mut [][..],
-            Rows::Weighted { weights, .. } => weights,
-        };
-        Numbers { weights, mass: &mut self.mass, diagonal: &mut self.diagonal }
+    /// Replaces the numbers by those of cotangents at the positions of `mesh`. Returns the faces that were widened.
+    pub(crate) fn refill(
+        &mut self,
+        pattern: &mut CotangentPattern,
+        mesh: &TriMesh,
+        thin: ThinFaces,
+    ) -> Result<Vec<u32>, OperatorError> {
+        let weights = self.weights.get_or_insert_default();
+        let (diagonal, mass) = (&mut self.diagonal[..], &mut self.mass[..]);
+        let widened = pattern.fill(mesh, thin, CotangentNumbers { weights, diagonal, mass })?;
+        self.inverse = reciprocals(&self.mass);
+        Ok(widened)
     }
 
     /// Row `i` of `S` without its diagonal; empty for held and isolated vertices.
     pub(crate) fn stiffness_row(&self, i: usize) -> impl Iterator<Item = (u32, f64)> + '_ {
-        let neighbors = if self.is_still(i) { &[] } else { self.neighbors(i) };
-        let m = self.mass[i];
-        neighbors.iter().enumerate().map(move |(k, &j)| match &self.rows {
-            Rows::Uniform { .. } => (j, -1.0),
-            Rows::Weighted { offsets, weights, .. } => (j, -m * weights[offsets[i] as usize + k]),
-        })
+        let row = if self.is_still(i) { 0..0 } else { self.row(i) };
+        let weight = |k: usize| self.weights.as_ref().map_or(1.0, |weights| weights[k]);
+        row.map(move |k| (self.columns[k], -weight(k)))
+    }
+
+    /// The entries of row `i`.
+    #[inline(always)]
+    fn row(&self, i: usize) -> Range<usize> {
+        self.offsets[i] as usize..self.offsets[i + 1] as usize
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -108,8 +107,7 @@ impl Laplacian {
 
     /// Entries of `S`, the diagonal included.
     pub(crate) fn entries(&self) -> usize {
-        let (Rows::Uniform { offsets, .. } | Rows::Weighted { offsets, .. }) = &self.rows;
-        self.len() + offsets.last().map_or(0, |&end| end as usize)
+        self.len() + self.columns.len()
     }
 
     /// `M`, one value per vertex.
@@ -117,15 +115,14 @@ impl Laplacian {
         &self.mass
     }
 
-    /// The same `S` over another mass; the rows of held vertices stay zero.
+    /// `M⁻¹`, one value per vertex.
+    pub(crate) fn inverse_mass(&self) -> &[f64] {
+        &self.inverse
+    }
+
+    /// The same `S` over another mass.
     pub(crate) fn replace_mass(&mut self, mass: Vec<f64>) {
-        if let Rows::Weighted { offsets, weights, .. } = &mut self.rows {
-            for (i, (old, new)) in self.mass.iter().zip(&mass).enumerate() {
-                for w in &mut weights[offsets[i] as usize..offsets[i + 1] as usize] {
-                    *w *= old / new;
-                }
-            }
-        }
+        self.inverse = reciprocals(&mass);
         self.mass = mass;
     }
 
@@ -136,26 +133,18 @@ impl Laplacian {
 
     /// An upper bound of the eigenvalues of `−L` by Gershgorin's circles; 2 for uniform weights.
     pub(crate) fn gershgorin(&self) -> f64 {
-        match &self.rows {
-            Rows::Uniform { .. } => 2.0,
-            Rows::Weighted { offsets, weights, .. } => offsets
-                .windows(2)
-                .map(|w| {
-                    let row = &weights[w[0] as usize..w[1] as usize];
-                    let (sum, size) = row.iter().fold((0.0, 0.0), |(s, a), w| (s + w, a + w.abs()));
-                    sum + size
-                })
-                .fold(0.0, f64::max),
-        }
+        let Some(weights) = &self.weights else { return 2.0 };
+        let circle = |i: usize| {
+            let row = &weights[self.row(i)];
+            let (sum, size) = row.iter().fold((0.0, 0.0), |(s, a), w| (s + w, a + w.abs()));
+            (sum + size) * self.inverse[i]
+        };
+        (0..self.len()).map(circle).fold(0.0, f64::max)
     }
 
     /// The neighbours of vertex `i`; itself alone if it is held with uniform weights, or isolated.
     pub(crate) fn neighbors(&self, i: usize) -> &[u32] {
-        let (offsets, columns) = match &self.rows {
-            Rows::Uniform { offsets, neighbors, .. } => (offsets, neighbors),
-            Rows::Weighted { offsets, columns, .. } => (offsets, columns),
-        };
-        &columns[offsets[i] as usize..offsets[i + 1] as usize]
+        &self.columns[self.row(i)]
     }
 
     /// Whether the row of vertex `i` is zero: it is held or isolated.
@@ -182,13 +171,8 @@ impl Laplacian {
 
     /// The largest difference between the numbers of neighbours.
     pub(crate) fn reach(&self) -> usize {
-        let (offsets, columns) = match &self.rows {
-            Rows::Uniform { offsets, neighbors, .. } => (offsets, neighbors),
-            Rows::Weighted { offsets, columns, .. } => (offsets, columns),
-        };
         let farthest = |i: usize| {
-            let row = &columns[offsets[i] as usize..offsets[i + 1] as usize];
-            row.iter().map(|&j| (j as usize).abs_diff(i)).max().unwrap_or(0)
+            self.neighbors(i).iter().map(|&j| (j as usize).abs_diff(i)).max().unwrap_or(0)
         };
         (0..self.len()).into_par_iter().with_min_len(ROWS).map(farthest).max().unwrap_or(0)
     }
@@ -207,31 +191,29 @@ impl Laplacian {
     ) {
         let Factors { point, own, l } = factors;
         let here = &x[rows.start - offset..rows.end - offset];
-        match &self.rows {
-            Rows::Uniform { offsets, neighbors, inverse_degree } => {
-                let ends = &offsets[rows.start..=rows.end];
-                let degrees = &inverse_degree[rows];
+        let (ends, inverse) = (&self.offsets[rows.start..=rows.end], &self.inverse[rows]);
+        match &self.weights {
+            None => {
                 for (k, out) in out.iter_mut().enumerate() {
                     let mut sum = [0.0; 4];
-                    for &j in &neighbors[ends[k] as usize..ends[k + 1] as usize] {
+                    for &j in &self.columns[ends[k] as usize..ends[k + 1] as usize] {
                         let b = &x[j as usize - offset];
                         for d in 0..4 {
                             sum[d] += b[d];
                         }
                     }
-                    let (a, p, w) = (&here[k], &points[k], l * degrees[k]);
+                    let (a, p, w) = (&here[k], &points[k], l * inverse[k]);
                     for d in 0..4 {
                         out[d] = point * p[d] + (own - l) * a[d] + w * sum[d] - out[d];
                     }
                 }
             }
-            Rows::Weighted { offsets, columns, weights } => {
-                let ends = &offsets[rows.start..=rows.end];
+            Some(weights) => {
                 for (k, out) in out.iter_mut().enumerate() {
                     let range = ends[k] as usize..ends[k + 1] as usize;
-                    let (a, p) = (&here[k], &points[k]);
+                    let (a, p, l) = (&here[k], &points[k], l * inverse[k]);
                     let mut sum = [0.0; 4];
-                    for (&j, &w) in columns[range.clone()].iter().zip(&weights[range]) {
+                    for (&j, &w) in self.columns[range.clone()].iter().zip(&weights[range]) {
                         let b = &x[j as usize - offset];
                         for d in 0..4 {
                             sum[d] += w * (b[d] - a[d]);
@@ -247,7 +229,7 @@ impl Laplacian {
 
     /// Whether the weights are uniform.
     pub(crate) fn is_uniform(&self) -> bool {
-        matches!(self.rows, Rows::Uniform { .. })
+        self.weights.is_none()
     }
 
     /// `yᵢ ← f(i, (Lx)ᵢ, xᵢ, yᵢ)` for every vertex, in parallel.
@@ -255,10 +237,18 @@ impl Laplacian {
     where
         F: Fn(usize, [f64; N], [f64; N], [f64; N]) -> [f64; N] + Sync,
     {
-        self.sweep_summing(x, y, |i, l, x, y| (f(i, l, x, y), []));
+        by_chunk(y, |i, y| {
+            let (a, w) = (x[i], self.inverse[i]);
+            let mut l = self.weighted_sum(i, x);
+            for k in 0..N {
+                l[k] = if self.is_uniform() { w * l[k] - a[k] } else { w * l[k] };
+            }
+            (f(i, l, a, y), [])
+        });
     }
 
-    /// As [`Self::sweep`], and sums `K` numbers that `f` returns beside the new value.
+    /// `yᵢ ← f(i, −(Sx)ᵢ, xᵢ, yᵢ)` for every vertex, in parallel, and the sums of `K` numbers that `f` returns beside
+    /// the new value.
     pub(crate) fn sweep_summing<const N: usize, const K: usize, F>(
         &self,
         x: &[[f64; N]],
@@ -269,34 +259,47 @@ impl Laplacian {
         F: Fn(usize, [f64; N], [f64; N], [f64; N]) -> ([f64; N], [f64; K]) + Sync,
     {
         by_chunk(y, |i, y| {
-            let (a, mut l) = (x[i], [0.0; N]);
-            match &self.rows {
-                Rows::Uniform { offsets, neighbors, inverse_degree } => {
-                    for &j in &neighbors[offsets[i] as usize..offsets[i + 1] as usize] {
-                        let b = &x[j as usize];
-                        for k in 0..N {
-                            l[k] += b[k];
-                        }
-                    }
-                    let w = inverse_degree[i];
-                    for k in 0..N {
-                        l[k] = l[k] * w - a[k];
-                    }
+            let a = x[i];
+            let mut s = self.weighted_sum(i, x);
+            if self.is_uniform() {
+                for k in 0..N {
+                    s[k] -= self.mass[i] * a[k];
                 }
-                Rows::Weighted { offsets, columns, weights } => {
-                    let range = offsets[i] as usize..offsets[i + 1] as usize;
-                    for (&j, &w) in columns[range.clone()].iter().zip(&weights[range]) {
-                        let b = &x[j as usize];
-                        for k in 0..N {
-                            l[k] += w * (b[k] - a[k]);
-                        }
+            }
+            f(i, s, a, y)
+        })
+    }
+
+    /// `Σⱼ wⱼ (xⱼ − xᵢ)`; with uniform weights `Σⱼ xⱼ`.
+    #[inline(always)]
+    fn weighted_sum<const N: usize>(&self, i: usize, x: &[[f64; N]]) -> [f64; N] {
+        let (row, mut sum) = (self.row(i), [0.0; N]);
+        match &self.weights {
+            None => {
+                for &j in &self.columns[row] {
+                    let b = &x[j as usize];
+                    for k in 0..N {
+                        sum[k] += b[k];
                     }
                 }
             }
-            // In one place only, so that it is compiled into the loop.
-            f(i, l, a, y)
-        })
+            Some(weights) => {
+                let a = x[i];
+                for (&j, &w) in self.columns[row.clone()].iter().zip(&weights[row]) {
+                    let b = &x[j as usize];
+                    for k in 0..N {
+                        sum[k] += w * (b[k] - a[k]);
+                    }
+                }
+            }
+        }
+        sum
     }
+}
+
+/// `1/x` of each.
+fn reciprocals(x: &[f64]) -> Vec<f64> {
+    x.par_iter().with_min_len(ROWS).map(|x| 1.0 / x).collect()
 }
 
 /// The factors of a three-term recurrence.

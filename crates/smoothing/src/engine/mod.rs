@@ -6,7 +6,6 @@ pub(crate) mod clenshaw;
 pub(crate) mod collapse;
 pub(crate) mod conjugate;
 pub(crate) mod constraints;
-pub(crate) mod cotangents;
 pub(crate) mod diffusion;
 pub(crate) mod direct;
 pub(crate) mod double;

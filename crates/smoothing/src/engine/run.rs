@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 
 use fairing_mesh::TriMesh;
+use fairing_operators::{OperatorError, check_faces};
 
 use crate::engine::arrangement::Arrangement;
 use crate::engine::constraints::{Constraints, Freedom};
@@ -178,10 +179,9 @@ impl<'a, 'o> Run<'a, 'o> {
                 FlowFailure::NotConverged { residual, iterations, vertex: original(vertex) }
             }
             // Faces were reordered too: the first bad one of the file is found by asking again.
-            FlowFailure::Operator(_) => match fairing_operators::cotan_stiffness(mesh) {
-                Err(error) => FlowFailure::Operator(error),
-                Ok(_) => failure,
-            },
+            FlowFailure::Operator(OperatorError::DegenerateFace { .. }) => {
+                check_faces(mesh).map_or_else(FlowFailure::Operator, |()| failure)
+            }
             other => other,
         }
     }

@@ -65,7 +65,7 @@ pub fn largest_eigenvalue(mesh: &TriMesh, diffusion: Diffusion) -> Result<f64, F
 /// The coefficients of the three-term recurrence of `−L`; one β for each α, the last leads out.
 fn tridiagonal(laplacian: &Laplacian, steps: usize) -> (Vec<f64>, Vec<f64>) {
     let mut random = ChaCha8Rng::seed_from_u64(0);
-    let mass = laplacian.mass();
+    let (mass, inverse) = (laplacian.mass(), laplacian.inverse_mass());
     let mut v: Vec<[f64; 1]> =
         (0..laplacian.len()).map(|_| [random.random::<f64>() - 0.5]).collect();
     let mut before = vec![[0.0; 1]; v.len()];
@@ -80,8 +80,8 @@ fn tridiagonal(laplacian: &Laplacian, steps: usize) -> (Vec<f64>, Vec<f64>) {
         let scale = 1.0 / norm;
         let [diagonal] = {
             let last = if alpha.is_empty() { 0.0 } else { norm };
-            laplacian.sweep_summing(&v, &mut before, |i, l, p, old| {
-                let w = -l[0] * scale - last * old[0];
+            laplacian.sweep_summing(&v, &mut before, |i, s, p, old| {
+                let w = -s[0] * inverse[i] * scale - last * old[0];
                 ([w], [mass[i] * w * p[0] * scale])
             })
         };

@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 
 use fairing_mesh::TriMesh;
+use fairing_operators::{OperatorError, check_faces};
 
 use crate::engine::constraints::Constraints;
 use crate::engine::diffusion::{Diffusion, Time};
@@ -154,10 +155,9 @@ pub(crate) fn times(failure: FlowFailure, unit: f64, last_good: &TriMesh) -> Flo
             FlowFailure::NonPositiveMass { vertex, mass: area(mass) }
         }
         // In units of the mesh that is asked again.
-        FlowFailure::Operator(_) => match fairing_operators::cotan_stiffness(last_good) {
-            Err(error) => FlowFailure::Operator(error),
-            Ok(_) => failure,
-        },
+        FlowFailure::Operator(OperatorError::DegenerateFace { .. }) => {
+            check_faces(last_good).map_or_else(FlowFailure::Operator, |()| failure)
+        }
         other => other,
     }
 }

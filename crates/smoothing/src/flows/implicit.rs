@@ -1,12 +1,12 @@
 //! Implicit diffusion, backward Euler, and mean curvature flow.
 
 use fairing_mesh::TriMesh;
+use fairing_operators::ThinFaces;
 
 use crate::engine::assemble::{Renewal, mass};
 use crate::engine::collapse::Collapse;
 use crate::engine::conjugate::{ImplicitSolver, Room};
 use crate::engine::constraints::Constraints;
-use crate::engine::cotangents::Degenerate;
 use crate::engine::diffusion::{Diffusion, Operator};
 use crate::engine::direct::{self, Direct};
 use crate::engine::error::{FlowError, FlowFailure, at_least};
@@ -156,7 +156,8 @@ pub(crate) fn implicit_with(
     let mut run = Run::new(mesh, &frame, observer)?;
     let frozen = options.update == Update::Never;
     let start = run.arrangement.mesh();
-    let mut renewal = Renewal::new(start, options.diffusion, &run.freedom.held);
+    let mut renewal = Renewal::new(start, options.diffusion, &run.freedom.held)
+        .map_err(|failure| run.refuse(failure))?;
     let mut laplacian =
         renewal.assemble(start, &run.freedom.held).map_err(|failure| run.refuse(failure))?;
     // A pattern that nobody will fill again only takes memory.
@@ -187,68 +188,67 @@ pub(crate) fn implicit_with(
     let renews = renewal.is_some();
     let mut flattened = vec![false; if renews { mesh.face_count() } else { 0 }];
     let smoothed = run.iterate(|iteration, mesh, freedom, next| {
-        let mut step_from = |laplacian: &mut Laplacian,
-                             degenerate: Degenerate|
-         -> Result<StepNote, FlowFailure> {
-            let mut hard = false;
-            if degenerate == Degenerate::Slack {
-                displacement.fill([0.0; 3]);
-            }
-            if iteration > 0 {
-                match (options.update, &mut renewal) {
-                    (Update::Both, Some(renewal)) => {
-                        let faces = renewal.renew(mesh, &freedom.held, laplacian, degenerate)?;
-                        hard = !faces.is_empty();
-                        for f in faces {
-                            flattened[f as usize] = true;
+        let mut step_from =
+            |laplacian: &mut Laplacian, thin: ThinFaces| -> Result<StepNote, FlowFailure> {
+                let mut hard = false;
+                if thin == ThinFaces::WidenNearly {
+                    displacement.fill([0.0; 3]);
+                }
+                if iteration > 0 {
+                    match (options.update, &mut renewal) {
+                        (Update::Both, Some(renewal)) => {
+                            let faces = renewal.renew(mesh, &freedom.held, laplacian, thin)?;
+                            hard = !faces.is_empty();
+                            for f in faces {
+                                flattened[f as usize] = true;
+                            }
+                        }
+                        (Update::Mass, _) => laplacian.replace_mass(mass(mesh, operator(options))?),
+                        _ => {}
+                    }
+                }
+                let solver = ImplicitSolver {
+                    laplacian,
+                    parts: &parts,
+                    step,
+                    tolerance: options.tolerance,
+                    most_iterations: if may_factor { SOME_ITERATIONS } else { MOST_ITERATIONS },
+                };
+                let x = mesh.positions();
+                let solved = match &mut direct {
+                    Some(direct) => {
+                        if !frozen {
+                            direct.renew();
+                        }
+                        direct.solve(solver, x, freedom, &mut displacement)?
+                    }
+                    // Thin faces make a system ill conditioned within an otherwise easy run.
+                    None => {
+                        let solved = match hard && may_factor {
+                            true => None,
+                            false => Some(solver.solve(x, freedom, &mut displacement, &mut room)),
+                        };
+                        match solved {
+                            Some(Err(failure)) if !may_factor => return Err(failure),
+                            Some(Ok(solved)) => solved,
+                            _ => {
+                                rescue.renew();
+                                rescue.solve(solver, x, freedom, &mut displacement)?
+                            }
                         }
                     }
-                    (Update::Mass, _) => laplacian.replace_mass(mass(mesh, operator(options))?),
-                    _ => {}
+                };
+                total += solved.iterations;
+                by_chunk(next, |i, _| {
+                    let (x, d) = (&x[i], &displacement[i]);
+                    ([x[0] + d[0], x[1] + d[1], x[2] + d[2]], [])
+                });
+                if let Some(collapse) = &collapse {
+                    collapse.check(mesh.faces(), next)?;
                 }
-            }
-            let solver = ImplicitSolver {
-                laplacian,
-                parts: &parts,
-                step,
-                tolerance: options.tolerance,
-                most_iterations: if may_factor { SOME_ITERATIONS } else { MOST_ITERATIONS },
+                Ok(StepNote { step_size: step, residual: Some(solved.residual) })
             };
-            let x = mesh.positions();
-            let solved = match &mut direct {
-                Some(direct) => {
-                    if !frozen {
-                        direct.renew();
-                    }
-                    direct.solve(solver, x, freedom, &mut displacement)?
-                }
-                // Thin faces make a system ill conditioned within an otherwise easy run.
-                None => {
-                    let solved = match hard && may_factor {
-                        true => None,
-                        false => Some(solver.solve(x, freedom, &mut displacement, &mut room)),
-                    };
-                    match solved {
-                        Some(Err(failure)) if !may_factor => return Err(failure),
-                        Some(Ok(solved)) => solved,
-                        _ => {
-                            rescue.renew();
-                            rescue.solve(solver, x, freedom, &mut displacement)?
-                        }
-                    }
-                }
-            };
-            total += solved.iterations;
-            by_chunk(next, |i, _| {
-                let (x, d) = (&x[i], &displacement[i]);
-                ([x[0] + d[0], x[1] + d[1], x[2] + d[2]], [])
-            });
-            if let Some(collapse) = &collapse {
-                collapse.check(mesh.faces(), next)?;
-            }
-            Ok(StepNote { step_size: step, residual: Some(solved.residual) })
-        };
-        let taken = step_from(&mut laplacian, Degenerate::Thin);
+        let taken = step_from(&mut laplacian, ThinFaces::Widen);
         // A system that thin faces spoil is solved with those that are nearly flat made a little wider.
         let spoilt = |failure: &FlowFailure| {
             use FlowFailure::{NotConverged, NotFactored};
@@ -256,7 +256,7 @@ pub(crate) fn implicit_with(
         };
         let taken = match taken {
             Err(failure) if renews && spoilt(&failure) => {
-                step_from(&mut laplacian, Degenerate::Slack)
+                step_from(&mut laplacian, ThinFaces::WidenNearly)
             }
             other => other,
         };

@@ -1,8 +1,8 @@
 //! Spectral low-pass filters.
 
 use fairing_mesh::TriMesh;
-use fairing_operators::{Laplacian, LaplacianKind, LumpedArea, MassKind};
-use fairing_spectral::{Reconstruction, SpectralError, SpectrumOptions, reconstruct, spectrum};
+use fairing_operators::{Laplacian, MassKind};
+use fairing_spectral::{Reconstruction, SpectrumOptions, reconstruct, spectrum};
 
 use crate::engine::assemble::cotangent;
 use crate::engine::constraints::Constraints;
@@ -146,23 +146,17 @@ fn filter(mesh: &TriMesh, options: &LowPass) -> Result<Smoothed, FlowError> {
 
 /// The mesh from its `k` smoothest modes.
 fn smoothest(mesh: &TriMesh, k: usize, options: &LowPass) -> Result<Smoothed, FlowFailure> {
-    let (kind, mass) = match options.operator {
-        Operator::Plain(area @ (LumpedArea::Barycentric | LumpedArea::Mixed)) => {
-            (LaplacianKind::Cotangent, area.into())
-        }
-        Operator::Robust => (LaplacianKind::Robust, MassKind::Barycentric),
-        _ => {
-            let reason = "modes are orthonormal over barycentric or mixed areas, none negative";
-            return Err(FlowFailure::Unsupported { reason });
-        }
-    };
+    let (kind, mass) = options.operator.kinds();
+    if mass == MassKind::Voronoi {
+        let reason = "modes are orthonormal over barycentric or mixed areas, none negative";
+        return Err(FlowFailure::Unsupported { reason });
+    }
     if !options.constraints.is_free() {
         let reason = "a projection on modes knows no constraints";
         return Err(FlowFailure::Unsupported { reason });
     }
-    let Reconstruction { mesh, split, .. } = Laplacian::new(mesh, kind, mass)
-        .map_err(SpectralError::from)
-        .and_then(|laplacian| spectrum(&laplacian, k, &SpectrumOptions::default()))
+    let laplacian = Laplacian::new(mesh, kind, mass)?;
+    let Reconstruction { mesh, split, .. } = spectrum(&laplacian, k, &SpectrumOptions::default())
         .and_then(|modes| reconstruct(mesh, &modes, k))
         .map_err(|error| FlowFailure::Modes { reason: error.to_string() })?;
     let approach = Approach::Modes { count: k };

@@ -1,10 +1,10 @@
 //! Fairing of a region with its rim held.
 
 use fairing_mesh::TriMesh;
-use fairing_operators::{combinatorial_laplacian, cotan_stiffness};
+use fairing_operators::{LaplacianKind, MassKind};
 use fairing_sparse::{Cholesky, SparseMatrix};
 
-use crate::engine::assemble::{positive_mass, robust};
+use crate::engine::assemble::operators;
 use crate::engine::diffusion::Operator;
 use crate::engine::double::{self, Double};
 use crate::engine::error::{FlowError, FlowFailure};
@@ -119,7 +119,10 @@ fn solve(mesh: &TriMesh, options: &FairRegion) -> Result<TriMesh, FlowFailure> {
     if region.is_empty() {
         return Ok(mesh.clone());
     }
-    let (stiffness, mass) = operators(mesh, options)?;
+    let (stiffness, mass) = match options.weights {
+        FairingWeights::Uniform => operators(mesh, (LaplacianKind::Uniform, MassKind::Degree))?,
+        FairingWeights::Cotangent(operator) => operators(mesh, operator.kinds())?,
+    };
     let operator = power(&stiffness, &mass, options.order);
     let (mut starts, mut columns, mut values) = (vec![0u32], Vec::new(), Vec::new());
     let mut right = vec![[0.0; 3]; region.len()];
@@ -247,27 +250,6 @@ impl Powers<'_> {
     }
 }
 
-/// `S` and `M`; for uniform weights `M = D`.
-fn operators(
-    mesh: &TriMesh,
-    options: &FairRegion,
-) -> Result<(SparseMatrix, Vec<f64>), FlowFailure> {
-    Ok(match options.weights {
-        FairingWeights::Uniform => {
-            let stiffness = combinatorial_laplacian(mesh)?;
-            let degree = stiffness.diag().to_dense().iter().map(|d| d.max(1.0)).collect();
-            (stiffness, degree)
-        }
-        FairingWeights::Cotangent(Operator::Plain(area)) => {
-            (cotan_stiffness(mesh)?, positive_mass(mesh, area)?)
-        }
-        FairingWeights::Cotangent(Operator::Robust) => {
-            let robust = robust(mesh)?;
-            (robust.stiffness, robust.mass)
-        }
-    })
-}
-
 /// `S (M⁻¹S)ᵏ⁻¹`.
 fn power(stiffness: &SparseMatrix, mass: &[f64], order: u32) -> SparseMatrix {
     let mut walk = stiffness.clone();
@@ -291,6 +273,8 @@ fn symmetric(matrix: &SparseMatrix) -> SparseMatrix {
 
 #[cfg(test)]
 mod tests {
+    use fairing_operators::combinatorial_laplacian;
+
     use super::*;
 
     /// On integers of 50 bits the powers of a graph Laplacian, with powers of two as masses, are integers of up to 70

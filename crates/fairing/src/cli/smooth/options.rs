@@ -45,14 +45,6 @@ pub(super) enum Area {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-pub(super) enum OperatorName {
-    /// Cotangents of the faces as they are; refuses faces without area
-    Plain,
-    /// Intrinsic Delaunay cotangents of the tufted cover; any mesh
-    Robust,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
 pub(super) enum Border {
     /// It moves inward as its neighbours pull
     Free,
@@ -162,8 +154,8 @@ impl Smooth {
         Ok(())
     }
 
-    /// The method with its options.
-    pub(super) fn method(&self, mesh: &TriMesh) -> Result<Method, Failure> {
+    /// The method with its options, over this operator where it takes cotangents.
+    pub(super) fn method(&self, mesh: &TriMesh, operator: Operator) -> Result<Method, Failure> {
         let constraints = self.constraints(mesh)?;
         let volume = match self.volume {
             None | Some(Keep::Drift) => Volume::Drifts,
@@ -177,12 +169,14 @@ impl Smooth {
                 stability: self.stability(),
                 constraints,
                 volume,
-                ..Explicit::new(self.diffusion(0.5, 0.1)?)
+                ..Explicit::new(self.diffusion(0.5, 0.1, operator)?)
             }),
             Name::Implicit | Name::MeanCurvature => {
                 let flows = self.method == Name::MeanCurvature;
-                let diffusion =
-                    if flows { self.cotangents(1.0) } else { self.diffusion(5.0, 5.0)? };
+                let diffusion = match flows {
+                    true => self.cotangents(1.0, operator),
+                    false => self.diffusion(5.0, 5.0, operator)?,
+                };
                 let options = Implicit::new(diffusion);
                 Method::Implicit(Implicit {
                     iterations: n.unwrap_or(10),
@@ -205,7 +199,7 @@ impl Smooth {
                     iterations: n.unwrap_or(options.iterations),
                     tolerance: self.tolerance.unwrap_or(options.tolerance),
                     settled: self.settled.unwrap_or(options.settled),
-                    operator: self.operator(),
+                    operator,
                 })
             }
             Name::Taubin => {
@@ -258,11 +252,7 @@ impl Smooth {
                     },
                     (None, None) => Transfer::Heat(Time::SquaredEdges(5.0)),
                 };
-                Method::LowPass(LowPass {
-                    operator: self.operator(),
-                    constraints,
-                    ..LowPass::new(transfer)
-                })
+                Method::LowPass(LowPass { operator, constraints, ..LowPass::new(transfer) })
             }
             Name::Region => {
                 if self.vertices.is_empty() {
@@ -273,7 +263,7 @@ impl Smooth {
                     order: self.order.unwrap_or(2),
                     weights: match self.weights {
                         Some(Weights::Uniform) => FairingWeights::Uniform,
-                        _ => FairingWeights::Cotangent(self.operator()),
+                        _ => FairingWeights::Cotangent(operator),
                     },
                 })
             }
@@ -309,13 +299,18 @@ impl Smooth {
     }
 
     /// The diffusion with its default steps for either weights.
-    fn diffusion(&self, uniform: f64, cotangent: f64) -> Result<Diffusion, Failure> {
+    fn diffusion(
+        &self,
+        uniform: f64,
+        cotangent: f64,
+        operator: Operator,
+    ) -> Result<Diffusion, Failure> {
         let weights = self.weights.unwrap_or(match self.time {
             Some(_) => Weights::Cotangent,
             None => Weights::Uniform,
         });
         if weights == Weights::Cotangent {
-            return Ok(self.cotangents(cotangent));
+            return Ok(self.cotangents(cotangent, operator));
         }
         if self.time.is_some() {
             return Err(Failure::usage("uniform weights have no --time, only --lambda"));
@@ -323,23 +318,21 @@ impl Smooth {
         Ok(Diffusion::uniform(self.lambda.unwrap_or(uniform)))
     }
 
-    fn cotangents(&self, lambda: f64) -> Diffusion {
+    fn cotangents(&self, lambda: f64, operator: Operator) -> Diffusion {
         let time = match self.time {
             Some(time) => Time::SquaredUnits(time),
             None => Time::SquaredEdges(self.lambda.unwrap_or(lambda)),
         };
-        Diffusion::Cotangent { time, operator: self.operator() }
+        Diffusion::Cotangent { time, operator }
     }
 
-    fn operator(&self) -> Operator {
-        if matches!(self.operator, Some(OperatorName::Robust)) {
-            return Operator::Robust;
-        }
-        Operator::Plain(match self.area {
+    /// The areas of vertices for cotangents.
+    pub(super) fn area(&self) -> LumpedArea {
+        match self.area {
             None | Some(Area::Barycentric) => LumpedArea::Barycentric,
             Some(Area::Mixed) => LumpedArea::Mixed,
             Some(Area::Voronoi) => LumpedArea::Voronoi,
-        })
+        }
     }
 }
 
