@@ -40,3 +40,8 @@ pub fn timed<T>(name: &str, test: impl FnOnce() -> T) -> T {
     }
     result
 }
+
+/// The examples of the README, compiled and run with the tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+pub struct Readme;

@@ -1,7 +1,20 @@
 //! Denoisers for triangle meshes: they remove noise and keep creases, where flows round both away.
 //!
 //! [`automatic`] has no parameters. The others are published methods, each one function with one options struct;
-//! [`Denoiser`] holds them all for programs. All keep the faces and the order of vertices.
+//! [`Denoiser`] has them all by name. All keep the faces and the order of vertices.
+//!
+//! ```
+//! use fairing_denoising::{Denoiser, automatic};
+//!
+//! let shape = fairing_shapes::icosphere(3);
+//! let noisy = fairing_shapes::jittered(&shape, 0.1, 7, |p| p);
+//! let denoised = automatic(&noisy)?;
+//! assert_eq!(denoised.mesh.faces(), noisy.faces());
+//!
+//! let method: Denoiser = "guided-normal".parse()?;
+//! assert_eq!(method.denoise(&noisy)?.vertex_count(), noisy.vertex_count());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod automatic;
 mod bilateral;

@@ -3,6 +3,18 @@
 //! Noise is seeded and says its unit in its type. Distances are those between
 //! surfaces, in double precision; measures that compare element by element
 //! need meshes with the same faces, and say so otherwise.
+//!
+//! ```
+//! use fairing_evaluation::{NoiseKind, NoiseLevel, ScoreOptions, Scores, add_noise};
+//!
+//! let sphere = fairing_shapes::icosphere(3);
+//! let level = NoiseLevel::EdgeLengths(0.1);
+//! let noisy = add_noise(&sphere, NoiseKind::GaussianAlongNormals, level, 1)?;
+//! let scores = Scores::of(&noisy, &sphere, &ScoreOptions::default())?;
+//! assert!(scores.hausdorff.upper > 0.0);
+//! assert!(scores.normals?.mean > 1.0);
+//! # Ok::<(), fairing_evaluation::EvaluationError>(())
+//! ```
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 

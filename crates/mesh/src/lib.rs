@@ -3,6 +3,32 @@
 //! [`TriMesh`] holds double-precision positions and `u32` faces and is always
 //! valid. Vertices, edges and faces are numbered from 0; vertices and faces
 //! keep the order of the file they came from.
+//!
+//! ```
+//! use fairing_mesh::TriMesh;
+//!
+//! let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+//! let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+//! let tetrahedron = TriMesh::new(corners, faces)?;
+//! assert_eq!(tetrahedron.edge_count(), 6);
+//! assert_eq!(tetrahedron.topology().neighbors(0).len(), 3);
+//! assert!((tetrahedron.signed_volume() - 1.0 / 6.0).abs() < 1e-15);
+//!
+//! // Bad input is an error that names the element.
+//! let error = TriMesh::new(vec![[0.0; 3]; 3], vec![[0, 1, 7]]).unwrap_err();
+//! assert!(error.to_string().contains('7'));
+//! # Ok::<(), fairing_mesh::BuildError>(())
+//! ```
+//!
+//! # Features
+//!
+//! - `files` (default): writing files, whole or not at all; includes `gzip`.
+//! - `gzip`: reading compressed files; includes `io`.
+//! - `io`: reading files and streams, writing to streams and memory.
+//! - `ndarray`: views of positions and faces as arrays.
+//!
+//! Work is spread over the current pool of threads of rayon; results do not
+//! depend on their number. `rayon::ThreadPool::install` chooses another pool.
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 
@@ -18,12 +44,17 @@ mod subdivide;
 mod topology;
 mod trimesh;
 mod unit_scale;
+#[doc(hidden)]
 pub mod vec3;
 
 pub use build::BuildError;
 pub use connectivity::{Connectivity, Incidence};
 pub use diagnosis::{Diagnosis, Tally};
-pub use named::{UnknownName, by_name};
+pub use named::UnknownName;
+#[doc(hidden)]
+pub use named::by_name;
+#[cfg(feature = "ndarray")]
+pub use ndarray;
 pub use polygon::PolygonMesh;
 pub use subdivide::{subdivide_loop, subdivide_midpoint};
 pub use topology::{Components, Fan, Orientation, Topology};

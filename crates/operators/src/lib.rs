@@ -41,6 +41,7 @@ pub use laplacian::{
 };
 pub use mass::{LumpedArea, consistent_mass, lumped_mass};
 pub use noise_level::{NoiseEstimate, NoisyParts, noise_level, noisy_parts};
+#[doc(hidden)]
 pub use normal_equations::{NormalEquations, NormalFactor};
 pub use normals::{NormalWeight, face_normals, vertex_normals, weighted_vertex_normals};
 pub use polygon::{PolygonLaplacian, polygon_laplacian};

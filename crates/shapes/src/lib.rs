@@ -7,6 +7,17 @@
 //!
 //! Parameters that make no such mesh are a mistake in the program that passes
 //! them, and panic as documented.
+//!
+//! ```
+//! use fairing_shapes as shapes;
+//!
+//! let sphere = shapes::icosphere(4);
+//! assert_eq!(sphere.vertex_count(), 2562);
+//! let torus = shapes::torus(1.0, 0.4, 64, 24);
+//! assert_eq!(torus.edge_count(), 3 * torus.vertex_count());
+//! // The same seed gives the same mesh.
+//! assert_eq!(shapes::irregular_plane(0.1, 7), shapes::irregular_plane(0.1, 7));
+//! ```
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 

@@ -35,5 +35,7 @@ pub use ldlt::{Inertia, Ldlt};
 pub use mass::{Mass, MassError, combine};
 pub use matrix::SparseMatrix;
 pub use method::{Method, Workload, shifted_condition};
+pub use ndarray;
 pub use ordering::Ordering;
 pub use product::{multiply, multiply_block, multiply_into, multiply_points, multiply_points_into};
+pub use sprs;

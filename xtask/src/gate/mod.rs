@@ -1,6 +1,7 @@
 //! The test command: everything that guards a merge.
 
 mod programs;
+mod wasm;
 
 use std::path::Path;
 use std::process::Command;
@@ -106,6 +107,10 @@ pub fn run(root: &Path) -> Result<bool> {
     log.cargo(root, &FORMAT)?;
     log.cargo(root, &LINTS)?;
     log.cargo(root, &DOCUMENTATION)?;
+    log.step("dependencies for WebAssembly", || wasm::is_free_of_hostile(root))?;
+    if wasm::is_installed() {
+        log.step("libraries for WebAssembly", || wasm::compiles(root))?;
+    }
     let mut tests = Programs::default();
     log.step("building the tests", || tests.build(root))?;
     log.cargo(root, &PROGRAMS)?;
@@ -151,6 +156,12 @@ fn skipped(root: &Path) -> Vec<(&'static str, &'static str)> {
     }
     if !has_openblas() {
         skipped.push(("eigenpairs against LAPACK", "pkg-config finds no openblas"));
+    }
+    if !wasm::is_installed() {
+        skipped.push((
+            "libraries for WebAssembly",
+            "not installed: rustup target add wasm32-unknown-unknown",
+        ));
     }
     let on_path = |name: &str| {
         let folders = std::env::var_os("PATH").unwrap_or_default();

@@ -66,6 +66,7 @@ pub use format::{Format, NamedFormat};
 pub use options::{Encoding, FloatWidth, ReadOptions, Strictness, UnheldFields, WriteOptions};
 pub use report::ReadReport;
 #[cfg(feature = "files")]
+#[doc(hidden)]
 pub use whole::write_whole;
 pub use write::{WriteReport, polygons_to_bytes, to_bytes, write_polygons_to, write_to};
 #[cfg(feature = "files")]

@@ -1,0 +1,280 @@
+//! What holds of every public type.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// Implemented for what threads can share and pass on.
+trait Shared: Send + Sync {}
+
+impl<T: Send + Sync> Shared for T {}
+
+/// Compiles only if all of them are.
+macro_rules! all_shared {
+    ($($type:ty),* $(,)?) => {
+        fn names() -> Vec<&'static str> {
+            fn name<T: Shared>() -> &'static str {
+                std::any::type_name::<T>()
+            }
+            vec![$(name::<$type>()),*]
+        }
+    };
+}
+
+all_shared!(
+    // mesh
+    fairing::mesh::BuildError,
+    fairing::mesh::Components,
+    fairing::mesh::Connectivity,
+    fairing::mesh::Diagnosis,
+    fairing::mesh::Fan,
+    fairing::mesh::Incidence,
+    fairing::mesh::Orientation,
+    fairing::mesh::PolygonMesh,
+    fairing::mesh::Tally,
+    fairing::mesh::Topology,
+    fairing::mesh::TriMesh,
+    fairing::mesh::UnknownName,
+    fairing::mesh::io::Encoding,
+    fairing::mesh::io::FloatWidth,
+    fairing::mesh::io::Format,
+    fairing::mesh::io::MeshFile,
+    fairing::mesh::io::NamedFormat,
+    fairing::mesh::io::Place,
+    fairing::mesh::io::PolygonFile,
+    fairing::mesh::io::ReadError,
+    fairing::mesh::io::ReadOptions,
+    fairing::mesh::io::ReadProblem,
+    fairing::mesh::io::ReadReport,
+    fairing::mesh::io::Strictness,
+    fairing::mesh::io::UnheldFields,
+    fairing::mesh::io::VertexFields,
+    fairing::mesh::io::WriteError,
+    fairing::mesh::io::WriteOptions,
+    fairing::mesh::io::WriteProblem,
+    fairing::mesh::io::WriteReport,
+    // shapes
+    fairing::shapes::Diagonals,
+    fairing::shapes::Ends,
+    fairing::shapes::HelicoidOptions,
+    // sparse
+    fairing::sparse::Beyond,
+    fairing::sparse::CgError,
+    fairing::sparse::CgOptions,
+    fairing::sparse::CgSolution<Vec<f64>>,
+    fairing::sparse::Cholesky,
+    fairing::sparse::CholeskyError,
+    fairing::sparse::ConjugateGradient<'static>,
+    fairing::sparse::Count,
+    fairing::sparse::DenseSolver,
+    fairing::sparse::EigenError,
+    fairing::sparse::EigenOptions,
+    fairing::sparse::EigenPairs,
+    fairing::sparse::EigenProgress,
+    fairing::sparse::Inertia,
+    fairing::sparse::Ldlt,
+    fairing::sparse::Mass<'static>,
+    fairing::sparse::MassError,
+    fairing::sparse::Method,
+    fairing::sparse::Ordering,
+    fairing::sparse::Preconditioner,
+    fairing::sparse::SymbolicCholesky,
+    fairing::sparse::Workload,
+    // operators
+    fairing::operators::Intrinsic,
+    fairing::operators::Laplacian,
+    fairing::operators::LaplacianKind,
+    fairing::operators::LumpedArea,
+    fairing::operators::MassKind,
+    fairing::operators::MassMatrix,
+    fairing::operators::NoiseEstimate,
+    fairing::operators::NoisyParts,
+    fairing::operators::NormalEquations<3>,
+    fairing::operators::NormalFactor<3>,
+    fairing::operators::NormalWeight,
+    fairing::operators::OperatorError,
+    fairing::operators::PolygonLaplacian,
+    fairing::operators::Reason,
+    fairing::operators::Restricted<'static>,
+    fairing::operators::curvature::CorrectedMeasures,
+    fairing::operators::curvature::CorrectedOptions,
+    fairing::operators::curvature::CotangentOptions,
+    fairing::operators::curvature::CurvatureField,
+    fairing::operators::curvature::Estimator,
+    fairing::operators::curvature::FaceTensorOptions,
+    fairing::operators::curvature::JetDegree,
+    fairing::operators::curvature::JetOptions,
+    fairing::operators::curvature::JetWeight,
+    fairing::operators::curvature::Length,
+    fairing::operators::curvature::MeanCurvature,
+    fairing::operators::curvature::MeanOperator,
+    fairing::operators::curvature::Neighborhood,
+    fairing::operators::curvature::NormalCycleOptions,
+    fairing::operators::curvature::QuadricOptions,
+    fairing::operators::curvature::ScalarCurvature,
+    fairing::operators::curvature::Undefined,
+    fairing::operators::curvature::VertexStatus,
+    fairing::operators::intrinsic::Cover,
+    fairing::operators::intrinsic::IntrinsicFaces,
+    fairing::operators::intrinsic::RobustLaplacian,
+    fairing::operators::intrinsic::RobustOptions,
+    fairing::operators::surface::ChartNormal,
+    fairing::operators::surface::Cylinder,
+    fairing::operators::surface::Ellipsoid,
+    fairing::operators::surface::FundamentalForms,
+    fairing::operators::surface::Helicoid,
+    fairing::operators::surface::PointCurvature,
+    fairing::operators::surface::PrincipalDirections,
+    fairing::operators::surface::Sphere,
+    fairing::operators::surface::SurfaceError,
+    fairing::operators::surface::SurfaceJet,
+    fairing::operators::surface::Torus,
+    fairing::operators::surface::WavyGraph,
+    // spectral
+    fairing::spectral::Compressed,
+    fairing::spectral::Filtered,
+    fairing::spectral::GraphWeights,
+    fairing::spectral::HeatDiffusion,
+    fairing::spectral::HeatGeodesics,
+    fairing::spectral::Poisson<'static>,
+    fairing::spectral::Reconstruction,
+    fairing::spectral::Rest,
+    fairing::spectral::SpectralError,
+    fairing::spectral::Spectrum,
+    fairing::spectral::SpectrumOptions,
+    fairing::spectral::Split,
+    // smoothing
+    fairing::smoothing::Approach,
+    fairing::smoothing::Boundary,
+    fairing::smoothing::ConformalizedMcf,
+    fairing::smoothing::Constraints,
+    fairing::smoothing::Diffusion,
+    fairing::smoothing::Explicit,
+    fairing::smoothing::FairRegion,
+    fairing::smoothing::FairingWeights,
+    fairing::smoothing::FlowError,
+    fairing::smoothing::FlowFailure,
+    fairing::smoothing::Hc,
+    fairing::smoothing::Implicit,
+    fairing::smoothing::LowPass,
+    fairing::smoothing::Method,
+    fairing::smoothing::Operator,
+    fairing::smoothing::Report,
+    fairing::smoothing::ScaleDependent,
+    fairing::smoothing::Smoothed,
+    fairing::smoothing::SoftConstraint,
+    fairing::smoothing::Stability,
+    fairing::smoothing::Step<'static>,
+    fairing::smoothing::Taubin,
+    fairing::smoothing::Time,
+    fairing::smoothing::Transfer,
+    fairing::smoothing::Update,
+    fairing::smoothing::Volume,
+    fairing::smoothing::Window,
+    fairing::smoothing::WindowedSinc,
+    // denoising
+    fairing::denoising::Automatic,
+    fairing::denoising::BilateralNormalGlobalOptions,
+    fairing::denoising::BilateralNormalOptions,
+    fairing::denoising::BilateralOptions,
+    fairing::denoising::DenoiseError,
+    fairing::denoising::Denoiser,
+    fairing::denoising::FastEffectiveOptions,
+    fairing::denoising::GuidedNormalOptions,
+    fairing::denoising::L0Options,
+    fairing::denoising::NonIterativeOptions,
+    fairing::denoising::SurfaceKind,
+    fairing::denoising::TotalVariationOptions,
+    fairing::denoising::VertexUpdate,
+    // evaluation
+    fairing::evaluation::Closest,
+    fairing::evaluation::Drift,
+    fairing::evaluation::EvaluationError,
+    fairing::evaluation::FeatureEdges,
+    fairing::evaluation::Hausdorff,
+    fairing::evaluation::NoiseKind,
+    fairing::evaluation::NoiseLevel,
+    fairing::evaluation::NormalAngles,
+    fairing::evaluation::Score,
+    fairing::evaluation::ScoreOptions,
+    fairing::evaluation::ScoreUnit,
+    fairing::evaluation::Scores,
+    fairing::evaluation::SurfaceDistance,
+    fairing::evaluation::SurfaceTree,
+    fairing::evaluation::VertexDisplacement,
+    fairing::evaluation::VertexDistance,
+    // figure
+    fairing::figure::Axis,
+    fairing::figure::AxisScale,
+    fairing::figure::Background,
+    fairing::figure::Camera,
+    fairing::figure::Center,
+    fairing::figure::ColorBar,
+    fairing::figure::ColorMap,
+    fairing::figure::Colors<'static>,
+    fairing::figure::Drawing,
+    fairing::figure::EncodeError,
+    fairing::figure::Field<'static>,
+    fairing::figure::Figure,
+    fairing::figure::Image,
+    fairing::figure::Legend,
+    fairing::figure::Limits,
+    fairing::figure::Occlusion,
+    fairing::figure::Panel,
+    fairing::figure::Plot,
+    fairing::figure::PlotError,
+    fairing::figure::RenderError,
+    fairing::figure::RenderOptions,
+    fairing::figure::Scale,
+    fairing::figure::ScaleError,
+    fairing::figure::ScaleOptions,
+    fairing::figure::Series,
+    fairing::figure::Shading,
+    fairing::figure::Shape,
+    fairing::figure::Spread,
+    fairing::figure::Up,
+    fairing::figure::Viewpoint,
+    fairing::figure::Wireframe,
+);
+
+/// The names of the structs and enums that begin a line of a file.
+fn public_types(folder: &Path, found: &mut BTreeSet<String>) {
+    for entry in folder.read_dir().unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            public_types(&path, found);
+            continue;
+        }
+        let text = std::fs::read_to_string(&path).unwrap();
+        let names = text.lines().filter_map(|line| {
+            let rest = line.strip_prefix("pub struct ").or(line.strip_prefix("pub enum "))?;
+            rest.split(|c: char| !c.is_alphanumeric()).next()
+        });
+        found.extend(names.map(str::to_owned));
+    }
+}
+
+/// A type that is not in the list above is not checked to be `Send` and `Sync`.
+#[test]
+fn every_public_type_is_send_and_sync() {
+    let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates");
+    let mut found = BTreeSet::new();
+    for name in [
+        "mesh",
+        "shapes",
+        "sparse",
+        "operators",
+        "spectral",
+        "smoothing",
+        "denoising",
+        "evaluation",
+        "figure",
+    ] {
+        public_types(&crates.join(name).join("src"), &mut found);
+    }
+    let listed: BTreeSet<&str> = names()
+        .into_iter()
+        .filter_map(|name| name.split('<').next()?.rsplit("::").next())
+        .collect();
+    let missing: Vec<_> = found.iter().filter(|name| !listed.contains(&name[..])).collect();
+    assert!(missing.is_empty(), "not in the list of this test: {missing:?}");
+}

@@ -1,0 +1,98 @@
+//! The library crates compile for WebAssembly without their default features.
+
+use std::path::Path;
+use std::process::Command;
+
+use anyhow::{Context as _, Result};
+
+use super::cargo;
+
+const TARGET: &str = "wasm32-unknown-unknown";
+
+/// Crates that draw or are programs. All others are libraries for anywhere.
+const EXCLUDED: [&str; 7] = [
+    "fairing",
+    "fairing-figure",
+    "fairing-experiments",
+    "fairing-report",
+    "fairing-results",
+    "fairing-tests",
+    "xtask",
+];
+
+/// What does not compile there, or not do its work: threads that wait, random
+/// numbers of the operating system, files, C.
+const HOSTILE: [&str; 9] = [
+    "atomic-wait",
+    "cc",
+    "flate2",
+    "getrandom",
+    "mimalloc",
+    "openblas-src",
+    "tempfile",
+    "wasm-bindgen",
+    "zip",
+];
+
+/// `cargo NAME` of the library crates without their default features.
+fn of_libraries(root: &Path, name: &str) -> Command {
+    let mut command = cargo(root);
+    command.args([name, "--workspace", "--no-default-features", "--locked", "--target", TARGET]);
+    for package in EXCLUDED {
+        command.args(["--exclude", package]);
+    }
+    command
+}
+
+/// Whether no library crate depends on what is hostile to WebAssembly; needs
+/// no target that is installed.
+pub(super) fn is_free_of_hostile(root: &Path) -> Result<bool> {
+    println!("== dependencies for WebAssembly");
+    let mut tree = of_libraries(root, "tree");
+    let output = tree.args(["--edges=normal,build", "--prefix=none", "--format={p}"]).output();
+    let output = output.context("running cargo tree")?;
+    if !output.status.success() {
+        eprintln!("{}", String::from_utf8_lossy(&output.stderr));
+        return Ok(false);
+    }
+    let found = hostile(&String::from_utf8_lossy(&output.stdout));
+    for name in &found {
+        eprintln!("{name} does not belong into a library: cargo tree --target {TARGET} -i {name}");
+    }
+    Ok(found.is_empty())
+}
+
+/// The hostile packages of a list, a package a line.
+fn hostile(packages: &str) -> Vec<&'static str> {
+    let names = || packages.lines().filter_map(|line| line.split_whitespace().next());
+    HOSTILE.into_iter().filter(|hostile| names().any(|name| name == *hostile)).collect()
+}
+
+/// Whether the library crates compile.
+pub(super) fn compiles(root: &Path) -> Result<bool> {
+    println!("== libraries for WebAssembly: cargo check --target {TARGET}");
+    let status = of_libraries(root, "check").arg("--lib").status();
+    Ok(status.context("running cargo")?.success())
+}
+
+/// Whether the target is installed.
+pub(super) fn is_installed() -> bool {
+    let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let output =
+        Command::new(rustc).args(["--print", "target-libdir", "--target", TARGET]).output();
+    output.is_ok_and(|output| {
+        output.status.success()
+            && Path::new(String::from_utf8_lossy(&output.stdout).trim()).is_dir()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hostile_packages_are_found_by_their_whole_names() {
+        assert_eq!(hostile("rand v0.10.3\ngetrandom v0.4.3\nzip-like v1.0.0\n"), ["getrandom"]);
+        assert!(hostile("rand v0.10.3\nrayon v1.0.0 (*)\n").is_empty());
+    }
+}
