@@ -18,7 +18,7 @@ fn with_claims(readme: &str, results: &Results) -> Option<String> {
     let (before, rest) = readme.split_once(BEGIN)?;
     let (_, after) = rest.split_once(END)?;
     let place = format!("{REPORT}/report.md");
-    let [source, ours] = [false, true].map(|ours| claim_table(results, ours, &place, false));
+    let [source, ours] = [false, true].map(|ours| claim_table(results, ours, &place));
     Some(format!(
         "{before}{BEGIN}\nClaims of the source report:\n\n{source}\nClaims of Fairing:\n\n{ours}\n{END}{after}"
     ))

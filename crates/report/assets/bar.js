@@ -59,7 +59,8 @@ function drawBar(view, mesh) {
   }
   if (below) add('path', {d: 'M0 26L-9 32L0 38Z', fill: strip(0)});
   if (above) add('path', {d: `M${width} 26l9 6l-9 6Z`, fill: strip(1)});
-  for (const x of roundValues(low, high, 5)) {
+  const few = view.state.even ? view.distinct(low, high, 6) : null;
+  for (const x of few?.length ? few : roundValues(low, high, 5)) {
     const at = (width * (x - low)) / (high - low);
     add('path', {class: 'tick', d: `M${at} 38v4`});
     add('text', {x: at, y: 54, 'text-anchor': 'middle'}, readable(x));

@@ -19,7 +19,9 @@ const fairing = (() => {
     const picture = document.getElementById(figure.dataset.fallback)?.querySelector('img');
     const stage = figure.querySelector('.stage');
     const note = element('p', {class: 'hint'}, why);
-    stage.replaceChildren(...(picture ? [picture.cloneNode(), note] : [note]));
+    // A picture of its own is in the figure already, and shown once this is a still.
+    const own = figure.querySelector('.paper');
+    stage.replaceChildren(...(picture && !own ? [picture.cloneNode(), note] : [note]));
     figure.classList.add('still');
   }
 
@@ -49,6 +51,32 @@ const fairing = (() => {
     }, 200);
   }
 
+  /** What this browser remembers for the page; nothing where it may not. */
+  function kept(name, value) {
+    try {
+      if (value !== undefined) localStorage.setItem(name, value);
+      return localStorage.getItem(name);
+    } catch {
+      return null;
+    }
+  }
+
+  /** Marks the section that is read in the contents. */
+  function follow() {
+    const links = new Map([...document.querySelectorAll('nav a')].map((a) => [a.hash.slice(1), a]));
+    const sections = [...links.keys()].map((id) => document.getElementById(id)).filter(Boolean);
+    const mark = () => {
+      const passed = sections.filter((s) => s.getBoundingClientRect().top < innerHeight / 3);
+      const here = passed.at(-1)?.id;
+      for (const [id, a] of links) {
+        if (id === here) a.setAttribute('aria-current', 'true');
+        else a.removeAttribute('aria-current');
+      }
+    };
+    addEventListener('scroll', mark, {passive: true});
+    mark();
+  }
+
   function theme() {
     const button = document.getElementById('theme');
     if (!button) return;
@@ -61,8 +89,11 @@ const fairing = (() => {
     button.hidden = false;
     button.addEventListener('click', () => {
       root.dataset.theme = now() === 'dark' ? 'light' : 'dark';
+      kept('fairing-theme', root.dataset.theme);
       label();
     });
+    const chosen = kept('fairing-theme');
+    if (chosen === 'dark' || chosen === 'light') root.dataset.theme = chosen;
     dark.addEventListener('change', label);
     label();
   }
@@ -78,6 +109,7 @@ const fairing = (() => {
 
   async function start() {
     theme();
+    follow();
     const figures = [...document.querySelectorAll('figure.view')];
     if (!Renderer || typeof DecompressionStream === 'undefined') {
       for (const figure of figures) {
@@ -104,8 +136,6 @@ const fairing = (() => {
       }
     }, {rootMargin: '600px'});
     for (const figure of figures) near.observe(figure);
-    // Paper shows all of them, opened or not.
-    addEventListener('beforeprint', () => views.forEach((view) => open(view)));
   }
 
   const started = start().then(() => {

@@ -7,6 +7,7 @@
  */
 const Renderer = (() => {
   const WIDTH = 2048; // of data textures, in texels
+  const COARSE = 6000; // faces of a mesh while it moves, about
 
   const VERTEX = `#version 300 es
 precision highp float; precision highp int; precision highp usampler2D;
@@ -219,14 +220,38 @@ void main() {
       gl.drawArrays(gl.TRIANGLES, 0, mesh.faces.length);
       return;
     }
-    const elements = resident(mesh, 'elements', mesh.faces, () => {
+    const faces = scene.coarse ? coarse(mesh, shape.points) : mesh.faces;
+    const elements = resident(mesh, scene.coarse ? 'coarse' : 'elements', faces, () => {
       const made = gl.createBuffer();
       gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, made);
-      gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, mesh.faces, gl.STATIC_DRAW);
+      gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, faces, gl.STATIC_DRAW);
       return made;
     });
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, elements);
-    gl.drawElements(gl.TRIANGLES, mesh.faces.length, gl.UNSIGNED_INT, 0);
+    gl.drawElements(gl.TRIANGLES, faces.length, gl.UNSIGNED_INT, 0);
+  }
+
+  /** Faces between one vertex of each cell of a grid, for pictures that move; made once a mesh. */
+  function coarse(mesh, points) {
+    if (mesh.faces.length <= 3 * COARSE) return mesh.faces;
+    mesh.coarseFaces ??= (() => {
+      const cells = Math.sqrt(COARSE / 10);
+      const known = new Map();
+      const stand = new Uint32Array(mesh.vertices);
+      for (let v = 0; v < mesh.vertices; v++) {
+        const [i, j, k] = [0, 1, 2].map((c) => Math.floor((points[4 * v + c] + 2) * cells));
+        const cell = (i * 4096 + j) * 4096 + k;
+        if (!known.has(cell)) known.set(cell, v);
+        stand[v] = known.get(cell);
+      }
+      const kept = [];
+      for (let f = 0; f < mesh.faces.length; f += 3) {
+        const [a, b, c] = [stand[mesh.faces[f]], stand[mesh.faces[f + 1]], stand[mesh.faces[f + 2]]];
+        if (a !== b && b !== c && c !== a) kept.push(a, b, c);
+      }
+      return Uint32Array.from(kept);
+    })();
+    return mesh.coarseFaces;
   }
 
   function clear(width, height) {
@@ -244,11 +269,14 @@ void main() {
    * Draws a scene to fill a plain canvas. `scene`: `mesh` (faces, zeros),
    * `shape` (points with occlusion, normals), `values` or null, `camera`,
    * `lookup` (colours as RGB bytes), `range`, and the switches `flat`, `wire`
-   * and `lines`.
+   * and `lines`. With `part` below 1, at that part of the resolution and with
+   * fewer faces, for pictures that move.
    */
-  function draw(target, scene) {
-    const {width, height} = target.canvas;
+  function draw(target, whole, part = 1) {
+    const [seenWidth, seenHeight] = [target.canvas.width, target.canvas.height];
+    const [width, height] = [seenWidth, seenHeight].map((size) => Math.round(part * size));
     if (!width || !height || gl.isContextLost()) return;
+    const scene = {...whole, coarse: part < 1, pixel: part * whole.pixel, wire: whole.wire && part === 1};
     prepare();
     clear(width, height);
     const shader = programs.shade;
@@ -272,8 +300,8 @@ void main() {
     gl.uniform1f(shader.place('uWire'), scene.wire ? scene.pixel : 0);
     gl.uniform1f(shader.place('uPixel'), scene.pixel);
     run(shader, scene, width, height, scene.wire);
-    target.clearRect(0, 0, width, height);
-    target.drawImage(canvas, 0, canvas.height - height, width, height, 0, 0, width, height);
+    target.clearRect(0, 0, seenWidth, seenHeight);
+    target.drawImage(canvas, 0, canvas.height - height, width, height, 0, 0, seenWidth, seenHeight);
   }
 
   /** The face seen at a pixel, counted from the top left; −1 for none. */

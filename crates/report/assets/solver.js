@@ -1,9 +1,8 @@
 'use strict';
 
 /**
- * Implicit uniform smoothing, computed in the page in double precision.
- *
- * Each step solves (I − λL) x′ = x with L = D⁻¹A − I, which, multiplied by the
+ * Explicit and implicit uniform smoothing, computed in the page in double
+ * precision. An explicit step is x + λLx. Each implicit step solves (I − λL) x′ = x with L = D⁻¹A − I, which, multiplied by the
  * valences D, is symmetric and positive definite:
  *
  *     (D + λ(D − A)) x′ = D x
@@ -34,7 +33,56 @@ class Smoother {
     this.ends = Uint32Array.from(ends);
   }
 
-  /** One step, for the three coordinates one after another. */
+  /** L x for one coordinate, or for any values at the vertices. */
+  laplacian(x, stride, c, out) {
+    for (let v = 0; v < this.n; v++) {
+      let sum = 0;
+      for (let i = this.starts[v]; i < this.starts[v + 1]; i++) sum += x[stride * this.ends[i] + c];
+      const valence = this.starts[v + 1] - this.starts[v];
+      out[stride * v + c] = valence ? sum / valence - x[stride * v + c] : 0;
+    }
+  }
+
+  /** `count` explicit steps x + λLx, in mesh units; they diverge where λ is too long. */
+  explicit(lambda, count) {
+    let x = Float64Array.from(this.input);
+    const change = new Float64Array(x.length);
+    for (let k = 0; k < count; k++) {
+      for (let c = 0; c < 3; c++) this.laplacian(x, 3, c, change);
+      for (let i = 0; i < x.length; i++) x[i] += lambda * change[i];
+      if (!Number.isFinite(x[0]) || Math.abs(x[0]) > 1e150) return null;
+    }
+    return x;
+  }
+
+  /**
+   * The smallest eigenvalue μ of L, that of the roughest mode, from below in
+   * size: power iterations with L − I/4, whose largest eigenvalue in size is
+   * that of the smallest μ. The Rayleigh quotient weighs by valences.
+   */
+  roughest(rounds = 200) {
+    this.mu ??= (() => {
+      let x = Float64Array.from({length: this.n}, (_, v) => Math.sin(12.9898 * (v + 1)));
+      const y = new Float64Array(this.n);
+      let mu = -1;
+      for (let k = 0; k < rounds; k++) {
+        this.laplacian(x, 1, 0, y);
+        let [above, below] = [0, 0];
+        for (let v = 0; v < this.n; v++) {
+          const d = this.starts[v + 1] - this.starts[v];
+          above += d * x[v] * y[v];
+          below += d * x[v] * x[v];
+        }
+        mu = above / below;
+        const size = 1 / Math.sqrt(below);
+        for (let v = 0; v < this.n; v++) x[v] = size * (y[v] - 0.25 * x[v]);
+      }
+      return mu;
+    })();
+    return this.mu;
+  }
+
+  /** One implicit step, for the three coordinates one after another. */
   step(positions, lambda) {
     const out = new Float64Array(positions.length);
     for (let c = 0; c < 3; c++) this.solve(positions, lambda, c, out);

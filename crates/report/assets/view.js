@@ -45,7 +45,6 @@ class View {
       picked: -1,
     };
     this.live = null;
-    this.task = 0;
     this.stage = figure.querySelector('.stage');
   }
 
@@ -57,7 +56,9 @@ class View {
 
   async build() {
     const block = await Block.unpack(await packedData(this.figure));
-    this.meshes = decodeView(this.description, block).map((panel) => ({
+    const panels = decodeView(this.description, block);
+    this.live = LiveFlows.of(panels, () => this.liveChanged());
+    this.meshes = [...panels, ...(this.live?.panels ?? [])].map((panel) => ({
       ...panel,
       zeros: new Float32Array(panel.vertices),
       shapes: new Map(),
@@ -68,7 +69,7 @@ class View {
     for (const {canvas} of this.shown) fit.observe(canvas);
     this.resize();
     this.settle();
-    this.recallLive();
+    this.live?.recall(this.wantedLive);
   }
 
   // What is built.
@@ -126,17 +127,16 @@ class View {
       const canvas = element('canvas', {
         tabindex: 0,
         role: 'img',
-        'aria-label': `${mesh.title}. ${this.description.alt} Arrow keys turn, plus and minus zoom.`,
+        'aria-label': `${mesh.title}. ${this.description.alt} Arrow keys turn, plus and minus zoom, Enter picks the vertex in the middle, n and p the next and the previous one.`,
       });
       const bar = element('div', {class: 'bar'});
-      const shown = {mesh, canvas, bar, target: canvas.getContext('2d')};
+      const title = element('h4', {}, mesh.title);
+      const panel = element('div', {class: 'panel', hidden: Boolean(mesh.flow)}, title, canvas, bar);
+      const shown = {mesh, canvas, bar, title, panel, target: canvas.getContext('2d')};
       this.listen(shown);
       return shown;
     });
-    const each = this.shown.map(({mesh, canvas, bar}) => {
-      return element('div', {class: 'panel'}, element('h4', {}, mesh.title), canvas, bar);
-    });
-    return element('div', {class: 'panels'}, ...each);
+    return element('div', {class: 'panels'}, ...this.shown.map(({panel}) => panel));
   }
 
   sliderRows() {
@@ -144,32 +144,13 @@ class View {
       const input = element('input', {type: 'range', min: 0, max: stops.length - 1, step: 1, 'aria-label': name});
       const words = element('output', {});
       input.addEventListener('input', () => {
-        this.forgetLive();
+        this.live?.forget();
         this.change({stops: this.state.stops.map((stop, i) => (i === which ? Number(input.value) : stop))});
       });
       return {name, stops, input, words};
     });
     const rows = this.sliders.map(({input, words}) => element('div', {class: 'slider'}, words, input));
-    if (this.meshes.some((m) => m.live)) rows.push(...this.liveControls());
-    return rows;
-  }
-
-  /** Smoothing by the page itself: λ from 0.01 to 1000, up to 100 steps. */
-  liveControls() {
-    this.lambda = element('input', {type: 'range', min: -2, max: 3, step: 0.05, value: 0, 'aria-label': 'λ'});
-    this.count = element('input', {type: 'range', min: 0, max: 100, step: 1, value: 0, 'aria-label': 'steps'});
-    this.lambdaText = element('output', {});
-    this.countText = element('output', {});
-    this.liveText = element('output', {class: 'status', 'aria-live': 'polite'});
-    const update = () => this.smoothLive();
-    this.lambda.addEventListener('input', update);
-    this.count.addEventListener('input', update);
-    this.liveWords();
-    return [
-      element('p', {class: 'hint'}, 'Computed here, as you move: implicit uniform smoothing of the input. ', this.liveText),
-      element('div', {class: 'slider live'}, this.lambdaText, this.lambda),
-      element('div', {class: 'slider live'}, this.countText, this.count),
-    ];
+    return this.live ? [...rows, ...this.live.controls()] : rows;
   }
 
   readout() {
@@ -211,7 +192,7 @@ class View {
       } else {
         this.camera.turn(0.45 * dx, 0.45 * dy);
       }
-      this.redraw();
+      this.turnTo();
     });
     const lift = (e) => {
       if (fingers.delete(e.pointerId) && e.type === 'pointerup' && travelled < 4) {
@@ -227,7 +208,7 @@ class View {
       if (document.activeElement !== canvas && !e.ctrlKey) return;
       e.preventDefault();
       this.camera.zoom(Math.exp(e.deltaY * 0.001));
-      this.redraw();
+      this.turnTo();
       this.remember();
     }, {passive: false});
     canvas.addEventListener('keydown', (e) => {
@@ -238,6 +219,8 @@ class View {
       else if (e.key === '+' || e.key === '=') this.camera.zoom(0.9);
       else if (e.key === '-') this.camera.zoom(1 / 0.9);
       else if (e.key === '0' || e.key === 'Home') this.camera.reset();
+      else if (e.key === 'Enter') this.pick(shown, 0.5, 0.5);
+      else if (e.key === 'n' || e.key === 'p') this.step(shown.mesh, e.key === 'n' ? 1 : -1);
       else return;
       e.preventDefault();
       this.redraw();
@@ -245,10 +228,31 @@ class View {
     });
   }
 
+  /** The live flows have been computed, or put away: they take the place of the panel that the sliders move. */
+  liveChanged() {
+    for (const {mesh, title, panel} of this.shown) {
+      if (mesh.flow) {
+        title.textContent = this.live.titleOf(mesh.flow);
+        panel.hidden = !this.live.on;
+      } else {
+        panel.hidden = this.live.on && mesh.stops.length > 1;
+      }
+    }
+    this.resize();
+    this.settle();
+    this.remember();
+  }
+
   change(what) {
     Object.assign(this.state, what);
     this.settle();
     this.remember();
+  }
+
+  /** Picks the next vertex, or the previous one. */
+  step(mesh, by) {
+    const picked = (Math.max(this.state.picked, by > 0 ? -1 : 0) + by + mesh.vertices) % mesh.vertices;
+    this.change({picked});
   }
 
   /** Finds the vertex at a place given in parts of the width and height. */
@@ -267,63 +271,6 @@ class View {
     }
     this.change({picked});
     return picked;
-  }
-
-  /** λ and the number of steps of the live result that is shown, if one is. */
-  liveState() {
-    return this.live ? `${this.lambda.value}~${this.count.value}` : '';
-  }
-
-  /** Smooths as the address says. */
-  recallLive() {
-    const [lambda, count] = (this.wantedLive ?? '').split('~').map(Number);
-    if (!this.lambda || !this.wantedLive || !Number.isFinite(lambda) || !Number.isInteger(count)) return;
-    this.lambda.value = lambda;
-    this.count.value = count;
-    this.smoothLive();
-  }
-
-  /** Shows what the sliders say, not what the page has computed. */
-  forgetLive() {
-    this.task += 1;
-    this.live = null;
-    if (this.liveText) this.liveText.textContent = '';
-  }
-
-  async smoothLive() {
-    const task = ++this.task;
-    const panel = this.meshes.findIndex((m) => m.live);
-    const mesh = this.meshes[panel];
-    const [lambda, count] = [10 ** Number(this.lambda.value), Number(this.count.value)];
-    this.liveWords();
-    const start = performance.now();
-    const result = await this.smooth(lambda, count, () => task !== this.task, (done) => {
-      this.liveText.textContent = `step ${done} of ${count} …`;
-    });
-    if (!result) return;
-    let moved = 0;
-    for (let i = 0; i < result.length; i += 3) {
-      const d = [0, 1, 2].map((k) => result[i + k] - mesh.live[i + k]);
-      moved += d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-    }
-    const rms = Math.sqrt(moved / mesh.vertices);
-    const took = performance.now() - start;
-    this.liveText.textContent = `Moved by ${readable(rms)} (RMS); ${took.toFixed(0)} ms.`;
-    this.live = {panel, positions: result};
-    this.settle();
-    this.remember();
-  }
-
-  /** The live mesh after `count` implicit steps, in mesh units. */
-  smooth(lambda, count, cancelled, report) {
-    const mesh = this.meshes.find((m) => m.live);
-    mesh.smoother ??= new Smoother(mesh.live, mesh.faces);
-    return mesh.smoother.smooth(lambda, count, cancelled, report);
-  }
-
-  liveWords() {
-    this.lambdaText.textContent = `λ = ${readable(10 ** Number(this.lambda.value), 2)}`;
-    this.countText.textContent = `${this.count.value} steps`;
   }
 
   // What is shown.
@@ -402,7 +349,21 @@ class View {
     return colors;
   }
 
+  /** The different values in range that are shown, if there are at most `most`; null if there are more. */
+  distinct(low, high, most = 16) {
+    const found = new Set();
+    for (const mesh of this.meshes) {
+      for (const x of this.values(mesh) ?? []) {
+        if (x >= low && x <= high) found.add(x);
+        if (found.size > most) return null;
+      }
+    }
+    return [...found].sort((a, b) => a - b);
+  }
+
   shares(low, high, size) {
+    const few = this.distinct(low, high);
+    if (few?.length) return this.sharesOf(few, low, high, size);
     const counts = new Float64Array(size);
     let total = 0;
     for (const mesh of this.meshes) {
@@ -421,10 +382,39 @@ class View {
     });
   }
 
+  /** Equalised colours of a few values: each has the middle of its ranks, and the bar shows no others. */
+  sharesOf(few, low, high, size) {
+    const counts = few.map(() => 0);
+    for (const mesh of this.meshes) {
+      for (const x of this.values(mesh) ?? []) {
+        const at = few.indexOf(x);
+        if (at >= 0) counts[at] += 1;
+      }
+    }
+    const total = counts.reduce((a, b) => a + b, 0);
+    let below = 0;
+    const middles = counts.map((count) => {
+      below += count;
+      return (below - 0.5 * count) / total;
+    });
+    return Float64Array.from({length: size}, (_, i) => {
+      const x = low + ((high - low) * (i + 0.5)) / size;
+      let nearest = 0;
+      few.forEach((y, k) => {
+        if (Math.abs(y - x) < Math.abs(few[nearest] - x)) nearest = k;
+      });
+      return middles[nearest];
+    });
+  }
+
+  /** Where the vertices of a panel are. */
+  positions(mesh) {
+    return mesh.flow ? this.live.drawn(mesh.flow) : mesh.stops[this.stopOf(mesh.stops)];
+  }
+
   /** Points and normals of a panel, scaled to the ball of the camera. */
   shape(mesh) {
-    const live = this.live && this.meshes[this.live.panel] === mesh ? this.live.positions : null;
-    const positions = live ?? mesh.stops[this.stopOf(mesh.stops)];
+    const positions = this.positions(mesh);
     if (mesh.shapes.has(positions)) return mesh.shapes.get(positions);
     const {center, radius} = this.description.ball;
     const n = mesh.vertices;
@@ -451,8 +441,8 @@ class View {
       if (length > 0) for (let k = 0; k < 3; k++) normals[v + k] /= length;
     }
     const made = {points, normals};
-    if (live) mesh.shapes.delete(this.liveKey);
-    if (live) this.liveKey = positions;
+    // A live result is not asked for again once it is replaced.
+    if (mesh.flow) mesh.shapes.clear();
     mesh.shapes.set(positions, made);
     return made;
   }
@@ -480,7 +470,8 @@ class View {
 
   resize() {
     this.pixel = Math.min(window.devicePixelRatio || 1, 2);
-    for (const {canvas} of this.shown) {
+    for (const {canvas, panel} of this.shown) {
+      if (panel.hidden) continue;
       const box = canvas.getBoundingClientRect();
       const [width, height] = [box.width, box.height].map((x) => Math.round(x * this.pixel));
       if (canvas.width !== width || canvas.height !== height) {
@@ -489,6 +480,17 @@ class View {
       }
     }
     this.draw();
+  }
+
+  /** Draws coarsely while the camera moves, and once more when it rests. */
+  turnTo() {
+    this.moving = true;
+    clearTimeout(this.rest);
+    this.rest = setTimeout(() => {
+      this.moving = false;
+      this.redraw();
+    }, 180);
+    this.redraw();
   }
 
   /** Draws once, however often it is asked for until then. */
@@ -501,7 +503,8 @@ class View {
 
   draw() {
     for (const shown of this.shown) {
-      Renderer.draw(shown.target, this.scene(shown));
+      if (shown.panel.hidden) continue;
+      Renderer.draw(shown.target, this.scene(shown), this.moving ? 0.5 : 1);
       const {picked} = this.state;
       if (picked >= 0 && picked < shown.mesh.vertices) {
         const [x, y] = this.place(shown, picked);
@@ -531,7 +534,7 @@ class View {
     this.sliders.forEach(({name, stops, input, words}, i) => {
       input.value = state.stops[i];
       const text = `${name} = ${stops[state.stops[i]]}`;
-      words.textContent = this.live ? `${text} (live below)` : text;
+      words.textContent = text;
       input.setAttribute('aria-valuetext', text);
     });
     for (const shown of this.shown) shown.bar.replaceChildren(...drawBar(this, shown.mesh));
@@ -542,9 +545,9 @@ class View {
   pickedWords() {
     const v = this.state.picked;
     if (v < 0) return '';
-    const parts = this.meshes.filter((m) => v < m.vertices).map((mesh) => {
-      const live = this.live && this.meshes[this.live.panel] === mesh ? this.live.positions : null;
-      const positions = live ?? mesh.stops[this.stopOf(mesh.stops)];
+    const visible = this.shown.filter(({panel}) => !panel.hidden).map(({mesh}) => mesh);
+    const parts = visible.filter((m) => v < m.vertices).map((mesh) => {
+      const positions = this.positions(mesh);
       const at = [0, 1, 2].map((k) => readable(positions[3 * v + k], 4)).join(', ');
       const values = mesh.fields.map((f) => {
         const x = f.stops[this.stopOf(f.stops)][v];
@@ -565,7 +568,7 @@ class View {
     const {state} = this;
     const switches = ['wire', 'lines', 'even', 'flat'].filter((key) => state[key]).join('~');
     const range = state.range ? state.range.join('~') : '';
-    return [this.camera.toText(), state.stops.join('~'), state.field, state.map ?? '', range, switches, state.picked, this.liveState()].join('!');
+    return [this.camera.toText(), state.stops.join('~'), state.field, state.map ?? '', range, switches, state.picked, this.live?.toText() ?? ''].join('!');
   }
 
   fromText(text) {
@@ -587,6 +590,6 @@ class View {
     for (const key of ['wire', 'lines', 'even', 'flat']) state[key] = on.includes(key);
     state.picked = whole(picked, -1, Math.max(...panels.map((p) => p.vertices)) - 1, -1);
     this.wantedLive = live ?? '';
-    if (this.shown) this.recallLive();
+    if (this.shown) this.live?.recall(this.wantedLive);
   }
 }

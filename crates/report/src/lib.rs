@@ -12,6 +12,7 @@ mod markdown;
 mod page;
 mod publish;
 mod render;
+mod story;
 mod views;
 
 pub use markdown::claim_table;

@@ -2,33 +2,59 @@
 
 use std::fmt::Write as _;
 
+use crate::story;
+
 use fairing_results::results::{Form, Record, Results};
 use fairing_results::table::{Column, Table, Unit};
-use fairing_results::verdict::Verdict;
+use fairing_results::verdict::{Judgement, Verdict};
 
 /// The report in Markdown. Links are relative to its folder.
 pub(crate) fn report(results: &Results) -> String {
-    let mut text = String::from("# Fairing: the experiments\n\n");
+    let mut text = format!("# {}\n\n{}\n\n", story::TITLE, story::ABOUT);
     text += &provenance(results);
     text += &found(results);
     text += &claims(results);
     text += "\n## Contents\n\n";
-    for record in &results.experiments {
+    for record in story::in_order(results) {
         let _ = writeln!(text, "- [{}](#{})", heading(record), anchor(&heading(record)));
     }
-    for record in &results.experiments {
-        let _ = write!(text, "\n## {}\n\n**Question.** {}\n", heading(record), record.question);
-        if let Some(error) = &record.error {
-            let _ = write!(text, "\n**This experiment failed:** {error}\n");
-            continue;
+    for act in &story::ACTS {
+        let own = act.sections(results);
+        if !own.is_empty() {
+            let _ = write!(text, "\n# {}\n\n{}\n", act.title, act.about);
         }
-        let _ = write!(text, "\n{}\n", record.method);
-        for formula in &record.formulas {
-            let _ = write!(text, "\n$${formula}$$\n");
+        for (record, bridge) in own {
+            text += &section(record, bridge, results.form);
         }
-        text += &body(record, results.form);
+    }
+    for record in story::others(results) {
+        text += &section(record, "", results.form);
+    }
+    let rules = story::rules(results);
+    if !rules.is_empty() {
+        text += "\n## What we would tell the student\n\n";
+        for (k, rule) in rules.iter().enumerate() {
+            let _ = writeln!(text, "{}. {} (claim {})", k + 1, rule.text, rule.claim);
+        }
     }
     text
+}
+
+fn section(record: &Record, bridge: &str, form: Form) -> String {
+    let mut text = format!("\n## {}\n", heading(record));
+    if !bridge.is_empty() {
+        let _ = write!(text, "\n{bridge}\n");
+    }
+    let _ = write!(text, "\n**Question.** {}\n", record.question);
+    if let Some(error) = &record.error {
+        let _ = write!(text, "\n**This experiment failed:** {error}\n");
+        return text;
+    }
+    let _ = write!(text, "\n{}\n", record.method);
+    for formula in &record.formulas {
+        let _ = write!(text, "\n$${formula}$$\n");
+    }
+    text + &body(record, form)
 }
 
 /// The heading of an experiment's section.
@@ -87,25 +113,30 @@ pub(crate) const GROUPS: [(Verdict, &str); 4] = [
     (Verdict::Undecided, "Undecided"),
 ];
 
+/// A claim's id and what is true of it.
+fn found_in(claim: &Judgement) -> String {
+    let finding = if claim.finding.is_empty() { &claim.claim } else { &claim.finding };
+    format!("{} {}", claim.id, finding.trim_end_matches('.'))
+}
+
 /// What was found, a line for each verdict.
 fn found(results: &Results) -> String {
     let mut text = String::new();
     for (verdict, words) in GROUPS {
-        let claims: Vec<String> =
-            results.judged(verdict).iter().map(|c| format!("{} {}", c.id, c.claim)).collect();
+        let claims: Vec<String> = results.judged(verdict).iter().map(|c| found_in(c)).collect();
         if !claims.is_empty() {
             let _ = writeln!(text, "- **{words}:** {}.", claims.join("; "));
         }
     }
-    if text.is_empty() { text } else { format!("\nClaims of the source report:\n\n{text}") }
+    if text.is_empty() { text } else { format!("\nClaims of the original report:\n\n{text}") }
 }
 
 fn claims(results: &Results) -> String {
-    let source = claim_table(results, false, "", true);
-    let ours = claim_table(results, true, "", true);
+    let source = claim_table(results, false, "");
+    let ours = claim_table(results, true, "");
     let mut text = String::new();
     if !source.is_empty() {
-        let _ = write!(text, "\n## Claims of the source report\n\n{source}");
+        let _ = write!(text, "\n## Claims of the original report\n\n{source}");
     }
     if !ours.is_empty() {
         let _ = write!(text, "\n## Claims of Fairing\n\n{ours}");
@@ -113,28 +144,29 @@ fn claims(results: &Results) -> String {
     text
 }
 
-/// A table of claims, those of the source report or our own, with links into
-/// the report at `place`; nothing if there is no claim.
-pub fn claim_table(results: &Results, ours: bool, place: &str, numbers: bool) -> String {
+/// A table of claims, those of the source report or our own, with links into the report at `place`: for each its
+/// verdict, what is true in one sentence, and the number that decided; nothing if there is no claim.
+pub fn claim_table(results: &Results, ours: bool, place: &str) -> String {
     let mut rows = String::new();
     for (record, claim) in results.claims().into_iter().filter(|(_, c)| c.ours == ours) {
-        let deciding: Vec<String> = claim.numbers.iter().map(ToString::to_string).collect();
-        let deciding = if numbers { &deciding[..] } else { &deciding[..deciding.len().min(1)] };
+        let number = claim.numbers.first().map(ToString::to_string).unwrap_or_default();
         let _ = writeln!(
             rows,
-            "| [{}]({place}#{}) | {} | **{}** | {} |",
+            "| [{}]({place}#{}) | {} | **{}** | {} | {} |",
             claim.id,
             anchor(&heading(record)),
             cell(&claim.claim),
             claim.verdict,
-            cell(&deciding.join("; ")),
+            cell(&claim.finding),
+            cell(&number),
         );
     }
-    let decided = if numbers { "Decided by" } else { "Deciding number" };
     if rows.is_empty() {
         rows
     } else {
-        format!("| | Claim | Verdict | {decided} |\n|---|---|---|---|\n{rows}")
+        format!(
+            "| | Claim | Verdict | What is true | Deciding number |\n|---|---|---|---|---|\n{rows}"
+        )
     }
 }
 
@@ -209,7 +241,7 @@ fn captioned(t: &Table, record: &Record, form: Form) -> String {
     } else {
         text += &rows(t);
     }
-    let _ = write!(text, "\n*{}* ([CSV]({}/{}.csv))\n", t.caption, record.id, t.id);
+    let _ = write!(text, "\n*{}* ([CSV]({}/{}.csv){})\n", t.caption, record.id, t.id, left_out(t));
     text
 }
 
@@ -221,6 +253,24 @@ fn cell(text: &str) -> String {
     text.replace('|', "\\|")
 }
 
+/// Tables show at most so many columns.
+const WIDE: usize = 7;
+
+/// The columns that are shown: those that are not meant for the CSV alone, the first [`WIDE`] of them.
+pub(crate) fn columns(table: &Table) -> Vec<usize> {
+    let shown = (0..table.columns.len()).filter(|&c| !table.columns[c].aside);
+    shown.take(WIDE).collect()
+}
+
+/// What is said of the columns that are not shown.
+pub(crate) fn left_out(table: &Table) -> String {
+    match table.columns.len() - columns(table).len() {
+        0 => String::new(),
+        1 => ", with one more column".into(),
+        n => format!(", with {n} more columns"),
+    }
+}
+
 /// A table; numbers are set flush right.
 fn rows(table: &Table) -> String {
     let heading = |c: &Column| match c.unit {
@@ -228,17 +278,18 @@ fn rows(table: &Table) -> String {
         unit => format!("{} ({unit})", c.name),
     };
     let mut text = String::from("\n|");
-    for column in &table.columns {
-        let _ = write!(text, " {} |", cell(&heading(column)));
+    let columns = columns(table);
+    for &c in &columns {
+        let _ = write!(text, " {} |", cell(&heading(&table.columns[c])));
     }
     text += "\n|";
-    for column in &table.columns {
-        text += if column.unit == Unit::Label { "---|" } else { "--:|" };
+    for &c in &columns {
+        text += if table.columns[c].unit == Unit::Label { "---|" } else { "--:|" };
     }
     for row in &table.rows {
         text += "\n|";
-        for value in row {
-            let _ = write!(text, " {} |", cell(&value.to_string()));
+        for &c in &columns {
+            let _ = write!(text, " {} |", cell(&row[c].to_string()));
         }
     }
     text + "\n"

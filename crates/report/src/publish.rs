@@ -61,15 +61,12 @@ fn choose_pictures(record: &mut Record, folder: &Path, form: Form) -> Result<()>
     Ok(())
 }
 
-/// Leaves out everything but tables, pictures and views, which the command of
+/// Leaves out everything but tables, pictures, plots and views, which the command of
 /// each section makes again.
 fn leave_out(record: &mut Record, folder: &Path) -> Result<()> {
     let others: Vec<String> = record.other_files().map(|file| file.path.clone()).collect();
     others.iter().try_for_each(|path| remove(folder, path))?;
     record.files.retain(|file| !others.contains(&file.path));
-    for figure in &mut record.figures {
-        figure.svg.take().map_or(Ok(()), |svg| remove(folder, &svg))?;
-    }
     Ok(())
 }
 

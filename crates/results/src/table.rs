@@ -121,6 +121,9 @@ pub struct Column {
     pub unit: Unit,
     /// What `--check` lets pass; `None` for columns that it does not compare.
     pub tolerance: Option<Tolerance>,
+    /// Whether it is meant for the CSV alone.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub aside: bool,
 }
 
 /// One entry of a table.
@@ -274,6 +277,7 @@ impl Table {
                     Unit::Label | Unit::Count => Some(Tolerance::EXACT),
                     _ => Some(Tolerance::NUMERICAL),
                 },
+                aside: false,
             })
             .collect();
         Self { id: id.into(), caption: caption.into(), columns, rows: vec![] }
@@ -289,6 +293,20 @@ impl Table {
         let c = self.columns.iter_mut().find(|c| c.name == column);
         c.unwrap_or_else(|| panic!("table {} has no column {column}", self.id)).tolerance =
             tolerance;
+        self
+    }
+
+    /// The same table with columns that reports leave to the CSV.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such column.
+    #[must_use]
+    pub fn aside(mut self, columns: &[&str]) -> Self {
+        for name in columns {
+            let c = self.columns.iter_mut().find(|c| c.name == *name);
+            c.unwrap_or_else(|| panic!("table {} has no column {name}", self.id)).aside = true;
+        }
         self
     }
 

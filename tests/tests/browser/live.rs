@@ -1,9 +1,11 @@
-//! Smoothing by the page itself, held against the solver of the library.
+//! Smoothing by the page itself, compared with the solvers of the library.
 
 use std::path::Path;
 
 use anyhow::{Result, ensure};
-use fairing_smoothing::{Diffusion, Implicit, implicit};
+use fairing_smoothing::{
+    Diffusion, Explicit, Implicit, Stability, explicit, implicit, largest_eigenvalue,
+};
 use serde_json::json;
 
 use crate::Test;
@@ -11,37 +13,101 @@ use crate::chrome::Chrome;
 use crate::{report, scene};
 
 pub(crate) fn trials() -> Vec<(&'static str, Test)> {
-    vec![("live_smoothing_agrees_with_the_library", agrees), ("live_smoothing_shows", shows)]
+    vec![
+        ("live_smoothing_agrees_with_the_library", agrees),
+        ("live_smoothing_shows", shows),
+        ("live_flows_are_compared_with_the_input", compares),
+    ]
 }
 
 /// What the library computes.
-fn smoothed(lambda: f64, count: usize) -> Result<Vec<[f64; 3]>> {
-    let diffusion = Diffusion::uniform(lambda);
-    let options = Implicit { iterations: count, ..Implicit::new(diffusion) };
-    Ok(implicit(&scene::noisy(), &options, None)?.mesh.into_positions())
+fn smoothed(flow: &str, lambda: f64, count: usize) -> Result<Vec<[f64; 3]>> {
+    let (diffusion, mesh) = (Diffusion::uniform(lambda), scene::noisy());
+    let smoothed = match flow {
+        "explicit" => {
+            let stability = Stability::Allow;
+            let options = Explicit { iterations: count, stability, ..Explicit::new(diffusion) };
+            explicit(&mesh, &options, None)?
+        }
+        _ => implicit(&mesh, &Implicit { iterations: count, ..Implicit::new(diffusion) }, None)?,
+    };
+    Ok(smoothed.mesh.into_positions())
 }
 
 /// Both solve the same equations in double precision, the page to a relative
 /// residual of 10⁻¹³; the report promises 10⁻⁶ of the mesh's radius, 1.
 fn agrees(chrome: &mut Chrome, page: &Path) -> Result<()> {
     report::open(chrome, page)?;
-    for (lambda, count) in [(0.1, 1), (5.0, 10), (100.0, 3), (1000.0, 50)] {
+    for (flow, method, lambda, count) in [
+        ("implicit", "smooth", 0.1, 1),
+        ("implicit", "smooth", 5.0, 10),
+        ("implicit", "smooth", 1000.0, 50),
+        ("explicit", "explicit", 0.5, 20),
+        // Beyond the limit: the noise grows, and all digits with it.
+        ("explicit", "explicit", 1.5, 5),
+    ] {
         let found = chrome.run(&format!(
-            "fairing.views.get('q5-flow').smooth({lambda}, {count}).then((x) => Array.from(x))"
+            "Promise.resolve(fairing.views.get('q5-flow').live.smoother.{method}({lambda}, {count}))
+               .then((x) => Array.from(x))"
         ))?;
-        let expected = smoothed(lambda, count)?;
+        let expected = smoothed(flow, lambda, count)?;
         let found: Vec<f64> =
             found.as_array().into_iter().flatten().filter_map(|x| x.as_f64()).collect();
         ensure!(found.len() == 3 * expected.len(), "{} coordinates came back", found.len());
         let pairs = found.iter().zip(expected.as_flattened());
         let off = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        ensure!(off < 1e-6, "λ = {lambda}, {count} steps: off by {off:e}");
+        ensure!(off < 1e-6, "{flow}, λ = {lambda}, {count} steps: off by {off:e}");
         let input = scene::noisy();
         let moved = input.positions().as_flattened().iter().zip(&found);
         let moved = moved.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        ensure!(moved > 1e-3, "λ = {lambda}, {count} steps: nothing has moved");
+        ensure!(moved > 1e-3, "{flow}, λ = {lambda}, {count} steps: nothing has moved");
     }
+    // Power iterations end below the size of the eigenvalue, by less than one per cent here.
+    let mu = chrome.number("fairing.views.get('q5-flow').live.smoother.roughest()")?;
+    let exact = -largest_eigenvalue(&scene::noisy(), Diffusion::uniform(1.0))?;
+    ensure!(
+        (mu / exact - 1.0).abs() < 0.01,
+        "the roughest mode has μ = {exact}, the page says {mu}"
+    );
     Ok(())
+}
+
+/// The digests of the panels of the view that are seen, with their titles.
+const SEEN: &str =
+    "() => fairing.views.get('q5-flow').shown.filter((s) => !s.panel.hidden).map((s) => {
+  const d = s.target.getImageData(0, 0, s.canvas.width, s.canvas.height).data;
+  return [s.title.textContent, d.reduce((sum, x, i) => (sum * 31 + x * (i % 7)) % 1000000007, 7)];
+})";
+
+/// The input stays where it is, explicit and implicit steps are side by side, and the words say on which side of the
+/// limit λ is.
+fn compares(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    report::open(chrome, page)?;
+    let before = chrome.run(&format!("({SEEN})()"))?;
+    let set = |exponent: f64| {
+        format!(
+            "(async () => {{
+               const live = fairing.views.get('q5-flow').live;
+               live.lambda.value = {exponent};
+               live.count.value = 12;
+               await live.run();
+               return [({SEEN})(), document.querySelector('#q5-flow .factors').textContent,
+                       live.lambda.getAttribute('aria-valuetext')];
+             }})()"
+        )
+    };
+    let calm = chrome.run(&set(0.0))?;
+    ensure!(calm[0].as_array().is_some_and(|p| p.len() == 3), "{calm}");
+    ensure!(calm[0][0] == before[0], "the input has changed: {before}, {calm}");
+    ensure!(calm[0][1][1] != calm[0][2][1], "explicit and implicit look the same");
+    ensure!(calm[0][1][0] == "explicit, 12 × 1" && calm[0][2][0] == "implicit, 12 × 1", "{calm}");
+    ensure!(calm[1].as_str().is_some_and(|w| w.contains("no mode grows")), "{calm}");
+    ensure!(calm[2] == "1", "the slider announces {}", calm[2]);
+    // 10^0.3 is just below 2, beyond every limit.
+    let wild = chrome.run(&set(0.3))?;
+    ensure!(wild[1].as_str().is_some_and(|w| w.contains("the mode grows")), "{wild}");
+    ensure!(wild[0][0] == before[0] && wild[0][1][1] != calm[0][1][1], "{wild}");
+    chrome.picture("beyond")
 }
 
 /// Waits until the page has smoothed.
@@ -66,7 +132,7 @@ fn shows(chrome: &mut Chrome, page: &Path) -> Result<()> {
     )?;
     let words = chrome.run(&format!("({WAIT})()"))?;
     ensure!(words.as_str().is_some_and(|w| w.starts_with("Moved by")), "{words}");
-    let live = chrome.run("fairing.views.get('q5-flow').live !== null")?;
+    let live = chrome.run("fairing.views.get('q5-flow').live.on")?;
     ensure!(live == true, "the result is not shown");
     chrome.picture("live")?;
     // The address brings it back, and the other slider puts it away.
@@ -84,9 +150,9 @@ fn shows(chrome: &mut Chrome, page: &Path) -> Result<()> {
         "(() => {
            const s = document.querySelector('#q5-flow .slider input');
            s.dispatchEvent(new Event('input'));
-           return fairing.views.get('q5-flow').live;
+           return fairing.views.get('q5-flow').live.on;
          })()",
     )?;
-    ensure!(live.is_null(), "the live result stays over the slider's");
+    ensure!(live == false, "the live result stays over the slider's");
     Ok(())
 }

@@ -59,7 +59,7 @@ pub(crate) fn open(chrome: &mut Chrome, page: &Path) -> Result<()> {
 fn picture(chrome: &mut Chrome, canvas: usize) -> Result<(f64, f64)> {
     let value = chrome.run(&format!(
         "(() => {{
-           const c = document.querySelectorAll('figure.view canvas')[{canvas}];
+           const c = document.querySelectorAll('figure.view .panel:not([hidden]) canvas')[{canvas}];
            const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;
            let [drawn, digest] = [0, 0];
            for (let i = 0; i < d.length; i += 4) {{
@@ -82,7 +82,7 @@ fn settle(chrome: &mut Chrome) -> Result<()> {
 fn middle(chrome: &mut Chrome, canvas: usize) -> Result<[f64; 2]> {
     let place = chrome.run(&format!(
         "(() => {{
-           const c = document.querySelectorAll('figure.view canvas')[{canvas}];
+           const c = document.querySelectorAll('figure.view .panel:not([hidden]) canvas')[{canvas}];
            c.scrollIntoView({{block: 'center'}});
            const r = c.getBoundingClientRect();
            return [r.x + r.width / 2, r.y + r.height / 2];
@@ -112,7 +112,8 @@ fn loads(chrome: &mut Chrome, page: &Path) -> Result<()> {
 /// A bumpy sphere covers about half of its canvas, a flower less.
 fn draws(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page)?;
-    let count = chrome.number("document.querySelectorAll('figure.view canvas').length")?;
+    let count = chrome
+        .number("document.querySelectorAll('figure.view .panel:not([hidden]) canvas').length")?;
     ensure!(count == 4.0, "{count} canvases");
     for canvas in 0..4 {
         let (drawn, _) = picture(chrome, canvas)?;
@@ -291,7 +292,9 @@ fn stands_in(chrome: &mut Chrome, page: &Path) -> Result<()> {
     let script = "HTMLCanvasElement.prototype.getContext = () => null;";
     chrome.call("Page.addScriptToEvaluateOnNewDocument", json!({"source": script}))?;
     chrome.open(&format!("file://{}", page.display()))?;
-    let pictures = chrome.number("document.querySelectorAll('figure.view .stage img').length")?;
+    let pictures = chrome.number(
+        "[...document.querySelectorAll('figure.view img')].filter((p) => p.offsetWidth > 0).length",
+    )?;
     ensure!(pictures == 3.0, "{pictures} of 3 views show their figure");
     ensure!(chrome.complaints.is_empty(), "{:?}", chrome.complaints);
     Ok(())

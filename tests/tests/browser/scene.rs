@@ -22,6 +22,9 @@ pub(crate) fn noisy() -> TriMesh {
     mesh.with_positions(positions.collect()).expect("finite positions")
 }
 
+/// A formula that is wider than a telephone.
+const FORMULA: &str = r"\kappa_n = \frac{L\,du^2 + 2M\,du\,dv + N\,dv^2}{E\,du^2 + 2F\,du\,dv + G\,dv^2} = a\left(\frac{\cos^2\theta}{b^2} + \frac{\sin^2\theta}{c^2}\right), \qquad \varphi_i^T M \varphi_j = \delta_{ij}, \qquad \varphi_i^T S \varphi_j = \lambda_i \delta_{ij}";
+
 /// Half way to the mean of the neighbours.
 fn smoothed(mesh: &TriMesh) -> TriMesh {
     let topology = mesh.topology();
@@ -66,6 +69,9 @@ fn flow() -> View {
     }
 }
 
+/// The values of a field that has no others.
+pub(crate) const FEW: [f64; 3] = [0.0, 382.0, 763.0];
+
 /// An open surface with values that are undefined at its border, far from the
 /// origin.
 fn open() -> View {
@@ -74,9 +80,11 @@ fn open() -> View {
     let border: Vec<u32> =
         (0..flower.vertex_count() as u32).filter(|&v| topology.is_boundary_vertex(v)).collect();
     let values: Vec<f64> = flower.positions().iter().map(|p| p[0] * p[2]).collect();
+    let few: Vec<f64> = (0..values.len()).map(|v| FEW[v * v % 3]).collect();
     let panel = Panel::still("flower", &flower)
         .with_field("xz", "", true, &values)
-        .undefined_at(border.iter().copied());
+        .undefined_at(border.iter().copied())
+        .with_field("few", "", false, &few);
     View {
         id: "open".into(),
         caption: "An open surface.".into(),
@@ -129,7 +137,7 @@ pub(crate) fn publish(folder: &Path, form: Form) -> Result<()> {
             title: "Explicit smoothing".into(),
             question: "What does λ do?".into(),
             method: "By steps.".into(),
-            formulas: vec![r"x^{n+1} = x^n + \lambda L x^n".into()],
+            formulas: vec![FORMULA.into()],
             claims: vec![
                 Judgement::new("5a", "λ = 0.05 is best.", Verdict::Qualified, "It depends.")
                     .number("normal error", 3.25, Unit::Degrees),

@@ -155,7 +155,7 @@ fn scores_table() -> Table {
     for (column, absolute) in [("E_a", 1e-3), ("E_v", 1e-6), ("flipped", 2.0), ("volume", 0.01)] {
         scores = scores.tolerance(column, Some(Tolerance { relative: 0.02, absolute }));
     }
-    scores
+    scores.aside(&["faces"])
 }
 
 /// The pairs of the literature, those that are found.

@@ -143,7 +143,7 @@ fn changes_table() -> Table {
     {
         changes = changes.tolerance(column, Some(Tolerance { relative: 1e-3, absolute: 1e-4 }));
     }
-    changes
+    changes.aside(&["standard error", "ranks of H", "ranks of K"])
 }
 
 fn totals_table() -> Table {

@@ -120,6 +120,7 @@ impl OverLambda<'_> {
             "After {iterations} {kind} steps; λ = 0 is the input. Volume and area against the truth; growth is the diagonal over that of the input. The vertex error is the distance of the vertices from the true surface, the surface error the root mean square of that distance and of the distance back: only the latter sees that a patch has shrunk. Distances are measured at up to {SAMPLES} vertices spread over each mesh."
         );
         let mut table = Table::new("flows", &caption, &columns)
+            .aside(&["vertex error", "displacement", "largest displacement", "growth"])
             // What has diverged is mostly its roughest mode, what has collapsed is a point: rounding has its say.
             .tolerance("normal error", Some(Tolerance::LOOSE));
         for (i, model) in models.iter().enumerate() {
@@ -190,7 +191,7 @@ impl OverLambda<'_> {
         Ok(View {
             id: format!("{}-view", model.slug()),
             caption: format!(
-                "The {} before and after {kind} steps, over λ and their number{left_out}. The page can take implicit steps of any λ from the input on the left.",
+                "The {} before and after {kind} steps, over λ and their number{left_out}. The page smooths the input itself, too: explicit beside implicit steps of any λ, at equal diffusion time.",
                 model.name
             ),
             alt: format!("The {} twice, to turn, with sliders over λ and iterations.", model.name),

@@ -251,9 +251,12 @@ fn table(id: &str, caption: &str, leading: &[(&str, Unit)]) -> Table {
         ("volume", Unit::Percent),
     ];
     let columns: Vec<_> = leading.iter().copied().chain(columns).collect();
+    let aside = ["σ/diagonal", "seeds", "± E_v"];
+    let aside: Vec<&str> =
+        aside.into_iter().filter(|name| columns.iter().any(|(known, _)| known == name)).collect();
     // Thresholds on noisy normals amplify the last digits.
     ["E_a", "± E_a", "E_v", "± E_v", "flipped", "volume"].into_iter().fold(
-        Table::new(id, &caption, &columns),
+        Table::new(id, &caption, &columns).aside(&aside),
         |table, column| {
             let absolute = if column == "flipped" || column == "volume" { 0.05 } else { 1e-3 };
             table.tolerance(column, Some(Tolerance { relative: 0.02, absolute }))

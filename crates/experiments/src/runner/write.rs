@@ -11,9 +11,8 @@ use crate::outcome::{Attachment, Content, MeshOutput, Outcome};
 use crate::palette;
 use crate::results::{FigureFile, File, Record, ViewFile};
 
-/// Pictures of a small report have at most this width, in pixels: what a code
-/// host shows.
-const SMALL: usize = 740;
+/// Pictures of a small report have at most this width, in pixels: about what a code host shows.
+const SMALL: usize = 690;
 
 /// Writes tables, figures and meshes into `work/id`, and enters them into the
 /// record with paths relative to `work`.

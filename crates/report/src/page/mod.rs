@@ -19,18 +19,19 @@ use std::path::Path;
 use anyhow::Result;
 use rayon::prelude::*;
 
-use crate::markdown;
+use crate::{markdown, story};
 use fairing_results::results::{Record, Results};
 use fairing_results::verdict::Judgement;
 use html::escape;
 
 /// The scripts, in the order in which they use one another.
-const SCRIPTS: [&str; 7] = [
+const SCRIPTS: [&str; 8] = [
     include_str!("../../assets/data.js"),
     include_str!("../../assets/solver.js"),
     include_str!("../../assets/renderer.js"),
     include_str!("../../assets/camera.js"),
     include_str!("../../assets/bar.js"),
+    include_str!("../../assets/live.js"),
     include_str!("../../assets/view.js"),
     include_str!("../../assets/page.js"),
 ];
@@ -51,12 +52,25 @@ pub(crate) fn report(results: &Results, folder: &Path) -> Result<String> {
     let mut main = opening(results);
     main += &first_picture(results, folder)?;
     main += &claims(results);
-    let section = |record: &Record| section::experiment(record, folder, form);
-    let sections: Vec<String> =
-        results.experiments.par_iter().map(section).collect::<Result<_>>()?;
-    main += &sections.concat();
+    let order = story::in_order(results);
+    let mut next = 1;
+    let numbered: Vec<(&Record, usize)> = order
+        .into_iter()
+        .map(|record| {
+            let first = next;
+            next += section::count(record);
+            (record, first)
+        })
+        .collect();
+    let section =
+        |(record, first): &(&Record, usize)| section::experiment(record, *first, folder, form);
+    let bodies: Vec<String> = numbered.par_iter().map(section).collect::<Result<_>>()?;
+    let sections: Vec<(&str, String)> =
+        numbered.iter().map(|(record, _)| record.id.as_str()).zip(bodies).collect();
+    main += &acts(results, &sections);
+    main += &rules(results);
     main += &provenance(results);
-    Ok(document("Fairing: the experiments", &contents(results), &main))
+    Ok(document(story::TITLE, &contents(results), &main))
 }
 
 /// A whole page around `main`, with styles, scripts and colour maps.
@@ -66,7 +80,7 @@ fn document(title: &str, contents: &str, main: &str) -> String {
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
          <meta name=\"color-scheme\" content=\"light dark\">\
          <link rel=\"icon\" href=\"data:,\"><style>{STYLE}</style></head><body>\
-         <a class=\"skip\" href=\"#main\">to the text</a>\
+         <a class=\"skip\" href=\"#main\">Skip to content</a>\
          <header><h1>{title}</h1><button id=\"theme\" type=\"button\" hidden>dark</button></header>\
          {contents}<main id=\"main\">{main}</main>\
          <script id=\"colour-maps\" type=\"application/json\">{maps}</script>\n",
@@ -84,13 +98,20 @@ fn contents(results: &Results) -> String {
     if results.experiments.iter().any(|r| !r.claims.is_empty()) {
         list += "<li><a href=\"#claims\">The claims</a></li>";
     }
-    for record in &results.experiments {
+    let mut link = |record: &Record| {
         let _ = write!(
             list,
             "<li><a href=\"#{0}\"><span class=\"id\">{0}</span> {1}</a></li>",
             escape(&record.id),
             escape(&record.title)
         );
+    };
+    for act in &story::ACTS {
+        act.sections(results).into_iter().for_each(|(record, _)| link(record));
+    }
+    story::others(results).into_iter().for_each(link);
+    if !story::rules(results).is_empty() {
+        list += "<li><a href=\"#rules\">What we would tell the student</a></li>";
     }
     format!(
         "<nav aria-label=\"contents\"><ol>{list}\
@@ -105,13 +126,14 @@ fn opening(results: &Results) -> String {
         n => format!("{n} {what}s"),
     };
     let failed = results.experiments.iter().filter(|r| r.error.is_some()).count();
-    let mut text = String::from(
-        "<section class=\"opening\"><p>A solved coursework report on discrete curvature, spectra and \
-         smoothing of triangle meshes, done again: every experiment is run, drawn and measured by one \
-         command, and each claim of the report is judged by the numbers.</p>",
-    );
+    let mut text = format!("<section class=\"opening\"><p>{}</p>", story::ABOUT);
     let claim = |c: &&Judgement| {
-        format!("<a href=\"#claim-{0}\">{0}</a> {1}", escape(&c.id), escape(&c.claim))
+        let finding = if c.finding.is_empty() { &c.claim } else { &c.finding };
+        format!(
+            "<a href=\"#claim-{0}\">{0}</a> {1}",
+            escape(&c.id),
+            escape(finding.trim_end_matches('.'))
+        )
     };
     let groups: String = markdown::GROUPS
         .iter()
@@ -145,7 +167,7 @@ fn opening(results: &Results) -> String {
     let p = &results.provenance;
     let _ = write!(
         text,
-        "<p class=\"soft\">{}, commit <code>{}</code>{}, {}, seed {}. Nothing below was typed by hand.</p></section>",
+        "<p class=\"soft\">{}, commit <code>{}</code>{}, {}, seed {}. Every number below comes from the measurements.</p></section>",
         escape(&p.program),
         escape(p.commit.get(..12).unwrap_or(&p.commit)),
         if p.dirty { " with changes" } else { "" },
@@ -162,33 +184,79 @@ fn first_picture(results: &Results, folder: &Path) -> Result<String> {
     let Some(figure) = records.flat_map(|r| &r.figures).find(|f| f.id == id) else {
         return Ok(String::new());
     };
+    let target = section::anchor(&results.experiments, record, id);
     Ok(format!(
-        "<a class=\"first\" href=\"#figure-{record}-{id}\"><img src=\"{}\" alt=\"{}\"></a>",
-        section::source(figure, folder, results.form)?,
-        escape(&figure.alt)
+        "<a class=\"first\" href=\"#{target}\">{}</a>",
+        section::image(figure, folder, results.form)?,
     ))
 }
 
+/// The sections in three acts, with bridges between them.
+fn acts(results: &Results, sections: &[(&str, String)]) -> String {
+    let body = |record: &Record| {
+        let found = sections.iter().find(|(id, _)| *id == record.id);
+        found.map_or("", |(_, body)| body.as_str())
+    };
+    let mut text = String::new();
+    for act in &story::ACTS {
+        let own = act.sections(results);
+        if own.is_empty() {
+            continue;
+        }
+        let _ = write!(
+            text,
+            "<header class=\"act\" id=\"{}\"><h2>{}</h2><p>{}</p></header>",
+            act.id, act.title, act.about
+        );
+        for (record, bridge) in own {
+            let _ = write!(text, "<p class=\"bridge\">{bridge}</p>{}", body(record));
+        }
+    }
+    for record in story::others(results) {
+        text += body(record);
+    }
+    text
+}
+
+/// The rules at the end, each with the claim that it rests on.
+fn rules(results: &Results) -> String {
+    let rules = story::rules(results);
+    if rules.is_empty() {
+        return String::new();
+    }
+    let items: String = rules
+        .iter()
+        .map(|rule| {
+            format!("<li>{} (<a href=\"#claim-{1}\">claim {1}</a>)</li>", rule.text, rule.claim)
+        })
+        .collect();
+    format!(
+        "<section id=\"rules\"><h2>What we would tell the student</h2><ol class=\"rules\">{items}</ol></section>"
+    )
+}
+
+/// A row for each claim: its verdict, what is true in a sentence, and the number that decided.
 fn claims(results: &Results) -> String {
     let mut bodies = String::new();
-    for (ours, heading) in [(false, "The source report claims"), (true, "Fairing claims")] {
+    for (ours, heading) in [(false, "The original report claims"), (true, "Fairing claims")] {
         let mut rows = String::new();
         for (_, claim) in results.claims().into_iter().filter(|(_, c)| c.ours == ours) {
-            let numbers: Vec<String> = claim.numbers.iter().map(ToString::to_string).collect();
+            let number = claim.numbers.first().map(ToString::to_string).unwrap_or_default();
             let _ = write!(
                 rows,
-                "<tr><td><a href=\"#claim-{0}\">{0}</a></td><td>{1}</td><td>{2}</td><td>{3}</td></tr>",
+                "<tr><td><a href=\"#claim-{0}\">{0}</a></td><td>{1}</td><td>{2}</td><td>{3}</td><td>{4}</td></tr>",
                 escape(&claim.id),
                 escape(&claim.claim),
                 section::verdict(claim.verdict),
-                escape(&numbers.join("; ")),
+                escape(&claim.finding),
+                escape(&number),
             );
         }
         if !rows.is_empty() {
             let _ = write!(
                 bodies,
                 "<tbody><tr><th></th><th scope=\"colgroup\">{heading}</th><th>Verdict</th>\
-                 <th>Decided by</th></tr>{rows}</tbody>"
+                 <th>What is true</th><th>Deciding number</th></tr>{rows}</tbody>"
             );
         }
     }
@@ -217,7 +285,7 @@ fn provenance(results: &Results) -> String {
     rows += &row("date", &p.date);
     format!(
         "<section id=\"provenance\"><h2>Where the numbers come from</h2>\
-         <p>Made by <code>cargo xtask reproduce{}</code>. All numbers stand in \
+         <p>Made by <code>cargo xtask reproduce{}</code>. All numbers are in \
          <a href=\"results.json\">results.json</a>.</p>\
          <div class=\"wide\"><table class=\"facts\"><tbody>{rows}</tbody></table></div></section>",
         if p.quick { " --quick" } else { "" },

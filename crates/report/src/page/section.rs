@@ -17,7 +17,14 @@ use fairing_results::verdict::{Judgement, Verdict};
 
 /// Question, method, verdicts, views, figures, tables and how to make it
 /// again.
-pub(super) fn experiment(record: &Record, folder: &Path, form: Form) -> Result<String> {
+///
+/// `first` is the number of its first figure.
+pub(super) fn experiment(
+    record: &Record,
+    first: usize,
+    folder: &Path,
+    form: Form,
+) -> Result<String> {
     let mut text = format!(
         "<section id=\"{0}\"><h2><span class=\"id\">{0}</span> {1}</h2>\
          <p class=\"question\">{2}</p>",
@@ -42,18 +49,12 @@ pub(super) fn experiment(record: &Record, folder: &Path, form: Form) -> Result<S
             let _ = write!(text, "<p>{}</p>", escape(paragraph));
         }
         for formula in &record.formulas {
-            let _ = write!(text, "<p>{}</p>", mathml::displayed(formula)?);
+            let _ = write!(text, "<p class=\"formula\">{}</p>", mathml::displayed(formula)?);
         }
         text += &parameters(record);
         text += "</details>";
     }
-    let views = record.views.par_iter().map(|v| {
-        let id = format!("{}-{}", record.id, v.id);
-        view::figure(v, &id, &figure_id(record, &v.fallback), folder, form)
-    });
-    text += &views.collect::<Result<String>>()?;
-    let pictures = record.figures.par_iter().map(|f| picture(record, f, folder, form));
-    text += &pictures.collect::<Result<String>>()?;
+    text += &shown(record, first, folder, form)?;
     for t in &record.tables {
         let link = format!("{}/{}.csv", record.id, t.id);
         text += &table(t, &link, form);
@@ -63,6 +64,52 @@ pub(super) fn experiment(record: &Record, folder: &Path, form: Form) -> Result<S
     }
     text += &files(record);
     Ok(text + "</section>")
+}
+
+/// Whether a picture is shown as the still of a view rather than by itself: a picture or a view, not both.
+fn is_paper(record: &Record, figure: &FigureFile) -> bool {
+    record.views.iter().any(|view| view.fallback == figure.id)
+}
+
+/// How many numbered figures an experiment has.
+pub(super) fn count(record: &Record) -> usize {
+    record.views.len() + record.figures.iter().filter(|f| !is_paper(record, f)).count()
+}
+
+/// The views, each with the picture that is printed in its place, then the other pictures; numbered from `first`.
+fn shown(record: &Record, first: usize, folder: &Path, form: Form) -> Result<String> {
+    let label = |k: usize| format!("<b>Figure {}.</b> ", first + k);
+    let views = record.views.par_iter().enumerate().map(|(k, v)| {
+        let id = format!("{}-{}", record.id, v.id);
+        let earlier = record.views[..k].iter().any(|other| other.fallback == v.fallback);
+        let figure = record.figures.iter().find(|f| f.id == v.fallback && !earlier);
+        let paper = match figure {
+            Some(figure) => format!(
+                "<div class=\"paper\" id=\"{}\">{}</div>",
+                escape(&figure_id(record, &figure.id)),
+                image(figure, folder, form)?
+            ),
+            None => String::new(),
+        };
+        view::figure(v, &id, &figure_id(record, &v.fallback), &paper, &label(k), folder, form)
+    });
+    let mut text = views.collect::<Result<String>>()?;
+    let others: Vec<&FigureFile> = record.figures.iter().filter(|f| !is_paper(record, f)).collect();
+    let pictures = others
+        .par_iter()
+        .enumerate()
+        .map(|(k, figure)| picture(record, figure, &label(record.views.len() + k), folder, form));
+    text += &pictures.collect::<Result<String>>()?;
+    Ok(text)
+}
+
+/// Where a figure is on the page: its own place, or that of the view that it is the still of.
+pub(super) fn anchor(records: &[Record], record: &str, figure: &str) -> String {
+    let views = records.iter().filter(|r| r.id == record).flat_map(|r| &r.views);
+    match views.into_iter().find(|view| view.fallback == figure) {
+        Some(view) => format!("{record}-{}", view.id),
+        None => format!("figure-{record}-{figure}"),
+    }
 }
 
 fn figure_id(record: &Record, figure: &str) -> String {
@@ -120,46 +167,70 @@ fn parameters(record: &Record) -> String {
     }
 }
 
-/// What the page shows of a figure: the smaller of PNG and SVG, or its file if
-/// the report is small.
-pub(super) fn source(figure: &FigureFile, folder: &Path, form: Form) -> Result<String> {
-    let read = |path: &str| fs::read(folder.join(path)).with_context(|| format!("reading {path}"));
-    let png = read(&figure.png)?;
-    let svg = figure.svg.as_deref().map(read).transpose()?;
-    let (kind, bytes, path) = match (svg, &figure.svg) {
-        (Some(svg), Some(path)) if svg.len() <= png.len() => ("svg+xml", svg, path),
-        _ => ("png", png, &figure.png),
-    };
-    Ok(match form {
+/// A picture as the page shows it: a plot as SVG in the page itself, which follows the theme; else an image, whose
+/// size is said so that the page does not jump when it is loaded.
+///
+/// # Errors
+///
+/// If a file cannot be read, or is no picture.
+pub(super) fn image(figure: &FigureFile, folder: &Path, form: Form) -> Result<String> {
+    if let Some(path) = &figure.svg {
+        let read = fs::read_to_string(folder.join(path));
+        let svg = read.with_context(|| format!("reading {path}"))?;
+        let open =
+            format!("<svg class=\"figure\" role=\"img\" aria-label=\"{}\" ", escape(&figure.alt));
+        return Ok(svg.replacen("<svg ", &open, 1));
+    }
+    let path = &figure.png;
+    let bytes = fs::read(folder.join(path)).with_context(|| format!("reading {path}"))?;
+    let [width, height] = png_size(&bytes).with_context(|| format!("{path} is no PNG file"))?;
+    let source = match form {
         Form::Small => escape(path),
         Form::Whole => {
             let data = base64::engine::general_purpose::STANDARD.encode(bytes);
-            format!("data:image/{kind};base64,{data}")
+            format!("data:image/png;base64,{data}")
         }
-    })
+    };
+    Ok(format!(
+        "<img loading=\"lazy\" width=\"{width}\" height=\"{height}\" src=\"{source}\" alt=\"{}\">",
+        escape(&figure.alt)
+    ))
+}
+
+/// Width and height, which are in the first block of a PNG file.
+fn png_size(bytes: &[u8]) -> Option<[u32; 2]> {
+    let is_png = bytes.starts_with(b"\x89PNG\r\n\x1a\n") && bytes.get(12..16)? == b"IHDR";
+    let number = |at: usize| Some(u32::from_be_bytes(bytes.get(at..at + 4)?.try_into().ok()?));
+    is_png.then_some([number(16)?, number(20)?])
 }
 
 /// A figure with its caption, and links to both of its files.
-fn picture(record: &Record, figure: &FigureFile, folder: &Path, form: Form) -> Result<String> {
-    let source = source(figure, folder, form)?;
+fn picture(
+    record: &Record,
+    figure: &FigureFile,
+    label: &str,
+    folder: &Path,
+    form: Form,
+) -> Result<String> {
     let mut links = format!("<a href=\"{}\">PNG</a>", escape(&figure.png));
     if let Some(svg) = &figure.svg {
         let _ = write!(links, ", <a href=\"{}\">SVG</a>", escape(svg));
     }
     Ok(format!(
-        "<figure class=\"picture\" id=\"{}\"><img loading=\"lazy\" src=\"{source}\" \
-         alt=\"{}\"><figcaption>{} <span class=\"soft\">({links})</span></figcaption></figure>",
+        "<figure class=\"picture\" id=\"{}\">{}<figcaption>{label}{} \
+         <span class=\"soft\">({links})</span></figcaption></figure>",
         escape(&figure_id(record, &figure.id)),
-        escape(&figure.alt),
+        image(figure, folder, form)?,
         escape(&figure.caption)
     ))
 }
 
 fn table(table: &Table, csv: &str, form: Form) -> String {
     let caption = format!(
-        "{} <span class=\"soft\">(<a href=\"{}\">CSV</a>)</span>",
+        "{} <span class=\"soft\">(<a href=\"{}\">CSV{}</a>)</span>",
         escape(&table.caption),
-        escape(csv)
+        escape(csv),
+        markdown::left_out(table)
     );
     if table.rows.len() > markdown::LONG && form == Form::Small {
         return format!(
@@ -180,7 +251,9 @@ fn table(table: &Table, csv: &str, form: Form) -> String {
         "{before}<div class=\"wide\"><table id=\"table-{}\">{caption}<thead><tr>",
         escape(csv.trim_end_matches(".csv")).replace('/', "-"),
     );
-    for c in &table.columns {
+    let columns = markdown::columns(table);
+    for &c in &columns {
+        let c = &table.columns[c];
         let unit = match c.unit {
             Unit::Label | Unit::One | Unit::Count => String::new(),
             unit => format!(" ({unit})"),
@@ -191,9 +264,9 @@ fn table(table: &Table, csv: &str, form: Form) -> String {
     text += "</tr></thead><tbody>";
     for row in &table.rows {
         text += "<tr>";
-        for (cell, c) in row.iter().zip(&table.columns) {
-            let class = class(c.unit);
-            let _ = write!(text, "<td{class}>{}</td>", escape(&Cell::to_string(cell)));
+        for &c in &columns {
+            let class = class(table.columns[c].unit);
+            let _ = write!(text, "<td{class}>{}</td>", escape(&Cell::to_string(&row[c])));
         }
         text += "</tr>";
     }

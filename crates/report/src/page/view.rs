@@ -26,9 +26,10 @@ pub(super) fn color_maps() -> String {
 }
 
 /// The view as a `<figure>` that the page's script brings to life; `id` is
-/// unique on the page, `fallback` the id of the figure that takes its place
-/// where there is no WebGL. The data are in the page, or in their file if the
-/// report is small.
+/// unique on the page, `fallback` the id of the picture that takes its place
+/// on paper and where there is no WebGL, `paper` that picture if it has no
+/// place of its own. The data are in the page, or in their file if the report
+/// is small.
 ///
 /// # Errors
 ///
@@ -37,6 +38,8 @@ pub(super) fn figure(
     view: &ViewFile,
     id: &str,
     fallback: &str,
+    paper: &str,
+    label: &str,
     folder: &Path,
     form: Form,
 ) -> Result<String> {
@@ -51,10 +54,9 @@ pub(super) fn figure(
     let _ = write!(
         html,
         "<figure class=\"view\" id=\"{id}\" data-fallback=\"{fallback}\">\
-         <div class=\"stage\"><p class=\"hint\">{alt}</p></div>\
-         <noscript><p class=\"hint\">The interactive view needs JavaScript; \
-         see <a href=\"#{fallback}\">the figure</a>.</p></noscript>\
-         <figcaption>{caption}</figcaption>\
+         <div class=\"stage\"><p class=\"hint\">{alt}</p></div>{paper}\
+         <noscript><style>.view .paper {{ display: block; }} .view .stage {{ display: none; }}</style></noscript>\
+         <figcaption>{label}{caption}</figcaption>\
          <script class=\"about\" type=\"application/json\">{about}</script>\
          <script class=\"data\" type=\"text/plain\"{source}>{data}</script></figure>",
         id = escape(id),

@@ -146,7 +146,12 @@ fn describe_panel(
     pack.raw(occlusion(panel)?);
     let fields = describe_fields(panel, pack);
     if let Some(input) = &panel.live {
-        pack.doubles(input);
+        // In a small report single precision, which takes half of the bytes.
+        let single = |p: &[f64; 3]| p.map(|x| f64::from(x as f32));
+        match step {
+            1 => pack.doubles(input),
+            _ => pack.doubles(&input.iter().map(single).collect::<Vec<_>>()),
+        }
     }
     Ok(json!({
         "title": panel.title,

@@ -1,0 +1,180 @@
+//! How the experiments follow one another as an article: the title, three acts with bridges between their sections, and
+//! the rules at the end. No number is written here: those come from the results.
+
+use fairing_results::results::{Record, Results};
+use fairing_results::verdict::Verdict;
+
+/// The title of the report.
+pub(crate) const TITLE: &str = "What the Laplacian says about a mesh, and what it does to it";
+
+/// What the report is about, before its findings.
+pub(crate) const ABOUT: &str = "A solved coursework report on discrete curvature, spectra and smoothing of triangle \
+    meshes, done again. One command runs, draws and measures every experiment, and each claim is tested by numbers.";
+
+/// A part of the article.
+pub(crate) struct Act {
+    /// Its name in links.
+    pub(crate) id: &'static str,
+    pub(crate) title: &'static str,
+    /// What it is about, in a sentence or two.
+    pub(crate) about: &'static str,
+    /// Its experiments in order, each with the bridge that leads to it.
+    sections: &'static [(&'static str, &'static str)],
+}
+
+pub(crate) const ACTS: [Act; 3] = [
+    Act {
+        id: "act-curvature",
+        title: "I. Measuring curvature",
+        about: "A mesh has corners where the surface has curvature. This part asks which sums over corners converge to \
+            the curvature of the surface, and what noise does to them.",
+        sections: &[
+            (
+                "q1",
+                "The simplest Laplacian averages neighbours and knows nothing of angles. We begin with what it \
+                makes of curvature, because every later section mends one of its faults.",
+            ),
+            (
+                "q2",
+                "To say how wrong an estimate is, one needs a surface whose curvature is known. The ellipsoid has \
+                formulas for everything, and the original report has one of them wrong.",
+            ),
+            (
+                "q3",
+                "Uniform weights mistake the shape of triangles for the shape of the surface. Cotangents weigh \
+                edges by angles; do they mend that?",
+            ),
+            (
+                "noise",
+                "So far the vertices were on the surface. Measured meshes are noisy, and the two curvatures do \
+                not suffer alike.",
+            ),
+            (
+                "estimators",
+                "Cotangents and angle defects look one edge far. What do estimators gain that fit a surface \
+                to more neighbours?",
+            ),
+        ],
+    },
+    Act {
+        id: "act-spectrum",
+        title: "II. A shape as a spectrum",
+        about: "The eigenvectors of the Laplacian are the waves of a surface, from smooth to rough. This part takes a \
+            shape apart into them and puts it together again.",
+        sections: &[(
+            "q4",
+            "The same matrix that gave curvature has eigenvectors, and they are a basis for any \
+            function on the mesh, its positions included. How many does a shape need?",
+        )],
+    },
+    Act {
+        id: "act-diffusion",
+        title: "III. Diffusion and denoising",
+        about: "Diffusion damps rough waves more than smooth ones: it removes noise, and in the end the shape. This \
+            part asks how far one can go, and what to do instead.",
+        sections: &[
+            (
+                "q5",
+                "In the basis of the last part a step of diffusion multiplies each mode by a number. Explicit steps \
+                do so by 1 + λμ, and that number can leave the interval from −1 to 1.",
+            ),
+            (
+                "q6",
+                "Implicit steps divide instead of multiplying, and no step is too long. Whether long steps are \
+                useful is another question.",
+            ),
+            (
+                "flows",
+                "Diffusion with uniform weights is one flow of many. Those with cotangents have a limit that \
+                can be computed, and some give the volume back.",
+            ),
+            (
+                "q7",
+                "Now noise is added on purpose, so that the error is known. When does smoothing bring a shape \
+                closer to the truth?",
+            ),
+            (
+                "denoisers",
+                "Flows smooth creases as well as noise. Denoisers filter normals instead of positions; this \
+                last section compares them on the meshes of the literature.",
+            ),
+        ],
+    },
+];
+
+impl Act {
+    /// The experiments of this act that were run, each with its bridge.
+    pub(crate) fn sections<'a>(&self, results: &'a Results) -> Vec<(&'a Record, &'static str)> {
+        let find = |id: &str| results.experiments.iter().find(|r| r.id == id);
+        self.sections.iter().filter_map(|(id, bridge)| Some((find(id)?, *bridge))).collect()
+    }
+}
+
+/// Experiments that no act names, in their order.
+pub(crate) fn others(results: &Results) -> Vec<&Record> {
+    let named =
+        |id: &str| ACTS.iter().any(|act| act.sections.iter().any(|(known, _)| *known == id));
+    results.experiments.iter().filter(|r| !named(&r.id)).collect()
+}
+
+/// The experiments in the order of the article.
+pub(crate) fn in_order(results: &Results) -> Vec<&Record> {
+    let acts = ACTS.iter().flat_map(|act| act.sections(results)).map(|(record, _)| record);
+    acts.chain(others(results)).collect()
+}
+
+/// A rule for the student, the claim that it rests on, and the verdicts under which it follows.
+pub(crate) struct Rule {
+    pub(crate) text: &'static str,
+    pub(crate) claim: &'static str,
+    follows: &'static [Verdict],
+}
+
+/// What we would tell the student.
+const RULES: [Rule; 6] = [
+    Rule {
+        text: "Divide by an area, and say which one. Half the length of the uniform Laplacian is a length, not a \
+            curvature; cotangents over an area per vertex are the better estimate.",
+        claim: "3a",
+        follows: &[Verdict::Qualified, Verdict::Confirmed],
+    },
+    Rule {
+        text: "Trust sums of curvature under noise, not its values. The total of the angle defects never changes; \
+            Gaussian curvature at a vertex suffers more than mean curvature.",
+        claim: "1a",
+        follows: &[Verdict::Refuted, Verdict::Qualified],
+    },
+    Rule {
+        text: "Check a formula at the point where it is used. Coefficients from two different points make no \
+            curvature, and central differences show it in a minute.",
+        claim: "2a",
+        follows: &[Verdict::Refuted],
+    },
+    Rule {
+        text: "Keep λ below 2/|μ| of the roughest mode. For uniform weights on a closed mesh 4/3 is always safe, and \
+            λ = 2 never is.",
+        claim: "5a",
+        follows: &[Verdict::Qualified, Verdict::Confirmed],
+    },
+    Rule {
+        text: "Compare flows at equal diffusion time, steps times λ, not at equal numbers of steps. Being stable is \
+            not being right: long implicit steps shrink the shape.",
+        claim: "6b",
+        follows: &[Verdict::Refuted, Verdict::Qualified],
+    },
+    Rule {
+        text: "Measure noise in edge lengths. Whether a level of noise destroys a shape depends on the size of its \
+            triangles and of its features, not on model units.",
+        claim: "7a",
+        follows: &[Verdict::Qualified, Verdict::Refuted],
+    },
+];
+
+/// The rules that follow from these results.
+pub(crate) fn rules(results: &Results) -> Vec<&'static Rule> {
+    let claims = results.claims();
+    let follows = |rule: &&Rule| {
+        claims.iter().any(|(_, c)| c.id == rule.claim && rule.follows.contains(&c.verdict))
+    };
+    RULES.iter().filter(follows).collect()
+}

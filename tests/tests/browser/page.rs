@@ -1,0 +1,188 @@
+//! The page around the views: paper, formulas, colour bars, sizes, keys, and how fast it draws.
+
+use std::path::Path;
+
+use anyhow::{Result, ensure};
+use serde_json::json;
+
+use crate::Test;
+use crate::chrome::Chrome;
+use crate::{report, scene};
+
+pub(crate) fn trials() -> Vec<(&'static str, Test)> {
+    vec![
+        ("paper_shows_pictures_of_views_that_were_not_opened", prints),
+        ("formulas_scroll_by_themselves", formulas),
+        ("equalised_bars_show_the_values_that_occur", bars),
+        ("the_page_does_not_jump", sizes),
+        ("the_theme_is_remembered", themes),
+        ("vertices_are_picked_by_keyboard", picks),
+        ("the_contents_mark_the_section_that_is_read", follows),
+        ("dragging_is_drawn_fast", fast),
+    ]
+}
+
+/// Opens the page without its views.
+fn open(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    chrome.open(&format!("file://{}", page.display()))
+}
+
+/// As soon as the page is there: nothing has to be opened first. Tables are not cut.
+fn prints(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    open(chrome, page)?;
+    chrome.call("Emulation.setEmulatedMedia", json!({"media": "print"}))?;
+    let found = chrome.run(
+        "(() => {
+           const seen = (e) => e.getClientRects().length > 0;
+           const stages = [...document.querySelectorAll('.view .stage')].filter(seen).length;
+           const pictures = [...document.querySelectorAll('.view .paper img')].filter(seen).length;
+           const cut = [...document.querySelectorAll('.wide')].filter((w) => getComputedStyle(w).overflowX !== 'visible').length;
+           return [stages, pictures, cut];
+         })()",
+    )?;
+    // One picture stands for all three views of the scene.
+    ensure!(found == json!([0, 1, 0]), "stages, pictures, cut tables: {found}");
+    chrome.picture("paper")
+}
+
+/// A formula that is too wide is moved inside its own box, and nothing of it is lost.
+fn formulas(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    let telephone = json!({"width": 390, "height": 800, "deviceScaleFactor": 1, "mobile": true});
+    chrome.call("Emulation.setDeviceMetricsOverride", telephone)?;
+    open(chrome, page)?;
+    let found = chrome.run(
+        "(() => {
+           const box = document.querySelector('.formula');
+           const math = box.querySelector('math');
+           const tall = Math.max(...[...math.querySelectorAll('mo')].map((o) => o.getBoundingClientRect().height));
+           return [document.documentElement.scrollWidth, box.scrollWidth > box.clientWidth,
+                   tall / math.getBoundingClientRect().height, math.textContent];
+         })()",
+    )?;
+    ensure!(found[0].as_f64().is_some_and(|w| w <= 390.0), "{found}");
+    ensure!(found[1] == true, "the formula is not wider than the screen: the test shows nothing");
+    ensure!(found[2].as_f64().is_some_and(|part| part <= 1.01), "parentheses stick out: {found}");
+    let text = found[3].as_str().unwrap_or_default();
+    ensure!(text.contains('φ') && text.contains('δ') && text.contains('κ'), "{text}");
+    Ok(())
+}
+
+/// A field of three values has three ticks, and the colour of each is on the bar around its tick.
+fn bars(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    report::open(chrome, page)?;
+    let found = chrome.run(
+        "(() => {
+           const v = fairing.views.get('q5-open');
+           v.change({field: 1, even: true, range: [0, 763]});
+           const ticks = [...document.querySelectorAll('#q5-open .bar text:not(.name)')].map((t) => t.textContent);
+           const lookup = v.lookup();
+           const at = (x) => [...lookup.slice(3 * x, 3 * x + 3)].join();
+           // The middle value has its colour for a quarter of the bar on either side.
+           const middle = Math.round(1023 * 382 / 763);
+           return [ticks, at(middle) === at(middle - 200) && at(middle) === at(middle + 200),
+                   new Set(Array.from({length: 1024}, (_, x) => at(x))).size];
+         })()",
+    )?;
+    ensure!(found[0] == json!(scene::FEW.map(|x| x.to_string())), "{found}");
+    ensure!(found[1] == true && found[2] == 3, "{found}");
+    chrome.picture("few")
+}
+
+fn sizes(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    open(chrome, page)?;
+    let unknown = chrome.number(
+        "[...document.querySelectorAll('img')].filter((p) => !(p.getAttribute('width') > 0 && p.getAttribute('height') > 0)).length",
+    )?;
+    ensure!(unknown == 0.0, "{unknown} pictures without width and height");
+    Ok(())
+}
+
+fn themes(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    open(chrome, page)?;
+    let theme = "document.documentElement.dataset.theme ?? ''";
+    chrome.run("document.getElementById('theme').click()")?;
+    let chosen = chrome.run(theme)?;
+    ensure!(chosen != "", "the button chooses nothing");
+    open(chrome, page)?;
+    let again = chrome.run(theme)?;
+    chrome.run("localStorage.clear()")?;
+    ensure!(again == chosen, "{chosen} became {again}");
+    Ok(())
+}
+
+fn picks(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    report::open(chrome, page)?;
+    chrome.run("document.querySelector('#q5-flow canvas').focus()")?;
+    let mut words = vec![];
+    for key in ["Enter", "n", "p"] {
+        for kind in ["keyDown", "keyUp"] {
+            chrome.call("Input.dispatchKeyEvent", json!({"type": kind, "key": key}))?;
+        }
+        words.push(chrome.run("document.querySelector('#q5-flow .picked').textContent")?);
+    }
+    ensure!(words[0].as_str().is_some_and(|w| w.starts_with("Vertex ")), "{words:?}");
+    ensure!(words[1] != words[0] && words[2] == words[0], "{words:?}");
+    Ok(())
+}
+
+fn follows(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    open(chrome, page)?;
+    let marked = chrome.run(
+        "(async () => {
+           document.getElementById('q5').scrollIntoView();
+           await new Promise((go) => setTimeout(go, 200));
+           return [...document.querySelectorAll('nav a[aria-current]')].map((a) => a.hash);
+         })()",
+    )?;
+    ensure!(marked == json!(["#q5"]), "{marked}");
+    Ok(())
+}
+
+/// Milliseconds of the quickest of some frames: two panels of 35 thousand faces, moving and at rest.
+const FRAMES: &str = "() => {
+  const [m, n] = [132, 132];
+  const points = new Float32Array(4 * m * n);
+  const faces = [];
+  for (let i = 0; i < m; i++) {
+    for (let j = 0; j < n; j++) {
+      const [u, v] = [(2 * Math.PI * i) / m, (2 * Math.PI * j) / n];
+      const r = 0.65 + 0.3 * Math.cos(v);
+      points.set([r * Math.cos(u), r * Math.sin(u), 0.3 * Math.sin(v), 1], 4 * (i * n + j));
+      const at = (k, l) => ((i + k) % m) * n + ((j + l) % n);
+      faces.push(at(0, 0), at(1, 0), at(0, 1), at(1, 0), at(1, 1), at(0, 1));
+    }
+  }
+  const camera = new Camera(30, 20);
+  const lookup = new Uint8Array(3 * 1024);
+  const panels = [0, 1].map(() => {
+    const canvas = document.createElement('canvas');
+    [canvas.width, canvas.height] = [550, 412];
+    const mesh = {vertices: m * n, faces: Uint32Array.from(faces), zeros: new Float32Array(m * n)};
+    const scene = {mesh, shape: {points, normals: points}, values: null, camera, lookup, range: [0, 1], pixel: 1};
+    return [canvas.getContext('2d'), scene];
+  });
+  const least = (part) => {
+    let best = Infinity;
+    for (let k = 0; k < 12; k++) {
+      camera.turn(3, 1);
+      const start = performance.now();
+      for (const [target, scene] of panels) {
+        Renderer.draw(target, scene, part);
+        target.getImageData(0, 0, 1, 1);
+      }
+      best = Math.min(best, performance.now() - start);
+    }
+    return best;
+  };
+  return [least(1), least(0.5)];
+}";
+
+/// A frame of a moving picture takes 33 ms at most, in software.
+fn fast(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    open(chrome, page)?;
+    let found = chrome.run(&format!("({FRAMES})()"))?;
+    let [rest, moving] = [0, 1].map(|k| found[k].as_f64().unwrap_or(f64::INFINITY));
+    eprintln!("a frame takes {moving:.1} ms while it moves, {rest:.1} ms at rest");
+    ensure!(moving <= 33.0, "a moving frame takes {moving} ms, one at rest {rest} ms");
+    Ok(())
+}

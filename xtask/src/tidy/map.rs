@@ -1,0 +1,103 @@
+//! `docs/architecture.md` as a map: what it names exists, and it names every dependency.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context as _, Result};
+
+const MAP: &str = "docs/architecture.md";
+
+/// Folders of the repository with which a path in the map begins.
+const ROOTS: [&str; 6] = ["crates/", "xtask/", "tests/", "docs/", "data/", "fuzz/"];
+
+/// The steps of each recipe under "How to add".
+const STEPS: usize = 5;
+
+fn read(root: &Path) -> Result<String> {
+    fs::read_to_string(root.join(MAP)).with_context(|| format!("reading {MAP}"))
+}
+
+/// Paths that are not there, items that are not in the file named after them (`` `Item` in `path` ``), and recipes
+/// that have not [`STEPS`] steps.
+pub(super) fn places(root: &Path) -> Result<Vec<String>> {
+    let map = read(root)?;
+    let mut broken = vec![];
+    // Pieces between backticks are at odd places.
+    let pieces: Vec<&str> = map.split('`').collect();
+    for (i, path) in pieces.iter().enumerate().skip(1).step_by(2) {
+        let named = ROOTS.iter().any(|folder| path.starts_with(folder));
+        if !named || path.contains(char::is_whitespace) {
+            continue;
+        }
+        if !root.join(path).exists() {
+            broken.push(format!("{MAP} names {path}, which is not there"));
+            continue;
+        }
+        let before = pieces[i - 1].split_whitespace().collect::<Vec<_>>();
+        if i >= 3 && before == ["in"] && root.join(path).is_file() {
+            let item = pieces[i - 2];
+            let text = fs::read_to_string(root.join(path))?;
+            let words = text.split(|c: char| !(c.is_alphanumeric() || c == '_'));
+            if !words.into_iter().any(|word| word == item) {
+                broken.push(format!("{MAP} names {item} in {path}, which has no such word"));
+            }
+        }
+    }
+    broken.extend(recipes(&map));
+    Ok(broken)
+}
+
+fn recipes(map: &str) -> Vec<String> {
+    let section = map.split("\n## ").find(|s| s.starts_with("How to add"));
+    let Some(section) = section else {
+        return vec![format!("{MAP} does not say how to add things")];
+    };
+    let recipes = section.split("\n### ").skip(1).map(|recipe| {
+        let steps = recipe.lines().filter(|l| l.starts_with(|c: char| c.is_ascii_digit())).count();
+        (recipe.lines().next().unwrap_or_default(), steps)
+    });
+    let wrong = recipes.filter(|(_, steps)| *steps != STEPS);
+    wrong.map(|(name, steps)| format!("{MAP}: {name} has {steps} steps, not {STEPS}")).collect()
+}
+
+/// Dependencies of the workspace that the map does not name.
+pub(super) fn dependencies(root: &Path) -> Result<Vec<String>> {
+    let manifest = fs::read_to_string(root.join("Cargo.toml")).context("reading Cargo.toml")?;
+    let manifest: toml::Table = manifest.parse().context("Cargo.toml is not TOML")?;
+    let listed = &manifest["workspace"]["dependencies"];
+    let listed = listed.as_table().context("Cargo.toml has no workspace dependencies")?;
+    let map = read(root)?;
+    let section = map.split("\n## ").find(|s| s.starts_with("Dependencies"));
+    let section = section.with_context(|| format!("{MAP} has no section on dependencies"))?;
+    let foreign = listed.iter().filter(|(_, entry)| entry.get("path").is_none());
+    let missing = foreign.filter(|(name, _)| !section.contains(&format!("`{name}`")));
+    Ok(missing.map(|(name, _)| format!("{MAP} does not say what {name} is for")).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wrong_maps_are_found() {
+        let folder = tempfile::tempdir().unwrap();
+        let root = folder.path();
+        fs::create_dir_all(root.join("docs")).unwrap();
+        fs::create_dir_all(root.join("crates/a")).unwrap();
+        fs::write(root.join("crates/a/b.rs"), "pub fn present() {}").unwrap();
+        let steps = "1. x\n2. x\n3. x\n4. x\n5. x\n";
+        let check = |text: &str, recipe: &str| {
+            let text = format!("# Map\n\n{text}\n\n## How to add\n\n### A thing\n\n{recipe}");
+            fs::write(root.join(MAP), text).unwrap();
+            places(root).unwrap()
+        };
+        assert!(check("`present` in `crates/a/b.rs`, `crates/a`", steps).is_empty());
+        assert_eq!(check("`absent` in `crates/a/b.rs`", steps).len(), 1);
+        assert_eq!(check("see `crates/c.rs`", steps).len(), 1);
+        assert_eq!(check("", "1. x\n").len(), 1);
+        fs::write(root.join("Cargo.toml"), "[workspace.dependencies]\nfoo = \"1\"\nbar = \"1\"\n")
+            .unwrap();
+        fs::write(root.join(MAP), "# Map\n\n## Dependencies\n\n`foo` is for x.\n").unwrap();
+        assert_eq!(dependencies(root).unwrap().len(), 1);
+    }
+}
