@@ -5,10 +5,11 @@
 //! them, stays the same. A step then costs one pass over the faces and one
 //! over the corners, a tenth of finding the pattern again.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{norm, sub};
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::mass::{give_isolated, positive_lumped_mass};
 use crate::corners::{FaceCorners, degenerate};
