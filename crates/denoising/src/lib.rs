@@ -1,4 +1,4 @@
-//! Denoisers for triangle meshes: they remove noise and keep creases, where flows round both away.
+//! Denoisers for triangle meshes: they remove noise and keep creases, where flows remove both.
 //!
 //! [`automatic`] has no parameters. The others are published methods, each one function with one options struct;
 //! [`Denoiser`] has them all by name. All keep the faces and the order of vertices.

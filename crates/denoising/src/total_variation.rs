@@ -62,88 +62,128 @@ pub fn total_variation(
 
 fn filter(mesh: &TriMesh, options: &TotalVariationOptions) -> Result<TriMesh, DenoiseError> {
     positive("weight", options.weight)?;
-    let hinges = Hinges::new(mesh);
-    let shapes = FaceShapes::new(mesh);
-    let h = mesh.mean_edge_length();
-    if h <= 0.0 {
+    if mesh.mean_edge_length() <= 0.0 {
         return Ok(mesh.clone());
     }
-    // In units of h, so that the numbers do not depend on the scale.
-    let areas: Vec<f64> = shapes.areas.iter().map(|a| (a / (h * h)).max(1e-6)).collect();
-    let averaged: Vec<[f64; 3]> = (0..areas.len())
-        .into_par_iter()
-        .map(|f| {
-            let own = scale(shapes.normals[f], areas[f]);
-            unit_or_zero(
-                hinges.across(f).fold(own, |s, g| add(s, scale(shapes.normals[g], areas[g]))),
-            )
-        })
-        .collect();
-    let positions = mesh.positions();
-    let (lengths, thresholds): (Vec<f64>, Vec<f64>) = hinges
-        .all
-        .par_iter()
-        .map(|hinge| {
-            let [a, b] = hinge.ends.map(|v| positions[v as usize]);
-            let [m, n] = hinge.faces.map(|f| averaged[f as usize]);
-            (distance(a, b) / h, options.weight * libm::exp(-distance(m, n).powi(4)))
-        })
-        .unzip();
-    let penalty = 2.0 * options.weight;
-    let jump = |x: &[[f64; 3]], e: usize| {
-        let [f, g] = hinges.all[e].faces;
-        sub(x[f as usize], x[g as usize])
-    };
-    let diverge = |values: &[[f64; 3]]| -> Vec<[f64; 3]> {
-        (0..areas.len())
-            .into_par_iter()
-            .map(|f| {
-                hinges.of_face[f].into_iter().filter(|&e| e != NO_HINGE).fold([0.0; 3], |s, e| {
-                    let e = e as usize;
-                    let sign = if hinges.all[e].faces[0] as usize == f { 1.0 } else { -1.0 };
-                    add(s, scale(values[e], sign * lengths[e]))
-                })
-            })
-            .collect()
-    };
-    let edges = hinges.all.len();
-    let apply = |x: &[[f64; 3]]| -> Vec<[f64; 3]> {
-        let jumps: Vec<_> =
-            (0..edges).into_par_iter().map(|e| scale(jump(x, e), penalty)).collect();
-        let spread = diverge(&jumps);
-        (0..x.len()).into_par_iter().map(|f| add(scale(x[f], areas[f]), spread[f])).collect()
-    };
-    let diagonal: Vec<f64> = (0..areas.len())
-        .into_par_iter()
-        .map(|f| {
-            let sides = hinges.of_face[f].into_iter().filter(|&e| e != NO_HINGE);
-            areas[f] + penalty * sides.map(|e| lengths[e as usize]).sum::<f64>()
-        })
-        .collect();
+    let problem = Problem::new(mesh, options.weight);
+    let (noisy, edges) = (&problem.noisy, problem.hinges.all.len());
+    let diagonal = problem.diagonal();
     let data: Vec<[f64; 3]> =
-        shapes.normals.iter().zip(&areas).map(|(n, a)| scale(*n, *a)).collect();
-    let mut normals = shapes.normals.clone();
+        noisy.iter().zip(&problem.areas).map(|(n, a)| scale(*n, *a)).collect();
+    let mut normals = noisy.clone();
     // Scaled dual variables, one per hinge.
     let mut dual = vec![[0.0; 3]; edges];
     for step in 0..options.iterations {
-        let shrunk: Vec<[f64; 3]> = (0..edges)
+        let shrunk = problem.shrink(&normals, &dual);
+        let target: Vec<[f64; 3]> = (0..edges)
             .into_par_iter()
-            .map(|e| {
-                let q = add(jump(&normals, e), dual[e]);
-                let size = norm(q);
-                let kept = size - thresholds[e] / penalty;
-                if kept > 0.0 { scale(q, kept / size) } else { [0.0; 3] }
-            })
+            .map(|e| scale(sub(shrunk[e], dual[e]), problem.penalty))
             .collect();
-        let target: Vec<[f64; 3]> =
-            (0..edges).into_par_iter().map(|e| scale(sub(shrunk[e], dual[e]), penalty)).collect();
-        let b: Vec<[f64; 3]> = data.iter().zip(diverge(&target)).map(|(d, t)| add(*d, t)).collect();
-        normals = solve(apply, &diagonal, &b, normals, 1e-5, 1000, step)?;
+        let b: Vec<[f64; 3]> =
+            data.iter().zip(problem.diverge(&target)).map(|(d, t)| add(*d, t)).collect();
+        normals = solve(|x| problem.apply(x), &diagonal, &b, normals, 1e-5, 1000, step)?;
         dual = (0..edges)
             .into_par_iter()
-            .map(|e| add(dual[e], sub(jump(&normals, e), shrunk[e])))
+            .map(|e| add(dual[e], sub(problem.jump(&normals, e), shrunk[e])))
             .collect();
     }
     let normals: Vec<[f64; 3]> = normals.into_par_iter().map(unit_or_zero).collect();
     update_vertices(mesh, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })
+}
+
+/// The functional of a mesh, in units of h, so that the numbers do not depend
+/// on the scale.
+struct Problem {
+    hinges: Hinges,
+    /// The normals m.
+    noisy: Vec<[f64; 3]>,
+    areas: Vec<f64>,
+    /// ℓ of each hinge.
+    lengths: Vec<f64>,
+    /// α w of each hinge.
+    thresholds: Vec<f64>,
+    penalty: f64,
+}
+
+impl Problem {
+    fn new(mesh: &TriMesh, weight: f64) -> Self {
+        let hinges = Hinges::new(mesh);
+        let FaceShapes { normals, areas, .. } = FaceShapes::new(mesh);
+        let h = mesh.mean_edge_length();
+        let areas: Vec<f64> = areas.iter().map(|a| (a / (h * h)).max(1e-6)).collect();
+        let weighted = |f: usize| scale(normals[f], areas[f]);
+        let averaged: Vec<[f64; 3]> = (0..areas.len())
+            .into_par_iter()
+            .map(|f| unit_or_zero(hinges.across(f).fold(weighted(f), |s, g| add(s, weighted(g)))))
+            .collect();
+        let positions = mesh.positions();
+        let (lengths, thresholds) = hinges
+            .all
+            .par_iter()
+            .map(|hinge| {
+                let [a, b] = hinge.ends.map(|v| positions[v as usize]);
+                let [m, n] = hinge.faces.map(|f| averaged[f as usize]);
+                (distance(a, b) / h, weight * libm::exp(-distance(m, n).powi(4)))
+            })
+            .unzip();
+        Self { hinges, noisy: normals, areas, lengths, thresholds, penalty: 2.0 * weight }
+    }
+
+    /// The difference of the fields of the two faces of hinge `e`.
+    fn jump(&self, x: &[[f64; 3]], e: usize) -> [f64; 3] {
+        let [f, g] = self.hinges.all[e].faces;
+        sub(x[f as usize], x[g as usize])
+    }
+
+    /// The hinges of a face.
+    fn sides(&self, f: usize) -> impl Iterator<Item = usize> + '_ {
+        let all = self.hinges.of_face[f].into_iter();
+        all.filter(|&e| e != NO_HINGE).map(|e| e as usize)
+    }
+
+    /// The adjoint of the jumps, weighted by lengths: a value for each face.
+    fn diverge(&self, values: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        (0..self.areas.len())
+            .into_par_iter()
+            .map(|f| {
+                self.sides(f).fold([0.0; 3], |s, e| {
+                    let sign = if self.hinges.all[e].faces[0] as usize == f { 1.0 } else { -1.0 };
+                    add(s, scale(values[e], sign * self.lengths[e]))
+                })
+            })
+            .collect()
+    }
+
+    /// The matrix of the quadratic step times x.
+    fn apply(&self, x: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        let jumps: Vec<_> = (0..self.hinges.all.len())
+            .into_par_iter()
+            .map(|e| scale(self.jump(x, e), self.penalty))
+            .collect();
+        let spread = self.diverge(&jumps);
+        (0..x.len()).into_par_iter().map(|f| add(scale(x[f], self.areas[f]), spread[f])).collect()
+    }
+
+    /// The diagonal of that matrix.
+    fn diagonal(&self) -> Vec<f64> {
+        (0..self.areas.len())
+            .into_par_iter()
+            .map(|f| {
+                self.areas[f] + self.penalty * self.sides(f).map(|e| self.lengths[e]).sum::<f64>()
+            })
+            .collect()
+    }
+
+    /// The jumps plus the dual variables, shortened by their thresholds.
+    fn shrink(&self, normals: &[[f64; 3]], dual: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        (0..dual.len())
+            .into_par_iter()
+            .map(|e| {
+                let q = add(self.jump(normals, e), dual[e]);
+                let size = norm(q);
+                let kept = size - self.thresholds[e] / self.penalty;
+                if kept > 0.0 { scale(q, kept / size) } else { [0.0; 3] }
+            })
+            .collect()
+    }
 }

@@ -13,7 +13,7 @@ use super::unit_scale::at_unit_scale;
 pub struct VertexUpdate {
     /// Steps over all vertices.
     pub steps: usize,
-    /// The largest distance from the input, in mesh units; vertices are held
+    /// The largest distance from the input, in mesh units; vertices are kept
     /// on that sphere. `None`: no limit.
     pub limit: Option<f64>,
 }
@@ -145,7 +145,7 @@ fn step(
                 return y;
             }
             // A vertex that alone turns a face against its normal goes back
-            // part of the way; the neighbours are held where they were, so
+            // part of the way; the neighbours are fixed where they were, so
             // that vertices do not depend on the order they are visited in.
             let turns = |y: [f64; 3]| {
                 corners.iter().any(|&c| {

@@ -151,84 +151,121 @@ impl Scores {
 
     /// All scores, in the order of the table; always the same names.
     pub fn entries(&self) -> Vec<Score> {
-        use ScoreUnit::*;
-        let mut entries = vec![];
-        let mut add = |name, label, unit, value| entries.push(Score { name, label, unit, value });
-        fn of<T>(part: &Result<T, EvaluationError>, f: impl Fn(&T) -> f64) -> Result<f64, String> {
-            part.as_ref().map(f).map_err(ToString::to_string)
-        }
-        let share = |x: f64| match x / self.diagonal {
-            share if share.is_finite() => Ok(share),
-            _ => Err("the reference has no extent".to_owned()),
-        };
-        let shared = |x: Result<f64, String>| x.and_then(share);
-        let some = |x: Option<f64>, reason: &str| x.ok_or_else(|| reason.to_owned());
+        let mut entries = self.normal_entries();
+        entries.extend(self.distance_entries());
+        entries.extend(self.displacement_entries());
+        entries.extend(self.drift_entries());
+        entries.extend(self.defect_entries());
+        entries
+    }
 
-        let n = &self.normals;
-        add("normal_mean", "normal angle, mean", Degrees, of(n, |n| n.mean));
-        add("normal_area_weighted", "normal angle, by area", Degrees, of(n, |n| n.area_weighted));
-        add("normal_max", "normal angle, largest", Degrees, of(n, |n| n.max));
+    fn normal_entries(&self) -> Vec<Score> {
+        let angle = |f: fn(&NormalAngles) -> f64| of(&self.normals, f);
+        let entry = |name, label, value| Score { name, label, unit: ScoreUnit::Degrees, value };
+        vec![
+            entry("normal_mean", "normal angle, mean", angle(|n| n.mean)),
+            entry("normal_area_weighted", "normal angle, by area", angle(|n| n.area_weighted)),
+            entry("normal_max", "normal angle, largest", angle(|n| n.max)),
+        ]
+    }
+
+    fn distance_entries(&self) -> Vec<Score> {
+        let entry = |name, label, length: f64| Score {
+            name,
+            label,
+            unit: ScoreUnit::Diagonals,
+            value: self.share(length),
+        };
         let (d, b) = (&self.distance.forward, &self.distance.backward);
-        add("distance_mean", "vertices to reference, mean", Diagonals, share(d.mean));
-        add("distance_rms", "vertices to reference, RMS", Diagonals, share(d.rms));
-        add("distance_max", "vertices to reference, largest", Diagonals, share(d.max));
-        add("reverse_mean", "reference's vertices to mesh, mean", Diagonals, share(b.mean));
-        add("reverse_rms", "reference's vertices to mesh, RMS", Diagonals, share(b.rms));
-        add("reverse_max", "reference's vertices to mesh, largest", Diagonals, share(b.max));
-        add("chamfer", "Chamfer, sum of both means", Diagonals, share(self.distance.chamfer()));
-        add("hausdorff_lower", "Hausdorff, at least", Diagonals, share(self.hausdorff.lower));
-        add("hausdorff_upper", "Hausdorff, at most", Diagonals, share(self.hausdorff.upper));
+        vec![
+            entry("distance_mean", "vertices to reference, mean", d.mean),
+            entry("distance_rms", "vertices to reference, RMS", d.rms),
+            entry("distance_max", "vertices to reference, largest", d.max),
+            entry("reverse_mean", "reference's vertices to mesh, mean", b.mean),
+            entry("reverse_rms", "reference's vertices to mesh, RMS", b.rms),
+            entry("reverse_max", "reference's vertices to mesh, largest", b.max),
+            entry("chamfer", "Chamfer, sum of both means", self.distance.chamfer()),
+            entry("hausdorff_lower", "Hausdorff, at least", self.hausdorff.lower),
+            entry("hausdorff_upper", "Hausdorff, at most", self.hausdorff.upper),
+        ]
+    }
+
+    fn displacement_entries(&self) -> Vec<Score> {
         let moved = &self.displacement;
-        add("displacement_rms", "matching vertices, RMS", Diagonals, shared(of(moved, |m| m.rms)));
-        add(
-            "displacement_max",
-            "matching vertices, largest",
-            Diagonals,
-            shared(of(moved, |m| m.max)),
-        );
+        let entry = |name, label, unit, value| Score { name, label, unit, value };
+        let length = |f: fn(&VertexDisplacement) -> f64| of(moved, f).and_then(|x| self.share(x));
         let psnr = match moved {
             Ok(_) => some(self.psnr(), "no vertex moved"),
             Err(error) => Err(error.to_string()),
         };
-        add("psnr", "peak signal to noise", Decibels, psnr);
-        let drift = &self.drift;
-        let volume = some(
-            drift.volume,
-            "not closed and consistently oriented, or the reference has no volume",
-        );
-        add("volume_drift", "change of volume", Relative, volume);
-        add(
-            "area_drift",
-            "change of area",
-            Relative,
-            some(drift.area, "the reference has no area"),
-        );
-        let length = some(drift.edge_length, "the reference has no edges");
-        add("edge_length_drift", "change of mean edge length", Relative, length);
-        let flips = of(&self.flipped_faces, |&n| n as f64);
-        add("flipped_faces", "flipped faces", Count, flips);
-        add(
-            "self_intersections",
-            "crossing pairs of faces",
-            Count,
-            Ok(self.self_intersections as f64),
-        );
-        let edges = &self.features;
-        let ratio = |f: fn(&FeatureEdges) -> Option<f64>, reason: &str| match edges {
+        let diagonals = ScoreUnit::Diagonals;
+        vec![
+            entry("displacement_rms", "matching vertices, RMS", diagonals, length(|m| m.rms)),
+            entry("displacement_max", "matching vertices, largest", diagonals, length(|m| m.max)),
+            entry("psnr", "peak signal to noise", ScoreUnit::Decibels, psnr),
+        ]
+    }
+
+    fn drift_entries(&self) -> Vec<Score> {
+        let entry = |name, label, change, reason| Score {
+            name,
+            label,
+            unit: ScoreUnit::Relative,
+            value: some(change, reason),
+        };
+        let no_volume = "not closed and consistently oriented, or the reference has no volume";
+        let Drift { volume, area, edge_length, .. } = self.drift;
+        vec![
+            entry("volume_drift", "change of volume", volume, no_volume),
+            entry("area_drift", "change of area", area, "the reference has no area"),
+            entry(
+                "edge_length_drift",
+                "change of mean edge length",
+                edge_length,
+                "the reference has no edges",
+            ),
+        ]
+    }
+
+    fn defect_entries(&self) -> Vec<Score> {
+        let count = |name, label, value| Score { name, label, unit: ScoreUnit::Count, value };
+        let relative = |name, label, value| Score { name, label, unit: ScoreUnit::Relative, value };
+        let ratio = |f: fn(&FeatureEdges) -> Option<f64>, reason: &str| match &self.features {
             Ok(edges) => some(f(edges), reason),
             Err(error) => Err(error.to_string()),
         };
-        let precision = ratio(FeatureEdges::precision, "the mesh has no sharp edge");
-        add("feature_precision", "sharp edges, precision", Relative, precision);
-        let recall = ratio(FeatureEdges::recall, "the reference has no sharp edge");
-        add("feature_recall", "sharp edges, recall", Relative, recall);
         let curvature = match &self.curvature {
             Ok(error) => some(*error, "the reference is flat"),
             Err(error) => Err(error.to_string()),
         };
-        add("curvature_error", "mean curvature, relative error", Relative, curvature);
-        entries
+        let precision = ratio(FeatureEdges::precision, "the mesh has no sharp edge");
+        let recall = ratio(FeatureEdges::recall, "the reference has no sharp edge");
+        let crossings = Ok(self.self_intersections as f64);
+        vec![
+            count("flipped_faces", "flipped faces", of(&self.flipped_faces, |&n| n as f64)),
+            count("self_intersections", "crossing pairs of faces", crossings),
+            relative("feature_precision", "sharp edges, precision", precision),
+            relative("feature_recall", "sharp edges, recall", recall),
+            relative("curvature_error", "mean curvature, relative error", curvature),
+        ]
     }
+
+    /// A length as a share of the diagonal.
+    fn share(&self, length: f64) -> Result<f64, String> {
+        match length / self.diagonal {
+            share if share.is_finite() => Ok(share),
+            _ => Err("the reference has no extent".to_owned()),
+        }
+    }
+}
+
+/// A number from a part of the scores, or the reason why there is no such part.
+fn of<T>(part: &Result<T, EvaluationError>, f: impl Fn(&T) -> f64) -> Result<f64, String> {
+    part.as_ref().map(f).map_err(ToString::to_string)
+}
+
+fn some(x: Option<f64>, reason: &str) -> Result<f64, String> {
+    x.ok_or_else(|| reason.to_owned())
 }
 
 /// A table of label, value and unit, a line for each score; a dash and the

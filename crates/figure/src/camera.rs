@@ -1,4 +1,4 @@
-//! Where a mesh is looked at from.
+//! Directions of view and cameras.
 
 use std::fmt;
 use std::str::FromStr;
@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use crate::error::RenderError;
 
-/// The direction from which a mesh is looked at.
+/// The direction from which a mesh is seen.
 ///
 /// Written as its name or as its angles (`Display`), `front` or `30,20`, and
 /// read from that (`FromStr`).
@@ -201,7 +201,7 @@ impl Camera {
         })
     }
 
-    /// Where the camera stands, in mesh units.
+    /// The position of the camera, in mesh units.
     pub fn eye(&self) -> [f64; 3] {
         self.eye.to_array()
     }

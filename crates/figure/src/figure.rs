@@ -57,7 +57,7 @@ pub struct Figure {
     pub row_titles: Vec<String>,
     /// Colour bars that hold for all panels, side by side.
     pub bars: Vec<ColorBar>,
-    /// What stands before the caption in bold, such as `Figure 3.`
+    /// The text before the caption, in bold, such as `Figure 3.`
     pub number: String,
     /// The caption below everything.
     pub caption: String,

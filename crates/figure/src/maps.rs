@@ -2,7 +2,7 @@
 
 use crate::color::{from_hue, srgb_from_linear};
 
-/// A way from numbers in [0, 1] to colours.
+/// A map from numbers in [0, 1] to colours.
 ///
 /// Written as its name (`Display`), and read from it (`FromStr`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -1,6 +1,6 @@
-//! Numbers as people read them.
+//! Numbers for people to read.
 
-/// A real minus sign; a hyphen is shorter than the plus it stands beside.
+/// A real minus sign; a hyphen is shorter than a plus.
 const MINUS: char = '\u{2212}';
 
 /// `value` with at most `digits` significant digits and no trailing zeros:

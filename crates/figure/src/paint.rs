@@ -41,7 +41,7 @@ impl Drawing {
 
 struct Canvas {
     map: Pixmap,
-    /// What is seen; everything if there is none.
+    /// The visible part; everything if there is none.
     mask: Option<Mask>,
 }
 

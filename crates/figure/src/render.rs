@@ -52,7 +52,7 @@ impl Default for Wireframe {
     }
 }
 
-/// What stands behind the mesh.
+/// What is behind the mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Background {
     /// Nothing: the picture has an alpha channel.
@@ -80,7 +80,7 @@ pub struct RenderOptions {
     pub shading: Shading,
     /// Lines along the edges, if wanted.
     pub wireframe: Option<Wireframe>,
-    /// What stands behind the mesh.
+    /// What is behind the mesh.
     pub background: Background,
     /// The colour towards which faces seen from behind are tinted, a third of
     /// the way;

@@ -31,7 +31,7 @@ pub enum Limits {
 /// Whether zero is the middle of the range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Center {
-    /// The range is taken as it is.
+    /// The range does not change.
     #[default]
     Free,
     /// The range is widened to lie symmetrically about zero: for signed
@@ -93,7 +93,7 @@ impl ScaleOptions {
         Self { map: ColorMap::Viridis, center: Center::Free, ..Self::SIGNED };
 }
 
-/// Which values a colour stands for.
+/// Which values a colour represents.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scale {
     map: ColorMap,

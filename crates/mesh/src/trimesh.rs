@@ -194,7 +194,7 @@ impl TriMesh {
     }
 }
 
-/// The counts: millions of coordinates in an error message help nobody.
+/// The counts only: an error message cannot show millions of coordinates.
 impl fmt::Debug for TriMesh {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("TriMesh")

@@ -1,6 +1,7 @@
 //! A machined part: sharp edges, fillets, a chamfer, a hole and a curved top.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::ops::Range;
 
 use super::made;
 use super::patch::fill;
@@ -84,73 +85,107 @@ fn top(x: f64) -> f64 {
 /// Unless 0.005 ≤ `spacing` ≤ 0.3.
 pub fn cad_block(spacing: f64) -> TriMesh {
     assert!((0.005..=0.3).contains(&spacing), "spacing {spacing} is not in [0.005, 0.3]");
-    let steps = |length: f64| (length / spacing).round().max(2.0) as u32;
     let outlines = outlines();
-    let borders: Vec<Vec<[f64; 2]>> = outlines
-        .iter()
-        .map(|pieces| {
-            let samples = |&piece: &Piece| {
-                let n = steps(piece.length());
-                (0..n).map(move |i| piece.at(f64::from(i) / f64::from(n)))
-            };
-            pieces.iter().flat_map(samples).collect()
-        })
-        .collect();
-
-    let rim: Vec<[f64; 2]> = borders.concat();
-    let count = rim.len() as u32;
-    let mut positions: Vec<[f64; 3]> = rim.iter().map(|p| [p[0], p[1], 0.0]).collect();
-    positions.extend(rim.iter().map(|p| [p[0], p[1], top(p[0])]));
-    let lid = fill(&borders, spacing);
-    let inner = lid.inner.len() as u32;
-    positions.extend(lid.inner.iter().map(|p| [p[0], p[1], 0.0]));
-    positions.extend(lid.inner.iter().map(|p| [p[0], p[1], top(p[0])]));
-    let lower = |v: u32| if v < count { v } else { v + count };
-    let upper = |v: u32| if v < count { v + count } else { v + count + inner };
-    let mut faces = vec![];
-    faces.extend(lid.faces.iter().map(|f| [f[0], f[2], f[1]].map(lower)));
-    faces.extend(lid.faces.iter().map(|f| f.map(upper)));
-
+    let mut builder = Builder { spacing, rim: 0, positions: vec![], faces: vec![] };
+    let borders = outlines.each_ref().map(|pieces| builder.sampled(pieces));
+    builder.add_lids(&borders);
     // The upright line at the start of each piece.
     let mut first = 0;
     let mut walls = vec![];
     for (pieces, border) in outlines.iter().zip(&borders) {
-        let mut at = 0;
-        let mut uprights = vec![];
-        for &piece in pieces {
-            let [x, y] = piece.at(0.0);
-            let n = steps(top(x));
-            let start = positions.len() as u32;
-            positions.extend((1..n).map(|i| [x, y, top(x) * f64::from(i) / f64::from(n)]));
-            uprights.push((first + at, start..start + n - 1));
-            at += steps(piece.length());
-        }
+        let uprights = builder.add_uprights(pieces, first);
         for (k, &piece) in pieces.iter().enumerate() {
             let next = (k + 1) % pieces.len();
             walls.push((piece, uprights[k].clone(), uprights[next].clone()));
         }
         first += border.len() as u32;
     }
-    for (piece, (from, left), (to, right)) in walls {
-        let (length, n) = (piece.length(), steps(piece.length()));
+    for (piece, left, right) in walls {
+        builder.add_wall(piece, left, right);
+    }
+    made(builder.positions, builder.faces)
+}
+
+/// A vertex of the lower outline, and the vertices between it and the upper
+/// one above it.
+type Upright = (u32, Range<u32>);
+
+/// The block as it grows.
+struct Builder {
+    spacing: f64,
+    /// The number of vertices of the lower outline and hole; the upper ones
+    /// follow in the same order.
+    rim: u32,
+    positions: Vec<[f64; 3]>,
+    faces: Vec<[u32; 3]>,
+}
+
+impl Builder {
+    /// The number of edges along this length.
+    fn steps(&self, length: f64) -> u32 {
+        (length / self.spacing).round().max(2.0) as u32
+    }
+
+    /// The vertices along an outline.
+    fn sampled(&self, pieces: &[Piece]) -> Vec<[f64; 2]> {
+        let samples = |&piece: &Piece| {
+            let n = self.steps(piece.length());
+            (0..n).map(move |i| piece.at(f64::from(i) / f64::from(n)))
+        };
+        pieces.iter().flat_map(samples).collect()
+    }
+
+    /// The bottom and the top, with their rims.
+    fn add_lids(&mut self, borders: &[Vec<[f64; 2]>]) {
+        let rim: Vec<[f64; 2]> = borders.concat();
+        let lid = fill(borders, self.spacing);
+        let (count, inner) = (rim.len() as u32, lid.inner.len() as u32);
+        self.rim = count;
+        for points in [&rim, &lid.inner] {
+            self.positions.extend(points.iter().map(|p| [p[0], p[1], 0.0]));
+            self.positions.extend(points.iter().map(|p| [p[0], p[1], top(p[0])]));
+        }
+        let lower = |v: u32| if v < count { v } else { v + count };
+        let upper = |v: u32| if v < count { v + count } else { v + count + inner };
+        self.faces.extend(lid.faces.iter().map(|f| [f[0], f[2], f[1]].map(lower)));
+        self.faces.extend(lid.faces.iter().map(|f| f.map(upper)));
+    }
+
+    /// The upright lines at the starts of the pieces of an outline whose
+    /// vertices begin at `first`.
+    fn add_uprights(&mut self, pieces: &[Piece], mut first: u32) -> Vec<Upright> {
+        let mut uprights = vec![];
+        for &piece in pieces {
+            let [x, y] = piece.at(0.0);
+            let n = self.steps(top(x));
+            let start = self.positions.len() as u32;
+            self.positions.extend((1..n).map(|i| [x, y, top(x) * f64::from(i) / f64::from(n)]));
+            uprights.push((first, start..start + n - 1));
+            first += self.steps(piece.length());
+        }
+        uprights
+    }
+
+    /// The wall along a piece, between its uprights.
+    fn add_wall(&mut self, piece: Piece, (from, left): Upright, (to, right): Upright) {
+        let (length, n, rim) = (piece.length(), self.steps(piece.length()), self.rim);
         // Counter-clockwise in the unrolled wall: arc length and height.
         let along = |i: u32| length * f64::from(i) / f64::from(n);
         let mut border: Vec<(u32, f64)> = (0..n).map(|i| (from + i, along(i))).collect();
         border.push((to, length));
         border.extend(right.map(|v| (v, length)));
-        border.push((to + count, length));
-        border.extend((0..n).rev().map(|i| (from + count + i, along(i))));
+        border.push((to + rim, length));
+        border.extend((0..n).rev().map(|i| (from + rim + i, along(i))));
         border.extend(left.rev().map(|v| (v, 0.0)));
-        let outline = border.iter().map(|&(v, s)| [s, positions[v as usize][2]]).collect();
-        let wall = fill(&[outline], spacing);
-        let base = positions.len() as u32;
-        positions.extend(wall.inner.iter().map(|&[s, z]| {
+        let outline = border.iter().map(|&(v, s)| [s, self.positions[v as usize][2]]).collect();
+        let wall = fill(&[outline], self.spacing);
+        let base = self.positions.len() as u32;
+        self.positions.extend(wall.inner.iter().map(|&[s, z]| {
             let [x, y] = piece.at(s / length);
             [x, y, z]
         }));
         let known = border.len() as u32;
         let id = |v: u32| if v < known { border[v as usize].0 } else { base + v - known };
-        faces.extend(wall.faces.iter().map(|f| f.map(id)));
+        self.faces.extend(wall.faces.iter().map(|f| f.map(id)));
     }
-    made(positions, faces)
 }

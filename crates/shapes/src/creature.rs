@@ -36,7 +36,7 @@ const LIMBS: [Limb; 12] = [
 /// An upright animal about 1.8 high with head, ears, limbs, fingers, a tail,
 /// a grooved back and wrinkled skin: smooth, closed, genus 0, in nearly equal
 /// triangles of about `2 / resolution`, vertices on the analytic surface. It
-/// stands on y and looks along +z, as scanned figures do.
+/// stands along y and looks along +z, as scanned figures do.
 ///
 /// The field is a smooth union of tapered limbs with waves of small amplitude
 /// added; the surface is its zero set. Numbering follows the grid that found

@@ -28,69 +28,104 @@ pub(super) fn implicit(
     half: f64,
     resolution: usize,
 ) -> TriMesh {
-    let n = resolution;
-    let cell = 2.0 * half / n as f64;
-    let node = |k: usize| k as f64 * cell - half;
-    let at = |i: usize, j: usize, k: usize| (k * (n + 1) + j) * (n + 1) + i;
-    let values: Vec<f64> = (0..(n + 1).pow(3))
-        .into_par_iter()
-        .map(|c| {
-            let [i, j, k] = [c % (n + 1), c / (n + 1) % (n + 1), c / (n + 1).pow(2)];
-            field([node(i), node(j), node(k)])
-        })
-        .collect();
-    let inside = well_composed(&values, n);
-    let mut ids = vec![u32::MAX; inside.len()];
-    let mut positions = vec![];
-    for k in 0..n {
-        for j in 0..n {
-            for i in 0..n {
-                let corners = (0..8)
-                    .filter(|b| inside[at(i + (b & 1), j + (b >> 1 & 1), k + (b >> 2))])
-                    .count();
-                if corners != 0 && corners != 8 {
-                    ids[at(i, j, k)] = positions.len() as u32;
-                    let middle = [i, j, k].map(|t| node(t) + 0.5 * cell);
-                    positions.push(onto(&field, middle, cell));
-                }
+    let grid = Grid { n: resolution, half, cell: 2.0 * half / resolution as f64 };
+    let nodes = (resolution + 1).pow(3);
+    let values: Vec<f64> =
+        (0..nodes).into_par_iter().map(|node| field(grid.point(grid.steps(node)))).collect();
+    let inside = well_composed(&values, resolution);
+    let (ids, positions) = grid.vertices(&inside, &field);
+    let faces = grid.faces(&inside, &ids, &positions);
+    relaxed(&made(positions, faces), &field, grid.cell)
+}
+
+/// A grid of n³ cells over the cube; nodes and cells are numbered x first.
+struct Grid {
+    n: usize,
+    half: f64,
+    cell: f64,
+}
+
+impl Grid {
+    /// The number of the node, or of the cell that begins at it.
+    fn at(&self, [i, j, k]: [usize; 3]) -> usize {
+        (k * (self.n + 1) + j) * (self.n + 1) + i
+    }
+
+    /// The steps to a node along each axis.
+    fn steps(&self, node: usize) -> [usize; 3] {
+        let side = self.n + 1;
+        [node % side, node / side % side, node / side.pow(2)]
+    }
+
+    fn point(&self, steps: [usize; 3]) -> [f64; 3] {
+        steps.map(|k| k as f64 * self.cell - self.half)
+    }
+
+    /// A vertex on the surface for each cell that it passes, and the number of
+    /// the vertex of each cell.
+    fn vertices(
+        &self,
+        inside: &[bool],
+        field: &impl Fn([f64; 3]) -> f64,
+    ) -> (Vec<u32>, Vec<[f64; 3]>) {
+        let mut ids = vec![u32::MAX; inside.len()];
+        let mut positions = vec![];
+        for cell in (0..inside.len()).map(|node| self.steps(node)) {
+            let [i, j, k] = cell;
+            if cell.contains(&self.n) {
+                continue;
+            }
+            let corners = (0..8)
+                .filter(|b| inside[self.at([i + (b & 1), j + (b >> 1 & 1), k + (b >> 2)])])
+                .count();
+            if corners != 0 && corners != 8 {
+                ids[self.at(cell)] = positions.len() as u32;
+                let middle = self.point(cell).map(|x| x + 0.5 * self.cell);
+                positions.push(onto(field, middle, self.cell));
             }
         }
+        (ids, positions)
     }
-    let mut faces = vec![];
-    for k in 1..n {
-        for j in 1..n {
-            for i in 1..n {
-                let here = inside[at(i, j, k)];
-                // The cells around the edge to the next node along each axis,
-                // counter-clockwise seen from that node.
-                let around = [
-                    [[i, j - 1, k - 1], [i, j, k - 1], [i, j, k], [i, j - 1, k]],
-                    [[i - 1, j, k - 1], [i - 1, j, k], [i, j, k], [i, j, k - 1]],
-                    [[i - 1, j - 1, k], [i, j - 1, k], [i, j, k], [i - 1, j, k]],
-                ];
-                let next = [at(i + 1, j, k), at(i, j + 1, k), at(i, j, k + 1)];
-                for axis in 0..3 {
-                    if inside[next[axis]] == here {
-                        continue;
-                    }
-                    let mut q = around[axis].map(|[i, j, k]| ids[at(i, j, k)]);
-                    if !here {
-                        q.reverse();
-                    }
-                    let d = |a: u32, b: u32| distance(positions[a as usize], positions[b as usize]);
-                    let [a, b, c, e] = q;
-                    faces.extend(super::grid::square(q, d(a, c) <= d(b, e)));
+
+    /// A square, cut in two, around each edge of the grid that the surface
+    /// cuts.
+    fn faces(&self, inside: &[bool], ids: &[u32], positions: &[[f64; 3]]) -> Vec<[u32; 3]> {
+        let mut faces = vec![];
+        for node in (0..inside.len()).map(|node| self.steps(node)) {
+            let [i, j, k] = node;
+            if node.contains(&0) || node.contains(&self.n) {
+                continue;
+            }
+            let here = inside[self.at(node)];
+            // The cells around the edge to the next node along each axis,
+            // counter-clockwise seen from that node.
+            let around = [
+                [[i, j - 1, k - 1], [i, j, k - 1], [i, j, k], [i, j - 1, k]],
+                [[i - 1, j, k - 1], [i - 1, j, k], [i, j, k], [i, j, k - 1]],
+                [[i - 1, j - 1, k], [i, j - 1, k], [i, j, k], [i - 1, j, k]],
+            ];
+            let next = [[i + 1, j, k], [i, j + 1, k], [i, j, k + 1]];
+            for axis in 0..3 {
+                if inside[self.at(next[axis])] == here {
+                    continue;
                 }
+                let mut q = around[axis].map(|cell| ids[self.at(cell)]);
+                if !here {
+                    q.reverse();
+                }
+                let d = |a: u32, b: u32| distance(positions[a as usize], positions[b as usize]);
+                let [a, b, c, e] = q;
+                faces.extend(super::grid::square(q, d(a, c) <= d(b, e)));
             }
         }
+        faces
     }
-    relaxed(&made(positions, faces), &field, cell)
 }
 
 /// The nodes where the field is negative, and a few more: no square of the
 /// grid keeps only two opposite corners inside or outside, and no cube only
-/// two opposite ones. Of the nodes in the way the one closest to the surface
-/// is taken in, until there is none.
+/// two opposite ones. Of the nodes that prevent this the one closest to the
+/// surface becomes an inner one, until there is none.
 fn well_composed(values: &[f64], n: usize) -> Vec<bool> {
     let mut inside: Vec<bool> = values.iter().map(|&f| f < 0.0).collect();
     let strides = [1, n + 1, (n + 1) * (n + 1)];

@@ -59,7 +59,7 @@ pub use torus::torus;
 
 use fairing_mesh::TriMesh;
 
-/// A mesh from positions and faces that its maker vouches for.
+/// A mesh from positions and faces that the parameters of a shape guarantee.
 fn made(positions: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> TriMesh {
     match TriMesh::new(positions, faces) {
         Ok(mesh) => mesh,

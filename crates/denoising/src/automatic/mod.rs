@@ -72,7 +72,7 @@ pub struct Automatic {
     /// The estimated noise, of the connected parts with most of it; `None` where
     /// the mesh is too small for one.
     pub noise: Option<NoiseEstimate>,
-    /// What the surface of these parts was taken for.
+    /// The kind of surface that these parts were treated as.
     pub kind: SurfaceKind,
 }
 
@@ -100,12 +100,12 @@ pub struct Automatic {
 ///
 /// Connected parts whose noise differs by more than a factor of four are
 /// denoised apart ([`noisy_parts`]), each group as a mesh of its own: a clean
-/// part stays as it is beside a noisy one, and does not spare it.
+/// part does not change, and does not reduce the smoothing of a noisy one.
 ///
 /// No vertex moves further than 5 σ̂. Isolated vertices stay; borders move with
 /// their faces; nothing is compared across edges with one, three or more faces
 /// or a flip of orientation on bodies with creases. A mesh whose noise level is
-/// undefined or below 10⁻⁷ h comes back as it is. Moves with the mesh under
+/// undefined or below 10⁻⁷ h is returned unchanged. Moves with the mesh under
 /// rotation, translation and scaling, up to rounding.
 ///
 /// # Errors

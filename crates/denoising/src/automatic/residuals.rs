@@ -1,4 +1,4 @@
-//! What is left of the noise once a result is taken away.
+//! The residuals: the input minus a result.
 
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{dot, sub};

@@ -28,7 +28,7 @@ Examples:
 pub(crate) struct Compare {
     /// The mesh to score
     mesh: PathBuf,
-    /// The mesh it is held against
+    /// The mesh to compare it with
     reference: PathBuf,
     /// Print one JSON object: each score with value and unit, or the reason why there is none
     #[arg(long)]

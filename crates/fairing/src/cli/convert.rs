@@ -13,7 +13,7 @@ use super::files::{self, Overwrite};
 
 /// Convert a mesh between OBJ, PLY, OFF and STL
 ///
-/// The endings decide the formats; add .gz for a compressed file. Vertices keep
+/// The file extensions decide the formats; add .gz for a compressed file. Vertices keep
 /// their order, isolated ones included, except in STL, which stores corners and
 /// no vertices. Polygons stay polygons, except in STL, which has triangles only.
 /// What cannot be kept is left out and named.
@@ -31,11 +31,11 @@ pub(crate) struct Convert {
     /// Write PLY and STL as text instead of binary
     #[arg(long)]
     ascii: bool,
-    /// Write PLY's numbers with 32 bits (by default as wide as loses nothing)
+    /// Write PLY's numbers with 32 bits (by default with as many as keep every number exact)
     #[arg(long)]
     single: bool,
-    /// Refuse, instead of reducing or leaving out and saying so, what cannot be
-    /// kept: faces that repeat a corner, properties that the format cannot hold
+    /// Fail if something cannot be kept (faces that repeat a corner, properties that
+    /// the format does not have) instead of leaving it out and naming it
     #[arg(long)]
     strict: bool,
 }

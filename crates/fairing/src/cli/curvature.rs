@@ -70,7 +70,7 @@ impl Curvature {
             return print(list());
         }
         let Some(input) = &self.input else {
-            return Err(Failure::usage("which mesh?"));
+            return Err(Failure::usage("no mesh is given"));
         };
         if let Some(output) = &self.output {
             self.overwrite.check(output)?;
@@ -126,7 +126,7 @@ impl Curvature {
 }
 
 impl Curvature {
-    /// The estimator with the reach that is asked for.
+    /// The estimator with the radius or the rings of the arguments.
     fn estimator(&self) -> Result<Estimator, Failure> {
         let mut estimator = self.estimator;
         if let Some(r) = self.radius
@@ -191,7 +191,7 @@ fn summary(field: &CurvatureField) -> Value {
     Value::Object(entries.collect())
 }
 
-/// The fields of the file with those of the curvature in place of any of the
+/// The fields of the file and those of the curvature, which replace fields of the
 /// same names.
 fn with_curvature(mut fields: VertexFields, field: &CurvatureField) -> VertexFields {
     let flags =

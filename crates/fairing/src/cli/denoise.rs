@@ -19,7 +19,7 @@ Examples:
 /// Remove noise from a mesh and keep its creases
 ///
 /// Needs no parameters: the noise and the kind of surface are estimated from the
-/// mesh. The published methods are there to compare with.
+/// mesh. The published methods are for comparison.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Denoise {
@@ -47,7 +47,7 @@ impl Denoise {
             let kind = match result.kind {
                 SurfaceKind::Creased => "a surface with creases",
                 SurfaceKind::Smooth => "a surface without creases",
-                _ => "nothing to remove",
+                _ => "no noise to remove",
             };
             if let Some(noise) = result.noise {
                 let sigma = number(noise.sigma);

@@ -29,11 +29,11 @@ pub(crate) struct Overwrite {
 }
 
 impl Overwrite {
-    /// Refuses a path that is taken, before any work is done for it.
+    /// Refuses to replace a file, before any work is done for it.
     pub(crate) fn check(&self, path: &Path) -> Result<(), Failure> {
         if !self.force && path.exists() {
             return Err(Failure::output(anyhow::anyhow!(
-                "{} exists; say --force to replace it",
+                "{} exists; add --force to replace it",
                 path.display()
             )));
         }
@@ -42,7 +42,7 @@ impl Overwrite {
 }
 
 impl Output {
-    /// Refuses a path that is taken, before any work is done for it.
+    /// Refuses to replace a file, before any work is done for it.
     pub(crate) fn check(&self) -> Result<(), Failure> {
         self.overwrite.check(&self.path)
     }
@@ -53,7 +53,7 @@ pub(crate) fn read(path: &Path) -> Result<MeshFile, Failure> {
     io::read(path).map_err(Failure::input)
 }
 
-/// Tells what the reader split, reduced, left out or ignored, if anything.
+/// Prints what the reader split, reduced, left out or ignored, if anything.
 pub(crate) fn say_report(context: &Context, path: &Path, report: &ReadReport) {
     let changed = report.polygons > 0 || report.reduced > 0 || report.left_out > 0;
     if changed || !report.notes.is_empty() {
@@ -74,11 +74,11 @@ pub(crate) fn write(
     Ok(())
 }
 
-/// Tells what a format could not hold, if anything.
+/// Prints what a format could not store, if anything.
 pub(crate) fn say_written(context: &Context, path: &Path, report: &WriteReport) {
     if !report.dropped.is_empty() {
         let names = report.dropped.join(", ");
-        context.note(format_args!("{}: {} cannot hold {names}", path.display(), report.format));
+        context.note(format_args!("{}: {} cannot store {names}", path.display(), report.format));
     }
     for note in &report.notes {
         context.note(format_args!("{}: {note}", path.display()));
@@ -91,8 +91,8 @@ pub(crate) fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
         .map_err(|error| Failure::output(anyhow::anyhow!("{}: {error}", path.display())))
 }
 
-/// Writes a mesh whose vertices have moved, with the properties that still
-/// hold: all but normals. What the format cannot hold is left out and named.
+/// Writes a mesh whose vertices have moved, with its properties except normals,
+/// which are no longer right. What the format cannot store is left out and named.
 pub(crate) fn write_moved(
     context: &Context,
     output: &Output,
@@ -103,7 +103,7 @@ pub(crate) fn write_moved(
     write_held(context, &output.path, mesh, &fields)
 }
 
-/// Writes a mesh with the properties that the format can hold, and names the
+/// Writes a mesh with the properties that the format can store, and names the
 /// others.
 pub(crate) fn write_held(
     context: &Context,

@@ -11,7 +11,7 @@ use super::exit::Failure;
 use super::table::{Table, number};
 use super::{Context, print};
 
-/// Say what a mesh is: counts, topology, defects and measures
+/// Describe a mesh: counts, topology, defects and measures
 ///
 /// Lengths, areas and volumes are in the units of the file. Vertices, edges and
 /// faces are numbered from 0. Faces and edges are those of the file; degenerate,

@@ -26,7 +26,7 @@ use clap::{Parser, Subcommand};
 use exit::Failure;
 
 const AFTER_HELP: &str = "\
-Formats: OBJ, PLY, OFF and STL, each also gzip-compressed (.gz); the ending decides.
+Formats: OBJ, PLY, OFF and STL, each also gzip-compressed (.gz); the file extension decides.
 Vertices keep the order of the file, isolated ones included.
 
 Exit codes: 0 done; 1 the work failed; 2 wrong usage; 3 an input cannot be read;
@@ -44,7 +44,7 @@ struct Cli {
     /// Use at most this many threads; results do not depend on it
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
-    /// Say nothing but results and errors
+    /// Print only results and errors
     #[arg(long, short, global = true)]
     quiet: bool,
     #[command(subcommand)]
@@ -66,14 +66,14 @@ enum Verb {
     Completions(completions::Completions),
 }
 
-/// What every verb is told besides its own arguments.
+/// Options that all verbs share.
 struct Context {
-    /// Say nothing but results and errors.
+    /// Print only results and errors.
     quiet: bool,
 }
 
 impl Context {
-    /// Tells the user something on the side, on the error stream.
+    /// Prints a note for the user to the error stream.
     fn note(&self, text: impl std::fmt::Display) {
         if !self.quiet {
             eprintln!("{text}");

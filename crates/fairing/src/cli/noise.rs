@@ -19,7 +19,7 @@ Examples:
 /// Add seeded noise to the positions of a mesh
 ///
 /// The same seed gives the same noise on every machine. Other properties of the
-/// vertices are kept, normals are not, since they no longer fit.
+/// vertices are kept, except normals, which are no longer right.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Noise {
@@ -30,7 +30,7 @@ pub(crate) struct Noise {
     /// Standard deviation (of each moved vertex; for uniform noise the largest shift per axis)
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     sigma: f64,
-    /// What sigma is measured in
+    /// The unit of sigma
     #[arg(long, value_enum, default_value = "edge")]
     unit: Unit,
     /// How vertices are moved
@@ -39,7 +39,7 @@ pub(crate) struct Noise {
     /// The share of vertices that impulsive noise moves
     #[arg(long, value_name = "SHARE", default_value_t = 0.25)]
     share: f64,
-    /// Where the random numbers start
+    /// The seed of the random numbers
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
 }

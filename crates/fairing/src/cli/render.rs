@@ -45,10 +45,10 @@ pub(crate) struct Render {
     /// The values at the two ends of the map
     #[arg(long, value_name = "LOW,HIGH", value_parser = range, allow_hyphen_values = true, requires = "field")]
     range: Option<(f64, f64)>,
-    /// Spread the values so that each colour covers as many as any other
+    /// Spread the values so that each colour covers equally many
     #[arg(long, requires = "field")]
     equalize: bool,
-    /// Where to look from: front, back, left, right, top, bottom, three-quarter,
+    /// The direction of view: front, back, left, right, top, bottom, three-quarter,
     /// behind, or AZIMUTH,ELEVATION in degrees
     #[arg(long, value_name = "VIEW", default_value = "three-quarter", allow_hyphen_values = true)]
     view: Viewpoint,

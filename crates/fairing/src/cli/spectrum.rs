@@ -24,8 +24,9 @@ Read the modes in Python: numpy.load(\"modes.npz\")[\"modes\"]";
 
 /// Compute the smallest eigenvalues and modes of the Laplace-Beltrami operator
 ///
-/// Solves S u = w M u with the cotangent stiffness S; where a face is too thin for
-/// cotangents, with that of the intrinsic Delaunay triangulation, and says so. Eigenvalues are in one over the squared unit of the file. Each pair comes with its
+/// Solves S u = w M u with the cotangent stiffness S. Where a face is too thin for
+/// cotangents, S is that of the intrinsic Delaunay triangulation, and a note says so.
+/// Eigenvalues are in one over the squared unit of the file. Each pair comes with its
 /// residual in the inverse mass norm: within 1e-8 of the largest eigenvalue, or what rounding
 /// leaves where masses or weights differ too much for that; a warning says where one is above 1e-8
 /// of its own eigenvalue. Certified means that a count by inertia proves that none was missed. Where K splits a cluster of equal or nearly equal eigenvalues, a
@@ -117,7 +118,7 @@ pub(crate) struct Kind {
     /// The mass matrix
     #[arg(long, value_enum, default_value_t = MassName::Barycentric)]
     mass: MassName,
-    /// What holds at the boundary: neumann leaves it free, dirichlet holds it at zero
+    /// The condition at the boundary: neumann leaves it free, dirichlet fixes it at zero
     #[arg(long, value_enum, default_value_t = BoundaryName::Neumann)]
     boundary: BoundaryName,
 }

@@ -65,7 +65,7 @@ impl Range {
         Ok(match scale {
             AxisScale::Linear => {
                 let span = high - low;
-                // A single value stands in the middle of an axis of its size.
+                // A single value is in the middle of an axis of its size.
                 let air = if span > 0.0 { 0.05 * span } else { low.abs().max(1.0) * 0.5 };
                 Self { low: low - air, high: high + air, scale }
             }

@@ -1,4 +1,4 @@
-//! What is plotted.
+//! The data of plots.
 
 use super::PlotError;
 use super::axis::AxisScale;
@@ -43,7 +43,7 @@ pub enum Shape {
         /// Where it begins and ends.
         span: [f64; 2],
     },
-    /// A grey dashed line through points: what the others are held against.
+    /// A grey dashed line through points: a reference for the others.
     Reference(Vec<[f64; 2]>),
     /// A grey horizontal line at a value, over the whole width.
     Level(f64),

@@ -48,7 +48,7 @@ pub enum ReadProblem {
     /// The operating system cannot read it.
     #[error("cannot be read: {0}")]
     Io(#[from] io::Error),
-    /// The file has no content, or nothing but blanks and comments.
+    /// The file has no content, or nothing but white space and comments.
     #[error("the file is empty")]
     Empty,
     /// A sound file without a single vertex.
@@ -68,10 +68,10 @@ pub enum ReadProblem {
         /// How the content begins.
         found: String,
     },
-    /// Something else stands where the format asks for something.
+    /// The format requires something else here.
     #[error("expected {expected}, found {found}")]
     Unexpected {
-        /// What the format asks for.
+        /// What the format requires.
         expected: String,
         /// What is there.
         found: String,
@@ -219,7 +219,7 @@ pub enum WriteProblem {
         /// The value.
         value: f64,
     },
-    /// The name of a field is empty, contains blanks, or would be read back as
+    /// The name of a field is empty, contains white space, or would be read back as
     /// something else.
     #[error("field name {name:?}: {reason}")]
     FieldName {

@@ -4,7 +4,7 @@
 //! go from text to `f64` with correct rounding. Content and file extension decide the
 //! format together: a file of another kind than its name says is an error.
 //!
-//! What is kept, and what becomes of the rest:
+//! What is kept, and how the rest is treated:
 //!
 //! - Polygons are split by [`PolygonMesh::triangulate`]; the
 //!   [report](ReadReport) counts them. [`read_polygons`] keeps them.
@@ -153,8 +153,8 @@ pub fn read_polygons_with(
     load(path).and_then(parse).map_err(|fault| fault.in_file(path))
 }
 
-/// Reads a triangle mesh from the bytes of a file; `name` is only looked at
-/// for its extension and for error messages, and may be empty.
+/// Reads a triangle mesh from the bytes of a file. Of `name`, which may be
+/// empty, the extension is used, and error messages contain it.
 ///
 /// # Errors
 ///

@@ -62,8 +62,8 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {
     };
     let vertex_count = cursor.count("the number of vertices")?;
     let face_count = cursor.count("the number of faces")?;
-    // Some writers leave out the number of edges, which nobody uses: it stands
-    // on the line of the faces or has one of its own.
+    // Some writers leave out the number of edges, which is not used. It is on
+    // the line of the faces or on its own.
     let mut ahead = cursor.clone();
     if cursor.more_on_line() || (ahead.token().is_some() && !ahead.more_on_line()) {
         cursor.count("the number of edges")?;
@@ -76,6 +76,69 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {
     Ok(parsed)
 }
 
+/// The contents of the lines of vertices.
+#[derive(Default)]
+struct VertexLines {
+    positions: Vec<[f64; 3]>,
+    normals: Vec<[f64; 3]>,
+    colors: Vec<[f64; 3]>,
+    largest_alpha: f64,
+    /// Lines with more numbers than the keyword says.
+    extra: usize,
+}
+
+impl VertexLines {
+    fn parse(&mut self, cursor: &mut Cursor<'_>, prefixes: Prefixes) -> Result<(), Fault> {
+        let line = cursor.clone();
+        let position = triple(cursor, "a coordinate")?;
+        check_finite(&position, self.positions.len()).map_err(|problem| line.fault(problem))?;
+        self.positions.push(position);
+        if prefixes.normal {
+            self.normals.push(triple(cursor, "a component of the normal")?);
+        }
+        if prefixes.color {
+            // Three or four numbers, then perhaps two of texture.
+            let (mut values, mut found) = ([0.0; 4], 0);
+            while found < 4 && cursor.more_on_line() {
+                values[found] = cursor.float("a colour")?;
+                found += 1;
+            }
+            if found < 3 {
+                return Err(cursor.fault(unexpected("three or four colours", cursor.found())));
+            }
+            self.colors.push([values[0], values[1], values[2]]);
+            self.largest_alpha = self.largest_alpha.max(values[3]);
+        }
+        if cursor.more_on_line() {
+            self.extra += usize::from(!prefixes.texture);
+            cursor.skip_line();
+        }
+        Ok(())
+    }
+
+    fn finish(self, prefixes: Prefixes, parsed: &mut Parsed) {
+        if self.extra > 0 {
+            let extra = self.extra;
+            let doubt = format!("{extra} vertex lines have more numbers than the keyword says");
+            parsed.doubts.push(doubt);
+        }
+        if prefixes.texture {
+            parsed.notes.push("texture coordinates are ignored".to_owned());
+        }
+        if prefixes.color {
+            match bytes_of_colors(&self.colors, self.largest_alpha) {
+                Some(colors) => parsed.fields.colors = Some(colors),
+                None => parsed.doubts.push("vertex colours are out of range: left out".to_owned()),
+            }
+        }
+        if prefixes.normal {
+            let fields = std::mem::take(&mut parsed.fields);
+            parsed.fields = VertexFields::with_vector(fields, "normal", self.normals);
+        }
+        parsed.positions = self.positions;
+    }
+}
+
 fn parse_vertices(
     cursor: &mut Cursor<'_>,
     count: u64,
@@ -85,59 +148,15 @@ fn parse_vertices(
     // A vertex takes six bytes or more: a count that lies reserves no more
     // than the file could fill.
     let room = (cursor.remaining() / 6).min(usize::try_from(count).unwrap_or(usize::MAX));
-    let mut positions = Vec::with_capacity(room);
-    let mut normals = Vec::new();
-    let mut colors = Vec::new();
-    let mut largest_alpha = 0.0_f64;
-    let mut extra = 0usize;
-    while (positions.len() as u64) < count {
-        let vertex = positions.len();
+    let mut lines = VertexLines { positions: Vec::with_capacity(room), ..Default::default() };
+    while (lines.positions.len() as u64) < count {
         if !cursor.more() {
-            let expected = format!("{count} vertices");
-            return Err(cursor.fault(unexpected(expected, format!("{vertex} and then the end"))));
+            let found = format!("{} and then the end", lines.positions.len());
+            return Err(cursor.fault(unexpected(format!("{count} vertices"), found)));
         }
-        let line = cursor.clone();
-        let position = triple(cursor, "a coordinate")?;
-        check_finite(&position, vertex).map_err(|problem| line.fault(problem))?;
-        positions.push(position);
-        if prefixes.normal {
-            normals.push(triple(cursor, "a component of the normal")?);
-        }
-        if prefixes.color {
-            // Three or four numbers, then perhaps two of texture.
-            let mut values = Vec::with_capacity(4);
-            while values.len() < 4 && cursor.more_on_line() {
-                values.push(cursor.float("a colour")?);
-            }
-            if values.len() < 3 {
-                return Err(cursor.fault(unexpected("three or four colours", cursor.found())));
-            }
-            colors.push([values[0], values[1], values[2]]);
-            largest_alpha = largest_alpha.max(values.get(3).copied().unwrap_or(0.0));
-        }
-        if cursor.more_on_line() {
-            extra += usize::from(!prefixes.texture);
-            cursor.skip_line();
-        }
+        lines.parse(cursor, prefixes)?;
     }
-    if extra > 0 {
-        let doubt = format!("{extra} vertex lines have more numbers than the keyword says");
-        parsed.doubts.push(doubt);
-    }
-    if prefixes.texture {
-        parsed.notes.push("texture coordinates are ignored".to_owned());
-    }
-    if prefixes.color {
-        match bytes_of_colors(&colors, largest_alpha) {
-            Some(colors) => parsed.fields.colors = Some(colors),
-            None => parsed.doubts.push("vertex colours are out of range: left out".to_owned()),
-        }
-    }
-    if prefixes.normal {
-        let fields = std::mem::take(&mut parsed.fields);
-        parsed.fields = VertexFields::with_vector(fields, "normal", normals);
-    }
-    parsed.positions = positions;
+    lines.finish(prefixes, parsed);
     Ok(())
 }
 

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use crate::io::error::{Fault, ReadProblem, unexpected};
 use crate::io::number::{self, is_delimiter};
 
-/// The text, with `\n` where a lone `\r` ends the lines. (`\r\n` stays: `\r` counts as a blank.)
+/// The text, with `\n` where a lone `\r` ends the lines. (`\r\n` stays: `\r` counts as white space.)
 pub(crate) fn normalized(bytes: &[u8]) -> Cow<'_, [u8]> {
     let first = bytes.iter().position(|&b| b == b'\n' || b == b'\r');
     let lone = first.is_some_and(|at| bytes[at] == b'\r' && bytes.get(at + 1) != Some(&b'\n'));
@@ -16,7 +16,7 @@ pub(crate) fn normalized(bytes: &[u8]) -> Cow<'_, [u8]> {
     }
 }
 
-/// Reads tokens in order; blanks separate them, `comment` (if any) runs to
+/// Reads tokens in order; white space separates them, `comment` (if any) runs to
 /// the end of its line.
 #[derive(Clone)]
 pub(crate) struct Cursor<'a> {
@@ -90,7 +90,7 @@ impl<'a> Cursor<'a> {
         Some(token)
     }
 
-    /// What stands under the cursor, for an error message.
+    /// The word under the cursor, for an error message.
     pub(crate) fn found(&self) -> String {
         match self.text.get(self.at) {
             None => "the end of the file".to_owned(),
@@ -135,7 +135,7 @@ impl<'a> Cursor<'a> {
         })
     }
 
-    /// Fails unless nothing but blanks and comments is left.
+    /// Fails if more than white space and comments is left.
     pub(crate) fn expect_end(&mut self, after: &str) -> Result<(), Fault> {
         if self.more() {
             let expected = format!("the end of the file after {after}");

@@ -23,7 +23,7 @@ pub(super) struct Chunk {
     pub(super) largest: i64,
     pub(super) smallest: i64,
     pub(super) counts: Counts,
-    /// The first problem, and the byte it stands at.
+    /// The first problem, and its byte.
     pub(super) fault: Option<(usize, ReadProblem)>,
 }
 
@@ -76,7 +76,7 @@ impl Counts {
     }
 }
 
-/// A problem and the byte it stands at.
+/// A problem and its byte.
 type Stop = (usize, ReadProblem);
 
 impl Chunk {
@@ -211,7 +211,7 @@ impl Chunk {
             }
             at = if text.get(end) == Some(&b'/') { skip_attributes(text, end)? } else { end };
             if !ends(text, at) && !is_delimiter(text[at]) && skip_blanks(text, at) == at {
-                return Err((at, unexpected("a blank after an index", word(text, at))));
+                return Err((at, unexpected("white space after an index", word(text, at))));
             }
         }
         match corners[..] {
@@ -278,7 +278,7 @@ fn plain_triangle(text: &[u8], at: usize) -> Option<([u32; 3], usize)> {
     Some((triangle, text.len() - rest.len()))
 }
 
-/// A number that ends at a blank, a comment or a continuation.
+/// A number that ends at white space, a comment or a continuation.
 #[inline]
 fn float(text: &[u8], at: usize, what: &str) -> Result<(f64, usize), Stop> {
     match number::float(text, at) {
@@ -314,7 +314,7 @@ fn skip_attributes(text: &[u8], mut at: usize) -> Result<usize, Stop> {
     Ok(at)
 }
 
-/// What stands at a place, for an error message.
+/// The word at a place, for an error message.
 fn word(text: &[u8], at: usize) -> String {
     match text.get(at) {
         None => "the end of the file".to_owned(),

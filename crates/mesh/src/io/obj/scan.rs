@@ -54,7 +54,7 @@ pub(super) fn is_keyword(word: &[u8]) -> bool {
     KEYWORDS.contains(&word)
 }
 
-/// Moves over blanks and continued line ends (`\` before the end of a line).
+/// Moves over white space and continued line ends (`\` before the end of a line).
 #[inline]
 pub(super) fn skip_blanks(text: &[u8], mut at: usize) -> usize {
     loop {

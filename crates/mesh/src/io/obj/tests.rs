@@ -144,8 +144,8 @@ fn errors_name_the_line() {
         ("v 0 0 0\nf 1 1 0\n", "line 2: expected an index from 1 to 2^32 - 1, found 0"),
         ("v 0 0 0\nf # 1\n", "line 2: expected the corners of a face, found none"),
         ("v 0 0 0\nf 1 x 1\n", "line 2: expected the index of a vertex, found \"x\""),
-        ("v 0 0 0\nf 1.5 1 1\n", "line 2: expected a blank after an index, found \".5\""),
-        ("v 0 0 0\nf 1/2/3/4 1 1\n", "line 2: expected a blank after an index"),
+        ("v 0 0 0\nf 1.5 1 1\n", "line 2: expected white space after an index, found \".5\""),
+        ("v 0 0 0\nf 1/2/3/4 1 1\n", "line 2: expected white space after an index"),
         (
             "v 0 0 0\n\nf 1 1 1\nf 1 1 2\n",
             "line 4: face 1 names vertex 1 (counted from 0), but there are 1 vertices",

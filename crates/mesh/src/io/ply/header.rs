@@ -159,67 +159,75 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Header, Fault> {
         let keyword = words.next().unwrap_or(b"");
         let words: Vec<&[u8]> = words.collect();
         let found = || shown(line.trim_ascii());
-        match (keyword, &words[..]) {
-            (b"comment" | b"obj_info" | b"", _) => {}
-            (b"format", [name, version]) => {
-                let encoding = match *name {
-                    b"ascii" => Body::Ascii,
-                    b"binary_little_endian" => Body::LittleEndian,
-                    b"binary_big_endian" => Body::BigEndian,
-                    _ => {
-                        let expected = "ascii, binary_little_endian or binary_big_endian";
-                        return Err(lines.fault(unexpected(expected, shown(name))));
-                    }
-                };
-                if *version != b"1.0" {
-                    return Err(lines.fault(unexpected("version 1.0", shown(version))));
-                }
-                body = Some(encoding);
-            }
-            (b"element", [name, count]) => {
-                let name = String::from_utf8_lossy(name).into_owned();
-                let parsed = std::str::from_utf8(count).ok().and_then(|c| c.parse().ok());
-                let Some(count) = parsed else {
-                    let expected = format!("the number of {name} elements");
-                    return Err(lines.fault(unexpected(expected, shown(count))));
-                };
-                if elements.iter().any(|element| element.name == name) {
-                    let expected = "elements of different names";
-                    return Err(lines.fault(unexpected(expected, format!("a second {name}"))));
-                }
-                if elements.len() >= MOST_NAMES {
-                    let expected = format!("at most {MOST_NAMES} elements");
-                    return Err(lines.fault(unexpected(expected, "more")));
-                }
-                elements.push(Element { name, count, properties: Vec::new() });
-            }
-            (b"property", words) => {
-                let property = property(words).ok_or_else(|| {
-                    let expected = "property TYPE NAME or property list TYPE TYPE NAME";
-                    lines.fault(unexpected(expected, found()))
-                })?;
-                let Some(element) = elements.last_mut() else {
-                    return Err(lines.fault(unexpected("an element before a property", found())));
-                };
-                if element.position_of(&[&property.name]).is_some() {
-                    let expected = "properties of different names";
-                    let found = format!("a second {}", property.name);
-                    return Err(lines.fault(unexpected(expected, found)));
-                }
-                if element.properties.len() >= MOST_NAMES {
-                    let expected = format!("at most {MOST_NAMES} properties");
-                    return Err(lines.fault(unexpected(expected, "more")));
-                }
-                element.properties.push(property);
-            }
+        let statement = match (keyword, &words[..]) {
+            (b"comment" | b"obj_info" | b"", _) => Ok(()),
+            (b"format", [name, version]) => format(name, version).map(|found| body = Some(found)),
+            (b"element", [name, count]) => add_element(&mut elements, name, count),
+            (b"property", words) => add_property(&mut elements, words, found),
             (b"end_header", []) => break,
-            _ => return Err(lines.fault(unexpected("a statement of a PLY header", found()))),
-        }
+            _ => Err(unexpected("a statement of a PLY header", found())),
+        };
+        statement.map_err(|problem| lines.fault(problem))?;
     }
     match body {
         Some(body) => Ok(Header { body, elements, length: lines.at, lines: lines.number }),
         None => Err(lines.fault(unexpected("a format before end_header", "none"))),
     }
+}
+
+fn format(name: &[u8], version: &[u8]) -> Result<Body, ReadProblem> {
+    let body = match name {
+        b"ascii" => Body::Ascii,
+        b"binary_little_endian" => Body::LittleEndian,
+        b"binary_big_endian" => Body::BigEndian,
+        _ => {
+            let expected = "ascii, binary_little_endian or binary_big_endian";
+            return Err(unexpected(expected, shown(name)));
+        }
+    };
+    match version {
+        b"1.0" => Ok(body),
+        _ => Err(unexpected("version 1.0", shown(version))),
+    }
+}
+
+fn add_element(elements: &mut Vec<Element>, name: &[u8], count: &[u8]) -> Result<(), ReadProblem> {
+    let name = String::from_utf8_lossy(name).into_owned();
+    let parsed = std::str::from_utf8(count).ok().and_then(|c| c.parse().ok());
+    let Some(count) = parsed else {
+        let expected = format!("the number of {name} elements");
+        return Err(unexpected(expected, shown(count)));
+    };
+    if elements.iter().any(|element| element.name == name) {
+        return Err(unexpected("elements of different names", format!("a second {name}")));
+    }
+    if elements.len() >= MOST_NAMES {
+        return Err(unexpected(format!("at most {MOST_NAMES} elements"), "more"));
+    }
+    elements.push(Element { name, count, properties: Vec::new() });
+    Ok(())
+}
+
+/// Adds a property to the last element; `found` is the line in messages.
+fn add_property(
+    elements: &mut [Element],
+    words: &[&[u8]],
+    found: impl Fn() -> String,
+) -> Result<(), ReadProblem> {
+    let property = property(words)
+        .ok_or_else(|| unexpected("property TYPE NAME or property list TYPE TYPE NAME", found()))?;
+    let Some(element) = elements.last_mut() else {
+        return Err(unexpected("an element before a property", found()));
+    };
+    if element.position_of(&[&property.name]).is_some() {
+        let found = format!("a second {}", property.name);
+        return Err(unexpected("properties of different names", found));
+    }
+    if element.properties.len() >= MOST_NAMES {
+        return Err(unexpected(format!("at most {MOST_NAMES} properties"), "more"));
+    }
+    element.properties.push(property);
+    Ok(())
 }
 
 fn property(words: &[&[u8]]) -> Option<Property> {

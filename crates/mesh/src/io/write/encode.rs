@@ -7,7 +7,7 @@ use crate::io::error::WriteProblem;
 use crate::io::write::{WriteReport, fields, obj, off, ply, stl};
 use crate::io::{Format, UnheldFields, VertexFields, WriteOptions};
 
-/// What is to be written.
+/// A mesh to write, with its fields.
 #[derive(Clone, Copy)]
 pub(super) struct Surface<'a> {
     pub(super) positions: &'a [[f64; 3]],
@@ -61,7 +61,7 @@ pub(super) fn encode(
     Ok((pieces, WriteReport { format, bytes, dropped: unheld, notes }))
 }
 
-/// Text of many lines, `per_line` bytes each by a guess, made in parallel; the
+/// Text of many lines of about `per_line` bytes each, made in parallel; the
 /// result does not depend on the number of threads.
 pub(super) fn lines(
     count: usize,

@@ -60,7 +60,7 @@ fn check_names(fields: &VertexFields) -> Result<(), WriteProblem> {
     for name in own.chain(fields.vectors.iter().map(|(name, _)| name)) {
         if name.is_empty() || name.bytes().any(|b| b.is_ascii_whitespace() || b.is_ascii_control())
         {
-            return bad(name, "empty, or with blanks or control characters");
+            return bad(name, "empty, or with white space or control characters");
         }
     }
     let mut sorted: Vec<&String> = names.iter().collect();

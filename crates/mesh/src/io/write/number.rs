@@ -27,7 +27,7 @@ pub(super) fn integer(text: &mut Vec<u8>, mut n: u64) {
     text.extend_from_slice(&digits[at..]);
 }
 
-/// Appends three numbers with a blank before each.
+/// Appends three numbers with a space before each.
 pub(super) fn triple(text: &mut Vec<u8>, numbers: [f64; 3]) {
     for x in numbers {
         text.push(b' ');
