@@ -108,6 +108,7 @@ void main() {
   if (!gl) return null;
 
   let programs = null;
+  let quick = null; // the buffer of pictures that move
   let generation = 0; // counts lost contexts: what was uploaded before is gone
   canvas.addEventListener('webglcontextlost', (e) => {
     e.preventDefault();
@@ -235,7 +236,7 @@ void main() {
   function coarse(mesh, points) {
     if (mesh.faces.length <= 3 * COARSE) return mesh.faces;
     mesh.coarseFaces ??= (() => {
-      const cells = Math.sqrt(COARSE / 10);
+      const cells = Math.sqrt(COARSE / 16);
       const known = new Map();
       const stand = new Uint32Array(mesh.vertices);
       for (let v = 0; v < mesh.vertices; v++) {
@@ -254,9 +255,48 @@ void main() {
     return mesh.coarseFaces;
   }
 
-  function clear(width, height) {
-    if (canvas.width < width) canvas.width = width;
-    if (canvas.height < height) canvas.height = height;
+  /**
+   * Draws into a buffer without smoothing of edges, which is read back in one
+   * small piece: several times faster in software than copying the canvas.
+   */
+  function quickly(width, height) {
+    if (quick?.generation !== generation || quick.width !== width || quick.height !== height) {
+      if (quick?.generation === generation) {
+        gl.deleteFramebuffer(quick.buffer);
+        quick.parts.forEach((part) => gl.deleteRenderbuffer(part));
+      }
+      const buffer = gl.createFramebuffer();
+      gl.bindFramebuffer(gl.FRAMEBUFFER, buffer);
+      const parts = [[gl.RGBA8, gl.COLOR_ATTACHMENT0], [gl.DEPTH_COMPONENT16, gl.DEPTH_ATTACHMENT]].map(([kind, place]) => {
+        const made = gl.createRenderbuffer();
+        gl.bindRenderbuffer(gl.RENDERBUFFER, made);
+        gl.renderbufferStorage(gl.RENDERBUFFER, kind, width, height);
+        gl.framebufferRenderbuffer(gl.FRAMEBUFFER, place, gl.RENDERBUFFER, made);
+        return made;
+      });
+      const small = document.createElement('canvas');
+      [small.width, small.height] = [width, height];
+      quick = {buffer, parts, width, height, generation, small, image: new ImageData(width, height)};
+    }
+    gl.bindFramebuffer(gl.FRAMEBUFFER, quick.buffer);
+  }
+
+  function copyQuickly(target, width, height) {
+    const {small, image} = quick;
+    gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(image.data.buffer));
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    small.getContext('2d').putImageData(image, 0, 0);
+    // The first row is the lowest.
+    const {width: w, height: h} = target.canvas;
+    target.save();
+    target.scale(1, -1);
+    target.drawImage(small, 0, -h, w, h);
+    target.restore();
+  }
+
+  function clear(width, height, grow = true) {
+    if (grow && canvas.width < width) canvas.width = width;
+    if (grow && canvas.height < height) canvas.height = height;
     gl.viewport(0, 0, width, height);
     gl.enable(gl.SCISSOR_TEST);
     gl.scissor(0, 0, width, height);
@@ -278,7 +318,9 @@ void main() {
     if (!width || !height || gl.isContextLost()) return;
     const scene = {...whole, coarse: part < 1, pixel: part * whole.pixel, wire: whole.wire && part === 1};
     prepare();
-    clear(width, height);
+    const moving = part < 1;
+    if (moving) quickly(width, height);
+    clear(width, height, !moving);
     const shader = programs.shade;
     gl.useProgram(shader.made);
     const map = resident(scene.mesh, 'map', scene.lookup, () => {
@@ -301,6 +343,10 @@ void main() {
     gl.uniform1f(shader.place('uPixel'), scene.pixel);
     run(shader, scene, width, height, scene.wire);
     target.clearRect(0, 0, seenWidth, seenHeight);
+    if (moving) {
+      copyQuickly(target, width, height);
+      return;
+    }
     target.drawImage(canvas, 0, canvas.height - height, width, height, 0, 0, seenWidth, seenHeight);
   }
 

@@ -177,12 +177,13 @@ const FRAMES: &str = "() => {
   return [least(1), least(0.5)];
 }";
 
-/// A frame of a moving picture takes 33 ms at most, in software.
+/// Of the time of a picture at rest, a moving one takes half at most, on any machine: a quarter of the pixels, a third of
+/// the faces, and no smoothing of edges.
 fn fast(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page)?;
     let found = chrome.run(&format!("({FRAMES})()"))?;
     let [rest, moving] = [0, 1].map(|k| found[k].as_f64().unwrap_or(f64::INFINITY));
     eprintln!("a frame takes {moving:.1} ms while it moves, {rest:.1} ms at rest");
-    ensure!(moving <= 33.0, "a moving frame takes {moving} ms, one at rest {rest} ms");
+    ensure!(moving < 0.5 * rest, "a moving frame takes {moving} ms, one at rest {rest} ms");
     Ok(())
 }

@@ -80,7 +80,7 @@ fn open() -> View {
     let border: Vec<u32> =
         (0..flower.vertex_count() as u32).filter(|&v| topology.is_boundary_vertex(v)).collect();
     let values: Vec<f64> = flower.positions().iter().map(|p| p[0] * p[2]).collect();
-    let few: Vec<f64> = (0..values.len()).map(|v| FEW[v * v % 3]).collect();
+    let few: Vec<f64> = (0..values.len()).map(|v| FEW[v % 3]).collect();
     let panel = Panel::still("flower", &flower)
         .with_field("xz", "", true, &values)
         .undefined_at(border.iter().copied())

@@ -197,7 +197,7 @@ fn weyl_table() -> Table {
 /// The meshes by their names: those of the assignment are named after what they are, stand-ins too.
 fn meshes(context: &Context<'_>) -> Result<[(&'static str, TriMesh); 3]> {
     let named = |input, real, stand_in| if context.is_stand_in(input) { stand_in } else { real };
-    let small = named(Input::Armadillo, "armadillo", "creature");
+    let small = named(Input::Armadillo, "armadillo", "coarse bumpy ball");
     // A quick run is to be quick.
     let (large, mesh) = match context.is_quick() {
         true => ("large creature", shapes::creature(64)),
