@@ -11,6 +11,7 @@ pub use fairing_shapes as shapes;
 pub use fairing_smoothing as smoothing;
 pub use fairing_sparse as sparse;
 pub use fairing_spectral as spectral;
+pub use fairing_watch as watch;
 
 /// The examples of the README, compiled and run with the tests.
 #[cfg(doctest)]
