@@ -39,3 +39,4 @@ pub use fairing_shapes as shapes;
 pub use fairing_smoothing as smoothing;
 pub use fairing_sparse as sparse;
 pub use fairing_spectral as spectral;
+pub use fairing_watch as watch;
