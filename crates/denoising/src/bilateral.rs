@@ -57,7 +57,9 @@ fn filter(mesh: &TriMesh, options: &BilateralOptions) -> Result<TriMesh, Denoise
     positive("spatial", options.spatial)?;
     positive("range", options.range)?;
     let mut current = mesh.clone();
+    fairing_watch::stage("rounds", options.iterations as u64);
     for _ in 0..options.iterations {
+        fairing_watch::advance(1);
         let spatial = options.spatial * current.mean_edge_length();
         let positions = (0..current.vertex_count() as u32)
             .into_par_iter()

@@ -62,7 +62,9 @@ fn filter(mesh: &TriMesh, options: &BilateralNormalOptions) -> Result<TriMesh, D
     positive("range", options.range)?;
     let weights = Weights::new(mesh, options.spatial, options.range);
     let mut normals = weights.shapes.normals.clone();
+    fairing_watch::stage("rounds", options.iterations as u64);
     for _ in 0..options.iterations {
+        fairing_watch::advance(1);
         normals = (0..normals.len())
             .into_par_iter()
             .map(|f| {

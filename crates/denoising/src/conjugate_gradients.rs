@@ -34,6 +34,7 @@ pub(crate) fn conjugate_gradients(
         r.par_iter().with_min_len(VECTORS).zip(diagonal).map(|(r, d)| scale(*r, 1.0 / d)).collect();
     let mut rz = inner(&r, &p);
     for _ in 0..max_iterations {
+        fairing_watch::check();
         if inner(&r, &r).sqrt() <= tolerance * b_norm {
             break;
         }

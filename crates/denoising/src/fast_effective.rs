@@ -61,7 +61,9 @@ fn filter(mesh: &TriMesh, options: &FastEffectiveOptions) -> Result<TriMesh, Den
     }
     let rings = FaceLists::rings(mesh);
     let mut normals = FaceShapes::new(mesh).normals;
+    fairing_watch::stage("rounds", options.iterations as u64);
     for _ in 0..options.iterations {
+        fairing_watch::advance(1);
         normals = (0..normals.len())
             .into_par_iter()
             .map(|f| {

@@ -76,7 +76,9 @@ fn filter(mesh: &TriMesh, options: &GuidedNormalOptions) -> Result<TriMesh, Deno
     let near = FaceLists::within(&rings, &shapes.centroids, options.radius * unit);
     let update = VertexUpdate { steps: options.vertex_steps, limit: None };
     let mut current = mesh.clone();
+    fairing_watch::stage("rounds", options.iterations as u64);
     for _ in 0..options.iterations {
+        fairing_watch::advance(1);
         let shapes = FaceShapes::new(&current);
         let guidance = guidance(&hinges, &rings, &shapes);
         let unit = mean_centroid_distance(&hinges, &shapes.centroids);

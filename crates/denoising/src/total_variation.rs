@@ -73,9 +73,12 @@ fn filter(mesh: &TriMesh, options: &TotalVariationOptions) -> Result<TriMesh, De
     let mut normals = noisy.clone();
     // Scaled dual variables, one per hinge.
     let mut dual = vec![[0.0; 3]; edges];
+    fairing_watch::stage("steps", options.iterations as u64);
     for step in 0..options.iterations {
         let shrunk = problem.shrink(&normals, &dual);
         let target: Vec<[f64; 3]> = (0..edges)
+        fairing_watch::advance(1);
+        let shrunk: Vec<[f64; 3]> = (0..edges)
             .into_par_iter()
             .map(|e| scale(sub(shrunk[e], dual[e]), problem.penalty))
             .collect();

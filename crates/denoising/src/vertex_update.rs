@@ -69,6 +69,7 @@ pub fn update_vertices(
         let start = mesh.positions();
         let mut positions = start.to_vec();
         for _ in 0..options.steps {
+            fairing_watch::check();
             positions = step(mesh, normals, start, &positions, limit);
         }
         rebuild(mesh, positions)

@@ -95,10 +95,13 @@ fn one_sided(
     let closest = surface.closest_to_all(mesh.positions());
     let reached =
         mesh.faces().iter().flatten().map(|&v| closest[v as usize].distance).fold(floor, f64::max);
+    let watch = fairing_watch::current();
+    watch.stage("Hausdorff distance", mesh.face_count() as u64);
     let bounds: Vec<[f64; 2]> = (0..mesh.face_count())
         .into_par_iter()
         .with_min_len(256)
         .map(|f| {
+            watch.advance(1);
             let ids = mesh.faces()[f];
             let part = Part {
                 corners: mesh.triangle(f),

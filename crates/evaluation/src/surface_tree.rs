@@ -258,10 +258,13 @@ impl SurfaceTree {
     ) -> usize {
         // Twice the rounding of a coordinate of at most 1.
         let margin = Vec4::splat(2.0 * ROUNDOFF);
+        let watch = fairing_watch::current();
+        watch.stage("intersections", 0);
         (0..self.triangles.len())
             .into_par_iter()
             .with_min_len(256)
             .map_init(Vec::new, |stack: &mut Vec<(u32, u32)>, slot| {
+                watch.check();
                 let quad = &self.levels[0][slot / 4];
                 let low = quad.low.map(|v| Vec4::splat(v[slot % 4]) - margin);
                 let high = quad.high.map(|v| Vec4::splat(v[slot % 4]) + margin);

@@ -18,6 +18,18 @@ impl Image {
         Self { width, height, pixels }
     }
 
+    /// A picture of given pixels, row by row: red, green, blue, alpha.
+    ///
+    /// # Errors
+    ///
+    /// [`EncodeError::Size`] if there are not `width × height` pixels, or none.
+    pub fn from_pixels(width: u32, height: u32, pixels: Vec<[u8; 4]>) -> Result<Self, EncodeError> {
+        if pixels.is_empty() || pixels.len() as u64 != u64::from(width) * u64::from(height) {
+            return Err(EncodeError::Size { width, height });
+        }
+        Ok(Self { width, height, pixels })
+    }
+
     /// Width in pixels.
     pub fn width(&self) -> u32 {
         self.width

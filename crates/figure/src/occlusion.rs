@@ -63,10 +63,14 @@ impl Occlusion {
         let tree = Tree::new(mesh, &points);
         let rays = (RAY_BUDGET / points.len()).clamp(16, 64);
         let directions = hemisphere(rays);
+        let watch = fairing_watch::current();
         let bake = |side: f32| {
             let values: Vec<f32> = (0..points.len())
                 .into_par_iter()
-                .map(|v| tree.visibility(points[v], normals[v] * side, v, &directions))
+                .map(|v| {
+                    watch.check();
+                    tree.visibility(points[v], normals[v] * side, v, &directions)
+                })
                 .collect();
             average(mesh, &values)
         };

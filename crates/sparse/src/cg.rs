@@ -272,6 +272,7 @@ impl<'a> ConjugateGradient<'a> {
         let mut p: Vec<[f64; B]> = (0..r.len()).map(|i| self.direction(i, r, &z)).collect();
         let mut rr = reduce::dot(r, r);
         while (0..B).any(|lane| rr[lane].sqrt() > goal[lane]) {
+            fairing_watch::check();
             if *iterations == options.max_iterations {
                 return Err(CgError::NotConverged { iterations: *iterations, residual: 0.0 });
             }

@@ -148,6 +148,7 @@ impl SymbolicCholesky {
         if ordering == Ordering::LeastFill {
             return Self::with_least_fill(matrix);
         }
+        fairing_watch::check();
         symmetry::check(matrix)?;
         let rows = Rows::of(matrix);
         let n = rows.count();
@@ -217,6 +218,7 @@ impl SymbolicCholesky {
     /// [`CholeskyError::Indefinite`] or [`CholeskyError::Singular`] with the pivot; the input errors of
     /// [`SymbolicCholesky::new`]; [`CholeskyError::PatternChanged`].
     pub fn factorize(&self, matrix: &SparseMatrix) -> Result<Cholesky, CholeskyError> {
+        fairing_watch::check();
         let mut values = vec![0.0; self.analysis.symbolic.len()];
         self.llt(matrix, &mut values)?;
         let analysis = Arc::clone(&self.analysis);
@@ -233,6 +235,7 @@ impl SymbolicCholesky {
     /// [`CholeskyError::Singular`] with the pivot; the input errors of [`SymbolicCholesky::new`];
     /// [`CholeskyError::PatternChanged`].
     pub fn factorize_indefinite(&self, matrix: &SparseMatrix) -> Result<Ldlt, CholeskyError> {
+        fairing_watch::check();
         self.check_pattern(matrix)?;
         let rows = Rows::of(matrix);
         let mut values = vec![0.0; self.analysis.symbolic.len()];

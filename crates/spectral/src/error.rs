@@ -72,7 +72,15 @@ pub enum SpectralError {
         /// How many there are.
         vertices: usize,
     },
-    /// A file cannot be read or written.
+    /// The system cannot open, read or write a file.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: std::path::PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// A file is not what it should be.
     #[error("{path}: {problem}")]
     File {
         /// The file.

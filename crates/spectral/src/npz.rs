@@ -1,7 +1,7 @@
 //! Spectra in files that numpy reads: `numpy.load("modes.npz")["modes"]`.
 
 use std::fs::File;
-use std::io;
+use std::io::{self, Cursor, Read, Seek, Write};
 use std::path::Path;
 
 use fairing_mesh::io::write_whole;
@@ -22,13 +22,24 @@ impl Spectrum {
     ///
     /// # Errors
     ///
-    /// [`SpectralError::File`].
+    /// [`SpectralError::Io`].
     pub fn save(&self, path: impl AsRef<Path>) -> Result<(), SpectralError> {
         let path = path.as_ref();
-        write_whole(path, |file| self.write(file)).map_err(|e| problem(path, e))
+        write_whole(path, |file| self.write(file)).map_err(|source| in_system(path, source))
     }
 
-    fn write(&self, file: &mut File) -> io::Result<()> {
+    /// The bytes of the file that [`Spectrum::save`] writes.
+    ///
+    /// # Errors
+    ///
+    /// [`SpectralError::File`] for arrays that the format cannot hold.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, SpectralError> {
+        let mut bytes = Cursor::new(vec![]);
+        self.write(&mut bytes).map_err(|e| problem(Path::new(MEMORY), e))?;
+        Ok(bytes.into_inner())
+    }
+
+    fn write(&self, file: impl Write + Seek) -> io::Result<()> {
         let mut zip = ZipWriter::new(file);
         let mut add = |name: &str, array: Npy| -> io::Result<()> {
             // As numpy.savez does: not compressed. Arrays may exceed 4 GiB.
@@ -59,10 +70,24 @@ impl Spectrum {
     ///
     /// # Errors
     ///
-    /// [`SpectralError::File`]: not to be read, an array missing, or shapes that do not fit.
+    /// [`SpectralError::Io`] where the system cannot open it; [`SpectralError::File`] for an array that is missing, and
+    /// shapes that do not fit.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, SpectralError> {
         let path = path.as_ref();
-        let file = File::open(path).map_err(|e| problem(path, e))?;
+        let file = File::open(path).map_err(|source| in_system(path, source))?;
+        Self::read(path, file)
+    }
+
+    /// From the bytes of [`Spectrum::to_bytes`].
+    ///
+    /// # Errors
+    ///
+    /// [`SpectralError::File`], as [`Spectrum::load`].
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, SpectralError> {
+        Self::read(Path::new(MEMORY), Cursor::new(bytes))
+    }
+
+    fn read(path: &Path, file: impl Read + Seek) -> Result<Self, SpectralError> {
         let mut zip = ZipArchive::new(file).map_err(|e| problem(path, e))?;
         let names: Vec<String> = zip.file_names().map(str::to_string).collect();
         let has = |name: &str| names.iter().any(|n| n.strip_suffix(".npy") == Some(name));
@@ -104,6 +129,13 @@ impl Spectrum {
         }
         Ok(Self { values, modes, residuals, mass, certified, beyond })
     }
+}
+
+/// The name of what is no file, in messages.
+const MEMORY: &str = "spectrum in memory";
+
+fn in_system(path: &Path, source: io::Error) -> SpectralError {
+    SpectralError::Io { path: path.to_path_buf(), source }
 }
 
 fn problem(path: &Path, problem: impl std::fmt::Display) -> SpectralError {

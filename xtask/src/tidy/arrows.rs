@@ -8,19 +8,29 @@ use super::packages::{self, Dependency, Package};
 
 /// For each library crate, the crates of ours that it may use. The façade,
 /// `xtask` and the tests may use everything.
-const ARROWS: [(&str, &[&str]); 12] = [
-    ("fairing-mesh", &[]),
+const ARROWS: [(&str, &[&str]); 13] = [
+    ("fairing-watch", &[]),
+    ("fairing-mesh", &["fairing-watch"]),
     ("fairing-shapes", &["fairing-mesh"]),
-    ("fairing-sparse", &[]),
-    ("fairing-operators", &["fairing-mesh", "fairing-sparse"]),
+    ("fairing-sparse", &["fairing-watch"]),
+    ("fairing-operators", &["fairing-watch", "fairing-mesh", "fairing-sparse"]),
     ("fairing-spectral", &["fairing-mesh", "fairing-sparse", "fairing-operators"]),
     (
         "fairing-smoothing",
-        &["fairing-mesh", "fairing-sparse", "fairing-operators", "fairing-spectral"],
+        &[
+            "fairing-watch",
+            "fairing-mesh",
+            "fairing-sparse",
+            "fairing-operators",
+            "fairing-spectral",
+        ],
     ),
-    ("fairing-denoising", &["fairing-mesh", "fairing-sparse", "fairing-operators"]),
-    ("fairing-evaluation", &["fairing-mesh", "fairing-operators"]),
-    ("fairing-figure", &["fairing-mesh"]),
+    (
+        "fairing-denoising",
+        &["fairing-watch", "fairing-mesh", "fairing-sparse", "fairing-operators"],
+    ),
+    ("fairing-evaluation", &["fairing-watch", "fairing-mesh", "fairing-operators"]),
+    ("fairing-figure", &["fairing-watch", "fairing-mesh"]),
     ("fairing-results", &["fairing-mesh"]),
     (
         "fairing-experiments",

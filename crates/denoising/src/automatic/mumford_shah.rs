@@ -53,6 +53,7 @@ pub(super) fn piecewise_smooth_normals(
         .collect();
     let mut normals: Vec<[f64; 3]> = vectors.iter().map(|v| unit_or_zero(*v)).collect();
     for round in 0..options.rounds {
+        fairing_watch::check();
         let progress = (2.0 * round as f64 / options.rounds as f64).min(1.0);
         let jump = options.jump * libm::exp2(FIRST_JUMP_OCTAVES * (1.0 - progress));
         let weights: Vec<f64> = hinges

@@ -34,6 +34,7 @@ pub(super) fn relabel(
 ) -> Result<Vec<[f64; 3]>, DenoiseError> {
     let update = VertexUpdate { steps: 20, limit: None };
     for _ in 0..ROUNDS {
+        fairing_watch::check();
         let geometry = FaceShapes::new(&update_vertices(mesh, &labels, &update)?).normals;
         let kept: Vec<[f64; 3]> = labels
             .iter()

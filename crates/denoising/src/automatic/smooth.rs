@@ -191,6 +191,7 @@ fn unfold(mesh: &TriMesh) -> Result<TriMesh, DenoiseError> {
     let topology = mesh.topology();
     let mut current = mesh.clone();
     for _ in 0..UNFOLDINGS {
+        fairing_watch::check();
         let normals = vertex_normals(&current);
         let mut folded = vec![false; mesh.vertex_count()];
         for (f, face) in mesh.faces().iter().enumerate() {
@@ -239,6 +240,7 @@ pub(super) fn vertex_normals(mesh: &TriMesh) -> Vec<[f64; 3]> {
 fn average(mesh: &TriMesh, mut field: Vec<f64>) -> Vec<f64> {
     let topology = mesh.topology();
     for _ in 0..RISK_AVERAGES {
+        fairing_watch::check();
         field = (0..field.len())
             .into_par_iter()
             .map(|v| {

@@ -46,6 +46,7 @@ pub(super) fn unfold(
     let mut fewest = opposing(&current, normals).len();
     let mut best = current.clone();
     for _ in 0..ROUNDS {
+        fairing_watch::check();
         let folds = opposing(&current, normals);
         if folds.is_empty() {
             break;

@@ -105,6 +105,7 @@ fn filter(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> 
     let mut system = System::new(&stencils);
     let mut beta = 1e-3;
     while beta < options.last_beta {
+        fairing_watch::check();
         let weights = stencils.edge_operators(&positions);
         let delta: Vec<[f64; 3]> = stencils
             .corners

@@ -64,6 +64,9 @@ impl AtVertex {
     }
 }
 
+/// The vertices after which progress is told.
+const REPORT: u32 = 256;
+
 /// The values of a vertex, whether they are defined, and whether the vertex is on the boundary.
 type Settled = (AtVertex, VertexStatus, bool);
 
@@ -151,10 +154,16 @@ impl CurvatureField {
         at_vertex: impl Fn(&mut W, u32) -> Result<AtVertex, Undefined> + Sync,
     ) -> Self {
         let topology = mesh.topology();
+        let watch = fairing_watch::current();
+        watch.stage("vertices", mesh.vertex_count() as u64);
         let found = (0..mesh.vertex_count() as u32)
             .into_par_iter()
             .with_min_len(1024)
             .map_init(W::default, |work, v| {
+                if v.is_multiple_of(REPORT) {
+                    watch.advance(REPORT.into());
+                }
+                watch.check();
                 settled(at_vertex(work, v), topology.is_boundary_vertex(v))
             })
             .collect();

@@ -32,7 +32,9 @@ impl Triangulation {
         // Finite in exact arithmetic; the bound is far above what any mesh
         // needs and guards against rounding.
         let bound = 200 * sides as usize;
+        let watch = fairing_watch::current();
         while let Some(s) = waiting.pop() {
+            watch.check();
             is_waiting[s as usize] = false;
             if self.is_delaunay(s) {
                 continue;

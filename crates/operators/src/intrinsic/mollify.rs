@@ -149,7 +149,9 @@ impl<'a> Patches<'a> {
     /// left. What a side gains is what some triangle lacked at first, and only
     /// grows, so that this ends.
     fn grow(&mut self) {
+        let watch = fairing_watch::current();
         while let Some(t) = self.stack.pop() {
+            watch.check();
             if self.lacks_still(t) {
                 let first = 3 * t as usize;
                 let most = longest([0, 1, 2].map(|k| self.added[first + k]));

@@ -52,6 +52,7 @@ impl Clenshaw<'_> {
         let batch = if batch < LEAST_TERMS || n < 2 * block { 1 } else { batch };
         let terms = self.coefficients.len();
         let mut done = 0;
+        fairing_watch::stage("terms of the series", terms as u64);
         while done < terms {
             let count = batch.min(terms - done);
             let batch = Batch { recurrence: self, done, count, block };
@@ -60,6 +61,7 @@ impl Clenshaw<'_> {
                 std::mem::swap(&mut last, &mut before);
             }
             done += count;
+            fairing_watch::advance(count as u64);
         }
         last
     }

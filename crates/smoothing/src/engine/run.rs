@@ -92,7 +92,9 @@ impl<'a, 'o> Run<'a, 'o> {
     ) -> Result<Smoothed, FlowError> {
         let mut mesh = self.arrangement.mesh().clone();
         let mut next = mesh.positions().to_vec();
+        fairing_watch::stage("steps", self.iterations as u64);
         for iteration in 0..self.iterations {
+            fairing_watch::advance(u64::from(iteration > 0));
             self.freedom.begin_step(&mesh);
             let taken = step(iteration, &mesh, &self.freedom, &mut next).and_then(|note| {
                 self.freedom.end_step(&mut next);

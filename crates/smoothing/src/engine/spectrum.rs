@@ -73,6 +73,7 @@ fn tridiagonal(laplacian: &Laplacian, steps: usize) -> (Vec<f64>, Vec<f64>) {
     let (mut alpha, mut beta) = (Vec::new(), Vec::new());
     let mut norm = square.sqrt();
     for _ in 0..steps {
+        fairing_watch::check();
         if norm <= f64::EPSILON * alpha.iter().fold(0.0, |a: f64, b: &f64| a.max(*b)) {
             break;
         }

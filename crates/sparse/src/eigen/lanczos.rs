@@ -74,6 +74,7 @@ impl<'a> Lanczos<'a> {
 
     /// Extends the basis by a block.
     pub(crate) fn extend(&mut self) {
+        fairing_watch::check();
         let next = std::mem::take(&mut self.next);
         let mut w = self.operator.apply(&next);
         self.basis.push(next);

@@ -33,8 +33,13 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {
 fn parse_in_chunks(bytes: &[u8], size: usize) -> Result<Parsed, Fault> {
     let text = normalized(bytes);
     let ranges = scan::split(&text, size);
-    let mut chunks: Vec<Chunk> =
-        ranges.into_par_iter().map(|range| Chunk::parse(&text, range)).collect();
+    let watch = fairing_watch::current();
+    watch.stage("reading", ranges.len() as u64);
+    let parse = |range| {
+        watch.advance(1);
+        Chunk::parse(&text, range)
+    };
+    let mut chunks: Vec<Chunk> = ranges.into_par_iter().map(parse).collect();
     if let Some(k) = chunks.iter().position(|chunk| chunk.fault.is_some())
         && let Some((offset, mut problem)) = chunks[k].fault.take()
     {
