@@ -1,0 +1,66 @@
+"""Geometry processing on triangle meshes with the Laplacian.
+
+>>> import pyfairing as pf
+>>> mesh = pf.shapes.icosphere(3)                  # or pf.read("bunny.ply"), pf.Mesh(V, F)
+>>> S, M = mesh.laplacian(kind="cotangent")
+>>> c = mesh.curvature("jet3")
+>>> bool(abs(c.mean.mean() - 1) < 1e-2)
+True
+
+Everything is a method of `Mesh`, or a function of two meshes. Arrays are numpy's, sparse
+matrices scipy's. Lengths are in mesh units, those of the file; angles of options in degrees.
+Results are the same, bit by bit, for any number of threads.
+"""
+
+from __future__ import annotations
+
+from . import shapes, surfaces, tasks
+from ._calls import FairingWarning
+from ._compare import compare
+from ._core import (
+    ComputationError,
+    FairingError,
+    FlowError,
+    InternalError,
+    MeshError,
+    OptionError,
+    __version__,
+)
+from ._dataset import dataset
+from ._docs import COLOR_MAPS, DENOISERS, ESTIMATORS, LAPLACIANS, MASSES, METHODS
+from ._heat import GeodesicSolver, HeatSolver
+from ._mesh import Mesh, read, read_bytes
+from ._results import Curvature, Laplacian, NoiseLevel, Scores
+from ._spectrum import Spectrum
+
+__all__ = [
+    "COLOR_MAPS",
+    "DENOISERS",
+    "ESTIMATORS",
+    "LAPLACIANS",
+    "MASSES",
+    "METHODS",
+    "ComputationError",
+    "Curvature",
+    "FairingError",
+    "FairingWarning",
+    "FlowError",
+    "GeodesicSolver",
+    "HeatSolver",
+    "InternalError",
+    "Laplacian",
+    "Mesh",
+    "MeshError",
+    "NoiseLevel",
+    "OptionError",
+    "Scores",
+    "Spectrum",
+    "__version__",
+    "compare",
+    "dataset",
+    "read",
+    "read_bytes",
+    "shapes",
+    "surfaces",
+    "tasks",
+]

@@ -1,0 +1,145 @@
+"""Arrays as the extension takes them, from whatever the caller has."""
+
+from __future__ import annotations
+
+import operator
+from typing import TYPE_CHECKING, Any, SupportsIndex, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from ._core import MeshError, OptionError
+
+if TYPE_CHECKING:
+    import scipy.sparse
+
+Floats: TypeAlias = "npt.NDArray[np.float64]"
+Indices: TypeAlias = "npt.NDArray[np.uint32]"
+Bools: TypeAlias = "npt.NDArray[np.bool_]"
+Bytes: TypeAlias = "npt.NDArray[np.uint8]"
+Csr: TypeAlias = "scipy.sparse.csr_matrix"
+
+#: The largest index.
+_LAST = 2**32 - 1
+
+
+def floats(values: npt.ArrayLike, name: str) -> Floats:
+    """An array of float64; other kinds of numbers are converted, anything else is a TypeError."""
+    array = np.asarray(values)
+    if array.dtype.kind not in "fiub" and array.size:
+        raise TypeError(f"{name} must be real numbers, not {array.dtype}")
+    return np.asarray(array, dtype=np.float64)
+
+
+def vertices(values: npt.ArrayLike, name: str = "vertices") -> Floats:
+    """An (n, 3) array of float64, row by row."""
+    array = floats(values, name)
+    if array.size == 0 and array.ndim < 2:
+        array = array.reshape(0, 3)
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise MeshError(f"{name} have the shape {array.shape}, but must have (n, 3)")
+    return np.ascontiguousarray(array)
+
+
+def faces(values: npt.ArrayLike) -> Indices:
+    """An (m, 3) array of uint32, row by row."""
+    array = np.asarray(values)
+    if array.size == 0:
+        array = np.zeros((0, 3), dtype=np.uint32) if array.ndim < 2 else array.astype(np.uint32)
+    if array.dtype.kind not in "iu":
+        raise TypeError(f"faces must be integers, not {array.dtype}")
+    if array.ndim != 2 or array.shape[1] != 3:
+        hint = "; for polygons see Mesh.from_polygons" if array.ndim == 2 else ""
+        raise MeshError(f"faces have the shape {array.shape}, but must have (m, 3){hint}")
+    if array.dtype != np.uint32:
+        bad = (array < 0) | (array > _LAST) if array.dtype.itemsize > 4 else array < 0
+        if bad.any():
+            face = int(np.flatnonzero(bad.any(axis=1))[0])
+            index = int(array[face][bad[face]][0])
+            raise MeshError(f"face {face} names vertex {index}, which does not exist")
+    return np.ascontiguousarray(array, dtype=np.uint32)
+
+
+def numbers(values: npt.ArrayLike, n: int, what: str, count: int) -> list[int]:
+    """Numbers of vertices: one, several, or a mask of all."""
+    array = np.asarray(values)
+    if array.dtype.kind == "b":
+        if array.shape != (n,):
+            raise OptionError(f"{what} is a mask of shape {array.shape}, but must have ({n},)")
+        array = np.flatnonzero(array)
+    if array.size and array.dtype.kind not in "iu":
+        raise TypeError(f"{what} must be integers, not {array.dtype}")
+    if array.ndim > 1:
+        raise OptionError(f"{what} has the shape {array.shape}, but must be flat")
+    flat = [int(i) for i in array.reshape(-1)]
+    for index in flat:
+        if not 0 <= index < count:
+            raise OptionError(f"{what} names vertex {index}, but there are {count} vertices")
+    return flat
+
+
+def field(values: npt.ArrayLike, n: int, name: str) -> Floats:
+    """One finite number for each vertex."""
+    array = floats(values, name)
+    if array.shape != (n,):
+        raise OptionError(f"{name} has the shape {array.shape}, but must have ({n},)")
+    finite(array, name)
+    return np.ascontiguousarray(array)
+
+
+def columns(values: npt.ArrayLike, rows: int | None, name: str) -> tuple[Floats, bool]:
+    """A matrix of finite numbers, and whether it was a vector."""
+    array = floats(values, name)
+    flat = array.ndim == 1
+    matrix = array[:, None] if flat else array
+    if matrix.ndim != 2 or (rows is not None and matrix.shape[0] != rows):
+        wanted = "n" if rows is None else str(rows)
+        raise OptionError(f"{name} has the shape {array.shape}, but must have ({wanted},) or ({wanted}, d)")
+    finite(matrix, name)
+    return np.ascontiguousarray(matrix), flat
+
+
+def finite(array: Floats, name: str) -> None:
+    """Refuses NaN and infinity, and names the first."""
+    good = np.isfinite(array)
+    if not good.all():
+        place = tuple(int(i) for i in np.argwhere(~good)[0])
+        index = place[0] if len(place) == 1 else place
+        raise OptionError(f"{name} is {array[place]} at {index}, which is not finite")
+
+
+def whole(value: SupportsIndex, name: str) -> int:
+    """A whole number, not negative."""
+    number = operator.index(value)
+    if number < 0:
+        raise OptionError(f"{name} is {number}, but must not be negative")
+    return number
+
+
+def csr(parts: tuple[Any, Any, Any, tuple[int, int]]) -> Csr:
+    """A matrix of scipy over the arrays of the extension, without a copy."""
+    try:
+        from scipy.sparse import csr_matrix
+    except ImportError as error:
+        raise ImportError("sparse matrices need scipy: pip install scipy") from error
+    starts, columns_, values, shape = parts
+    # Indices of scipy are signed.
+    kind = np.int32 if len(values) < 2**31 else np.int64
+    signed = [a.view(np.int32) if kind == np.int32 else a.astype(np.int64) for a in (columns_, starts)]
+    matrix = csr_matrix((values, signed[0], signed[1]), shape=shape, copy=False)
+    matrix.has_sorted_indices = True
+    matrix.has_canonical_format = True
+    return matrix
+
+
+def diagonal(values: Floats) -> Csr:
+    """A diagonal matrix of scipy, every entry stored."""
+    n = len(values)
+    starts = np.arange(n + 1, dtype=np.uint32)
+    return csr((starts, starts[:n].copy(), values, (n, n)))
+
+
+def frozen(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """The array, no longer writeable."""
+    array.flags.writeable = False
+    return array

@@ -1,0 +1,93 @@
+"""How a call runs: threads, progress, warnings."""
+
+from __future__ import annotations
+
+import operator
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import Any, SupportsIndex, TypeAlias
+
+#: Called with the stage, how much of it is done, and how much there is (None where nobody knows).
+ProgressCallback: TypeAlias = Callable[[str, int, "int | None"], object]
+
+#: No progress, a bar of tqdm, or a callback.
+Progress: TypeAlias = "bool | ProgressCallback | None"
+
+Call: TypeAlias = "tuple[int | None, ProgressCallback | None]"
+
+
+class FairingWarning(UserWarning):
+    """Something that the caller should know about a result."""
+
+
+def warn(text: str) -> None:
+    """Warns in the name of the first caller outside of this package."""
+    import sys
+
+    level = 2
+    frame = sys._getframe(1)
+    while frame is not None and frame.f_globals.get("__name__", "").startswith("pyfairing"):
+        frame = frame.f_back  # type: ignore[assignment]
+        level += 1
+    warnings.warn(text, FairingWarning, stacklevel=level - 1)
+
+
+_DEFAULT: ContextVar[int | None] = ContextVar("threads of calls that name none", default=None)
+
+
+@contextmanager
+def default_threads(count: int | None) -> Iterator[None]:
+    """Calls inside that name no number of threads take so many."""
+    token = _DEFAULT.set(count)
+    try:
+        yield
+    finally:
+        _DEFAULT.reset(token)
+
+
+class _Bar:
+    """A bar of tqdm, one for each stage."""
+
+    def __init__(self) -> None:
+        try:
+            from tqdm.auto import tqdm
+        except ImportError as error:
+            raise ImportError("progress=True needs tqdm: pip install 'pyfairing[progress]'") from error
+        self._make: Any = tqdm
+        self._bar: Any = None
+        self._stage = ""
+
+    def __call__(self, stage: str, done: int, total: int | None) -> None:
+        if stage != self._stage:
+            self.close()
+            self._bar = self._make(total=total, desc=stage, leave=False)
+            self._stage = stage
+        self._bar.n = done
+        self._bar.refresh()
+
+    def close(self) -> None:
+        if self._bar is not None:
+            self._bar.close()
+            self._bar = None
+
+
+@contextmanager
+def running(threads: SupportsIndex | None, progress: Progress) -> Iterator[Call]:
+    """What the extension takes as `(threads, progress)`."""
+    count = _DEFAULT.get() if threads is None else operator.index(threads)
+    if count is not None and count < 1:
+        raise ValueError(f"threads is {count}, but must be 1 or more")
+    if progress is None or progress is False:
+        yield count, None
+    elif progress is True:
+        bar = _Bar()
+        try:
+            yield count, bar
+        finally:
+            bar.close()
+    elif callable(progress):
+        yield count, progress
+    else:
+        raise TypeError(f"progress must be a callable, True or None, not {type(progress).__name__}")

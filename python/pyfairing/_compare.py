@@ -1,0 +1,48 @@
+"""Scores of a mesh against a reference."""
+
+from __future__ import annotations
+
+from . import _core
+from ._calls import Progress, running
+from ._docs import documented
+from ._mesh import Mesh
+from ._results import Scores
+
+
+@documented
+def compare(
+    mesh: Mesh,
+    reference: Mesh,
+    *,
+    hausdorff_tolerance: float = 1e-4,
+    feature_angle: float = 30.0,
+    threads: int | None = None,
+    progress: Progress = None,
+) -> Scores:
+    """Scores a mesh against a reference.
+
+    Distances between the surfaces, both ways, exact in double precision; angles between
+    matching normals; drift of volume, area and edge length; flipped faces,
+    self-intersections, sharp edges lost and gained.
+
+    Parameters
+    ----------
+    mesh, reference : Mesh
+        Scores that compare element by element need the same faces.
+    hausdorff_tolerance : float
+        How far apart the two bounds of the Hausdorff distance may be, in diagonals.
+    feature_angle : float
+        From which dihedral angle on an edge counts as sharp, in degrees.
+    {run}
+
+    Returns
+    -------
+    Scores
+        A mapping from the names of `fairing compare --json` to floats, lengths in diagonals
+        of the reference. Scores that do not exist are in `Scores.missing`, with the reason.
+    """
+    with running(threads, progress) as call:
+        diagonal, entries, table = _core.compare(
+            mesh._core, reference._core, float(hausdorff_tolerance), float(feature_angle), call
+        )
+    return Scores(diagonal, entries, table)

@@ -1,0 +1,746 @@
+"""What can be computed of a mesh: the methods of `Mesh` that call the crates."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy.typing as npt
+
+from . import _arrays, _core
+from ._arrays import Bytes, Csr, Floats
+from ._calls import Progress, running, warn
+from ._docs import documented
+from ._heat import GeodesicSolver, HeatSolver
+from ._results import Curvature, Laplacian, NoiseLevel
+from ._spectrum import Spectrum, warn_of_split
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+Kind = Literal["auto", "uniform", "cotangent", "robust", "polygon"]
+MassKind = Literal["barycentric", "mixed", "voronoi", "consistent", "degree", "unit"]
+#: A vertex, a weight, and where it is drawn to (where it is, without).
+Soft = Iterable["tuple[int, float] | tuple[int, float, npt.ArrayLike]"]
+
+
+class Computing:
+    """The computations of a mesh."""
+
+    __slots__ = ()
+
+    _core: _core.Mesh
+    _fields: dict[str, npt.NDArray[Any]]
+
+    if TYPE_CHECKING:
+
+        def _moved(self, core: _core.Mesh, report: Mapping[str, Any] | None = None) -> Self: ...
+        @classmethod
+        def _of(
+            cls,
+            core: _core.Mesh,
+            fields: Mapping[str, npt.ArrayLike] | None = None,
+            report: Mapping[str, Any] | None = None,
+        ) -> Self: ...
+
+    @documented
+    def laplacian(
+        self,
+        kind: Kind = "auto",
+        mass: MassKind = "barycentric",
+        *,
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> Laplacian:
+        """Stiffness S and mass M: `S, M = mesh.laplacian()`.
+
+        S u is integrated, M⁻¹ S u pointwise, and Δu ≈ -M⁻¹ S u. Boundaries are natural
+        (zero flux). Rows of isolated vertices are zero in both.
+
+        Parameters
+        ----------
+        kind : str
+            One of {laplacians}. `auto` takes cotangents unless a face is too thin for them
+            or an edge has a negative weight; then it takes the robust Laplacian.
+        mass : str
+            One of {masses}. The robust Laplacian has the barycentric mass only.
+        {run}
+
+        Returns
+        -------
+        Laplacian
+            A pair of `scipy.sparse.csr_matrix`, (n, n), in the order of the vertices, with
+            the attributes `kind` and `reason`. S is positive semi-definite and dimensionless,
+            M in squared mesh units.
+
+        Raises
+        ------
+        ComputationError
+            For the first face too thin for cotangents, where they were asked for.
+        OptionError
+            If there is no such kind or mass, or not together.
+        """
+        with running(threads, progress) as call:
+            stiffness, matrix, taken, reason = _core.laplacian(self._core, kind, mass, call)
+        if kind == "auto" and "too thin" in reason:
+            warn(f"{reason}; the robust Laplacian is used")
+        mass_matrix = _arrays.csr(matrix) if isinstance(matrix, tuple) else _arrays.diagonal(matrix)
+        return Laplacian(_arrays.csr(stiffness), mass_matrix, taken, reason)
+
+    @documented
+    def gradient(self, *, threads: int | None = None, progress: Progress = None) -> Csr:
+        """The gradient on faces of functions on vertices.
+
+        Parameters
+        ----------
+        {run}
+
+        Returns
+        -------
+        scipy.sparse.csr_matrix, shape (3 m, n)
+            Row 3 f + a is coordinate a of the gradient on face f, so that
+            `(G @ u).reshape(-1, 3)` has a vector for each face. Pointwise, in units of the
+            function per mesh unit.
+        """
+        with running(threads, progress) as call:
+            return _arrays.csr(_core.gradient(self._core, call))
+
+    @documented
+    def divergence(self, *, threads: int | None = None, progress: Progress = None) -> Csr:
+        """The integrated divergence at vertices of fields on faces: -Gᵀ A.
+
+        Parameters
+        ----------
+        {run}
+
+        Returns
+        -------
+        scipy.sparse.csr_matrix, shape (n, 3 m)
+            Takes a field in the order of `gradient`; positive at sources, no flux through
+            the boundary. `divergence @ gradient` is -S.
+        """
+        with running(threads, progress) as call:
+            return _arrays.csr(_core.divergence(self._core, call))
+
+    @documented
+    def vertex_normals(
+        self,
+        weight: Literal["area", "angle", "sphere", "uniform"] = "area",
+        *,
+        threads: int | None = None,
+    ) -> Floats:
+        """The outward unit normal of each vertex.
+
+        Parameters
+        ----------
+        weight : {'area', 'angle', 'sphere', 'uniform'}
+            What a face counts: its area, its angle at the vertex, the weight that is exact on
+            spheres, or all alike.
+        threads : int, optional
+            At most so many threads.
+
+        Returns
+        -------
+        ndarray, shape (n, 3)
+            Zero where no normal is defined (isolated vertices, sums that cancel).
+        """
+        with running(threads, None) as call:
+            return self._core.vertex_normals(weight, call)
+
+    @documented
+    def curvature(
+        self,
+        estimator: str = "jet3",
+        *,
+        radius: float | None = None,
+        rings: int | None = None,
+        kind: Kind | None = None,
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> Curvature:
+        """Estimates curvature at each vertex.
+
+        Parameters
+        ----------
+        estimator : str
+            Which one, `jet3` where nothing is known about the mesh:
+
+            {estimators}
+        radius : float, optional
+            The scale of `normal-cycle` and `corrected-ball`, or how far jets and quadrics
+            reach, in mean edge lengths.
+        rings : int, optional
+            How far jets and quadrics reach, in rings of neighbours (1 to 16).
+        kind : str, optional
+            The Laplacian of the estimator `cotangent`, with its barycentric mass; without it,
+            cotangents over mixed areas, or robust where a face is too thin.
+        {run}
+
+        Returns
+        -------
+        Curvature
+            `mean`, `gaussian`, `kappa1`, `kappa2`, `direction1`, `direction2`, `defined`,
+            `boundary`: arrays in the order of the vertices. Positive on a sphere whose faces
+            turn counter-clockwise seen from outside.
+        """
+        with running(threads, progress) as call:
+            found = _core.curvature(
+                self._core,
+                estimator,
+                None if radius is None else float(radius),
+                None if rings is None else _arrays.whole(rings, "rings"),
+                kind,
+                call,
+            )
+        if found["too_thin"] is not None:
+            warn(f"face {found['too_thin']} is too thin for cotangents; the robust operator is used")
+        first, second = found.pop("directions") or (None, None)
+        return Curvature(estimator=estimator, direction1=first, direction2=second, **found)
+
+    @documented
+    def spectrum(
+        self,
+        k: int = 10,
+        kind: Kind = "auto",
+        mass: MassKind = "barycentric",
+        *,
+        boundary: Literal["neumann", "dirichlet"] = "neumann",
+        fixed: npt.ArrayLike = (),
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> Spectrum:
+        """The k smoothest modes of the Laplacian: S φ = λ M φ.
+
+        Parameters
+        ----------
+        k : int
+            How many.
+        kind : str
+            One of {laplacians}. `auto` is cotangent, or robust where a face is too thin.
+        mass : str
+            One of {masses}.
+        boundary : {'neumann', 'dirichlet'}
+            Natural (zero flux), or modes vanish on the boundary.
+        fixed : array_like of int or bool
+            Vertices where modes vanish besides.
+        {run}
+
+        Returns
+        -------
+        Spectrum
+            `values` (k,), ascending, in 1 / squared mesh units; `modes` (n, k), orthonormal in
+            the mass; `residuals` (k,); `certified`, whether it is proved that none was missed.
+
+        Raises
+        ------
+        OptionError
+            If there are fewer modes than k.
+        ComputationError
+            For the first face too thin for cotangents, where they were asked for.
+        """
+        pinned = _arrays.numbers(fixed, self._core.vertex_count, "fixed", self._core.vertex_count)
+        with running(threads, progress) as call:
+            core, taken, note = _core.spectrum(
+                self._core, _arrays.whole(k, "k"), kind, mass, boundary, pinned, call
+            )
+        if note:
+            warn(note)
+        return Spectrum._of(core, self._of(self._core), taken)
+
+    @documented
+    def geodesic(
+        self,
+        sources: npt.ArrayLike,
+        kind: Kind = "auto",
+        *,
+        time: float | None = None,
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> Floats:
+        """The distance of each vertex to the nearest source, by the heat method.
+
+        A smooth approximation of the geodesic distance, of first order in the edge length.
+        For several sets of sources make a `GeodesicSolver` once.
+
+        Parameters
+        ----------
+        sources : int or array_like of int or bool
+            Vertices: numbers, or a mask.
+        kind : {'auto', 'cotangent', 'robust'}
+            The Laplacian; `auto` takes the robust one for bad meshes.
+        time : float, optional
+            The time of diffusion in squared mesh units; that of the mean edge length squared
+            of each component unless given. Longer times smooth the distance more.
+        {run}
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            In mesh units, zero at the nearest source, infinite where nothing is reached.
+        """
+        solver = GeodesicSolver(self, kind, time=time, threads=threads, progress=progress)
+        return solver.distance(sources, threads=threads)
+
+    @documented
+    def heat(
+        self,
+        temperatures: npt.ArrayLike,
+        time: float,
+        kind: Kind = "auto",
+        mass: MassKind = "barycentric",
+        *,
+        steps: int = 1,
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> Floats:
+        """Diffuses heat by implicit steps: (M + tS) u = M u₀.
+
+        For several fields make a `HeatSolver` once.
+
+        Parameters
+        ----------
+        temperatures : array_like, shape (n,)
+            At the beginning.
+        time : float
+            Of one step, in squared mesh units.
+        kind : str
+            One of {laplacians}.
+        mass : str
+            One of {masses}.
+        steps : int
+            How many steps.
+        {run}
+
+        Returns
+        -------
+        ndarray, shape (n,)
+        """
+        solver = HeatSolver(self, time, kind, mass, threads=threads)
+        return solver.step(temperatures, steps, threads=threads, progress=progress)
+
+    @documented
+    def poisson(
+        self,
+        f: npt.ArrayLike,
+        *,
+        fixed: npt.ArrayLike = (),
+        values: npt.ArrayLike = (),
+        kind: Kind = "auto",
+        mass: MassKind = "barycentric",
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> Floats:
+        """Solves -Δu = f with u given at some vertices.
+
+        Parameters
+        ----------
+        f : array_like, shape (n,)
+            Pointwise.
+        fixed : array_like of int, shape (j,)
+            The vertices where u is given.
+        values : array_like, shape (j,)
+            What it is there.
+        kind : str
+            One of {laplacians}.
+        mass : str
+            One of {masses}.
+        {run}
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            On components without a fixed vertex the mean of f is taken off, and u has the
+            mean zero.
+        """
+        n = self._core.vertex_count
+        vertices = _arrays.numbers(fixed, n, "fixed", n)
+        at_fixed = _arrays.field(values, len(vertices), "values")
+        field = _arrays.field(f, n, "f")
+        with running(threads, progress) as call:
+            return _core.poisson(self._core, field, vertices, at_fixed, kind, mass, call)
+
+    @documented
+    def smooth(
+        self,
+        method: str = "taubin",
+        *,
+        weights: Literal["uniform", "cotangent"] | None = None,
+        lam: float | None = None,
+        time: float | None = None,
+        iterations: int | None = None,
+        area: Literal["barycentric", "mixed", "voronoi"] | None = None,
+        kind: Literal["cotangent", "robust"] | None = None,
+        boundary: Literal["free", "pinned", "sliding"] | None = None,
+        pin: npt.ArrayLike | None = None,
+        soft: Soft | None = None,
+        volume: Literal["drift", "rescale", "offset"] | None = None,
+        unstable: Literal["refuse", "warn", "allow"] | None = None,
+        mu: float | None = None,
+        pass_band: float | None = None,
+        degree: int | None = None,
+        window: Literal["hanning", "hamming", "blackman"] | None = None,
+        alpha: float | None = None,
+        beta: float | None = None,
+        fraction: float | None = None,
+        cutoff: float | None = None,
+        order: int | None = None,
+        modes: int | None = None,
+        update: Literal["never", "mass", "both"] | None = None,
+        tolerance: float | None = None,
+        settled: float | None = None,
+        vertices: npt.ArrayLike | None = None,
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> Self:
+        """Smooths by a flow, a filter or the fairing of a region.
+
+        Parameters
+        ----------
+        method : str
+            Which one:
+
+            {methods}
+        weights : {'uniform', 'cotangent'}, optional
+            Of the Laplacian, for `explicit`, `implicit` and `region`; uniform unless given
+            (cotangent for `region`, and where a time is given).
+        lam : float, optional
+            The step λ: for uniform weights a fraction of the way to the mean of the
+            neighbours, for cotangents a time in squared mean edge lengths.
+        time : float, optional
+            The step of cotangents, or the time of `low-pass`, in squared mesh units; for
+            `conformal` a fraction of the area.
+        iterations : int, optional
+            The number of steps (10); pairs of steps for `taubin`.
+        area : {'barycentric', 'mixed', 'voronoi'}, optional
+            The areas of vertices for cotangents.
+        kind : {'cotangent', 'robust'}, optional
+            How cotangents are made.
+        boundary : {'free', 'pinned', 'sliding'}, optional
+            What happens at the boundary of an open mesh.
+        pin : array_like of int or bool, optional
+            Vertices that stay.
+        soft : iterable of (vertex, weight) or (vertex, weight, target), optional
+            Vertices drawn to where they are, or to a point; a weight of 1 ends a step
+            half-way between the flow and the point.
+        volume : {'drift', 'rescale', 'offset'}, optional
+            What happens to the volume of a closed mesh.
+        unstable : {'refuse', 'warn', 'allow'}, optional
+            What happens to explicit steps beyond the stable limit, and to pairs of `taubin`
+            that amplify a mode by more than two.
+        mu : float, optional
+            The growing step of `taubin`, below -λ.
+        pass_band : float, optional
+            Of `taubin` and `windowed-sinc`: modes with -eigenvalue below this stay (0 to 2).
+        degree, window : optional
+            Of `windowed-sinc`: its degree (20), and `hanning`, `hamming` or `blackman`.
+        alpha, beta : float, optional
+            Of `hc`: how much differences are taken to the input, and how much of its own
+            difference a vertex is given back (0 to 1).
+        fraction : float, optional
+            Of `scale-dependent`: of the largest stable step (0 to 1).
+        cutoff, order, modes : optional
+            Of `low-pass`: a wavelength in mesh units with the order of a Butterworth filter,
+            or the number of modes to keep; `order` is also that of `region`.
+        update : {'never', 'mass', 'both'}, optional
+            Of `implicit`: when the operator is taken at the current positions.
+        tolerance : float, optional
+            The relative residual of linear systems.
+        settled : float, optional
+            Of `conformal`: ends when no vertex moves by more than this fraction of the
+            square root of the area.
+        vertices : array_like of int or bool, optional
+            The region of `region`.
+        {run}
+
+        Returns
+        -------
+        Mesh
+            The same faces, with the fields of this mesh but normals. `Mesh.report` says how
+            the steps were computed.
+
+        Raises
+        ------
+        OptionError
+            For options out of range, or that the method does not have.
+        FlowError
+            If a step cannot be taken; it has the last good mesh as `last_good`.
+        """
+        n = self._core.vertex_count
+        options: dict[str, Any] = {
+            "weights": weights,
+            "lam": _number(lam),
+            "time": _number(time),
+            "iterations": iterations,
+            "area": area,
+            "kind": kind,
+            "boundary": boundary,
+            "pin": None if pin is None else _arrays.numbers(pin, n, "pin", n),
+            "soft": None if soft is None else [_soft(*entry) for entry in soft],
+            "volume": volume,
+            "unstable": unstable,
+            "mu": _number(mu),
+            "pass_band": _number(pass_band),
+            "degree": degree,
+            "window": window,
+            "alpha": _number(alpha),
+            "beta": _number(beta),
+            "fraction": _number(fraction),
+            "cutoff": _number(cutoff),
+            "order": order,
+            "modes": modes,
+            "update": update,
+            "tolerance": _number(tolerance),
+            "settled": _number(settled),
+            "vertices": None if vertices is None else _arrays.numbers(vertices, n, "vertices", n),
+        }
+        for name in ("iterations", "degree", "order", "modes"):
+            if options[name] is not None:
+                options[name] = _arrays.whole(options[name], name)
+        given = [name for name, value in options.items() if value is not None]
+        with running(threads, progress) as call:
+            core, report = _core.smooth(self._core, method, options, given, call)
+        if report["unstable"] and unstable == "warn":
+            warn("steps beyond the stable limit were taken: some modes grow")
+        if report["degenerate_faces"]:
+            warn(f"{report['degenerate_faces']} faces became degenerate on the way")
+        warn_of_split(report["split"], modes or 0, "modes")
+        return self._moved(core, {"method": method, **report})
+
+    @documented
+    def noise(
+        self,
+        sigma: float,
+        unit: Literal["edge", "model", "diagonal"] = "edge",
+        kind: Literal["normal", "axes", "direction", "uniform", "impulsive"] = "normal",
+        *,
+        share: float = 0.25,
+        seed: int = 1,
+        threads: int | None = None,
+    ) -> Self:
+        """Adds seeded noise to the positions.
+
+        Parameters
+        ----------
+        sigma : float
+            The standard deviation; for `uniform` the largest shift on each axis.
+        unit : {'edge', 'model', 'diagonal'}
+            Mean edge lengths, mesh units, or diagonals of the bounding box.
+        kind : {'normal', 'axes', 'direction', 'uniform', 'impulsive'}
+            Gaussian along the normal, along each axis, along a random direction; uniform along
+            each axis; Gaussian along a random direction on a share of the vertices.
+        share : float
+            The share of vertices that `impulsive` noise moves.
+        seed : int
+            The same seed gives the same noise on every machine.
+        threads : int, optional
+            At most so many threads.
+
+        Returns
+        -------
+        Mesh
+        """
+        with running(threads, None) as call:
+            core = _core.noise(
+                self._core, float(sigma), unit, kind, float(share), _arrays.whole(seed, "seed"), call
+            )
+        return self._moved(core)
+
+    @documented
+    def noise_level(self, *, threads: int | None = None, progress: Progress = None) -> NoiseLevel | None:
+        """Estimates the noise along the normals, where there is most of it.
+
+        Parameters
+        ----------
+        {run}
+
+        Returns
+        -------
+        NoiseLevel or None
+            None where there are too few vertices to tell.
+        """
+        with running(threads, progress) as call:
+            found = _core.noise_level(self._core, call)
+        return None if found is None else NoiseLevel(*found)
+
+    @documented
+    def denoise(
+        self, method: str = "automatic", *, threads: int | None = None, progress: Progress = None
+    ) -> Self:
+        """Removes noise and keeps creases.
+
+        Parameters
+        ----------
+        method : str
+            With its default options:
+
+            {denoisers}
+        {run}
+
+        Returns
+        -------
+        Mesh
+            The same faces. For `automatic`, `Mesh.report` has `sigma`, the noise in mesh
+            units (None where there are too few vertices to tell), and `surface`: `creased`,
+            `smooth`, or `clean` where nothing was moved.
+        """
+        with running(threads, progress) as call:
+            core, sigma, kind = _core.denoise(self._core, method, call)
+        report: dict[str, Any] = {"method": method}
+        if method == "automatic":
+            report |= {"sigma": sigma, "surface": kind}
+        return self._moved(core, report)
+
+    @documented
+    def info(self, *, threads: int | None = None) -> dict[str, Any]:
+        """Counts, topology, defects and measures, by the names of `fairing info --json`.
+
+        Parameters
+        ----------
+        threads : int, optional
+            At most so many threads.
+
+        Returns
+        -------
+        dict
+            Lengths, areas and volumes in mesh units; `genus` and `volume` are None where they
+            are not defined.
+        """
+        with running(threads, None) as call:
+            return self._core.diagnosis(call)
+
+    @documented
+    def subdivide(self, scheme: Literal["loop", "midpoint"] = "loop", *, threads: int | None = None) -> Self:
+        """Cuts each face into four.
+
+        Parameters
+        ----------
+        scheme : {'loop', 'midpoint'}
+            Loop's scheme, which smooths, or midpoints, which keep the surface.
+        threads : int, optional
+            At most so many threads.
+
+        Returns
+        -------
+        Mesh
+            The vertices of this mesh first, then one for each edge; without fields.
+        """
+        with running(threads, None) as call:
+            return self._of(self._core.subdivide(scheme, call))
+
+    @documented
+    def render(
+        self,
+        field: npt.ArrayLike | str | None = None,
+        *,
+        defined: npt.ArrayLike | None = None,
+        map: str | None = None,
+        range: tuple[float, float] | None = None,
+        equalize: bool = False,
+        view: str | tuple[float, float] = "three-quarter",
+        up: Literal["y", "z"] = "y",
+        size: tuple[int, int] = (800, 600),
+        samples: int = 3,
+        wireframe: bool = False,
+        shading: Literal["creased", "smooth", "flat"] = "creased",
+        transparent: bool = False,
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> Bytes:
+        """Draws the mesh, coloured by a field.
+
+        Parameters
+        ----------
+        field : array_like, shape (n,) or (n, 3), or str, optional
+            The values, or the name of a field; vectors are shown by their length. Without it,
+            the colours of the mesh if it has any.
+        defined : array_like of bool, shape (n,), optional
+            Where there is a value; the rest is grey.
+        map : str, optional
+            One of {maps}; `coolwarm` about zero for signed fields, else `viridis`.
+        range : (float, float), optional
+            The values at the two ends of the map; the 2nd to the 98th percentile without.
+        equalize : bool
+            Spread the values so that each colour covers as many as any other.
+        view : str or (float, float)
+            `three-quarter`, `behind`, `front`, `back`, `left`, `right`, `top`, `bottom`, or
+            azimuth and elevation in degrees.
+        up : {'y', 'z'}
+            The axis that points upward in the picture.
+        size : (int, int)
+            Width and height in pixels.
+        samples : int
+            Along each side of a pixel (1 to 8).
+        wireframe : bool
+            Draw the edges.
+        shading : {'creased', 'smooth', 'flat'}
+            How normals vary over a face.
+        transparent : bool
+            No background, instead of white.
+        {run}
+
+        Returns
+        -------
+        ndarray of uint8, shape (height, width, 4)
+            Red, green, blue, alpha: `matplotlib.pyplot.imshow` shows it.
+        """
+        values, undefined = _field_to_show(self, field, defined)
+        colors = None if values is not None else self._fields.get("colors")
+        coloring = {
+            "map": map,
+            "range": None if range is None else (float(range[0]), float(range[1])),
+            "equalize": bool(equalize),
+        }
+        style = {
+            "view": view if isinstance(view, str) else (float(view[0]), float(view[1])),
+            "up": up,
+            "size": (_arrays.whole(size[0], "width"), _arrays.whole(size[1], "height")),
+            "samples": _arrays.whole(samples, "samples"),
+            "wireframe": bool(wireframe),
+            "shading": shading,
+            "transparent": bool(transparent),
+        }
+        with running(threads, progress) as call:
+            image, _ = _core.render_mesh(self._core, values, undefined, colors, coloring, style, call)
+        return image
+
+
+def _number(value: float | None) -> float | None:
+    return None if value is None else float(value)
+
+
+def _soft(vertex: int, weight: float, target: npt.ArrayLike | None = None) -> Any:
+    if target is None:
+        return (_arrays.whole(vertex, "a vertex of soft"), float(weight), None)
+    point = _arrays.field(target, 3, "a target of soft")
+    return (_arrays.whole(vertex, "a vertex of soft"), float(weight), [float(x) for x in point])
+
+
+def _field_to_show(
+    mesh: Computing, field: npt.ArrayLike | str | None, defined: npt.ArrayLike | None
+) -> tuple[Floats | None, npt.NDArray[Any] | None]:
+    import numpy as np
+
+    if field is None:
+        return None, None
+    n = mesh._core.vertex_count
+    undefined = None
+    if defined is not None:
+        mask = np.asarray(defined)
+        if mask.dtype.kind != "b" or mask.shape != (n,):
+            raise _core.OptionError(f"defined is {mask.dtype} of shape {mask.shape}, but must be bool of ({n},)")
+        undefined = np.ascontiguousarray(~mask)
+    if isinstance(field, str):
+        if field not in mesh._fields:
+            known = ", ".join(mesh._fields) or "none"
+            raise _core.OptionError(f"there is no field {field}; the mesh has {known}")
+        if undefined is None and "defined" in mesh._fields and field != "defined":
+            undefined = mesh._fields["defined"] == 0
+        field = mesh._fields[field]
+    values = _arrays.floats(field, "field")
+    if values.shape == (n, 3):
+        values = np.linalg.norm(values, axis=1)
+    if values.shape != (n,):
+        raise _core.OptionError(f"field has the shape {values.shape}, but must have ({n},) or ({n}, 3)")
+    if undefined is not None:
+        values = np.where(undefined, 0.0, values)
+    return np.ascontiguousarray(values), undefined

@@ -1,0 +1,342 @@
+"""Many meshes on many machines."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+from os import PathLike, cpu_count, fspath
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import _batch, _plan
+from ._calls import Progress, running
+from ._plan import Batch
+
+if TYPE_CHECKING:
+    from .tasks import Task
+
+#: Batches that are given to a cluster at a time, for each of its threads.
+_AHEAD = 4
+#: Bytes for each vertex of tasks that do not say.
+_PER_VERTEX = 2_000
+
+
+def dataset(
+    paths: Any,
+    task: Task,
+    out: str | PathLike[str] | None = None,
+    *,
+    client: Any = None,
+    columns: Mapping[str, str] | None = None,
+    bytes_per_vertex: int | None = None,
+    threads: int = 1,
+    resume: bool = True,
+    progress: Progress = None,
+) -> Any:
+    """Computes something of each mesh of a data set: a Dask collection, one row a mesh.
+
+    Parameters
+    ----------
+    paths : str, path, sequence of them, or table
+        Addresses of files, local or of fsspec (`s3://...`); one with `*`, `?` or `[` is a
+        glob. A table of pandas or dask has them in the column `path`.
+    task : callable
+        Called with a `Mesh`; returns a mapping from the names of columns to numbers, strings,
+        or flat arrays: a function of `pyfairing.tasks`, or any other. Workers must be able to
+        unpickle it, and its result should depend on the mesh alone.
+    out : str or path, optional
+        A folder, local or of fsspec, that all workers see. With it the meshes are computed now
+        and each batch is written to Parquet when it is done. A run that was interrupted goes
+        on where it was: what is written is not computed again. Without it nothing is computed
+        or kept until the collection is.
+    client : distributed.Client, optional
+        The cluster; the current client of dask if there is one, else threads of this process.
+    columns : mapping of str to str, optional
+        The type of each column of the task: `int64`, `float64`, `bool`, `string` or `list` (of
+        float64). Found by a try on a small sphere unless given.
+    bytes_per_vertex : int, optional
+        What the task needs; `task.bytes_per_vertex` or 2000 unless given. With the number of
+        vertices in the header of a file (or its size) it estimates the memory of a mesh:
+        meshes of a worker wait for each other where they would not fit together.
+    threads : int
+        Of each mesh; workers have as many meshes at work as they have threads.
+    resume : bool
+        Whether to go on with what is in `out`; otherwise it is deleted.
+    progress : callable or bool, optional
+        Called as `progress("meshes", done, total)` after each batch.
+
+    Returns
+    -------
+    dask.dataframe.DataFrame
+        Index `row`, the place in `paths`. Columns `path`, `vertices`, `faces`, `error` (missing
+        where all went well), `warnings`, those of the task, and those of the table. Values are
+        the same for any number of workers.
+
+    Raises
+    ------
+    ValueError
+        If `out` holds another run: other files, sizes, columns or another task.
+    ImportError
+        Without dask: `pip install 'pyfairing[dask]'`.
+
+    Notes
+    -----
+    A mesh that cannot be read or computed is a row with its `error`. Batches of a worker that
+    is killed are done again; if that happens again and again, each mesh of the batch is done
+    on its own, and one that still ends its workers becomes a row with its error. A mesh whose
+    estimate exceeds the memory of a worker is not tried.
+    """
+    try:
+        import dask.dataframe
+        import fsspec  # noqa: F401
+        import pyarrow  # noqa: F401
+    except ImportError as error:
+        raise ImportError("data sets need dask: pip install 'pyfairing[dask]'") from error
+    addresses, extra = _plan.list_paths(paths)
+    kinds = dict(columns) if columns is not None else _columns_of(task)
+    taken = sorted(set(kinds) & set(_batch.OWN))
+    if taken:
+        raise ValueError(f"the task returns {', '.join(taken)}, which every data set has")
+    sources = _plan.describe(addresses)
+    per_vertex = bytes_per_vertex or getattr(_innermost(task), "bytes_per_vertex", _PER_VERTEX)
+    run = _Run(task, kinds, int(per_vertex), threads)
+    if out is None:
+        return _with_table(_lazy(run, sources), extra)
+    folder = fspath(out)
+    _prepare(folder, _plan.fingerprint(sources, kinds, _name_of(task)), resume)
+    with running(None, progress) as (_, tell):
+        _complete(run, sources, folder, client or _current_client(), tell)
+    _drop_contained(folder)
+    found = dask.dataframe.read_parquet(
+        _glob_of(folder), index="row", calculate_divisions=True, dtype_backend="pyarrow", split_row_groups=False
+    ) if sources else _lazy(run, sources)
+    return _with_table(found, extra)
+
+
+class _Run:
+    """What is done to each batch."""
+
+    def __init__(self, task: Any, columns: dict[str, str], per_vertex: int, threads: int) -> None:
+        self.task, self.columns, self.per_vertex, self.threads = task, columns, per_vertex, threads
+
+    @property
+    def arguments(self) -> tuple[Any, ...]:
+        return self.task, self.columns, self.per_vertex, self.threads
+
+
+def _innermost(task: Any) -> Any:
+    """The function behind a `functools.partial`."""
+    while hasattr(task, "func"):
+        task = task.func
+    return task
+
+
+def _name_of(task: Any) -> str:
+    inner = _innermost(task)
+    name = f"{getattr(inner, '__module__', '')}.{getattr(inner, '__qualname__', type(inner).__name__)}"
+    arguments = [getattr(task, "args", ()), sorted(getattr(task, "keywords", {}).items())]
+    return f"{name} {arguments}"
+
+
+def _columns_of(task: Any) -> dict[str, str]:
+    """The types of the columns, from a try on a sphere of 162 vertices."""
+    from .shapes import icosphere
+
+    try:
+        row = dict(task(icosphere(2)))
+    except Exception as error:
+        raise ValueError(f"the task fails on a small sphere ({error}): pass columns") from error
+    return {name: _kind_of(name, value) for name, value in row.items()}
+
+
+def _kind_of(name: str, value: Any) -> str:
+    if isinstance(value, (bool, np.bool_)):
+        return "bool"
+    if isinstance(value, (int, np.integer)):
+        return "int64"
+    if isinstance(value, (float, np.floating)):
+        return "float64"
+    if isinstance(value, str):
+        return "string"
+    if isinstance(value, (list, tuple, np.ndarray)) and np.asarray(value).dtype.kind in "fiub":
+        return "list"
+    raise ValueError(f"the task returns {name} as {type(value).__name__}: pass columns")
+
+
+def _current_client() -> Any:
+    try:
+        from distributed import default_client
+
+        return default_client()
+    except (ImportError, ValueError):
+        return None
+
+
+def _lazy(run: _Run, sources: list[_plan.Source]) -> Any:
+    """A collection that computes when it is asked to."""
+    import dask.dataframe
+
+    meta = _batch.to_pandas(_batch.schema(run.columns).empty_table())
+    made = _plan.batches(sources)
+    if not made:
+        return dask.dataframe.from_pandas(meta, npartitions=1)
+    divisions = [batch.first for batch in made] + [made[-1].end - 1]
+    task, columns, per_vertex, threads = run.arguments
+    return dask.dataframe.from_map(
+        _batch.frame,
+        made,
+        meta=meta,
+        divisions=divisions,
+        task=task,
+        columns=columns,
+        per_vertex=per_vertex,
+        threads=threads,
+    )
+
+
+def _with_table(found: Any, extra: Any) -> Any:
+    """With the other columns of the caller's table, row by row."""
+    if extra is None or len(extra.columns) == 1:
+        return found
+    import dask.dataframe
+
+    others = extra.drop(columns="path")
+    clash = sorted(set(map(str, others.columns)) & set(map(str, found.columns)))
+    others = others.rename(columns={name: f"{name}_given" for name in clash})
+    others.index.name = "row"
+    return found.join(dask.dataframe.from_pandas(others, npartitions=1))
+
+
+def _prepare(folder: str, fingerprint: str, resume: bool) -> None:
+    """The folder of this run: empty, or with what an earlier one has written."""
+    fs, inner = _plan.filesystem(folder)
+    note = f"{inner.rstrip('/')}/_run.json"
+    if not resume and fs.exists(inner):
+        for name in _parts(folder):
+            fs.rm(f"{inner.rstrip('/')}/{name}")
+        if fs.exists(note):
+            fs.rm(note)
+    if fs.exists(note):
+        with fs.open(note, "rb") as file:
+            if json.load(file)["fingerprint"] != fingerprint:
+                raise ValueError(
+                    f"{folder} holds another run (other files, sizes, columns or task):"
+                    " take another folder, or resume=False"
+                )
+        return
+    if _parts(folder):
+        raise ValueError(f"{folder} holds parts of a run that is not known: take another folder")
+    fs.makedirs(inner, exist_ok=True)
+    with fs.open(note, "wb") as file:
+        file.write(json.dumps({"fingerprint": fingerprint}).encode())
+
+
+def _parts(folder: str) -> list[str]:
+    """The names of the parts that are complete, in the order of their rows."""
+    fs, inner = _plan.filesystem(folder)
+    if not fs.exists(inner):
+        return []
+    # Others may have written since.
+    fs.invalidate_cache(inner)
+    names = (p.rsplit("/", 1)[-1] for p in fs.ls(inner, detail=False))
+    return sorted(name for name in names if _plan.part_rows(name))
+
+
+def _glob_of(folder: str) -> str:
+    return f"{folder.rstrip('/')}/part-*.parquet"
+
+
+def _rows_of(names: Iterable[str]) -> list[tuple[int, int]]:
+    return [rows for rows in map(_plan.part_rows, names) if rows]
+
+
+def _drop_contained(folder: str) -> None:
+    """A worker that was given up may have written its batch after all: its rows are there twice then."""
+    fs, inner = _plan.filesystem(folder)
+    parts = sorted(((rows, name) for name in _parts(folder) if (rows := _plan.part_rows(name))))
+    end = 0
+    for (first, last), name in sorted(parts, key=lambda p: (p[0][0], -p[0][1])):
+        if last <= end:
+            fs.rm(f"{inner.rstrip('/')}/{name}")
+        elif first < end:
+            raise RuntimeError(f"{name} overlaps another part")
+        end = max(end, last)
+
+
+def _complete(run: _Run, sources: list[_plan.Source], folder: str, client: Any, tell: Any) -> None:
+    """Computes what is not written yet, the largest batches first."""
+    todo = _plan.batches(_plan.uncovered(sources, _rows_of(_parts(folder))))
+    todo.sort(key=lambda batch: -sum(s.vertices for s in batch.sources))
+    done = len(sources) - sum(len(batch.sources) for batch in todo)
+    if tell and sources:
+        tell("meshes", done, len(sources))
+    work = _on_cluster if client is not None else _on_threads
+    for batch in work(run, todo, folder, client):
+        done += len(batch.sources)
+        if tell:
+            tell("meshes", done, len(sources))
+
+
+def _on_threads(run: _Run, todo: list[Batch], folder: str, _: Any) -> Iterable[Batch]:
+    pool = ThreadPoolExecutor(cpu_count() or 1, thread_name_prefix="pyfairing-dataset")
+    try:
+        futures = {pool.submit(_batch.run, batch, *run.arguments, folder): batch for batch in todo}
+        while futures:
+            ready, _pending = wait(futures, return_when=FIRST_COMPLETED)
+            for future in ready:
+                future.result()
+                yield futures.pop(future)
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _on_cluster(run: _Run, todo: list[Batch], folder: str, client: Any) -> Iterable[Batch]:
+    from distributed import as_completed
+    from distributed.scheduler import KilledWorker
+
+    shared = run.task
+    waiting = list(reversed(todo))
+    batches: dict[str, Batch] = {}
+    running_ = as_completed()
+
+    def submit(batch: Batch) -> None:
+        future = client.submit(
+            _batch.run,
+            batch,
+            shared,
+            run.columns,
+            run.per_vertex,
+            run.threads,
+            folder,
+            pure=False,
+            priority=sum(s.vertices for s in batch.sources) / 1e6,
+        )
+        batches[future.key] = batch
+        running_.add(future)
+
+    def room() -> int:
+        threads = sum(client.nthreads().values())
+        return max(_AHEAD * threads, _AHEAD) - len(batches)
+
+    for _ in range(room()):
+        if waiting:
+            submit(waiting.pop())
+    for future in running_:
+        batch = batches.pop(future.key)
+        error = future.exception()
+        if error is None:
+            yield batch
+        elif isinstance(error, KilledWorker) and len(batch.sources) > 1:
+            waiting += reversed(_plan.halves(batch))
+        elif isinstance(error, KilledWorker):
+            text = "KilledWorker: the workers that had this mesh ended, perhaps for want of memory"
+            _batch.write(_batch.failed(batch, text), run.columns, folder, batch.part)
+            yield batch
+        else:
+            raise error
+        future.release()
+        for _ in range(room()):
+            if waiting:
+                submit(waiting.pop())

@@ -1,0 +1,531 @@
+"""The mesh."""
+
+from __future__ import annotations
+
+import base64
+import html
+from collections.abc import Mapping
+from os import PathLike, fspath
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _arrays, _core
+from ._arrays import Bools, Bytes, Floats, Indices
+from ._calls import Progress, running, warn
+from ._computing import Computing
+from ._docs import documented
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+#: A scalar field (n,), a vector field (n, 3), or `colors` (n, 3) of uint8.
+Fields = Mapping[str, npt.NDArray[Any]]
+
+
+class Mesh(Computing):
+    """A triangle mesh that never changes.
+
+    Parameters
+    ----------
+    vertices : array_like, shape (n, 3)
+        Positions, in mesh units. Or an object that has arrays: a `Mesh`, a mesh of trimesh
+        (`vertices`, `faces`) or of meshio (`points`, `cells`); its numbers are copied once.
+    faces : array_like of int, shape (m, 3), optional
+        Corners, counter-clockwise seen from outside, numbered from 0.
+    fields : mapping of str to array_like, optional
+        Data of the vertices: shape (n,), (n, 3), or (n, 3) of uint8 under the name `colors`.
+
+    Raises
+    ------
+    MeshError
+        For the first vertex or face that is not valid: a coordinate that is not finite, a
+        number of a vertex that does not exist, a face that repeats a corner.
+
+    Notes
+    -----
+    Everything else is allowed: isolated vertices, faces without area, edges of three faces.
+    Vertices and faces keep their order. A mesh can be pickled, compared and hashed.
+
+    Examples
+    --------
+    >>> import pyfairing as pf
+    >>> mesh = pf.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    >>> mesh
+    Mesh(3 vertices, 1 face)
+    >>> mesh.vertices.shape
+    (3, 3)
+    """
+
+    __slots__ = ("__weakref__", "_core", "_fields", "_hash", "_report")
+
+    _core: _core.Mesh
+    _fields: dict[str, npt.NDArray[Any]]
+    _report: Mapping[str, Any]
+    _hash: int | None
+
+    def __init__(
+        self,
+        vertices: Any,
+        faces: npt.ArrayLike | None = None,
+        fields: Mapping[str, npt.ArrayLike] | None = None,
+    ) -> None:
+        if faces is None:
+            core, given = _from_object(vertices)
+        else:
+            core = _core.Mesh(_arrays.vertices(vertices), _arrays.faces(faces))
+            given = {}
+        self._fill(core, {**given, **(fields or {})}, {})
+
+    def _fill(
+        self, core: _core.Mesh, fields: Mapping[str, npt.ArrayLike], report: Mapping[str, Any]
+    ) -> None:
+        n = core.vertex_count
+        made = {str(name): _field(values, n, str(name)) for name, values in fields.items()}
+        object.__setattr__(self, "_core", core)
+        object.__setattr__(self, "_fields", made)
+        object.__setattr__(self, "_report", MappingProxyType(dict(report)))
+        object.__setattr__(self, "_hash", None)
+
+    @classmethod
+    def _of(
+        cls,
+        core: _core.Mesh,
+        fields: Mapping[str, npt.ArrayLike] | None = None,
+        report: Mapping[str, Any] | None = None,
+    ) -> Self:
+        mesh = cls.__new__(cls)
+        mesh._fill(core, fields or {}, report or {})
+        return mesh
+
+    def _moved(self, core: _core.Mesh, report: Mapping[str, Any] | None = None) -> Self:
+        """With other positions: normals no longer fit."""
+        kept = {name: values for name, values in self._fields.items() if name != "normal"}
+        return self._of(core, kept, report)
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"a mesh never changes: {name} cannot be set")
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError(f"a mesh never changes: {name} cannot be deleted")
+
+    @classmethod
+    def from_polygons(
+        cls,
+        vertices: npt.ArrayLike,
+        polygons: Any,
+        fields: Mapping[str, npt.ArrayLike] | None = None,
+    ) -> Self:
+        """A mesh from polygons, which are split into triangles.
+
+        Parameters
+        ----------
+        vertices : array_like, shape (n, 3)
+            Positions, in mesh units.
+        polygons : sequence of sequences of int, or array_like of int, shape (m, k)
+            The corners of each polygon, counter-clockwise seen from outside.
+        fields : mapping of str to array_like, optional
+            Data of the vertices.
+
+        Returns
+        -------
+        Mesh
+            Its triangles in the order of the polygons.
+        """
+        sizes = [len(polygon) for polygon in polygons]
+        flat = np.concatenate([np.asarray(p) for p in polygons]) if sizes else np.zeros(0, np.uint32)
+        if flat.dtype.kind not in "iu":
+            raise TypeError(f"polygons must be integers, not {flat.dtype}")
+        if flat.size and (flat.min() < 0 or flat.max() > 2**32 - 1):
+            raise _core.MeshError(f"the polygons name vertex {flat.min()} to {flat.max()}")
+        with running(None, None) as call:
+            core = _core.from_polygons(
+                _arrays.vertices(vertices),
+                flat.astype(np.uint32),
+                np.asarray(sizes, dtype=np.uint32),
+                call,
+            )
+        return cls._of(core, fields)
+
+    @property
+    def vertices(self) -> Floats:
+        """Positions in mesh units, (n, 3) float64: a view, not writeable."""
+        return self._core.vertices
+
+    @property
+    def faces(self) -> Indices:
+        """Corners, (m, 3) uint32, counter-clockwise seen from outside: a view, not writeable."""
+        return self._core.faces
+
+    @property
+    def fields(self) -> Fields:
+        """Data of the vertices by name, in the order of the file; arrays are not writeable.
+
+        Scalar fields are (n,) float64, vector fields (n, 3) float64 (vertex normals of a file
+        are `normal`), and `colors` is (n, 3) uint8.
+        """
+        return MappingProxyType(self._fields)
+
+    @property
+    def report(self) -> Mapping[str, Any]:
+        """How the mesh came about: what a reader did, the steps of a flow, what a denoiser found."""
+        return self._report
+
+    @property
+    def n_vertices(self) -> int:
+        """The number of vertices, isolated ones included."""
+        return self._core.vertex_count
+
+    @property
+    def n_faces(self) -> int:
+        """The number of faces."""
+        return self._core.face_count
+
+    @property
+    def mean_edge_length(self) -> float:
+        """h: the mean length of the sides of the faces, in mesh units; an edge counts once for each face."""
+        return self._core.mean_edge_length
+
+    @property
+    def diagonal(self) -> float:
+        """The diagonal of the bounding box, in mesh units."""
+        return self._core.diagonal
+
+    @property
+    def edges(self) -> Indices:
+        """Each edge once, (e, 2) uint32, the lower number first."""
+        with running(None, None) as call:
+            return self._core.edges(call)
+
+    @property
+    def boundary_vertices(self) -> Bools:
+        """Whether each vertex is on the boundary, (n,) bool."""
+        with running(None, None) as call:
+            return self._core.boundary_vertices(call)
+
+    @property
+    def face_areas(self) -> Floats:
+        """The area of each face, (m,) float64, in squared mesh units."""
+        with running(None, None) as call:
+            return self._core.face_areas(call)
+
+    @property
+    def face_normals(self) -> Floats:
+        """The outward unit normal of each face, (m, 3) float64; zero for faces without area."""
+        with running(None, None) as call:
+            return self._core.face_normals(call)
+
+    def with_vertices(self, vertices: npt.ArrayLike) -> Self:
+        """The same faces with other positions; what follows from faces alone is shared.
+
+        Parameters
+        ----------
+        vertices : array_like, shape (n, 3)
+            Positions, in mesh units.
+
+        Returns
+        -------
+        Mesh
+            With the same fields but normals, which no longer fit.
+        """
+        return self._moved(self._core.with_vertices(_arrays.vertices(vertices)))
+
+    def with_fields(self, fields: Mapping[str, npt.ArrayLike] | None = None, **more: npt.ArrayLike) -> Self:
+        """The same mesh with more data at its vertices; those of the same names are replaced.
+
+        Parameters
+        ----------
+        fields : mapping of str to array_like, optional
+            Shape (n,), (n, 3), or (n, 3) of uint8 under the name `colors`.
+        **more : array_like
+            The same as arguments.
+
+        Returns
+        -------
+        Mesh
+            Nothing of the mesh itself is copied.
+        """
+        return self._of(self._core, {**self._fields, **(fields or {}), **more}, self._report)
+
+    @documented
+    def write(
+        self,
+        path: str | PathLike[str],
+        *,
+        ascii: bool = False,
+        width: str = "lossless",
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> None:
+        """Writes the mesh with its fields, whole or not at all.
+
+        Parameters
+        ----------
+        path : str or path
+            Ends in .obj, .ply, .off or .stl, perhaps followed by .gz. PLY holds all fields;
+            what a format cannot hold is left out, with a warning.
+        ascii : bool
+            Text in place of binary, for PLY and STL.
+        width : {'lossless', 'double', 'single'}
+            Of the numbers of a PLY file: 32 bits where nothing is lost, 64, or 32.
+        {run}
+
+        Raises
+        ------
+        OSError
+            If the system refuses.
+        OptionError
+            If the format cannot hold the mesh, or the ending is unknown.
+        """
+        scalars, vectors, colors = self._sorted_fields()
+        with running(threads, progress) as call:
+            dropped, notes = self._core.write(fspath(path), scalars, vectors, colors, ascii, width, call)
+        if dropped:
+            warn(f"{fspath(path)}: the format cannot hold {', '.join(dropped)}")
+        for note in notes:
+            warn(f"{fspath(path)}: {note}")
+
+    def to_bytes(self, format: str = "ply", *, ascii: bool = False, width: str = "lossless") -> bytes:
+        """The bytes of the file that `write` writes.
+
+        Parameters
+        ----------
+        format : {'ply', 'obj', 'off', 'stl'}
+            The format, not compressed. Fields that it cannot hold are left out.
+        ascii : bool
+            Text in place of binary, for PLY and STL.
+        width : {'lossless', 'double', 'single'}
+            Of the numbers of a PLY file.
+
+        Returns
+        -------
+        bytes
+        """
+        scalars, vectors, colors = self._sorted_fields()
+        with running(None, None) as call:
+            return self._core.to_bytes(format, scalars, vectors, colors, ascii, width, call)
+
+    def _sorted_fields(
+        self,
+    ) -> tuple[list[tuple[str, Floats]], list[tuple[str, Floats]], Bytes | None]:
+        fields = self._fields.items()
+        scalars = [(name, values) for name, values in fields if values.ndim == 1]
+        vectors = [(name, values) for name, values in fields if values.ndim == 2 and name != "colors"]
+        return scalars, vectors, self._fields.get("colors")
+
+    def to_trimesh(self) -> Any:
+        """The same as a `trimesh.Trimesh`, nothing merged or dropped."""
+        import trimesh
+
+        return trimesh.Trimesh(self.vertices.copy(), self.faces.astype(np.int64), process=False)
+
+    def to_meshio(self) -> Any:
+        """The same as a `meshio.Mesh`, with its fields."""
+        import meshio
+
+        data = {name: np.array(values) for name, values in self._fields.items()}
+        return meshio.Mesh(self.vertices.copy(), [("triangle", self.faces.astype(np.int64))], data)
+
+    def __repr__(self) -> str:
+        n, m = self.n_vertices, self.n_faces
+        text = f"{n} {'vertex' if n == 1 else 'vertices'}, {m} {'face' if m == 1 else 'faces'}"
+        if self._fields:
+            text += f", fields {', '.join(self._fields)}"
+        return f"Mesh({text})"
+
+    def _repr_html_(self) -> str:
+        """A picture and a table, for notebooks."""
+        info = self.info()
+        rows = {
+            "vertices": info["vertices"],
+            "faces": info["faces"],
+            "components": info["components"],
+            "boundary loops": info["boundary_loops"],
+            "genus": "undefined" if info["genus"] is None else info["genus"],
+            "area": f"{info['area']:.6g}",
+            "volume": "undefined" if info["volume"] is None else f"{info['volume']:.6g}",
+            "fields": ", ".join(self._fields) or "none",
+        }
+        cells = "".join(
+            f"<tr><th style='text-align:left'>{name}</th><td>{html.escape(str(value))}</td></tr>"
+            for name, value in rows.items()
+        )
+        table = f"<table>{cells}</table>"
+        try:
+            image = self.render(size=(480, 360), samples=2)
+        except _core.FairingError as error:
+            return f"<div>{table}<p>{html.escape(str(error))}</p></div>"
+        data = base64.b64encode(_core.png(image)).decode()
+        picture = f"<img width='360' alt='{html.escape(repr(self))}' src='data:image/png;base64,{data}'>"
+        return f"<div style='display:flex;align-items:center;gap:1em'>{picture}{table}</div>"
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Mesh):
+            return NotImplemented
+        return self._core.same(other._core)
+
+    def __hash__(self) -> int:
+        if self._hash is None:
+            value = hash((self.vertices.tobytes(), self.faces.tobytes()))
+            object.__setattr__(self, "_hash", value)
+        assert self._hash is not None
+        return self._hash
+
+    def __copy__(self) -> Self:
+        return self
+
+    def __deepcopy__(self, memo: object) -> Self:
+        return self
+
+    def __reduce__(self) -> Any:
+        parts = (np.array(self.vertices), np.array(self.faces), self._fields, dict(self._report))
+        return _restored, (type(self), *parts)
+
+    def __dask_tokenize__(self) -> Any:
+        return ("pyfairing.Mesh", self.vertices, self.faces, dict(self._fields))
+
+
+def _restored(
+    cls: type[Mesh], vertices: Floats, faces: Indices, fields: Fields, report: Mapping[str, Any]
+) -> Mesh:
+    return cls._of(_core.Mesh(vertices, faces), fields, report)
+
+
+def _field(values: npt.ArrayLike, n: int, name: str) -> npt.NDArray[Any]:
+    """A field that nobody can change."""
+    if name == "colors":
+        colors = np.asarray(values)
+        if colors.dtype != np.uint8 or colors.shape != (n, 3):
+            raise _core.OptionError(
+                f"colors are {colors.dtype} of shape {colors.shape}, but must be uint8 of ({n}, 3)"
+            )
+        return _arrays.frozen(np.array(colors)) if colors.flags.writeable else colors
+    array = _arrays.floats(values, f"the field {name}")
+    if array.shape not in ((n,), (n, 3)):
+        raise _core.OptionError(
+            f"the field {name} has the shape {array.shape}, but must have ({n},) or ({n}, 3)"
+        )
+    if not array.flags.writeable and array.flags.c_contiguous:
+        return array
+    _arrays.finite(array, f"the field {name}")
+    return _arrays.frozen(np.array(array, order="C"))
+
+
+def _from_object(source: Any) -> tuple[_core.Mesh, dict[str, npt.ArrayLike]]:
+    """The mesh that an object of another package holds, and its fields."""
+    if isinstance(source, Mesh):
+        return source._core, dict(source._fields)
+    if hasattr(source, "vertices") and hasattr(source, "faces"):
+        core = _core.Mesh(_arrays.vertices(source.vertices), _arrays.faces(source.faces))
+        return core, _colors_of_trimesh(source, core.vertex_count)
+    if hasattr(source, "points") and hasattr(source, "cells"):
+        return _from_meshio(source)
+    raise TypeError(
+        f"a mesh is made of vertices and faces, or of an object that has them, not of {type(source).__name__}"
+    )
+
+
+def _colors_of_trimesh(source: Any, n: int) -> dict[str, npt.ArrayLike]:
+    visual = getattr(source, "visual", None)
+    if getattr(visual, "kind", None) != "vertex":
+        return {}
+    colors = np.asarray(visual.vertex_colors)
+    return {"colors": np.ascontiguousarray(colors[:, :3])} if colors.shape[:1] == (n,) else {}
+
+
+def _from_meshio(source: Any) -> tuple[_core.Mesh, dict[str, npt.ArrayLike]]:
+    polygons: list[Any] = []
+    skipped = set()
+    for block in source.cells:
+        if block.type in ("triangle", "quad", "polygon"):
+            polygons.extend(block.data)
+        else:
+            skipped.add(block.type)
+    if skipped:
+        warn(f"cells that are no faces are left out: {', '.join(sorted(skipped))}")
+    points = np.asarray(source.points)
+    if points.ndim == 2 and points.shape[1] == 2:
+        points = np.column_stack([points, np.zeros(len(points))])
+    n = len(points)
+    fields = {}
+    for name, values in (getattr(source, "point_data", None) or {}).items():
+        array = np.asarray(values)
+        if array.dtype.kind in "fiu" and array.shape in ((n,), (n, 3)) and np.isfinite(array).all():
+            if name != "colors" or array.dtype == np.uint8:
+                fields[name] = array
+                continue
+        warn(f"the field {name} is left out: {array.dtype} of shape {array.shape}")
+    if all(len(p) == 3 for p in polygons):
+        triangles = np.asarray(polygons) if polygons else np.zeros((0, 3), np.uint32)
+        return _core.Mesh(_arrays.vertices(points), _arrays.faces(triangles)), fields
+    return Mesh.from_polygons(points, polygons)._core, fields
+
+
+@documented
+def read(
+    path: str | PathLike[str],
+    *,
+    strict: bool = False,
+    threads: int | None = None,
+    progress: Progress = None,
+) -> Mesh:
+    """Reads a mesh with the fields of its vertices.
+
+    Parameters
+    ----------
+    path : str or path
+        An OBJ, PLY, OFF or STL file, plain or compressed with gzip; content and ending decide.
+    strict : bool
+        Refuse what would be left out with a warning: faces that repeat a corner, and the like.
+    {run}
+
+    Returns
+    -------
+    Mesh
+        Vertices in the order of the file, isolated ones included; polygons are split into
+        triangles. What was split, reduced or left out is in `Mesh.report`, and warned of.
+
+    Raises
+    ------
+    OSError
+        If the system cannot read the file.
+    MeshError
+        For a file that is no mesh; the message names the line or byte and the value.
+    """
+    name = fspath(path)
+    with running(threads, progress) as call:
+        parts = _core.read(name, bool(strict), call)
+    return _with_warnings(parts, name)
+
+
+def read_bytes(data: bytes, name: str | PathLike[str] = "", *, strict: bool = False) -> Mesh:
+    """Reads a mesh from the bytes of a file.
+
+    Parameters
+    ----------
+    data : bytes
+        The content.
+    name : str or path
+        Looked at for its ending and for messages; may be empty.
+    strict : bool
+        As in `read`.
+
+    Returns
+    -------
+    Mesh
+    """
+    with running(None, None) as call:
+        parts = _core.read_bytes(fspath(name), bytes(data), bool(strict), call)
+    return _with_warnings(parts, fspath(name))
+
+
+def _with_warnings(parts: Any, name: str) -> Mesh:
+    core, scalars, vectors, colors, report = parts
+    fields: dict[str, npt.ArrayLike] = {n: _arrays.frozen(v) for n, v in [*scalars, *vectors]}
+    if colors is not None:
+        fields["colors"] = _arrays.frozen(colors)
+    if report["polygons"] or report["reduced_faces"] or report["left_out_faces"] or report["notes"]:
+        warn(f"{name}: {report['text']}".strip())
+    return Mesh._of(core, fields, report)

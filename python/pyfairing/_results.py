@@ -1,0 +1,200 @@
+"""What computations return."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ._arrays import Bools, Csr, Floats
+
+if TYPE_CHECKING:
+    from ._mesh import Mesh
+
+
+class Laplacian(tuple[Csr, Csr]):
+    """Stiffness S and mass M, to be unpacked, with what they were made of.
+
+    Attributes
+    ----------
+    stiffness : scipy.sparse.csr_matrix, shape (n, n)
+        S, symmetric, positive semi-definite, row sums zero, dimensionless.
+    mass : scipy.sparse.csr_matrix, shape (n, n)
+        M, in squared mesh units (dimensionless for `degree` and `unit`).
+    kind : str
+        The kind that was taken, never `auto`.
+    reason : str
+        Why that kind was taken.
+    """
+
+    kind: str
+    reason: str
+
+    def __new__(cls, stiffness: Csr, mass: Csr, kind: str, reason: str) -> Laplacian:
+        pair = super().__new__(cls, (stiffness, mass))
+        pair.kind = kind
+        pair.reason = reason
+        return pair
+
+    def __getnewargs__(self) -> tuple[Csr, Csr, str, str]:  # type: ignore[override]
+        return (self[0], self[1], self.kind, self.reason)
+
+    @property
+    def stiffness(self) -> Csr:
+        """S."""
+        return self[0]
+
+    @property
+    def mass(self) -> Csr:
+        """M."""
+        return self[1]
+
+    def __repr__(self) -> str:
+        return f"Laplacian({self.kind}, {self[0].shape[0]} vertices: {self.reason})"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Curvature:
+    """Pointwise curvature at each vertex, positive on a sphere.
+
+    Attributes
+    ----------
+    mean, gaussian : ndarray, shape (n,)
+        H in 1 / mesh units, K in 1 / squared mesh units; zero where not defined.
+    kappa1, kappa2 : ndarray, shape (n,)
+        Principal curvatures, kappa1 >= kappa2, in 1 / mesh units.
+    direction1, direction2 : ndarray, shape (n, 3), or None
+        Their unit tangents; None if the estimator knows none.
+    defined : ndarray of bool, shape (n,)
+        Whether there is a value at the vertex.
+    boundary : ndarray of bool, shape (n,)
+        Whether the vertex is on the boundary, where values are one-sided.
+    too_thin : int or None
+        The first face too thin for cotangents, where the robust operator was used for it.
+    """
+
+    estimator: str
+    mean: Floats
+    gaussian: Floats
+    kappa1: Floats
+    kappa2: Floats
+    direction1: Floats | None
+    direction2: Floats | None
+    defined: Bools
+    boundary: Bools
+    too_thin: int | None
+
+    @property
+    def interior(self) -> Bools:
+        """The vertices whose values are defined and not one-sided."""
+        return self.defined & ~self.boundary
+
+    @property
+    def shape_index(self) -> Floats:
+        """2/pi arctan((k1 + k2) / (k1 - k2)): 1 for a cap, 0 for a saddle, -1 for a cup; 0 where flat or not defined."""
+        k1, k2 = self.kappa1, self.kappa2
+        index: Floats = np.arctan2(k1 + k2, k1 - k2) * (2 / np.pi)
+        index[(k1 == 0) & (k2 == 0)] = 0.0
+        return index
+
+    @property
+    def curvedness(self) -> Floats:
+        """sqrt((k1**2 + k2**2) / 2), in 1 / mesh units."""
+        curvedness: Floats = np.hypot(self.kappa1, self.kappa2) / np.sqrt(2)
+        return curvedness
+
+    def fields(self) -> dict[str, Floats]:
+        """As the fields that `fairing curvature` writes: `mesh.with_fields(c.fields())`."""
+        names: dict[str, Floats] = {name: getattr(self, name) for name in ("mean", "gaussian", "kappa1", "kappa2")}
+        names["defined"] = self.defined.astype(np.float64)
+        names["boundary"] = self.boundary.astype(np.float64)
+        if self.direction1 is not None and self.direction2 is not None:
+            names |= {"direction1": self.direction1, "direction2": self.direction2}
+        return names
+
+    def __len__(self) -> int:
+        return len(self.mean)
+
+    def __repr__(self) -> str:
+        undefined = int((~self.defined).sum())
+        text = f"Curvature({self.estimator}, {len(self)} vertices"
+        if undefined:
+            text += f", {undefined} undefined"
+        inside = self.mean[self.interior]
+        if inside.size:
+            text += f", mean from {inside.min():.4g} to {inside.max():.4g}"
+        return text + ")"
+
+
+class NoiseLevel(NamedTuple):
+    """An estimate of the noise along the normals.
+
+    Attributes
+    ----------
+    sigma : float
+        The standard deviation, in mesh units.
+    tail_ratio : float
+        1 for Gaussian noise, more where a share of the vertices is moved further than the rest.
+    impulsive : bool
+        Whether the tails are those of impulsive noise.
+    samples : int
+        The vertices that the estimate rests on.
+    """
+
+    sigma: float
+    tail_ratio: float
+    impulsive: bool
+    samples: int
+
+
+class Scores(Mapping[str, float]):
+    """Scores by the names of `fairing compare --json`; those that there are.
+
+    Attributes
+    ----------
+    diagonal : float
+        The diagonal of the bounding box of the reference, in mesh units: the unit of lengths.
+    units : mapping of str to str
+        The unit of each score.
+    labels : mapping of str to str
+        A name for people.
+    missing : mapping of str to str
+        Scores that do not exist for these meshes, and why.
+    """
+
+    def __init__(
+        self,
+        diagonal: float,
+        entries: list[tuple[str, str, str, float | None, str | None]],
+        table: str,
+    ) -> None:
+        self.diagonal = diagonal
+        self.labels = {name: label for name, label, *_ in entries}
+        self.units = {name: unit for name, _, unit, *_ in entries}
+        self.missing = {name: reason or "" for name, _, _, value, reason in entries if value is None}
+        self._values = {name: value for name, _, _, value, _ in entries if value is not None}
+        self._table = table
+
+    def __getitem__(self, name: str) -> float:
+        if name in self.missing:
+            raise KeyError(f"{name}: {self.missing[name]}")
+        return self._values[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._values)
+
+    def __len__(self) -> int:
+        return len(self._values)
+
+    def __repr__(self) -> str:
+        return self._table.rstrip()
+
+
+@dataclass(frozen=True)
+class Reconstruction:
+    """A mesh from some of its modes, and the numbers of modes next to theirs that split no cluster."""
+
+    mesh: Mesh
+    split: tuple[int, int | None] | None

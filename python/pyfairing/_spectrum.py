@@ -1,0 +1,357 @@
+"""Spectra of the Laplacian."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from os import PathLike, fspath
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _arrays, _core
+from ._arrays import Csr, Floats
+from ._calls import Progress, running, warn
+from ._docs import documented
+
+if TYPE_CHECKING:
+    from ._mesh import Mesh
+
+Split = "tuple[int, int | None] | None"
+
+
+def warn_of_split(split: tuple[int, int | None] | None, k: int, name: str) -> None:
+    """Warns where the first k modes split a cluster of eigenvalues."""
+    if split is None:
+        return
+    below, above = split
+    good = [f"{name}={n}" for n in (below, above) if n]
+    better = f"{' and '.join(good)} do not" if len(good) == 2 else f"{good[0]} does not" if good else "more may not"
+    warn(
+        f"{k} modes split a cluster of equal or nearly equal eigenvalues, whose modes are an"
+        f" arbitrary basis; {better}"
+    )
+
+
+class Spectrum:
+    """The k smoothest modes of a mesh, S φ = λ M φ; made by `Mesh.spectrum` or `Spectrum.load`.
+
+    Modes of equal eigenvalues are one basis of many of the space that they span: `clusters`
+    tells which belong together. Isolated and fixed vertices have the value 0 in every mode.
+    """
+
+    __slots__ = ("_core", "_kind", "_mesh")
+
+    _core: _core.Spectrum
+    _mesh: Mesh | None
+    _kind: str
+
+    def __init__(self) -> None:
+        raise TypeError("a spectrum is made by Mesh.spectrum or Spectrum.load")
+
+    @classmethod
+    def _of(cls, core: _core.Spectrum, mesh: Any, kind: str) -> Spectrum:
+        spectrum = cls.__new__(cls)
+        spectrum._core, spectrum._mesh, spectrum._kind = core, mesh, kind
+        return spectrum
+
+    @property
+    def values(self) -> Floats:
+        """λ, ascending, (k,), in 1 / squared mesh units."""
+        return self._core.values
+
+    @property
+    def modes(self) -> Floats:
+        """A mode in each column, (n, k), Φᵀ M Φ = I, in 1 / mesh unit: a view, not writeable."""
+        return self._core.modes
+
+    @property
+    def residuals(self) -> Floats:
+        """‖S φ - λ M φ‖ in the M⁻¹ norm of each mode, (k,), in the unit of λ."""
+        return self._core.residuals
+
+    @property
+    def certified(self) -> bool:
+        """Whether it is proved that no smaller eigenvalue was missed."""
+        return self._core.certified
+
+    @property
+    def mass(self) -> Csr:
+        """M, (n, n), as `scipy.sparse.csr_matrix`."""
+        mass = self._core.mass
+        return _arrays.csr(mass) if isinstance(mass, tuple) else _arrays.diagonal(mass)
+
+    @property
+    def area(self) -> float:
+        """The total mass: the area of the mesh."""
+        return self._core.area
+
+    @property
+    def mesh(self) -> Mesh | None:
+        """The mesh that it was computed of; None where it is not known."""
+        return self._mesh
+
+    @property
+    def kind(self) -> str:
+        """The kind of the Laplacian; empty where it is not known."""
+        return self._kind
+
+    def __len__(self) -> int:
+        return len(self._core.values)
+
+    def __repr__(self) -> str:
+        values = self.values
+        if not len(values):
+            return "Spectrum(no modes)"
+        sure = "certified" if self.certified else "not certified"
+        return f"Spectrum({len(values)} modes, eigenvalues {values[0]:.4g} to {values[-1]:.4g}, {sure})"
+
+    def clusters(self) -> list[range]:
+        """The numbers of the modes that belong together: equal or nearly equal eigenvalues."""
+        return [range(start, end) for start, end in self._core.clusters()]
+
+    def split(self, k: int | None = None) -> tuple[int, int | None] | None:
+        """Whether k modes split a cluster: None, or the numbers below and above that split none."""
+        return self._core.split(len(self) if k is None else _arrays.whole(k, "k"))
+
+    def truncated(self, k: int) -> Spectrum:
+        """The first k modes only."""
+        return self._of(self._core.truncated(_arrays.whole(k, "k")), self._mesh, self._kind)
+
+    @documented
+    def project(self, field: npt.ArrayLike, *, threads: int | None = None, progress: Progress = None) -> Floats:
+        """Coefficients Φᵀ M f of a field.
+
+        Parameters
+        ----------
+        field : array_like, shape (n,) or (n, d)
+            Values at the vertices.
+        {run}
+
+        Returns
+        -------
+        ndarray, shape (k,) or (k, d)
+        """
+        matrix, flat = _arrays.columns(field, None, "field")
+        with running(threads, progress) as call:
+            found = self._core.project(matrix, call)
+        return found[:, 0] if flat else found
+
+    @documented
+    def expand(
+        self, coefficients: npt.ArrayLike, *, threads: int | None = None, progress: Progress = None
+    ) -> Floats:
+        """The field Σ φᵢ cᵢ of the first coefficients: the inverse of `project`.
+
+        Parameters
+        ----------
+        coefficients : array_like, shape (j,) or (j, d)
+            Of the first j modes, all k or fewer.
+        {run}
+
+        Returns
+        -------
+        ndarray, shape (n,) or (n, d)
+        """
+        matrix, flat = _arrays.columns(coefficients, None, "coefficients")
+        with running(threads, progress) as call:
+            found = self._core.expand(matrix, call)
+        return found[:, 0] if flat else found
+
+    @documented
+    def reconstruct(
+        self,
+        k: int | None = None,
+        mesh: Mesh | None = None,
+        *,
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> Mesh:
+        """The mesh with its positions projected on the first k modes.
+
+        Parameters
+        ----------
+        k : int, optional
+            How many; all unless given. A number that splits a cluster of eigenvalues is
+            warned of.
+        mesh : Mesh, optional
+            The mesh; that of the spectrum unless given.
+        {run}
+
+        Returns
+        -------
+        Mesh
+            Vertices without faces stay where they are.
+        """
+        mesh = mesh if mesh is not None else self._mesh
+        if mesh is None:
+            raise TypeError("the spectrum was loaded without its mesh: pass mesh")
+        count = len(self) if k is None else _arrays.whole(k, "k")
+        with running(threads, progress) as call:
+            core, split = self._core.reconstruct(mesh._core, count, call)
+        warn_of_split(split, count, "k")
+        return mesh._moved(core)
+
+    @documented
+    def filter(
+        self,
+        field: npt.ArrayLike,
+        response: Callable[[Floats], npt.ArrayLike] | npt.ArrayLike,
+        *,
+        rest: float | None = None,
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> Floats:
+        """Multiplies the coefficient of each mode: Σ h(λᵢ) φᵢ φᵢᵀ M f.
+
+        Parameters
+        ----------
+        field : array_like, shape (n,) or (n, d)
+            Values at the vertices.
+        response : callable or array_like, shape (k,)
+            h: called with the array of λ, or its values.
+        rest : float, optional
+            What the part of the field outside of the modes is multiplied by; it is left out
+            unless given.
+        {run}
+
+        Returns
+        -------
+        ndarray, shape (n,) or (n, d)
+            Where the response splits a cluster of eigenvalues, there is a warning.
+
+        Examples
+        --------
+        Heat after the time t is `s.filter(f, lambda w: np.exp(-w * t))`.
+        """
+        matrix, flat = _arrays.columns(field, None, "field")
+        values = response(self.values) if callable(response) else response
+        factors = _arrays.field(np.broadcast_to(np.asarray(values), len(self)), len(self), "response")
+        with running(threads, progress) as call:
+            found, split = self._core.filter(
+                matrix, factors, None if rest is None else float(rest), call
+            )
+        if split is not None:
+            warn("the response splits a cluster of eigenvalues, whose modes are an arbitrary basis")
+        return found[:, 0] if flat else found
+
+    @documented
+    def truncation_errors(
+        self, field: npt.ArrayLike, *, threads: int | None = None, progress: Progress = None
+    ) -> Floats:
+        """The error of keeping j modes, for j = 0 ... k.
+
+        Parameters
+        ----------
+        field : array_like, shape (n,) or (n, d)
+            Values at the vertices; the positions of the mesh for errors of `reconstruct`.
+        {run}
+
+        Returns
+        -------
+        ndarray, shape (k + 1,)
+            The mass-weighted root mean square of what is left out, in units of the field.
+        """
+        matrix, _ = _arrays.columns(field, None, "field")
+        with running(threads, progress) as call:
+            return self._core.truncation_errors(matrix, call)
+
+    def heat_kernel_times(self, count: int = 100) -> Floats:
+        """Times evenly spread in the logarithm over what the modes resolve, (count,), in squared mesh units."""
+        return self._core.heat_kernel_times(_arrays.whole(count, "count"))
+
+    @documented
+    def heat_kernel_signature(
+        self,
+        times: npt.ArrayLike | None = None,
+        *,
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> Floats:
+        """The heat kernel signature, Σ exp(-λᵢ t) φᵢ(x)².
+
+        Parameters
+        ----------
+        times : array_like, shape (t,), optional
+            In squared mesh units; `heat_kernel_times()` unless given.
+        {run}
+
+        Returns
+        -------
+        ndarray, shape (n, t)
+            In 1 / squared mesh units.
+        """
+        given = self.heat_kernel_times() if times is None else np.atleast_1d(np.asarray(times))
+        array = _arrays.field(given, len(given), "times")
+        with running(threads, progress) as call:
+            return self._core.heat_kernel_signature(array, call)
+
+    @documented
+    def wave_kernel_signature(
+        self, energies: int = 100, *, threads: int | None = None, progress: Progress = None
+    ) -> Floats:
+        """The wave kernel signature at energies evenly spread in ln λ.
+
+        Parameters
+        ----------
+        energies : int
+            How many, two or more.
+        {run}
+
+        Returns
+        -------
+        ndarray, shape (n, energies)
+            In 1 / squared mesh units.
+        """
+        with running(threads, progress) as call:
+            return self._core.wave_kernel_signature(_arrays.whole(energies, "energies"), call)
+
+    def global_point_signature(self) -> Floats:
+        """φᵢ(x) / √λᵢ for the modes with λ above zero, (n, modes), dimensionless."""
+        with running(None, None) as call:
+            return self._core.global_point_signature(call)
+
+    def shape_dna(self) -> Floats:
+        """The eigenvalues times the area, (k,), which no scaling of the mesh changes."""
+        return self._core.shape_dna()
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Writes an npz file, whole or not at all: `values`, `modes`, `residuals`, `mass`.
+
+        Parameters
+        ----------
+        path : str or path
+            `numpy.load` reads it, and so do `Spectrum.load` and the program.
+        """
+        with running(None, None) as call:
+            self._core.save(fspath(path), call)
+
+    @classmethod
+    def load(cls, path: str | PathLike[str], mesh: Mesh | None = None) -> Spectrum:
+        """Reads what `save` has written.
+
+        Parameters
+        ----------
+        path : str or path
+            The npz file.
+        mesh : Mesh, optional
+            The mesh that it belongs to, for `reconstruct`.
+
+        Returns
+        -------
+        Spectrum
+        """
+        with running(None, None) as call:
+            core = _core.Spectrum.load(fspath(path), call)
+        if mesh is not None and mesh.n_vertices != core.modes.shape[0]:
+            raise _core.OptionError(
+                f"the spectrum is of {core.modes.shape[0]} vertices, the mesh has {mesh.n_vertices}"
+            )
+        return cls._of(core, mesh, "")
+
+    def __reduce__(self) -> Any:
+        return _restored, (self._core.to_bytes(), self._mesh, self._kind)
+
+
+def _restored(data: bytes, mesh: Mesh | None, kind: str) -> Spectrum:
+    return Spectrum._of(_core.Spectrum.from_bytes(data), mesh, kind)

@@ -1,0 +1,37 @@
+//! Denoising.
+
+use fairing_denoising::{Denoiser, SurfaceKind, automatic};
+use pyo3::prelude::*;
+
+use crate::mesh::Mesh;
+use crate::options::named;
+use crate::run::Call;
+
+/// The mesh; for the automatic method σ, where it was measured, and the kind of surface.
+#[pyfunction]
+fn denoise(
+    py: Python<'_>,
+    mesh: &Mesh,
+    method: &str,
+    call: Call,
+) -> PyResult<(Mesh, Option<f64>, Option<&'static str>)> {
+    let method: Denoiser = named(method)?;
+    let mesh = mesh.share();
+    let (mesh, sigma, kind) = call.run(py, move || {
+        if method != Denoiser::Automatic {
+            return Ok((method.denoise(&mesh)?, None, None));
+        }
+        let found = automatic(&mesh)?;
+        let kind = match found.kind {
+            SurfaceKind::Creased => "creased",
+            SurfaceKind::Smooth => "smooth",
+            _ => "clean",
+        };
+        Ok((found.mesh, found.noise.map(|n| n.sigma), Some(kind)))
+    })?;
+    Ok((mesh.into(), sigma, kind))
+}
+
+pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(denoise, module)?)
+}

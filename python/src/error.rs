@@ -1,0 +1,246 @@
+//! One error for all crates, and what it is in Python.
+
+use fairing_denoising::DenoiseError;
+use fairing_evaluation::EvaluationError;
+use fairing_figure::{EncodeError, RenderError, ScaleError};
+use fairing_mesh::BuildError;
+use fairing_mesh::io::{ReadError, ReadProblem, WriteError, WriteProblem};
+use fairing_operators::OperatorError;
+use fairing_smoothing::{FlowError, FlowFailure};
+use fairing_spectral::SpectralError;
+use pyo3::create_exception;
+use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
+use pyo3::prelude::*;
+
+use crate::mesh::Mesh;
+
+create_exception!(
+    pyfairing,
+    FairingError,
+    PyValueError,
+    "Base class of the errors of pyfairing that are not the system's."
+);
+create_exception!(
+    pyfairing,
+    MeshError,
+    FairingError,
+    "Arrays or a file that make no mesh. The message names the element and the value."
+);
+create_exception!(
+    pyfairing,
+    OptionError,
+    FairingError,
+    "An argument out of its range, or for another mesh. The message names it and its value."
+);
+create_exception!(
+    pyfairing,
+    ComputationError,
+    FairingError,
+    "The computation is not defined on this mesh, or did not succeed. The message names the element and the value."
+);
+create_exception!(
+    pyfairing,
+    FlowError_,
+    ComputationError,
+    "A flow that could not go on: `iteration` is the step that failed, `last_good` the mesh before it."
+);
+create_exception!(
+    pyfairing,
+    InternalError,
+    PyRuntimeError,
+    "A defect of pyfairing: please report it."
+);
+
+/// Why a call fails.
+#[derive(Debug)]
+pub(crate) enum Error {
+    Mesh(String),
+    Option(String),
+    Computation(String),
+    Flow(Box<FlowError>),
+    Os { path: String, error: std::io::Error },
+    Internal(String),
+}
+
+pub(crate) type Result<T> = std::result::Result<T, Error>;
+
+impl Error {
+    pub(crate) fn option(text: impl std::fmt::Display) -> Self {
+        Self::Option(text.to_string())
+    }
+}
+
+/// The message with those of its sources.
+fn chain(error: &dyn std::error::Error) -> String {
+    let mut text = error.to_string();
+    let mut source = error.source();
+    while let Some(inner) = source {
+        let more = inner.to_string();
+        if !text.contains(&more) {
+            text += ": ";
+            text += &more;
+        }
+        source = inner.source();
+    }
+    text
+}
+
+impl From<BuildError> for Error {
+    fn from(error: BuildError) -> Self {
+        Self::Mesh(chain(&error))
+    }
+}
+
+impl From<ReadError> for Error {
+    fn from(error: ReadError) -> Self {
+        let path = error.file.display().to_string();
+        match error.problem {
+            ReadProblem::Io(error) => Self::Os { path, error },
+            _ => Self::Mesh(error.to_string()),
+        }
+    }
+}
+
+impl From<WriteError> for Error {
+    fn from(error: WriteError) -> Self {
+        let path = error.file.display().to_string();
+        match error.problem {
+            WriteProblem::Io(error) => Self::Os { path, error },
+            _ => Self::Option(error.to_string()),
+        }
+    }
+}
+
+impl From<OperatorError> for Error {
+    fn from(error: OperatorError) -> Self {
+        let text = chain(&error);
+        match error {
+            OperatorError::Option { .. }
+            | OperatorError::Length { .. }
+            | OperatorError::NoSuchVertex { .. }
+            | OperatorError::NoSuchMass { .. } => Self::Option(text),
+            _ => Self::Computation(text),
+        }
+    }
+}
+
+impl From<SpectralError> for Error {
+    fn from(error: SpectralError) -> Self {
+        let text = chain(&error);
+        match error {
+            SpectralError::Io { path, source } => {
+                Self::Os { path: path.display().to_string(), error: source }
+            }
+            SpectralError::File { .. } => Self::Mesh(text),
+            SpectralError::Operator(error) => error.into(),
+            SpectralError::Kind { .. }
+            | SpectralError::Repeated { .. }
+            | SpectralError::TooManyModes { .. }
+            | SpectralError::Rows { .. }
+            | SpectralError::Parameter { .. }
+            | SpectralError::NoSuchVertex { .. } => Self::Option(text),
+            _ => Self::Computation(text),
+        }
+    }
+}
+
+impl From<FlowError> for Error {
+    fn from(error: FlowError) -> Self {
+        match &error.failure {
+            FlowFailure::InvalidOption { .. }
+            | FlowFailure::Unsupported { .. }
+            | FlowFailure::Unstable { .. }
+            | FlowFailure::Amplified { .. }
+            | FlowFailure::NoSuchVertex { .. } => Self::Option(chain(&error)),
+            _ => Self::Flow(Box::new(error)),
+        }
+    }
+}
+
+impl From<DenoiseError> for Error {
+    fn from(error: DenoiseError) -> Self {
+        match error {
+            DenoiseError::InvalidOption { .. } => Self::Option(chain(&error)),
+            _ => Self::Computation(chain(&error)),
+        }
+    }
+}
+
+impl From<EvaluationError> for Error {
+    fn from(error: EvaluationError) -> Self {
+        match error {
+            EvaluationError::Parameter { .. } | EvaluationError::NoiseParameter { .. } => {
+                Self::Option(chain(&error))
+            }
+            _ => Self::Computation(chain(&error)),
+        }
+    }
+}
+
+impl From<RenderError> for Error {
+    fn from(error: RenderError) -> Self {
+        Self::Computation(chain(&error))
+    }
+}
+
+impl From<ScaleError> for Error {
+    fn from(error: ScaleError) -> Self {
+        Self::Option(chain(&error))
+    }
+}
+
+impl From<EncodeError> for Error {
+    fn from(error: EncodeError) -> Self {
+        Self::Computation(chain(&error))
+    }
+}
+
+impl From<Error> for PyErr {
+    fn from(error: Error) -> Self {
+        match error {
+            Error::Mesh(text) => MeshError::new_err(text),
+            Error::Option(text) => OptionError::new_err(text),
+            Error::Computation(text) => ComputationError::new_err(text),
+            Error::Internal(text) => InternalError::new_err(text),
+            Error::Flow(error) => flow(*error),
+            Error::Os { path, error } => match error.raw_os_error() {
+                // With errno and a name Python picks the subclass, such as FileNotFoundError.
+                Some(number) => {
+                    let text = error.to_string();
+                    let text = text.split(" (os error").next().unwrap_or_default().to_owned();
+                    PyOSError::new_err((number, text, path))
+                }
+                None => PyOSError::new_err(format!("{path}: {error}")),
+            },
+        }
+    }
+}
+
+/// The exception with the step and the last good mesh.
+fn flow(error: FlowError) -> PyErr {
+    let exception = FlowError_::new_err(chain(&error));
+    Python::attach(|py| {
+        let value = exception.value(py);
+        let set = || -> PyResult<()> {
+            value.setattr("iteration", error.iteration)?;
+            value.setattr("last_good", Bound::new(py, Mesh::from(*error.last_good))?)
+        };
+        match set() {
+            Ok(()) => exception,
+            Err(other) => other,
+        }
+    })
+}
+
+pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    let py = module.py();
+    module.add("FairingError", py.get_type::<FairingError>())?;
+    module.add("MeshError", py.get_type::<MeshError>())?;
+    module.add("OptionError", py.get_type::<OptionError>())?;
+    module.add("ComputationError", py.get_type::<ComputationError>())?;
+    let flow = py.get_type::<FlowError_>();
+    flow.setattr("__name__", "FlowError")?;
+    flow.setattr("__qualname__", "FlowError")?;
+    module.add("FlowError", flow)?;
+    module.add("InternalError", py.get_type::<InternalError>())
+}

@@ -1,0 +1,68 @@
+//! Noise and scores.
+
+use fairing_evaluation::{NoiseKind, NoiseLevel, ScoreOptions, Scores, add_noise};
+use pyo3::prelude::*;
+
+use crate::mesh::Mesh;
+use crate::options::choose;
+use crate::run::Call;
+
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "named in Python")]
+fn noise(
+    py: Python<'_>,
+    mesh: &Mesh,
+    sigma: f64,
+    unit: &str,
+    kind: &str,
+    share: f64,
+    seed: u64,
+    call: Call,
+) -> PyResult<Mesh> {
+    type Level = fn(f64) -> NoiseLevel;
+    let levels: [(&str, Level); 3] = [
+        ("edge", NoiseLevel::EdgeLengths),
+        ("model", NoiseLevel::Model),
+        ("diagonal", NoiseLevel::Diagonals),
+    ];
+    let level = choose("unit", unit, &levels)?(sigma);
+    let kinds = [
+        ("normal", NoiseKind::GaussianAlongNormals),
+        ("axes", NoiseKind::GaussianPerAxis),
+        ("direction", NoiseKind::GaussianAlongDirections),
+        ("uniform", NoiseKind::UniformPerAxis),
+        ("impulsive", NoiseKind::Impulsive { share }),
+    ];
+    let kind = choose("kind", kind, &kinds)?;
+    let mesh = mesh.share();
+    Ok(call.run(py, move || Ok(add_noise(&mesh, kind, level, seed)?))?.into())
+}
+
+/// Name, label, unit, value, and the reason where there is none.
+type Entry = (&'static str, &'static str, String, Option<f64>, Option<String>);
+
+/// The diagonal of the reference, the scores, and all of it as a table.
+#[pyfunction]
+fn compare(
+    py: Python<'_>,
+    mesh: &Mesh,
+    reference: &Mesh,
+    hausdorff_tolerance: f64,
+    feature_angle: f64,
+    call: Call,
+) -> PyResult<(f64, Vec<Entry>, String)> {
+    let (mesh, reference) = (mesh.share(), reference.share());
+    let options = ScoreOptions { hausdorff_tolerance, feature_angle };
+    let scores = call.run(py, move || Ok(Scores::of(&mesh, &reference, &options)?))?;
+    let entry = |score: fairing_evaluation::Score| match score.value {
+        Ok(value) => (score.name, score.label, score.unit.to_string(), Some(value), None),
+        Err(reason) => (score.name, score.label, score.unit.to_string(), None, Some(reason)),
+    };
+    let entries = scores.entries().into_iter().map(entry).collect();
+    Ok((scores.diagonal, entries, scores.to_string()))
+}
+
+pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(noise, module)?)?;
+    module.add_function(wrap_pyfunction!(compare, module)?)
+}

@@ -1,0 +1,199 @@
+//! Pictures.
+
+use fairing_figure::{
+    Background, Camera, Center, ColorMap, Colors, Field, Image, Limits, Occlusion, RenderOptions,
+    Scale, ScaleOptions, Shading, Spread, Up, Viewpoint, Wireframe, render,
+};
+use fairing_mesh::TriMesh;
+use numpy::{PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+
+use crate::arrays::{triples, values};
+use crate::error::{Error, Result};
+use crate::mesh::Mesh;
+use crate::options::choose;
+use crate::run::Call;
+
+/// A view by name, or azimuth and elevation in degrees.
+#[derive(FromPyObject)]
+enum View {
+    Named(String),
+    Angles(f64, f64),
+}
+
+impl View {
+    fn viewpoint(&self) -> Result<Viewpoint> {
+        let views = [
+            ("three-quarter", Viewpoint::ThreeQuarter),
+            ("behind", Viewpoint::ThreeQuarterBack),
+            ("front", Viewpoint::Front),
+            ("back", Viewpoint::Back),
+            ("left", Viewpoint::Left),
+            ("right", Viewpoint::Right),
+            ("top", Viewpoint::Top),
+            ("bottom", Viewpoint::Bottom),
+        ];
+        match self {
+            Self::Named(name) => choose("view", name, &views),
+            Self::Angles(azimuth, elevation) => {
+                if !(azimuth.is_finite() && elevation.is_finite()) {
+                    return Err(Error::option(format!(
+                        "view is ({azimuth}, {elevation}), but must be finite"
+                    )));
+                }
+                Ok(Viewpoint::Angles { azimuth: *azimuth, elevation: *elevation })
+            }
+        }
+    }
+}
+
+/// How the picture is drawn, as Python says it.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+struct Style {
+    view: View,
+    up: String,
+    size: (u32, u32),
+    samples: u32,
+    wireframe: bool,
+    shading: String,
+    transparent: bool,
+}
+
+impl Style {
+    fn options(&self) -> Result<RenderOptions> {
+        let shadings = [
+            ("creased", Shading::Creased { degrees: 45.0 }),
+            ("smooth", Shading::Smooth),
+            ("flat", Shading::Flat),
+        ];
+        Ok(RenderOptions {
+            width: self.size.0,
+            height: self.size.1,
+            samples: self.samples,
+            shading: choose("shading", &self.shading, &shadings)?,
+            wireframe: self.wireframe.then(Wireframe::default),
+            background: if self.transparent { Background::Transparent } else { Background::WHITE },
+            ..RenderOptions::default()
+        })
+    }
+}
+
+/// How values become colours, as Python says it.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+struct Coloring {
+    map: Option<String>,
+    range: Option<(f64, f64)>,
+    equalize: bool,
+}
+
+impl Coloring {
+    /// Signed fields get a diverging map about zero, the others a sequential one, unless something else is said.
+    fn options(&self, values: &[f64]) -> Result<ScaleOptions> {
+        let signed = values.iter().any(|&x| x < 0.0) && values.iter().any(|&x| x > 0.0);
+        let mut options = if signed { ScaleOptions::SIGNED } else { ScaleOptions::MAGNITUDE };
+        if let Some(name) = &self.map {
+            let map = choose("map", name, &ColorMap::ALL.map(|map| (map.name(), map)))?;
+            options.map = map;
+            options.center = if map == ColorMap::CoolWarm { Center::Zero } else { Center::Free };
+        }
+        if let Some((low, high)) = self.range {
+            options.limits = Limits::Fixed { low, high };
+            options.center = Center::Free;
+        }
+        if self.equalize {
+            options.spread = Spread::Equalized;
+            options.center = Center::Free;
+        }
+        Ok(options)
+    }
+}
+
+/// Colours of a field, and the values at the two ends of the map.
+fn colored(
+    mesh: &TriMesh,
+    field: &[f64],
+    undefined: Option<&[bool]>,
+    coloring: &Coloring,
+) -> Result<(Vec<[u8; 3]>, (f64, f64, &'static str))> {
+    if field.len() != mesh.vertex_count() {
+        let (found, expected) = (field.len(), mesh.vertex_count());
+        return Err(Error::option(format!("the field has {found} values for {expected} vertices")));
+    }
+    let boundary = mesh.topology().boundary_vertices();
+    let mut shown = Field::new(field);
+    // A mesh that is all boundary has no other range than the boundary's.
+    if boundary.contains(&false) {
+        shown = shown.range_without(boundary)?;
+    }
+    if let Some(undefined) = undefined {
+        shown = shown.undefined_where(undefined)?;
+    }
+    let scale = Scale::of(&[&shown], &coloring.options(field)?)?;
+    Ok((scale.colors(&shown), (scale.low(), scale.high(), scale.map().name())))
+}
+
+type Shown = (Image, Option<(f64, f64, &'static str)>);
+type PyShown<'py> = (Bound<'py, PyArray3<u8>>, Option<(f64, f64, &'static str)>);
+
+/// The picture, and the range of its colours where they are those of a field.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "named in Python")]
+fn render_mesh<'py>(
+    py: Python<'py>,
+    mesh: &Mesh,
+    field: Option<PyReadonlyArray1<'_, f64>>,
+    undefined: Option<PyReadonlyArray1<'_, bool>>,
+    colors: Option<PyReadonlyArray2<'_, u8>>,
+    coloring: Coloring,
+    style: Style,
+    call: Call,
+) -> PyResult<PyShown<'py>> {
+    let mesh = mesh.share();
+    let field = field.map(|f| values(&f));
+    let undefined = undefined.map(|u| values(&u));
+    let given = colors.map(|c| triples(&c)).transpose()?;
+    let options = style.options()?;
+    let viewpoint = style.view.viewpoint()?;
+    let up = choose("up", &style.up, &[("y", Up::Y), ("z", Up::Z)])?;
+    let (image, range): Shown = call.run(py, move || {
+        let camera = Camera::fit(&[&*mesh], viewpoint, up, options.aspect())?;
+        let (colors, range) = match &field {
+            Some(field) => {
+                let (c, range) = colored(&mesh, field, undefined.as_deref(), &coloring)?;
+                (Some(c), Some(range))
+            }
+            None => (given, None),
+        };
+        let colors = colors.as_deref().map_or(Colors::CLAY, Colors::PerVertex);
+        fairing_watch::stage("light", 2);
+        let occlusion = Occlusion::bake(&mesh);
+        fairing_watch::advance(1);
+        let image = render(&mesh, colors, Some(&occlusion), &camera, &options)?;
+        fairing_watch::advance(1);
+        Ok((image, range))
+    })?;
+    let (width, height) = (image.width() as usize, image.height() as usize);
+    let pixels = PyArray1::from_vec(py, image.pixels().as_flattened().to_vec());
+    Ok((pixels.reshape([height, width, 4])?, range))
+}
+
+/// The bytes of a PNG file of an `h × w × 4` image.
+#[pyfunction]
+fn png<'py>(
+    py: Python<'py>,
+    pixels: numpy::PyReadonlyArray3<'_, u8>,
+) -> PyResult<Bound<'py, PyBytes>> {
+    let shape = pixels.as_array().dim();
+    let [height, width] = [shape.0, shape.1].map(|n| u32::try_from(n).unwrap_or(u32::MAX));
+    let flat: Vec<u8> = pixels.as_array().iter().copied().collect();
+    let image = Image::from_pixels(width, height, flat.as_chunks::<4>().0.to_vec());
+    Ok(PyBytes::new(py, &image.map_err(Error::from)?.to_png().map_err(Error::from)?))
+}
+
+pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(render_mesh, module)?)?;
+    module.add_function(wrap_pyfunction!(png, module)?)
+}

@@ -1,0 +1,132 @@
+//! Heat, geodesic distance and Poisson problems, factorised once.
+
+use std::sync::Arc;
+
+use fairing_operators::{Laplacian, LaplacianKind, MassKind};
+use fairing_spectral::{HeatDiffusion, HeatGeodesics, Poisson};
+use numpy::{PyArray1, PyReadonlyArray1};
+use pyo3::prelude::*;
+
+use crate::arrays::{column, values};
+use crate::mesh::Mesh;
+use crate::options::named;
+use crate::run::Call;
+
+/// The heat method, ready for any sources.
+#[pyclass(frozen, module = "pyfairing._core")]
+struct Geodesics {
+    inner: Arc<HeatGeodesics>,
+}
+
+#[pymethods]
+impl Geodesics {
+    #[new]
+    fn new(
+        py: Python<'_>,
+        mesh: &Mesh,
+        kind: &str,
+        time: Option<f64>,
+        call: Call,
+    ) -> PyResult<Self> {
+        let kind = named::<LaplacianKind>(kind)?;
+        let mesh = mesh.share();
+        let inner = call.run(py, move || {
+            fairing_watch::stage("factorising", 2);
+            let laplacian = Laplacian::new(&mesh, kind, MassKind::Barycentric)?;
+            Ok(HeatGeodesics::with(&mesh, &laplacian, time)?)
+        })?;
+        Ok(Self { inner: Arc::new(inner) })
+    }
+
+    #[getter]
+    fn kind(&self) -> &'static str {
+        self.inner.kind().name()
+    }
+
+    /// Infinite where nothing is reached.
+    fn distance<'py>(
+        &self,
+        py: Python<'py>,
+        sources: Vec<u32>,
+        call: Call,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let inner = Arc::clone(&self.inner);
+        let found = call.run(py, move || {
+            let distance = inner.distance(&sources)?;
+            Ok(distance.into_iter().map(|d| d.unwrap_or(f64::INFINITY)).collect())
+        })?;
+        Ok(column(py, found))
+    }
+}
+
+/// Implicit steps of heat of one length.
+#[pyclass(frozen, module = "pyfairing._core")]
+struct Heat {
+    inner: Arc<HeatDiffusion>,
+}
+
+#[pymethods]
+impl Heat {
+    #[new]
+    fn new(
+        py: Python<'_>,
+        mesh: &Mesh,
+        time: f64,
+        kind: &str,
+        mass: &str,
+        call: Call,
+    ) -> PyResult<Self> {
+        let (kind, mass) = (named::<LaplacianKind>(kind)?, named::<MassKind>(mass)?);
+        let mesh = mesh.share();
+        let inner = call
+            .run(py, move || Ok(HeatDiffusion::new(&Laplacian::new(&mesh, kind, mass)?, time)?))?;
+        Ok(Self { inner: Arc::new(inner) })
+    }
+
+    fn step<'py>(
+        &self,
+        py: Python<'py>,
+        temperatures: PyReadonlyArray1<'_, f64>,
+        steps: usize,
+        call: Call,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let (inner, mut heat) = (Arc::clone(&self.inner), values(&temperatures));
+        let found = call.run(py, move || {
+            fairing_watch::stage("steps of heat", steps as u64);
+            for _ in 0..steps {
+                heat = inner.step(&heat)?;
+                fairing_watch::advance(1);
+            }
+            Ok(heat)
+        })?;
+        Ok(column(py, found))
+    }
+}
+
+/// −Δu = f with u given at some vertices.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "named in Python")]
+fn poisson<'py>(
+    py: Python<'py>,
+    mesh: &Mesh,
+    f: PyReadonlyArray1<'_, f64>,
+    fixed: Vec<u32>,
+    at_fixed: PyReadonlyArray1<'_, f64>,
+    kind: &str,
+    mass: &str,
+    call: Call,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let (kind, mass) = (named::<LaplacianKind>(kind)?, named::<MassKind>(mass)?);
+    let (mesh, f, at_fixed) = (mesh.share(), values(&f), values(&at_fixed));
+    let found = call.run(py, move || {
+        let laplacian = Laplacian::new(&mesh, kind, mass)?;
+        Ok(Poisson::new(&laplacian, &fixed)?.solve(&f, &at_fixed)?)
+    })?;
+    Ok(column(py, found))
+}
+
+pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<Geodesics>()?;
+    module.add_class::<Heat>()?;
+    module.add_function(wrap_pyfunction!(poisson, module)?)
+}

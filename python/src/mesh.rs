@@ -1,0 +1,355 @@
+//! The mesh, and what is read off it.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use fairing_mesh::io::{
+    self, Encoding, FloatWidth, Format, MeshFile, ReadOptions, ReadReport, UnheldFields,
+    VertexFields, WriteOptions,
+};
+use fairing_mesh::{
+    BuildError, Diagnosis, PolygonMesh, TriMesh, subdivide_loop, subdivide_midpoint,
+};
+use fairing_operators::{NormalWeight, face_normals, weighted_vertex_normals};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+
+use crate::arrays::{column, rows, triples, values, view};
+use crate::error::{Error, Result};
+use crate::options::choose;
+use crate::run::Call;
+
+/// A triangle mesh that never changes.
+#[pyclass(frozen, module = "pyfairing._core")]
+pub(crate) struct Mesh {
+    inner: Arc<TriMesh>,
+}
+
+impl From<TriMesh> for Mesh {
+    fn from(mesh: TriMesh) -> Self {
+        Self { inner: Arc::new(mesh) }
+    }
+}
+
+impl Mesh {
+    /// The mesh, to keep on another thread.
+    pub(crate) fn share(&self) -> Arc<TriMesh> {
+        Arc::clone(&self.inner)
+    }
+}
+
+/// Fields by name: numbers, vectors, and colours.
+pub(crate) type Scalars<'py> = Vec<(String, PyReadonlyArray1<'py, f64>)>;
+pub(crate) type Vectors<'py> = Vec<(String, PyReadonlyArray2<'py, f64>)>;
+type Colors<'py> = Option<PyReadonlyArray2<'py, u8>>;
+
+#[pymethods]
+impl Mesh {
+    #[new]
+    fn new(
+        py: Python<'_>,
+        vertices: PyReadonlyArray2<'_, f64>,
+        faces: PyReadonlyArray2<'_, u32>,
+    ) -> PyResult<Self> {
+        let (positions, faces) = (triples(&vertices)?, triples(&faces)?);
+        let mesh = py.detach(|| TriMesh::new(positions, faces)).map_err(Error::from)?;
+        Ok(mesh.into())
+    }
+
+    /// The same faces at other positions.
+    fn with_vertices(&self, py: Python<'_>, vertices: PyReadonlyArray2<'_, f64>) -> PyResult<Self> {
+        let positions = triples(&vertices)?;
+        let moved = py.detach(|| self.inner.with_positions(positions)).map_err(Error::from)?;
+        Ok(moved.into())
+    }
+
+    /// `n × 3`, a view that keeps the mesh alive.
+    #[getter]
+    fn vertices<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray2<f64>> {
+        view(slf.get().inner.positions_view(), slf.clone().into_any())
+    }
+
+    /// `m × 3`, a view that keeps the mesh alive.
+    #[getter]
+    fn faces<'py>(slf: &Bound<'py, Self>) -> Bound<'py, PyArray2<u32>> {
+        view(slf.get().inner.faces_view(), slf.clone().into_any())
+    }
+
+    #[getter]
+    fn vertex_count(&self) -> usize {
+        self.inner.vertex_count()
+    }
+
+    #[getter]
+    fn face_count(&self) -> usize {
+        self.inner.face_count()
+    }
+
+    #[getter]
+    fn mean_edge_length(&self) -> f64 {
+        self.inner.mean_edge_length()
+    }
+
+    #[getter]
+    fn diagonal(&self) -> f64 {
+        self.inner.diagonal()
+    }
+
+    fn same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.inner, &other.inner) || self.inner == other.inner
+    }
+
+    /// `e × 2`, the lower number first.
+    fn edges<'py>(&self, py: Python<'py>, call: Call) -> PyResult<Bound<'py, PyArray2<u32>>> {
+        let mesh = self.share();
+        let edges = call.run(py, move || Ok(mesh.topology().edges().to_vec()))?;
+        let n = edges.len();
+        use numpy::PyArrayMethods;
+        PyArray1::from_vec(py, edges.into_flattened()).reshape([n, 2])
+    }
+
+    fn boundary_vertices<'py>(
+        &self,
+        py: Python<'py>,
+        call: Call,
+    ) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        let mesh = self.share();
+        let flags = call.run(py, move || Ok(mesh.topology().boundary_vertices().to_vec()))?;
+        Ok(column(py, flags))
+    }
+
+    fn face_areas<'py>(&self, py: Python<'py>, call: Call) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let mesh = self.share();
+        let areas =
+            call.run(py, move || Ok((0..mesh.face_count()).map(|f| mesh.face_area(f)).collect()))?;
+        Ok(column(py, areas))
+    }
+
+    fn face_normals<'py>(
+        &self,
+        py: Python<'py>,
+        call: Call,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let mesh = self.share();
+        rows(py, call.run(py, move || Ok(face_normals(&mesh)))?)
+    }
+
+    fn vertex_normals<'py>(
+        &self,
+        py: Python<'py>,
+        weight: &str,
+        call: Call,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let weight = choose("weight", weight, &NORMAL_WEIGHTS)?;
+        let mesh = self.share();
+        rows(py, call.run(py, move || Ok(weighted_vertex_normals(&mesh, weight)))?)
+    }
+
+    fn subdivide(&self, py: Python<'_>, scheme: &str, call: Call) -> PyResult<Self> {
+        type Scheme = fn(&TriMesh) -> std::result::Result<TriMesh, BuildError>;
+        let schemes: [(&str, Scheme); 2] =
+            [("loop", |m| subdivide_loop(m)), ("midpoint", |m| subdivide_midpoint(m))];
+        let scheme = choose("scheme", scheme, &schemes)?;
+        let mesh = self.share();
+        Ok(call.run(py, move || Ok(scheme(&mesh)?))?.into())
+    }
+
+    fn diagnosis<'py>(&self, py: Python<'py>, call: Call) -> PyResult<Bound<'py, PyDict>> {
+        let mesh = self.share();
+        let d = call.run(py, move || Ok(Diagnosis::of(&mesh)))?;
+        as_dict(py, &d)
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "named in Python")]
+    fn write(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        scalars: Scalars<'_>,
+        vectors: Vectors<'_>,
+        colors: Colors<'_>,
+        ascii: bool,
+        width: &str,
+        call: Call,
+    ) -> PyResult<(Vec<String>, Vec<String>)> {
+        let fields = fields(scalars, vectors, colors)?;
+        let options = write_options(ascii, width)?;
+        let mesh = self.share();
+        call.run(py, move || {
+            let report = io::write_with_fields(&path, &mesh, &fields, &options)?;
+            Ok((report.dropped, report.notes))
+        })
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "named in Python")]
+    fn to_bytes<'py>(
+        &self,
+        py: Python<'py>,
+        format: &str,
+        scalars: Scalars<'_>,
+        vectors: Vectors<'_>,
+        colors: Colors<'_>,
+        ascii: bool,
+        width: &str,
+        call: Call,
+    ) -> PyResult<Bound<'py, PyBytes>> {
+        let fields = fields(scalars, vectors, colors)?;
+        let options = write_options(ascii, width)?;
+        let format = choose("format", format, &FORMATS)?;
+        let mesh = self.share();
+        let bytes = call.run(py, move || Ok(io::to_bytes(format, &mesh, &fields, &options)?))?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+}
+
+const NORMAL_WEIGHTS: [(&str, NormalWeight); 4] = [
+    ("area", NormalWeight::Area),
+    ("angle", NormalWeight::Angle),
+    ("sphere", NormalWeight::Sphere),
+    ("uniform", NormalWeight::Uniform),
+];
+
+const FORMATS: [(&str, Format); 4] =
+    [("obj", Format::Obj), ("ply", Format::Ply), ("off", Format::Off), ("stl", Format::Stl)];
+
+fn write_options(ascii: bool, width: &str) -> Result<WriteOptions> {
+    let widths = [
+        ("lossless", FloatWidth::Lossless),
+        ("double", FloatWidth::Double),
+        ("single", FloatWidth::Single),
+    ];
+    let mut options = WriteOptions::default().with_float_width(choose("width", width, &widths)?);
+    options.encoding = if ascii { Encoding::Ascii } else { Encoding::Binary };
+    options.unheld_fields = UnheldFields::Drop;
+    Ok(options)
+}
+
+fn fields(scalars: Scalars<'_>, vectors: Vectors<'_>, colors: Colors<'_>) -> Result<VertexFields> {
+    let mut fields = VertexFields::default();
+    for (name, array) in scalars {
+        fields = fields.with_scalar(name, values(&array));
+    }
+    for (name, array) in vectors {
+        fields = fields.with_vector(name, triples(&array)?);
+    }
+    Ok(match colors {
+        Some(colors) => fields.with_colors(triples(&colors)?),
+        None => fields,
+    })
+}
+
+fn as_dict<'py>(py: Python<'py>, d: &Diagnosis) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("vertices", d.vertices)?;
+    dict.set_item("faces", d.faces)?;
+    dict.set_item("edges", d.edges)?;
+    dict.set_item("components", d.components)?;
+    dict.set_item("boundary_loops", d.boundary_loops)?;
+    dict.set_item("euler_characteristic", d.euler_characteristic)?;
+    dict.set_item("genus", d.genus)?;
+    dict.set_item("manifold", d.manifold)?;
+    dict.set_item("closed", d.closed)?;
+    dict.set_item("orientable", d.orientable)?;
+    dict.set_item("isolated_vertices", d.isolated_vertices.count)?;
+    dict.set_item("degenerate_faces", d.degenerate_faces.count)?;
+    dict.set_item("sliver_faces", d.sliver_faces.count)?;
+    dict.set_item("duplicate_faces", d.duplicate_faces.count)?;
+    dict.set_item("duplicate_positions", d.duplicate_positions.count)?;
+    dict.set_item("nonmanifold_edges", d.nonmanifold_edges.count)?;
+    dict.set_item("nonmanifold_vertices", d.nonmanifold_vertices.count)?;
+    dict.set_item("inconsistent_edges", d.inconsistent_edges.count)?;
+    dict.set_item("bounding_box", d.bounding_box)?;
+    dict.set_item("area", d.area)?;
+    dict.set_item("volume", d.volume)?;
+    dict.set_item("shortest_edge", d.shortest_edge)?;
+    dict.set_item("mean_edge", d.mean_edge)?;
+    dict.set_item("longest_edge", d.longest_edge)?;
+    Ok(dict)
+}
+
+/// What a reader returns: the mesh, its fields, and what was done besides.
+type FileParts<'py> = (
+    Mesh,
+    Vec<(String, Bound<'py, PyArray1<f64>>)>,
+    Vec<(String, Bound<'py, PyArray2<f64>>)>,
+    Option<Bound<'py, PyArray2<u8>>>,
+    Bound<'py, PyDict>,
+);
+
+fn parts(py: Python<'_>, file: MeshFile) -> PyResult<FileParts<'_>> {
+    let MeshFile { mesh, fields, report, .. } = file;
+    let scalars = fields.scalars.into_iter().map(|(n, v)| (n, column(py, v))).collect();
+    let vectors = fields.vectors.into_iter().map(|(n, v)| Ok((n, rows(py, v)?)));
+    let vectors = vectors.collect::<PyResult<_>>()?;
+    let colors = fields.colors.map(|colors| rows(py, colors)).transpose()?;
+    Ok((mesh.into(), scalars, vectors, colors, report_dict(py, &report)?))
+}
+
+fn report_dict<'py>(py: Python<'py>, report: &ReadReport) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("format", report.format.to_string())?;
+    dict.set_item("compressed", report.compressed)?;
+    dict.set_item("faces", report.file_faces)?;
+    dict.set_item("polygons", report.polygons)?;
+    dict.set_item("reduced_faces", report.reduced)?;
+    dict.set_item("left_out_faces", report.left_out)?;
+    dict.set_item("notes", &report.notes)?;
+    dict.set_item("text", report.to_string())?;
+    Ok(dict)
+}
+
+fn read_options(strict: bool) -> ReadOptions {
+    if strict { ReadOptions::strict() } else { ReadOptions::default() }
+}
+
+#[pyfunction]
+fn read(py: Python<'_>, path: PathBuf, strict: bool, call: Call) -> PyResult<FileParts<'_>> {
+    let file = call.run(py, move || Ok(io::read_with(&path, &read_options(strict))?))?;
+    parts(py, file)
+}
+
+#[pyfunction]
+fn read_bytes(
+    py: Python<'_>,
+    name: PathBuf,
+    bytes: Vec<u8>,
+    strict: bool,
+    call: Call,
+) -> PyResult<FileParts<'_>> {
+    let file = call.run(py, move || Ok(io::read_bytes(&name, &bytes, &read_options(strict))?))?;
+    parts(py, file)
+}
+
+/// A mesh from polygons: their corners one after another, and where each begins.
+#[pyfunction]
+fn from_polygons(
+    py: Python<'_>,
+    vertices: PyReadonlyArray2<'_, f64>,
+    corners: PyReadonlyArray1<'_, u32>,
+    sizes: PyReadonlyArray1<'_, u32>,
+    call: Call,
+) -> PyResult<Mesh> {
+    let positions = triples(&vertices)?;
+    let (corners, sizes) = (values(&corners), values(&sizes));
+    let mesh = call.run(py, move || {
+        let mut rest = corners.as_slice();
+        let mut polygons = Vec::with_capacity(sizes.len());
+        for size in sizes {
+            let (polygon, after) = rest
+                .split_at_checked(size as usize)
+                .ok_or_else(|| Error::option("fewer corners than the sizes of the polygons say"))?;
+            polygons.push(polygon.to_vec());
+            rest = after;
+        }
+        Ok(PolygonMesh::new(positions, polygons)?.triangulate())
+    })?;
+    Ok(mesh.into())
+}
+
+pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<Mesh>()?;
+    module.add_function(wrap_pyfunction!(read, module)?)?;
+    module.add_function(wrap_pyfunction!(read_bytes, module)?)?;
+    module.add_function(wrap_pyfunction!(from_polygons, module)?)
+}

@@ -1,0 +1,184 @@
+//! Laplacians, gradients and curvature.
+
+use std::sync::Arc;
+
+use fairing_mesh::TriMesh;
+use fairing_operators::curvature::{
+    CurvatureField, Estimator, Length, Neighborhood, laplacian_curvature,
+};
+use fairing_operators::{
+    Laplacian, LaplacianKind, MassKind, MassMatrix, OperatorError, divergence, gradient,
+    noise_level,
+};
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arrays::{Csr, column, csr, rows};
+use crate::error::{Error, Result};
+use crate::mesh::Mesh;
+use crate::options::named;
+use crate::run::Call;
+
+/// Assembles what was asked for, and says what auto took and why.
+pub(crate) fn assemble(mesh: &TriMesh, kind: LaplacianKind, mass: MassKind) -> Result<Laplacian> {
+    Ok(Laplacian::new(mesh, kind, mass)?)
+}
+
+/// As [`assemble`]; auto is robust for thin faces only, as in the program:
+/// negative weights do no harm to spectra.
+pub(crate) fn assemble_for_modes(
+    mesh: &TriMesh,
+    kind: LaplacianKind,
+    mass: MassKind,
+) -> Result<(Laplacian, Option<String>)> {
+    if kind != LaplacianKind::Auto {
+        return Ok((assemble(mesh, kind, mass)?, None));
+    }
+    match Laplacian::new(mesh, LaplacianKind::Cotangent, mass) {
+        Err(thin @ OperatorError::DegenerateFace { .. }) if mass == MassKind::Barycentric => {
+            let note = format!("{thin}; the robust Laplacian is used");
+            Ok((Laplacian::robust(mesh)?, Some(note)))
+        }
+        other => Ok((other?, None)),
+    }
+}
+
+/// A mass of Python: a diagonal or a matrix.
+#[derive(IntoPyObject)]
+pub(crate) enum PyMass<'py> {
+    Lumped(Bound<'py, PyArray1<f64>>),
+    Consistent(Csr<'py>),
+}
+
+pub(crate) fn mass(py: Python<'_>, mass: MassMatrix) -> PyMass<'_> {
+    match mass {
+        MassMatrix::Lumped(diagonal) => PyMass::Lumped(column(py, diagonal)),
+        MassMatrix::Consistent(matrix) => PyMass::Consistent(csr(py, matrix)),
+    }
+}
+
+#[pyfunction]
+fn laplacian<'py>(
+    py: Python<'py>,
+    mesh: &Mesh,
+    kind: &str,
+    mass_kind: &str,
+    call: Call,
+) -> PyResult<(Csr<'py>, PyMass<'py>, &'static str, String)> {
+    let (kind, mass_kind) = (named::<LaplacianKind>(kind)?, named::<MassKind>(mass_kind)?);
+    let mesh = mesh.share();
+    let found = call.run(py, move || assemble(&mesh, kind, mass_kind))?;
+    let (taken, reason) = (found.kind().name(), found.reason().to_string());
+    let (stiffness, matrix) = found.into_parts();
+    Ok((csr(py, stiffness), mass(py, matrix), taken, reason))
+}
+
+#[pyfunction(name = "gradient")]
+fn gradient_of<'py>(py: Python<'py>, mesh: &Mesh, call: Call) -> PyResult<Csr<'py>> {
+    let mesh = mesh.share();
+    Ok(csr(py, call.run(py, move || Ok(gradient(&mesh)?))?))
+}
+
+#[pyfunction(name = "divergence")]
+fn divergence_of<'py>(py: Python<'py>, mesh: &Mesh, call: Call) -> PyResult<Csr<'py>> {
+    let mesh = mesh.share();
+    Ok(csr(py, call.run(py, move || Ok(divergence(&mesh)?))?))
+}
+
+/// The estimator with the reach that is asked for.
+fn with_reach(name: &str, radius: Option<f64>, rings: Option<u32>) -> Result<Estimator> {
+    let mut estimator: Estimator = named(name)?;
+    if radius.is_some() && rings.is_some() {
+        return Err(Error::option("give a radius or rings, not both"));
+    }
+    if let Some(r) = radius.filter(|r| !(*r > 0.0 && r.is_finite())) {
+        return Err(Error::option(format!("radius is {r}, but must be above zero")));
+    }
+    if let Some(n) = rings.filter(|n| !(1..=16).contains(n)) {
+        return Err(Error::option(format!("rings is {n}, but must be 1 to 16")));
+    }
+    let radius = radius.map(Length::MeanEdges);
+    let reach = radius.map(Neighborhood::Ball).or(rings.map(Neighborhood::Rings));
+    match (&mut estimator, reach, radius) {
+        (_, None, _) => {}
+        (Estimator::NormalCycle(options), _, Some(radius)) => options.radius = radius,
+        (Estimator::Corrected(options), _, Some(radius)) => options.radius = Some(radius),
+        (Estimator::Quadric(options), Some(reach), _) => options.neighborhood = reach,
+        (Estimator::Jet(options), Some(reach), _) => options.neighborhood = reach,
+        _ => {
+            let unit = if rings.is_some() { "rings" } else { "radius" };
+            return Err(Error::option(format!("{estimator} takes no {unit}")));
+        }
+    }
+    Ok(estimator)
+}
+
+fn estimate(
+    mesh: &TriMesh,
+    estimator: Estimator,
+    kind: Option<LaplacianKind>,
+) -> Result<CurvatureField> {
+    let Some(kind) = kind else { return Ok(estimator.estimate(mesh)?) };
+    if !matches!(estimator, Estimator::Cotangent(_)) {
+        return Err(Error::option(format!("{estimator} takes no kind of Laplacian")));
+    }
+    Ok(laplacian_curvature(mesh, &Laplacian::new(mesh, kind, MassKind::Barycentric)?)?)
+}
+
+type Directions<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
+
+#[pyfunction]
+fn curvature<'py>(
+    py: Python<'py>,
+    mesh: &Mesh,
+    estimator: &str,
+    radius: Option<f64>,
+    rings: Option<u32>,
+    kind: Option<&str>,
+    call: Call,
+) -> PyResult<Bound<'py, PyDict>> {
+    let estimator = with_reach(estimator, radius, rings)?;
+    let kind = kind.map(named::<LaplacianKind>).transpose()?;
+    let mesh: Arc<TriMesh> = mesh.share();
+    let (field, defined) = call.run(py, move || {
+        let field = estimate(&mesh, estimator, kind)?;
+        let defined: Vec<bool> = field.status.iter().map(|s| s.is_defined()).collect();
+        Ok((field, defined))
+    })?;
+    let dict = PyDict::new(py);
+    dict.set_item("mean", column(py, field.mean))?;
+    dict.set_item("gaussian", column(py, field.gaussian))?;
+    dict.set_item("kappa1", column(py, field.kappa1))?;
+    dict.set_item("kappa2", column(py, field.kappa2))?;
+    dict.set_item("defined", column(py, defined))?;
+    dict.set_item("boundary", column(py, field.boundary))?;
+    dict.set_item("too_thin", field.too_thin)?;
+    let directions: Option<Directions<'_>> = match field.directions {
+        Some([first, second]) => Some((rows(py, first)?, rows(py, second)?)),
+        None => None,
+    };
+    dict.set_item("directions", directions)?;
+    Ok(dict)
+}
+
+/// σ, the ratio of the tails, whether impulsive, and the number of samples.
+#[pyfunction(name = "noise_level")]
+fn noise_level_of(
+    py: Python<'_>,
+    mesh: &Mesh,
+    call: Call,
+) -> PyResult<Option<(f64, f64, bool, usize)>> {
+    let mesh = mesh.share();
+    call.run(py, move || {
+        Ok(noise_level(&mesh).map(|n| (n.sigma, n.tail_ratio, n.is_impulsive(), n.samples)))
+    })
+}
+
+pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(laplacian, module)?)?;
+    module.add_function(wrap_pyfunction!(gradient_of, module)?)?;
+    module.add_function(wrap_pyfunction!(divergence_of, module)?)?;
+    module.add_function(wrap_pyfunction!(curvature, module)?)?;
+    module.add_function(wrap_pyfunction!(noise_level_of, module)?)
+}

@@ -1,0 +1,19 @@
+//! Options by name.
+
+use crate::error::{Error, Result};
+
+/// The value of a name, or an error that lists the names.
+pub(crate) fn choose<T: Copy>(option: &str, name: &str, all: &[(&str, T)]) -> Result<T> {
+    all.iter().find(|(known, _)| *known == name).map(|(_, value)| *value).ok_or_else(|| {
+        let names: Vec<&str> = all.iter().map(|(known, _)| *known).collect();
+        Error::option(format!("{option} is {name:?}, but must be one of {}", names.join(", ")))
+    })
+}
+
+/// What a crate reads from its own names.
+pub(crate) fn named<T: std::str::FromStr>(name: &str) -> Result<T>
+where
+    T::Err: std::fmt::Display,
+{
+    name.parse().map_err(Error::option)
+}

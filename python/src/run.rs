@@ -1,0 +1,162 @@
+//! Work without the interpreter lock, which the user can stop and follow.
+
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::OnceLock;
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::Duration;
+
+use fairing_watch::{Progress, Watch};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use rayon::ThreadPoolBuilder;
+
+use crate::error::{Error, Result};
+
+/// How often signals and progress are looked at.
+const TICK: Duration = Duration::from_millis(20);
+/// How long cancelled work may take to end before it is left behind.
+const PATIENCE: Duration = Duration::from_millis(40);
+/// The stack of a thread of work: that of a main thread.
+const STACK: usize = 8 << 20;
+
+/// How a call runs: with how many threads, and who is told how far it is.
+#[derive(Default)]
+pub(crate) struct Call {
+    threads: Option<usize>,
+    progress: Option<Py<PyAny>>,
+}
+
+impl<'py> FromPyObject<'_, 'py> for Call {
+    type Error = PyErr;
+
+    /// From `(threads, progress)`.
+    fn extract(object: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        let (threads, progress): (Option<usize>, Option<Py<PyAny>>) = object.extract()?;
+        if threads == Some(0) {
+            return Err(PyValueError::new_err("threads is 0, but must be 1 or more"));
+        }
+        Ok(Self { threads, progress })
+    }
+}
+
+/// The process that the global pool was first used in: its threads do not
+/// exist in a process that was forked from it.
+static HOME: OnceLock<u32> = OnceLock::new();
+
+impl Call {
+    /// Does the work on a thread of its own and waits for it.
+    ///
+    /// Signals are handled meanwhile, on the thread that called. An exception
+    /// of theirs or of the progress callback cancels the work and is raised;
+    /// work that does not end at once is left behind, and ends at its next
+    /// check.
+    pub(crate) fn run<T: Send + 'static>(
+        self,
+        py: Python<'_>,
+        work: impl FnOnce() -> Result<T> + Send + 'static,
+    ) -> PyResult<T> {
+        let watch = Watch::new();
+        let (sender, receiver) = channel();
+        let (watched, threads) = (watch.clone(), self.threads);
+        let body = move || {
+            let result = catch_unwind(AssertUnwindSafe(|| in_pool(threads, &watched, work)));
+            // Nobody waits any more for work that was left behind.
+            let _ = sender.send(result);
+        };
+        py.detach(move || {
+            std::thread::Builder::new()
+                .name("pyfairing".into())
+                .stack_size(STACK)
+                .spawn(body)
+                .map_err(|error| Error::Internal(format!("no thread can be started: {error}")))?;
+            let mut shown = Progress::default();
+            loop {
+                match receiver.recv_timeout(TICK) {
+                    Ok(Ok(result)) => {
+                        let result = result?;
+                        self.show_end(&watch, &shown)?;
+                        return Ok(result);
+                    }
+                    Ok(Err(panic)) => return Err(defect(&*panic).into()),
+                    Err(RecvTimeoutError::Disconnected) => {
+                        return Err(
+                            Error::Internal("the work ended without a result".into()).into()
+                        );
+                    }
+                    Err(RecvTimeoutError::Timeout) => {}
+                }
+                if let Err(exception) = self.look(&watch, &mut shown) {
+                    watch.cancel();
+                    // A result that comes now is dropped.
+                    let _ = receiver.recv_timeout(PATIENCE);
+                    return Err(exception);
+                }
+            }
+        })
+    }
+
+    /// Handles signals and tells the progress.
+    fn look(&self, watch: &Watch, shown: &mut Progress) -> PyResult<()> {
+        Python::attach(|py| {
+            py.check_signals()?;
+            let Some(callback) = &self.progress else { return Ok(()) };
+            let now = watch.progress();
+            if now == *shown || now.stage.is_empty() {
+                return Ok(());
+            }
+            *shown = now;
+            tell(py, callback, now)
+        })
+    }
+
+    /// Tells that the last stage is complete, if it was told to begin.
+    fn show_end(&self, watch: &Watch, shown: &Progress) -> PyResult<()> {
+        let Some(callback) = &self.progress else { return Ok(()) };
+        let last = watch.progress();
+        if last.stage.is_empty() || last == *shown {
+            return Ok(());
+        }
+        Python::attach(|py| tell(py, callback, last))
+    }
+}
+
+fn tell(py: Python<'_>, callback: &Py<PyAny>, now: Progress) -> PyResult<()> {
+    let of = (now.of > 0).then_some(now.of);
+    callback.call1(py, (now.stage, now.done, of)).map(|_| ())
+}
+
+/// Does the work under the watch, with the threads asked for.
+fn in_pool<T: Send>(
+    threads: Option<usize>,
+    watch: &Watch,
+    work: impl FnOnce() -> Result<T> + Send,
+) -> Result<T> {
+    let watched = || {
+        watch
+            .run(work)
+            .unwrap_or_else(|_| Err(Error::Internal("the work was cancelled".to_owned())))
+    };
+    let here = std::process::id();
+    let forked = *HOME.get_or_init(|| here) != here;
+    if threads.is_none() && !forked {
+        return watched();
+    }
+    // A pool that nobody else uses: a thread that waits takes over no other work.
+    let count = threads.unwrap_or_else(default_threads);
+    let pool = ThreadPoolBuilder::new().num_threads(count).build();
+    let pool =
+        pool.map_err(|e| Error::option(format!("{count} threads cannot be started: {e}")))?;
+    pool.install(watched)
+}
+
+/// As many as the global pool takes.
+fn default_threads() -> usize {
+    std::env::var("RAYON_NUM_THREADS").ok().and_then(|n| n.parse().ok()).unwrap_or(0)
+}
+
+fn defect(panic: &(dyn Any + Send)) -> Error {
+    let text = panic.downcast_ref::<&str>().copied();
+    let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
+    Error::Internal(format!("a defect of pyfairing, please report it: {}", text.unwrap_or("panic")))
+}

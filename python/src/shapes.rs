@@ -1,0 +1,159 @@
+//! Meshes made by formula.
+
+use fairing_mesh::TriMesh;
+use fairing_shapes as shapes;
+use fairing_shapes::{Diagonals, Ends, Helicoid};
+use pyo3::prelude::*;
+
+use crate::error::{Error, Result};
+use crate::mesh::Mesh;
+use crate::options::choose;
+use crate::run::Call;
+
+/// More squares make more corners than `u32` can number.
+const MOST_SQUARES: u64 = u32::MAX as u64 / 12;
+
+fn need(holds: bool, text: impl FnOnce() -> String) -> Result<()> {
+    if holds { Ok(()) } else { Err(Error::option(text())) }
+}
+
+fn level(level: u32) -> Result<()> {
+    need(level <= 13, || format!("level is {level}, but must be at most 13"))
+}
+
+fn between(name: &str, value: f64, low: f64, high: f64) -> Result<()> {
+    need((low..=high).contains(&value), || {
+        format!("{name} is {value}, but must be from {low} to {high}")
+    })
+}
+
+fn positive(name: &str, value: f64) -> Result<()> {
+    need(value > 0.0 && value.is_finite(), || {
+        format!("{name} is {value}, but must be positive and finite")
+    })
+}
+
+fn squares(names: [&str; 2], counts: [u32; 2], least: [u32; 2]) -> Result<()> {
+    for k in 0..2 {
+        need(counts[k] >= least[k], || {
+            format!("{} is {}, but must be at least {}", names[k], counts[k], least[k])
+        })?;
+    }
+    need(u64::from(counts[0]) * u64::from(counts[1]) <= MOST_SQUARES, || {
+        format!("{} × {} squares are more than can be numbered", counts[0], counts[1])
+    })
+}
+
+fn diagonals(name: &str) -> Result<Diagonals> {
+    choose(
+        "diagonals",
+        name,
+        &[("regular", Diagonals::Regular), ("alternating", Diagonals::Alternating)],
+    )
+}
+
+/// Numbers of the shape, in the order of Python's signature.
+type Counts = Vec<u32>;
+type Lengths = Vec<f64>;
+
+/// The shape with checked parameters.
+fn made(name: &str, lengths: &[f64], counts: &[u32], word: &str, seed: u64) -> Result<TriMesh> {
+    Ok(match (name, lengths, counts) {
+        ("icosphere", [], &[l]) => {
+            level(l)?;
+            shapes::icosphere(l)
+        }
+        ("uv_sphere", [], &[around, across]) => {
+            squares(["around", "across"], [around, across], [3, 2])?;
+            shapes::uv_sphere(around, across)
+        }
+        ("bumpy_sphere", &[amplitude, frequency], &[l]) => {
+            level(l)?;
+            need(amplitude.abs() < 1.0 / 3.0, || {
+                format!("amplitude is {amplitude}, but must be below 1/3")
+            })?;
+            need(frequency.is_finite(), || format!("frequency is {frequency}"))?;
+            shapes::bumpy_sphere(l, amplitude, frequency)
+        }
+        ("ellipsoid", &[a, b, c], &[l]) => {
+            level(l)?;
+            for (name, axis) in [("a", a), ("b", b), ("c", c)] {
+                positive(name, axis)?;
+            }
+            shapes::ellipsoid([a, b, c], l)
+        }
+        ("torus", &[major, minor], &[around, across]) => {
+            squares(["around", "across"], [around, across], [3, 3])?;
+            need(0.0 < minor && minor < major && major.is_finite(), || {
+                format!("the radii are {major} and {minor}, but must be 0 < minor < major")
+            })?;
+            shapes::torus(major, minor, around, across)
+        }
+        ("cylinder", &[radius, height], &[around, along]) => {
+            squares(["around", "along"], [around, along], [3, 1])?;
+            positive("radius", radius)?;
+            positive("height", height)?;
+            let ends = choose("ends", word, &[("closed", Ends::Closed), ("open", Ends::Open)])?;
+            shapes::cylinder(radius, height, around, along, ends)
+        }
+        ("plane", [], &[columns, rows]) => {
+            squares(["columns", "rows"], [columns, rows], [1, 1])?;
+            shapes::plane(columns, rows, diagonals(word)?)
+        }
+        ("irregular_plane", &[spacing], []) => {
+            between("spacing", spacing, 1e-4, 0.5)?;
+            shapes::irregular_plane(spacing, seed)
+        }
+        ("cube", [], &[n]) => {
+            squares(["squares", "squares"], [n, n], [1, 1])?;
+            need(n <= 10_000, || format!("squares is {n}, but must be at most 10000"))?;
+            shapes::cube(n, diagonals(word)?)
+        }
+        ("cad_block", &[spacing], []) => {
+            between("spacing", spacing, 0.005, 0.3)?;
+            shapes::cad_block(spacing)
+        }
+        ("creature", [], &[resolution]) => {
+            need((48..=320).contains(&resolution), || {
+                format!("resolution is {resolution}, but must be from 48 to 320")
+            })?;
+            shapes::creature(resolution)
+        }
+        ("flower", &[spacing], []) => {
+            between("spacing", spacing, 1e-3, 0.2)?;
+            shapes::flower(spacing, seed)
+        }
+        ("moebius", &[w], &[around, across]) => {
+            squares(["around", "across"], [around, across], [3, 1])?;
+            need(0.0 < w && w < 1.0, || format!("width is {w}, but must be above 0 and below 1"))?;
+            shapes::moebius(w, around, across)
+        }
+        ("helicoid", &[rise, from, to, turns], &[across, along]) => {
+            squares(["across", "along"], [across, along], [1, 1])?;
+            positive("rise", rise)?;
+            positive("turns", turns)?;
+            need(from < to && from.is_finite() && to.is_finite(), || {
+                format!("radii are {from} and {to}, but must ascend")
+            })?;
+            shapes::helicoid(&Helicoid { rise, radii: [from, to], turns, across, along })
+        }
+        _ => return Err(Error::option(format!("there is no shape {name:?} of such parameters"))),
+    })
+}
+
+#[pyfunction]
+fn shape(
+    py: Python<'_>,
+    name: String,
+    lengths: Lengths,
+    counts: Counts,
+    word: String,
+    seed: u64,
+    call: Call,
+) -> PyResult<Mesh> {
+    Ok(call.run(py, move || made(&name, &lengths, &counts, &word, seed))?.into())
+}
+
+pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(shape, module)?)
+}

@@ -1,0 +1,253 @@
+//! Surfaces given by formulas, with exact forms and curvature.
+
+use fairing_operators::surface::{
+    ClosedForms, Cylinder, Ellipsoid, Helicoid, ImplicitSurface, ParametricSurface, Sphere, Torus,
+    WavyGraph,
+};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+
+use crate::arrays::{column, rows, triples, values};
+use crate::error::{Error, Result};
+
+#[derive(Clone, Copy)]
+enum Kind {
+    Ellipsoid(Ellipsoid),
+    Sphere(Sphere),
+    Torus(Torus),
+    Cylinder(Cylinder),
+    Helicoid(Helicoid),
+    WavyGraph(WavyGraph),
+}
+
+impl Kind {
+    fn parametric(&self) -> &dyn ParametricSurface {
+        match self {
+            Self::Ellipsoid(s) => s,
+            Self::Sphere(s) => s,
+            Self::Torus(s) => s,
+            Self::Cylinder(s) => s,
+            Self::Helicoid(s) => s,
+            Self::WavyGraph(s) => s,
+        }
+    }
+
+    fn closed(&self) -> Option<&dyn ClosedForms> {
+        Some(match self {
+            Self::Ellipsoid(s) => s,
+            Self::Sphere(s) => s,
+            Self::Torus(s) => s,
+            Self::Cylinder(s) => s,
+            Self::Helicoid(s) => s,
+            Self::WavyGraph(_) => return None,
+        })
+    }
+
+    fn implicit(&self) -> Option<&dyn ImplicitSurface> {
+        Some(match self {
+            Self::Ellipsoid(s) => s,
+            Self::Sphere(s) => s,
+            Self::Torus(s) => s,
+            Self::Cylinder(s) => s,
+            Self::WavyGraph(s) => s,
+            Self::Helicoid(_) => return None,
+        })
+    }
+}
+
+/// A surface `p(u, v)` by name and numbers.
+#[pyclass(frozen, module = "pyfairing._core")]
+struct Surface {
+    kind: Kind,
+}
+
+fn positive(name: &str, value: f64) -> Result<f64> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(value);
+    }
+    Err(Error::option(format!("{name} is {value}, but must be positive and finite")))
+}
+
+fn finite(name: &str, value: f64) -> Result<f64> {
+    if value.is_finite() && value != 0.0 {
+        return Ok(value);
+    }
+    Err(Error::option(format!("{name} is {value}, but must be finite and not zero")))
+}
+
+fn kind(name: &str, numbers: &[f64]) -> Result<Kind> {
+    Ok(match (name, numbers) {
+        ("ellipsoid", &[a, b, c]) => Kind::Ellipsoid(Ellipsoid {
+            a: positive("a", a)?,
+            b: positive("b", b)?,
+            c: positive("c", c)?,
+        }),
+        ("sphere", &[radius]) => Kind::Sphere(Sphere { radius: positive("radius", radius)? }),
+        ("torus", &[major, minor]) => {
+            let (major, minor) = (positive("major", major)?, positive("minor", minor)?);
+            if minor >= major {
+                return Err(Error::option(format!("minor is {minor}, but must be below {major}")));
+            }
+            Kind::Torus(Torus { major, minor })
+        }
+        ("cylinder", &[radius]) => Kind::Cylinder(Cylinder { radius: positive("radius", radius)? }),
+        ("helicoid", &[rise]) => Kind::Helicoid(Helicoid { rise: finite("rise", rise)? }),
+        ("wavy_graph", &[amplitude, wave_number]) => Kind::WavyGraph(WavyGraph {
+            amplitude: finite("amplitude", amplitude)?,
+            wave_number: finite("wave_number", wave_number)?,
+        }),
+        _ => return Err(Error::option(format!("there is no surface {name:?} of such numbers"))),
+    })
+}
+
+type Parameters<'py> = PyReadonlyArray1<'py, f64>;
+
+/// The pairs of parameters, all finite.
+fn pairs(u: &Parameters<'_>, v: &Parameters<'_>) -> Result<Vec<(f64, f64)>> {
+    let pairs: Vec<(f64, f64)> = values(u).into_iter().zip(values(v)).collect();
+    match pairs.iter().find(|(u, v)| !(u.is_finite() && v.is_finite())) {
+        Some((u, v)) => Err(Error::option(format!("({u}, {v}) is not finite"))),
+        None => Ok(pairs),
+    }
+}
+
+/// κ₁ ≥ κ₂ and their unit tangents.
+type Principal<'py> =
+    (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
+
+#[pymethods]
+impl Surface {
+    #[new]
+    fn new(name: &str, numbers: Vec<f64>) -> PyResult<Self> {
+        Ok(Self { kind: kind(name, &numbers)? })
+    }
+
+    fn point<'py>(
+        &self,
+        py: Python<'py>,
+        u: Parameters<'_>,
+        v: Parameters<'_>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let surface = self.kind.parametric();
+        rows(py, pairs(&u, &v)?.into_iter().map(|(u, v)| surface.jet(u, v).point).collect())
+    }
+
+    fn normal<'py>(
+        &self,
+        py: Python<'py>,
+        u: Parameters<'_>,
+        v: Parameters<'_>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        rows(py, self.forms(&u, &v)?.into_iter().map(|f| f.normal).collect())
+    }
+
+    /// E, F, G.
+    fn first_form<'py>(
+        &self,
+        py: Python<'py>,
+        u: Parameters<'_>,
+        v: Parameters<'_>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let found = match self.kind.closed() {
+            Some(s) => pairs(&u, &v)?.into_iter().map(|(u, v)| s.first_form(u, v)).collect(),
+            None => self.forms(&u, &v)?.into_iter().map(|f| f.first).collect(),
+        };
+        rows(py, found)
+    }
+
+    /// L, M, N.
+    fn second_form<'py>(
+        &self,
+        py: Python<'py>,
+        u: Parameters<'_>,
+        v: Parameters<'_>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let found = match self.kind.closed() {
+            Some(s) => pairs(&u, &v)?.into_iter().map(|(u, v)| s.second_form(u, v)).collect(),
+            None => self.forms(&u, &v)?.into_iter().map(|f| f.second).collect(),
+        };
+        rows(py, found)
+    }
+
+    fn mean_curvature<'py>(
+        &self,
+        py: Python<'py>,
+        u: Parameters<'_>,
+        v: Parameters<'_>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let found = match self.kind.closed() {
+            Some(s) => pairs(&u, &v)?.into_iter().map(|(u, v)| s.mean_curvature(u, v)).collect(),
+            None => self.forms(&u, &v)?.into_iter().map(|f| f.mean_curvature()).collect(),
+        };
+        Ok(column(py, found))
+    }
+
+    fn gaussian_curvature<'py>(
+        &self,
+        py: Python<'py>,
+        u: Parameters<'_>,
+        v: Parameters<'_>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let found = match self.kind.closed() {
+            Some(s) => {
+                pairs(&u, &v)?.into_iter().map(|(u, v)| s.gaussian_curvature(u, v)).collect()
+            }
+            None => self.forms(&u, &v)?.into_iter().map(|f| f.gaussian_curvature()).collect(),
+        };
+        Ok(column(py, found))
+    }
+
+    fn principal<'py>(
+        &self,
+        py: Python<'py>,
+        u: Parameters<'_>,
+        v: Parameters<'_>,
+    ) -> PyResult<Principal<'py>> {
+        let found: Vec<_> = self.forms(&u, &v)?.into_iter().map(|f| f.principal()).collect();
+        let kappa: Vec<f64> = found.iter().flat_map(|p| p.values).collect();
+        use numpy::PyArrayMethods;
+        let kappa = column(py, kappa).reshape([found.len(), 2])?;
+        let first = rows(py, found.iter().map(|p| p.directions[0]).collect())?;
+        Ok((kappa, first, rows(py, found.iter().map(|p| p.directions[1]).collect())?))
+    }
+
+    /// κ₁ ≥ κ₂ and the outward normal of the level sets through points of space.
+    fn curvature_at<'py>(
+        &self,
+        py: Python<'py>,
+        points: PyReadonlyArray2<'_, f64>,
+    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)> {
+        let surface = self.kind.implicit();
+        let surface = surface.ok_or_else(|| Error::option("a helicoid has no level sets here"))?;
+        let points = triples(&points)?;
+        let found = points.into_iter().enumerate().map(|(i, p)| {
+            let [x, y, z] = p;
+            surface.curvature(p).ok_or_else(|| {
+                Error::Computation(format!("point {i}, ({x}, {y}, {z}), has no level set"))
+            })
+        });
+        let found = found.collect::<Result<Vec<_>>>()?;
+        use numpy::PyArrayMethods;
+        let kappa: Vec<f64> = found.iter().flat_map(|c| c.values).collect();
+        let kappa = column(py, kappa).reshape([found.len(), 2])?;
+        Ok((kappa, rows(py, found.iter().map(|c| c.normal).collect())?))
+    }
+}
+
+impl Surface {
+    fn forms(
+        &self,
+        u: &Parameters<'_>,
+        v: &Parameters<'_>,
+    ) -> Result<Vec<fairing_operators::surface::FundamentalForms>> {
+        let surface = self.kind.parametric();
+        let forms = pairs(u, v)?.into_iter().map(|(u, v)| {
+            surface.forms(u, v).map_err(|error| Error::Computation(error.to_string()))
+        });
+        forms.collect()
+    }
+}
+
+pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<Surface>()
+}

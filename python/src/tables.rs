@@ -1,0 +1,30 @@
+//! The tables that the help of the program is made of, for docstrings.
+
+use fairing_denoising::Denoiser;
+use fairing_figure::ColorMap;
+use fairing_operators::curvature::Estimator;
+use fairing_operators::{LaplacianKind, MassKind};
+use fairing_smoothing::Method;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// Each table: a name and what it is for.
+#[pyfunction]
+fn tables(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+    let dict = PyDict::new(py);
+    let estimators: Vec<_> = Estimator::ALL.iter().map(|e| (e.name(), e.purpose())).collect();
+    let methods: Vec<_> = Method::defaults().iter().map(|m| (m.name(), m.description())).collect();
+    let denoisers: Vec<_> = Denoiser::ALL.iter().map(|d| (d.name(), d.description())).collect();
+    dict.set_item("estimators", estimators)?;
+    dict.set_item("recommended_estimator", Estimator::RECOMMENDED.name())?;
+    dict.set_item("methods", methods)?;
+    dict.set_item("denoisers", denoisers)?;
+    dict.set_item("laplacians", LaplacianKind::ALL.map(LaplacianKind::name))?;
+    dict.set_item("masses", MassKind::ALL.map(MassKind::name))?;
+    dict.set_item("color_maps", ColorMap::ALL.map(ColorMap::name))?;
+    Ok(dict)
+}
+
+pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(tables, module)?)
+}
