@@ -26,7 +26,7 @@ _LAST = 2**32 - 1
 def floats(values: npt.ArrayLike, name: str) -> Floats:
     """An array of float64; other kinds of numbers are converted, anything else is a TypeError."""
     array = np.asarray(values)
-    if array.dtype.kind not in "fiub" and array.size:
+    if array.dtype.kind not in "fiub":
         raise TypeError(f"{name} must be real numbers, not {array.dtype}")
     return np.asarray(array, dtype=np.float64)
 

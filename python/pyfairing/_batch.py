@@ -169,8 +169,9 @@ def run(batch: Batch, task: Any, columns: Mapping[str, str], per_vertex: int, th
     return write(rows(batch, task, columns, per_vertex, threads), columns, folder, batch.part)
 
 
-def frame(batch: Batch, task: Any, columns: Mapping[str, str], per_vertex: int, threads: int) -> Any:
+def frame(batch: Batch, task: Any, kinds: tuple[tuple[str, str], ...], per_vertex: int, threads: int) -> Any:
     """Computes a batch; its rows as a table of pandas, for collections that are not written."""
+    columns = dict(kinds)
     return to_pandas(table(rows(batch, task, columns, per_vertex, threads), columns))
 
 

@@ -31,7 +31,7 @@ def warn(text: str) -> None:
     while frame is not None and frame.f_globals.get("__name__", "").startswith("pyfairing"):
         frame = frame.f_back  # type: ignore[assignment]
         level += 1
-    warnings.warn(text, FairingWarning, stacklevel=level - 1)
+    warnings.warn(text, FairingWarning, stacklevel=level)
 
 
 _DEFAULT: ContextVar[int | None] = ContextVar("threads of calls that name none", default=None)

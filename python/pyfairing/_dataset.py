@@ -190,7 +190,8 @@ def _lazy(run: _Run, sources: list[_plan.Source]) -> Any:
         meta=meta,
         divisions=divisions,
         task=task,
-        columns=columns,
+        # What dask can hash.
+        kinds=tuple(columns.items()),
         per_vertex=per_vertex,
         threads=threads,
     )

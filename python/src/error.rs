@@ -203,7 +203,7 @@ impl From<Error> for PyErr {
             Error::Computation(text) => ComputationError::new_err(text),
             Error::Internal(text) => InternalError::new_err(text),
             Error::Flow(error) => flow(*error),
-            Error::Os { path, error } => match error.raw_os_error() {
+            Error::Os { path, error } => match number_of(&error) {
                 // With errno and a name Python picks the subclass, such as FileNotFoundError.
                 Some(number) => {
                     let text = error.to_string();
@@ -214,6 +214,22 @@ impl From<Error> for PyErr {
             },
         }
     }
+}
+
+/// The number of an error of the system, also where another error is about it.
+fn number_of(error: &std::io::Error) -> Option<i32> {
+    let mut inner: Option<&(dyn std::error::Error + 'static)> = Some(error);
+    while let Some(one) = inner {
+        let number = one.downcast_ref().and_then(std::io::Error::raw_os_error);
+        if number.is_some() {
+            return number;
+        }
+        inner = one.source().or_else(|| {
+            let outer: Option<&std::io::Error> = one.downcast_ref();
+            outer?.get_ref().map(|e| e as &(dyn std::error::Error + 'static))
+        });
+    }
+    (error.kind() == std::io::ErrorKind::NotFound).then_some(2)
 }
 
 /// The exception with the step and the last good mesh.

@@ -1,0 +1,57 @@
+"""A tour of the package: what type checkers and the tests run."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import pyfairing as pf
+
+
+def main() -> None:
+    """Does a little of everything."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "blob.ply"
+        pf.shapes.bumpy_sphere(4).write(path)
+        mesh = pf.read(path)
+    vertices: npt.NDArray[np.float64] = mesh.vertices
+    faces: npt.NDArray[np.uint32] = mesh.faces
+    print(mesh, vertices.shape, faces.shape)
+
+    S, M = mesh.laplacian(kind="cotangent", mass="barycentric")
+    print(S.shape, M.sum())
+
+    c = mesh.curvature("jet3")
+    mean: npt.NDArray[np.float64] = c.mean
+    print(c, mean[c.defined].mean())
+
+    s = mesh.spectrum(k=16, kind="robust")
+    f = vertices[:, 2]
+    print(s, s.project(f)[:3], s.reconstruct(16).n_vertices)
+    print(s.heat_kernel_signature([0.1, 1.0]).shape, s.certified)
+
+    d = mesh.geodesic([0], kind="robust")
+    print(float(d.max()))
+
+    flat = mesh.smooth("implicit", weights="uniform", lam=5.0, iterations=10)
+    clean = mesh.noise(sigma=0.2, unit="edge", seed=1).denoise()
+    scores = pf.compare(clean, mesh)
+    print(flat.report["approach"], scores["distance_rms"])
+
+    image: npt.NDArray[np.uint8] = clean.render(field=c.mean, size=(160, 120))
+    print(image.shape)
+
+    ellipsoid = pf.surfaces.Ellipsoid(3.0, 2.0, 1.0)
+    u, v = np.meshgrid(np.linspace(0, 6, 5), np.linspace(0.1, 3, 4))
+    print(ellipsoid.mean_curvature(u, v).shape)
+
+    try:
+        pf.Mesh([[0.0, 0.0, 0.0]], [[0, 1, 2]])
+    except pf.MeshError as error:
+        print(error)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,278 @@
+"""Each computation against something known."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pyfairing as pf
+import pytest
+import scipy.sparse
+import scipy.sparse.linalg
+
+
+def test_laplacian_is_a_pair_of_csr_matrices(sphere: pf.Mesh) -> None:
+    n = sphere.n_vertices
+    for kind in pf.LAPLACIANS:
+        S, M = pair = sphere.laplacian(kind=kind, mass="barycentric")  # type: ignore[arg-type]
+        for matrix in pair:
+            assert isinstance(matrix, scipy.sparse.csr_matrix) and matrix.shape == (n, n)
+            assert matrix.indices.dtype == np.int32
+            matrix.check_format(full_check=True)
+        assert abs(S - S.T).max() < 1e-12 and abs(S @ np.ones(n)).max() < 1e-12
+        assert pair.stiffness is S and pair.mass is M and pair.kind != "auto"
+        assert M.sum() == pytest.approx(sphere.info()["area"])
+        assert (pickle.loads(pickle.dumps(pair))[0] != S).nnz == 0
+    for mass in pf.MASSES:
+        assert (sphere.laplacian("cotangent", mass).mass.diagonal() > 0).all()  # type: ignore[arg-type]
+    with pytest.raises(pf.OptionError, match="only the barycentric"):
+        sphere.laplacian("robust", "consistent")
+    with pytest.raises(pf.OptionError, match='there is no Laplacian "cotan"'):
+        sphere.laplacian("cotan")  # type: ignore[arg-type]
+
+
+def test_thin_faces() -> None:
+    # The last triangle has next to no height.
+    v = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0.5, -1e-13, 0]])
+    mesh = pf.Mesh(v, [[0, 1, 2], [1, 0, 3]])
+    with pytest.raises(pf.ComputationError, match="face 1 is degenerate: area"):
+        mesh.laplacian("cotangent")
+    with pytest.warns(pf.FairingWarning, match="face 1 is too thin"):
+        assert mesh.laplacian("auto").kind == "robust"
+    with pytest.warns(pf.FairingWarning, match="face 1 is degenerate"):
+        assert mesh.spectrum(2).kind == "robust"
+    with pytest.warns(pf.FairingWarning, match="face 1 is too thin"):
+        assert mesh.curvature("cotangent").too_thin == 1
+
+
+def test_gradient_and_divergence(patch: pf.Mesh) -> None:
+    G, D = patch.gradient(), patch.divergence()
+    S, _ = patch.laplacian("cotangent")
+    assert abs(D @ G + S).max() < 1e-12
+    x = (G @ patch.vertices[:, 0]).reshape(-1, 3)
+    n = patch.face_normals
+    np.testing.assert_allclose(x, np.eye(3)[0] - n * n[:, :1], atol=1e-12)
+
+
+@pytest.mark.parametrize("estimator", pf.ESTIMATORS)
+def test_curvature_of_a_sphere(sphere: pf.Mesh, estimator: str) -> None:
+    c = sphere.with_vertices(2 * sphere.vertices).curvature(estimator)
+    assert c.defined.all() and not c.boundary.any() and len(c) == sphere.n_vertices
+    # A coarse sphere; a jet of degree 3 over three rings of it is off by 12 % in K.
+    for values, expected in [(c.mean, 0.5), (c.gaussian, 0.25), (c.kappa1, 0.5), (c.kappa2, 0.5)]:
+        assert np.median(values) == pytest.approx(expected, rel=0.15)
+    assert (c.kappa1 >= c.kappa2).all()
+    assert (c.direction1 is None) == (estimator == "cotangent")
+    assert c.curvedness == pytest.approx(np.full(len(c), 0.5), rel=0.3)
+
+
+def test_curvature_options(bumpy: pf.Mesh) -> None:
+    wide = bumpy.curvature("normal-cycle", radius=4.0)
+    assert not np.array_equal(wide.mean, bumpy.curvature("normal-cycle").mean)
+    assert bumpy.curvature("jet2", rings=3).defined.all()
+    for bad in ({"radius": -1.0}, {"rings": 0}, {"rings": 2, "radius": 1.0}):
+        with pytest.raises(pf.OptionError):
+            bumpy.curvature("jet3", **bad)
+    with pytest.raises(pf.OptionError, match="steiner takes no rings"):
+        bumpy.curvature("steiner", rings=2)
+    with pytest.raises(pf.OptionError, match="there is no estimator"):
+        bumpy.curvature("jet5")
+    robust = bumpy.curvature("cotangent", kind="robust")
+    assert robust.mean.shape == (bumpy.n_vertices,)
+
+
+def test_spectrum_of_a_sphere(sphere: pf.Mesh, tmp_path) -> None:
+    s = sphere.spectrum(k=9, kind="robust")
+    expected = [0, 2, 2, 2, 6, 6, 6, 6, 6]
+    np.testing.assert_allclose(s.values, expected, rtol=0.02, atol=1e-9)
+    M = s.mass
+    np.testing.assert_allclose(s.modes.T @ (M @ s.modes), np.eye(9), atol=1e-10)
+    assert s.certified and (s.residuals < 1e-6).all() and not s.modes.flags.writeable
+    assert [len(c) for c in s.clusters()] == [1, 3, 5]
+    assert s.split(3) == (1, 4) and s.split(4) is None
+    x = sphere.vertices[:, 0]
+    c = s.project(x)
+    assert c.shape == (9,) and s.project(sphere.vertices).shape == (9, 3)
+    np.testing.assert_allclose(s.expand(c), x, atol=1e-2)
+    np.testing.assert_allclose(s.project(s.expand(c)), c, atol=1e-10)
+    assert s.truncation_errors(sphere.vertices).shape == (10,)
+    np.testing.assert_allclose(s.reconstruct(9).vertices, sphere.vertices, atol=1e-2)
+    with pytest.warns(pf.FairingWarning, match="k=1 and k=4 do not"):
+        s.reconstruct(2)
+    filtered = s.filter(x, lambda w: np.exp(-w))
+    np.testing.assert_allclose(filtered, np.exp(-2) * x, atol=0.01)
+    np.testing.assert_allclose(s.filter(x, np.exp(-s.values), rest=0.0), filtered)
+    assert s.heat_kernel_signature([0.1, 1.0]).shape == (642, 2)
+    assert s.heat_kernel_signature().shape == (642, 100)
+    assert s.wave_kernel_signature(7).shape == (642, 7)
+    assert s.global_point_signature().shape == (642, 8)
+    np.testing.assert_allclose(s.shape_dna(), s.values * s.area)
+    s.save(tmp_path / "modes.npz")
+    with np.load(tmp_path / "modes.npz") as arrays:
+        np.testing.assert_array_equal(arrays["modes"], s.modes)
+    for again in (pf.Spectrum.load(tmp_path / "modes.npz", sphere), pickle.loads(pickle.dumps(s))):
+        np.testing.assert_array_equal(again.modes, s.modes)
+        assert again.split(3) == s.split(3) and again.reconstruct(9) == s.reconstruct(9)
+    with pytest.raises(FileNotFoundError):
+        pf.Spectrum.load(tmp_path / "no.npz")
+    (tmp_path / "bad.npz").write_bytes(b"no")
+    with pytest.raises(pf.MeshError):
+        pf.Spectrum.load(tmp_path / "bad.npz")
+
+
+def test_spectrum_options(patch: pf.Mesh) -> None:
+    free, held = patch.spectrum(4), patch.spectrum(4, boundary="dirichlet")
+    assert free.values[0] == 0 and held.values[0] > 1
+    assert (held.modes[patch.boundary_vertices] == 0).all()
+    some = patch.spectrum(4, fixed=[3, 5], mass="consistent")
+    assert (some.modes[[3, 5]] == 0).all() and some.mass.nnz > patch.n_vertices
+    for bad in ({"k": 0}, {"k": 10**6}, {"k": -1}, {"boundary": "robin"}):
+        with pytest.raises(pf.OptionError):
+            patch.spectrum(**{"k": 3, **bad})
+
+
+def test_eigenvalues_are_those_of_scipy(patch: pf.Mesh) -> None:
+    S, M = patch.laplacian("cotangent")
+    theirs = scipy.sparse.linalg.eigsh(S, 8, M, sigma=-0.01, return_eigenvectors=False)
+    np.testing.assert_allclose(patch.spectrum(8, "cotangent").values, np.sort(theirs), atol=1e-8)
+
+
+def test_heat_geodesics_and_poisson(sphere: pf.Mesh) -> None:
+    d = sphere.geodesic([0], kind="robust")
+    exact = np.arccos(np.clip(sphere.vertices @ sphere.vertices[0], -1, 1))
+    assert d.shape == (642,) and d[0] == 0 and np.abs(d - exact).max() < 0.1
+    solver = pf.GeodesicSolver(sphere, "robust")
+    np.testing.assert_array_equal(solver.distance(0), d)
+    assert solver.kind == "robust"
+    # Two components: the other is not reached.
+    two = pf.Mesh(np.vstack([sphere.vertices, sphere.vertices + 5]), np.vstack([sphere.faces, sphere.faces + 642]))
+    far = two.geodesic(0)
+    assert np.isinf(far[642:]).all() and np.isfinite(far[:642]).all()
+    z = sphere.vertices[:, 2]
+    np.testing.assert_allclose(sphere.heat(z, 0.5), z / 2, atol=0.01)
+    np.testing.assert_allclose(sphere.heat(z, 0.5, steps=2), z / 4, atol=0.01)
+    S, M = sphere.laplacian("cotangent")
+    theirs = scipy.sparse.linalg.spsolve((M + 0.5 * S).tocsc(), M @ z)
+    np.testing.assert_allclose(pf.HeatSolver(sphere, 0.5, "cotangent").step(z), theirs, atol=1e-12)
+    np.testing.assert_allclose(sphere.poisson(2 * z), z, atol=0.02)
+    u = sphere.poisson(np.zeros(642), fixed=[0, 3], values=[0.0, 1.0])
+    assert u[0] == 0 and u[3] == 1 and u.min() > -1e-9 and u.max() < 1 + 1e-9
+
+
+@pytest.mark.parametrize("method", pf.METHODS)
+def test_every_flow(bumpy: pf.Mesh, method: str) -> None:
+    options = {"vertices": range(40)} if method == "region" else {}
+    smooth = bumpy.smooth(method, **options)
+    assert smooth.report["method"] == method and np.array_equal(smooth.faces, bumpy.faces)
+    assert not np.array_equal(smooth.vertices, bumpy.vertices)
+
+
+def test_options_of_flows(bumpy: pf.Mesh, patch: pf.Mesh) -> None:
+    pinned = patch.smooth("implicit", boundary="pinned", lam=2.0)
+    border = patch.boundary_vertices
+    np.testing.assert_array_equal(pinned.vertices[border], patch.vertices[border])
+    volume = bumpy.info()["volume"]
+    kept = bumpy.smooth("implicit", lam=5.0, volume="rescale")
+    assert kept.info()["volume"] == pytest.approx(volume)
+    held = bumpy.smooth("implicit", pin=[7])
+    np.testing.assert_array_equal(held.vertices[7], bumpy.vertices[7])
+    drawn = bumpy.smooth("implicit", soft=[(7, 1e9, [9.0, 0, 0])])
+    np.testing.assert_allclose(drawn.vertices[7], [9, 0, 0], atol=1e-3)
+    with pytest.raises(pf.OptionError, match="beyond the stable limit"):
+        bumpy.smooth("explicit", lam=2.0)
+    with pytest.warns(pf.FairingWarning, match="stable limit"):
+        bumpy.smooth("explicit", lam=1.6, unstable="warn")
+    for method, options, text in [
+        ("taubin", {"cutoff": 1.0}, "the method taubin has no option cutoff"),
+        ("implicit", {"lam": 1.0, "time": 1.0}, "lam or time, not both"),
+        ("implicit", {"lam": -1.0}, "-1"),
+        ("implicit", {"lam": float("nan")}, "NaN"),
+        ("implicit", {"weights": "equal"}, 'weights is "equal"'),
+        ("region", {}, "vertices"),
+        ("laplace", {}, "there is no method"),
+        ("implicit", {"pin": [10**6]}, "pin names vertex 1000000"),
+        ("implicit", {"iterations": -1}, "must not be negative"),
+    ]:
+        with pytest.raises(pf.OptionError, match=text):
+            bumpy.smooth(method, **options)
+
+
+def test_a_flow_that_fails_gives_the_last_good_mesh() -> None:
+    # Mean curvature flow of a thin torus pinches.
+    ring = pf.shapes.torus(1.0, 0.1, 60, 12)
+    with pytest.raises(pf.FlowError) as failed:
+        ring.smooth("mean-curvature", time=0.002, iterations=50)
+    assert failed.value.iteration > 1
+    assert np.isfinite(failed.value.last_good.vertices).all()
+
+
+def test_noise_denoise_compare() -> None:
+    cube = pf.shapes.cube(12)
+    noisy = cube.noise(sigma=0.2, unit="edge", seed=1)
+    assert noisy == cube.noise(0.2) and noisy != cube.noise(0.2, seed=2)
+    level = noisy.noise_level()
+    assert level is not None and level.sigma == pytest.approx(0.2 * cube.mean_edge_length, rel=0.3)
+    clean = noisy.denoise()
+    assert clean.report["surface"] == "creased"
+    before, after = pf.compare(noisy, cube), pf.compare(clean, cube)
+    assert after["normal_mean"] < 0.5 * before["normal_mean"]
+    assert all(isinstance(value, float) for value in after.values())
+    assert after.units["normal_mean"] == "°" and "normal angle" in repr(after)
+    other = pf.compare(pf.shapes.icosphere(2), cube)
+    assert "normal_mean" in other.missing and "normal_mean" not in other
+    for kind in ("normal", "axes", "direction", "uniform", "impulsive"):
+        assert cube.noise(0.1, kind=kind) != cube  # type: ignore[arg-type]
+    for bad in ({"sigma": -1.0}, {"sigma": float("nan")}, {"sigma": 1.0, "unit": "inch"}, {"sigma": 1.0, "seed": -1}):
+        with pytest.raises(pf.OptionError):
+            cube.noise(**bad)
+
+
+@pytest.mark.parametrize("method", pf.DENOISERS)
+def test_every_denoiser(method: str) -> None:
+    noisy = pf.shapes.cube(6).noise(0.2)
+    assert np.isfinite(noisy.denoise(method).vertices).all()
+
+
+def test_render(bumpy: pf.Mesh) -> None:
+    c = bumpy.curvature()
+    image = bumpy.render(field=c.mean, size=(64, 48))
+    assert image.shape == (48, 64, 4) and image.dtype == np.uint8 and image[0, 0, 3] == 255
+    assert bumpy.render(size=(8, 8), transparent=True)[0, 0, 3] == 0
+    grey = bumpy.render(size=(64, 48))
+    assert not np.array_equal(image, grey)
+    named = bumpy.with_fields(c.fields())
+    np.testing.assert_array_equal(named.render("mean", size=(64, 48)), image)
+    for options in ({"map": "magma"}, {"equalize": True}, {"range": (0, 1)}, {"view": (10, 20)}, {"up": "z"}):
+        assert bumpy.render(field=c.mean, size=(16, 16), **options).any()
+    for bad in ({"map": "jet"}, {"view": "inside"}, {"size": (0, 5)}, {"field": "x"}, {"size": (10**6, 10**6)}):
+        with pytest.raises(pf.FairingError):
+            bumpy.render(**{"field": c.mean, **bad})
+
+
+def test_surfaces() -> None:
+    u, v = np.meshgrid(np.linspace(0.1, 6, 7), np.linspace(0.1, 3, 5))
+    for surface, mean, gaussian in [
+        (pf.surfaces.Sphere(2), 0.5, 0.25),
+        (pf.surfaces.Ellipsoid(2, 2, 2), 0.5, 0.25),
+        (pf.surfaces.Cylinder(2), 0.25, 0.0),
+        (pf.surfaces.Helicoid(1), 0.0, None),
+    ]:
+        np.testing.assert_allclose(surface.mean_curvature(u, v), np.full(u.shape, mean), atol=1e-12)
+        if gaussian is not None:
+            np.testing.assert_allclose(surface.gaussian_curvature(u, v), np.full(u.shape, gaussian), atol=1e-12)
+    for surface in (pf.surfaces.Torus(2, 0.5), pf.surfaces.Ellipsoid(1, 2, 3), pf.surfaces.WavyGraph()):
+        E, F, G = np.moveaxis(surface.first_form(u, v), -1, 0)
+        L, M, N = np.moveaxis(surface.second_form(u, v), -1, 0)
+        np.testing.assert_allclose(surface.gaussian_curvature(u, v), (L * N - M * M) / (E * G - F * F), atol=1e-9)
+        p = surface.principal(u, v)
+        np.testing.assert_allclose((p.kappa1 + p.kappa2) / 2, surface.mean_curvature(u, v), atol=1e-9)
+        np.testing.assert_allclose(np.einsum("...k,...k", p.direction1, surface.normal(u, v)), 0, atol=1e-12)
+        k1, _ = surface.curvature_at(surface.point(u, v).reshape(-1, 3))
+        np.testing.assert_allclose(k1, p.kappa1.reshape(-1), atol=1e-9)
+    ellipsoid = pf.surfaces.Ellipsoid(1, 2, 3)
+    assert ellipsoid.mean_curvature(0, 0).shape == () and repr(ellipsoid) == "Ellipsoid(1, 2, 3)"
+    with pytest.raises(pf.ComputationError, match="singular at u = 0"):
+        ellipsoid.normal(0, 0)
+    for make in (lambda: pf.surfaces.Torus(1, 2), lambda: pf.surfaces.Sphere(-1), lambda: pf.surfaces.Helicoid(0)):
+        with pytest.raises(pf.OptionError):
+            make()

@@ -1,0 +1,85 @@
+"""Docstrings, examples, types."""
+
+from __future__ import annotations
+
+import doctest
+import importlib
+import inspect
+import pkgutil
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pyfairing as pf
+import pytest
+
+HERE = Path(__file__).resolve().parents[1]
+MODULES = [m.name for m in pkgutil.iter_modules(pf.__path__) if m.name != "_core"]
+
+
+@pytest.mark.parametrize("name", ["", *MODULES])
+def test_examples_of_docstrings(name: str) -> None:
+    module = importlib.import_module(f"pyfairing.{name}".rstrip("."))
+    assert doctest.testmod(module).failed == 0
+
+
+def public() -> list[tuple[str, object]]:
+    found = [(name, getattr(pf, name)) for name in pf.__all__]
+    for module in (pf.shapes, pf.surfaces, pf.tasks):
+        found += [(f"{module.__name__}.{n}", getattr(module, n)) for n in module.__all__ if n != "Task"]
+    for cls in (pf.Mesh, pf.Spectrum, pf.GeodesicSolver, pf.HeatSolver, pf.Curvature, pf.surfaces.Surface):
+        found += [(f"{cls.__name__}.{n}", m) for n, m in inspect.getmembers(cls) if not n.startswith("_")]
+    return [(n, o) for n, o in found if callable(o) or inspect.ismodule(o) or isinstance(o, property)]
+
+
+@pytest.mark.parametrize(("name", "thing"), public())
+def test_everything_public_is_documented(name: str, thing: object) -> None:
+    text = inspect.getdoc(thing) or ""
+    assert len(text) > 15, f"{name} has no docstring"
+    assert not re.search(r"\{[a-z]+\}", re.sub(r"\{'.*?\}", "", text)), f"{name} has a table that is not filled in"
+    if not inspect.isfunction(thing) or "Parameters\n---" not in text:
+        return
+    section = text.split("Parameters\n----------\n")[1].split("\n\nReturns")[0].split("\n\nRaises")[0]
+    documented = {n.strip(" *") for line in re.findall(r"^(\S[^:]*) :|^(\*\*\w+) :", section, re.M) for n in line[0].split(",") if n}
+    arguments = {p for p in inspect.signature(thing).parameters if p not in ("self", "cls", "more")}
+    assert arguments <= documented, f"{name} does not say what {arguments - documented} is"
+
+
+def test_docstrings_have_the_tables_of_the_program() -> None:
+    for names, method in ((pf.ESTIMATORS, pf.Mesh.curvature), (pf.METHODS, pf.Mesh.smooth), (pf.DENOISERS, pf.Mesh.denoise)):
+        assert all(f"`{name}`:" in (method.__doc__ or "") for name in names)
+
+
+def test_the_tour_runs() -> None:
+    done = subprocess.run([sys.executable, HERE / "examples" / "tour.py"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert "names vertex 1" in done.stdout
+
+
+def test_metadata_is_complete() -> None:
+    metadata = importlib.import_module("importlib.metadata")
+    try:
+        found = metadata.metadata("pyfairing")
+    except metadata.PackageNotFoundError:
+        pytest.skip("the package is not installed")
+    assert found["Version"] == pf.__version__ and found["License-Expression"] == "MIT OR Apache-2.0"
+    assert found["Requires-Python"] == ">=3.10" and "Laplacian" in found["Summary"]
+    required = [r for r in metadata.requires("pyfairing") if "extra ==" not in r]
+    assert required == ["numpy>=1.24"]
+
+
+@pytest.mark.parametrize("checker", ["mypy", "pyright"])
+def test_types(checker: str, tmp_path) -> None:
+    pytest.importorskip(checker)
+    tour = tmp_path / "tour.py"
+    tour.write_text((HERE / "examples" / "tour.py").read_text())
+    arguments = ["--strict", "--ignore-missing-imports", "--cache-dir", str(tmp_path)] if checker == "mypy" else []
+    if checker == "pyright":
+        arguments = ["--pythonpath", sys.executable]
+    command = [sys.executable, "-m", checker, *arguments, str(tour)]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
+    offline = checker == "pyright" and ("nodeenv" in done.stderr or "ENOTFOUND" in done.stderr)
+    if offline:
+        pytest.skip("pyright cannot fetch its node")
+    assert done.returncode == 0, done.stdout + done.stderr

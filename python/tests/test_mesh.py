@@ -1,0 +1,217 @@
+"""The mesh as an object of Python."""
+
+from __future__ import annotations
+
+import copy
+import gc
+import gzip
+import pickle
+import weakref
+
+import numpy as np
+import pyfairing as pf
+import pytest
+
+V = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0.5]])
+F = np.array([[0, 1, 2], [1, 3, 2]])
+
+
+def test_vertices_and_faces_are_views_without_a_copy() -> None:
+    mesh = pf.Mesh(V, F)
+    assert mesh.vertices.dtype == np.float64 and mesh.faces.dtype == np.uint32
+    assert mesh.vertices.ctypes.data == mesh.vertices.ctypes.data
+    assert np.shares_memory(mesh.vertices, mesh.vertices)
+    np.testing.assert_array_equal(mesh.vertices, V)
+    np.testing.assert_array_equal(mesh.faces, F)
+    with pytest.raises(ValueError, match="read-only"):
+        mesh.vertices[0, 0] = 1
+    with pytest.raises(ValueError):
+        mesh.vertices.flags.writeable = True
+
+
+def test_a_view_keeps_its_mesh_alive() -> None:
+    view = pf.shapes.icosphere(4).vertices
+    gc.collect()
+    np.testing.assert_allclose(np.linalg.norm(view, axis=1), 1)
+
+
+def test_a_mesh_does_not_see_later_changes_of_the_arrays() -> None:
+    vertices = V.copy()
+    mesh = pf.Mesh(vertices, F)
+    vertices[0] = 7
+    assert mesh.vertices[0, 0] == 0
+
+
+def test_a_mesh_never_changes() -> None:
+    mesh = pf.Mesh(V, F)
+    with pytest.raises(AttributeError):
+        mesh.vertices = V  # type: ignore[misc]
+    with pytest.raises(AttributeError):
+        mesh.colour = 1  # type: ignore[attr-defined]
+    with pytest.raises(AttributeError):
+        del mesh._core
+    with pytest.raises(TypeError):
+        mesh.fields["x"] = V[:, 0]  # type: ignore[index]
+
+
+def test_pickle_copy_equality_and_hash() -> None:
+    mesh = pf.Mesh(V, F, {"height": V[:, 2], "colors": np.zeros((4, 3), np.uint8)})
+    for again in (pickle.loads(pickle.dumps(mesh)), copy.deepcopy(mesh), copy.copy(mesh)):
+        assert again == mesh and hash(again) == hash(mesh)
+        assert list(again.fields) == ["height", "colors"]
+        assert not again.fields["height"].flags.writeable
+    assert mesh != mesh.with_vertices(V + 1)
+    assert mesh != 3
+    assert len({mesh, pickle.loads(pickle.dumps(mesh))}) == 1
+
+
+def test_repr_and_html() -> None:
+    mesh = pf.Mesh(V, F, {"height": V[:, 2]})
+    assert repr(mesh) == "Mesh(4 vertices, 2 faces, fields height)"
+    html = mesh._repr_html_()
+    assert "data:image/png;base64," in html and "height" in html
+    # Nothing to draw is no error.
+    assert "no face" in pf.Mesh(V, np.zeros((0, 3), int))._repr_html_()
+
+
+def test_weak_references() -> None:
+    mesh = pf.Mesh(V, F)
+    reference = weakref.ref(mesh)
+    del mesh
+    gc.collect()
+    assert reference() is None
+
+
+@pytest.mark.parametrize("ending", ["ply", "obj", "off", "stl", "ply.gz", "obj.gz"])
+def test_files_read_back(tmp_path, sphere: pf.Mesh, ending: str) -> None:
+    path = tmp_path / f"mesh.{ending}"
+    if ending == "stl":
+        with pytest.warns(pf.FairingWarning, match="first appearance"):
+            sphere.write(path)
+    else:
+        sphere.write(path)
+    again = pf.read(path)
+    if ending == "stl":
+        # It has 32 bits and no vertices of its own.
+        assert again.n_faces == sphere.n_faces and again.n_vertices == sphere.n_vertices
+    else:
+        assert again == sphere
+    assert again.report["format"].lower() == ending.split(".")[0]
+
+
+def test_fields_read_back(tmp_path, sphere: pf.Mesh) -> None:
+    rng = np.random.default_rng(1)
+    n = sphere.n_vertices
+    fields = {"a": rng.normal(size=n), "v": rng.normal(size=(n, 3)), "colors": rng.integers(0, 255, (n, 3), np.uint8)}
+    mesh = sphere.with_fields(fields)
+    mesh.write(tmp_path / "mesh.ply")
+    again = pf.read(tmp_path / "mesh.ply")
+    assert list(again.fields) == list(fields)
+    for name, values in fields.items():
+        np.testing.assert_array_equal(again.fields[name], values)
+    with pytest.warns(pf.FairingWarning, match="cannot hold a, v"):
+        mesh.write(tmp_path / "mesh.obj")
+    assert mesh.smooth().fields.keys() == fields.keys()
+    with pytest.raises(pf.OptionError, match="the field b has the shape"):
+        sphere.with_fields(b=[1.0])
+
+
+def test_bytes(sphere: pf.Mesh) -> None:
+    assert pf.read_bytes(sphere.to_bytes("off")) == sphere
+    assert pf.read_bytes(gzip.compress(sphere.to_bytes("ply")), "x.ply.gz") == sphere
+
+
+def test_what_a_reader_changes_is_warned_of() -> None:
+    square = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\nf 1 1 2\n"
+    with pytest.warns(pf.FairingWarning, match="square.obj") as seen:
+        mesh = pf.read_bytes(square, "square.obj")
+    assert mesh.report["polygons"] == 1 and mesh.report["left_out_faces"] == 1
+    # In the name of the caller.
+    assert seen[0].filename == __file__
+    with pytest.raises(pf.MeshError, match="strict"):
+        pf.read_bytes(square, "square.obj", strict=True)
+
+
+def test_polygons() -> None:
+    mesh = pf.Mesh.from_polygons(V[[0, 1, 3, 2]], [[0, 1, 2, 3]])
+    assert mesh.n_faces == 2
+    assert pf.Mesh.from_polygons(V, np.array([[0, 1, 3, 2]])).n_faces == 2
+    with pytest.raises(pf.MeshError, match="fewer than three"):
+        pf.Mesh.from_polygons(V, [[0, 1]])
+    with pytest.raises(pf.MeshError):
+        pf.Mesh.from_polygons(V, [[0, 1, -2]])
+
+
+def test_errors_of_files(tmp_path) -> None:
+    with pytest.raises(FileNotFoundError) as missing:
+        pf.read(tmp_path / "no.ply")
+    assert missing.value.filename == str(tmp_path / "no.ply") and missing.value.errno == 2
+    with pytest.raises(IsADirectoryError):
+        pf.read(tmp_path)
+    bad = tmp_path / "bad.obj"
+    bad.write_text("v 0 0 0\nv 1 x 0\n")
+    with pytest.raises(pf.MeshError, match=r"bad\.obj: line 2: .*found"):
+        pf.read(bad)
+    with pytest.raises(FileNotFoundError):
+        pf.Mesh(V, F).write(tmp_path / "no" / "mesh.ply")
+    with pytest.raises(pf.OptionError, match="must end in"):
+        pf.Mesh(V, F).write(tmp_path / "mesh.xyz")
+    assert not list(tmp_path.glob("mesh*"))
+
+
+def test_info_and_measures(sphere: pf.Mesh, patch: pf.Mesh) -> None:
+    info = sphere.info()
+    assert (info["vertices"], info["faces"], info["genus"], info["closed"]) == (642, 1280, 0, True)
+    assert info["volume"] == pytest.approx(4 / 3 * np.pi, rel=0.02)
+    assert sphere.face_areas.sum() == pytest.approx(info["area"])
+    assert sphere.edges.shape == (info["edges"], 2) and (sphere.edges[:, 0] < sphere.edges[:, 1]).all()
+    assert not sphere.boundary_vertices.any() and patch.boundary_vertices.any()
+    np.testing.assert_allclose(np.linalg.norm(sphere.face_normals, axis=1), 1)
+    for weight in ("area", "angle", "sphere", "uniform"):
+        assert (np.einsum("ij,ij->i", sphere.vertex_normals(weight), sphere.vertices) > 0.99).all()
+    with pytest.raises(pf.OptionError, match="must be one of area"):
+        sphere.vertex_normals("volume")  # type: ignore[arg-type]
+
+
+def test_subdivision(sphere: pf.Mesh) -> None:
+    for scheme in ("loop", "midpoint"):
+        assert sphere.subdivide(scheme).n_faces == 4 * sphere.n_faces
+
+
+def test_other_packages_objects(sphere: pf.Mesh) -> None:
+    trimesh = pytest.importorskip("trimesh")
+    meshio = pytest.importorskip("meshio")
+    assert pf.Mesh(sphere.to_trimesh()) == sphere
+    assert pf.Mesh(trimesh.creation.box()).info()["volume"] == pytest.approx(1)
+    fielded = sphere.with_fields(height=sphere.vertices[:, 2])
+    again = pf.Mesh(fielded.to_meshio())
+    assert again == sphere and list(again.fields) == ["height"]
+    quads = meshio.Mesh(V[[0, 1, 3, 2]], [("quad", [[0, 1, 2, 3]]), ("line", [[0, 1]])])
+    with pytest.warns(pf.FairingWarning, match="line"):
+        assert pf.Mesh(quads).n_faces == 2
+    assert pf.Mesh(sphere) == sphere
+    with pytest.raises(TypeError, match="not of str"):
+        pf.Mesh("bunny.ply")
+
+
+@pytest.mark.parametrize("name", [n for n in pf.shapes.__all__])
+def test_shapes(name: str) -> None:
+    small = {"creature": {"resolution": 48}, "flower": {"spacing": 0.1}}
+    mesh = getattr(pf.shapes, name)(**small.get(name, {}))
+    info = mesh.info()
+    assert info["manifold"] and info["degenerate_faces"] == 0 and info["isolated_vertices"] == 0
+    assert info["orientable"] == (name != "moebius")
+
+
+def test_bad_shapes() -> None:
+    for make in (
+        lambda: pf.shapes.icosphere(14),
+        lambda: pf.shapes.torus(1, 2),
+        lambda: pf.shapes.cylinder(radius=float("nan")),
+        lambda: pf.shapes.plane(1 << 20, 1 << 20),
+        lambda: pf.shapes.cube(0),
+        lambda: pf.shapes.cad_block(1e-9),
+        lambda: pf.shapes.icosphere(-1),
+    ):
+        with pytest.raises(pf.OptionError):
+            make()

@@ -1,0 +1,166 @@
+"""The same numbers as other packages, on the corpus; each is skipped where it is not installed."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+import pyfairing as pf
+import pytest
+import scipy.sparse.linalg
+from conftest import corpus
+
+CORPUS = corpus()
+
+
+def loaded(path) -> pf.Mesh:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", pf.FairingWarning)
+        return pf.read(path)
+
+
+@pytest.fixture(scope="module", params=CORPUS, ids=lambda p: p.stem)
+def mesh(request) -> pf.Mesh:
+    mesh = loaded(request.param)
+    if mesh.n_faces > 60_000:
+        pytest.skip("too large for the peers")
+    return mesh
+
+
+def sound(mesh: pf.Mesh) -> pf.Mesh:
+    info = mesh.info()
+    if info["degenerate_faces"] or info["sliver_faces"] or info["isolated_vertices"]:
+        pytest.skip("the peers do not take degenerate faces and isolated vertices")
+    return mesh
+
+
+def arrays(mesh: pf.Mesh) -> tuple[np.ndarray, np.ndarray]:
+    return np.array(mesh.vertices), mesh.faces.astype(np.int64)
+
+
+def test_cotangents_of_libigl(mesh: pf.Mesh) -> None:
+    igl = pytest.importorskip("igl")
+    S, M = sound(mesh).laplacian("cotangent")
+    V, F = arrays(mesh)
+    # Theirs is negative semi-definite. Cotangents of thin faces are large: relative to the largest.
+    assert abs(S + igl.cotmatrix(V, F)).max() <= 1e-9 * abs(S).max()
+    theirs = igl.massmatrix(V, F, igl.MASSMATRIX_TYPE_BARYCENTRIC)
+    assert abs(M - theirs).max() <= 1e-12 * M.max()
+    mixed = mesh.laplacian("cotangent", "mixed").mass
+    assert abs(mixed - igl.massmatrix(V, F, igl.MASSMATRIX_TYPE_VORONOI)).max() <= 1e-9 * mixed.max()
+
+
+def test_gradient_of_libigl(mesh: pf.Mesh) -> None:
+    igl = pytest.importorskip("igl")
+    V, F = arrays(sound(mesh))
+    u = V[:, 0]
+    # Theirs has all x, then all y, then all z.
+    theirs = (igl.grad(V, F) @ u).reshape(3, -1).T
+    np.testing.assert_allclose((mesh.gradient() @ u).reshape(-1, 3), theirs, atol=1e-7)
+
+
+def test_gaussian_curvature_of_libigl(mesh: pf.Mesh) -> None:
+    igl = pytest.importorskip("igl")
+    if not mesh.info()["manifold"]:
+        pytest.skip("angle defects at edges of three faces are not comparable")
+    V, F = arrays(sound(mesh))
+    c = mesh.curvature("cotangent")
+    area = mesh.laplacian("cotangent", "mixed").mass.diagonal()
+    np.testing.assert_allclose((c.gaussian * area)[c.interior], igl.gaussian_curvature(V, F)[c.interior], atol=1e-6)
+
+
+def test_the_robust_laplacian_of_its_authors(mesh: pf.Mesh) -> None:
+    robust = pytest.importorskip("robust_laplacian")
+    info = mesh.info()
+    if info["isolated_vertices"]:
+        pytest.skip("theirs does not take isolated vertices")
+    if info["degenerate_faces"] or info["sliver_faces"]:
+        pytest.skip("mollified in another way")
+    S, M = mesh.laplacian("robust")
+    L, A = robust.mesh_laplacian(*arrays(mesh))
+    # Total areas are sums of triangles of the same metric; of faces with four corners on a circle either
+    # diagonal is Delaunay, so that single entries may differ, and quadratic forms do not.
+    assert M.sum() == pytest.approx(A.sum(), rel=1e-6)
+    for f in np.eye(3):
+        u = mesh.vertices @ f
+        # They mollify all faces by 1e-5 of the mean length, we thin ones only.
+        assert u @ (S @ u) == pytest.approx(u @ (L @ u), rel=1e-3)
+
+
+def test_the_heat_method_of_potpourri3d(mesh: pf.Mesh) -> None:
+    pp3d = pytest.importorskip("potpourri3d")
+    info = sound(mesh).info()
+    if info["components"] != 1:
+        pytest.skip("theirs gives no infinity for other components")
+    V, F = arrays(mesh)
+    theirs = pp3d.MeshHeatMethodDistanceSolver(V, F, use_robust=True).compute_distance(0)
+    ours = mesh.geodesic(0, kind="robust")
+    # Two approximations of first order: they agree to some edge lengths.
+    error = np.abs(ours - (theirs - theirs.min()))
+    assert np.median(error) < 0.05 * ours.max() and np.corrcoef(ours, theirs)[0, 1] > 0.99
+
+
+def test_eigenvalues_of_lapy(mesh: pf.Mesh) -> None:
+    lapy = pytest.importorskip("lapy")
+    if mesh.n_vertices > 20_000 or mesh.n_vertices < 50:
+        pytest.skip("of another size than is quick")
+    V, F = arrays(sound(mesh))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        values, _ = lapy.Solver(lapy.TriaMesh(V, F), lump=False).eigs(8)
+    ours = mesh.spectrum(8, "cotangent", "consistent").values
+    np.testing.assert_allclose(ours, values, rtol=1e-4, atol=1e-5 * abs(ours).max())
+
+
+def test_measures_of_trimesh(mesh: pf.Mesh) -> None:
+    pytest.importorskip("trimesh")
+    theirs, ours = mesh.to_trimesh(), mesh.info()
+    assert ours["area"] == pytest.approx(theirs.area, rel=1e-12)
+    if ours["volume"] is not None:
+        assert ours["volume"] == pytest.approx(theirs.volume, rel=1e-6, abs=1e-9 * ours["area"] ** 1.5)
+    assert ours["euler_characteristic"] == theirs.euler_number or not ours["manifold"]
+    if not ours["degenerate_faces"]:
+        good = np.linalg.norm(theirs.face_normals, axis=1) > 0.5
+        np.testing.assert_allclose(mesh.face_normals[good], theirs.face_normals[good], atol=1e-6)
+
+
+def test_files_of_trimesh_and_meshio(mesh: pf.Mesh, tmp_path) -> None:
+    trimesh = pytest.importorskip("trimesh")
+    meshio = pytest.importorskip("meshio")
+    for ending in ("ply", "obj", "off"):
+        path = tmp_path / f"mesh.{ending}"
+        mesh.write(path, width="double") if not mesh.fields else pf.Mesh(mesh.vertices, mesh.faces).write(path)
+        theirs = trimesh.load(path, process=False, maintain_order=True)
+        if len(theirs.vertices) == mesh.n_vertices:
+            np.testing.assert_allclose(theirs.vertices, mesh.vertices, atol=1e-6 * mesh.diagonal)
+        np.testing.assert_array_equal(len(theirs.faces), mesh.n_faces)
+        if ending != "off" or mesh.n_vertices < 10_000:
+            read = meshio.read(path)
+            np.testing.assert_allclose(read.points, mesh.vertices, atol=1e-6 * mesh.diagonal)
+
+
+def test_implicit_smoothing_of_scipy(mesh: pf.Mesh) -> None:
+    if mesh.n_vertices > 20_000:
+        pytest.skip("slow with scipy")
+    S, M = sound(mesh).laplacian("cotangent")
+    t = mesh.mean_edge_length**2
+    theirs = scipy.sparse.linalg.splu((M + t * S).tocsc()).solve(M @ mesh.vertices)
+    ours = mesh.smooth("implicit", time=t, iterations=1, tolerance=1e-12).vertices
+    np.testing.assert_allclose(ours, theirs, atol=1e-7 * mesh.diagonal)
+
+
+def test_principal_curvatures_of_libigl() -> None:
+    igl = pytest.importorskip("igl")
+    mesh = pf.shapes.ellipsoid(3, 2, 1, level=5)
+    V, F = arrays(mesh)
+    found = igl.principal_curvature(V, F)
+    theirs = np.sort(np.abs(np.column_stack(found[2:4])), axis=1)
+    exact = np.column_stack(pf.surfaces.Ellipsoid(3, 2, 1).curvature_at(V))[:, ::-1]
+    c = mesh.curvature("quadric")
+    ours = np.column_stack([c.kappa2, c.kappa1])
+    error = [np.sqrt(np.mean((x - exact) ** 2)) for x in (ours, theirs)]
+    assert error[0] < 0.05 and error[0] < 1.5 * error[1]
+
+
+def test_there_is_a_corpus() -> None:
+    assert CORPUS, "data/ holds no meshes"
