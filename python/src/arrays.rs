@@ -4,7 +4,6 @@ use fairing_sparse::SparseMatrix;
 use ndarray::ArrayView2;
 use numpy::{
     Element, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
-    PyReadonlyArrayDyn,
 };
 use pyo3::prelude::*;
 
@@ -70,10 +69,5 @@ pub(crate) fn triples<T: Element + Copy>(array: &PyReadonlyArray2<'_, T>) -> Res
 
 /// The values of a vector.
 pub(crate) fn values<T: Element + Copy>(array: &PyReadonlyArray1<'_, T>) -> Vec<T> {
-    array.as_array().iter().copied().collect()
-}
-
-/// The values of an array of any shape, row by row.
-pub(crate) fn flat(array: &PyReadonlyArrayDyn<'_, f64>) -> Vec<f64> {
     array.as_array().iter().copied().collect()
 }

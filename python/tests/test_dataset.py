@@ -249,7 +249,8 @@ def test_an_interrupted_run_goes_on(corpus: list[str], tmp_path) -> None:
     process.wait()
     parts = {p.name: p.stat().st_mtime_ns for p in (tmp_path / "out").glob("part-*")}
     assert 0 < len(parts) < len(_plan.batches(_plan.describe(corpus)))
-    check(pf.dataset(corpus, slow_area, tmp_path / "out"), corpus)
+    found = pf.dataset(corpus, slow_area, tmp_path / "out")
+    check(found, corpus)
     # What was written is not done again.
     assert all((tmp_path / "out" / name).stat().st_mtime_ns == at for name, at in parts.items())
 

@@ -61,7 +61,9 @@ def test_the_environment_sets_the_number_of_threads() -> None:
     counts = []
     for threads in ("1", "5"):
         env = {**os.environ, "RAYON_NUM_THREADS": threads}
-        text = subprocess.run([sys.executable, "-c", code], env=env, capture_output=True, text=True, check=True).stdout
+        # Not here, where the sources would come before what is installed.
+        command = [sys.executable, "-c", code]
+        text = subprocess.run(command, env=env, cwd="/", capture_output=True, text=True, check=True).stdout
         counts.append(int(next(line for line in text.splitlines() if line.startswith("Threads")).split()[1]))
     # Four more of the pool; the thread of the call may be gone in one and not in the other.
     assert counts[1] - counts[0] >= 3
@@ -183,7 +185,7 @@ with mp.get_context("fork").Pool(2) as pool:
         assert np.array_equal(found.mean, expected)
 print("done")
 """
-    done = subprocess.run([sys.executable, "-W", "ignore", "-c", code], capture_output=True, text=True, timeout=60)
+    done = subprocess.run([sys.executable, "-W", "ignore", "-c", code], capture_output=True, text=True, timeout=60, cwd="/")
     assert done.stdout.strip() == "done", done.stderr
 
 

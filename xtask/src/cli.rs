@@ -32,7 +32,10 @@ pub(crate) enum Command {
     Bench(Bench),
     /// Hold the tree against its rules: arrows between crates, file lengths, machine paths, the README
     Tidy,
-    /// Run everything that guards a merge: tidy, format, lints, documentation, tests, examples, reference values
+    /// Build the wheel of the Python package into target/wheels; makes a virtual environment and fetches maturin
+    Wheel,
+    /// Run everything that guards a merge: tidy, format, lints, documentation, tests, examples, reference values, the
+    /// Python package
     Test,
 }
 

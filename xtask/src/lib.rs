@@ -5,6 +5,7 @@ pub mod bench;
 pub mod cli;
 pub mod data;
 pub mod gate;
+mod python;
 pub mod reference;
 pub mod reproduce;
 pub mod tasks;

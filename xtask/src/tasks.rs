@@ -10,7 +10,7 @@ use fairing_results::results::{Form, Results};
 
 use crate::cli::{Bench, Cli, Command, Reproduce};
 use crate::reproduce::{Plan, measure, reproduce};
-use crate::{bench, data, gate, readme, reference, tidy};
+use crate::{bench, data, gate, python, readme, reference, tidy};
 
 /// Does what was asked; `false` if something that was checked did not hold.
 ///
@@ -25,6 +25,7 @@ pub fn run(cli: Cli) -> Result<bool> {
         Command::Data { check: true } => check_data(),
         Command::Bench(options) => options.run(),
         Command::Tidy => tidy::run(&root()),
+        Command::Wheel => python::wheel(&root()),
         Command::Test => gate::run(&root()),
     }
 }

@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use anyhow::{Context as _, Result};
 
-use crate::{reference, tidy};
+use crate::{python, reference, tidy};
 use programs::Programs;
 
 /// A step that runs cargo.
@@ -127,6 +127,13 @@ pub fn run(root: &Path) -> Result<bool> {
             Ok(check.context("running the experiments")?.success())
         })?;
     }
+    let mut without_python = vec![];
+    log.step("the Python package", || {
+        println!("== the Python package: pytest in target/python");
+        let tested = python::test(root)?;
+        without_python = tested.skipped;
+        Ok(tested.passed)
+    })?;
     println!("== times");
     for (name, seconds) in &log.steps {
         println!("{seconds:8.1} s  {name}");
@@ -136,6 +143,9 @@ pub fn run(root: &Path) -> Result<bool> {
         println!("{seconds:8.1} s  {name}");
     }
     for (what, why) in skipped(root) {
+        println!("skipped: {what} ({why})");
+    }
+    for (what, why) in without_python {
         println!("skipped: {what} ({why})");
     }
     match log.failed.as_slice() {

@@ -1,0 +1,178 @@
+//! The Python package: its wheel, and its tests in a virtual environment.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context as _, Result, ensure};
+
+/// What builds the wheel.
+const BUILD: [&str; 1] = ["maturin>=1.9,<2"];
+/// What the tests need.
+const TESTS: [&str; 4] = ["numpy", "scipy", "pytest", "hypothesis"];
+/// What single tests need, and are skipped without.
+const OPTIONAL: [&str; 17] = [
+    "tqdm",
+    "mypy",
+    "pyright",
+    "matplotlib",
+    "nbclient",
+    "ipykernel",
+    "dask[dataframe]",
+    "distributed",
+    "pandas",
+    "pyarrow",
+    "fsspec",
+    "trimesh",
+    "meshio",
+    "libigl",
+    "robust_laplacian",
+    "potpourri3d",
+    "lapy",
+];
+
+/// How the tests went.
+#[derive(Debug)]
+pub(crate) struct Tested {
+    pub(crate) passed: bool,
+    /// What was not tested, and why.
+    pub(crate) skipped: Vec<(String, String)>,
+}
+
+/// A virtual environment.
+struct Environment {
+    folder: PathBuf,
+}
+
+impl Environment {
+    /// The environment, made where there is none; or why it cannot be made.
+    fn new(folder: PathBuf) -> Result<std::result::Result<Self, String>> {
+        let environment = Self { folder };
+        if environment.program("python").is_file() {
+            return Ok(Ok(environment));
+        }
+        let version = "import sys; sys.exit(sys.version_info < (3, 10))";
+        match Command::new("python3").args(["-c", version]).status() {
+            Ok(status) if status.success() => {}
+            Ok(_) => return Ok(Err("python3 is older than 3.10".to_owned())),
+            Err(_) => return Ok(Err("there is no python3 on the path".to_owned())),
+        }
+        let venv = Command::new("python3").args(["-m", "venv"]).arg(&environment.folder).output();
+        if !venv.context("running python3")?.status.success() {
+            let _ = std::fs::remove_dir_all(&environment.folder);
+            return Ok(Err("python3 has no venv with pip".to_owned()));
+        }
+        Ok(Ok(environment))
+    }
+
+    fn program(&self, name: &str) -> PathBuf {
+        match cfg!(windows) {
+            true => self.folder.join("Scripts").join(name).with_extension("exe"),
+            false => self.folder.join("bin").join(name),
+        }
+    }
+
+    /// Installs packages; whether that succeeded.
+    fn install(&self, packages: &[&str]) -> Result<bool> {
+        let note = self.folder.join("installed.txt");
+        let installed = std::fs::read_to_string(&note).unwrap_or_default();
+        let wanted: Vec<&str> =
+            packages.iter().copied().filter(|p| installed.lines().all(|l| l != *p)).collect();
+        if wanted.is_empty() {
+            return Ok(true);
+        }
+        let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
+        let mut command = Command::new(self.program("python"));
+        let output = command.args(pip).args(["--timeout=20", "--retries=1"]).args(&wanted).output();
+        let succeeded = output.context("running pip")?.status.success();
+        if succeeded {
+            std::fs::write(&note, installed + &wanted.join("\n") + "\n")?;
+        }
+        Ok(succeeded)
+    }
+}
+
+/// The environment that builds, or why there is none.
+fn builder(root: &Path) -> Result<std::result::Result<Environment, String>> {
+    let environment = match Environment::new(root.join("target/python/build"))? {
+        Ok(environment) => environment,
+        Err(reason) => return Ok(Err(reason)),
+    };
+    Ok(match environment.install(&BUILD)? {
+        true => Ok(environment),
+        false => Err("pip cannot install maturin: there is no package index".to_owned()),
+    })
+}
+
+fn build(environment: &Environment, root: &Path) -> Result<Option<PathBuf>> {
+    let folder = root.join("target/wheels");
+    if folder.is_dir() {
+        for entry in std::fs::read_dir(&folder)? {
+            std::fs::remove_file(entry?.path())?;
+        }
+    }
+    let mut maturin = Command::new(environment.program("maturin"));
+    maturin.args(["build", "--release", "--locked", "--out"]).arg(&folder);
+    maturin.arg("--interpreter").arg(environment.program("python"));
+    if !maturin.current_dir(root.join("python")).status().context("running maturin")?.success() {
+        return Ok(None);
+    }
+    let mut wheels = std::fs::read_dir(&folder)?.filter_map(|entry| Some(entry.ok()?.path()));
+    Ok(wheels.find(|path| path.extension().is_some_and(|e| e == "whl")))
+}
+
+/// Builds the wheel into `target/wheels`; whether that succeeded.
+///
+/// # Errors
+///
+/// If there is no Python, or no package index to get maturin from.
+pub(crate) fn wheel(root: &Path) -> Result<bool> {
+    let environment = builder(root)?.map_err(anyhow::Error::msg)?;
+    let Some(wheel) = build(&environment, root)? else { return Ok(false) };
+    let size = std::fs::metadata(&wheel)?.len();
+    println!("{} ({:.1} MB)", wheel.display(), size as f64 / 1e6);
+    Ok(true)
+}
+
+/// Builds the wheel, installs it into a virtual environment and runs its tests.
+///
+/// # Errors
+///
+/// If a program that is there cannot be run.
+pub(crate) fn test(root: &Path) -> Result<Tested> {
+    let whole = |reason: String| Tested {
+        passed: true,
+        skipped: vec![("the Python package: every test".to_owned(), reason)],
+    };
+    let maker = match builder(root)? {
+        Ok(maker) => maker,
+        Err(reason) => return Ok(whole(reason)),
+    };
+    let Some(wheel) = build(&maker, root)? else {
+        return Ok(Tested { passed: false, skipped: vec![] });
+    };
+    let environment = match Environment::new(root.join("target/python/test"))? {
+        Ok(environment) => environment,
+        Err(reason) => return Ok(whole(reason)),
+    };
+    if !environment.install(&TESTS)? {
+        return Ok(whole("pip cannot install pytest: there is no package index".to_owned()));
+    }
+    let mut skipped = vec![];
+    // All at once where that works; a package that is not there must not take the others along.
+    if !environment.install(&OPTIONAL)? {
+        for package in OPTIONAL {
+            if !environment.install(&[package])? {
+                skipped.push((format!("Python tests with {package}"), "pip cannot install it".into()));
+            }
+        }
+    }
+    let python = environment.program("python");
+    let install = ["-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps"];
+    let status = Command::new(&python).args(install).arg(&wheel).status().context("running pip")?;
+    ensure!(status.success(), "pip cannot install {}", wheel.display());
+    // The program, not the module, which would put the sources before what is installed.
+    let mut command = Command::new(environment.program("pytest"));
+    command.args(["-p", "no:cacheprovider", "--durations=10", "-rs"]).current_dir(root.join("python")).env("PYTHONDONTWRITEBYTECODE", "1");
+    let status = command.status().context("running pytest")?;
+    Ok(Tested { passed: status.success(), skipped })
+}
