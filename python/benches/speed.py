@@ -1,6 +1,6 @@
 """The table of docs/python.md: each call beside the Rust bench and other packages, best of several.
 
-    python speed.py MESH.obj [path of xtask built with --release]
+python speed.py MESH.obj [path of xtask built with --release]
 """
 
 from __future__ import annotations
@@ -56,7 +56,11 @@ def peers(V: np.ndarray, F: np.ndarray, path: str) -> dict[str, dict[str, Callab
     try:
         import igl
 
-        add("Laplacian", "libigl", lambda: (igl.cotmatrix(V, F), igl.massmatrix(V, F, igl.MASSMATRIX_TYPE_BARYCENTRIC)))
+        add(
+            "Laplacian",
+            "libigl",
+            lambda: (igl.cotmatrix(V, F), igl.massmatrix(V, F, igl.MASSMATRIX_TYPE_BARYCENTRIC)),
+        )
         add("curvature, quadric", "libigl", lambda: igl.principal_curvature(V, F))
         add("read OBJ", "libigl", lambda: igl.read_triangle_mesh(path))
     except ImportError:
@@ -70,7 +74,11 @@ def peers(V: np.ndarray, F: np.ndarray, path: str) -> dict[str, dict[str, Callab
     try:
         import potpourri3d as pp3d
 
-        add("geodesic distance", "potpourri3d", lambda: pp3d.MeshHeatMethodDistanceSolver(V, F).compute_distance(0))
+        add(
+            "geodesic distance",
+            "potpourri3d",
+            lambda: pp3d.MeshHeatMethodDistanceSolver(V, F).compute_distance(0),
+        )
     except ImportError:
         pass
     try:
@@ -78,7 +86,9 @@ def peers(V: np.ndarray, F: np.ndarray, path: str) -> dict[str, dict[str, Callab
 
         mesh = trimesh.Trimesh(V, F, process=False)
         add("read OBJ", "trimesh", lambda: trimesh.load(path, process=False))
-        add("Taubin, 10 pairs", "trimesh", lambda: trimesh.smoothing.filter_taubin(mesh.copy(), iterations=20))
+        add(
+            "Taubin, 10 pairs", "trimesh", lambda: trimesh.smoothing.filter_taubin(mesh.copy(), iterations=20)
+        )
     except ImportError:
         pass
     try:
@@ -142,7 +152,10 @@ def main() -> None:
         time_ours = min(a for a, _ in rounds)
         bench = min((b for _, b in rounds if b is not None), default=None)
         theirs = ", ".join(f"{name} {best(peer):.0f} ms" for name, peer in others.get(row, {}).items())
-        print(f"| {row} | {time_ours:.1f} ms | {'' if bench is None else f'{bench:.1f} ms'} | {theirs} |", flush=True)
+        print(
+            f"| {row} | {time_ours:.1f} ms | {'' if bench is None else f'{bench:.1f} ms'} | {theirs} |",
+            flush=True,
+        )
 
 
 if __name__ == "__main__":

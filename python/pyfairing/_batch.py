@@ -17,7 +17,14 @@ from ._plan import Batch, Source, filesystem
 #: The share of a worker's memory that meshes may take together.
 _SHARE = 0.7
 #: Columns of every data set, with their types.
-OWN = {"row": "int64", "path": "string", "vertices": "int64", "faces": "int64", "error": "string", "warnings": "list"}
+OWN = {
+    "row": "int64",
+    "path": "string",
+    "vertices": "int64",
+    "faces": "int64",
+    "error": "string",
+    "warnings": "list",
+}
 
 
 class _Budget:
@@ -68,7 +75,9 @@ def _load(source: Source) -> Any:
         return read_bytes(file.read(), inner.rsplit("/", 1)[-1])
 
 
-def _row(source: Source, task: Any, columns: Mapping[str, str], need: int, limit: int | None) -> dict[str, Any]:
+def _row(
+    source: Source, task: Any, columns: Mapping[str, str], need: int, limit: int | None
+) -> dict[str, Any]:
     row: dict[str, Any] = {"row": source.row, "path": source.path, "vertices": None, "faces": None}
     caught: list[str] = []
     error = None
@@ -86,7 +95,9 @@ def _row(source: Source, task: Any, columns: Mapping[str, str], need: int, limit
                 found = dict(task(mesh))
                 strange = sorted(set(found) - set(columns))
                 if strange:
-                    raise ValueError(f"the task returned columns that it has not for others: {', '.join(strange)}")
+                    raise ValueError(
+                        f"the task returned columns that it has not for others: {', '.join(strange)}"
+                    )
                 row |= {name: _plain(found[name], columns[name], name) for name in found}
             except Exception as exception:
                 row = {name: row[name] for name in ("row", "path", "vertices", "faces")}
@@ -109,7 +120,9 @@ def _plain(value: Any, kind: str, name: str) -> Any:
     return float(value) if kind == "float64" else value
 
 
-def rows(batch: Batch, task: Any, columns: Mapping[str, str], per_vertex: int, threads: int) -> list[dict[str, Any]]:
+def rows(
+    batch: Batch, task: Any, columns: Mapping[str, str], per_vertex: int, threads: int
+) -> list[dict[str, Any]]:
     """The rows of a batch; a bad mesh is a row with its error."""
     limit = memory_limit()
     done = []
@@ -164,7 +177,9 @@ def write(done: list[dict[str, Any]], columns: Mapping[str, str], folder: str, p
     return part
 
 
-def run(batch: Batch, task: Any, columns: Mapping[str, str], per_vertex: int, threads: int, folder: str) -> str:
+def run(
+    batch: Batch, task: Any, columns: Mapping[str, str], per_vertex: int, threads: int, folder: str
+) -> str:
     """Computes and writes a batch; the name of its part."""
     return write(rows(batch, task, columns, per_vertex, threads), columns, folder, batch.part)
 

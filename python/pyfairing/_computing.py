@@ -18,6 +18,8 @@ from ._spectrum import Spectrum, warn_of_split
 if TYPE_CHECKING:
     from typing_extensions import Self
 
+    from ._core import Mesh as CoreMesh
+
 Kind = Literal["auto", "uniform", "cotangent", "robust", "polygon"]
 MassKind = Literal["barycentric", "mixed", "voronoi", "consistent", "degree", "unit"]
 #: A vertex, a weight, and where it is drawn to (where it is, without).
@@ -29,16 +31,16 @@ class Computing:
 
     __slots__ = ()
 
-    _core: _core.Mesh
+    _core: CoreMesh
     _fields: dict[str, npt.NDArray[Any]]
 
     if TYPE_CHECKING:
 
-        def _moved(self, core: _core.Mesh, report: Mapping[str, Any] | None = None) -> Self: ...
+        def _moved(self, core: CoreMesh, report: Mapping[str, Any] | None = None) -> Self: ...
         @classmethod
         def _of(
             cls,
-            core: _core.Mesh,
+            core: CoreMesh,
             fields: Mapping[str, npt.ArrayLike] | None = None,
             report: Mapping[str, Any] | None = None,
         ) -> Self: ...
@@ -727,7 +729,9 @@ def _field_to_show(
     if defined is not None:
         mask = np.asarray(defined)
         if mask.dtype.kind != "b" or mask.shape != (n,):
-            raise _core.OptionError(f"defined is {mask.dtype} of shape {mask.shape}, but must be bool of ({n},)")
+            raise _core.OptionError(
+                f"defined is {mask.dtype} of shape {mask.shape}, but must be bool of ({n},)"
+            )
         undefined = np.ascontiguousarray(~mask)
     if isinstance(field, str):
         if field not in mesh._fields:

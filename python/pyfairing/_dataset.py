@@ -100,7 +100,8 @@ def dataset(
     if taken:
         raise ValueError(f"the task returns {', '.join(taken)}, which every data set has")
     sources = _plan.describe(addresses)
-    per_vertex = bytes_per_vertex or getattr(_innermost(task), "bytes_per_vertex", _PER_VERTEX)
+    known: int = getattr(_innermost(task), "bytes_per_vertex", _PER_VERTEX)
+    per_vertex = known if bytes_per_vertex is None else bytes_per_vertex
     run = _Run(task, kinds, int(per_vertex), threads)
     if out is None:
         return _with_table(_lazy(run, sources), extra)
@@ -109,9 +110,17 @@ def dataset(
     with running(None, progress) as (_, tell):
         _complete(run, sources, folder, client or _current_client(), tell)
     _drop_contained(folder)
-    found = dask.dataframe.read_parquet(
-        _glob_of(folder), index="row", calculate_divisions=True, dtype_backend="pyarrow", split_row_groups=False
-    ) if sources else _lazy(run, sources)
+    found = (
+        dask.dataframe.read_parquet(
+            _glob_of(folder),
+            index="row",
+            calculate_divisions=True,
+            dtype_backend="pyarrow",
+            split_row_groups=False,
+        )
+        if sources
+        else _lazy(run, sources)
+    )
     return _with_table(found, extra)
 
 
@@ -122,7 +131,7 @@ class _Run:
         self.task, self.columns, self.per_vertex, self.threads = task, columns, per_vertex, threads
 
     @property
-    def arguments(self) -> tuple[Any, ...]:
+    def arguments(self) -> tuple[Any, dict[str, str], int, int]:
         return self.task, self.columns, self.per_vertex, self.threads
 
 
@@ -318,7 +327,7 @@ def _on_cluster(run: _Run, todo: list[Batch], folder: str, client: Any) -> Itera
         running_.add(future)
 
     def room() -> int:
-        threads = sum(client.nthreads().values())
+        threads: int = sum(client.nthreads().values())
         return max(_AHEAD * threads, _AHEAD) - len(batches)
 
     for _ in range(room()):

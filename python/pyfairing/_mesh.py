@@ -21,6 +21,8 @@ from ._docs import documented
 if TYPE_CHECKING:
     from typing_extensions import Self
 
+    from ._core import Mesh as CoreMesh
+
 #: A scalar field (n,), a vector field (n, 3), or `colors` (n, 3) of uint8.
 Fields = Mapping[str, npt.NDArray[Any]]
 
@@ -61,7 +63,7 @@ class Mesh(Computing):
 
     __slots__ = ("__weakref__", "_core", "_fields", "_hash", "_report")
 
-    _core: _core.Mesh
+    _core: CoreMesh
     _fields: dict[str, npt.NDArray[Any]]
     _report: Mapping[str, Any]
     _hash: int | None
@@ -79,9 +81,7 @@ class Mesh(Computing):
             given = {}
         self._fill(core, {**given, **(fields or {})}, {})
 
-    def _fill(
-        self, core: _core.Mesh, fields: Mapping[str, npt.ArrayLike], report: Mapping[str, Any]
-    ) -> None:
+    def _fill(self, core: CoreMesh, fields: Mapping[str, npt.ArrayLike], report: Mapping[str, Any]) -> None:
         n = core.vertex_count
         made = {str(name): _field(values, n, str(name)) for name, values in fields.items()}
         object.__setattr__(self, "_core", core)
@@ -92,7 +92,7 @@ class Mesh(Computing):
     @classmethod
     def _of(
         cls,
-        core: _core.Mesh,
+        core: CoreMesh,
         fields: Mapping[str, npt.ArrayLike] | None = None,
         report: Mapping[str, Any] | None = None,
     ) -> Self:
@@ -100,7 +100,7 @@ class Mesh(Computing):
         mesh._fill(core, fields or {}, report or {})
         return mesh
 
-    def _moved(self, core: _core.Mesh, report: Mapping[str, Any] | None = None) -> Self:
+    def _moved(self, core: CoreMesh, report: Mapping[str, Any] | None = None) -> Self:
         """With other positions: normals no longer fit."""
         kept = {name: values for name, values in self._fields.items() if name != "normal"}
         return self._of(core, kept, report)
@@ -428,7 +428,7 @@ def _from_object(source: Any) -> tuple[_core.Mesh, dict[str, npt.ArrayLike]]:
 
 
 def _colors_of_trimesh(source: Any, n: int) -> dict[str, npt.ArrayLike]:
-    visual = getattr(source, "visual", None)
+    visual: Any = getattr(source, "visual", None)
     if getattr(visual, "kind", None) != "vertex":
         return {}
     colors = np.asarray(visual.vertex_colors)
@@ -449,7 +449,7 @@ def _from_meshio(source: Any) -> tuple[_core.Mesh, dict[str, npt.ArrayLike]]:
     if points.ndim == 2 and points.shape[1] == 2:
         points = np.column_stack([points, np.zeros(len(points))])
     n = len(points)
-    fields = {}
+    fields: dict[str, npt.ArrayLike] = {}
     for name, values in (getattr(source, "point_data", None) or {}).items():
         array = np.asarray(values)
         if array.dtype.kind in "fiu" and array.shape in ((n,), (n, 3)) and np.isfinite(array).all():

@@ -38,7 +38,7 @@ class Laplacian(tuple[Csr, Csr]):
         pair.reason = reason
         return pair
 
-    def __getnewargs__(self) -> tuple[Csr, Csr, str, str]:  # type: ignore[override]
+    def __getnewargs__(self) -> tuple[Csr, Csr, str, str]:
         return (self[0], self[1], self.kind, self.reason)
 
     @property
@@ -107,7 +107,9 @@ class Curvature:
 
     def fields(self) -> dict[str, Floats]:
         """As the fields that `fairing curvature` writes: `mesh.with_fields(c.fields())`."""
-        names: dict[str, Floats] = {name: getattr(self, name) for name in ("mean", "gaussian", "kappa1", "kappa2")}
+        names: dict[str, Floats] = {
+            name: getattr(self, name) for name in ("mean", "gaussian", "kappa1", "kappa2")
+        }
         names["defined"] = self.defined.astype(np.float64)
         names["boundary"] = self.boundary.astype(np.float64)
         if self.direction1 is not None and self.direction2 is not None:

@@ -15,6 +15,7 @@ from ._calls import Progress, running, warn
 from ._docs import documented
 
 if TYPE_CHECKING:
+    from ._core import Spectrum as CoreSpectrum
     from ._mesh import Mesh
 
 Split = "tuple[int, int | None] | None"
@@ -26,7 +27,11 @@ def warn_of_split(split: tuple[int, int | None] | None, k: int, name: str) -> No
         return
     below, above = split
     good = [f"{name}={n}" for n in (below, above) if n]
-    better = f"{' and '.join(good)} do not" if len(good) == 2 else f"{good[0]} does not" if good else "more may not"
+    better = (
+        f"{' and '.join(good)} do not"
+        if len(good) == 2
+        else f"{good[0]} does not" if good else "more may not"
+    )
     warn(
         f"{k} modes split a cluster of equal or nearly equal eigenvalues, whose modes are an"
         f" arbitrary basis; {better}"
@@ -42,7 +47,7 @@ class Spectrum:
 
     __slots__ = ("_core", "_kind", "_mesh")
 
-    _core: _core.Spectrum
+    _core: CoreSpectrum
     _mesh: Mesh | None
     _kind: str
 
@@ -50,7 +55,7 @@ class Spectrum:
         raise TypeError("a spectrum is made by Mesh.spectrum or Spectrum.load")
 
     @classmethod
-    def _of(cls, core: _core.Spectrum, mesh: Any, kind: str) -> Spectrum:
+    def _of(cls, core: CoreSpectrum, mesh: Any, kind: str) -> Spectrum:
         spectrum = cls.__new__(cls)
         spectrum._core, spectrum._mesh, spectrum._kind = core, mesh, kind
         return spectrum
@@ -119,7 +124,9 @@ class Spectrum:
         return self._of(self._core.truncated(_arrays.whole(k, "k")), self._mesh, self._kind)
 
     @documented
-    def project(self, field: npt.ArrayLike, *, threads: int | None = None, progress: Progress = None) -> Floats:
+    def project(
+        self, field: npt.ArrayLike, *, threads: int | None = None, progress: Progress = None
+    ) -> Floats:
         """Coefficients Φᵀ M f of a field.
 
         Parameters
@@ -228,9 +235,7 @@ class Spectrum:
         values = response(self.values) if callable(response) else response
         factors = _arrays.field(np.broadcast_to(np.asarray(values), len(self)), len(self), "response")
         with running(threads, progress) as call:
-            found, split = self._core.filter(
-                matrix, factors, None if rest is None else float(rest), call
-            )
+            found, split = self._core.filter(matrix, factors, None if rest is None else float(rest), call)
         if split is not None:
             warn("the response splits a cluster of eigenvalues, whose modes are an arbitrary basis")
         return found[:, 0] if flat else found

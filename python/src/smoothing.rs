@@ -344,6 +344,7 @@ fn approach(approach: Approach) -> String {
             format!("conjugate gradients, {iterations} iterations")
         }
         Approach::Cholesky { factorisations } => format!("{factorisations} factorisations"),
+        other => format!("{other:?}"),
     }
 }
 
@@ -360,7 +361,7 @@ fn smooth<'py>(
     options.method(&method, &mesh.share())?;
     options.check(&method, &given)?;
     let mesh = mesh.share();
-    let Smoothed { mesh, report } = call.run(py, move || {
+    let Smoothed { mesh, report, .. } = call.run(py, move || {
         let method = options.method(&method, &mesh)?;
         Ok(method.run(&mesh, None)?)
     })?;

@@ -145,7 +145,9 @@ def test_heat_geodesics_and_poisson(sphere: pf.Mesh) -> None:
     np.testing.assert_array_equal(solver.distance(0), d)
     assert solver.kind == "robust"
     # Two components: the other is not reached.
-    two = pf.Mesh(np.vstack([sphere.vertices, sphere.vertices + 5]), np.vstack([sphere.faces, sphere.faces + 642]))
+    two = pf.Mesh(
+        np.vstack([sphere.vertices, sphere.vertices + 5]), np.vstack([sphere.faces, sphere.faces + 642])
+    )
     far = two.geodesic(0)
     assert np.isinf(far[642:]).all() and np.isfinite(far[:642]).all()
     z = sphere.vertices[:, 2]
@@ -222,7 +224,12 @@ def test_noise_denoise_compare() -> None:
     assert "normal_mean" in other.missing and "normal_mean" not in other
     for kind in ("normal", "axes", "direction", "uniform", "impulsive"):
         assert cube.noise(0.1, kind=kind) != cube  # type: ignore[arg-type]
-    for bad in ({"sigma": -1.0}, {"sigma": float("nan")}, {"sigma": 1.0, "unit": "inch"}, {"sigma": 1.0, "seed": -1}):
+    for bad in (
+        {"sigma": -1.0},
+        {"sigma": float("nan")},
+        {"sigma": 1.0, "unit": "inch"},
+        {"sigma": 1.0, "seed": -1},
+    ):
         with pytest.raises(pf.OptionError):
             cube.noise(**bad)
 
@@ -244,7 +251,13 @@ def test_render(bumpy: pf.Mesh) -> None:
     np.testing.assert_array_equal(named.render("mean", size=(64, 48)), image)
     for options in ({"map": "magma"}, {"equalize": True}, {"range": (0, 1)}, {"view": (10, 20)}, {"up": "z"}):
         assert bumpy.render(field=c.mean, size=(16, 16), **options).any()
-    for bad in ({"map": "jet"}, {"view": "inside"}, {"size": (0, 5)}, {"field": "x"}, {"size": (10**6, 10**6)}):
+    for bad in (
+        {"map": "jet"},
+        {"view": "inside"},
+        {"size": (0, 5)},
+        {"field": "x"},
+        {"size": (10**6, 10**6)},
+    ):
         with pytest.raises(pf.FairingError):
             bumpy.render(**{"field": c.mean, **bad})
 
@@ -259,11 +272,15 @@ def test_surfaces() -> None:
     ]:
         np.testing.assert_allclose(surface.mean_curvature(u, v), np.full(u.shape, mean), atol=1e-12)
         if gaussian is not None:
-            np.testing.assert_allclose(surface.gaussian_curvature(u, v), np.full(u.shape, gaussian), atol=1e-12)
+            np.testing.assert_allclose(
+                surface.gaussian_curvature(u, v), np.full(u.shape, gaussian), atol=1e-12
+            )
     for surface in (pf.surfaces.Torus(2, 0.5), pf.surfaces.Ellipsoid(1, 2, 3), pf.surfaces.WavyGraph()):
         E, F, G = np.moveaxis(surface.first_form(u, v), -1, 0)
         L, M, N = np.moveaxis(surface.second_form(u, v), -1, 0)
-        np.testing.assert_allclose(surface.gaussian_curvature(u, v), (L * N - M * M) / (E * G - F * F), atol=1e-9)
+        np.testing.assert_allclose(
+            surface.gaussian_curvature(u, v), (L * N - M * M) / (E * G - F * F), atol=1e-9
+        )
         p = surface.principal(u, v)
         np.testing.assert_allclose((p.kappa1 + p.kappa2) / 2, surface.mean_curvature(u, v), atol=1e-9)
         np.testing.assert_allclose(np.einsum("...k,...k", p.direction1, surface.normal(u, v)), 0, atol=1e-12)
@@ -273,6 +290,10 @@ def test_surfaces() -> None:
     assert ellipsoid.mean_curvature(0, 0).shape == () and repr(ellipsoid) == "Ellipsoid(1, 2, 3)"
     with pytest.raises(pf.ComputationError, match="singular at u = 0"):
         ellipsoid.normal(0, 0)
-    for make in (lambda: pf.surfaces.Torus(1, 2), lambda: pf.surfaces.Sphere(-1), lambda: pf.surfaces.Helicoid(0)):
+    for make in (
+        lambda: pf.surfaces.Torus(1, 2),
+        lambda: pf.surfaces.Sphere(-1),
+        lambda: pf.surfaces.Helicoid(0),
+    ):
         with pytest.raises(pf.OptionError):
             make()

@@ -75,9 +75,12 @@ def cluster():
     import dask
 
     # One more try than the first, so that the tests need not wait for three.
-    with dask.config.set({"distributed.scheduler.allowed-failures": 1}), distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, processes=True, memory_limit="900MB", dashboard_address=None
-    ) as cluster:
+    with (
+        dask.config.set({"distributed.scheduler.allowed-failures": 1}),
+        distributed.LocalCluster(
+            n_workers=2, threads_per_worker=1, processes=True, memory_limit="900MB", dashboard_address=None
+        ) as cluster,
+    ):
         yield cluster
 
 
@@ -239,7 +242,9 @@ def test_an_interrupted_run_goes_on(corpus: list[str], tmp_path) -> None:
     (tmp_path / "paths").write_text("\n".join(corpus))
     script = tmp_path / "run.py"
     script.write_text(textwrap.dedent(code))
-    process = subprocess.Popen([sys.executable, str(script)], stdout=subprocess.PIPE, text=True, start_new_session=True)
+    process = subprocess.Popen(
+        [sys.executable, str(script)], stdout=subprocess.PIPE, text=True, start_new_session=True
+    )
     assert process.stdout is not None
     for line in process.stdout:
         if int(line) > COUNT // 4:

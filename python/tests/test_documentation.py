@@ -37,17 +37,28 @@ def public() -> list[tuple[str, object]]:
 def test_everything_public_is_documented(name: str, thing: object) -> None:
     text = inspect.getdoc(thing) or ""
     assert len(text) > 15, f"{name} has no docstring"
-    assert not re.search(r"\{[a-z]+\}", re.sub(r"\{'.*?\}", "", text)), f"{name} has a table that is not filled in"
+    assert not re.search(
+        r"\{[a-z]+\}", re.sub(r"\{'.*?\}", "", text)
+    ), f"{name} has a table that is not filled in"
     if not inspect.isfunction(thing) or "Parameters\n---" not in text:
         return
     section = text.split("Parameters\n----------\n")[1].split("\n\nReturns")[0].split("\n\nRaises")[0]
-    documented = {n.strip(" *") for line in re.findall(r"^(\S[^:]*) :|^(\*\*\w+) :", section, re.M) for n in line[0].split(",") if n}
+    documented = {
+        n.strip(" *")
+        for line in re.findall(r"^(\S[^:]*) :|^(\*\*\w+) :", section, re.M)
+        for n in line[0].split(",")
+        if n
+    }
     arguments = {p for p in inspect.signature(thing).parameters if p not in ("self", "cls", "more")}
     assert arguments <= documented, f"{name} does not say what {arguments - documented} is"
 
 
 def test_docstrings_have_the_tables_of_the_program() -> None:
-    for names, method in ((pf.ESTIMATORS, pf.Mesh.curvature), (pf.METHODS, pf.Mesh.smooth), (pf.DENOISERS, pf.Mesh.denoise)):
+    for names, method in (
+        (pf.ESTIMATORS, pf.Mesh.curvature),
+        (pf.METHODS, pf.Mesh.smooth),
+        (pf.DENOISERS, pf.Mesh.denoise),
+    ):
         assert all(f"`{name}`:" in (method.__doc__ or "") for name in names)
 
 
@@ -74,7 +85,9 @@ def test_types(checker: str, tmp_path) -> None:
     pytest.importorskip(checker)
     tour = tmp_path / "tour.py"
     tour.write_text((HERE / "examples" / "tour.py").read_text())
-    arguments = ["--strict", "--ignore-missing-imports", "--cache-dir", str(tmp_path)] if checker == "mypy" else []
+    arguments = (
+        ["--strict", "--ignore-missing-imports", "--cache-dir", str(tmp_path)] if checker == "mypy" else []
+    )
     if checker == "pyright":
         arguments = ["--pythonpath", sys.executable]
     command = [sys.executable, "-m", checker, *arguments, str(tour)]

@@ -104,7 +104,11 @@ def test_files_read_back(tmp_path, sphere: pf.Mesh, ending: str) -> None:
 def test_fields_read_back(tmp_path, sphere: pf.Mesh) -> None:
     rng = np.random.default_rng(1)
     n = sphere.n_vertices
-    fields = {"a": rng.normal(size=n), "v": rng.normal(size=(n, 3)), "colors": rng.integers(0, 255, (n, 3), np.uint8)}
+    fields = {
+        "a": rng.normal(size=n),
+        "v": rng.normal(size=(n, 3)),
+        "colors": rng.integers(0, 255, (n, 3), np.uint8),
+    }
     mesh = sphere.with_fields(fields)
     mesh.write(tmp_path / "mesh.ply")
     again = pf.read(tmp_path / "mesh.ply")

@@ -66,7 +66,9 @@ def test_gaussian_curvature_of_libigl(mesh: pf.Mesh) -> None:
     V, F = arrays(sound(mesh))
     c = mesh.curvature("cotangent")
     area = mesh.laplacian("cotangent", "mixed").mass.diagonal()
-    np.testing.assert_allclose((c.gaussian * area)[c.interior], igl.gaussian_curvature(V, F)[c.interior], atol=1e-6)
+    np.testing.assert_allclose(
+        (c.gaussian * area)[c.interior], igl.gaussian_curvature(V, F)[c.interior], atol=1e-6
+    )
 
 
 def test_the_robust_laplacian_of_its_authors(mesh: pf.Mesh) -> None:
@@ -129,7 +131,11 @@ def test_files_of_trimesh_and_meshio(mesh: pf.Mesh, tmp_path) -> None:
     meshio = pytest.importorskip("meshio")
     for ending in ("ply", "obj", "off"):
         path = tmp_path / f"mesh.{ending}"
-        mesh.write(path, width="double") if not mesh.fields else pf.Mesh(mesh.vertices, mesh.faces).write(path)
+        (
+            mesh.write(path, width="double")
+            if not mesh.fields
+            else pf.Mesh(mesh.vertices, mesh.faces).write(path)
+        )
         theirs = trimesh.load(path, process=False, maintain_order=True)
         if len(theirs.vertices) == mesh.n_vertices:
             np.testing.assert_allclose(theirs.vertices, mesh.vertices, atol=1e-6 * mesh.diagonal)

@@ -55,7 +55,9 @@ def test_the_number_of_threads_is_checked(sphere: pf.Mesh) -> None:
 
 
 def test_the_environment_sets_the_number_of_threads() -> None:
-    code = "import pyfairing as pf; pf.shapes.icosphere(5).curvature(); print(open('/proc/self/status').read())"
+    code = (
+        "import pyfairing as pf; pf.shapes.icosphere(5).curvature(); print(open('/proc/self/status').read())"
+    )
     if not os.path.exists("/proc/self/status"):
         pytest.skip("there is no /proc")
     counts = []
@@ -73,7 +75,9 @@ LONG = {
     "curvature": lambda m: m.curvature("jet4", rings=12),
     "normal-cycle": lambda m: m.curvature("normal-cycle", radius=40.0),
     "spectrum": lambda m: m.spectrum(400),
-    "implicit": lambda m: m.smooth("implicit", weights="cotangent", lam=1e6, iterations=500, boundary="sliding"),
+    "implicit": lambda m: m.smooth(
+        "implicit", weights="cotangent", lam=1e6, iterations=500, boundary="sliding"
+    ),
     "taubin": lambda m: m.smooth("taubin", iterations=100000, unstable="allow", boundary="sliding"),
     "denoise": lambda m: m.noise(0.3).denoise("l0"),
     "compare": lambda m: pf.compare(m, m.noise(0.5), hausdorff_tolerance=1e-9),
@@ -185,7 +189,9 @@ with mp.get_context("fork").Pool(2) as pool:
         assert np.array_equal(found.mean, expected)
 print("done")
 """
-    done = subprocess.run([sys.executable, "-W", "ignore", "-c", code], capture_output=True, text=True, timeout=60, cwd="/")
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", code], capture_output=True, text=True, timeout=60, cwd="/"
+    )
     assert done.stdout.strip() == "done", done.stderr
 
 

@@ -245,6 +245,7 @@ impl<'a> System<'a> {
         let coupled = self.freedom.sliding.is_some();
         by_chunk(p, |i, _| (self.precondition(i, r[i]), []));
         while root(&sums) > tolerance || !root(&sums).is_finite() {
+            fairing_watch::check();
             if *iterations == most_iterations || !root(&sums).is_finite() {
                 return Err(self.not_converged(*iterations, r));
             }
