@@ -12,7 +12,8 @@ from ._calls import Progress, running
 from ._docs import documented
 
 if TYPE_CHECKING:
-    from ._computing import Computing, Kind, MassKind
+    from ._base import Base
+    from ._computing import Kind, MassKind
 
 
 class GeodesicSolver:
@@ -47,7 +48,7 @@ class GeodesicSolver:
 
     def __init__(
         self,
-        mesh: Computing,
+        mesh: Base,
         kind: Kind = "auto",
         *,
         time: float | None = None,
@@ -102,7 +103,7 @@ class HeatSolver:
 
     def __init__(
         self,
-        mesh: Computing,
+        mesh: Base,
         time: float,
         kind: Kind = "auto",
         mass: MassKind = "barycentric",

@@ -17,6 +17,7 @@ from ._arrays import Bools, Bytes, Floats, Indices
 from ._calls import Progress, running, warn
 from ._computing import Computing
 from ._docs import documented
+from ._moving import Moving
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 Fields = Mapping[str, npt.NDArray[Any]]
 
 
-class Mesh(Computing):
+class Mesh(Computing, Moving):
     """A triangle mesh that never changes.
 
     Parameters

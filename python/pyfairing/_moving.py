@@ -1,0 +1,288 @@
+"""What moves the vertices of a mesh: the methods of `Mesh` that return another mesh."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy.typing as npt
+
+from . import _arrays, _core
+from ._base import Base
+from ._calls import Progress, running, warn
+from ._docs import documented
+from ._results import NoiseLevel
+from ._spectrum import warn_of_split
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+#: A vertex, a weight, and where it is drawn to (where it is, without).
+Soft = Iterable["tuple[int, float] | tuple[int, float, npt.ArrayLike]"]
+
+
+class Moving(Base):
+    """The flows, noise and denoisers of a mesh."""
+
+    __slots__ = ()
+
+    @documented
+    def smooth(
+        self,
+        method: str = "taubin",
+        *,
+        weights: Literal["uniform", "cotangent"] | None = None,
+        lam: float | None = None,
+        time: float | None = None,
+        iterations: int | None = None,
+        area: Literal["barycentric", "mixed", "voronoi"] | None = None,
+        kind: Literal["cotangent", "robust"] | None = None,
+        boundary: Literal["free", "pinned", "sliding"] | None = None,
+        pin: npt.ArrayLike | None = None,
+        soft: Soft | None = None,
+        volume: Literal["drift", "rescale", "offset"] | None = None,
+        unstable: Literal["refuse", "warn", "allow"] | None = None,
+        mu: float | None = None,
+        pass_band: float | None = None,
+        degree: int | None = None,
+        window: Literal["hanning", "hamming", "blackman"] | None = None,
+        alpha: float | None = None,
+        beta: float | None = None,
+        fraction: float | None = None,
+        cutoff: float | None = None,
+        order: int | None = None,
+        modes: int | None = None,
+        update: Literal["never", "mass", "both"] | None = None,
+        tolerance: float | None = None,
+        settled: float | None = None,
+        vertices: npt.ArrayLike | None = None,
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> Self:
+        """Smooths by a flow, a filter or the fairing of a region.
+
+        Parameters
+        ----------
+        method : str
+            Which one:
+
+            {methods}
+        weights : {'uniform', 'cotangent'}, optional
+            Of the Laplacian, for `explicit`, `implicit` and `region`; uniform unless given
+            (cotangent for `region`, and where a time is given).
+        lam : float, optional
+            The step λ: for uniform weights a fraction of the way to the mean of the
+            neighbours, for cotangents a time in squared mean edge lengths.
+        time : float, optional
+            The step of cotangents, or the time of `low-pass`, in squared mesh units; for
+            `conformal` a fraction of the area.
+        iterations : int, optional
+            The number of steps (10); pairs of steps for `taubin`.
+        area : {'barycentric', 'mixed', 'voronoi'}, optional
+            The areas of vertices for cotangents.
+        kind : {'cotangent', 'robust'}, optional
+            How cotangents are made.
+        boundary : {'free', 'pinned', 'sliding'}, optional
+            What happens at the boundary of an open mesh.
+        pin : array_like of int or bool, optional
+            Vertices that stay.
+        soft : iterable of (vertex, weight) or (vertex, weight, target), optional
+            Vertices drawn to where they are, or to a point; a weight of 1 ends a step
+            half-way between the flow and the point.
+        volume : {'drift', 'rescale', 'offset'}, optional
+            What happens to the volume of a closed mesh.
+        unstable : {'refuse', 'warn', 'allow'}, optional
+            What happens to explicit steps beyond the stable limit, and to pairs of `taubin`
+            that amplify a mode by more than two.
+        mu : float, optional
+            The growing step of `taubin`, below -λ.
+        pass_band : float, optional
+            Of `taubin` and `windowed-sinc`: modes with -eigenvalue below this stay (0 to 2).
+        degree, window : optional
+            Of `windowed-sinc`: its degree (20), and `hanning`, `hamming` or `blackman`.
+        alpha, beta : float, optional
+            Of `hc`: how much differences are taken to the input, and how much of its own
+            difference a vertex is given back (0 to 1).
+        fraction : float, optional
+            Of `scale-dependent`: of the largest stable step (0 to 1).
+        cutoff, order, modes : optional
+            Of `low-pass`: a wavelength in mesh units with the order of a Butterworth filter,
+            or the number of modes to keep; `order` is also that of `region`.
+        update : {'never', 'mass', 'both'}, optional
+            Of `implicit`: when the operator is taken at the current positions.
+        tolerance : float, optional
+            The relative residual of linear systems.
+        settled : float, optional
+            Of `conformal`: ends when no vertex moves by more than this fraction of the
+            square root of the area.
+        vertices : array_like of int or bool, optional
+            The region of `region`.
+        {run}
+
+        Returns
+        -------
+        Mesh
+            The same faces, with the fields of this mesh but normals. `Mesh.report` says how
+            the steps were computed.
+
+        Raises
+        ------
+        OptionError
+            For options out of range, or that the method does not have.
+        FlowError
+            If a step cannot be taken; it has the last good mesh as `last_good`.
+        """
+        n = self._core.vertex_count
+        options: dict[str, Any] = {
+            "weights": weights,
+            "lam": _number(lam),
+            "time": _number(time),
+            "iterations": iterations,
+            "area": area,
+            "kind": kind,
+            "boundary": boundary,
+            "pin": None if pin is None else _arrays.numbers(pin, n, "pin", n),
+            "soft": None if soft is None else [_soft(*entry) for entry in soft],
+            "volume": volume,
+            "unstable": unstable,
+            "mu": _number(mu),
+            "pass_band": _number(pass_band),
+            "degree": degree,
+            "window": window,
+            "alpha": _number(alpha),
+            "beta": _number(beta),
+            "fraction": _number(fraction),
+            "cutoff": _number(cutoff),
+            "order": order,
+            "modes": modes,
+            "update": update,
+            "tolerance": _number(tolerance),
+            "settled": _number(settled),
+            "vertices": None if vertices is None else _arrays.numbers(vertices, n, "vertices", n),
+        }
+        for name in ("iterations", "degree", "order", "modes"):
+            if options[name] is not None:
+                options[name] = _arrays.whole(options[name], name)
+        given = [name for name, value in options.items() if value is not None]
+        with running(threads, progress) as call:
+            core, report = _core.smooth(self._core, method, options, given, call)
+        if report["unstable"] and unstable == "warn":
+            warn("steps beyond the stable limit were taken: some modes grow")
+        if report["degenerate_faces"]:
+            warn(f"{report['degenerate_faces']} faces became degenerate on the way")
+        warn_of_split(report["split"], modes or 0, "modes")
+        return self._moved(core, {"method": method, **report})
+
+    @documented
+    def noise(
+        self,
+        sigma: float,
+        unit: Literal["edge", "model", "diagonal"] = "edge",
+        kind: Literal["normal", "axes", "direction", "uniform", "impulsive"] = "normal",
+        *,
+        share: float = 0.25,
+        seed: int = 1,
+        threads: int | None = None,
+    ) -> Self:
+        """Adds seeded noise to the positions.
+
+        Parameters
+        ----------
+        sigma : float
+            The standard deviation; for `uniform` the largest shift on each axis.
+        unit : {'edge', 'model', 'diagonal'}
+            Mean edge lengths, mesh units, or diagonals of the bounding box.
+        kind : {'normal', 'axes', 'direction', 'uniform', 'impulsive'}
+            Gaussian along the normal, along each axis, along a random direction; uniform along
+            each axis; Gaussian along a random direction on a share of the vertices.
+        share : float
+            The share of vertices that `impulsive` noise moves.
+        seed : int
+            The same seed gives the same noise on every machine.
+        threads : int, optional
+            At most so many threads.
+
+        Returns
+        -------
+        Mesh
+        """
+        with running(threads, None) as call:
+            core = _core.noise(
+                self._core, float(sigma), unit, kind, float(share), _arrays.whole(seed, "seed"), call
+            )
+        return self._moved(core)
+
+    @documented
+    def noise_level(self, *, threads: int | None = None, progress: Progress = None) -> NoiseLevel | None:
+        """Estimates the noise along the normals, where there is most of it.
+
+        Parameters
+        ----------
+        {run}
+
+        Returns
+        -------
+        NoiseLevel or None
+            None where there are too few vertices to tell.
+        """
+        with running(threads, progress) as call:
+            found = _core.noise_level(self._core, call)
+        return None if found is None else NoiseLevel(*found)
+
+    @documented
+    def denoise(
+        self, method: str = "automatic", *, threads: int | None = None, progress: Progress = None
+    ) -> Self:
+        """Removes noise and keeps creases.
+
+        Parameters
+        ----------
+        method : str
+            With its default options:
+
+            {denoisers}
+        {run}
+
+        Returns
+        -------
+        Mesh
+            The same faces. For `automatic`, `Mesh.report` has `sigma`, the noise in mesh
+            units (None where there are too few vertices to tell), and `surface`: `creased`,
+            `smooth`, or `clean` where nothing was moved.
+        """
+        with running(threads, progress) as call:
+            core, sigma, kind = _core.denoise(self._core, method, call)
+        report: dict[str, Any] = {"method": method}
+        if method == "automatic":
+            report |= {"sigma": sigma, "surface": kind}
+        return self._moved(core, report)
+
+    @documented
+    def subdivide(self, scheme: Literal["loop", "midpoint"] = "loop", *, threads: int | None = None) -> Self:
+        """Cuts each face into four.
+
+        Parameters
+        ----------
+        scheme : {'loop', 'midpoint'}
+            Loop's scheme, which smooths, or midpoints, which keep the surface.
+        threads : int, optional
+            At most so many threads.
+
+        Returns
+        -------
+        Mesh
+            The vertices of this mesh first, then one for each edge; without fields.
+        """
+        with running(threads, None) as call:
+            return self._of(self._core.subdivide(scheme, call))
+
+
+def _number(value: float | None) -> float | None:
+    return None if value is None else float(value)
+
+
+def _soft(vertex: int, weight: float, target: npt.ArrayLike | None = None) -> Any:
+    if target is None:
+        return (_arrays.whole(vertex, "a vertex of soft"), float(weight), None)
+    point = _arrays.field(target, 3, "a target of soft")
+    return (_arrays.whole(vertex, "a vertex of soft"), float(weight), [float(x) for x in point])
