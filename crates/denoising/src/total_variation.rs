@@ -75,10 +75,9 @@ fn filter(mesh: &TriMesh, options: &TotalVariationOptions) -> Result<TriMesh, De
     let mut dual = vec![[0.0; 3]; edges];
     fairing_watch::stage("steps", options.iterations as u64);
     for step in 0..options.iterations {
+        fairing_watch::advance(1);
         let shrunk = problem.shrink(&normals, &dual);
         let target: Vec<[f64; 3]> = (0..edges)
-        fairing_watch::advance(1);
-        let shrunk: Vec<[f64; 3]> = (0..edges)
             .into_par_iter()
             .map(|e| scale(sub(shrunk[e], dual[e]), problem.penalty))
             .collect();

@@ -40,8 +40,3 @@ pub use fairing_smoothing as smoothing;
 pub use fairing_sparse as sparse;
 pub use fairing_spectral as spectral;
 pub use fairing_watch as watch;
-
-/// The examples of the README, compiled and run with the tests.
-#[cfg(doctest)]
-#[doc = include_str!("../../../README.md")]
-pub struct Readme;
