@@ -2,8 +2,8 @@
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::OnceLock;
-use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::sync::{Mutex, OnceLock};
 use std::time::Duration;
 
 use fairing_watch::{Progress, Watch};
@@ -61,15 +61,14 @@ impl Call {
         let (watched, threads) = (watch.clone(), self.threads);
         let body = move || {
             let result = catch_unwind(AssertUnwindSafe(|| in_pool(threads, &watched, work)));
-            // Nobody waits any more for work that was left behind.
-            let _ = sender.send(result);
+            let tell = move || {
+                // Nobody waits any more for work that was left behind.
+                let _ = sender.send(result);
+            };
+            Box::new(tell) as Last
         };
         py.detach(move || {
-            std::thread::Builder::new()
-                .name("pyfairing".into())
-                .stack_size(STACK)
-                .spawn(body)
-                .map_err(|error| Error::Internal(format!("no thread can be started: {error}")))?;
+            on_worker(Box::new(body))?;
             let mut shown = Progress::default();
             loop {
                 match receiver.recv_timeout(TICK) {
@@ -124,6 +123,52 @@ impl Call {
 fn tell(py: Python<'_>, callback: &Py<PyAny>, now: Progress) -> PyResult<()> {
     let of = (now.of > 0).then_some(now.of);
     callback.call1(py, (now.stage, now.done, of)).map(|_| ())
+}
+
+/// What a job ends with, when its worker is free again.
+type Last = Box<dyn FnOnce() + Send>;
+type Job = Box<dyn FnOnce() -> Last + Send>;
+
+/// The process, and its threads that wait for work: the memory that a thread has used serves it again.
+static IDLE: Mutex<(u32, Vec<Sender<Job>>)> = Mutex::new((0, vec![]));
+
+/// Does the job on a thread that waits, or else on a new one.
+fn on_worker(mut job: Job) -> Result<()> {
+    let here = std::process::id();
+    // Where another thread had the lock while the process was forked, nobody gives it back.
+    let worker = IDLE.try_lock().ok().and_then(|mut idle| {
+        if idle.0 != here {
+            // The threads of the parent do not exist here.
+            *idle = (here, vec![]);
+        }
+        idle.1.pop()
+    });
+    if let Some(worker) = worker {
+        match worker.send(job) {
+            Ok(()) => return Ok(()),
+            Err(returned) => job = returned.0,
+        }
+    }
+    let (sender, receiver) = channel::<Job>();
+    let serve = move || {
+        let mut last = job();
+        loop {
+            let waits = IDLE.try_lock().is_ok_and(|mut idle| {
+                idle.1.push(sender.clone());
+                true
+            });
+            last();
+            match if waits { receiver.recv().ok() } else { None } {
+                Some(job) => last = job(),
+                None => return,
+            }
+        }
+    };
+    let thread = std::thread::Builder::new().name("pyfairing".into()).stack_size(STACK);
+    let started = thread.spawn(serve);
+    started
+        .map(|_| ())
+        .map_err(|error| Error::Internal(format!("no thread can be started: {error}")))
 }
 
 /// Does the work under the watch, with the threads asked for.

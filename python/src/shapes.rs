@@ -2,7 +2,7 @@
 
 use fairing_mesh::TriMesh;
 use fairing_shapes as shapes;
-use fairing_shapes::{Diagonals, Ends, Helicoid};
+use fairing_shapes::{Diagonals, Ends, HelicoidOptions};
 use pyo3::prelude::*;
 
 use crate::error::{Error, Result};
@@ -135,7 +135,7 @@ fn made(name: &str, lengths: &[f64], counts: &[u32], word: &str, seed: u64) -> R
             need(from < to && from.is_finite() && to.is_finite(), || {
                 format!("radii are {from} and {to}, but must ascend")
             })?;
-            shapes::helicoid(&Helicoid { rise, radii: [from, to], turns, across, along })
+            shapes::helicoid(&HelicoidOptions { rise, radii: [from, to], turns, across, along })
         }
         _ => return Err(Error::option(format!("there is no shape {name:?} of such parameters"))),
     })

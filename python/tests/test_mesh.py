@@ -160,7 +160,7 @@ def test_errors_of_files(tmp_path) -> None:
         pf.read(bad)
     with pytest.raises(FileNotFoundError):
         pf.Mesh(V, F).write(tmp_path / "no" / "mesh.ply")
-    with pytest.raises(pf.OptionError, match="must end in"):
+    with pytest.raises(pf.OptionError, match="extension must be"):
         pf.Mesh(V, F).write(tmp_path / "mesh.xyz")
     assert not list(tmp_path.glob("mesh*"))
 
