@@ -51,7 +51,7 @@ fn file(folder: &Path, name: &str, mesh: Option<&TriMesh>) -> String {
 fn examples_do_what_they_say() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str, mesh: Option<&TriMesh>| file(folder.path(), name, mesh);
-    let ball = shapes::icosphere(2);
+    let ball = shapes::icosphere(4);
     let sphere = at("sphere.obj", Some(&ball));
     let patch = shapes::plane(8, 8, shapes::Diagonals::Alternating);
     let plane = at("plane.ply", Some(&patch));

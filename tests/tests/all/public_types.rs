@@ -79,7 +79,14 @@ all_shared!(
     fairing::sparse::Preconditioner,
     fairing::sparse::SymbolicCholesky,
     fairing::sparse::Workload,
+    // watch
+    fairing::watch::Cancelled,
+    fairing::watch::Handle,
+    fairing::watch::Progress,
+    fairing::watch::Watch,
     // operators
+    fairing::operators::CotangentNumbers<'static>,
+    fairing::operators::CotangentPattern,
     fairing::operators::Intrinsic,
     fairing::operators::Laplacian,
     fairing::operators::LaplacianKind,
@@ -88,6 +95,7 @@ all_shared!(
     fairing::operators::MassMatrix,
     fairing::operators::NoiseEstimate,
     fairing::operators::NoisyParts,
+    fairing::operators::ThinFaces,
     fairing::operators::NormalEquations<3>,
     fairing::operators::NormalFactor<3>,
     fairing::operators::NormalWeight,
@@ -259,6 +267,7 @@ fn every_public_type_is_send_and_sync() {
     let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates");
     let mut found = BTreeSet::new();
     for name in [
+        "watch",
         "mesh",
         "shapes",
         "sparse",

@@ -271,7 +271,7 @@ fn files_give_the_same_spectrum_back() {
     }
     assert!(matches!(
         Spectrum::load(folder.path().join("nothing.npz")),
-        Err(SpectralError::File { .. })
+        Err(SpectralError::Io { .. })
     ));
 }
 
