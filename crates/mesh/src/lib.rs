@@ -32,6 +32,7 @@
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 
+mod algorithm;
 mod build;
 mod connectivity;
 mod diagnosis;
@@ -47,6 +48,7 @@ mod unit_scale;
 #[doc(hidden)]
 pub mod vec3;
 
+pub use algorithm::{Algorithm, Choice, Kind, Parameter, ParameterError, Values, WeightedVertex};
 pub use build::BuildError;
 pub use connectivity::{Connectivity, Incidence};
 pub use diagnosis::{Diagnosis, Tally};

@@ -17,6 +17,13 @@ pub struct UnknownName {
     pub known: Vec<&'static str>,
 }
 
+impl UnknownName {
+    /// There is no choice `name` among those `known`.
+    pub fn new(what: &'static str, name: &str, known: Vec<&'static str>) -> Self {
+        Self { what, name: name.to_owned(), known }
+    }
+}
+
 /// The choice of that name.
 #[doc(hidden)]
 pub fn by_name<T: Copy>(

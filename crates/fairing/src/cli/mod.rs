@@ -13,6 +13,7 @@ mod files;
 mod info;
 mod noise;
 mod operator;
+mod parameters;
 mod reconstruct;
 mod render;
 mod smooth;

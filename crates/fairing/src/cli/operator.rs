@@ -2,8 +2,7 @@
 
 use clap::ValueEnum;
 use fairing::mesh::TriMesh;
-use fairing::operators::{Laplacian, LaplacianKind, LumpedArea, MassKind, OperatorError};
-use fairing::smoothing::Operator;
+use fairing::operators::{Laplacian, LaplacianKind, MassKind, OperatorError};
 
 use super::Context;
 
@@ -37,11 +36,11 @@ impl OperatorName {
         }
     }
 
-    /// The operator of a flow over these areas, as it is tried first.
-    pub(crate) fn of_flow(self, area: LumpedArea) -> Operator {
+    /// The operator of a flow, as it is tried first.
+    pub(crate) fn of_flow(self) -> &'static str {
         match self {
-            Self::Auto | Self::Cotangent => Operator::Plain(area),
-            Self::Robust => Operator::Robust,
+            Self::Auto | Self::Cotangent => "cotangent",
+            Self::Robust => "robust",
         }
     }
 

@@ -3,21 +3,20 @@
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
-use clap::Args;
-use fairing::mesh::TriMesh;
-use fairing::smoothing::{Approach, FlowFailure, Method, Observer, Operator, Smoothed, Step};
+use clap::builder::{EnumValueParser, TypedValueParser, ValueParser};
+use clap::{Args, ValueEnum};
+use fairing::mesh::{Algorithm, Parameter, TriMesh};
+use fairing::operators::MassKind;
+use fairing::smoothing::{Approach, FlowFailure, Method, Observer, Smoothed, Step};
 use serde_json::json;
 
 use super::exit::Failure;
 use super::files::{self, Output};
 use super::operator::OperatorName;
+use super::parameters::{Family, Parameters, foreign, names};
 use super::spectrum::warn_of_split;
 use super::table::{Table, number};
 use super::{Context, print};
-
-mod options;
-
-use options::{Area, Border, Keep, Name, Soft, Unstable, Weights, When, WindowName};
 
 const HELP: &str = "\
 Which method?
@@ -63,86 +62,10 @@ pub(crate) struct Smooth {
     #[command(flatten)]
     output: MaybeOutput,
     /// The method; --list says what each is for
-    #[arg(long, value_enum, default_value = "taubin")]
-    method: Name,
-    /// The weights of the Laplacian; uniform unless said, for explicit, implicit and region
-    #[arg(long, value_enum)]
-    weights: Option<Weights>,
-    /// The step: dimensionless, or in squared mean edge lengths for cotangents
-    #[arg(long, value_name = "L", allow_negative_numbers = true)]
-    lambda: Option<f64>,
-    /// The step of cotangents in squared units of the file; the time of low-pass
-    #[arg(long, value_name = "T", conflicts_with = "lambda", allow_negative_numbers = true)]
-    time: Option<f64>,
-    /// The number of steps; pairs of steps for taubin
-    #[arg(long, value_name = "N")]
-    iterations: Option<usize>,
-    /// The areas of vertices for cotangents; barycentric unless said
-    #[arg(long, value_enum)]
-    area: Option<Area>,
-    /// How cotangents are made; auto unless said
-    #[arg(long, value_enum)]
-    operator: Option<OperatorName>,
-    /// What happens at the boundary of an open mesh; free unless said
-    #[arg(long, value_enum)]
-    boundary: Option<Border>,
-    /// Vertices that stay, as numbers from 0 joined by commas
-    #[arg(long, value_name = "LIST", value_delimiter = ',')]
-    pin: Vec<u32>,
-    /// Vertices drawn to where they are, or to a point, joined by commas; a weight of 1
-    /// ends a step half-way between the flow and the point
-    #[arg(long, value_name = "V:W[:X:Y:Z]", value_delimiter = ',', allow_hyphen_values = true)]
-    soft: Vec<Soft>,
-    /// What happens to the volume of a closed mesh; it drifts unless said
-    #[arg(long, value_enum)]
-    volume: Option<Keep>,
-    /// What happens to explicit steps beyond the stable limit, and to pairs of taubin that
-    /// amplify a mode by more than two; refused unless said
-    #[arg(long, value_enum)]
-    unstable: Option<Unstable>,
-    /// The growing step of taubin, below -lambda
-    #[arg(long, value_name = "M", allow_negative_numbers = true)]
-    mu: Option<f64>,
-    /// taubin, windowed-sinc: modes with -eigenvalue below this are kept (0 to 2)
-    #[arg(long, value_name = "K", conflicts_with = "mu")]
-    pass_band: Option<f64>,
-    /// windowed-sinc: the degree of the filter
-    #[arg(long, value_name = "N")]
-    degree: Option<usize>,
-    /// windowed-sinc: the window
-    #[arg(long, value_enum)]
-    window: Option<WindowName>,
-    /// hc: how much differences are taken to the input (0 to 1)
-    #[arg(long, value_name = "A")]
-    alpha: Option<f64>,
-    /// hc: how much of its own difference a vertex is given back (0 to 1)
-    #[arg(long, value_name = "B")]
-    beta: Option<f64>,
-    /// scale-dependent: the fraction of the largest stable step (0 to 1)
-    #[arg(long, value_name = "F")]
-    fraction: Option<f64>,
-    /// low-pass: where a Butterworth filter halves, a wavelength in units of the file
-    #[arg(long, value_name = "W", conflicts_with = "time")]
-    cutoff: Option<f64>,
-    /// low-pass: keep the K smoothest modes and nothing else
-    #[arg(long, value_name = "K", conflicts_with_all = ["time", "cutoff"])]
-    modes: Option<usize>,
-    /// region: 1 soap film, 2 thin plate, 3 least variation of curvature; low-pass:
-    /// how steeply a Butterworth filter falls
-    #[arg(long, value_name = "K")]
-    order: Option<u32>,
-    /// region: the vertices to replace, as numbers from 0 joined by commas
-    #[arg(long, value_name = "LIST", value_delimiter = ',')]
-    vertices: Vec<u32>,
-    /// implicit: when the operator is taken anew; never unless said
-    #[arg(long, value_enum)]
-    update: Option<When>,
-    /// implicit, conformal: the relative residual of the linear systems
-    #[arg(long, value_name = "R")]
-    tolerance: Option<f64>,
-    /// conformal: ends when no vertex moves by more than this, in roots of the area
-    #[arg(long, value_name = "S")]
-    settled: Option<f64>,
+    #[arg(long, value_parser = names::<Flows>(), default_value = "taubin")]
+    method: String,
+    #[command(flatten)]
+    parameters: Parameters<Flows>,
     /// Methods that take steps: end when no vertex moves by more than this in a step, in
     /// mean edge lengths
     #[arg(long, value_name = "S")]
@@ -168,6 +91,34 @@ struct MaybeOutput {
     overwrite: files::Overwrite,
 }
 
+/// The methods of [`Smooth`].
+struct Flows;
+
+impl Family for Flows {
+    const WHAT: &'static str = "method";
+
+    fn algorithms() -> Vec<&'static Algorithm> {
+        Method::algorithms()
+    }
+
+    fn parser(parameter: &Parameter) -> Option<(ValueParser, &'static str)> {
+        let name = |operator: OperatorName| {
+            let value = operator.to_possible_value();
+            value.map(|value| value.get_name().to_owned()).unwrap_or_default()
+        };
+        let parser = EnumValueParser::<OperatorName>::new().map(name);
+        (parameter.name == "operator").then(|| (parser.into(), "auto"))
+    }
+}
+
+/// The value of the parameter `operator` that takes over where cotangents do not exist.
+const ROBUST: &str = "robust";
+
+/// Whether an algorithm takes steps, which `--until` watches.
+fn takes_steps(algorithm: &Algorithm) -> bool {
+    algorithm.parameter("iterations").is_some()
+}
+
 impl Smooth {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
         if self.list {
@@ -178,6 +129,7 @@ impl Smooth {
         };
         self.output.overwrite.check(path)?;
         self.check()?;
+        let (operator, area) = self.operator()?;
         let file = files::read(input)?;
         files::say_report(context, input, &file.report);
         let small = self.until.map(|until| until * file.mesh.mean_edge_length());
@@ -186,18 +138,24 @@ impl Smooth {
             _ => ControlFlow::Continue(()),
         };
         let mut run = |operator| -> Result<_, Failure> {
-            let method = self.method(&file.mesh, operator)?;
+            let mut values = self.parameters.given();
+            for (_, value) in values.iter_mut().filter(|(name, _)| *name == "operator") {
+                *value = operator;
+            }
+            if operator == ROBUST && self.parameters.get("operator").is_none() {
+                values.push(("operator", ROBUST));
+            }
+            let method = Method::with(&self.method, &values, &file.mesh).map_err(Failure::usage)?;
             let observer = small.map(|_| &mut settle as &mut Observer<'_>);
             Ok((method.run(&file.mesh, observer), method))
         };
-        let name = self.operator.unwrap_or(OperatorName::Auto);
-        let (mut result, mut method) = run(name.of_flow(self.area()))?;
+        let (mut result, mut method) = run(operator.of_flow())?;
         if let Err(error) = &result
             && let FlowFailure::Operator(thin) = &error.failure
             && error.iteration == 0
-            && name.gives_way(context, thin, self.area().into())
+            && operator.gives_way(context, thin, area)
         {
-            (result, method) = run(Operator::Robust)?;
+            (result, method) = run(ROBUST)?;
         }
         let output = Output {
             path: path.clone(),
@@ -219,7 +177,7 @@ impl Smooth {
                 });
             }
         };
-        let warns = matches!(self.unstable, Some(Unstable::Warn));
+        let warns = self.parameters.get("unstable") == Some("warn");
         if let (true, Some(limit)) =
             (smoothed.report.unstable && warns, smoothed.report.stable_limit)
         {
@@ -235,6 +193,25 @@ impl Smooth {
         }
         self.summarise(context, &method, &file.mesh, &smoothed)?;
         files::write_moved(context, &output, &smoothed.mesh, file.fields)
+    }
+
+    /// Refuses flags that the method does not have.
+    fn check(&self) -> Result<(), Failure> {
+        let algorithm = self.parameters.check(&self.method)?;
+        match self.until {
+            Some(_) if !takes_steps(algorithm) => {
+                Err(foreign::<Flows>(&self.method, "until", takes_steps))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The operator that is asked for, and the areas of its vertices.
+    fn operator(&self) -> Result<(OperatorName, MassKind), Failure> {
+        let name = self.parameters.get("operator").unwrap_or("auto");
+        let operator = OperatorName::from_str(name, false).map_err(Failure::usage)?;
+        let area = self.parameters.get("area").map(str::parse).transpose()?;
+        Ok((operator, area.unwrap_or_default()))
     }
 
     /// Says what was done.
@@ -322,8 +299,8 @@ fn approach(approach: Approach) -> String {
 /// The methods and what each is for.
 fn list() -> Table {
     let mut table = Table::new();
-    for method in Method::defaults() {
-        table.row([format!("{}: {}", method.name(), method.description())]);
+    for algorithm in Method::algorithms() {
+        table.row([format!("{}: {}", algorithm.name, algorithm.description)]);
     }
     table
 }

@@ -1,6 +1,6 @@
 //! Which vertices may move, and how.
 
-use fairing_mesh::TriMesh;
+use fairing_mesh::{Parameter, ParameterError, TriMesh, Values};
 
 use crate::engine::arrangement::Arrangement;
 use crate::engine::error::FlowFailure;
@@ -18,6 +18,31 @@ pub enum Boundary {
     /// turns by more than 45°, and vertices where boundary curves meet stay.
     Sliding,
 }
+
+fairing_mesh::choices!(Boundary, "treatment of the boundary",
+    Free: "free", "It moves inward as its neighbours pull";
+    Pinned: "pinned", "It stays";
+    Sliding: "sliding", "It moves along its own curve";
+);
+
+/// The boundary.
+pub(crate) const BOUNDARY: Parameter = Parameter::choice(
+    "boundary",
+    Boundary::CHOICES,
+    "free",
+    "What happens at the boundary of an open mesh",
+);
+
+/// Pinned vertices.
+pub(crate) const PIN: Parameter =
+    Parameter::vertices("pin", "Vertices that stay, as numbers from 0 joined by commas");
+
+/// Soft constraints.
+pub(crate) const SOFT: Parameter = Parameter::weighted(
+    "soft",
+    "Vertices drawn to where they are, or to a point, joined by commas; a weight of 1 ends a step half-way between \
+     the flow and the point",
+);
 
 /// A vertex drawn towards a target.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,6 +71,29 @@ impl Constraints {
     /// No constraint but a boundary policy.
     pub fn boundary(boundary: Boundary) -> Self {
         Self { boundary, ..Self::default() }
+    }
+
+    /// From [`BOUNDARY`], [`PIN`] and [`SOFT`]; vertices without a target are drawn to their positions.
+    pub(crate) fn of_values(
+        values: &Values<'_>,
+        positions: &[[f64; 3]],
+    ) -> Result<Self, ParameterError> {
+        let soft = values.weighted(SOFT.name).into_iter().map(|soft| {
+            let target = soft.target.or_else(|| positions.get(soft.vertex as usize).copied());
+            let (vertex, weight) = (soft.vertex, soft.weight);
+            target.map(|target| SoftConstraint { vertex, target, weight }).ok_or_else(|| {
+                let n = positions.len();
+                values.refuse(
+                    SOFT.name,
+                    format!("of vertices that exist: vertex {vertex} of {n} does not"),
+                )
+            })
+        });
+        Ok(Self {
+            boundary: values.get(BOUNDARY.name)?.unwrap_or_default(),
+            pinned: values.vertices(PIN.name),
+            soft: soft.collect::<Result<_, _>>()?,
+        })
     }
 
     /// Whether nothing is constrained.

@@ -1,5 +1,6 @@
 //! What diffuses, and how far in one step.
 
+use fairing_mesh::{Choice, Parameter, ParameterError, Values};
 use fairing_operators::{LaplacianKind, LumpedArea, MassKind};
 
 /// The Laplacian of a flow with the length of a step in its unit.
@@ -51,6 +52,91 @@ impl Operator {
 impl Default for Operator {
     fn default() -> Self {
         Self::Plain(LumpedArea::Barycentric)
+    }
+}
+
+/// The area of vertices.
+pub(crate) const AREA: Parameter = Parameter::choice(
+    "area",
+    &[
+        Choice::new("barycentric", "A third of the faces around"),
+        Choice::new("mixed", "Voronoi cells, kept inside obtuse faces"),
+        Choice::new("voronoi", "Voronoi cells; may be negative at obtuse angles, which is refused"),
+    ],
+    "barycentric",
+    "The areas of vertices for cotangents",
+);
+
+/// The operator.
+pub(crate) const OPERATOR: Parameter = Parameter::choice(
+    "operator",
+    &[
+        Choice::new("cotangent", "The cotangents of the faces"),
+        Choice::new("robust", "Those of the intrinsic Delaunay triangulation, which any mesh has"),
+    ],
+    "cotangent",
+    "How cotangents are made",
+);
+
+/// The weights.
+pub(crate) const WEIGHTS: Parameter = Parameter::choice(
+    "weights",
+    &[
+        Choice::new("uniform", "Every neighbour counts the same"),
+        Choice::new("cotangent", "The Laplace–Beltrami operator"),
+    ],
+    "uniform",
+    "The weights of the Laplacian",
+);
+
+/// The step in the unit of the weights.
+pub(crate) const LAMBDA: Parameter = Parameter::number(
+    "lambda",
+    "",
+    "The step: dimensionless, or in squared mean edge lengths for cotangents",
+)
+.excludes(&["time"]);
+
+/// The step as a time.
+pub(crate) const TIME: Parameter =
+    Parameter::number("time", "", "The step of cotangents").unit("squared units of the file");
+
+impl Operator {
+    /// From [`OPERATOR`] and [`AREA`].
+    pub(crate) fn of_values(values: &Values<'_>) -> Result<Self, ParameterError> {
+        if values.text(OPERATOR.name) == Some("robust") {
+            return Ok(Self::Robust);
+        }
+        Ok(Self::Plain(values.get(AREA.name)?.unwrap_or(LumpedArea::Barycentric)))
+    }
+}
+
+impl Diffusion {
+    /// From [`WEIGHTS`] and the parameters of [`cotangents`](Self::cotangents): a time means cotangents. Without
+    /// either, the step is that of the weights.
+    pub(crate) fn of_values(
+        values: &Values<'_>,
+        uniform: f64,
+        cotangent: f64,
+    ) -> Result<Self, ParameterError> {
+        let timed = values.text(TIME.name).is_some();
+        match values.text(WEIGHTS.name) {
+            Some("cotangent") => Self::cotangents(values, cotangent),
+            None if timed => Self::cotangents(values, cotangent),
+            _ if timed => {
+                Err(values.refuse(TIME.name, "left out with uniform weights, whose step is lambda"))
+            }
+            _ => Ok(Self::uniform(values.get(LAMBDA.name)?.unwrap_or(uniform))),
+        }
+    }
+
+    /// From [`LAMBDA`], [`TIME`], [`OPERATOR`] and [`AREA`].
+    pub(crate) fn cotangents(values: &Values<'_>, lambda: f64) -> Result<Self, ParameterError> {
+        let time = match values.get(TIME.name)? {
+            Some(time) => Time::SquaredUnits(time),
+            None => Time::SquaredEdges(values.get(LAMBDA.name)?.unwrap_or(lambda)),
+        };
+        Ok(Self::Cotangent { time, operator: Operator::of_values(values)? })
     }
 }
 

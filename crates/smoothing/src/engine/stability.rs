@@ -1,6 +1,6 @@
 //! How long an explicit step may be.
 
-use fairing_mesh::TriMesh;
+use fairing_mesh::{Parameter, TriMesh};
 
 use crate::engine::assemble::assemble;
 use crate::engine::diffusion::Diffusion;
@@ -19,6 +19,20 @@ pub enum Stability {
     /// It is taken: somebody wants to see what happens. The report says so all the same.
     Allow,
 }
+
+fairing_mesh::choices!(Stability, "treatment of unstable steps",
+    Refuse: "refuse", "They are an error";
+    Warn: "warn", "They are taken, with a warning";
+    Allow: "allow", "They are taken";
+);
+
+/// Steps that make modes grow.
+pub(crate) const UNSTABLE: Parameter = Parameter::choice(
+    "unstable",
+    Stability::CHOICES,
+    "refuse",
+    "What happens to steps beyond the stable limit",
+);
 
 /// The largest step for which no mode grows under `x ← x + λLx`, in the unit of the factor of `L`: dimensionless for
 /// uniform weights, squared mesh units for cotangents; infinite without edges.

@@ -2,10 +2,14 @@
 
 use std::ops::ControlFlow;
 
-use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{dot, sub};
+use fairing_mesh::{Parameter, TriMesh};
 
 use crate::engine::volume::signed_volume;
+
+/// The number of steps. A flow that has it shows its steps to an observer.
+pub(crate) const ITERATIONS: Parameter =
+    Parameter::count("iterations", "10", "The number of steps");
 
 /// Called after every step with what it did; `ControlFlow::Break` ends the flow there.
 ///

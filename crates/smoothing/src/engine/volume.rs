@@ -1,7 +1,7 @@
 //! Keeping the volume that a flow would lose.
 
-use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, cross, dot, norm, scale, sub};
+use fairing_mesh::{Parameter, TriMesh};
 
 use crate::engine::constraints::Freedom;
 use crate::engine::error::FlowFailure;
@@ -20,6 +20,20 @@ pub enum Volume {
     /// volume of the input is restored. Local: thin parts do not pay for the loss of others in proportion.
     Offset,
 }
+
+fairing_mesh::choices!(Volume, "treatment of the volume",
+    Drifts: "drift", "It goes where the flow takes it";
+    Rescaled: "rescale", "Kept by scaling about the centroid in each step";
+    Offset: "offset", "Kept by an offset along the normals in each step";
+);
+
+/// The volume.
+pub(crate) const VOLUME: Parameter = Parameter::choice(
+    "volume",
+    Volume::CHOICES,
+    "drift",
+    "What happens to the volume of a closed mesh",
+);
 
 /// Newton steps for the offset distance; volume is a cubic in it, and the loss of one step is small.
 const MOST_STEPS: usize = 20;

@@ -2,15 +2,16 @@
 
 use std::ops::ControlFlow;
 
-use fairing_mesh::TriMesh;
+use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
 
-use crate::engine::diffusion::{Diffusion, Operator, Time};
+use crate::engine::diffusion::{Diffusion, OPERATOR, Operator, TIME, Time};
 use crate::engine::error::{FlowError, FlowFailure, at_least};
 use crate::engine::outcome::Smoothed;
-use crate::engine::step::Observer;
+use crate::engine::step::{ITERATIONS, Observer};
 use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
 use crate::engine::volume::Volume;
-use crate::flows::implicit::{Implicit, Update, implicit_with};
+use crate::flows::implicit::{Implicit, TOLERANCE, Update, implicit_with};
+use crate::method::Flow;
 
 /// Options of [`conformalized_mean_curvature_flow`].
 #[derive(Debug, Clone, PartialEq)]
@@ -74,6 +75,39 @@ pub fn conformalized_mean_curvature_flow(
     observer: Option<&mut Observer<'_>>,
 ) -> Result<Smoothed, FlowError> {
     at_unit_scale(mesh, options, observer, flow)
+}
+
+impl Flow for ConformalizedMcf {
+    const ALGORITHMS: &'static [Algorithm] = &[Algorithm::new(
+        "conformal",
+        "mean curvature flow that keeps angles; takes genus 0 to the sphere",
+        &["kazhdan2012"],
+        &[
+            TIME.about("The step as a fraction of the area").unit("").default("0.01"),
+            ITERATIONS.about("The largest number of steps").default("100"),
+            OPERATOR,
+            TOLERANCE.default("1e-10"),
+            Parameter::number("settled", "1e-6", "Ends when no vertex moves by more than this")
+                .unit("roots of the area"),
+        ],
+    )];
+
+    fn with(values: &Values<'_>, _: &[[f64; 3]]) -> Result<Self, ParameterError> {
+        let mut options = Self { operator: Operator::of_values(values)?, ..Self::default() };
+        values.read(TIME.name, &mut options.time)?;
+        values.read(ITERATIONS.name, &mut options.iterations)?;
+        values.read(TOLERANCE.name, &mut options.tolerance)?;
+        values.read("settled", &mut options.settled)?;
+        Ok(options)
+    }
+
+    fn run(
+        &self,
+        mesh: &TriMesh,
+        observer: Option<&mut Observer<'_>>,
+    ) -> Result<Smoothed, FlowError> {
+        conformalized_mean_curvature_flow(mesh, self, observer)
+    }
 }
 
 /// Times are fractions of the area.

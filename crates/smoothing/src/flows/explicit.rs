@@ -1,10 +1,10 @@
 //! Explicit diffusion, forward Euler.
 
-use fairing_mesh::TriMesh;
+use fairing_mesh::{Algorithm, ParameterError, TriMesh, Values};
 
 use crate::engine::assemble::assemble;
-use crate::engine::constraints::Constraints;
-use crate::engine::diffusion::Diffusion;
+use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
+use crate::engine::diffusion::{AREA, Diffusion, LAMBDA, OPERATOR, TIME, WEIGHTS};
 use crate::engine::error::{FlowError, FlowFailure, at_least};
 use crate::engine::laplacian::Laplacian;
 use crate::engine::outcome::{Approach, Smoothed};
@@ -12,10 +12,11 @@ use crate::engine::response::Response;
 use crate::engine::run::{Frame, Run, StepNote};
 use crate::engine::series::Chain;
 use crate::engine::spectrum::upper_bound;
-use crate::engine::stability::{Stability, measured_limit, uniform_limit};
-use crate::engine::step::Observer;
+use crate::engine::stability::{Stability, UNSTABLE, measured_limit, uniform_limit};
+use crate::engine::step::{ITERATIONS, Observer};
 use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
-use crate::engine::volume::Volume;
+use crate::engine::volume::{VOLUME, Volume};
+use crate::method::Flow;
 
 /// Options of [`explicit`].
 #[derive(Debug, Clone, PartialEq)]
@@ -81,6 +82,44 @@ pub fn explicit(
     observer: Option<&mut Observer<'_>>,
 ) -> Result<Smoothed, FlowError> {
     at_unit_scale(mesh, options, observer, flow)
+}
+
+impl Flow for Explicit {
+    const ALGORITHMS: &'static [Algorithm] = &[Algorithm::new(
+        "explicit",
+        "small steps x + λLx; the assignment's flow; stable up to λ = 4/3 (closed)",
+        &["taubin1995", "desbrun1999"],
+        &[
+            WEIGHTS,
+            LAMBDA.default("0.5"),
+            TIME,
+            ITERATIONS,
+            AREA,
+            OPERATOR,
+            BOUNDARY,
+            PIN,
+            SOFT,
+            VOLUME,
+            UNSTABLE,
+        ],
+    )];
+
+    fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError> {
+        let mut options = Self::new(Diffusion::of_values(values, 0.5, 0.1)?);
+        options.constraints = Constraints::of_values(values, positions)?;
+        values.read(ITERATIONS.name, &mut options.iterations)?;
+        values.read(VOLUME.name, &mut options.volume)?;
+        values.read(UNSTABLE.name, &mut options.stability)?;
+        Ok(options)
+    }
+
+    fn run(
+        &self,
+        mesh: &TriMesh,
+        observer: Option<&mut Observer<'_>>,
+    ) -> Result<Smoothed, FlowError> {
+        explicit(mesh, self, observer)
+    }
 }
 
 impl InMeshUnits for Explicit {

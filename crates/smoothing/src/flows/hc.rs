@@ -1,14 +1,15 @@
 //! HC smoothing: Laplacian steps that give back what they took from the shape.
 
-use fairing_mesh::TriMesh;
+use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
 
 use crate::engine::assemble::uniform;
-use crate::engine::constraints::Constraints;
+use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
 use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::outcome::Smoothed;
 use crate::engine::run::{Frame, Run, StepNote};
-use crate::engine::step::Observer;
+use crate::engine::step::{ITERATIONS, Observer};
 use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
+use crate::method::Flow;
 
 /// Options of [`hc`].
 #[derive(Debug, Clone, PartialEq)]
@@ -64,6 +65,43 @@ pub fn hc(
     observer: Option<&mut Observer<'_>>,
 ) -> Result<Smoothed, FlowError> {
     at_unit_scale(mesh, options, observer, flow)
+}
+
+impl Flow for Hc {
+    const ALGORITHMS: &'static [Algorithm] = &[Algorithm::new(
+        "hc",
+        "uniform steps that give back what they took; keeps the size roughly",
+        &["vollmer1999"],
+        &[
+            Parameter::number("alpha", "0", "How much differences are taken to the input (0 to 1)"),
+            Parameter::number(
+                "beta",
+                "0.5",
+                "How much of its own difference a vertex is given back (0 to 1)",
+            ),
+            ITERATIONS,
+            BOUNDARY,
+            PIN,
+            SOFT,
+        ],
+    )];
+
+    fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError> {
+        let constraints = Constraints::of_values(values, positions)?;
+        let mut options = Self { constraints, ..Self::default() };
+        values.read("alpha", &mut options.alpha)?;
+        values.read("beta", &mut options.beta)?;
+        values.read(ITERATIONS.name, &mut options.iterations)?;
+        Ok(options)
+    }
+
+    fn run(
+        &self,
+        mesh: &TriMesh,
+        observer: Option<&mut Observer<'_>>,
+    ) -> Result<Smoothed, FlowError> {
+        hc(mesh, self, observer)
+    }
 }
 
 impl InMeshUnits for Hc {

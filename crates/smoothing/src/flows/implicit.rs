@@ -1,13 +1,13 @@
 //! Implicit diffusion, backward Euler, and mean curvature flow.
 
-use fairing_mesh::TriMesh;
+use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
 use fairing_operators::ThinFaces;
 
 use crate::engine::assemble::{Renewal, mass};
 use crate::engine::collapse::Collapse;
 use crate::engine::conjugate::{ImplicitSolver, Room};
-use crate::engine::constraints::Constraints;
-use crate::engine::diffusion::{Diffusion, Operator};
+use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
+use crate::engine::diffusion::{AREA, Diffusion, LAMBDA, OPERATOR, Operator, TIME, WEIGHTS};
 use crate::engine::direct::{self, Direct};
 use crate::engine::error::{FlowError, FlowFailure, at_least};
 use crate::engine::laplacian::{Laplacian, by_chunk};
@@ -17,9 +17,10 @@ use crate::engine::response::Response;
 use crate::engine::run::{Frame, Run, StepNote};
 use crate::engine::series::Series;
 use crate::engine::spectrum::upper_bound;
-use crate::engine::step::Observer;
+use crate::engine::step::{ITERATIONS, Observer};
 use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
-use crate::engine::volume::Volume;
+use crate::engine::volume::{VOLUME, Volume};
+use crate::method::Flow;
 
 /// When the operator is taken at the current positions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -33,6 +34,20 @@ pub enum Update {
     /// Mass and stiffness in each step: mean curvature flow.
     Both,
 }
+
+fairing_mesh::choices!(Update, "update of the operator",
+    Never: "never", "The operator of the input";
+    Mass: "mass", "Areas of the current mesh, stiffness of the input";
+    Both: "both", "All of the current mesh";
+);
+
+/// The update.
+const UPDATE: Parameter =
+    Parameter::choice("update", Update::CHOICES, "never", "When the operator is assembled again");
+
+/// The accuracy of the linear systems.
+pub(crate) const TOLERANCE: Parameter =
+    Parameter::number("tolerance", "", "The relative residual of the linear systems");
 
 /// Options of [`implicit`].
 #[derive(Debug, Clone, PartialEq)]
@@ -123,6 +138,75 @@ pub fn implicit(
     at_unit_scale(mesh, options, observer, |mesh, options, observer| {
         implicit_with(mesh, options, false, observer)
     })
+}
+
+impl Flow for Implicit {
+    const ALGORITHMS: &'static [Algorithm] = &[
+        Algorithm::new(
+            "implicit",
+            "steps of any length (I − λL)x' = x; never unstable, always shrinks",
+            &["desbrun1999"],
+            &[
+                WEIGHTS,
+                LAMBDA.default("5"),
+                TIME,
+                ITERATIONS,
+                AREA,
+                OPERATOR,
+                BOUNDARY,
+                PIN,
+                SOFT,
+                VOLUME,
+                UPDATE,
+                TOLERANCE.default("1e-8"),
+            ],
+        ),
+        Algorithm::new(
+            "mean-curvature",
+            "implicit steps, operator assembled again each time: motion by curvature",
+            &["desbrun1999"],
+            &[
+                LAMBDA.default("1"),
+                TIME,
+                ITERATIONS,
+                AREA,
+                OPERATOR,
+                BOUNDARY,
+                PIN,
+                SOFT,
+                VOLUME,
+                TOLERANCE.default("1e-8"),
+            ],
+        ),
+    ];
+
+    fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError> {
+        let mut options = match values.algorithm().name {
+            "mean-curvature" => {
+                Self { update: Update::Both, ..Self::new(Diffusion::cotangents(values, 1.0)?) }
+            }
+            _ => Self::new(Diffusion::of_values(values, 5.0, 5.0)?),
+        };
+        options.constraints = Constraints::of_values(values, positions)?;
+        values.read(ITERATIONS.name, &mut options.iterations)?;
+        values.read(VOLUME.name, &mut options.volume)?;
+        values.read(UPDATE.name, &mut options.update)?;
+        values.read(TOLERANCE.name, &mut options.tolerance)?;
+        Ok(options)
+    }
+
+    /// Mean curvature flow if the operator is updated.
+    fn algorithm(&self) -> &'static Algorithm {
+        &Self::ALGORITHMS[usize::from(self.update == Update::Both)]
+    }
+
+    fn run(
+        &self,
+        mesh: &TriMesh,
+        observer: Option<&mut Observer<'_>>,
+    ) -> Result<Smoothed, FlowError> {
+        implicit(mesh, self, observer)
+    }
 }
 
 impl InMeshUnits for Implicit {

@@ -1,12 +1,12 @@
 //! Spectral low-pass filters.
 
-use fairing_mesh::TriMesh;
+use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
 use fairing_operators::{Laplacian, MassKind};
 use fairing_spectral::{Reconstruction, SpectrumOptions, reconstruct, spectrum};
 
 use crate::engine::assemble::cotangent;
-use crate::engine::constraints::Constraints;
-use crate::engine::diffusion::{Operator, Time};
+use crate::engine::constraints::{BOUNDARY, Constraints, PIN};
+use crate::engine::diffusion::{AREA, OPERATOR, Operator, TIME, Time};
 use crate::engine::error::{FlowError, FlowFailure, at_least};
 use crate::engine::outcome::{Approach, Report, Smoothed};
 use crate::engine::resolvent::Resolvent;
@@ -14,7 +14,9 @@ use crate::engine::response::Response;
 use crate::engine::run::{Frame, Run};
 use crate::engine::series::Series;
 use crate::engine::spectrum::upper_bound;
+use crate::engine::step::Observer;
 use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
+use crate::method::Flow;
 
 /// What a filter does to the mode of eigenvalue ω of `S φ = ω M φ`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -83,6 +85,57 @@ impl LowPass {
 /// Source: \[vallet2008\].
 pub fn low_pass(mesh: &TriMesh, options: &LowPass) -> Result<Smoothed, FlowError> {
     at_unit_scale(mesh, options, None, |mesh, options, _| filter(mesh, options))
+}
+
+impl Flow for LowPass {
+    const ALGORITHMS: &'static [Algorithm] = &[Algorithm::new(
+        "low-pass",
+        "heat or Butterworth filter of the cotangent spectrum, in physical units",
+        &["vallet2008"],
+        &[
+            TIME.about("The diffusion time"),
+            Parameter::number("cutoff", "", "Where a Butterworth filter halves: a wavelength")
+                .unit("units of the file")
+                .excludes(&["time"]),
+            Parameter::count("order", "2", "How steeply a Butterworth filter falls"),
+            Parameter::count(
+                "modes",
+                "",
+                "How many of the smoothest modes are kept, and nothing else",
+            )
+            .excludes(&["time", "cutoff"]),
+            AREA,
+            OPERATOR,
+            BOUNDARY,
+            PIN,
+        ],
+    )];
+
+    fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError> {
+        let mut steepness = 2;
+        values.read("order", &mut steepness)?;
+        let transfer = match (values.get("modes")?, values.get::<f64>("cutoff")?) {
+            (Some(modes), _) => Transfer::Modes(modes),
+            (None, Some(wavelength)) => Transfer::Butterworth {
+                cutoff: (2.0 * std::f64::consts::PI / wavelength).powi(2),
+                order: steepness,
+            },
+            (None, None) => Transfer::Heat(match values.get(TIME.name)? {
+                Some(time) => Time::SquaredUnits(time),
+                None => Time::SquaredEdges(5.0),
+            }),
+        };
+        let operator = Operator::of_values(values)?;
+        Ok(Self { transfer, operator, constraints: Constraints::of_values(values, positions)? })
+    }
+
+    fn run(
+        &self,
+        mesh: &TriMesh,
+        _observer: Option<&mut Observer<'_>>,
+    ) -> Result<Smoothed, FlowError> {
+        low_pass(mesh, self)
+    }
 }
 
 impl InMeshUnits for LowPass {

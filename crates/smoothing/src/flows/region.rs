@@ -1,16 +1,18 @@
 //! Fairing of a region with its rim held.
 
-use fairing_mesh::TriMesh;
+use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
 use fairing_operators::{LaplacianKind, MassKind};
 use fairing_sparse::{Cholesky, SparseMatrix};
 
 use crate::engine::assemble::operators;
-use crate::engine::diffusion::Operator;
+use crate::engine::diffusion::{AREA, OPERATOR, Operator, WEIGHTS};
 use crate::engine::double::{self, Double};
 use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::outcome::{Approach, Report, Smoothed};
 use crate::engine::parts::larger;
+use crate::engine::step::Observer;
 use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
+use crate::method::Flow;
 
 /// The weights of [`fair_region`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -76,6 +78,47 @@ impl FairRegion {
 /// Source: \[botsch2004\].
 pub fn fair_region(mesh: &TriMesh, options: &FairRegion) -> Result<Smoothed, FlowError> {
     at_unit_scale(mesh, options, None, |mesh, options, _| fair(mesh, options))
+}
+
+impl Flow for FairRegion {
+    const ALGORITHMS: &'static [Algorithm] = &[Algorithm::new(
+        "region",
+        "replaces some vertices by the fairest surface through their surroundings",
+        &["botsch2004"],
+        &[
+            Parameter::vertices(
+                "vertices",
+                "The vertices to replace, as numbers from 0 joined by commas",
+            )
+            .required(),
+            Parameter::count(
+                "order",
+                "2",
+                "1 soap film, 2 thin plate, 3 least variation of curvature",
+            ),
+            WEIGHTS.default("cotangent"),
+            AREA,
+            OPERATOR,
+        ],
+    )];
+
+    fn with(values: &Values<'_>, _: &[[f64; 3]]) -> Result<Self, ParameterError> {
+        let mut options = Self::new(values.vertices("vertices"));
+        values.read("order", &mut options.order)?;
+        options.weights = match values.text(WEIGHTS.name) {
+            Some("uniform") => FairingWeights::Uniform,
+            _ => FairingWeights::Cotangent(Operator::of_values(values)?),
+        };
+        Ok(options)
+    }
+
+    fn run(
+        &self,
+        mesh: &TriMesh,
+        _observer: Option<&mut Observer<'_>>,
+    ) -> Result<Smoothed, FlowError> {
+        fair_region(mesh, self)
+    }
 }
 
 impl InMeshUnits for FairRegion {

@@ -1,16 +1,17 @@
 //! The scale-dependent umbrella.
 
-use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::distance;
+use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
 
 use crate::engine::assemble::uniform;
-use crate::engine::constraints::Constraints;
+use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
 use crate::engine::error::{FlowError, FlowFailure, at_least};
 use crate::engine::laplacian::Laplacian;
 use crate::engine::outcome::Smoothed;
 use crate::engine::run::{Frame, Run, StepNote};
-use crate::engine::step::Observer;
+use crate::engine::step::{ITERATIONS, Observer};
 use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
+use crate::method::Flow;
 
 /// Options of [`scale_dependent`].
 #[derive(Debug, Clone, PartialEq)]
@@ -63,6 +64,41 @@ pub fn scale_dependent(
     observer: Option<&mut Observer<'_>>,
 ) -> Result<Smoothed, FlowError> {
     at_unit_scale(mesh, options, observer, flow)
+}
+
+impl Flow for ScaleDependent {
+    const ALGORITHMS: &'static [Algorithm] = &[Algorithm::new(
+        "scale-dependent",
+        "uniform steps that respect edge lengths; for uneven meshes",
+        &["fujiwara1995", "desbrun1999"],
+        &[
+            Parameter::number(
+                "fraction",
+                "0.5",
+                "The fraction of the largest stable step (0 to 1)",
+            ),
+            ITERATIONS,
+            BOUNDARY,
+            PIN,
+            SOFT,
+        ],
+    )];
+
+    fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError> {
+        let constraints = Constraints::of_values(values, positions)?;
+        let mut options = Self { constraints, ..Self::default() };
+        values.read("fraction", &mut options.fraction)?;
+        values.read(ITERATIONS.name, &mut options.iterations)?;
+        Ok(options)
+    }
+
+    fn run(
+        &self,
+        mesh: &TriMesh,
+        observer: Option<&mut Observer<'_>>,
+    ) -> Result<Smoothed, FlowError> {
+        scale_dependent(mesh, self, observer)
+    }
 }
 
 /// Fractions of the limit; the steps that follow from them are times.

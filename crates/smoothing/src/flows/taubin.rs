@@ -1,18 +1,21 @@
 //! Taubin's λ|μ smoothing.
 
-use fairing_mesh::TriMesh;
+use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
 
 use crate::engine::assemble::uniform;
-use crate::engine::constraints::Constraints;
+use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
+use crate::engine::diffusion::LAMBDA;
 use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::outcome::{Approach, Smoothed};
 use crate::engine::response::Response;
 use crate::engine::run::{Frame, Run, StepNote};
 use crate::engine::series::Chain;
-use crate::engine::stability::Stability;
-use crate::engine::step::Observer;
+use crate::engine::stability::{Stability, UNSTABLE};
+use crate::engine::step::{ITERATIONS, Observer};
 use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
 use crate::flows::explicit::explicit_step;
+use crate::flows::windowed_sinc::PASS_BAND;
+use crate::method::Flow;
 
 /// Options of [`taubin`].
 #[derive(Debug, Clone, PartialEq)]
@@ -96,6 +99,45 @@ pub fn taubin(
     observer: Option<&mut Observer<'_>>,
 ) -> Result<Smoothed, FlowError> {
     at_unit_scale(mesh, options, observer, flow)
+}
+
+impl Flow for Taubin {
+    const ALGORITHMS: &'static [Algorithm] = &[Algorithm::new(
+        "taubin",
+        "a shrinking and a growing step in turn: removes noise, keeps the size",
+        &["taubin1995"],
+        &[
+            LAMBDA.about("The shrinking step").excludes(&[]).default("0.5"),
+            Parameter::number("mu", "", "The growing step, below -lambda"),
+            PASS_BAND.excludes(&["mu"]),
+            ITERATIONS.about("The number of pairs of steps"),
+            BOUNDARY,
+            PIN,
+            SOFT,
+            UNSTABLE.about("What happens to pairs that amplify a mode by more than two"),
+        ],
+    )];
+
+    fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError> {
+        let mut options = Self::default();
+        values.read(LAMBDA.name, &mut options.lambda)?;
+        values.read(PASS_BAND.name, &mut options.pass_band)?;
+        if let Some(mu) = values.get("mu")? {
+            options = Self::from_steps(options.lambda, mu);
+        }
+        options.constraints = Constraints::of_values(values, positions)?;
+        values.read(ITERATIONS.name, &mut options.pairs)?;
+        values.read(UNSTABLE.name, &mut options.stability)?;
+        Ok(options)
+    }
+
+    fn run(
+        &self,
+        mesh: &TriMesh,
+        observer: Option<&mut Observer<'_>>,
+    ) -> Result<Smoothed, FlowError> {
+        taubin(mesh, self, observer)
+    }
 }
 
 impl InMeshUnits for Taubin {

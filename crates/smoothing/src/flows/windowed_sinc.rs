@@ -2,15 +2,17 @@
 
 use std::f64::consts::PI;
 
-use fairing_mesh::TriMesh;
+use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
 
 use crate::engine::assemble::uniform;
-use crate::engine::constraints::Constraints;
+use crate::engine::constraints::{BOUNDARY, Constraints, PIN};
 use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::outcome::{Approach, Smoothed};
 use crate::engine::run::{Frame, Run};
 use crate::engine::series::Series;
+use crate::engine::step::Observer;
 use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
+use crate::method::Flow;
 
 /// How the Chebyshev series of the ideal filter is faded out. All are 1 at its beginning and small at its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -23,6 +25,16 @@ pub enum Window {
     /// `0.42 + 0.5 cos + 0.08 cos 2`: the least ripple, the widest transition.
     Blackman,
 }
+
+fairing_mesh::choices!(Window, "window",
+    Hanning: "hanning", "No ripple to speak of, a wide transition";
+    Hamming: "hamming", "A narrower transition, ripples below a hundredth";
+    Blackman: "blackman", "The least ripple, the widest transition";
+);
+
+/// The pass band.
+pub(crate) const PASS_BAND: Parameter =
+    Parameter::number("pass-band", "0.1", "Modes with -eigenvalue below this are kept (0 to 2)");
 
 impl Window {
     /// The factor of term `k` of a series that ends with term `degree`.
@@ -88,6 +100,38 @@ impl Default for WindowedSinc {
 /// Source: \[taubin1996\].
 pub fn windowed_sinc(mesh: &TriMesh, options: &WindowedSinc) -> Result<Smoothed, FlowError> {
     at_unit_scale(mesh, options, None, |mesh, options, _| filter(mesh, options))
+}
+
+impl Flow for WindowedSinc {
+    const ALGORITHMS: &'static [Algorithm] = &[Algorithm::new(
+        "windowed-sinc",
+        "a sharper low-pass filter than taubin; keeps the size best",
+        &["taubin1996"],
+        &[
+            PASS_BAND,
+            Parameter::count("degree", "20", "The degree of the filter"),
+            Parameter::choice("window", Window::CHOICES, "hamming", "How the series is faded out"),
+            BOUNDARY,
+            PIN,
+        ],
+    )];
+
+    fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError> {
+        let constraints = Constraints::of_values(values, positions)?;
+        let mut options = Self { constraints, ..Self::default() };
+        values.read(PASS_BAND.name, &mut options.pass_band)?;
+        values.read("degree", &mut options.degree)?;
+        values.read("window", &mut options.window)?;
+        Ok(options)
+    }
+
+    fn run(
+        &self,
+        mesh: &TriMesh,
+        _observer: Option<&mut Observer<'_>>,
+    ) -> Result<Smoothed, FlowError> {
+        windowed_sinc(mesh, self)
+    }
 }
 
 impl InMeshUnits for WindowedSinc {

@@ -1,0 +1,186 @@
+//! Flags made from the tables of algorithms.
+//!
+//! A verb that runs one of several algorithms takes the parameters of all of them as flags. A flag says which
+//! algorithms have it, and one that the chosen algorithm does not have is an error that says so too.
+
+use std::marker::PhantomData;
+
+use clap::builder::{PossibleValue, PossibleValuesParser, ValueParser};
+use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
+use fairing::mesh::{Algorithm, Kind, Parameter};
+
+use super::exit::Failure;
+
+/// Algorithms among which a verb chooses.
+pub(crate) trait Family {
+    /// What they are called.
+    const WHAT: &'static str;
+
+    /// The algorithms, in the order in which they are listed.
+    fn algorithms() -> Vec<&'static Algorithm>;
+
+    /// The parser and the default of a parameter that every verb reads alike, in place of those of the table.
+    fn parser(_: &Parameter) -> Option<(ValueParser, &'static str)> {
+        None
+    }
+}
+
+/// The values that are given to the parameters of a family, each with the name of its parameter.
+pub(crate) struct Parameters<F> {
+    given: Vec<(&'static str, String)>,
+    family: PhantomData<F>,
+}
+
+impl<F: Family> Parameters<F> {
+    /// The values, with the names of their parameters.
+    pub(crate) fn given(&self) -> Vec<(&str, &str)> {
+        self.given.iter().map(|(name, value)| (*name, value.as_str())).collect()
+    }
+
+    /// The value of a parameter, if it is given.
+    pub(crate) fn get(&self, name: &str) -> Option<&str> {
+        self.given.iter().find(|(given, _)| *given == name).map(|(_, value)| value.as_str())
+    }
+
+    /// The algorithm of that name, which has all parameters that are given and is given all that it needs.
+    pub(crate) fn check(&self, name: &str) -> Result<&'static Algorithm, Failure> {
+        let what = F::WHAT;
+        let mut all = F::algorithms().into_iter();
+        let algorithm = all.find(|algorithm| algorithm.name == name);
+        let algorithm =
+            algorithm.ok_or_else(|| Failure::usage(format_args!("there is no {what} {name}")))?;
+        if let Some((flag, _)) = self.given.iter().find(|(g, _)| algorithm.parameter(g).is_none()) {
+            return Err(foreign::<F>(name, flag, |algorithm| algorithm.parameter(flag).is_some()));
+        }
+        let mut needed = algorithm.parameters.iter().filter(|parameter| parameter.required);
+        match needed.find(|parameter| self.get(parameter.name).is_none()) {
+            Some(Parameter { name: flag, about, .. }) => {
+                Err(Failure::usage(format_args!("the {what} {name} needs --{flag}: {about}")))
+            }
+            None => Ok(algorithm),
+        }
+    }
+}
+
+/// The error for a flag that an algorithm does not have, and which have it.
+pub(crate) fn foreign<F: Family>(
+    name: &str,
+    flag: &str,
+    has: impl Fn(&Algorithm) -> bool,
+) -> Failure {
+    let mut all = F::algorithms();
+    all.retain(|algorithm| has(algorithm));
+    let names: Vec<&str> = all.iter().map(|algorithm| algorithm.name).collect();
+    let (what, names) = (F::WHAT, names.join(", "));
+    Failure::usage(format_args!(
+        "the {what} {name} has no --{flag}; those that have it are {names}"
+    ))
+}
+
+/// The names of algorithms as values of a flag, each with its description.
+pub(crate) fn names<F: Family>() -> PossibleValuesParser {
+    let value =
+        |algorithm: &Algorithm| PossibleValue::new(algorithm.name).help(algorithm.description);
+    PossibleValuesParser::new(F::algorithms().into_iter().map(value))
+}
+
+/// The same parameter in all algorithms that have it.
+fn shared<F: Family>() -> Vec<Vec<(&'static Algorithm, &'static Parameter)>> {
+    let mut all: Vec<Vec<(&Algorithm, &Parameter)>> = Vec::new();
+    for algorithm in F::algorithms() {
+        for parameter in algorithm.parameters {
+            match all.iter_mut().find(|same| same[0].1.name == parameter.name) {
+                Some(same) => same.push((algorithm, parameter)),
+                None => all.push(vec![(algorithm, parameter)]),
+            }
+        }
+    }
+    all
+}
+
+/// What a parameter says in each algorithm, which have it, and with which defaults.
+fn help<F: Family>(same: &[(&Algorithm, &Parameter)]) -> (String, String) {
+    let mut meanings: Vec<(String, Vec<String>)> = Vec::new();
+    let alone = same.iter().all(|(_, parameter)| parameter.default == same[0].1.default);
+    for (algorithm, parameter) in same {
+        let about = match parameter.unit {
+            "" => parameter.about.to_owned(),
+            unit => format!("{}, in {unit}", parameter.about),
+        };
+        let taker = match parameter.default {
+            default if !alone && !default.is_empty() => format!("{} ({default})", algorithm.name),
+            _ => algorithm.name.to_owned(),
+        };
+        match meanings.iter_mut().find(|(known, _)| *known == about) {
+            Some((_, takers)) => takers.push(taker),
+            None => meanings.push((about, vec![taker])),
+        }
+    }
+    let default = F::parser(same[0].1).map_or(same[0].1.default, |(_, default)| default);
+    let default = match default {
+        default if alone && !default.is_empty() => format!("; {default} unless set"),
+        _ => String::new(),
+    };
+    let short: Vec<&str> = meanings.iter().map(|(about, _)| about.as_str()).collect();
+    let short = format!("{}{default}", short.join("; or: "));
+    let long: Vec<String> =
+        meanings.iter().map(|(about, takers)| format!("{about} [{}]", takers.join(", "))).collect();
+    (short, format!("{}{default}", long.join("\n")))
+}
+
+fn flag<F: Family>(same: &[(&Algorithm, &'static Parameter)]) -> Arg {
+    let parameter = same[0].1;
+    let (short, long) = help::<F>(same);
+    let arg = Arg::new(parameter.name).long(parameter.name).help(short).long_help(long);
+    let conflicts = same.iter().flat_map(|(_, parameter)| parameter.excludes);
+    let arg = arg.conflicts_with_all(conflicts.copied());
+    let kind = parameter.kind;
+    let checked = ValueParser::from(move |text: &str| match kind.check(text) {
+        Ok(()) => Ok(text.to_owned()),
+        Err(expected) => Err(format!("it must be {expected}")),
+    });
+    match kind {
+        Kind::Number => arg.value_name("X").allow_negative_numbers(true).value_parser(checked),
+        Kind::Count => arg.value_name("N").value_parser(checked),
+        Kind::Choice(choices) => {
+            let values =
+                choices.iter().map(|choice| PossibleValue::new(choice.name).help(choice.about));
+            let table = || PossibleValuesParser::new(values).into();
+            arg.value_parser(F::parser(parameter).map_or_else(table, |(parser, _)| parser))
+        }
+        list => {
+            let name = if list == Kind::Vertices { "LIST" } else { "V:W[:X:Y:Z]" };
+            let arg = arg.value_name(name).allow_hyphen_values(list != Kind::Vertices);
+            arg.action(ArgAction::Append).value_parser(checked)
+        }
+    }
+}
+
+impl<F: Family> Args for Parameters<F> {
+    fn augment_args(command: Command) -> Command {
+        command.args(shared::<F>().iter().map(|same| flag::<F>(same)))
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl<F: Family> FromArgMatches for Parameters<F> {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let mut given = Vec::new();
+        for same in shared::<F>() {
+            let name = same[0].1.name;
+            if let Some(values) = matches.get_many::<String>(name) {
+                let values: Vec<&str> = values.map(String::as_str).collect();
+                given.push((name, values.join(",")));
+            }
+        }
+        Ok(Self { given, family: PhantomData })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
