@@ -162,7 +162,8 @@ pub(crate) fn test(root: &Path) -> Result<Tested> {
     if !environment.install(&OPTIONAL)? {
         for package in OPTIONAL {
             if !environment.install(&[package])? {
-                skipped.push((format!("Python tests with {package}"), "pip cannot install it".into()));
+                skipped
+                    .push((format!("Python tests with {package}"), "pip cannot install it".into()));
             }
         }
     }
@@ -172,7 +173,10 @@ pub(crate) fn test(root: &Path) -> Result<Tested> {
     ensure!(status.success(), "pip cannot install {}", wheel.display());
     // The program, not the module, which would put the sources before what is installed.
     let mut command = Command::new(environment.program("pytest"));
-    command.args(["-p", "no:cacheprovider", "--durations=10", "-rs"]).current_dir(root.join("python")).env("PYTHONDONTWRITEBYTECODE", "1");
+    command
+        .args(["-p", "no:cacheprovider", "--durations=10", "-rs"])
+        .current_dir(root.join("python"))
+        .env("PYTHONDONTWRITEBYTECODE", "1");
     let status = command.status().context("running pytest")?;
     Ok(Tested { passed: status.success(), skipped })
 }

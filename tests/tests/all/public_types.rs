@@ -22,6 +22,13 @@ macro_rules! all_shared {
 
 all_shared!(
     // mesh
+    fairing::mesh::Algorithm,
+    fairing::mesh::Choice,
+    fairing::mesh::Kind,
+    fairing::mesh::Parameter,
+    fairing::mesh::ParameterError,
+    fairing::mesh::Values<'static>,
+    fairing::mesh::WeightedVertex,
     fairing::mesh::BuildError,
     fairing::mesh::Components,
     fairing::mesh::Connectivity,
