@@ -34,9 +34,12 @@ pub(crate) enum Command {
     Tidy,
     /// Build the wheel of the Python package into target/wheels; makes a virtual environment and fetches maturin
     Wheel,
-    /// Run everything that guards a merge: tidy, format, lints, documentation, tests, examples, reference values, the
-    /// Python package
-    Test,
+    /// Run everything that guards a merge: tidy, format, lints, documentation, tests, examples, reference values
+    Test {
+        /// Also build the wheel of the Python package and run its tests in a virtual environment; fetches packages
+        #[arg(long)]
+        python: bool,
+    },
 }
 
 #[derive(Debug, Args)]

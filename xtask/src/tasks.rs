@@ -26,7 +26,7 @@ pub fn run(cli: Cli) -> Result<bool> {
         Command::Bench(options) => options.run(),
         Command::Tidy => tidy::run(&root()),
         Command::Wheel => python::wheel(&root()),
-        Command::Test => gate::run(&root()),
+        Command::Test { python } => gate::run(&root(), python),
     }
 }
 
