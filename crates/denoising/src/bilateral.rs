@@ -126,3 +126,27 @@ fn move_vertex(
     });
     if total > 0.0 { add(x, scale(normal, sum / total)) } else { x }
 }
+
+#[cfg(test)]
+mod tests {
+    use fairing_shapes::{Diagonals, plane};
+
+    use super::*;
+
+    /// A vertex in a flat part sees a bump between σ_c and 2 σ_c away, and none beyond.
+    #[test]
+    fn neighbours_within_twice_the_scale_are_seen() {
+        let flat = plane(10, 10, Diagonals::Regular);
+        let spatial = flat.mean_edge_length();
+        for (bump, seen) in [(62, true), (63, false)] {
+            let mut positions = flat.positions().to_vec();
+            positions[bump][2] = 0.01;
+            let mesh = flat.with_positions(positions).unwrap();
+            let away = distance(flat.positions()[60], flat.positions()[bump]) / spatial;
+            assert!(away > 1.0 && (away < 2.0) == seen, "{away}");
+            let mut scratch = (vec![], Marks::new(mesh.vertex_count()));
+            let moved = move_vertex(&mesh, 60, spatial, 1.0, &mut scratch);
+            assert_eq!(moved[2] > 0.0, seen, "{moved:?}");
+        }
+    }
+}

@@ -189,3 +189,38 @@ impl Problem {
             .collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use fairing_shapes as shapes;
+
+    use super::*;
+
+    /// The weight of a jump is exp(−‖m − n‖⁴) for the normals m and n averaged over a face and those across its
+    /// sides, taken here from the topology.
+    #[test]
+    fn creases_cost_less() {
+        let mesh = shapes::cad_block(0.3);
+        let topology = mesh.topology();
+        let averaged = |f: u32| {
+            let across = topology.face_edges()[f as usize];
+            let faces = across.iter().flat_map(|&e| topology.edge_faces(e)).filter(|&&g| g != f);
+            unit_or_zero(
+                faces.fold(mesh.area_vector(f as usize), |s, &g| {
+                    add(s, mesh.area_vector(g as usize))
+                }),
+            )
+        };
+        let weight = 3.0;
+        let problem = Problem::new(&mesh, weight);
+        let mut least = weight;
+        for (hinge, &threshold) in problem.hinges.all.iter().zip(&problem.thresholds) {
+            let [m, n] = hinge.faces.map(averaged);
+            let jump: f64 = (0..3).map(|k| (m[k] - n[k]).powi(2)).sum();
+            let expected = weight * libm::exp(-jump * jump);
+            assert!((threshold - expected).abs() < 1e-12, "{threshold} {expected}");
+            least = threshold.min(least);
+        }
+        assert!(least < 0.9 * weight, "{least}");
+    }
+}

@@ -167,3 +167,45 @@ fn step(
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use fairing_shapes::{Diagonals, plane};
+
+    use super::*;
+
+    /// No vertex that moves alone turns a face against its normal, which plain averages would do.
+    #[test]
+    fn no_vertex_turns_a_face_alone() {
+        let mesh = plane(40, 4, Diagonals::Regular);
+        // Steep normals in all directions, from a multiplicative hash.
+        let number = |k: usize| ((k * 2_654_435_761) % 65_536) as f64 / 32_768.0 - 1.0;
+        let normals: Vec<[f64; 3]> = (0..mesh.face_count())
+            .map(|f| {
+                let n = [number(2 * f + 1), number(2 * f + 2), 0.2];
+                scale(n, 1.0 / norm(n))
+            })
+            .collect();
+        let x = mesh.positions();
+        let moved = step(&mesh, &normals, x, x, None);
+        let (mut plain, mut kept) = (0, 0);
+        for v in 0..x.len() {
+            let corners = mesh.incidence().corners(v as u32);
+            let sum = corners.iter().fold([0.0; 3], |sum, &c| {
+                let (n, p) = (normals[c as usize / 3], mesh.triangle(c as usize / 3));
+                let centroid = scale(add(add(p[0], p[1]), p[2]), 1.0 / 3.0);
+                add(sum, scale(n, dot(n, sub(centroid, x[v]))))
+            });
+            let average = add(x[v], scale(sum, 1.0 / corners.len() as f64));
+            for &c in corners {
+                let (f, k) = (c as usize / 3, c as usize % 3);
+                let [p, q] = [1, 2].map(|i| x[mesh.faces()[f][(k + i) % 3] as usize]);
+                let side = |y| dot(cross(sub(p, y), sub(q, y)), normals[f]);
+                assert!(side(x[v]) > 0.0);
+                plain += usize::from(side(average) <= 0.0);
+                kept += usize::from(side(moved[v]) <= 0.0);
+            }
+        }
+        assert!(plain > 0 && kept == 0, "{plain} {kept}");
+    }
+}

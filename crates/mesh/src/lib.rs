@@ -10,7 +10,7 @@
 //! let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 //! let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
 //! let tetrahedron = TriMesh::new(corners, faces)?;
-//! assert_eq!(tetrahedron.edge_count(), 6);
+//! assert_eq!(tetrahedron.topology().edges().len(), 6);
 //! assert_eq!(tetrahedron.topology().neighbors(0).len(), 3);
 //! assert!((tetrahedron.signed_volume() - 1.0 / 6.0).abs() < 1e-15);
 //!

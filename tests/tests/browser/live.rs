@@ -118,7 +118,7 @@ fn compares(chrome: &mut Chrome, page: &Path) -> Result<()> {
 
 /// Waits until the page has smoothed.
 const WAIT: &str = "async () => {
-  for (let i = 0; i < 200; i++) {
+  for (let i = 0; i < 900; i++) {
     const words = document.querySelector('#q5-flow .status').textContent;
     if (words.startsWith('Moved')) return words;
     await new Promise((go) => setTimeout(go, 50));

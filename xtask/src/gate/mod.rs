@@ -39,7 +39,7 @@ const PROGRAMS: Step = Step {
 };
 const EXAMPLES: Step = Step {
     name: "examples in the documentation",
-    arguments: &["test", "--workspace", "--doc", "--locked"],
+    arguments: &["test", "--workspace", "--doc", "--locked", "--no-fail-fast"],
     environment: &[],
 };
 

@@ -359,6 +359,18 @@ mod tests {
     use super::*;
     use crate::cotan_stiffness;
 
+    /// A vertex whose faces are all points moves with its neighbours: its mass is a trillionth of the mean.
+    #[test]
+    fn masses_of_points_are_raised_to_the_least() {
+        let mesh = shapes::icosphere(0);
+        let mut mass = vec![1.0; 12];
+        let [a, b, _] = mesh.faces()[0];
+        mass[a as usize] = 0.0;
+        raise(&mesh, &[0], &mut mass);
+        assert_eq!(mass[a as usize], 1e-12 * 11.0 / 12.0);
+        assert_eq!(mass[b as usize], 1.0);
+    }
+
     /// Rows as the operators crate assembles them: on a closed mesh, with a border, three faces at an edge, a fan
     /// around a hub, and an isolated vertex.
     #[test]
