@@ -14,7 +14,7 @@
 //! let sphere = shapes::icosphere(4);
 //! assert_eq!(sphere.vertex_count(), 2562);
 //! let torus = shapes::torus(1.0, 0.4, 64, 24);
-//! assert_eq!(torus.edge_count(), 3 * torus.vertex_count());
+//! assert_eq!(torus.topology().edges().len(), 3 * torus.vertex_count());
 //! // The same seed gives the same mesh.
 //! assert_eq!(shapes::irregular_plane(0.1, 7), shapes::irregular_plane(0.1, 7));
 //! ```
