@@ -45,7 +45,7 @@ pub(super) fn machine_paths(root: &Path) -> Result<Vec<String>> {
     Ok(broken)
 }
 
-/// Whether a path begins here, rather than goes on: `src/work/` is relative.
+/// Whether a path begins here, rather than goes on: the rest of `a/b` is relative.
 fn stands_alone(line: &str, at: usize) -> bool {
     let before = line[..at].chars().next_back();
     before.is_none_or(|c| !(c.is_alphanumeric() || "./_-~}".contains(c)))

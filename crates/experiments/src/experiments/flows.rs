@@ -82,7 +82,7 @@ impl Experiment for Flows {
                 judge(second),
                 format!("Observed orders of the radius lie between {} and {}.", brief(least), brief(most)),
             )
-            .finding(format!("The observed orders are {} to {}.", brief(least), brief(most)))
+            .finding(format!("The observed orders are {least:.2} to {most:.2}."))
             .ours()
             .number("least order", least, Unit::Order)
             .number("greatest order", most, Unit::Order),

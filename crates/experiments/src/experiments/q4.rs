@@ -125,10 +125,11 @@ impl Experiment for Reconstruction {
         Ok(vec![
             Judgement::new("4a", "A larger k approaches the original", verdict, reason)
                 .finding(format!(
-                    "The first modes help little: from {} to {} modes the error falls to {} of what it was.",
+                    "How much the first modes help depends on the shape: from {} to {} of them the error goes to between {} and {} of what it was.",
                     ks[0],
                     ks[1],
-                    brief(steps[0])
+                    brief(steps.iter().copied().fold(f64::INFINITY, f64::min)),
+                    brief(steps.iter().copied().fold(0.0, f64::max)),
                 ))
                 .number(&format!("error at {} over error at {}", ks[1], ks[0]), steps[0], Unit::One)
                 .number("error of the last stop", last, Unit::Diagonals),
@@ -142,7 +143,7 @@ impl Experiment for Reconstruction {
                     brief(most),
                 ),
             )
-            .finding(format!("The observed orders are {} to {}: half the edge length leaves a quarter of the error.", brief(least), brief(most)))
+            .finding(format!("The observed orders are {least:.2} to {most:.2}; with order 2, half the edge length leaves a quarter of the error."))
             .ours()
             .number("least order", least, Unit::Order)
             .number("greatest order", most, Unit::Order),
