@@ -116,6 +116,16 @@ fn compares(chrome: &mut Chrome, page: &Path) -> Result<()> {
     chrome.picture("beyond")
 }
 
+/// Waits until the address says that λ = 10 is shown after ten steps.
+const ADDRESS: &str = "async () => {
+  for (let i = 0; i < 400; i++) {
+    const state = new URLSearchParams(location.hash.slice(1)).get('q5-flow');
+    if (state && state.endsWith('!1~10')) return location.href;
+    await new Promise((go) => setTimeout(go, 50));
+  }
+  return '';
+}";
+
 /// Waits until the page has smoothed.
 const WAIT: &str = "async () => {
   for (let i = 0; i < 900; i++) {
@@ -142,8 +152,8 @@ fn shows(chrome: &mut Chrome, page: &Path) -> Result<()> {
     ensure!(live == true, "the result is not shown");
     chrome.picture("live")?;
     // The address brings it back, and the other slider puts it away.
-    std::thread::sleep(std::time::Duration::from_millis(400));
-    let address = chrome.run("location.href")?;
+    let address = chrome.run(&format!("({ADDRESS})()"))?;
+    ensure!(address != "", "the address does not hold the live result");
     chrome.call("Page.navigate", json!({"url": "about:blank"}))?;
     chrome.open(address.as_str().unwrap_or_default())?;
     chrome.run("fairing.openAll()")?;
