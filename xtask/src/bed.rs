@@ -97,13 +97,14 @@ fn tune(which: &Which, methods: &[String], meshes: Option<PathBuf>, path: &Path)
         .map(|c| (c.name(), Source::Case(c)))
         .chain(pairs.into_iter().map(|p| (p.name.to_string(), Source::Pair(Box::new(p)))))
         .collect();
-    let wanted: Vec<&Method> = Method::ALL
+    // The latest methods first, which are the best on most cases: so a table of
+    // all cases is there early.
+    let wanted = Method::ALL
         .iter()
-        .filter(|m| methods.is_empty() || methods.iter().any(|n| n == m.denoiser.name()))
-        .collect();
-    // The quick methods first, so that a table of all cases is there early.
+        .rev()
+        .filter(|m| methods.is_empty() || methods.iter().any(|n| n == m.denoiser.name()));
     let mut jobs: Vec<Job<'_>> = vec![];
-    for &method in &wanted {
+    for method in wanted {
         for (name, source) in &sources {
             if table.get(name, method.denoiser.name()).is_none() {
                 jobs.push((name.clone(), method, source.clone()));

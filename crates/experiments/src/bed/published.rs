@@ -95,7 +95,7 @@ impl Method {
                 axis("spatial", &[0.7, 1.0, 2.0], 1),
             ],
             starts: &[&[3, 4, 1, 1], &[7, 1, 2, 1]],
-            runs: 18,
+            runs: 14,
             run: |mesh, p| {
                 let (iterations, vertex_steps) = (p[0] as usize, p[2] as usize);
                 let (range, spatial) = (p[1], p[3]);
@@ -155,7 +155,7 @@ impl Method {
                 axis("radius", &[1.5, 2.0, 3.0], 1),
             ],
             starts: &[&[6, 3, 1, 1], &[1, 8, 2, 1]],
-            runs: 16,
+            runs: 12,
             run: |mesh, p| {
                 let (range, iterations, vertex_steps) = (p[0], p[1] as usize, p[2] as usize);
                 let radius = p[3];
