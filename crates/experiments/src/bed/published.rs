@@ -53,8 +53,8 @@ impl Method {
                 axis("range", &[0.5, 0.7, 1.0, 1.5, 2.5, 5.0], 2),
                 axis("spatial", &[0.5, 0.7, 1.0, 1.5, 2.0, 3.0], 2),
             ],
-            starts: &[&[0, 4, 1], &[6, 2, 3]],
-            runs: 16,
+            starts: &[&[0, 4, 1]],
+            runs: 12,
             run: |mesh, p| {
                 let iterations = p[0] as usize;
                 bilateral(mesh, &BilateralOptions { iterations, range: p[1], spatial: p[2] })
@@ -66,8 +66,8 @@ impl Method {
                 axis("influence", &[0.1, 0.2, 0.3, 0.5, 0.8, 1.5], 3),
                 axis("spatial", &[0.7, 1.0, 1.5, 2.0, 3.0, 4.0], 3),
             ],
-            starts: &[&[1, 1]],
-            runs: 12,
+            starts: &[],
+            runs: 9,
             run: |mesh, p| {
                 non_iterative(mesh, &NonIterativeOptions { influence: p[0], spatial: p[1] })
             },
@@ -79,8 +79,8 @@ impl Method {
                 axis("iterations", COUNTS, 6),
                 axis("steps", STEPS, 3),
             ],
-            starts: &[&[5, 3, 1], &[2, 7, 2]],
-            runs: 16,
+            starts: &[&[5, 3, 1]],
+            runs: 12,
             run: |mesh, p| {
                 let (threshold, iterations, vertex_steps) = (p[0], p[1] as usize, p[2] as usize);
                 fast_effective(mesh, &FastEffectiveOptions { threshold, iterations, vertex_steps })
@@ -94,8 +94,8 @@ impl Method {
                 axis("steps", STEPS, 1),
                 axis("spatial", &[0.7, 1.0, 2.0], 1),
             ],
-            starts: &[&[3, 4, 1, 1], &[7, 1, 2, 1]],
-            runs: 14,
+            starts: &[&[3, 4, 1, 1]],
+            runs: 12,
             run: |mesh, p| {
                 let (iterations, vertex_steps) = (p[0] as usize, p[2] as usize);
                 let (range, spatial) = (p[1], p[3]);
@@ -110,7 +110,7 @@ impl Method {
                 axis("range", &[0.2, 0.3, 0.45, 0.6, 0.8, 1.1, 1.6], 2),
                 axis("steps", STEPS, 1),
             ],
-            starts: &[&[3, 4, 1]],
+            starts: &[],
             runs: 12,
             run: |mesh, p| {
                 let (fidelity, range, vertex_steps) = (p[0], p[1], p[2] as usize);
@@ -126,7 +126,7 @@ impl Method {
                 axis("regularity", &[0.3, 1.0, 3.0], 1),
             ],
             starts: &[],
-            runs: 8,
+            runs: 6,
             run: |mesh, p| {
                 let options = L0Options { sparsity: p[0], regularity: p[1], ..Default::default() };
                 l0(mesh, &options)
@@ -152,15 +152,13 @@ impl Method {
                 axis("range", &[0.15, 0.2, 0.25, 0.3, 0.35, 0.45, 0.6, 0.9], 4),
                 axis("iterations", COUNTS, 6),
                 axis("steps", STEPS, 1),
-                axis("radius", &[1.5, 2.0, 3.0], 1),
             ],
-            starts: &[&[6, 3, 1, 1], &[1, 8, 2, 1]],
-            runs: 12,
+            starts: &[],
+            runs: 11,
             run: |mesh, p| {
                 let (range, iterations, vertex_steps) = (p[0], p[1] as usize, p[2] as usize);
-                let radius = p[3];
-                let options =
-                    GuidedNormalOptions { radius, spatial: 1.0, range, iterations, vertex_steps };
+                let defaults = GuidedNormalOptions::default();
+                let options = GuidedNormalOptions { range, iterations, vertex_steps, ..defaults };
                 guided_normal(mesh, &options)
             },
         },
