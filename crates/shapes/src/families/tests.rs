@@ -60,7 +60,7 @@ fn wrong(family: Family, triangulation: Triangulation, seed: u64) -> Vec<String>
     if d.volume.is_some_and(|v| v < 0.0) {
         wrong.push(format!("{name}: inside out"));
     }
-    if !(1800..=2200).contains(&mesh.face_count()) {
+    if !(1600..=2400).contains(&mesh.face_count()) {
         wrong.push(format!("{name}: {} faces", mesh.face_count()));
     }
     let (angle, face) = smallest_angle(&mesh);
