@@ -3,6 +3,7 @@
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{dot, sub};
 
+use super::follow::Follow;
 use super::local_fits::{FitRule, Regions, local_fits};
 use super::mumford_shah::{PiecewiseSmooth, piecewise_smooth_normals};
 use super::relabel::relabel;
@@ -45,7 +46,7 @@ pub(super) fn first_labels(
         let options = GuidedNormalOptions { range: 0.3, iterations: 40, ..Default::default() };
         FaceShapes::new(&guided_normal(mesh, &options)?).normals
     };
-    relabel(mesh, rings, normals)
+    relabel(mesh, rings, normals, &Follow::new(mesh, rings, 0.0, f64::INFINITY))
 }
 
 /// Sharpens labels by local fits to the noisy positions and moves the vertices
@@ -96,7 +97,7 @@ pub(super) fn denoise_creased(
             weights: &weights,
         };
         let fits = local_fits(&regions, &FitRule { sigma, agreement });
-        normals = relabel(mesh, rings, vote(&regions, &fits))?;
+        normals = relabel(mesh, rings, vote(&regions, &fits), &Follow::new(mesh, rings, 0.0, f64::INFINITY))?;
         current = update_vertices(mesh, &normals, &step)?;
     }
     let last = VertexUpdate { steps: LAST_STEPS, limit: Some(limit) };

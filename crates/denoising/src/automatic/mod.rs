@@ -1,9 +1,11 @@
 //! Denoising without parameters.
 
 mod creased;
+mod follow;
 mod local_fits;
 mod mumford_shah;
 mod parts;
+pub(crate) mod regression;
 mod relabel;
 mod residuals;
 mod smooth;
@@ -26,7 +28,7 @@ use smooth::{Pilot, denoise_smooth};
 
 /// The largest displacement, in noise levels: one Gaussian vertex in two
 /// million is moved further by noise.
-const LIMIT: f64 = 5.0;
+pub(crate) const LIMIT: f64 = 5.0;
 
 /// Noise below this share of the mean edge length is rounding.
 const LEAST_NOISE: f64 = 1e-7;
