@@ -178,7 +178,9 @@ class Moving(Base):
         self,
         sigma: float,
         unit: Literal["edge", "model", "diagonal"] = "edge",
-        kind: Literal["normal", "axes", "direction", "uniform", "impulsive"] = "normal",
+        kind: Literal[
+            "normal", "axes", "direction", "uniform", "impulsive", "correlated", "varying"
+        ] = "normal",
         *,
         share: float = 0.25,
         seed: int = 1,
@@ -192,9 +194,11 @@ class Moving(Base):
             The standard deviation; for `uniform` the largest shift on each axis.
         unit : {'edge', 'model', 'diagonal'}
             Mean edge lengths, mesh units, or diagonals of the bounding box.
-        kind : {'normal', 'axes', 'direction', 'uniform', 'impulsive'}
+        kind : {'normal', 'axes', 'direction', 'uniform', 'impulsive', 'correlated', 'varying'}
             Gaussian along the normal, along each axis, along a random direction; uniform along
-            each axis; Gaussian along a random direction on a share of the vertices.
+            each axis; Gaussian along a random direction on a share of the vertices; Gaussian
+            along the normal, alike at vertices up to two edges apart, or with a level that varies
+            over the surface.
         share : float
             The share of vertices that `impulsive` noise moves.
         seed : int

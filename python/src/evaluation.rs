@@ -32,6 +32,8 @@ fn noise(
         ("direction", NoiseKind::GaussianAlongDirections),
         ("uniform", NoiseKind::UniformPerAxis),
         ("impulsive", NoiseKind::Impulsive { share }),
+        ("correlated", NoiseKind::Correlated { reach: 2.0 }),
+        ("varying", NoiseKind::Varying),
     ];
     let kind = choose("kind", kind, &kinds)?;
     let mesh = mesh.share();

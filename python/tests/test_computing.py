@@ -222,7 +222,7 @@ def test_noise_denoise_compare() -> None:
     assert after.units["normal_mean"] == "°" and "normal angle" in repr(after)
     other = pf.compare(pf.shapes.icosphere(2), cube)
     assert "normal_mean" in other.missing and "normal_mean" not in other
-    for kind in ("normal", "axes", "direction", "uniform", "impulsive"):
+    for kind in ("normal", "axes", "direction", "uniform", "impulsive", "correlated", "varying"):
         assert cube.noise(0.1, kind=kind) != cube  # type: ignore[arg-type]
     for bad in (
         {"sigma": -1.0},

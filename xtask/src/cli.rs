@@ -30,6 +30,9 @@ pub(crate) enum Command {
     },
     /// Time one task inside the process
     Bench(Bench),
+    /// The test bed of the denoisers: generated bodies with noise, and what published methods reach on them
+    #[command(subcommand)]
+    Bed(Bed),
     /// Hold the tree against its rules: arrows between crates, file lengths, machine paths, the README
     Tidy,
     /// Build the wheel of the Python package into target/wheels; makes a virtual environment and fetches maturin
@@ -110,4 +113,52 @@ pub(crate) struct Bench {
     /// The mesh without noise
     #[arg(long, value_name = "FILE")]
     pub(crate) reference: Option<PathBuf>,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Bed {
+    /// Search the best parameters of every published method on every case, with the truth, and keep what they reach in docs/reference/published.csv; cases that are there are passed over
+    Tune {
+        #[command(flatten)]
+        which: Which,
+        /// Search these methods only
+        #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+        methods: Vec<String>,
+        /// Folder that holds the pairs of the literature, which are tuned too; FAIRING_MESHES does the same
+        #[arg(long, value_name = "DIR")]
+        meshes: Option<PathBuf>,
+    },
+    /// Run a denoiser with its defaults on every case, and compare with what published methods reach
+    Measure {
+        #[command(flatten)]
+        which: Which,
+        /// The denoiser
+        #[arg(long, value_name = "NAME", default_value = "automatic")]
+        denoiser: String,
+        /// Write a line for each case into this CSV file
+        #[arg(long, value_name = "FILE")]
+        csv: Option<PathBuf>,
+        /// Write the true, noisy and denoised meshes into this folder
+        #[arg(long, value_name = "DIR")]
+        keep: Option<PathBuf>,
+        /// Folder that holds the pairs of the literature; FAIRING_MESHES does the same
+        #[arg(long, value_name = "DIR")]
+        meshes: Option<PathBuf>,
+    },
+    /// List the cases
+    List {
+        #[command(flatten)]
+        which: Which,
+    },
+}
+
+/// Which cases.
+#[derive(Debug, Args)]
+pub(crate) struct Which {
+    /// One half of the families only: development, unseen
+    #[arg(long, value_name = "HALF")]
+    pub(crate) half: Option<fairing_experiments::bed::Half>,
+    /// Cases whose name contains one of these only
+    #[arg(long, value_name = "TEXTS", value_delimiter = ',')]
+    pub(crate) filter: Vec<String>,
 }

@@ -1,6 +1,7 @@
 //! The tasks that keep the repository in order: `cargo xtask reproduce`, `report`,
-//! `data`, `bench`, `tidy`, `test`.
+//! `data`, `bench`, `bed`, `tidy`, `test`.
 
+mod bed;
 pub mod bench;
 pub mod cli;
 pub mod data;

@@ -4,45 +4,9 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::Range;
 
 use super::made;
+use super::outline::Piece;
 use super::patch::fill;
 use fairing_mesh::TriMesh;
-
-/// A piece of the outline: a straight line or an arc, with the material on
-/// its left.
-#[derive(Clone, Copy)]
-enum Piece {
-    Line {
-        from: [f64; 2],
-        to: [f64; 2],
-    },
-    /// From angle `start` over `sweep`, negative clockwise.
-    Arc {
-        centre: [f64; 2],
-        radius: f64,
-        start: f64,
-        sweep: f64,
-    },
-}
-
-impl Piece {
-    fn length(self) -> f64 {
-        match self {
-            Self::Line { from, to } => libm::hypot(to[0] - from[0], to[1] - from[1]),
-            Self::Arc { radius, sweep, .. } => radius * sweep.abs(),
-        }
-    }
-
-    /// The point at a share `t` of the length.
-    fn at(self, t: f64) -> [f64; 2] {
-        match self {
-            Self::Line { from, to } => [0, 1].map(|k| from[k] + t * (to[k] - from[k])),
-            Self::Arc { centre, radius, start, sweep } => {
-                let (s, c) = libm::sincos(start + t * sweep);
-                [centre[0] + radius * c, centre[1] + radius * s]
-            }
-        }
-    }
-}
 
 /// An L with one corner rounded outwards, the inner corner filled with a
 /// fillet, one corner cut off, four left sharp; and a round hole.

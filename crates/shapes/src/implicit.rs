@@ -192,7 +192,7 @@ fn relaxed(mesh: &TriMesh, field: &(impl Fn([f64; 3]) -> f64 + Sync), cell: f64)
 }
 
 /// Newton's method along the gradient, no step longer than half a cell.
-fn onto(field: &impl Fn([f64; 3]) -> f64, mut p: [f64; 3], cell: f64) -> [f64; 3] {
+pub(super) fn onto(field: &impl Fn([f64; 3]) -> f64, mut p: [f64; 3], cell: f64) -> [f64; 3] {
     for _ in 0..12 {
         let (f, g) = (field(p), gradient(field, p));
         let step = scale(g, f / dot(g, g).max(1e-12));

@@ -1,0 +1,92 @@
+//! Bodies with plane faces.
+
+use std::collections::HashMap;
+
+use fairing_mesh::vec3::{add, cross, distance, dot, norm, normalize, scale, sub};
+
+use super::solid::{Chart, Curve, Solid, joined, reversed};
+
+/// Adds the body with these corners and faces, each a loop of corners
+/// counter-clockwise seen from outside.
+pub(super) fn polyhedron(solid: &mut Solid, corners: &[[f64; 3]], faces: &[Vec<usize>]) {
+    let ids: Vec<u32> = corners.iter().map(|&p| solid.corner(p)).collect();
+    let mut lines: HashMap<(usize, usize), Curve> = HashMap::new();
+    for face in faces {
+        let n = face.len();
+        let sides: Vec<Curve> = (0..n)
+            .map(|i| {
+                let (a, b) = (face[i], face[(i + 1) % n]);
+                let key = (a.min(b), a.max(b));
+                let line = lines.entry(key).or_insert_with(|| solid.line(ids[key.0], ids[key.1]));
+                if a == key.0 { line.clone() } else { reversed(line) }
+            })
+            .collect();
+        let border = joined(&sides.iter().map(Vec::as_slice).collect::<Vec<_>>());
+        let p: Vec<[f64; 3]> = face.iter().map(|&i| corners[i]).collect();
+        // Newell's normal.
+        let normal =
+            (1..n - 1).fold([0.0; 3], |s, i| add(s, cross(sub(p[i], p[0]), sub(p[i + 1], p[0]))));
+        let normal = scale(normal, 1.0 / norm(normal));
+        solid.face(&[border], &Chart::plane(p[0], normal, sub(p[1], p[0])));
+    }
+}
+
+/// The corners and faces of the convex body `x · n ≤ d` for all planes (n, d),
+/// n of unit length; `None` if two corners are closer than `least`.
+pub(super) fn convex(
+    planes: &[([f64; 3], f64)],
+    least: f64,
+) -> Option<(Vec<[f64; 3]>, Vec<Vec<usize>>)> {
+    let (mut corners, mut on): (Vec<[f64; 3]>, Vec<[usize; 3]>) = (vec![], vec![]);
+    let n = planes.len();
+    for i in 0..n {
+        for j in i + 1..n {
+            for k in j + 1..n {
+                let Some(p) = meeting([planes[i], planes[j], planes[k]]) else { continue };
+                let inside = planes
+                    .iter()
+                    .enumerate()
+                    .all(|(m, (normal, d))| [i, j, k].contains(&m) || dot(*normal, p) < *d);
+                if inside {
+                    corners.push(p);
+                    on.push([i, j, k]);
+                }
+            }
+        }
+    }
+    for a in 0..corners.len() {
+        for b in 0..a {
+            if distance(corners[a], corners[b]) < least {
+                return None;
+            }
+        }
+    }
+    let mut faces = vec![];
+    for (m, (normal, _)) in planes.iter().enumerate() {
+        let mut face: Vec<usize> = (0..corners.len()).filter(|&c| on[c].contains(&m)).collect();
+        if face.len() < 3 {
+            return None;
+        }
+        let sum = face.iter().fold([0.0; 3], |s, &c| add(s, corners[c]));
+        let middle = scale(sum, 1.0 / face.len() as f64);
+        let x = normalize(sub(corners[face[0]], middle))?;
+        let y = cross(*normal, x);
+        let angle = |c: usize| {
+            let d = sub(corners[c], middle);
+            libm::atan2(dot(d, y), dot(d, x))
+        };
+        face.sort_by(|&a, &b| angle(a).total_cmp(&angle(b)));
+        faces.push(face);
+    }
+    Some((corners, faces))
+}
+
+/// Where three planes meet; `None` if they are nearly dependent.
+fn meeting([(a, d), (b, e), (c, f)]: [([f64; 3], f64); 3]) -> Option<[f64; 3]> {
+    let determinant = dot(a, cross(b, c));
+    if determinant.abs() < 1e-6 {
+        return None;
+    }
+    let sum = add(add(scale(cross(b, c), d), scale(cross(c, a), e)), scale(cross(a, b), f));
+    Some(scale(sum, 1.0 / determinant))
+}

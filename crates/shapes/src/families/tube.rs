@@ -1,0 +1,37 @@
+//! Tubes around closed curves.
+
+use fairing_mesh::vec3::{add, cross, distance, dot, norm, scale, sub};
+
+/// A tube around a closed curve of period one.
+pub(super) struct Tube<F> {
+    axis: F,
+}
+
+impl<F: Fn(f64) -> [f64; 3]> Tube<F> {
+    /// The curvature of the curve vanishes nowhere.
+    pub(super) fn new(axis: F) -> Self {
+        Self { axis }
+    }
+
+    pub(super) fn length(&self) -> f64 {
+        const PARTS: u32 = 512;
+        let at = |i: u32| (self.axis)(f64::from(i) / f64::from(PARTS));
+        (0..PARTS).map(|i| distance(at(i), at(i + 1))).sum()
+    }
+
+    /// The point at a share `u` of the curve's parameter and `v` of a turn
+    /// around it, clockwise from its normal seen along it, so that u to the right and v
+    /// upwards turn counter-clockwise seen from outside.
+    pub(super) fn at(&self, u: f64, v: f64, radius: f64) -> [f64; 3] {
+        const STEP: f64 = 1e-4;
+        let [before, here, after] = [u - STEP, u, u + STEP].map(&self.axis);
+        let tangent = sub(after, before);
+        let tangent = scale(tangent, 1.0 / norm(tangent));
+        let bend = sub(add(before, after), scale(here, 2.0));
+        let bend = sub(bend, scale(tangent, dot(bend, tangent)));
+        let normal = scale(bend, 1.0 / norm(bend));
+        let binormal = cross(normal, tangent);
+        let (s, c) = libm::sincos(std::f64::consts::TAU * v);
+        add(here, add(scale(normal, radius * c), scale(binormal, radius * s)))
+    }
+}

@@ -1,0 +1,277 @@
+//! The test bed of the denoisers: `cargo xtask bed`.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+use anyhow::{Context as _, Result};
+use fairing_experiments::bed::{
+    Case, Found, Half, Method, PAIR_NAMES, Pair, Published, Summary, cases, denoiser, found, pairs,
+    summary, tuned,
+};
+use fairing_mesh::{TriMesh, io};
+use rayon::prelude::*;
+
+use crate::cli::{Bed, Which};
+
+/// The table, from the root.
+const TABLE: &str = "docs/reference/published.csv";
+
+/// Does what was asked.
+pub(crate) fn run(command: Bed, root: &Path) -> Result<()> {
+    match command {
+        Bed::List { which } => {
+            for case in which.cases() {
+                println!("{:<12} {}", case.half().to_string(), case.name());
+            }
+            Ok(())
+        }
+        Bed::Tune { which, methods, meshes } => tune(&which, &methods, meshes, &root.join(TABLE)),
+        Bed::Measure { which, denoiser, csv, keep, meshes } => {
+            let table = Published::read(&fs::read_to_string(root.join(TABLE))?)?;
+            let mut measurement = Measurement { table, name: denoiser, keep, found: vec![] };
+            measurement.run(&which, meshes)?;
+            if let Some(csv) = csv {
+                let all: Vec<Found> = measurement.found.into_iter().map(|f| f.1).collect();
+                fs::write(&csv, lines(&all)).with_context(|| format!("{}", csv.display()))?;
+            }
+            Ok(())
+        }
+    }
+}
+
+impl Which {
+    fn has(&self, name: &str) -> bool {
+        self.filter.is_empty() || self.filter.iter().any(|f| name.contains(f.as_str()))
+    }
+
+    fn cases(&self) -> Vec<Case> {
+        let mut all = cases();
+        all.retain(|c| self.half.is_none_or(|h| c.half() == h) && self.has(&c.name()));
+        all
+    }
+
+    /// The pairs of the literature, which belong to neither half.
+    fn pairs(&self, folder: Option<PathBuf>) -> Result<Vec<Pair>> {
+        let folder = folder.or_else(|| std::env::var_os("FAIRING_MESHES").map(PathBuf::from));
+        let Some(folder) = folder.filter(|_| self.half.is_none()) else { return Ok(vec![]) };
+        let (mut found, absent) = pairs(&folder)?;
+        found.retain(|p| self.has(p.name));
+        for name in absent.iter().filter(|n| self.has(n)) {
+            println!("{name}: not in {}", folder.display());
+        }
+        Ok(found)
+    }
+}
+
+/// What is to be searched: case and method.
+type Job<'a> = (String, &'a Method, Source);
+
+/// Where the meshes of a case come from.
+#[derive(Clone)]
+enum Source {
+    Case(Case),
+    Pair(Box<Pair>),
+}
+
+impl Source {
+    fn meshes(self) -> Result<(TriMesh, TriMesh)> {
+        match self {
+            Self::Case(case) => case.meshes(),
+            Self::Pair(pair) => Ok((pair.truth, pair.noisy)),
+        }
+    }
+}
+
+fn tune(which: &Which, methods: &[String], meshes: Option<PathBuf>, path: &Path) -> Result<()> {
+    let text = fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))?;
+    let mut table = Published::read(&text)?;
+    let pairs = which.pairs(meshes)?;
+    // Cases that are no longer there.
+    let known: Vec<String> = cases().iter().map(Case::name).collect();
+    table.retain_cases(|c| known.iter().any(|k| k == c) || PAIR_NAMES.contains(&c));
+    let sources: Vec<(String, Source)> = which
+        .cases()
+        .into_iter()
+        .map(|c| (c.name(), Source::Case(c)))
+        .chain(pairs.into_iter().map(|p| (p.name.to_string(), Source::Pair(Box::new(p)))))
+        .collect();
+    let wanted: Vec<&Method> = Method::ALL
+        .iter()
+        .filter(|m| methods.is_empty() || methods.iter().any(|n| n == m.denoiser.name()))
+        .collect();
+    // The quick methods first, so that a table of all cases is there early.
+    let mut jobs: Vec<Job<'_>> = vec![];
+    for &method in &wanted {
+        for (name, source) in &sources {
+            if table.get(name, method.denoiser.name()).is_none() {
+                jobs.push((name.clone(), method, source.clone()));
+            }
+        }
+    }
+    println!("{} searches", jobs.len());
+    let (total, table) = (jobs.len(), Mutex::new((table, 0)));
+    // A case takes as long as its slowest run: threads take cases, not parts of them.
+    jobs.into_par_iter().by_exponential_blocks().try_for_each(|(name, method, source)| {
+        let (truth, noisy) = source.meshes()?;
+        let entry = tuned(&name, method, &noisy, &truth)?;
+        let mut state = table.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        state.1 += 1;
+        println!(
+            "{}/{total} {name}, {}: {:.2}° to {:.2}° ({})",
+            state.1, entry.method, entry.default, entry.tuned, entry.parameters
+        );
+        state.0.insert(entry);
+        // Whole or not at all, so that a search that is interrupted can be resumed.
+        let partial = path.with_extension("partial");
+        fs::write(&partial, state.0.written())?;
+        fs::rename(&partial, path).context("replacing the table")
+    })
+}
+
+/// A run over the bed.
+struct Measurement {
+    table: Published,
+    name: String,
+    keep: Option<PathBuf>,
+    /// The half, none for the pairs of the literature.
+    found: Vec<(Option<Half>, Found)>,
+}
+
+impl Measurement {
+    fn run(&mut self, which: &Which, meshes: Option<PathBuf>) -> Result<()> {
+        if let Some(folder) = &self.keep {
+            fs::create_dir_all(folder)?;
+        }
+        println!(
+            "{:<44} {:>6} {:>6} {:>6} {:>5}  {:<18} {:>5} {:>9} {:>9} {:>7} {:>6}",
+            "case",
+            "noisy",
+            "E_a",
+            "best",
+            "ratio",
+            "by",
+            "E_v",
+            "flips",
+            "crossings",
+            "volume",
+            "time"
+        );
+        for case in which.cases() {
+            let (truth, noisy) = case.meshes()?;
+            self.one(Some(case.half()), &case.name(), &truth, &noisy)?;
+        }
+        for pair in which.pairs(meshes)? {
+            self.one(None, pair.name, &pair.truth, &pair.noisy)?;
+        }
+        for (half, title) in [
+            (Some(Half::Development), "development"),
+            (Some(Half::Unseen), "unseen"),
+            (None, "pairs"),
+        ] {
+            let mine: Vec<Found> =
+                self.found.iter().filter(|f| f.0 == half).map(|f| f.1.clone()).collect();
+            if !mine.is_empty() {
+                report(title, &mine, &summary(&mine));
+            }
+        }
+        Ok(())
+    }
+
+    fn one(
+        &mut self,
+        half: Option<Half>,
+        name: &str,
+        truth: &TriMesh,
+        noisy: &TriMesh,
+    ) -> Result<()> {
+        let denoise = denoiser(&self.name)?;
+        let run = |mesh: &TriMesh| denoise(mesh).with_context(|| format!("denoising {name}"));
+        let (one, restored) = found(name, truth, noisy, &self.table, run)?;
+        println!("{}", line(&one));
+        if let Some(folder) = &self.keep {
+            let base = name.replace(' ', "_");
+            for (part, mesh) in [("truth", truth), ("noisy", noisy), ("denoised", &restored)] {
+                io::write(folder.join(format!("{base}_{part}.ply")), mesh)?;
+            }
+        }
+        self.found.push((half, one));
+        Ok(())
+    }
+}
+
+/// A case on a line of the terminal.
+fn line(f: &Found) -> String {
+    let (best, by) = f.best.as_ref().map_or((String::new(), ""), |b| (format!("{:.2}", b.0), &b.1));
+    let ratio = f.ratio().map(|r| format!("{r:.2}")).unwrap_or_default();
+    let volume = f.volume.map(|v| format!("{:+.2}%", 100.0 * v)).unwrap_or_default();
+    let change = |[before, after]: [usize; 2]| format!("{before}→{after}");
+    format!(
+        "{:<44} {:>6.2} {:>6.2} {best:>6} {ratio:>5}  {by:<18} {:>5.2} {:>9} {:>9} {volume:>7} {:>5.2}s",
+        f.case,
+        f.noisy,
+        f.angle,
+        f.distance,
+        change(f.flipped),
+        change(f.intersections),
+        f.seconds
+    )
+}
+
+/// What holds of all cases of a half.
+fn report(title: &str, found: &[Found], s: &Summary) {
+    let number = |x: Option<f64>| x.map_or("?".to_string(), |x| format!("{x:.3}"));
+    println!("\n{title}: {} cases, {:.1} s", s.cases, s.seconds);
+    println!(
+        "  E_a over the best published, tuned: median {}, worst {}, above 1.1 in {} cases",
+        number(s.median),
+        number(s.worst),
+        s.beyond_bar
+    );
+    println!(
+        "  worse than a published method at its defaults: {}; than the noisy mesh in normals: {}, in positions: {}",
+        s.worse_than_default, s.worse_normals, s.worse_positions
+    );
+    println!(
+        "  flipped faces {} → {}, more than a tenth in {} cases; more self-intersections in {}; volume changes by {:.2} % at most",
+        s.flipped[0],
+        s.flipped[1],
+        s.too_many_flipped,
+        s.more_intersections,
+        100.0 * s.volume
+    );
+    let mut worst: Vec<&Found> = found.iter().filter(|f| f.ratio().is_some()).collect();
+    worst.sort_by(|a, b| b.ratio().unwrap_or(0.0).total_cmp(&a.ratio().unwrap_or(0.0)));
+    for f in worst.into_iter().take(5) {
+        println!("  worst: {}", line(f));
+    }
+}
+
+/// The cases as CSV.
+fn lines(found: &[Found]) -> String {
+    let mut text = "case,noisy,angle,best,by,ratio,best_default,distance,flipped_before,flipped,crossings_before,crossings,volume,seconds\n".to_string();
+    for f in found {
+        let optional = |x: Option<f64>| x.map(|x| format!("{x:.4}")).unwrap_or_default();
+        let by = f.best.as_ref().map_or("", |b| &b.1);
+        // Writing to a string never fails.
+        let _ = writeln!(
+            text,
+            "{},{:.3},{:.3},{},{by},{},{},{:.3},{},{},{},{},{},{:.2}",
+            f.case,
+            f.noisy,
+            f.angle,
+            optional(f.best.as_ref().map(|b| b.0)),
+            optional(f.ratio()),
+            optional(f.best_default),
+            f.distance,
+            f.flipped[0],
+            f.flipped[1],
+            f.intersections[0],
+            f.intersections[1],
+            optional(f.volume),
+            f.seconds
+        );
+    }
+    text
+}
