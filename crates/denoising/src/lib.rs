@@ -34,7 +34,7 @@ mod unit_scale;
 mod vertex_update;
 
 pub use automatic::regression::training::{TrainingOptions, TrainingPair, train_normals};
-pub use automatic::{Automatic, SurfaceKind, automatic};
+pub use automatic::{Automatic, FaceKind, SurfaceKind, automatic};
 pub use bilateral::{BilateralOptions, bilateral};
 pub use bilateral_normal::{
     BilateralNormalGlobalOptions, BilateralNormalOptions, bilateral_normal, bilateral_normal_global,

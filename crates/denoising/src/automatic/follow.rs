@@ -167,3 +167,59 @@ pub(super) fn hold(p: [f64; 3], x: [f64; 3], limit: f64) -> [f64; 3] {
     let length = norm(offset);
     if length > limit { add(p, scale(offset, limit / length)) } else { x }
 }
+
+#[cfg(test)]
+mod tests {
+    use fairing_shapes as shapes;
+
+    use super::*;
+
+    fn opposing(mesh: &TriMesh, normals: &[[f64; 3]]) -> usize {
+        (0..mesh.face_count()).filter(|&f| dot(mesh.area_vector(f), normals[f]) <= 0.0).count()
+    }
+
+    /// On a plane moves are free within and a twenty-fifth across; at a
+    /// corner of three planes they are small in all directions.
+    #[test]
+    fn moves_stay_within_the_faces() {
+        let flat = within([[0.0, 0.0, 1.0]; 6].into_iter(), [1.0, 2.0, 5.0]);
+        for (x, expected) in flat.into_iter().zip([1.0, 2.0, 5.0 / 25.0]) {
+            assert!((x - expected).abs() < 1e-14, "{flat:?}");
+        }
+        let s = 0.5f64.sqrt();
+        let tilted = [[s, s, 0.0], [s, s, 0.0], [0.0, s, s]];
+        let d = within(tilted.into_iter(), [0.3, -0.2, 0.9]);
+        let residual = tilted.iter().fold(d, |r, &n| add(r, scale(n, STIFFNESS * dot(n, d))));
+        for (x, o) in residual.into_iter().zip([0.3, -0.2, 0.9]) {
+            assert!((x - o).abs() < 1e-14, "{residual:?}");
+        }
+    }
+
+    /// Two inner vertices of a plane that have changed places fold the faces
+    /// around them; all open, and the plane stays flat. No vertex goes further
+    /// than the limit, even where that leaves a fold; a plane without folds
+    /// stays as it is.
+    #[test]
+    fn folds_open() {
+        let plane = shapes::plane(8, 8, shapes::Diagonals::Regular);
+        let h = plane.mean_edge_length();
+        let rings = FaceLists::rings(&plane);
+        let normals = vec![[0.0, 0.0, 1.0]; plane.face_count()];
+        let mut positions = plane.positions().to_vec();
+        positions.swap(40, 41);
+        let folded = plane.with_positions(positions).unwrap();
+        assert!(opposing(&folded, &normals) >= 2);
+        let follow = Follow::new(&folded, &rings, 0.3 * h, f64::INFINITY);
+        let opened = follow.run(folded.positions(), &normals, 60).unwrap();
+        assert_eq!(opposing(&opened, &normals), 0);
+        assert!(opened.positions().iter().all(|p| p[2] == 0.0));
+        let short = Follow::new(&folded, &rings, 0.3 * h, 1e-3 * h);
+        let kept = short.run(folded.positions(), &normals, 10).unwrap();
+        for (p, q) in kept.positions().iter().zip(folded.positions()) {
+            assert!(distance(*p, *q) <= 1e-3 * h * (1.0 + 1e-12));
+        }
+        let follow = Follow::new(&plane, &rings, 0.01 * h, f64::INFINITY);
+        let same = follow.run(plane.positions(), &normals, 5).unwrap();
+        assert_eq!(same.positions(), plane.positions());
+    }
+}

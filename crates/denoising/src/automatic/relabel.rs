@@ -4,9 +4,9 @@ use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::dot;
 use rayon::prelude::*;
 
+use super::follow::Follow;
 use crate::DenoiseError;
 use crate::faces::{FaceLists, FaceShapes};
-use super::follow::Follow;
 
 /// The least cosine between the label of a face and its geometry: 11.5°.
 const AGREE: f64 = 0.98;

@@ -22,7 +22,7 @@ const MEANS: usize = RADII.len() * RANGES;
 /// normals.
 pub(crate) const CANDIDATES: usize = 2 * MEANS + 2 * FITS.len() + 6;
 
-const SCALARS: usize = 24 + 3 * RADII.len() + 3 * FITS.len();
+const SCALARS: usize = 25 + 3 * RADII.len() + 3 * FITS.len();
 
 /// Three components of each candidate, and numbers.
 pub(crate) const INPUTS: usize = 3 * CANDIDATES + SCALARS;
@@ -78,6 +78,8 @@ pub(crate) struct State<'a> {
     pub(crate) longest: &'a [f64],
     /// The noise level, in mesh units.
     pub(crate) sigma: f64,
+    /// That over the estimate from the noisy mesh.
+    pub(crate) excess: f64,
     /// The mean edge length.
     pub(crate) h: f64,
     /// [`NoiseEstimate::tail_ratio`](fairing_operators::NoiseEstimate).
@@ -136,8 +138,28 @@ impl LocalFit {
 fn moments([x, y, z]: [f64; 3]) -> [f64; MOMENTS] {
     let (xx, xy, yy) = (x * x, x * y, y * y);
     [
-        1.0, x, y, xx, xy, yy, xx * x, xx * y, x * yy, yy * y, xx * xx, xx * xy, xx * yy,
-        xy * yy, yy * yy, z, x * z, y * z, xx * z, xy * z, yy * z, z * z,
+        1.0,
+        x,
+        y,
+        xx,
+        xy,
+        yy,
+        xx * x,
+        xx * y,
+        x * yy,
+        yy * y,
+        xx * xx,
+        xx * xy,
+        xx * yy,
+        xy * yy,
+        yy * yy,
+        z,
+        x * z,
+        y * z,
+        xx * z,
+        xy * z,
+        yy * z,
+        z * z,
     ]
 }
 
@@ -297,9 +319,7 @@ fn read_fit(
     axes: [[f64; 3]; 2],
     sigma: f64,
 ) -> ([[f64; 3]; 2], [f64; 3], f64) {
-    let normal = |x: f64, y: f64| {
-        unit_or_zero(sub(n, add(scale(axes[0], x), scale(axes[1], y))))
-    };
+    let normal = |x: f64, y: f64| unit_or_zero(sub(n, add(scale(axes[0], x), scale(axes[1], y))));
     let equations = fit.equations::<3>();
     let Some(plane) = equations.factor() else { return ([n; 2], [0.0, 0.0, 3.0], 0.0) };
     let p = plane.solve(equations.rhs());
@@ -466,6 +486,7 @@ fn scalars(
         missing as f64,
         log2(spread),
         state.tail,
+        log2(state.excess),
         dot(state.noisy.normals[f], state.normals[f]),
         sums.near[1] / sums.near[0].max(f64::MIN_POSITIVE),
         noise,

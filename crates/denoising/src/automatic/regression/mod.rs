@@ -10,9 +10,9 @@ use fairing_mesh::vec3::{add, distance, dot, scale};
 use fairing_operators::NoiseEstimate;
 use rayon::prelude::*;
 
+use super::follow::Follow;
 use crate::DenoiseError;
 use crate::faces::{FaceLists, FaceShapes, Hinges, unit_or_zero};
-use super::follow::Follow;
 use features::{Gatherer, Seen, State, longest_sides};
 use model::Model;
 use network::{Network, Trace, combine};
@@ -32,7 +32,10 @@ pub(crate) struct Progress<'a> {
     hinges: &'a Hinges,
     rings: &'a FaceLists,
     level: NoiseEstimate,
-    limit: f64,
+    /// The noise level: the estimate, or the displacements, if they are larger.
+    sigma: f64,
+    /// How far vertices may go: five standard deviations.
+    pub(crate) limit: f64,
     h: f64,
     noisy: FaceShapes,
     current: FaceShapes,
@@ -52,7 +55,6 @@ impl<'a> Progress<'a> {
         hinges: &'a Hinges,
         rings: &'a FaceLists,
         level: NoiseEstimate,
-        limit: f64,
     ) -> Self {
         let noisy = FaceShapes::new(mesh);
         let vector = |f: usize| scale(noisy.normals[f], noisy.areas[f]);
@@ -69,7 +71,8 @@ impl<'a> Progress<'a> {
             hinges,
             rings,
             level,
-            limit,
+            sigma: level.sigma,
+            limit: 5.0 * level.sigma,
             h,
             current: noisy.clone(),
             noisy,
@@ -117,7 +120,7 @@ impl<'a> Progress<'a> {
     /// Differences between normals that count: from what noise of `factor` σ̂/h
     /// makes to that of a crease.
     fn set_ranges(&mut self, factor: f64) {
-        let low = (factor * self.level.sigma / self.h).clamp(0.02, 0.3);
+        let low = (factor * self.sigma / self.h).clamp(0.02, 0.3);
         self.ranges = [low, (low * 0.5).sqrt(), 0.5];
     }
 
@@ -132,7 +135,8 @@ impl<'a> Progress<'a> {
             trust: &self.trust,
             scales: &self.scales,
             longest: &self.longest,
-            sigma: self.level.sigma,
+            sigma: self.sigma,
+            excess: self.sigma / self.level.sigma,
             h: self.h,
             tail: self.level.tail_ratio,
             ranges: self.ranges,
@@ -192,12 +196,15 @@ impl<'a> Progress<'a> {
 
     /// The surface follows the normals.
     fn follow(&mut self) -> Result<(), DenoiseError> {
-        let follow = Follow::new(self.mesh, self.rings, self.level.sigma, self.limit);
+        let follow = Follow::new(self.mesh, self.rings, self.sigma, f64::INFINITY);
         let current = follow.run(self.mesh.positions(), &self.normals, STEPS)?;
-        let scale = 1.0 / (TRUST * self.level.sigma);
-        let trust: Vec<f64> = (self.mesh.positions().iter().zip(current.positions()))
-            .map(|(&p, &x)| 1.0 / (1.0 + (scale * distance(p, x)).powi(2)))
+        let moved: Vec<f64> = (self.mesh.positions().iter().zip(current.positions()))
+            .map(|(&p, &x)| distance(p, x))
             .collect();
+        self.sigma = self.level.sigma.max(median(moved.clone()));
+        let scale = 1.0 / (TRUST * self.sigma);
+        let trust: Vec<f64> = moved.iter().map(|d| 1.0 / (1.0 + (scale * d).powi(2))).collect();
+        self.limit = 5.0 * self.sigma.max(root_mean_square(&moved));
         self.trust = (self.mesh.faces().iter())
             .map(|face| face.iter().map(|&v| trust[v as usize]).sum::<f64>() / 3.0)
             .collect();
@@ -216,45 +223,67 @@ impl<'a> Progress<'a> {
     }
 }
 
-/// The normals after all stages.
+/// The median; zero without numbers.
+fn median(mut numbers: Vec<f64>) -> f64 {
+    let middle = numbers.len() / 2;
+    if numbers.is_empty() {
+        return 0.0;
+    }
+    *numbers.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+fn root_mean_square(numbers: &[f64]) -> f64 {
+    (numbers.iter().map(|x| x * x).sum::<f64>() / numbers.len().max(1) as f64).sqrt()
+}
+
+/// What the stages make of a mesh.
+pub(crate) struct Regressed {
+    pub(crate) normals: Vec<[f64; 3]>,
+    /// The noise level that the displacements show, at least the estimate.
+    pub(crate) sigma: f64,
+    /// How far vertices may go.
+    pub(crate) limit: f64,
+}
+
+/// Runs all stages.
 ///
 /// # Errors
 ///
 /// [`DenoiseError::NonFinite`] if coordinates overflow.
-pub(crate) fn regressed_normals(
+pub(crate) fn regress(
     mesh: &TriMesh,
     hinges: &Hinges,
     rings: &FaceLists,
     level: NoiseEstimate,
-    limit: f64,
     model: &Model,
-) -> Result<Vec<[f64; 3]>, DenoiseError> {
-    let mut progress = Progress::new(mesh, hinges, rings, level, limit);
+) -> Result<Regressed, DenoiseError> {
+    let mut progress = Progress::new(mesh, hinges, rings, level);
     fairing_watch::stage("normals", model.stages.len() as u64);
     for network in &model.stages {
         progress.advance(network)?;
         fairing_watch::advance(1);
     }
-    Ok(progress.normals)
+    let Progress { normals, sigma, limit, .. } = progress;
+    Ok(Regressed { normals, sigma, limit })
 }
 
 /// For development.
 #[doc(hidden)]
-pub fn dev_denoise(mesh: &TriMesh, model: &[u8]) -> Result<Vec<(Vec<[f64; 3]>, TriMesh)>, DenoiseError> {
+pub fn dev_denoise(
+    mesh: &TriMesh,
+    model: &[u8],
+) -> Result<Vec<(Vec<[f64; 3]>, TriMesh)>, DenoiseError> {
     let model = Model::read(model).unwrap_or_else(|e| panic!("{e}"));
     let Some(level) = fairing_operators::noise_level(mesh) else { return Ok(vec![]) };
     let (hinges, rings) = (Hinges::new(mesh), FaceLists::rings(mesh));
-    let limit = super::LIMIT * level.sigma * level.tail_ratio.max(1.0);
     let mut out = vec![];
-    let mut progress = Progress::new(mesh, &hinges, &rings, level, limit);
+    let mut progress = Progress::new(mesh, &hinges, &rings, level);
     for network in &model.stages {
         progress.advance(network)?;
     }
-    let normals = progress.normals;
-    let follow = Follow::new(mesh, &rings, level.sigma, limit);
+    let normals = progress.normals.clone();
+    let follow = Follow::new(mesh, &rings, progress.sigma, progress.limit);
     let plain = follow.run(mesh.positions(), &normals, 60)?;
-    out.push((normals.clone(), plain));
-    let plain = follow.run(mesh.positions(), &normals, 200)?;
     out.push((normals.clone(), plain));
     let labels = super::relabel::relabel(mesh, &rings, normals, &follow)?;
     let plain = follow.run(mesh.positions(), &labels, 60)?;

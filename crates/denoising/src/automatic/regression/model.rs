@@ -74,13 +74,8 @@ impl Model {
 
     /// The bytes of a file.
     pub(crate) fn write(&self) -> Vec<u8> {
-        let sizes = [
-            VERSION,
-            self.stages.len() as u32,
-            INPUTS as u32,
-            HIDDEN as u32,
-            CANDIDATES as u32,
-        ];
+        let sizes =
+            [VERSION, self.stages.len() as u32, INPUTS as u32, HIDDEN as u32, CANDIDATES as u32];
         let mut bytes = NAME.to_vec();
         bytes.extend(sizes.iter().flat_map(|x| x.to_le_bytes()));
         bytes.extend(self.seed.to_le_bytes());
@@ -96,4 +91,35 @@ fn checksum(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &b| {
         (hash ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The released file is read; bytes that are missing, changed or of another
+    /// version are not.
+    #[test]
+    fn damaged_files_are_refused() {
+        let bytes = include_bytes!("normals.bin");
+        let model = Model::read(bytes).unwrap();
+        assert!(!model.stages.is_empty());
+        assert_eq!(model.write(), bytes);
+        assert!(Model::read(&bytes[..bytes.len() - 4]).unwrap_err().contains("checksum"));
+        assert!(Model::read(&bytes[..20]).unwrap_err().contains("cut off"));
+        let changed = |at: usize, mended: bool| {
+            let mut bytes = bytes.to_vec();
+            bytes[at] ^= 1;
+            if mended {
+                let n = bytes.len() - 8;
+                let sum = checksum(&bytes[..n]).to_le_bytes();
+                bytes[n..].copy_from_slice(&sum);
+            }
+            Model::read(&bytes).unwrap_err()
+        };
+        assert!(changed(bytes.len() / 2, false).contains("checksum"));
+        assert!(changed(3, true).contains("no regression"));
+        assert!(changed(8, true).contains("sizes"));
+        assert!(changed(12, true).contains("numbers for"));
+    }
 }
