@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::sync::{Mutex, PoisonError};
 
 use anyhow::{Context as _, Result};
 use fairing_experiments::bed::{
@@ -65,11 +65,7 @@ impl Which {
     }
 }
 
-/// What is to be searched: case and method.
-type Job<'a> = (String, &'a Method, Source);
-
 /// Where the meshes of a case come from.
-#[derive(Clone)]
 enum Source {
     Case(Case),
     Pair(Box<Pair>),
@@ -87,46 +83,54 @@ impl Source {
 fn tune(which: &Which, methods: &[String], meshes: Option<PathBuf>, path: &Path) -> Result<()> {
     let text = fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))?;
     let mut table = Published::read(&text)?;
-    let pairs = which.pairs(meshes)?;
     // Cases that are no longer there.
     let known: Vec<String> = cases().iter().map(Case::name).collect();
     table.retain_cases(|c| known.iter().any(|k| k == c) || PAIR_NAMES.contains(&c));
-    let sources: Vec<(String, Source)> = which
+    let mut sources: Vec<(String, Source)> = which
         .cases()
         .into_iter()
         .map(|c| (c.name(), Source::Case(c)))
-        .chain(pairs.into_iter().map(|p| (p.name.to_string(), Source::Pair(Box::new(p)))))
+        .chain(
+            which
+                .pairs(meshes)?
+                .into_iter()
+                .map(|p| (p.name.to_string(), Source::Pair(Box::new(p)))),
+        )
         .collect();
-    let wanted: Vec<&Method> = Method::ALL
+    let wanted = |m: &Method| methods.is_empty() || methods.iter().any(|n| n == m.denoiser.name());
+    let missing: Vec<Vec<&Method>> = sources
         .iter()
-        .filter(|m| methods.is_empty() || methods.iter().any(|n| n == m.denoiser.name()))
+        .map(|(name, _)| {
+            let is_missing =
+                |m: &&Method| wanted(m) && table.get(name, m.denoiser.name()).is_none();
+            Method::ALL.iter().filter(is_missing).collect()
+        })
         .collect();
-    // The quick methods first, so that a table of all cases is there early.
-    let mut jobs: Vec<Job<'_>> = vec![];
-    for &method in &wanted {
-        for (name, source) in &sources {
-            if table.get(name, method.denoiser.name()).is_none() {
-                jobs.push((name.clone(), method, source.clone()));
-            }
+    let total: usize = missing.iter().map(Vec::len).sum();
+    println!("{total} searches");
+    let state = Mutex::new((table, 0));
+    // One case of each family after another, so that a part of the table has all of them.
+    let mut jobs: Vec<_> = sources.drain(..).zip(missing).enumerate().collect();
+    jobs.sort_by_key(|(k, _)| k % 7);
+    jobs.into_par_iter().with_max_len(1).try_for_each(|(_, ((name, source), missing))| {
+        if missing.is_empty() {
+            return Ok(());
         }
-    }
-    println!("{} searches", jobs.len());
-    let (total, table) = (jobs.len(), Mutex::new((table, 0)));
-    // A case takes as long as its slowest run: threads take cases, not parts of them.
-    jobs.into_par_iter().by_exponential_blocks().try_for_each(|(name, method, source)| {
         let (truth, noisy) = source.meshes()?;
-        let entry = tuned(&name, method, &noisy, &truth)?;
-        let mut state = table.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        state.1 += 1;
-        println!(
-            "{}/{total} {name}, {}: {:.2}° to {:.2}° ({})",
-            state.1, entry.method, entry.default, entry.tuned, entry.parameters
-        );
-        state.0.insert(entry);
-        // Whole or not at all, so that a search that is interrupted can be resumed.
-        let partial = path.with_extension("partial");
-        fs::write(&partial, state.0.written())?;
-        fs::rename(&partial, path).context("replacing the table")
+        missing.into_iter().try_for_each(|method| {
+            let entry = tuned(&name, method, &noisy, &truth)?;
+            let mut state = state.lock().unwrap_or_else(PoisonError::into_inner);
+            state.1 += 1;
+            println!(
+                "{}/{total} {name}, {}: {:.2}° to {:.2}° ({})",
+                state.1, entry.method, entry.default, entry.tuned, entry.parameters
+            );
+            state.0.insert(entry);
+            // Whole or not at all, so that a search that is interrupted can be resumed.
+            let partial = path.with_extension("partial");
+            fs::write(&partial, state.0.written())?;
+            fs::rename(&partial, path).context("replacing the table")
+        })
     })
 }
 

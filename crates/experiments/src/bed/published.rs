@@ -16,7 +16,9 @@ pub struct Method {
     pub denoiser: Denoiser,
     /// Its parameters, those that matter most first.
     axes: &'static [Axis],
-    /// How many runs its search takes at most.
+    /// Where its search begins, beside the defaults: indices of values.
+    starts: &'static [&'static [usize]],
+    /// How many runs its search takes at most from each start.
     pub runs: usize,
     run: fn(&TriMesh, &[f64]) -> Result<TriMesh, DenoiseError>,
 }
@@ -51,7 +53,8 @@ impl Method {
                 axis("range", &[0.5, 0.7, 1.0, 1.5, 2.5, 5.0], 2),
                 axis("spatial", &[0.5, 0.7, 1.0, 1.5, 2.0, 3.0], 2),
             ],
-            runs: 16,
+            starts: &[&[0, 4, 1]],
+            runs: 12,
             run: |mesh, p| {
                 let iterations = p[0] as usize;
                 bilateral(mesh, &BilateralOptions { iterations, range: p[1], spatial: p[2] })
@@ -63,7 +66,8 @@ impl Method {
                 axis("influence", &[0.1, 0.2, 0.3, 0.5, 0.8, 1.5], 3),
                 axis("spatial", &[0.7, 1.0, 1.5, 2.0, 3.0, 4.0], 3),
             ],
-            runs: 12,
+            starts: &[],
+            runs: 9,
             run: |mesh, p| {
                 non_iterative(mesh, &NonIterativeOptions { influence: p[0], spatial: p[1] })
             },
@@ -75,7 +79,8 @@ impl Method {
                 axis("iterations", COUNTS, 6),
                 axis("steps", STEPS, 3),
             ],
-            runs: 16,
+            starts: &[&[5, 3, 1]],
+            runs: 12,
             run: |mesh, p| {
                 let (threshold, iterations, vertex_steps) = (p[0], p[1] as usize, p[2] as usize);
                 fast_effective(mesh, &FastEffectiveOptions { threshold, iterations, vertex_steps })
@@ -89,7 +94,8 @@ impl Method {
                 axis("steps", STEPS, 1),
                 axis("spatial", &[0.7, 1.0, 2.0], 1),
             ],
-            runs: 18,
+            starts: &[&[3, 4, 1, 1]],
+            runs: 12,
             run: |mesh, p| {
                 let (iterations, vertex_steps) = (p[0] as usize, p[2] as usize);
                 let (range, spatial) = (p[1], p[3]);
@@ -104,6 +110,7 @@ impl Method {
                 axis("range", &[0.2, 0.3, 0.45, 0.6, 0.8, 1.1, 1.6], 2),
                 axis("steps", STEPS, 1),
             ],
+            starts: &[],
             runs: 12,
             run: |mesh, p| {
                 let (fidelity, range, vertex_steps) = (p[0], p[1], p[2] as usize);
@@ -118,7 +125,8 @@ impl Method {
                 axis("sparsity", &[0.5, 1.5, 5.0, 15.0, 40.0, 100.0], 3),
                 axis("regularity", &[0.3, 1.0, 3.0], 1),
             ],
-            runs: 5,
+            starts: &[],
+            runs: 6,
             run: |mesh, p| {
                 let options = L0Options { sparsity: p[0], regularity: p[1], ..Default::default() };
                 l0(mesh, &options)
@@ -130,6 +138,7 @@ impl Method {
                 axis("weight", &[0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 1.0, 1.5, 2.5], 5),
                 axis("steps", STEPS, 2),
             ],
+            starts: &[],
             runs: 10,
             run: |mesh, p| {
                 let (weight, vertex_steps) = (p[0], p[1] as usize);
@@ -143,14 +152,13 @@ impl Method {
                 axis("range", &[0.15, 0.2, 0.25, 0.3, 0.35, 0.45, 0.6, 0.9], 4),
                 axis("iterations", COUNTS, 6),
                 axis("steps", STEPS, 1),
-                axis("radius", &[1.5, 2.0, 3.0], 1),
             ],
-            runs: 16,
+            starts: &[],
+            runs: 11,
             run: |mesh, p| {
                 let (range, iterations, vertex_steps) = (p[0], p[1] as usize, p[2] as usize);
-                let radius = p[3];
-                let options =
-                    GuidedNormalOptions { radius, spatial: 1.0, range, iterations, vertex_steps };
+                let defaults = GuidedNormalOptions::default();
+                let options = GuidedNormalOptions { range, iterations, vertex_steps, ..defaults };
                 guided_normal(mesh, &options)
             },
         },
@@ -169,6 +177,12 @@ impl Method {
     /// Its default parameters.
     pub fn defaults(&self) -> Setting {
         Setting(self.axes.iter().map(|a| a.default).collect())
+    }
+
+    /// Where its search begins: the defaults first.
+    pub(super) fn starts(&self) -> Vec<Setting> {
+        let more = self.starts.iter().map(|indices| Setting(indices.to_vec()));
+        std::iter::once(self.defaults()).chain(more).collect()
     }
 
     /// The settings one value away from this one, axis by axis, upwards first.
@@ -267,6 +281,9 @@ mod tests {
     #[test]
     fn parameters_are_read_back() {
         for method in Method::ALL {
+            for start in method.starts() {
+                assert_eq!(method.parsed(&method.text(&start)).unwrap(), start);
+            }
             for axis in 0..method.dimension() {
                 for setting in method.neighbours(&method.defaults(), axis) {
                     assert_eq!(method.parsed(&method.text(&setting)).unwrap(), setting);

@@ -9,51 +9,36 @@ use fairing_mesh::TriMesh;
 use super::published::{Method, Setting};
 use super::table::Entry;
 
-/// The best parameters of the method on a noisy mesh whose truth is known:
-/// from the defaults on, the parameters in turn are moved up or down as long as
+/// The best parameters of the method on a noisy mesh whose truth is known.
+///
+/// From the defaults on, the parameters in turn are moved up or down as long as
 /// the mean angle between normals E_a falls, until none of them helps or the
-/// runs are used up.
+/// runs are used up; likewise from the other starts of the method.
 ///
 /// # Errors
 ///
-/// Those of the method; settings that fail are passed over, but for the
-/// defaults.
+/// Those of the method with its defaults; other settings that fail are passed
+/// over.
 pub fn tuned(case: &str, method: &Method, noisy: &TriMesh, truth: &TriMesh) -> Result<Entry> {
-    let mut search = Search { method, noisy, truth, known: HashMap::new() };
-    let start = method.defaults();
-    let restored = method.run(noisy, &start)?;
+    let restored = method.run(noisy, &method.defaults())?;
     let default = normal_error(&restored, truth)?.mean;
-    search.known.insert(start.clone(), default);
-    let (mut at, mut best) = (start, default);
-    loop {
-        let before = best;
-        for axis in 0..method.dimension() {
-            for next in method.neighbours(&at, axis) {
-                let mut from = at.clone();
-                let mut to = next;
-                let mut moved = false;
-                while let Some(angle) = search.angle(&to).filter(|a| *a < best) {
-                    (best, moved) = (angle, true);
-                    at = to.clone();
-                    let Some(further) = method.beyond(&from, &to, axis) else { break };
-                    (from, to) = (to, further);
-                }
-                if moved {
-                    break;
-                }
-            }
-        }
-        // A gain below a hundredth is not worth another round.
-        if best > 0.99 * before || search.known.len() >= method.runs {
-            return Ok(Entry {
-                case: case.to_string(),
-                method: method.denoiser.name().to_string(),
-                default,
-                tuned: best,
-                parameters: method.text(&at),
-            });
+    let known = HashMap::from([(method.defaults(), default)]);
+    let mut search = Search { method, noisy, truth, known, limit: 0 };
+    let mut best = (default, method.defaults());
+    for start in method.starts() {
+        search.limit += method.runs;
+        let found = search.descend(start);
+        if found.0 < best.0 {
+            best = found;
         }
     }
+    Ok(Entry {
+        case: case.to_string(),
+        method: method.denoiser.name().to_string(),
+        default,
+        tuned: best.0,
+        parameters: method.text(&best.1),
+    })
 }
 
 struct Search<'a> {
@@ -61,15 +46,49 @@ struct Search<'a> {
     noisy: &'a TriMesh,
     truth: &'a TriMesh,
     known: HashMap<Setting, f64>,
+    /// How many settings may be known.
+    limit: usize,
 }
 
 impl Search<'_> {
-    /// E_a with this setting; `None` if the runs are used up or it fails.
+    /// The best setting found from this one on.
+    fn descend(&mut self, start: Setting) -> (f64, Setting) {
+        let mut best = (self.angle(&start).unwrap_or(f64::INFINITY), start);
+        loop {
+            let before = best.0;
+            for axis in 0..self.method.dimension() {
+                for next in self.method.neighbours(&best.1, axis) {
+                    if self.follow(&mut best, next, axis) {
+                        break;
+                    }
+                }
+            }
+            // A gain below a hundredth is not worth another round.
+            if best.0 > 0.99 * before || self.known.len() >= self.limit {
+                return best;
+            }
+        }
+    }
+
+    /// Goes on from the best setting to `to` and further as long as that helps,
+    /// and says whether it did.
+    fn follow(&mut self, best: &mut (f64, Setting), mut to: Setting, axis: usize) -> bool {
+        let mut helped = false;
+        while let Some(angle) = self.angle(&to).filter(|a| *a < best.0) {
+            let from = std::mem::replace(best, (angle, to)).1;
+            helped = true;
+            let Some(further) = self.method.beyond(&from, &best.1, axis) else { break };
+            to = further;
+        }
+        helped
+    }
+
+    /// E_a with this setting; `None` if the runs are used up.
     fn angle(&mut self, setting: &Setting) -> Option<f64> {
         if let Some(&angle) = self.known.get(setting) {
             return Some(angle);
         }
-        if self.known.len() >= self.method.runs {
+        if self.known.len() >= self.limit {
             return None;
         }
         let restored = self.method.run(self.noisy, setting).ok();

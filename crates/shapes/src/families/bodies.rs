@@ -9,13 +9,15 @@ use crate::implicit::{implicit, onto};
 use crate::jitter::jittered;
 use crate::made;
 
-/// The surface `field` = 0, negative inside, within `[−half, half]³`; the
+/// The surface `field` = 0, negative inside, which lies in `[−reach, reach]³`; the
 /// gradient of the field is about 1.
 pub(super) fn level_set(
     field: impl Fn([f64; 3]) -> f64 + Sync,
-    half: f64,
+    reach: f64,
     build: Build,
 ) -> TriMesh {
+    // The two outermost layers of nodes have to be outside.
+    let half = reach + 2.5 * build.spacing;
     // A net over a grid has edges a little longer than its cells.
     let resolution = (2.0 * half / (0.95 * build.spacing)).round() as usize;
     // The net is made of a squeezed body, and then pulled back.

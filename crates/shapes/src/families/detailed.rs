@@ -29,7 +29,7 @@ pub(super) fn relief(build: Build) -> TriMesh {
             .sum();
         r - 0.95 - waves
     };
-    level_set(field, 1.2, build)
+    level_set(field, 1.1, build)
 }
 
 pub(super) fn weave(build: Build) -> TriMesh {
@@ -73,7 +73,7 @@ pub(super) fn pores(build: Build) -> TriMesh {
             .sum();
         norm(p) - 1.0 + deep
     };
-    level_set(field, 1.1, build)
+    level_set(field, 1.0, build)
 }
 
 /// Strokes between the nodes of a lattice, three or four to a letter.

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, distance, norm, scale};
+use fairing_mesh::vec3::{add, distance, scale};
 
 use super::Build;
 use super::bodies::{level_set, ring};
@@ -30,18 +30,21 @@ pub(super) fn blob(build: Build) -> TriMesh {
             balls.iter().map(|(c, r)| libm::exp(-SHARPNESS * (distance(p, *c) - r))).sum();
         -libm::log(sum) / SHARPNESS
     };
-    level_set(field, 1.4, build)
+    level_set(field, 1.15, build)
 }
 
+/// Eight cells of Schwarz's P surface in a rounded cube: genus 5.
 pub(super) fn periodic(build: Build) -> TriMesh {
     let mut random = build.proportions();
-    let k = random.between(3.0, 3.6);
-    let level = random.between(-0.1, 0.5);
+    let k = random.between(4.6, 5.2);
+    let level = random.between(-0.3, 0.2);
     let field = move |p: [f64; 3]| {
         let [x, y, z] = p.map(|t| libm::cos(k * t));
-        soft_max(14.0, (level - x - y - z) / k, norm(p) - 1.0)
+        let [a, b, c] = p.map(|t| (t * t) * (t * t) * (t * t));
+        let cube = libm::cbrt((a + b + c).max(1e-30)).sqrt();
+        soft_max(10.0, (x + y + z + level) / k, cube - 1.0)
     };
-    level_set(field, 1.15, build)
+    level_set(field, 1.0, build)
 }
 
 pub(super) fn knot(build: Build) -> TriMesh {
