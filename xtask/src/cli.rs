@@ -33,6 +33,8 @@ pub(crate) enum Command {
     /// The test bed of the denoisers: generated bodies with noise, and what published methods reach on them
     #[command(subcommand)]
     Bed(Bed),
+    /// Train the regression of normals of the automatic denoiser on generated bodies, and write its numbers
+    Train(Train),
     /// Hold the tree against its rules: arrows between crates, file lengths, machine paths, the README
     Tidy,
     /// Build the wheel of the Python package into target/wheels; makes a virtual environment and fetches maturin
@@ -164,4 +166,26 @@ pub(crate) struct Which {
     /// Cases whose name contains one of these only
     #[arg(long, value_name = "TEXTS", value_delimiter = ',')]
     pub(crate) filter: Vec<String>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Train {
+    /// The networks in a row
+    #[arg(long, default_value_t = 4)]
+    pub(crate) stages: usize,
+    /// Bodies of each family
+    #[arg(long, default_value_t = 16)]
+    pub(crate) bodies: u64,
+    /// Faces drawn from each body for each stage
+    #[arg(long, default_value_t = 3000)]
+    pub(crate) faces: usize,
+    /// Passes over these faces
+    #[arg(long, default_value_t = 20)]
+    pub(crate) epochs: usize,
+    /// The seed of all draws
+    #[arg(long, default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// The file; that of the release by default
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: Option<PathBuf>,
 }

@@ -13,3 +13,4 @@ pub mod tasks;
 pub mod tidy;
 
 mod readme;
+mod train;

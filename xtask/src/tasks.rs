@@ -10,7 +10,7 @@ use fairing_results::results::{Form, Results};
 
 use crate::cli::{Bench, Cli, Command, Reproduce};
 use crate::reproduce::{Plan, measure, reproduce};
-use crate::{bed, bench, data, gate, python, readme, reference, tidy};
+use crate::{bed, bench, data, gate, python, readme, reference, tidy, train};
 
 /// Does what was asked; `false` if something that was checked did not hold.
 ///
@@ -25,6 +25,7 @@ pub fn run(cli: Cli) -> Result<bool> {
         Command::Data { check: true } => check_data(),
         Command::Bench(options) => options.run(),
         Command::Bed(command) => bed::run(command, &root()).map(|()| true),
+        Command::Train(options) => train::run(&options, &root()).map(|()| true),
         Command::Tidy => tidy::run(&root()),
         Command::Wheel => python::wheel(&root()),
         Command::Test { python } => gate::run(&root(), python),

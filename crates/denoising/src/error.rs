@@ -26,6 +26,11 @@ pub enum DenoiseError {
         /// ‖b − A x‖ / ‖b‖.
         residual: f64,
     },
+    /// The trained numbers of the automatic denoiser do not have their checksum.
+    #[error(
+        "the trained numbers of the automatic denoiser were damaged when the program was built"
+    )]
+    Model,
     /// Coordinates grew beyond what a float can hold.
     #[error("vertex {vertex} left the range of floating point numbers")]
     NonFinite {

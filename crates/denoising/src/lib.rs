@@ -17,6 +17,8 @@
 //! ```
 
 mod automatic;
+#[doc(hidden)]
+pub use automatic::regression::dev_denoise;
 mod bilateral;
 mod bilateral_normal;
 mod conjugate_gradients;
@@ -31,7 +33,8 @@ mod total_variation;
 mod unit_scale;
 mod vertex_update;
 
-pub use automatic::{Automatic, SurfaceKind, automatic};
+pub use automatic::regression::training::{TrainingOptions, TrainingPair, train_normals};
+pub use automatic::{Automatic, FaceKind, SurfaceKind, automatic};
 pub use bilateral::{BilateralOptions, bilateral};
 pub use bilateral_normal::{
     BilateralNormalGlobalOptions, BilateralNormalOptions, bilateral_normal, bilateral_normal_global,

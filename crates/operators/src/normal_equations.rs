@@ -20,6 +20,12 @@ impl<const N: usize> Default for NormalEquations<N> {
 }
 
 impl<const N: usize> NormalEquations<N> {
+    /// The equations with the lower half of `Σ w a aᵀ`, and `Σ w a b`, summed
+    /// elsewhere.
+    pub fn from_sums(matrix: [[f64; N]; N], rhs: [f64; N]) -> Self {
+        Self { matrix, rhs }
+    }
+
     /// Adds the equation `row · x = value` with a weight, which is the inverse
     /// of the variance of `value` up to a common factor.
     #[inline]

@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 
 use fairing_mesh::io::{self, VertexFields, WriteOptions};
 use fairing_shapes as shapes;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 /// Built once for all tests.
 fn program() -> &'static Path {
@@ -225,6 +225,23 @@ fn compare_scores_a_mesh_against_a_reference() {
     assert_eq!(other["normal_mean"]["value"], Value::Null);
     assert!(other["normal_mean"]["reason"].as_str().unwrap().contains("triangles"));
     assert!(other["distance_mean"]["value"].as_f64().unwrap() > 0.0);
+}
+
+#[test]
+fn denoise_says_what_it_found() {
+    let folder = folder_with_torus();
+    run(folder.path(), "noise torus.ply -o noisy.ply --sigma 0.05");
+    let line = "denoise noisy.ply -o clean.ply --json";
+    let found: Value = serde_json::from_str(&run(folder.path(), line)).unwrap();
+    assert_eq!((&found["kind"], &found["border_vertices"]), (&json!("smooth"), &json!(0)));
+    let sigma = found["noise"]["sigma"].as_f64().unwrap();
+    assert!(found["displacement_limit"].as_f64().unwrap() >= 5.0 * sigma);
+    let shares = found["area_share"].as_object().unwrap();
+    let sum: f64 = shares.values().map(|x| x.as_f64().unwrap()).sum();
+    assert!(shares.contains_key("creased") && (sum - 1.0).abs() < 1e-12, "{found}");
+    let line = "denoise noisy.ply -o other.ply --method l0 --json";
+    assert!(refuse(folder.path(), line, 2).contains("automatic"));
+    assert_eq!(files(folder.path()), ["clean.ply", "noisy.ply", "torus.ply"]);
 }
 
 #[test]

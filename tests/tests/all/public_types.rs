@@ -200,7 +200,10 @@ all_shared!(
     fairing::denoising::GuidedNormalOptions,
     fairing::denoising::L0Options,
     fairing::denoising::NonIterativeOptions,
+    fairing::denoising::FaceKind,
     fairing::denoising::SurfaceKind,
+    fairing::denoising::TrainingOptions,
+    fairing::denoising::TrainingPair,
     fairing::denoising::TotalVariationOptions,
     fairing::denoising::VertexUpdate,
     // evaluation

@@ -183,10 +183,9 @@ fn denoisers_do_not_depend_on_the_frame() {
             let off = |(p, q): (&[f64; 3], &[f64; 3])| distance(*p, *q) / (size * h);
             let worst =
                 image(&plain, case).iter().zip(found.positions()).map(off).fold(0.0, f64::max);
-            // Coordinates near 3e5 are rounded to 6e-11, a billionth of h. The automatic denoiser draws a probe by the
-            // numbers of vertices, on which the smoothing strength depends a little.
-            let probe = denoiser == Denoiser::Automatic && case == 4;
-            let limit = if probe { 3e-3 } else { 1e-6 };
+            // Coordinates near 3e5 are rounded to 6e-11, a billionth of h. The network of the automatic denoiser computes in
+            // single precision, 6e-8, over four stages.
+            let limit = if denoiser == Denoiser::Automatic { 1e-5 } else { 1e-6 };
             assert!(worst < limit, "{denoiser}, case {case}: {worst:e} h");
         }
     }

@@ -1,63 +1,43 @@
 //! Denoising without parameters.
 
-mod creased;
-mod local_fits;
-mod mumford_shah;
+mod follow;
 mod parts;
+pub(crate) mod regression;
 mod relabel;
-mod residuals;
-mod smooth;
-mod thin_plate;
-mod unfold;
-mod vote;
+mod safety;
+mod surface;
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::dot;
+use fairing_mesh::vec3::norm;
 use fairing_operators::{NoiseEstimate, NoisyParts, noisy_parts};
 
-use super::faces::{FaceLists, FaceShapes, Hinges};
+use super::faces::{FaceLists, Hinges};
 use super::unit_scale::at_unit_scale;
-use super::vertex_update::{VertexUpdate, rebuild, update_vertices};
+use super::vertex_update::rebuild;
 use crate::DenoiseError;
-use creased::{denoise_creased, first_labels};
+use follow::Follow;
 use parts::Part;
-use residuals::neighbour_correlation;
-use smooth::{Pilot, denoise_smooth};
+use regression::model::Model;
+use regression::regress;
+use relabel::relabel;
+use safety::without_flips;
+use surface::face_kinds;
 
-/// The largest displacement, in noise levels: one Gaussian vertex in two
-/// million is moved further by noise.
-const LIMIT: f64 = 5.0;
+pub use surface::FaceKind;
 
 /// Noise below this share of the mean edge length is rounding.
 const LEAST_NOISE: f64 = 1e-7;
 
-/// The steps of curved parts, 8° to 25°, and creases, above 25°, as cosines.
-const STEP: f64 = 0.990_268;
-const CREASE: f64 = 0.906_308;
+/// Vertex steps of the result.
+const STEPS: usize = 60;
 
-/// With this share of the faces folded over, normals say nothing about creases:
-/// those of a body with creases under noise of 0.7 h along the normals fold less
-/// than a hundredth.
-const ILLEGIBLE: f64 = 0.03;
-
-/// With more steps than this share of the creases a surface has no creases to
-/// speak of: machine parts stay below 0.6, whatever their fillets, and most
-/// scans above 0.9.
-const STEPS_PER_CREASE: f64 = 0.7;
-
-/// How much more alike the residuals of neighbours may be after the treatment for
-/// creases than after smoothing, which follows the noise a little more. Measured
-/// are at most 0.08 on bodies with creases, with noise of 0.05 h to 0.7 h, and
-/// 0.13 and more where the treatment has put facets on a curved surface.
-const ALIKE: f64 = 0.1;
-
-/// Which of its two ways [`automatic`] went.
+/// What the surface that [`automatic`] found is like as a whole.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SurfaceKind {
-    /// Smooth pieces that meet in creases, as designed bodies have them.
+    /// Its creases are together as long as half the diagonal: a designed body.
     Creased,
-    /// Curved all over, as scans are.
+    /// Curved all over, as scans are, or flat.
     Smooth,
     /// No noise could be measured, and nothing was moved.
     Clean,
@@ -72,129 +52,114 @@ pub struct Automatic {
     /// The estimated noise, of the connected parts with most of it; `None` where
     /// the mesh is too small for one.
     pub noise: Option<NoiseEstimate>,
-    /// The kind of surface that these parts were treated as.
+    /// The kind of surface that the result is. Nothing depends on it.
     pub kind: SurfaceKind,
+    /// What the result is like at each face.
+    pub faces: Vec<FaceKind>,
+    /// The largest distance that a vertex was allowed to move, in mesh units.
+    pub limit: f64,
 }
 
-/// Denoises without parameters: noise level, kind of noise and kind of surface
-/// are estimated from the mesh.
+impl Automatic {
+    /// The share of the area that is of a kind, from 0 to 1; 0 without area.
+    pub fn share(&self, kind: FaceKind) -> f64 {
+        let area = |wanted: &dyn Fn(FaceKind) -> bool| -> f64 {
+            let faces = self.faces.iter().enumerate().filter(|(_, k)| wanted(**k));
+            faces.map(|(f, _)| norm(self.mesh.area_vector(f))).sum()
+        };
+        let all = area(&|_| true);
+        if all > 0.0 { area(&|k| k == kind) / all } else { 0.0 }
+    }
+}
+
+/// Denoises without parameters: noise level and kind of surface are estimated from
+/// the mesh.
 ///
-/// 1. The noise level σ̂ and whether it is impulsive ([`noise_level`](fairing_operators::noise_level)).
-/// 2. First labels, normals that jump at creases only: guided normal filtering
-///    under Gaussian noise, a Mumford–Shah-like field under impulsive noise;
-///    faces on the wrong side of a crease change sides.
-/// 3. The kind of surface. Labels of a body with creases differ by next to
-///    nothing or by a crease; on a curved surface the same filter leaves steps
-///    in between. With more than 0.7 hinges of 8° to 25° for each one above it
-///    is smooth. With fewer it is treated both ways, and the residuals tell
-///    which was right: they are noise if those of neighbours are independent.
-///    If they are more alike after the treatment for creases than after
-///    smoothing, that treatment has changed the shape. Where the noise has
-///    folded more than three faces in a hundred, creases cannot be told at all,
-///    and all surfaces are treated as smooth.
-/// 4. Bodies with creases: planes and quadrics are fitted to the noisy
-///    vertices within the creases, as large as Lepski's rule allows, vote on
-///    the normals, and the vertices follow. Smooth surfaces: thin-plate
-///    smoothing, its strength chosen locally by Stein's unbiased risk
-///    estimate.
+/// 1. The noise level σ̂ ([`noise_level`](fairing_operators::noise_level)).
+/// 2. Normals, in stages. In each stage a face looks at the faces around it, at
+///    three radii, and at four scales of how different their normals may be:
+///    means of the noisy normals, means of the present ones, planes and quadrics
+///    fitted to the noisy positions, the normals beside it. These are candidates.
+///    A small network sees them in axes that turn with the mesh, together with
+///    numbers such as the residuals of the fits over σ̂, and answers with a
+///    positive weight for each. The new normal is the weighted mean, turned by at
+///    most the spread of the candidates. The networks are trained on generated
+///    bodies (`cargo xtask train`) and part of this crate.
+/// 3. The surface follows the normals between the stages and at the end, and folds
+///    open. Faces that then contradict their normal are on the wrong side of a
+///    crease and take the normal of a neighbour.
+///
+/// Where all candidates agree the network changes nothing: planes stay planes.
 ///
 /// Connected parts whose noise differs by more than a factor of four are
 /// denoised apart ([`noisy_parts`]), each group as a mesh of its own: a clean
 /// part does not change, and does not reduce the smoothing of a noisy one.
 ///
-/// No vertex moves further than 5 σ̂. Isolated vertices stay; borders move with
-/// their faces; nothing is compared across edges with one, three or more faces
-/// or a flip of orientation on bodies with creases. A mesh whose noise level is
-/// undefined or below 10⁻⁷ h is returned unchanged. Moves with the mesh under
-/// rotation, translation and scaling, up to rounding.
+/// No vertex moves further than five times the larger of σ̂ and the root mean
+/// square displacement ([`Automatic::limit`]). Isolated vertices stay; borders
+/// move with their faces; nothing is compared across edges with one, three or
+/// more faces or a flip of orientation. A mesh whose noise level is undefined or
+/// below 10⁻⁷ h is returned unchanged. Moves with the mesh under rotation,
+/// reflection, translation and scaling, up to rounding.
 ///
 /// # Errors
 ///
-/// [`DenoiseError::NotSolved`] or [`DenoiseError::NonFinite`] where numbers
-/// leave the range in which the systems can be solved.
+/// [`DenoiseError::NonFinite`] where numbers leave the range of floats;
+/// [`DenoiseError::Model`] if the trained numbers were damaged in the build.
+///
+/// Source of the regression of normals in stages: \[wang2016\].
 pub fn automatic(mesh: &TriMesh) -> Result<Automatic, DenoiseError> {
     let unit = mesh.scale_unit();
-    let (mut noise, mut kind) = (None, SurfaceKind::Clean);
-    let mesh = at_unit_scale(mesh, |mesh| {
-        let result = group_by_group(mesh)?;
-        (noise, kind) = (result.noise, result.kind);
-        Ok(result.mesh)
+    let mut noise = None;
+    let mut limit = 0.0f64;
+    let moved = at_unit_scale(mesh, |mesh| {
+        let groups = noisy_parts(mesh);
+        noise = groups.first().map(|group| group.level);
+        match &groups[..] {
+            [] => Ok(mesh.clone()),
+            [NoisyParts { level, .. }] => {
+                let (moved, far) = denoise_alike(mesh, *level)?;
+                limit = far;
+                Ok(moved)
+            }
+            groups => {
+                let mut positions = mesh.positions().to_vec();
+                for group in groups {
+                    let part = Part::new(mesh, &group.components)?;
+                    let (moved, far) = denoise_alike(&part.mesh, group.level)?;
+                    part.put_back(&moved, &mut positions);
+                    limit = limit.max(far);
+                }
+                rebuild(mesh, positions)
+            }
+        }
     })?;
+    let (faces, creased) = face_kinds(&moved, &Hinges::new(mesh));
+    let kind = match (limit > 0.0, creased) {
+        (false, _) => SurfaceKind::Clean,
+        (true, true) => SurfaceKind::Creased,
+        (true, false) => SurfaceKind::Smooth,
+    };
     let in_mesh_units = |mut noise: NoiseEstimate| {
         noise.sigma *= unit;
         noise
     };
-    Ok(Automatic { mesh, noise: noise.map(in_mesh_units), kind })
+    let noise = noise.map(in_mesh_units);
+    Ok(Automatic { mesh: moved, noise, kind, faces, limit: limit * unit })
 }
 
-/// [`automatic`] where powers of lengths are floats.
-fn group_by_group(mesh: &TriMesh) -> Result<Automatic, DenoiseError> {
-    let groups = noisy_parts(mesh);
-    match &groups[..] {
-        [] => Ok(Automatic { mesh: mesh.clone(), noise: None, kind: SurfaceKind::Clean }),
-        [NoisyParts { level, .. }] => denoise_alike(mesh, *level),
-        [first, ..] => {
-            let (mut positions, mut kind) = (mesh.positions().to_vec(), SurfaceKind::Clean);
-            for (i, group) in groups.iter().enumerate() {
-                let part = Part::new(mesh, &group.components)?;
-                let result = denoise_alike(&part.mesh, group.level)?;
-                part.put_back(&result.mesh, &mut positions);
-                if i == 0 {
-                    kind = result.kind;
-                }
-            }
-            let mesh = rebuild(mesh, positions)?;
-            Ok(Automatic { mesh, noise: Some(first.level), kind })
-        }
-    }
-}
-
-/// Denoises a mesh whose noise has one level.
-fn denoise_alike(mesh: &TriMesh, level: NoiseEstimate) -> Result<Automatic, DenoiseError> {
-    let noise = Some(level);
+/// Denoises a mesh whose noise has one level; also the largest distance allowed,
+/// zero where nothing was to be done.
+fn denoise_alike(mesh: &TriMesh, level: NoiseEstimate) -> Result<(TriMesh, f64), DenoiseError> {
     if level.sigma <= LEAST_NOISE * mesh.mean_edge_length() {
-        return Ok(Automatic { mesh: mesh.clone(), noise, kind: SurfaceKind::Clean });
+        return Ok((mesh.clone(), 0.0));
     }
-    let (impulsive, limit) = (level.is_impulsive(), LIMIT * level.sigma);
-    let pilot = Pilot::new(mesh, level.sigma, impulsive)?;
+    let model = Model::released().ok_or(DenoiseError::Model)?;
     let hinges = Hinges::new(mesh);
     let rings = FaceLists::rings(mesh);
-    let labels = match pilot.folded < ILLEGIBLE {
-        true => Some(first_labels(mesh, &hinges, &rings, impulsive)?),
-        false => None,
-    };
-    let creased = match labels {
-        Some(labels) if steps_per_crease(mesh, &hinges, &labels)? < STEPS_PER_CREASE => {
-            let (sigma, rings) = (level.sigma, &rings);
-            Some(denoise_creased(mesh, &hinges, rings, labels, sigma, impulsive, limit)?)
-        }
-        _ => None,
-    };
-    let smooth = denoise_smooth(mesh, pilot, level.sigma, limit)?;
-    if let Some(creased) = creased {
-        let [own, other] = [&creased, &smooth].map(|result| neighbour_correlation(mesh, result));
-        if own - other < ALIKE {
-            return Ok(Automatic { mesh: creased, noise, kind: SurfaceKind::Creased });
-        }
-    }
-    Ok(Automatic { mesh: smooth, noise, kind: SurfaceKind::Smooth })
-}
-
-/// The number of hinges of 8° to 25° for each one above, once the vertices have
-/// followed the labels; zero if there are none of either.
-fn steps_per_crease(
-    mesh: &TriMesh,
-    hinges: &Hinges,
-    labels: &[[f64; 3]],
-) -> Result<f64, DenoiseError> {
-    let followed = update_vertices(mesh, labels, &VertexUpdate { steps: 60, limit: None })?;
-    let normals = FaceShapes::new(&followed).normals;
-    let (mut steps, mut creases) = (0usize, 0usize);
-    for hinge in &hinges.all {
-        let [a, b] = hinge.faces.map(|f| normals[f as usize]);
-        let cosine = dot(a, b);
-        creases += usize::from(cosine < CREASE);
-        steps += usize::from((CREASE..STEP).contains(&cosine));
-    }
-    Ok(if steps == 0 { 0.0 } else { steps as f64 / creases as f64 })
+    let found = regress(mesh, &hinges, &rings, level, model)?;
+    let follow = Follow::new(mesh, &rings, found.sigma, found.limit);
+    let normals = relabel(mesh, &rings, found.normals, &follow)?;
+    let moved = follow.run(mesh.positions(), &normals, STEPS)?;
+    Ok((without_flips(mesh, moved, &normals, &follow)?, found.limit))
 }

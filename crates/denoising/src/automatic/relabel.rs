@@ -4,9 +4,9 @@ use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::dot;
 use rayon::prelude::*;
 
+use super::follow::Follow;
 use crate::DenoiseError;
 use crate::faces::{FaceLists, FaceShapes};
-use crate::vertex_update::{VertexUpdate, update_vertices};
 
 /// The least cosine between the label of a face and its geometry: 11.5°.
 const AGREE: f64 = 0.98;
@@ -31,11 +31,12 @@ pub(super) fn relabel(
     mesh: &TriMesh,
     rings: &FaceLists,
     mut labels: Vec<[f64; 3]>,
+    follow: &Follow<'_>,
 ) -> Result<Vec<[f64; 3]>, DenoiseError> {
-    let update = VertexUpdate { steps: 20, limit: None };
+    let noisy = mesh.positions();
     for _ in 0..ROUNDS {
         fairing_watch::check();
-        let geometry = FaceShapes::new(&update_vertices(mesh, &labels, &update)?).normals;
+        let geometry = FaceShapes::new(&follow.run(noisy, &labels, 20)?).normals;
         let kept: Vec<[f64; 3]> = labels
             .iter()
             .zip(&geometry)
@@ -44,7 +45,7 @@ pub(super) fn relabel(
         if kept == labels {
             break;
         }
-        let geometry = FaceShapes::new(&update_vertices(mesh, &kept, &update)?).normals;
+        let geometry = FaceShapes::new(&follow.run(noisy, &kept, 20)?).normals;
         labels = (0..labels.len())
             .into_par_iter()
             .map(|f| {

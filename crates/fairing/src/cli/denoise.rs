@@ -4,16 +4,18 @@ use std::path::PathBuf;
 
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use fairing::denoising::{Denoiser, SurfaceKind, automatic};
+use fairing::denoising::{Automatic, Denoiser, FaceKind, SurfaceKind, automatic};
+use serde_json::{Map, Value, json};
 
-use super::Context;
 use super::exit::Failure;
 use super::files::{self, Output};
 use super::table::number;
+use super::{Context, print};
 
 const EXAMPLES: &str = "\
 Examples:
   fairing denoise scan.ply -o clean.ply
+  fairing denoise part.obj -o clean.obj --json
   fairing denoise part.obj -o clean.obj --method guided-normal";
 
 /// Remove noise from a mesh and keep its creases
@@ -30,6 +32,10 @@ pub(crate) struct Denoise {
     /// The denoiser, with its default options
     #[arg(long, value_name = "NAME", default_value = "automatic", value_parser = denoisers())]
     method: Denoiser,
+    /// Print the noise and the kinds of surface that were found as one JSON object, with the
+    /// share of the area that is flat, curved, or at a crease
+    #[arg(long)]
+    json: bool,
 }
 
 fn denoisers() -> impl TypedValueParser<Value = Denoiser> {
@@ -40,20 +46,19 @@ fn denoisers() -> impl TypedValueParser<Value = Denoiser> {
 impl Denoise {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
         self.output.check()?;
+        if self.json && self.method != Denoiser::Automatic {
+            return Err(Failure::usage(format_args!(
+                "--json says what the method automatic found; {} looks for nothing",
+                self.method
+            )));
+        }
         let file = files::read(&self.input)?;
         files::say_report(context, &self.input, &file.report);
         let mesh = if self.method == Denoiser::Automatic {
             let result = automatic(&file.mesh)?;
-            let kind = match result.kind {
-                SurfaceKind::Creased => "a surface with creases",
-                SurfaceKind::Smooth => "a surface without creases",
-                _ => "no noise to remove",
-            };
-            if let Some(noise) = result.noise {
-                let sigma = number(noise.sigma);
-                context.note(format_args!("noise of {sigma} in units of the file; {kind}"));
-            } else {
-                context.note("too few vertices to measure noise; nothing is moved");
+            context.note(format_args!("{}", summary(&result)));
+            if self.json {
+                print(format_args!("{:#}\n", as_json(&result)))?;
             }
             result.mesh
         } else {
@@ -61,4 +66,43 @@ impl Denoise {
         };
         files::write_moved(context, &self.output, &mesh, file.fields)
     }
+}
+
+/// One line about what was found.
+fn summary(result: &Automatic) -> String {
+    let Some(noise) = result.noise else {
+        return "too few vertices to measure noise; nothing is moved".into();
+    };
+    let kind = match result.kind {
+        SurfaceKind::Creased => "a surface with creases",
+        SurfaceKind::Smooth => "a surface without creases",
+        _ => "no noise to remove",
+    };
+    format!("noise of {} in units of the file; {kind}", number(noise.sigma))
+}
+
+/// The noise, and what the surface is like.
+fn as_json(result: &Automatic) -> Value {
+    let kind = match result.kind {
+        SurfaceKind::Creased => "creased",
+        SurfaceKind::Smooth => "smooth",
+        _ => "clean",
+    };
+    let shares: Map<String, Value> = (FaceKind::ALL.iter())
+        .map(|&kind| (kind.name().to_owned(), json!(result.share(kind))))
+        .collect();
+    let topology = result.mesh.topology();
+    let border =
+        (0..result.mesh.vertex_count() as u32).filter(|&v| topology.is_boundary_vertex(v)).count();
+    json!({
+        "noise": result.noise.map(|noise| json!({
+            "sigma": noise.sigma,
+            "tail_ratio": noise.tail_ratio,
+            "impulsive": noise.is_impulsive(),
+        })),
+        "kind": kind,
+        "area_share": shares,
+        "border_vertices": border,
+        "displacement_limit": result.limit,
+    })
 }

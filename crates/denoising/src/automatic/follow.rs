@@ -1,0 +1,225 @@
+//! The surface follows its normals, and folds open.
+
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{add, cross, distance, dot, norm, scale, sub};
+use rayon::prelude::*;
+
+use crate::DenoiseError;
+use crate::faces::FaceLists;
+use crate::vertex_update::rebuild;
+
+/// The least area of a face, as a share of the mean area around it.
+const LEAST_SHARE: f64 = 0.15;
+
+/// The least area of a face, in noise levels times its longest side: what noise
+/// can take away.
+const LEAST_NOISE: f64 = 0.5;
+
+/// How much more a move across the faces costs than one within them, while folds
+/// open.
+const STIFFNESS: f64 = 4.0;
+
+/// What the surface follows, and how far it may go.
+pub(super) struct Follow<'a> {
+    noisy: &'a TriMesh,
+    /// The area below which a face counts as folded.
+    least: Vec<f64>,
+    /// The largest distance from the noisy vertices.
+    limit: f64,
+}
+
+/// What a step needs of a face.
+#[derive(Clone, Copy)]
+struct Aim {
+    normal: [f64; 3],
+    centroid: [f64; 3],
+    /// Where the corners of a folded face are to go; zero for others.
+    opening: f64,
+}
+
+impl<'a> Follow<'a> {
+    /// For noise of the level `sigma`.
+    pub(super) fn new(noisy: &'a TriMesh, rings: &FaceLists, sigma: f64, limit: f64) -> Self {
+        let areas: Vec<f64> =
+            (0..noisy.face_count()).into_par_iter().map(|f| norm(noisy.area_vector(f))).collect();
+        let least = (0..areas.len())
+            .into_par_iter()
+            .map(|f| {
+                let row = rings.row(f);
+                let sum: f64 = areas[f] + row.iter().map(|&g| areas[g as usize]).sum::<f64>();
+                let [a, b, c] = noisy.triangle(f);
+                let longest = distance(a, b).max(distance(b, c)).max(distance(c, a));
+                let mean = sum / (row.len() + 1) as f64;
+                (LEAST_SHARE * mean).min(LEAST_NOISE * sigma * longest)
+            })
+            .collect();
+        Self { noisy, least, limit }
+    }
+
+    /// Moves the vertices of the noisy mesh so that its faces get the normals
+    /// (zero for a face without a say), by steps of
+    ///
+    /// ```text
+    /// x ← x + 1/|F| Σ n (n · (c − x)) + o
+    /// ```
+    ///
+    /// over the faces F around a vertex with centroids c. The first part is that
+    /// of [`update_vertices`](crate::update_vertices), which moves across the
+    /// surface only. The second opens folds: a face with less than the least
+    /// area, seen along its normal, moves each corner along the gradient of its
+    /// area by as much as is missing; o is the mean over these faces, made
+    /// smaller across the planes of all faces around the vertex.
+    ///
+    /// # Errors
+    ///
+    /// [`DenoiseError::NonFinite`] if coordinates overflow.
+    pub(super) fn run(
+        &self,
+        from: &[[f64; 3]],
+        normals: &[[f64; 3]],
+        steps: usize,
+    ) -> Result<TriMesh, DenoiseError> {
+        let mut positions = from.to_vec();
+        for _ in 0..steps {
+            fairing_watch::check();
+            positions = self.step(&positions, normals);
+        }
+        rebuild(self.noisy, positions)
+    }
+
+    fn step(&self, x: &[[f64; 3]], normals: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        let (incidence, faces) = (self.noisy.incidence(), self.noisy.faces());
+        let aims: Vec<Aim> = (faces.par_iter().zip(normals).zip(&self.least))
+            .map(|((face, &normal), &least)| {
+                let [a, b, c] = face.map(|v| x[v as usize]);
+                let area = 0.5 * dot(normal, cross(sub(b, a), sub(c, a)));
+                let mut opening = 0.0;
+                if area < least && normal != [0.0; 3] {
+                    let square = |p, q| {
+                        let g = cross(normal, sub(q, p));
+                        0.25 * dot(g, g)
+                    };
+                    let squares = square(b, c) + square(c, a) + square(a, b);
+                    opening = (least - area) / squares.max(f64::MIN_POSITIVE);
+                }
+                Aim { normal, centroid: scale(add(add(a, b), c), 1.0 / 3.0), opening }
+            })
+            .collect();
+        (0..x.len())
+            .into_par_iter()
+            .map(|v| {
+                let corners = incidence.corners(v as u32);
+                let (mut sum, mut count) = ([0.0; 3], 0u32);
+                let (mut open, mut folds) = ([0.0; 3], 0u32);
+                for &c in corners {
+                    let (f, k) = (c as usize / 3, c as usize % 3);
+                    let aim = &aims[f];
+                    if aim.normal == [0.0; 3] {
+                        continue;
+                    }
+                    sum = add(sum, scale(aim.normal, dot(aim.normal, sub(aim.centroid, x[v]))));
+                    count += 1;
+                    if aim.opening > 0.0 {
+                        let [p, q] = [1, 2].map(|i| x[faces[f][(k + i) % 3] as usize]);
+                        let gradient = scale(cross(aim.normal, sub(q, p)), 0.5);
+                        open = add(open, scale(gradient, aim.opening));
+                        folds += 1;
+                    }
+                }
+                let mut y = add(x[v], scale(sum, 1.0 / f64::from(count.max(1))));
+                if folds > 0 {
+                    let around = corners.iter().map(|&c| normals[c as usize / 3]);
+                    y = add(y, within(around, scale(open, 1.0 / f64::from(folds))));
+                }
+                hold(self.noisy.positions()[v], y, self.limit)
+            })
+            .collect()
+    }
+}
+
+/// The minimiser of `‖d − o‖² + 4 Σ (n · d)²`: the solution of
+/// `(I + 4 Σ n nᵀ) d = o`.
+fn within(normals: impl Iterator<Item = [f64; 3]>, o: [f64; 3]) -> [f64; 3] {
+    let mut rows = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    for n in normals {
+        for (row, x) in rows.iter_mut().zip(n) {
+            *row = add(*row, scale(n, STIFFNESS * x));
+        }
+    }
+    // Positive definite with eigenvalues of at least one: elimination needs no
+    // pivots.
+    let [a, mut b, mut c] = rows;
+    let mut o = o;
+    let t = b[0] / a[0];
+    (b, o[1]) = (sub(b, scale(a, t)), o[1] - t * o[0]);
+    let t = c[0] / a[0];
+    (c, o[2]) = (sub(c, scale(a, t)), o[2] - t * o[0]);
+    let t = c[1] / b[1];
+    (c, o[2]) = (sub(c, scale(b, t)), o[2] - t * o[1]);
+    let z = o[2] / c[2];
+    let y = (o[1] - b[2] * z) / b[1];
+    [(o[0] - a[1] * y - a[2] * z) / a[0], y, z]
+}
+
+/// `x`, or the point towards it at the distance `limit` from `p`.
+pub(super) fn hold(p: [f64; 3], x: [f64; 3], limit: f64) -> [f64; 3] {
+    let offset = sub(x, p);
+    let length = norm(offset);
+    if length > limit { add(p, scale(offset, limit / length)) } else { x }
+}
+
+#[cfg(test)]
+mod tests {
+    use fairing_shapes as shapes;
+
+    use super::*;
+
+    fn opposing(mesh: &TriMesh, normals: &[[f64; 3]]) -> usize {
+        (0..mesh.face_count()).filter(|&f| dot(mesh.area_vector(f), normals[f]) <= 0.0).count()
+    }
+
+    /// On a plane moves are free within and a twenty-fifth across; at a
+    /// corner of three planes they are small in all directions.
+    #[test]
+    fn moves_stay_within_the_faces() {
+        let flat = within([[0.0, 0.0, 1.0]; 6].into_iter(), [1.0, 2.0, 5.0]);
+        for (x, expected) in flat.into_iter().zip([1.0, 2.0, 5.0 / 25.0]) {
+            assert!((x - expected).abs() < 1e-14, "{flat:?}");
+        }
+        let s = 0.5f64.sqrt();
+        let tilted = [[s, s, 0.0], [s, s, 0.0], [0.0, s, s]];
+        let d = within(tilted.into_iter(), [0.3, -0.2, 0.9]);
+        let residual = tilted.iter().fold(d, |r, &n| add(r, scale(n, STIFFNESS * dot(n, d))));
+        for (x, o) in residual.into_iter().zip([0.3, -0.2, 0.9]) {
+            assert!((x - o).abs() < 1e-14, "{residual:?}");
+        }
+    }
+
+    /// Two inner vertices of a plane that have changed places fold the faces
+    /// around them; all open, and the plane stays flat. No vertex goes further
+    /// than the limit, even where that leaves a fold; a plane without folds
+    /// stays as it is.
+    #[test]
+    fn folds_open() {
+        let plane = shapes::plane(8, 8, shapes::Diagonals::Regular);
+        let h = plane.mean_edge_length();
+        let rings = FaceLists::rings(&plane);
+        let normals = vec![[0.0, 0.0, 1.0]; plane.face_count()];
+        let mut positions = plane.positions().to_vec();
+        positions.swap(40, 41);
+        let folded = plane.with_positions(positions).unwrap();
+        assert!(opposing(&folded, &normals) >= 2);
+        let follow = Follow::new(&folded, &rings, 0.3 * h, f64::INFINITY);
+        let opened = follow.run(folded.positions(), &normals, 60).unwrap();
+        assert_eq!(opposing(&opened, &normals), 0);
+        assert!(opened.positions().iter().all(|p| p[2] == 0.0));
+        let short = Follow::new(&folded, &rings, 0.3 * h, 1e-3 * h);
+        let kept = short.run(folded.positions(), &normals, 10).unwrap();
+        for (p, q) in kept.positions().iter().zip(folded.positions()) {
+            assert!(distance(*p, *q) <= 1e-3 * h * (1.0 + 1e-12));
+        }
+        let follow = Follow::new(&plane, &rings, 0.01 * h, f64::INFINITY);
+        let same = follow.run(plane.positions(), &normals, 5).unwrap();
+        assert_eq!(same.positions(), plane.positions());
+    }
+}

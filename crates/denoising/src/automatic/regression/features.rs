@@ -1,0 +1,524 @@
+//! What the network sees of a face.
+
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{add, cross, distance, dot, norm, scale, sub};
+use fairing_operators::NormalEquations;
+
+use crate::faces::{FaceShapes, Hinges, Marks, NO_HINGE, unit_or_zero};
+
+/// The radii of neighbourhoods, in local scales.
+const RADII: [f64; 3] = [1.5, 3.0, 5.0];
+
+/// How many scales of differences between normals there are; the last is
+/// infinite.
+const RANGES: usize = 4;
+
+/// The radius and the range of each local fit.
+const FITS: [(usize, usize); 4] = [(1, 1), (2, 1), (2, 0), (1, 3)];
+
+const MEANS: usize = RADII.len() * RANGES;
+
+/// Means of noisy and of present normals, planes and quadrics, and six single
+/// normals.
+pub(crate) const CANDIDATES: usize = 2 * MEANS + 2 * FITS.len() + 6;
+
+const SCALARS: usize = 25 + 3 * RADII.len() + 3 * FITS.len();
+
+/// Three components of each candidate, and numbers.
+pub(crate) const INPUTS: usize = 3 * CANDIDATES + SCALARS;
+
+/// The least spread of candidates: 10⁻⁴ radians.
+const LEAST_SPREAD: f64 = 1e-4;
+
+/// One face as the network sees it.
+#[derive(Debug, Clone)]
+pub(crate) struct Sample {
+    pub(crate) inputs: [f32; INPUTS],
+    /// The root mean square tangential part of the candidates.
+    pub(crate) spread: f32,
+}
+
+impl Sample {
+    /// A candidate in the frame of the face.
+    #[inline]
+    pub(crate) fn candidate(&self, k: usize) -> [f32; 3] {
+        let c = &self.inputs[3 * k..3 * k + 3];
+        [c[0] * self.spread, c[1] * self.spread, c[2]]
+    }
+}
+
+/// A sample and where it is.
+pub(crate) struct Seen {
+    pub(crate) sample: Sample,
+    /// The axes of the sample.
+    pub(crate) frame: [[f64; 3]; 3],
+    /// The point of the surface at the face.
+    pub(crate) anchor: [f64; 3],
+}
+
+/// A mesh between two stages.
+pub(crate) struct State<'a> {
+    /// The input mesh.
+    pub(crate) mesh: &'a TriMesh,
+    pub(crate) hinges: &'a Hinges,
+    /// Its faces.
+    pub(crate) noisy: &'a FaceShapes,
+    /// The surface that has followed the present normals.
+    pub(crate) current: &'a FaceShapes,
+    /// The present normals.
+    pub(crate) normals: &'a [[f64; 3]],
+    /// A point of the surface at each face, from a local fit.
+    pub(crate) anchors: &'a [[f64; 3]],
+    /// The weight of the position of each face.
+    pub(crate) trust: &'a [f64],
+    /// The local scale of each face: the side of an equilateral triangle of the
+    /// mean area around it.
+    pub(crate) scales: &'a [f64],
+    /// The longest side of each face.
+    pub(crate) longest: &'a [f64],
+    /// The noise level, in mesh units.
+    pub(crate) sigma: f64,
+    /// That over the estimate from the noisy mesh.
+    pub(crate) excess: f64,
+    /// The mean edge length.
+    pub(crate) h: f64,
+    /// [`NoiseEstimate::tail_ratio`](fairing_operators::NoiseEstimate).
+    pub(crate) tail: f64,
+    /// The finite scales of differences between normals.
+    pub(crate) ranges: [f64; RANGES - 1],
+}
+
+/// The longest side of each face.
+pub(crate) fn longest_sides(mesh: &TriMesh) -> Vec<f64> {
+    (0..mesh.face_count())
+        .map(|f| {
+            let [a, b, c] = mesh.triangle(f);
+            distance(a, b).max(distance(b, c)).max(distance(c, a))
+        })
+        .collect()
+}
+
+/// The monomials of degrees 0 to 4 in x and y, the heights z times those of
+/// degrees 0 to 2, and z²: what weighted fits of planes and quadrics need.
+const MOMENTS: usize = 22;
+
+/// Where the monomials of a degree begin.
+const DEGREES: [usize; 5] = [0, 1, 3, 6, 10];
+
+/// The powers of x and y of the unknowns of a quadric; the first three are those
+/// of a plane.
+const POWERS: [[usize; 2]; 6] = [[0, 0], [1, 0], [0, 1], [2, 0], [1, 1], [0, 2]];
+
+/// Sums of weighted moments.
+#[derive(Clone, Copy)]
+struct LocalFit([f64; MOMENTS]);
+
+impl LocalFit {
+    /// The normal equations of the first `N` unknowns.
+    fn equations<const N: usize>(&self) -> NormalEquations<N> {
+        let (mut matrix, mut rhs) = ([[0.0; N]; N], [0.0; N]);
+        for i in 0..N {
+            for j in 0..=i {
+                let [x, y] = [0, 1].map(|k| POWERS[i][k] + POWERS[j][k]);
+                matrix[i][j] = self.0[DEGREES[x + y] + y];
+            }
+            rhs[i] = self.0[15 + i];
+        }
+        NormalEquations::from_sums(matrix, rhs)
+    }
+
+    /// The root mean square residual of a solution.
+    fn residual(&self, solution: &[f64], rhs: &[f64]) -> f64 {
+        let explained: f64 = solution.iter().zip(rhs).map(|(c, r)| c * r).sum();
+        ((self.0[MOMENTS - 1] - explained).max(0.0) / self.0[0]).sqrt()
+    }
+}
+
+/// The moments of a point.
+fn moments([x, y, z]: [f64; 3]) -> [f64; MOMENTS] {
+    let (xx, xy, yy) = (x * x, x * y, y * y);
+    [
+        1.0,
+        x,
+        y,
+        xx,
+        xy,
+        yy,
+        xx * x,
+        xx * y,
+        x * yy,
+        yy * y,
+        xx * xx,
+        xx * xy,
+        xx * yy,
+        xy * yy,
+        yy * yy,
+        z,
+        x * z,
+        y * z,
+        xx * z,
+        xy * z,
+        yy * z,
+        z * z,
+    ]
+}
+
+/// Sums over the neighbourhood of a face.
+struct Sums {
+    /// Weighted sums of noisy area vectors, of present normals times areas, and
+    /// of areas.
+    means: [[f64; 8]; MEANS],
+    tensors: [[f64; 6]; 2],
+    fits: [LocalFit; FITS.len()],
+    /// Weight, and agreement of noisy with present normals.
+    near: [f64; 2],
+    /// Squared displacements.
+    displacement: f64,
+}
+
+impl Sums {
+    fn weight(&self, radius: usize, range: usize) -> f64 {
+        self.means[radius * RANGES + range][6]
+    }
+
+    fn noisy(&self, k: usize) -> [f64; 3] {
+        [self.means[k][0], self.means[k][1], self.means[k][2]]
+    }
+
+    fn present(&self, k: usize) -> [f64; 3] {
+        [self.means[k][3], self.means[k][4], self.means[k][5]]
+    }
+}
+
+/// Finds the faces around one, and sums over them.
+pub(crate) struct Gatherer<'a> {
+    state: &'a State<'a>,
+    marks: Marks,
+    queue: Vec<u32>,
+}
+
+impl<'a> Gatherer<'a> {
+    pub(crate) fn new(state: &'a State<'a>) -> Self {
+        Self { state, marks: Marks::new(state.normals.len()), queue: vec![] }
+    }
+
+    /// What the network sees of face `f`; `None` for a face without a present
+    /// normal.
+    pub(crate) fn sample(&mut self, f: usize) -> Option<Seen> {
+        if self.state.normals[f] == [0.0; 3] {
+            return None;
+        }
+        self.gather(f);
+        let sums = self.sums(f);
+        Some(sample(self.state, f, &sums))
+    }
+
+    /// The faces around `f` up to the largest radius, itself first.
+    fn gather(&mut self, f: usize) {
+        let state = self.state;
+        self.marks.clear();
+        self.queue.clear();
+        self.marks.insert(f as u32);
+        self.queue.push(f as u32);
+        let centre = state.current.centroids[f];
+        let reach = RADII[RADII.len() - 1] * state.scales[f];
+        let mut i = 0;
+        while i < self.queue.len() {
+            let g = self.queue[i] as usize;
+            i += 1;
+            for k in state.hinges.across(g) {
+                if distance(state.current.centroids[k], centre) < reach
+                    && self.marks.insert(k as u32)
+                {
+                    self.queue.push(k as u32);
+                }
+            }
+        }
+    }
+
+    fn sums(&self, f: usize) -> Sums {
+        let state = self.state;
+        let mut sums = Sums {
+            means: [[0.0; 8]; MEANS],
+            tensors: [[0.0; 6]; 2],
+            fits: [LocalFit([0.0; MOMENTS]); FITS.len()],
+            near: [0.0; 2],
+            displacement: 0.0,
+        };
+        let n = state.normals[f];
+        let axes = tangents(n);
+        let centre = state.current.centroids[f];
+        let inverse = 1.0 / state.scales[f];
+        let ranges = state.ranges.map(|r| 0.25 / (r * r));
+        let squares = RADII.map(|r| 1.0 / (r * r));
+        for &g in &self.queue {
+            let g = g as usize;
+            let offset = scale(sub(state.current.centroids[g], centre), inverse);
+            let d = dot(offset, offset);
+            let m = state.normals[g];
+            let apart = sub(m, n);
+            let u = dot(apart, apart);
+            let mut range = [1.0; RANGES];
+            for (r, s) in range.iter_mut().zip(ranges) {
+                // Close to a Gaussian, with tails of an eighth power.
+                let q = 1.0 / (1.0 + s * u);
+                *r = (q * q) * (q * q);
+            }
+            let area = state.current.areas[g];
+            let [a, b, c] = scale(state.noisy.normals[g], state.noisy.areas[g] * state.trust[g]);
+            let terms = [a, b, c, m[0] * area, m[1] * area, m[2] * area, area, 0.0];
+            let near = squares.map(|s| {
+                let t = (1.0 - d * s).max(0.0);
+                t * t
+            });
+            for (means, near) in sums.means.chunks_exact_mut(RANGES).zip(near) {
+                if near > 0.0 {
+                    for (mean, r) in means.iter_mut().zip(range) {
+                        let w = near * r;
+                        mean.iter_mut().zip(terms).for_each(|(x, t)| *x += w * t);
+                    }
+                }
+            }
+            for (tensor, w) in sums.tensors.iter_mut().zip(&near[1..]) {
+                let w = w * area;
+                let products =
+                    [m[0] * m[0], m[0] * m[1], m[0] * m[2], m[1] * m[1], m[1] * m[2], m[2] * m[2]];
+                tensor.iter_mut().zip(products).for_each(|(t, p)| *t += w * p);
+            }
+            let offset = scale(sub(state.noisy.centroids[g], centre), inverse);
+            let point = moments([dot(offset, axes[0]), dot(offset, axes[1]), dot(offset, n)]);
+            for (fit, (a, q)) in sums.fits.iter_mut().zip(FITS) {
+                let w = near[a] * range[q] * state.trust[g];
+                if w > 0.0 {
+                    fit.0.iter_mut().zip(point).for_each(|(x, p)| *x += w * p);
+                }
+            }
+            let w = near[0] * area;
+            sums.near[0] += w;
+            sums.near[1] += w * dot(m, state.noisy.normals[g]);
+            let moved = sub(state.noisy.centroids[g], state.current.centroids[g]);
+            sums.displacement += near[1] * area * dot(moved, moved);
+        }
+        sums
+    }
+}
+
+/// Two unit vectors across `n`.
+fn tangents(n: [f64; 3]) -> [[f64; 3]; 2] {
+    let axis = if n[0].abs() < 0.6 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
+    let first = unit_or_zero(cross(n, axis));
+    [first, cross(n, first)]
+}
+
+/// What a fit says: the normals of its plane and quadric, log₂ of the residual
+/// over σ, of the plane's residual over the quadric's, and of the slope's
+/// deviation. Last, the height at the origin.
+fn read_fit(
+    fit: &LocalFit,
+    n: [f64; 3],
+    axes: [[f64; 3]; 2],
+    sigma: f64,
+) -> ([[f64; 3]; 2], [f64; 3], f64) {
+    let normal = |x: f64, y: f64| unit_or_zero(sub(n, add(scale(axes[0], x), scale(axes[1], y))));
+    let equations = fit.equations::<3>();
+    let Some(plane) = equations.factor() else { return ([n; 2], [0.0, 0.0, 3.0], 0.0) };
+    let p = plane.solve(equations.rhs());
+    let coarse = fit.residual(&p, equations.rhs());
+    let flat = normal(p[1], p[2]);
+    let equations = fit.equations::<6>();
+    let (curved, fine, variance, height) = match equations.factor() {
+        Some(quadric) => {
+            let c = quadric.solve(equations.rhs());
+            let slopes = [[0.0, 1.0, 0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0, 0.0, 0.0]];
+            let variance: f64 = slopes.iter().map(|s| quadric.variance(s)).sum();
+            (normal(c[1], c[2]), fit.residual(&c, equations.rhs()), variance, c[0])
+        }
+        None => {
+            let slopes = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+            (flat, coarse, slopes.iter().map(|s| plane.variance(s)).sum(), p[0])
+        }
+    };
+    let tiny = 1e-3 * sigma + 1e-12;
+    let numbers = [
+        log2((fine + tiny) / (sigma + tiny)),
+        log2((coarse + tiny) / (fine + tiny)),
+        log2(sigma * variance.sqrt() + 1e-4),
+    ];
+    ([flat, curved], numbers, height)
+}
+
+fn log2(x: f64) -> f64 {
+    libm::log2(x.clamp(1e-12, 1e12))
+}
+
+fn sample(state: &State<'_>, f: usize, sums: &Sums) -> Seen {
+    let n = state.normals[f];
+    let axes = tangents(n);
+    let s = state.scales[f];
+    let mut all = [n; CANDIDATES];
+    let or_present = |v: [f64; 3]| {
+        let unit = unit_or_zero(v);
+        if unit == [0.0; 3] { n } else { unit }
+    };
+    for k in 0..MEANS {
+        all[k] = or_present(sums.noisy(k));
+        all[MEANS + k] = or_present(sums.present(k));
+    }
+    let mut of_fits = [[0.0; 3]; FITS.len()];
+    let mut anchor = state.current.centroids[f];
+    for (k, fit) in sums.fits.iter().enumerate() {
+        let (normals, numbers, height) = read_fit(fit, n, axes, state.sigma / s);
+        all[2 * MEANS + 2 * k] = or_present(normals[0]);
+        all[2 * MEANS + 2 * k + 1] = or_present(normals[1]);
+        of_fits[k] = numbers;
+        if k == 0 {
+            anchor = add(state.current.centroids[f], scale(n, height.clamp(-3.0, 3.0) * s));
+        }
+    }
+    let single = 2 * MEANS + 2 * FITS.len();
+    all[single] = or_present(state.noisy.normals[f]);
+    all[single + 1] = or_present(state.current.normals[f]);
+    let beside = across_sorted(state, f);
+    for (k, &g) in beside.iter().enumerate() {
+        all[single + 3 + k] = state.normals[g];
+    }
+    let sum = all.iter().fold([0.0; 3], |s, &c| add(s, c));
+    let up = or_present(sum);
+    // The candidate that sees furthest fixes the signs of the axes.
+    let frame = frame(up, &sums.tensors[0], all[(RADII.len() - 1) * RANGES + RANGES - 1]);
+    let mut local = [[0.0; 3]; CANDIDATES];
+    let mut squares = 0.0;
+    for (l, &c) in local.iter_mut().zip(&all) {
+        *l = [dot(c, frame[0]), dot(c, frame[1]), dot(c, frame[2])];
+        squares += l[0] * l[0] + l[1] * l[1];
+    }
+    let spread = (squares / CANDIDATES as f64 + LEAST_SPREAD * LEAST_SPREAD).sqrt();
+    let mut inputs = [0.0f32; INPUTS];
+    for (slot, l) in inputs.chunks_exact_mut(3).zip(&local) {
+        slot[0] = (l[0] / spread) as f32;
+        slot[1] = (l[1] / spread) as f32;
+        slot[2] = l[2] as f32;
+    }
+    let scalars = scalars(state, f, sums, &frame, spread, &of_fits, beside);
+    for (slot, x) in inputs[3 * CANDIDATES..].iter_mut().zip(scalars) {
+        *slot = x as f32;
+    }
+    Seen { sample: Sample { inputs, spread: spread as f32 }, frame, anchor }
+}
+
+/// The faces across the hinges of a face, that with the closest normal first;
+/// the face itself where there is no hinge.
+fn across_sorted(state: &State<'_>, f: usize) -> [usize; 3] {
+    let n = state.normals[f];
+    let mut found = state.hinges.of_face[f].map(|hinge| {
+        if hinge == NO_HINGE {
+            return f;
+        }
+        let [a, b] = state.hinges.all[hinge as usize].faces;
+        let g = (if a as usize == f { b } else { a }) as usize;
+        if state.normals[g] == [0.0; 3] { f } else { g }
+    });
+    found.sort_by(|&a, &b| dot(state.normals[b], n).total_cmp(&dot(state.normals[a], n)));
+    found
+}
+
+/// log₂ of the distance of the noisy corners of face `f` from the tangent plane
+/// at face `g`, root mean square, in noise levels.
+fn misfit(state: &State<'_>, f: usize, g: usize) -> f64 {
+    let (n, anchor) = (state.normals[g], state.anchors[g]);
+    let squares = state.mesh.triangle(f).map(|p| dot(n, sub(p, anchor)).powi(2));
+    let mean = (squares[0] + squares[1] + squares[2]) / 3.0;
+    log2(mean.sqrt() / state.sigma + 0.1)
+}
+
+/// The part of a tensor across `up`, as entries over two tangents.
+fn across(tensor: &[f64; 6], axes: [[f64; 3]; 2]) -> [f64; 3] {
+    let [xx, xy, xz, yy, yz, zz] = *tensor;
+    let rows = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
+    let times = |a: [f64; 3]| rows.map(|r| dot(r, a));
+    let [a, b] = axes;
+    [dot(a, times(a)), dot(a, times(b)), dot(b, times(b))]
+}
+
+/// The eigenvalues of `[[a, b], [b, c]]`, the larger first.
+fn eigenvalues([a, b, c]: [f64; 3]) -> [f64; 2] {
+    let (mean, root) = (0.5 * (a + c), (0.25 * (a - c).powi(2) + b * b).sqrt());
+    [mean + root, (mean - root).max(0.0)]
+}
+
+/// Axes that turn with the mesh: the directions in which normals vary most and
+/// least, and `up`. `far` has no negative component along the first two.
+fn frame(up: [f64; 3], tensor: &[f64; 6], far: [f64; 3]) -> [[f64; 3]; 3] {
+    let axes = tangents(up);
+    let [a, b, c] = across(tensor, axes);
+    let [largest, _] = eigenvalues([a, b, c]);
+    // Both are eigenvectors; the longer one is exact.
+    let (p, q) = ([b, largest - a], [largest - c, b]);
+    let square = |v: [f64; 2]| v[0] * v[0] + v[1] * v[1];
+    let v = if square(p) > square(q) { p } else { q };
+    let first = unit_or_zero(add(scale(axes[0], v[0]), scale(axes[1], v[1])));
+    let first = if first == [0.0; 3] { axes[0] } else { first };
+    let second = cross(up, first);
+    let facing = |e: [f64; 3]| if dot(e, far) < 0.0 { scale(e, -1.0) } else { e };
+    [facing(first), facing(second), up]
+}
+
+fn scalars(
+    state: &State<'_>,
+    f: usize,
+    sums: &Sums,
+    frame: &[[f64; 3]; 3],
+    spread: f64,
+    of_fits: &[[f64; 3]; FITS.len()],
+    beside: [usize; 3],
+) -> [f64; SCALARS] {
+    let s = state.scales[f];
+    let area = state.current.areas[f];
+    let mut out = [0.0; SCALARS];
+    let missing = state.hinges.of_face[f].iter().filter(|&&h| h == NO_HINGE).count();
+    let noise = norm(sub(state.noisy.centroids[f], state.current.centroids[f])) / state.sigma;
+    let moved = (sums.displacement / sums.weight(1, RANGES - 1).max(f64::MIN_POSITIVE)).sqrt();
+    let fixed = [
+        log2(state.sigma / s),
+        log2(s / state.h),
+        log2(area / (s * s)),
+        log2(state.longest[f] / s),
+        missing as f64,
+        log2(spread),
+        state.tail,
+        log2(state.excess),
+        dot(state.noisy.normals[f], state.normals[f]),
+        sums.near[1] / sums.near[0].max(f64::MIN_POSITIVE),
+        noise,
+        moved / state.sigma,
+        dot(state.current.normals[f], state.normals[f]),
+    ];
+    out[..fixed.len()].copy_from_slice(&fixed);
+    let mut next = fixed.len();
+    for (a, tensor) in sums.tensors.iter().enumerate() {
+        let total = sums.weight(a + 1, RANGES - 1).max(f64::MIN_POSITIVE);
+        let entries = across(tensor, [frame[0], frame[1]]).map(|x| x / total);
+        let [large, small] = eigenvalues(entries).map(|x| x.max(0.0).sqrt());
+        for x in [log2(large + 1e-4), log2(small + 1e-4), large, small] {
+            out[next] = x;
+            next += 1;
+        }
+    }
+    for a in 0..RADII.len() {
+        let all = sums.weight(a, RANGES - 1).max(f64::MIN_POSITIVE);
+        for q in 0..RANGES - 1 {
+            out[next] = sums.weight(a, q) / all;
+            next += 1;
+        }
+    }
+    for g in [f, beside[0], beside[1], beside[2]] {
+        out[next] = misfit(state, f, g);
+        next += 1;
+    }
+    for numbers in of_fits {
+        out[next..next + 3].copy_from_slice(numbers);
+        next += 3;
+    }
+    debug_assert_eq!(next, SCALARS);
+    out
+}

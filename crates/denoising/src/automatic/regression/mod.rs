@@ -1,0 +1,292 @@
+//! Normals by regression: stages of a small network that weighs candidates.
+
+pub(crate) mod features;
+pub(crate) mod model;
+pub(crate) mod network;
+pub(crate) mod training;
+
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{add, distance, dot, scale};
+use fairing_operators::NoiseEstimate;
+use rayon::prelude::*;
+
+use super::follow::Follow;
+use crate::DenoiseError;
+use crate::faces::{FaceLists, FaceShapes, Hinges, unit_or_zero};
+use features::{Gatherer, Seen, State, longest_sides};
+use model::Model;
+use network::{Network, Trace, combine};
+
+/// Vertex steps between stages.
+const STEPS: usize = 15;
+
+/// The scale of the Cauchy weights of positions, in noise levels.
+const TRUST: f64 = 3.0;
+
+/// Faces that are treated together.
+const BLOCK: usize = 1024;
+
+/// A mesh on its way through the stages.
+pub(crate) struct Progress<'a> {
+    mesh: &'a TriMesh,
+    hinges: &'a Hinges,
+    rings: &'a FaceLists,
+    level: NoiseEstimate,
+    /// The noise level: the estimate, or the displacements, if they are larger.
+    sigma: f64,
+    /// How far vertices may go: five standard deviations.
+    pub(crate) limit: f64,
+    h: f64,
+    noisy: FaceShapes,
+    current: FaceShapes,
+    pub(crate) normals: Vec<[f64; 3]>,
+    anchors: Vec<[f64; 3]>,
+    trust: Vec<f64>,
+    scales: Vec<f64>,
+    longest: Vec<f64>,
+    /// The scales of differences between normals.
+    ranges: [f64; 3],
+}
+
+impl<'a> Progress<'a> {
+    /// Begins with the means of the noisy area vectors around each face.
+    pub(crate) fn new(
+        mesh: &'a TriMesh,
+        hinges: &'a Hinges,
+        rings: &'a FaceLists,
+        level: NoiseEstimate,
+    ) -> Self {
+        let noisy = FaceShapes::new(mesh);
+        let vector = |f: usize| scale(noisy.normals[f], noisy.areas[f]);
+        let normals = (0..mesh.face_count())
+            .into_par_iter()
+            .map(|f| {
+                let ring = rings.row(f).iter().map(|&g| vector(g as usize));
+                unit_or_zero(ring.fold(vector(f), add))
+            })
+            .collect();
+        let h = mesh.mean_edge_length();
+        let mut progress = Self {
+            mesh,
+            hinges,
+            rings,
+            level,
+            sigma: level.sigma,
+            limit: 5.0 * level.sigma,
+            h,
+            current: noisy.clone(),
+            noisy,
+            normals,
+            anchors: vec![],
+            trust: vec![1.0; mesh.face_count()],
+            scales: vec![],
+            longest: longest_sides(mesh),
+            ranges: [0.0; 3],
+        };
+        progress.anchors = progress.first_anchors();
+        progress.set_scales();
+        progress.set_ranges(2.0);
+        progress
+    }
+
+    /// The mean centroid around each face.
+    fn first_anchors(&self) -> Vec<[f64; 3]> {
+        let centroids = &self.noisy.centroids;
+        (0..centroids.len())
+            .into_par_iter()
+            .map(|f| {
+                let row = self.rings.row(f);
+                let sum = row.iter().fold(centroids[f], |s, &g| add(s, centroids[g as usize]));
+                scale(sum, 1.0 / (row.len() + 1) as f64)
+            })
+            .collect()
+    }
+
+    /// The local scale of each face.
+    fn set_scales(&mut self) {
+        let (areas, rings, h) = (&self.current.areas, self.rings, self.h);
+        self.scales = (0..areas.len())
+            .into_par_iter()
+            .map(|f| {
+                let row = rings.row(f);
+                let sum: f64 = areas[f] + row.iter().map(|&g| areas[g as usize]).sum::<f64>();
+                // The side of an equilateral triangle of this area.
+                let side = (sum / (row.len() + 1) as f64 * (4.0 / 3.0f64.sqrt())).sqrt();
+                side.clamp(0.02 * h, 50.0 * h)
+            })
+            .collect();
+    }
+
+    /// Differences between normals that count: from what noise of `factor` σ̂/h
+    /// makes to that of a crease.
+    fn set_ranges(&mut self, factor: f64) {
+        let low = (factor * self.sigma / self.h).clamp(0.02, 0.3);
+        self.ranges = [low, (low * 0.5).sqrt(), 0.5];
+    }
+
+    fn state(&self) -> State<'_> {
+        State {
+            mesh: self.mesh,
+            hinges: self.hinges,
+            noisy: &self.noisy,
+            current: &self.current,
+            normals: &self.normals,
+            anchors: &self.anchors,
+            trust: &self.trust,
+            scales: &self.scales,
+            longest: &self.longest,
+            sigma: self.sigma,
+            excess: self.sigma / self.level.sigma,
+            h: self.h,
+            tail: self.level.tail_ratio,
+            ranges: self.ranges,
+        }
+    }
+
+    /// What the network sees of some faces.
+    pub(crate) fn samples(&self, faces: &[u32]) -> Vec<Option<Seen>> {
+        let state = self.state();
+        faces
+            .par_chunks(BLOCK)
+            .map_init(
+                || Gatherer::new(&state),
+                |gatherer, block| {
+                    block.iter().map(|&f| gatherer.sample(f as usize)).collect::<Vec<_>>()
+                },
+            )
+            .flatten_iter()
+            .collect()
+    }
+
+    /// One stage: new normals, and the surface follows.
+    ///
+    /// # Errors
+    ///
+    /// [`DenoiseError::NonFinite`] if coordinates overflow.
+    pub(crate) fn advance(&mut self, network: &Network) -> Result<(), DenoiseError> {
+        let state = self.state();
+        let parts = network.parts();
+        let watch = fairing_watch::current();
+        let count = self.normals.len();
+        let blocks: Vec<Vec<[[f64; 3]; 2]>> = (0..count.div_ceil(BLOCK))
+            .into_par_iter()
+            .map_init(
+                || (Gatherer::new(&state), Trace::default()),
+                |(gatherer, trace), block| {
+                    watch.check();
+                    (block * BLOCK..((block + 1) * BLOCK).min(count))
+                        .map(|f| {
+                            let Some(seen) = gatherer.sample(f) else {
+                                return [[0.0; 3], state.current.centroids[f]];
+                            };
+                            parts.run(&seen.sample, trace);
+                            let (mean, _) = combine(&seen.sample, &trace.outputs);
+                            let [x, y, z] = mean.map(f64::from);
+                            let [a, b, c] = seen.frame;
+                            let sum = add(add(scale(a, x), scale(b, y)), scale(c, z));
+                            [unit_or_zero(sum), seen.anchor]
+                        })
+                        .collect()
+                },
+            )
+            .collect();
+        (self.normals, self.anchors) = blocks.into_iter().flatten().map(|[n, a]| (n, a)).unzip();
+        self.follow()
+    }
+
+    /// The surface follows the normals.
+    fn follow(&mut self) -> Result<(), DenoiseError> {
+        let follow = Follow::new(self.mesh, self.rings, self.sigma, f64::INFINITY);
+        let current = follow.run(self.mesh.positions(), &self.normals, STEPS)?;
+        let moved: Vec<f64> = (self.mesh.positions().iter().zip(current.positions()))
+            .map(|(&p, &x)| distance(p, x))
+            .collect();
+        self.sigma = self.level.sigma.max(median(moved.clone()));
+        let scale = 1.0 / (TRUST * self.sigma);
+        let trust: Vec<f64> = moved.iter().map(|d| 1.0 / (1.0 + (scale * d).powi(2))).collect();
+        self.limit = 5.0 * self.sigma.max(root_mean_square(&moved));
+        self.trust = (self.mesh.faces().iter())
+            .map(|face| face.iter().map(|&v| trust[v as usize]).sum::<f64>() / 3.0)
+            .collect();
+        self.current = FaceShapes::new(&current);
+        self.longest = longest_sides(&current);
+        self.set_scales();
+        self.set_ranges(0.6);
+        Ok(())
+    }
+
+    /// The mean angle to the true normals, in radians.
+    pub(crate) fn error(&self, truth: &[[f64; 3]]) -> f64 {
+        let angle = |n: &[f64; 3], t: &[f64; 3]| libm::acos(dot(*n, *t).clamp(-1.0, 1.0));
+        let sum: f64 = self.normals.iter().zip(truth).map(|(n, t)| angle(n, t)).sum();
+        sum / truth.len() as f64
+    }
+}
+
+/// The median; zero without numbers.
+fn median(mut numbers: Vec<f64>) -> f64 {
+    let middle = numbers.len() / 2;
+    if numbers.is_empty() {
+        return 0.0;
+    }
+    *numbers.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+fn root_mean_square(numbers: &[f64]) -> f64 {
+    (numbers.iter().map(|x| x * x).sum::<f64>() / numbers.len().max(1) as f64).sqrt()
+}
+
+/// What the stages make of a mesh.
+pub(crate) struct Regressed {
+    pub(crate) normals: Vec<[f64; 3]>,
+    /// The noise level that the displacements show, at least the estimate.
+    pub(crate) sigma: f64,
+    /// How far vertices may go.
+    pub(crate) limit: f64,
+}
+
+/// Runs all stages.
+///
+/// # Errors
+///
+/// [`DenoiseError::NonFinite`] if coordinates overflow.
+pub(crate) fn regress(
+    mesh: &TriMesh,
+    hinges: &Hinges,
+    rings: &FaceLists,
+    level: NoiseEstimate,
+    model: &Model,
+) -> Result<Regressed, DenoiseError> {
+    let mut progress = Progress::new(mesh, hinges, rings, level);
+    fairing_watch::stage("normals", model.stages.len() as u64);
+    for network in &model.stages {
+        progress.advance(network)?;
+        fairing_watch::advance(1);
+    }
+    let Progress { normals, sigma, limit, .. } = progress;
+    Ok(Regressed { normals, sigma, limit })
+}
+
+/// For development.
+#[doc(hidden)]
+pub fn dev_denoise(
+    mesh: &TriMesh,
+    model: &[u8],
+) -> Result<Vec<(Vec<[f64; 3]>, TriMesh)>, DenoiseError> {
+    let model = Model::read(model).unwrap_or_else(|e| panic!("{e}"));
+    let Some(level) = fairing_operators::noise_level(mesh) else { return Ok(vec![]) };
+    let (hinges, rings) = (Hinges::new(mesh), FaceLists::rings(mesh));
+    let mut out = vec![];
+    let mut progress = Progress::new(mesh, &hinges, &rings, level);
+    for network in &model.stages {
+        progress.advance(network)?;
+    }
+    let normals = progress.normals.clone();
+    let follow = Follow::new(mesh, &rings, progress.sigma, progress.limit);
+    let plain = follow.run(mesh.positions(), &normals, 60)?;
+    out.push((normals.clone(), plain));
+    let labels = super::relabel::relabel(mesh, &rings, normals, &follow)?;
+    let plain = follow.run(mesh.positions(), &labels, 60)?;
+    out.push((labels, plain));
+    Ok(out)
+}

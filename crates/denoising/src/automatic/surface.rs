@@ -1,0 +1,122 @@
+//! What kind of surface a mesh is, face by face.
+
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{distance, dot};
+
+use crate::faces::{FaceShapes, Hinges, NO_HINGE};
+
+/// The least turn at a crease, 20°, as a cosine.
+const CREASE: f64 = 0.939_692_620_785_908_4;
+
+/// How much larger a turn at a crease is than the middle one at the other sides
+/// of its two faces: on a curved surface turns are alike.
+const STANDS_OUT: f64 = 2.5;
+
+/// The largest turn at a flat face, 2°, as a cosine.
+const FLAT: f64 = 0.999_390_827_019_095_7;
+
+/// Creases of half the diagonal together make a body with creases.
+const CREASE_LENGTH: f64 = 0.5;
+
+/// What a surface is like at a face.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum FaceKind {
+    /// Turns by less than 2° at all sides.
+    Flat,
+    /// Turns more, but has no crease.
+    Curved,
+    /// Has a crease at a side: a turn of more than 20° that is more than 2.5 times
+    /// the middle one of the other sides around, and goes on at both ends.
+    Creased,
+}
+
+impl FaceKind {
+    /// All kinds.
+    pub const ALL: [Self; 3] = [Self::Flat, Self::Curved, Self::Creased];
+
+    /// The name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Flat => "flat",
+            Self::Curved => "curved",
+            Self::Creased => "creased",
+        }
+    }
+}
+
+fairing_mesh::named!(FaceKind, "kind of a face");
+
+/// The kind of each face, and whether the mesh has creases as long as half its
+/// diagonal.
+pub(super) fn face_kinds(mesh: &TriMesh, hinges: &Hinges) -> (Vec<FaceKind>, bool) {
+    let normals = FaceShapes::new(mesh).normals;
+    let turns: Vec<f64> = (hinges.all.iter())
+        .map(|hinge| {
+            let [a, b] = hinge.faces.map(|f| normals[f as usize]);
+            libm::acos(dot(a, b).clamp(-1.0, 1.0))
+        })
+        .collect();
+    let (crease, flat) = (libm::acos(CREASE), libm::acos(FLAT));
+    let sharp: Vec<bool> = (0..turns.len())
+        .map(|e| {
+            let mut others = [0.0; 4];
+            let sides = hinges.all[e].faces.iter().flat_map(|&f| hinges.of_face[f as usize]);
+            let sides = sides.filter(|&s| s != e as u32 && s != NO_HINGE);
+            others.iter_mut().zip(sides).for_each(|(o, s)| *o = turns[s as usize]);
+            others.sort_by(f64::total_cmp);
+            turns[e] > crease && turns[e] > STANDS_OUT * 0.5 * (others[1] + others[2])
+        })
+        .collect();
+    let mut ends = vec![0u32; mesh.vertex_count()];
+    for (hinge, _) in hinges.all.iter().zip(&sharp).filter(|(_, sharp)| **sharp) {
+        hinge.ends.iter().for_each(|&v| ends[v as usize] += 1);
+    }
+    let goes_on = |e: usize| sharp[e] && hinges.all[e].ends.iter().all(|&v| ends[v as usize] > 1);
+    let kinds = (hinges.of_face.iter())
+        .map(|sides| {
+            let mut sides = sides.iter().filter(|&&e| e != NO_HINGE).map(|&e| e as usize);
+            if sides.clone().any(goes_on) {
+                FaceKind::Creased
+            } else if sides.all(|e| turns[e] < flat) {
+                FaceKind::Flat
+            } else {
+                FaceKind::Curved
+            }
+        })
+        .collect();
+    let p = mesh.positions();
+    let length: f64 = (0..sharp.len())
+        .filter(|&e| goes_on(e))
+        .map(|e| {
+            let [v, w] = hinges.all[e].ends;
+            distance(p[v as usize], p[w as usize])
+        })
+        .sum();
+    (kinds, length > CREASE_LENGTH * mesh.diagonal())
+}
+
+#[cfg(test)]
+mod tests {
+    use fairing_shapes as shapes;
+
+    use super::*;
+
+    fn kinds(mesh: &TriMesh) -> ([usize; 3], bool) {
+        let (kinds, creased) = face_kinds(mesh, &Hinges::new(mesh));
+        (FaceKind::ALL.map(|kind| kinds.iter().filter(|k| **k == kind).count()), creased)
+    }
+
+    /// A cube of 10 × 10 squares on a side: two faces of a square at each of the
+    /// 120 edges on its creases, fewer at corners; a ball has none, even where it
+    /// turns by more than 20°.
+    #[test]
+    fn creases_stand_out() {
+        let (found, creased) = kinds(&shapes::cube(10, shapes::Diagonals::Regular));
+        assert!(creased && found[1] == 0 && (200..=240).contains(&found[2]), "{found:?}");
+        let sphere = shapes::icosphere(1);
+        assert_eq!(kinds(&sphere), ([0, sphere.face_count(), 0], false));
+        let plane = shapes::plane(5, 5, shapes::Diagonals::Regular);
+        assert_eq!(kinds(&plane), ([50, 0, 0], false));
+    }
+}

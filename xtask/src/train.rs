@@ -1,0 +1,125 @@
+//! `cargo xtask train`: the regression of normals, from bodies of the development
+//! half.
+
+use std::path::Path;
+use std::time::Instant;
+
+use anyhow::{Context as _, Result};
+use fairing_denoising::{TrainingOptions, TrainingPair, train_normals};
+use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
+use fairing_experiments::bed::{Half, half_of};
+use fairing_mesh::TriMesh;
+use fairing_shapes as shapes;
+use fairing_shapes::families::{Family, Triangulation};
+use rayon::prelude::*;
+
+use crate::cli::Train;
+
+/// Where the numbers are, from the root.
+pub(crate) const FILE: &str = "crates/denoising/src/automatic/regression/normals.bin";
+
+/// The kinds of noise, and the largest level of each.
+const NOISE: [(NoiseKind, f64); 8] = [
+    (NoiseKind::GaussianAlongNormals, 0.8),
+    (NoiseKind::GaussianPerAxis, 0.35),
+    (NoiseKind::GaussianAlongNormals, 0.4),
+    (NoiseKind::Correlated { reach: 2.0 }, 0.35),
+    (NoiseKind::Impulsive { share: 0.25 }, 0.8),
+    (NoiseKind::Varying, 0.45),
+    (NoiseKind::GaussianAlongDirections, 0.5),
+    (NoiseKind::Impulsive { share: 0.5 }, 0.5),
+];
+
+/// Seeds that no case of the test bed has.
+const SEEDS: u64 = 1_000_000;
+
+/// Trains, and writes the file.
+pub(crate) fn run(options: &Train, root: &Path) -> Result<()> {
+    let start = Instant::now();
+    let pairs = pairs(options.bodies)?;
+    let faces: usize = pairs.iter().map(|p| p.truth.face_count()).sum();
+    println!("{} pairs, {faces} faces, {:.0} s", pairs.len(), start.elapsed().as_secs_f64());
+    let training = TrainingOptions {
+        stages: options.stages,
+        faces_per_pair: options.faces,
+        epochs: options.epochs,
+        seed: options.seed,
+    };
+    let say = |line: String| println!("{:7.1} s  {line}", start.elapsed().as_secs_f64());
+    let bytes = train_normals(&pairs, &training, say)?;
+    let path = options.out.clone().unwrap_or_else(|| root.join(FILE));
+    std::fs::write(&path, bytes).with_context(|| format!("writing {}", path.display()))
+}
+
+/// Bodies of the families of the development half, and of the shapes that are in
+/// neither, with noise.
+fn pairs(bodies: u64) -> Result<Vec<TrainingPair>> {
+    let families = Family::ALL.iter().copied().filter(|f| half_of(*f) == Half::Development);
+    let mut jobs: Vec<(Body, u64)> = vec![];
+    for (i, family) in families.enumerate() {
+        for k in 0..bodies {
+            let seed = SEEDS + 1000 * i as u64 + k;
+            jobs.push((Body::Family(family), seed));
+        }
+    }
+    for shape in 0..SHAPES {
+        for k in 0..bodies / 2 {
+            jobs.push((Body::Shape(shape), SEEDS + 1000 * (50 + shape as u64) + k));
+        }
+    }
+    jobs.into_par_iter().map(|(body, seed)| body.pair(seed)).collect()
+}
+
+/// What a pair is made of.
+#[derive(Clone, Copy)]
+enum Body {
+    Family(Family),
+    Shape(usize),
+}
+
+/// The number of shapes outside of the families.
+const SHAPES: usize = 6;
+
+impl Body {
+    fn pair(self, seed: u64) -> Result<TrainingPair> {
+        let draw = |salt: u64| unit(seed.wrapping_mul(31).wrapping_add(salt));
+        let triangulation = Triangulation::ALL[(seed % 4) as usize];
+        let (kind, most) = NOISE[((seed / 4 + seed) % 8) as usize];
+        let most: f64 = match (self, triangulation) {
+            (Self::Family(_), Triangulation::Anisotropic) => most.min(0.3),
+            (Self::Family(_), Triangulation::Graded) => most.min(0.4),
+            _ => most,
+        };
+        // Low levels more often.
+        let level = 0.04 + (most - 0.04) * draw(1) * draw(1).sqrt();
+        let truth = match self {
+            Self::Family(family) => {
+                let faces = if draw(2) < 0.2 { 10_000 } else { 4000 };
+                family.mesh(faces, triangulation, seed)
+            }
+            Self::Shape(k) => shape(k, draw(2), seed),
+        };
+        let noisy = add_noise(&truth, kind, NoiseLevel::EdgeLengths(level), seed)?;
+        Ok(TrainingPair { noisy, truth })
+    }
+}
+
+/// One of the shapes, in a size that `t` from 0 to 1 decides on.
+fn shape(k: usize, t: f64, seed: u64) -> TriMesh {
+    match k {
+        0 => shapes::cad_block(0.08 + 0.08 * t),
+        1 => shapes::creature(48 + (30.0 * t) as u32),
+        2 => shapes::bumpy_sphere(4, 0.05 + 0.1 * t, 4.0 + 4.0 * t),
+        3 => shapes::torus(1.0, 0.3 + 0.3 * t, 80, 30 + (20.0 * t) as u32),
+        4 => shapes::irregular_plane(0.025 + 0.01 * t, seed),
+        _ => shapes::cylinder(1.0, 2.0, 40 + (30.0 * t) as u32, 24, shapes::Ends::Closed),
+    }
+}
+
+/// Uniform in [0, 1), by a hash (splitmix64).
+fn unit(index: u64) -> f64 {
+    let mut x = index.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    ((x ^ (x >> 31)) >> 11) as f64 / 9_007_199_254_740_992.0
+}
