@@ -1,6 +1,5 @@
 //! The test bed of the denoisers: `cargo xtask bed`.
 
-use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -8,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 use anyhow::{Context as _, Result};
 use fairing_experiments::bed::{
     Case, Found, Half, Method, PAIR_NAMES, Pair, Published, Summary, cases, denoiser, found, pairs,
-    summary, tuned,
+    summary, tuned, written,
 };
 use fairing_mesh::{TriMesh, io};
 use rayon::prelude::*;
@@ -17,6 +16,9 @@ use crate::cli::{Bed, Which};
 
 /// The table, from the root.
 const TABLE: &str = "docs/reference/published.csv";
+
+/// The results of the automatic denoiser.
+const RESULTS: &str = "docs/reference/bed.csv";
 
 /// Does what was asked.
 pub(crate) fn run(command: Bed, root: &Path) -> Result<()> {
@@ -28,13 +30,17 @@ pub(crate) fn run(command: Bed, root: &Path) -> Result<()> {
             Ok(())
         }
         Bed::Tune { which, methods, meshes } => tune(&which, &methods, meshes, &root.join(TABLE)),
-        Bed::Measure { which, denoiser, csv, keep, meshes } => {
+        Bed::Measure { which, denoiser, csv, keep, meshes, accept } => {
+            let csv = if accept { Some(root.join(RESULTS)) } else { csv };
             let table = Published::read(&fs::read_to_string(root.join(TABLE))?)?;
             let mut measurement = Measurement { table, name: denoiser, keep, found: vec![] };
             measurement.run(&which, meshes)?;
             if let Some(csv) = csv {
-                let all: Vec<Found> = measurement.found.into_iter().map(|f| f.1).collect();
-                fs::write(&csv, lines(&all)).with_context(|| format!("{}", csv.display()))?;
+                let mut all = measurement.found;
+                // Only what everybody can make.
+                all.retain(|(half, _)| !accept || half.is_some());
+                let all: Vec<Found> = all.into_iter().map(|f| f.1).collect();
+                fs::write(&csv, written(&all)).with_context(|| format!("{}", csv.display()))?;
             }
             Ok(())
         }
@@ -250,32 +256,4 @@ fn report(title: &str, found: &[Found], s: &Summary) {
     for f in worst.into_iter().take(5) {
         println!("  worst: {}", line(f));
     }
-}
-
-/// The cases as CSV.
-fn lines(found: &[Found]) -> String {
-    let mut text = "case,noisy,angle,best,by,ratio,best_default,distance,flipped_before,flipped,crossings_before,crossings,volume,seconds\n".to_string();
-    for f in found {
-        let optional = |x: Option<f64>| x.map(|x| format!("{x:.4}")).unwrap_or_default();
-        let by = f.best.as_ref().map_or("", |b| &b.1);
-        // Writing to a string never fails.
-        let _ = writeln!(
-            text,
-            "{},{:.3},{:.3},{},{by},{},{},{:.3},{},{},{},{},{},{:.2}",
-            f.case,
-            f.noisy,
-            f.angle,
-            optional(f.best.as_ref().map(|b| b.0)),
-            optional(f.ratio()),
-            optional(f.best_default),
-            f.distance,
-            f.flipped[0],
-            f.flipped[1],
-            f.intersections[0],
-            f.intersections[1],
-            optional(f.volume),
-            f.seconds
-        );
-    }
-    text
 }

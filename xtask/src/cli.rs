@@ -140,6 +140,9 @@ pub(crate) enum Bed {
         /// Write a line for each case into this CSV file
         #[arg(long, value_name = "FILE")]
         csv: Option<PathBuf>,
+        /// Keep the results of the automatic denoiser on all cases in docs/reference/bed.csv, for the experiment "denoisers"
+        #[arg(long, conflicts_with_all = ["half", "filter", "denoiser", "csv"])]
+        accept: bool,
         /// Write the true, noisy and denoised meshes into this folder
         #[arg(long, value_name = "DIR")]
         keep: Option<PathBuf>,

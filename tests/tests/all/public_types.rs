@@ -63,6 +63,9 @@ all_shared!(
     fairing::shapes::Diagonals,
     fairing::shapes::Ends,
     fairing::shapes::HelicoidOptions,
+    fairing::shapes::families::Family,
+    fairing::shapes::families::Kind,
+    fairing::shapes::families::Triangulation,
     // sparse
     fairing::sparse::Beyond,
     fairing::sparse::CgError,

@@ -1,8 +1,9 @@
 //! How a denoiser compares on a case, and on many.
 
+use std::fmt::Write as _;
 use std::time::Instant;
 
-use anyhow::Result;
+use anyhow::{Context as _, Result, bail};
 use fairing_evaluation::{SurfaceTree, drift, flipped_faces, normal_error, self_intersections};
 use fairing_mesh::TriMesh;
 
@@ -31,7 +32,7 @@ pub struct Found {
     pub intersections: [usize; 2],
     /// The relative change of volume against the truth, for closed bodies.
     pub volume: Option<f64>,
-    /// The time, in seconds.
+    /// The time, in seconds; zero where it is read from a table.
     pub seconds: f64,
 }
 
@@ -56,13 +57,12 @@ pub fn found(
         let sum: f64 = distances.iter().map(|d| d * d).sum();
         (sum / distances.len() as f64).sqrt()
     };
-    let best_default = published.of(case).map(|e| e.default).min_by(f64::total_cmp);
     let found = Found {
         case: case.to_string(),
         noisy: normal_error(noisy, truth)?.mean,
         angle: normal_error(&restored, truth)?.mean,
-        best: published.best(case).map(|e| (e.tuned, e.method.clone())),
-        best_default,
+        best: best(case, published),
+        best_default: best_default(case, published),
         distance: distance(&restored) / distance(noisy),
         flipped: [flipped_faces(noisy, truth)?, flipped_faces(&restored, truth)?],
         intersections: [noisy, &restored].map(self_intersections),
@@ -72,11 +72,78 @@ pub fn found(
     Ok((found, restored))
 }
 
+fn best(case: &str, published: &Published) -> Option<(f64, String)> {
+    published.best(case).map(|e| (e.tuned, e.method.clone()))
+}
+
+fn best_default(case: &str, published: &Published) -> Option<f64> {
+    published.of(case).map(|e| e.default).min_by(f64::total_cmp)
+}
+
 impl Found {
     /// E_a over the best of the published methods.
     pub fn ratio(&self) -> Option<f64> {
         self.best.as_ref().map(|best| self.angle / best.0)
     }
+}
+
+const HEAD: &str =
+    "case,noisy,angle,distance,flipped_noisy,flipped,crossings_noisy,crossings,volume";
+
+/// A table of results as text, without times and without what published
+/// methods reach.
+pub fn written(found: &[Found]) -> String {
+    let mut text = format!("{HEAD}\n");
+    for f in found {
+        let volume = f.volume.map(|v| format!("{v:.5}")).unwrap_or_default();
+        let ([a, b], [c, d]) = (f.flipped, f.intersections);
+        // Writing to a string never fails.
+        let _ = writeln!(
+            text,
+            "{},{:.3},{:.3},{:.4},{a},{b},{c},{d},{volume}",
+            f.case, f.noisy, f.angle, f.distance
+        );
+    }
+    text
+}
+
+/// The results of the automatic denoiser on all cases, as this repository keeps
+/// them, beside those of the published methods.
+///
+/// # Errors
+///
+/// If one of the two tables is not as it was written.
+pub fn committed(published: &Published) -> Result<Vec<Found>> {
+    read(include_str!("../../../../docs/reference/bed.csv"), published)
+}
+
+/// The table from its text.
+fn read(text: &str, published: &Published) -> Result<Vec<Found>> {
+    let mut lines = text.lines();
+    if lines.next() != Some(HEAD) {
+        bail!("the first line is not {HEAD:?}");
+    }
+    let lines = lines.enumerate();
+    lines
+        .map(|(k, line)| row(line, published).with_context(|| format!("line {}: {line:?}", k + 2)))
+        .collect()
+}
+
+fn row(line: &str, published: &Published) -> Option<Found> {
+    let [case, noisy, angle, distance, a, b, c, d, volume] =
+        line.split(',').collect::<Vec<_>>().try_into().ok()?;
+    Some(Found {
+        case: case.to_string(),
+        noisy: noisy.parse().ok()?,
+        angle: angle.parse().ok()?,
+        best: best(case, published),
+        best_default: best_default(case, published),
+        distance: distance.parse().ok()?,
+        flipped: [a.parse().ok()?, b.parse().ok()?],
+        intersections: [c.parse().ok()?, d.parse().ok()?],
+        volume: if volume.is_empty() { None } else { Some(volume.parse().ok()?) },
+        seconds: 0.0,
+    })
 }
 
 /// Many cases in a few numbers.
@@ -162,6 +229,12 @@ mod tests {
                 .with_positions(truth.positions().iter().map(|p| p.map(|x| 2.0 * x)).collect())?)
         };
         let (away, _) = found("sphere", &truth, &noisy, &published, away).unwrap();
+        for f in [&none, &all] {
+            let again = read(&written(std::slice::from_ref(f)), &published).unwrap().remove(0);
+            assert_eq!((again.flipped, again.best.clone()), (f.flipped, f.best.clone()));
+            assert!((again.angle - f.angle).abs() <= 5e-4 && again.volume.is_some());
+        }
+        assert!(read(&format!("{HEAD}\nsphere,1"), &published).is_err());
         let sum = summary(&[none, all, away]);
         assert_eq!((sum.cases, sum.median, sum.worst), (3, Some(0.0), Some(2.0)));
         assert_eq!((sum.beyond_bar, sum.worse_than_default, sum.worse_normals), (1, 1, 0));

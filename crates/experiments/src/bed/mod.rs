@@ -16,7 +16,7 @@ mod table;
 mod tune;
 
 pub use cases::{Case, Half, cases, half_of};
-pub use measure::{Found, Summary, found, summary};
+pub use measure::{Found, Summary, committed, found, summary, written};
 pub use pairs::{PAIR_NAMES, Pair, pairs};
 pub use published::{Method, Setting, denoiser};
 pub use table::{Entry, Published};

@@ -140,14 +140,11 @@ pub(super) fn bosses(build: Build) -> TriMesh {
     let wide = random.between(0.36, 0.44);
     let frustum = path(&[[wide, h], [random.between(0.15, 0.3), 0.65], [0.0, 0.65]]);
     let cone = path(&[[random.between(0.32, 0.4), h], [0.0, random.between(0.55, 0.85)]]);
-    let sink = path(&[[0.38, h], [0.2, random.between(-0.08, 0.02)], [0.0, 0.0]]);
-    let sink = {
-        let bottom = sink[0].at(1.0);
-        path(&[[0.38, h], bottom, [0.0, bottom[1]]])
-    };
+    let depth = random.between(-0.08, 0.02);
+    let sink = path(&[[0.38, h], [0.2, depth], [0.0, depth]]);
     // A dome that meets the plate at an angle, flat at its end.
     let (r, start) = (0.42, random.between(0.0, 0.6));
-    let (s, _) = libm::sincos(start);
+    let s = libm::sin(start);
     let top = [r * libm::cos(1.3), h - r * s + r * libm::sin(1.3)];
     let mut dome =
         vec![Piece::Arc { centre: [0.0, h - r * s], radius: r, start, sweep: 1.3 - start }];

@@ -228,7 +228,8 @@ families! {
 fairing_mesh::named!(Family, "family");
 
 impl Family {
-    /// A body with about this many faces (within a tenth), oriented outwards or
+    /// A body with about this many faces (within a fifth, small ones being made of
+    /// few curves), oriented outwards or
     /// upwards.
     ///
     /// # Panics

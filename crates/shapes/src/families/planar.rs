@@ -7,7 +7,7 @@ use fairing_mesh::vec3::{add, dot, scale};
 
 use super::Build;
 use super::extrude::extrude;
-use super::polyhedron::{convex, polyhedron};
+use super::polyhedron::{Polyhedron, convex, polyhedron};
 use super::solid::Solid;
 use crate::outline::polygon;
 
@@ -61,7 +61,7 @@ pub(super) fn frame(build: Build) -> TriMesh {
 pub(super) fn crystal(build: Build) -> TriMesh {
     let mut random = build.proportions();
     let count = random.count(12, 16) as usize;
-    let (corners, faces) = loop {
+    let body = loop {
         let mut planes: Vec<([f64; 3], f64)> = vec![];
         let mut tries = 0;
         while planes.len() < count && tries < 2000 {
@@ -73,12 +73,12 @@ pub(super) fn crystal(build: Build) -> TriMesh {
             tries += 1;
         }
         let found = convex(&planes, 0.16);
-        if let Some(body) = found.filter(|b| b.0.iter().all(|p| dot(*p, *p) < 2.6)) {
+        if let Some(body) = found.filter(|b| b.corners.iter().all(|p| dot(*p, *p) < 2.6)) {
             break body;
         }
     };
     let mut solid = Solid::of(build);
-    polyhedron(&mut solid, &corners, &faces);
+    polyhedron(&mut solid, &body);
     solid.finished()
 }
 
@@ -96,7 +96,7 @@ pub(super) fn star(build: Build) -> TriMesh {
             planes.push((n, 0.75));
         }
     }
-    let Some((mut corners, faces)) = convex(&planes, 1e-3) else {
+    let Some(Polyhedron { mut corners, faces }) = convex(&planes, 1e-3) else {
         unreachable!("twelve planes at the same distance bound a dodecahedron")
     };
     let mut triangles = vec![];
@@ -110,7 +110,7 @@ pub(super) fn star(build: Build) -> TriMesh {
         }
     }
     let mut solid = Solid::of(build);
-    polyhedron(&mut solid, &corners, &triangles);
+    polyhedron(&mut solid, &Polyhedron { corners, faces: triangles });
     solid.finished()
 }
 
@@ -134,6 +134,6 @@ pub(super) fn prism(build: Build) -> TriMesh {
         faces.push(vec![sides + i, sides + next, 2 * sides]);
     }
     let mut solid = Solid::of(build);
-    polyhedron(&mut solid, &corners, &faces);
+    polyhedron(&mut solid, &Polyhedron { corners, faces });
     solid.finished()
 }

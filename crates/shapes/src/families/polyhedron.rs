@@ -6,9 +6,15 @@ use fairing_mesh::vec3::{add, cross, distance, dot, norm, normalize, scale, sub}
 
 use super::solid::{Chart, Curve, Solid, joined, reversed};
 
-/// Adds the body with these corners and faces, each a loop of corners
+/// The corners of a body with plane faces, and its faces, each a loop of corners
 /// counter-clockwise seen from outside.
-pub(super) fn polyhedron(solid: &mut Solid, corners: &[[f64; 3]], faces: &[Vec<usize>]) {
+pub(super) struct Polyhedron {
+    pub(super) corners: Vec<[f64; 3]>,
+    pub(super) faces: Vec<Vec<usize>>,
+}
+
+/// Adds the body.
+pub(super) fn polyhedron(solid: &mut Solid, Polyhedron { corners, faces }: &Polyhedron) {
     let ids: Vec<u32> = corners.iter().map(|&p| solid.corner(p)).collect();
     let mut lines: HashMap<(usize, usize), Curve> = HashMap::new();
     for face in faces {
@@ -23,7 +29,7 @@ pub(super) fn polyhedron(solid: &mut Solid, corners: &[[f64; 3]], faces: &[Vec<u
             .collect();
         let border = joined(&sides.iter().map(Vec::as_slice).collect::<Vec<_>>());
         let p: Vec<[f64; 3]> = face.iter().map(|&i| corners[i]).collect();
-        // Newell's normal.
+        // Twice the vector area.
         let normal =
             (1..n - 1).fold([0.0; 3], |s, i| add(s, cross(sub(p[i], p[0]), sub(p[i + 1], p[0]))));
         let normal = scale(normal, 1.0 / norm(normal));
@@ -31,12 +37,9 @@ pub(super) fn polyhedron(solid: &mut Solid, corners: &[[f64; 3]], faces: &[Vec<u
     }
 }
 
-/// The corners and faces of the convex body `x · n ≤ d` for all planes (n, d),
+/// The convex body `x · n ≤ d` for all planes (n, d),
 /// n of unit length; `None` if two corners are closer than `least`.
-pub(super) fn convex(
-    planes: &[([f64; 3], f64)],
-    least: f64,
-) -> Option<(Vec<[f64; 3]>, Vec<Vec<usize>>)> {
+pub(super) fn convex(planes: &[([f64; 3], f64)], least: f64) -> Option<Polyhedron> {
     let (mut corners, mut on): (Vec<[f64; 3]>, Vec<[usize; 3]>) = (vec![], vec![]);
     let n = planes.len();
     for i in 0..n {
@@ -78,7 +81,7 @@ pub(super) fn convex(
         face.sort_by(|&a, &b| angle(a).total_cmp(&angle(b)));
         faces.push(face);
     }
-    Some((corners, faces))
+    Some(Polyhedron { corners, faces })
 }
 
 /// Where three planes meet; `None` if they are nearly dependent.

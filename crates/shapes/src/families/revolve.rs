@@ -84,18 +84,15 @@ fn band(solid: &mut Solid, centre: [f64; 2], piece: Piece, [low, high]: [&Ring; 
         })
         .collect();
     for i in 0..SECTORS {
-        let (left, right) = (&meridians[i], reversed(&meridians[i]));
-        let next = &meridians[(i + 1) % SECTORS];
         let mut parts: Vec<Curve> = vec![];
         if let Ring::Circle(circle) = low {
             parts.push(circle[i].clone());
         }
-        parts.push(next.clone());
+        parts.push(meridians[(i + 1) % SECTORS].clone());
         if let Ring::Circle(circle) = high {
             parts.push(reversed(&circle[i]));
         }
-        parts.push(right);
-        debug_assert_eq!(left.len(), parts[parts.len() - 1].len());
+        parts.push(reversed(&meridians[i]));
         let border = joined(&parts.iter().map(Vec::as_slice).collect::<Vec<_>>());
         let middle = (i as f64 + 0.5) * FRAC_PI_2;
         solid.face(&[border], &sector(centre, middle, piece));

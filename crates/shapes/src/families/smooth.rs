@@ -64,14 +64,13 @@ pub(super) fn knot(build: Build) -> TriMesh {
 
 pub(super) fn minimal(build: Build) -> TriMesh {
     let mut random = build.proportions();
-    if build.seed % 2 == 0 {
+    if build.seed.is_multiple_of(2) {
         let radius = random.between(0.85, 1.1);
         let enneper = |[u, v]: [f64; 2]| {
             let point =
                 [u - u * u * u / 3.0 + u * v * v, -v + v * v * v / 3.0 - u * u * v, u * u - v * v];
             scale(point, 0.7)
         };
-        // Turned round, since v runs backwards.
         return bent(build, &[circle([0.0; 2], radius, 4, false)], enneper);
     }
     let half = random.between(0.95, 1.1);

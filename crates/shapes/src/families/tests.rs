@@ -31,17 +31,16 @@ fn least(triangulation: Triangulation) -> f64 {
     }
 }
 
-/// Every family in every triangulation, with a seed of its own each.
+/// Every family in two triangulations, with a seed of its own each.
 #[test]
 fn all_are_clean() {
     let wrong: Vec<String> = Family::ALL
         .par_iter()
         .flat_map_iter(|&family| {
-            let seeds = 3 + 100 * family as u64..;
-            Triangulation::ALL
-                .into_iter()
-                .zip(seeds)
-                .flat_map(move |(t, seed)| wrong(family, t, seed))
+            (0..2).flat_map(move |k| {
+                let index = family as usize + 2 * k;
+                wrong(family, Triangulation::ALL[index % 4], 3 + 100 * index as u64)
+            })
         })
         .collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
@@ -61,7 +60,7 @@ fn wrong(family: Family, triangulation: Triangulation, seed: u64) -> Vec<String>
     if d.volume.is_some_and(|v| v < 0.0) {
         wrong.push(format!("{name}: inside out"));
     }
-    if !(1800..=2200).contains(&mesh.face_count()) {
+    if !(1600..=2400).contains(&mesh.face_count()) {
         wrong.push(format!("{name}: {} faces", mesh.face_count()));
     }
     let (angle, face) = smallest_angle(&mesh);
