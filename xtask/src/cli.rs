@@ -177,13 +177,13 @@ pub(crate) struct Train {
     #[arg(long, default_value_t = 16)]
     pub(crate) bodies: u64,
     /// Faces drawn from each body for each stage
-    #[arg(long, default_value_t = 3000)]
+    #[arg(long, default_value_t = 2000)]
     pub(crate) faces: usize,
     /// Passes over these faces
-    #[arg(long, default_value_t = 20)]
+    #[arg(long, default_value_t = 14)]
     pub(crate) epochs: usize,
     /// The seed of all draws
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 2)]
     pub(crate) seed: u64,
     /// The file; that of the release by default
     #[arg(long, value_name = "FILE")]

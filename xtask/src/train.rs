@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use crate::cli::Train;
 
 /// Where the numbers are, from the root.
-pub(crate) const FILE: &str = "crates/denoising/src/automatic/regression/normals.bin";
+pub(crate) const FILE: &str = "crates/denoising/data/normals.bin";
 
 /// The kinds of noise, and the largest level of each.
 const NOISE: [(NoiseKind, f64); 8] = [
@@ -90,11 +90,10 @@ impl Body {
             (Self::Family(_), Triangulation::Graded) => most.min(0.4),
             _ => most,
         };
-        // Low levels more often.
-        let level = 0.04 + (most - 0.04) * draw(1) * draw(1).sqrt();
+        let level = 0.04 + (most - 0.04) * draw(1);
         let truth = match self {
             Self::Family(family) => {
-                let faces = if draw(2) < 0.2 { 10_000 } else { 4000 };
+                let faces = [2200, 4000, 4000, 4000, 9000][(5.0 * draw(2)) as usize];
                 family.mesh(faces, triangulation, seed)
             }
             Self::Shape(k) => shape(k, draw(2), seed),

@@ -17,8 +17,6 @@
 //! ```
 
 mod automatic;
-#[doc(hidden)]
-pub use automatic::regression::dev_denoise;
 mod bilateral;
 mod bilateral_normal;
 mod conjugate_gradients;

@@ -104,8 +104,8 @@ fn automatic_never_does_harm() {
 fn automatic_keeps_planes_and_clean_meshes() {
     for clean in [
         shapes::plane(20, 20, shapes::Diagonals::Alternating),
-        shapes::jittered_plane(20, 20, 0.3, 1),
-        shapes::cube(8, shapes::Diagonals::Regular),
+        shapes::jittered_plane(20, 20, 0.2, 1),
+        shapes::cube(20, shapes::Diagonals::Regular),
     ] {
         let result = automatic(&clean).unwrap();
         assert_eq!(result.kind, SurfaceKind::Clean);

@@ -9,7 +9,7 @@ use crate::faces::FaceLists;
 use crate::vertex_update::rebuild;
 
 /// The least area of a face, as a share of the mean area around it.
-const LEAST_SHARE: f64 = 0.15;
+const LEAST_SHARE: f64 = 0.3;
 
 /// The least area of a face, in noise levels times its longest side: what noise
 /// can take away.

@@ -18,7 +18,7 @@ use crate::DenoiseError;
 use follow::Follow;
 use parts::Part;
 use regression::model::Model;
-use regression::regress;
+use regression::{FAR, regress};
 use relabel::relabel;
 use safety::without_flips;
 use surface::face_kinds;
@@ -158,7 +158,7 @@ fn denoise_alike(mesh: &TriMesh, level: NoiseEstimate) -> Result<(TriMesh, f64),
     let hinges = Hinges::new(mesh);
     let rings = FaceLists::rings(mesh);
     let found = regress(mesh, &hinges, &rings, level, model)?;
-    let follow = Follow::new(mesh, &rings, found.sigma, found.limit);
+    let follow = Follow::new(mesh, &rings, found.limit / FAR, found.limit);
     let normals = relabel(mesh, &rings, found.normals, &follow)?;
     let moved = follow.run(mesh.positions(), &normals, STEPS)?;
     Ok((without_flips(mesh, moved, &normals, &follow)?, found.limit))

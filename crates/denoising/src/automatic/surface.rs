@@ -8,8 +8,9 @@ use crate::faces::{FaceShapes, Hinges, NO_HINGE};
 /// The least turn at a crease, 20°, as a cosine.
 const CREASE: f64 = 0.939_692_620_785_908_4;
 
-/// How much larger a turn at a crease is than the middle one at the other sides
-/// of its two faces: on a curved surface turns are alike.
+/// How much larger a turn at a crease is than the second smallest at the four
+/// other sides of its two faces: on a curved surface turns are alike, and at a
+/// corner two of the others may be creases.
 const STANDS_OUT: f64 = 2.5;
 
 /// The largest turn at a flat face, 2°, as a cosine.
@@ -27,7 +28,7 @@ pub enum FaceKind {
     /// Turns more, but has no crease.
     Curved,
     /// Has a crease at a side: a turn of more than 20° that is more than 2.5 times
-    /// the middle one of the other sides around, and goes on at both ends.
+    /// the second smallest at the four sides around, and goes on at both ends.
     Creased,
 }
 
@@ -65,7 +66,7 @@ pub(super) fn face_kinds(mesh: &TriMesh, hinges: &Hinges) -> (Vec<FaceKind>, boo
             let sides = sides.filter(|&s| s != e as u32 && s != NO_HINGE);
             others.iter_mut().zip(sides).for_each(|(o, s)| *o = turns[s as usize]);
             others.sort_by(f64::total_cmp);
-            turns[e] > crease && turns[e] > STANDS_OUT * 0.5 * (others[1] + others[2])
+            turns[e] > crease && turns[e] > STANDS_OUT * others[1]
         })
         .collect();
     let mut ends = vec![0u32; mesh.vertex_count()];

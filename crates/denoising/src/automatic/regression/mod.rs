@@ -6,7 +6,7 @@ pub(crate) mod network;
 pub(crate) mod training;
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, distance, dot, scale};
+use fairing_mesh::vec3::{add, distance, scale};
 use fairing_operators::NoiseEstimate;
 use rayon::prelude::*;
 
@@ -22,6 +22,10 @@ const STEPS: usize = 15;
 
 /// The scale of the Cauchy weights of positions, in noise levels.
 const TRUST: f64 = 3.0;
+
+/// How far a vertex may go, in standard deviations: one Gaussian vertex in two
+/// million is moved further by noise.
+pub(super) const FAR: f64 = 5.0;
 
 /// Faces that are treated together.
 const BLOCK: usize = 1024;
@@ -72,7 +76,7 @@ impl<'a> Progress<'a> {
             rings,
             level,
             sigma: level.sigma,
-            limit: 5.0 * level.sigma,
+            limit: FAR * level.sigma,
             h,
             current: noisy.clone(),
             noisy,
@@ -196,7 +200,7 @@ impl<'a> Progress<'a> {
 
     /// The surface follows the normals.
     fn follow(&mut self) -> Result<(), DenoiseError> {
-        let follow = Follow::new(self.mesh, self.rings, self.sigma, f64::INFINITY);
+        let follow = Follow::new(self.mesh, self.rings, self.limit / FAR, f64::INFINITY);
         let current = follow.run(self.mesh.positions(), &self.normals, STEPS)?;
         let moved: Vec<f64> = (self.mesh.positions().iter().zip(current.positions()))
             .map(|(&p, &x)| distance(p, x))
@@ -204,7 +208,7 @@ impl<'a> Progress<'a> {
         self.sigma = self.level.sigma.max(median(moved.clone()));
         let scale = 1.0 / (TRUST * self.sigma);
         let trust: Vec<f64> = moved.iter().map(|d| 1.0 / (1.0 + (scale * d).powi(2))).collect();
-        self.limit = 5.0 * self.sigma.max(root_mean_square(&moved));
+        self.limit = FAR * self.sigma.max(root_mean_square(&moved));
         self.trust = (self.mesh.faces().iter())
             .map(|face| face.iter().map(|&v| trust[v as usize]).sum::<f64>() / 3.0)
             .collect();
@@ -213,13 +217,6 @@ impl<'a> Progress<'a> {
         self.set_scales();
         self.set_ranges(0.6);
         Ok(())
-    }
-
-    /// The mean angle to the true normals, in radians.
-    pub(crate) fn error(&self, truth: &[[f64; 3]]) -> f64 {
-        let angle = |n: &[f64; 3], t: &[f64; 3]| libm::acos(dot(*n, *t).clamp(-1.0, 1.0));
-        let sum: f64 = self.normals.iter().zip(truth).map(|(n, t)| angle(n, t)).sum();
-        sum / truth.len() as f64
     }
 }
 
@@ -239,8 +236,6 @@ fn root_mean_square(numbers: &[f64]) -> f64 {
 /// What the stages make of a mesh.
 pub(crate) struct Regressed {
     pub(crate) normals: Vec<[f64; 3]>,
-    /// The noise level that the displacements show, at least the estimate.
-    pub(crate) sigma: f64,
     /// How far vertices may go.
     pub(crate) limit: f64,
 }
@@ -263,30 +258,6 @@ pub(crate) fn regress(
         progress.advance(network)?;
         fairing_watch::advance(1);
     }
-    let Progress { normals, sigma, limit, .. } = progress;
-    Ok(Regressed { normals, sigma, limit })
-}
-
-/// For development.
-#[doc(hidden)]
-pub fn dev_denoise(
-    mesh: &TriMesh,
-    model: &[u8],
-) -> Result<Vec<(Vec<[f64; 3]>, TriMesh)>, DenoiseError> {
-    let model = Model::read(model).unwrap_or_else(|e| panic!("{e}"));
-    let Some(level) = fairing_operators::noise_level(mesh) else { return Ok(vec![]) };
-    let (hinges, rings) = (Hinges::new(mesh), FaceLists::rings(mesh));
-    let mut out = vec![];
-    let mut progress = Progress::new(mesh, &hinges, &rings, level);
-    for network in &model.stages {
-        progress.advance(network)?;
-    }
-    let normals = progress.normals.clone();
-    let follow = Follow::new(mesh, &rings, progress.sigma, progress.limit);
-    let plain = follow.run(mesh.positions(), &normals, 60)?;
-    out.push((normals.clone(), plain));
-    let labels = super::relabel::relabel(mesh, &rings, normals, &follow)?;
-    let plain = follow.run(mesh.positions(), &labels, 60)?;
-    out.push((labels, plain));
-    Ok(out)
+    let Progress { normals, limit, .. } = progress;
+    Ok(Regressed { normals, limit })
 }

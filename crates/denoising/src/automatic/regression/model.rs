@@ -26,7 +26,7 @@ impl Model {
     /// The model of this release; `None` if the bytes were damaged in the build.
     pub(crate) fn released() -> Option<&'static Self> {
         static MODEL: OnceLock<Option<Model>> = OnceLock::new();
-        MODEL.get_or_init(|| Self::read(include_bytes!("normals.bin")).ok()).as_ref()
+        MODEL.get_or_init(|| Self::read(include_bytes!("../../../data/normals.bin")).ok()).as_ref()
     }
 
     /// Reads what [`Model::write`] wrote.
@@ -101,7 +101,7 @@ mod tests {
     /// version are not.
     #[test]
     fn damaged_files_are_refused() {
-        let bytes = include_bytes!("normals.bin");
+        let bytes = include_bytes!("../../../data/normals.bin");
         let model = Model::read(bytes).unwrap();
         assert!(!model.stages.is_empty());
         assert_eq!(model.write(), bytes);
