@@ -151,7 +151,9 @@ fn row(line: &str, published: &Published) -> Option<Found> {
 pub struct Summary {
     /// The number of cases.
     pub cases: usize,
-    /// The median of the ratios to the best published result, and the largest.
+    /// The number of them that published results are known of.
+    pub compared: usize,
+    /// The median of the ratios to the best published result.
     pub median: Option<f64>,
     /// The largest of them.
     pub worst: Option<f64>,
@@ -185,6 +187,7 @@ pub fn summary(found: &[Found]) -> Summary {
     let median = (n > 0).then(|| 0.5 * (ratios[(n - 1) / 2] + ratios[n / 2]));
     Summary {
         cases: found.len(),
+        compared: n,
         median,
         worst: ratios.last().copied(),
         beyond_bar: ratios.iter().filter(|r| **r > 1.1).count(),
@@ -236,7 +239,8 @@ mod tests {
         }
         assert!(read(&format!("{HEAD}\nsphere,1"), &published).is_err());
         let sum = summary(&[none, all, away]);
-        assert_eq!((sum.cases, sum.median, sum.worst), (3, Some(0.0), Some(2.0)));
+        assert_eq!((sum.cases, sum.compared), (3, 3));
+        assert_eq!((sum.median, sum.worst), (Some(0.0), Some(2.0)));
         assert_eq!((sum.beyond_bar, sum.worse_than_default, sum.worse_normals), (1, 1, 0));
         assert_eq!(sum.worse_positions, 1);
         assert!((sum.volume - 7.0).abs() < 1e-9);
