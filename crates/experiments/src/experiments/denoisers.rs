@@ -9,6 +9,7 @@ use fairing_figure::{Axis, Figure, Legend, Panel as FigurePanel, Plot, Series, U
 use fairing_mesh::TriMesh;
 use fairing_shapes as shapes;
 
+use super::families;
 use super::gallery::{VIEWPOINTS, plotted};
 use super::grid::{Grid, Row};
 use super::restoring::{Body, Method};
@@ -60,7 +61,7 @@ impl Experiment for Denoisers {
             title: "Denoisers compared",
             question: "Which denoiser restores which kind of surface best, with no parameter chosen by hand?",
             method: format!(
-                "Every denoiser runs with its default parameters; the automatic one has none. The pairs of the literature, a noisy mesh and its original, where they are found; the noisy machine part of the assignment, which has a ground truth with the same faces; and the protocol of the literature on generated meshes: Gaussian noise along the vertex normals of {low}, {middle} and {high} mean edge lengths on a body with creases, a smooth one and a detailed one.\n\nE_a is the mean angle between matching normals, E_v the mean distance of the vertices from the true surface over the diagonal."
+                "Every denoiser runs with its default parameters; the automatic one has none. The pairs of the literature, a noisy mesh and its original, where they are found; the noisy machine part of the assignment, which has a ground truth with the same faces; and the protocol of the literature on generated meshes: Gaussian noise along the vertex normals of {low}, {middle} and {high} mean edge lengths on a body with creases, a smooth one and a detailed one.\n\nE_a is the mean angle between matching normals, E_v the mean distance of the vertices from the true surface over the diagonal.\n\nThe test bed has bodies of 24 families with seven kinds of noise and triangulation each. Constants of the automatic denoiser are chosen on half of the families; the other half is only reported. What it leaves is compared with the best that any published method leaves when its parameters are searched with the truth, case by case."
             ),
             formulas: vec![],
             inputs: INPUTS,
@@ -100,6 +101,7 @@ impl Experiment for Denoisers {
         }
         outcome.figures.insert(0, averages(&scores, levels)?);
         outcome.tables = vec![best(&scores)?, scores];
+        families::add(context, &mut outcome)?;
         Ok(outcome)
     }
 
@@ -118,7 +120,8 @@ impl Experiment for Denoisers {
             least.len(),
             brief(ratio),
         );
-        Ok(vec![
+        let mut judgements: Vec<Judgement> = families::judge(tables)?.into_iter().collect();
+        judgements.push(
             Judgement::new(
                 "automatic",
                 "One denoiser without parameters does as well as the best published one on each kind of surface",
@@ -132,7 +135,8 @@ impl Experiment for Denoisers {
             ))
             .ours()
             .number("largest ratio to the best", ratio, Unit::One),
-        ])
+        );
+        Ok(judgements)
     }
 }
 
