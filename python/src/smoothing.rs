@@ -15,6 +15,9 @@ use crate::mesh::Mesh;
 use crate::options::choose;
 use crate::run::Call;
 
+/// A vertex, its weight, and the position that it is drawn to if it is not its own.
+type SoftVertex = (u32, f64, Option<[f64; 3]>);
+
 /// The options of all methods; those that are not given are `None`.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
@@ -27,7 +30,7 @@ struct Options {
     kind: Option<String>,
     boundary: Option<String>,
     pin: Option<Vec<u32>>,
-    soft: Option<Vec<(u32, f64, Option<[f64; 3]>)>>,
+    soft: Option<Vec<SoftVertex>>,
     volume: Option<String>,
     unstable: Option<String>,
     mu: Option<f64>,

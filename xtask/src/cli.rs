@@ -34,9 +34,12 @@ pub(crate) enum Command {
     Tidy,
     /// Build the wheel of the Python package into target/wheels; makes a virtual environment and fetches maturin
     Wheel,
-    /// Run everything that guards a merge: tidy, format, lints, documentation, tests, examples, reference values
+    /// Run everything that guards a merge: tidy, format, lints, documentation, tests, examples, reference values, Python
+    ///
+    /// The Python package is tested in a virtual environment, for which pip fetches packages; where it cannot, these
+    /// tests are skipped by name.
     Test {
-        /// Also build the wheel of the Python package and run its tests in a virtual environment; fetches packages
+        /// Also build the wheel, install it, and run what is slow: data sets on a cluster, notebooks, type checkers
         #[arg(long)]
         python: bool,
     },
