@@ -18,6 +18,11 @@ fn tables(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     dict.set_item("estimators", estimators)?;
     dict.set_item("recommended_estimator", Estimator::RECOMMENDED.name())?;
     dict.set_item("methods", methods)?;
+    let parameters: Vec<(&str, Vec<&str>)> = Method::algorithms()
+        .iter()
+        .map(|of| (of.name, of.parameters.iter().map(|p| p.name).collect()))
+        .collect();
+    dict.set_item("parameters_of_methods", parameters)?;
     dict.set_item("denoisers", denoisers)?;
     dict.set_item("laplacians", LaplacianKind::ALL.map(LaplacianKind::name))?;
     dict.set_item("masses", MassKind::ALL.map(MassKind::name))?;
