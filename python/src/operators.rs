@@ -10,13 +10,13 @@ use fairing_operators::{
     Laplacian, LaplacianKind, MassKind, MassMatrix, OperatorError, divergence, gradient,
     noise_level,
 };
-use numpy::{PyArray1, PyArray2};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arrays::{Csr, column, csr, rows};
+use crate::arrays::{Csr, column, csr, rows, triples, values};
 use crate::error::{Error, Result};
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, polygons};
 use crate::options::named;
 use crate::run::Call;
 
@@ -72,6 +72,26 @@ fn laplacian<'py>(
     let (taken, reason) = (found.kind().name(), found.reason().to_string());
     let (stiffness, matrix) = found.into_parts();
     Ok((csr(py, stiffness), mass(py, matrix), taken, reason))
+}
+
+/// S and M of the polygons themselves, not of triangles.
+#[pyfunction]
+fn polygon_laplacian<'py>(
+    py: Python<'py>,
+    vertices: PyReadonlyArray2<'_, f64>,
+    corners: PyReadonlyArray1<'_, u32>,
+    sizes: PyReadonlyArray1<'_, u32>,
+    mass_kind: &str,
+    call: Call,
+) -> PyResult<(Csr<'py>, PyMass<'py>)> {
+    let mass_kind = named::<MassKind>(mass_kind)?;
+    let positions = triples(&vertices)?;
+    let (corners, sizes) = (values(&corners), values(&sizes));
+    let found = call.run(py, move || {
+        Ok(Laplacian::of_polygons(&polygons(positions, &corners, &sizes)?, mass_kind)?)
+    })?;
+    let (stiffness, matrix) = found.into_parts();
+    Ok((csr(py, stiffness), mass(py, matrix)))
 }
 
 #[pyfunction(name = "gradient")]
@@ -177,6 +197,7 @@ fn noise_level_of(
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(laplacian, module)?)?;
+    module.add_function(wrap_pyfunction!(polygon_laplacian, module)?)?;
     module.add_function(wrap_pyfunction!(gradient_of, module)?)?;
     module.add_function(wrap_pyfunction!(divergence_of, module)?)?;
     module.add_function(wrap_pyfunction!(curvature, module)?)?;
