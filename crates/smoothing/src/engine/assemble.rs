@@ -4,18 +4,18 @@ use fairing_mesh::TriMesh;
 use fairing_operators::{
     CotangentPattern, LaplacianKind, MassKind, ThinFaces, positive_lumped_mass,
 };
-use fairing_sparse::SparseMatrix;
+use fairing_sparse::{GraphLaplacian, SparseMatrix};
 
 use crate::engine::diffusion::{Diffusion, Operator};
 use crate::engine::error::FlowFailure;
-use crate::engine::laplacian::Laplacian;
+use crate::engine::neighbors;
 
 /// Assembles `L` at the positions of `mesh`; vertices for which `held` is true have zero rows.
 pub(crate) fn assemble(
     mesh: &TriMesh,
     diffusion: Diffusion,
     held: &[bool],
-) -> Result<Laplacian, FlowFailure> {
+) -> Result<GraphLaplacian, FlowFailure> {
     match diffusion {
         Diffusion::Uniform { .. } => Ok(uniform(mesh, held)),
         Diffusion::Cotangent { operator, .. } => cotangent(mesh, operator, held),
@@ -23,8 +23,8 @@ pub(crate) fn assemble(
 }
 
 /// `L` for uniform weights.
-pub(crate) fn uniform(mesh: &TriMesh, held: &[bool]) -> Laplacian {
-    Laplacian::uniform(mesh.vertex_count(), mesh.faces(), held)
+pub(crate) fn uniform(mesh: &TriMesh, held: &[bool]) -> GraphLaplacian {
+    neighbors::uniform(mesh.vertex_count(), mesh.faces(), held)
 }
 
 /// `L` for cotangents.
@@ -32,20 +32,23 @@ pub(crate) fn cotangent(
     mesh: &TriMesh,
     operator: Operator,
     held: &[bool],
-) -> Result<Laplacian, FlowFailure> {
+) -> Result<GraphLaplacian, FlowFailure> {
     match operator {
         Operator::Plain(area) => on_pattern(&mut CotangentPattern::new(mesh, area, held)?, mesh),
         Operator::Robust => {
             let (stiffness, mass) = operators(mesh, operator.kinds())?;
-            Ok(Laplacian::weighted(&stiffness, mass, held))
+            Ok(GraphLaplacian::weighted(&stiffness, mass, held))
         }
     }
 }
 
 /// `L` for the cotangents of a pattern.
-fn on_pattern(pattern: &mut CotangentPattern, mesh: &TriMesh) -> Result<Laplacian, FlowFailure> {
-    let mut laplacian = Laplacian::on(pattern);
-    laplacian.refill(pattern, mesh, ThinFaces::Refuse)?;
+fn on_pattern(
+    pattern: &mut CotangentPattern,
+    mesh: &TriMesh,
+) -> Result<GraphLaplacian, FlowFailure> {
+    let mut laplacian = pattern.laplacian();
+    pattern.fill(mesh, ThinFaces::Refuse, &mut laplacian)?;
     Ok(laplacian)
 }
 
@@ -76,7 +79,7 @@ impl Renewal {
         &mut self,
         mesh: &TriMesh,
         held: &[bool],
-    ) -> Result<Laplacian, FlowFailure> {
+    ) -> Result<GraphLaplacian, FlowFailure> {
         match self {
             Self::Pattern(pattern) => on_pattern(pattern, mesh),
             Self::Whole(diffusion) => assemble(mesh, *diffusion, held),
@@ -89,11 +92,11 @@ impl Renewal {
         &mut self,
         mesh: &TriMesh,
         held: &[bool],
-        laplacian: &mut Laplacian,
+        laplacian: &mut GraphLaplacian,
         thin: ThinFaces,
     ) -> Result<Vec<u32>, FlowFailure> {
         match self {
-            Self::Pattern(pattern) => Ok(laplacian.refill(pattern, mesh, thin)?),
+            Self::Pattern(pattern) => Ok(pattern.fill(mesh, thin, laplacian)?),
             Self::Whole(diffusion) => {
                 *laplacian = assemble(mesh, *diffusion, held)?;
                 Ok(Vec::new())

@@ -1,15 +1,14 @@
 //! Cholesky factorisation for the steps of an implicit flow.
 
 use fairing_sparse::{
-    Cholesky, CholeskyError, Method, Ordering, SparseMatrix, SymbolicCholesky, Workload,
+    Cholesky, CholeskyError, GraphLaplacian, Ordering, SolverChoice, SparseMatrix,
+    SymbolicCholesky, Workload,
 };
 
 use crate::engine::conjugate::{ImplicitSolver, Solved, not_converged};
 use crate::engine::constraints::Freedom;
 use crate::engine::error::FlowFailure;
-use crate::engine::laplacian::Laplacian;
 use crate::engine::parts::{Gauge, Parts, larger};
-use crate::engine::spectrum::upper_bound;
 
 type Point = [f64; 3];
 
@@ -27,21 +26,21 @@ const ILL_CONDITIONED: f64 = 1e6;
 const LONG: f64 = 100.0;
 
 /// Whether factorisation is faster than conjugate gradients for a run of implicit steps, by the measured rule of
-/// [`fairing_sparse::Method`], or needed.
+/// [`SolverChoice`], or needed.
 ///
 /// The condition is `κ = 1 + t ω` for the largest eigenvalue ω of `−L`, about 7.4/h² with cotangents on even meshes. A
 /// factor of a frozen operator serves all steps; an operator taken anew needs one for each. So λ decides: short steps
 /// are iterated, long ones factored, and those of frozen operators sooner.
-pub(crate) fn pays(laplacian: &Laplacian, step: f64, tolerance: f64, solves: usize) -> bool {
+pub(crate) fn pays(laplacian: &GraphLaplacian, step: f64, tolerance: f64, solves: usize) -> bool {
     let work = Workload {
         rows: laplacian.len(),
         entries: laplacian.entries(),
         factor_entries: None,
-        condition: 1.0 + step * upper_bound(laplacian),
+        condition: 1.0 + step * laplacian.spectral_bound(),
         tolerance: (tolerance / CHANGE).min(1.0),
         solves,
     };
-    work.condition > ILL_CONDITIONED || Method::choose(&work) == Method::Direct
+    work.condition > ILL_CONDITIONED || SolverChoice::choose(&work) == SolverChoice::Direct
 }
 
 /// The systems of a run, factored. Held vertices are taken out; soft constraints are within.
@@ -104,7 +103,7 @@ impl Direct {
                 let pull = if w > 0.0 { w * (target[k] - base[k]) } else { 0.0 };
                 if moves { mass[i] * (x[i][k] - base[k] + pull) + t * flow[k] } else { 0.0 }
             });
-            (b, [])
+            (b, ())
         });
         let mut sides = solver.sides(x, freedom, &centres);
         for (side, own) in sides.iter_mut().zip(parts.sums(|_, i| b[i].map(|b| b * b))) {
@@ -135,7 +134,7 @@ impl Direct {
                     true => [0.0; 3],
                     false => [0, 1, 2].map(|k| b[i][k] - (q * u[k] - t * s[k])),
                 };
-                (residual, [])
+                (residual, ())
             });
             grounded.balance(parts, mass, freedom, &mut r);
         };
@@ -229,7 +228,12 @@ impl Grounded {
 
 /// `M(1 + w) + t S` over the vertices that move, with ones on the diagonal of those that are held, and `ground` added
 /// to the diagonal.
-fn system(laplacian: &Laplacian, step: f64, freedom: &Freedom, ground: &[f64]) -> SparseMatrix {
+fn system(
+    laplacian: &GraphLaplacian,
+    step: f64,
+    freedom: &Freedom,
+    ground: &[f64],
+) -> SparseMatrix {
     let n = laplacian.len();
     let (mut starts, mut columns, mut values) = (vec![0u32], Vec::new(), Vec::new());
     let mut row: Vec<(u32, f64)> = Vec::new();

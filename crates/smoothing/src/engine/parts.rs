@@ -5,10 +5,11 @@
 //! smallest as they are. So residuals are measured for each coordinate of each part, against its own right-hand side,
 //! but never below what rounding leaves of it.
 
+use fairing_sparse::passes::CHUNK;
+use fairing_sparse::{GraphLaplacian, Padded};
 use rayon::prelude::*;
 
 use crate::engine::constraints::Freedom;
-use crate::engine::laplacian::{Laplacian, Padded, ROWS};
 
 type Point = [f64; 3];
 
@@ -34,7 +35,7 @@ pub(crate) struct Parts {
 
 impl Parts {
     /// The parts that the pattern of a Laplacian connects.
-    pub(crate) fn of(laplacian: &Laplacian, freedom: &Freedom) -> Self {
+    pub(crate) fn of(laplacian: &GraphLaplacian, freedom: &Freedom) -> Self {
         const NONE: u32 = u32::MAX;
         let n = laplacian.len();
         let (mut label, mut first, mut anchored) = (vec![NONE; n], Vec::new(), Vec::new());
@@ -135,7 +136,7 @@ impl Parts {
         };
         let gather = |(chunk, labels): (usize, &[u32])| {
             let mut all = vec![([0.0; A], [0.0; B]); self.count()];
-            let mut i = chunk * ROWS;
+            let mut i = chunk * CHUNK;
             // Vertices in a row are mostly of one part, whose sums stay in registers.
             for run in labels.chunk_by(|a, b| a == b) {
                 let part = run[0] as usize;
@@ -151,7 +152,7 @@ impl Parts {
         if self.count() > FEW {
             return gather((0, &self.label));
         }
-        let chunks: Vec<_> = self.label.par_chunks(ROWS).enumerate().map(gather).collect();
+        let chunks: Vec<_> = self.label.par_chunks(CHUNK).enumerate().map(gather).collect();
         let mut total = vec![([0.0; A], [0.0; B]); self.count()];
         for chunk in chunks {
             for (total, part) in total.iter_mut().zip(chunk) {
@@ -275,6 +276,7 @@ mod tests {
     use super::*;
     use crate::engine::arrangement::Arrangement;
     use crate::engine::constraints::{Constraints, SoftConstraint};
+    use crate::engine::neighbors::uniform;
 
     /// Three tetrahedra of sizes 1, 2 and 1/8 apart from each other, and masses without a pattern.
     fn three() -> (TriMesh, Vec<f64>) {
@@ -298,7 +300,7 @@ mod tests {
         let constraints =
             Constraints { pinned: vec![1, 6], soft: vec![pull], ..Constraints::default() };
         let freedom = Freedom::new(&Arrangement::as_given(&mesh), &constraints).unwrap();
-        let laplacian = Laplacian::uniform(12, mesh.faces(), &freedom.held);
+        let laplacian = uniform(12, mesh.faces(), &freedom.held);
         let parts = Parts::of(&laplacian, &freedom);
         assert_eq!(parts.free().collect::<Vec<_>>(), [false, false, true, false]);
         let x = mesh.positions();
@@ -329,7 +331,7 @@ mod tests {
     fn residuals_are_relative_to_their_own_part() {
         let (mesh, _) = three();
         let freedom = Freedom::new(&Arrangement::as_given(&mesh), &Constraints::default()).unwrap();
-        let laplacian = Laplacian::uniform(12, mesh.faces(), &freedom.held);
+        let laplacian = uniform(12, mesh.faces(), &freedom.held);
         let parts = Parts::of(&laplacian, &freedom);
         assert_eq!(parts.count(), 4);
         // Right-hand sides of 1, 10⁻⁶ and 10³ in x, half of that in y, and a hundredth in z.

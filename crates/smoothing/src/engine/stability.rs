@@ -5,7 +5,6 @@ use fairing_mesh::{Parameter, TriMesh};
 use crate::engine::assemble::assemble;
 use crate::engine::diffusion::Diffusion;
 use crate::engine::error::FlowFailure;
-use crate::engine::spectrum::upper_bound;
 use crate::engine::unit_scale::times;
 
 /// What happens to an explicit step beyond its stable limit.
@@ -59,7 +58,7 @@ pub fn stable_limit(mesh: &TriMesh, diffusion: Diffusion) -> Result<f64, FlowFai
             let (scaled, unit) = mesh.at_unit_scale();
             let laplacian = assemble(&scaled, diffusion, &held)
                 .map_err(|failure| times(failure, unit, mesh))?;
-            Ok(measured_limit(upper_bound(&laplacian)) * unit * unit)
+            Ok(measured_limit(laplacian.spectral_bound()) * unit * unit)
         }
     }
 }

@@ -12,8 +12,7 @@ use crate::engine::outcome::{Approach, Report, Smoothed};
 use crate::engine::resolvent::Resolvent;
 use crate::engine::response::Response;
 use crate::engine::run::{Frame, Run};
-use crate::engine::series::Series;
-use crate::engine::spectrum::upper_bound;
+use crate::engine::series::expand;
 use crate::engine::step::Observer;
 use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
 use crate::method::Flow;
@@ -178,7 +177,7 @@ fn filter(mesh: &TriMesh, options: &LowPass) -> Result<Smoothed, FlowError> {
     };
     run.report.iterations = 1;
     let x = run.arrangement.mesh().positions();
-    if let Some(series) = Series::expand(upper_bound(&laplacian), response) {
+    if let Some(series) = expand(laplacian.spectral_bound(), response) {
         run.report.approach = Approach::Series { degree: series.degree() };
         let x = series.apply(&laplacian, x);
         return run.finish(x);

@@ -2,11 +2,10 @@
 
 use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
 use fairing_operators::{LaplacianKind, MassKind};
-use fairing_sparse::{Cholesky, SparseMatrix};
+use fairing_sparse::{Cholesky, LaplacianPower, SparseMatrix};
 
 use crate::engine::assemble::operators;
 use crate::engine::diffusion::{AREA, OPERATOR, Operator, WEIGHTS};
-use crate::engine::double::{self, Double};
 use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::outcome::{Approach, Report, Smoothed};
 use crate::engine::parts::larger;
@@ -141,24 +140,7 @@ fn solve(mesh: &TriMesh, options: &FairRegion) -> Result<TriMesh, FlowFailure> {
             expected: "it must lie between 1 and 4",
         });
     }
-    let n = mesh.vertex_count();
-    const OUTSIDE: u32 = u32::MAX;
-    let mut unknown = vec![OUTSIDE; n];
-    let mut region = options.region.clone();
-    region.sort_unstable();
-    region.dedup();
-    for (k, &v) in region.iter().enumerate() {
-        let slot = unknown
-            .get_mut(v as usize)
-            .ok_or(FlowFailure::NoSuchVertex { vertex: v, vertex_count: n })?;
-        *slot = k as u32;
-    }
-    // An isolated vertex has an empty row: it stays.
-    let incidence = mesh.incidence();
-    region.retain(|&v| !incidence.corners(v).is_empty());
-    for (k, &v) in region.iter().enumerate() {
-        unknown[v as usize] = k as u32;
-    }
+    let region = vertices(mesh, &options.region)?;
     if region.is_empty() {
         return Ok(mesh.clone());
     }
@@ -166,43 +148,57 @@ fn solve(mesh: &TriMesh, options: &FairRegion) -> Result<TriMesh, FlowFailure> {
         FairingWeights::Uniform => operators(mesh, (LaplacianKind::Uniform, MassKind::Degree))?,
         FairingWeights::Cotangent(operator) => operators(mesh, operator.kinds())?,
     };
-    let operator = power(&stiffness, &mass, options.order);
-    let (mut starts, mut columns, mut values) = (vec![0u32], Vec::new(), Vec::new());
-    let mut right = vec![[0.0; 3]; region.len()];
-    for (r, &v) in region.iter().enumerate() {
-        if let Some(row) = operator.outer_view(v as usize) {
-            for (j, &k) in row.iter() {
-                let p = mesh.positions()[j];
-                match unknown[j] {
-                    OUTSIDE => {
-                        for d in 0..3 {
-                            right[r][d] -= k * p[d];
-                        }
-                    }
-                    column => {
-                        columns.push(column);
-                        values.push(k);
-                    }
-                }
-            }
-        }
-        starts.push(columns.len() as u32);
-    }
-    let system = SparseMatrix::new((region.len(), region.len()), starts, columns, values);
+    let power = LaplacianPower::new(&stiffness, &mass, options.order);
+    let (system, right) = restricted(&power.matrix(), &region, mesh.positions());
     let factor = Cholesky::new(&symmetric(&system))
         .map_err(|error| FlowFailure::NotFactored { reason: error.to_string() })?;
     let mut positions = mesh.positions().to_vec();
     for (&v, p) in region.iter().zip(factor.solve_points(&right)) {
         positions[v as usize] = p;
     }
-    refine(
-        &factor,
-        &Powers { stiffness: &stiffness, mass: &mass, order: options.order },
-        mesh.faces(),
-        &region,
-        &mut positions,
-    )?;
+    refine(&factor, &power, mesh.faces(), &region, &mut positions)?;
     Ok(mesh.with_positions(positions)?)
+}
+
+/// The vertices of a region, ascending, each once. Isolated ones, whose rows are empty, stay where they are.
+fn vertices(mesh: &TriMesh, region: &[u32]) -> Result<Vec<u32>, FlowFailure> {
+    let mut region = region.to_vec();
+    region.sort_unstable();
+    region.dedup();
+    let vertex_count = mesh.vertex_count();
+    if let Some(&vertex) = region.iter().find(|&&v| v as usize >= vertex_count) {
+        return Err(FlowFailure::NoSuchVertex { vertex, vertex_count });
+    }
+    region.retain(|&v| !mesh.incidence().corners(v).is_empty());
+    Ok(region)
+}
+
+/// The rows and columns of a region, and what the positions outside of it give to the right-hand side.
+fn restricted(
+    operator: &SparseMatrix,
+    region: &[u32],
+    x: &[[f64; 3]],
+) -> (SparseMatrix, Vec<[f64; 3]>) {
+    const OUTSIDE: u32 = u32::MAX;
+    let mut unknown = vec![OUTSIDE; x.len()];
+    for (k, &v) in region.iter().enumerate() {
+        unknown[v as usize] = k as u32;
+    }
+    let (mut starts, mut columns, mut values) = (vec![0u32], Vec::new(), Vec::new());
+    let mut right = vec![[0.0; 3]; region.len()];
+    for (&v, right) in region.iter().zip(&mut right) {
+        for (j, &k) in operator.outer_view(v as usize).iter().flat_map(|row| row.iter()) {
+            match unknown[j] {
+                OUTSIDE => *right = [0, 1, 2].map(|d| right[d] - k * x[j][d]),
+                column => {
+                    columns.push(column);
+                    values.push(k);
+                }
+            }
+        }
+        starts.push(columns.len() as u32);
+    }
+    (SparseMatrix::new((region.len(), region.len()), starts, columns, values), right)
 }
 
 /// The most corrections of a solution; two are the rule.
@@ -220,7 +216,7 @@ const ACCEPTED: f64 = 1e-10;
 /// the power.
 fn refine(
     factor: &Cholesky,
-    powers: &Powers<'_>,
+    power: &LaplacianPower<'_>,
     faces: &[[u32; 3]],
     region: &[u32],
     x: &mut [[f64; 3]],
@@ -232,7 +228,7 @@ fn refine(
     let extent = extent.fold(0.0, f64::max);
     let mut before = f64::INFINITY;
     for iterations in 1..=MOST_CORRECTIONS {
-        let all = powers.apply(x);
+        let all = power.apply(x);
         let residual: Vec<[f64; 3]> = region.iter().map(|&v| all[v as usize].map(|y| -y)).collect();
         let mut largest = (0.0, 0u32);
         for (&v, d) in region.iter().zip(factor.solve_points(&residual)) {
@@ -260,98 +256,8 @@ fn refine(
     Ok(())
 }
 
-/// `S (M⁻¹S)ᵏ⁻¹` as its factors. Rows of `S` act on differences, so that constants vanish exactly.
-struct Powers<'a> {
-    stiffness: &'a SparseMatrix,
-    mass: &'a [f64],
-    order: u32,
-}
-
-impl Powers<'_> {
-    /// The product with points, in numbers of twice the digits, rounded at the end.
-    fn apply(&self, x: &[[f64; 3]]) -> Vec<[f64; 3]> {
-        let mut y: Vec<[Double; 3]> = x.iter().map(|p| p.map(|x| (x, 0.0))).collect();
-        for factor in 0..self.order {
-            let last = factor + 1 == self.order;
-            y = self
-                .stiffness
-                .outer_iterator()
-                .enumerate()
-                .map(|(i, row)| {
-                    let mut sum = [(0.0, 0.0); 3];
-                    for (j, &s) in row.iter().filter(|&(j, _)| j != i) {
-                        for k in 0..3 {
-                            let difference = double::sum(y[j][k], double::negative(y[i][k]));
-                            sum[k] = double::sum(sum[k], double::times(difference, s));
-                        }
-                    }
-                    if last { sum } else { sum.map(|s| double::over(s, self.mass[i])) }
-                })
-                .collect();
-        }
-        y.into_iter().map(|p| p.map(|(high, low)| high + low)).collect()
-    }
-}
-
-/// `S (M⁻¹S)ᵏ⁻¹`.
-fn power(stiffness: &SparseMatrix, mass: &[f64], order: u32) -> SparseMatrix {
-    let mut walk = stiffness.clone();
-    for (i, mut row) in walk.outer_iterator_mut().enumerate() {
-        for (_, value) in row.iter_mut() {
-            *value /= mass[i];
-        }
-    }
-    let mut product = stiffness.clone();
-    for _ in 1..order {
-        product = &product * &walk;
-    }
-    product
-}
-
 /// The mean of a matrix and its transpose: products are symmetric but for rounding.
 fn symmetric(matrix: &SparseMatrix) -> SparseMatrix {
     let transpose = matrix.transpose_view().to_csr();
     (matrix + &transpose).map(|x| 0.5 * x)
-}
-
-#[cfg(test)]
-mod tests {
-    use fairing_operators::combinatorial_laplacian;
-
-    use super::*;
-
-    /// On integers of 50 bits the powers of a graph Laplacian, with powers of two as masses, are integers of up to 70
-    /// bits, which differences of them make small again: what is returned is the exact result, rounded once.
-    #[test]
-    fn powers_are_rounded_once() {
-        let mesh = fairing_shapes::torus(1.0, 0.4, 11, 7);
-        let stiffness = combinatorial_laplacian(&mesh).unwrap();
-        let n = mesh.vertex_count();
-        let mass: Vec<f64> = (0..n).map(|v| [1.0, 0.5, 0.25][v % 3]).collect();
-        let mut state = 1u64;
-        let mut integer = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            i128::from(state >> 14)
-        };
-        let x: Vec<[i128; 3]> = (0..n).map(|_| [0; 3].map(|_| integer())).collect();
-        for order in 1..=4 {
-            let mut exact = x.clone();
-            for factor in 0..order {
-                exact = (0..n)
-                    .map(|i| {
-                        let row = stiffness.outer_view(i).unwrap();
-                        let over = if factor + 1 == order { 1 } else { (1.0 / mass[i]) as i128 };
-                        let entry = |k: usize| {
-                            row.iter().map(|(j, &s)| s as i128 * exact[j][k]).sum::<i128>() * over
-                        };
-                        [entry(0), entry(1), entry(2)]
-                    })
-                    .collect();
-            }
-            let points: Vec<[f64; 3]> = x.iter().map(|p| p.map(|x| x as f64)).collect();
-            let found = Powers { stiffness: &stiffness, mass: &mass, order }.apply(&points);
-            let expected: Vec<[f64; 3]> = exact.iter().map(|p| p.map(|x| x as f64)).collect();
-            assert_eq!(found, expected, "order {order}");
-        }
-    }
 }

@@ -2,11 +2,11 @@
 
 use fairing_mesh::vec3::distance;
 use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
+use fairing_sparse::GraphLaplacian;
 
 use crate::engine::assemble::uniform;
 use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
 use crate::engine::error::{FlowError, FlowFailure, at_least};
-use crate::engine::laplacian::Laplacian;
 use crate::engine::outcome::Smoothed;
 use crate::engine::run::{Frame, Run, StepNote};
 use crate::engine::step::{ITERATIONS, Observer};
@@ -157,7 +157,7 @@ fn flow(
 }
 
 /// The largest `(2/Eᵢ) Σ 1/|eᵢⱼ|`: eigenvalues of `−L` are at most twice that, by Gershgorin's circles.
-fn largest_rate(laplacian: &Laplacian, x: &[[f64; 3]]) -> Result<f64, FlowFailure> {
+fn largest_rate(laplacian: &GraphLaplacian, x: &[[f64; 3]]) -> Result<f64, FlowFailure> {
     let mut largest = 0.0f64;
     for i in 0..laplacian.len() {
         let (mut around, mut inverse) = (0.0, 0.0);
