@@ -12,7 +12,7 @@ use pyo3::types::PyDict;
 #[pyfunction]
 fn tables(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let dict = PyDict::new(py);
-    let estimators: Vec<_> = Estimator::ALL.iter().map(|e| (e.name(), e.purpose())).collect();
+    let estimators: Vec<_> = Estimator::ALL.iter().map(|e| (e.name(), e.description())).collect();
     let methods: Vec<_> = Method::defaults().iter().map(|m| (m.name(), m.description())).collect();
     let denoisers: Vec<_> = Denoiser::ALL.iter().map(|d| (d.name(), d.description())).collect();
     dict.set_item("estimators", estimators)?;

@@ -4,8 +4,7 @@ use crate::passes;
 
 /// A symmetric positive definite system A x = b of `B` columns, as [`conjugate_gradients`] sees it.
 ///
-/// A acts on every column. A column has step lengths of its own unless A couples columns, as sliding vertices couple
-/// coordinates; then all share one.
+/// A column has step lengths of its own, unless the preconditioner or A couples columns; then all share one.
 pub trait CgSystem<const B: usize>: Sync {
     /// `q` ← A p, and Σᵢ pᵢ qᵢ of each column. `q` has the length of `p` and any values.
     fn multiply(&self, p: &[[f64; B]], q: &mut Vec<[f64; B]>) -> [f64; B];
@@ -78,7 +77,7 @@ pub enum CgError {
         /// Rows of the vector.
         length: usize,
     },
-    /// A right-hand side or first guess holds an infinite number or NaN.
+    /// A right-hand side or first guess has an infinite number or NaN.
     #[error("the right-hand side or first guess is not finite in row {row}")]
     NotFinite {
         /// The first such row.

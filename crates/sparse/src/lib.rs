@@ -43,7 +43,7 @@ pub use graph_laplacian::{GraphLaplacian, GraphNumbers, Padded};
 pub use laplacian_power::LaplacianPower;
 pub use ldlt::{Inertia, Ldlt};
 pub use mass::{Mass, MassError, combine};
-pub use matrix::SparseMatrix;
+pub use matrix::{MatrixError, SparseMatrix, from_csr, from_triplets, principal_submatrix};
 pub use ndarray;
 pub use ordering::Ordering;
 pub use product::{multiply, multiply_block, multiply_into, multiply_points, multiply_points_into};

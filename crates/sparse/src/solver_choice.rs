@@ -48,7 +48,7 @@ pub struct Workload {
     pub factor_entries: Option<usize>,
     /// κ of the matrix scaled to a unit diagonal; [`shifted_condition`] estimates it for M + tS.
     pub condition: f64,
-    /// Share of the first residual that may be left. Cholesky leaves rounding alone.
+    /// Share of the first residual that may be left. Cholesky leaves no more than rounding.
     pub tolerance: f64,
     /// How often one and the same matrix is solved with, for up to three right-hand sides together.
     pub solves: usize,

@@ -86,6 +86,7 @@ all_shared!(
     fairing::sparse::Ldlt,
     fairing::sparse::Mass<'static>,
     fairing::sparse::MassError,
+    fairing::sparse::MatrixError,
     fairing::sparse::Ordering,
     fairing::sparse::SolverChoice,
     fairing::sparse::SymbolicCholesky,

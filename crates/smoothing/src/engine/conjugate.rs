@@ -14,7 +14,7 @@ type Point = [f64; 3];
 
 /// Solves `P (M(1 + w) + t S) P d = P (M w (c − x) − t S x)` for the displacement `d` of one implicit step.
 ///
-/// `P` lets through what constraints allow: nothing at held vertices, the tangent at sliding ones. Conjugate
+/// `P` lets through what constraints allow: nothing at fixed vertices, the tangent at sliding ones. Conjugate
 /// gradients with the diagonal as preconditioner and the displacement of the step before as a first guess. Each
 /// coordinate has its own coefficients unless sliding vertices couple them. It ends when the residual of every
 /// coordinate in every part of the mesh is below the tolerance relative to its own right-hand side of the step about
@@ -93,9 +93,9 @@ impl<'a> ImplicitSolver<'a> {
         });
         let (sides, mut reach): (Vec<_>, Vec<_>) = both.into_iter().unzip();
         // Held vertices are neighbours of every part that is not free.
-        if let Some(&held) = reach.last() {
+        if let Some(&fixed) = reach.last() {
             for (reach, _) in reach.iter_mut().zip(self.parts.free()).filter(|(_, free)| !free) {
-                *reach = [0, 1, 2].map(|k| larger(reach[k], held[k]));
+                *reach = [0, 1, 2].map(|k| larger(reach[k], fixed[k]));
             }
         }
         Gauge::new(self.parts, &sides, &reach, self.tolerance, freedom.sliding.is_some())
@@ -110,7 +110,7 @@ impl<'a> ImplicitSolver<'a> {
     #[inline(always)]
     fn side(&self, x: &[Point], freedom: &Freedom, centre: Point, i: usize) -> [f64; 4] {
         let ((w, target), m) = (freedom.pull(i), self.laplacian.mass()[i]);
-        let term = match freedom.held[i] {
+        let term = match freedom.fixed[i] {
             true => 0.0,
             false => m * (1.0 + w) + 2.0 * self.step * self.laplacian.diagonal()[i],
         };

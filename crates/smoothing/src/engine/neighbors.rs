@@ -4,10 +4,10 @@ use fairing_sparse::GraphLaplacian;
 use fairing_sparse::passes::CHUNK;
 use rayon::prelude::*;
 
-/// `L` for uniform weights, `(Lx)ᵢ = mean over neighbours xⱼ − xᵢ`: `S = D − A`, `M = D`. Vertices for which `held` is
+/// `L` for uniform weights, `(Lx)ᵢ = mean over neighbours xⱼ − xᵢ`: `S = D − A`, `M = D`. Vertices for which `fixed` is
 /// true, and isolated ones, have zero rows.
-pub(crate) fn uniform(vertex_count: usize, faces: &[[u32; 3]], held: &[bool]) -> GraphLaplacian {
-    let (offsets, columns) = neighbor_lists(vertex_count, faces, held);
+pub(crate) fn uniform(vertex_count: usize, faces: &[[u32; 3]], fixed: &[bool]) -> GraphLaplacian {
+    let (offsets, columns) = neighbor_lists(vertex_count, faces, fixed);
     GraphLaplacian::uniform(offsets, columns)
 }
 
@@ -15,8 +15,8 @@ pub(crate) fn uniform(vertex_count: usize, faces: &[[u32; 3]], held: &[bool]) ->
 const MANY_FACES: usize = 64;
 
 /// The neighbours of every vertex along edges of faces, each once, in compressed rows; `[v]` for an isolated or
-/// held vertex `v`.
-fn neighbor_lists(n: usize, faces: &[[u32; 3]], held: &[bool]) -> (Vec<u32>, Vec<u32>) {
+/// fixed vertex `v`.
+fn neighbor_lists(n: usize, faces: &[[u32; 3]], fixed: &[bool]) -> (Vec<u32>, Vec<u32>) {
     let mut start = vec![0u32; n + 1];
     for &v in faces.as_flattened() {
         start[v as usize + 1] += 1;
@@ -42,7 +42,7 @@ fn neighbor_lists(n: usize, faces: &[[u32; 3]], held: &[bool]) -> (Vec<u32>, Vec
             for v in vertices {
                 let begin = lists.len();
                 let around = &around[start[v] as usize..start[v + 1] as usize];
-                if held[v] || around.is_empty() {
+                if fixed[v] || around.is_empty() {
                     lists.push(v as u32);
                 } else if around.len() > MANY_FACES {
                     let corners = around.iter().flat_map(|&f| faces[f as usize]);

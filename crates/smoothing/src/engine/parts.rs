@@ -25,11 +25,11 @@ const FEW: usize = 16;
 
 /// Connected parts of the vertices that move.
 pub(crate) struct Parts {
-    /// The part of each vertex; for vertices that are held, one more than there are.
+    /// The part of each vertex; for vertices that are fixed, one more than there are.
     label: Vec<u32>,
     /// A vertex of each part.
     first: Vec<u32>,
-    /// Whether a part has neighbours that are held, or vertices that slide, so that it cannot move as a whole.
+    /// Whether a part has neighbours that are fixed, or vertices that slide, so that it cannot move as a whole.
     anchored: Vec<bool>,
 }
 
@@ -41,7 +41,7 @@ impl Parts {
         let (mut label, mut first, mut anchored) = (vec![NONE; n], Vec::new(), Vec::new());
         let mut open = Vec::new();
         for seed in 0..n {
-            if label[seed] != NONE || freedom.held[seed] {
+            if label[seed] != NONE || freedom.fixed[seed] {
                 continue;
             }
             let part = first.len() as u32;
@@ -51,7 +51,7 @@ impl Parts {
             open.push(seed as u32);
             while let Some(i) = open.pop() {
                 for &j in laplacian.neighbors(i as usize) {
-                    if freedom.held[j as usize] {
+                    if freedom.fixed[j as usize] {
                         anchored[part as usize] = true;
                     } else if label[j as usize] == NONE {
                         label[j as usize] = part;
@@ -68,7 +68,7 @@ impl Parts {
         Self { label, first, anchored }
     }
 
-    /// The number of parts; vertices that are held count as one more.
+    /// The number of parts; vertices that are fixed count as one more.
     pub(crate) fn count(&self) -> usize {
         self.anchored.len()
     }
@@ -300,7 +300,7 @@ mod tests {
         let constraints =
             Constraints { pinned: vec![1, 6], soft: vec![pull], ..Constraints::default() };
         let freedom = Freedom::new(&Arrangement::as_given(&mesh), &constraints).unwrap();
-        let laplacian = uniform(12, mesh.faces(), &freedom.held);
+        let laplacian = uniform(12, mesh.faces(), &freedom.fixed);
         let parts = Parts::of(&laplacian, &freedom);
         assert_eq!(parts.free().collect::<Vec<_>>(), [false, false, true, false]);
         let x = mesh.positions();
@@ -331,7 +331,7 @@ mod tests {
     fn residuals_are_relative_to_their_own_part() {
         let (mesh, _) = three();
         let freedom = Freedom::new(&Arrangement::as_given(&mesh), &Constraints::default()).unwrap();
-        let laplacian = uniform(12, mesh.faces(), &freedom.held);
+        let laplacian = uniform(12, mesh.faces(), &freedom.fixed);
         let parts = Parts::of(&laplacian, &freedom);
         assert_eq!(parts.count(), 4);
         // Right-hand sides of 1, 10⁻⁶ and 10³ in x, half of that in y, and a hundredth in z.

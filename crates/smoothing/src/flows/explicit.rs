@@ -5,7 +5,7 @@ use fairing_sparse::GraphLaplacian;
 
 use crate::engine::assemble::assemble;
 use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
-use crate::engine::diffusion::{AREA, Diffusion, LAMBDA, OPERATOR, TIME, WEIGHTS};
+use crate::engine::diffusion::{AREA, Diffusion, LAMBDA, OPERATOR, Operator, TIME, WEIGHTS};
 use crate::engine::error::{FlowError, FlowFailure, at_least};
 use crate::engine::outcome::{Approach, Smoothed};
 use crate::engine::response::Response;
@@ -133,6 +133,10 @@ impl InMeshUnits for Explicit {
     fn is_timed(&self) -> bool {
         self.diffusion.is_timed()
     }
+
+    fn operator_mut(&mut self) -> Option<&mut Operator> {
+        self.diffusion.operator_mut()
+    }
 }
 
 fn flow(
@@ -145,7 +149,7 @@ fn flow(
     let frame =
         Frame { volume: options.volume, ..Frame::new(&options.constraints, options.iterations) };
     let mut run = Run::new(mesh, &frame, observer)?;
-    let laplacian = assemble(run.arrangement.mesh(), options.diffusion, &run.freedom.held)
+    let laplacian = assemble(run.arrangement.mesh(), options.diffusion, &run.freedom.fixed)
         .map_err(|failure| run.refuse(failure))?;
     let bound = laplacian.spectral_bound();
     // Uniform steps up to 1 are stable on every mesh: no need for its topology.

@@ -56,7 +56,7 @@ pub struct Implicit {
     pub diffusion: Diffusion,
     /// The number of steps; 10 unless set.
     pub iterations: usize,
-    /// When the operator is taken anew; cotangents only, since uniform weights do not see positions.
+    /// When the operator is assembled again; cotangents only, since uniform weights do not depend on positions.
     pub update: Update,
     /// The relative residual of the linear systems; 1e-8 unless set.
     pub tolerance: f64,
@@ -79,7 +79,7 @@ impl Implicit {
         }
     }
 
-    /// Mean curvature flow: the operator taken anew in each step of `lambda` h².
+    /// Mean curvature flow: the operator is assembled again in each step of `lambda` h².
     pub fn mean_curvature_flow(lambda: f64) -> Self {
         Self { update: Update::Both, ..Self::new(Diffusion::cotangent(lambda)) }
     }
@@ -221,6 +221,10 @@ impl InMeshUnits for Implicit {
     fn is_timed(&self) -> bool {
         self.diffusion.is_timed()
     }
+
+    fn operator_mut(&mut self) -> Option<&mut Operator> {
+        self.diffusion.operator_mut()
+    }
 }
 
 /// [`implicit`], and each step ends with scaling to the area of the input if `keep_area`.
@@ -240,8 +244,8 @@ pub(crate) fn implicit_with(
     let mut run = Run::new(mesh, &frame, observer)?;
     let start = run.arrangement.mesh();
     let assembled =
-        Renewal::new(start, options.diffusion, &run.freedom.held).and_then(|mut all| {
-            let laplacian = all.assemble(start, &run.freedom.held)?;
+        Renewal::new(start, options.diffusion, &run.freedom.fixed).and_then(|mut all| {
+            let laplacian = all.assemble(start, &run.freedom.fixed)?;
             Ok((laplacian, all))
         });
     let (laplacian, renewal) = assembled.map_err(|failure| run.refuse(failure))?;
@@ -379,7 +383,7 @@ impl<'a> Stepper<'a> {
             self.laplacian.replace_mass(mass(mesh, operator(self.options))?);
         }
         let Some(renewal) = &mut self.renewal else { return Ok(false) };
-        let faces = renewal.renew(mesh, &freedom.held, &mut self.laplacian, thin)?;
+        let faces = renewal.renew(mesh, &freedom.fixed, &mut self.laplacian, thin)?;
         for &f in &faces {
             self.flattened[f as usize] = true;
         }

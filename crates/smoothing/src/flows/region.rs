@@ -1,11 +1,13 @@
-//! Fairing of a region with its rim held.
+//! Fairing of a region whose surroundings are fixed.
 
 use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
 use fairing_operators::{LaplacianKind, MassKind};
-use fairing_sparse::{Cholesky, LaplacianPower, SparseMatrix};
+use fairing_sparse::{
+    Cholesky, LaplacianPower, SparseMatrix, multiply_points, principal_submatrix,
+};
 
 use crate::engine::assemble::operators;
-use crate::engine::diffusion::{AREA, OPERATOR, Operator, WEIGHTS};
+use crate::engine::diffusion::{AREA, OPERATOR, Operator, WEIGHTS, refuse_with_uniform};
 use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::outcome::{Approach, Report, Smoothed};
 use crate::engine::parts::larger;
@@ -42,7 +44,7 @@ impl FairRegion {
     }
 }
 
-/// Replaces the vertices of a region by the solution of `Δᵏ x = 0` with everything outside of it held.
+/// Replaces the vertices of a region by the solution of `Δᵏ x = 0` with all other vertices fixed.
 ///
 /// ```text
 /// K = S (M⁻¹ S)ᵏ⁻¹,    K_rr x_r = −K_ro x_o
@@ -50,12 +52,12 @@ impl FairRegion {
 ///
 /// for the vertices r of the region and o outside: the minimum of the discrete `∫ ‖∇ᵏ x‖²`. The k rings around the
 /// region enter as boundary values, so what borders on a hole of the mesh is natural (free) there. The operator is
-/// that of the input; a second call takes it at the result of the first.
+/// that of the input; a second call takes that of the result of the first.
 ///
 /// # Errors
 ///
 /// [`FlowError`] for an order out of range, for vertices that do not exist, for faces too thin for cotangents, and
-/// where nothing holds a part of the region (it fills a component), so that its place is not determined; and
+/// where a part of the region fills a component, so that its place is not determined; and
 /// [`FlowFailure::NotConverged`] for a region so wide that an order as high as this is beyond the digits of a factor.
 ///
 /// # Examples
@@ -105,7 +107,10 @@ impl Flow for FairRegion {
         let mut options = Self::new(values.vertices("vertices"));
         values.read("order", &mut options.order)?;
         options.weights = match values.text(WEIGHTS.name) {
-            Some("uniform") => FairingWeights::Uniform,
+            Some("uniform") => {
+                refuse_with_uniform(values, &[OPERATOR, AREA])?;
+                FairingWeights::Uniform
+            }
             _ => FairingWeights::Cotangent(Operator::of_values(values)?),
         };
         Ok(options)
@@ -123,6 +128,13 @@ impl Flow for FairRegion {
 impl InMeshUnits for FairRegion {
     fn divided_by(&self, _: f64) -> Result<Self, FlowFailure> {
         Ok(self.clone())
+    }
+
+    fn operator_mut(&mut self) -> Option<&mut Operator> {
+        match &mut self.weights {
+            FairingWeights::Uniform => None,
+            FairingWeights::Cotangent(operator) => Some(operator),
+        }
     }
 }
 
@@ -149,8 +161,9 @@ fn solve(mesh: &TriMesh, options: &FairRegion) -> Result<TriMesh, FlowFailure> {
         FairingWeights::Cotangent(operator) => operators(mesh, operator.kinds())?,
     };
     let power = LaplacianPower::new(&stiffness, &mass, options.order);
-    let (system, right) = restricted(&power.matrix(), &region, mesh.positions());
-    let factor = Cholesky::new(&symmetric(&system))
+    let matrix = power.matrix();
+    let right = from_outside(&matrix, &region, mesh.positions());
+    let factor = Cholesky::new(&symmetric(&principal_submatrix(&matrix, &region)))
         .map_err(|error| FlowFailure::NotFactored { reason: error.to_string() })?;
     let mut positions = mesh.positions().to_vec();
     for (&v, p) in region.iter().zip(factor.solve_points(&right)) {
@@ -173,32 +186,14 @@ fn vertices(mesh: &TriMesh, region: &[u32]) -> Result<Vec<u32>, FlowFailure> {
     Ok(region)
 }
 
-/// The rows and columns of a region, and what the positions outside of it give to the right-hand side.
-fn restricted(
-    operator: &SparseMatrix,
-    region: &[u32],
-    x: &[[f64; 3]],
-) -> (SparseMatrix, Vec<[f64; 3]>) {
-    const OUTSIDE: u32 = u32::MAX;
-    let mut unknown = vec![OUTSIDE; x.len()];
-    for (k, &v) in region.iter().enumerate() {
-        unknown[v as usize] = k as u32;
+/// What the positions outside of a region give to its right-hand side.
+fn from_outside(matrix: &SparseMatrix, region: &[u32], x: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    let mut outside = x.to_vec();
+    for &v in region {
+        outside[v as usize] = [0.0; 3];
     }
-    let (mut starts, mut columns, mut values) = (vec![0u32], Vec::new(), Vec::new());
-    let mut right = vec![[0.0; 3]; region.len()];
-    for (&v, right) in region.iter().zip(&mut right) {
-        for (j, &k) in operator.outer_view(v as usize).iter().flat_map(|row| row.iter()) {
-            match unknown[j] {
-                OUTSIDE => *right = [0, 1, 2].map(|d| right[d] - k * x[j][d]),
-                column => {
-                    columns.push(column);
-                    values.push(k);
-                }
-            }
-        }
-        starts.push(columns.len() as u32);
-    }
-    (SparseMatrix::new((region.len(), region.len()), starts, columns, values), right)
+    let all = multiply_points(matrix, &outside);
+    region.iter().map(|&v| all[v as usize].map(|k| -k)).collect()
 }
 
 /// The most corrections of a solution; two are the rule.

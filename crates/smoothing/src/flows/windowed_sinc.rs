@@ -156,7 +156,7 @@ fn filter(mesh: &TriMesh, options: &WindowedSinc) -> Result<Smoothed, FlowError>
         let reason = "a windowed sinc filter knows free and pinned vertices only";
         return Err(run.refuse(FlowFailure::Unsupported { reason }));
     }
-    let laplacian = uniform(run.arrangement.mesh(), &run.freedom.held);
+    let laplacian = uniform(run.arrangement.mesh(), &run.freedom.fixed);
     let series = ChebyshevSeries::new(2.0, coefficients(pass_band, degree, window));
     run.report.approach = Approach::Series { degree };
     run.report.iterations = 1;
