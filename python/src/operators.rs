@@ -3,9 +3,7 @@
 use std::sync::Arc;
 
 use fairing_mesh::TriMesh;
-use fairing_operators::curvature::{
-    CurvatureField, Estimator, Length, Neighborhood, laplacian_curvature,
-};
+use fairing_operators::curvature::{CurvatureField, Estimator, laplacian_curvature};
 use fairing_operators::{
     Laplacian, LaplacianKind, MassKind, MassMatrix, OperatorError, divergence, gradient,
     noise_level,
@@ -108,30 +106,12 @@ fn divergence_of<'py>(py: Python<'py>, mesh: &Mesh, call: Call) -> PyResult<Csr<
 
 /// The estimator with the reach that is asked for.
 fn with_reach(name: &str, radius: Option<f64>, rings: Option<u32>) -> Result<Estimator> {
-    let mut estimator: Estimator = named(name)?;
-    if radius.is_some() && rings.is_some() {
-        return Err(Error::option("give a radius or rings, not both"));
-    }
-    if let Some(r) = radius.filter(|r| !(*r > 0.0 && r.is_finite())) {
-        return Err(Error::option(format!("radius is {r}, but must be above zero")));
-    }
-    if let Some(n) = rings.filter(|n| !(1..=16).contains(n)) {
-        return Err(Error::option(format!("rings is {n}, but must be 1 to 16")));
-    }
-    let radius = radius.map(Length::MeanEdges);
-    let reach = radius.map(Neighborhood::Ball).or(rings.map(Neighborhood::Rings));
-    match (&mut estimator, reach, radius) {
-        (_, None, _) => {}
-        (Estimator::NormalCycle(options), _, Some(radius)) => options.radius = radius,
-        (Estimator::Corrected(options), _, Some(radius)) => options.radius = Some(radius),
-        (Estimator::Quadric(options), Some(reach), _) => options.neighborhood = reach,
-        (Estimator::Jet(options), Some(reach), _) => options.neighborhood = reach,
-        _ => {
-            let unit = if rings.is_some() { "rings" } else { "radius" };
-            return Err(Error::option(format!("{estimator} takes no {unit}")));
-        }
-    }
-    Ok(estimator)
+    // As the shortest text that reads back as the same number.
+    let given =
+        [("radius", radius.map(|r| r.to_string())), ("rings", rings.map(|n| n.to_string()))];
+    let given: Vec<(&str, &str)> =
+        given.iter().filter_map(|(name, text)| Some((*name, text.as_deref()?))).collect();
+    Estimator::with(name, &given).map_err(Error::option)
 }
 
 fn estimate(
