@@ -1,6 +1,6 @@
 """The table of docs/python.md: each call beside the Rust bench and other packages, best of several.
 
-python speed.py MESH.obj [path of xtask built with --release]
+python speed.py MESH.obj [path of xtask built with --release] [--without-peers]
 """
 
 from __future__ import annotations
@@ -117,8 +117,9 @@ def _steps(linalg: Any, S: Any, M: Any, t: float, V: np.ndarray) -> None:
 
 def main() -> None:
     """Prints the table."""
-    path = sys.argv[1]
-    program = sys.argv[2] if len(sys.argv) > 2 else None
+    arguments = [a for a in sys.argv[1:] if not a.startswith("--")]
+    path = arguments[0]
+    program = arguments[1] if len(arguments) > 1 else None
     warnings.simplefilter("ignore")
     mesh = pf.read(path)
     V, F = np.array(mesh.vertices), mesh.faces.astype(np.int64)
@@ -144,7 +145,7 @@ def main() -> None:
         "denoise": (lambda: mesh.denoise(), ()),
         "render 800 × 600": (lambda: mesh.render(), ()),
     }
-    others = peers(V, F, path)
+    others = {} if "--without-peers" in sys.argv else peers(V, F, path)
     print("| Call | pyfairing | Rust bench | Other packages |\n|---|--:|--:|---|")
     for row, (call, task) in ours.items():
         # Taken in turn, so that a machine that is busy is busy for both.

@@ -17,6 +17,7 @@ from __future__ import annotations
 from . import shapes, surfaces, tasks
 from ._calls import FairingWarning
 from ._compare import compare
+from ._computing import polygon_laplacian
 from ._core import (
     ComputationError,
     FairingError,
@@ -58,6 +59,7 @@ __all__ = [
     "__version__",
     "compare",
     "dataset",
+    "polygon_laplacian",
     "read",
     "read_bytes",
     "shapes",

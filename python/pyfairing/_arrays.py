@@ -60,6 +60,17 @@ def faces(values: npt.ArrayLike) -> Indices:
     return np.ascontiguousarray(array, dtype=np.uint32)
 
 
+def polygons(values: Any) -> tuple[Indices, Indices]:
+    """The corners of all polygons one after another, and how many each has."""
+    sizes = [len(polygon) for polygon in values]
+    flat = np.concatenate([np.asarray(p) for p in values]) if sizes else np.zeros(0, np.uint32)
+    if flat.dtype.kind not in "iu":
+        raise TypeError(f"polygons must be integers, not {flat.dtype}")
+    if flat.size and (flat.min() < 0 or flat.max() > 2**32 - 1):
+        raise MeshError(f"the polygons name vertex {flat.min()} to {flat.max()}")
+    return flat.astype(np.uint32), np.asarray(sizes, dtype=np.uint32)
+
+
 def numbers(values: npt.ArrayLike, n: int, what: str, count: int) -> list[int]:
     """Numbers of vertices: one, several, or a mask of all."""
     array = np.asarray(values)

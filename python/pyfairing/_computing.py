@@ -466,3 +466,44 @@ def _field_to_show(
     if undefined is not None:
         values = np.where(undefined, 0.0, values)
     return np.ascontiguousarray(values), undefined
+
+
+@documented
+def polygon_laplacian(
+    vertices: npt.ArrayLike,
+    polygons: Any,
+    mass: Literal["barycentric", "consistent"] = "barycentric",
+    *,
+    threads: int | None = None,
+    progress: Progress = None,
+) -> Laplacian:
+    """Stiffness S and mass M of a mesh of polygons, which are not split into triangles.
+
+    Each polygon is refined about one point that is an affine combination of its corners; on
+    triangles S is that of cotangents. Polygons need not be flat.
+
+    Parameters
+    ----------
+    vertices : array_like, shape (n, 3)
+        Positions, in mesh units.
+    polygons : sequence of sequences of int, or array_like of int, shape (m, k)
+        The corners of each polygon, counter-clockwise seen from outside.
+    mass : {'barycentric', 'consistent'}
+        The row sums of the consistent mass, or itself.
+    {run}
+
+    Returns
+    -------
+    Laplacian
+        As from `Mesh.laplacian`.
+
+    Raises
+    ------
+    ComputationError
+        For the first polygon that is too thin.
+    """
+    corners, sizes = _arrays.polygons(polygons)
+    with running(threads, progress) as call:
+        stiffness, matrix = _core.polygon_laplacian(_arrays.vertices(vertices), corners, sizes, mass, call)
+    mass_matrix = _arrays.csr(matrix) if isinstance(matrix, tuple) else _arrays.diagonal(matrix)
+    return Laplacian(_arrays.csr(stiffness), mass_matrix, "polygon", "polygon was asked for")

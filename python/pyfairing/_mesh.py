@@ -135,19 +135,9 @@ class Mesh(Computing, Moving):
         Mesh
             Its triangles in the order of the polygons.
         """
-        sizes = [len(polygon) for polygon in polygons]
-        flat = np.concatenate([np.asarray(p) for p in polygons]) if sizes else np.zeros(0, np.uint32)
-        if flat.dtype.kind not in "iu":
-            raise TypeError(f"polygons must be integers, not {flat.dtype}")
-        if flat.size and (flat.min() < 0 or flat.max() > 2**32 - 1):
-            raise _core.MeshError(f"the polygons name vertex {flat.min()} to {flat.max()}")
+        corners, sizes = _arrays.polygons(polygons)
         with running(None, None) as call:
-            core = _core.from_polygons(
-                _arrays.vertices(vertices),
-                flat.astype(np.uint32),
-                np.asarray(sizes, dtype=np.uint32),
-                call,
-            )
+            core = _core.from_polygons(_arrays.vertices(vertices), corners, sizes, call)
         return cls._of(core, fields)
 
     @property

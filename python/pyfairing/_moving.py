@@ -11,6 +11,7 @@ from . import _arrays, _core
 from ._base import Base
 from ._calls import Progress, running, warn
 from ._docs import documented
+from ._parameters import parameters
 from ._results import NoiseLevel
 from ._spectrum import warn_of_split
 
@@ -36,7 +37,7 @@ class Moving(Base):
         time: float | None = None,
         iterations: int | None = None,
         area: Literal["barycentric", "mixed", "voronoi"] | None = None,
-        kind: Literal["cotangent", "robust"] | None = None,
+        kind: Literal["auto", "cotangent", "robust"] | None = None,
         boundary: Literal["free", "pinned", "sliding"] | None = None,
         pin: npt.ArrayLike | None = None,
         soft: Soft | None = None,
@@ -80,8 +81,9 @@ class Moving(Base):
             The number of steps (10); pairs of steps for `taubin`.
         area : {'barycentric', 'mixed', 'voronoi'}, optional
             The areas of vertices for cotangents.
-        kind : {'cotangent', 'robust'}, optional
-            How cotangents are made.
+        kind : {'auto', 'cotangent', 'robust'}, optional
+            How cotangents are made; `auto`, which takes robust ones where a face is too thin
+            for others, unless given.
         boundary : {'free', 'pinned', 'sliding'}, optional
             What happens at the boundary of an open mesh.
         pin : array_like of int or bool, optional
@@ -133,10 +135,10 @@ class Moving(Base):
             If a step cannot be taken; it has the last good mesh as `last_good`.
         """
         n = self._core.vertex_count
-        options: dict[str, Any] = {
+        given = {
             "weights": weights,
-            "lam": _number(lam),
-            "time": _number(time),
+            "lam": lam,
+            "time": time,
             "iterations": iterations,
             "area": area,
             "kind": kind,
@@ -145,27 +147,24 @@ class Moving(Base):
             "soft": None if soft is None else [_soft(*entry) for entry in soft],
             "volume": volume,
             "unstable": unstable,
-            "mu": _number(mu),
-            "pass_band": _number(pass_band),
+            "mu": mu,
+            "pass_band": pass_band,
             "degree": degree,
             "window": window,
-            "alpha": _number(alpha),
-            "beta": _number(beta),
-            "fraction": _number(fraction),
-            "cutoff": _number(cutoff),
+            "alpha": alpha,
+            "beta": beta,
+            "fraction": fraction,
+            "cutoff": cutoff,
             "order": order,
             "modes": modes,
             "update": update,
-            "tolerance": _number(tolerance),
-            "settled": _number(settled),
+            "tolerance": tolerance,
+            "settled": settled,
             "vertices": None if vertices is None else _arrays.numbers(vertices, n, "vertices", n),
         }
-        for name in ("iterations", "degree", "order", "modes"):
-            if options[name] is not None:
-                options[name] = _arrays.whole(options[name], name)
-        given = [name for name, value in options.items() if value is not None]
+        values = parameters(method, given)
         with running(threads, progress) as call:
-            core, report = _core.smooth(self._core, method, options, given, call)
+            core, report = _core.smooth(self._core, method, values, call)
         if report["unstable"] and unstable == "warn":
             warn("steps beyond the stable limit were taken: some modes grow")
         if report["degenerate_faces"]:
@@ -281,12 +280,8 @@ class Moving(Base):
             return self._of(self._core.subdivide(scheme, call))
 
 
-def _number(value: float | None) -> float | None:
-    return None if value is None else float(value)
-
-
-def _soft(vertex: int, weight: float, target: npt.ArrayLike | None = None) -> Any:
-    if target is None:
-        return (_arrays.whole(vertex, "a vertex of soft"), float(weight), None)
-    point = _arrays.field(target, 3, "a target of soft")
-    return (_arrays.whole(vertex, "a vertex of soft"), float(weight), [float(x) for x in point])
+def _soft(vertex: int, weight: float, target: npt.ArrayLike | None = None) -> str:
+    entry = [str(_arrays.whole(vertex, "a vertex of soft")), repr(float(weight))]
+    if target is not None:
+        entry += [repr(float(x)) for x in _arrays.field(target, 3, "a target of soft")]
+    return ":".join(entry)

@@ -7,6 +7,9 @@ use pyo3::prelude::*;
 
 use crate::error::{Error, Result};
 
+/// An array of numpy with two axes.
+pub(crate) type Rows<'py> = Bound<'py, PyArray2<f64>>;
+
 /// `n × 3`, without a copy.
 pub(crate) fn rows<'py, T: Element>(
     py: Python<'py>,

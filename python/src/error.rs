@@ -160,7 +160,9 @@ impl From<FlowError> for Error {
 impl From<DenoiseError> for Error {
     fn from(error: DenoiseError) -> Self {
         match error {
-            DenoiseError::InvalidOption { .. } => Self::Option(chain(&error)),
+            DenoiseError::InvalidOption { .. } | DenoiseError::Parameter(_) => {
+                Self::Option(chain(&error))
+            }
             _ => Self::Computation(chain(&error)),
         }
     }

@@ -111,13 +111,16 @@ impl Coloring {
     }
 }
 
+/// The values at the two ends of a map, and its name.
+type Bar = (f64, f64, &'static str);
+
 /// Colours of a field, and the values at the two ends of the map.
 fn colored(
     mesh: &TriMesh,
     field: &[f64],
     undefined: Option<&[bool]>,
     coloring: &Coloring,
-) -> Result<(Vec<[u8; 3]>, (f64, f64, &'static str))> {
+) -> Result<(Vec<[u8; 3]>, Bar)> {
     if field.len() != mesh.vertex_count() {
         let (found, expected) = (field.len(), mesh.vertex_count());
         return Err(Error::option(format!("the field has {found} values for {expected} vertices")));
@@ -135,8 +138,8 @@ fn colored(
     Ok((scale.colors(&shown), (scale.low(), scale.high(), scale.map().name())))
 }
 
-type Shown = (Image, Option<(f64, f64, &'static str)>);
-type PyShown<'py> = (Bound<'py, PyArray3<u8>>, Option<(f64, f64, &'static str)>);
+type Shown = (Image, Option<Bar>);
+type PyShown<'py> = (Bound<'py, PyArray3<u8>>, Option<Bar>);
 
 /// The picture, and the range of its colours where they are those of a field.
 #[pyfunction]

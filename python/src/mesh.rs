@@ -321,7 +321,25 @@ fn read_bytes(
     parts(py, file)
 }
 
-/// A mesh from polygons: their corners one after another, and where each begins.
+/// Polygons from their corners one after another, and how many each has.
+pub(crate) fn polygons(
+    positions: Vec<[f64; 3]>,
+    corners: &[u32],
+    sizes: &[u32],
+) -> Result<PolygonMesh> {
+    let mut rest = corners;
+    let mut polygons = Vec::with_capacity(sizes.len());
+    for &size in sizes {
+        let (polygon, after) = rest
+            .split_at_checked(size as usize)
+            .ok_or_else(|| Error::option("fewer corners than the sizes of the polygons say"))?;
+        polygons.push(polygon);
+        rest = after;
+    }
+    Ok(PolygonMesh::new(positions, polygons)?)
+}
+
+/// A mesh from polygons, split into triangles.
 #[pyfunction]
 fn from_polygons(
     py: Python<'_>,
@@ -332,18 +350,7 @@ fn from_polygons(
 ) -> PyResult<Mesh> {
     let positions = triples(&vertices)?;
     let (corners, sizes) = (values(&corners), values(&sizes));
-    let mesh = call.run(py, move || {
-        let mut rest = corners.as_slice();
-        let mut polygons = Vec::with_capacity(sizes.len());
-        for size in sizes {
-            let (polygon, after) = rest
-                .split_at_checked(size as usize)
-                .ok_or_else(|| Error::option("fewer corners than the sizes of the polygons say"))?;
-            polygons.push(polygon.to_vec());
-            rest = after;
-        }
-        Ok(PolygonMesh::new(positions, polygons)?.triangulate())
-    })?;
+    let mesh = call.run(py, move || Ok(polygons(positions, &corners, &sizes)?.triangulate()))?;
     Ok(mesh.into())
 }
 

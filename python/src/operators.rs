@@ -3,20 +3,18 @@
 use std::sync::Arc;
 
 use fairing_mesh::TriMesh;
-use fairing_operators::curvature::{
-    CurvatureField, Estimator, Length, Neighborhood, laplacian_curvature,
-};
+use fairing_operators::curvature::{CurvatureField, Estimator, laplacian_curvature};
 use fairing_operators::{
     Laplacian, LaplacianKind, MassKind, MassMatrix, OperatorError, divergence, gradient,
     noise_level,
 };
-use numpy::{PyArray1, PyArray2};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arrays::{Csr, column, csr, rows};
+use crate::arrays::{Csr, column, csr, rows, triples, values};
 use crate::error::{Error, Result};
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, polygons};
 use crate::options::named;
 use crate::run::Call;
 
@@ -74,6 +72,26 @@ fn laplacian<'py>(
     Ok((csr(py, stiffness), mass(py, matrix), taken, reason))
 }
 
+/// S and M of the polygons themselves, not of triangles.
+#[pyfunction]
+fn polygon_laplacian<'py>(
+    py: Python<'py>,
+    vertices: PyReadonlyArray2<'_, f64>,
+    corners: PyReadonlyArray1<'_, u32>,
+    sizes: PyReadonlyArray1<'_, u32>,
+    mass_kind: &str,
+    call: Call,
+) -> PyResult<(Csr<'py>, PyMass<'py>)> {
+    let mass_kind = named::<MassKind>(mass_kind)?;
+    let positions = triples(&vertices)?;
+    let (corners, sizes) = (values(&corners), values(&sizes));
+    let found = call.run(py, move || {
+        Ok(Laplacian::of_polygons(&polygons(positions, &corners, &sizes)?, mass_kind)?)
+    })?;
+    let (stiffness, matrix) = found.into_parts();
+    Ok((csr(py, stiffness), mass(py, matrix)))
+}
+
 #[pyfunction(name = "gradient")]
 fn gradient_of<'py>(py: Python<'py>, mesh: &Mesh, call: Call) -> PyResult<Csr<'py>> {
     let mesh = mesh.share();
@@ -88,30 +106,12 @@ fn divergence_of<'py>(py: Python<'py>, mesh: &Mesh, call: Call) -> PyResult<Csr<
 
 /// The estimator with the reach that is asked for.
 fn with_reach(name: &str, radius: Option<f64>, rings: Option<u32>) -> Result<Estimator> {
-    let mut estimator: Estimator = named(name)?;
-    if radius.is_some() && rings.is_some() {
-        return Err(Error::option("give a radius or rings, not both"));
-    }
-    if let Some(r) = radius.filter(|r| !(*r > 0.0 && r.is_finite())) {
-        return Err(Error::option(format!("radius is {r}, but must be above zero")));
-    }
-    if let Some(n) = rings.filter(|n| !(1..=16).contains(n)) {
-        return Err(Error::option(format!("rings is {n}, but must be 1 to 16")));
-    }
-    let radius = radius.map(Length::MeanEdges);
-    let reach = radius.map(Neighborhood::Ball).or(rings.map(Neighborhood::Rings));
-    match (&mut estimator, reach, radius) {
-        (_, None, _) => {}
-        (Estimator::NormalCycle(options), _, Some(radius)) => options.radius = radius,
-        (Estimator::Corrected(options), _, Some(radius)) => options.radius = Some(radius),
-        (Estimator::Quadric(options), Some(reach), _) => options.neighborhood = reach,
-        (Estimator::Jet(options), Some(reach), _) => options.neighborhood = reach,
-        _ => {
-            let unit = if rings.is_some() { "rings" } else { "radius" };
-            return Err(Error::option(format!("{estimator} takes no {unit}")));
-        }
-    }
-    Ok(estimator)
+    // As the shortest text that reads back as the same number.
+    let given =
+        [("radius", radius.map(|r| r.to_string())), ("rings", rings.map(|n| n.to_string()))];
+    let given: Vec<(&str, &str)> =
+        given.iter().filter_map(|(name, text)| Some((*name, text.as_deref()?))).collect();
+    Estimator::with(name, &given).map_err(Error::option)
 }
 
 fn estimate(
@@ -177,6 +177,7 @@ fn noise_level_of(
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(laplacian, module)?)?;
+    module.add_function(wrap_pyfunction!(polygon_laplacian, module)?)?;
     module.add_function(wrap_pyfunction!(gradient_of, module)?)?;
     module.add_function(wrap_pyfunction!(divergence_of, module)?)?;
     module.add_function(wrap_pyfunction!(curvature, module)?)?;

@@ -13,7 +13,7 @@ use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
-use crate::arrays::{column, matrix, values, view};
+use crate::arrays::{Rows, column, matrix, values, view};
 use crate::error::Error;
 use crate::mesh::Mesh;
 use crate::operators::{PyMass, assemble_for_modes, mass};
@@ -39,7 +39,9 @@ impl Spectrum {
 }
 
 /// The numbers of modes below and above that split no cluster.
-fn numbers(split: Option<Split>) -> Option<(usize, Option<usize>)> {
+type Numbers = (usize, Option<usize>);
+
+fn numbers(split: Option<Split>) -> Option<Numbers> {
     split.map(|s| (s.below, s.above))
 }
 
@@ -118,7 +120,7 @@ impl Spectrum {
         mesh: &Mesh,
         k: usize,
         call: Call,
-    ) -> PyResult<(Mesh, Option<(usize, Option<usize>)>)> {
+    ) -> PyResult<(Mesh, Option<Numbers>)> {
         let (spectrum, mesh) = (self.share(), mesh.share());
         let found = call.run(py, move || Ok(reconstruct(&mesh, &spectrum, k)?))?;
         Ok((found.mesh.into(), numbers(found.split)))
@@ -132,7 +134,7 @@ impl Spectrum {
         responses: PyReadonlyArray1<'_, f64>,
         rest: Option<f64>,
         call: Call,
-    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Option<(usize, Option<usize>)>)> {
+    ) -> PyResult<(Rows<'py>, Option<Numbers>)> {
         let (spectrum, field, responses) = (self.share(), owned(&field), values(&responses));
         let found = call.run(py, move || {
             if responses.len() != spectrum.len() {

@@ -7,7 +7,7 @@ use fairing_operators::surface::{
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
-use crate::arrays::{column, rows, triples, values};
+use crate::arrays::{Rows, column, rows, triples, values};
 use crate::error::{Error, Result};
 
 #[derive(Clone, Copy)]
@@ -216,7 +216,7 @@ impl Surface {
         &self,
         py: Python<'py>,
         points: PyReadonlyArray2<'_, f64>,
-    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)> {
+    ) -> PyResult<(Rows<'py>, Rows<'py>)> {
         let surface = self.kind.implicit();
         let surface = surface.ok_or_else(|| Error::option("a helicoid has no level sets here"))?;
         let points = triples(&points)?;

@@ -12,12 +12,17 @@ use pyo3::types::PyDict;
 #[pyfunction]
 fn tables(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let dict = PyDict::new(py);
-    let estimators: Vec<_> = Estimator::ALL.iter().map(|e| (e.name(), e.purpose())).collect();
+    let estimators: Vec<_> = Estimator::ALL.iter().map(|e| (e.name(), e.description())).collect();
     let methods: Vec<_> = Method::defaults().iter().map(|m| (m.name(), m.description())).collect();
     let denoisers: Vec<_> = Denoiser::ALL.iter().map(|d| (d.name(), d.description())).collect();
     dict.set_item("estimators", estimators)?;
     dict.set_item("recommended_estimator", Estimator::RECOMMENDED.name())?;
     dict.set_item("methods", methods)?;
+    let parameters: Vec<(&str, Vec<&str>)> = Method::algorithms()
+        .iter()
+        .map(|of| (of.name, of.parameters.iter().map(|p| p.name).collect()))
+        .collect();
+    dict.set_item("parameters_of_methods", parameters)?;
     dict.set_item("denoisers", denoisers)?;
     dict.set_item("laplacians", LaplacianKind::ALL.map(LaplacianKind::name))?;
     dict.set_item("masses", MassKind::ALL.map(MassKind::name))?;

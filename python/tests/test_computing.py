@@ -73,7 +73,7 @@ def test_curvature_options(bumpy: pf.Mesh) -> None:
     for bad in ({"radius": -1.0}, {"rings": 0}, {"rings": 2, "radius": 1.0}):
         with pytest.raises(pf.OptionError):
             bumpy.curvature("jet3", **bad)
-    with pytest.raises(pf.OptionError, match="steiner takes no rings"):
+    with pytest.raises(pf.OptionError, match='steiner has no parameter "rings"'):
         bumpy.curvature("steiner", rings=2)
     with pytest.raises(pf.OptionError, match="there is no estimator"):
         bumpy.curvature("jet5")
@@ -297,3 +297,29 @@ def test_surfaces() -> None:
     ):
         with pytest.raises(pf.OptionError):
             make()
+
+
+def test_polygons() -> None:
+    # A grid of unit squares in a plane: S is exact on linear functions, and M sums to the area.
+    n = 5
+    x, y = np.meshgrid(np.arange(n), np.arange(n), indexing="ij")
+    vertices = np.column_stack([x.ravel(), y.ravel(), np.zeros(n * n)])
+    corner = (x[:-1, :-1] * n + y[:-1, :-1]).ravel()
+    squares = np.column_stack([corner, corner + n, corner + n + 1, corner + 1])
+    S, M = pf.polygon_laplacian(vertices, squares)
+    inside = ((x > 0) & (x < n - 1) & (y > 0) & (y < n - 1)).ravel()
+    np.testing.assert_allclose((S @ vertices[:, 0])[inside], 0, atol=1e-14)
+    np.testing.assert_allclose(vertices[:, 0] @ S @ vertices[:, 0], 16, rtol=1e-14)
+    np.testing.assert_allclose(M.sum(), 16, rtol=1e-14)
+    assert pf.polygon_laplacian(vertices, squares, "consistent").mass.nnz > n * n
+    # On triangles it is the Laplacian of cotangents.
+    sphere = pf.shapes.icosphere(2)
+    same = pf.polygon_laplacian(sphere.vertices, sphere.faces)
+    difference = same.stiffness - sphere.laplacian("cotangent").stiffness
+    assert abs(difference).max() < 1e-12 and same.kind == "polygon"
+    with pytest.raises(pf.OptionError):
+        pf.polygon_laplacian(vertices, squares, "mixed")  # type: ignore[arg-type]
+    with pytest.raises(pf.MeshError, match="25"):
+        pf.polygon_laplacian(vertices, [[0, 1, 25]])
+    with pytest.raises(TypeError):
+        pf.polygon_laplacian(vertices, [[0, 1, 2.5]])

@@ -80,6 +80,7 @@ def test_metadata_is_complete() -> None:
     assert required == ["numpy>=1.24"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("checker", ["mypy", "pyright"])
 def test_types(checker: str, tmp_path) -> None:
     pytest.importorskip(checker)

@@ -19,6 +19,7 @@ def test_there_are_five() -> None:
     assert len(NOTEBOOKS) == 5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda p: p.stem)
 def test_notebook(path: Path, tmp_path) -> None:
     notebook = nbformat.read(path, as_version=4)

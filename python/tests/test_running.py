@@ -120,11 +120,14 @@ def test_cancelled_work_gives_its_processor_back(large: pf.Mesh) -> None:
 
     with pytest.raises(RuntimeError, match="enough"):
         large.curvature("jet4", rings=12, progress=stop)
-    time.sleep(0.3)
-    before = time.process_time()
-    time.sleep(0.3)
-    # Busy threads would have used 0.3 s and more.
-    assert time.process_time() - before < 0.1
+    # At the next check, which a machine with other work reaches later. Busy threads use 0.2 s and more of each 0.2 s.
+    for _ in range(50):
+        before = time.process_time()
+        time.sleep(0.2)
+        used = time.process_time() - before
+        if used < 0.05:
+            break
+    assert used < 0.05
 
 
 def test_progress(large: pf.Mesh) -> None:
@@ -200,6 +203,7 @@ def resident() -> int:
         return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not os.path.exists("/proc/self/statm"), reason="there is no /proc")
 def test_memory_is_returned() -> None:
     mesh = pf.shapes.icosphere(5)

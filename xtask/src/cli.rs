@@ -39,9 +39,12 @@ pub(crate) enum Command {
     Tidy,
     /// Build the wheel of the Python package into target/wheels; makes a virtual environment and fetches maturin
     Wheel,
-    /// Run everything that guards a merge: tidy, format, lints, documentation, tests, examples, reference values
+    /// Run everything that guards a merge: tidy, format, lints, documentation, tests, examples, reference values, Python
+    ///
+    /// The Python package is tested in a virtual environment, for which pip fetches packages; where it cannot, these
+    /// tests are skipped by name.
     Test {
-        /// Also build the wheel of the Python package and run its tests in a virtual environment; fetches packages
+        /// Also build the wheel, install it, and run what is slow: data sets on a cluster, notebooks, type checkers
         #[arg(long)]
         python: bool,
     },
@@ -174,16 +177,16 @@ pub(crate) struct Train {
     #[arg(long, default_value_t = 4)]
     pub(crate) stages: usize,
     /// Bodies of each family
-    #[arg(long, default_value_t = 16)]
+    #[arg(long, default_value_t = 18)]
     pub(crate) bodies: u64,
     /// Faces drawn from each body for each stage
-    #[arg(long, default_value_t = 2000)]
+    #[arg(long, default_value_t = 1800)]
     pub(crate) faces: usize,
     /// Passes over these faces
     #[arg(long, default_value_t = 14)]
     pub(crate) epochs: usize,
     /// The seed of all draws
-    #[arg(long, default_value_t = 2)]
+    #[arg(long, default_value_t = 1)]
     pub(crate) seed: u64,
     /// The file; that of the release by default
     #[arg(long, value_name = "FILE")]

@@ -10,10 +10,12 @@ const BUILD: [&str; 1] = ["maturin>=1.9,<2"];
 /// What the tests need.
 const TESTS: [&str; 4] = ["numpy", "scipy", "pytest", "hypothesis"];
 /// What single tests need, and are skipped without.
-const OPTIONAL: [&str; 17] = [
-    "tqdm",
+const PEERS: [&str; 6] = ["tqdm", "trimesh", "meshio", "libigl", "robust_laplacian", "potpourri3d"];
+/// The same, for slow tests and those of data sets, notebooks and types.
+const MORE: [&str; 11] = [
     "mypy",
-    "pyright",
+    // With its Node.js from the package index.
+    "pyright[nodejs]",
     "matplotlib",
     "nbclient",
     "ipykernel",
@@ -22,13 +24,17 @@ const OPTIONAL: [&str; 17] = [
     "pandas",
     "pyarrow",
     "fsspec",
-    "trimesh",
-    "meshio",
-    "libigl",
-    "robust_laplacian",
-    "potpourri3d",
     "lapy",
 ];
+
+/// Which tests of the package to run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Extent {
+    /// What is quick, on the library that the workspace has built.
+    Quick,
+    /// Everything, on the wheel that users install.
+    Whole,
+}
 
 /// How the tests went.
 #[derive(Debug)]
@@ -133,50 +139,93 @@ pub(crate) fn wheel(root: &Path) -> Result<bool> {
     Ok(true)
 }
 
-/// Builds the wheel, installs it into a virtual environment and runs its tests.
+/// Puts the package together from its sources and the library that the workspace has built.
+fn assemble(root: &Path) -> Result<PathBuf> {
+    let folder = root.join("target/python/package");
+    let package = folder.join("pyfairing");
+    if package.is_dir() {
+        std::fs::remove_dir_all(&package)?;
+    }
+    std::fs::create_dir_all(&package)?;
+    for entry in std::fs::read_dir(root.join("python/pyfairing"))? {
+        let path = entry?.path();
+        if let Some(name) = path.file_name().filter(|_| path.is_file()) {
+            std::fs::copy(&path, package.join(name))?;
+        }
+    }
+    let built = format!("{}_core{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    let built = root.join("target/debug").join(built);
+    let name = if cfg!(windows) { "_core.pyd" } else { "_core.abi3.so" };
+    std::fs::copy(&built, package.join(name))
+        .with_context(|| format!("copying {}", built.display()))?;
+    Ok(folder)
+}
+
+/// Builds the wheel and installs it; whether it was built.
+fn install_wheel(root: &Path, maker: &Environment, environment: &Environment) -> Result<bool> {
+    let Some(wheel) = build(maker, root)? else { return Ok(false) };
+    let install = ["-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps"];
+    let mut pip = Command::new(environment.program("python"));
+    let status = pip.args(install).arg(&wheel).status().context("running pip")?;
+    ensure!(status.success(), "pip cannot install {}", wheel.display());
+    Ok(true)
+}
+
+/// Runs the tests of the package in a virtual environment, which is made where there is none.
 ///
 /// # Errors
 ///
-/// If a program that is there cannot be run.
-pub(crate) fn test(root: &Path) -> Result<Tested> {
-    let whole = |reason: String| Tested {
+/// If a program that is there cannot be run, or the library is not built.
+pub(crate) fn test(root: &Path, extent: Extent) -> Result<Tested> {
+    let nothing = |reason: String| Tested {
         passed: true,
         skipped: vec![("the Python package: every test".to_owned(), reason)],
     };
-    let maker = match builder(root)? {
-        Ok(maker) => maker,
-        Err(reason) => return Ok(whole(reason)),
-    };
-    let Some(wheel) = build(&maker, root)? else {
-        return Ok(Tested { passed: false, skipped: vec![] });
-    };
     let environment = match Environment::new(root.join("target/python/test"))? {
         Ok(environment) => environment,
-        Err(reason) => return Ok(whole(reason)),
+        Err(reason) => return Ok(nothing(reason)),
     };
     if !environment.install(&TESTS)? {
-        return Ok(whole("pip cannot install pytest: there is no package index".to_owned()));
+        return Ok(nothing("pip cannot install pytest: there is no package index".to_owned()));
     }
     let mut skipped = vec![];
+    let mut wanted = PEERS.to_vec();
+    match extent {
+        Extent::Quick => skipped.push((
+            "the Python package: its wheel, slow tests, data sets, notebooks, types".to_owned(),
+            "cargo xtask test --python runs them".to_owned(),
+        )),
+        Extent::Whole => wanted.extend(MORE),
+    }
     // All at once where that works; a package that is not there must not take the others along.
-    if !environment.install(&OPTIONAL)? {
-        for package in OPTIONAL {
+    if !environment.install(&wanted)? {
+        for package in wanted {
             if !environment.install(&[package])? {
                 skipped
                     .push((format!("Python tests with {package}"), "pip cannot install it".into()));
             }
         }
     }
-    let python = environment.program("python");
-    let install = ["-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps"];
-    let status = Command::new(&python).args(install).arg(&wheel).status().context("running pip")?;
-    ensure!(status.success(), "pip cannot install {}", wheel.display());
     // The program, not the module, which would put the sources before what is installed.
-    let mut command = Command::new(environment.program("pytest"));
-    command
-        .args(["-p", "no:cacheprovider", "--durations=10", "-rs"])
-        .current_dir(root.join("python"))
-        .env("PYTHONDONTWRITEBYTECODE", "1");
-    let status = command.status().context("running pytest")?;
+    let mut pytest = Command::new(environment.program("pytest"));
+    pytest.args(["-p", "no:cacheprovider", "-rs"]).current_dir(root.join("python"));
+    pytest.env("PYTHONDONTWRITEBYTECODE", "1");
+    match extent {
+        Extent::Quick => {
+            let package = assemble(root)?;
+            pytest.args(["-m", "not slow and not cluster"]).env("PYTHONPATH", package);
+        }
+        Extent::Whole => {
+            let maker = match builder(root)? {
+                Ok(maker) => maker,
+                Err(reason) => return Ok(nothing(reason)),
+            };
+            if !install_wheel(root, &maker, &environment)? {
+                return Ok(Tested { passed: false, skipped });
+            }
+            pytest.arg("--durations=10").env_remove("PYTHONPATH");
+        }
+    }
+    let status = pytest.status().context("running pytest")?;
     Ok(Tested { passed: status.success(), skipped })
 }

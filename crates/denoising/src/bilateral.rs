@@ -2,11 +2,12 @@
 
 use std::f64::consts::LOG2_E;
 
-use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, distance, dot, scale, sub};
+use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
 use rayon::prelude::*;
 
 use super::DenoiseError;
+use super::denoiser::Method;
 use super::error::positive;
 use super::faces::{Marks, unit_or_zero};
 use super::unit_scale::at_unit_scale;
@@ -29,6 +30,35 @@ impl Default for BilateralOptions {
     /// σ_c 1, σ_s 1, three iterations.
     fn default() -> Self {
         Self { spatial: 1.0, range: 1.0, iterations: 3 }
+    }
+}
+
+impl Method for BilateralOptions {
+    const ALGORITHM: &'static Algorithm = &Algorithm::new(
+        "bilateral",
+        "bilateral filter of vertices (Fleishman et al. 2003)",
+        &["fleishman2003"],
+        &[
+            Parameter::number(
+                "spatial",
+                "1",
+                "The spatial scale; neighbours within twice as much are seen",
+            )
+            .unit("mean edge lengths"),
+            Parameter::number("range", "1", "The scale of heights over the tangent plane")
+                .unit("standard deviations of the neighbourhood"),
+            Parameter::count("iterations", "3", "The number of iterations"),
+        ],
+    );
+
+    fn read(&mut self, values: &Values<'_>) -> Result<(), ParameterError> {
+        values.read("spatial", &mut self.spatial)?;
+        values.read("range", &mut self.range)?;
+        values.read("iterations", &mut self.iterations)
+    }
+
+    fn run(&self, mesh: &TriMesh) -> Result<TriMesh, DenoiseError> {
+        bilateral(mesh, self)
     }
 }
 

@@ -2,12 +2,13 @@
 
 use std::f64::consts::LOG2_E;
 
-use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, distance, scale};
+use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
 use rayon::prelude::*;
 
 use super::DenoiseError;
 use super::conjugate_gradients::solve;
+use super::denoiser::Method;
 use super::error::{positive, share};
 use super::faces::{FaceLists, FaceShapes, Hinges, mean_centroid_distance, unit_or_zero};
 use super::unit_scale::at_unit_scale;
@@ -30,6 +31,32 @@ impl Default for BilateralNormalOptions {
     /// σ_c 1, σ_s 0.45, 20 rounds, 10 vertex steps.
     fn default() -> Self {
         Self { spatial: 1.0, range: 0.45, iterations: 20, vertex_steps: 10 }
+    }
+}
+
+impl Method for BilateralNormalOptions {
+    const ALGORITHM: &'static Algorithm = &Algorithm::new(
+        "bilateral-normal",
+        "bilateral filter of normals, repeated (Zheng et al. 2011)",
+        &["zheng2011"],
+        &[
+            Parameter::number("spatial", "1", "The spatial scale")
+                .unit("mean distances of neighbouring centroids"),
+            Parameter::number("range", "0.45", "The scale of differences between unit normals"),
+            Parameter::count("iterations", "20", "Rounds of filtering normals"),
+            Parameter::count("vertex-steps", "10", "Vertex steps at the end"),
+        ],
+    );
+
+    fn read(&mut self, values: &Values<'_>) -> Result<(), ParameterError> {
+        values.read("spatial", &mut self.spatial)?;
+        values.read("range", &mut self.range)?;
+        values.read("iterations", &mut self.iterations)?;
+        values.read("vertex-steps", &mut self.vertex_steps)
+    }
+
+    fn run(&self, mesh: &TriMesh) -> Result<TriMesh, DenoiseError> {
+        bilateral_normal(mesh, self)
     }
 }
 
@@ -95,6 +122,36 @@ impl Default for BilateralNormalGlobalOptions {
     /// σ_c 1, σ_s 0.45, λ 0.01, 10 vertex steps.
     fn default() -> Self {
         Self { spatial: 1.0, range: 0.45, fidelity: 0.01, vertex_steps: 10 }
+    }
+}
+
+impl Method for BilateralNormalGlobalOptions {
+    const ALGORITHM: &'static Algorithm = &Algorithm::new(
+        "bilateral-normal-global",
+        "bilateral filter of normals, one system (Zheng et al. 2011)",
+        &["zheng2011"],
+        &[
+            Parameter::number("spatial", "1", "The spatial scale")
+                .unit("mean distances of neighbouring centroids"),
+            Parameter::number("range", "0.45", "The scale of differences between unit normals"),
+            Parameter::number(
+                "fidelity",
+                "0.01",
+                "The share of fidelity to the noisy normals, above 0 and at most 1",
+            ),
+            Parameter::count("vertex-steps", "10", "Vertex steps at the end"),
+        ],
+    );
+
+    fn read(&mut self, values: &Values<'_>) -> Result<(), ParameterError> {
+        values.read("spatial", &mut self.spatial)?;
+        values.read("range", &mut self.range)?;
+        values.read("fidelity", &mut self.fidelity)?;
+        values.read("vertex-steps", &mut self.vertex_steps)
+    }
+
+    fn run(&self, mesh: &TriMesh) -> Result<TriMesh, DenoiseError> {
+        bilateral_normal_global(mesh, self)
     }
 }
 

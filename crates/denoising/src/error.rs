@@ -14,6 +14,9 @@ pub enum DenoiseError {
         /// What it must be.
         expected: &'static str,
     },
+    /// A value fits no parameter of a denoiser.
+    #[error(transparent)]
+    Parameter(#[from] fairing_mesh::ParameterError),
     /// A linear system was not solved to its tolerance.
     #[error(
         "the linear system of step {step} kept a relative residual of {residual:e} after {iterations} iterations"

@@ -1,10 +1,11 @@
 //! Fast and effective feature-preserving denoising.
 
-use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, dot, scale};
+use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
 use rayon::prelude::*;
 
 use super::DenoiseError;
+use super::denoiser::Method;
 use super::faces::{FaceLists, FaceShapes, unit_or_zero};
 use super::unit_scale::at_unit_scale;
 use super::vertex_update::{VertexUpdate, update_vertices};
@@ -25,6 +26,33 @@ impl Default for FastEffectiveOptions {
     /// T 0.5, 20 rounds, 50 vertex steps.
     fn default() -> Self {
         Self { threshold: 0.5, iterations: 20, vertex_steps: 50 }
+    }
+}
+
+impl Method for FastEffectiveOptions {
+    const ALGORITHM: &'static Algorithm = &Algorithm::new(
+        "fast-effective",
+        "weighted averages of normals, cut off (Sun et al. 2007)",
+        &["sun2007"],
+        &[
+            Parameter::number(
+                "threshold",
+                "0.5",
+                "The least cosine between normals that see each other",
+            ),
+            Parameter::count("iterations", "20", "Rounds of filtering normals"),
+            Parameter::count("vertex-steps", "50", "Vertex steps at the end"),
+        ],
+    );
+
+    fn read(&mut self, values: &Values<'_>) -> Result<(), ParameterError> {
+        values.read("threshold", &mut self.threshold)?;
+        values.read("iterations", &mut self.iterations)?;
+        values.read("vertex-steps", &mut self.vertex_steps)
+    }
+
+    fn run(&self, mesh: &TriMesh) -> Result<TriMesh, DenoiseError> {
+        fast_effective(mesh, self)
     }
 }
 

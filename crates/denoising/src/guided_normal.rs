@@ -2,11 +2,12 @@
 
 use std::f64::consts::LOG2_E;
 
-use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, distance, scale};
+use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
 use rayon::prelude::*;
 
 use super::DenoiseError;
+use super::denoiser::Method;
 use super::error::positive;
 use super::faces::{FaceLists, FaceShapes, Hinges, NO_HINGE, mean_centroid_distance, unit_or_zero};
 use super::unit_scale::at_unit_scale;
@@ -32,6 +33,35 @@ impl Default for GuidedNormalOptions {
     /// The authors' choice: radius 2, σ_s 1, σ_r 0.35, 20 rounds of 10 steps.
     fn default() -> Self {
         Self { radius: 2.0, spatial: 1.0, range: 0.35, iterations: 20, vertex_steps: 10 }
+    }
+}
+
+impl Method for GuidedNormalOptions {
+    const ALGORITHM: &'static Algorithm = &Algorithm::new(
+        "guided-normal",
+        "bilateral filter of normals guided by patches (Zhang et al. 2015)",
+        &["zhang2015"],
+        &[
+            Parameter::number("radius", "2", "The radius of the neighbourhood")
+                .unit("mean distances of neighbouring centroids"),
+            Parameter::number("spatial", "1", "The spatial scale")
+                .unit("mean distances of neighbouring centroids"),
+            Parameter::number("range", "0.35", "The scale of differences between unit normals"),
+            Parameter::count("iterations", "20", "Rounds of filtering normals and moving vertices"),
+            Parameter::count("vertex-steps", "10", "Vertex steps in each round"),
+        ],
+    );
+
+    fn read(&mut self, values: &Values<'_>) -> Result<(), ParameterError> {
+        values.read("radius", &mut self.radius)?;
+        values.read("spatial", &mut self.spatial)?;
+        values.read("range", &mut self.range)?;
+        values.read("iterations", &mut self.iterations)?;
+        values.read("vertex-steps", &mut self.vertex_steps)
+    }
+
+    fn run(&self, mesh: &TriMesh) -> Result<TriMesh, DenoiseError> {
+        guided_normal(mesh, self)
     }
 }
 

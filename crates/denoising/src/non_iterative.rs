@@ -2,11 +2,12 @@
 
 use std::f64::consts::LOG2_E;
 
-use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, distance, dot, scale, sub};
+use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
 use rayon::prelude::*;
 
 use super::DenoiseError;
+use super::denoiser::Method;
 use super::error::positive;
 use super::faces::{FaceLists, FaceShapes, Marks};
 use super::unit_scale::at_unit_scale;
@@ -27,6 +28,37 @@ impl Default for NonIterativeOptions {
     /// σ_f 2, σ_g 0.5.
     fn default() -> Self {
         Self { spatial: 2.0, influence: 0.5 }
+    }
+}
+
+impl Method for NonIterativeOptions {
+    const ALGORITHM: &'static Algorithm = &Algorithm::new(
+        "non-iterative",
+        "robust averages of predictions by faces (Jones et al. 2003)",
+        &["jones2003"],
+        &[
+            Parameter::number(
+                "spatial",
+                "2",
+                "The spatial scale; faces within twice as much are seen",
+            )
+            .unit("mean edge lengths"),
+            Parameter::number(
+                "influence",
+                "0.5",
+                "The scale of the distance between a vertex and its prediction",
+            )
+            .unit("mean edge lengths"),
+        ],
+    );
+
+    fn read(&mut self, values: &Values<'_>) -> Result<(), ParameterError> {
+        values.read("spatial", &mut self.spatial)?;
+        values.read("influence", &mut self.influence)
+    }
+
+    fn run(&self, mesh: &TriMesh) -> Result<TriMesh, DenoiseError> {
+        non_iterative(mesh, self)
     }
 }
 

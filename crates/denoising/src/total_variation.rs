@@ -1,11 +1,12 @@
 //! Total variation of the normal field.
 
-use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, distance, norm, scale, sub};
+use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
 use rayon::prelude::*;
 
 use super::DenoiseError;
 use super::conjugate_gradients::solve;
+use super::denoiser::Method;
 use super::error::positive;
 use super::faces::{FaceShapes, Hinges, NO_HINGE, unit_or_zero};
 use super::unit_scale::at_unit_scale;
@@ -28,6 +29,30 @@ impl Default for TotalVariationOptions {
     /// Weight 0.7, 40 iterations, 20 vertex steps.
     fn default() -> Self {
         Self { weight: 0.7, iterations: 40, vertex_steps: 20 }
+    }
+}
+
+impl Method for TotalVariationOptions {
+    const ALGORITHM: &'static Algorithm = &Algorithm::new(
+        "total-variation",
+        "total variation of normals (Zhang et al. 2015)",
+        &["zhang2015variational"],
+        &[
+            Parameter::number("weight", "0.7", "The weight of the variation against fidelity")
+                .unit("mean edge lengths"),
+            Parameter::count("iterations", "40", "Steps of the alternating direction method"),
+            Parameter::count("vertex-steps", "20", "Vertex steps at the end"),
+        ],
+    );
+
+    fn read(&mut self, values: &Values<'_>) -> Result<(), ParameterError> {
+        values.read("weight", &mut self.weight)?;
+        values.read("iterations", &mut self.iterations)?;
+        values.read("vertex-steps", &mut self.vertex_steps)
+    }
+
+    fn run(&self, mesh: &TriMesh) -> Result<TriMesh, DenoiseError> {
+        total_variation(mesh, self)
     }
 }
 

@@ -20,6 +20,7 @@
 //!
 //! # Features
 //!
+//! - `figure`, on by default: pictures, the module `figure`.
 //! - `cli`: the program `fairing`.
 //! - `lapack`: dense eigenproblems by the LAPACK of the system, where
 //!   [`EigenOptions`](spectral::EigenOptions) asks for it.
@@ -32,6 +33,7 @@
 
 pub use fairing_denoising as denoising;
 pub use fairing_evaluation as evaluation;
+#[cfg(feature = "figure")]
 pub use fairing_figure as figure;
 pub use fairing_mesh as mesh;
 pub use fairing_operators as operators;

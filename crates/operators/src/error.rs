@@ -90,7 +90,7 @@ pub enum OperatorError {
 }
 
 impl OperatorError {
-    /// The error of a mesh that was divided by `unit`, in the units it had.
+    /// The error of a mesh that was divided by `unit`, in its own units.
     pub(crate) fn times(self, unit: f64) -> Self {
         match self {
             Self::DegenerateFace { face, area, edge } => {

@@ -36,8 +36,8 @@ pub use error::{MIN_HEIGHT_RATIO, OperatorError};
 pub use fairing_sparse::SparseMatrix;
 pub use gradient::{divergence, face_gradients, gradient};
 pub use laplacian::{
-    CotangentNumbers, CotangentPattern, Intrinsic, Laplacian, LaplacianKind, MassKind, MassMatrix,
-    Reason, Restricted, ThinFaces, positive_lumped_mass,
+    CotangentPattern, Intrinsic, Laplacian, LaplacianKind, MassKind, MassMatrix, Reason,
+    Restricted, ThinFaces, positive_lumped_mass,
 };
 pub use mass::{LumpedArea, consistent_mass, lumped_mass};
 pub use noise_level::{NoiseEstimate, NoisyParts, noise_level, noisy_parts};

@@ -27,21 +27,13 @@ pub enum LumpedArea {
     Mixed,
 }
 
-fairing_mesh::named!(LumpedArea, "area of a vertex");
+fairing_mesh::choices!(LumpedArea, "area of a vertex",
+    Barycentric: "barycentric", "A third of the faces around";
+    Voronoi: "voronoi", "Voronoi cells; negative at some obtuse angles, which flows refuse";
+    Mixed: "mixed", "Voronoi cells, kept inside obtuse faces";
+);
 
 impl LumpedArea {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Barycentric, Self::Voronoi, Self::Mixed];
-
-    /// The name on the command line and in messages.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Barycentric => "barycentric",
-            Self::Voronoi => "voronoi",
-            Self::Mixed => "mixed",
-        }
-    }
-
     /// The area of each corner of a face, in squared mesh units, summing to
     /// the area of the face; `None` where cotangents are needed and the face
     /// is too thin for them.
@@ -137,7 +129,7 @@ pub fn consistent_mass(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
 }
 
 /// A twelfth of the area of a face, thrice, of a mesh that was divided by
-/// `unit`, in the units it had.
+/// `unit`, in its own units.
 fn twelfth(mesh: &TriMesh, f: usize, unit: f64) -> [f64; 3] {
     [mesh.face_area(f) / 12.0 * unit * unit; 3]
 }

@@ -26,22 +26,12 @@ pub enum NormalWeight {
     Uniform,
 }
 
-impl NormalWeight {
-    /// All of them.
-    pub const ALL: [Self; 4] = [Self::Area, Self::Angle, Self::Sphere, Self::Uniform];
-
-    /// The name on the command line and in messages.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Area => "area",
-            Self::Angle => "angle",
-            Self::Sphere => "sphere",
-            Self::Uniform => "uniform",
-        }
-    }
-}
-
-fairing_mesh::named!(NormalWeight, "weight of normals");
+fairing_mesh::choices!(NormalWeight, "weight of normals",
+    Area: "area", "By area: robust and cheap";
+    Angle: "angle", "By the angle at the vertex: however flat regions are triangulated";
+    Sphere: "sphere", "By area over squared sides: exact on spheres";
+    Uniform: "uniform", "All faces alike";
+);
 
 /// The unit normal of each face, outward for counter-clockwise faces; the zero
 /// vector for a face without area.

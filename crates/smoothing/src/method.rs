@@ -149,7 +149,7 @@ impl Method {
     }
 
     /// The method of that name with values for some of its [parameters](Algorithm::parameters), to run on `mesh`:
-    /// soft constraints without a target hold vertices where they are there.
+    /// soft constraints without a target draw vertices to where they are in it.
     ///
     /// # Errors
     ///
@@ -192,7 +192,7 @@ mod tests {
     fn results_do_not_depend_on_the_number_of_threads() {
         // More vertices than one unit of parallel work holds.
         let mesh = shapes::bumpy_sphere(5, 0.1, 7.0);
-        assert!(mesh.vertex_count() > 2 * crate::engine::laplacian::ROWS);
+        assert!(mesh.vertex_count() > 2 * fairing_sparse::passes::CHUNK);
         for method in Method::defaults() {
             let run = |threads: usize| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -303,7 +303,12 @@ mod tests {
         for (name, given, said) in [
             ("hc", &[("lambda", "2")][..], "hc has no parameter \"lambda\"; it has alpha"),
             ("taubin", &[("mu", "-0.6"), ("pass-band", "0.1")], "give mu or pass-band"),
-            ("implicit", &[("weights", "uniform"), ("time", "2")], "left out with uniform weights"),
+            ("implicit", &[("weights", "uniform"), ("time", "2")], "left out with weights uniform"),
+            ("explicit", &[("area", "mixed")], "left out with weights uniform"),
+            ("region", &[("vertices", "1"), ("weights", "uniform"), ("area", "mixed")], "uniform"),
+            ("conformal", &[("operator", "newest")], "one of auto, cotangent, robust"),
+            ("low-pass", &[("operator", "robust"), ("area", "mixed")], "with operator robust"),
+            ("low-pass", &[("order", "3")], "left out without cutoff"),
             ("implicit", &[("soft", "12:1")], "vertex 12 of 12 does not"),
             ("region", &[], "region needs vertices"),
             ("low-pass", &[("cutoff", "1"), ("order", "9999999999")], "order is \"9999999999\""),

@@ -1,4 +1,4 @@
-//! Measures what `Method` rests on: Cholesky against conjugate gradients on M + tS of a regular triangle grid
+//! Measures what `SolverChoice` rests on: Cholesky against conjugate gradients on M + tS of a regular triangle grid
 //! (the graph of an equilateral mesh with S = ½ (D − A) 2/√3 and M = I √3/2, so that h = 1), positions as right-hand sides.
 //!
 //! `cargo run --release -p fairing-sparse --example direct_or_iterative`
@@ -6,8 +6,7 @@
 use std::time::Instant;
 
 use fairing_sparse::{
-    CgOptions, ConjugateGradient, Mass, Ordering, Preconditioner, SparseMatrix, SymbolicCholesky,
-    combine,
+    CgOptions, ConjugateGradient, Mass, Ordering, SparseMatrix, SymbolicCholesky, combine,
 };
 
 /// Each edge of an equilateral mesh has the cotangent weight 1/√3; cells have the area √3/2.
@@ -68,9 +67,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let cholesky = cholesky?;
             let (solve, _) = seconds(|| cholesky.solve_points(&b));
             let options = CgOptions { tolerance: 1e-10, ..Default::default() };
-            let (cg, solution) = seconds(|| {
-                ConjugateGradient::new(&a, Preconditioner::Jacobi)?.solve_points(&b, None, &options)
-            });
+            let (cg, solution) =
+                seconds(|| ConjugateGradient::new(&a)?.solve_points(&b, None, &options));
             let iterations = solution?.iterations;
             println!(
                 "{n:7} {t:5} {:9} {:7.2} {:7.2} {:6.2} ms | {iterations:5} {:8.2} ms | {:.1} ns",

@@ -253,58 +253,17 @@ impl Part {
         split
     }
 
+    /// The nodes of the other side around a low node.
+    fn across<'b>(&'b self, side: &'b [Side], node: usize) -> impl Iterator<Item = u32> + 'b {
+        self.around(node).iter().copied().filter(move |&j| side[j as usize] == Side::High)
+    }
+
     /// A smallest set of nodes that touches every edge between the sides: by König, from a largest matching.
     fn cover(&self, side: &[Side]) -> Vec<u32> {
         let n = self.len();
-        let across = |node: usize| {
-            self.around(node).iter().copied().filter(move |&j| side[j as usize] == Side::High)
-        };
-        let low: Vec<usize> =
-            (0..n).filter(|&i| side[i] == Side::Low && across(i).next().is_some()).collect();
-        let mut partner = vec![u32::MAX; n];
-        for &node in &low {
-            if let Some(free) = across(node).find(|&j| partner[j as usize] == u32::MAX) {
-                partner[free as usize] = node as u32;
-                partner[node] = free;
-            }
-        }
-        // Augments along alternating paths, found breadth first; `seen` holds the root of the search.
-        let mut seen = vec![u32::MAX; n];
-        let mut before = vec![u32::MAX; n];
-        let mut queue = vec![];
-        for &root in &low {
-            if partner[root] != u32::MAX {
-                continue;
-            }
-            queue.clear();
-            queue.push(root);
-            let mut head = 0;
-            'search: while head < queue.len() {
-                let node = queue[head];
-                head += 1;
-                for other in across(node) {
-                    if seen[other as usize] == root as u32 {
-                        continue;
-                    }
-                    seen[other as usize] = root as u32;
-                    before[other as usize] = node as u32;
-                    match partner[other as usize] {
-                        u32::MAX => {
-                            let mut end = other;
-                            while end != u32::MAX {
-                                let start = before[end as usize];
-                                let next = partner[start as usize];
-                                partner[start as usize] = end;
-                                partner[end as usize] = start;
-                                end = next;
-                            }
-                            break 'search;
-                        }
-                        next => queue.push(next as usize),
-                    }
-                }
-            }
-        }
+        let low = |i: &usize| side[*i] == Side::Low && self.across(side, *i).next().is_some();
+        let low: Vec<usize> = (0..n).filter(low).collect();
+        let partner = self.largest_matching(side, &low);
         // Reached from unmatched low nodes by alternating paths: high nodes reached and low nodes not.
         let mut reached = vec![false; n];
         let mut stack: Vec<usize> =
@@ -314,7 +273,7 @@ impl Part {
         }
         let mut cover = vec![];
         while let Some(node) = stack.pop() {
-            for other in across(node) {
+            for other in self.across(side, node) {
                 if !reached[other as usize] {
                     reached[other as usize] = true;
                     cover.push(other);
@@ -328,6 +287,61 @@ impl Part {
         }
         cover.extend(low.iter().filter(|&&i| !reached[i]).map(|&i| i as u32));
         cover
+    }
+
+    /// The partner of each node in a largest matching between the sides; `u32::MAX` for none.
+    fn largest_matching(&self, side: &[Side], low: &[usize]) -> Vec<u32> {
+        let n = self.len();
+        let mut partner = vec![u32::MAX; n];
+        for &node in low {
+            let free = self.across(side, node).find(|&j| partner[j as usize] == u32::MAX);
+            if let Some(free) = free {
+                partner[free as usize] = node as u32;
+                partner[node] = free;
+            }
+        }
+        // Augments along alternating paths, found breadth first; `seen` is the root of the last search there.
+        let mut seen = vec![u32::MAX; n];
+        let mut before = vec![u32::MAX; n];
+        let mut queue = vec![];
+        for &root in low {
+            if partner[root] != u32::MAX {
+                continue;
+            }
+            queue.clear();
+            queue.push(root);
+            let mut head = 0;
+            'search: while head < queue.len() {
+                let node = queue[head];
+                head += 1;
+                for other in self.across(side, node) {
+                    if seen[other as usize] == root as u32 {
+                        continue;
+                    }
+                    seen[other as usize] = root as u32;
+                    before[other as usize] = node as u32;
+                    match partner[other as usize] {
+                        u32::MAX => {
+                            augment(&mut partner, &before, other);
+                            break 'search;
+                        }
+                        next => queue.push(next as usize),
+                    }
+                }
+            }
+        }
+        partner
+    }
+}
+
+/// Swaps the pairs along the alternating path that ends in `end`.
+fn augment(partner: &mut [u32], before: &[u32], mut end: u32) {
+    while end != u32::MAX {
+        let start = before[end as usize];
+        let next = partner[start as usize];
+        partner[start as usize] = end;
+        partner[end as usize] = start;
+        end = next;
     }
 }
 

@@ -1,7 +1,214 @@
-//! The sparse matrix of the workspace and a borrowed look at its rows.
+//! The sparse matrix of the workspace, ways to make one, and a borrowed look at its rows.
 
 /// A sparse matrix of the workspace: CSR, `f64` values, `u32` indices, columns ascending in each row.
+///
+/// [`from_csr`] and [`from_triplets`] make one and say what is wrong with numbers that make none; `into_raw_storage`
+/// takes one apart into offsets, columns and values.
 pub type SparseMatrix = sprs::CsMatI<f64, u32>;
+
+/// Why numbers make no [`SparseMatrix`].
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MatrixError {
+    /// The offsets are not one more than rows, do not ascend from zero, or do not end with the number of entries.
+    #[error(
+        "offset {place} is {found}: offsets ascend from 0 to the number of entries, one more than rows"
+    )]
+    Offsets {
+        /// The first offset that is wrong.
+        place: usize,
+        /// What it is; nothing where it is missing.
+        found: u32,
+    },
+    /// There are more or fewer values than columns.
+    #[error("{found} values for {expected} columns")]
+    Length {
+        /// The number of values.
+        found: usize,
+        /// The number of columns.
+        expected: usize,
+    },
+    /// An entry outside of the matrix.
+    #[error("row {row}, column {column} is outside of a {} × {} matrix", shape.0, shape.1)]
+    Outside {
+        /// Its row.
+        row: usize,
+        /// Its column.
+        column: u32,
+        /// The rows and columns of the matrix.
+        shape: (usize, usize),
+    },
+    /// Columns of a row that do not ascend, or one that comes twice.
+    #[error("column {column} of row {row} does not come after the one before it")]
+    Order {
+        /// The row.
+        row: usize,
+        /// The column.
+        column: u32,
+    },
+    /// A value that is infinite or NaN.
+    #[error("the value of row {row}, column {column} is {value}")]
+    NotFinite {
+        /// Its row.
+        row: usize,
+        /// Its column.
+        column: u32,
+        /// The value.
+        value: f64,
+    },
+    /// More entries than 32-bit indices can number.
+    #[error("{entries} entries are more than 32-bit indices can number")]
+    TooLarge {
+        /// How many.
+        entries: usize,
+    },
+}
+
+/// The matrix of these rows: row i has the columns `columns[offsets[i]..offsets[i + 1]]`, ascending, and the values in the
+/// same places.
+///
+/// # Errors
+///
+/// [`MatrixError`].
+///
+/// # Examples
+///
+/// ```
+/// use fairing_sparse::from_csr;
+/// let matrix = from_csr((2, 2), vec![0, 2, 3], vec![0, 1, 1], vec![2.0, -1.0, 2.0])?;
+/// assert_eq!(matrix.get(0, 1), Some(&-1.0));
+/// let error = from_csr((2, 2), vec![0, 2, 3], vec![1, 0, 1], vec![2.0; 3]).unwrap_err();
+/// assert_eq!(error.to_string(), "column 0 of row 0 does not come after the one before it");
+/// # Ok::<(), fairing_sparse::MatrixError>(())
+/// ```
+pub fn from_csr(
+    shape: (usize, usize),
+    offsets: Vec<u32>,
+    columns: Vec<u32>,
+    values: Vec<f64>,
+) -> Result<SparseMatrix, MatrixError> {
+    if columns.len() != values.len() {
+        return Err(MatrixError::Length { found: values.len(), expected: columns.len() });
+    }
+    let wrong = |place: usize| {
+        let found = offsets.get(place).copied().unwrap_or_default();
+        MatrixError::Offsets { place, found }
+    };
+    if offsets.len() != shape.0 + 1 {
+        return Err(wrong(offsets.len().min(shape.0 + 1)));
+    }
+    if offsets[0] != 0 || offsets[shape.0] as usize != columns.len() {
+        return Err(wrong(if offsets[0] == 0 { shape.0 } else { 0 }));
+    }
+    if let Some(row) = offsets.windows(2).position(|pair| pair[1] < pair[0]) {
+        return Err(wrong(row + 1));
+    }
+    for row in 0..shape.0 {
+        let range = offsets[row] as usize..offsets[row + 1] as usize;
+        let mut before = None;
+        for (&column, &value) in columns[range.clone()].iter().zip(&values[range]) {
+            check_entry(shape, (row, column, value))?;
+            if before >= Some(column) {
+                return Err(MatrixError::Order { row, column });
+            }
+            before = Some(column);
+        }
+    }
+    Ok(SparseMatrix::new(shape, offsets, columns, values))
+}
+
+/// The matrix of these entries, each a row, a column and a value; entries of the same place are added in their order.
+///
+/// # Errors
+///
+/// [`MatrixError`].
+///
+/// # Examples
+///
+/// ```
+/// use fairing_sparse::from_triplets;
+/// let matrix = from_triplets((2, 2), &[(1, 0, 3.0), (0, 0, 1.0), (1, 0, 0.5)])?;
+/// assert_eq!((matrix.nnz(), matrix.get(1, 0)), (2, Some(&3.5)));
+/// # Ok::<(), fairing_sparse::MatrixError>(())
+/// ```
+pub fn from_triplets(
+    shape: (usize, usize),
+    triplets: &[(u32, u32, f64)],
+) -> Result<SparseMatrix, MatrixError> {
+    if u32::try_from(triplets.len()).is_err() {
+        return Err(MatrixError::TooLarge { entries: triplets.len() });
+    }
+    for &(row, column, value) in triplets {
+        check_entry(shape, (row as usize, column, value))?;
+    }
+    let mut sorted = triplets.to_vec();
+    // Stable: entries of one place keep their order.
+    sorted.sort_by_key(|&(row, column, _)| (row, column));
+    let (mut columns, mut values) = (vec![], vec![]);
+    let mut offsets = vec![0u32; shape.0 + 1];
+    for same in sorted.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+        offsets[same[0].0 as usize + 1] += 1;
+        columns.push(same[0].1);
+        values.push(same.iter().map(|entry| entry.2).sum());
+    }
+    for row in 0..shape.0 {
+        offsets[row + 1] += offsets[row];
+    }
+    Ok(SparseMatrix::new(shape, offsets, columns, values))
+}
+
+fn check_entry(
+    shape: (usize, usize),
+    (row, column, value): (usize, u32, f64),
+) -> Result<(), MatrixError> {
+    if row >= shape.0 || column as usize >= shape.1 {
+        return Err(MatrixError::Outside { row, column, shape });
+    }
+    if !value.is_finite() {
+        return Err(MatrixError::NotFinite { row, column, value });
+    }
+    Ok(())
+}
+
+/// The rows and columns `keep` of a square matrix, which ascend: row i of the result is row `keep[i]`.
+///
+/// # Panics
+///
+/// Panics if the matrix is not CSR and square, or if `keep` does not ascend within it.
+///
+/// # Examples
+///
+/// ```
+/// use fairing_sparse::{from_triplets, principal_submatrix};
+/// let matrix = from_triplets((3, 3), &[(0, 0, 1.0), (0, 1, 2.0), (0, 2, 3.0), (2, 0, 4.0)])?;
+/// let ends = principal_submatrix(&matrix, &[0, 2]);
+/// assert_eq!((ends.get(0, 1), ends.get(1, 0)), (Some(&3.0), Some(&4.0)));
+/// # Ok::<(), fairing_sparse::MatrixError>(())
+/// ```
+pub fn principal_submatrix(matrix: &SparseMatrix, keep: &[u32]) -> SparseMatrix {
+    assert!(matrix.is_csr() && matrix.rows() == matrix.cols(), "a square matrix stored by rows");
+    assert!(keep.windows(2).all(|pair| pair[0] < pair[1]), "the rows that are kept ascend");
+    const NONE: u32 = u32::MAX;
+    let mut place = vec![NONE; matrix.rows()];
+    for (row, &old) in keep.iter().enumerate() {
+        place[old as usize] = row as u32;
+    }
+    let rows = Rows::of(matrix);
+    let mut offsets = Vec::with_capacity(keep.len() + 1);
+    offsets.push(0);
+    let (mut columns, mut values) = (vec![], vec![]);
+    for &old in keep {
+        let (row_columns, row_values) = rows.row(old as usize);
+        for (&j, &value) in row_columns.iter().zip(row_values) {
+            if place[j as usize] != NONE {
+                columns.push(place[j as usize]);
+                values.push(value);
+            }
+        }
+        offsets.push(columns.len() as u32);
+    }
+    SparseMatrix::new((keep.len(), keep.len()), offsets, columns, values)
+}
 
 /// The three arrays of a CSR matrix.
 #[derive(Clone, Copy)]
@@ -43,5 +250,37 @@ impl<'a> Rows<'a> {
                 columns.binary_search(&(i as u32)).map_or(0.0, |k| values[k])
             })
             .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each way in which rows are no matrix has its error, and nothing panics.
+    #[test]
+    fn rows_that_are_no_matrix_are_refused() {
+        let make = |offsets: &[u32], columns: &[u32], values: &[f64]| {
+            from_csr((2, 3), offsets.to_vec(), columns.to_vec(), values.to_vec())
+        };
+        assert!(make(&[0, 1, 2], &[2, 0], &[1.0, 2.0]).is_ok());
+        for (result, said) in [
+            (make(&[0, 2], &[0, 1], &[1.0; 2]), "offset 2 is 0"),
+            (make(&[0, 1, 2, 2], &[0, 1], &[1.0; 2]), "offset 3 is 2"),
+            (make(&[], &[], &[]), "offset 0 is 0"),
+            (make(&[1, 1, 2], &[0, 1], &[1.0; 2]), "offset 0 is 1"),
+            (make(&[0, 1, 1], &[0, 1], &[1.0; 2]), "offset 2 is 1"),
+            (make(&[0, 3, 2], &[0, 1], &[1.0; 2]), "offset 2 is 2"),
+            (make(&[0, 1, 2], &[0, 1], &[1.0; 3]), "3 values for 2 columns"),
+            (make(&[0, 1, 2], &[0, 3], &[1.0; 2]), "row 1, column 3 is outside of a 2 × 3"),
+            (make(&[0, 2, 2], &[1, 1], &[1.0; 2]), "column 1 of row 0 does not come after"),
+            (make(&[0, 1, 2], &[0, 1], &[1.0, f64::NAN]), "row 1, column 1 is NaN"),
+            (from_triplets((2, 3), &[(2, 0, 1.0)]), "row 2, column 0 is outside"),
+            (from_triplets((2, 3), &[(0, 0, f64::INFINITY)]), "row 0, column 0 is inf"),
+        ] {
+            let error = result.unwrap_err().to_string();
+            assert!(error.contains(said), "{error}");
+        }
+        assert_eq!(from_triplets((0, 0), &[]).unwrap().nnz(), 0);
     }
 }

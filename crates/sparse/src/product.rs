@@ -87,7 +87,7 @@ pub fn multiply_block(matrix: &SparseMatrix, x: ArrayView2<'_, f64>) -> Array2<f
     y
 }
 
-/// `y` ← A X for `B` columns held in rows of `B` numbers.
+/// `y` ← A X for `B` columns, row by row.
 pub(crate) fn multiply_lanes<const B: usize>(rows: Rows<'_>, x: &[[f64; B]], y: &mut [[f64; B]]) {
     each_chunk(y, |i, y| {
         let (columns, values) = rows.row(i);

@@ -4,7 +4,7 @@ use fairing_mesh::BuildError;
 use fairing_operators::{LaplacianKind, OperatorError};
 use fairing_sparse::{CholeskyError, EigenError};
 
-/// Why a spectrum, or something made from it, cannot be had.
+/// Why a spectrum, or something made from it, is not available.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SpectralError {

@@ -272,6 +272,80 @@ fn smooth_refuses_what_does_not_fit_and_writes_nothing() {
     run(folder.path(), "smooth torus.ply -o x.ply --method explicit --lambda 2 --unstable allow");
 }
 
+/// Options that would have no effect together are refused with both names, before anything is read or written.
+#[test]
+fn options_that_would_be_ignored_are_errors() {
+    let folder = folder_with_torus();
+    for (line, names) in [
+        ("smooth torus.ply -o x.ply --method explicit --area mixed", ["area", "uniform"]),
+        ("smooth torus.ply -o x.ply --method implicit --operator robust", ["operator", "uniform"]),
+        (
+            "smooth torus.ply -o x.ply --method implicit --weights uniform --time 1",
+            ["time", "uniform"],
+        ),
+        (
+            "smooth torus.ply -o x.ply --method region --vertices 3 --weights uniform --area mixed",
+            ["area", "uniform"],
+        ),
+        (
+            "smooth torus.ply -o x.ply --method low-pass --operator robust --area mixed",
+            ["area", "robust"],
+        ),
+        ("smooth torus.ply -o x.ply --method low-pass --order 4", ["order", "cutoff"]),
+        ("smooth torus.ply -o x.ply --method low-pass --last-good", ["low-pass", "--last-good"]),
+        ("smooth torus.ply -o x.ply --method region --vertices 3 --until 1", ["region", "--until"]),
+        ("smooth torus.ply -o x.ply --method implicit --update both", ["uniform", "update"]),
+        ("denoise torus.ply -o x.ply --iterations 3", ["automatic", "--iterations"]),
+        ("denoise torus.ply -o x.ply --method l0 --range 3", ["l0", "--range"]),
+        ("curvature torus.ply --estimator steiner --radius 3", ["steiner", "--radius"]),
+        ("curvature torus.ply --estimator jet3 --operator robust", ["jet3", "--operator"]),
+        (
+            "curvature torus.ply --estimator cotangent --operator robust --area mixed",
+            ["--operator robust", "--area"],
+        ),
+        ("curvature torus.ply --rings 2 --radius 1", ["--rings", "--radius"]),
+        ("curvature torus.ply --force", ["--force", "--output"]),
+        ("spectrum torus.ply --force", ["--force", "--output"]),
+        ("noise torus.ply -o x.ply --sigma 0.1 --share 0.5", ["--share", "impulsive"]),
+        ("convert torus.ply x.obj --ascii", ["--ascii", "OBJ"]),
+        ("convert torus.ply x.stl --single", ["--single", "STL"]),
+        ("render torus.ply -o x.png --map hue", ["--map", "--field"]),
+    ] {
+        let said = refuse(folder.path(), line, 2);
+        assert!(names.iter().all(|name| said.contains(name)), "{line}: {said}");
+    }
+    assert_eq!(files(folder.path()), ["torus.ply"]);
+}
+
+/// The flags of denoisers and estimators are those of their tables, and have an effect.
+#[test]
+fn parameters_of_denoisers_and_estimators_are_flags() {
+    let folder = folder_with_torus();
+    run(folder.path(), "noise torus.ply -o noisy.ply --sigma 0.2");
+    let denoise = |name: &str, flags: &str| {
+        run(folder.path(), &format!("denoise noisy.ply -o {name} --method guided-normal {flags}"));
+        std::fs::read(folder.path().join(name)).unwrap()
+    };
+    let usual = denoise("a.ply", "");
+    assert_eq!(denoise("b.ply", "--iterations 20 --radius 2"), usual);
+    assert_ne!(denoise("c.ply", "--iterations 3"), usual);
+    let list = run(folder.path(), "denoise --list");
+    assert!(list.contains("guided-normal: ") && list.contains("--iterations 20"), "{list}");
+    let said = refuse(folder.path(), "denoise noisy.ply -o d.ply --method l0 --growth 0.5", 2);
+    assert!(said.contains("growth is 0.5"), "{said}");
+
+    let mean = |flags: &str| run(folder.path(), &format!("curvature noisy.ply --json {flags}"));
+    assert_eq!(mean("--rings 3"), mean(""));
+    assert_ne!(mean("--rings 5"), mean(""));
+    assert_ne!(mean("--gaussian 1"), mean(""));
+    let cotangent = |flags: &str| mean(&format!("--estimator cotangent {flags}"));
+    assert_ne!(cotangent("--area barycentric"), cotangent(""));
+    let list = run(folder.path(), "curvature --list");
+    assert!(list.contains("jet3: ") && list.contains("--rings 3"), "{list}");
+    let said = refuse(folder.path(), "curvature noisy.ply --rings 17", 2);
+    assert!(said.contains("rings is \"17\", but must be between 1 and 16"), "{said}");
+}
+
 /// A pyramid whose sides are quads that name a corner twice, with a face of two
 /// corners beside it: the same number of faces wherever one is said, and no hole.
 #[test]

@@ -41,6 +41,23 @@ fn automatic_restores_a_block_with_creases() {
     }
 }
 
+/// The limit is the distance from the input, not the length of a step: normals that no
+/// mesh has push the vertices for as many steps as there are.
+#[test]
+fn vertices_stay_within_the_limit_of_the_input() {
+    let sphere = shapes::icosphere(2);
+    let normals = vec![[0.6, 0.0, 0.8]; sphere.face_count()];
+    let farthest = |limit| {
+        let update = VertexUpdate { steps: 40, limit };
+        let moved = update_vertices(&sphere, &normals, &update).unwrap();
+        let pairs = moved.positions().iter().zip(sphere.positions());
+        pairs.map(|(p, q)| distance(*p, *q)).fold(0.0, f64::max)
+    };
+    assert!(farthest(None) > 0.2);
+    let found = farthest(Some(0.05));
+    assert!(found > 0.0499 && found < 0.05 * (1.0 + 1e-12), "{found}");
+}
+
 /// Noise that moves vertices within the surface folds faces over each other; they
 /// open, and less is left of the noise than any published method leaves.
 #[test]

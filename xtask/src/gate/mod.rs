@@ -9,6 +9,7 @@ use std::time::Instant;
 
 use anyhow::{Context as _, Result};
 
+use crate::python::Extent;
 use crate::{python, reference, tidy};
 use programs::Programs;
 
@@ -31,10 +32,10 @@ const DOCUMENTATION: Step = Step {
     arguments: &["doc", "--workspace", "--no-deps", "--locked"],
     environment: &[("RUSTDOCFLAGS", "-D warnings")],
 };
-/// The tests of the command line run them.
+/// The tests of the command line run the programs, those of the Python package load its library.
 const PROGRAMS: Step = Step {
     name: "building the programs",
-    arguments: &["build", "--workspace", "--bins", "--locked"],
+    arguments: &["build", "--workspace", "--bins", "--lib", "--locked"],
     environment: &[],
 };
 const EXAMPLES: Step = Step {
@@ -101,7 +102,7 @@ fn cargo(root: &Path) -> Command {
 /// # Errors
 ///
 /// If cargo cannot be run or the tree cannot be read.
-pub fn run(root: &Path, with_python: bool) -> Result<bool> {
+pub fn run(root: &Path, whole_python: bool) -> Result<bool> {
     let mut log = Log::default();
     log.step("tidy", || tidy::run(root))?;
     log.cargo(root, &FORMAT)?;
@@ -128,17 +129,13 @@ pub fn run(root: &Path, with_python: bool) -> Result<bool> {
         })?;
     }
     let mut without_python = vec![];
-    if with_python {
-        log.step("the Python package", || {
-            println!("== the Python package: pytest in target/python");
-            let tested = python::test(root)?;
-            without_python = tested.skipped;
-            Ok(tested.passed)
-        })?;
-    } else {
-        let reason = "cargo xtask test --python runs them".to_owned();
-        without_python.push(("the Python package: every test".to_owned(), reason));
-    }
+    log.step("the Python package", || {
+        let extent = if whole_python { Extent::Whole } else { Extent::Quick };
+        println!("== the Python package: pytest in target/python");
+        let tested = python::test(root, extent)?;
+        without_python = tested.skipped;
+        Ok(tested.passed)
+    })?;
     println!("== times");
     for (name, seconds) in &log.steps {
         println!("{seconds:8.1} s  {name}");

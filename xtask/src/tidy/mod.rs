@@ -1,6 +1,7 @@
 //! Holds the tree against its own rules.
 
 mod arrows;
+mod features;
 mod map;
 mod packages;
 mod readme;
@@ -25,11 +26,12 @@ pub struct Finding {
 type Check = fn(&Path) -> Result<Vec<String>>;
 
 /// The rules.
-const RULES: [(&str, Check); 10] = [
+const RULES: [(&str, Check); 11] = [
     ("dependencies follow the arrows of docs/architecture.md", arrows::check),
     ("what docs/architecture.md names exists", map::places),
     ("docs/architecture.md says what each dependency is for", map::dependencies),
     ("no crate has a dependency that it does not use", unused::check),
+    ("xtask builds dependencies with the features of the tests", features::check),
     ("no file of code is longer than 600 lines", sources::lengths),
     ("no file names a path of somebody's machine", sources::machine_paths),
     ("no module is named utils, common or helpers", sources::names),

@@ -12,6 +12,17 @@ pub(super) struct Package {
     pub(super) name: String,
     pub(super) manifest_path: PathBuf,
     pub(super) dependencies: Vec<Dependency>,
+    #[serde(default)]
+    pub(super) metadata: Option<Notes>,
+}
+
+/// What a manifest says to us, under `package.metadata`.
+#[derive(Debug, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) struct Notes {
+    /// Dependencies that are there for the features that they turn on, not to be used.
+    #[serde(default)]
+    pub(super) for_their_features: Vec<String>,
 }
 
 #[derive(Debug, Deserialize)]

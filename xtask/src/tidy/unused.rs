@@ -9,7 +9,7 @@ use super::packages;
 
 /// Dependencies whose name is in no source file of their package: in `src` for
 /// those of the library and the programs, in tests, examples and benches too
-/// for those of the tests.
+/// for those of the tests, in `build.rs` for those of the build script.
 pub(super) fn check(root: &Path) -> Result<Vec<String>> {
     let mut unused = vec![];
     for package in packages::read(root)? {
@@ -20,8 +20,17 @@ pub(super) fn check(root: &Path) -> Result<Vec<String>> {
         for more in ["tests", "examples", "benches"] {
             append(&folder.join(more), &mut all)?;
         }
+        let script = fs::read_to_string(folder.join("build.rs")).unwrap_or_default();
+        let notes = package.metadata.unwrap_or_default();
         for dependency in package.dependencies {
-            let text = if dependency.kind.as_deref() == Some("dev") { &all } else { &own };
+            if notes.for_their_features.contains(&dependency.name) {
+                continue;
+            }
+            let text = match dependency.kind.as_deref() {
+                Some("dev") => &all,
+                Some("build") => &script,
+                _ => &own,
+            };
             let name = dependency.rename.as_ref().unwrap_or(&dependency.name).replace('-', "_");
             if !mentions(text, &name) {
                 unused.push(format!("{} does not use {}", package.name, dependency.name));

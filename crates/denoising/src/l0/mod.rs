@@ -2,12 +2,13 @@
 
 mod system;
 
-use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, cross, dot, norm, scale, sub};
+use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
 use rayon::prelude::*;
 
 use crate::DenoiseError;
 use crate::conjugate_gradients::conjugate_gradients;
+use crate::denoiser::Method;
 use crate::error::positive;
 use crate::faces::{FaceShapes, Hinge, Hinges};
 use crate::unit_scale::at_unit_scale;
@@ -35,6 +36,37 @@ impl Default for L0Options {
     /// 0.3 h. γ takes unsigned angles: the mean of signed ones is near zero.
     fn default() -> Self {
         Self { sparsity: 15.0, regularity: 1.0, growth: std::f64::consts::SQRT_2, last_beta: 1e3 }
+    }
+}
+
+impl Method for L0Options {
+    const ALGORITHM: &'static Algorithm = &Algorithm::new(
+        "l0",
+        "as few bent edges as possible (He and Schaefer 2013)",
+        &["he2013"],
+        &[
+            Parameter::number("sparsity", "15", "The weight of a bent edge").unit(
+                "0.02 γ h², with the mean angle γ between normals and the mean edge length h",
+            ),
+            Parameter::number("regularity", "1", "The first weight against folds").unit("0.1 γ"),
+            Parameter::number(
+                "growth",
+                "1.4142135623730951",
+                "The factor on the penalty after each step, above 1",
+            ),
+            Parameter::number("last-beta", "1000", "The last penalty; it begins with 0.001"),
+        ],
+    );
+
+    fn read(&mut self, values: &Values<'_>) -> Result<(), ParameterError> {
+        values.read("sparsity", &mut self.sparsity)?;
+        values.read("regularity", &mut self.regularity)?;
+        values.read("growth", &mut self.growth)?;
+        values.read("last-beta", &mut self.last_beta)
+    }
+
+    fn run(&self, mesh: &TriMesh) -> Result<TriMesh, DenoiseError> {
+        l0(mesh, self)
     }
 }
 

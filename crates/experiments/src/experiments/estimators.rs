@@ -37,7 +37,7 @@ impl Experiment for Estimators {
             method: "Every estimator is run on surfaces of known curvature, over a series of refinements: sphere, torus, ellipsoid, and a wavy graph with a border. Meshes are regular, jittered along the surface, and irregular, with edges flipped as well. H, K, both principal curvatures and their directions are compared with the exact values, over inner vertices, in the root mean square and in the largest error: an estimator that converges in the largest error can be trusted at every vertex.".into(),
             formulas: vec![r"p = \frac{\log(e_1 / e_2)}{\log(h_1 / h_2)}".into()],
             inputs: &[],
-            parameters: Estimator::ALL.map(|e| (e.name(), e.purpose().into())).to_vec(),
+            parameters: Estimator::ALL.map(|e| (e.name(), e.description().into())).to_vec(),
         }
     }
 

@@ -117,10 +117,7 @@ impl Experiment for Reconstruction {
             ks[ks.len() - 1],
             brief(last),
         );
-        let mut orders = tables.get("sphere")?.column("order")?[1..].to_vec();
-        orders.extend_from_slice(&tables.get("torus")?.column("order")?[1..]);
-        let least = orders.iter().copied().fold(f64::INFINITY, f64::min);
-        let most = orders.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let [least, most] = orders(tables)?;
         let second = if least > 1.9 && most < 2.1 { Verdict::Confirmed } else { Verdict::Refuted };
         Ok(vec![
             Judgement::new("4a", "A larger k approaches the original", verdict, reason)
@@ -149,6 +146,14 @@ impl Experiment for Reconstruction {
             .number("greatest order", most, Unit::Order),
         ])
     }
+}
+
+/// The least and the greatest observed order of eigenvalues, on the sphere and on the torus.
+fn orders(tables: Tables<'_>) -> Result<[f64; 2]> {
+    let mut orders = tables.get("sphere")?.column("order")?[1..].to_vec();
+    orders.extend_from_slice(&tables.get("torus")?.column("order")?[1..]);
+    let least = orders.iter().copied().fold(f64::INFINITY, f64::min);
+    Ok([least, orders.iter().copied().fold(f64::NEG_INFINITY, f64::max)])
 }
 
 /// The stops for a mesh, the last of them all modes where that is cheap.

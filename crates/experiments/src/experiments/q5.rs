@@ -87,14 +87,10 @@ impl Experiment for ExplicitFlow {
             of("machine part", STRONG, "feature recall")?,
         ];
         let loses = recalls[1] < recalls[0];
-        let growths = spectra.column("growth at 2")?;
-        let growth = growths.iter().copied().fold(f64::INFINITY, f64::min);
+        let [growth, _] = extremes(&spectra.column("growth at 2")?);
         let deforms = growth > DIVERGED;
-        let steps = best.column("best lambda, normals")?;
-        let lowest = steps.iter().copied().fold(f64::INFINITY, f64::min);
-        let highest = steps.iter().copied().fold(0.0, f64::max);
-        let eigenvalues = spectra.column("smallest eigenvalue")?;
-        let largest = eigenvalues.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let [lowest, highest] = extremes(&best.column("best lambda, normals")?);
+        let [_, largest] = extremes(&spectra.column("smallest eigenvalue")?);
         let verdict = match (is_best, loses, deforms) {
             (true, true, true) => Verdict::Confirmed,
             (false, false, false) => Verdict::Refuted,
@@ -136,6 +132,12 @@ impl Experiment for ExplicitFlow {
             .number(&format!("feature recall at λ = {STRONG}"), recalls[1], Unit::One),
         ])
     }
+}
+
+/// The least and the greatest number.
+fn extremes(values: &[f64]) -> [f64; 2] {
+    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+    [least, values.iter().copied().fold(f64::NEG_INFINITY, f64::max)]
 }
 
 /// The best of the four λ by surfaces and by normals, on the patch, then on the machine part.

@@ -43,6 +43,10 @@ pub(crate) struct Convert {
 impl Convert {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
         self.overwrite.check(&self.output)?;
+        let format = Format::from_path(&self.output).map(|named| named.format);
+        if let Some(format) = format {
+            self.check(format)?;
+        }
         let reading = if self.strict { ReadOptions::strict() } else { ReadOptions::default() };
         let PolygonFile { mesh, fields, report, .. } =
             io::read_polygons_with(&self.input, &reading).map_err(Failure::input)?;
@@ -57,12 +61,28 @@ impl Convert {
         if !self.strict {
             options.unheld_fields = UnheldFields::Drop;
         }
-        let is_stl = Format::from_path(&self.output).is_some_and(|n| n.format == Format::Stl);
-        if self.triangulate || is_stl {
+        if self.triangulate || format == Some(Format::Stl) {
             return files::write(context, &self.output, &mesh.triangulate(), &fields, &options);
         }
         let report = io::write_polygons(&self.output, &mesh, &fields, &options);
         files::say_written(context, &self.output, &report.map_err(Failure::output)?);
         Ok(())
+    }
+
+    /// Refuses options that the format would ignore.
+    fn check(&self, format: Format) -> Result<(), Failure> {
+        let ignored = match format {
+            Format::Ply => None,
+            Format::Stl => self.single.then_some("--single"),
+            _ => [(self.ascii, "--ascii"), (self.single, "--single")]
+                .into_iter()
+                .find_map(|(given, name)| given.then_some(name)),
+        };
+        match ignored {
+            None => Ok(()),
+            Some(option) => Err(Failure::usage(format_args!(
+                "{option} has no effect on {format} files, which have one form only; leave it out"
+            ))),
+        }
     }
 }

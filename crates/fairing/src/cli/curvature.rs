@@ -4,15 +4,15 @@ use std::path::PathBuf;
 
 use clap::Args;
 use fairing::mesh::io::VertexFields;
-use fairing::operators::MassKind;
-use fairing::operators::curvature::{
-    CurvatureField, Estimator, Length, Neighborhood, laplacian_curvature,
-};
+use fairing::mesh::{Algorithm, TriMesh};
+use fairing::operators::curvature::{CurvatureField, Estimator, laplacian_curvature};
+use fairing::operators::{LumpedArea, MassKind, OperatorError};
 use serde_json::{Value, json};
 
 use super::exit::Failure;
 use super::files::{self, Overwrite};
-use super::operator::OperatorName;
+use super::operator::{OperatorName, say_too_thin};
+use super::parameters::{Family, Parameters, foreign, list, names};
 use super::table::{Table, number};
 use super::{Context, print};
 
@@ -43,64 +43,62 @@ pub(crate) struct Curvature {
     #[command(flatten)]
     overwrite: Overwrite,
     /// The estimator; --list says what each is for
-    #[arg(long, value_name = "NAME", default_value_t = Estimator::RECOMMENDED)]
-    estimator: Estimator,
-    /// The scale of normal-cycle and corrected-ball, or how far jets and quadrics
-    /// reach: a radius in mean edge lengths
-    #[arg(long, value_name = "R", conflicts_with = "rings")]
-    radius: Option<f64>,
-    /// How far jets and quadrics reach, in rings of neighbours
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16))]
-    rings: Option<u32>,
-    /// The Laplacian of the estimator cotangent, with its barycentric mass; without it,
-    /// cotangents over mixed areas, or robust where a face is too thin for them
+    #[arg(
+        long,
+        value_name = "NAME",
+        value_parser = names::<Estimators>(),
+        default_value = Estimator::RECOMMENDED.name(),
+    )]
+    estimator: String,
+    #[command(flatten)]
+    parameters: Parameters<Estimators>,
+    /// The Laplacian of the estimator cotangent, over barycentric areas unless --area is
+    /// given; without it, cotangents over mixed areas, or robust where a face is too thin
     #[arg(long, value_enum)]
     operator: Option<OperatorName>,
     /// Print a summary as one JSON object
     #[arg(long)]
     json: bool,
-    /// List the estimators and what each is for
+    /// List the estimators, what each is for, and their parameters
     #[arg(long, exclusive = true)]
     list: bool,
+}
+
+/// The estimators of [`Curvature`].
+struct Estimators;
+
+impl Family for Estimators {
+    const WHAT: &'static str = "estimator";
+
+    fn algorithms() -> Vec<&'static Algorithm> {
+        Estimator::ALL.iter().map(Estimator::algorithm).collect()
+    }
 }
 
 impl Curvature {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
         if self.list {
-            return print(list());
+            return print(list::<Estimators>());
         }
         let Some(input) = &self.input else {
             return Err(Failure::usage("no mesh is given"));
         };
-        if let Some(output) = &self.output {
-            self.overwrite.check(output)?;
-        }
+        self.overwrite.check_given(self.output.as_deref())?;
+        let estimator = self.estimator()?;
         let file = files::read(input)?;
         files::say_report(context, input, &file.report);
-        let estimator = self.estimator()?;
-        let field = match self.operator {
-            None => estimator.estimate(&file.mesh)?,
-            Some(operator) if matches!(estimator, Estimator::Cotangent(_)) => {
-                let laplacian = operator.assemble(context, &file.mesh, MassKind::Barycentric)?;
-                laplacian_curvature(&file.mesh, &laplacian)?
-            }
-            Some(_) => {
-                return Err(Failure::usage(format_args!("{estimator} takes no operator")));
-            }
-        };
+        let field = self.estimate(context, &estimator, &file.mesh)?;
         if let Some(output) = &self.output {
             let fields = with_curvature(file.fields, &field);
             files::write_held(context, output, &file.mesh, &fields)?;
         }
         if let Some(face) = field.too_thin {
-            context.note(format_args!(
-                "face {face} is too thin for cotangents; using the robust operator"
-            ));
+            say_too_thin(context, face);
         }
         let undefined = field.status.iter().filter(|s| !s.is_defined()).count();
         if self.json {
             let summary = json!({
-                "estimator": self.estimator.to_string(),
+                "estimator": estimator.name(),
                 "vertices": field.len(),
                 "undefined": undefined,
                 "too_thin_face": field.too_thin,
@@ -126,37 +124,53 @@ impl Curvature {
 }
 
 impl Curvature {
-    /// The estimator with the radius or the rings of the arguments.
+    /// The estimator with its parameters.
     fn estimator(&self) -> Result<Estimator, Failure> {
-        let mut estimator = self.estimator;
-        if let Some(r) = self.radius
-            && !(r > 0.0 && r.is_finite())
-        {
-            return Err(Failure::usage(format_args!("a radius of {r} is not above zero")));
-        }
-        let radius = self.radius.map(Length::MeanEdges);
-        let reach = radius.map(Neighborhood::Ball).or(self.rings.map(Neighborhood::Rings));
-        match (&mut estimator, reach, radius) {
-            (_, None, _) => {}
-            (Estimator::NormalCycle(options), _, Some(radius)) => options.radius = radius,
-            (Estimator::Corrected(options), _, Some(radius)) => options.radius = Some(radius),
-            (Estimator::Quadric(options), Some(reach), _) => options.neighborhood = reach,
-            (Estimator::Jet(options), Some(reach), _) => options.neighborhood = reach,
-            _ => {
-                let unit = if self.rings.is_some() { "rings" } else { "radius" };
-                return Err(Failure::usage(format_args!("{estimator} takes no {unit}")));
+        let name = &self.estimator;
+        self.parameters.check(name)?;
+        let estimator = Estimator::with(name, &self.parameters.given()).map_err(Failure::usage)?;
+        match (self.operator, estimator) {
+            (None, _) => Ok(estimator),
+            (Some(OperatorName::Robust), Estimator::Cotangent(_))
+                if self.mass(estimator) != MassKind::Barycentric =>
+            {
+                Err(Failure::usage(
+                    "--operator robust has barycentric areas only: leave out --area",
+                ))
+            }
+            (Some(_), Estimator::Cotangent(_)) => Ok(estimator),
+            (Some(_), _) => {
+                let takes = |algorithm: &Algorithm| algorithm.parameter("area").is_some();
+                Err(foreign::<Estimators>(name, "operator", takes))
             }
         }
-        Ok(estimator)
     }
-}
 
-fn list() -> Table {
-    let mut text = Table::new();
-    for estimator in Estimator::ALL {
-        text.row([format!("{estimator:<18} {}", estimator.purpose())]);
+    /// The mass of the Laplacian of `--operator`.
+    fn mass(&self, estimator: Estimator) -> MassKind {
+        match estimator {
+            Estimator::Cotangent(options) if self.parameters.get("area").is_some() => {
+                options.area.into()
+            }
+            _ => LumpedArea::Barycentric.into(),
+        }
     }
-    text
+
+    fn estimate(
+        &self,
+        context: &Context,
+        estimator: &Estimator,
+        mesh: &TriMesh,
+    ) -> Result<CurvatureField, Failure> {
+        let Some(operator) = self.operator else {
+            return match estimator.estimate(mesh) {
+                Err(error @ OperatorError::Option { .. }) => Err(Failure::usage(error)),
+                other => Ok(other?),
+            };
+        };
+        let laplacian = operator.assemble(context, mesh, self.mass(*estimator))?;
+        Ok(laplacian_curvature(mesh, &laplacian)?)
+    }
 }
 
 fn columns(field: &CurvatureField) -> [(&'static str, &[f64]); 4] {

@@ -3,12 +3,13 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use fairing::denoising::{Automatic, Denoiser, FaceKind, SurfaceKind, automatic};
+use fairing::denoising::{Automatic, DenoiseError, Denoiser, FaceKind, SurfaceKind, automatic};
+use fairing::mesh::Algorithm;
 use serde_json::{Map, Value, json};
 
 use super::exit::Failure;
-use super::files::{self, Output};
+use super::files::{self, MaybeOutput};
+use super::parameters::{Family, Parameters, list, names};
 use super::table::number;
 use super::{Context, print};
 
@@ -16,7 +17,7 @@ const EXAMPLES: &str = "\
 Examples:
   fairing denoise scan.ply -o clean.ply
   fairing denoise part.obj -o clean.obj --json
-  fairing denoise part.obj -o clean.obj --method guided-normal";
+  fairing denoise part.obj -o clean.obj --method guided-normal --iterations 30";
 
 /// Remove noise from a mesh and keep its creases
 ///
@@ -26,45 +27,79 @@ Examples:
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Denoise {
     /// The mesh
-    input: PathBuf,
+    #[arg(required_unless_present = "list")]
+    input: Option<PathBuf>,
     #[command(flatten)]
-    output: Output,
-    /// The denoiser, with its default options
-    #[arg(long, value_name = "NAME", default_value = "automatic", value_parser = denoisers())]
-    method: Denoiser,
+    output: MaybeOutput,
+    /// The denoiser; --list says what each is for
+    #[arg(
+        long,
+        value_name = "NAME",
+        value_parser = names::<Denoisers>(),
+        default_value = Denoiser::Automatic.name(),
+    )]
+    method: String,
+    #[command(flatten)]
+    parameters: Parameters<Denoisers>,
+    /// List the denoisers, what each does, and their parameters
+    #[arg(long, exclusive = true)]
+    list: bool,
     /// Print the noise and the kinds of surface that were found as one JSON object, with the
     /// share of the area that is flat, curved, or at a crease
     #[arg(long)]
     json: bool,
 }
 
-fn denoisers() -> impl TypedValueParser<Value = Denoiser> {
-    let names = Denoiser::ALL.map(|d| PossibleValue::new(d.name()).help(d.description()));
-    PossibleValuesParser::new(names).try_map(|name| name.parse::<Denoiser>())
+/// The methods of [`Denoise`].
+struct Denoisers;
+
+impl Family for Denoisers {
+    const WHAT: &'static str = "method";
+
+    fn algorithms() -> Vec<&'static Algorithm> {
+        Denoiser::ALL.iter().map(|denoiser| denoiser.algorithm()).collect()
+    }
 }
 
 impl Denoise {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
-        self.output.check()?;
-        if self.json && self.method != Denoiser::Automatic {
+        if self.list {
+            return print(list::<Denoisers>());
+        }
+        let (input, output) = (self.input.as_ref(), self.output.given());
+        let (Some(input), Some(output)) = (input, output) else {
+            return Err(Failure::usage("which mesh, and where to?"));
+        };
+        output.check()?;
+        self.parameters.check(&self.method)?;
+        let denoiser: Denoiser = self.method.parse().map_err(Failure::usage)?;
+        if self.json && denoiser != Denoiser::Automatic {
             return Err(Failure::usage(format_args!(
-                "--json says what the method automatic found; {} looks for nothing",
-                self.method
+                "--json says what the method automatic found; {denoiser} looks for nothing"
             )));
         }
-        let file = files::read(&self.input)?;
-        files::say_report(context, &self.input, &file.report);
-        let mesh = if self.method == Denoiser::Automatic {
-            let result = automatic(&file.mesh)?;
-            context.note(format_args!("{}", summary(&result)));
-            if self.json {
-                print(format_args!("{:#}\n", as_json(&result)))?;
+        let file = files::read(input)?;
+        files::say_report(context, input, &file.report);
+        let mesh = match denoiser {
+            Denoiser::Automatic => {
+                let result = automatic(&file.mesh)?;
+                context.note(summary(&result));
+                if self.json {
+                    print(format_args!("{:#}\n", as_json(&result)))?;
+                }
+                result.mesh
             }
-            result.mesh
-        } else {
-            self.method.denoise(&file.mesh)?
+            other => match other.denoise_with(&file.mesh, &self.parameters.given()) {
+                Err(DenoiseError::InvalidOption { option, value, expected }) => {
+                    let option = option.replace('_', "-");
+                    let said = format_args!("--{option} is {value}, but must be {expected}");
+                    return Err(Failure::usage(said));
+                }
+                Err(DenoiseError::Parameter(error)) => return Err(Failure::usage(error)),
+                other => other?,
+            },
         };
-        files::write_moved(context, &self.output, &mesh, file.fields)
+        files::write_moved(context, &output, &mesh, file.fields)
     }
 }
 

@@ -20,6 +20,24 @@ pub(crate) struct Output {
     pub(crate) overwrite: Overwrite,
 }
 
+/// As [`Output`], but absent with `--list`.
+#[derive(Args)]
+pub(crate) struct MaybeOutput {
+    /// The file to write
+    #[arg(short = 'o', long = "output", value_name = "FILE", required_unless_present = "list")]
+    path: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: Overwrite,
+}
+
+impl MaybeOutput {
+    /// The output, if it is given.
+    pub(crate) fn given(&self) -> Option<Output> {
+        let path = self.path.clone()?;
+        Some(Output { path, overwrite: Overwrite { force: self.overwrite.force } })
+    }
+}
+
 /// Whether a file that exists may be replaced.
 #[derive(Args)]
 pub(crate) struct Overwrite {
@@ -38,6 +56,17 @@ impl Overwrite {
             )));
         }
         Ok(())
+    }
+
+    /// [`check`](Self::check) for a file that may be given; without one there is nothing to replace.
+    pub(crate) fn check_given(&self, path: Option<&Path>) -> Result<(), Failure> {
+        match path {
+            Some(path) => self.check(path),
+            None if self.force => Err(Failure::usage(
+                "--force is for --output, which is not given: nothing is written",
+            )),
+            None => Ok(()),
+        }
     }
 }
 

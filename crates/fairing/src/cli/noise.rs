@@ -36,9 +36,9 @@ pub(crate) struct Noise {
     /// How vertices are moved
     #[arg(long, default_value = "normal", value_parser = kinds())]
     kind: NoiseKind,
-    /// The share of vertices that impulsive noise moves
-    #[arg(long, value_name = "SHARE", default_value_t = 0.25)]
-    share: f64,
+    /// The share of vertices that impulsive noise moves; 0.25 unless set
+    #[arg(long, value_name = "SHARE")]
+    share: Option<f64>,
     /// The seed of the random numbers
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
@@ -62,16 +62,21 @@ fn kinds() -> impl TypedValueParser<Value = NoiseKind> {
 impl Noise {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
         self.output.check()?;
+        let kind = match (self.kind, self.share) {
+            (kind, None) => kind,
+            (NoiseKind::Impulsive { .. }, Some(share)) => NoiseKind::Impulsive { share },
+            (kind, Some(_)) => {
+                return Err(Failure::usage(format_args!(
+                    "--share is for --kind impulsive: noise of the kind {kind} moves all vertices"
+                )));
+            }
+        };
         let file = files::read(&self.input)?;
         files::say_report(context, &self.input, &file.report);
         let level = match self.unit {
             Unit::Edge => NoiseLevel::EdgeLengths(self.sigma),
             Unit::Model => NoiseLevel::Model(self.sigma),
             Unit::Diagonal => NoiseLevel::Diagonals(self.sigma),
-        };
-        let kind = match self.kind {
-            NoiseKind::Impulsive { .. } => NoiseKind::Impulsive { share: self.share },
-            other => other,
         };
         let noisy = add_noise(&file.mesh, kind, level, self.seed)?;
         context.note(format_args!(

@@ -31,31 +31,18 @@ impl OperatorName {
             Self::Robust => LaplacianKind::Robust,
         };
         match Laplacian::new(mesh, kind, mass) {
-            Err(thin) if self.gives_way(context, &thin, mass) => Laplacian::robust(mesh),
+            Err(OperatorError::DegenerateFace { face, .. })
+                if self == Self::Auto && mass == MassKind::Barycentric =>
+            {
+                say_too_thin(context, face);
+                Laplacian::robust(mesh)
+            }
             other => other,
         }
     }
+}
 
-    /// The operator of a flow, as it is tried first.
-    pub(crate) fn of_flow(self) -> &'static str {
-        match self {
-            Self::Auto | Self::Cotangent => "cotangent",
-            Self::Robust => "robust",
-        }
-    }
-
-    /// Whether the robust operator is taken where another failed, which a note then says.
-    pub(crate) fn gives_way(
-        self,
-        context: &Context,
-        error: &OperatorError,
-        mass: MassKind,
-    ) -> bool {
-        let thin = matches!(error, OperatorError::DegenerateFace { .. });
-        let gives_way = thin && self == Self::Auto && mass == MassKind::Barycentric;
-        if gives_way {
-            context.note(format_args!("{error}; using the robust operator"));
-        }
-        gives_way
-    }
+/// Says that auto took the robust operator, and why.
+pub(crate) fn say_too_thin(context: &Context, face: u32) {
+    context.note(format_args!("face {face} is too thin for cotangents; using the robust operator"));
 }

@@ -10,6 +10,7 @@ use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use fairing::mesh::{Algorithm, Kind, Parameter};
 
 use super::exit::Failure;
+use super::table::Table;
 
 /// Algorithms among which a verb chooses.
 pub(crate) trait Family {
@@ -18,11 +19,6 @@ pub(crate) trait Family {
 
     /// The algorithms, in the order in which they are listed.
     fn algorithms() -> Vec<&'static Algorithm>;
-
-    /// The parser and the default of a parameter that every verb reads alike, in place of those of the table.
-    fn parser(_: &Parameter) -> Option<(ValueParser, &'static str)> {
-        None
-    }
 }
 
 /// The values that are given to the parameters of a family, each with the name of its parameter.
@@ -77,6 +73,24 @@ pub(crate) fn foreign<F: Family>(
     ))
 }
 
+/// The algorithms, what each is for, and the parameters that each has.
+pub(crate) fn list<F: Family>() -> Table {
+    let mut table = Table::new();
+    for algorithm in F::algorithms() {
+        let about = format!("{}: {}", algorithm.name, algorithm.description);
+        let flag = |parameter: &Parameter| match parameter.default {
+            "" => format!("--{}", parameter.name),
+            default => format!("--{} {default}", parameter.name),
+        };
+        let flags: Vec<String> = algorithm.parameters.iter().map(flag).collect();
+        table.row([about]);
+        if !flags.is_empty() {
+            table.row([format!("    {}", flags.join(", "))]);
+        }
+    }
+    table
+}
+
 /// The names of algorithms as values of a flag, each with its description.
 pub(crate) fn names<F: Family>() -> PossibleValuesParser {
     let value =
@@ -99,7 +113,7 @@ fn shared<F: Family>() -> Vec<Vec<(&'static Algorithm, &'static Parameter)>> {
 }
 
 /// What a parameter says in each algorithm, which have it, and with which defaults.
-fn help<F: Family>(same: &[(&Algorithm, &Parameter)]) -> (String, String) {
+fn help(same: &[(&Algorithm, &Parameter)]) -> (String, String) {
     let mut meanings: Vec<(String, Vec<String>)> = Vec::new();
     let alone = same.iter().all(|(_, parameter)| parameter.default == same[0].1.default);
     for (algorithm, parameter) in same {
@@ -116,8 +130,7 @@ fn help<F: Family>(same: &[(&Algorithm, &Parameter)]) -> (String, String) {
             None => meanings.push((about, vec![taker])),
         }
     }
-    let default = F::parser(same[0].1).map_or(same[0].1.default, |(_, default)| default);
-    let default = match default {
+    let default = match same[0].1.default {
         default if alone && !default.is_empty() => format!("; {default} unless set"),
         _ => String::new(),
     };
@@ -128,9 +141,9 @@ fn help<F: Family>(same: &[(&Algorithm, &Parameter)]) -> (String, String) {
     (short, format!("{}{default}", long.join("\n")))
 }
 
-fn flag<F: Family>(same: &[(&Algorithm, &'static Parameter)]) -> Arg {
+fn flag(same: &[(&Algorithm, &'static Parameter)]) -> Arg {
     let parameter = same[0].1;
-    let (short, long) = help::<F>(same);
+    let (short, long) = help(same);
     let arg = Arg::new(parameter.name).long(parameter.name).help(short).long_help(long);
     let conflicts = same.iter().flat_map(|(_, parameter)| parameter.excludes);
     let arg = arg.conflicts_with_all(conflicts.copied());
@@ -145,8 +158,7 @@ fn flag<F: Family>(same: &[(&Algorithm, &'static Parameter)]) -> Arg {
         Kind::Choice(choices) => {
             let values =
                 choices.iter().map(|choice| PossibleValue::new(choice.name).help(choice.about));
-            let table = || PossibleValuesParser::new(values).into();
-            arg.value_parser(F::parser(parameter).map_or_else(table, |(parser, _)| parser))
+            arg.value_parser(PossibleValuesParser::new(values))
         }
         list => {
             let name = if list == Kind::Vertices { "LIST" } else { "V:W[:X:Y:Z]" };
@@ -158,7 +170,7 @@ fn flag<F: Family>(same: &[(&Algorithm, &'static Parameter)]) -> Arg {
 
 impl<F: Family> Args for Parameters<F> {
     fn augment_args(command: Command) -> Command {
-        command.args(shared::<F>().iter().map(|same| flag::<F>(same)))
+        command.args(shared::<F>().iter().map(|same| flag(same)))
     }
 
     fn augment_args_for_update(command: Command) -> Command {

@@ -3,17 +3,15 @@
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
-use clap::builder::{EnumValueParser, TypedValueParser, ValueParser};
-use clap::{Args, ValueEnum};
-use fairing::mesh::{Algorithm, Parameter, TriMesh};
-use fairing::operators::MassKind;
-use fairing::smoothing::{Approach, FlowFailure, Method, Observer, Smoothed, Step};
-use serde_json::json;
+use clap::Args;
+use fairing::mesh::{Algorithm, TriMesh};
+use fairing::smoothing::{Approach, FlowFailure, Method, Observer, Report, Smoothed, Step};
+use serde_json::{Value, json};
 
 use super::exit::Failure;
-use super::files::{self, Output};
-use super::operator::OperatorName;
-use super::parameters::{Family, Parameters, foreign, names};
+use super::files::{self, MaybeOutput};
+use super::operator::say_too_thin;
+use super::parameters::{Family, Parameters, foreign, list, names};
 use super::spectrum::warn_of_split;
 use super::table::{Table, number};
 use super::{Context, print};
@@ -76,19 +74,9 @@ pub(crate) struct Smooth {
     /// Print what was done as one JSON object
     #[arg(long)]
     json: bool,
-    /// List the methods and what each is for
+    /// List the methods, what each is for, and their parameters
     #[arg(long, exclusive = true)]
     list: bool,
-}
-
-/// As [`Output`], but absent with `--list`.
-#[derive(Args)]
-struct MaybeOutput {
-    /// The file to write
-    #[arg(short = 'o', long = "output", value_name = "FILE", required_unless_present = "list")]
-    path: Option<PathBuf>,
-    #[command(flatten)]
-    overwrite: files::Overwrite,
 }
 
 /// The methods of [`Smooth`].
@@ -100,21 +88,9 @@ impl Family for Flows {
     fn algorithms() -> Vec<&'static Algorithm> {
         Method::algorithms()
     }
-
-    fn parser(parameter: &Parameter) -> Option<(ValueParser, &'static str)> {
-        let name = |operator: OperatorName| {
-            let value = operator.to_possible_value();
-            value.map(|value| value.get_name().to_owned()).unwrap_or_default()
-        };
-        let parser = EnumValueParser::<OperatorName>::new().map(name);
-        (parameter.name == "operator").then(|| (parser.into(), "auto"))
-    }
 }
 
-/// The value of the parameter `operator` that takes over where cotangents do not exist.
-const ROBUST: &str = "robust";
-
-/// Whether an algorithm takes steps, which `--until` watches.
+/// Whether an algorithm takes steps, which `--until` and `--last-good` are about.
 fn takes_steps(algorithm: &Algorithm) -> bool {
     algorithm.parameter("iterations").is_some()
 }
@@ -122,96 +98,68 @@ fn takes_steps(algorithm: &Algorithm) -> bool {
 impl Smooth {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
         if self.list {
-            return print(list());
+            return print(list::<Flows>());
         }
-        let (Some(input), Some(path)) = (&self.input, &self.output.path) else {
+        let (Some(input), Some(output)) = (&self.input, self.output.given()) else {
             return Err(Failure::usage("which mesh, and where to?"));
         };
-        self.output.overwrite.check(path)?;
+        output.check()?;
         self.check()?;
-        let (operator, area) = self.operator()?;
         let file = files::read(input)?;
         files::say_report(context, input, &file.report);
+        let values = self.parameters.given();
+        let method = Method::with(&self.method, &values, &file.mesh).map_err(Failure::usage)?;
         let small = self.until.map(|until| until * file.mesh.mean_edge_length());
         let mut settle = |step: &Step<'_>| match small {
             Some(small) if step.largest_displacement() <= small => ControlFlow::Break(()),
             _ => ControlFlow::Continue(()),
         };
-        let mut run = |operator| -> Result<_, Failure> {
-            let mut values = self.parameters.given();
-            for (_, value) in values.iter_mut().filter(|(name, _)| *name == "operator") {
-                *value = operator;
-            }
-            if operator == ROBUST && self.parameters.get("operator").is_none() {
-                values.push(("operator", ROBUST));
-            }
-            let method = Method::with(&self.method, &values, &file.mesh).map_err(Failure::usage)?;
-            let observer = small.map(|_| &mut settle as &mut Observer<'_>);
-            Ok((method.run(&file.mesh, observer), method))
-        };
-        let (mut result, mut method) = run(operator.of_flow())?;
-        if let Err(error) = &result
-            && let FlowFailure::Operator(thin) = &error.failure
-            && error.iteration == 0
-            && operator.gives_way(context, thin, area)
-        {
-            (result, method) = run(ROBUST)?;
-        }
-        let output = Output {
-            path: path.clone(),
-            overwrite: files::Overwrite { force: self.output.overwrite.force },
-        };
-        let smoothed = match result {
+        let observer = small.map(|_| &mut settle as &mut Observer<'_>);
+        let smoothed = match method.run(&file.mesh, observer) {
             Ok(smoothed) => smoothed,
             Err(error) => {
-                return Err(match error.failure {
-                    FlowFailure::InvalidOption { .. } | FlowFailure::Unsupported { .. } => {
-                        Failure::usage(error.failure)
-                    }
-                    _ => {
-                        if self.last_good && error.iteration > 1 {
-                            files::write_moved(context, &output, &error.last_good, file.fields)?;
-                        }
-                        Failure::from(error)
-                    }
-                });
+                use FlowFailure::{InvalidOption, Unsupported};
+                if matches!(error.failure, InvalidOption { .. } | Unsupported { .. }) {
+                    return Err(Failure::usage(error.failure));
+                }
+                if self.last_good && error.iteration > 1 {
+                    files::write_moved(context, &output, &error.last_good, file.fields)?;
+                }
+                return Err(Failure::from(error));
             }
         };
-        let warns = self.parameters.get("unstable") == Some("warn");
-        if let (true, Some(limit)) =
-            (smoothed.report.unstable && warns, smoothed.report.stable_limit)
-        {
-            context.note(format_args!(
-                "warning: the step is beyond the stable limit {}; some modes grew",
-                number(limit)
-            ));
-        } else if smoothed.report.unstable && warns {
-            context.note("warning: modes of the pass band grew by more than two");
-        }
-        if let Approach::Modes { count } = smoothed.report.approach {
-            warn_of_split(context, smoothed.report.split, count, "--modes");
-        }
+        self.say(context, &smoothed.report);
         self.summarise(context, &method, &file.mesh, &smoothed)?;
         files::write_moved(context, &output, &smoothed.mesh, file.fields)
+    }
+
+    /// Notes what a user might not expect.
+    fn say(&self, context: &Context, report: &Report) {
+        if let Some(face) = report.too_thin {
+            say_too_thin(context, face);
+        }
+        if report.unstable && self.parameters.get("unstable") == Some("warn") {
+            match report.stable_limit {
+                Some(limit) => context.note(format_args!(
+                    "warning: the step is beyond the stable limit {}; some modes grew",
+                    number(limit)
+                )),
+                None => context.note("warning: modes of the pass band grew by more than two"),
+            }
+        }
+        if let Approach::Modes { count } = report.approach {
+            warn_of_split(context, report.split, count, "--modes");
+        }
     }
 
     /// Refuses flags that the method does not have.
     fn check(&self) -> Result<(), Failure> {
         let algorithm = self.parameters.check(&self.method)?;
-        match self.until {
-            Some(_) if !takes_steps(algorithm) => {
-                Err(foreign::<Flows>(&self.method, "until", takes_steps))
-            }
-            _ => Ok(()),
+        let of_steps = [(self.until.is_some(), "until"), (self.last_good, "last-good")];
+        match of_steps.into_iter().find(|(given, _)| *given && !takes_steps(algorithm)) {
+            Some((_, flag)) => Err(foreign::<Flows>(&self.method, flag, takes_steps)),
+            None => Ok(()),
         }
-    }
-
-    /// The operator that is asked for, and the areas of its vertices.
-    fn operator(&self) -> Result<(OperatorName, MassKind), Failure> {
-        let name = self.parameters.get("operator").unwrap_or("auto");
-        let operator = OperatorName::from_str(name, false).map_err(Failure::usage)?;
-        let area = self.parameters.get("area").map(str::parse).transpose()?;
-        Ok((operator, area.unwrap_or_default()))
     }
 
     /// Says what was done.
@@ -240,29 +188,7 @@ impl Smooth {
             .map(|(&p, &q)| fairing::mesh::vec3::distance(p, q))
             .fold(0.0, f64::max);
         if self.json {
-            // As `fairing spectrum` calls them; null where no number of modes was kept.
-            let gaps = match report.approach {
-                Approach::Modes { count } => match report.split {
-                    Some(split) => (Some(split.below), split.above),
-                    None => (Some(count), Some(count)),
-                },
-                _ => (None, None),
-            };
-            let summary = json!({
-                "gap_below": gaps.0,
-                "gap_above": gaps.1,
-                "method": method.name(),
-                "iterations": report.iterations,
-                "stopped": report.stopped,
-                "stable_limit": report.stable_limit,
-                "unstable": report.unstable,
-                "degenerate_faces": report.degenerate_faces,
-                "computed_by": approach(report.approach),
-                "worst_residual": report.worst_residual,
-                "volume_change_percent": volume,
-                "area_change_percent": area,
-                "largest_displacement": farthest,
-            });
+            let summary = json(method, report, [volume, area], farthest);
             return print(format_args!("{summary:#}\n"));
         }
         let mut table = Table::new();
@@ -281,6 +207,34 @@ impl Smooth {
     }
 }
 
+/// What was done, with the changes of volume and area in per cent.
+fn json(method: &Method, report: &Report, changes: [Option<f64>; 2], farthest: f64) -> Value {
+    // As `fairing spectrum` calls them; null where no number of modes was kept.
+    let gaps = match report.approach {
+        Approach::Modes { count } => match report.split {
+            Some(split) => (Some(split.below), split.above),
+            None => (Some(count), Some(count)),
+        },
+        _ => (None, None),
+    };
+    json!({
+        "gap_below": gaps.0,
+        "gap_above": gaps.1,
+        "method": method.name(),
+        "iterations": report.iterations,
+        "stopped": report.stopped,
+        "stable_limit": report.stable_limit,
+        "unstable": report.unstable,
+        "too_thin_face": report.too_thin,
+        "degenerate_faces": report.degenerate_faces,
+        "computed_by": approach(report.approach),
+        "worst_residual": report.worst_residual,
+        "volume_change_percent": changes[0],
+        "area_change_percent": changes[1],
+        "largest_displacement": farthest,
+    })
+}
+
 /// How the steps were computed, in words.
 fn approach(approach: Approach) -> String {
     match approach {
@@ -294,13 +248,4 @@ fn approach(approach: Approach) -> String {
         Approach::Cholesky { factorisations } => format!("Cholesky, {factorisations} factors"),
         other => format!("{other:?}"),
     }
-}
-
-/// The methods and what each is for.
-fn list() -> Table {
-    let mut table = Table::new();
-    for algorithm in Method::algorithms() {
-        table.row([format!("{}: {}", algorithm.name, algorithm.description)]);
-    }
-    table
 }

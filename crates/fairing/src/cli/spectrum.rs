@@ -176,9 +176,7 @@ pub(crate) fn compute(
 
 impl Spectrum {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
-        if let Some(output) = &self.output {
-            self.overwrite.check(output)?;
-        }
+        self.overwrite.check_given(self.output.as_deref())?;
         let file = files::read(&self.input)?;
         files::say_report(context, &self.input, &file.report);
         let (kind, mesh) = (&self.kind, &file.mesh);

@@ -122,7 +122,7 @@ impl CurvatureField {
             .collect()
     }
 
-    /// The field of a mesh that was divided by `unit`, in the units it had.
+    /// The field of a mesh that was divided by `unit`, in its own units.
     /// Where the curvature is not a float there, it is undefined.
     pub(crate) fn times(self, unit: f64) -> Self {
         if unit == 1.0 {

@@ -33,7 +33,7 @@ use crate::uniform::combinatorial_laplacian;
 pub use choice::Reason;
 pub use kind::{LaplacianKind, MassKind};
 pub use mass::{MassMatrix, positive_lumped_mass};
-pub use pattern::{CotangentNumbers, CotangentPattern, ThinFaces};
+pub use pattern::{CotangentPattern, ThinFaces};
 pub use restricted::Restricted;
 
 /// Stiffness S and mass M of one mesh.

@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{norm, sub};
+use fairing_sparse::{GraphLaplacian, GraphNumbers};
 use rayon::prelude::*;
 
 use super::mass::{give_isolated, positive_lumped_mass};
@@ -70,17 +71,6 @@ pub struct CotangentPattern {
     terms: Vec<FaceTerms>,
 }
 
-/// The numbers on a [`CotangentPattern`], to be overwritten.
-#[derive(Debug)]
-pub struct CotangentNumbers<'a> {
-    /// `−Sᵢⱼ`, as many as there are columns.
-    pub weights: &'a mut [f64],
-    /// The diagonal of S, for fixed vertices too.
-    pub diagonal: &'a mut [f64],
-    /// M, positive, in squared mesh units.
-    pub mass: &'a mut [f64],
-}
-
 /// A chunk of rows.
 struct Rows {
     lengths: Vec<u32>,
@@ -121,20 +111,15 @@ impl CotangentPattern {
         Ok(Self { area, offsets, columns, places, terms: Vec::new() })
     }
 
-    /// Where each row begins in [`columns`](Self::columns), and where the last
-    /// ends. The rows of fixed vertices are empty.
-    pub fn offsets(&self) -> &[u32] {
-        &self.offsets
+    /// A Laplacian on the pattern, all of whose numbers are zero until they
+    /// are [filled](Self::fill) in. The rows of fixed vertices are empty.
+    pub fn laplacian(&self) -> GraphLaplacian {
+        GraphLaplacian::on_pattern(self.offsets.clone(), self.columns.clone())
     }
 
-    /// The neighbours of all vertices, one row after another.
-    pub fn columns(&self) -> &[u32] {
-        &self.columns
-    }
-
-    /// Overwrites all numbers by those at the positions of `mesh`, which has
-    /// the faces that the pattern was made of. Returns the faces that were
-    /// widened, ascending.
+    /// Overwrites all numbers of a Laplacian [on this pattern](Self::laplacian)
+    /// by those at the positions of `mesh`, which has the faces that the
+    /// pattern was made of. Returns the faces that were widened, ascending.
     ///
     /// # Errors
     ///
@@ -142,15 +127,24 @@ impl CotangentPattern {
     /// if such faces are refused; [`OperatorError::Mass`] for the first vertex
     /// with faces whose mass is not positive;
     /// [`OperatorError::Connectivity`] for a mesh of another number of vertices
-    /// or faces; [`OperatorError::Length`] for slices of another length. What
-    /// the numbers are after an error is not specified.
+    /// or faces; [`OperatorError::Length`] for a Laplacian on another pattern.
+    /// What the numbers are after an error is not specified.
     pub fn fill(
         &mut self,
         mesh: &TriMesh,
         thin: ThinFaces,
-        numbers: CotangentNumbers<'_>,
+        laplacian: &mut GraphLaplacian,
     ) -> Result<Vec<u32>, OperatorError> {
-        let CotangentNumbers { weights, diagonal, mass } = numbers;
+        laplacian.fill(|numbers| self.fill_numbers(mesh, thin, numbers))
+    }
+
+    fn fill_numbers(
+        &mut self,
+        mesh: &TriMesh,
+        thin: ThinFaces,
+        numbers: GraphNumbers<'_>,
+    ) -> Result<Vec<u32>, OperatorError> {
+        let GraphNumbers { weights, diagonal, mass, .. } = numbers;
         let n = self.offsets.len() - 1;
         if mesh.vertex_count() != n || 3 * mesh.face_count() != self.places.len() {
             return Err(OperatorError::Connectivity { vertex: 0 });
@@ -399,28 +393,22 @@ mod tests {
                 let stiffness = cotan_stiffness(mesh).unwrap();
                 let expected = positive_lumped_mass(mesh, area).unwrap();
                 // Filled twice: nothing is left of the first time.
-                let (mut weights, mut diagonal, mut mass) =
-                    (vec![f64::NAN; pattern.columns().len()], vec![f64::NAN; n], vec![0.0; n]);
+                let mut filled = pattern.laplacian();
                 for thin in [ThinFaces::Refuse, ThinFaces::Widen] {
-                    let numbers = CotangentNumbers {
-                        weights: &mut weights,
-                        diagonal: &mut diagonal,
-                        mass: &mut mass,
-                    };
-                    assert!(pattern.fill(mesh, thin, numbers).unwrap().is_empty());
+                    assert!(pattern.fill(mesh, thin, &mut filled).unwrap().is_empty());
                 }
                 for v in 0..n {
                     // A sum of some ten terms, in another order.
                     let size = 1e-13 * stiffness.get(v, v).unwrap().max(1.0);
-                    let row = pattern.offsets[v] as usize..pattern.offsets[v + 1] as usize;
                     let entries = if held[v] { 1 } else { stiffness.outer_view(v).unwrap().nnz() };
-                    assert_eq!(row.len() + 1, entries);
-                    for k in row {
-                        let s = stiffness.get(v, pattern.columns[k] as usize).unwrap();
-                        assert!((weights[k] + s).abs() < size, "{area:?}, vertex {v}");
+                    assert_eq!(filled.neighbors(v).len() + 1, entries);
+                    for (j, found) in filled.stiffness_row(v) {
+                        let s = stiffness.get(v, j as usize).unwrap();
+                        assert!((found - s).abs() < size, "{area:?}, vertex {v}");
                     }
-                    assert!((diagonal[v] - stiffness.get(v, v).unwrap()).abs() < size);
-                    assert!((mass[v] / expected[v] - 1.0).abs() < 1e-13);
+                    let own = stiffness.get(v, v).unwrap();
+                    assert!((filled.diagonal()[v] - own).abs() < size);
+                    assert!((filled.mass()[v] / expected[v] - 1.0).abs() < 1e-13);
                 }
             }
         }
@@ -433,10 +421,8 @@ mod tests {
         let mut pattern =
             CotangentPattern::new(&mesh, LumpedArea::Barycentric, &[false; 4]).unwrap();
         let mut fill = |thin| {
-            let [mut diagonal, mut mass] = [[0.0; 4]; 2];
-            let weights = &mut vec![0.0; pattern.columns().len()];
-            let numbers = CotangentNumbers { weights, diagonal: &mut diagonal, mass: &mut mass };
-            pattern.fill(&mesh, thin, numbers)
+            let mut laplacian = pattern.laplacian();
+            pattern.fill(&mesh, thin, &mut laplacian)
         };
         assert_eq!(fill(ThinFaces::Refuse), Err(cotan_stiffness(&mesh).unwrap_err()));
         assert_eq!(fill(ThinFaces::Widen), Ok(vec![1]));

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use fairing_sparse::{SparseMatrix, combine};
+use fairing_sparse::{SparseMatrix, combine, principal_submatrix};
 
 use super::{Laplacian, MassMatrix, mass};
 use crate::error::OperatorError;
@@ -62,9 +62,9 @@ impl Laplacian {
                 MassMatrix::Lumped(_) => {
                     MassMatrix::Lumped(free.iter().map(|&v| diagonal[v as usize]).collect())
                 }
-                MassMatrix::Consistent(m) => MassMatrix::Consistent(principal(m, &free, &place)),
+                MassMatrix::Consistent(m) => MassMatrix::Consistent(principal_submatrix(m, &free)),
             };
-            (Cow::Owned(principal(&self.stiffness, &free, &place)), Cow::Owned(mass))
+            (Cow::Owned(principal_submatrix(&self.stiffness, &free)), Cow::Owned(mass))
         };
         Ok(Restricted { whole: self, free, place, stiffness, mass })
     }
@@ -152,23 +152,4 @@ type Parts<'a> = (&'a [u32], &'a [u32], &'a [f64]);
 
 fn parts(matrix: &SparseMatrix) -> Parts<'_> {
     (matrix.indptr().into_raw_storage(), matrix.indices(), matrix.data())
-}
-
-/// The rows and columns of the free vertices, which ascend.
-fn principal(matrix: &SparseMatrix, free: &[u32], place: &[u32]) -> SparseMatrix {
-    let (starts, columns, data) = parts(matrix);
-    let mut offsets = Vec::with_capacity(free.len() + 1);
-    offsets.push(0);
-    let (mut new_columns, mut new_data) = (vec![], vec![]);
-    for &v in free {
-        let row = starts[v as usize] as usize..starts[v as usize + 1] as usize;
-        for (&j, &value) in columns[row.clone()].iter().zip(&data[row]) {
-            if place[j as usize] != NONE {
-                new_columns.push(place[j as usize]);
-                new_data.push(value);
-            }
-        }
-        offsets.push(new_columns.len() as u32);
-    }
-    SparseMatrix::new((free.len(), free.len()), offsets, new_columns, new_data)
 }

@@ -2,50 +2,59 @@
 
 use fairing_mesh::TriMesh;
 use fairing_operators::{
-    CotangentPattern, LaplacianKind, MassKind, ThinFaces, positive_lumped_mass,
+    CotangentPattern, LaplacianKind, MassKind, OperatorError, ThinFaces, positive_lumped_mass,
 };
-use fairing_sparse::SparseMatrix;
+use fairing_sparse::{GraphLaplacian, SparseMatrix};
 
 use crate::engine::diffusion::{Diffusion, Operator};
 use crate::engine::error::FlowFailure;
-use crate::engine::laplacian::Laplacian;
+use crate::engine::neighbors;
 
-/// Assembles `L` at the positions of `mesh`; vertices for which `held` is true have zero rows.
+/// Assembles `L` at the positions of `mesh`; vertices for which `fixed` is true have zero rows.
 pub(crate) fn assemble(
     mesh: &TriMesh,
     diffusion: Diffusion,
-    held: &[bool],
-) -> Result<Laplacian, FlowFailure> {
+    fixed: &[bool],
+) -> Result<GraphLaplacian, FlowFailure> {
     match diffusion {
-        Diffusion::Uniform { .. } => Ok(uniform(mesh, held)),
-        Diffusion::Cotangent { operator, .. } => cotangent(mesh, operator, held),
+        Diffusion::Uniform { .. } => Ok(uniform(mesh, fixed)),
+        Diffusion::Cotangent { operator, .. } => cotangent(mesh, operator, fixed),
     }
 }
 
 /// `L` for uniform weights.
-pub(crate) fn uniform(mesh: &TriMesh, held: &[bool]) -> Laplacian {
-    Laplacian::uniform(mesh.vertex_count(), mesh.faces(), held)
+pub(crate) fn uniform(mesh: &TriMesh, fixed: &[bool]) -> GraphLaplacian {
+    neighbors::uniform(mesh.vertex_count(), mesh.faces(), fixed)
 }
 
 /// `L` for cotangents.
 pub(crate) fn cotangent(
     mesh: &TriMesh,
     operator: Operator,
-    held: &[bool],
-) -> Result<Laplacian, FlowFailure> {
+    fixed: &[bool],
+) -> Result<GraphLaplacian, FlowFailure> {
     match operator {
-        Operator::Plain(area) => on_pattern(&mut CotangentPattern::new(mesh, area, held)?, mesh),
+        Operator::Auto => match cotangent(mesh, Operator::FIRST, fixed) {
+            Err(FlowFailure::Operator(OperatorError::DegenerateFace { .. })) => {
+                cotangent(mesh, Operator::Robust, fixed)
+            }
+            other => other,
+        },
+        Operator::Plain(area) => on_pattern(&mut CotangentPattern::new(mesh, area, fixed)?, mesh),
         Operator::Robust => {
             let (stiffness, mass) = operators(mesh, operator.kinds())?;
-            Ok(Laplacian::weighted(&stiffness, mass, held))
+            Ok(GraphLaplacian::weighted(&stiffness, mass, fixed))
         }
     }
 }
 
 /// `L` for the cotangents of a pattern.
-fn on_pattern(pattern: &mut CotangentPattern, mesh: &TriMesh) -> Result<Laplacian, FlowFailure> {
-    let mut laplacian = Laplacian::on(pattern);
-    laplacian.refill(pattern, mesh, ThinFaces::Refuse)?;
+fn on_pattern(
+    pattern: &mut CotangentPattern,
+    mesh: &TriMesh,
+) -> Result<GraphLaplacian, FlowFailure> {
+    let mut laplacian = pattern.laplacian();
+    pattern.fill(mesh, ThinFaces::Refuse, &mut laplacian)?;
     Ok(laplacian)
 }
 
@@ -61,11 +70,11 @@ impl Renewal {
     pub(crate) fn new(
         mesh: &TriMesh,
         diffusion: Diffusion,
-        held: &[bool],
+        fixed: &[bool],
     ) -> Result<Self, FlowFailure> {
         Ok(match diffusion {
             Diffusion::Cotangent { operator: Operator::Plain(area), .. } => {
-                Self::Pattern(CotangentPattern::new(mesh, area, held)?)
+                Self::Pattern(CotangentPattern::new(mesh, area, fixed)?)
             }
             other => Self::Whole(other),
         })
@@ -75,11 +84,11 @@ impl Renewal {
     pub(crate) fn assemble(
         &mut self,
         mesh: &TriMesh,
-        held: &[bool],
-    ) -> Result<Laplacian, FlowFailure> {
+        fixed: &[bool],
+    ) -> Result<GraphLaplacian, FlowFailure> {
         match self {
             Self::Pattern(pattern) => on_pattern(pattern, mesh),
-            Self::Whole(diffusion) => assemble(mesh, *diffusion, held),
+            Self::Whole(diffusion) => assemble(mesh, *diffusion, fixed),
         }
     }
 
@@ -88,14 +97,14 @@ impl Renewal {
     pub(crate) fn renew(
         &mut self,
         mesh: &TriMesh,
-        held: &[bool],
-        laplacian: &mut Laplacian,
+        fixed: &[bool],
+        laplacian: &mut GraphLaplacian,
         thin: ThinFaces,
     ) -> Result<Vec<u32>, FlowFailure> {
         match self {
-            Self::Pattern(pattern) => Ok(laplacian.refill(pattern, mesh, thin)?),
+            Self::Pattern(pattern) => Ok(pattern.fill(mesh, thin, laplacian)?),
             Self::Whole(diffusion) => {
-                *laplacian = assemble(mesh, *diffusion, held)?;
+                *laplacian = assemble(mesh, *diffusion, fixed)?;
                 Ok(Vec::new())
             }
         }
@@ -106,7 +115,7 @@ impl Renewal {
 pub(crate) fn mass(mesh: &TriMesh, operator: Operator) -> Result<Vec<f64>, FlowFailure> {
     match operator {
         Operator::Plain(area) => Ok(positive_lumped_mass(mesh, area)?),
-        Operator::Robust => Ok(operators(mesh, operator.kinds())?.1),
+        Operator::Auto | Operator::Robust => Ok(operators(mesh, operator.kinds())?.1),
     }
 }
 

@@ -6,10 +6,10 @@
 
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{cross, norm, sub};
+use fairing_sparse::passes::CHUNK;
 use rayon::prelude::*;
 
 use crate::engine::error::FlowFailure;
-use crate::engine::laplacian::ROWS;
 
 /// A mesh with less than this share of its area is gone: a hundredth of its size.
 const GONE: f64 = 1e-4;
@@ -32,7 +32,7 @@ impl Collapse {
     /// Refuses a step that leaves next to nothing of the mesh.
     pub(crate) fn check(&self, faces: &[[u32; 3]], x: &[[f64; 3]]) -> Result<(), FlowFailure> {
         // In chunks, so that the sum does not depend on threads.
-        let chunks: Vec<f64> = faces.par_chunks(ROWS).map(|faces| areas(faces, x).sum()).collect();
+        let chunks: Vec<f64> = faces.par_chunks(CHUNK).map(|faces| areas(faces, x).sum()).collect();
         // Areas that are not finite are left to the check of the positions.
         if chunks.iter().sum::<f64>() < GONE * self.total
             && let Some((_, failure)) = self.smallest(faces, x)

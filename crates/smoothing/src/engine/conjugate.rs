@@ -2,18 +2,19 @@
 
 use std::borrow::Cow;
 
+use fairing_sparse::passes::{CHUNK, sum, update, update_both};
+use fairing_sparse::{CgRoom, CgSystem, GraphLaplacian, Padded, descend};
 use rayon::prelude::*;
 
 use crate::engine::constraints::Freedom;
 use crate::engine::error::FlowFailure;
-use crate::engine::laplacian::{Laplacian, Padded, ROWS, by_chunk};
 use crate::engine::parts::{Gauge, Parts, larger, reciprocal};
 
 type Point = [f64; 3];
 
 /// Solves `P (M(1 + w) + t S) P d = P (M w (c − x) − t S x)` for the displacement `d` of one implicit step.
 ///
-/// `P` lets through what constraints allow: nothing at held vertices, the tangent at sliding ones. Conjugate
+/// `P` lets through what constraints allow: nothing at fixed vertices, the tangent at sliding ones. Conjugate
 /// gradients with the diagonal as preconditioner and the displacement of the step before as a first guess. Each
 /// coordinate has its own coefficients unless sliding vertices couple them. It ends when the residual of every
 /// coordinate in every part of the mesh is below the tolerance relative to its own right-hand side of the step about
@@ -22,7 +23,7 @@ type Point = [f64; 3];
 /// taken from the recurrence; parts that move as a whole are put where their weighted mean must lie.
 #[derive(Clone, Copy)]
 pub(crate) struct ImplicitSolver<'a> {
-    pub(crate) laplacian: &'a Laplacian,
+    pub(crate) laplacian: &'a GraphLaplacian,
     pub(crate) parts: &'a Parts,
     pub(crate) step: f64,
     pub(crate) tolerance: f64,
@@ -40,9 +41,7 @@ pub(crate) struct Solved {
 #[derive(Default)]
 pub(crate) struct Room {
     d: Vec<Padded>,
-    p: Vec<Padded>,
-    q: Vec<Padded>,
-    r: Vec<Padded>,
+    cg: CgRoom<4>,
     inverse: Vec<f64>,
 }
 
@@ -59,26 +58,27 @@ impl<'a> ImplicitSolver<'a> {
         room: &mut Room,
     ) -> Result<Solved, FlowFailure> {
         let centres = self.parts.centres(self.laplacian.mass(), x, freedom);
-        for all in [&mut room.d, &mut room.p, &mut room.q, &mut room.r] {
-            all.resize(x.len(), [0.0; 4]);
-        }
-        let Room { d, p, q, r, inverse } = room;
+        room.d.resize(x.len(), [0.0; 4]);
+        room.cg.resize(x.len());
+        let Room { d, cg, inverse } = room;
         let system = System::new(*self, x, freedom, &centres, inverse);
-        system.begin(guess, d, p);
-        let mut iterations = 0;
+        system.begin(guess, d, &mut cg.p);
+        let (mut iterations, most) = (0, self.most_iterations);
+        let done = |squares: &Padded| [root(squares) <= self.tolerance; 4];
         for restart in 0..=MOST_RESTARTS {
-            let sums = system.residual(d, p, r);
-            if restart > 0 && root(&sums) <= self.tolerance {
+            let squares = system.residual(d, &cg.p, &mut cg.r);
+            if restart > 0 && root(&squares) <= self.tolerance {
                 system.end(d, guess);
-                let residual = system.gauge.reported_in_units(r, &sums);
+                let residual = system.gauge.reported_in_units(&cg.r, &squares);
                 return Ok(Solved { iterations, residual });
             }
             if restart < MOST_RESTARTS {
-                system.iterate(sums, [d, p, q, r], &mut iterations)?;
-                system.settle(d, p);
+                descend(&system, d, cg, done, &mut iterations, most)
+                    .map_err(|_| system.not_converged(iterations, &cg.r))?;
+                system.settle(d, &mut cg.p);
             }
         }
-        Err(system.not_converged(iterations, r))
+        Err(system.not_converged(iterations, &cg.r))
     }
 
     /// How residuals of the step at `x` are measured: against `M (x − c̄ + w (c − c̄))` about the centres c̄.
@@ -93,9 +93,9 @@ impl<'a> ImplicitSolver<'a> {
         });
         let (sides, mut reach): (Vec<_>, Vec<_>) = both.into_iter().unzip();
         // Held vertices are neighbours of every part that is not free.
-        if let Some(&held) = reach.last() {
+        if let Some(&fixed) = reach.last() {
             for (reach, _) in reach.iter_mut().zip(self.parts.free()).filter(|(_, free)| !free) {
-                *reach = [0, 1, 2].map(|k| larger(reach[k], held[k]));
+                *reach = [0, 1, 2].map(|k| larger(reach[k], fixed[k]));
             }
         }
         Gauge::new(self.parts, &sides, &reach, self.tolerance, freedom.sliding.is_some())
@@ -110,7 +110,7 @@ impl<'a> ImplicitSolver<'a> {
     #[inline(always)]
     fn side(&self, x: &[Point], freedom: &Freedom, centre: Point, i: usize) -> [f64; 4] {
         let ((w, target), m) = (freedom.pull(i), self.laplacian.mass()[i]);
-        let term = match freedom.held[i] {
+        let term = match freedom.fixed[i] {
             true => 0.0,
             false => m * (1.0 + w) + 2.0 * self.step * self.laplacian.diagonal()[i],
         };
@@ -153,7 +153,7 @@ impl<'a> System<'a> {
             None => Cow::Borrowed(mass),
             Some((w, _)) => mass.iter().zip(w).map(|(m, w)| m * (1.0 + w)).collect(),
         };
-        let pairs = shifted.par_iter().zip(diagonal).with_min_len(ROWS);
+        let pairs = shifted.par_iter().zip(diagonal).with_min_len(CHUNK);
         pairs.map(|(m, s)| 1.0 / (m + solver.step * s)).collect_into_vec(inverse);
         let gauge = solver.gauge(x, freedom, centres);
         let units = gauge.measure.iter().map(|g| g.map(reciprocal)).collect();
@@ -185,22 +185,9 @@ impl<'a> System<'a> {
         [p[0], p[1], p[2], 0.0]
     }
 
-    #[inline(always)]
-    fn precondition(&self, i: usize, r: Padded) -> Padded {
-        let s = self.inverse[i];
-        self.project(i, [s * r[0], s * r[1], s * r[2], 0.0])
-    }
-
-    /// `r · r` and `r · z` for each coordinate.
-    #[inline(always)]
-    fn six(&self, i: usize, r: Padded) -> [f64; 6] {
-        let z = self.precondition(i, r);
-        [r[0] * r[0], r[1] * r[1], r[2] * r[2], r[0] * z[0], r[1] * z[1], r[2] * z[2]]
-    }
-
     /// `d` from a first guess in mesh units, and `p = x + d`.
     fn begin(&self, guess: &[Point], d: &mut [Padded], p: &mut [Padded]) {
-        both(d, p, |i, d, p| {
+        update_both(d, p, |i, d, p| {
             let g = &self.gauge.measure[self.solver.parts.part(i)];
             let [a, b, c] = guess[i];
             *d = self.project(i, [g[0] * a, g[1] * b, g[2] * c, 0.0]);
@@ -210,14 +197,15 @@ impl<'a> System<'a> {
 
     /// The displacement in mesh units.
     fn end(&self, d: &[Padded], displacement: &mut [Point]) {
-        by_chunk(displacement, |i, _| {
+        update(displacement, |i, _| {
             let (d, unit) = (&d[i], &self.units[self.solver.parts.part(i)]);
-            ([d[0] * unit[0], d[1] * unit[1], d[2] * unit[2]], [])
+            ([d[0] * unit[0], d[1] * unit[1], d[2] * unit[2]], ())
         });
     }
 
-    /// `r = P (M (w (c − x − d) − d) − t S (x + d))`, whose first part is one product at `p = x + d`.
-    fn residual(&self, d: &[Padded], p: &[Padded], r: &mut [Padded]) -> [f64; 6] {
+    /// `r = P (M (w (c − x − d) − d) − t S (x + d))`, whose first part is one product at `p = x + d`, and the squares of
+    /// each coordinate.
+    fn residual(&self, d: &[Padded], p: &[Padded], r: &mut [Padded]) -> Padded {
         let (l, t) = (self.solver.laplacian, self.solver.step);
         let mass = l.mass();
         l.sweep_summing(p, r, |i, s, y, _| {
@@ -229,55 +217,8 @@ impl<'a> System<'a> {
                 r[k] = g[k] * (t * s[k] + m * (target[k] - w * y[k])) - m * d[k];
             }
             let r = self.project(i, r);
-            (r, self.six(i, r))
+            (r, r.map(|r| r * r))
         })
-    }
-
-    /// Conjugate gradients from the residual `r` at `d`, until the recurrence is below the tolerance; `p` and `q` are
-    /// room for the directions and their images.
-    fn iterate(
-        &self,
-        mut sums: [f64; 6],
-        [d, p, q, r]: [&mut Vec<Padded>; 4],
-        iterations: &mut usize,
-    ) -> Result<(), FlowFailure> {
-        let ImplicitSolver { laplacian: l, step: t, tolerance, most_iterations, .. } = self.solver;
-        let coupled = self.freedom.sliding.is_some();
-        by_chunk(p, |i, _| (self.precondition(i, r[i]), []));
-        while root(&sums) > tolerance || !root(&sums).is_finite() {
-            fairing_watch::check();
-            if *iterations == most_iterations || !root(&sums).is_finite() {
-                return Err(self.not_converged(*iterations, r));
-            }
-            let curvature = l.sweep_summing(p, q, |i, s, p, _| {
-                let m = self.shifted[i];
-                let mut q = [0.0; 4];
-                for k in 0..4 {
-                    q[k] = m * p[k] - t * s[k];
-                }
-                let q = self.project(i, q);
-                (q, [p[0] * q[0], p[1] * q[1], p[2] * q[2]])
-            });
-            let old = [sums[3], sums[4], sums[5]];
-            let alpha = quotients(old, curvature, coupled);
-            sums = by_chunk(r, |i, r| {
-                let (mut r, q) = (r, &q[i]);
-                for k in 0..4 {
-                    r[k] -= alpha[k] * q[k];
-                }
-                (r, self.six(i, r))
-            });
-            let beta = quotients([sums[3], sums[4], sums[5]], old, coupled);
-            both(d, p, |i, d, p| {
-                let z = self.precondition(i, r[i]);
-                for k in 0..4 {
-                    d[k] += alpha[k] * p[k];
-                    p[k] = z[k] + beta[k] * p[k];
-                }
-            });
-            *iterations += 1;
-        }
-        Ok(())
     }
 
     /// Puts the weighted mean of each part that may move as a whole where the equations have it: at its centre. They
@@ -297,7 +238,7 @@ impl<'a> System<'a> {
             false => [0.0; 4],
         };
         let off: Vec<Padded> = sums.iter().zip(parts.free()).map(off).collect();
-        both(d, p, |i, d, p| {
+        update_both(d, p, |i, d, p| {
             let (off, g) = (&off[parts.part(i)], &self.gauge.measure[parts.part(i)]);
             for k in 0..3 {
                 d[k] -= g[k] * off[k];
@@ -307,27 +248,39 @@ impl<'a> System<'a> {
     }
 
     fn not_converged(&self, iterations: usize, r: &[Padded]) -> FlowFailure {
-        let sums = by_chunk(&mut r.to_vec(), |_, r| (r, [r[0] * r[0], r[1] * r[1], r[2] * r[2]]));
-        not_converged(self.gauge.reported_in_units(r, &sums), iterations, r)
+        let squares: Padded = sum(r.len(), |i| r[i].map(|r| r * r));
+        not_converged(self.gauge.reported_in_units(r, &squares), iterations, r)
     }
 }
 
-/// Calls `f(i, dᵢ, pᵢ)` for every vertex, in parallel.
-#[inline(always)]
-fn both<F>(d: &mut [Padded], p: &mut [Padded], f: F)
-where
-    F: Fn(usize, &mut Padded, &mut Padded) + Sync,
-{
-    d.par_chunks_mut(ROWS).zip(p.par_chunks_mut(ROWS)).enumerate().for_each(|(chunk, (d, p))| {
-        for (k, (d, p)) in d.iter_mut().zip(p).enumerate() {
-            f(chunk * ROWS + k, d, p);
-        }
-    });
+impl CgSystem<4> for System<'_> {
+    fn multiply(&self, p: &[Padded], q: &mut Vec<Padded>) -> Padded {
+        let ImplicitSolver { laplacian, step: t, .. } = self.solver;
+        laplacian.sweep_summing(p, q, |i, s, p, _| {
+            let m = self.shifted[i];
+            let mut q = [0.0; 4];
+            for k in 0..4 {
+                q[k] = m * p[k] - t * s[k];
+            }
+            let q = self.project(i, q);
+            (q, [p[0] * q[0], p[1] * q[1], p[2] * q[2], 0.0])
+        })
+    }
+
+    #[inline(always)]
+    fn precondition(&self, i: usize, r: Padded) -> Padded {
+        let s = self.inverse[i];
+        self.project(i, [s * r[0], s * r[1], s * r[2], 0.0])
+    }
+
+    fn is_coupled(&self) -> bool {
+        self.freedom.sliding.is_some()
+    }
 }
 
-/// The largest root of the first three sums; NaN if one is.
-fn root(sums: &[f64; 6]) -> f64 {
-    sums[..3].iter().map(|s| s.sqrt()).fold(0.0, larger)
+/// The largest root of the squares of three coordinates; NaN if one is.
+fn root(squares: &Padded) -> f64 {
+    squares[..3].iter().map(|s| s.sqrt()).fold(0.0, larger)
 }
 
 /// The failure with the vertex of the largest residual.
@@ -339,14 +292,4 @@ pub(crate) fn not_converged<const N: usize>(
     let size = |r: &[f64; N]| r.iter().map(|x| x.abs()).fold(0.0, larger);
     let worst = (0..r.len()).max_by(|&a, &b| size(&r[a]).total_cmp(&size(&r[b])));
     FlowFailure::NotConverged { residual, iterations, vertex: worst.unwrap_or(0) as u32 }
-}
-
-/// The quotients of the coordinates, or of their sums where they are coupled; zero over zero is zero.
-fn quotients(above: Point, below: Point, coupled: bool) -> Padded {
-    let quotient = |a: f64, b: f64| if a == 0.0 { 0.0 } else { a / b };
-    if coupled {
-        return [quotient(above.iter().sum(), below.iter().sum()); 4];
-    }
-    let [a, b, c] = [0, 1, 2].map(|k| quotient(above[k], below[k]));
-    [a, b, c, 0.0]
 }

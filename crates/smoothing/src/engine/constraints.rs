@@ -105,7 +105,7 @@ impl Constraints {
 /// Constraints in the order of an arrangement.
 pub(crate) struct Freedom {
     /// Vertices that stay.
-    pub(crate) held: Vec<bool>,
+    pub(crate) fixed: Vec<bool>,
     /// Weight and target for each vertex, if there are any.
     pub(crate) soft: Option<(Vec<f64>, Vec<[f64; 3]>)>,
     /// Boundary curves to slide along.
@@ -123,20 +123,20 @@ impl Freedom {
             true => Ok(vertex as usize),
             false => Err(FlowFailure::NoSuchVertex { vertex, vertex_count: n }),
         };
-        let mut held = vec![false; n];
+        let mut fixed = vec![false; n];
         if !constraints.pinned.is_empty() {
             for &v in &constraints.pinned {
-                held[check(v)?] = true;
+                fixed[check(v)?] = true;
             }
-            held = arrangement.arrange(&held);
+            fixed = arrangement.arrange(&fixed);
         }
         if constraints.boundary == Boundary::Pinned {
-            for (held, &boundary) in held.iter_mut().zip(mesh.topology().boundary_vertices()) {
-                *held |= boundary;
+            for (fixed, &boundary) in fixed.iter_mut().zip(mesh.topology().boundary_vertices()) {
+                *fixed |= boundary;
             }
         }
         let sliding = (constraints.boundary == Boundary::Sliding)
-            .then(|| Sliding::new(mesh, &mut held))
+            .then(|| Sliding::new(mesh, &mut fixed))
             .filter(|sliding| !sliding.is_empty());
         let mut soft = None;
         if !constraints.soft.is_empty() {
@@ -160,10 +160,10 @@ impl Freedom {
             }
             soft = Some((arrangement.arrange(&weights), arrangement.arrange(&targets)));
         }
-        Ok(Self { held, soft, sliding })
+        Ok(Self { fixed, soft, sliding })
     }
 
-    /// Whether every vertex is either held or moves freely, so that a step is linear in the positions.
+    /// Whether every vertex is either fixed or moves freely, so that a step is linear in the positions.
     pub(crate) fn is_linear(&self) -> bool {
         self.soft.is_none() && self.sliding.is_none()
     }
@@ -180,7 +180,7 @@ impl Freedom {
     /// The part of a displacement of vertex `i` that is allowed at the positions the tangents were taken at.
     #[inline(always)]
     pub(crate) fn project(&self, i: usize, d: [f64; 3]) -> [f64; 3] {
-        if self.held[i] {
+        if self.fixed[i] {
             return [0.0; 3];
         }
         match &self.sliding {

@@ -25,8 +25,12 @@ pub enum Diffusion {
 }
 
 /// How the stiffness `S` and the areas `M` of cotangent weights are made.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Operator {
+    /// Cotangents over barycentric areas; the robust operator where a face of the input is too thin for cotangents,
+    /// which [`Report::too_thin`](crate::Report::too_thin) then names.
+    #[default]
+    Auto,
     /// Cotangents of the faces as they are, over these areas. Faces without area are refused, obtuse ones can give
     /// negative weights. Areas must be positive, which [`LumpedArea::Voronoi`] does not promise.
     Plain(LumpedArea),
@@ -39,30 +43,23 @@ pub enum Operator {
 }
 
 impl Operator {
+    /// Auto, as it is tried first.
+    pub(crate) const FIRST: Self = Self::Plain(LumpedArea::Barycentric);
+
     /// The kinds of stiffness and mass.
     pub(crate) fn kinds(self) -> (LaplacianKind, MassKind) {
         match self {
+            Self::Auto => Self::FIRST.kinds(),
             Self::Plain(area) => (LaplacianKind::Cotangent, area.into()),
             Self::Robust => (LaplacianKind::Robust, MassKind::Barycentric),
         }
     }
 }
 
-/// Plain, over barycentric areas.
-impl Default for Operator {
-    fn default() -> Self {
-        Self::Plain(LumpedArea::Barycentric)
-    }
-}
-
 /// The area of vertices.
 pub(crate) const AREA: Parameter = Parameter::choice(
     "area",
-    &[
-        Choice::new("barycentric", "A third of the faces around"),
-        Choice::new("mixed", "Voronoi cells, kept inside obtuse faces"),
-        Choice::new("voronoi", "Voronoi cells; may be negative at obtuse angles, which is refused"),
-    ],
+    LumpedArea::CHOICES,
     "barycentric",
     "The areas of vertices for cotangents",
 );
@@ -71,11 +68,12 @@ pub(crate) const AREA: Parameter = Parameter::choice(
 pub(crate) const OPERATOR: Parameter = Parameter::choice(
     "operator",
     &[
+        Choice::new("auto", "Cotangents, or robust where a face of the input is too thin for them"),
         Choice::new("cotangent", "The cotangents of the faces"),
         Choice::new("robust", "Those of the intrinsic Delaunay triangulation, which any mesh has"),
     ],
-    "cotangent",
-    "How cotangents are made",
+    "auto",
+    "How cotangents are made; auto with another area than barycentric means cotangent",
 );
 
 /// The weights.
@@ -104,10 +102,29 @@ pub(crate) const TIME: Parameter =
 impl Operator {
     /// From [`OPERATOR`] and [`AREA`].
     pub(crate) fn of_values(values: &Values<'_>) -> Result<Self, ParameterError> {
-        if values.text(OPERATOR.name) == Some("robust") {
-            return Ok(Self::Robust);
+        let area = values.get(AREA.name)?.unwrap_or(LumpedArea::Barycentric);
+        let barycentric = area == LumpedArea::Barycentric;
+        match values.text(OPERATOR.name) {
+            Some("robust") if barycentric => Ok(Self::Robust),
+            Some("robust") => Err(values
+                .refuse(AREA.name, "barycentric with operator robust, which has no other areas")),
+            Some("auto") | None if barycentric => Ok(Self::Auto),
+            _ => Ok(Self::Plain(area)),
         }
-        Ok(Self::Plain(values.get(AREA.name)?.unwrap_or(LumpedArea::Barycentric)))
+    }
+}
+
+/// Refuses parameters of cotangents, which uniform weights would ignore.
+pub(crate) fn refuse_with_uniform(
+    values: &Values<'_>,
+    parameters: &[Parameter],
+) -> Result<(), ParameterError> {
+    match parameters.iter().find(|parameter| values.text(parameter.name).is_some()) {
+        None => Ok(()),
+        Some(parameter) => {
+            let expected = "left out with weights uniform: it is a parameter of cotangents";
+            Err(values.refuse(parameter.name, expected))
+        }
     }
 }
 
@@ -123,10 +140,10 @@ impl Diffusion {
         match values.text(WEIGHTS.name) {
             Some("cotangent") => Self::cotangents(values, cotangent),
             None if timed => Self::cotangents(values, cotangent),
-            _ if timed => {
-                Err(values.refuse(TIME.name, "left out with uniform weights, whose step is lambda"))
+            _ => {
+                refuse_with_uniform(values, &[TIME, OPERATOR, AREA])?;
+                Ok(Self::uniform(values.get(LAMBDA.name)?.unwrap_or(uniform)))
             }
-            _ => Ok(Self::uniform(values.get(LAMBDA.name)?.unwrap_or(uniform))),
         }
     }
 
@@ -173,7 +190,7 @@ impl Diffusion {
         Self::Uniform { lambda }
     }
 
-    /// Cotangent weights over barycentric areas, with steps of `lambda` h².
+    /// Cotangent weights over barycentric areas ([`Operator::Auto`]), with steps of `lambda` h².
     pub fn cotangent(lambda: f64) -> Self {
         Self::Cotangent { time: Time::SquaredEdges(lambda), operator: Operator::default() }
     }
@@ -184,6 +201,14 @@ impl Diffusion {
         match self {
             Self::Uniform { .. } => self,
             Self::Cotangent { time, .. } => Self::Cotangent { time, operator },
+        }
+    }
+
+    /// The operator of cotangents.
+    pub(crate) fn operator_mut(&mut self) -> Option<&mut Operator> {
+        match self {
+            Self::Uniform { .. } => None,
+            Self::Cotangent { operator, .. } => Some(operator),
         }
     }
 

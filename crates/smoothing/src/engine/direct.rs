@@ -1,15 +1,14 @@
 //! Cholesky factorisation for the steps of an implicit flow.
 
 use fairing_sparse::{
-    Cholesky, CholeskyError, Method, Ordering, SparseMatrix, SymbolicCholesky, Workload,
+    Cholesky, CholeskyError, GraphLaplacian, Ordering, SolverChoice, SparseMatrix,
+    SymbolicCholesky, Workload,
 };
 
 use crate::engine::conjugate::{ImplicitSolver, Solved, not_converged};
 use crate::engine::constraints::Freedom;
 use crate::engine::error::FlowFailure;
-use crate::engine::laplacian::Laplacian;
 use crate::engine::parts::{Gauge, Parts, larger};
-use crate::engine::spectrum::upper_bound;
 
 type Point = [f64; 3];
 
@@ -27,26 +26,26 @@ const ILL_CONDITIONED: f64 = 1e6;
 const LONG: f64 = 100.0;
 
 /// Whether factorisation is faster than conjugate gradients for a run of implicit steps, by the measured rule of
-/// [`fairing_sparse::Method`], or needed.
+/// [`SolverChoice`], or needed.
 ///
 /// The condition is `κ = 1 + t ω` for the largest eigenvalue ω of `−L`, about 7.4/h² with cotangents on even meshes. A
-/// factor of a frozen operator serves all steps; an operator taken anew needs one for each. So λ decides: short steps
+/// factor of a frozen operator serves all steps; an operator that is assembled again needs one for each. So λ decides: short steps
 /// are iterated, long ones factored, and those of frozen operators sooner.
-pub(crate) fn pays(laplacian: &Laplacian, step: f64, tolerance: f64, solves: usize) -> bool {
+pub(crate) fn pays(laplacian: &GraphLaplacian, step: f64, tolerance: f64, solves: usize) -> bool {
     let work = Workload {
         rows: laplacian.len(),
         entries: laplacian.entries(),
         factor_entries: None,
-        condition: 1.0 + step * upper_bound(laplacian),
+        condition: 1.0 + step * laplacian.spectral_bound(),
         tolerance: (tolerance / CHANGE).min(1.0),
         solves,
     };
-    work.condition > ILL_CONDITIONED || Method::choose(&work) == Method::Direct
+    work.condition > ILL_CONDITIONED || SolverChoice::choose(&work) == SolverChoice::Direct
 }
 
 /// The systems of a run, factored. Held vertices are taken out; soft constraints are within.
 ///
-/// For long steps `A = M(1 + w) + tS` is nearly singular: a part without held vertices costs next to nothing to move
+/// For long steps `A = M(1 + w) + tS` is nearly singular: a part without fixed vertices costs next to nothing to move
 /// as a whole, and rounding of t S would decide where it goes. But where it goes is known: 1ᵀ A = 1ᵀ M(1 + w) fixes
 /// the weighted mean of a part. So one solves about that mean, for a right-hand side whose sum over each part is
 /// zero, with a vertex g of each part *grounded*: `A' = A + s e eᵀ` at g, as well conditioned as t S is without its
@@ -98,13 +97,13 @@ impl Direct {
         let centred: Vec<Point> = (0..x.len()).map(|i| [0, 1, 2].map(|k| about(i, k))).collect();
         laplacian.sweep_summing(&centred, &mut b, |i, s, _, _| {
             let (w, target) = freedom.pull(i);
-            let (base, moves) = (base(i), !freedom.held[i]);
+            let (base, moves) = (base(i), !freedom.fixed[i]);
             let flow = if parts.is_free(i) { [0.0; 3] } else { s };
             let b = [0, 1, 2].map(|k| {
                 let pull = if w > 0.0 { w * (target[k] - base[k]) } else { 0.0 };
                 if moves { mass[i] * (x[i][k] - base[k] + pull) + t * flow[k] } else { 0.0 }
             });
-            (b, [])
+            (b, ())
         });
         let mut sides = solver.sides(x, freedom, &centres);
         for (side, own) in sides.iter_mut().zip(parts.sums(|_, i| b[i].map(|b| b * b))) {
@@ -131,11 +130,11 @@ impl Direct {
             iterations += 1;
             laplacian.sweep_summing(&u, &mut r, |i, s, u, _| {
                 let q = mass[i] * (1.0 + freedom.pull(i).0);
-                let residual = match freedom.held[i] {
+                let residual = match freedom.fixed[i] {
                     true => [0.0; 3],
                     false => [0, 1, 2].map(|k| b[i][k] - (q * u[k] - t * s[k])),
                 };
-                (residual, [])
+                (residual, ())
             });
             grounded.balance(parts, mass, freedom, &mut r);
         };
@@ -227,19 +226,24 @@ impl Grounded {
     }
 }
 
-/// `M(1 + w) + t S` over the vertices that move, with ones on the diagonal of those that are held, and `ground` added
+/// `M(1 + w) + t S` over the vertices that move, with ones on the diagonal of those that are fixed, and `ground` added
 /// to the diagonal.
-fn system(laplacian: &Laplacian, step: f64, freedom: &Freedom, ground: &[f64]) -> SparseMatrix {
+fn system(
+    laplacian: &GraphLaplacian,
+    step: f64,
+    freedom: &Freedom,
+    ground: &[f64],
+) -> SparseMatrix {
     let n = laplacian.len();
     let (mut starts, mut columns, mut values) = (vec![0u32], Vec::new(), Vec::new());
     let mut row: Vec<(u32, f64)> = Vec::new();
     for i in 0..n {
         row.clear();
-        let own = match freedom.held[i] {
+        let own = match freedom.fixed[i] {
             true => 1.0,
             false => {
                 let neighbors = laplacian.stiffness_row(i);
-                row.extend(neighbors.filter(|&(j, _)| !freedom.held[j as usize]));
+                row.extend(neighbors.filter(|&(j, _)| !freedom.fixed[j as usize]));
                 let s = if laplacian.is_still(i) { 0.0 } else { laplacian.diagonal()[i] };
                 laplacian.mass()[i] * (1.0 + freedom.pull(i).0) + step * s + ground[i]
             }
@@ -263,10 +267,10 @@ mod tests {
     #[test]
     fn conditioning_decides() {
         let mesh = fairing_shapes::icosphere(5);
-        let held = vec![false; mesh.vertex_count()];
+        let fixed = vec![false; mesh.vertex_count()];
         let h2 = mesh.mean_edge_length().powi(2);
         let laplacian =
-            crate::engine::assemble::cotangent(&mesh, Default::default(), &held).unwrap();
+            crate::engine::assemble::cotangent(&mesh, Default::default(), &fixed).unwrap();
         let pays = |lambda: f64, solves| super::pays(&laplacian, lambda * h2, 1e-8, solves);
         assert!(!pays(1.0, 1) && !pays(0.1, 10));
         assert!(pays(100.0, 10) && pays(1e4, 1));

@@ -5,11 +5,11 @@ use std::fmt;
 use fairing_mesh::{BuildError, TriMesh};
 use fairing_operators::OperatorError;
 
-/// A flow that could not go on, and the mesh as far as it came.
+/// A flow that failed, and the last mesh before that.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct FlowError {
-    /// What stood in the way.
+    /// Why.
     pub failure: FlowFailure,
     /// The step that could not be taken, from 1; 0 if none was begun.
     pub iteration: usize,
@@ -43,7 +43,7 @@ impl From<OperatorError> for FlowFailure {
     }
 }
 
-/// What stands in the way of a step.
+/// Why a step cannot be taken.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FlowFailure {

@@ -2,15 +2,13 @@
 
 pub(crate) mod arrangement;
 pub(crate) mod assemble;
-pub(crate) mod clenshaw;
 pub(crate) mod collapse;
 pub(crate) mod conjugate;
 pub(crate) mod constraints;
 pub(crate) mod diffusion;
 pub(crate) mod direct;
-pub(crate) mod double;
 pub(crate) mod error;
-pub(crate) mod laplacian;
+pub(crate) mod neighbors;
 pub(crate) mod outcome;
 pub(crate) mod parts;
 pub(crate) mod resolvent;

@@ -27,8 +27,11 @@ pub struct Report {
     pub stable_limit: Option<f64>,
     /// Whether steps beyond the stable limit were taken.
     pub unstable: bool,
-    /// The faces that became degenerate on the way and were taken with longer sides than theirs: for flows that take
-    /// their operator again in each step. A face counts once.
+    /// The first face of the input that is too thin for cotangents, for which [`Operator::Auto`](crate::Operator::Auto)
+    /// took the robust operator.
+    pub too_thin: Option<u32>,
+    /// The faces that became degenerate on the way, whose sides were lengthened: for flows that assemble their operator
+    /// again in each step. A face counts once.
     pub degenerate_faces: usize,
     /// How the steps were computed.
     pub approach: Approach,

@@ -5,10 +5,11 @@
 //! smallest as they are. So residuals are measured for each coordinate of each part, against its own right-hand side,
 //! but never below what rounding leaves of it.
 
+use fairing_sparse::passes::CHUNK;
+use fairing_sparse::{GraphLaplacian, Padded};
 use rayon::prelude::*;
 
 use crate::engine::constraints::Freedom;
-use crate::engine::laplacian::{Laplacian, Padded, ROWS};
 
 type Point = [f64; 3];
 
@@ -24,23 +25,23 @@ const FEW: usize = 16;
 
 /// Connected parts of the vertices that move.
 pub(crate) struct Parts {
-    /// The part of each vertex; for vertices that are held, one more than there are.
+    /// The part of each vertex; for vertices that are fixed, one more than there are.
     label: Vec<u32>,
     /// A vertex of each part.
     first: Vec<u32>,
-    /// Whether a part has neighbours that are held, or vertices that slide, so that it cannot move as a whole.
+    /// Whether a part has neighbours that are fixed, or vertices that slide, so that it cannot move as a whole.
     anchored: Vec<bool>,
 }
 
 impl Parts {
     /// The parts that the pattern of a Laplacian connects.
-    pub(crate) fn of(laplacian: &Laplacian, freedom: &Freedom) -> Self {
+    pub(crate) fn of(laplacian: &GraphLaplacian, freedom: &Freedom) -> Self {
         const NONE: u32 = u32::MAX;
         let n = laplacian.len();
         let (mut label, mut first, mut anchored) = (vec![NONE; n], Vec::new(), Vec::new());
         let mut open = Vec::new();
         for seed in 0..n {
-            if label[seed] != NONE || freedom.held[seed] {
+            if label[seed] != NONE || freedom.fixed[seed] {
                 continue;
             }
             let part = first.len() as u32;
@@ -50,7 +51,7 @@ impl Parts {
             open.push(seed as u32);
             while let Some(i) = open.pop() {
                 for &j in laplacian.neighbors(i as usize) {
-                    if freedom.held[j as usize] {
+                    if freedom.fixed[j as usize] {
                         anchored[part as usize] = true;
                     } else if label[j as usize] == NONE {
                         label[j as usize] = part;
@@ -67,7 +68,7 @@ impl Parts {
         Self { label, first, anchored }
     }
 
-    /// The number of parts; vertices that are held count as one more.
+    /// The number of parts; vertices that are fixed count as one more.
     pub(crate) fn count(&self) -> usize {
         self.anchored.len()
     }
@@ -135,7 +136,7 @@ impl Parts {
         };
         let gather = |(chunk, labels): (usize, &[u32])| {
             let mut all = vec![([0.0; A], [0.0; B]); self.count()];
-            let mut i = chunk * ROWS;
+            let mut i = chunk * CHUNK;
             // Vertices in a row are mostly of one part, whose sums stay in registers.
             for run in labels.chunk_by(|a, b| a == b) {
                 let part = run[0] as usize;
@@ -151,7 +152,7 @@ impl Parts {
         if self.count() > FEW {
             return gather((0, &self.label));
         }
-        let chunks: Vec<_> = self.label.par_chunks(ROWS).enumerate().map(gather).collect();
+        let chunks: Vec<_> = self.label.par_chunks(CHUNK).enumerate().map(gather).collect();
         let mut total = vec![([0.0; A], [0.0; B]); self.count()];
         for chunk in chunks {
             for (total, part) in total.iter_mut().zip(chunk) {
@@ -275,6 +276,7 @@ mod tests {
     use super::*;
     use crate::engine::arrangement::Arrangement;
     use crate::engine::constraints::{Constraints, SoftConstraint};
+    use crate::engine::neighbors::uniform;
 
     /// Three tetrahedra of sizes 1, 2 and 1/8 apart from each other, and masses without a pattern.
     fn three() -> (TriMesh, Vec<f64>) {
@@ -298,7 +300,7 @@ mod tests {
         let constraints =
             Constraints { pinned: vec![1, 6], soft: vec![pull], ..Constraints::default() };
         let freedom = Freedom::new(&Arrangement::as_given(&mesh), &constraints).unwrap();
-        let laplacian = Laplacian::uniform(12, mesh.faces(), &freedom.held);
+        let laplacian = uniform(12, mesh.faces(), &freedom.fixed);
         let parts = Parts::of(&laplacian, &freedom);
         assert_eq!(parts.free().collect::<Vec<_>>(), [false, false, true, false]);
         let x = mesh.positions();
@@ -329,7 +331,7 @@ mod tests {
     fn residuals_are_relative_to_their_own_part() {
         let (mesh, _) = three();
         let freedom = Freedom::new(&Arrangement::as_given(&mesh), &Constraints::default()).unwrap();
-        let laplacian = Laplacian::uniform(12, mesh.faces(), &freedom.held);
+        let laplacian = uniform(12, mesh.faces(), &freedom.fixed);
         let parts = Parts::of(&laplacian, &freedom);
         assert_eq!(parts.count(), 4);
         // Right-hand sides of 1, 10⁻⁶ and 10³ in x, half of that in y, and a hundredth in z.

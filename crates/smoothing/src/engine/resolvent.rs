@@ -14,14 +14,15 @@
 //! `tan(π/2p) + 1/cos(π/2p)`: 31 terms for p = 1 to 4, 250 for p = 16. R is factored once, and every mode is right,
 //! however large t or small c is.
 
+use fairing_sparse::{ChebyshevSeries, GraphLaplacian};
+
 use crate::engine::conjugate::{ImplicitSolver, Solved};
 use crate::engine::constraints::Freedom;
 use crate::engine::direct::Direct;
 use crate::engine::error::FlowFailure;
-use crate::engine::laplacian::Laplacian;
 use crate::engine::parts::Parts;
 use crate::engine::response::Response;
-use crate::engine::series::{sample, transform, truncated};
+use crate::engine::series::TOLERANCE;
 
 type Point = [f64; 3];
 
@@ -57,10 +58,9 @@ impl Resolvent {
             _ => return None,
         };
         // The points of [−1, 0], moved to [0, 1].
-        let values = sample(1.0, SAMPLES, |mu| of_y(1.0 + mu));
-        let mut coefficients = truncated(transform(&values));
-        coefficients[0] += 1.0 - coefficients.iter().sum::<f64>();
-        Some(Self { step, coefficients })
+        let of_mu = |mu: f64| of_y(1.0 + mu);
+        let series = ChebyshevSeries::interpolate(1.0, SAMPLES, TOLERANCE, of_mu)?;
+        Some(Self { step, coefficients: series.coefficients().to_vec() })
     }
 
     /// The systems that an evaluation solves.
@@ -75,7 +75,7 @@ impl Resolvent {
     /// Those of [`Direct::solve`].
     pub(crate) fn apply(
         &self,
-        laplacian: &Laplacian,
+        laplacian: &GraphLaplacian,
         freedom: &Freedom,
         x: &[Point],
     ) -> Result<(Vec<Point>, f64), FlowFailure> {
@@ -122,7 +122,6 @@ impl Resolvent {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::series::TOLERANCE;
 
     /// At twenty thousand points of the interval, most of them near its ends, and 1 at y = 1. Both functions change by
     /// less than 20 times a difference of y (heat) or 16 times (Butterworth); so do the polynomials, up to the sum of

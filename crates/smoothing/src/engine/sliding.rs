@@ -33,8 +33,8 @@ struct Bead {
 }
 
 impl Sliding {
-    /// Curves from the boundary loops of `mesh`; marks corners and vertices where loops meet as held.
-    pub(crate) fn new(mesh: &TriMesh, held: &mut [bool]) -> Self {
+    /// Curves from the boundary loops of `mesh`; marks corners and vertices where loops meet as fixed.
+    pub(crate) fn new(mesh: &TriMesh, fixed: &mut [bool]) -> Self {
         let topology = mesh.topology();
         let x = mesh.positions();
         let mut visits = vec![0u32; x.len()];
@@ -43,7 +43,7 @@ impl Sliding {
         }
         for (v, &boundary) in topology.boundary_vertices().iter().enumerate() {
             // Zero visits: the loop through the vertex is not a simple curve.
-            held[v] |= boundary && visits[v] != 1;
+            fixed[v] |= boundary && visits[v] != 1;
         }
         let mut sliding = Self { curves: Vec::new(), beads: Vec::new(), bead_of: vec![0; x.len()] };
         for ring in topology.boundary_loops() {
@@ -56,8 +56,8 @@ impl Sliding {
                 let straight = normalize(sub(points[k], before))
                     .zip(normalize(sub(after, points[k])))
                     .is_some_and(|(a, b)| dot(a, b) > CORNER);
-                if held[v] || !straight {
-                    held[v] = true;
+                if fixed[v] || !straight {
+                    fixed[v] = true;
                     continue;
                 }
                 sliding.beads.push(Bead { vertex, curve, segment: k as u32, tangent: [0.0; 3] });
@@ -170,9 +170,9 @@ mod tests {
         positions.push([0.0; 3]);
         let faces = (0..n).map(|i| [i, (i + 1) % n, n]).collect();
         let mesh = TriMesh::new(positions, faces).unwrap();
-        let mut held = vec![false; n as usize + 1];
-        let mut sliding = Sliding::new(&mesh, &mut held);
-        assert!(!held.contains(&true));
+        let mut fixed = vec![false; n as usize + 1];
+        let mut sliding = Sliding::new(&mesh, &mut fixed);
+        assert!(!fixed.contains(&true));
         sliding.take_tangents(mesh.positions());
         for i in 0..n {
             let [x, y, _] = at(i);

@@ -5,7 +5,6 @@ use fairing_mesh::{Parameter, TriMesh};
 use crate::engine::assemble::assemble;
 use crate::engine::diffusion::Diffusion;
 use crate::engine::error::FlowFailure;
-use crate::engine::spectrum::upper_bound;
 use crate::engine::unit_scale::times;
 
 /// What happens to an explicit step beyond its stable limit.
@@ -14,9 +13,9 @@ pub enum Stability {
     /// It is an error.
     #[default]
     Refuse,
-    /// It is taken, and the report says so.
+    /// It is taken, the report says so, and programs warn.
     Warn,
-    /// It is taken: somebody wants to see what happens. The report says so all the same.
+    /// It is taken without a warning. The report says so.
     Allow,
 }
 
@@ -46,7 +45,7 @@ pub(crate) const UNSTABLE: Parameter = Parameter::choice(
 ///   [−2, 0].
 /// - cotangents: 2/ω for an upper bound ω of the spectrum, measured by twenty Lanczos steps to a few percent.
 ///
-/// Held vertices only shorten the spectrum: the rows that move form a principal submatrix.
+/// Fixed vertices only shorten the spectrum: the rows that move form a principal submatrix.
 ///
 /// # Errors
 ///
@@ -55,11 +54,11 @@ pub fn stable_limit(mesh: &TriMesh, diffusion: Diffusion) -> Result<f64, FlowFai
     match diffusion {
         Diffusion::Uniform { .. } => Ok(uniform_limit(mesh)),
         Diffusion::Cotangent { .. } => {
-            let held = vec![false; mesh.vertex_count()];
+            let fixed = vec![false; mesh.vertex_count()];
             let (scaled, unit) = mesh.at_unit_scale();
-            let laplacian = assemble(&scaled, diffusion, &held)
+            let laplacian = assemble(&scaled, diffusion, &fixed)
                 .map_err(|failure| times(failure, unit, mesh))?;
-            Ok(measured_limit(upper_bound(&laplacian)) * unit * unit)
+            Ok(measured_limit(laplacian.spectral_bound()) * unit * unit)
         }
     }
 }

@@ -6,7 +6,7 @@ use fairing_mesh::TriMesh;
 use fairing_operators::{OperatorError, check_faces};
 
 use crate::engine::constraints::Constraints;
-use crate::engine::diffusion::{Diffusion, Time};
+use crate::engine::diffusion::{Diffusion, Operator, Time};
 use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::outcome::Smoothed;
 use crate::engine::step::{Observer, Step};
@@ -20,11 +20,46 @@ pub(crate) trait InMeshUnits: Sized {
     fn is_timed(&self) -> bool {
         false
     }
+
+    /// The operator of cotangent weights, if it has some.
+    fn operator_mut(&mut self) -> Option<&mut Operator> {
+        None
+    }
+}
+
+/// [`with_operator_at_unit_scale`], where [`Operator::Auto`] is the plain operator first and the robust one if a face of
+/// the input is too thin for that.
+pub(crate) fn at_unit_scale<O: InMeshUnits + Clone>(
+    mesh: &TriMesh,
+    options: &O,
+    mut observer: Option<&mut Observer<'_>>,
+    flow: impl Fn(&TriMesh, &O, Option<&mut Observer<'_>>) -> Result<Smoothed, FlowError>,
+) -> Result<Smoothed, FlowError> {
+    let mut options = options.clone();
+    let auto = options.operator_mut().filter(|operator| **operator == Operator::Auto);
+    let Some(operator) = auto else {
+        return with_operator_at_unit_scale(mesh, &options, observer, flow);
+    };
+    *operator = Operator::FIRST;
+    let watch = observer.as_mut().map(|observe| &mut **observe as &mut Observer<'_>);
+    let error = match with_operator_at_unit_scale(mesh, &options, watch, &flow) {
+        Err(error) if error.iteration == 0 => error,
+        other => return other,
+    };
+    let FlowFailure::Operator(OperatorError::DegenerateFace { face, .. }) = error.failure else {
+        return Err(error);
+    };
+    if let Some(operator) = options.operator_mut() {
+        *operator = Operator::Robust;
+    }
+    let mut smoothed = with_operator_at_unit_scale(mesh, &options, observer, flow)?;
+    smoothed.report.too_thin = Some(face);
+    Ok(smoothed)
 }
 
 /// Runs a flow on the mesh [at unit scale](TriMesh::at_unit_scale) and scales back what it returns and what an observer
 /// sees. Scales are powers of two and round nothing; a vertex that does not move keeps its position to the last bit.
-pub(crate) fn at_unit_scale<O: InMeshUnits>(
+fn with_operator_at_unit_scale<O: InMeshUnits>(
     mesh: &TriMesh,
     options: &O,
     observer: Option<&mut Observer<'_>>,
@@ -141,7 +176,7 @@ impl Scaled<'_> {
     }
 }
 
-/// A failure at a mesh that was divided by `unit`, in the units it had.
+/// A failure at a mesh that was divided by `unit`, in its own units.
 pub(crate) fn times(failure: FlowFailure, unit: f64, last_good: &TriMesh) -> FlowFailure {
     let area = |x: f64| x * unit * unit;
     match failure {

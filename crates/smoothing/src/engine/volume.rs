@@ -82,7 +82,7 @@ impl SizeKeeper {
         if frame.volume == Volume::Offset {
             return Ok(Some(Self::Offset(target)));
         }
-        if freedom.held.contains(&true) {
+        if freedom.fixed.contains(&true) {
             return Err(FlowFailure::Volume {
                 reason: "scaling would move pinned vertices; take an offset along the normals",
             });
@@ -130,7 +130,7 @@ fn offset(
     let mut normals = area_vectors(faces, x);
     for (i, n) in normals.iter_mut().enumerate() {
         let length = norm(*n);
-        *n = if freedom.held[i] || length == 0.0 { [0.0; 3] } else { scale(*n, 1.0 / length) };
+        *n = if freedom.fixed[i] || length == 0.0 { [0.0; 3] } else { scale(*n, 1.0 / length) };
     }
     let mut missing = target - signed_volume(faces, x);
     for _ in 0..MOST_STEPS {

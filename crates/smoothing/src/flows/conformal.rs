@@ -24,7 +24,7 @@ pub struct ConformalizedMcf {
     pub settled: f64,
     /// The relative residual of the linear systems; 1e-10 unless set.
     pub tolerance: f64,
-    /// How the operator is made; plain over barycentric areas unless set.
+    /// How the operator is made; [`Operator::Auto`] unless set.
     pub operator: Operator,
 }
 
@@ -118,6 +118,10 @@ impl InMeshUnits for ConformalizedMcf {
 
     fn is_timed(&self) -> bool {
         true
+    }
+
+    fn operator_mut(&mut self) -> Option<&mut Operator> {
+        Some(&mut self.operator)
     }
 }
 

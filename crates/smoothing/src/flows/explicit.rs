@@ -1,17 +1,16 @@
 //! Explicit diffusion, forward Euler.
 
 use fairing_mesh::{Algorithm, ParameterError, TriMesh, Values};
+use fairing_sparse::GraphLaplacian;
 
 use crate::engine::assemble::assemble;
 use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
-use crate::engine::diffusion::{AREA, Diffusion, LAMBDA, OPERATOR, TIME, WEIGHTS};
+use crate::engine::diffusion::{AREA, Diffusion, LAMBDA, OPERATOR, Operator, TIME, WEIGHTS};
 use crate::engine::error::{FlowError, FlowFailure, at_least};
-use crate::engine::laplacian::Laplacian;
 use crate::engine::outcome::{Approach, Smoothed};
 use crate::engine::response::Response;
 use crate::engine::run::{Frame, Run, StepNote};
 use crate::engine::series::Chain;
-use crate::engine::spectrum::upper_bound;
 use crate::engine::stability::{Stability, UNSTABLE, measured_limit, uniform_limit};
 use crate::engine::step::{ITERATIONS, Observer};
 use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
@@ -134,6 +133,10 @@ impl InMeshUnits for Explicit {
     fn is_timed(&self) -> bool {
         self.diffusion.is_timed()
     }
+
+    fn operator_mut(&mut self) -> Option<&mut Operator> {
+        self.diffusion.operator_mut()
+    }
 }
 
 fn flow(
@@ -146,9 +149,9 @@ fn flow(
     let frame =
         Frame { volume: options.volume, ..Frame::new(&options.constraints, options.iterations) };
     let mut run = Run::new(mesh, &frame, observer)?;
-    let laplacian = assemble(run.arrangement.mesh(), options.diffusion, &run.freedom.held)
+    let laplacian = assemble(run.arrangement.mesh(), options.diffusion, &run.freedom.fixed)
         .map_err(|failure| run.refuse(failure))?;
-    let bound = upper_bound(&laplacian);
+    let bound = laplacian.spectral_bound();
     // Uniform steps up to 1 are stable on every mesh: no need for its topology.
     let limit = match options.diffusion {
         Diffusion::Uniform { lambda } => (lambda > 1.0).then(|| uniform_limit(mesh)),
@@ -180,7 +183,7 @@ fn flow(
 
 /// `next ← x + λ P L x`, drawn towards soft targets.
 pub(crate) fn explicit_step(
-    laplacian: &Laplacian,
+    laplacian: &GraphLaplacian,
     step: f64,
     mesh: &TriMesh,
     freedom: &crate::engine::constraints::Freedom,

@@ -124,7 +124,7 @@ fn flow(
     }
     let frame = Frame::new(&options.constraints, options.iterations);
     let run = Run::new(mesh, &frame, observer)?;
-    let laplacian = uniform(run.arrangement.mesh(), &run.freedom.held);
+    let laplacian = uniform(run.arrangement.mesh(), &run.freedom.fixed);
     let input = run.arrangement.mesh().positions().to_vec();
     let mut difference = vec![[0.0; 3]; input.len()];
     run.iterate(|_, mesh, freedom, next| {

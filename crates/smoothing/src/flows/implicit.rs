@@ -2,21 +2,21 @@
 
 use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
 use fairing_operators::ThinFaces;
+use fairing_sparse::GraphLaplacian;
+use fairing_sparse::passes::update;
 
 use crate::engine::assemble::{Renewal, mass};
 use crate::engine::collapse::Collapse;
-use crate::engine::conjugate::{ImplicitSolver, Room};
-use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
+use crate::engine::conjugate::{ImplicitSolver, Room, Solved};
+use crate::engine::constraints::{BOUNDARY, Constraints, Freedom, PIN, SOFT};
 use crate::engine::diffusion::{AREA, Diffusion, LAMBDA, OPERATOR, Operator, TIME, WEIGHTS};
 use crate::engine::direct::{self, Direct};
 use crate::engine::error::{FlowError, FlowFailure, at_least};
-use crate::engine::laplacian::{Laplacian, by_chunk};
 use crate::engine::outcome::{Approach, Smoothed};
 use crate::engine::parts::Parts;
 use crate::engine::response::Response;
 use crate::engine::run::{Frame, Run, StepNote};
-use crate::engine::series::Series;
-use crate::engine::spectrum::upper_bound;
+use crate::engine::series::expand;
 use crate::engine::step::{ITERATIONS, Observer};
 use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
 use crate::engine::volume::{VOLUME, Volume};
@@ -56,7 +56,7 @@ pub struct Implicit {
     pub diffusion: Diffusion,
     /// The number of steps; 10 unless set.
     pub iterations: usize,
-    /// When the operator is taken anew; cotangents only, since uniform weights do not see positions.
+    /// When the operator is assembled again; cotangents only, since uniform weights do not depend on positions.
     pub update: Update,
     /// The relative residual of the linear systems; 1e-8 unless set.
     pub tolerance: f64,
@@ -79,7 +79,7 @@ impl Implicit {
         }
     }
 
-    /// Mean curvature flow: the operator taken anew in each step of `lambda` h².
+    /// Mean curvature flow: the operator is assembled again in each step of `lambda` h².
     pub fn mean_curvature_flow(lambda: f64) -> Self {
         Self { update: Update::Both, ..Self::new(Diffusion::cotangent(lambda)) }
     }
@@ -221,6 +221,10 @@ impl InMeshUnits for Implicit {
     fn is_timed(&self) -> bool {
         self.diffusion.is_timed()
     }
+
+    fn operator_mut(&mut self) -> Option<&mut Operator> {
+        self.diffusion.operator_mut()
+    }
 }
 
 /// [`implicit`], and each step ends with scaling to the area of the input if `keep_area`.
@@ -238,125 +242,184 @@ pub(crate) fn implicit_with(
         ..Frame::new(&options.constraints, options.iterations)
     };
     let mut run = Run::new(mesh, &frame, observer)?;
-    let frozen = options.update == Update::Never;
     let start = run.arrangement.mesh();
-    let mut renewal = Renewal::new(start, options.diffusion, &run.freedom.held)
-        .map_err(|failure| run.refuse(failure))?;
-    let mut laplacian =
-        renewal.assemble(start, &run.freedom.held).map_err(|failure| run.refuse(failure))?;
-    // A pattern that nobody will fill again only takes memory.
-    let mut renewal = (options.update == Update::Both).then_some(renewal);
+    let assembled =
+        Renewal::new(start, options.diffusion, &run.freedom.fixed).and_then(|mut all| {
+            let laplacian = all.assemble(start, &run.freedom.fixed)?;
+            Ok((laplacian, all))
+        });
+    let (laplacian, renewal) = assembled.map_err(|failure| run.refuse(failure))?;
     let k = options.iterations;
-    if run.is_linear() && frozen && k > 0 {
+    if run.is_linear() && options.update == Update::Never && k > 0 {
         let power = Response::Implicit { step, steps: k };
-        if let Some(series) = Series::expand(upper_bound(&laplacian), power) {
+        if let Some(series) = expand(laplacian.spectral_bound(), power) {
             run.report.approach = Approach::Series { degree: series.degree() };
             run.report.iterations = k;
             let x = series.apply(&laplacian, run.arrangement.mesh().positions());
             return run.finish(x);
         }
     }
-    // A factor serves as many solves as steps share their operator. Sliding vertices couple the coordinates, which a
-    // factor of the scalar system does not know.
-    let may_factor = run.freedom.sliding.is_none();
-    let mut rescue = Direct::default();
-    let mut direct = (may_factor
-        && direct::pays(&laplacian, step, options.tolerance, if frozen { k } else { 1 }))
-    .then(Direct::default);
-    let parts = Parts::of(&laplacian, &run.freedom);
-    let collapse = (!frozen).then(|| Collapse::new(run.arrangement.mesh()));
-    // Conjugate gradients begin with the displacement of the step before.
-    let mut displacement = vec![[0.0; 3]; mesh.vertex_count()];
-    let mut room = Room::default();
-    let mut total = 0;
-    let renews = renewal.is_some();
-    let mut flattened = vec![false; if renews { mesh.face_count() } else { 0 }];
-    let smoothed = run.iterate(|iteration, mesh, freedom, next| {
-        let mut step_from =
-            |laplacian: &mut Laplacian, thin: ThinFaces| -> Result<StepNote, FlowFailure> {
-                let mut hard = false;
-                if thin == ThinFaces::WidenNearly {
-                    displacement.fill([0.0; 3]);
-                }
-                if iteration > 0 {
-                    match (options.update, &mut renewal) {
-                        (Update::Both, Some(renewal)) => {
-                            let faces = renewal.renew(mesh, &freedom.held, laplacian, thin)?;
-                            hard = !faces.is_empty();
-                            for f in faces {
-                                flattened[f as usize] = true;
-                            }
-                        }
-                        (Update::Mass, _) => laplacian.replace_mass(mass(mesh, operator(options))?),
-                        _ => {}
-                    }
-                }
-                let solver = ImplicitSolver {
-                    laplacian,
-                    parts: &parts,
-                    step,
-                    tolerance: options.tolerance,
-                    most_iterations: if may_factor { SOME_ITERATIONS } else { MOST_ITERATIONS },
-                };
-                let x = mesh.positions();
-                let solved = match &mut direct {
-                    Some(direct) => {
-                        if !frozen {
-                            direct.renew();
-                        }
-                        direct.solve(solver, x, freedom, &mut displacement)?
-                    }
-                    // Thin faces make a system ill conditioned within an otherwise easy run.
-                    None => {
-                        let solved = match hard && may_factor {
-                            true => None,
-                            false => Some(solver.solve(x, freedom, &mut displacement, &mut room)),
-                        };
-                        match solved {
-                            Some(Err(failure)) if !may_factor => return Err(failure),
-                            Some(Ok(solved)) => solved,
-                            _ => {
-                                rescue.renew();
-                                rescue.solve(solver, x, freedom, &mut displacement)?
-                            }
-                        }
-                    }
-                };
-                total += solved.iterations;
-                by_chunk(next, |i, _| {
-                    let (x, d) = (&x[i], &displacement[i]);
-                    ([x[0] + d[0], x[1] + d[1], x[2] + d[2]], [])
-                });
-                if let Some(collapse) = &collapse {
-                    collapse.check(mesh.faces(), next)?;
-                }
-                Ok(StepNote { step_size: step, residual: Some(solved.residual) })
-            };
-        let taken = step_from(&mut laplacian, ThinFaces::Widen);
-        // A system that thin faces spoil is solved with those that are nearly flat made a little wider.
-        let spoilt = |failure: &FlowFailure| {
-            use FlowFailure::{NotConverged, NotFactored};
-            iteration > 0 && matches!(failure, NotConverged { .. } | NotFactored { .. })
-        };
-        let taken = match taken {
-            Err(failure) if renews && spoilt(&failure) => {
-                step_from(&mut laplacian, ThinFaces::WidenNearly)
-            }
-            other => other,
-        };
-        taken.map_err(|failure| match &collapse {
-            Some(collapse) => collapse.explain(mesh, failure),
-            None => failure,
-        })
-    });
+    let mut stepper = Stepper::new(options, step, start, &run.freedom, (laplacian, renewal));
+    let smoothed =
+        run.iterate(|iteration, mesh, freedom, next| stepper.step(iteration, mesh, freedom, next));
     smoothed.map(|mut smoothed| {
-        smoothed.report.degenerate_faces = flattened.iter().filter(|&&f| f).count();
-        smoothed.report.approach = match direct {
+        smoothed.report.degenerate_faces = stepper.flattened.iter().filter(|&&f| f).count();
+        smoothed.report.approach = match stepper.direct {
             Some(Direct { factorisations, .. }) => Approach::Cholesky { factorisations },
-            None => Approach::ConjugateGradients { iterations: total },
+            None => Approach::ConjugateGradients { iterations: stepper.iterations },
         };
         smoothed
     })
+}
+
+/// Takes one implicit step after another.
+struct Stepper<'a> {
+    options: &'a Implicit,
+    /// The factor of `L`.
+    step: f64,
+    laplacian: GraphLaplacian,
+    /// For operators that are assembled again in each step.
+    renewal: Option<Renewal>,
+    parts: Parts,
+    /// Sliding vertices couple the coordinates, which a factor of the scalar system does not know.
+    may_factor: bool,
+    /// Where all systems are factored.
+    direct: Option<Direct>,
+    /// For systems that conjugate gradients do not solve.
+    rescue: Direct,
+    collapse: Option<Collapse>,
+    /// Of the step before: conjugate gradients begin with it.
+    displacement: Vec<[f64; 3]>,
+    room: Room,
+    /// Of all systems.
+    iterations: usize,
+    /// Whether a face has been too thin in some step.
+    flattened: Vec<bool>,
+}
+
+impl<'a> Stepper<'a> {
+    fn new(
+        options: &'a Implicit,
+        step: f64,
+        mesh: &TriMesh,
+        freedom: &Freedom,
+        (laplacian, renewal): (GraphLaplacian, Renewal),
+    ) -> Self {
+        let frozen = options.update == Update::Never;
+        // A factor serves as many solves as steps share their operator.
+        let solves = if frozen { options.iterations } else { 1 };
+        let may_factor = freedom.sliding.is_none();
+        let pays = || direct::pays(&laplacian, step, options.tolerance, solves);
+        // A pattern that nobody will fill again only takes memory.
+        let renewal = (options.update == Update::Both).then_some(renewal);
+        Self {
+            options,
+            step,
+            direct: (may_factor && pays()).then(Direct::default),
+            parts: Parts::of(&laplacian, freedom),
+            laplacian,
+            may_factor,
+            rescue: Direct::default(),
+            collapse: (!frozen).then(|| Collapse::new(mesh)),
+            displacement: vec![[0.0; 3]; mesh.vertex_count()],
+            room: Room::default(),
+            iterations: 0,
+            flattened: vec![false; if renewal.is_some() { mesh.face_count() } else { 0 }],
+            renewal,
+        }
+    }
+
+    fn step(
+        &mut self,
+        iteration: usize,
+        mesh: &TriMesh,
+        freedom: &Freedom,
+        next: &mut [[f64; 3]],
+    ) -> Result<StepNote, FlowFailure> {
+        use FlowFailure::{NotConverged, NotFactored};
+        let mut taken = self.attempt(iteration, mesh, freedom, next, ThinFaces::Widen);
+        // A system that thin faces spoil is solved with those that are nearly flat made a little wider.
+        if let Err(NotConverged { .. } | NotFactored { .. }) = taken
+            && iteration > 0
+            && self.renewal.is_some()
+        {
+            self.displacement.fill([0.0; 3]);
+            taken = self.attempt(iteration, mesh, freedom, next, ThinFaces::WidenNearly);
+        }
+        taken.map_err(|failure| match &self.collapse {
+            Some(collapse) => collapse.explain(mesh, failure),
+            None => failure,
+        })
+    }
+
+    fn attempt(
+        &mut self,
+        iteration: usize,
+        mesh: &TriMesh,
+        freedom: &Freedom,
+        next: &mut [[f64; 3]],
+        thin: ThinFaces,
+    ) -> Result<StepNote, FlowFailure> {
+        let hard = iteration > 0 && self.renew(mesh, freedom, thin)?;
+        let solved = self.solve(mesh.positions(), freedom, hard)?;
+        self.iterations += solved.iterations;
+        let (x, d) = (mesh.positions(), &self.displacement);
+        update(next, |i, _| ([x[i][0] + d[i][0], x[i][1] + d[i][1], x[i][2] + d[i][2]], ()));
+        if let Some(collapse) = &self.collapse {
+            collapse.check(mesh.faces(), next)?;
+        }
+        Ok(StepNote { step_size: self.step, residual: Some(solved.residual) })
+    }
+
+    /// Takes the operator at the positions of `mesh`, as far as it is updated. Whether faces are too thin for
+    /// cotangents, which makes a system ill conditioned within an otherwise easy run.
+    fn renew(
+        &mut self,
+        mesh: &TriMesh,
+        freedom: &Freedom,
+        thin: ThinFaces,
+    ) -> Result<bool, FlowFailure> {
+        if self.options.update == Update::Mass {
+            self.laplacian.replace_mass(mass(mesh, operator(self.options))?);
+        }
+        let Some(renewal) = &mut self.renewal else { return Ok(false) };
+        let faces = renewal.renew(mesh, &freedom.fixed, &mut self.laplacian, thin)?;
+        for &f in &faces {
+            self.flattened[f as usize] = true;
+        }
+        Ok(!faces.is_empty())
+    }
+
+    /// The displacement of the step from `x`.
+    fn solve(
+        &mut self,
+        x: &[[f64; 3]],
+        freedom: &Freedom,
+        hard: bool,
+    ) -> Result<Solved, FlowFailure> {
+        let solver = ImplicitSolver {
+            laplacian: &self.laplacian,
+            parts: &self.parts,
+            step: self.step,
+            tolerance: self.options.tolerance,
+            most_iterations: if self.may_factor { SOME_ITERATIONS } else { MOST_ITERATIONS },
+        };
+        let displacement = &mut self.displacement;
+        if let Some(direct) = &mut self.direct {
+            if self.options.update != Update::Never {
+                direct.renew();
+            }
+            return direct.solve(solver, x, freedom, displacement);
+        }
+        if !(hard && self.may_factor) {
+            let solved = solver.solve(x, freedom, displacement, &mut self.room);
+            if solved.is_ok() || !self.may_factor {
+                return solved;
+            }
+        }
+        self.rescue.renew();
+        self.rescue.solve(solver, x, freedom, displacement)
+    }
 }
 
 fn check(options: &Implicit) -> Result<(), FlowFailure> {

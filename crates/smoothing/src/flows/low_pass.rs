@@ -12,8 +12,7 @@ use crate::engine::outcome::{Approach, Report, Smoothed};
 use crate::engine::resolvent::Resolvent;
 use crate::engine::response::Response;
 use crate::engine::run::{Frame, Run};
-use crate::engine::series::Series;
-use crate::engine::spectrum::upper_bound;
+use crate::engine::series::expand;
 use crate::engine::step::Observer;
 use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
 use crate::method::Flow;
@@ -48,7 +47,7 @@ pub struct LowPass {
 }
 
 impl LowPass {
-    /// A filter over barycentric areas, nothing held.
+    /// A filter over barycentric areas, without fixed vertices.
     pub fn new(transfer: Transfer) -> Self {
         Self { transfer, operator: Operator::default(), constraints: Constraints::default() }
     }
@@ -114,6 +113,10 @@ impl Flow for LowPass {
     fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError> {
         let mut steepness = 2;
         values.read("order", &mut steepness)?;
+        if values.text("order").is_some() && values.text("cutoff").is_none() {
+            let expected = "left out without cutoff: it is how steeply a Butterworth filter falls";
+            return Err(values.refuse("order", expected));
+        }
         let transfer = match (values.get("modes")?, values.get::<f64>("cutoff")?) {
             (Some(modes), _) => Transfer::Modes(modes),
             (None, Some(wavelength)) => Transfer::Butterworth {
@@ -155,6 +158,10 @@ impl InMeshUnits for LowPass {
         };
         Ok(Self { transfer, constraints: self.constraints.divided_by(unit)?, ..*self })
     }
+
+    fn operator_mut(&mut self) -> Option<&mut Operator> {
+        Some(&mut self.operator)
+    }
 }
 
 fn filter(mesh: &TriMesh, options: &LowPass) -> Result<Smoothed, FlowError> {
@@ -167,7 +174,7 @@ fn filter(mesh: &TriMesh, options: &LowPass) -> Result<Smoothed, FlowError> {
         let reason = "a low-pass filter knows free and pinned vertices only";
         return Err(run.refuse(FlowFailure::Unsupported { reason }));
     }
-    let laplacian = cotangent(run.arrangement.mesh(), options.operator, &run.freedom.held)
+    let laplacian = cotangent(run.arrangement.mesh(), options.operator, &run.freedom.fixed)
         .map_err(|failure| run.refuse(failure))?;
     let response = match options.transfer {
         Transfer::Butterworth { cutoff, order } => Response::Butterworth { cutoff, order },
@@ -178,7 +185,7 @@ fn filter(mesh: &TriMesh, options: &LowPass) -> Result<Smoothed, FlowError> {
     };
     run.report.iterations = 1;
     let x = run.arrangement.mesh().positions();
-    if let Some(series) = Series::expand(upper_bound(&laplacian), response) {
+    if let Some(series) = expand(laplacian.spectral_bound(), response) {
         run.report.approach = Approach::Series { degree: series.degree() };
         let x = series.apply(&laplacian, x);
         return run.finish(x);

@@ -1,12 +1,13 @@
-//! Fairing of a region with its rim held.
+//! Fairing of a region whose surroundings are fixed.
 
 use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
 use fairing_operators::{LaplacianKind, MassKind};
-use fairing_sparse::{Cholesky, SparseMatrix};
+use fairing_sparse::{
+    Cholesky, LaplacianPower, SparseMatrix, multiply_points, principal_submatrix,
+};
 
 use crate::engine::assemble::operators;
-use crate::engine::diffusion::{AREA, OPERATOR, Operator, WEIGHTS};
-use crate::engine::double::{self, Double};
+use crate::engine::diffusion::{AREA, OPERATOR, Operator, WEIGHTS, refuse_with_uniform};
 use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::outcome::{Approach, Report, Smoothed};
 use crate::engine::parts::larger;
@@ -43,7 +44,7 @@ impl FairRegion {
     }
 }
 
-/// Replaces the vertices of a region by the solution of `Δᵏ x = 0` with everything outside of it held.
+/// Replaces the vertices of a region by the solution of `Δᵏ x = 0` with all other vertices fixed.
 ///
 /// ```text
 /// K = S (M⁻¹ S)ᵏ⁻¹,    K_rr x_r = −K_ro x_o
@@ -51,12 +52,12 @@ impl FairRegion {
 ///
 /// for the vertices r of the region and o outside: the minimum of the discrete `∫ ‖∇ᵏ x‖²`. The k rings around the
 /// region enter as boundary values, so what borders on a hole of the mesh is natural (free) there. The operator is
-/// that of the input; a second call takes it at the result of the first.
+/// that of the input; a second call takes that of the result of the first.
 ///
 /// # Errors
 ///
 /// [`FlowError`] for an order out of range, for vertices that do not exist, for faces too thin for cotangents, and
-/// where nothing holds a part of the region (it fills a component), so that its place is not determined; and
+/// where a part of the region fills a component, so that its place is not determined; and
 /// [`FlowFailure::NotConverged`] for a region so wide that an order as high as this is beyond the digits of a factor.
 ///
 /// # Examples
@@ -106,7 +107,10 @@ impl Flow for FairRegion {
         let mut options = Self::new(values.vertices("vertices"));
         values.read("order", &mut options.order)?;
         options.weights = match values.text(WEIGHTS.name) {
-            Some("uniform") => FairingWeights::Uniform,
+            Some("uniform") => {
+                refuse_with_uniform(values, &[OPERATOR, AREA])?;
+                FairingWeights::Uniform
+            }
             _ => FairingWeights::Cotangent(Operator::of_values(values)?),
         };
         Ok(options)
@@ -125,6 +129,13 @@ impl InMeshUnits for FairRegion {
     fn divided_by(&self, _: f64) -> Result<Self, FlowFailure> {
         Ok(self.clone())
     }
+
+    fn operator_mut(&mut self) -> Option<&mut Operator> {
+        match &mut self.weights {
+            FairingWeights::Uniform => None,
+            FairingWeights::Cotangent(operator) => Some(operator),
+        }
+    }
 }
 
 fn fair(mesh: &TriMesh, options: &FairRegion) -> Result<Smoothed, FlowError> {
@@ -141,24 +152,7 @@ fn solve(mesh: &TriMesh, options: &FairRegion) -> Result<TriMesh, FlowFailure> {
             expected: "it must lie between 1 and 4",
         });
     }
-    let n = mesh.vertex_count();
-    const OUTSIDE: u32 = u32::MAX;
-    let mut unknown = vec![OUTSIDE; n];
-    let mut region = options.region.clone();
-    region.sort_unstable();
-    region.dedup();
-    for (k, &v) in region.iter().enumerate() {
-        let slot = unknown
-            .get_mut(v as usize)
-            .ok_or(FlowFailure::NoSuchVertex { vertex: v, vertex_count: n })?;
-        *slot = k as u32;
-    }
-    // An isolated vertex has an empty row: it stays.
-    let incidence = mesh.incidence();
-    region.retain(|&v| !incidence.corners(v).is_empty());
-    for (k, &v) in region.iter().enumerate() {
-        unknown[v as usize] = k as u32;
-    }
+    let region = vertices(mesh, &options.region)?;
     if region.is_empty() {
         return Ok(mesh.clone());
     }
@@ -166,43 +160,40 @@ fn solve(mesh: &TriMesh, options: &FairRegion) -> Result<TriMesh, FlowFailure> {
         FairingWeights::Uniform => operators(mesh, (LaplacianKind::Uniform, MassKind::Degree))?,
         FairingWeights::Cotangent(operator) => operators(mesh, operator.kinds())?,
     };
-    let operator = power(&stiffness, &mass, options.order);
-    let (mut starts, mut columns, mut values) = (vec![0u32], Vec::new(), Vec::new());
-    let mut right = vec![[0.0; 3]; region.len()];
-    for (r, &v) in region.iter().enumerate() {
-        if let Some(row) = operator.outer_view(v as usize) {
-            for (j, &k) in row.iter() {
-                let p = mesh.positions()[j];
-                match unknown[j] {
-                    OUTSIDE => {
-                        for d in 0..3 {
-                            right[r][d] -= k * p[d];
-                        }
-                    }
-                    column => {
-                        columns.push(column);
-                        values.push(k);
-                    }
-                }
-            }
-        }
-        starts.push(columns.len() as u32);
-    }
-    let system = SparseMatrix::new((region.len(), region.len()), starts, columns, values);
-    let factor = Cholesky::new(&symmetric(&system))
+    let power = LaplacianPower::new(&stiffness, &mass, options.order);
+    let matrix = power.matrix();
+    let right = from_outside(&matrix, &region, mesh.positions());
+    let factor = Cholesky::new(&symmetric(&principal_submatrix(&matrix, &region)))
         .map_err(|error| FlowFailure::NotFactored { reason: error.to_string() })?;
     let mut positions = mesh.positions().to_vec();
     for (&v, p) in region.iter().zip(factor.solve_points(&right)) {
         positions[v as usize] = p;
     }
-    refine(
-        &factor,
-        &Powers { stiffness: &stiffness, mass: &mass, order: options.order },
-        mesh.faces(),
-        &region,
-        &mut positions,
-    )?;
+    refine(&factor, &power, mesh.faces(), &region, &mut positions)?;
     Ok(mesh.with_positions(positions)?)
+}
+
+/// The vertices of a region, ascending, each once. Isolated ones, whose rows are empty, stay where they are.
+fn vertices(mesh: &TriMesh, region: &[u32]) -> Result<Vec<u32>, FlowFailure> {
+    let mut region = region.to_vec();
+    region.sort_unstable();
+    region.dedup();
+    let vertex_count = mesh.vertex_count();
+    if let Some(&vertex) = region.iter().find(|&&v| v as usize >= vertex_count) {
+        return Err(FlowFailure::NoSuchVertex { vertex, vertex_count });
+    }
+    region.retain(|&v| !mesh.incidence().corners(v).is_empty());
+    Ok(region)
+}
+
+/// What the positions outside of a region give to its right-hand side.
+fn from_outside(matrix: &SparseMatrix, region: &[u32], x: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    let mut outside = x.to_vec();
+    for &v in region {
+        outside[v as usize] = [0.0; 3];
+    }
+    let all = multiply_points(matrix, &outside);
+    region.iter().map(|&v| all[v as usize].map(|k| -k)).collect()
 }
 
 /// The most corrections of a solution; two are the rule.
@@ -220,7 +211,7 @@ const ACCEPTED: f64 = 1e-10;
 /// the power.
 fn refine(
     factor: &Cholesky,
-    powers: &Powers<'_>,
+    power: &LaplacianPower<'_>,
     faces: &[[u32; 3]],
     region: &[u32],
     x: &mut [[f64; 3]],
@@ -232,7 +223,7 @@ fn refine(
     let extent = extent.fold(0.0, f64::max);
     let mut before = f64::INFINITY;
     for iterations in 1..=MOST_CORRECTIONS {
-        let all = powers.apply(x);
+        let all = power.apply(x);
         let residual: Vec<[f64; 3]> = region.iter().map(|&v| all[v as usize].map(|y| -y)).collect();
         let mut largest = (0.0, 0u32);
         for (&v, d) in region.iter().zip(factor.solve_points(&residual)) {
@@ -260,98 +251,8 @@ fn refine(
     Ok(())
 }
 
-/// `S (M⁻¹S)ᵏ⁻¹` as its factors. Rows of `S` act on differences, so that constants vanish exactly.
-struct Powers<'a> {
-    stiffness: &'a SparseMatrix,
-    mass: &'a [f64],
-    order: u32,
-}
-
-impl Powers<'_> {
-    /// The product with points, in numbers of twice the digits, rounded at the end.
-    fn apply(&self, x: &[[f64; 3]]) -> Vec<[f64; 3]> {
-        let mut y: Vec<[Double; 3]> = x.iter().map(|p| p.map(|x| (x, 0.0))).collect();
-        for factor in 0..self.order {
-            let last = factor + 1 == self.order;
-            y = self
-                .stiffness
-                .outer_iterator()
-                .enumerate()
-                .map(|(i, row)| {
-                    let mut sum = [(0.0, 0.0); 3];
-                    for (j, &s) in row.iter().filter(|&(j, _)| j != i) {
-                        for k in 0..3 {
-                            let difference = double::sum(y[j][k], double::negative(y[i][k]));
-                            sum[k] = double::sum(sum[k], double::times(difference, s));
-                        }
-                    }
-                    if last { sum } else { sum.map(|s| double::over(s, self.mass[i])) }
-                })
-                .collect();
-        }
-        y.into_iter().map(|p| p.map(|(high, low)| high + low)).collect()
-    }
-}
-
-/// `S (M⁻¹S)ᵏ⁻¹`.
-fn power(stiffness: &SparseMatrix, mass: &[f64], order: u32) -> SparseMatrix {
-    let mut walk = stiffness.clone();
-    for (i, mut row) in walk.outer_iterator_mut().enumerate() {
-        for (_, value) in row.iter_mut() {
-            *value /= mass[i];
-        }
-    }
-    let mut product = stiffness.clone();
-    for _ in 1..order {
-        product = &product * &walk;
-    }
-    product
-}
-
 /// The mean of a matrix and its transpose: products are symmetric but for rounding.
 fn symmetric(matrix: &SparseMatrix) -> SparseMatrix {
     let transpose = matrix.transpose_view().to_csr();
     (matrix + &transpose).map(|x| 0.5 * x)
-}
-
-#[cfg(test)]
-mod tests {
-    use fairing_operators::combinatorial_laplacian;
-
-    use super::*;
-
-    /// On integers of 50 bits the powers of a graph Laplacian, with powers of two as masses, are integers of up to 70
-    /// bits, which differences of them make small again: what is returned is the exact result, rounded once.
-    #[test]
-    fn powers_are_rounded_once() {
-        let mesh = fairing_shapes::torus(1.0, 0.4, 11, 7);
-        let stiffness = combinatorial_laplacian(&mesh).unwrap();
-        let n = mesh.vertex_count();
-        let mass: Vec<f64> = (0..n).map(|v| [1.0, 0.5, 0.25][v % 3]).collect();
-        let mut state = 1u64;
-        let mut integer = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            i128::from(state >> 14)
-        };
-        let x: Vec<[i128; 3]> = (0..n).map(|_| [0; 3].map(|_| integer())).collect();
-        for order in 1..=4 {
-            let mut exact = x.clone();
-            for factor in 0..order {
-                exact = (0..n)
-                    .map(|i| {
-                        let row = stiffness.outer_view(i).unwrap();
-                        let over = if factor + 1 == order { 1 } else { (1.0 / mass[i]) as i128 };
-                        let entry = |k: usize| {
-                            row.iter().map(|(j, &s)| s as i128 * exact[j][k]).sum::<i128>() * over
-                        };
-                        [entry(0), entry(1), entry(2)]
-                    })
-                    .collect();
-            }
-            let points: Vec<[f64; 3]> = x.iter().map(|p| p.map(|x| x as f64)).collect();
-            let found = Powers { stiffness: &stiffness, mass: &mass, order }.apply(&points);
-            let expected: Vec<[f64; 3]> = exact.iter().map(|p| p.map(|x| x as f64)).collect();
-            assert_eq!(found, expected, "order {order}");
-        }
-    }
 }

@@ -2,11 +2,11 @@
 
 use fairing_mesh::vec3::distance;
 use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
+use fairing_sparse::GraphLaplacian;
 
 use crate::engine::assemble::uniform;
 use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
 use crate::engine::error::{FlowError, FlowFailure, at_least};
-use crate::engine::laplacian::Laplacian;
 use crate::engine::outcome::Smoothed;
 use crate::engine::run::{Frame, Run, StepNote};
 use crate::engine::step::{ITERATIONS, Observer};
@@ -39,7 +39,7 @@ impl Default for ScaleDependent {
 ///
 /// Unlike the umbrella with uniform weights it hardly moves vertices within the surface where edges have different
 /// lengths, and unlike cotangents it cannot have negative weights. It scales as 1/length², so a step is a time;
-/// the largest stable one is the reciprocal of the largest `(2/Eᵢ) Σ 1/|eᵢⱼ|`, taken anew in each step, so that no
+/// the largest stable one is the reciprocal of the largest `(2/Eᵢ) Σ 1/|eᵢⱼ|`, computed again in each step, so that no
 /// step can be unstable.
 ///
 /// # Errors
@@ -127,7 +127,7 @@ fn flow(
     }
     let frame = Frame::new(&options.constraints, options.iterations);
     let run = Run::new(mesh, &frame, observer)?;
-    let laplacian = uniform(run.arrangement.mesh(), &run.freedom.held);
+    let laplacian = uniform(run.arrangement.mesh(), &run.freedom.fixed);
     run.iterate(|_, mesh, freedom, next| {
         let x = mesh.positions();
         let rate = largest_rate(&laplacian, x)?;
@@ -157,12 +157,12 @@ fn flow(
 }
 
 /// The largest `(2/Eᵢ) Σ 1/|eᵢⱼ|`: eigenvalues of `−L` are at most twice that, by Gershgorin's circles.
-fn largest_rate(laplacian: &Laplacian, x: &[[f64; 3]]) -> Result<f64, FlowFailure> {
+fn largest_rate(laplacian: &GraphLaplacian, x: &[[f64; 3]]) -> Result<f64, FlowFailure> {
     let mut largest = 0.0f64;
     for i in 0..laplacian.len() {
         let (mut around, mut inverse) = (0.0, 0.0);
         for &j in laplacian.neighbors(i) {
-            // A held or isolated vertex is its own neighbour.
+            // A fixed or isolated vertex is its own neighbour.
             if j as usize == i {
                 continue;
             }

@@ -164,7 +164,7 @@ fn flow(
             return Err(run.refuse(FlowFailure::Amplified { gain, pairs: options.pairs }));
         }
     }
-    let laplacian = uniform(run.arrangement.mesh(), &run.freedom.held);
+    let laplacian = uniform(run.arrangement.mesh(), &run.freedom.fixed);
     if run.is_linear() && options.pairs > 1 {
         // A product of a series costs a third less than a step.
         if let Some(chain) = Chain::expand(2.0, of, options.pairs.saturating_mul(3)) {

@@ -3,13 +3,13 @@
 use std::f64::consts::PI;
 
 use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
+use fairing_sparse::ChebyshevSeries;
 
 use crate::engine::assemble::uniform;
 use crate::engine::constraints::{BOUNDARY, Constraints, PIN};
 use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::outcome::{Approach, Smoothed};
 use crate::engine::run::{Frame, Run};
-use crate::engine::series::Series;
 use crate::engine::step::Observer;
 use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
 use crate::method::Flow;
@@ -156,8 +156,8 @@ fn filter(mesh: &TriMesh, options: &WindowedSinc) -> Result<Smoothed, FlowError>
         let reason = "a windowed sinc filter knows free and pinned vertices only";
         return Err(run.refuse(FlowFailure::Unsupported { reason }));
     }
-    let laplacian = uniform(run.arrangement.mesh(), &run.freedom.held);
-    let series = Series::from_coefficients(2.0, coefficients(pass_band, degree, window));
+    let laplacian = uniform(run.arrangement.mesh(), &run.freedom.fixed);
+    let series = ChebyshevSeries::new(2.0, coefficients(pass_band, degree, window));
     run.report.approach = Approach::Series { degree };
     run.report.iterations = 1;
     let x = series.apply(&laplacian, run.arrangement.mesh().positions());

@@ -1,7 +1,7 @@
 //! All eigenpairs of a small problem by a dense decomposition.
 //!
 //! The backend decomposes M^(−1/2) S M^(−1/2), LAPACK (feature `lapack`) the pair (S, M) itself: two ways that
-//! share no code, so that one can be held against the other.
+//! share no code, so that one can be compared with the other.
 
 use ndarray::Array2;
 

@@ -99,7 +99,7 @@ impl EigenOptions {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Beyond {
-    /// Those that came along, ascending: a solver goes on to the next gap.
+    /// Eigenvalues after the last that were found as well, ascending: a solver goes on to the next gap.
     pub values: Vec<f64>,
     /// No others lie below this, as surely as `certified` says. Infinite if there are no others.
     pub clear_below: f64,
@@ -150,7 +150,7 @@ pub struct EigenProgress {
 /// Called now and then; [`ControlFlow::Break`] cancels.
 pub type EigenWatch<'a> = dyn FnMut(&EigenProgress) -> ControlFlow<()> + 'a;
 
-/// Why eigenpairs cannot be had.
+/// Why there are no eigenpairs.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum EigenError {

@@ -1,14 +1,12 @@
 //! Conjugate gradients against known solutions and against Cholesky.
 
 use fairing_sparse::{
-    CgError, CgOptions, Cholesky, ConjugateGradient, Mass, Preconditioner, SparseMatrix, combine,
-    multiply, multiply_points,
+    CgError, CgOptions, Cholesky, ConjugateGradient, Mass, SparseMatrix, combine, multiply,
+    multiply_points,
 };
 use proptest::prelude::*;
 
 use crate::matrices::{distance, grid, random_definite, random_vector};
-
-const BOTH: [Preconditioner; 2] = [Preconditioner::Jacobi, Preconditioner::IncompleteCholesky];
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(40))]
@@ -18,13 +16,11 @@ proptest! {
         let a = random_definite(n, density * n, seed);
         let x = random_vector(n, seed);
         let options = CgOptions { tolerance: 1e-12, ..Default::default() };
-        for preconditioner in BOTH {
-            let cg = ConjugateGradient::new(&a, preconditioner).unwrap();
-            let solution = cg.solve(&multiply(&a, &x), None, &options).unwrap();
-            prop_assert!(solution.residuals[0] < 1e-11);
-            // The condition number is below 10³.
-            prop_assert!(distance(&solution.x, &x) < 1e-8);
-        }
+        let cg = ConjugateGradient::new(&a).unwrap();
+        let solution = cg.solve(&multiply(&a, &x), None, &options).unwrap();
+        prop_assert!(solution.residuals[0] < 1e-11);
+        // The condition number is below 10³.
+        prop_assert!(distance(&solution.x, &x) < 1e-8);
     }
 }
 
@@ -36,37 +32,23 @@ fn columns_converge_on_their_own() {
     let u = random_vector(n, 1);
     let x: Vec<[f64; 3]> = (0..n).map(|i| [1e9 * u[i], 0.0, 1e-9 * (i % 7) as f64]).collect();
     let b = multiply_points(&a, &x);
-    for preconditioner in BOTH {
-        let cg = ConjugateGradient::new(&a, preconditioner).unwrap();
-        let solution = cg.solve_points(&b, None, &CgOptions::default()).unwrap();
-        assert!(solution.residuals.iter().all(|r| *r < 1.1e-10), "{:?}", solution.residuals);
-        assert!(solution.x.iter().all(|x| x[1] == 0.0));
-        let direct = Cholesky::new(&a).unwrap().solve_points(&b);
-        for lane in [0, 2] {
-            let worst =
-                (0..n).map(|i| (solution.x[i][lane] - direct[i][lane]).abs()).fold(0.0, f64::max);
-            let size = (0..n).map(|i| direct[i][lane].abs()).fold(0.0, f64::max);
-            assert!(worst < 1e-8 * size, "column {lane}: {worst:e} of {size:e}");
-        }
-        let again = cg.solve_points(
-            &b,
-            Some(&solution.x),
-            &CgOptions { tolerance: 1e-9, ..Default::default() },
-        );
-        assert_eq!(again.unwrap().iterations, 0, "the solution is its own best guess");
+    let cg = ConjugateGradient::new(&a).unwrap();
+    let solution = cg.solve_points(&b, None, &CgOptions::default()).unwrap();
+    assert!(solution.residuals.iter().all(|r| *r < 1.1e-10), "{:?}", solution.residuals);
+    assert!(solution.x.iter().all(|x| x[1] == 0.0));
+    let direct = Cholesky::new(&a).unwrap().solve_points(&b);
+    for lane in [0, 2] {
+        let worst =
+            (0..n).map(|i| (solution.x[i][lane] - direct[i][lane]).abs()).fold(0.0, f64::max);
+        let size = (0..n).map(|i| direct[i][lane].abs()).fold(0.0, f64::max);
+        assert!(worst < 1e-8 * size, "column {lane}: {worst:e} of {size:e}");
     }
-}
-
-#[test]
-fn incomplete_cholesky_saves_iterations() {
-    let n = 100 * 100;
-    let a = combine(1.0, Mass::Lumped(&vec![1.0; n]), 100.0, &grid(100, 100));
-    let b = random_vector(n, 4);
-    let [jacobi, incomplete] = BOTH.map(|preconditioner| {
-        let cg = ConjugateGradient::new(&a, preconditioner).unwrap();
-        cg.solve(&b, None, &CgOptions::default()).unwrap().iterations
-    });
-    assert!(2 * incomplete < jacobi, "{incomplete} against {jacobi}");
+    let again = cg.solve_points(
+        &b,
+        Some(&solution.x),
+        &CgOptions { tolerance: 1e-9, ..Default::default() },
+    );
+    assert_eq!(again.unwrap().iterations, 0, "the solution is its own best guess");
 }
 
 #[test]
@@ -75,10 +57,10 @@ fn failures_are_errors() {
     let singular = grid(5, 5);
     let negative = combine(-0.5, Mass::Lumped(&[1.0; 25]), 1.0, &singular);
     let b = random_vector(25, 1);
-    let cg = ConjugateGradient::new(&negative, Preconditioner::Jacobi).unwrap();
+    let cg = ConjugateGradient::new(&negative).unwrap();
     assert!(matches!(cg.solve(&b, None, &options), Err(CgError::Indefinite { .. })));
     let definite = combine(0.5, Mass::Lumped(&[1.0; 25]), 1.0, &singular);
-    let cg = ConjugateGradient::new(&definite, Preconditioner::Jacobi).unwrap();
+    let cg = ConjugateGradient::new(&definite).unwrap();
     assert!(matches!(
         cg.solve(&b, None, &CgOptions { max_iterations: 2, ..options }),
         Err(CgError::NotConverged { iterations: 2, residual }) if residual > 1e-10
@@ -92,7 +74,7 @@ fn failures_are_errors() {
     assert_eq!(cg.solve(&infinite, None, &options).unwrap_err(), CgError::NotFinite { row: 3 });
     let zero = SparseMatrix::zero((2, 2));
     assert_eq!(
-        ConjugateGradient::new(&zero, Preconditioner::Jacobi).unwrap_err(),
+        ConjugateGradient::new(&zero).unwrap_err(),
         CgError::Diagonal { row: 0, value: 0.0 }
     );
 }
@@ -106,7 +88,7 @@ fn threads_do_not_change_bits() {
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let cg = ConjugateGradient::new(&a, Preconditioner::Jacobi).unwrap();
+            let cg = ConjugateGradient::new(&a).unwrap();
             cg.solve_points(&b, None, &CgOptions::default()).unwrap()
         })
     };
@@ -117,41 +99,39 @@ fn threads_do_not_change_bits() {
 /// solution in another unit.
 #[test]
 fn sizes_of_the_right_hand_side_do_not_matter() {
-    use fairing_sparse::{CgOptions, ConjugateGradient, Mass, Preconditioner, combine};
+    use fairing_sparse::{CgOptions, ConjugateGradient, Mass, combine};
     let s = crate::matrices::grid(20, 17);
     let a = combine(0.5, Mass::Lumped(&vec![1.0; s.rows()]), 1.0, &s);
     let b = crate::matrices::random_vector(s.rows(), 4);
-    for preconditioner in [Preconditioner::Jacobi, Preconditioner::IncompleteCholesky] {
-        let cg = ConjugateGradient::new(&a, preconditioner).unwrap();
-        let options = CgOptions::default();
-        let one = cg.solve(&b, None, &options).unwrap();
-        for unit in [1e-300, 1e-170, 1e170, 1e300] {
-            let scaled: Vec<f64> = b.iter().map(|b| b * unit).collect();
-            let found = cg.solve(&scaled, None, &options).unwrap();
-            assert!(found.iterations > 5 && found.residuals[0] <= 1e-10);
-            let again = cg.solve(&scaled, Some(&found.x), &options).unwrap();
-            assert_eq!(again.iterations, 0);
-            for (x, y) in found.x.iter().zip(&one.x) {
-                assert!((x / unit - y).abs() < 1e-9, "{unit:e}: {x:e} {y}");
-            }
-        }
-        let points: Vec<[f64; 3]> = b.iter().map(|b| [b * 1e-200, *b, b * 1e200]).collect();
-        let found = cg.solve_points(&points, None, &options).unwrap();
+    let cg = ConjugateGradient::new(&a).unwrap();
+    let options = CgOptions::default();
+    let one = cg.solve(&b, None, &options).unwrap();
+    for unit in [1e-300, 1e-170, 1e170, 1e300] {
+        let scaled: Vec<f64> = b.iter().map(|b| b * unit).collect();
+        let found = cg.solve(&scaled, None, &options).unwrap();
+        assert!(found.iterations > 5 && found.residuals[0] <= 1e-10);
+        let again = cg.solve(&scaled, Some(&found.x), &options).unwrap();
+        assert_eq!(again.iterations, 0);
         for (x, y) in found.x.iter().zip(&one.x) {
-            let back = [x[0] * 1e200, x[1], x[2] * 1e-200];
-            assert!(back.iter().all(|x| (x - y).abs() < 1e-9), "{back:?} {y}");
+            assert!((x / unit - y).abs() < 1e-9, "{unit:e}: {x:e} {y}");
         }
+    }
+    let points: Vec<[f64; 3]> = b.iter().map(|b| [b * 1e-200, *b, b * 1e200]).collect();
+    let found = cg.solve_points(&points, None, &options).unwrap();
+    for (x, y) in found.x.iter().zip(&one.x) {
+        let back = [x[0] * 1e200, x[1], x[2] * 1e-200];
+        assert!(back.iter().all(|x| (x - y).abs() < 1e-9), "{back:?} {y}");
     }
 }
 
 /// A tolerance below rounding: done at what rounding leaves, and the residual that is told is the true one.
 #[test]
 fn residuals_are_measured() {
-    use fairing_sparse::{CgOptions, ConjugateGradient, Mass, Preconditioner, combine, multiply};
+    use fairing_sparse::{CgOptions, ConjugateGradient, Mass, combine, multiply};
     let s = crate::matrices::grid(30, 30);
     let a = combine(1e-3, Mass::Lumped(&vec![1.0; s.rows()]), 1.0, &s);
     let b = crate::matrices::random_vector(s.rows(), 8);
-    let cg = ConjugateGradient::new(&a, Preconditioner::Jacobi).unwrap();
+    let cg = ConjugateGradient::new(&a).unwrap();
     for tolerance in [1e-10, 1e-20, 0.0] {
         let options = CgOptions { tolerance, max_iterations: 2000 };
         let Ok(found) = cg.solve(&b, None, &options) else {

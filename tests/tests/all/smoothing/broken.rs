@@ -1,6 +1,7 @@
 //! Meshes without a plain operator, and flows that end in a point.
 
 use super::*;
+use fairing_operators::LumpedArea;
 use fairing_smoothing::{
     FairRegion, FairingWeights, LowPass, Operator, Transfer, Update, fair_region, low_pass,
 };
@@ -20,11 +21,52 @@ fn broken() -> TriMesh {
     TriMesh::new(positions, faces).unwrap()
 }
 
+/// Auto is the robust operator on a mesh with a thin face, which the report names; the plain one on others.
+#[test]
+fn auto_takes_the_robust_operator_where_a_face_is_too_thin() {
+    let sphere = fairing_shapes::icosphere(2);
+    let n = sphere.face_count() as u32;
+    for (mesh, other, too_thin) in [
+        (broken(), Operator::Robust, true),
+        (sphere, Operator::Plain(LumpedArea::Barycentric), false),
+    ] {
+        let named = fairing_operators::check_faces(&mesh).err().map(|error| match error {
+            fairing_operators::OperatorError::DegenerateFace { face, .. } => face,
+            error => panic!("{error}"),
+        });
+        assert!(named.is_some() == too_thin && named.is_none_or(|face| face >= n), "{named:?}");
+        let implicit_with = |operator, update| {
+            let step = Diffusion::cotangent(0.05).with_operator(operator);
+            implicit(&mesh, &Implicit { update, ..Implicit::new(step) }, None)
+        };
+        let low_pass_with =
+            |operator| low_pass(&mesh, &LowPass { operator, ..LowPass::new(Transfer::Modes(12)) });
+        let region_with = |operator| {
+            let weights = FairingWeights::Cotangent(operator);
+            fair_region(&mesh, &FairRegion { weights, ..FairRegion::new(vec![3, 40]) })
+        };
+        let pairs = [
+            (implicit_with(Operator::Auto, Update::Never), implicit_with(other, Update::Never)),
+            (implicit_with(Operator::Auto, Update::Mass), implicit_with(other, Update::Mass)),
+            (implicit_with(Operator::Auto, Update::Both), implicit_with(other, Update::Both)),
+            (low_pass_with(Operator::Auto), low_pass_with(other)),
+            (region_with(Operator::Auto), region_with(other)),
+        ];
+        for (found, expected) in pairs {
+            let (found, expected) = (found.unwrap(), expected.unwrap());
+            assert_eq!(found.mesh, expected.mesh);
+            assert_eq!((found.report.too_thin, expected.report.too_thin), (named, None));
+        }
+    }
+}
+
 /// The plain operator refuses and its message says what serves; the robust one and uniform weights smooth.
 #[test]
 fn broken_meshes_smooth_through_the_robust_operator() {
     let mesh = broken();
-    let error = implicit(&mesh, &Implicit::new(Diffusion::cotangent(1.0)), None).unwrap_err();
+    let plain = Operator::Plain(LumpedArea::Barycentric);
+    let step = Diffusion::cotangent(1.0).with_operator(plain);
+    let error = implicit(&mesh, &Implicit::new(step), None).unwrap_err();
     assert!(matches!(error.failure, FlowFailure::Operator(_)));
     assert!(error.to_string().contains("robust") && error.to_string().contains("uniform"));
     let robust = |lambda| Diffusion::cotangent(lambda).with_operator(Operator::Robust);

@@ -195,7 +195,9 @@ fn limits_and_errors_are_in_mesh_units() {
         let [a, b, c] = other.faces()[11].map(|v| v as usize);
         flat[c] = [0, 1, 2].map(|k| 0.5 * flat[a][k] + 0.5 * flat[b][k]);
         let flat = other.with_positions(flat).unwrap();
-        let error = explicit(&flat, &Explicit::new(Diffusion::cotangent(0.1)), None).unwrap_err();
+        let plain = Operator::Plain(LumpedArea::Barycentric);
+        let step = Diffusion::cotangent(0.1).with_operator(plain);
+        let error = explicit(&flat, &Explicit::new(step), None).unwrap_err();
         let expected = fairing_operators::cotan_stiffness(&flat).unwrap_err();
         assert_eq!(error.failure, FlowFailure::Operator(expected));
     }

@@ -240,6 +240,9 @@ fn filters_of_any_width() {
             // 2.1e-10 in the norm of the mass, which is 1e-3 of the whole at the least vertex.
             let off = apart(&mesh, &found.mesh, &expected);
             assert!(off < 1e-8, "{transfer:?}: {off:e}, {:?}", found.report);
+            for &v in &held {
+                assert_eq!(found.mesh.positions()[v], mesh.positions()[v], "{transfer:?}");
+            }
         };
         for width in [1e-6, 1e-3, 0.1, 1.0, 30.0, 1e3, 1e5, 1e8, 1e12, 1e15] {
             check(Transfer::Heat(Time::SquaredUnits(width)), &|omega| (-width * omega).exp());

@@ -257,13 +257,7 @@ impl<'a> Gatherer<'a> {
             let d = dot(offset, offset);
             let m = state.normals[g];
             let apart = sub(m, n);
-            let u = dot(apart, apart);
-            let mut range = [1.0; RANGES];
-            for (r, s) in range.iter_mut().zip(ranges) {
-                // Close to a Gaussian, with tails of an eighth power.
-                let q = 1.0 / (1.0 + s * u);
-                *r = (q * q) * (q * q);
-            }
+            let range = similarities(dot(apart, apart), ranges);
             let area = state.current.areas[g];
             let [a, b, c] = scale(state.noisy.normals[g], state.noisy.areas[g] * state.trust[g]);
             let terms = [a, b, c, m[0] * area, m[1] * area, m[2] * area, area, 0.0];
@@ -301,6 +295,17 @@ impl<'a> Gatherer<'a> {
         }
         sums
     }
+}
+
+/// The weights of a normal at a squared distance, for each range: close to
+/// Gaussians, with tails of an eighth power; the last is one.
+fn similarities(square: f64, factors: [f64; RANGES - 1]) -> [f64; RANGES] {
+    let mut weights = [1.0; RANGES];
+    for (w, factor) in weights.iter_mut().zip(factors) {
+        let q = 1.0 / (1.0 + factor * square);
+        *w = (q * q) * (q * q);
+    }
+    weights
 }
 
 /// Two unit vectors across `n`.

@@ -27,7 +27,7 @@ use crate::ordering;
 
 /// How to solve a symmetric positive definite system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Method {
+pub enum SolverChoice {
     /// Sparse Cholesky: [`Cholesky`](crate::Cholesky).
     Direct,
     /// Conjugate gradients with the diagonal as preconditioner:
@@ -35,7 +35,7 @@ pub enum Method {
     Iterative,
 }
 
-/// What is to be solved, as far as it decides between the methods.
+/// What is to be solved, as far as it decides between the two.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Workload {
     /// Rows of the matrix.
@@ -48,7 +48,7 @@ pub struct Workload {
     pub factor_entries: Option<usize>,
     /// κ of the matrix scaled to a unit diagonal; [`shifted_condition`] estimates it for M + tS.
     pub condition: f64,
-    /// Share of the first residual that may be left. Cholesky leaves rounding alone.
+    /// Share of the first residual that may be left. Cholesky leaves no more than rounding.
     pub tolerance: f64,
     /// How often one and the same matrix is solved with, for up to three right-hand sides together.
     pub solves: usize,
@@ -110,13 +110,13 @@ impl Workload {
     }
 }
 
-impl Method {
-    /// The method that the measurements of this module's table expect to be faster.
+impl SolverChoice {
+    /// What the measurements of this module's table expect to be faster.
     ///
     /// # Examples
     ///
     /// ```
-    /// use fairing_sparse::{Method, Workload};
+    /// use fairing_sparse::{SolverChoice, Workload};
     /// let step = Workload {
     ///     rows: 10_000,
     ///     entries: 70_000,
@@ -126,9 +126,9 @@ impl Method {
     ///     solves: 1,
     /// };
     /// // A single short step of a flow does not repay a factorisation; a long one or many of them do.
-    /// assert_eq!(Method::choose(&step), Method::Iterative);
-    /// assert_eq!(Method::choose(&Workload { condition: 6000.0, ..step }), Method::Direct);
-    /// assert_eq!(Method::choose(&Workload { solves: 50, ..step }), Method::Direct);
+    /// assert_eq!(SolverChoice::choose(&step), SolverChoice::Iterative);
+    /// assert_eq!(SolverChoice::choose(&Workload { condition: 6000.0, ..step }), SolverChoice::Direct);
+    /// assert_eq!(SolverChoice::choose(&Workload { solves: 50, ..step }), SolverChoice::Direct);
     /// ```
     pub fn choose(work: &Workload) -> Self {
         if work.iterative_cost() < work.direct_cost() { Self::Iterative } else { Self::Direct }
@@ -198,9 +198,14 @@ mod tests {
         ] {
             let work = mesh(rows, t, solves);
             let (direct, iterative) = (factorise + solves as f64 * solve, solves as f64 * iterate);
-            let faster = if direct < iterative { Method::Direct } else { Method::Iterative };
+            let faster =
+                if direct < iterative { SolverChoice::Direct } else { SolverChoice::Iterative };
             if f64::max(direct / iterative, iterative / direct) > 1.5 {
-                assert_eq!(Method::choose(&work), faster, "{rows} rows, t = {t} h², {solves}");
+                assert_eq!(
+                    SolverChoice::choose(&work),
+                    faster,
+                    "{rows} rows, t = {t} h², {solves}"
+                );
             }
         }
     }
@@ -209,9 +214,9 @@ mod tests {
     #[test]
     fn fill_counts() {
         let work = Workload { rows: 20_000, entries: 140_000, ..mesh(20_000, 100.0, 1) };
-        assert_eq!(Method::choose(&work), Method::Direct);
+        assert_eq!(SolverChoice::choose(&work), SolverChoice::Direct);
         let full = Workload { factor_entries: Some(20_000 * 400), ..work };
-        assert_eq!(Method::choose(&full), Method::Iterative);
+        assert_eq!(SolverChoice::choose(&full), SolverChoice::Iterative);
     }
 
     #[test]

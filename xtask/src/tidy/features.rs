@@ -1,0 +1,72 @@
+//! `cargo xtask` and the tests of the workspace share what they compile.
+//!
+//! Cargo turns on the features that the packages it builds ask for. Where `-p xtask` asks for fewer than the workspace,
+//! a dependency and all that depend on it are compiled twice.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+use std::process::Command;
+
+use anyhow::{Context as _, Result, ensure};
+
+/// Packages that `cargo xtask` builds with other features than the tests of the workspace do.
+pub(super) fn check(root: &Path) -> Result<Vec<String>> {
+    let own = tree(root, &["--package=xtask", "--edges=normal,build"])?;
+    let all = tree(root, &["--workspace", "--edges=normal,build,dev"])?;
+    Ok(differences(&own, &all))
+}
+
+/// What `cargo tree` lists: a package and its features in each line.
+fn tree(root: &Path, choice: &[&str]) -> Result<String> {
+    let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    cargo.args(["tree", "--locked", "--prefix=none", "--format={p}|{f}"]).args(choice);
+    let output = cargo.current_dir(root).output().context("asking cargo for features")?;
+    ensure!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+/// The features of each package: several sets, where a build script needs others than the program.
+fn features(tree: &str) -> BTreeMap<&str, BTreeSet<&str>> {
+    let mut features: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
+    for line in tree.lines() {
+        let line = line.strip_suffix(" (*)").unwrap_or(line);
+        if let Some((package, set)) = line.split_once('|') {
+            features.entry(package).or_default().insert(set);
+        }
+    }
+    features
+}
+
+/// The packages in both lists that the first one builds with features that the second one does not.
+fn differences(own: &str, all: &str) -> Vec<String> {
+    let all = features(all);
+    let mut found = vec![];
+    for (package, sets) in features(own) {
+        let Some(known) = all.get(package) else { continue };
+        for set in sets.difference(known) {
+            let others: Vec<String> = known.iter().map(|set| format!("[{set}]")).collect();
+            found.push(format!(
+                "{package} has the features [{set}] for xtask, {} for the tests: name it in xtask/Cargo.toml with \
+                 these",
+                others.join(" and ")
+            ));
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn other_features_are_found() {
+        let all = "rand v0.10.0|std,sys_rng\nsyn v2.0.0|full\nsyn v2.0.0|\npyo3 v0.1.0|\n";
+        assert!(
+            differences("rand v0.10.0|std,sys_rng (*)\nsyn v2.0.0|\nclap v4|x\n", all).is_empty()
+        );
+        let found = differences("rand v0.10.0|std\nsyn v2.0.0|full (*)\n", all);
+        let [only] = &found[..] else { panic!("{found:?}") };
+        assert!(only.contains("rand v0.10.0") && only.contains("[std,sys_rng]"), "{only}");
+    }
+}
