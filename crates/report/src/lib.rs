@@ -10,6 +10,7 @@ pub mod mathml;
 
 mod markdown;
 mod page;
+mod play;
 mod publish;
 mod render;
 mod story;

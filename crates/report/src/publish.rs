@@ -48,9 +48,15 @@ fn pack(record: &mut Record, folder: &Path, form: Form) -> Result<()> {
     })
 }
 
-/// Keeps the pictures in one of their two sizes.
+/// Keeps the pictures in one of their two sizes; a whole report has both of those that are printed in the place of
+/// views, of which the page holds the small one.
 fn choose_pictures(record: &mut Record, folder: &Path, form: Form) -> Result<()> {
+    let stills: Vec<String> = record.views.iter().map(|view| view.fallback.clone()).collect();
     for figure in &mut record.figures {
+        let is_still = stills.contains(&figure.id) && figure.svg.is_none();
+        if is_still && form == Form::Whole {
+            continue;
+        }
         let Some(small) = figure.small.take() else { continue };
         match form {
             Form::Whole => remove(folder, &small)?,

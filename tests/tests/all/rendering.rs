@@ -50,6 +50,7 @@ impl Experiment for Shown {
                 alt: "A ball.".into(),
                 image: render(&mesh, Colors::CLAY, None, &camera, &options)?,
                 svg: None,
+                links: vec![],
             }],
             views: vec![View {
                 id: "turning".into(),
@@ -59,6 +60,7 @@ impl Experiment for Shown {
                 z_up: false,
                 sliders: vec![Slider::new("size", [1.0, 0.5])],
                 panels: vec![panel],
+                ..View::default()
             }],
             notes: vec!["A note.".into()],
             ..Outcome::default()

@@ -44,7 +44,7 @@ fn reads(chrome: &mut Chrome, page: &Path) -> Result<()> {
         .filter_map(|url| url.strip_suffix(".view.js")?.rsplit('/').next())
         .collect();
     data.sort_unstable();
-    ensure!(data == ["flow", "grid", "open"], "{:?}", chrome.requests);
+    ensure!(data == ["flow", "grid", "open", "sum"], "{:?}", chrome.requests);
     Ok(())
 }
 
@@ -114,7 +114,7 @@ fn draws(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page)?;
     let count = chrome
         .number("document.querySelectorAll('figure.view .panel:not([hidden]) canvas').length")?;
-    ensure!(count == 4.0, "{count} canvases");
+    ensure!(count == 6.0, "{count} canvases");
     for canvas in 0..4 {
         let (drawn, _) = picture(chrome, canvas)?;
         ensure!((0.15..0.75).contains(&drawn), "canvas {canvas}: {drawn} of it is drawn");
@@ -295,7 +295,7 @@ fn stands_in(chrome: &mut Chrome, page: &Path) -> Result<()> {
     let pictures = chrome.number(
         "[...document.querySelectorAll('figure.view img')].filter((p) => p.offsetWidth > 0).length",
     )?;
-    ensure!(pictures == 3.0, "{pictures} of 3 views show their figure");
+    ensure!(pictures == 4.0, "{pictures} of 4 views show their figure");
     ensure!(chrome.complaints.is_empty(), "{:?}", chrome.complaints);
     Ok(())
 }

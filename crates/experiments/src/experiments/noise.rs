@@ -113,6 +113,7 @@ impl Experiment for Noise {
                 "Noise changes K {} times as much as H in the median. Only the total of K, 2πχ, stays.",
                 brief(middle)
             ))
+            .shown("play-noise", "0.1~14~torus~error")
             .number("median change of K over H", middle, Unit::One)
             .number("least change of K over H", low, Unit::One)
             .number("median over all estimators", all_middle, Unit::One)

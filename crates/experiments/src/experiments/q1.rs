@@ -197,6 +197,7 @@ impl<'a> Pictures<'a> {
             z_up: true,
             sliders: vec![],
             panels: vec![Panel::still("original", self.mesh), colored],
+            ..View::default()
         }
     }
 }

@@ -87,6 +87,7 @@ impl Experiment for EllipsoidForms {
                 reason,
             )
             .finding(format!("Along y the normal curvature is a/b² in size; −1/c is right on {right} of {} ellipsoids, the sphere.", ours.len()))
+            .shown("play-ellipsoid", "2~1~0.7~0")
             .number("largest error of |−1/c|", error, Unit::Relative)
             .number("gap between closed form and differences", check, Unit::Relative)
             .number(

@@ -3,7 +3,7 @@
 use anyhow::{Context as _, Result};
 use fairing_evaluation::{normal_error, observed_orders, surface_distance};
 use fairing_figure::{
-    Axis, Figure, Limits, Panel as FigurePanel, Plot, ScaleOptions, Series, Up, Viewpoint,
+    Axis, Figure, Legend, Limits, Panel as FigurePanel, Plot, ScaleOptions, Series, Up, Viewpoint,
 };
 use fairing_mesh::TriMesh;
 use fairing_operators::Laplacian;
@@ -14,6 +14,8 @@ use ndarray::ArrayView2;
 
 use super::gallery::{Coloring, Gallery, Look, Range, plotted};
 use super::gap;
+use super::mode_sums;
+use super::models::slug;
 use super::torus;
 use crate::experiment::{Card, Context, Experiment};
 use crate::inputs::Input;
@@ -51,7 +53,7 @@ impl Experiment for Reconstruction {
             id: "q4",
             title: "Reconstruction from the smoothest modes",
             question: "How well do the eigenvectors of the k smallest eigenvalues of the Laplace–Beltrami operator reconstruct a mesh, and does a larger k help?",
-            method: "S φ = λ M φ with cotangent stiffness S and barycentric mass M; the positions are projected in the inner product of M, X_k = Φ Φᵀ M X. The number of eigenvalues below the last one is certified by the inertia of a factorisation. Where eigenvalue k + 1 is equal to eigenvalue k or nearly so, the basis of their eigenspace is arbitrary, and k moves on to the next gap.\n\nThe error is predicted from the coefficients (Parseval); it is measured as well, with the distance between the surfaces and the angle between their normals. Eigenvalues are held against those of the unit sphere, ℓ(ℓ + 1), and against Weyl's law λ_k ≈ 4πk / A.".into(),
+            method: "S φ = λ M φ with cotangent stiffness S and barycentric mass M; the positions are projected in the inner product of M, X_k = Φ Φᵀ M X. The number of eigenvalues below the last one is certified by the inertia of a factorisation. Where eigenvalue k + 1 is equal to eigenvalue k or nearly so, the basis of their eigenspace is arbitrary, and k moves on to the next gap.\n\nThe error is predicted from the coefficients (Parseval); it is measured as well, with the distance between the surfaces and the angle between their normals. Eigenvalues are compared with those of the unit sphere, ℓ(ℓ + 1), and against Weyl's law λ_k ≈ 4πk / A.".into(),
             formulas: FORMULAS.map(String::from).to_vec(),
             inputs: &[Input::Armadillo, Input::ArmadilloLarge],
             parameters: vec![
@@ -77,6 +79,7 @@ impl Experiment for Reconstruction {
             curves.push(rebuilt.curve());
             rebuilt.show(&mut outcome, !context.is_quick(), i == 0)?;
         }
+        outcome.views.push(mode_sums::view(context)?);
         outcome.figures.push(decay(curves)?);
         context.progress(0.8, "sphere");
         outcome.tables.extend([errors, weyl, sphere(context.choose(5, 4))?]);
@@ -128,6 +131,7 @@ impl Experiment for Reconstruction {
                     brief(steps.iter().copied().fold(f64::INFINITY, f64::min)),
                     brief(steps.iter().copied().fold(0.0, f64::max)),
                 ))
+                .shown(mode_sums::VIEW, &format!("!!!!!!!!{}", ks[1]))
                 .number(&format!("error at {} over error at {}", ks[1], ks[0]), steps[0], Unit::One)
                 .number("error of the last stop", last, Unit::Diagonals),
             Judgement::new(
@@ -203,7 +207,7 @@ fn weyl_table() -> Table {
 /// The meshes by their names: those of the assignment are named after what they are, stand-ins too.
 fn meshes(context: &Context<'_>) -> Result<[(&'static str, TriMesh); 3]> {
     let named = |input, real, stand_in| if context.is_stand_in(input) { stand_in } else { real };
-    let small = named(Input::Armadillo, "armadillo", "coarse bumpy ball");
+    let small = named(Input::Armadillo, "armadillo", "small creature");
     // A quick run is to be quick.
     let (large, mesh) = match context.is_quick() {
         true => ("large creature", shapes::creature(64)),
@@ -374,7 +378,7 @@ fn picture(
         looks.into_iter().map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
     Gallery { looks, viewpoints: &VIEWS, up: Up::Y, aspect: 0.9, occlusion }.draw(
         id,
-        &format!("The {name} from more and more modes, and the original, from two viewpoints."),
+        &format!("With few modes the {name} is a blob; limbs come before details. From k modes, and the original, from two viewpoints."),
         &format!("Pictures of the {name}: a few modes give a smooth blob, more bring limbs, then details."),
     )
 }
@@ -452,7 +456,9 @@ fn energies(id: &str, name: &str, mesh: &TriMesh, modes: &Spectrum) -> Result<At
 fn view(id: &str, name: &str, mesh: &TriMesh, stops: &[usize], rebuilt: &[TriMesh]) -> View {
     View {
         id: format!("{id}-view"),
-        caption: format!("The {name} from k modes on the left, the original on the right."),
+        caption: format!(
+            "Move k and watch what is missing: the {name} from k modes, beside the original."
+        ),
         alt: format!("The {name} twice, to turn; a slider changes the number of modes."),
         fallback: id.into(),
         z_up: false,
@@ -461,6 +467,8 @@ fn view(id: &str, name: &str, mesh: &TriMesh, stops: &[usize], rebuilt: &[TriMes
             Panel::moving("k modes", mesh, rebuilt.iter().map(TriMesh::positions)),
             Panel::still("original", mesh),
         ],
+        from: Some(1),
+        ..View::default()
     }
 }
 
@@ -468,17 +476,22 @@ fn decay(curves: Vec<Series>) -> Result<Picture> {
     let plot = Plot {
         x: Axis::log("modes k"),
         y: Axis::log("RMS displacement / diagonal"),
+        legend: Legend::Lines,
         series: curves,
         ..Plot::default()
     };
     let mut figure = Figure::default();
-    figure.panels.push(FigurePanel::drawing(plot.draw(640.0, 380.0)?));
-    plotted(
+    let names: Vec<String> = plot.series.iter().map(|s| s.name.clone()).collect();
+    figure.panels.push(FigurePanel::drawing(plot.draw(680.0, 380.0)?));
+    let picture = plotted(
         &figure,
         "decay",
-        "Error of the mesh from k modes over k: the root mean square displacement weighted by area, over the diagonal of the bounding box.",
+        "Bodies without limbs need few modes; the creatures need many, and all of them are exact with all of their modes. The error of the mesh from k modes over k: the root mean square displacement weighted by area, over the diagonal of the bounding box.",
         "Curves that fall from a few per cent at one mode, fast where k reaches the number of vertices.",
-    )
+    )?;
+    Ok(names.iter().fold(picture, |picture, name| {
+        picture.linked("", name, &format!("{}-view", slug(name)), "k")
+    }))
 }
 
 const FORMULAS: [&str; 1] = [

@@ -46,6 +46,7 @@ pub(super) fn outcome(outcome: Outcome, work: &Path, record: &mut Record) -> Res
             png,
             svg: svg.transpose()?,
             small: Some(small),
+            links: picture.links,
         });
     }
     for output in outcome.meshes {

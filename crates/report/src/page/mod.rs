@@ -25,14 +25,25 @@ use fairing_results::verdict::Judgement;
 use html::escape;
 
 /// The scripts, in the order in which they use one another.
-const SCRIPTS: [&str; 8] = [
+const SCRIPTS: [&str; 19] = [
+    include_str!("../../assets/dom.js"),
+    include_str!("../../assets/geometry.js"),
+    include_str!("../../assets/eigen.js"),
     include_str!("../../assets/data.js"),
     include_str!("../../assets/solver.js"),
     include_str!("../../assets/renderer.js"),
     include_str!("../../assets/camera.js"),
+    include_str!("../../assets/steer.js"),
     include_str!("../../assets/bar.js"),
     include_str!("../../assets/live.js"),
+    include_str!("../../assets/modes.js"),
+    include_str!("../../assets/derived.js"),
     include_str!("../../assets/view.js"),
+    include_str!("../../assets/playground.js"),
+    include_str!("../../assets/ellipsoid.js"),
+    include_str!("../../assets/diffusion.js"),
+    include_str!("../../assets/noise.js"),
+    include_str!("../../assets/points.js"),
     include_str!("../../assets/page.js"),
 ];
 
@@ -62,8 +73,9 @@ pub(crate) fn report(results: &Results, folder: &Path) -> Result<String> {
             (record, first)
         })
         .collect();
-    let section =
-        |(record, first): &(&Record, usize)| section::experiment(record, *first, folder, form);
+    let section = |(record, first): &(&Record, usize)| {
+        section::experiment(&results.experiments, record, *first, folder, form)
+    };
     let bodies: Vec<String> = numbered.par_iter().map(section).collect::<Result<_>>()?;
     let sections: Vec<(&str, String)> =
         numbered.iter().map(|(record, _)| record.id.as_str()).zip(bodies).collect();
@@ -247,7 +259,7 @@ fn claims(results: &Results) -> String {
                 "<tr><td><a href=\"#claim-{0}\">{0}</a></td><td>{1}</td><td>{2}</td><td>{3}</td><td>{4}</td></tr>",
                 escape(&claim.id),
                 escape(&claim.claim),
-                section::verdict(claim.verdict),
+                section::verdict(claim.verdict) + &section::link(&results.experiments, claim),
                 escape(&claim.finding),
                 escape(&number),
             );

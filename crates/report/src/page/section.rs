@@ -10,16 +10,18 @@ use rayon::prelude::*;
 
 use super::html::escape;
 use super::view;
-use crate::{markdown, mathml};
+use crate::play::Play;
+use crate::{markdown, mathml, play};
 use fairing_results::results::{FigureFile, Form, Record};
 use fairing_results::table::{Cell, Table, Unit};
-use fairing_results::verdict::{Judgement, Verdict};
+use fairing_results::verdict::{Judgement, Shown, Verdict};
 
 /// Question, method, verdicts, views, figures, tables and how to make it
 /// again.
 ///
 /// `first` is the number of its first figure.
 pub(super) fn experiment(
+    all: &[Record],
     record: &Record,
     first: usize,
     folder: &Path,
@@ -41,7 +43,7 @@ pub(super) fn experiment(
         return Ok(text);
     }
     for claim in &record.claims {
-        text += &judgement(claim);
+        text += &judgement(all, claim);
     }
     if !record.method.is_empty() {
         text += "<details open><summary>Method</summary>";
@@ -73,11 +75,18 @@ fn is_paper(record: &Record, figure: &FigureFile) -> bool {
 
 /// How many numbered figures an experiment has.
 pub(super) fn count(record: &Record) -> usize {
-    record.views.len() + record.figures.iter().filter(|f| !is_paper(record, f)).count()
+    play::of(&record.id).count()
+        + record.views.len()
+        + record.figures.iter().filter(|f| !is_paper(record, f)).count()
 }
 
 /// The views, each with the picture that is printed in its place, then the other pictures; numbered from `first`.
 fn shown(record: &Record, first: usize, folder: &Path, form: Form) -> Result<String> {
+    let mut text: String = play::of(&record.id)
+        .enumerate()
+        .map(|(k, play)| playground(play, &format!("<b>Figure {}.</b> ", first + k)))
+        .collect();
+    let first = first + play::of(&record.id).count();
     let label = |k: usize| format!("<b>Figure {}.</b> ", first + k);
     let views = record.views.par_iter().enumerate().map(|(k, v)| {
         let id = format!("{}-{}", record.id, v.id);
@@ -93,7 +102,7 @@ fn shown(record: &Record, first: usize, folder: &Path, form: Form) -> Result<Str
         };
         view::figure(v, &id, &figure_id(record, &v.fallback), &paper, &label(k), folder, form)
     });
-    let mut text = views.collect::<Result<String>>()?;
+    text += &views.collect::<Result<String>>()?;
     let others: Vec<&FigureFile> = record.figures.iter().filter(|f| !is_paper(record, f)).collect();
     let pictures = others
         .par_iter()
@@ -101,6 +110,18 @@ fn shown(record: &Record, first: usize, folder: &Path, form: Form) -> Result<Str
         .map(|(k, figure)| picture(record, figure, &label(record.views.len() + k), folder, form));
     text += &pictures.collect::<Result<String>>()?;
     Ok(text)
+}
+
+/// A place in which the page's script builds a playground.
+fn playground(play: &Play, label: &str) -> String {
+    format!(
+        "<figure class=\"play\" id=\"{}\" data-play=\"{}\"><div class=\"stage\"><p class=\"hint\">{} \
+         It is computed by the page's script.</p></div><figcaption>{label}{}</figcaption></figure>",
+        play.id(),
+        play.kind,
+        escape(play.alt),
+        escape(play.caption)
+    )
 }
 
 /// Where a figure is on the page: its own place, or that of the view that it is the still of.
@@ -121,14 +142,27 @@ pub(super) fn verdict(verdict: Verdict) -> String {
     format!("<span class=\"verdict {verdict}\">{verdict}</span>")
 }
 
-fn judgement(claim: &Judgement) -> String {
+/// A link to the view or playground of the page in the state that decided a claim; nothing where the page has none.
+pub(super) fn link(all: &[Record], claim: &Judgement) -> String {
+    let Some(Shown { id, state }) = &claim.shown else { return String::new() };
+    let is_view = |r: &Record| r.views.iter().any(|v| format!("{}-{}", r.id, v.id) == *id);
+    let is_play = |r: &Record| play::of(&r.id).any(|play| play.id() == *id);
+    if !all.iter().any(|r| is_view(r) || is_play(r)) {
+        return String::new();
+    }
+    let state = state.replace('%', "%25").replace(' ', "%20").replace('&', "%26");
+    format!(" <a class=\"shown\" href=\"#{}={}\">See it</a>", escape(id), escape(&state))
+}
+
+fn judgement(all: &[Record], claim: &Judgement) -> String {
     let mut text = format!(
-        "<div class=\"claim {2}\" id=\"claim-{0}\"><p><b>Claim {0}.</b> {1}</p><p>{3} {4}</p>",
+        "<div class=\"claim {2}\" id=\"claim-{0}\"><p><b>Claim {0}.</b> {1}</p><p>{3} {4}{5}</p>",
         escape(&claim.id),
         escape(&claim.claim),
         claim.verdict,
         verdict(claim.verdict),
-        escape(&claim.reason)
+        escape(&claim.reason),
+        link(all, claim)
     );
     if !claim.numbers.is_empty() {
         text += "<ul class=\"numbers\">";
@@ -177,11 +211,19 @@ pub(super) fn image(figure: &FigureFile, folder: &Path, form: Form) -> Result<St
     if let Some(path) = &figure.svg {
         let read = fs::read_to_string(folder.join(path));
         let svg = read.with_context(|| format!("reading {path}"))?;
-        let open =
-            format!("<svg class=\"figure\" role=\"img\" aria-label=\"{}\" ", escape(&figure.alt));
+        let links = match figure.links.is_empty() {
+            true => String::new(),
+            false => format!("data-links=\"{}\" ", escape(&serde_json::to_string(&figure.links)?)),
+        };
+        let section = path.split('/').next().unwrap_or_default();
+        let open = format!(
+            "<svg class=\"figure\" role=\"img\" tabindex=\"0\" data-section=\"{}\" {links}aria-label=\"{}\" ",
+            escape(section),
+            escape(&figure.alt)
+        );
         return Ok(svg.replacen("<svg ", &open, 1));
     }
-    let path = &figure.png;
+    let path = figure.small.as_ref().unwrap_or(&figure.png);
     let bytes = fs::read(folder.join(path)).with_context(|| format!("reading {path}"))?;
     let [width, height] = png_size(&bytes).with_context(|| format!("{path} is no PNG file"))?;
     let source = match form {
