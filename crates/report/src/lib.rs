@@ -13,6 +13,7 @@ mod page;
 mod play;
 mod publish;
 mod render;
+mod snippets;
 mod story;
 mod views;
 

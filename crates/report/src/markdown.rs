@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::story;
+use crate::{play, snippets, story};
 
 use fairing_results::results::{Form, Record, Results};
 use fairing_results::table::{Column, Table, Unit};
@@ -53,6 +53,9 @@ fn section(record: &Record, bridge: &str, form: Form) -> String {
     let _ = write!(text, "\n{}\n", record.method);
     for formula in &record.formulas {
         let _ = write!(text, "\n$${formula}$$\n");
+    }
+    if let Some(lines) = snippets::of(&record.id) {
+        let _ = write!(text, "\n```rust\n{lines}\n```\n");
     }
     text + &body(record, form)
 }
@@ -198,6 +201,9 @@ fn body(record: &Record, form: Form) -> String {
             claim.id, claim.claim, claim.verdict, claim.reason
         );
     }
+    for play in play::of(&record.id) {
+        let _ = write!(text, "\n*In the page, to play with.* {}\n", play.caption);
+    }
     for figure in &record.figures {
         let _ = write!(text, "\n![{}]({})\n\n*{}*", figure.alt, figure.png, figure.caption);
         if let Some(svg) = &figure.svg {
@@ -256,6 +262,11 @@ fn cell(text: &str) -> String {
 /// Tables show at most so many columns.
 const WIDE: usize = 7;
 
+/// The name of a column as readers know it.
+pub(crate) fn named(column: &Column) -> String {
+    column.name.replace("lambda", "λ")
+}
+
 /// The columns that are shown: those that are not meant for the CSV alone, the first [`WIDE`] of them.
 pub(crate) fn columns(table: &Table) -> Vec<usize> {
     let shown = (0..table.columns.len()).filter(|&c| !table.columns[c].aside);
@@ -274,8 +285,8 @@ pub(crate) fn left_out(table: &Table) -> String {
 /// A table; numbers are set flush right.
 fn rows(table: &Table) -> String {
     let heading = |c: &Column| match c.unit {
-        Unit::Label | Unit::One | Unit::Count => c.name.clone(),
-        unit => format!("{} ({unit})", c.name),
+        Unit::Label | Unit::One | Unit::Count => named(c),
+        unit => format!("{} ({unit})", named(c)),
     };
     let mut text = String::from("\n|");
     let columns = columns(table);

@@ -79,9 +79,10 @@ fn ellipsoid(chrome: &mut Chrome, page: &Path) -> Result<()> {
         let found = chrome.run(&set(a, b, c, degrees))?;
         let theta = f64::to_radians(degrees);
         let forms = Ellipsoid { a, b, c }.forms(0.0, std::f64::consts::FRAC_PI_2)?;
-        let kappa = forms.normal_curvature([theta.cos() / b, -theta.sin() / c]);
+        let (sin, cos) = libm::sincos(theta);
+        let kappa = forms.normal_curvature([cos / b, -sin / c]);
         let kappa = kappa.context("no direction")?;
-        let source = -theta.cos().powi(2) / c;
+        let source = -cos * cos / c;
         ensure!(
             found[0].as_f64().is_some_and(|k| (k / kappa - 1.0).abs() < 1e-12),
             "{found}, {kappa}"

@@ -358,8 +358,9 @@ fn plot(errors: &Table, column: &str, what: &str) -> Result<Picture> {
             let points: Vec<_> = points.map(<[f64; 2]>::from).filter(|p| p[1] > ROUNDING).collect();
             lines.push((estimator, points));
         }
+        lines.retain(|(_, points)| !points.is_empty());
         let best = least_at_the_end(&lines);
-        for (estimator, points) in lines.into_iter().filter(|(_, points)| !points.is_empty()) {
+        for (estimator, points) in lines {
             let line = Series::marked(estimator.name(), points);
             let stands_out = best.contains(&estimator.name()) || estimator.name() == BASELINE;
             plot.series.push(if stands_out { line } else { line.quiet() });
@@ -371,7 +372,7 @@ fn plot(errors: &Table, column: &str, what: &str) -> Result<Picture> {
         &figure,
         if what == "H" { "largest-mean" } else { "largest-gaussian" },
         &format!(
-            "Most lines stay level: their estimators do not converge at every vertex. In colour are the {WINNERS} with the least error of {what} on the finest meshes and, for comparison, {BASELINE}; a line that falls to the left converges, at second order if it falls like the dashed one. The largest error of {what} over inner vertices of jittered meshes; errors below {ROUNDING:e} are rounding and left out."
+            "Most lines stay level: their estimators do not converge at every vertex. In colour are the {WINNERS} with the least error of {what} on the finest meshes and, for comparison, {BASELINE}; a line that falls to the left converges, at second order if it falls like the dashed one. The largest error of {what} over inner vertices of jittered meshes; errors below {ROUNDING:e} are rounding and left out, and so are estimators that have nothing else."
         ),
         &format!(
             "Four plots of the largest relative error of {what} over mean edge length on logarithmic axes, for sphere, torus, ellipsoid and graph, a line for each estimator."
@@ -385,11 +386,11 @@ const WINNERS: usize = 2;
 /// The estimator that the others are compared with.
 const BASELINE: &str = "cotangent";
 
-/// The names of those with the least errors on the finest mesh; those that have rounding alone come first.
+/// The names of those with the least errors on the finest mesh.
 fn least_at_the_end(lines: &[(Estimator, Vec<[f64; 2]>)]) -> Vec<&'static str> {
     let last = |points: &Vec<[f64; 2]>| {
         let finest = points.iter().copied().min_by(|a, b| a[0].total_cmp(&b[0]));
-        finest.map_or(0.0, |p| p[1])
+        finest.map_or(f64::INFINITY, |p| p[1])
     };
     let mut sorted: Vec<_> = lines.iter().map(|(e, points)| (last(points), e.name())).collect();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -156,6 +156,24 @@ impl OverLambda<'_> {
         Ok(table)
     }
 
+    /// What a reader should look for.
+    fn to_see(&self) -> &'static str {
+        match self.kind {
+            "explicit" => "Noise goes first, then the creases; the longest steps make it explode.",
+            _ => "No step explodes, but long ones shrink the whole shape, not its edges alone.",
+        }
+    }
+
+    /// The figures of the original report that show the same.
+    fn counterpart(&self, mesh: &str) -> &'static str {
+        match (self.kind, mesh) {
+            ("explicit", "patch") => " (Figures 5 to 7 of the original report)",
+            ("explicit", "machine part") => " (Figures 8 and 9 of the original report)",
+            ("implicit", "patch" | "machine part") => " (Figure 10 of the original report)",
+            _ => "",
+        }
+    }
+
     /// The input and the results from two viewpoints; what has diverged or shrunk is scaled to fit.
     fn picture(&self, model: &Model, smoothed: &[TriMesh]) -> Result<Picture> {
         let Self { kind, lambdas, iterations, .. } = *self;
@@ -167,8 +185,10 @@ impl OverLambda<'_> {
             shown.push((title + &scale, mesh));
         }
         let caption = format!(
-            "The {} before and after {iterations} {kind} steps, from two viewpoints. What has diverged or shrunk is drawn at the size of the input, as its title says.",
-            model.name
+            "{} The {} before and after {iterations} {kind} steps{}, from two viewpoints; what has diverged or shrunk is drawn at the size of the input, as its title says.",
+            self.to_see(),
+            model.name,
+            self.counterpart(model.name)
         );
         let alt = format!(
             "{} pictures of the {}: the input and {} steps, from two sides.",
@@ -200,8 +220,10 @@ impl OverLambda<'_> {
         Ok(View {
             id: format!("{}-view", model.slug()),
             caption: format!(
-                "The {} before and after {kind} steps, over λ and their number{left_out}. The page smooths the input itself, too: explicit beside implicit steps of any λ, at equal diffusion time.",
-                model.name
+                "{} The {} before and after {kind} steps{}, over λ and their number{left_out}. The page smooths the input itself, too: explicit beside implicit steps of any λ, at equal diffusion time.",
+                self.to_see(),
+                model.name,
+                self.counterpart(model.name)
             ),
             alt: format!("The {} twice, to turn, with sliders over λ and iterations.", model.name),
             fallback: model.slug(),

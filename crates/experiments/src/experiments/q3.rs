@@ -59,7 +59,7 @@ impl Experiment for CotangentCurvature {
             id: "q3",
             title: "Mean curvature from the cotangent Laplacian",
             question: "Does the discrete Laplace–Beltrami operator with cotangent weights improve the estimate of mean curvature?",
-            method: "The cotangent stiffness S applied to the positions, over the mixed area of each vertex, gives the mean curvature vector: Δx = −M⁻¹Sx = −2Hn. The sign of H comes from the normal.\n\nFirst both meshes of the assignment; then the error against exact curvature, side by side with the uniform operator scaled by edge lengths (see q1). Last, planes: the curvature of a plane is zero, so that whatever an operator returns there is its artefact; the inside and the boundary are counted apart, and the mesh is regular, jittered, and irregular.".into(),
+            method: "The cotangent stiffness S applied to the positions, over the mixed area of each vertex, gives the mean curvature vector: Δx = −M⁻¹Sx = −2Hn. The sign of H comes from the normal.\n\nFirst both meshes of the assignment; then the error against exact curvature, side by side with the uniform operator scaled by edge lengths (see q1). Last, planes: the curvature of a plane is zero, so that whatever an operator returns there is an error; inside and boundary are counted apart, and the meshes are regular, jittered and irregular. Here h is the mean edge length of each mesh.".into(),
             formulas: FORMULAS.map(String::from).to_vec(),
             inputs: &[Input::Flower, Input::Plane],
             parameters: [("area of a vertex", "mixed (Voronoi where no angle is obtuse)".into())]
@@ -159,10 +159,10 @@ impl Experiment for CotangentCurvature {
                 reason,
             )
             .finding(format!(
-                "Cotangents leave {} to {} of the error of uniform weights on the finest meshes. On a plane they reach {}/h inside and {}/h on the boundary.",
+                "Cotangents leave {} to {} of the error of uniform weights on the finest meshes. On a plane they {} inside and reach {}/h on the boundary.",
                 brief(best),
                 brief(worst),
-                brief(inside),
+                if clean { "are zero".to_string() } else { format!("reach {}/h", brief(inside)) },
                 brief(border)
             ))
             .shown("q3-torus-view", "!!error of mean curvature")
@@ -249,7 +249,7 @@ fn pictures(
     ])
     .draw(
         name,
-        &format!("The {name} in the assignment's colours, from two viewpoints: the mesh, and mean curvature from the cotangent Laplacian."),
+        &format!("What looks like an artefact of cotangents on a plane is its border. The {name} in the colours of Figures 2 and 3 of the original report: the mesh, and mean curvature from the cotangent Laplacian, from two viewpoints."),
         &format!("Four pictures of the {name}: plain and coloured by mean curvature, from two sides."),
     )?;
     let signed = |title: &'static str, field| Look {
@@ -270,7 +270,7 @@ fn pictures(
     ])
     .draw(
         &format!("{name}-signed"),
-        &format!("Signed mean curvature of the {name} from the uniform and from the cotangent Laplacian, in diverging colours, grey at zero; each range is that of the inner vertices between the 2nd and the 98th percentile."),
+        &format!("Grey is zero. Where triangles are uneven, uniform weights change colour from vertex to vertex, cotangents with the shape. Signed mean curvature of the {name}; each range is that of the inner vertices between the 2nd and the 98th percentile."),
         &format!("Six pictures of the {name}: plain, coloured by the uniform and by the cotangent mean curvature, from two sides."),
     )?;
     Ok([assignment, diverging])
@@ -286,7 +286,7 @@ fn view(name: &str, mesh: &TriMesh, uniform: &MeanCurvature, cotangent: &MeanCur
     View {
         id: format!("{name}-view"),
         caption: format!(
-            "Mean curvature of the {name}: the uniform Laplacian, scaled, on the left, the cotangent one on the right."
+            "Compare the speckle: uniform weights on the left, cotangents on the right. Mean curvature of the {name} of Figures 2 and 3 of the original report."
         ),
         alt: format!("The {name} twice, to turn, coloured by either mean curvature."),
         fallback: format!("{name}-signed"),
@@ -376,5 +376,5 @@ fn planes(context: &Context<'_>) -> Result<Table> {
 }
 
 const FORMULAS: [&str; 1] = [
-    r"(\Delta x)_i = \frac{1}{2 A_i} \sum_{j \in N(i)} (\cot\alpha_{ij} + \cot\beta_{ij})(x_j - x_i) = -2 H_i\, n_i",
+    r"(\Delta x)_i = \frac{1}{2 A_i} \sum_{j \sim i} (\cot\alpha_{ij} + \cot\beta_{ij})(x_j - x_i) = -2 H_i\, n_i",
 ];

@@ -176,6 +176,11 @@ fn opening(results: &Results) -> String {
     if failed > 0 {
         let _ = write!(text, "<p class=\"error\">{} failed.</p>", count("experiment", failed));
     }
+    let letters: String = story::LETTERS
+        .iter()
+        .map(|(letter, about)| format!("<dt>{letter}</dt><dd>{about}</dd>"))
+        .collect();
+    let _ = write!(text, "<details><summary>Letters</summary><dl>{letters}</dl></details>");
     let p = &results.provenance;
     let _ = write!(
         text,

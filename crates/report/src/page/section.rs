@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::html::escape;
 use super::view;
 use crate::play::Play;
-use crate::{markdown, mathml, play};
+use crate::{markdown, mathml, play, snippets};
 use fairing_results::results::{FigureFile, Form, Record};
 use fairing_results::table::{Cell, Table, Unit};
 use fairing_results::verdict::{Judgement, Shown, Verdict};
@@ -53,14 +53,24 @@ pub(super) fn experiment(
         for formula in &record.formulas {
             let _ = write!(text, "<p class=\"formula\">{}</p>", mathml::displayed(formula)?);
         }
-        text += &parameters(record);
         text += "</details>";
+        let rows = parameters(record);
+        if !rows.is_empty() {
+            let _ =
+                write!(text, "<details><summary>Parameters and inputs</summary>{rows}</details>");
+        }
+    }
+    if let Some(lines) = snippets::of(&record.id) {
+        let _ = write!(
+            text,
+            "<details><summary>In Rust</summary><pre><code>{}</code></pre><p class=\"soft\">All figures and tables of this section: \
+             <code>cargo xtask reproduce --only {}</code></p></details>",
+            escape(&lines),
+            escape(&record.id)
+        );
     }
     text += &shown(record, first, folder, form)?;
-    for t in &record.tables {
-        let link = format!("{}/{}.csv", record.id, t.id);
-        text += &table(t, &link, form);
-    }
+    text += &tables(record, form);
     for note in &record.notes {
         let _ = write!(text, "<p>{}</p>", escape(note));
     }
@@ -267,6 +277,21 @@ fn picture(
     ))
 }
 
+/// The first table of a section, and the others folded.
+fn tables(record: &Record, form: Form) -> String {
+    let one = |t: &Table| table(t, &format!("{}/{}.csv", record.id, t.id), form);
+    let all: Vec<String> = record.tables.iter().map(one).collect();
+    let Some((first, others)) = all.split_first() else { return String::new() };
+    match others.len() {
+        0 => first.clone(),
+        n => format!(
+            "{first}<details><summary>{n} more {}</summary>{}</details>",
+            if n == 1 { "table" } else { "tables" },
+            others.concat()
+        ),
+    }
+}
+
 fn table(table: &Table, csv: &str, form: Form) -> String {
     let caption = format!(
         "{} <span class=\"soft\">(<a href=\"{}\">CSV{}</a>)</span>",
@@ -301,7 +326,12 @@ fn table(table: &Table, csv: &str, form: Form) -> String {
             unit => format!(" ({unit})"),
         };
         let class = class(c.unit);
-        let _ = write!(text, "<th scope=\"col\"{class}>{}{}</th>", escape(&c.name), escape(&unit));
+        let _ = write!(
+            text,
+            "<th scope=\"col\"{class}>{}{}</th>",
+            escape(&markdown::named(c)),
+            escape(&unit)
+        );
     }
     text += "</tr></thead><tbody>";
     for row in &table.rows {

@@ -56,7 +56,7 @@ pub(super) fn of_levels(context: &Context<'_>, part: &Body) -> Result<(Picture, 
     let restored = Restored::new(context, part, &levels, VIEWPOINTS[0], Up::Z)?;
     let picture = restored.draw(
         "levels",
-        "The machine part under the assignment's three levels of noise, in model units, and after each method; flat shaded, so that every face shows its normal.",
+        "Up to the second row a denoiser brings the faces back, in the last none does. The machine part under the three levels of noise of Figure 12 of the original report, in model units, and after each method; flat shaded, so that every face shows its normal.",
         "Three rows of six pictures of the machine part: noisy, smoothed, and denoised; the higher the level, the less of its faces and edges comes back.",
     )?;
     Ok((picture, restored.view("levels")?))
@@ -74,7 +74,7 @@ pub(super) fn of_scan(context: &Context<'_>, scan: &Body) -> Result<(Picture, Vi
     let picture = restored.draw(
         "scan",
         &format!(
-            "The {} under three levels of noise in mean edge lengths, and after each method.",
+            "At one mean edge length of noise only the outline is left. The {} under three levels of noise, and after each method.",
             scan.name
         ),
         &format!(
@@ -148,7 +148,9 @@ impl<'a> Restored<'a> {
         let result_panel = Panel::moving("result", truth, results.iter().map(|m| m.positions()));
         Ok(View {
             id: format!("{figure}-view"),
-            caption: format!("The {name} under noise, after each method, and without noise."),
+            caption: format!(
+                "Watch the numbers under the panels as σ grows: what a method gains in E_a it can lose in volume or creases. The {name} under noise, after each method, and without noise."
+            ),
             alt: format!("The {name} three times, to turn, with sliders over noise and method."),
             fallback: figure.into(),
             z_up: self.up == Up::Z,
@@ -209,7 +211,7 @@ pub(super) fn curves(sweep: &Table) -> Result<Vec<Picture>> {
 
 /// The error in one column.
 fn curve(sweep: &Table, id: &str, column: &str, label: &str, caption: &str) -> Result<Picture> {
-    let mut figure = Figure { columns: 1, ..Figure::default() };
+    let mut figure = Figure { columns: 2, ..Figure::default() };
     let meshes = sweep.labels("mesh")?;
     for mesh in &meshes {
         let mut plot = Plot {
@@ -243,7 +245,7 @@ fn curve(sweep: &Table, id: &str, column: &str, label: &str, caption: &str) -> R
         let points = input.column("σ/h")?.into_iter().zip(input.column(column)?);
         let points = points.map(|(x, y)| [x, y]).collect();
         plot.series.push(Series::reference(Method::Nothing.name(), points));
-        figure.panels.push(FigurePanel::drawing(plot.draw(620.0, 300.0)?));
+        figure.panels.push(FigurePanel::drawing(plot.draw(450.0, 300.0)?));
     }
     let picture = plotted(
         &figure,
