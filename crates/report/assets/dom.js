@@ -5,8 +5,9 @@ function readable(x, digits = 3) {
   if (!Number.isFinite(x)) return '–';
   if (x === 0) return '0';
   const size = Math.abs(x);
-  const text = size >= 1e-3 && size < 1e5 ? String(Number(x.toPrecision(digits))) : x.toExponential(digits - 1);
-  return text.replace('e+', 'e').replaceAll('-', '\u2212');
+  if (size >= 1e-3 && size < 1e5) return String(Number(x.toPrecision(digits))).replace('-', '\u2212');
+  const [mantissa, exponent] = x.toExponential(digits - 1).split('e');
+  return `${String(Number(mantissa)).replace('-', '\u2212')} × 10${superscript(Number(exponent))}`;
 }
 
 function element(name, attributes = {}, ...children) {
@@ -66,10 +67,15 @@ function roundValues(low, high, wanted) {
   return values;
 }
 
-/** A power of ten, in superscripts. */
-function powerOfTen(x) {
+/** A whole number, raised. */
+function superscript(x) {
   const digits = {'-': '⁻', 0: '⁰', 1: '¹', 2: '²', 3: '³', 4: '⁴', 5: '⁵', 6: '⁶', 7: '⁷', 8: '⁸', 9: '⁹'};
-  return `10${[...String(Math.round(Math.log10(x)))].map((c) => digits[c]).join('')}`;
+  return [...String(x)].map((c) => digits[c]).join('');
+}
+
+/** A power of ten. */
+function powerOfTen(x) {
+  return `10${superscript(Math.round(Math.log10(x)))}`;
 }
 
 /**
@@ -77,9 +83,11 @@ function powerOfTen(x) {
  * `points`, `kind` (a class of the style sheet) and perhaps `dots` instead of a line. `marks` are vertical lines with
  * words, `band` is a range of y with a ground of its own, `here` a point that is ringed.
  */
-function linePlot({label, x, y, series, marks = [], band = null, here = []}) {
-  const [width, height] = [420, 200];
-  const {svg, add} = picture(`-52 -16 ${width + 150} ${height + 56}`, label);
+function linePlot({label, x, y, series, marks = [], band = null, here = [], size = [420, 200]}) {
+  // On a telephone words would be too small in a wide picture.
+  const [width, height] = innerWidth < 600 ? [215, 170] : size;
+  const longest = Math.max(...series.map(({name}) => name.length));
+  const {svg, add} = picture(`-52 -16 ${width + 72 + 7 * longest} ${height + 56}`, label);
   const scale = ({from, to, log}, length) => {
     const f = log ? Math.log10 : (t) => t;
     const [a, b] = [f(from), f(to)];
@@ -103,7 +111,7 @@ function linePlot({label, x, y, series, marks = [], band = null, here = []}) {
     add('path', {class: 'grid', d: `M0 ${py(t)}H${width}`});
     add('text', {x: -6, y: py(t) + 4, 'text-anchor': 'end'}, written(y, t));
   }
-  for (const t of ticks(x, 5)) add('text', {x: px(t), y: height + 16, 'text-anchor': 'middle'}, written(x, t));
+  for (const t of ticks(x, width < 300 ? 3 : 5)) add('text', {x: px(t), y: height + 16, 'text-anchor': 'middle'}, written(x, t));
   add('text', {class: 'name', x: width / 2, y: height + 34, 'text-anchor': 'middle'}, x.label);
   add('text', {class: 'name', x: -46, y: -6}, y.label);
   for (const {at, words} of marks) {

@@ -82,9 +82,10 @@ Playground.kinds.set('ellipsoid', class extends Playground {
     const margin = 0.08 * (high - low);
     const plot = linePlot({
       label: 'normal curvature over the direction: two curves that differ',
+      size: [225, 200],
       x: {from: 0, to: 180, label: 'direction in degrees, y at 0, z at 90'},
       y: {from: low - margin, to: high + margin, label: 'κₙ'},
-      series: [{name: 'right', kind: 'blue', points: exact}, {name: 'original report', kind: 'red dashed', points: source}],
+      series: [{name: 'right', kind: 'blue', points: exact}, {name: 'original', kind: 'red dashed', points: source}],
       marks: [{at: here}],
       here: [[here, now.exact], [here, now.source]],
     });

@@ -15,6 +15,7 @@ mod publish;
 mod render;
 mod snippets;
 mod story;
+mod thumbnail;
 mod views;
 
 pub use markdown::claim_table;

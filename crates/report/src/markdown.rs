@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
-use crate::{play, snippets, story};
+use crate::{play, snippets, story, thumbnail};
 
-use fairing_results::results::{Form, Record, Results};
+use fairing_results::results::{Form, MeshCard, Record, Results};
 use fairing_results::table::{Column, Table, Unit};
 use fairing_results::verdict::{Judgement, Verdict};
 
@@ -14,6 +14,7 @@ pub(crate) fn report(results: &Results) -> String {
     text += &provenance(results);
     text += &found(results);
     text += &claims(results);
+    text += &meshes(results);
     text += "\n## Contents\n\n";
     for record in story::in_order(results) {
         let _ = writeln!(text, "- [{}](#{})", heading(record), anchor(&heading(record)));
@@ -143,6 +144,26 @@ fn claims(results: &Results) -> String {
     }
     if !ours.is_empty() {
         let _ = write!(text, "\n## Claims of Fairing\n\n{ours}");
+    }
+    text
+}
+
+/// The meshes by name.
+fn meshes(results: &Results) -> String {
+    let all = thumbnail::all(results);
+    if all.is_empty() {
+        return String::new();
+    }
+    let mut text = String::from(
+        "\n## The meshes\n\n| | Mesh | Vertices | Faces | Sections |\n|---|---|--:|--:|---|\n",
+    );
+    for (card, sections) in all {
+        let MeshCard { name, vertices, faces, picture } = card;
+        let sections = sections.join(", ");
+        let _ = writeln!(
+            text,
+            "| <img src=\"{picture}\" alt=\"The {name}.\" width=\"120\"> | {name} | {vertices} | {faces} | {sections} |"
+        );
     }
     text
 }

@@ -10,7 +10,7 @@ use fairing_results::view::View;
 use rayon::prelude::*;
 
 use crate::render::{render, write};
-use crate::views;
+use crate::{thumbnail, views};
 
 /// Makes a report of `folder`, which holds the files of experiments that have
 /// just run: packs the data of views, keeps what belongs into this form of the
@@ -44,7 +44,9 @@ fn pack(record: &mut Record, folder: &Path, form: Form) -> Result<()> {
         let packed = views::pack(&view, &format!("{id}-{}", entry.id), form)?;
         remove(folder, &entry.data)?;
         entry.data = format!("{id}/{}.view.js", entry.id);
-        write(&folder.join(&entry.data), &packed.to_script()?)
+        write(&folder.join(&entry.data), &packed.to_script()?)?;
+        entry.mesh = thumbnail::of(&view, &format!("{id}/{}-mesh.png", entry.id), folder)?;
+        Ok(())
     })
 }
 

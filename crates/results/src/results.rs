@@ -149,6 +149,23 @@ pub struct ViewFile {
     pub fallback: String,
     /// The file.
     pub data: String,
+    /// The mesh, if it has a name.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mesh: Option<MeshCard>,
+}
+
+/// A mesh in the list of meshes.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MeshCard {
+    /// Its name in all sections.
+    pub name: String,
+    /// Its vertices.
+    pub vertices: usize,
+    /// Its faces.
+    pub faces: usize,
+    /// A small picture: the path of a PNG file, relative to the folder of the
+    /// report.
+    pub picture: String,
 }
 
 /// Another file of the report.

@@ -13,6 +13,9 @@ pub struct View {
     pub id: String,
     /// The caption.
     pub caption: String,
+    /// The name of its mesh, for the list of meshes; none if empty.
+    #[serde(default)]
+    pub mesh: String,
     /// What a person who cannot see it should be told.
     pub alt: String,
     /// The figure (by id) that stands in where there is no WebGL.

@@ -68,6 +68,7 @@ fn flow() -> View {
         .with_live_smoothing(&input);
     View {
         id: "flow".into(),
+        mesh: "noisy ball".into(),
         caption: "Explicit smoothing of a noisy sphere.".into(),
         alt: "Two bumpy spheres, one noisy, one smooth.".into(),
         fallback: "picture".into(),
@@ -288,5 +289,6 @@ fn keep(view: &View, folder: &Path) -> Result<ViewFile> {
         alt: view.alt.clone(),
         fallback: view.fallback.clone(),
         data,
+        mesh: None,
     })
 }

@@ -29,6 +29,7 @@ pub(super) fn view(context: &Context<'_>) -> Result<View> {
     let id = VIEW.split_once('-').context("an id of a view without an experiment")?.1;
     Ok(View {
         id: id.into(),
+        mesh: "creature".into(),
         caption: format!(
             "Drag k: the creature grows out of its smoothest modes, trunk first, then limbs, computed in the page. The colours are the mode that is being added; it has up to {count} of {} modes. The plot shows how much of the shape is in each mode.",
             mesh.vertex_count()

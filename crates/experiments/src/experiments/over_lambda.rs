@@ -219,6 +219,7 @@ impl OverLambda<'_> {
         let moving = stops.iter().map(|(mesh, _)| mesh.positions());
         Ok(View {
             id: format!("{}-view", model.slug()),
+            mesh: model.name.into(),
             caption: format!(
                 "{} The {} before and after {kind} steps{}, over λ and their number{left_out}. The page smooths the input itself, too: explicit beside implicit steps of any λ, at equal diffusion time.",
                 self.to_see(),

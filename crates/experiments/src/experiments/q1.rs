@@ -188,6 +188,7 @@ impl<'a> Pictures<'a> {
             .with_field("‖Δx‖/2", "mesh units", false, &self.length.values);
         View {
             id: format!("{}-view", self.name),
+            mesh: self.name.into(),
             caption: format!(
                 "Look for speckle, where neighbours differ although the surface does not: it follows the shape of the triangles. The {} of Figure 1 of the original report, with curvature from the uniform Laplacian and the angle defect.",
                 self.name

@@ -285,6 +285,7 @@ fn view(name: &str, mesh: &TriMesh, uniform: &MeanCurvature, cotangent: &MeanCur
     };
     View {
         id: format!("{name}-view"),
+        mesh: name.into(),
         caption: format!(
             "Compare the speckle: uniform weights on the left, cotangents on the right. Mean curvature of the {name} of Figures 2 and 3 of the original report."
         ),
@@ -317,6 +318,7 @@ fn torus_view(context: &Context<'_>) -> Result<View> {
     };
     Ok(View {
         id: "torus-view".into(),
+        mesh: "jittered torus".into(),
         caption: "Colour by the error to see it: on a torus with jittered vertices uniform weights leave a speckle of errors, cotangents little of it. A click shows the exact value, the estimate and the error at a vertex.".into(),
         alt: "A torus twice, to turn, coloured by the mean curvature of either operator.".into(),
         fallback: "convergence".into(),

@@ -466,6 +466,7 @@ fn energies(id: &str, name: &str, mesh: &TriMesh, modes: &Spectrum) -> Result<At
 fn view(id: &str, name: &str, mesh: &TriMesh, stops: &[usize], rebuilt: &[TriMesh]) -> View {
     View {
         id: format!("{id}-view"),
+        mesh: name.into(),
         caption: format!(
             "Move k and watch what is missing: the {name} from k modes, beside the original."
         ),

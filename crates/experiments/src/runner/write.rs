@@ -65,6 +65,7 @@ pub(super) fn outcome(outcome: Outcome, work: &Path, record: &mut Record) -> Res
             alt: view.alt.clone(),
             fallback: view.fallback.clone(),
             data,
+            mesh: None,
         });
     }
     Ok(())

@@ -19,7 +19,7 @@ use std::path::Path;
 use anyhow::Result;
 use rayon::prelude::*;
 
-use crate::{markdown, story};
+use crate::{markdown, story, thumbnail};
 use fairing_results::results::{Record, Results};
 use fairing_results::verdict::Judgement;
 use html::escape;
@@ -63,6 +63,7 @@ pub(crate) fn report(results: &Results, folder: &Path) -> Result<String> {
     let mut main = opening(results);
     main += &first_picture(results, folder)?;
     main += &claims(results);
+    main += &meshes(results, folder)?;
     let order = story::in_order(results);
     let mut next = 1;
     let numbered: Vec<(&Record, usize)> = order
@@ -109,6 +110,9 @@ fn contents(results: &Results) -> String {
     let mut list = String::new();
     if results.experiments.iter().any(|r| !r.claims.is_empty()) {
         list += "<li><a href=\"#claims\">The claims</a></li>";
+    }
+    if !thumbnail::all(results).is_empty() {
+        list += "<li><a href=\"#meshes\">The meshes</a></li>";
     }
     let mut link = |record: &Record| {
         let _ = write!(
@@ -250,6 +254,31 @@ fn rules(results: &Results) -> String {
     format!(
         "<section id=\"rules\"><h2>What we would tell the student</h2><ol class=\"rules\">{items}</ol></section>"
     )
+}
+
+/// A small picture of each mesh, with its name and where it is used.
+fn meshes(results: &Results, folder: &Path) -> Result<String> {
+    let mut items = String::new();
+    for (card, sections) in thumbnail::all(results) {
+        let links: Vec<String> =
+            sections.iter().map(|id| format!("<a href=\"#{0}\">{0}</a>", escape(id))).collect();
+        let _ = write!(
+            items,
+            "<li>{}<b>{}</b><br>{} vertices, {} faces; {}</li>",
+            section::png(&card.picture, &format!("The {}.", card.name), folder, results.form)?,
+            escape(&card.name),
+            card.vertices,
+            card.faces,
+            links.join(", ")
+        );
+    }
+    if items.is_empty() {
+        return Ok(items);
+    }
+    Ok(format!(
+        "<section id=\"meshes\"><h2>The meshes</h2><p>Each has one name in all sections.</p>\
+         <ul class=\"meshes\">{items}</ul></section>"
+    ))
 }
 
 /// A row for each claim: its verdict, what is true in a sentence, and the number that decided.

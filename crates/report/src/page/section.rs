@@ -233,7 +233,15 @@ pub(super) fn image(figure: &FigureFile, folder: &Path, form: Form) -> Result<St
         );
         return Ok(svg.replacen("<svg ", &open, 1));
     }
-    let path = figure.small.as_ref().unwrap_or(&figure.png);
+    png(figure.small.as_ref().unwrap_or(&figure.png), &figure.alt, folder, form)
+}
+
+/// A PNG file as an image.
+///
+/// # Errors
+///
+/// If it cannot be read, or is no picture.
+pub(super) fn png(path: &str, alt: &str, folder: &Path, form: Form) -> Result<String> {
     let bytes = fs::read(folder.join(path)).with_context(|| format!("reading {path}"))?;
     let [width, height] = png_size(&bytes).with_context(|| format!("{path} is no PNG file"))?;
     let source = match form {
@@ -245,7 +253,7 @@ pub(super) fn image(figure: &FigureFile, folder: &Path, form: Form) -> Result<St
     };
     Ok(format!(
         "<img loading=\"lazy\" width=\"{width}\" height=\"{height}\" src=\"{source}\" alt=\"{}\">",
-        escape(&figure.alt)
+        escape(alt)
     ))
 }
 

@@ -172,6 +172,7 @@ mod tests {
         View {
             id: "v".into(),
             caption: String::new(),
+            mesh: "m".into(),
             alt: String::new(),
             fallback: "f".into(),
             z_up: true,

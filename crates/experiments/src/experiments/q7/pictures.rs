@@ -148,6 +148,7 @@ impl<'a> Restored<'a> {
         let result_panel = Panel::moving("result", truth, results.iter().map(|m| m.positions()));
         Ok(View {
             id: format!("{figure}-view"),
+            mesh: name.into(),
             caption: format!(
                 "Watch the numbers under the panels as σ grows: what a method gains in E_a it can lose in volume or creases. The {name} under noise, after each method, and without noise."
             ),
