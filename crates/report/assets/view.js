@@ -16,7 +16,7 @@ class View {
     this.fields = fields;
     this.camera = new Camera(angles[0], angles[1], zUp);
     this.state = {
-      stops: sliders.map(() => 0),
+      stops: this.description.start ?? sliders.map(() => 0),
       field: fields.length ? 0 : null,
       map: null,
       range: null,
@@ -37,6 +37,8 @@ class View {
   }
 
   async build() {
+    // What is folded away has no size to be drawn in.
+    for (let at = this.figure.closest('details'); at; at = at.parentElement.closest('details')) at.open = true;
     const block = await Block.unpack(await packedData(this.figure));
     const panels = decodeView(this.description, block);
     this.truth = block.truth;
@@ -507,7 +509,7 @@ class View {
     return (mesh.facts ?? []).flatMap(({name, unit, values}) => {
       const value = values[this.stopOf(values)];
       if (value === null || value === undefined) return [];
-      return [element('span', {class: 'fact'}, `${name} `, element('b', {}, `${readable(value)}${unit === '°' || !unit ? unit : ` ${unit}`}`))];
+      return [element('span', {class: 'fact'}, `${name} `, element('b', {}, `${readable(value, 2)}${unit === '°' || !unit ? unit : ` ${unit}`}`))];
     });
   }
 

@@ -26,6 +26,9 @@ pub struct View {
     /// The sliders, top to bottom. What a panel shows is given for each
     /// combination of their stops, those of the last slider running fastest.
     pub sliders: Vec<Slider>,
+    /// The stop at which each slider begins; the first if empty.
+    #[serde(default)]
+    pub start: Vec<usize>,
     /// The panels, left to right.
     pub panels: Vec<Panel>,
     /// The panel from which displacement counts, if the page is to offer it.

@@ -230,6 +230,7 @@ impl OverLambda<'_> {
             fallback: model.slug(),
             z_up: true,
             sliders: vec![Slider::new("λ", &lambdas[..viewed]), Slider::new("iterations", &counts)],
+            start: vec![viewed / 2, counts.len() - 1],
             panels: vec![
                 with_facts(input, &measured[..1]),
                 with_facts(Panel::moving(kind, &model.noisy, moving), &of_stops),

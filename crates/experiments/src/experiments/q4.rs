@@ -82,7 +82,7 @@ impl Experiment for Reconstruction {
             curves.push(rebuilt.curve());
             rebuilt.show(&mut outcome, !context.is_quick(), i == 0)?;
         }
-        outcome.views.push(mode_sums::view(context)?);
+        outcome.views.insert(0, mode_sums::view(context)?);
         outcome.figures.push(decay(curves)?);
         context.progress(0.8, "sphere");
         outcome.tables.extend([errors, weyl, sphere(context.choose(5, 4))?]);
@@ -474,6 +474,7 @@ fn view(id: &str, name: &str, mesh: &TriMesh, stops: &[usize], rebuilt: &[TriMes
         fallback: id.into(),
         z_up: false,
         sliders: vec![Slider::new("k", stops)],
+        start: vec![2.min(stops.len() - 1)],
         panels: vec![
             Panel::moving("k modes", mesh, rebuilt.iter().map(TriMesh::positions)),
             Panel::still("original", mesh),

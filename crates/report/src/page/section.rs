@@ -12,7 +12,7 @@ use super::html::escape;
 use super::view;
 use crate::play::Play;
 use crate::{markdown, mathml, play, snippets};
-use fairing_results::results::{FigureFile, Form, Record};
+use fairing_results::results::{FigureFile, Form, Record, ViewFile};
 use fairing_results::table::{Cell, Table, Unit};
 use fairing_results::verdict::{Judgement, Shown, Verdict};
 
@@ -80,7 +80,7 @@ pub(super) fn experiment(
 
 /// Whether a picture is shown as the still of a view rather than by itself: a picture or a view, not both.
 fn is_paper(record: &Record, figure: &FigureFile) -> bool {
-    record.views.iter().any(|view| view.fallback == figure.id)
+    figure.svg.is_none() && record.views.iter().any(|view| view.fallback == figure.id)
 }
 
 /// How many numbered figures an experiment has.
@@ -90,36 +90,73 @@ pub(super) fn count(record: &Record) -> usize {
         + record.figures.iter().filter(|f| !is_paper(record, f)).count()
 }
 
-/// The views, each with the picture that is printed in its place, then the other pictures; numbered from `first`.
+/// So many views are seen at once, the others are folded.
+const UNFOLDED: usize = 2;
+
+/// Playgrounds, the first views, each with the picture that is printed in its place, and plots; then, folded, the other
+/// views and pictures. Numbered from `first`.
 fn shown(record: &Record, first: usize, folder: &Path, form: Form) -> Result<String> {
-    let mut text: String = play::of(&record.id)
-        .enumerate()
-        .map(|(k, play)| playground(play, &format!("<b>Figure {}.</b> ", first + k)))
-        .collect();
-    let first = first + play::of(&record.id).count();
-    let label = |k: usize| format!("<b>Figure {}.</b> ", first + k);
-    let views = record.views.par_iter().enumerate().map(|(k, v)| {
-        let id = format!("{}-{}", record.id, v.id);
-        let earlier = record.views[..k].iter().any(|other| other.fallback == v.fallback);
-        let figure = record.figures.iter().find(|f| f.id == v.fallback && !earlier);
-        let paper = match figure {
-            Some(figure) => format!(
-                "<div class=\"paper\" id=\"{}\">{}</div>",
-                escape(&figure_id(record, &figure.id)),
-                image(figure, folder, form)?
-            ),
-            None => String::new(),
+    let others = || record.figures.iter().filter(|f| !is_paper(record, f));
+    let views = |range: &dyn Fn(usize) -> bool| -> Vec<Item<'_>> {
+        let kept = record.views.iter().enumerate().filter(|(k, _)| range(*k));
+        kept.map(|(k, view)| Item::View(k, view)).collect()
+    };
+    let mut seen: Vec<Item<'_>> = play::of(&record.id).map(Item::Play).collect();
+    seen.extend(views(&|k| k < UNFOLDED));
+    seen.extend(others().filter(|f| f.svg.is_some()).map(Item::Picture));
+    let mut folded = views(&|k| k >= UNFOLDED);
+    folded.extend(others().filter(|f| f.svg.is_none()).map(Item::Picture));
+    if seen.is_empty() {
+        std::mem::swap(&mut seen, &mut folded);
+    }
+    let draw = |items: &[Item<'_>], from: usize| -> Result<String> {
+        let one = |(k, item): (usize, &Item<'_>)| {
+            item.html(record, &format!("<b>Figure {}.</b> ", from + k), folder, form)
         };
-        view::figure(v, &id, &figure_id(record, &v.fallback), &paper, &label(k), folder, form)
-    });
-    text += &views.collect::<Result<String>>()?;
-    let others: Vec<&FigureFile> = record.figures.iter().filter(|f| !is_paper(record, f)).collect();
-    let pictures = others
-        .par_iter()
-        .enumerate()
-        .map(|(k, figure)| picture(record, figure, &label(record.views.len() + k), folder, form));
-    text += &pictures.collect::<Result<String>>()?;
+        items.par_iter().enumerate().map(one).collect()
+    };
+    let mut text = draw(&seen, first)?;
+    if !folded.is_empty() {
+        let more = draw(&folded, first + seen.len())?;
+        let count = folded.len();
+        let word = if count == 1 { "figure" } else { "figures" };
+        let _ = write!(text, "<details><summary>{count} more {word}</summary>{more}</details>");
+    }
     Ok(text)
+}
+
+/// Something with a number.
+enum Item<'a> {
+    Play(&'a Play),
+    /// With its place among the views.
+    View(usize, &'a ViewFile),
+    Picture(&'a FigureFile),
+}
+
+impl Item<'_> {
+    fn html(&self, record: &Record, label: &str, folder: &Path, form: Form) -> Result<String> {
+        match self {
+            Self::Play(play) => Ok(playground(play, label)),
+            Self::Picture(figure) => picture(record, figure, label, folder, form),
+            &Self::View(k, v) => {
+                let id = format!("{}-{}", record.id, v.id);
+                let fallback = figure_id(record, &v.fallback);
+                let earlier = record.views[..k].iter().any(|other| other.fallback == v.fallback);
+                let is_still =
+                    |f: &&FigureFile| f.id == v.fallback && !earlier && is_paper(record, f);
+                let figure = record.figures.iter().find(is_still);
+                let paper = match figure {
+                    Some(figure) => format!(
+                        "<div class=\"paper\" id=\"{}\">{}</div>",
+                        escape(&fallback),
+                        image(figure, folder, form)?
+                    ),
+                    None => String::new(),
+                };
+                view::figure(v, &id, &fallback, &paper, label, folder, form)
+            }
+        }
+    }
 }
 
 /// A place in which the page's script builds a playground.
@@ -244,15 +281,16 @@ pub(super) fn image(figure: &FigureFile, folder: &Path, form: Form) -> Result<St
 pub(super) fn png(path: &str, alt: &str, folder: &Path, form: Form) -> Result<String> {
     let bytes = fs::read(folder.join(path)).with_context(|| format!("reading {path}"))?;
     let [width, height] = png_size(&bytes).with_context(|| format!("{path} is no PNG file"))?;
-    let source = match form {
-        Form::Small => escape(path),
+    // What is in the page is there when it is printed; what is beside it comes as it comes near.
+    let (source, when) = match form {
+        Form::Small => (escape(path), "loading=\"lazy\" "),
         Form::Whole => {
             let data = base64::engine::general_purpose::STANDARD.encode(bytes);
-            format!("data:image/png;base64,{data}")
+            (format!("data:image/png;base64,{data}"), "")
         }
     };
     Ok(format!(
-        "<img loading=\"lazy\" width=\"{width}\" height=\"{height}\" src=\"{source}\" alt=\"{}\">",
+        "<img {when}width=\"{width}\" height=\"{height}\" src=\"{source}\" alt=\"{}\">",
         escape(alt)
     ))
 }

@@ -75,6 +75,13 @@ fn describe(view: &View, step: u16) -> Result<(Value, String)> {
         "fields": fields,
         "panels": panels,
     });
+    if !view.start.is_empty() {
+        let stops: Vec<usize> = view.sliders.iter().map(|slider| slider.stops.len()).collect();
+        let fit =
+            view.start.len() == stops.len() && view.start.iter().zip(&stops).all(|(a, b)| a < b);
+        ensure!(fit, "sliders of {stops:?} stops cannot begin at {:?}", view.start);
+        about["start"] = json!(view.start);
+    }
     if let Some(from) = view.from {
         ensure!(
             from < view.panels.len(),

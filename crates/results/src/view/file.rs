@@ -177,6 +177,7 @@ mod tests {
             fallback: "f".into(),
             z_up: true,
             sliders: vec![Slider::new("k", [1, 2])],
+            start: vec![1],
             panels: vec![panel, Panel::still("q", &mesh)],
             from: Some(1),
             truth: Some(vec![[0.1, 0.2, 0.3]; 3]),

@@ -159,6 +159,7 @@ impl<'a> Restored<'a> {
                 Slider::new("σ", self.levels.iter().map(|level| &level.name)),
                 Slider::new("method", viewed().map(|(_, method)| method.name())),
             ],
+            start: vec![1, viewed().count() - 1],
             panels: vec![
                 self.with_facts(noisy_panel, &noisy)?,
                 self.with_facts(result_panel, &results)?,
