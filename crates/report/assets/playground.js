@@ -59,12 +59,17 @@ class Stage {
     target.setLineDash([]);
   }
 
-  draw(part, pixel) {
-    if (!Renderer || !this.scene) return;
+  /** Fits the canvas to its place; what there is to draw, or null. */
+  fit(pixel) {
+    if (!Renderer || !this.scene) return null;
     const box = this.canvas.getBoundingClientRect();
     const [width, height] = [box.width, box.height].map((x) => Math.round(x * pixel));
     if (this.canvas.width !== width || this.canvas.height !== height) [this.canvas.width, this.canvas.height] = [width, height];
-    Renderer.draw(this.target, {...this.scene, pixel}, part);
+    return {target: this.target, scene: {...this.scene, pixel}};
+  }
+
+  /** What goes over the picture. */
+  finish(pixel) {
     this.over?.(this);
     const {picked} = this.owner;
     if (picked >= 0 && picked < this.mesh.vertices) ring(this.target, this.place(picked), pixel);
@@ -150,7 +155,11 @@ class Playground {
 
   draw() {
     this.pixel = Math.min(window.devicePixelRatio || 1, 2);
-    for (const stage of this.stages) stage.draw(this.moving ? 0.5 : 1, this.pixel);
+    const pictures = this.stages.map((stage) => stage.fit(this.pixel));
+    if (pictures.some((picture) => !picture)) return;
+    if (this.moving) Renderer.drawMoving(pictures, 0.5);
+    else for (const {target, scene} of pictures) Renderer.draw(target, scene);
+    for (const stage of this.stages) stage.finish(this.pixel);
   }
 
   redraw() {

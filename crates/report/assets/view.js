@@ -458,10 +458,11 @@ class View {
   }
 
   draw() {
-    for (const shown of this.shown) {
-      if (shown.panel.hidden) continue;
-      Renderer.draw(shown.target, this.scene(shown), this.moving ? 0.5 : 1);
-      const {picked} = this.state;
+    const seen = this.shown.filter(({panel}) => !panel.hidden);
+    if (this.moving) Renderer.drawMoving(seen.map((shown) => ({target: shown.target, scene: this.scene(shown)})), 0.5);
+    const {picked} = this.state;
+    for (const shown of seen) {
+      if (!this.moving) Renderer.draw(shown.target, this.scene(shown));
       if (picked >= 0 && picked < shown.mesh.vertices) {
         ring(shown.target, this.place(shown, picked), this.pixel);
       }

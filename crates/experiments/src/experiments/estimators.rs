@@ -109,7 +109,10 @@ impl Experiment for Estimators {
             (
                 Verdict::Confirmed,
                 format!(
-                    "On jittered sphere, torus and ellipsoid {} do, for both H and K. The least order of {best} is {}; that of the cotangent operator and the angle defect is {}.",
+                    "On jittered sphere, torus and ellipsoid {} of the {} estimators {}, for both H and K: {}. The least order of {best} is {}; that of the cotangent operator and the angle defect is {}.",
+                    reaching.len(),
+                    worst.len(),
+                    if reaching.len() == 1 { "does" } else { "do" },
                     reaching.join(", "),
                     brief(order),
                     brief(worst[0].1),

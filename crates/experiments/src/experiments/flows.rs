@@ -37,7 +37,7 @@ impl Experiment for Flows {
             id: "flows",
             title: "Flows against theory, and beside each other",
             question: "Do the flows converge to what they discretise, and which of them removes noise at what price?",
-            method: "Mean curvature flow (operator of each step) of the unit sphere against r(t) = √(1 − 4t), with time steps in proportion to h², so that both errors should fall with the square of h. Conformalised mean curvature flow of bumpy spheres of genus 0 until it settles: how far vertices are from the best sphere about the centroid. Then every method of the library with its default options on one noisy mesh whose truth is known.".into(),
+            method: "Mean curvature flow of the unit sphere, with the operator rebuilt in each step, is compared with r(t) = √(1 − 4t); time steps are in proportion to h², so that both errors should fall with the square of h. Conformalised mean curvature flow runs on bumpy spheres of genus 0 until it settles; measured is how far vertices are from the best sphere about the centroid. Then every method of the library runs with its default options on one noisy mesh whose truth is known.".into(),
             formulas: FORMULAS.map(String::from).to_vec(),
             inputs: &[],
             parameters: vec![

@@ -43,6 +43,7 @@ pub(super) fn view(context: &Context<'_>) -> Result<View> {
             Panel::still("original", &mesh),
         ],
         from: Some(1),
+        truth: Some(mesh.positions().to_vec()),
         ..View::default()
     })
 }

@@ -287,7 +287,12 @@ fn view(name: &str, mesh: &TriMesh, uniform: &MeanCurvature, cotangent: &MeanCur
             |panel: Panel| panel.with_field("mean curvature", "1/mesh units", true, &mean.signed);
         let size = |panel: Panel| panel.with_field("‖Δx‖/2", "1/mesh units", false, &mean.norms());
         // What is shown first is to show something.
-        if flat { signed(size(plain)) } else { size(signed(plain)) }
+        let zeros = vec![0.0; mesh.vertex_count()];
+        if flat {
+            signed(size(plain).exactly(zeros.clone())).exactly(zeros)
+        } else {
+            size(signed(plain))
+        }
     };
     let to_see = match flat {
         true => {

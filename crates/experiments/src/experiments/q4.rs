@@ -480,6 +480,7 @@ fn view(id: &str, name: &str, mesh: &TriMesh, stops: &[usize], rebuilt: &[TriMes
             Panel::still("original", mesh),
         ],
         from: Some(1),
+        truth: Some(mesh.positions().to_vec()),
         ..View::default()
     }
 }
