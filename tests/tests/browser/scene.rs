@@ -74,6 +74,7 @@ fn flow() -> View {
         fallback: "picture".into(),
         z_up: false,
         sliders: vec![Slider::new("iterations", 0..stops.len())],
+        start: vec![],
         panels: vec![still, moving],
         from: Some(0),
         truth: Some(truth.positions().to_vec()),
