@@ -325,7 +325,6 @@ fn points(chrome: &mut Chrome, page: &Path) -> Result<()> {
            const svg = document.querySelector('svg.figure');
            const state = () => [fairing.views.get('q5-flow').state.stops[0], document.querySelector('.tip').textContent, document.querySelectorAll('.pointed').length];
            const first = state();
-           svg.focus();
            svg.dispatchEvent(new KeyboardEvent('keydown', {key: 'ArrowRight'}));
            await new Promise((go) => setTimeout(go, 100));
            return [...first, ...state()];

@@ -78,12 +78,15 @@ fn settle(chrome: &mut Chrome) -> Result<()> {
     Ok(())
 }
 
-/// The middle of a canvas, in pixels of the window.
+/// The middle of a canvas, in pixels of the window, once what is near has been opened.
 fn middle(chrome: &mut Chrome, canvas: usize) -> Result<[f64; 2]> {
     let place = chrome.run(&format!(
-        "(() => {{
+        "(async () => {{
            const c = document.querySelectorAll('figure.view .panel:not([hidden]) canvas')[{canvas}];
-           c.scrollIntoView({{block: 'center'}});
+           for (let k = 0; k < 3; k++) {{
+             c.scrollIntoView({{block: 'center'}});
+             await new Promise((go) => requestAnimationFrame(() => setTimeout(go, 0)));
+           }}
            const r = c.getBoundingClientRect();
            return [r.x + r.width / 2, r.y + r.height / 2];
          }})()"
