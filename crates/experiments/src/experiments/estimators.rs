@@ -375,7 +375,7 @@ fn plot(errors: &Table, column: &str, what: &str) -> Result<Picture> {
         &figure,
         if what == "H" { "largest-mean" } else { "largest-gaussian" },
         &format!(
-            "Most lines stay level: their estimators do not converge at every vertex. In colour are the {WINNERS} with the least error of {what} on the finest meshes and, for comparison, {BASELINE}; a line that falls to the left converges, at second order if it falls like the dashed one. The largest error of {what} over inner vertices of jittered meshes; errors below {ROUNDING:e} are rounding and left out, and so are estimators that have nothing else."
+            "A line that stays level belongs to an estimator that does not converge at every vertex. In colour are the {WINNERS} with the least error of {what} on the finest meshes and, for comparison, {BASELINE}; a line that falls to the left converges, at second order if it falls like the dashed one. The largest error of {what} over inner vertices of jittered meshes; errors below {ROUNDING:e} are rounding and left out, and so are estimators that have nothing else."
         ),
         &format!(
             "Four plots of the largest relative error of {what} over mean edge length on logarithmic axes, for sphere, torus, ellipsoid and graph, a line for each estimator."

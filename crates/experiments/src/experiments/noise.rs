@@ -324,7 +324,7 @@ fn plot(changes: &Table) -> Result<Picture> {
     plotted(
         &figure,
         "changes",
-        "The lines of K lie above those of H: noise hurts Gaussian curvature more. Relative change of both under noise on the finest meshes, for three estimators.",
+        "Compare K with H of the same estimator: the upper line suffers more. Relative change of both under noise on the finest meshes, for three estimators.",
         "Two plots of relative change over noise on logarithmic axes, for sphere and torus.",
     )
     .context("the plot of changes")

@@ -338,6 +338,9 @@ fn tables(record: &Record, form: Form) -> String {
     }
 }
 
+/// Tables with more rows than this are folded.
+const SEEN: usize = 12;
+
 fn table(table: &Table, csv: &str, form: Form) -> String {
     let caption = format!(
         "{} <span class=\"soft\">(<a href=\"{}\">CSV{}</a>)</span>",
@@ -353,7 +356,7 @@ fn table(table: &Table, csv: &str, form: Form) -> String {
     }
     // What is folded is not printed either.
     let (before, caption, after) = match table.rows.len() {
-        rows if rows > markdown::LONG => (
+        rows if rows > SEEN => (
             format!("<p class=\"caption\">{caption}</p><details><summary>{rows} rows</summary>"),
             String::new(),
             "</details>",

@@ -56,7 +56,7 @@ pub(super) fn of_levels(context: &Context<'_>, part: &Body) -> Result<(Picture, 
     let restored = Restored::new(context, part, &levels, VIEWPOINTS[0], Up::Z)?;
     let picture = restored.draw(
         "levels",
-        "Up to the second row a denoiser brings the faces back, in the last none does. The machine part under the three levels of noise of Figure 12 of the original report, in model units, and after each method; flat shaded, so that every face shows its normal.",
+        "Compare the rows: the more noise, the less of faces and edges comes back. The machine part under the three levels of noise of Figure 12 of the original report, in model units, and after each method; flat shaded, so that every face shows its normal.",
         "Three rows of six pictures of the machine part: noisy, smoothed, and denoised; the higher the level, the less of its faces and edges comes back.",
     )?;
     Ok((picture, restored.view("levels")?))
@@ -74,7 +74,7 @@ pub(super) fn of_scan(context: &Context<'_>, scan: &Body) -> Result<(Picture, Vi
     let picture = restored.draw(
         "scan",
         &format!(
-            "At one mean edge length of noise only the outline is left. The {} under three levels of noise, and after each method.",
+            "Compare the rows: details go first, the outline last. The {} under three levels of noise, and after each method.",
             scan.name
         ),
         &format!(
@@ -202,7 +202,7 @@ pub(super) fn curves(sweep: &Table) -> Result<Vec<Picture>> {
             "distances",
             "E_v",
             "E_v in h",
-            "At little noise smoothing does more harm than the noise: its lines begin above the dashed one of the noisy input. E_v over the noise; in colour what is best at some level, in grey what never is.",
+            "Where a line runs above the dashed one of the noisy input, a method does more harm than the noise. E_v over the noise; in colour what is best at some level, in grey what never is.",
         ),
     ];
     errors
