@@ -18,6 +18,7 @@ mod noise;
 mod gallery;
 mod gap;
 mod grid;
+mod mode_sums;
 mod models;
 mod over_lambda;
 mod refinement;
