@@ -115,23 +115,14 @@ impl Experiment for Reconstruction {
             _ => Verdict::Refuted,
         };
         let reason = format!(
-            "{}, and Parseval's identity predicts it to {} of the diagonal. From {} to {} modes the error of the {} goes to {} of what it was; {} {} modes {}.",
-            match falling {
-                true =>
-                    "The error falls with every step of k, as it must for modes that are orthonormal in the mass",
-                false => "The error does not fall with every step of k",
-            },
+            "{}, and Parseval's identity predicts it to {} of the diagonal. From {} to {} modes the error of the {} goes to {} of what it was; {}.",
+            if falling { FALLS } else { RISES },
             brief(mismatch),
             ks[0],
             ks[1],
             names[0],
             brief(steps[0]),
-            if complete { "all" } else { "the last" },
-            ks[ks.len() - 1],
-            match complete && last < ROUNDING {
-                true => "leave rounding only".to_string(),
-                false => format!("leave {} of the diagonal", brief(last)),
-            },
+            what_is_left(ks[ks.len() - 1], complete, last),
         );
         let [least, most] = orders(tables)?;
         let second = if least > 1.9 && most < 2.1 { Verdict::Confirmed } else { Verdict::Refuted };
@@ -169,6 +160,22 @@ fn orders(tables: Tables<'_>) -> Result<[f64; 2]> {
     orders.extend(tables.get("torus")?.numbers("order")?);
     let least = orders.iter().copied().fold(f64::INFINITY, f64::min);
     Ok([least, orders.iter().copied().fold(f64::NEG_INFINITY, f64::max)])
+}
+
+/// What is said of an error that falls with every step.
+const FALLS: &str =
+    "The error falls with every step of k, as it must for modes that are orthonormal in the mass";
+
+/// And of one that does not.
+const RISES: &str = "The error does not fall with every step of k";
+
+/// What the last stop leaves, in words.
+fn what_is_left(modes: f64, complete: bool, last: f64) -> String {
+    match complete {
+        true if last < ROUNDING => format!("all {modes} modes leave rounding only"),
+        true => format!("all {modes} modes leave {} of the diagonal", brief(last)),
+        false => format!("the last stop, {modes} modes, leaves {} of the diagonal", brief(last)),
+    }
 }
 
 /// The stops for a mesh, the last of them all modes where that is cheap.

@@ -99,26 +99,17 @@ impl Experiment for ExplicitFlow {
         let reason = format!(
             "{} {} On a block at two resolutions and three levels of noise, the best λ for normals lies between {} and {}: what counts is the diffusion time {ITERATIONS} λ against the noise and the size of the features. λ = {STRONG} {} features of the machine part (recall {} against {} at {CLAIMED}) but is stable, as every λ up to 4/3 is on a closed mesh. {}",
             closest(&favourites, area),
-            match highest > ALIKE * lowest {
-                true => "There is no best λ as such.",
-                false => "The best λ changes little from mesh to mesh.",
+            if highest > ALIKE * lowest {
+                SEVERAL
+            } else {
+                "The best λ changes little from mesh to mesh."
             },
             brief(lowest),
             brief(highest),
             if loses { "loses" } else { "does not lose" },
             brief(recalls[1]),
             brief(recalls[0]),
-            match deforms {
-                true => format!(
-                    "λ = {DIVERGENT} does worse than deform: it diverges. The smallest eigenvalue is at most {} on these meshes, so the roughest mode grows in every step; after {ITERATIONS} steps even the tamest mesh is {} times as large.",
-                    brief(largest),
-                    brief(growth)
-                ),
-                false => format!(
-                    "λ = {DIVERGENT} does not diverge everywhere: after {ITERATIONS} steps the tamest mesh is {} times as large.",
-                    brief(growth)
-                ),
-            },
+            at_the_largest(growth, largest),
         );
         Ok(vec![
             Judgement::new(
@@ -150,8 +141,25 @@ fn extremes(values: &[f64]) -> [f64; 2] {
     [least, values.iter().copied().fold(f64::NEG_INFINITY, f64::max)]
 }
 
+/// What the largest step does, in words.
+fn at_the_largest(growth: f64, eigenvalue: f64) -> String {
+    let grown = brief(growth);
+    match growth > DIVERGED {
+        true => format!(
+            "λ = {DIVERGENT} does worse than deform: it diverges. The smallest eigenvalue is at most {} on these meshes, so the roughest mode grows in every step; after {ITERATIONS} steps even the tamest mesh is {grown} times as large.",
+            brief(eigenvalue)
+        ),
+        false => format!(
+            "λ = {DIVERGENT} does not diverge everywhere: after {ITERATIONS} steps the tamest mesh is {grown} times as large."
+        ),
+    }
+}
+
 /// Best steps that differ by no more than this factor are alike.
 const ALIKE: f64 = 1.5;
+
+/// What is said of best steps that are not.
+const SEVERAL: &str = "There is no best λ as such.";
 
 /// A change of area beyond this is seen, in per cent.
 const SEEN: f64 = 5.0;
