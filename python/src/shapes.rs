@@ -114,8 +114,8 @@ fn made(name: &str, lengths: &[f64], counts: &[u32], word: &str, seed: u64) -> R
             shapes::cad_block(spacing)
         }
         ("creature", [], &[resolution]) => {
-            need((48..=320).contains(&resolution), || {
-                format!("resolution is {resolution}, but must be from 48 to 320")
+            need((24..=320).contains(&resolution), || {
+                format!("resolution is {resolution}, but must be from 24 to 320")
             })?;
             shapes::creature(resolution)
         }

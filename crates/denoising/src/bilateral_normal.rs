@@ -7,7 +7,7 @@ use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
 use rayon::prelude::*;
 
 use super::DenoiseError;
-use super::conjugate_gradients::solve;
+use super::conjugate_gradients::{conjugate_gradients, solved};
 use super::denoiser::Method;
 use super::error::{positive, share};
 use super::faces::{FaceLists, FaceShapes, Hinges, mean_centroid_distance, unit_or_zero};
@@ -224,7 +224,9 @@ fn filter_globally(
         })
         .collect();
     let b: Vec<[f64; 3]> = noisy.iter().zip(&areas).map(|(n, a)| scale(*n, keep * a)).collect();
-    let normals = solve(apply, &diagonal, &b, noisy.clone(), 1e-6, 5000, 0)?;
+    let (tolerance, most) = (1e-6, 5000);
+    let found = conjugate_gradients(apply, &diagonal, &b, noisy.clone(), tolerance, most);
+    let normals = solved(found, tolerance, most, 0)?;
     let normals: Vec<[f64; 3]> = normals.into_iter().map(unit_or_zero).collect();
     update_vertices(mesh, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })
 }

@@ -39,35 +39,56 @@ pub(crate) fn conjugate_gradients(
     apply: impl Fn(&[[f64; 3]]) -> Vec<[f64; 3]> + Sync,
     diagonal: &[f64],
     b: &[[f64; 3]],
-    mut x: Vec<[f64; 3]>,
+    x: Vec<[f64; 3]>,
     tolerance: f64,
     max_iterations: usize,
+) -> (Vec<[f64; 3]>, f64) {
+    let options = CgOptions { tolerance, max_iterations, ..CgOptions::default() };
+    solve_field(apply, diagonal, b, x, &options)
+}
+
+fn solve_field(
+    apply: impl Fn(&[[f64; 3]]) -> Vec<[f64; 3]> + Sync,
+    diagonal: &[f64],
+    b: &[[f64; 3]],
+    mut x: Vec<[f64; 3]>,
+    options: &CgOptions,
 ) -> (Vec<[f64; 3]>, f64) {
     if b.iter().all(|b| *b == [0.0; 3]) {
         update(&mut x, |_, _| ([0.0; 3], ()));
         return (x, 0.0);
     }
     let field = Field { apply, inverse_diagonal: diagonal.iter().map(|d| 1.0 / d).collect() };
-    let options = CgOptions { tolerance, max_iterations };
-    let (solution, _) = fairing_sparse::conjugate_gradients(&field, b, x, &options);
+    let (solution, _) = fairing_sparse::conjugate_gradients(&field, b, x, options);
     // Coordinates are measured together: each of the three residuals is that of all.
     (solution.x, solution.residuals[0])
 }
 
-/// Like [`conjugate_gradients`], but a residual above ten times the tolerance
-/// is an error of outer step `step`.
-pub(crate) fn solve(
+/// [`conjugate_gradients`] within a loop whose next system begins with this
+/// solution, and by measuring it: the residual is the one that the iteration
+/// carries along.
+pub(crate) fn inner(
     apply: impl Fn(&[[f64; 3]]) -> Vec<[f64; 3]> + Sync,
     diagonal: &[f64],
     b: &[[f64; 3]],
     x: Vec<[f64; 3]>,
     tolerance: f64,
     max_iterations: usize,
+) -> (Vec<[f64; 3]>, f64) {
+    let options = CgOptions { tolerance, max_iterations, measure: false };
+    solve_field(apply, diagonal, b, x, &options)
+}
+
+/// The solution, unless its residual is above ten times the tolerance: an error
+/// of outer step `step`.
+pub(crate) fn solved(
+    (x, residual): (Vec<[f64; 3]>, f64),
+    tolerance: f64,
+    iterations: usize,
     step: usize,
 ) -> Result<Vec<[f64; 3]>, DenoiseError> {
-    let (x, residual) = conjugate_gradients(apply, diagonal, b, x, tolerance, max_iterations);
     if residual <= 10.0 * tolerance {
         return Ok(x);
     }
-    Err(DenoiseError::NotSolved { step, iterations: max_iterations, residual })
+    Err(DenoiseError::NotSolved { step, iterations, residual })
 }

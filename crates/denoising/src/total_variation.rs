@@ -5,12 +5,16 @@ use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
 use rayon::prelude::*;
 
 use super::DenoiseError;
-use super::conjugate_gradients::solve;
+use super::conjugate_gradients::{inner, solved};
 use super::denoiser::Method;
 use super::error::positive;
 use super::faces::{FaceShapes, Hinges, NO_HINGE, unit_or_zero};
 use super::unit_scale::at_unit_scale;
 use super::vertex_update::{VertexUpdate, update_vertices};
+
+/// The relative residual of the systems, and the most iterations.
+const TOLERANCE: f64 = 1e-5;
+const ITERATIONS: usize = 1000;
 
 /// Parameters of [`total_variation`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -108,7 +112,8 @@ fn filter(mesh: &TriMesh, options: &TotalVariationOptions) -> Result<TriMesh, De
             .collect();
         let b: Vec<[f64; 3]> =
             data.iter().zip(problem.diverge(&target)).map(|(d, t)| add(*d, t)).collect();
-        normals = solve(|x| problem.apply(x), &diagonal, &b, normals, 1e-5, 1000, step)?;
+        let found = inner(|x| problem.apply(x), &diagonal, &b, normals, TOLERANCE, ITERATIONS);
+        normals = solved(found, TOLERANCE, ITERATIONS, step)?;
         dual = (0..edges)
             .into_par_iter()
             .map(|e| add(dual[e], sub(problem.jump(&normals, e), shrunk[e])))

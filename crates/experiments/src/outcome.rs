@@ -3,6 +3,7 @@
 use fairing_figure::Image;
 use fairing_mesh::TriMesh;
 
+use crate::results::PlotLink;
 use crate::table::Table;
 use crate::view::View;
 
@@ -38,6 +39,19 @@ pub struct Picture {
     pub image: Image,
     /// The picture as SVG, where a vector form helps (plots).
     pub svg: Option<String>,
+    /// Which views show what the points of a plot stand for.
+    pub links: Vec<PlotLink>,
+}
+
+impl Picture {
+    /// The same picture, of whose plot titled `plot` the series `series` is shown by a view as a slider over the
+    /// horizontal axis moves; an empty title or name is any.
+    #[must_use]
+    pub fn linked(mut self, plot: &str, series: &str, view: &str, slider: &str) -> Self {
+        let [plot, series, view, slider] = [plot, series, view, slider].map(String::from);
+        self.links.push(PlotLink { plot, series, view, slider });
+        self
+    }
 }
 
 /// A mesh to be written as PLY with fields for each vertex.

@@ -10,7 +10,8 @@ use crate::ticks;
 /// A colour bar with ticks.
 ///
 /// An equalised scale is shown with its colours evenly spaced and the true
-/// values below the quarters. An arrow at an end says that some values lie
+/// values below the quarters; where only a few values occur, with a block of
+/// one colour for each of them. An arrow at an end says that some values lie
 /// beyond it.
 #[derive(Debug, Clone)]
 pub struct ColorBar {
@@ -38,7 +39,13 @@ impl ColorBar {
         let at = |t: f64| margin + length * t;
         let (map, scale) = (self.scale.map(), &self.scale);
         let steps = 120;
-        for i in 0..steps {
+        let few = scale.few();
+        for (i, &value) in few.iter().enumerate() {
+            let each = length / few.len() as f64;
+            let left = margin + each * i as f64;
+            out.fill(Outline::rectangle([left, 0.0], [each, THICKNESS]), scale.color(value), 1.0);
+        }
+        for i in 0..if few.is_empty() { steps } else { 0 } {
             let t = (f64::from(i) + 0.5) / f64::from(steps);
             let left = at(f64::from(i) / f64::from(steps));
             // A little overlap hides the seams.
@@ -80,6 +87,13 @@ impl ColorBar {
                 let marks = ticks.major.into_iter().map(|(x, l)| (scale.position(x), l));
                 (marks.collect(), ticks.exponent)
             }
+            Spread::Equalized if !scale.few().is_empty() => {
+                let few = scale.few();
+                let exponent = ticks::exponent(scale.low(), scale.high());
+                let middle = |i: usize| (i as f64 + 0.5) / few.len() as f64;
+                let shown = |x: f64| number(x / 10f64.powi(exponent), 3);
+                (few.iter().enumerate().map(|(i, &x)| (middle(i), shown(x))).collect(), exponent)
+            }
             Spread::Equalized => {
                 let parts = if length < 220.0 { 2 } else { 4 };
                 let (low, high) = (scale.low(), scale.high());
@@ -112,5 +126,38 @@ impl ColorBar {
             Spread::Equalized => ", equalised",
         };
         format!("{}{unit}{spread}", self.quantity)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::drawing::Element;
+    use crate::field::Field;
+    use crate::scale::ScaleOptions;
+
+    /// A block and a tick for each of the three values, in the colours of the mesh, and none in between.
+    #[test]
+    fn a_bar_of_few_values_shows_them_and_no_others() {
+        let values: Vec<f64> = (0..30).map(|i| [0.0, 382.0, 763.0][i % 3]).collect();
+        let scale = Scale::of(&[&Field::new(&values)], &ScaleOptions::ASSIGNMENT).unwrap();
+        let colors = [0.0, 382.0, 763.0].map(|x| scale.color(x));
+        let bar = ColorBar { scale, quantity: "K".into(), unit: String::new() };
+        let drawn = bar.draw(300.0);
+        let filled: Vec<_> = drawn
+            .elements
+            .iter()
+            .filter_map(|e| if let Element::Path(path) = e { path.fill } else { None })
+            .map(|fill| fill.color)
+            .collect();
+        assert_eq!(filled, colors);
+        let words: Vec<_> = drawn
+            .elements
+            .iter()
+            .filter_map(
+                |e| if let Element::Text(text) = e { Some(text.words.as_str()) } else { None },
+            )
+            .collect();
+        assert_eq!(words, ["0", "382", "763", "K, equalised"]);
     }
 }

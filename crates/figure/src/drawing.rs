@@ -34,6 +34,8 @@ pub(crate) enum Element {
         size: [f64; 2],
         image: Arc<Image>,
     },
+    /// What a page may ask of the picture, as JSON: pictures do not show it.
+    Data(String),
     /// Elements moved by an offset.
     Group {
         at: [f64; 2],

@@ -51,6 +51,7 @@ impl Canvas {
             match element {
                 Element::Path(path) => self.path(path, to),
                 Element::Text(words) => self.text(words, to),
+                Element::Data(_) => {}
                 Element::Image { at, size, image } => self.image(*at, *size, image, to),
                 Element::Group { at, elements } => self.draw(elements, moved(to, *at)),
                 Element::Clip { at, size, elements } => {

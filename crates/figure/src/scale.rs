@@ -102,11 +102,16 @@ pub struct Scale {
     /// Shares of the values below the borders of equal bins, for an equalised
     /// scale; ascending from 0 to 1.
     shares: Option<Vec<f64>>,
+    /// The values of an equalised scale, ascending, if there are only a few.
+    few: Vec<f64>,
     below: bool,
     above: bool,
 }
 
 const BINS: usize = 1024;
+
+/// Up to so many different values a colour bar shows one by one.
+const FEW: usize = 6;
 
 impl Scale {
     /// One scale for all of `fields`, so that they can be compared.
@@ -135,6 +140,10 @@ impl Scale {
             Spread::Linear => None,
             Spread::Equalized => Some(equalize(&sorted, low, high)),
         };
+        let few = match options.spread {
+            Spread::Linear => vec![],
+            Spread::Equalized => distinct(&sorted, low, high),
+        };
         let shown = || fields.iter().flat_map(|f| f.values()).flatten();
         let slack = 1e-9 * (high - low);
         Ok(Self {
@@ -142,6 +151,7 @@ impl Scale {
             low,
             high,
             shares,
+            few,
             below: shown().any(|x| x < low - slack),
             above: shown().any(|x| x > high + slack),
         })
@@ -165,6 +175,11 @@ impl Scale {
     /// Whether the histogram was equalised.
     pub fn spread(&self) -> Spread {
         if self.shares.is_some() { Spread::Equalized } else { Spread::Linear }
+    }
+
+    /// The values that occur, ascending, where an equalised scale has only a few of them; else none.
+    pub fn few(&self) -> &[f64] {
+        &self.few
     }
 
     /// Whether some value lies below the lower end.
@@ -250,6 +265,21 @@ fn percentile(sorted: &[f64], percent: f64) -> f64 {
     let rank = percent / 100.0 * (sorted.len() - 1) as f64;
     let (below, above) = (sorted[rank.floor() as usize], sorted[rank.ceil() as usize]);
     below + (above - below) * rank.fract()
+}
+
+/// The different values in range up to rounding, if there are at least two and at most [`FEW`]; else none.
+fn distinct(sorted: &[f64], low: f64, high: f64) -> Vec<f64> {
+    let slack = 1e-9 * (high - low);
+    let mut found: Vec<f64> = vec![];
+    for &x in sorted.iter().filter(|x| (low..=high).contains(x)) {
+        if found.last().is_none_or(|last| x - last > slack) {
+            found.push(x);
+        }
+        if found.len() > FEW {
+            return vec![];
+        }
+    }
+    if found.len() < 2 { vec![] } else { found }
 }
 
 fn equalize(sorted: &[f64], low: f64, high: f64) -> Vec<f64> {

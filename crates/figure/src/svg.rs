@@ -38,6 +38,7 @@ fn write_all(out: &mut String, elements: &[Element]) -> Result<(), EncodeError> 
         match element {
             Element::Path(path) => write_path(out, path),
             Element::Text(text) => write_text(out, text),
+            Element::Data(json) => push(out, format_args!("<metadata>{}</metadata>", escape(json))),
             Element::Image { at: [x, y], size: [w, h], image } => {
                 let data = base64::engine::general_purpose::STANDARD.encode(image.to_png()?);
                 let [x, y, w, h] = [x, y, w, h].map(|&v| short(v));

@@ -109,37 +109,54 @@ async function packedData(figure) {
 /** The panels of a view, decoded. Positions are in mesh units. */
 function decodeView(description, block) {
   const faceLists = description.faceLists.map((count) => block.integers(3 * count));
-  return description.panels.map((panel) => {
+  const panels = [];
+  for (const panel of description.panels) panels.push(decodePanel(panel));
+  block.truth = decodeTruth(description.truth, panels, block);
+  return panels;
+
+  function decodePanel(panel) {
     const n = panel.vertices;
     let before = null;
     const decoded = [];
-    for (const {low, size, follows, same} of panel.stops) {
+    for (const {low, size, follows, same, panel: other} of panel.stops) {
       if (same !== undefined) {
-        decoded.push(decoded[same]);
+        decoded.push(other === undefined ? decoded[same] : panels[other].stops[same]);
         continue;
       }
       const q = block.shorts(n, 3);
       if (follows) for (let i = 0; i < q.length; i++) q[i] = (q[i] + before[i]) & 0xffff;
       before = q;
-      const positions = new Float64Array(3 * n);
-      for (let i = 0; i < positions.length; i++) {
-        positions[i] = low[i % 3] + (size[i % 3] * q[i]) / 65535;
-      }
-      decoded.push(positions);
+      decoded.push(positionsIn({low, size}, q));
     }
     const occlusion = block.raw(n);
+    const read = (field) => Float32Array.from(block.shorts(n, 1), (q) => dequantised(q, field));
     const fields = panel.fields.map((field) => ({
       ...field,
-      stops: Array.from({length: field.stops}, () => {
-        const q = block.shorts(n, 1);
-        const values = new Float32Array(n);
-        for (let i = 0; i < n; i++) values[i] = dequantised(q[i], field);
-        return values;
-      }),
+      stops: Array.from({length: field.stops}, () => read(field)),
+      exact: field.exact ? read(field) : null,
     }));
     const live = panel.live ? block.doubles(n, 3) : null;
-    return {...panel, faces: faceLists[panel.faces], stops: decoded, occlusion, fields, live};
-  });
+    const modes = panel.modes ? decodeModes(panel.modes, n, block) : null;
+    return {...panel, faces: faceLists[panel.faces], stops: decoded, occlusion, fields, live, modes};
+  }
+}
+
+/** True positions: those of a panel, or of their own. */
+function decodeTruth(truth, panels, block) {
+  if (!truth) return null;
+  if (truth.panel !== undefined) return panels[truth.panel].stops[truth.stop];
+  return positionsIn(truth, block.shorts(truth.vertices, 3));
+}
+
+/** Places in a box, in 65535ths. */
+function positionsIn({low, size}, q) {
+  return Float64Array.from(q, (x, i) => low[i % 3] + (size[i % 3] * x) / 65535);
+}
+
+/** Each mode has 65535 steps from minus its largest size to plus. */
+function decodeModes({values, coefficients, sizes}, n, block) {
+  const vectors = sizes.map((size) => Float32Array.from(block.shorts(n, 1), (q) => size * (q / 32767 - 1)));
+  return {values, coefficients, vectors};
 }
 
 /** See `quantise` in `views/pack.rs`; 65535 marks an undefined value. */

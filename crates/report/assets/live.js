@@ -18,6 +18,7 @@ class LiveFlows {
     this.changed = changed;
     this.on = false;
     this.task = 0;
+    this.done = 0;
     this.results = {};
     const {vertices, faces, occlusion} = source;
     this.panels = ['explicit', 'implicit'].map((flow) => (
@@ -77,8 +78,9 @@ class LiveFlows {
       this.status.textContent = `step ${done} of ${count} …`;
     });
     if (!implicit) return;
-    this.results = {explicit: this.fitted(explicit), implicit: this.fitted(implicit)};
+    this.results = {explicit: Geometry.fitted(this.input, explicit), implicit: Geometry.fitted(this.input, implicit)};
     this.on = true;
+    this.done += 1;
     const took = performance.now() - start;
     const moved = (x) => (x ? readable(this.moved(x)) : 'no number');
     this.status.textContent =
@@ -93,24 +95,9 @@ class LiveFlows {
     return Math.sqrt((3 * sum) / positions.length);
   }
 
-  /** What has grown beyond three times the size of the input is drawn smaller, at its middle. */
-  fitted(positions) {
-    const size = (x) => {
-      let sum = 0;
-      const middle = [0, 1, 2].map((c) => {
-        let s = 0;
-        for (let i = c; i < x.length; i += 3) s += x[i];
-        return (3 * s) / x.length;
-      });
-      for (let i = 0; i < x.length; i++) sum += (x[i] - middle[i % 3]) ** 2;
-      return {middle, spread: Math.sqrt(sum / x.length)};
-    };
-    if (!positions) return {positions: this.input, note: ' has no number left'};
-    const [before, after] = [size(this.input), size(positions)];
-    const growth = after.spread / before.spread;
-    if (!(growth > 3)) return {positions, note: ''};
-    const drawn = positions.map((x, i) => before.middle[i % 3] + (x - after.middle[i % 3]) / growth);
-    return {positions: drawn, note: ` (drawn 1 : ${readable(growth, 2)})`};
+  /** Changes with what is shown. */
+  version() {
+    return `${this.on} ${this.done}`;
   }
 
   drawn(flow) {
@@ -150,36 +137,17 @@ class LiveFlows {
   }
 }
 
-/** The factors of one step over −μ, from constant functions to the roughest mode of any mesh, 2. */
+/** The factors of one step over |μ|, from constant functions to the roughest mode of any mesh, 2. */
 function factorPlot(lambda, roughest) {
-  const space = 'http://www.w3.org/2000/svg';
-  const svg = document.createElementNS(space, 'svg');
-  const [width, height] = [420, 180];
-  svg.setAttribute('viewBox', `-40 -8 ${width + 130} ${height + 36}`);
-  svg.setAttribute('role', 'img');
-  svg.setAttribute('aria-label', 'factor of one step over the eigenvalue: a falling line for explicit steps, a curve that stays positive for implicit ones');
-  svg.setAttribute('class', 'plot');
-  const add = (name, attributes, text = '') => {
-    const made = document.createElementNS(space, name);
-    for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
-    made.textContent = text;
-    svg.append(made);
-  };
-  const x = (m) => (width * m) / 2;
-  const y = (f) => (height * (1.5 - Math.max(-1.5, Math.min(1.5, f)))) / 3;
-  add('rect', {class: 'stable', x: 0, y: y(1), width, height: y(-1) - y(1)});
-  for (const f of [-1, 0, 1]) {
-    add('path', {class: 'grid', d: `M0 ${y(f)}H${width}`});
-    add('text', {x: -6, y: y(f) + 4, 'text-anchor': 'end'}, readable(f));
-  }
-  for (const m of [0, 0.5, 1, 1.5, 2]) add('text', {x: x(m), y: height + 16, 'text-anchor': 'middle'}, readable(m));
-  add('text', {x: width / 2, y: height + 28, 'text-anchor': 'middle'}, '−μ, smooth to rough');
-  add('path', {class: 'mark', d: `M${x(roughest)} 0V${height}`});
-  const curves = {explicit: (m) => 1 - lambda * m, implicit: (m) => 1 / (1 + lambda * m)};
-  for (const [name, factor] of Object.entries(curves)) {
-    const points = Array.from({length: 101}, (_, i) => `${x(i / 50).toFixed(1)} ${y(factor(i / 50)).toFixed(1)}`);
-    add('path', {class: `curve ${name}`, d: `M${points.join('L')}`});
-    add('text', {class: name, x: width + 4, y: y(factor(2)) + 4}, name);
-  }
-  return svg;
+  const along = Array.from({length: 101}, (_, i) => i / 50);
+  const factors = {explicit: (m) => 1 - lambda * m, implicit: (m) => 1 / (1 + lambda * m)};
+  return linePlot({
+    label: 'factor of one step over the size of the eigenvalue: a falling line for explicit steps, a curve that stays positive for implicit ones',
+    x: {from: 0, to: 2, label: '|μ|, smooth to rough'},
+    y: {from: -1.5, to: 1.2, label: 'factor of one step'},
+    band: [-1, 1],
+    series: Object.entries(factors).map(([name, factor]) => (
+      {name, kind: name === 'explicit' ? 'red' : 'blue', points: along.map((m) => [m, factor(m)])})),
+    marks: [{at: roughest, words: 'roughest'}],
+  });
 }

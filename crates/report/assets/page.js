@@ -37,6 +37,7 @@ const fairing = (() => {
       view.touched = true;
       first ??= view;
       if (view.shown) view.settle();
+      else open(view);
     }
     first?.figure.scrollIntoView();
   }
@@ -111,20 +112,22 @@ const fairing = (() => {
     theme();
     follow();
     const figures = [...document.querySelectorAll('figure.view')];
-    if (!Renderer || typeof DecompressionStream === 'undefined') {
-      for (const figure of figures) {
-        standIn(figure, 'This browser cannot draw the interactive view (it needs WebGL 2).');
-      }
-      return;
-    }
+    const plays = [...document.querySelectorAll('figure.play')];
     const colors = maps();
-    for (const figure of figures) views.set(figure.id, new View(figure, colors));
+    const drawn = Renderer && typeof DecompressionStream !== 'undefined';
+    for (const figure of figures) {
+      if (drawn) views.set(figure.id, new View(figure, colors));
+      else standIn(figure, 'This browser cannot draw the interactive view (it needs WebGL 2).');
+    }
+    // Without WebGL playgrounds have their plots and numbers.
+    for (const figure of plays) views.set(figure.id, Playground.of(figure, colors));
+    for (const svg of document.querySelectorAll('svg.figure')) new PlotPoints(svg, views);
     document.addEventListener('fairing-state', ({detail}) => {
       detail.touched = true;
       writeAddress();
     });
     document.addEventListener('fairing-redraw', () => {
-      for (const view of views.values()) if (view.shown) view.draw();
+      for (const view of views.values()) if (view.shown || view.stages) view.draw();
     });
     readAddress();
     addEventListener('hashchange', readAddress);
@@ -135,7 +138,10 @@ const fairing = (() => {
         open(views.get(entry.target.id));
       }
     }, {rootMargin: '600px'});
-    for (const figure of figures) near.observe(figure);
+    for (const view of views.values()) near.observe(view.figure);
+    addEventListener('beforeprint', () => {
+      for (const figure of plays) views.get(figure.id).open();
+    });
   }
 
   const started = start().then(() => {
@@ -144,10 +150,10 @@ const fairing = (() => {
 
   return {
     views,
-    /** Opens every view; resolves once all are drawn. */
+    /** Opens every view, playgrounds apart; resolves once all are drawn. */
     openAll: async () => {
       await started;
-      for (const view of views.values()) await open(view);
+      for (const view of views.values()) if (!view.stages) await open(view);
     },
   };
 })();

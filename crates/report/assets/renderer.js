@@ -281,19 +281,6 @@ void main() {
     gl.bindFramebuffer(gl.FRAMEBUFFER, quick.buffer);
   }
 
-  function copyQuickly(target, width, height) {
-    const {small, image} = quick;
-    gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(image.data.buffer));
-    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-    small.getContext('2d').putImageData(image, 0, 0);
-    // The first row is the lowest.
-    const {width: w, height: h} = target.canvas;
-    target.save();
-    target.scale(1, -1);
-    target.drawImage(small, 0, -h, w, h);
-    target.restore();
-  }
-
   function clear(width, height, grow = true) {
     if (grow && canvas.width < width) canvas.width = width;
     if (grow && canvas.height < height) canvas.height = height;
@@ -309,18 +296,58 @@ void main() {
    * Draws a scene to fill a plain canvas. `scene`: `mesh` (faces, zeros),
    * `shape` (points with occlusion, normals), `values` or null, `camera`,
    * `lookup` (colours as RGB bytes), `range`, and the switches `flat`, `wire`
-   * and `lines`. With `part` below 1, at that part of the resolution and with
-   * fewer faces, for pictures that move.
+   * and `lines`.
    */
-  function draw(target, whole, part = 1) {
-    const [seenWidth, seenHeight] = [target.canvas.width, target.canvas.height];
-    const [width, height] = [seenWidth, seenHeight].map((size) => Math.round(part * size));
+  function draw(target, scene) {
+    const {width, height} = target.canvas;
     if (!width || !height || gl.isContextLost()) return;
-    const scene = {...whole, coarse: part < 1, pixel: part * whole.pixel, wire: whole.wire && part === 1};
     prepare();
-    const moving = part < 1;
-    if (moving) quickly(width, height);
-    clear(width, height, !moving);
+    clear(width, height);
+    paint(scene, width, height);
+    target.clearRect(0, 0, width, height);
+    target.drawImage(canvas, 0, canvas.height - height, width, height, 0, 0, width, height);
+  }
+
+  /**
+   * The same for pictures that move: all of a view at once, at a part of the
+   * resolution and with fewer faces, side by side in one buffer that is read
+   * back in one piece.
+   */
+  function drawMoving(pictures, part) {
+    if (gl.isContextLost()) return;
+    let across = 0;
+    const places = pictures.map(({target, scene}) => {
+      const [width, height] = [target.canvas.width, target.canvas.height].map((size) => Math.round(part * size));
+      across += width;
+      return {target, width, height, left: across - width, scene: {...scene, coarse: true, pixel: part * scene.pixel, wire: false}};
+    }).filter(({width, height}) => width && height);
+    if (!places.length) return;
+    const tallest = Math.max(...places.map(({height}) => height));
+    prepare();
+    quickly(across, tallest);
+    clear(across, tallest, false);
+    for (const {scene, left, width, height} of places) {
+      gl.viewport(left, 0, width, height);
+      gl.scissor(left, 0, width, height);
+      paint(scene, width, height);
+    }
+    const {small, image} = quick;
+    gl.readPixels(0, 0, across, tallest, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(image.data.buffer));
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    small.getContext('2d').putImageData(image, 0, 0);
+    for (const {target, left, width, height} of places) {
+      // The first row is the lowest.
+      const {width: w, height: h} = target.canvas;
+      target.clearRect(0, 0, w, h);
+      target.save();
+      target.scale(1, -1);
+      target.drawImage(small, left, 0, width, height, 0, -h, w, h);
+      target.restore();
+    }
+  }
+
+  /** Draws a scene into the buffer and viewport that are set. */
+  function paint(scene, width, height) {
     const shader = programs.shade;
     gl.useProgram(shader.made);
     const map = resident(scene.mesh, 'map', scene.lookup, () => {
@@ -342,12 +369,6 @@ void main() {
     gl.uniform1f(shader.place('uWire'), scene.wire ? scene.pixel : 0);
     gl.uniform1f(shader.place('uPixel'), scene.pixel);
     run(shader, scene, width, height, scene.wire);
-    target.clearRect(0, 0, seenWidth, seenHeight);
-    if (moving) {
-      copyQuickly(target, width, height);
-      return;
-    }
-    target.drawImage(canvas, 0, canvas.height - height, width, height, 0, 0, seenWidth, seenHeight);
   }
 
   /** The face seen at a pixel, counted from the top left; −1 for none. */
@@ -384,5 +405,5 @@ void main() {
     return pixel;
   }
 
-  return {draw, faceAt};
+  return {draw, drawMoving, faceAt};
 })();

@@ -14,23 +14,7 @@ class Smoother {
   constructor(positions, faces) {
     this.n = positions.length / 3;
     this.input = positions;
-    const neighbours = Array.from({length: this.n}, () => []);
-    for (let f = 0; f < faces.length; f += 3) {
-      for (let k = 0; k < 3; k++) {
-        const a = faces[f + k];
-        const b = faces[f + ((k + 1) % 3)];
-        neighbours[a].push(b);
-        neighbours[b].push(a);
-      }
-    }
-    this.starts = new Uint32Array(this.n + 1);
-    const ends = [];
-    for (let v = 0; v < this.n; v++) {
-      const own = [...new Set(neighbours[v])].sort((a, b) => a - b);
-      for (const w of own) ends.push(w);
-      this.starts[v + 1] = ends.length;
-    }
-    this.ends = Uint32Array.from(ends);
+    Object.assign(this, Geometry.neighbours(this.n, faces));
   }
 
   /** L x for one coordinate, or for any values at the vertices. */

@@ -1,24 +1,5 @@
 'use strict';
 
-/** Numbers as the report writes them. */
-function readable(x, digits = 3) {
-  if (!Number.isFinite(x)) return '–';
-  if (x === 0) return '0';
-  const size = Math.abs(x);
-  const text = size >= 1e-3 && size < 1e5 ? String(Number(x.toPrecision(digits))) : x.toExponential(digits - 1);
-  return text.replace('e+', 'e').replaceAll('-', '\u2212');
-}
-
-function element(name, attributes = {}, ...children) {
-  const made = document.createElement(name);
-  for (const [key, value] of Object.entries(attributes)) {
-    if (value === true) made.setAttribute(key, '');
-    else if (value !== false && value !== null) made.setAttribute(key, value);
-  }
-  made.append(...children);
-  return made;
-}
-
 /**
  * One interactive view: panels side by side under one camera, with controls.
  *
@@ -32,10 +13,11 @@ class View {
     this.maps = maps;
     this.description = JSON.parse(figure.querySelector('script.about').textContent);
     const {angles, zUp, sliders, fields} = this.description;
+    this.fields = fields;
     this.camera = new Camera(angles[0], angles[1], zUp);
     this.state = {
-      stops: sliders.map(() => 0),
-      field: fields.length ? 0 : -1,
+      stops: this.description.start ?? sliders.map(() => 0),
+      field: fields.length ? 0 : null,
       map: null,
       range: null,
       wire: false,
@@ -55,14 +37,25 @@ class View {
   }
 
   async build() {
+    // What is folded away has no size to be drawn in.
+    for (let at = this.figure.closest('details'); at; at = at.parentElement.closest('details')) at.open = true;
     const block = await Block.unpack(await packedData(this.figure));
     const panels = decodeView(this.description, block);
+    this.truth = block.truth;
     this.live = LiveFlows.of(panels, () => this.liveChanged());
     this.meshes = [...panels, ...(this.live?.panels ?? [])].map((panel) => ({
       ...panel,
       zeros: new Float32Array(panel.vertices),
       shapes: new Map(),
     }));
+    this.sum = ModeSum.of(this.meshes, () => this.settleSum());
+    this.fields = [...this.description.fields, ...Derived.fields(this.description, this.meshes)];
+    if (this.sum) this.fields.unshift(this.sum.field());
+    // An address may name its field.
+    if (typeof this.state.field === 'string') this.state.field = this.fields.findIndex((f) => f.name === this.state.field);
+    // A mesh with modes is shown with the mode that is being added, others as they are unless they bring values.
+    this.state.field ??= this.sum || this.description.fields.length ? 0 : -1;
+    if (this.state.field >= this.fields.length) this.state.field = -1;
     this.stage.replaceChildren(...this.controls(), this.panels(), ...this.sliderRows(), this.readout());
     this.figure.classList.add('open');
     const fit = new ResizeObserver(() => this.resize());
@@ -70,13 +63,21 @@ class View {
     this.resize();
     this.settle();
     this.live?.recall(this.wantedLive);
+    if (this.sum && this.wantedSum) this.settleSum(this.wantedSum);
+  }
+
+  /** Another number of modes. */
+  settleSum(text) {
+    if (text) this.sum.recall(text);
+    this.settle();
+    if (!text) this.remember();
   }
 
   // What is built.
 
   controls() {
     const row = element('div', {class: 'controls', role: 'group', 'aria-label': 'display'});
-    const {fields} = this.description;
+    const {fields} = this;
     const chooser = (label, options, change) => {
       const select = element('select', {'aria-label': label});
       options.forEach(([value, text]) => select.append(element('option', {value}, text)));
@@ -131,8 +132,9 @@ class View {
       });
       const bar = element('div', {class: 'bar'});
       const title = element('h4', {}, mesh.title);
-      const panel = element('div', {class: 'panel', hidden: Boolean(mesh.flow)}, title, canvas, bar);
-      const shown = {mesh, canvas, bar, title, panel, target: canvas.getContext('2d')};
+      const facts = element('p', {class: 'facts-line', hidden: !mesh.facts?.length});
+      const panel = element('div', {class: 'panel', hidden: Boolean(mesh.flow)}, title, canvas, facts, bar);
+      const shown = {mesh, canvas, bar, title, facts, panel, target: canvas.getContext('2d')};
       this.listen(shown);
       return shown;
     });
@@ -150,7 +152,7 @@ class View {
       return {name, stops, input, words};
     });
     const rows = this.sliders.map(({input, words}) => element('div', {class: 'slider'}, words, input));
-    return this.live ? [...rows, ...this.live.controls()] : rows;
+    return [...rows, ...(this.sum?.controls() ?? []), ...(this.live?.controls() ?? [])];
   }
 
   readout() {
@@ -164,67 +166,12 @@ class View {
   // What happens.
 
   listen(shown) {
-    const {canvas} = shown;
-    const fingers = new Map();
-    let travelled = 0;
-    let spread = 0;
-    canvas.addEventListener('pointerdown', (e) => {
-      canvas.setPointerCapture(e.pointerId);
-      canvas.focus({preventScroll: true});
-      fingers.set(e.pointerId, [e.clientX, e.clientY]);
-      travelled = 0;
-      spread = 0;
-    });
-    canvas.addEventListener('pointermove', (e) => {
-      const before = fingers.get(e.pointerId);
-      if (!before) return;
-      const [dx, dy] = [e.clientX - before[0], e.clientY - before[1]];
-      travelled += Math.abs(dx) + Math.abs(dy);
-      fingers.set(e.pointerId, [e.clientX, e.clientY]);
-      if (fingers.size === 2) {
-        const [a, b] = [...fingers.values()];
-        const apart = Math.hypot(a[0] - b[0], a[1] - b[1]);
-        if (spread) this.camera.zoom(spread / apart);
-        spread = apart;
-      } else if (e.shiftKey || e.buttons & 6) {
-        const size = canvas.clientHeight;
-        this.camera.move((0.65 * dx) / size, (-0.65 * dy) / size);
-      } else {
-        this.camera.turn(0.45 * dx, 0.45 * dy);
-      }
-      this.turnTo();
-    });
-    const lift = (e) => {
-      if (fingers.delete(e.pointerId) && e.type === 'pointerup' && travelled < 4) {
-        const box = canvas.getBoundingClientRect();
-        this.pick(shown, (e.clientX - box.left) / box.width, (e.clientY - box.top) / box.height);
-      }
-      this.remember();
-    };
-    canvas.addEventListener('pointerup', lift);
-    canvas.addEventListener('pointercancel', lift);
-    canvas.addEventListener('wheel', (e) => {
-      // The page must scroll past a picture that nobody has touched.
-      if (document.activeElement !== canvas && !e.ctrlKey) return;
-      e.preventDefault();
-      this.camera.zoom(Math.exp(e.deltaY * 0.001));
-      this.turnTo();
-      this.remember();
-    }, {passive: false});
-    canvas.addEventListener('keydown', (e) => {
-      const arrows = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1]};
-      const arrow = arrows[e.key];
-      if (arrow && e.shiftKey) this.camera.move(0.02 * arrow[0], -0.02 * arrow[1]);
-      else if (arrow) this.camera.turn(6 * arrow[0], 6 * arrow[1]);
-      else if (e.key === '+' || e.key === '=') this.camera.zoom(0.9);
-      else if (e.key === '-') this.camera.zoom(1 / 0.9);
-      else if (e.key === '0' || e.key === 'Home') this.camera.reset();
-      else if (e.key === 'Enter') this.pick(shown, 0.5, 0.5);
-      else if (e.key === 'n' || e.key === 'p') this.step(shown.mesh, e.key === 'n' ? 1 : -1);
-      else return;
-      e.preventDefault();
-      this.redraw();
-      this.remember();
+    steer(shown.canvas, this.camera, {
+      moved: () => this.turnTo(),
+      stepped: () => this.redraw(),
+      rested: () => this.remember(),
+      picked: (x, y) => this.pick(shown, x, y),
+      next: (by) => this.step(shown.mesh, by),
     });
   }
 
@@ -285,14 +232,33 @@ class View {
     return Math.min(this.combination(), list.length - 1);
   }
 
-  field(mesh) {
-    const chosen = this.description.fields[this.state.field];
-    return chosen ? mesh.fields.find((f) => f.name === chosen.name) : undefined;
+  chosen() {
+    return this.fields[this.state.field];
+  }
+
+  /** Values of a field that a panel brings along. */
+  valuesOf(field) {
+    return field.stops[this.stopOf(field.stops)];
+  }
+
+  /** The values of a field at the vertices of a panel; null where it has none. Those that are computed are kept. */
+  valuesBy(field, mesh) {
+    if (!field) return null;
+    if (!field.derived) {
+      const own = mesh.fields.find((f) => f.name === field.name);
+      return own ? this.valuesOf(own) : null;
+    }
+    const key = `${this.combination()},${this.sum?.k ?? ''},${this.live?.version() ?? ''}`;
+    field.kept ??= new Map();
+    const kept = field.kept.get(mesh);
+    if (kept?.key === key) return kept.values;
+    const values = field.derived(this, mesh);
+    field.kept.set(mesh, {key, values});
+    return values;
   }
 
   values(mesh) {
-    const field = this.field(mesh);
-    return field ? field.stops[this.stopOf(field.stops)] : null;
+    return this.valuesBy(this.chosen(), mesh);
   }
 
   /**
@@ -301,16 +267,24 @@ class View {
    */
   range() {
     if (this.state.range) return this.state.range;
-    const chosen = this.description.fields[this.state.field];
+    const chosen = this.chosen();
     if (!chosen) return [0, 1];
+    if (chosen.fixed) return chosen.fixed;
+    // What is computed has a range for each state of the sliders.
+    if (chosen.derived) {
+      const key = `${this.combination()},${this.live?.version() ?? ''}`;
+      if (chosen.rangeKey !== key) [chosen.rangeKey, chosen.range] = [key, this.percentiles(chosen)];
+      return chosen.range;
+    }
     chosen.range ??= this.percentiles(chosen);
     return chosen.range;
   }
 
   percentiles(chosen) {
     const all = [];
-    for (const mesh of this.meshes) {
-      for (const values of mesh.fields.find((f) => f.name === chosen.name)?.stops ?? []) {
+    for (const mesh of chosen.derived ? this.visible() : this.meshes) {
+      const sets = chosen.derived ? [this.valuesBy(chosen, mesh) ?? []] : (mesh.fields.find((f) => f.name === chosen.name)?.stops ?? []);
+      for (const values of sets) {
         for (const x of values) if (Number.isFinite(x)) all.push(x);
       }
     }
@@ -326,8 +300,13 @@ class View {
     return [low, high].map((x) => Number(x.toPrecision(3)));
   }
 
+  /** The panels that are seen. */
+  visible() {
+    return this.shown.filter(({panel}) => !panel.hidden).map(({mesh}) => mesh);
+  }
+
   mapName() {
-    const chosen = this.description.fields[this.state.field];
+    const chosen = this.chosen();
     return this.state.map ?? (chosen?.signed ? 'coolwarm' : 'viridis');
   }
 
@@ -336,7 +315,7 @@ class View {
     const map = this.maps[this.mapName()];
     const [low, high] = this.range();
     const size = 1024;
-    const key = [this.mapName(), low, high, this.state.even, this.state.even && this.combination(), this.state.field].join();
+    const key = [this.mapName(), low, high, this.state.even, this.state.even && [this.combination(), this.sum?.k], this.state.field].join();
     if (this.lookupKey === key) return this.lookupColors;
     const colors = new Uint8Array(3 * size);
     const shares = this.state.even ? this.shares(low, high, size) : null;
@@ -352,7 +331,7 @@ class View {
   /** The different values in range that are shown, if there are at most `most`; null if there are more. */
   distinct(low, high, most = 16) {
     const found = new Set();
-    for (const mesh of this.meshes) {
+    for (const mesh of this.visible()) {
       for (const x of this.values(mesh) ?? []) {
         if (x >= low && x <= high) found.add(x);
         if (found.size > most) return null;
@@ -366,7 +345,7 @@ class View {
     if (few?.length) return this.sharesOf(few, low, high, size);
     const counts = new Float64Array(size);
     let total = 0;
-    for (const mesh of this.meshes) {
+    for (const mesh of this.visible()) {
       for (const x of this.values(mesh) ?? []) {
         const bin = Math.floor(((x - low) / (high - low)) * size);
         if (x === high) counts[size - 1] += 1;
@@ -385,7 +364,7 @@ class View {
   /** Equalised colours of a few values: each has the middle of its ranks, and the bar shows no others. */
   sharesOf(few, low, high, size) {
     const counts = few.map(() => 0);
-    for (const mesh of this.meshes) {
+    for (const mesh of this.visible()) {
       for (const x of this.values(mesh) ?? []) {
         const at = few.indexOf(x);
         if (at >= 0) counts[at] += 1;
@@ -409,40 +388,17 @@ class View {
 
   /** Where the vertices of a panel are. */
   positions(mesh) {
-    return mesh.flow ? this.live.drawn(mesh.flow) : mesh.stops[this.stopOf(mesh.stops)];
+    if (mesh.flow) return this.live.drawn(mesh.flow);
+    return mesh.modes ? this.sum.positions() : mesh.stops[this.stopOf(mesh.stops)];
   }
 
   /** Points and normals of a panel, scaled to the ball of the camera. */
   shape(mesh) {
     const positions = this.positions(mesh);
     if (mesh.shapes.has(positions)) return mesh.shapes.get(positions);
-    const {center, radius} = this.description.ball;
-    const n = mesh.vertices;
-    const points = new Float32Array(4 * n);
-    const normals = new Float32Array(4 * n);
-    for (let v = 0; v < n; v++) {
-      for (let k = 0; k < 3; k++) points[4 * v + k] = (positions[3 * v + k] - center[k]) / radius;
-      points[4 * v + 3] = mesh.occlusion[v] / 255;
-    }
-    const {faces} = mesh;
-    for (let f = 0; f < faces.length; f += 3) {
-      const [a, b, c] = [4 * faces[f], 4 * faces[f + 1], 4 * faces[f + 2]];
-      const [ux, uy, uz] = [points[b] - points[a], points[b + 1] - points[a + 1], points[b + 2] - points[a + 2]];
-      const [vx, vy, vz] = [points[c] - points[a], points[c + 1] - points[a + 1], points[c + 2] - points[a + 2]];
-      const [nx, ny, nz] = [uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx];
-      for (const v of [a, b, c]) {
-        normals[v] += nx;
-        normals[v + 1] += ny;
-        normals[v + 2] += nz;
-      }
-    }
-    for (let v = 0; v < 4 * n; v += 4) {
-      const length = Math.hypot(normals[v], normals[v + 1], normals[v + 2]);
-      if (length > 0) for (let k = 0; k < 3; k++) normals[v + k] /= length;
-    }
-    const made = {points, normals};
-    // A live result is not asked for again once it is replaced.
-    if (mesh.flow) mesh.shapes.clear();
+    const made = Geometry.shape(positions, mesh.faces, this.description.ball, mesh.occlusion);
+    // What the page computes is not asked for again once it is replaced.
+    if (mesh.flow || mesh.modes) mesh.shapes.clear();
     mesh.shapes.set(positions, made);
     return made;
   }
@@ -502,19 +458,13 @@ class View {
   }
 
   draw() {
-    for (const shown of this.shown) {
-      if (shown.panel.hidden) continue;
-      Renderer.draw(shown.target, this.scene(shown), this.moving ? 0.5 : 1);
-      const {picked} = this.state;
+    const seen = this.shown.filter(({panel}) => !panel.hidden);
+    if (this.moving) Renderer.drawMoving(seen.map((shown) => ({target: shown.target, scene: this.scene(shown)})), 0.5);
+    const {picked} = this.state;
+    for (const shown of seen) {
+      if (!this.moving) Renderer.draw(shown.target, this.scene(shown));
       if (picked >= 0 && picked < shown.mesh.vertices) {
-        const [x, y] = this.place(shown, picked);
-        for (const [color, width] of [['#fff', 4], ['#111', 1.8]]) {
-          shown.target.beginPath();
-          shown.target.arc(x, y, 6 * this.pixel, 0, 2 * Math.PI);
-          shown.target.strokeStyle = color;
-          shown.target.lineWidth = width * this.pixel;
-          shown.target.stroke();
-        }
+        ring(shown.target, this.place(shown, picked), this.pixel);
       }
     }
   }
@@ -537,21 +487,48 @@ class View {
       words.textContent = text;
       input.setAttribute('aria-valuetext', text);
     });
-    for (const shown of this.shown) shown.bar.replaceChildren(...drawBar(this, shown.mesh));
+    for (const shown of this.shown) {
+      shown.bar.replaceChildren(...(shown.panel.hidden ? [] : this.bar(shown.mesh)));
+      shown.facts?.replaceChildren(...this.facts(shown.mesh));
+    }
+    this.sum?.settle();
     this.words.textContent = this.pickedWords();
     this.draw();
+  }
+
+  bar(mesh) {
+    const values = this.values(mesh);
+    if (!values) return [];
+    const {name, unit} = this.chosen();
+    const range = this.range();
+    const few = this.state.even ? this.distinct(...range, 6) : null;
+    return [colorBar({values, range, lookup: this.lookup(), name, unit, few, even: this.state.even})];
+  }
+
+  /** What was measured of a panel at this combination of stops, number by number. */
+  facts(mesh) {
+    return (mesh.facts ?? []).flatMap(({name, unit, values}) => {
+      const value = values[this.stopOf(values)];
+      if (value === null || value === undefined) return [];
+      return [element('span', {class: 'fact'}, `${name} `, element('b', {}, `${readable(value, 2)}${unit === '°' || !unit ? unit : ` ${unit}`}`))];
+    });
   }
 
   pickedWords() {
     const v = this.state.picked;
     if (v < 0) return '';
-    const visible = this.shown.filter(({panel}) => !panel.hidden).map(({mesh}) => mesh);
-    const parts = visible.filter((m) => v < m.vertices).map((mesh) => {
+    const parts = this.visible().filter((m) => v < m.vertices).map((mesh) => {
       const positions = this.positions(mesh);
       const at = [0, 1, 2].map((k) => readable(positions[3 * v + k], 4)).join(', ');
-      const values = mesh.fields.map((f) => {
-        const x = f.stops[this.stopOf(f.stops)][v];
-        return `${f.name} ${Number.isFinite(x) ? readable(x) : 'undefined'}${f.unit ? ` ${f.unit}` : ''}`;
+      const values = this.fields.flatMap((field) => {
+        const x = this.valuesBy(field, mesh)?.[v];
+        if (x === undefined || field.name.startsWith('error of ')) return [];
+        const unit = field.unit === '°' || !field.unit ? field.unit : ` ${field.unit}`;
+        const exact = mesh.fields.find((f) => f.name === field.name)?.exact?.[v];
+        if (exact !== undefined) {
+          return [`${field.name}: exact ${readable(exact)}, estimate ${readable(x)}, error ${readable(x - exact)}${unit}`];
+        }
+        return [`${field.name} ${Number.isFinite(x) ? readable(x) + unit : 'undefined'}`];
       });
       return `${mesh.title}: (${at})${values.length ? '; ' : ''}${values.join('; ')}`;
     });
@@ -568,12 +545,12 @@ class View {
     const {state} = this;
     const switches = ['wire', 'lines', 'even', 'flat'].filter((key) => state[key]).join('~');
     const range = state.range ? state.range.join('~') : '';
-    return [this.camera.toText(), state.stops.join('~'), state.field, state.map ?? '', range, switches, state.picked, this.live?.toText() ?? ''].join('!');
+    return [this.camera.toText(), state.stops.join('~'), state.field, state.map ?? '', range, switches, state.picked, this.live?.toText() ?? '', ...(this.sum ? [this.sum.toText()] : [])].join('!');
   }
 
   fromText(text) {
-    const [camera, stops, field, map, range, switches, picked, live] = text.split('!');
-    const {sliders, fields, panels} = this.description;
+    const [camera, stops, field, map, range, switches, picked, live, sum] = text.split('!');
+    const {sliders, panels} = this.description;
     this.camera.fromText(camera ?? '');
     const whole = (value, low, high, otherwise) => {
       const x = Number(value);
@@ -582,7 +559,11 @@ class View {
     const {state} = this;
     const chosen = (stops ?? '').split('~');
     state.stops = sliders.map((s, i) => whole(chosen[i] ?? '', 0, s.stops.length - 1, state.stops[i]));
-    state.field = whole(field, -1, fields.length - 1, state.field);
+    // How many fields there are is known once the view is open.
+    const named = field && !Number.isInteger(Number(field));
+    if (!named) state.field = whole(field, -1, this.shown ? this.fields.length - 1 : 99, state.field);
+    else if (!this.shown) state.field = field;
+    else if (this.fields.some((f) => f.name === field)) state.field = this.fields.findIndex((f) => f.name === field);
     state.map = Object.hasOwn(this.maps, map) ? map : null;
     const ends = (range ?? '').split('~').map(Number);
     state.range = ends.length === 2 && ends[0] < ends[1] ? ends : null;
@@ -590,6 +571,8 @@ class View {
     for (const key of ['wire', 'lines', 'even', 'flat']) state[key] = on.includes(key);
     state.picked = whole(picked, -1, Math.max(...panels.map((p) => p.vertices)) - 1, -1);
     this.wantedLive = live ?? '';
+    this.wantedSum = sum ?? '';
+    if (this.shown && this.sum && sum) this.sum.recall(sum);
     if (this.shown) this.live?.recall(this.wantedLive);
   }
 }

@@ -10,9 +10,12 @@ pub mod mathml;
 
 mod markdown;
 mod page;
+mod play;
 mod publish;
 mod render;
+mod snippets;
 mod story;
+mod thumbnail;
 mod views;
 
 pub use markdown::claim_table;

@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
-use crate::story;
+use crate::{play, snippets, story, thumbnail};
 
-use fairing_results::results::{Form, Record, Results};
+use fairing_results::results::{Form, MeshCard, Record, Results};
 use fairing_results::table::{Column, Table, Unit};
 use fairing_results::verdict::{Judgement, Verdict};
 
@@ -14,6 +14,7 @@ pub(crate) fn report(results: &Results) -> String {
     text += &provenance(results);
     text += &found(results);
     text += &claims(results);
+    text += &meshes(results);
     text += "\n## Contents\n\n";
     for record in story::in_order(results) {
         let _ = writeln!(text, "- [{}](#{})", heading(record), anchor(&heading(record)));
@@ -53,6 +54,9 @@ fn section(record: &Record, bridge: &str, form: Form) -> String {
     let _ = write!(text, "\n{}\n", record.method);
     for formula in &record.formulas {
         let _ = write!(text, "\n$${formula}$$\n");
+    }
+    if let Some(lines) = snippets::of(&record.id) {
+        let _ = write!(text, "\n```rust\n{lines}\n```\n");
     }
     text + &body(record, form)
 }
@@ -144,6 +148,26 @@ fn claims(results: &Results) -> String {
     text
 }
 
+/// The meshes by name.
+fn meshes(results: &Results) -> String {
+    let all = thumbnail::all(results);
+    if all.is_empty() {
+        return String::new();
+    }
+    let mut text = String::from(
+        "\n## The meshes\n\n| | Mesh | Vertices | Faces | Sections |\n|---|---|--:|--:|---|\n",
+    );
+    for (card, sections) in all {
+        let MeshCard { name, vertices, faces, picture } = card;
+        let sections = sections.join(", ");
+        let _ = writeln!(
+            text,
+            "| <img src=\"{picture}\" alt=\"The {name}.\" width=\"120\"> | {name} | {vertices} | {faces} | {sections} |"
+        );
+    }
+    text
+}
+
 /// A table of claims, those of the source report or our own, with links into the report at `place`: for each its
 /// verdict, what is true in one sentence, and the number that decided; nothing if there is no claim.
 pub fn claim_table(results: &Results, ours: bool, place: &str) -> String {
@@ -197,6 +221,9 @@ fn body(record: &Record, form: Form) -> String {
             "\n> **Claim {}:** {}\n>\n> **{}**: {}\n",
             claim.id, claim.claim, claim.verdict, claim.reason
         );
+    }
+    for play in play::of(&record.id) {
+        let _ = write!(text, "\n*In the page, to play with.* {}\n", play.caption);
     }
     for figure in &record.figures {
         let _ = write!(text, "\n![{}]({})\n\n*{}*", figure.alt, figure.png, figure.caption);
@@ -256,6 +283,11 @@ fn cell(text: &str) -> String {
 /// Tables show at most so many columns.
 const WIDE: usize = 7;
 
+/// The name of a column as readers know it.
+pub(crate) fn named(column: &Column) -> String {
+    column.name.replace("lambda", "λ")
+}
+
 /// The columns that are shown: those that are not meant for the CSV alone, the first [`WIDE`] of them.
 pub(crate) fn columns(table: &Table) -> Vec<usize> {
     let shown = (0..table.columns.len()).filter(|&c| !table.columns[c].aside);
@@ -274,8 +306,8 @@ pub(crate) fn left_out(table: &Table) -> String {
 /// A table; numbers are set flush right.
 fn rows(table: &Table) -> String {
     let heading = |c: &Column| match c.unit {
-        Unit::Label | Unit::One | Unit::Count => c.name.clone(),
-        unit => format!("{} ({unit})", c.name),
+        Unit::Label | Unit::One | Unit::Count => named(c),
+        unit => format!("{} ({unit})", named(c)),
     };
     let mut text = String::from("\n|");
     let columns = columns(table);

@@ -10,7 +10,7 @@ use fairing_results::view::View;
 use rayon::prelude::*;
 
 use crate::render::{render, write};
-use crate::views;
+use crate::{thumbnail, views};
 
 /// Makes a report of `folder`, which holds the files of experiments that have
 /// just run: packs the data of views, keeps what belongs into this form of the
@@ -44,13 +44,21 @@ fn pack(record: &mut Record, folder: &Path, form: Form) -> Result<()> {
         let packed = views::pack(&view, &format!("{id}-{}", entry.id), form)?;
         remove(folder, &entry.data)?;
         entry.data = format!("{id}/{}.view.js", entry.id);
-        write(&folder.join(&entry.data), &packed.to_script()?)
+        write(&folder.join(&entry.data), &packed.to_script()?)?;
+        entry.mesh = thumbnail::of(&view, &format!("{id}/{}-mesh.png", entry.id), folder)?;
+        Ok(())
     })
 }
 
-/// Keeps the pictures in one of their two sizes.
+/// Keeps the pictures in one of their two sizes; a whole report has both of those that are printed in the place of
+/// views, of which the page holds the small one.
 fn choose_pictures(record: &mut Record, folder: &Path, form: Form) -> Result<()> {
+    let stills: Vec<String> = record.views.iter().map(|view| view.fallback.clone()).collect();
     for figure in &mut record.figures {
+        let is_still = stills.contains(&figure.id) && figure.svg.is_none();
+        if is_still && form == Form::Whole {
+            continue;
+        }
         let Some(small) = figure.small.take() else { continue };
         match form {
             Form::Whole => remove(folder, &small)?,

@@ -111,10 +111,28 @@ pub struct FigureFile {
     /// The SVG file, if there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub svg: Option<String>,
-    /// The same picture in the size for a small report, until the form of the
-    /// report is chosen.
+    /// The same picture in the size for a small report: until the form of the
+    /// report is chosen, and for what a whole page prints in the place of a view.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub small: Option<String>,
+    /// Which views show what the points of a plot stand for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub links: Vec<PlotLink>,
+}
+
+/// A view that shows what the points of a plot stand for: the page moves its
+/// sliders to a point that the reader points at.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PlotLink {
+    /// The title of the plot, or empty for any.
+    pub plot: String,
+    /// The name of the series, or empty for any; a slider that has this name
+    /// as a stop goes there.
+    pub series: String,
+    /// The view (by id, within the experiment).
+    pub view: String,
+    /// The slider over the horizontal axis.
+    pub slider: String,
 }
 
 /// An interactive view and the file with its data, relative to the folder of
@@ -131,6 +149,23 @@ pub struct ViewFile {
     pub fallback: String,
     /// The file.
     pub data: String,
+    /// The mesh, if it has a name.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mesh: Option<MeshCard>,
+}
+
+/// A mesh in the list of meshes.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MeshCard {
+    /// Its name in all sections.
+    pub name: String,
+    /// Its vertices.
+    pub vertices: usize,
+    /// Its faces.
+    pub faces: usize,
+    /// A small picture: the path of a PNG file, relative to the folder of the
+    /// report.
+    pub picture: String,
 }
 
 /// Another file of the report.

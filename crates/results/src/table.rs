@@ -345,6 +345,16 @@ impl Table {
         self.rows.iter().enumerate().map(number).collect()
     }
 
+    /// The numbers of a column, where there are some.
+    ///
+    /// # Errors
+    ///
+    /// If there is no such column.
+    pub fn numbers(&self, column: &str) -> Result<Vec<f64>> {
+        let c = self.index(column)?;
+        Ok(self.rows.iter().filter_map(|row| row[c].number()).collect())
+    }
+
     /// The different cells of a column, as text, in the order in which they first occur.
     ///
     /// # Errors

@@ -54,6 +54,15 @@ impl fmt::Display for Deciding {
     }
 }
 
+/// A view or a playground of the page in one of its states.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Shown {
+    /// Its id on the page.
+    pub id: String,
+    /// The state, as the page has it in its address.
+    pub state: String,
+}
+
 /// A verdict on one claim, with what decided it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Judgement {
@@ -70,6 +79,9 @@ pub struct Judgement {
     pub finding: String,
     /// The numbers that decided; tables of claims show the first.
     pub numbers: Vec<Deciding>,
+    /// Where the page shows what decided: the id of a view or a playground and its state, as in an address.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shown: Option<Shown>,
     /// Whether the claim is ours, rather than one of the source report.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub ours: bool,
@@ -79,7 +91,8 @@ impl Judgement {
     /// A judgement without numbers yet; add them with [`Self::number`].
     pub fn new(id: &str, claim: &str, verdict: Verdict, reason: impl Into<String>) -> Self {
         let (id, claim, reason) = (id.into(), claim.into(), reason.into());
-        Self { id, claim, verdict, reason, finding: String::new(), numbers: vec![], ours: false }
+        let finding = String::new();
+        Self { id, claim, verdict, reason, finding, numbers: vec![], shown: None, ours: false }
     }
 
     /// The same, of a claim that is ours.
@@ -92,6 +105,12 @@ impl Judgement {
     #[must_use]
     pub fn finding(self, finding: impl Into<String>) -> Self {
         Self { finding: finding.into(), ..self }
+    }
+
+    /// Says where the page shows what decided.
+    #[must_use]
+    pub fn shown(self, id: &str, state: &str) -> Self {
+        Self { shown: Some(Shown { id: id.into(), state: state.into() }), ..self }
     }
 
     /// Adds a deciding number.

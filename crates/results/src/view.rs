@@ -7,12 +7,15 @@ use serde::{Deserialize, Serialize};
 
 /// Panels shown side by side, with one camera, and perhaps sliders that move
 /// the vertices of all of them.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct View {
     /// Unique within the experiment.
     pub id: String,
     /// The caption.
     pub caption: String,
+    /// The name of its mesh, for the list of meshes; none if empty.
+    #[serde(default)]
+    pub mesh: String,
     /// What a person who cannot see it should be told.
     pub alt: String,
     /// The figure (by id) that stands in where there is no WebGL.
@@ -23,8 +26,18 @@ pub struct View {
     /// The sliders, top to bottom. What a panel shows is given for each
     /// combination of their stops, those of the last slider running fastest.
     pub sliders: Vec<Slider>,
+    /// The stop at which each slider begins; the first if empty.
+    #[serde(default)]
+    pub start: Vec<usize>,
     /// The panels, left to right.
     pub panels: Vec<Panel>,
+    /// The panel from which displacement counts, if the page is to offer it.
+    #[serde(default)]
+    pub from: Option<usize>,
+    /// True positions of the vertices of all panels: the page computes how far
+    /// a panel is off them.
+    #[serde(skip)]
+    pub truth: Option<Vec<[f64; 3]>>,
 }
 
 /// A slider with fixed stops.
@@ -53,6 +66,36 @@ pub struct Panel {
     /// input in double precision. One panel of a view can have it.
     #[serde(skip)]
     pub live: Option<Vec<[f64; 3]>>,
+    /// Modes of which the page sums as many as the reader likes; what it shows
+    /// are their sums, then, and not the positions.
+    #[serde(default)]
+    pub modes: Option<Modes>,
+    /// What was measured of this panel.
+    #[serde(default)]
+    pub facts: Vec<Fact>,
+}
+
+/// Modes, ascending in their eigenvalues.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Modes {
+    /// The eigenvalues.
+    pub values: Vec<f64>,
+    /// What the positions have of each mode, by coordinate.
+    pub coefficients: Vec<[f64; 3]>,
+    /// The modes at the vertices.
+    #[serde(skip)]
+    pub vectors: Vec<Vec<f64>>,
+}
+
+/// Something that was measured of a panel.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Fact {
+    /// What it is.
+    pub name: String,
+    /// The unit; may be empty.
+    pub unit: String,
+    /// The value at each combination of stops; one entry if it does not change.
+    pub values: Vec<Option<f64>>,
 }
 
 /// Values to colour vertices by.
@@ -70,6 +113,9 @@ pub struct Field {
     /// The vertices without a value, ascending; theirs above is ignored.
     #[serde(default)]
     pub undefined: Vec<u32>,
+    /// The exact values, where the surface has some: the page shows errors, too.
+    #[serde(skip)]
+    pub exact: Option<Vec<f64>>,
 }
 
 impl View {
@@ -95,6 +141,8 @@ impl Panel {
             faces: mesh.faces().to_vec(),
             fields: vec![],
             live: None,
+            modes: None,
+            facts: vec![],
         }
     }
 
@@ -127,7 +175,23 @@ impl Panel {
     ) -> Self {
         let values = stops.into_iter().map(<[_]>::to_vec).collect();
         let (name, unit) = (name.into(), unit.into());
-        self.fields.push(Field { name, unit, signed, values, undefined: vec![] });
+        self.fields.push(Field { name, unit, signed, values, undefined: vec![], exact: None });
+        self
+    }
+
+    /// The same panel with exact values for the last field.
+    #[must_use]
+    pub fn exactly(mut self, values: Vec<f64>) -> Self {
+        if let Some(field) = self.fields.last_mut() {
+            field.exact = Some(values);
+        }
+        self
+    }
+
+    /// The same panel with something that was measured at each combination of stops.
+    #[must_use]
+    pub fn with_fact(mut self, name: &str, unit: &str, values: Vec<Option<f64>>) -> Self {
+        self.facts.push(Fact { name: name.into(), unit: unit.into(), values });
         self
     }
 
@@ -146,5 +210,11 @@ impl Panel {
     #[must_use]
     pub fn with_live_smoothing(self, mesh: &TriMesh) -> Self {
         Self { live: Some(mesh.positions().to_vec()), ..self }
+    }
+
+    /// The same panel, which shows as many of these modes as the reader likes.
+    #[must_use]
+    pub fn with_modes(self, modes: Modes) -> Self {
+        Self { modes: Some(modes), ..self }
     }
 }

@@ -36,7 +36,9 @@ const LIMBS: [Limb; 12] = [
 /// An upright animal about 1.8 high with head, ears, limbs, fingers, a tail,
 /// a grooved back and wrinkled skin: smooth, closed, genus 0, in nearly equal
 /// triangles of about `2 / resolution`, vertices on the analytic surface. It
-/// stands along y and looks along +z, as scanned figures do.
+/// stands along y and looks along +z, as scanned figures do. Below a
+/// resolution of 48, limbs are as thick as the triangles ask for: the animal
+/// has paws instead of fingers.
 ///
 /// The field is a smooth union of tapered limbs with waves of small amplitude
 /// added; the surface is its zero set. Numbering follows the grid that found
@@ -45,16 +47,18 @@ const LIMBS: [Limb; 12] = [
 ///
 /// # Panics
 ///
-/// Unless 48 ≤ `resolution` ≤ 320: a coarser grid tears the thin parts.
+/// Unless 24 ≤ `resolution` ≤ 320: a coarser grid tears the thin parts.
 pub fn creature(resolution: u32) -> TriMesh {
-    assert!((48..=320).contains(&resolution), "resolution {resolution} is not in [48, 320]");
-    let mesh = implicit(field, 1.0, resolution as usize);
+    assert!((24..=320).contains(&resolution), "resolution {resolution} is not in [24, 320]");
+    // The thinnest limb has a radius of 0.03, which is enough for 48.
+    let least = if resolution < 48 { 1.44 / f64::from(resolution) } else { 0.0 };
+    let mesh = implicit(|p| field(p, least), 1.0, resolution as usize);
     let standing_on_y = mesh.positions().iter().map(|&[x, y, z]| [x, z, -y]).collect();
     made(standing_on_y, mesh.faces().to_vec())
 }
 
-/// Negative inside.
-fn field([x, y, z]: [f64; 3]) -> f64 {
+/// Negative inside; limbs have radii of at least `least`.
+fn field([x, y, z]: [f64; 3], least: f64) -> f64 {
     let p = [x, y, z];
     // −log Σ exp(−k dᵢ) / k: a union that rounds its inner corners.
     const SHARPNESS: f64 = 32.0;
@@ -62,8 +66,8 @@ fn field([x, y, z]: [f64; 3]) -> f64 {
         .iter()
         .flat_map(|limb| {
             let middle = limb.ends.iter().all(|e| e[0] == 0.0);
-            let left = limb.distance(p);
-            let right = (!middle).then(|| limb.distance([-x, y, z]));
+            let left = limb.distance(p, least);
+            let right = (!middle).then(|| limb.distance([-x, y, z], least));
             [Some(left), right]
         })
         .flatten()
@@ -79,11 +83,12 @@ impl Limb {
     /// About the signed distance: exact where the radius is constant. The
     /// radius levels off at both ends, which keeps the gradient continuous
     /// there; second derivatives jump, as at the ends of a capsule.
-    fn distance(&self, p: [f64; 3]) -> f64 {
+    fn distance(&self, p: [f64; 3], least: f64) -> f64 {
         let [a, b] = self.ends;
         let d = sub(b, a);
         let t = (dot(sub(p, a), d) / dot(d, d)).clamp(0.0, 1.0);
         let level = t * t * (3.0 - 2.0 * t);
-        distance(p, add(a, scale(d, t))) - (self.radii[0] + level * (self.radii[1] - self.radii[0]))
+        let radius = self.radii[0] + level * (self.radii[1] - self.radii[0]);
+        distance(p, add(a, scale(d, t))) - radius.max(least)
     }
 }

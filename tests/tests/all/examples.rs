@@ -34,6 +34,9 @@ mod poisson;
 #[expect(dead_code, reason = "main reads arguments")]
 #[path = "../../../crates/fairing/examples/principal_directions.rs"]
 mod principal_directions;
+#[expect(dead_code, reason = "main prints")]
+#[path = "../../../crates/fairing/examples/report.rs"]
+mod report;
 #[expect(dead_code, reason = "main reads arguments")]
 #[path = "../../../crates/fairing/examples/signature.rs"]
 mod signature;
@@ -102,4 +105,16 @@ fn examples_do_what_they_say() {
     assert_eq!(stl.len(), 84 + 50 * ball.face_count());
 
     assert!(picture::run(&sphere, 80, 60).unwrap().starts_with(b"\x89PNG"));
+}
+
+/// What the report shows of each section runs, and returns numbers.
+#[test]
+fn the_lines_of_the_report_run() {
+    let numbers = report::run(&shapes::bumpy_sphere(2, 0.1, 3.0)).unwrap();
+    assert_eq!(numbers.len(), 11);
+    for (section, number) in numbers {
+        assert!(number.is_finite() && number != 0.0, "{section}: {number}");
+        // κₙ along y is a/b².
+        assert!(section != "q2" || (number - 2.0).abs() < 1e-12, "{number}");
+    }
 }

@@ -50,6 +50,7 @@ impl Experiment for Shown {
                 alt: "A ball.".into(),
                 image: render(&mesh, Colors::CLAY, None, &camera, &options)?,
                 svg: None,
+                links: vec![],
             }],
             views: vec![View {
                 id: "turning".into(),
@@ -59,6 +60,7 @@ impl Experiment for Shown {
                 z_up: false,
                 sliders: vec![Slider::new("size", [1.0, 0.5])],
                 panels: vec![panel],
+                ..View::default()
             }],
             notes: vec!["A note.".into()],
             ..Outcome::default()
@@ -129,7 +131,10 @@ fn a_report_holds_what_it_names() {
             .map(|entry| entry.unwrap().file_name().into_string().unwrap())
             .collect();
         names.sort();
-        assert_eq!(names, ["radii.csv", "sphere.png", "turning.view.js"], "{form:?}");
+        // The page of a whole report has the small form of what is printed in the place of a view.
+        let small: &[&str] = if form == Form::Whole { &["sphere-small.png"] } else { &[] };
+        let expected = [&["radii.csv"], small, &["sphere.png", "turning.view.js"]].concat();
+        assert_eq!(names, expected, "{form:?}");
     }
 }
 
@@ -185,12 +190,14 @@ fn written(tex: &str) -> String {
             "kappa" => "κ",
             "lambda" => "λ",
             "mu" => "μ",
+            "omega" => "ω",
             "partial" => "∂",
             "pi" => "π",
             "theta" => "θ",
             "varphi" => "φ",
             "sum" => "∑",
             "in" => "∈",
+            "sim" => "∼",
             "ge" => "≥",
             "arccos" | "cos" | "cot" | "log" | "sin" => name,
             "frac" | "tfrac" | "sqrt" | "hat" | "text" | "cdot" => "",

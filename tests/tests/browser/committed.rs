@@ -91,11 +91,14 @@ const LOOK: &str = "async (id) => {
   }
   for (const {name, stops, input} of view.sliders) {
     const before = seen();
-    input.value = stops.length - 1;
-    input.dispatchEvent(new Event('input'));
+    const start = Number(input.value);
+    const move = (value) => {
+      input.value = value;
+      input.dispatchEvent(new Event('input'));
+    };
+    move(start === stops.length - 1 ? 0 : stops.length - 1);
     if (seen() === before) return `${id}: the slider over ${name} changes nothing`;
-    input.value = 0;
-    input.dispatchEvent(new Event('input'));
+    move(start);
     if (seen() !== before) return `${id}: the slider over ${name} does not come back`;
   }
   return '';

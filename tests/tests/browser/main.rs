@@ -7,6 +7,7 @@ mod chrome;
 mod committed;
 mod live;
 mod page;
+mod play;
 mod report;
 mod scene;
 
@@ -40,7 +41,8 @@ fn main() {
         .with_kind("chromium")
         .with_ignored_flag(absent)
     };
-    let made = [report::trials(), live::trials(), page::trials()].concat().into_iter();
+    let made =
+        [report::trials(), live::trials(), page::trials(), play::trials()].concat().into_iter();
     let made =
         made.map(|(name, test)| trial(format!("page::{name}"), Page::Made(Form::Whole), test));
     let small = report::small_trials().into_iter();

@@ -40,7 +40,7 @@ fn prints(chrome: &mut Chrome, page: &Path) -> Result<()> {
            return [stages, pictures, cut];
          })()",
     )?;
-    // One picture stands for all three views of the scene.
+    // One picture stands for all four views of the scene.
     ensure!(found == json!([0, 1, 0]), "stages, pictures, cut tables: {found}");
     chrome.picture("paper")
 }
@@ -166,10 +166,9 @@ const FRAMES: &str = "() => {
     for (let k = 0; k < 12; k++) {
       camera.turn(3, 1);
       const start = performance.now();
-      for (const [target, scene] of panels) {
-        Renderer.draw(target, scene, part);
-        target.getImageData(0, 0, 1, 1);
-      }
+      if (part < 1) Renderer.drawMoving(panels.map(([target, scene]) => ({target, scene})), part);
+      else for (const [target, scene] of panels) Renderer.draw(target, scene);
+      for (const [target] of panels) target.getImageData(0, 0, 1, 1);
       best = Math.min(best, performance.now() - start);
     }
     return best;
@@ -184,6 +183,8 @@ fn fast(chrome: &mut Chrome, page: &Path) -> Result<()> {
     let found = chrome.run(&format!("({FRAMES})()"))?;
     let [rest, moving] = [0, 1].map(|k| found[k].as_f64().unwrap_or(f64::INFINITY));
     eprintln!("a frame takes {moving:.1} ms while it moves, {rest:.1} ms at rest");
+    // 33 ms is what we want; a machine that builds beside it can take ten times as long.
+    ensure!(moving < 330.0, "a moving frame takes {moving} ms");
     ensure!(moving < 0.5 * rest, "a moving frame takes {moving} ms, one at rest {rest} ms");
     Ok(())
 }

@@ -44,7 +44,7 @@ fn reads(chrome: &mut Chrome, page: &Path) -> Result<()> {
         .filter_map(|url| url.strip_suffix(".view.js")?.rsplit('/').next())
         .collect();
     data.sort_unstable();
-    ensure!(data == ["flow", "grid", "open"], "{:?}", chrome.requests);
+    ensure!(data == ["flow", "grid", "open", "sum"], "{:?}", chrome.requests);
     Ok(())
 }
 
@@ -78,12 +78,15 @@ fn settle(chrome: &mut Chrome) -> Result<()> {
     Ok(())
 }
 
-/// The middle of a canvas, in pixels of the window.
+/// The middle of a canvas, in pixels of the window, once what is near has been opened.
 fn middle(chrome: &mut Chrome, canvas: usize) -> Result<[f64; 2]> {
     let place = chrome.run(&format!(
-        "(() => {{
+        "(async () => {{
            const c = document.querySelectorAll('figure.view .panel:not([hidden]) canvas')[{canvas}];
-           c.scrollIntoView({{block: 'center'}});
+           for (let k = 0; k < 3; k++) {{
+             c.scrollIntoView({{block: 'center'}});
+             await new Promise((go) => requestAnimationFrame(() => setTimeout(go, 0)));
+           }}
            const r = c.getBoundingClientRect();
            return [r.x + r.width / 2, r.y + r.height / 2];
          }})()"
@@ -114,7 +117,7 @@ fn draws(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page)?;
     let count = chrome
         .number("document.querySelectorAll('figure.view .panel:not([hidden]) canvas').length")?;
-    ensure!(count == 4.0, "{count} canvases");
+    ensure!(count == 6.0, "{count} canvases");
     for canvas in 0..4 {
         let (drawn, _) = picture(chrome, canvas)?;
         ensure!((0.15..0.75).contains(&drawn), "canvas {canvas}: {drawn} of it is drawn");
@@ -295,7 +298,7 @@ fn stands_in(chrome: &mut Chrome, page: &Path) -> Result<()> {
     let pictures = chrome.number(
         "[...document.querySelectorAll('figure.view img')].filter((p) => p.offsetWidth > 0).length",
     )?;
-    ensure!(pictures == 3.0, "{pictures} of 3 views show their figure");
+    ensure!(pictures == 4.0, "{pictures} of 4 views show their figure");
     ensure!(chrome.complaints.is_empty(), "{:?}", chrome.complaints);
     Ok(())
 }

@@ -3,13 +3,15 @@
 use std::path::Path;
 
 use anyhow::Result;
+use fairing_figure::{Axis, Figure, Plot, Series};
 use fairing_mesh::TriMesh;
 use fairing_results::provenance::Provenance;
-use fairing_results::results::{FigureFile, Form, Record, Results, ViewFile};
+use fairing_results::results::{FigureFile, Form, PlotLink, Record, Results, ViewFile};
 use fairing_results::table::Unit;
 use fairing_results::verdict::{Judgement, Verdict};
-use fairing_results::view::{Panel, Slider, View};
+use fairing_results::view::{Modes, Panel, Slider, View};
 use fairing_shapes as shapes;
+use fairing_spectral::SpectrumOptions;
 
 /// The noisy mesh that the page smooths.
 pub(crate) fn noisy() -> TriMesh {
@@ -20,6 +22,11 @@ pub(crate) fn noisy() -> TriMesh {
     let positions =
         mesh.positions().iter().map(|p| p.map(|x| x + step * random.random_range(-1.0..1.0)));
     mesh.with_positions(positions.collect()).expect("finite positions")
+}
+
+/// The same without noise.
+pub(crate) fn truth() -> TriMesh {
+    shapes::bumpy_sphere(4, 0.15, 3.0)
 }
 
 /// A formula that is wider than a telephone.
@@ -41,6 +48,7 @@ fn smoothed(mesh: &TriMesh) -> TriMesh {
 
 fn flow() -> View {
     let input = noisy();
+    let truth = truth();
     let mut stops = vec![input.clone()];
     for _ in 1..6 {
         stops.push(smoothed(&stops[stops.len() - 1]));
@@ -60,12 +68,16 @@ fn flow() -> View {
         .with_live_smoothing(&input);
     View {
         id: "flow".into(),
+        mesh: "noisy ball".into(),
         caption: "Explicit smoothing of a noisy sphere.".into(),
         alt: "Two bumpy spheres, one noisy, one smooth.".into(),
         fallback: "picture".into(),
         z_up: false,
         sliders: vec![Slider::new("iterations", 0..stops.len())],
+        start: vec![],
         panels: vec![still, moving],
+        from: Some(0),
+        truth: Some(truth.positions().to_vec()),
     }
 }
 
@@ -93,12 +105,17 @@ fn open() -> View {
         z_up: false,
         sliders: vec![],
         panels: vec![panel],
+        ..View::default()
     }
 }
 
 /// Widths and heights of the ellipsoids of the view with two sliders.
 pub(crate) const WIDTHS: [f64; 2] = [1.0, 1.5];
 pub(crate) const HEIGHTS: [f64; 3] = [0.5, 1.0, 2.0];
+
+/// What is said of each of them.
+pub(crate) const FACTS: [Option<f64>; 6] =
+    [Some(1.5), Some(2.0), None, Some(0.25), Some(12.0), Some(3.0)];
 
 fn grid() -> View {
     let sphere = shapes::icosphere(2);
@@ -113,8 +130,122 @@ fn grid() -> View {
         fallback: "picture".into(),
         z_up: false,
         sliders: vec![Slider::new("width", WIDTHS), Slider::new("height", HEIGHTS)],
-        panels: vec![Panel::moving("ellipsoid", &sphere, all.iter().map(|p| &p[..]))],
+        panels: vec![Panel::moving("ellipsoid", &sphere, all.iter().map(|p| &p[..])).with_fact(
+            "E_a",
+            "°",
+            FACTS.to_vec(),
+        )],
+        ..View::default()
     }
+}
+
+/// By how much estimates are off in the view of modes.
+pub(crate) const SLOPE: f64 = 0.25;
+
+/// A ball and its smoothest modes.
+pub(crate) fn modes() -> Result<(TriMesh, Modes)> {
+    let ball = shapes::bumpy_sphere(2, 0.15, 3.0);
+    let laplacian = fairing_operators::Laplacian::cotangent(&ball)?;
+    let spectrum = fairing_spectral::spectrum(&laplacian, 16, &SpectrumOptions::default())?;
+    let c = spectrum.transform(ndarray::ArrayView2::from(ball.positions()))?;
+    let modes = Modes {
+        values: spectrum.values.clone(),
+        coefficients: (0..16).map(|i| [0, 1, 2].map(|d| c[[i, d]])).collect(),
+        vectors: (0..16).map(|i| spectrum.modes.column(i).to_vec()).collect(),
+    };
+    Ok((ball, modes))
+}
+
+/// A sum of modes, beside the mesh with a field whose exact values are known.
+fn sum() -> Result<View> {
+    let (ball, modes) = modes()?;
+    let heights: Vec<f64> = ball.positions().iter().map(|p| p[1]).collect();
+    let off: Vec<f64> = heights.iter().map(|y| y + SLOPE).collect();
+    Ok(View {
+        id: "sum".into(),
+        caption: "Modes.".into(),
+        alt: "A ball twice.".into(),
+        fallback: "picture".into(),
+        z_up: false,
+        sliders: vec![],
+        panels: vec![
+            Panel::still("k modes", &ball).with_modes(modes),
+            Panel::still("ball", &ball).with_field("height", "m", true, &off).exactly(heights),
+        ],
+        ..View::default()
+    })
+}
+
+/// A plot whose points stand for the stops of the view of flows.
+fn curve(folder: &Path) -> Result<FigureFile> {
+    let points = (1..6).map(|k| [f64::from(k), 1.0 / f64::from(k + 1)]).collect();
+    let plot = Plot {
+        x: Axis::linear("iterations"),
+        y: Axis::linear("error"),
+        series: vec![Series::marked("sphere", points)],
+        ..Plot::default()
+    };
+    let mut figure = Figure::default();
+    figure.panels.push(fairing_figure::Panel::drawing(plot.draw(420.0, 300.0)?));
+    std::fs::write(folder.join("q5/curve.svg"), figure.to_svg()?)?;
+    std::fs::write(folder.join("q5/curve.png"), figure.draw().to_image(1.0)?.to_png()?)?;
+    let (series, slider) = ("sphere".into(), "iterations".into());
+    Ok(FigureFile {
+        id: "curve".into(),
+        caption: "Errors.".into(),
+        alt: "A falling line.".into(),
+        png: "q5/curve.png".into(),
+        svg: Some("q5/curve.svg".into()),
+        small: None,
+        links: vec![PlotLink { plot: String::new(), series, view: "flow".into(), slider }],
+    })
+}
+
+/// A record of playgrounds alone.
+fn playful(id: &str) -> Record {
+    Record {
+        id: id.into(),
+        title: "To play with".into(),
+        question: "What happens?".into(),
+        method: "By hand.".into(),
+        seconds: 1.0,
+        ..Record::default()
+    }
+}
+
+/// The record with views of every kind.
+fn flows(folder: &Path) -> Result<Record> {
+    Ok(Record {
+        id: "q5".into(),
+        title: "Explicit smoothing".into(),
+        question: "What does λ do?".into(),
+        method: "By steps.".into(),
+        formulas: vec![FORMULA.into()],
+        claims: vec![
+            Judgement::new("5a", "λ = 0.05 is best.", Verdict::Qualified, "It depends.")
+                .shown("q5-flow", "!4!displacement")
+                .number("normal error", 3.25, Unit::Degrees),
+        ],
+        figures: vec![
+            FigureFile {
+                id: "picture".into(),
+                caption: "The input.".into(),
+                alt: "A noisy sphere.".into(),
+                png: "picture.png".into(),
+                svg: None,
+                links: vec![],
+                small: None,
+            },
+            curve(folder)?,
+        ],
+        notes: vec!["A note with <angle> brackets & signs.".into()],
+        views: [flow(), open(), grid(), sum()?]
+            .iter()
+            .map(|view| keep(view, folder))
+            .collect::<Result<_>>()?,
+        seconds: 1.0,
+        ..Record::default()
+    })
 }
 
 /// Makes the report in this folder.
@@ -131,33 +262,6 @@ pub(crate) fn publish(folder: &Path, form: Form) -> Result<()> {
     let image = fairing_figure::render(&mesh, clay, None, &camera, &options)?;
     std::fs::create_dir_all(folder.join("q5"))?;
     std::fs::write(folder.join("picture.png"), image.to_png()?)?;
-    let record =
-        Record {
-            id: "q5".into(),
-            title: "Explicit smoothing".into(),
-            question: "What does λ do?".into(),
-            method: "By steps.".into(),
-            formulas: vec![FORMULA.into()],
-            claims: vec![
-                Judgement::new("5a", "λ = 0.05 is best.", Verdict::Qualified, "It depends.")
-                    .number("normal error", 3.25, Unit::Degrees),
-            ],
-            figures: vec![FigureFile {
-                id: "picture".into(),
-                caption: "The input.".into(),
-                alt: "A noisy sphere.".into(),
-                png: "picture.png".into(),
-                svg: None,
-                small: None,
-            }],
-            notes: vec!["A note with <angle> brackets & signs.".into()],
-            views: [flow(), open(), grid()]
-                .iter()
-                .map(|view| keep(view, folder))
-                .collect::<Result<_>>()?,
-            seconds: 1.0,
-            ..Record::default()
-        };
     let provenance = Provenance {
         program: "fairing".into(),
         commit: "0123456789abcdef".into(),
@@ -171,7 +275,11 @@ pub(crate) fn publish(folder: &Path, form: Form) -> Result<()> {
         quick: true,
         date: "2000-01-01".into(),
     };
-    let results = Results { provenance, form: Form::Whole, experiments: vec![record] };
+    let results = Results {
+        provenance,
+        form: Form::Whole,
+        experiments: vec![flows(folder)?, playful("q2"), playful("noise")],
+    };
     fairing_report::publish(results, folder, form)?;
     Ok(())
 }
@@ -186,5 +294,6 @@ fn keep(view: &View, folder: &Path) -> Result<ViewFile> {
         alt: view.alt.clone(),
         fallback: view.fallback.clone(),
         data,
+        mesh: None,
     })
 }

@@ -42,9 +42,9 @@ pub(super) fn of(input: Input) -> Option<StandIn> {
             "shapes::plane(9, 9, Diagonals::Regular)".into(),
         ),
         Input::Armadillo => (
-            shapes::bumpy_sphere(3, 0.12, 4.0),
-            "a closed shape with bumps, small enough for a full spectrum",
-            "shapes::bumpy_sphere(3, 0.12, 4.0)".into(),
+            shapes::creature(24),
+            "the animal of creature_25k.ply, coarse enough for a full spectrum",
+            "shapes::creature(24)".into(),
         ),
         Input::ArmadilloLarge => (
             shapes::creature(138),

@@ -7,7 +7,7 @@ use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
 use rayon::prelude::*;
 
 use crate::DenoiseError;
-use crate::conjugate_gradients::conjugate_gradients;
+use crate::conjugate_gradients::inner;
 use crate::denoiser::Method;
 use crate::error::positive;
 use crate::faces::{FaceShapes, Hinge, Hinges};
@@ -154,7 +154,7 @@ fn filter(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> 
         system.fill(&weights, beta, alpha);
         let apply = |x: &[[f64; 3]]| system.apply(x);
         let diagonal = system.diagonal();
-        positions = conjugate_gradients(apply, &diagonal, &b, positions, 1e-4, 200).0;
+        positions = inner(apply, &diagonal, &b, positions, 1e-4, 200).0;
         beta *= options.growth;
         alpha *= 0.5;
     }

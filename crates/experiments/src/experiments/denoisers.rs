@@ -325,7 +325,7 @@ fn averages(scores: &Table, levels: &[f64]) -> Result<Picture> {
     plotted(
         &figure,
         "averages",
-        "The mean normal error of each denoiser on the generated meshes, averaged over the levels of noise.",
+        "Shorter bars are better. The mean normal error of each denoiser on the generated meshes, averaged over the levels of noise.",
         "Groups of three bars for each denoiser, one for each kind of mesh.",
     )
 }
@@ -348,7 +348,7 @@ fn picture(body: &Body, restored: &[TriMesh]) -> Result<Picture> {
     }
     .draw(
         body.name,
-        &format!("The {} at the highest level of noise, and after every denoiser with its defaults; flat shaded.", body.name),
+        &format!("Look at creases and flat parts: a good denoiser keeps the ones sharp and the others smooth. The {} at the highest level of noise, and after every denoiser with its defaults; flat shaded.", body.name),
         &format!("Ten pictures of the {}, the noisy one and nine results.", body.name),
     )
 }

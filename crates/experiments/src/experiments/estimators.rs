@@ -25,7 +25,7 @@ pub(super) struct Estimators;
 /// The order in the largest error that counts as convergence.
 const BAR: f64 = 1.7;
 
-/// Errors below this are rounding, and drawn here.
+/// Errors below this are rounding, and not drawn.
 const ROUNDING: f64 = 1e-8;
 
 impl Experiment for Estimators {
@@ -109,7 +109,10 @@ impl Experiment for Estimators {
             (
                 Verdict::Confirmed,
                 format!(
-                    "On jittered sphere, torus and ellipsoid {} do, for both H and K. The least order of {best} is {}; that of the cotangent operator and the angle defect is {}.",
+                    "On jittered sphere, torus and ellipsoid {} of the {} estimators {}, for both H and K: {}. The least order of {best} is {}; that of the cotangent operator and the angle defect is {}.",
+                    reaching.len(),
+                    worst.len(),
+                    if reaching.len() == 1 { "does" } else { "do" },
                     reaching.join(", "),
                     brief(order),
                     brief(worst[0].1),
@@ -338,15 +341,15 @@ fn times(level: u32, context: &Context<'_>) -> Result<Table> {
 /// The largest error over h on jittered meshes, a panel for each surface.
 fn plot(errors: &Table, column: &str, what: &str) -> Result<Picture> {
     let mut figure = Figure { columns: 2, ..Figure::default() };
-    for (i, sample) in Sample::ALL.into_iter().enumerate() {
-        let right = i % 2 == 1;
+    for sample in Sample::ALL {
         let mut plot = Plot {
             title: sample.name().into(),
             x: Axis::log("mean edge length h"),
-            y: Axis::log(if right { "" } else { "largest relative error" }),
-            legend: if right { Legend::Right } else { Legend::None },
+            y: Axis::log("largest relative error"),
+            legend: Legend::Lines,
             ..Plot::default()
         };
+        let mut lines = vec![];
         for estimator in Estimator::ALL {
             let rows = errors.only(&[
                 ("surface", sample.name().into()),
@@ -354,20 +357,45 @@ fn plot(errors: &Table, column: &str, what: &str) -> Result<Picture> {
                 ("estimator", estimator.name().into()),
             ])?;
             let points = rows.column("h")?.into_iter().zip(rows.column(column)?);
-            let points = points.map(|(h, error)| [h, error.max(ROUNDING)]).collect();
-            plot.series.push(Series::marked(estimator.name(), points));
+            // What is below rounding is no error of the estimator.
+            let points: Vec<_> = points.map(<[f64; 2]>::from).filter(|p| p[1] > ROUNDING).collect();
+            lines.push((estimator, points));
+        }
+        lines.retain(|(_, points)| !points.is_empty());
+        let best = least_at_the_end(&lines);
+        for (estimator, points) in lines {
+            let line = Series::marked(estimator.name(), points);
+            let stands_out = best.contains(&estimator.name()) || estimator.name() == BASELINE;
+            plot.series.push(if stands_out { line } else { line.quiet() });
         }
         plot.series.extend(second_order(&plot.series));
-        figure.panels.push(Panel::drawing(plot.draw(if right { 500.0 } else { 340.0 }, 300.0)?));
+        figure.panels.push(Panel::drawing(plot.draw(450.0, 320.0)?));
     }
     plotted(
         &figure,
         if what == "H" { "largest-mean" } else { "largest-gaussian" },
         &format!(
-            "The largest error of {what} over inner vertices of jittered meshes. A line that falls to the left converges at every vertex, at second order if it falls like the grey one; a line that stays level does not."
+            "A line that stays level belongs to an estimator that does not converge at every vertex. In colour are the {WINNERS} with the least error of {what} on the finest meshes and, for comparison, {BASELINE}; a line that falls to the left converges, at second order if it falls like the dashed one. The largest error of {what} over inner vertices of jittered meshes; errors below {ROUNDING:e} are rounding and left out, and so are estimators that have nothing else."
         ),
         &format!(
             "Four plots of the largest relative error of {what} over mean edge length on logarithmic axes, for sphere, torus, ellipsoid and graph, a line for each estimator."
         ),
     )
+}
+
+/// How many estimators stand out in a plot for their small errors.
+const WINNERS: usize = 2;
+
+/// The estimator that the others are compared with.
+const BASELINE: &str = "cotangent";
+
+/// The names of those with the least errors on the finest mesh.
+fn least_at_the_end(lines: &[(Estimator, Vec<[f64; 2]>)]) -> Vec<&'static str> {
+    let last = |points: &Vec<[f64; 2]>| {
+        let finest = points.iter().copied().min_by(|a, b| a[0].total_cmp(&b[0]));
+        finest.map_or(f64::INFINITY, |p| p[1])
+    };
+    let mut sorted: Vec<_> = lines.iter().map(|(e, points)| (last(points), e.name())).collect();
+    sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sorted.into_iter().map(|(_, name)| name).take(WINNERS).collect()
 }

@@ -37,7 +37,7 @@ impl Experiment for Flows {
             id: "flows",
             title: "Flows against theory, and beside each other",
             question: "Do the flows converge to what they discretise, and which of them removes noise at what price?",
-            method: "Mean curvature flow (operator of each step) of the unit sphere against r(t) = √(1 − 4t), with time steps in proportion to h², so that both errors should fall with the square of h. Conformalised mean curvature flow of bumpy spheres of genus 0 until it settles: how far vertices are from the best sphere about the centroid. Then every method of the library with its default options on one noisy mesh whose truth is known.".into(),
+            method: "Mean curvature flow of the unit sphere, with the operator rebuilt in each step, is compared with r(t) = √(1 − 4t); time steps are in proportion to h², so that both errors should fall with the square of h. Conformalised mean curvature flow runs on bumpy spheres of genus 0 until it settles; measured is how far vertices are from the best sphere about the centroid. Then every method of the library runs with its default options on one noisy mesh whose truth is known.".into(),
             formulas: FORMULAS.map(String::from).to_vec(),
             inputs: &[],
             parameters: vec![
@@ -60,7 +60,7 @@ impl Experiment for Flows {
     }
 
     fn judge(&self, tables: Tables<'_>) -> Result<Vec<Judgement>> {
-        let orders = tables.get("spheres")?.column("order")?;
+        let orders = tables.get("spheres")?.numbers("order")?;
         let least = orders.iter().copied().fold(f64::INFINITY, f64::min);
         let most = orders.iter().copied().fold(0.0, f64::max);
         let second = least > 1.8 && most < 2.2;
@@ -117,7 +117,7 @@ impl Experiment for Flows {
 fn spheres(finest: u32) -> Result<Table> {
     let mut table = Table::new(
         "spheres",
-        "The unit sphere under mean curvature flow: its mean radius at the end beside √(1 − 4t), and the order observed between each mesh and the one before (the first line repeats the second).",
+        "The unit sphere under mean curvature flow: its mean radius at the end beside √(1 − 4t), and the order observed between each mesh and the one before.",
         &[
             ("h", Unit::Length),
             ("steps", Unit::Count),
@@ -150,7 +150,8 @@ fn spheres(finest: u32) -> Result<Table> {
     let error: Vec<f64> = radii.iter().map(|r| (r - exact).abs()).collect();
     let orders = observed_orders(&h, &error);
     for i in 0..h.len() {
-        let order = orders[i.saturating_sub(1)];
+        // The coarsest mesh has nothing to be compared with.
+        let order = (i > 0).then(|| orders[i - 1]);
         table.push(row![h[i], steps[i], radii[i], exact, error[i], order]);
     }
     Ok(table)

@@ -125,6 +125,7 @@ impl Gallery<'_> {
             alt: alt.into(),
             image: figure.draw().to_image(ZOOM)?,
             svg: None,
+            links: vec![],
         })
     }
 }
@@ -164,5 +165,6 @@ pub(super) fn plotted(figure: &Figure, id: &str, caption: &str, alt: &str) -> Re
         alt: alt.into(),
         image: figure.draw().to_image(ZOOM)?,
         svg: Some(figure.to_svg()?),
+        links: vec![],
     })
 }

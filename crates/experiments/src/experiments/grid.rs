@@ -72,6 +72,7 @@ impl Grid<'_> {
             alt: alt.into(),
             image: figure.draw().to_image(ZOOM)?,
             svg: None,
+            links: vec![],
         })
     }
 }

@@ -19,6 +19,7 @@ mod families;
 mod gallery;
 mod gap;
 mod grid;
+mod mode_sums;
 mod models;
 mod over_lambda;
 mod refinement;

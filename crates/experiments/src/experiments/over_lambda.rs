@@ -89,7 +89,11 @@ pub(super) fn plot(sweep: &Table, caption: &str) -> Result<Picture> {
         }
         figure.panels.push(FigurePanel::drawing(plot.draw(420.0, 320.0)?));
     }
-    plotted(&figure, "sweep", caption, "Two plots of error over λ on logarithmic axes.")
+    let picture =
+        plotted(&figure, "sweep", caption, "Two plots of error over λ on logarithmic axes.")?;
+    Ok(["patch", "machine part"].iter().fold(picture, |picture, mesh| {
+        picture.linked("", mesh, &format!("{}-view", slug(mesh)), "λ")
+    }))
 }
 
 /// One flow at several λ.
@@ -136,7 +140,7 @@ impl OverLambda<'_> {
                 table.push(leading.into_iter().chain(measures.cells()));
             }
             outcome.figures.push(self.picture(model, &smoothed)?);
-            outcome.views.push(self.view(model, &smoothed)?);
+            outcome.views.push(self.view(model, &smoothed, &measured)?);
             for (lambda, mesh) in with_input().zip(smoothed).skip(1) {
                 outcome.meshes.push(MeshOutput {
                     id: format!("{}-{}", model.slug(), slug(&lambda.to_string())),
@@ -152,6 +156,24 @@ impl OverLambda<'_> {
         Ok(table)
     }
 
+    /// What a reader should look for.
+    fn to_see(&self) -> &'static str {
+        match self.kind {
+            "explicit" => "Noise goes first, then the creases; the longest steps make it explode.",
+            _ => "No step explodes, but long ones shrink the whole shape, not its edges alone.",
+        }
+    }
+
+    /// The figures of the original report that show the same.
+    fn counterpart(&self, mesh: &str) -> &'static str {
+        match (self.kind, mesh) {
+            ("explicit", "patch") => " (Figures 5 to 7 of the original report)",
+            ("explicit", "machine part") => " (Figures 8 and 9 of the original report)",
+            ("implicit", "patch" | "machine part") => " (Figure 10 of the original report)",
+            _ => "",
+        }
+    }
+
     /// The input and the results from two viewpoints; what has diverged or shrunk is scaled to fit.
     fn picture(&self, model: &Model, smoothed: &[TriMesh]) -> Result<Picture> {
         let Self { kind, lambdas, iterations, .. } = *self;
@@ -163,8 +185,10 @@ impl OverLambda<'_> {
             shown.push((title + &scale, mesh));
         }
         let caption = format!(
-            "The {} before and after {iterations} {kind} steps, from two viewpoints. What has diverged or shrunk is drawn at the size of the input, as its title says.",
-            model.name
+            "{} The {} before and after {iterations} {kind} steps{}, from two viewpoints; what has diverged or shrunk is drawn at the size of the input, as its title says.",
+            self.to_see(),
+            model.name,
+            self.counterpart(model.name)
         );
         let alt = format!(
             "{} pictures of the {}: the input and {} steps, from two sides.",
@@ -176,34 +200,55 @@ impl OverLambda<'_> {
     }
 
     /// The input, which the page can smooth, beside the flow at each λ on its way.
-    fn view(&self, model: &Model, smoothed: &[TriMesh]) -> Result<View> {
+    fn view(&self, model: &Model, smoothed: &[TriMesh], measured: &[Measures]) -> Result<View> {
         let Self { kind, lambdas, iterations, viewed, .. } = *self;
         let left_out = if viewed < lambdas.len() { " (what diverges is left out)" } else { "" };
         let counts: Vec<usize> =
             VIEWED_STEPS.into_iter().filter(|&n| n < iterations).chain([iterations]).collect();
-        let mut stops: Vec<TriMesh> = vec![];
-        for (&lambda, last) in lambdas[..viewed].iter().zip(&smoothed[1..]) {
+        let mut stops: Vec<(TriMesh, Measures)> = vec![];
+        for (k, &lambda) in lambdas[..viewed].iter().enumerate() {
             for &count in &counts[..counts.len() - 1] {
-                stops.push((self.run)(model, lambda, count)?.mesh);
+                let mesh = (self.run)(model, lambda, count)?.mesh;
+                let measures = model.measure(&mesh)?;
+                stops.push((mesh, measures));
             }
-            stops.push(last.clone());
+            stops.push((smoothed[k + 1].clone(), measured[k + 1]));
         }
+        let of_stops: Vec<Measures> = stops.iter().map(|(_, measures)| *measures).collect();
+        let input = Panel::still("input", &model.noisy).with_live_smoothing(&model.noisy);
+        let moving = stops.iter().map(|(mesh, _)| mesh.positions());
         Ok(View {
             id: format!("{}-view", model.slug()),
+            mesh: model.name.into(),
             caption: format!(
-                "The {} before and after {kind} steps, over λ and their number{left_out}. The page smooths the input itself, too: explicit beside implicit steps of any λ, at equal diffusion time.",
-                model.name
+                "{} The {} before and after {kind} steps{}, over λ and their number{left_out}. The page smooths the input itself, too: explicit beside implicit steps of any λ, at equal diffusion time.",
+                self.to_see(),
+                model.name,
+                self.counterpart(model.name)
             ),
             alt: format!("The {} twice, to turn, with sliders over λ and iterations.", model.name),
             fallback: model.slug(),
             z_up: true,
             sliders: vec![Slider::new("λ", &lambdas[..viewed]), Slider::new("iterations", &counts)],
+            start: vec![viewed / 2, counts.len() - 1],
             panels: vec![
-                Panel::still("input", &model.noisy).with_live_smoothing(&model.noisy),
-                Panel::moving(kind, &model.noisy, stops.iter().map(TriMesh::positions)),
+                with_facts(input, &measured[..1]),
+                with_facts(Panel::moving(kind, &model.noisy, moving), &of_stops),
             ],
+            from: Some(0),
+            truth: Some(model.truth.positions().to_vec()),
         })
     }
+}
+
+/// A panel with what was measured at each of its stops.
+fn with_facts(panel: Panel, measures: &[Measures]) -> Panel {
+    let of = |f: fn(&Measures) -> Option<f64>| measures.iter().map(f).collect();
+    let percent = |m: &Measures| m.recall.map(|r| 100.0 * r);
+    panel
+        .with_fact("normal error", "°", of(|m| m.normal))
+        .with_fact("volume", "%", of(|m| m.volume))
+        .with_fact("creases kept", "%", of(percent))
 }
 
 /// Meshes in columns, from the two viewpoints in rows.

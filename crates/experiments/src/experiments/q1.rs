@@ -60,7 +60,7 @@ impl Experiment for UniformCurvature {
             id: "q1",
             title: "Curvature from the uniform Laplacian",
             question: "What do the mean curvature of the uniform Laplacian and the Gaussian curvature of the angle defect look like, and do they approximate the curvature of the continuous surface?",
-            method: "Mean curvature is half the length of the uniform Laplacian of the positions, H = ‖Δx‖/2 with (Δx)ᵢ the way from xᵢ to the mean of its neighbours. This is a length, not a curvature: it shrinks with the square of the edges. The scaled form divides by a quarter of the mean squared edge length at the vertex, which makes it comparable, and takes the sign from the normal. Gaussian curvature is the angle defect over the barycentric area, a third of the faces around the vertex.\n\nBoth are shown on the two meshes of the assignment with its colours (normalised, histogram equalised, hue from blue, low, to red, high) and in diverging colours about zero. Then both are held against the exact curvature of closed surfaces, on regular meshes and on meshes whose vertices were moved at random along the surface.".into(),
+            method: "Mean curvature is half the length of the uniform Laplacian of the positions, H = ‖Δx‖/2 with (Δx)ᵢ the vector from xᵢ to the average of its neighbours. This is a length, not a curvature: it shrinks with the square of the edges. The scaled form divides by a quarter of the mean squared edge length at the vertex, which makes it comparable, and takes the sign from the normal. Gaussian curvature is the angle defect over the barycentric area, a third of the faces around the vertex.\n\nBoth are shown on the two meshes of the assignment with its colours (normalised, histogram equalised, hue from blue, low, to red, high) and in diverging colours about zero. Then both are compared with the exact curvature of closed surfaces, on regular meshes and on meshes whose vertices were moved at random along the surface.".into(),
             formulas: FORMULAS.map(String::from).to_vec(),
             inputs: &[Input::Flower, Input::Plane],
             parameters: [("area of a vertex", "barycentric".into())]
@@ -140,7 +140,7 @@ impl<'a> Pictures<'a> {
         )
         .draw(
             self.name,
-            &format!("The {} in the assignment's colours, from two viewpoints: the mesh, mean curvature from the uniform Laplacian, and Gaussian curvature from the angle defect over barycentric areas. Equal areas of the colour bar hold equal numbers of vertices.", self.name),
+            &format!("Equalised colours show differences that are not there: half of the vertices are red whatever the values. The {} as in Figure 1 of the original report: the mesh, mean curvature from the uniform Laplacian, and Gaussian curvature from the angle defect over barycentric areas, from two viewpoints.", self.name),
             &format!("Six pictures of the {}: plain, coloured by mean and by Gaussian curvature, from two sides.", self.name),
         )
     }
@@ -160,7 +160,7 @@ impl<'a> Pictures<'a> {
         )
         .draw(
             &format!("{}-signed", self.name),
-            &format!("The {} with signed curvature in diverging colours, grey at zero; the range is that of the inner vertices between the 2nd and the 98th percentile.", self.name),
+            &format!("Grey is zero: colours on a plane are errors, and speckle on a smooth surface is one, too. The {} with signed curvature; the range is that of the inner vertices between the 2nd and the 98th percentile.", self.name),
             &format!("Six pictures of the {}: plain, coloured by signed mean and by Gaussian curvature, from two sides.", self.name),
         )
     }
@@ -188,8 +188,9 @@ impl<'a> Pictures<'a> {
             .with_field("‖Δx‖/2", "mesh units", false, &self.length.values);
         View {
             id: format!("{}-view", self.name),
+            mesh: self.name.into(),
             caption: format!(
-                "The {} and its curvature from the uniform Laplacian and the angle defect.",
+                "Look for speckle, where neighbours differ although the surface does not: it follows the shape of the triangles. The {} of Figure 1 of the original report, with curvature from the uniform Laplacian and the angle defect.",
                 self.name
             ),
             alt: format!("The {} to turn, plain and coloured by curvature.", self.name),
@@ -197,6 +198,7 @@ impl<'a> Pictures<'a> {
             z_up: true,
             sliders: vec![],
             panels: vec![Panel::still("original", self.mesh), colored],
+            ..View::default()
         }
     }
 }
@@ -260,6 +262,6 @@ fn answer(errors: &Table, orders: &Table) -> Result<String> {
 }
 
 const FORMULAS: [&str; 2] = [
-    r"H_i = \tfrac12 \Big\| \tfrac{1}{d_i} \sum_{j \in N(i)} (x_j - x_i) \Big\|",
+    r"H_i = \tfrac12 \Big\| \tfrac{1}{d_i} \sum_{j \sim i} (x_j - x_i) \Big\|",
     r"K_i = \frac{1}{A_i} \Big( 2\pi - \sum_f \theta_{i,f} \Big), \qquad A_i = \tfrac13 \sum_f A_f",
 ];

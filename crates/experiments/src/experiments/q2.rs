@@ -40,7 +40,7 @@ impl Experiment for EllipsoidForms {
             id: "q2",
             title: "First and second fundamental form of the ellipsoid",
             question: "What are the fundamental forms of p(u,v) = (a cos u sin v, b sin u sin v, c cos v), and what is the normal curvature at (a, 0, 0) in every tangent direction?",
-            method: "The forms follow from the derivatives of p; the coefficients are computed three times: from hand-derived closed forms, from the derivatives, and from central differences of p alone, which know no formula. The normal m points inward here, so that curvature is positive where the surface bends like a sphere.\n\nAt (a, 0, 0), u = 0 and v = π/2: du runs along +y and dv along −z. A tangent at the angle θ from +y towards +z is du = cos θ / b, dv = −sin θ / c. The same curvatures are then read off fine meshes with discrete operators, which know nothing of p.".into(),
+            method: "The forms follow from the derivatives of p; the coefficients are computed three times: from closed forms derived by hand, from the derivatives, and from central differences of p, independent of any derivation. The normal m points inward here, so that curvature is positive where the surface bends like a sphere. In this section L, M and N are the coefficients of the second form, not matrices.\n\nAt (a, 0, 0), u = 0 and v = π/2: du runs along +y and dv along −z. A tangent at the angle θ from +y towards +z is du = cos θ / b, dv = −sin θ / c. The same curvatures are then read off fine meshes with discrete operators, which use nothing of p but positions.".into(),
             formulas: FORMULAS.map(String::from).to_vec(),
             inputs: &[],
             parameters: vec![("half axes (a, b, c)", AXES.map(axes_name).join(", "))],
@@ -73,7 +73,7 @@ impl Experiment for EllipsoidForms {
         let verdict = if wrong { Verdict::Refuted } else { Verdict::Confirmed };
         let right = ours.iter().zip(&sizes).filter(|(a, b)| (*a - *b).abs() < 1e-9).count();
         let reason = format!(
-            "Closed forms, derivatives and central differences agree on a/b² along y (largest relative gap {}), and L is never zero (at least {}). The source's −1/c is off by up to {} % in size, and is right on {right} of the {} ellipsoids, the sphere. It evaluates L and N at the pole (0, 0, c), E and G at (a, 0, 0), and takes dv, which runs along z, for the y direction.",
+            "Closed forms, derivatives and central differences agree on a/b² along y (largest relative gap {}), and L is never zero (at least {}). The original report's −1/c is off by up to {} % in size, and is right on {right} of the {} ellipsoids, the sphere. It evaluates L and N at the pole (0, 0, c), E and G at (a, 0, 0), and mistakes dv, which runs along z, for the y direction.",
             crate::table::brief(check),
             crate::table::brief(smallest_l),
             crate::table::brief(100.0 * error),
@@ -87,6 +87,7 @@ impl Experiment for EllipsoidForms {
                 reason,
             )
             .finding(format!("Along y the normal curvature is a/b² in size; −1/c is right on {right} of {} ellipsoids, the sphere.", ours.len()))
+            .shown("play-ellipsoid", "2~1~0.7~0")
             .number("largest error of |−1/c|", error, Unit::Relative)
             .number("gap between closed form and differences", check, Unit::Relative)
             .number(
@@ -112,7 +113,7 @@ fn axes_name([a, b, c]: [f64; 3]) -> String {
 fn forms() -> Result<Table> {
     let mut table = Table::new(
         "forms",
-        "The coefficients at (a, 0, 0) with the inward normal, and the normal curvature along y: by the closed form a/b², by central differences of p, and as the source report states it, N/G = −1/c.",
+        "The coefficients at (a, 0, 0) with the inward normal, and the normal curvature along y: by the closed form a/b², by central differences of p, and as the original report states it, N/G = −1/c.",
         &[
             ("(a, b, c)", Unit::Label),
             ("E", Unit::Area),
@@ -127,7 +128,8 @@ fn forms() -> Result<Table> {
             ("κ along z", Unit::Curvature),
         ],
     )
-    .tolerance("κ along y, differences", Some(Tolerance { relative: 1e-4, absolute: 0.0 }));
+    .tolerance("κ along y, differences", Some(Tolerance { relative: 1e-4, absolute: 0.0 }))
+    .aside(&["E", "F", "G", "κ along z"]);
     for axes in AXES {
         let [a, b, c] = axes;
         let ellipsoid = Ellipsoid { a, b, c };
@@ -172,7 +174,7 @@ fn difference_curvature([a, b, c]: [f64; 3]) -> f64 {
 fn directions() -> Result<Table> {
     let mut table = Table::new(
         "directions",
-        "Normal curvature at (a, 0, 0) over the angle θ from +y towards +z: from the forms at (a, 0, 0), and what the source report's coefficients L = M = 0, N = −c give in the same direction.",
+        "Normal curvature at (a, 0, 0) over the angle θ from +y towards +z: from the forms at (a, 0, 0), and what the original report's coefficients L = M = 0, N = −c give in the same direction.",
         &[
             ("(a, b, c)", Unit::Label),
             ("θ", Unit::Degrees),
@@ -210,7 +212,7 @@ fn plot(directions: &Table) -> Result<Picture> {
             y: Axis::linear("κₙ in 1/mesh units"),
             series: vec![
                 Series::line("from the forms", line("κ")?),
-                Series::line("source report", line("κ, source")?),
+                Series::line("original report", line("κ, source")?),
             ],
             legend: Legend::Auto,
             ..Plot::default()
@@ -220,7 +222,7 @@ fn plot(directions: &Table) -> Result<Picture> {
     plotted(
         &figure,
         "directions",
-        "Normal curvature at (a, 0, 0) over the tangent direction. Solid: from the forms, with the normal that makes it positive on a sphere. Dashed: what the source report's coefficients give. On the sphere the two agree in size at θ = 0, which is the one direction that the report looks at.",
+        "The two curves meet nowhere but on the sphere, and there in size only, at θ = 0, the one direction that the original report looks at. Normal curvature at (a, 0, 0) over the tangent direction: solid from the forms, with the normal that makes it positive on a sphere; dashed from the coefficients of the original report.",
         "Six plots of normal curvature over the direction, each with two curves that differ.",
     )
 }
@@ -244,7 +246,8 @@ fn meshes(context: &Context<'_>) -> Result<Table> {
             ("error of κ₂", Unit::Relative),
             ("angle", Unit::Degrees),
         ],
-    );
+    )
+    .aside(&["κ₁", "κ₂"]);
     let [a, b, c] = axes;
     let (along_z, along_y) = (a / (c * c), a / (b * b));
     for estimator in [COTANGENT, Estimator::RECOMMENDED] {

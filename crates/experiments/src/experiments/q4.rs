@@ -3,7 +3,8 @@
 use anyhow::{Context as _, Result};
 use fairing_evaluation::{normal_error, observed_orders, surface_distance};
 use fairing_figure::{
-    Axis, Figure, Limits, Panel as FigurePanel, Plot, ScaleOptions, Series, Up, Viewpoint,
+    Axis, Figure, Legend, Limits, Panel as FigurePanel, Plot, ScaleOptions, Series, Shape, Up,
+    Viewpoint,
 };
 use fairing_mesh::TriMesh;
 use fairing_operators::Laplacian;
@@ -14,6 +15,8 @@ use ndarray::ArrayView2;
 
 use super::gallery::{Coloring, Gallery, Look, Range, plotted};
 use super::gap;
+use super::mode_sums;
+use super::models::slug;
 use super::torus;
 use crate::experiment::{Card, Context, Experiment};
 use crate::inputs::Input;
@@ -34,6 +37,9 @@ const FULL: usize = 1500;
 /// The name of the generated mesh that both kinds of runs have.
 const BALL: &str = "bumpy ball";
 
+/// An error of all modes below this, over the diagonal, is rounding.
+const ROUNDING: f64 = 1e-9;
+
 /// Predicted errors below this are rounding, over the diagonal.
 const FLOOR: f64 = 1e-12;
 
@@ -51,7 +57,7 @@ impl Experiment for Reconstruction {
             id: "q4",
             title: "Reconstruction from the smoothest modes",
             question: "How well do the eigenvectors of the k smallest eigenvalues of the Laplace–Beltrami operator reconstruct a mesh, and does a larger k help?",
-            method: "S φ = λ M φ with cotangent stiffness S and barycentric mass M; the positions are projected in the inner product of M, X_k = Φ Φᵀ M X. The number of eigenvalues below the last one is certified by the inertia of a factorisation. Where eigenvalue k + 1 is equal to eigenvalue k or nearly so, the basis of their eigenspace is arbitrary, and k moves on to the next gap.\n\nThe error is predicted from the coefficients (Parseval); it is measured as well, with the distance between the surfaces and the angle between their normals. Eigenvalues are held against those of the unit sphere, ℓ(ℓ + 1), and against Weyl's law λ_k ≈ 4πk / A.".into(),
+            method: "S φ = ω M φ with cotangent stiffness S and barycentric mass M; ω is a squared frequency, called ω because λ is a step here. The positions are projected in the inner product of M, X_k = Φ Φᵀ M X. The number of eigenvalues below the last one is certified by the inertia of a factorisation. Where eigenvalue k + 1 is equal to eigenvalue k or nearly so, the basis of their eigenspace is arbitrary, and k moves on to the next gap.\n\nThe error is predicted from the coefficients (Parseval); it is measured as well, with the distance between the surfaces and the angle between their normals. Eigenvalues are compared with those of the unit sphere, ℓ(ℓ + 1), and with Weyl's law, ω_k ≈ 4πk / A.".into(),
             formulas: FORMULAS.map(String::from).to_vec(),
             inputs: &[Input::Armadillo, Input::ArmadilloLarge],
             parameters: vec![
@@ -77,6 +83,7 @@ impl Experiment for Reconstruction {
             curves.push(rebuilt.curve());
             rebuilt.show(&mut outcome, !context.is_quick(), i == 0)?;
         }
+        outcome.views.insert(0, mode_sums::view(context)?);
         outcome.figures.push(decay(curves)?);
         context.progress(0.8, "sphere");
         outcome.tables.extend([errors, weyl, sphere(context.choose(5, 4))?]);
@@ -103,19 +110,19 @@ impl Experiment for Reconstruction {
         let last = all.column("measured RMS")?.last().copied().unwrap_or(f64::NAN);
         let complete = all.column("share of modes")?.last().is_some_and(|s| *s == 1.0);
         let verdict = match (falling, complete) {
-            (true, true) if last < 1e-9 => Verdict::Confirmed,
+            (true, true) if last < ROUNDING => Verdict::Confirmed,
             (true, false) => Verdict::Confirmed,
             _ => Verdict::Refuted,
         };
         let reason = format!(
-            "The error falls with every step of k, as it must for modes that are orthonormal in the mass, and Parseval's identity predicts it to {} of the diagonal. From {} to {} modes the error of the {} falls to {} of what it was; the last stop, {} modes, leaves {} of the diagonal.",
+            "{}, and Parseval's identity predicts it to {} of the diagonal. From {} to {} modes the error of the {} goes to {} of what it was; {}.",
+            if falling { FALLS } else { RISES },
             brief(mismatch),
             ks[0],
             ks[1],
             names[0],
             brief(steps[0]),
-            ks[ks.len() - 1],
-            brief(last),
+            what_is_left(ks[ks.len() - 1], complete, last),
         );
         let [least, most] = orders(tables)?;
         let second = if least > 1.9 && most < 2.1 { Verdict::Confirmed } else { Verdict::Refuted };
@@ -128,6 +135,7 @@ impl Experiment for Reconstruction {
                     brief(steps.iter().copied().fold(f64::INFINITY, f64::min)),
                     brief(steps.iter().copied().fold(0.0, f64::max)),
                 ))
+                .shown(mode_sums::VIEW, &format!("!!!!!!!!{}", ks[1]))
                 .number(&format!("error at {} over error at {}", ks[1], ks[0]), steps[0], Unit::One)
                 .number("error of the last stop", last, Unit::Diagonals),
             Judgement::new(
@@ -135,9 +143,7 @@ impl Experiment for Reconstruction {
                 "The eigenvalues converge to those of the surface with second order",
                 second,
                 format!(
-                    "On the unit sphere (λ = 6 and 12) and on a torus of revolution (its first dozen) the errors fall with orders {} to {}.",
-                    brief(least),
-                    brief(most),
+                    "On the unit sphere (ω = 6 and 12) and on a torus of revolution (its first dozen) the errors fall with orders {least:.2} to {most:.2}.",
                 ),
             )
             .finding(format!("The observed orders are {least:.2} to {most:.2}; with order 2, half the edge length leaves a quarter of the error."))
@@ -150,10 +156,26 @@ impl Experiment for Reconstruction {
 
 /// The least and the greatest observed order of eigenvalues, on the sphere and on the torus.
 fn orders(tables: Tables<'_>) -> Result<[f64; 2]> {
-    let mut orders = tables.get("sphere")?.column("order")?[1..].to_vec();
-    orders.extend_from_slice(&tables.get("torus")?.column("order")?[1..]);
+    let mut orders = tables.get("sphere")?.numbers("order")?;
+    orders.extend(tables.get("torus")?.numbers("order")?);
     let least = orders.iter().copied().fold(f64::INFINITY, f64::min);
     Ok([least, orders.iter().copied().fold(f64::NEG_INFINITY, f64::max)])
+}
+
+/// What is said of an error that falls with every step.
+const FALLS: &str =
+    "The error falls with every step of k, as it must for modes that are orthonormal in the mass";
+
+/// And of one that does not.
+const RISES: &str = "The error does not fall with every step of k";
+
+/// What the last stop leaves, in words.
+fn what_is_left(modes: f64, complete: bool, last: f64) -> String {
+    match complete {
+        true if last < ROUNDING => format!("all {modes} modes leave rounding only"),
+        true => format!("all {modes} modes leave {} of the diagonal", brief(last)),
+        false => format!("the last stop, {modes} modes, leaves {} of the diagonal", brief(last)),
+    }
 }
 
 /// The stops for a mesh, the last of them all modes where that is cheap.
@@ -188,7 +210,7 @@ fn errors_table() -> Table {
 fn weyl_table() -> Table {
     Table::new(
         "weyl",
-        "Eigenvalues against Weyl's law, λ A / 4πk: it tends to one while k is small beside the number of vertices.",
+        "Eigenvalues against Weyl's law, ω A / 4πk: it tends to one while k is small beside the number of vertices.",
         &[
             ("mesh", Unit::Label),
             ("k", Unit::Count),
@@ -203,7 +225,7 @@ fn weyl_table() -> Table {
 /// The meshes by their names: those of the assignment are named after what they are, stand-ins too.
 fn meshes(context: &Context<'_>) -> Result<[(&'static str, TriMesh); 3]> {
     let named = |input, real, stand_in| if context.is_stand_in(input) { stand_in } else { real };
-    let small = named(Input::Armadillo, "armadillo", "coarse bumpy ball");
+    let small = named(Input::Armadillo, "armadillo", "small creature");
     // A quick run is to be quick.
     let (large, mesh) = match context.is_quick() {
         true => ("large creature", shapes::creature(64)),
@@ -347,7 +369,7 @@ fn sphere(finest: u32) -> Result<Table> {
     let orders = observed_orders(&h, &error);
     for i in 0..h.len() {
         // The coarsest mesh has nothing to be compared with.
-        let order = if i == 0 { orders[0] } else { orders[i - 1] };
+        let order = (i > 0).then(|| orders[i - 1]);
         table.push(row![h[i], means[i].0, means[i].1, error[i], order]);
     }
     Ok(table)
@@ -374,7 +396,7 @@ fn picture(
         looks.into_iter().map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
     Gallery { looks, viewpoints: &VIEWS, up: Up::Y, aspect: 0.9, occlusion }.draw(
         id,
-        &format!("The {name} from more and more modes, and the original, from two viewpoints."),
+        &format!("With few modes the {name} is a blob; limbs come before details (Figure 4 of the original report). From k modes, and the original, from two viewpoints."),
         &format!("Pictures of the {name}: a few modes give a smooth blob, more bring limbs, then details."),
     )
 }
@@ -401,7 +423,7 @@ fn modes_picture(
                 vec![VertexStatus::Defined; n],
                 vec![false; n],
             );
-            (format!("mode {i}, λ = {}", brief(modes.values[i])), field)
+            (format!("mode {i}, ω = {}", brief(modes.values[i])), field)
         })
         .collect();
     let options =
@@ -422,7 +444,7 @@ fn modes_picture(
         .collect();
     Gallery { looks, viewpoints: &VIEWS, up: Up::Y, aspect: 0.9, occlusion }.draw(
         &format!("{id}-modes"),
-        &format!("Modes of the {name}, from two viewpoints: the larger the eigenvalue, the more often the sign changes. Signs are arbitrary, and the basis where eigenvalues are equal."),
+        &format!("The larger the eigenvalue, the more often the sign changes. Modes of the {name}, from two viewpoints; signs are arbitrary, and so is the basis where eigenvalues are equal."),
         &format!("The {name} coloured from blue to red: first in halves, then limb by limb, then in many patches."),
     )
 }
@@ -452,35 +474,66 @@ fn energies(id: &str, name: &str, mesh: &TriMesh, modes: &Spectrum) -> Result<At
 fn view(id: &str, name: &str, mesh: &TriMesh, stops: &[usize], rebuilt: &[TriMesh]) -> View {
     View {
         id: format!("{id}-view"),
-        caption: format!("The {name} from k modes on the left, the original on the right."),
+        mesh: name.into(),
+        caption: format!(
+            "Move k and watch what is missing: the {name} from k modes, beside the original."
+        ),
         alt: format!("The {name} twice, to turn; a slider changes the number of modes."),
         fallback: id.into(),
         z_up: false,
         sliders: vec![Slider::new("k", stops)],
+        start: vec![2.min(stops.len() - 1)],
         panels: vec![
             Panel::moving("k modes", mesh, rebuilt.iter().map(TriMesh::positions)),
             Panel::still("original", mesh),
         ],
+        from: Some(1),
+        truth: Some(mesh.positions().to_vec()),
     }
+}
+
+/// The number of modes at which meshes are compared in words.
+const COMPARED: usize = 50;
+
+/// The names of the curves with the least and the greatest error at [`COMPARED`] modes.
+fn extremes(curves: &[Series]) -> Option<[&str; 2]> {
+    let at = |series: &Series| {
+        let Shape::Line(points) = &series.shape else { return None };
+        points.iter().rev().find(|p| p[0] <= COMPARED as f64).map(|p| p[1])
+    };
+    let known = || curves.iter().filter_map(|c| Some((at(c)?, c.name.as_str())));
+    let least = known().min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let most = known().max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (least.1 != most.1).then_some([least.1, most.1])
 }
 
 fn decay(curves: Vec<Series>) -> Result<Picture> {
     let plot = Plot {
         x: Axis::log("modes k"),
         y: Axis::log("RMS displacement / diagonal"),
+        legend: Legend::Lines,
         series: curves,
         ..Plot::default()
     };
     let mut figure = Figure::default();
-    figure.panels.push(FigurePanel::drawing(plot.draw(640.0, 380.0)?));
-    plotted(
+    let to_see = extremes(&plot.series).map_or(String::new(), |[least, most]| {
+        format!("At {COMPARED} modes the {least} is the closest to the original, the {most} the farthest. ")
+    });
+    let names: Vec<String> = plot.series.iter().map(|s| s.name.clone()).collect();
+    figure.panels.push(FigurePanel::drawing(plot.draw(680.0, 380.0)?));
+    let picture = plotted(
         &figure,
         "decay",
-        "Error of the mesh from k modes over k: the root mean square displacement weighted by area, over the diagonal of the bounding box.",
+        &format!(
+            "{to_see}The error of the mesh from k modes over k: the root mean square displacement weighted by area, over the diagonal of the bounding box."
+        ),
         "Curves that fall from a few per cent at one mode, fast where k reaches the number of vertices.",
-    )
+    )?;
+    Ok(names.iter().fold(picture, |picture, name| {
+        picture.linked("", name, &format!("{}-view", slug(name)), "k")
+    }))
 }
 
 const FORMULAS: [&str; 1] = [
-    r"S\varphi_i = \lambda_i M\varphi_i,\quad \varphi_i^T M \varphi_j = \delta_{ij},\quad X_k = \sum_{i<k} \varphi_i \varphi_i^T M X",
+    r"S\varphi_i = \omega_i M\varphi_i,\quad \varphi_i^T M \varphi_j = \delta_{ij},\quad X_k = \sum_{i<k} \varphi_i \varphi_i^T M X",
 ];

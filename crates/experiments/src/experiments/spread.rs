@@ -22,6 +22,7 @@ pub(super) fn table(id: &str, caption: &str) -> Table {
             ("mean size", Unit::One),
         ],
     )
+    .aside(&["vertices", "defined"])
 }
 
 /// Adds a row for the vertices inside and, if there are any, one for those on

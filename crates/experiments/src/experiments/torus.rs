@@ -109,7 +109,7 @@ pub(super) fn table(levels: u32) -> Result<Table> {
     let orders = observed_orders(&h, &error);
     for i in 0..h.len() {
         // The coarsest mesh has nothing to be compared with.
-        let order = if i == 0 { orders[0] } else { orders[i - 1] };
+        let order = (i > 0).then(|| orders[i - 1]);
         table.push(row![h[i], first[i], exact[1], error[i], order]);
     }
     Ok(table)

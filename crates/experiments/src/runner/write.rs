@@ -46,6 +46,7 @@ pub(super) fn outcome(outcome: Outcome, work: &Path, record: &mut Record) -> Res
             png,
             svg: svg.transpose()?,
             small: Some(small),
+            links: picture.links,
         });
     }
     for output in outcome.meshes {
@@ -64,6 +65,7 @@ pub(super) fn outcome(outcome: Outcome, work: &Path, record: &mut Record) -> Res
             alt: view.alt.clone(),
             fallback: view.fallback.clone(),
             data,
+            mesh: None,
         });
     }
     Ok(())

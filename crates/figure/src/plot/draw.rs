@@ -2,7 +2,7 @@
 
 use super::axis::{Axis, AxisScale, Range, label};
 use super::legend;
-use super::series::{REFERENCE, Series, Shape, Style, slope_ends};
+use super::series::{QUIET, REFERENCE, Series, Shape, Style, slope_ends};
 use super::{Legend, Plot, PlotError};
 use crate::drawing::{Anchor, Color, Drawing, Element, Fill, INK, Path, SOFT, Stroke, WHITE};
 use crate::outline::Outline;
@@ -18,10 +18,11 @@ pub(super) fn draw(plot: &Plot, width: f64, height: f64) -> Result<Drawing, Plot
     let [x, y] = ranges(plot)?;
     let size = [width, height];
     let named = match plot.legend {
-        Legend::None => None,
+        Legend::None | Legend::Lines => None,
         _ => legend::draw(&styled),
     };
-    let free = Frame::new(plot, [x, y], size, [0.0; 2]);
+    let beside = if plot.legend == Legend::Lines { legend::widest(&styled) + 12.0 } else { 0.0 };
+    let free = Frame::new(plot, [x, y], size, [beside, 0.0]);
     // Inside if a corner is free, else beside the frame if that leaves it
     // most of the width, else below.
     let (frame, legend) = match named {
@@ -57,8 +58,10 @@ pub(super) fn draw(plot: &Plot, width: f64, height: f64) -> Result<Drawing, Plot
     for (series, style) in styled.iter().filter(|(s, _)| behind(s)) {
         frame.series(&mut inside, plot, series, *style);
     }
-    for (series, style) in styled.iter().filter(|(s, _)| !behind(s)) {
-        frame.series(&mut inside, plot, series, *style);
+    for quiet in [true, false] {
+        for (series, style) in styled.iter().filter(|(s, _)| !behind(s) && s.quiet == quiet) {
+            frame.series(&mut inside, plot, series, *style);
+        }
     }
     // What reaches beyond given limits is not seen.
     let (at, size) = ([left, top], [right - left, bottom - top]);
@@ -68,7 +71,24 @@ pub(super) fn draw(plot: &Plot, width: f64, height: f64) -> Result<Drawing, Plot
     if let Some((place, legend)) = legend {
         out.place(place, legend);
     }
+    if plot.legend == Legend::Lines {
+        frame.name_lines(&mut out, &styled);
+    }
+    out.elements.push(Element::Data(frame.data(plot)));
     Ok(out)
+}
+
+/// A text as JSON has it.
+fn quoted(text: &str) -> String {
+    let mut out = String::from('"');
+    for c in text.chars() {
+        match c {
+            '"' | '\\' => out.extend(['\\', c]),
+            c if c.is_control() => out.push(' '),
+            c => out.push(c),
+        }
+    }
+    out + "\""
 }
 
 /// Each series with its look: that which was asked for, or the next.
@@ -203,9 +223,67 @@ impl Frame {
         out.text_upward([15.0, (top + bottom) / 2.0], LABEL_SIZE, Face::Regular, &words);
     }
 
+    /// Names at the right ends of the lines, moved apart where they would cover one another.
+    fn name_lines(&self, out: &mut Drawing, styled: &[(&Series, Style)]) {
+        const LINE: f64 = 14.0;
+        let mut ends: Vec<(f64, Color, &str)> = styled
+            .iter()
+            .filter_map(|(series, style)| {
+                let last = series.extent().into_iter().max_by(|a, b| a[0].total_cmp(&b[0]))?;
+                let [_, y] = self.at(last);
+                let color = match series.is_styled() {
+                    true => style.color(),
+                    false => SOFT,
+                };
+                (!series.name.is_empty()).then_some((y, color, series.name.as_str()))
+            })
+            .collect();
+        ends.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut lowest = self.top;
+        for end in &mut ends {
+            end.0 = end.0.max(lowest);
+            lowest = end.0 + LINE;
+        }
+        let mut highest = self.bottom;
+        for end in ends.iter_mut().rev() {
+            end.0 = end.0.min(highest);
+            highest = end.0 - LINE;
+        }
+        for (y, color, name) in ends {
+            let at = [self.right + 7.0, y + 4.3];
+            out.text(at, legend::SIZE, Anchor::Start, Face::Regular, color, name);
+        }
+    }
+
+    /// Title and points of the plot, where they are and what they stand for.
+    fn data(&self, plot: &Plot) -> String {
+        /// A line of more points is said at so many of them.
+        const MOST: usize = 60;
+        let brief = |x: f64| format!("{:.4e}", x).parse::<f64>().unwrap_or(x);
+        let series = plot.series.iter().filter(|s| !s.name.is_empty() && !s.points_of().is_empty());
+        let series = series.map(|s| {
+            let points = s.points_of();
+            let step = points.len().div_ceil(MOST);
+            let points = points.iter().step_by(step).map(|&p| {
+                let [x, y] = self.at(p);
+                format!("[{x:.1},{y:.1},{},{}]", brief(p[0]), brief(p[1]))
+            });
+            let points: Vec<String> = points.collect();
+            format!("{{\"name\":{},\"points\":[{}]}}", quoted(&s.name), points.join(","))
+        });
+        let series: Vec<String> = series.collect();
+        let (title, x, y) = (quoted(&plot.title), quoted(&plot.x.label), quoted(&plot.y.label));
+        let series = series.join(",");
+        format!("{{\"title\":{title},\"x\":{x},\"y\":{y},\"series\":[{series}]}}")
+    }
+
     fn series(&self, out: &mut Drawing, plot: &Plot, series: &Series, style: Style) {
         let color = style.color();
         match &series.shape {
+            Shape::Line(points) | Shape::MarkedLine(points) if series.quiet => {
+                let path = Outline::polyline(points.iter().map(|&p| self.at(p)));
+                out.stroke(path, Stroke { width: 1.2, ..Stroke::line(QUIET, &[]) });
+            }
             Shape::Line(points) => self.path(out, points, color, style.dashes()),
             Shape::MarkedLine(points) => {
                 self.path(out, points, color, &[]);

@@ -11,6 +11,11 @@ const SWATCH: f64 = 26.0;
 const PAD: f64 = 7.0;
 const BORDER: Color = [0xd5, 0xd8, 0xdd];
 
+/// The width of the widest name; 0 without names.
+pub(super) fn widest(series: &[(&Series, Style)]) -> f64 {
+    series.iter().map(|(s, _)| width(&s.name, SIZE, Face::Regular)).fold(0.0, f64::max)
+}
+
 /// The names and looks of all series that have a name; `None` if there is
 /// none.
 pub(super) fn draw(series: &[(&Series, Style)]) -> Option<Drawing> {

@@ -42,6 +42,8 @@ pub enum Legend {
     Auto,
     /// To the right of the frame.
     Right,
+    /// At the ends of their lines, to the right of the frame, in the colours of the lines.
+    Lines,
     /// Nowhere.
     None,
 }

@@ -16,6 +16,8 @@ pub struct Series {
     /// belong together share one. By default the place among those that have
     /// none given.
     pub style: Option<usize>,
+    /// Whether it stays behind the others, thin and grey.
+    pub quiet: bool,
 }
 
 /// Points and how they are shown.
@@ -88,12 +90,28 @@ impl Series {
 
     /// Any shape.
     pub fn new(name: impl Into<String>, shape: Shape) -> Self {
-        Self { name: name.into(), shape, style: None }
+        Self { name: name.into(), shape, style: None, quiet: false }
+    }
+
+    /// The same series, thin and grey behind the others.
+    #[must_use]
+    pub fn quiet(self) -> Self {
+        Self { quiet: true, ..self }
     }
 
     /// Whether it takes a colour of its own.
     pub(super) fn is_styled(&self) -> bool {
-        !matches!(self.shape, Shape::Slope { .. } | Shape::Reference(_) | Shape::Level(_))
+        let grey =
+            matches!(self.shape, Shape::Slope { .. } | Shape::Reference(_) | Shape::Level(_));
+        !grey && !self.quiet
+    }
+
+    /// The points that a reader can ask for.
+    pub(super) fn points_of(&self) -> &[[f64; 2]] {
+        match &self.shape {
+            Shape::MarkedLine(p) | Shape::Line(p) | Shape::Points(p) | Shape::Reference(p) => p,
+            _ => &[],
+        }
     }
 
     /// All points that must lie in the frame, bars apart.
@@ -159,6 +177,9 @@ const COLORS: [Color; 7] = [
 
 /// The dashes of lines that others are compared with.
 pub(super) const REFERENCE: &[f64] = &[4.0, 3.0];
+
+/// The colour of series that stay behind.
+pub(super) const QUIET: Color = [0xa3, 0xa8, 0xb0];
 
 /// The look of one series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

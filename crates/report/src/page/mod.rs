@@ -19,20 +19,31 @@ use std::path::Path;
 use anyhow::Result;
 use rayon::prelude::*;
 
-use crate::{markdown, story};
+use crate::{markdown, story, thumbnail};
 use fairing_results::results::{Record, Results};
 use fairing_results::verdict::Judgement;
 use html::escape;
 
 /// The scripts, in the order in which they use one another.
-const SCRIPTS: [&str; 8] = [
+const SCRIPTS: [&str; 19] = [
+    include_str!("../../assets/dom.js"),
+    include_str!("../../assets/geometry.js"),
+    include_str!("../../assets/eigen.js"),
     include_str!("../../assets/data.js"),
     include_str!("../../assets/solver.js"),
     include_str!("../../assets/renderer.js"),
     include_str!("../../assets/camera.js"),
+    include_str!("../../assets/steer.js"),
     include_str!("../../assets/bar.js"),
     include_str!("../../assets/live.js"),
+    include_str!("../../assets/modes.js"),
+    include_str!("../../assets/derived.js"),
     include_str!("../../assets/view.js"),
+    include_str!("../../assets/playground.js"),
+    include_str!("../../assets/ellipsoid.js"),
+    include_str!("../../assets/diffusion.js"),
+    include_str!("../../assets/noise.js"),
+    include_str!("../../assets/points.js"),
     include_str!("../../assets/page.js"),
 ];
 
@@ -52,6 +63,7 @@ pub(crate) fn report(results: &Results, folder: &Path) -> Result<String> {
     let mut main = opening(results);
     main += &first_picture(results, folder)?;
     main += &claims(results);
+    main += &meshes(results, folder)?;
     let order = story::in_order(results);
     let mut next = 1;
     let numbered: Vec<(&Record, usize)> = order
@@ -62,8 +74,9 @@ pub(crate) fn report(results: &Results, folder: &Path) -> Result<String> {
             (record, first)
         })
         .collect();
-    let section =
-        |(record, first): &(&Record, usize)| section::experiment(record, *first, folder, form);
+    let section = |(record, first): &(&Record, usize)| {
+        section::experiment(&results.experiments, record, *first, folder, form)
+    };
     let bodies: Vec<String> = numbered.par_iter().map(section).collect::<Result<_>>()?;
     let sections: Vec<(&str, String)> =
         numbered.iter().map(|(record, _)| record.id.as_str()).zip(bodies).collect();
@@ -97,6 +110,9 @@ fn contents(results: &Results) -> String {
     let mut list = String::new();
     if results.experiments.iter().any(|r| !r.claims.is_empty()) {
         list += "<li><a href=\"#claims\">The claims</a></li>";
+    }
+    if !thumbnail::all(results).is_empty() {
+        list += "<li><a href=\"#meshes\">The meshes</a></li>";
     }
     let mut link = |record: &Record| {
         let _ = write!(
@@ -164,6 +180,11 @@ fn opening(results: &Results) -> String {
     if failed > 0 {
         let _ = write!(text, "<p class=\"error\">{} failed.</p>", count("experiment", failed));
     }
+    let letters: String = story::LETTERS
+        .iter()
+        .map(|(letter, about)| format!("<dt>{letter}</dt><dd>{about}</dd>"))
+        .collect();
+    let _ = write!(text, "<details><summary>Letters</summary><dl>{letters}</dl></details>");
     let p = &results.provenance;
     let _ = write!(
         text,
@@ -235,6 +256,31 @@ fn rules(results: &Results) -> String {
     )
 }
 
+/// A small picture of each mesh, with its name and where it is used.
+fn meshes(results: &Results, folder: &Path) -> Result<String> {
+    let mut items = String::new();
+    for (card, sections) in thumbnail::all(results) {
+        let links: Vec<String> =
+            sections.iter().map(|id| format!("<a href=\"#{0}\">{0}</a>", escape(id))).collect();
+        let _ = write!(
+            items,
+            "<li>{}<b>{}</b><br>{} vertices, {} faces; {}</li>",
+            section::png(&card.picture, &format!("The {}.", card.name), folder, results.form)?,
+            escape(&card.name),
+            card.vertices,
+            card.faces,
+            links.join(", ")
+        );
+    }
+    if items.is_empty() {
+        return Ok(items);
+    }
+    Ok(format!(
+        "<section id=\"meshes\"><h2>The meshes</h2><p>Each has one name in all sections.</p>\
+         <ul class=\"meshes\">{items}</ul></section>"
+    ))
+}
+
 /// A row for each claim: its verdict, what is true in a sentence, and the number that decided.
 fn claims(results: &Results) -> String {
     let mut bodies = String::new();
@@ -247,7 +293,7 @@ fn claims(results: &Results) -> String {
                 "<tr><td><a href=\"#claim-{0}\">{0}</a></td><td>{1}</td><td>{2}</td><td>{3}</td><td>{4}</td></tr>",
                 escape(&claim.id),
                 escape(&claim.claim),
-                section::verdict(claim.verdict),
+                section::verdict(claim.verdict) + &section::link(&results.experiments, claim),
                 escape(&claim.finding),
                 escape(&number),
             );

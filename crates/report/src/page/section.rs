@@ -10,16 +10,18 @@ use rayon::prelude::*;
 
 use super::html::escape;
 use super::view;
-use crate::{markdown, mathml};
-use fairing_results::results::{FigureFile, Form, Record};
+use crate::play::Play;
+use crate::{markdown, mathml, play, snippets};
+use fairing_results::results::{FigureFile, Form, Record, ViewFile};
 use fairing_results::table::{Cell, Table, Unit};
-use fairing_results::verdict::{Judgement, Verdict};
+use fairing_results::verdict::{Judgement, Shown, Verdict};
 
 /// Question, method, verdicts, views, figures, tables and how to make it
 /// again.
 ///
 /// `first` is the number of its first figure.
 pub(super) fn experiment(
+    all: &[Record],
     record: &Record,
     first: usize,
     folder: &Path,
@@ -41,7 +43,7 @@ pub(super) fn experiment(
         return Ok(text);
     }
     for claim in &record.claims {
-        text += &judgement(claim);
+        text += &judgement(all, claim);
     }
     if !record.method.is_empty() {
         text += "<details open><summary>Method</summary>";
@@ -51,14 +53,24 @@ pub(super) fn experiment(
         for formula in &record.formulas {
             let _ = write!(text, "<p class=\"formula\">{}</p>", mathml::displayed(formula)?);
         }
-        text += &parameters(record);
         text += "</details>";
+        let rows = parameters(record);
+        if !rows.is_empty() {
+            let _ =
+                write!(text, "<details><summary>Parameters and inputs</summary>{rows}</details>");
+        }
+    }
+    if let Some(lines) = snippets::of(&record.id) {
+        let _ = write!(
+            text,
+            "<details><summary>In Rust</summary><pre><code>{}</code></pre><p class=\"soft\">All figures and tables of this section: \
+             <code>cargo xtask reproduce --only {}</code></p></details>",
+            escape(&lines),
+            escape(&record.id)
+        );
     }
     text += &shown(record, first, folder, form)?;
-    for t in &record.tables {
-        let link = format!("{}/{}.csv", record.id, t.id);
-        text += &table(t, &link, form);
-    }
+    text += &tables(record, form);
     for note in &record.notes {
         let _ = write!(text, "<p>{}</p>", escape(note));
     }
@@ -68,39 +80,95 @@ pub(super) fn experiment(
 
 /// Whether a picture is shown as the still of a view rather than by itself: a picture or a view, not both.
 fn is_paper(record: &Record, figure: &FigureFile) -> bool {
-    record.views.iter().any(|view| view.fallback == figure.id)
+    figure.svg.is_none() && record.views.iter().any(|view| view.fallback == figure.id)
 }
 
 /// How many numbered figures an experiment has.
 pub(super) fn count(record: &Record) -> usize {
-    record.views.len() + record.figures.iter().filter(|f| !is_paper(record, f)).count()
+    play::of(&record.id).count()
+        + record.views.len()
+        + record.figures.iter().filter(|f| !is_paper(record, f)).count()
 }
 
-/// The views, each with the picture that is printed in its place, then the other pictures; numbered from `first`.
+/// So many views are seen at once, the others are folded.
+const UNFOLDED: usize = 2;
+
+/// Playgrounds, the first views, each with the picture that is printed in its place, and plots; then, folded, the other
+/// views and pictures. Numbered from `first`.
 fn shown(record: &Record, first: usize, folder: &Path, form: Form) -> Result<String> {
-    let label = |k: usize| format!("<b>Figure {}.</b> ", first + k);
-    let views = record.views.par_iter().enumerate().map(|(k, v)| {
-        let id = format!("{}-{}", record.id, v.id);
-        let earlier = record.views[..k].iter().any(|other| other.fallback == v.fallback);
-        let figure = record.figures.iter().find(|f| f.id == v.fallback && !earlier);
-        let paper = match figure {
-            Some(figure) => format!(
-                "<div class=\"paper\" id=\"{}\">{}</div>",
-                escape(&figure_id(record, &figure.id)),
-                image(figure, folder, form)?
-            ),
-            None => String::new(),
+    let others = || record.figures.iter().filter(|f| !is_paper(record, f));
+    let views = |range: &dyn Fn(usize) -> bool| -> Vec<Item<'_>> {
+        let kept = record.views.iter().enumerate().filter(|(k, _)| range(*k));
+        kept.map(|(k, view)| Item::View(k, view)).collect()
+    };
+    let mut seen: Vec<Item<'_>> = play::of(&record.id).map(Item::Play).collect();
+    seen.extend(views(&|k| k < UNFOLDED));
+    seen.extend(others().filter(|f| f.svg.is_some()).map(Item::Picture));
+    let mut folded = views(&|k| k >= UNFOLDED);
+    folded.extend(others().filter(|f| f.svg.is_none()).map(Item::Picture));
+    if seen.is_empty() {
+        std::mem::swap(&mut seen, &mut folded);
+    }
+    let draw = |items: &[Item<'_>], from: usize| -> Result<String> {
+        let one = |(k, item): (usize, &Item<'_>)| {
+            item.html(record, &format!("<b>Figure {}.</b> ", from + k), folder, form)
         };
-        view::figure(v, &id, &figure_id(record, &v.fallback), &paper, &label(k), folder, form)
-    });
-    let mut text = views.collect::<Result<String>>()?;
-    let others: Vec<&FigureFile> = record.figures.iter().filter(|f| !is_paper(record, f)).collect();
-    let pictures = others
-        .par_iter()
-        .enumerate()
-        .map(|(k, figure)| picture(record, figure, &label(record.views.len() + k), folder, form));
-    text += &pictures.collect::<Result<String>>()?;
+        items.par_iter().enumerate().map(one).collect()
+    };
+    let mut text = draw(&seen, first)?;
+    if !folded.is_empty() {
+        let more = draw(&folded, first + seen.len())?;
+        let count = folded.len();
+        let word = if count == 1 { "figure" } else { "figures" };
+        let _ = write!(text, "<details><summary>{count} more {word}</summary>{more}</details>");
+    }
     Ok(text)
+}
+
+/// Something with a number.
+enum Item<'a> {
+    Play(&'a Play),
+    /// With its place among the views.
+    View(usize, &'a ViewFile),
+    Picture(&'a FigureFile),
+}
+
+impl Item<'_> {
+    fn html(&self, record: &Record, label: &str, folder: &Path, form: Form) -> Result<String> {
+        match self {
+            Self::Play(play) => Ok(playground(play, label)),
+            Self::Picture(figure) => picture(record, figure, label, folder, form),
+            &Self::View(k, v) => {
+                let id = format!("{}-{}", record.id, v.id);
+                let fallback = figure_id(record, &v.fallback);
+                let earlier = record.views[..k].iter().any(|other| other.fallback == v.fallback);
+                let is_still =
+                    |f: &&FigureFile| f.id == v.fallback && !earlier && is_paper(record, f);
+                let figure = record.figures.iter().find(is_still);
+                let paper = match figure {
+                    Some(figure) => format!(
+                        "<div class=\"paper\" id=\"{}\">{}</div>",
+                        escape(&fallback),
+                        image(figure, folder, form)?
+                    ),
+                    None => String::new(),
+                };
+                view::figure(v, &id, &fallback, &paper, label, folder, form)
+            }
+        }
+    }
+}
+
+/// A place in which the page's script builds a playground.
+fn playground(play: &Play, label: &str) -> String {
+    format!(
+        "<figure class=\"play\" id=\"{}\" data-play=\"{}\"><div class=\"stage\"><p class=\"hint\">{} \
+         It is computed by the page's script.</p></div><figcaption>{label}{}</figcaption></figure>",
+        play.id(),
+        play.kind,
+        escape(play.alt),
+        escape(play.caption)
+    )
 }
 
 /// Where a figure is on the page: its own place, or that of the view that it is the still of.
@@ -121,14 +189,27 @@ pub(super) fn verdict(verdict: Verdict) -> String {
     format!("<span class=\"verdict {verdict}\">{verdict}</span>")
 }
 
-fn judgement(claim: &Judgement) -> String {
+/// A link to the view or playground of the page in the state that decided a claim; nothing where the page has none.
+pub(super) fn link(all: &[Record], claim: &Judgement) -> String {
+    let Some(Shown { id, state }) = &claim.shown else { return String::new() };
+    let is_view = |r: &Record| r.views.iter().any(|v| format!("{}-{}", r.id, v.id) == *id);
+    let is_play = |r: &Record| play::of(&r.id).any(|play| play.id() == *id);
+    if !all.iter().any(|r| is_view(r) || is_play(r)) {
+        return String::new();
+    }
+    let state = state.replace('%', "%25").replace(' ', "%20").replace('&', "%26");
+    format!(" <a class=\"shown\" href=\"#{}={}\">See it</a>", escape(id), escape(&state))
+}
+
+fn judgement(all: &[Record], claim: &Judgement) -> String {
     let mut text = format!(
-        "<div class=\"claim {2}\" id=\"claim-{0}\"><p><b>Claim {0}.</b> {1}</p><p>{3} {4}</p>",
+        "<div class=\"claim {2}\" id=\"claim-{0}\"><p><b>Claim {0}.</b> {1}</p><p>{3} {4}{5}</p>",
         escape(&claim.id),
         escape(&claim.claim),
         claim.verdict,
         verdict(claim.verdict),
-        escape(&claim.reason)
+        escape(&claim.reason),
+        link(all, claim)
     );
     if !claim.numbers.is_empty() {
         text += "<ul class=\"numbers\">";
@@ -177,23 +258,40 @@ pub(super) fn image(figure: &FigureFile, folder: &Path, form: Form) -> Result<St
     if let Some(path) = &figure.svg {
         let read = fs::read_to_string(folder.join(path));
         let svg = read.with_context(|| format!("reading {path}"))?;
-        let open =
-            format!("<svg class=\"figure\" role=\"img\" aria-label=\"{}\" ", escape(&figure.alt));
+        let links = match figure.links.is_empty() {
+            true => String::new(),
+            false => format!("data-links=\"{}\" ", escape(&serde_json::to_string(&figure.links)?)),
+        };
+        let section = path.split('/').next().unwrap_or_default();
+        let open = format!(
+            "<svg class=\"figure\" role=\"img\" tabindex=\"0\" data-section=\"{}\" {links}aria-label=\"{}\" ",
+            escape(section),
+            escape(&figure.alt)
+        );
         return Ok(svg.replacen("<svg ", &open, 1));
     }
-    let path = &figure.png;
+    png(figure.small.as_ref().unwrap_or(&figure.png), &figure.alt, folder, form)
+}
+
+/// A PNG file as an image.
+///
+/// # Errors
+///
+/// If it cannot be read, or is no picture.
+pub(super) fn png(path: &str, alt: &str, folder: &Path, form: Form) -> Result<String> {
     let bytes = fs::read(folder.join(path)).with_context(|| format!("reading {path}"))?;
     let [width, height] = png_size(&bytes).with_context(|| format!("{path} is no PNG file"))?;
-    let source = match form {
-        Form::Small => escape(path),
+    // What is in the page is there when it is printed; what is beside it comes as it comes near.
+    let (source, when) = match form {
+        Form::Small => (escape(path), "loading=\"lazy\" "),
         Form::Whole => {
             let data = base64::engine::general_purpose::STANDARD.encode(bytes);
-            format!("data:image/png;base64,{data}")
+            (format!("data:image/png;base64,{data}"), "")
         }
     };
     Ok(format!(
-        "<img loading=\"lazy\" width=\"{width}\" height=\"{height}\" src=\"{source}\" alt=\"{}\">",
-        escape(&figure.alt)
+        "<img {when}width=\"{width}\" height=\"{height}\" src=\"{source}\" alt=\"{}\">",
+        escape(alt)
     ))
 }
 
@@ -225,6 +323,24 @@ fn picture(
     ))
 }
 
+/// The first table of a section, and the others folded.
+fn tables(record: &Record, form: Form) -> String {
+    let one = |t: &Table| table(t, &format!("{}/{}.csv", record.id, t.id), form);
+    let all: Vec<String> = record.tables.iter().map(one).collect();
+    let Some((first, others)) = all.split_first() else { return String::new() };
+    match others.len() {
+        0 => first.clone(),
+        n => format!(
+            "{first}<details><summary>{n} more {}</summary>{}</details>",
+            if n == 1 { "table" } else { "tables" },
+            others.concat()
+        ),
+    }
+}
+
+/// Tables with more rows than this are folded.
+const SEEN: usize = 12;
+
 fn table(table: &Table, csv: &str, form: Form) -> String {
     let caption = format!(
         "{} <span class=\"soft\">(<a href=\"{}\">CSV{}</a>)</span>",
@@ -240,7 +356,7 @@ fn table(table: &Table, csv: &str, form: Form) -> String {
     }
     // What is folded is not printed either.
     let (before, caption, after) = match table.rows.len() {
-        rows if rows > markdown::LONG => (
+        rows if rows > SEEN => (
             format!("<p class=\"caption\">{caption}</p><details><summary>{rows} rows</summary>"),
             String::new(),
             "</details>",
@@ -259,7 +375,12 @@ fn table(table: &Table, csv: &str, form: Form) -> String {
             unit => format!(" ({unit})"),
         };
         let class = class(c.unit);
-        let _ = write!(text, "<th scope=\"col\"{class}>{}{}</th>", escape(&c.name), escape(&unit));
+        let _ = write!(
+            text,
+            "<th scope=\"col\"{class}>{}{}</th>",
+            escape(&markdown::named(c)),
+            escape(&unit)
+        );
     }
     text += "</tr></thead><tbody>";
     for row in &table.rows {

@@ -1,6 +1,7 @@
 //! The data of interactive views as the page carries them: a description, and
 //! arrays in few bytes.
 
+mod frame;
 mod pack;
 mod script;
 
@@ -8,9 +9,10 @@ use anyhow::{Context as _, Result, ensure};
 use fairing_figure::Occlusion;
 use fairing_mesh::TriMesh;
 use fairing_results::results::Form;
-use fairing_results::view::{Panel, View};
+use fairing_results::view::{Modes, Panel, View};
 use serde_json::{Value, json};
 
+use frame::{Frame, reach};
 use pack::{Pack, Quantiser};
 pub(crate) use script::Packed;
 
@@ -35,6 +37,8 @@ fn describe(view: &View, step: u16) -> Result<(Value, String)> {
     ensure!(!view.panels.is_empty(), "there is no panel");
     for panel in &view.panels {
         check(panel, view.combinations()).with_context(|| format!("panel {}", panel.title))?;
+        let truth = view.truth.iter().all(|truth| truth.len() == panel.positions[0].len());
+        ensure!(truth, "panel {} has not as many vertices as the truth", panel.title);
     }
     let frame = Frame::around(&view.panels);
     let mut pack = Pack::default();
@@ -45,14 +49,12 @@ fn describe(view: &View, step: u16) -> Result<(Value, String)> {
             pack.integers(panel.faces.as_flattened());
         }
     }
-    let panels: Vec<Value> = view
-        .panels
-        .iter()
-        .map(|panel| {
-            let faces = lists.iter().position(|l| *l == panel.faces).unwrap_or_default();
-            describe_panel(panel, faces, &frame, step, &mut pack)
-        })
-        .collect::<Result<_>>()?;
+    let describe = |(i, panel): (usize, &Panel)| {
+        let faces = lists.iter().position(|l| *l == panel.faces).unwrap_or_default();
+        describe_panel(panel, &view.panels[..i], faces, &frame, step, &mut pack)
+    };
+    let panels: Vec<Value> = view.panels.iter().enumerate().map(describe).collect::<Result<_>>()?;
+    let truth = view.truth.as_ref().map(|truth| describe_truth(truth, view, step, &mut pack));
     let mut fields: Vec<Value> = Vec::new();
     for field in view.panels.iter().flat_map(|p| &p.fields) {
         if fields.iter().all(|known| known["name"] != field.name.as_str()) {
@@ -60,7 +62,7 @@ fn describe(view: &View, step: u16) -> Result<(Value, String)> {
             fields.push(entry);
         }
     }
-    let about = json!({
+    let mut about = json!({
         "alt": view.alt,
         "zUp": view.z_up,
         "angles": frame.angles(view.z_up),
@@ -73,6 +75,23 @@ fn describe(view: &View, step: u16) -> Result<(Value, String)> {
         "fields": fields,
         "panels": panels,
     });
+    if !view.start.is_empty() {
+        let stops: Vec<usize> = view.sliders.iter().map(|slider| slider.stops.len()).collect();
+        let fit =
+            view.start.len() == stops.len() && view.start.iter().zip(&stops).all(|(a, b)| a < b);
+        ensure!(fit, "sliders of {stops:?} stops cannot begin at {:?}", view.start);
+        about["start"] = json!(view.start);
+    }
+    if let Some(from) = view.from {
+        ensure!(
+            from < view.panels.len(),
+            "displacement counts from panel {from}, which is not there"
+        );
+        about["from"] = from.into();
+    }
+    if let Some(truth) = truth {
+        about["truth"] = truth;
+    }
     Ok((about, pack.finish()?))
 }
 
@@ -101,6 +120,23 @@ fn check(panel: &Panel, stops: usize) -> Result<()> {
         for values in &field.values {
             ensure!(values.len() == count, "{} has {} of {count} values", field.name, values.len());
         }
+        let exact = field.exact.iter().all(|exact| exact.len() == count);
+        ensure!(exact, "{} has no exact value for each of {count} vertices", field.name);
+    }
+    for fact in &panel.facts {
+        ensure!(
+            fits(fact.values.len()),
+            "{} of {stops} values of {}",
+            fact.values.len(),
+            fact.name
+        );
+    }
+    if let Some(modes) = &panel.modes {
+        let k = modes.vectors.len();
+        let counts = [modes.values.len(), modes.coefficients.len()];
+        ensure!(counts == [k; 2], "{k} modes with {counts:?} eigenvalues and coefficients");
+        let whole = modes.vectors.iter().all(|vector| vector.len() == count);
+        ensure!(whole, "a mode has no value for each of {count} vertices");
     }
     if let Some(input) = &panel.live {
         ensure!(input.len() == count, "the live input has {} of {count} vertices", input.len());
@@ -109,19 +145,40 @@ fn check(panel: &Panel, stops: usize) -> Result<()> {
     Ok(())
 }
 
+/// True positions: those of a panel that shows them, or of their own.
+fn describe_truth(truth: &Vec<[f64; 3]>, view: &View, step: u16, pack: &mut Pack) -> Value {
+    for (i, panel) in view.panels.iter().enumerate() {
+        if let Some(stop) = panel.positions.iter().position(|p| p == truth) {
+            return json!({"panel": i, "stop": stop});
+        }
+    }
+    let place = Frame::of(truth);
+    pack.shorts(&truth.iter().map(|&p| place.code(p, step)).collect::<Vec<_>>());
+    json!({"low": place.low, "size": place.size(), "vertices": truth.len()})
+}
+
+/// `before` are the panels to its left, whose positions need not be said again.
 fn describe_panel(
     panel: &Panel,
+    before: &[Panel],
     faces: usize,
     frame: &Frame,
     step: u16,
     pack: &mut Pack,
 ) -> Result<Value> {
     let mut stops = Vec::new();
-    let mut before: Option<Vec<[u16; 3]>> = None;
+    let mut last: Option<Vec<[u16; 3]>> = None;
     for (s, positions) in panel.positions.iter().enumerate() {
         // A panel that only one of the sliders moves.
         if let Some(first) = panel.positions[..s].iter().position(|p| p == positions) {
             stops.push(json!({"same": first}));
+            continue;
+        }
+        let known = |other: &Panel| other.positions.iter().position(|p| p == positions);
+        if let Some((i, stop)) =
+            before.iter().enumerate().find_map(|(i, other)| Some((i, known(other)?)))
+        {
+            stops.push(json!({"same": stop, "panel": i}));
             continue;
         }
         // A stop that leaves the common box by far, as unstable flows do, has
@@ -130,8 +187,8 @@ fn describe_panel(
         let stray = !frame.nearly_holds(&own);
         let place = if stray { own } else { frame.enlarged() };
         let codes: Vec<[u16; 3]> = positions.iter().map(|&p| place.code(p, step)).collect();
-        let follows = !stray && before.is_some();
-        match &before {
+        let follows = !stray && last.is_some();
+        match &last {
             Some(last) if follows => {
                 let step =
                     |(a, b): (&[u16; 3], &[u16; 3])| [0, 1, 2].map(|k| a[k].wrapping_sub(b[k]));
@@ -139,28 +196,51 @@ fn describe_panel(
             }
             _ => pack.shorts(&codes),
         }
-        before = (!stray).then_some(codes);
-        let size = [0, 1, 2].map(|k| place.high[k] - place.low[k]);
-        stops.push(json!({"low": place.low, "size": size, "follows": follows}));
+        last = (!stray).then_some(codes);
+        stops.push(json!({"low": place.low, "size": place.size(), "follows": follows}));
     }
     pack.raw(occlusion(panel)?);
     let fields = describe_fields(panel, pack);
     if let Some(input) = &panel.live {
-        // In a small report single precision, which takes half of the bytes.
+        // Single precision takes half of the bytes, and is off by less than 10⁻⁷ of the size.
         let single = |p: &[f64; 3]| p.map(|x| f64::from(x as f32));
-        match step {
-            1 => pack.doubles(input),
-            _ => pack.doubles(&input.iter().map(single).collect::<Vec<_>>()),
-        }
+        pack.doubles(&input.iter().map(single).collect::<Vec<_>>());
     }
-    Ok(json!({
+    let mut about = json!({
         "title": panel.title,
         "vertices": panel.positions[0].len(),
         "faces": faces,
         "stops": stops,
         "fields": fields,
         "live": panel.live.is_some(),
-    }))
+    });
+    if let Some(modes) = &panel.modes {
+        about["modes"] = describe_modes(modes, step, pack);
+    }
+    if !panel.facts.is_empty() {
+        about["facts"] = json!(panel.facts);
+    }
+    Ok(about)
+}
+
+/// Each mode has 65535 steps from minus its largest size to plus.
+fn describe_modes(modes: &Modes, step: u16, pack: &mut Pack) -> Value {
+    let mut sizes = vec![];
+    for vector in &modes.vectors {
+        let most = vector.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        let size = if most > 0.0 { most } else { 1.0 };
+        let step = f64::from(step);
+        let code = |x: &f64| (step * ((x / size + 1.0) * 32_767.0 / step).round()) as u16;
+        pack.shorts(&vector.iter().map(|x| [code(x)]).collect::<Vec<_>>());
+        sizes.push(size);
+    }
+    // More digits than the positions have.
+    let brief = |x: f64| f64::from(x as f32);
+    json!({
+        "values": modes.values.iter().copied().map(brief).collect::<Vec<_>>(),
+        "coefficients": modes.coefficients.iter().map(|c| c.map(brief)).collect::<Vec<_>>(),
+        "sizes": sizes.into_iter().map(brief).collect::<Vec<_>>(),
+    })
 }
 
 /// Packs the fields of a panel.
@@ -174,9 +254,10 @@ fn describe_fields(panel: &Panel, pack: &mut Pack) -> Vec<Value> {
             }
         }
         let value = |(&x, &d): (&f64, &bool)| if d { x } else { f64::NAN };
-        let all = field.values.iter().flat_map(|v| v.iter().zip(&defined).map(value));
+        let all = field.values.iter().chain(&field.exact);
+        let all = all.flat_map(|v| v.iter().zip(&defined).map(value));
         let quantiser = Quantiser::fit(all);
-        for values in &field.values {
+        for values in field.values.iter().chain(&field.exact) {
             let codes = values.iter().zip(&defined).map(value).map(|x| [quantiser.code(x)]);
             pack.shorts(&codes.collect::<Vec<_>>());
         }
@@ -185,6 +266,7 @@ fn describe_fields(panel: &Panel, pack: &mut Pack) -> Vec<Value> {
             "unit": field.unit,
             "signed": field.signed,
             "stops": field.values.len(),
+            "exact": field.exact.is_some(),
             "scale": quantiser.scale,
             "low": quantiser.low,
             "high": quantiser.high,
@@ -214,86 +296,4 @@ fn occlusion(panel: &Panel) -> Result<Vec<u8>> {
         .unwrap_or(0);
     let baked = Occlusion::bake(&meshes[smoothest]);
     Ok(baked.front().iter().map(|x| (x * 255.0).round() as u8).collect())
-}
-
-/// The largest distance from `center` at the first stops; 1 if it is zero.
-fn reach(panels: &[Panel], center: [f64; 3]) -> f64 {
-    let distance = |p: &[f64; 3]| fairing_mesh::vec3::distance(*p, center);
-    let far = panels.iter().flat_map(|p| &p.positions[0]).map(distance).fold(0.0, f64::max);
-    if far > 0.0 { far } else { 1.0 }
-}
-
-/// A box around positions.
-#[derive(Debug, Clone, Copy)]
-struct Frame {
-    low: [f64; 3],
-    high: [f64; 3],
-}
-
-impl Frame {
-    fn of(positions: &[[f64; 3]]) -> Self {
-        let empty = Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
-        positions.iter().fold(empty, |frame, p| Self {
-            low: [0, 1, 2].map(|k| p[k].min(frame.low[k])),
-            high: [0, 1, 2].map(|k| p[k].max(frame.high[k])),
-        })
-    }
-
-    /// The box of all panels at their first stops: what the camera looks at.
-    fn around(panels: &[Panel]) -> Self {
-        let boxes = panels.iter().map(|p| Self::of(&p.positions[0]));
-        boxes
-            .reduce(|a, b| Self {
-                low: [0, 1, 2].map(|k| a.low[k].min(b.low[k])),
-                high: [0, 1, 2].map(|k| a.high[k].max(b.high[k])),
-            })
-            .unwrap_or(Self { low: [0.0; 3], high: [0.0; 3] })
-    }
-
-    fn center(&self) -> [f64; 3] {
-        [0, 1, 2].map(|k| 0.5 * (self.low[k] + self.high[k]))
-    }
-
-    /// Half the diagonal; 1 for a point.
-    fn radius(&self) -> f64 {
-        let diagonal = fairing_mesh::vec3::distance(self.low, self.high);
-        if diagonal > 0.0 { 0.5 * diagonal } else { 1.0 }
-    }
-
-    /// The same with a margin of half the radius.
-    fn enlarged(&self) -> Self {
-        let margin = 0.5 * self.radius();
-        Self { low: self.low.map(|x| x - margin), high: self.high.map(|x| x + margin) }
-    }
-
-    fn nearly_holds(&self, other: &Self) -> bool {
-        let own = self.enlarged();
-        (0..3).all(|k| own.low[k] <= other.low[k] && other.high[k] <= own.high[k])
-    }
-
-    /// Where in the box, in 65535ths, to the next multiple of `step`.
-    fn code(&self, p: [f64; 3], step: u16) -> [u16; 3] {
-        let (step, last) = (f64::from(step), f64::from(u16::MAX));
-        [0, 1, 2].map(|k| {
-            let size = self.high[k] - self.low[k];
-            let t = if size > 0.0 { (p[k] - self.low[k]) / size } else { 0.0 };
-            (step * (t * last / step).round()).min(last) as u16
-        })
-    }
-
-    /// Azimuth and elevation at which the view begins, in degrees: what is
-    /// nearly flat is seen almost face on, everything else a little from the
-    /// side and above.
-    fn angles(&self, z_up: bool) -> [f64; 2] {
-        // Sideways, up, towards the camera.
-        let axes = if z_up { [0, 2, 1] } else { [0, 1, 2] };
-        let size = axes.map(|k| self.high[k] - self.low[k]);
-        let thin = 0.1 * self.radius();
-        match size.iter().position(|&s| s < thin) {
-            Some(0) => [70.0, 15.0],
-            Some(1) => [20.0, 65.0],
-            Some(_) => [20.0, 20.0],
-            None => [30.0, 20.0],
-        }
-    }
 }

@@ -1,8 +1,9 @@
 //! A view as a file, with every bit of its numbers.
 //!
 //! The length of a description (64 bits), the description as JSON, and the
-//! arrays of each panel one after another: positions, faces, values, live
-//! positions. Numbers are little-endian.
+//! arrays of each panel one after another: positions, faces, values, exact
+//! values, live positions, modes; last, the true positions. Numbers are
+//! little-endian.
 
 use anyhow::{Context as _, Result, ensure};
 use serde::{Deserialize, Serialize};
@@ -14,6 +15,8 @@ use super::View;
 struct Header {
     view: View,
     counts: Vec<Counts>,
+    /// Vertices.
+    truth: Option<usize>,
 }
 
 /// The lengths of the arrays of a panel.
@@ -24,8 +27,12 @@ struct Counts {
     faces: usize,
     /// Values at each stop, for each field.
     values: Vec<Vec<usize>>,
+    /// Exact values, for each field.
+    exact: Vec<Option<usize>>,
     /// Vertices.
     live: Option<usize>,
+    /// Values of each mode.
+    modes: Vec<usize>,
 }
 
 impl View {
@@ -39,12 +46,15 @@ impl View {
             positions: panel.positions.iter().map(Vec::len).collect(),
             faces: panel.faces.len(),
             values: panel.fields.iter().map(|f| f.values.iter().map(Vec::len).collect()).collect(),
+            exact: panel.fields.iter().map(|f| f.exact.as_ref().map(Vec::len)).collect(),
             live: panel.live.as_ref().map(Vec::len),
+            modes: panel.modes.iter().flat_map(|m| m.vectors.iter().map(Vec::len)).collect(),
         });
         // Serialising leaves the arrays out.
         let description = serde_json::to_vec(&serde_json::json!({
             "view": self,
             "counts": counts.collect::<Vec<_>>(),
+            "truth": self.truth.as_ref().map(Vec::len),
         }))?;
         let mut bytes = (description.len() as u64).to_le_bytes().to_vec();
         bytes.extend(description);
@@ -53,8 +63,11 @@ impl View {
             bytes.extend(panel.faces.as_flattened().iter().flat_map(|v| v.to_le_bytes()));
             let values = panel.fields.iter().flat_map(|f| &f.values);
             values.for_each(|v| doubles(&mut bytes, v));
+            panel.fields.iter().flat_map(|f| &f.exact).for_each(|v| doubles(&mut bytes, v));
             panel.live.iter().for_each(|p| doubles(&mut bytes, p.as_flattened()));
+            panel.modes.iter().flat_map(|m| &m.vectors).for_each(|v| doubles(&mut bytes, v));
         }
+        self.truth.iter().for_each(|p| doubles(&mut bytes, p.as_flattened()));
         Ok(bytes)
     }
 
@@ -67,7 +80,7 @@ impl View {
         let mut rest = Rest(bytes);
         let length = u64::from_le_bytes(rest.array()?);
         let description = rest.take(usize::try_from(length)?)?;
-        let Header { mut view, counts } = serde_json::from_slice(description)?;
+        let Header { mut view, counts, truth } = serde_json::from_slice(description)?;
         ensure!(counts.len() == view.panels.len(), "{} counts of panels", counts.len());
         for (panel, counts) in view.panels.iter_mut().zip(counts) {
             panel.positions =
@@ -78,8 +91,17 @@ impl View {
                 field.values =
                     counts.into_iter().map(|n| rest.doubles(n)).collect::<Result<_>>()?;
             }
+            ensure!(counts.exact.len() == panel.fields.len(), "fields of {}", panel.title);
+            for (field, count) in panel.fields.iter_mut().zip(counts.exact) {
+                field.exact = count.map(|n| rest.doubles(n)).transpose()?;
+            }
             panel.live = counts.live.map(|n| rest.points(n)).transpose()?;
+            if let Some(modes) = &mut panel.modes {
+                modes.vectors =
+                    counts.modes.into_iter().map(|n| rest.doubles(n)).collect::<Result<_>>()?;
+            }
         }
+        view.truth = truth.map(|n| rest.points(n)).transpose()?;
         ensure!(rest.0.is_empty(), "{} bytes are left over", rest.0.len());
         Ok(view)
     }
@@ -130,7 +152,7 @@ mod tests {
     use fairing_mesh::TriMesh;
 
     use super::*;
-    use crate::view::{Panel, Slider};
+    use crate::view::{Modes, Panel, Slider};
 
     fn sample() -> View {
         let positions = vec![[0.1, 0.0, 0.0], [1.0, 1e-300, 0.0], [0.0, 1.0, 1.0 / 3.0]];
@@ -139,15 +161,26 @@ mod tests {
         let panel = Panel::moving("p", &mesh, [mesh.positions(), &moved])
             .with_field("f", "m", true, &[0.1, 2.0, f64::NAN])
             .undefined_at([2])
-            .with_live_smoothing(&mesh);
+            .exactly(vec![0.3, 0.1, 1e300])
+            .with_live_smoothing(&mesh)
+            .with_fact("E_a", "°", vec![Some(0.1), None])
+            .with_modes(Modes {
+                values: vec![0.0, 0.7],
+                coefficients: vec![[1.0, 2.0, 3.0], [0.1, 0.2, 0.3]],
+                vectors: vec![vec![0.1; 3], vec![0.3, -0.1, 0.0]],
+            });
         View {
             id: "v".into(),
             caption: String::new(),
+            mesh: "m".into(),
             alt: String::new(),
             fallback: "f".into(),
             z_up: true,
             sliders: vec![Slider::new("k", [1, 2])],
+            start: vec![1],
             panels: vec![panel, Panel::still("q", &mesh)],
+            from: Some(1),
+            truth: Some(vec![[0.1, 0.2, 0.3]; 3]),
         }
     }
 
@@ -159,6 +192,9 @@ mod tests {
         assert_eq!(back.to_bytes().unwrap(), bytes);
         assert_eq!(back.panels[0].positions, view.panels[0].positions);
         assert_eq!(back.panels[0].fields[0].values[0][..2], [0.1, 2.0]);
+        assert_eq!(back.panels[0].fields[0].exact, view.panels[0].fields[0].exact);
+        assert_eq!(back.panels[0].modes, view.panels[0].modes);
+        assert_eq!((&back.truth, back.from), (&view.truth, view.from));
         assert_eq!(back.panels[1], view.panels[1]);
     }
 

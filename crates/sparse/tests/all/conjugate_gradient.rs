@@ -133,7 +133,7 @@ fn residuals_are_measured() {
     let b = crate::matrices::random_vector(s.rows(), 8);
     let cg = ConjugateGradient::new(&a).unwrap();
     for tolerance in [1e-10, 1e-20, 0.0] {
-        let options = CgOptions { tolerance, max_iterations: 2000 };
+        let options = CgOptions { tolerance, max_iterations: 2000, ..Default::default() };
         let Ok(found) = cg.solve(&b, None, &options) else {
             assert_eq!(tolerance, 0.0, "only this cannot be reached");
             continue;
@@ -144,5 +144,49 @@ fn residuals_are_measured() {
         let residual = norm(&rest) / norm(&b);
         assert!((found.residuals[0] - residual).abs() <= 1e-3 * residual);
         assert!(residual > 1e-17 && residual < 1e-9);
+    }
+}
+
+/// Without measuring, a solution takes one product less and is the same; the residual is that of the iteration.
+#[test]
+fn residuals_need_not_be_measured() {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    use fairing_sparse::{CgSystem, conjugate_gradients};
+
+    struct Counted<'a>(ConjugateGradient<'a>, AtomicUsize);
+    impl CgSystem<3> for Counted<'_> {
+        fn multiply(&self, p: &[[f64; 3]], q: &mut Vec<[f64; 3]>) -> [f64; 3] {
+            self.1.fetch_add(1, Ordering::Relaxed);
+            self.0.multiply(p, q)
+        }
+
+        fn precondition(&self, i: usize, r: [f64; 3]) -> [f64; 3] {
+            self.0.precondition(i, r)
+        }
+
+        fn is_coupled(&self) -> bool {
+            true
+        }
+    }
+
+    let n = 60 * 50;
+    let a = combine(1.0, Mass::Lumped(&vec![1.0; n]), 5.0, &grid(60, 50));
+    let b: Vec<[f64; 3]> = random_vector(n, 3).into_iter().map(|v| [v, 1e-3 * v, v * v]).collect();
+    let solve = |measure: bool| {
+        let system = Counted(ConjugateGradient::new(&a).unwrap(), AtomicUsize::new(0));
+        let options = CgOptions { tolerance: 1e-8, measure, ..Default::default() };
+        let (found, failure) = conjugate_gradients(&system, &b, vec![[0.0; 3]; n], &options);
+        assert_eq!(failure, None);
+        (found, system.1.into_inner())
+    };
+    let ((measured, products), (carried, fewer)) = (solve(true), solve(false));
+    assert_eq!((products, fewer), (measured.iterations + 1, carried.iterations));
+    assert_eq!(measured.x, carried.x);
+    for k in 0..3 {
+        // One number for all coordinates; both residuals are the same to rounding of b.
+        assert_eq!(measured.residuals[k], measured.residuals[0]);
+        assert!((measured.residuals[k] / carried.residuals[k] - 1.0).abs() < 1e-5);
+        assert!(measured.residuals[k] <= 1e-8 && measured.residuals[k] > 1e-10);
     }
 }

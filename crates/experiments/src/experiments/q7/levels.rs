@@ -57,7 +57,8 @@ pub(super) fn resolutions(context: &Context<'_>) -> Result<Table> {
             ("standard error", Unit::Degrees),
             ("kept by", Unit::Label),
         ],
-    );
+    )
+    .aside(&["vertices", "seeds", "σ/h", "standard error", COMPARED[2].name(), COMPARED[3].name(), COMPARED[4].name()]);
     for method in COMPARED {
         table = table.tolerance(method.name(), Some(Tolerance::LOOSE));
     }
@@ -221,6 +222,7 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
                 "What counts is the noise over the edge length: these levels are {} edge lengths of the machine part.",
                 list(&levels.iter().map(|l| l.share).collect::<Vec<_>>())
             ))
+            .shown("q7-levels-view", "!2~3!normal error")
             .number("the levels over h, lowest", levels[0].share, Unit::EdgeLengths)
             .number("highest", levels[2].share, Unit::EdgeLengths);
     for (level, sigma) in levels.iter().zip(ASSIGNMENT) {

@@ -34,7 +34,8 @@ pub(super) fn table(sweep: &Results) -> Result<Results> {
             ("at least", Unit::EdgeLengths),
             ("at most", Unit::EdgeLengths),
         ],
-    );
+    )
+    .aside(&["E_v helps from", "E_v stops at"]);
     // Interpolated between errors that may move by two per cent.
     for column in ["kept up to", "at least", "at most"] {
         table = table.tolerance(column, Some(Tolerance { relative: 0.05, absolute: 1e-3 }));

@@ -1,8 +1,10 @@
 //! The pictures, plots and views of question 7.
 
+use std::collections::BTreeMap;
+
 use anyhow::Result;
 use fairing_denoising::Denoiser;
-use fairing_evaluation::NoiseLevel;
+use fairing_evaluation::{NoiseLevel, drift, feature_edges, normal_error};
 use fairing_figure::{Axis, Figure, Legend, Panel as FigurePanel, Plot, Series, Up, Viewpoint};
 use fairing_mesh::TriMesh;
 use rayon::prelude::*;
@@ -11,6 +13,7 @@ use super::ASSIGNMENT;
 use crate::experiment::Context;
 use crate::experiments::gallery::{VIEWPOINTS, plotted};
 use crate::experiments::grid::{Grid, Row};
+use crate::experiments::models::FEATURE;
 use crate::experiments::restoring::{Body, Method};
 use crate::outcome::Picture;
 use crate::table::{Cell, Table};
@@ -53,10 +56,10 @@ pub(super) fn of_levels(context: &Context<'_>, part: &Body) -> Result<(Picture, 
     let restored = Restored::new(context, part, &levels, VIEWPOINTS[0], Up::Z)?;
     let picture = restored.draw(
         "levels",
-        "The machine part under the assignment's three levels of noise, in model units, and after each method; flat shaded, so that every face shows its normal.",
+        "Compare the rows: the more noise, the less of faces and edges comes back. The machine part under the three levels of noise of Figure 12 of the original report, in model units, and after each method; flat shaded, so that every face shows its normal.",
         "Three rows of six pictures of the machine part: noisy, smoothed, and denoised; the higher the level, the less of its faces and edges comes back.",
     )?;
-    Ok((picture, restored.view("levels")))
+    Ok((picture, restored.view("levels")?))
 }
 
 /// The same of the scan, levels in h.
@@ -71,7 +74,7 @@ pub(super) fn of_scan(context: &Context<'_>, scan: &Body) -> Result<(Picture, Vi
     let picture = restored.draw(
         "scan",
         &format!(
-            "The {} under three levels of noise in mean edge lengths, and after each method.",
+            "Compare the rows: details go first, the outline last. The {} under three levels of noise, and after each method.",
             scan.name
         ),
         &format!(
@@ -79,7 +82,7 @@ pub(super) fn of_scan(context: &Context<'_>, scan: &Body) -> Result<(Picture, Vi
             scan.name
         ),
     )?;
-    Ok((picture, restored.view("scan")))
+    Ok((picture, restored.view("scan")?))
 }
 
 /// A level of noise.
@@ -129,19 +132,26 @@ impl<'a> Restored<'a> {
     }
 
     /// The noisy body, what a method makes of it, and the truth, with sliders over the noise and the method.
-    fn view(&self, figure: &str) -> View {
+    fn view(&self, figure: &str) -> Result<View> {
         let name = self.body.name;
         let viewed = || SHOWN.iter().enumerate().filter(|(_, m)| !UNVIEWED.contains(m));
         let (mut noisy, mut results) = (vec![], vec![]);
         for meshes in &self.meshes {
             for (i, _) in viewed() {
-                noisy.push(meshes[0].positions());
-                results.push(meshes[i].positions());
+                noisy.push(&meshes[0]);
+                results.push(&meshes[i]);
             }
         }
-        View {
+        let truth = &self.body.truth;
+        let noisy_panel =
+            Panel::moving(SHOWN[0].name(), truth, noisy.iter().map(|m| m.positions()));
+        let result_panel = Panel::moving("result", truth, results.iter().map(|m| m.positions()));
+        Ok(View {
             id: format!("{figure}-view"),
-            caption: format!("The {name} under noise, after each method, and without noise."),
+            mesh: name.into(),
+            caption: format!(
+                "Watch the numbers under the panels as σ grows: what a method gains in E_a it can lose in volume or creases. The {name} under noise, after each method, and without noise."
+            ),
             alt: format!("The {name} three times, to turn, with sliders over noise and method."),
             fallback: figure.into(),
             z_up: self.up == Up::Z,
@@ -149,12 +159,33 @@ impl<'a> Restored<'a> {
                 Slider::new("σ", self.levels.iter().map(|level| &level.name)),
                 Slider::new("method", viewed().map(|(_, method)| method.name())),
             ],
+            start: vec![1, viewed().count() - 1],
             panels: vec![
-                Panel::moving(SHOWN[0].name(), &self.body.truth, noisy),
-                Panel::moving("result", &self.body.truth, results),
+                self.with_facts(noisy_panel, &noisy)?,
+                self.with_facts(result_panel, &results)?,
                 Panel::still("truth", &self.body.truth),
             ],
-        }
+            from: Some(0),
+            truth: Some(self.body.truth.positions().to_vec()),
+        })
+    }
+
+    /// A panel with the errors of what it shows at each of its stops.
+    fn with_facts(&self, panel: Panel, meshes: &[&TriMesh]) -> Result<Panel> {
+        let truth = &self.body.truth;
+        let of = |mesh: &&TriMesh| -> Result<[Option<f64>; 3]> {
+            let recall = feature_edges(mesh, truth, FEATURE)?.recall();
+            Ok([
+                Some(normal_error(mesh, truth)?.mean),
+                drift(mesh, truth).volume.map(|v| 100.0 * v),
+                recall.map(|r| 100.0 * r),
+            ])
+        };
+        let facts: Vec<_> = meshes.par_iter().map(of).collect::<Result<_>>()?;
+        let named = [("E_a", "°"), ("volume", "%"), ("creases kept", "%")];
+        Ok(named.into_iter().enumerate().fold(panel, |panel, (k, (name, unit))| {
+            panel.with_fact(name, unit, facts.iter().map(|fact| fact[k]).collect())
+        }))
     }
 }
 
@@ -165,51 +196,83 @@ pub(super) fn curves(sweep: &Table) -> Result<Vec<Picture>> {
             "normals",
             "E_a",
             "E_a in degrees",
-            "E_a over the noise, mean and standard deviation over seeds; the dashed line is the noisy input. A method helps where it runs below.",
+            "A method helps where its line runs below the dashed one of the noisy input. E_a over the noise, mean and standard deviation over seeds; in colour what is best at some level, in grey what never is.",
         ),
         (
             "distances",
             "E_v",
             "E_v in h",
-            "E_v over the noise, likewise: at little noise smoothing moves vertices further from the surface than the noise did.",
+            "Where a line runs above the dashed one of the noisy input, a method does more harm than the noise. E_v over the noise; in colour what is best at some level, in grey what never is.",
         ),
     ];
-    let draw = |(id, column, label, caption): (&str, &str, &str, &str)| -> Result<Picture> {
-        let mut figure = Figure { columns: 3, ..Figure::default() };
-        for (i, mesh) in sweep.labels("mesh")?.iter().enumerate() {
-            let mut plot = Plot {
-                title: mesh.clone(),
-                x: Axis::log("noise σ/h"),
-                y: Axis::log(if i == 0 { label } else { "" }),
-                legend: if i == 2 { Legend::Right } else { Legend::None },
-                ..Plot::default()
-            };
-            let rows = sweep.only(&[("mesh", mesh.as_str().into())])?;
-            for (style, method) in CURVES.into_iter().enumerate() {
-                let rows = rows.only(&[("method", method.name().into())])?;
-                let (x, y) = (rows.column("σ/h")?, rows.column(column)?);
-                let spread = rows.index(&format!("± {column}"))?;
-                let deviations = rows.rows.iter().map(|r| Cell::number(&r[spread]).unwrap_or(0.0));
-                let band = x.iter().zip(&y).zip(deviations);
-                let band = band.map(|((x, y), d)| [*x, (y - d).max(0.5 * y), y + d]).collect();
-                plot.series.push(Series::band(band, style));
-                let points = x.into_iter().zip(y).map(|(x, y)| [x, y]).collect();
-                plot.series
-                    .push(Series { style: Some(style), ..Series::marked(method.name(), points) });
+    errors
+        .into_iter()
+        .map(|(id, column, label, caption)| curve(sweep, id, column, label, caption))
+        .collect()
+}
+
+/// The error in one column.
+fn curve(sweep: &Table, id: &str, column: &str, label: &str, caption: &str) -> Result<Picture> {
+    let mut figure = Figure { columns: 2, ..Figure::default() };
+    let meshes = sweep.labels("mesh")?;
+    for mesh in &meshes {
+        let mut plot = Plot {
+            title: mesh.clone(),
+            x: Axis::log("noise σ/h"),
+            y: Axis::log(label),
+            legend: Legend::Lines,
+            ..Plot::default()
+        };
+        let rows = sweep.only(&[("mesh", mesh.as_str().into())])?;
+        let best = best_somewhere(&rows, column)?;
+        let mut style = 0;
+        for method in CURVES {
+            let rows = rows.only(&[("method", method.name().into())])?;
+            let (x, y) = (rows.column("σ/h")?, rows.column(column)?);
+            let line =
+                Series::marked(method.name(), x.iter().zip(&y).map(|(x, y)| [*x, *y]).collect());
+            if !best.iter().any(|name| name == method.name()) {
+                plot.series.push(line.quiet());
+                continue;
             }
-            let input = rows.only(&[("method", Method::Nothing.name().into())])?;
-            let points = input.column("σ/h")?.into_iter().zip(input.column(column)?);
-            let points = points.map(|(x, y)| [x, y]).collect();
-            plot.series.push(Series::reference(Method::Nothing.name(), points));
-            let width = if i == 2 { 420.0 } else { 270.0 };
-            figure.panels.push(FigurePanel::drawing(plot.draw(width, 300.0)?));
+            let spread = rows.index(&format!("± {column}"))?;
+            let deviations = rows.rows.iter().map(|r| Cell::number(&r[spread]).unwrap_or(0.0));
+            let band = x.iter().zip(&y).zip(deviations);
+            let band = band.map(|((x, y), d)| [*x, (y - d).max(0.5 * y), y + d]).collect();
+            plot.series.push(Series::band(band, style));
+            plot.series.push(Series { style: Some(style), ..line });
+            style += 1;
         }
-        plotted(
-            &figure,
-            id,
-            caption,
-            "Three plots of error over noise on logarithmic axes, a line for each method.",
-        )
-    };
-    errors.into_iter().map(draw).collect()
+        let input = rows.only(&[("method", Method::Nothing.name().into())])?;
+        let points = input.column("σ/h")?.into_iter().zip(input.column(column)?);
+        let points = points.map(|(x, y)| [x, y]).collect();
+        plot.series.push(Series::reference(Method::Nothing.name(), points));
+        figure.panels.push(FigurePanel::drawing(plot.draw(450.0, 300.0)?));
+    }
+    let picture = plotted(
+        &figure,
+        id,
+        caption,
+        "Three plots of error over noise on logarithmic axes, a line for each method.",
+    )?;
+    // The last mesh is that of the view.
+    Ok(match meshes.last() {
+        Some(last) => picture.linked(last, "", "scan-view", "σ"),
+        None => picture,
+    })
+}
+
+/// The methods of the plot that have the least error at some level.
+fn best_somewhere(rows: &Table, column: &str) -> Result<Vec<String>> {
+    let mut best: BTreeMap<String, (f64, String)> = BTreeMap::new();
+    for method in CURVES {
+        let own = rows.only(&[("method", method.name().into())])?;
+        for (level, error) in own.column("σ/h")?.into_iter().zip(own.column(column)?) {
+            let entry = best.entry(level.to_string()).or_insert((f64::INFINITY, String::new()));
+            if error < entry.0 {
+                *entry = (error, method.name().into());
+            }
+        }
+    }
+    Ok(best.into_values().map(|(_, name)| name).collect())
 }

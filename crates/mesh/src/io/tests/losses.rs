@@ -32,7 +32,7 @@ fn repeated_corners_are_reduced_alike_in_all_formats() {
     let header = "property double x\nproperty double y\nproperty double z\nelement face 6\n\
                   property list uchar int vertex_indices\nend_header\n";
     let ply = format!("ply\nformat ascii 1.0\nelement vertex 5\n{header}{}", lines("", &counted));
-    let binary = binary_ply(&header, &corners, &faces);
+    let binary = binary_ply(header, &corners, &faces);
     let expected: [&[u32]; 5] = [&[0, 1, 2], &[1, 3, 2], &[0, 2, 4], &[3, 1, 4], &[2, 4, 3, 1]];
     let files = [
         ("a.obj", obj.as_bytes()),

@@ -1,0 +1,29 @@
+//! What a section does, in a few lines of Rust: from an example that is compiled and run by the tests.
+
+const SOURCE: &str = include_str!("../../fairing/examples/report.rs");
+
+/// The lines of a section's snippet, without their indentation; `None` if it has none.
+pub(crate) fn of(section: &str) -> Option<String> {
+    let (_, rest) = SOURCE.split_once(&format!("// [{section}]\n"))?;
+    let (lines, _) = rest.split_once("// [end]")?;
+    let lines: Vec<&str> = lines.lines().filter(|line| !line.trim().is_empty()).collect();
+    let blank = |line: &&str| line.len() - line.trim_start().len();
+    let indent = lines.iter().map(blank).min().unwrap_or(0);
+    Some(lines.iter().map(|line| &line[indent..]).collect::<Vec<_>>().join("\n"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::story;
+
+    /// Each section of the article has between two and six lines.
+    #[test]
+    fn every_section_has_a_snippet() {
+        for section in story::ACTS.iter().flat_map(story::Act::ids) {
+            let lines = of(section).unwrap_or_default().lines().count();
+            assert!((2..=6).contains(&lines), "{section}: {lines} lines");
+        }
+        assert_eq!(of("nothing"), None);
+    }
+}

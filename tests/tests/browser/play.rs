@@ -1,0 +1,367 @@
+//! Playgrounds and what views compute, compared with the library.
+
+use std::path::Path;
+
+use anyhow::{Context as _, Result, ensure};
+use fairing_mesh::TriMesh;
+use fairing_operators::LumpedArea;
+use fairing_operators::curvature::{
+    MeanOperator, angle_defect, gaussian_curvature, mean_curvature,
+};
+use fairing_operators::surface::{Ellipsoid, ParametricSurface as _};
+use fairing_smoothing::{
+    Diffusion, Explicit, Implicit, Stability, explicit, implicit, largest_eigenvalue,
+};
+use serde_json::{Value, json};
+
+use crate::chrome::Chrome;
+use crate::{Test, scene};
+
+pub(crate) fn trials() -> Vec<(&'static str, Test)> {
+    vec![
+        ("the_ellipsoid_has_its_normal_curvature", ellipsoid),
+        ("diffusion_goes_through_four_thirds", diffusion),
+        ("noise_counts_the_errors_of_known_curvature", noise),
+        ("modes_are_summed_continuously", modes),
+        ("facts_follow_the_sliders", facts),
+        ("views_are_coloured_by_what_they_compute", derived),
+        ("picking_shows_exact_value_estimate_and_error", exact),
+        ("a_claim_opens_the_view_that_decides_it", claims),
+        ("points_of_plots_move_their_view", points),
+        ("playgrounds_work_without_webgl_and_by_keyboard", plain),
+    ]
+}
+
+/// Opens the page and this view or playground.
+fn open(chrome: &mut Chrome, page: &Path, id: &str) -> Result<()> {
+    chrome.open(&format!("file://{}", page.display()))?;
+    chrome.run(&format!("fairing.views.get('{id}').figure.scrollIntoView()"))?;
+    chrome.run(&format!("(async () => fairing.views.get('{id}').open())()"))?;
+    Ok(())
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().into_iter().flatten().filter_map(Value::as_f64).collect()
+}
+
+/// A mesh of the page.
+fn mesh(value: &Value) -> Result<TriMesh> {
+    let positions = numbers(&value[0]);
+    let faces: Vec<u32> = numbers(&value[1]).into_iter().map(|v| v as u32).collect();
+    ensure!(!faces.is_empty(), "no mesh came back");
+    Ok(TriMesh::new(positions.as_chunks().0.to_vec(), faces.as_chunks().0.to_vec())?)
+}
+
+/// The greatest difference, over the greatest of the expected values.
+fn gap(found: &[f64], expected: &[f64]) -> f64 {
+    let most = expected.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let off = found.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    if found.len() == expected.len() { off / most } else { f64::INFINITY }
+}
+
+/// Our curvature is that of the closed forms, the original report's what its coefficients give.
+#[expect(clippy::disallowed_methods, reason = "tests do not need the same bits")]
+fn ellipsoid(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    open(chrome, page, "play-ellipsoid")?;
+    let set = |a: f64, b: f64, c: f64, degrees: f64| {
+        format!(
+            "(() => {{
+               const p = fairing.views.get('play-ellipsoid');
+               p.fromText('{a}~{b}~{c}~{degrees}');
+               const {{exact, source}} = p.curvatures({degrees} * Math.PI / 180);
+               const d = p.solid.target.getImageData(0, 0, p.solid.canvas.width, p.solid.canvas.height).data;
+               let blue = 0;
+               for (let i = 0; i < d.length; i += 4) if (d[i + 3] > 128 && d[i + 2] > d[i] + 60) blue += 1;
+               return [exact, source, p.result.textContent, blue, p.plots.querySelectorAll('path.curve').length];
+             }})()"
+        )
+    };
+    for (a, b, c, degrees) in [(2.0, 1.0, 0.7, 0.0), (1.2, 1.6, 0.8, 35.0), (0.5, 2.0, 1.5, 90.0)] {
+        let found = chrome.run(&set(a, b, c, degrees))?;
+        let theta = f64::to_radians(degrees);
+        let forms = Ellipsoid { a, b, c }.forms(0.0, std::f64::consts::FRAC_PI_2)?;
+        let (sin, cos) = theta.sin_cos();
+        let kappa = forms.normal_curvature([cos / b, -sin / c]);
+        let kappa = kappa.context("no direction")?;
+        let source = -cos * cos / c;
+        ensure!(
+            found[0].as_f64().is_some_and(|k| (k / kappa - 1.0).abs() < 1e-12),
+            "{found}, {kappa}"
+        );
+        ensure!(found[1].as_f64().is_some_and(|k| (k - source).abs() < 1e-12), "{found}, {source}");
+        ensure!(found[3].as_f64().is_some_and(|n| n > 50.0), "no circle is drawn: {found}");
+        let curves = if source.abs() > 0.02 { 5.0 } else { 4.0 };
+        ensure!(found[4] == curves, "{found}");
+    }
+    let sphere = chrome.run(&set(1.0, 1.0, 1.0, 0.0))?;
+    ensure!(sphere[2].as_str().is_some_and(|w| w.contains("the same size")), "{sphere}");
+    chrome.picture("ellipsoid")
+}
+
+/// The page multiplies modes; the library takes steps. The mesh attains the bound of closed meshes, −3/2.
+fn diffusion(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    open(chrome, page, "play-diffusion")?;
+    let input = chrome.run(
+        "(() => { const p = fairing.views.get('play-diffusion'); return [[...p.positions], [...p.faces]]; })()",
+    )?;
+    let input = mesh(&input)?;
+    let mu = chrome.number("fairing.views.get('play-diffusion').values[0]")?;
+    let known = -largest_eigenvalue(&input, Diffusion::uniform(1.0))?;
+    ensure!((mu + 1.5).abs() < 1e-12 && (known - mu).abs() < 1e-3, "{mu}, {known}");
+    for (lambda, count) in [(0.5, 20), (1.45, 12), (2.0, 6)] {
+        let found = chrome.run(&format!(
+            "(() => {{
+               const p = fairing.views.get('play-diffusion');
+               p.fromText('{lambda}~{count}');
+               return [[...p.results.explicit], [...p.results.implicit], p.result.textContent];
+             }})()"
+        ))?;
+        let diffusion = Diffusion::uniform(lambda);
+        let stability = Stability::Allow;
+        let options = Explicit { iterations: count, stability, ..Explicit::new(diffusion) };
+        let one = explicit(&input, &options, None)?.mesh;
+        let options = Implicit { iterations: count, ..Implicit::new(diffusion) };
+        let other = implicit(&input, &options, None)?.mesh;
+        for (k, expected) in [one, other].iter().enumerate() {
+            let off = gap(&numbers(&found[k]), expected.positions().as_flattened());
+            ensure!(off < 1e-9, "λ = {lambda}, {count} steps, flow {k}: off by {off:e}");
+        }
+        let words = found[2].as_str().unwrap_or_default();
+        let expected = if lambda > 4.0 / 3.0 { "beyond the limit" } else { "below the limit" };
+        ensure!(words.contains(expected), "{words}");
+        ensure!(words.contains("no mesh is safe") == (lambda >= 2.0), "{words}");
+    }
+    chrome.picture("diffusion")
+}
+
+/// The page's curvature is the library's, and noise hurts K more than H.
+fn noise(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    open(chrome, page, "play-noise")?;
+    for (surface, euler) in [("torus", 0.0), ("sphere", 2.0)] {
+        let found = chrome.run(&format!(
+            "(() => {{
+               const p = fairing.views.get('play-noise');
+               p.fromText('0.1~8~{surface}~error');
+               const n = p.now;
+               return [[...n.positions], [...p.mesh.faces], [...n.mean], [...n.gaussian], n.total, p.errors(n), p.result.textContent];
+             }})()"
+        ))?;
+        let noisy = mesh(&found)?;
+        let mean = mean_curvature(&noisy, MeanOperator::Cotangent(LumpedArea::Mixed))?.signed;
+        let gaussian = gaussian_curvature(&noisy, LumpedArea::Mixed)?.values;
+        // Angles by atan2 here and there, sums in another order.
+        for (k, expected) in [(2, mean), (3, gaussian)] {
+            let off = gap(&numbers(&found[k]), &expected);
+            ensure!(off < 1e-9, "{surface}, field {k}: off by {off:e}");
+        }
+        let total: f64 = angle_defect(&noisy).iter().sum();
+        ensure!(found[4].as_f64().is_some_and(|t| (t - total).abs() < 1e-9), "{total}");
+        ensure!((total - std::f64::consts::TAU * euler).abs() < 1e-9, "{total}");
+        let errors = numbers(&found[5]);
+        ensure!(errors[1] > errors[0] && errors[0] > 0.05, "{errors:?}");
+        ensure!(found[6].as_str().is_some_and(|w| w.contains("times as much")), "{}", found[6]);
+    }
+    let words = chrome.run(
+        "(() => { const p = fairing.views.get('play-noise'); p.step(1); return p.words.textContent; })()",
+    )?;
+    let words = words.as_str().unwrap_or_default();
+    ensure!(["exact", "estimate", "error"].iter().all(|w| words.contains(w)), "{words}");
+    chrome.picture("noise")
+}
+
+/// Whole numbers of modes give the projection, and between them the next mode comes in part.
+fn modes(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    open(chrome, page, "q5-sum")?;
+    let (ball, modes) = scene::modes()?;
+    for k in [1.0, 4.0, 9.0, 9.5, 16.0] {
+        let found = chrome.run(&format!(
+            "(() => {{
+               const v = fairing.views.get('q5-sum');
+               v.fromText('!!!!!!!!{k}');
+               v.settle();
+               return [[...v.positions(v.meshes[0])], v.sum.slider.words?.textContent ?? '', v.shown[0].bar.textContent];
+             }})()"
+        ))?;
+        let mut expected = vec![[0.0; 3]; ball.vertex_count()];
+        for (i, (vector, c)) in modes.vectors.iter().zip(&modes.coefficients).enumerate() {
+            let part = (k - i as f64).clamp(0.0, 1.0);
+            for (x, phi) in expected.iter_mut().zip(vector) {
+                (0..3).for_each(|d| x[d] += part * phi * c[d]);
+            }
+        }
+        // Modes have 16 bits, sums of 16 of them a few more steps.
+        let off = gap(&numbers(&found[0]), expected.as_flattened());
+        ensure!(off < 1e-3, "k = {k}: off by {off:e}");
+        ensure!(found[2].as_str().is_some_and(|w| w.contains("mode")), "{}", found[2]);
+    }
+    chrome.picture("modes")
+}
+
+/// The numbers under a panel are those of the combination that is shown.
+fn facts(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    open(chrome, page, "q5-grid")?;
+    for (k, expected) in scene::FACTS.into_iter().enumerate() {
+        let found = chrome.run(&format!(
+            "(() => {{
+               const v = fairing.views.get('q5-grid');
+               v.change({{stops: [{}, {}]}});
+               return document.querySelector('#q5-grid .facts-line').textContent;
+             }})()",
+            k / 3,
+            k % 3
+        ))?;
+        let words = expected.map_or(String::new(), |x| format!("E_a {x}°"));
+        ensure!(found == words.as_str(), "combination {k}: {found}, not {words}");
+    }
+    Ok(())
+}
+
+/// Displacement, the distance off the truth and mean curvature, computed from positions.
+fn derived(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    open(chrome, page, "q5-flow")?;
+    let found = chrome.run(
+        "(() => {
+           const v = fairing.views.get('q5-flow');
+           v.change({stops: [3]});
+           const mesh = v.meshes[1];
+           const of = (name) => {
+             const field = v.fields.findIndex((f) => f.name === name);
+             v.change({field});
+             const picture = v.shown[1].target.getImageData(0, 0, v.shown[1].canvas.width, v.shown[1].canvas.height).data;
+             const digest = picture.reduce((sum, x, i) => (sum * 31 + x * (i % 7)) % 1000000007, 7);
+             return [field, [...v.valuesBy(v.fields[field], mesh)], digest, v.shown[1].bar.textContent];
+           };
+           return ['displacement', 'distance off the truth', 'normal error', 'mean curvature'].map(of).concat([[[...v.positions(mesh)], [...mesh.faces]]]);
+         })()",
+    )?;
+    let shown = mesh(&found[4])?;
+    let (noisy, truth) = (scene::noisy(), scene::truth());
+    let distance = |(p, q): (&[f64; 3], &[f64; 3])| fairing_mesh::vec3::distance(*p, *q);
+    let moved: Vec<f64> = shown.positions().iter().zip(noisy.positions()).map(distance).collect();
+    // 16 bits in a box of size 3, twice.
+    ensure!(gap(&numbers(&found[0][1]), &moved) < 2e-3, "displacement");
+    let off = numbers(&found[1][1]);
+    let bound: Vec<f64> = shown.positions().iter().zip(truth.positions()).map(distance).collect();
+    ensure!(
+        off.iter().zip(&bound).all(|(a, b)| a.abs() <= b + 1e-4),
+        "off the truth by more than the distance"
+    );
+    ensure!(off.iter().any(|x| *x > 1e-3) && off.iter().any(|x| *x < -1e-3), "{:?}", &off[..9]);
+    let angles = numbers(&found[2][1]);
+    ensure!(
+        angles.iter().all(|a| (0.0..90.0).contains(a)) && angles.iter().any(|a| *a > 1.0),
+        "{:?}",
+        &angles[..9]
+    );
+    let mean = mean_curvature(&shown, MeanOperator::Cotangent(LumpedArea::Mixed))?.signed;
+    ensure!(gap(&numbers(&found[3][1]), &mean) < 1e-6, "mean curvature");
+    let digests: std::collections::BTreeSet<String> =
+        (0..4).map(|k| found[k][2].to_string()).collect();
+    ensure!(digests.len() == 4, "fields look alike: {digests:?}");
+    chrome.picture("derived")
+}
+
+/// A field with exact values can be coloured by its error, and a click says all three.
+fn exact(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    open(chrome, page, "q5-sum")?;
+    let found = chrome.run(
+        "(() => {
+           const v = fairing.views.get('q5-sum');
+           const field = v.fields.findIndex((f) => f.name === 'error of height');
+           v.change({field, picked: 5});
+           return [v.valuesBy(v.fields[field], v.meshes[1])[5], v.words.textContent];
+         })()",
+    )?;
+    ensure!(found[0].as_f64().is_some_and(|e| (e - scene::SLOPE).abs() < 1e-3), "{found}");
+    let words = found[1].as_str().unwrap_or_default();
+    ensure!(
+        words.contains("height: exact")
+            && words.contains("estimate")
+            && words.contains("error 0.25"),
+        "{words}"
+    );
+    Ok(())
+}
+
+fn claims(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    chrome.open(&format!("file://{}", page.display()))?;
+    let found = chrome.run(
+        "(async () => {
+           const links = [...document.querySelectorAll('a.shown')];
+           links[0].click();
+           await new Promise((go) => setTimeout(go, 300));
+           const v = fairing.views.get('q5-flow');
+           await v.open();
+           const box = v.figure.getBoundingClientRect();
+           return [links.length, v.state.stops[0], v.chosen()?.name, box.top < innerHeight && box.bottom > 0];
+         })()",
+    )?;
+    // In the table of claims and at the claim itself.
+    ensure!(found == json!([2, 4, "displacement", true]), "{found}");
+    ensure!(chrome.complaints.is_empty(), "{:?}", chrome.complaints);
+    Ok(())
+}
+
+/// The pointer over a point says its values and moves the slider of the view; so do arrow keys.
+fn points(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    open(chrome, page, "q5-flow")?;
+    let place = chrome.run(
+        "(() => {
+           const svg = document.querySelector('svg.figure');
+           svg.scrollIntoView({block: 'center'});
+           const data = svg.querySelector('metadata');
+           const [x, y] = JSON.parse(data.textContent).series[0].points[2];
+           const at = svg.createSVGPoint();
+           [at.x, at.y] = [x, y];
+           const seen = at.matrixTransform(data.parentNode.getScreenCTM());
+           return [seen.x + 2, seen.y - 2];
+         })()",
+    )?;
+    let place = [0, 1].map(|k| place[k].as_f64().unwrap_or(0.0));
+    // A click would go to the view.
+    let [x, y] = place;
+    let pointed = json!({"type": "mouseMoved", "x": x, "y": y, "button": "none", "buttons": 0});
+    chrome.call("Input.dispatchMouseEvent", pointed)?;
+    let found = chrome.run(
+        "(async () => {
+           await new Promise((go) => setTimeout(go, 100));
+           const svg = document.querySelector('svg.figure');
+           const state = () => [fairing.views.get('q5-flow').state.stops[0], document.querySelector('.tip').textContent, document.querySelectorAll('.pointed').length];
+           const first = state();
+           svg.dispatchEvent(new KeyboardEvent('keydown', {key: 'ArrowRight'}));
+           await new Promise((go) => setTimeout(go, 100));
+           return [...first, ...state()];
+         })()",
+    )?;
+    ensure!(found[0] == 3 && found[2] == 1, "{found}");
+    ensure!(found[1].as_str().is_some_and(|w| w.contains("iterations 3, 0.25")), "{found}");
+    ensure!(found[3] == 4 && found[4] != found[1] && found[5] == 1, "{found}");
+    chrome.picture("pointed")
+}
+
+/// Plots and numbers are there without WebGL, and sliders move by keys.
+fn plain(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    let script = "const before = HTMLCanvasElement.prototype.getContext;
+      HTMLCanvasElement.prototype.getContext = function (kind) { return kind === '2d' ? before.apply(this, arguments) : null; };";
+    chrome.call("Page.addScriptToEvaluateOnNewDocument", json!({"source": script}))?;
+    chrome.open(&format!("file://{}", page.display()))?;
+    let before = chrome.run(
+        "(() => {
+           const p = fairing.views.get('play-diffusion');
+           p.open();
+           p.lambda.input.scrollIntoView();
+           p.lambda.input.focus();
+           const seen = [...p.figure.querySelectorAll('canvas')].filter((c) => c.offsetWidth > 0).length;
+           return [p.figure.querySelectorAll('svg.plot').length, seen, p.result.textContent];
+         })()",
+    )?;
+    ensure!(before[0] == 2 && before[1] == 0, "plots, canvases: {before}");
+    for kind in ["keyDown", "keyUp"] {
+        let key = json!({"type": kind, "key": "ArrowLeft", "code": "ArrowLeft", "windowsVirtualKeyCode": 37});
+        chrome.call("Input.dispatchKeyEvent", key)?;
+    }
+    let after = chrome.run("fairing.views.get('play-diffusion').result.textContent")?;
+    ensure!(after != before[2], "the arrow key changes nothing: {after}");
+    ensure!(chrome.complaints.is_empty(), "{:?}", chrome.complaints);
+    Ok(())
+}
