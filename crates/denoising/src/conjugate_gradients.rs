@@ -14,6 +14,8 @@ struct Field<F> {
 
 impl<F: Fn(&[[f64; 3]]) -> Vec<[f64; 3]> + Sync> CgSystem<3> for Field<F> {
     fn multiply(&self, p: &[[f64; 3]], q: &mut Vec<[f64; 3]>) -> [f64; 3] {
+        // Its memory is used again, while it is in the cache.
+        *q = Vec::new();
         *q = (self.apply)(p);
         sum(q.len(), |i| [p[i][0] * q[i][0], p[i][1] * q[i][1], p[i][2] * q[i][2]])
     }
