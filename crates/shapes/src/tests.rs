@@ -78,7 +78,7 @@ fn blocks_and_creatures() {
     }
     // Thick limbs of few triangles leave narrower angles where they meet.
     for resolution in [24, 28, 36] {
-        check(&creature(resolution), 0, 0, 4.0);
+        check(&creature(resolution), 0, 0, 3.0);
     }
 }
 
