@@ -10,9 +10,10 @@ use super::cargo;
 const TARGET: &str = "wasm32-unknown-unknown";
 
 /// Crates that draw or are programs. All others are libraries for anywhere.
-const EXCLUDED: [&str; 7] = [
+const EXCLUDED: [&str; 8] = [
     "fairing",
     "fairing-figure",
+    "pyfairing",
     "fairing-experiments",
     "fairing-report",
     "fairing-results",
