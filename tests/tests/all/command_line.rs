@@ -233,7 +233,8 @@ fn denoise_says_what_it_found() {
     run(folder.path(), "noise torus.ply -o noisy.ply --sigma 0.05");
     let line = "denoise noisy.ply -o clean.ply --json";
     let found: Value = serde_json::from_str(&run(folder.path(), line)).unwrap();
-    assert_eq!((&found["kind"], &found["border_vertices"]), (&json!("smooth"), &json!(0)));
+    assert!(["smooth", "creased"].contains(&found["kind"].as_str().unwrap()), "{found}");
+    assert_eq!(found["border_vertices"], json!(0));
     let sigma = found["noise"]["sigma"].as_f64().unwrap();
     assert!(found["displacement_limit"].as_f64().unwrap() >= 5.0 * sigma);
     let shares = found["area_share"].as_object().unwrap();

@@ -49,12 +49,6 @@ pub(crate) const CASES: &[Case] = &[
     text("info", "info in.ply --json", SameBits),
     text("compare", "compare in.ply truth.ply --json", SameBits),
     Case { name: "convert_obj", line: "convert in.ply OUT", output: "obj", promise: SameBits },
-    Case {
-        name: "convert_off_single",
-        line: "convert in.ply OUT --single",
-        output: "off",
-        promise: SameBits,
-    },
     Case { name: "convert_stl", line: "convert in.ply OUT", output: "stl", promise: SameBits },
     Case {
         name: "render",

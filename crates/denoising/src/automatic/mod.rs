@@ -35,7 +35,7 @@ const STEPS: usize = 60;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SurfaceKind {
-    /// Its creases are together as long as half the diagonal: a designed body.
+    /// Its creases are together as long as two diagonals: a designed body.
     Creased,
     /// Curved all over, as scans are, or flat.
     Smooth,

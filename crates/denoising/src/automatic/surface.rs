@@ -16,8 +16,8 @@ const STANDS_OUT: f64 = 2.5;
 /// The largest turn at a flat face, 2°, as a cosine.
 const FLAT: f64 = 0.999_390_827_019_095_7;
 
-/// Creases of half the diagonal together make a body with creases.
-const CREASE_LENGTH: f64 = 0.5;
+/// Creases as long as two diagonals together make a body with creases: a cube has seven.
+const CREASE_LENGTH: f64 = 2.0;
 
 /// What a surface is like at a face.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -48,8 +48,8 @@ impl FaceKind {
 
 fairing_mesh::named!(FaceKind, "kind of a face");
 
-/// The kind of each face, and whether the mesh has creases as long as half its
-/// diagonal.
+/// The kind of each face, and whether the mesh has creases as long as two of its
+/// diagonals.
 pub(super) fn face_kinds(mesh: &TriMesh, hinges: &Hinges) -> (Vec<FaceKind>, bool) {
     let normals = FaceShapes::new(mesh).normals;
     let turns: Vec<f64> = (hinges.all.iter())

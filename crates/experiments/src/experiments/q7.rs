@@ -63,7 +63,7 @@ const METHODS: [(Method, bool); 15] = [
     (Method::Denoiser(Denoiser::L0), false),
     (Method::Denoiser(Denoiser::TotalVariation), false),
     (Method::Denoiser(Denoiser::GuidedNormal), false),
-    (Method::Denoiser(Denoiser::Automatic), true),
+    (Method::Denoiser(Denoiser::Automatic), false),
 ];
 
 impl Experiment for GrowingNoise {

@@ -9,6 +9,11 @@ use crate::faces::{FaceShapes, Hinges, Marks, NO_HINGE, unit_or_zero};
 /// The radii of neighbourhoods, in local scales.
 const RADII: [f64; 3] = [1.5, 3.0, 5.0];
 
+/// The most faces of a neighbourhood. On a surface without noise the largest radius has about
+/// 80; noise makes areas, and with them the radius, larger, at several mean edge lengths
+/// without bounds.
+const MOST: usize = 256;
+
 /// How many scales of differences between normals there are; the last is
 /// infinite.
 const RANGES: usize = 4;
@@ -213,7 +218,8 @@ impl<'a> Gatherer<'a> {
         Some(sample(self.state, f, &sums))
     }
 
-    /// The faces around `f` up to the largest radius, itself first.
+    /// The faces around `f` up to the largest radius, itself first; the nearest in the order of a
+    /// breadth-first search where there are more than [`MOST`].
     fn gather(&mut self, f: usize) {
         let state = self.state;
         self.marks.clear();
@@ -223,7 +229,7 @@ impl<'a> Gatherer<'a> {
         let centre = state.current.centroids[f];
         let reach = RADII[RADII.len() - 1] * state.scales[f];
         let mut i = 0;
-        while i < self.queue.len() {
+        while i < self.queue.len() && self.queue.len() < MOST {
             let g = self.queue[i] as usize;
             i += 1;
             for k in state.hinges.across(g) {
