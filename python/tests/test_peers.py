@@ -84,7 +84,8 @@ def test_the_robust_laplacian_of_its_authors(mesh: pf.Mesh) -> None:
     # diagonal is Delaunay, so that single entries may differ, and quadratic forms do not.
     assert M.sum() == pytest.approx(A.sum(), rel=1e-6)
     for f in np.eye(3):
-        u = mesh.vertices @ f
+        # Of coordinates far from the origin the rounding of a form would be seen.
+        u = (mesh.vertices - mesh.vertices.mean(axis=0)) @ f
         # They mollify all faces by 1e-5 of the mean length, we thin ones only.
         assert u @ (S @ u) == pytest.approx(u @ (L @ u), rel=1e-3)
 
@@ -139,7 +140,8 @@ def test_files_of_trimesh_and_meshio(mesh: pf.Mesh, tmp_path) -> None:
         theirs = trimesh.load(path, process=False, maintain_order=True)
         if len(theirs.vertices) == mesh.n_vertices:
             np.testing.assert_allclose(theirs.vertices, mesh.vertices, atol=1e-6 * mesh.diagonal)
-        np.testing.assert_array_equal(len(theirs.faces), mesh.n_faces)
+        # A file without faces is a point cloud to them.
+        assert (len(theirs.faces) if mesh.n_faces else 0) == mesh.n_faces
         if ending != "off" or mesh.n_vertices < 10_000:
             read = meshio.read(path)
             np.testing.assert_allclose(read.points, mesh.vertices, atol=1e-6 * mesh.diagonal)

@@ -177,6 +177,23 @@ impl Chrome {
         }
     }
 
+    /// Waits until an expression has a value that is wanted, and returns it; the last one
+    /// when patience ends.
+    pub(crate) fn until(
+        &mut self,
+        expression: &str,
+        wanted: impl Fn(&Value) -> bool,
+    ) -> Result<Value> {
+        let until = Instant::now() + PATIENCE;
+        loop {
+            let value = self.run(expression)?;
+            if wanted(&value) || Instant::now() > until {
+                return Ok(value);
+            }
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+
     /// A number, where one is expected.
     pub(crate) fn number(&mut self, expression: &str) -> Result<f64> {
         let value = self.run(expression)?;

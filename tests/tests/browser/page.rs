@@ -127,13 +127,9 @@ fn picks(chrome: &mut Chrome, page: &Path) -> Result<()> {
 
 fn follows(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page)?;
-    let marked = chrome.run(
-        "(async () => {
-           document.getElementById('q5').scrollIntoView();
-           await new Promise((go) => setTimeout(go, 200));
-           return [...document.querySelectorAll('nav a[aria-current]')].map((a) => a.hash);
-         })()",
-    )?;
+    chrome.run("document.getElementById('q5').scrollIntoView()")?;
+    let marked = "[...document.querySelectorAll('nav a[aria-current]')].map((a) => a.hash)";
+    let marked = chrome.until(marked, |marked| *marked == json!(["#q5"]))?;
     ensure!(marked == json!(["#q5"]), "{marked}");
     Ok(())
 }

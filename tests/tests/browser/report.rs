@@ -247,8 +247,9 @@ fn remembers(chrome: &mut Chrome, page: &Path) -> Result<()> {
          })()",
     )?;
     let before = [picture(chrome, 0)?, picture(chrome, 1)?];
-    std::thread::sleep(std::time::Duration::from_millis(400));
-    let address = chrome.run("location.href")?;
+    let address = chrome.until("location.href", |address| {
+        address.as_str().is_some_and(|a| a.contains("#q5-flow="))
+    })?;
     let address = address.as_str().unwrap_or_default().to_string();
     ensure!(address.contains("#q5-flow="), "{address}");
     chrome.call("Page.navigate", json!({"url": "about:blank"}))?;
