@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use fairing_evaluation::self_intersections;
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{dot, normalize};
+use fairing_mesh::vec3::{distance, dot, normalize};
 use fairing_shapes::families::{Family, Kind, Triangulation};
 use rayon::prelude::*;
 
@@ -39,7 +39,8 @@ fn no_face_of_a_planar_family_spans_a_crease() {
 }
 
 /// All three corners of each face lie on the same cylinder or end, whose
-/// normal the face has up to the turn along an edge (0.1 / 0.4 radians, halved; stretched faces are longer).
+/// normal the face has up to what a chord leaves: half the turn over the face, and the
+/// height of the arc over the height of the face.
 #[test]
 fn faces_of_the_joint_lie_on_its_cylinders() {
     for k in 0..4 {
@@ -62,7 +63,19 @@ fn faces_of_the_joint_lie_on_its_cylinders() {
                 (all(&|p| (p[0].abs() - 1.0).abs() < 1e-9), [middle[0], 0.0, 0.0]),
                 (all(&|p| (p[2] - 1.1).abs() < 1e-9), [0.0, 0.0, 1.0]),
             ];
-            let agrees = |normal| dot(n, normalize(normal).unwrap()) > 0.4f64.cos();
+            let height = 2.0 * mesh.face_area(f)
+                / (0..3).map(|k| distance(t[k], t[(k + 1) % 3])).fold(0.0, f64::max);
+            let agrees = |normal: [f64; 3]| {
+                let out = normalize(normal).unwrap();
+                // Where the normal has no component, the corners have none beside the axis.
+                let beside =
+                    |p: [f64; 3]| [0, 1, 2].map(|k| if normal[k] == 0.0 { 0.0 } else { p[k] });
+                let turn =
+                    t.map(|p| dot(out, normalize(beside(p)).unwrap()).clamp(-1.0, 1.0).acos());
+                let half = turn.into_iter().fold(0.0, f64::max);
+                let arc = wide * (1.0 - half.cos());
+                dot(n, out) > (half + (arc / height).min(1.0).asin() + 1e-6).min(1.57).cos()
+            };
             let fits = expected.into_iter().any(|(on, normal)| on && agrees(normal));
             assert!(fits, "face {f} of {}: {t:?}, normal {n:?}", triangulation(k));
         }
