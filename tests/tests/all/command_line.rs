@@ -229,12 +229,13 @@ fn compare_scores_a_mesh_against_a_reference() {
 
 #[test]
 fn denoise_says_what_it_found() {
-    let folder = folder_with_torus();
+    let folder = tempfile::tempdir().unwrap();
+    // With fewer sides the tube is a prism.
+    io::write(folder.path().join("torus.ply"), &shapes::torus(3.0, 1.0, 72, 30)).unwrap();
     run(folder.path(), "noise torus.ply -o noisy.ply --sigma 0.05");
     let line = "denoise noisy.ply -o clean.ply --json";
     let found: Value = serde_json::from_str(&run(folder.path(), line)).unwrap();
-    assert!(["smooth", "creased"].contains(&found["kind"].as_str().unwrap()), "{found}");
-    assert_eq!(found["border_vertices"], json!(0));
+    assert_eq!((&found["kind"], &found["border_vertices"]), (&json!("smooth"), &json!(0)));
     let sigma = found["noise"]["sigma"].as_f64().unwrap();
     assert!(found["displacement_limit"].as_f64().unwrap() >= 5.0 * sigma);
     let shares = found["area_share"].as_object().unwrap();

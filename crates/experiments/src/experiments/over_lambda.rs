@@ -199,6 +199,20 @@ impl OverLambda<'_> {
         side_by_side(model, &model.slug(), &shown, &caption, &alt)
     }
 
+    /// Where the sliders begin: at the middle λ, after as many steps as leave something to see,
+    /// a third of the size of the input; at the least λ and number if none does.
+    fn start(&self, model: &Model, counts: &[usize], stops: &[(TriMesh, Measures)]) -> Vec<usize> {
+        let middle = self.viewed / 2;
+        let is_seen = |&count: &usize| {
+            let (mesh, _) = &stops[middle * counts.len() + count];
+            3.0 * mesh.diagonal() > model.noisy.diagonal()
+        };
+        match (0..counts.len()).rev().find(is_seen) {
+            Some(count) => vec![middle, count],
+            None => vec![0, 0],
+        }
+    }
+
     /// The input, which the page can smooth, beside the flow at each λ on its way.
     fn view(&self, model: &Model, smoothed: &[TriMesh], measured: &[Measures]) -> Result<View> {
         let Self { kind, lambdas, iterations, viewed, .. } = *self;
@@ -230,7 +244,7 @@ impl OverLambda<'_> {
             fallback: model.slug(),
             z_up: true,
             sliders: vec![Slider::new("λ", &lambdas[..viewed]), Slider::new("iterations", &counts)],
-            start: vec![viewed / 2, counts.len() - 1],
+            start: self.start(model, &counts, &stops),
             panels: vec![
                 with_facts(input, &measured[..1]),
                 with_facts(Panel::moving(kind, &model.noisy, moving), &of_stops),

@@ -9,10 +9,11 @@ use crate::faces::{FaceShapes, Hinges, Marks, NO_HINGE, unit_or_zero};
 /// The radii of neighbourhoods, in local scales.
 const RADII: [f64; 3] = [1.5, 3.0, 5.0];
 
-/// The most faces of a neighbourhood. On a surface without noise the largest radius has about
-/// 80; noise makes areas, and with them the radius, larger, at several mean edge lengths
-/// without bounds.
-const MOST: usize = 256;
+/// The most hinges on the way to a face of a neighbourhood. On a regular mesh the largest
+/// radius is ten hinges wide; the rest is for stretched faces. Noise of several mean
+/// edge lengths makes areas, and with them radii, so large that a ball alone would hold
+/// thousands of faces.
+const DEPTH: usize = 15;
 
 /// How many scales of differences between normals there are; the last is
 /// infinite.
@@ -218,8 +219,8 @@ impl<'a> Gatherer<'a> {
         Some(sample(self.state, f, &sums))
     }
 
-    /// The faces around `f` up to the largest radius, itself first; the nearest in the order of a
-    /// breadth-first search where there are more than [`MOST`].
+    /// The faces around `f` up to the largest radius and at most [`DEPTH`] hinges away, itself
+    /// first. Which they are does not depend on the numbers of faces.
     fn gather(&mut self, f: usize) {
         let state = self.state;
         self.marks.clear();
@@ -228,17 +229,19 @@ impl<'a> Gatherer<'a> {
         self.queue.push(f as u32);
         let centre = state.current.centroids[f];
         let reach = RADII[RADII.len() - 1] * state.scales[f];
-        let mut i = 0;
-        while i < self.queue.len() && self.queue.len() < MOST {
-            let g = self.queue[i] as usize;
-            i += 1;
-            for k in state.hinges.across(g) {
-                if distance(state.current.centroids[k], centre) < reach
-                    && self.marks.insert(k as u32)
-                {
-                    self.queue.push(k as u32);
+        let mut begin = 0;
+        for _ in 0..DEPTH {
+            let end = self.queue.len();
+            for i in begin..end {
+                for k in state.hinges.across(self.queue[i] as usize) {
+                    if distance(state.current.centroids[k], centre) < reach
+                        && self.marks.insert(k as u32)
+                    {
+                        self.queue.push(k as u32);
+                    }
                 }
             }
+            begin = end;
         }
     }
 
