@@ -38,10 +38,12 @@ class LiveFlows {
     const button = element('button', {type: 'button'}, 'smooth the input here');
     button.addEventListener('click', () => this.run());
     this.words();
+    this.sliders = element('div', {class: 'sliders', hidden: true},
+      element('div', {class: 'slider live'}, this.lambdaText, this.lambda),
+      element('div', {class: 'slider live'}, this.countText, this.count));
     return [
       element('p', {class: 'hint'}, button, ' Explicit and implicit steps with uniform weights, computed in this page as you move. ', this.status),
-      element('div', {class: 'slider live'}, this.lambdaText, this.lambda),
-      element('div', {class: 'slider live'}, this.countText, this.count),
+      this.sliders,
       this.modes,
     ];
   }
@@ -70,6 +72,7 @@ class LiveFlows {
 
   async run() {
     const task = ++this.task;
+    this.sliders.hidden = false;
     const [lambda, count] = this.chosen();
     this.words();
     const start = performance.now();

@@ -139,8 +139,15 @@ const fairing = (() => {
       }
     }, {rootMargin: '600px'});
     for (const view of views.values()) near.observe(view.figure);
+    // Paper has what is folded, but for tables of hundreds of rows.
+    let opened = [];
     addEventListener('beforeprint', () => {
+      opened = [...document.querySelectorAll('details:not([open], .rows, .more)')];
+      for (const fold of opened) fold.open = true;
       for (const figure of plays) views.get(figure.id).open();
+    });
+    addEventListener('afterprint', () => {
+      for (const fold of opened) fold.open = false;
     });
   }
 

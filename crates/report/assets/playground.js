@@ -9,6 +9,7 @@ class Stage {
       role: 'img',
       'aria-label': `${alt} Arrow keys turn, plus and minus zoom, Enter picks the vertex in the middle, n and p the next and the previous one.`,
     });
+    this.canvas.title = HOW;
     this.target = this.canvas.getContext('2d');
     this.title = element('h4', {}, title);
     this.bar = element('div', {class: 'bar'});
@@ -118,7 +119,7 @@ class Playground {
     this.opened = true;
     const made = this.build();
     this.words = element('output', {class: 'picked', 'aria-live': 'polite'});
-    const hint = element('p', {class: 'hint', hidden: !Renderer || !this.stages.length}, this.words, ' Drag to turn, Shift-drag to move, click a vertex for its values.');
+    const hint = element('p', {class: 'hint', hidden: !Renderer || !this.stages.length}, this.words);
     this.figure.querySelector('.stage').replaceChildren(...made, hint);
     this.figure.classList.add('open');
     if (this.wanted) this.recall();

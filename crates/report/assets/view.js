@@ -1,5 +1,8 @@
 'use strict';
 
+/** What can be done with a picture. */
+const HOW = 'Drag to turn, Shift-drag to move, click a vertex for its values; the wheel zooms once the picture has been clicked.';
+
 /**
  * One interactive view: panels side by side under one camera, with controls.
  *
@@ -78,19 +81,21 @@ class View {
   controls() {
     const row = element('div', {class: 'controls', role: 'group', 'aria-label': 'display'});
     const {fields} = this;
-    const chooser = (label, options, change) => {
+    // What is seldom needed is folded.
+    const more = element('div', {});
+    const chooser = (place, label, options, change) => {
       const select = element('select', {'aria-label': label});
       options.forEach(([value, text]) => select.append(element('option', {value}, text)));
       select.addEventListener('input', () => change(select.value));
-      row.append(element('label', {}, `${label} `, select));
+      place.append(element('label', {}, `${label} `, select));
       return select;
     };
     if (fields.length) {
       const names = fields.map((f, i) => [i, f.unit ? `${f.name} (${f.unit})` : f.name]);
-      this.fieldChoice = chooser('colour by', [...names, [-1, 'nothing']], (value) => {
+      this.fieldChoice = chooser(row, 'colour by', [...names, [-1, 'nothing']], (value) => {
         this.change({field: Number(value), range: null, map: null});
       });
-      this.mapChoice = chooser('colours', Object.keys(this.maps).map((m) => [m, m]), (map) => {
+      this.mapChoice = chooser(more, 'colours', Object.keys(this.maps).map((m) => [m, m]), (map) => {
         this.change({map});
       });
       this.rangeEnds = ['from', 'to'].map((end, k) => {
@@ -101,7 +106,7 @@ class View {
           if (input.value !== '' && range[0] < range[1]) this.change({range});
           else this.settle();
         });
-        row.append(element('label', {}, `${end} `, input));
+        more.append(element('label', {}, `${end} `, input));
         return input;
       });
     }
@@ -111,7 +116,7 @@ class View {
       if (!fields.length && (key === 'even' || key === 'lines')) continue;
       const box = element('input', {type: 'checkbox'});
       box.addEventListener('input', () => this.change({[key]: box.checked}));
-      row.append(element('label', {}, box, ` ${label}`));
+      more.append(element('label', {}, box, ` ${label}`));
       this.switches[key] = box;
     }
     const home = element('button', {type: 'button'}, 'reset');
@@ -119,7 +124,7 @@ class View {
       this.camera.reset();
       this.change({range: null, picked: -1});
     });
-    row.append(home);
+    row.append(home, element('details', {class: 'more'}, element('summary', {}, 'more'), more));
     return [row];
   }
 
@@ -130,6 +135,7 @@ class View {
         role: 'img',
         'aria-label': `${mesh.title}. ${this.description.alt} Arrow keys turn, plus and minus zoom, Enter picks the vertex in the middle, n and p the next and the previous one.`,
       });
+      canvas.title = HOW;
       const bar = element('div', {class: 'bar'});
       const title = element('h4', {}, mesh.title);
       const facts = element('p', {class: 'facts-line', hidden: !mesh.facts?.length});
@@ -152,15 +158,12 @@ class View {
       return {name, stops, input, words};
     });
     const rows = this.sliders.map(({input, words}) => element('div', {class: 'slider'}, words, input));
-    return [...rows, ...(this.sum?.controls() ?? []), ...(this.live?.controls() ?? [])];
+    return [element('div', {class: 'sliders'}, ...rows), ...(this.sum?.controls() ?? []), ...(this.live?.controls() ?? [])];
   }
 
   readout() {
     this.words = element('output', {class: 'picked', 'aria-live': 'polite'});
-    return element(
-      'p', {class: 'hint'}, this.words,
-      ' Drag to turn, Shift-drag to move, click a vertex for its values; the wheel zooms once the picture has been clicked.',
-    );
+    return element('p', {class: 'hint'}, this.words);
   }
 
   // What happens.

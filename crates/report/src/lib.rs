@@ -6,8 +6,10 @@
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 
+pub mod commands;
 pub mod mathml;
 
+mod layout;
 mod markdown;
 mod page;
 mod play;

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::{play, snippets, story, thumbnail};
+use crate::{commands, play, snippets, story, thumbnail};
 
 use fairing_results::results::{Form, MeshCard, Record, Results};
 use fairing_results::table::{Column, Table, Unit};
@@ -57,6 +57,9 @@ fn section(record: &Record, bridge: &str, form: Form) -> String {
     }
     if let Some(lines) = snippets::of(&record.id) {
         let _ = write!(text, "\n```rust\n{lines}\n```\n");
+    }
+    if let Some(lines) = commands::of(&record.id) {
+        let _ = write!(text, "\n```sh\n{}\n```\n", lines.join("\n"));
     }
     text + &body(record, form)
 }

@@ -50,13 +50,11 @@ fn pack(record: &mut Record, folder: &Path, form: Form) -> Result<()> {
     })
 }
 
-/// Keeps the pictures in one of their two sizes; a whole report has both of those that are printed in the place of
-/// views, of which the page holds the small one.
+/// A small report has pictures in the small one of their two sizes; a whole one has both, and its page holds the small
+/// one and links the large one. Plots are in the page as lines.
 fn choose_pictures(record: &mut Record, folder: &Path, form: Form) -> Result<()> {
-    let stills: Vec<String> = record.views.iter().map(|view| view.fallback.clone()).collect();
     for figure in &mut record.figures {
-        let is_still = stills.contains(&figure.id) && figure.svg.is_none();
-        if is_still && form == Form::Whole {
+        if figure.svg.is_none() && form == Form::Whole {
             continue;
         }
         let Some(small) = figure.small.take() else { continue };

@@ -409,3 +409,42 @@ fn curvature_says_that_it_uses_the_robust_operator() {
     let good: Value = serde_json::from_str(&run(folder.path(), &line("good.ply"))).unwrap();
     assert_eq!(good["too_thin_face"], Value::Null);
 }
+
+/// The commands under the methods of the report run as they stand, and write what they name.
+#[test]
+fn commands_of_the_report_run() {
+    let truth = shapes::bumpy_sphere(2, 0.1, 3.0);
+    let step = 0.1 * truth.mean_edge_length();
+    let moved = |(v, p): (usize, &[f64; 3])| {
+        let sign = if v % 2 == 0 { step } else { -step };
+        p.map(|x| x * (1.0 + sign))
+    };
+    let noisy = truth.positions().iter().enumerate().map(moved).collect();
+    let noisy = truth.with_positions(noisy).unwrap();
+    for section in fairing_report::commands::sections() {
+        let folder = tempfile::tempdir().unwrap();
+        let commands = fairing_report::commands::of(section).unwrap();
+        assert!(!commands.is_empty(), "{section}");
+        let mut made: Vec<&str> = vec![];
+        for command in commands {
+            let line = command.split('#').next().unwrap_or_default().trim();
+            let line = line.strip_prefix("fairing ").expect("a command of the program");
+            let words: Vec<&str> = line.split_whitespace().collect();
+            let output = words.windows(2).find(|pair| pair[0] == "-o").map(|pair| pair[1]);
+            for word in words.iter().filter(|w| w.ends_with(".ply") && Some(**w) != output) {
+                let mesh = if *word == "noisy.ply" { &noisy } else { &truth };
+                if !made.contains(word) && !folder.path().join(word).is_file() {
+                    io::write(folder.path().join(word), mesh).unwrap();
+                }
+            }
+            let said = run(folder.path(), line);
+            match output {
+                Some(output) => {
+                    assert!(folder.path().join(output).is_file(), "{command}");
+                    made.push(output);
+                }
+                None => assert!(!said.trim().is_empty(), "{command} says nothing"),
+            }
+        }
+    }
+}

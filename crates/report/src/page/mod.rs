@@ -9,8 +9,10 @@
 //! compiler target that a machine with nothing but cargo does not have, for a
 //! solver of a hundred lines that is fast enough as it is.
 
+mod figures;
 mod html;
 mod section;
+mod tables;
 mod view;
 
 use std::fmt::Write as _;
@@ -21,7 +23,7 @@ use rayon::prelude::*;
 
 use crate::{markdown, story, thumbnail};
 use fairing_results::results::{Record, Results};
-use fairing_results::verdict::Judgement;
+use fairing_results::verdict::{Judgement, Verdict};
 use html::escape;
 
 /// The scripts, in the order in which they use one another.
@@ -60,8 +62,7 @@ const STYLE: &str = include_str!("../../assets/style.css");
 /// If a picture or the data of a view cannot be read, or a formula is not TeX.
 pub(crate) fn report(results: &Results, folder: &Path) -> Result<String> {
     let form = results.form;
-    let mut main = opening(results);
-    main += &first_picture(results, folder)?;
+    let mut main = opening(results, &first_picture(results, folder)?);
     main += &claims(results);
     main += &meshes(results, folder)?;
     let order = story::in_order(results);
@@ -70,7 +71,7 @@ pub(crate) fn report(results: &Results, folder: &Path) -> Result<String> {
         .into_iter()
         .map(|record| {
             let first = next;
-            next += section::count(record);
+            next += figures::count(record);
             (record, first)
         })
         .collect();
@@ -136,13 +137,13 @@ fn contents(results: &Results) -> String {
 }
 
 /// What was reproduced and what was found, in about five lines.
-fn opening(results: &Results) -> String {
+fn opening(results: &Results, picture: &str) -> String {
     let count = |what: &str, n: usize| match n {
         1 => format!("1 {what}"),
         n => format!("{n} {what}s"),
     };
     let failed = results.experiments.iter().filter(|r| r.error.is_some()).count();
-    let mut text = format!("<section class=\"opening\"><p>{}</p>", story::ABOUT);
+    let mut text = format!("<section class=\"opening\">{picture}<p>{}</p>", story::ABOUT);
     let claim = |c: &&Judgement| {
         let finding = if c.finding.is_empty() { &c.claim } else { &c.finding };
         format!(
@@ -165,17 +166,6 @@ fn opening(results: &Results) -> String {
         .collect();
     if !groups.is_empty() {
         let _ = write!(text, "<ul class=\"found\">{groups}</ul>");
-    }
-    let stand_ins = markdown::stand_ins(results);
-    if stand_ins.is_empty() {
-        text += "<p>The meshes are those of the assignment, or made here.</p>";
-    } else {
-        let _ = write!(
-            text,
-            "<p>Generated meshes took the place of the assignment's: {}. With \
-             <code>--meshes FOLDER</code> the real ones are used.</p>",
-            escape(&stand_ins.join(", "))
-        );
     }
     if failed > 0 {
         let _ = write!(text, "<p class=\"error\">{} failed.</p>", count("experiment", failed));
@@ -205,10 +195,10 @@ fn first_picture(results: &Results, folder: &Path) -> Result<String> {
     let Some(figure) = records.flat_map(|r| &r.figures).find(|f| f.id == id) else {
         return Ok(String::new());
     };
-    let target = section::anchor(&results.experiments, record, id);
+    let target = figures::anchor(&results.experiments, record, id);
     Ok(format!(
         "<a class=\"first\" href=\"#{target}\">{}</a>",
-        section::image(figure, folder, results.form)?,
+        figures::image(figure, folder, results.form)?,
     ))
 }
 
@@ -265,7 +255,7 @@ fn meshes(results: &Results, folder: &Path) -> Result<String> {
         let _ = write!(
             items,
             "<li>{}<b>{}</b><br>{} vertices, {} faces; {}</li>",
-            section::png(&card.picture, &format!("The {}.", card.name), folder, results.form)?,
+            figures::png(&card.picture, &format!("The {}.", card.name), folder, results.form)?,
             escape(&card.name),
             card.vertices,
             card.faces,
@@ -275,43 +265,73 @@ fn meshes(results: &Results, folder: &Path) -> Result<String> {
     if items.is_empty() {
         return Ok(items);
     }
+    let names: Vec<String> =
+        thumbnail::all(results).iter().map(|(card, _)| escape(&card.name)).collect();
+    let stand_ins = markdown::stand_ins(results);
+    let origin = match stand_ins.is_empty() {
+        true => "They are those of the assignment, or made here.".to_string(),
+        false => format!(
+            "Generated meshes take the place of the assignment's: {}. With <code>--meshes FOLDER</code> the real ones \
+             are used.",
+            escape(&stand_ins.join(", "))
+        ),
+    };
     Ok(format!(
-        "<section id=\"meshes\"><h2>The meshes</h2><p>Each has one name in all sections.</p>\
-         <ul class=\"meshes\">{items}</ul></section>"
+        "<section id=\"meshes\"><h2>The meshes</h2><p>Each mesh has one name in all sections.</p>\
+         <details><summary>{} meshes with their pictures: {}</summary><ul class=\"meshes\">{items}</ul>\
+         <p>{origin}</p></details></section>",
+        names.len(),
+        names.join(", ")
     ))
 }
 
-/// A row for each claim: its verdict, what is true in a sentence, and the number that decided.
+/// A row for each claim: its verdict, what is true in a sentence, and the number that decided. Our own are folded.
 fn claims(results: &Results) -> String {
-    let mut bodies = String::new();
-    for (ours, heading) in [(false, "The original report claims"), (true, "Fairing claims")] {
-        let mut rows = String::new();
-        for (_, claim) in results.claims().into_iter().filter(|(_, c)| c.ours == ours) {
-            let number = claim.numbers.first().map(ToString::to_string).unwrap_or_default();
-            let _ = write!(
-                rows,
-                "<tr><td><a href=\"#claim-{0}\">{0}</a></td><td>{1}</td><td>{2}</td><td>{3}</td><td>{4}</td></tr>",
-                escape(&claim.id),
-                escape(&claim.claim),
-                section::verdict(claim.verdict) + &section::link(&results.experiments, claim),
-                escape(&claim.finding),
-                escape(&number),
-            );
-        }
-        if !rows.is_empty() {
-            let _ = write!(
-                bodies,
-                "<tbody><tr><th></th><th scope=\"colgroup\">{heading}</th><th>Verdict</th>\
-                 <th>What is true</th><th>Deciding number</th></tr>{rows}</tbody>"
-            );
-        }
+    let source = claim_table(results, false, "The original report claims");
+    let ours = claim_table(results, true, "Fairing claims");
+    if source.is_empty() && ours.is_empty() {
+        return source;
     }
-    if bodies.is_empty() {
-        return bodies;
+    let own = results.claims().into_iter().filter(|(_, c)| c.ours).map(|(_, c)| c.verdict);
+    let own: Vec<Verdict> = own.collect();
+    let counts: Vec<String> = markdown::GROUPS
+        .iter()
+        .map(|(verdict, _)| (own.iter().filter(|v| *v == verdict).count(), verdict))
+        .filter(|(count, _)| *count > 0)
+        .map(|(count, verdict)| format!("{count} {verdict}"))
+        .collect();
+    let ours = match ours.is_empty() {
+        true => ours,
+        false => format!(
+            "<details><summary>Claims of Fairing: {}</summary>{ours}</details>",
+            counts.join(", ")
+        ),
+    };
+    format!("<section id=\"claims\"><h2>The claims</h2>{source}{ours}</section>")
+}
+
+/// The claims of the original report, or ours.
+fn claim_table(results: &Results, ours: bool, heading: &str) -> String {
+    let mut rows = String::new();
+    for (_, claim) in results.claims().into_iter().filter(|(_, c)| c.ours == ours) {
+        let number = claim.numbers.first().map(ToString::to_string).unwrap_or_default();
+        let _ = write!(
+            rows,
+            "<tr><td><a href=\"#claim-{0}\">{0}</a></td><td>{1}</td><td>{2}</td><td>{3}</td><td>{4}</td></tr>",
+            escape(&claim.id),
+            escape(&claim.claim),
+            section::verdict(claim.verdict) + &section::link(&results.experiments, claim),
+            escape(&claim.finding),
+            escape(&number),
+        );
     }
-    format!(
-        "<section id=\"claims\"><h2>The claims</h2><div class=\"wide\"><table class=\"claims\">{bodies}</table></div></section>"
-    )
+    match rows.is_empty() {
+        true => rows,
+        false => format!(
+            "<div class=\"wide\"><table class=\"claims\"><tbody><tr><th></th><th scope=\"colgroup\">{heading}</th>\
+             <th>Verdict</th><th>What is true</th><th>Deciding number</th></tr>{rows}</tbody></table></div>"
+        ),
+    }
 }
 
 fn provenance(results: &Results) -> String {
@@ -333,7 +353,8 @@ fn provenance(results: &Results) -> String {
         "<section id=\"provenance\"><h2>Where the numbers come from</h2>\
          <p>Made by <code>cargo xtask reproduce{}</code>. All numbers are in \
          <a href=\"results.json\">results.json</a>.</p>\
-         <div class=\"wide\"><table class=\"facts\"><tbody>{rows}</tbody></table></div></section>",
+         <details><summary>Commit, compiler, libraries, system and seed</summary><div class=\"wide\">\
+         <table class=\"facts\"><tbody>{rows}</tbody></table></div></details></section>",
         if p.quick { " --quick" } else { "" },
     )
 }

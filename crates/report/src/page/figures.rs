@@ -1,0 +1,227 @@
+//! The figures of a section: playgrounds, views, plots and pictures.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context as _, Result};
+use base64::Engine as _;
+use rayon::prelude::*;
+
+use super::html::escape;
+use super::tables::counted;
+use super::view;
+use crate::play::Play;
+use crate::{layout, play};
+use fairing_results::results::{FigureFile, Form, Record, ViewFile};
+
+/// Whether a picture is shown as the still of a view rather than by itself: a picture or a view, not both.
+fn is_paper(record: &Record, figure: &FigureFile) -> bool {
+    figure.svg.is_none() && record.views.iter().any(|view| view.fallback == figure.id)
+}
+
+/// How many numbered figures an experiment has.
+pub(super) fn count(record: &Record) -> usize {
+    play::of(&record.id).count()
+        + record.views.len()
+        + record.figures.iter().filter(|f| !is_paper(record, f)).count()
+}
+
+/// What is seen at once, then the rest folded under a line that says what it is. Numbered from `first`.
+pub(super) fn shown(record: &Record, first: usize, folder: &Path, form: Form) -> Result<String> {
+    let mut all: Vec<Item<'_>> = play::of(&record.id).map(Item::Play).collect();
+    all.extend(record.views.iter().enumerate().map(|(k, view)| Item::View(k, view)));
+    let pictures = |plots: bool| {
+        let own = record.figures.iter().filter(|f| !is_paper(record, f));
+        own.filter(move |f| f.svg.is_some() == plots).map(Item::Picture)
+    };
+    all.extend(pictures(true).chain(pictures(false)));
+    let (mut items, folded): (Vec<Item<'_>>, Vec<Item<'_>>) =
+        all.into_iter().partition(|item| layout::shows_figure(record, &item.id()));
+    let seen = items.len();
+    items.extend(folded);
+    let one = |(k, item): (usize, &Item<'_>)| {
+        item.html(record, &items, first, &format!("<b>Figure {}.</b> ", first + k), folder, form)
+    };
+    let drawn: Vec<String> = items.par_iter().enumerate().map(one).collect::<Result<_>>()?;
+    let mut text = drawn[..seen].concat();
+    if seen < drawn.len() {
+        let names: Vec<String> =
+            items[seen..].iter().map(|item| layout::name(&record.id, &item.id())).collect();
+        let _ = write!(
+            text,
+            "<details><summary>{}: {}</summary>{}</details>",
+            counted("Figure", names.len()),
+            escape(&names.join("; ")),
+            drawn[seen..].concat()
+        );
+    }
+    Ok(text)
+}
+
+/// Something with a number.
+enum Item<'a> {
+    Play(&'a Play),
+    /// With its place among the views.
+    View(usize, &'a ViewFile),
+    Picture(&'a FigureFile),
+}
+
+impl Item<'_> {
+    fn id(&self) -> String {
+        match self {
+            Self::Play(play) => play.id(),
+            Self::View(_, view) => view.id.clone(),
+            Self::Picture(figure) => figure.id.clone(),
+        }
+    }
+
+    /// `all` are the numbered parts of the section, the first of which is number `first`.
+    fn html(
+        &self,
+        record: &Record,
+        all: &[Item<'_>],
+        first: usize,
+        label: &str,
+        folder: &Path,
+        form: Form,
+    ) -> Result<String> {
+        match self {
+            Self::Play(play) => Ok(playground(play, label)),
+            Self::Picture(figure) => picture(record, figure, label, folder, form),
+            &Self::View(k, v) => {
+                let id = format!("{}-{}", record.id, v.id);
+                let fallback = figure_id(record, &v.fallback);
+                let earlier = record.views[..k].iter().any(|other| other.fallback == v.fallback);
+                let is_still =
+                    |f: &&FigureFile| f.id == v.fallback && !earlier && is_paper(record, f);
+                let figure = record.figures.iter().find(is_still);
+                let paper = match figure {
+                    Some(figure) => format!(
+                        "<div class=\"paper\" id=\"{}\">{}</div>",
+                        escape(&fallback),
+                        image(figure, folder, form)?
+                    ),
+                    None => paper_note(all, first, &v.fallback),
+                };
+                view::figure(v, &id, &fallback, &paper, label, folder, form)
+            }
+        }
+    }
+}
+
+/// What paper says in the place of a view that has no picture of its own: where its numbers are.
+fn paper_note(all: &[Item<'_>], first: usize, fallback: &str) -> String {
+    let is_it = |item: &Item<'_>| match item {
+        Item::Picture(figure) => figure.id == fallback,
+        Item::View(_, view) => view.fallback == fallback,
+        Item::Play(_) => false,
+    };
+    match all.iter().position(is_it) {
+        Some(k) => format!(
+            "<p class=\"paper-note\">This view is in the page only; Figure {} belongs to it.</p>",
+            first + k
+        ),
+        None => String::new(),
+    }
+}
+
+/// A place in which the page's script builds a playground.
+fn playground(play: &Play, label: &str) -> String {
+    format!(
+        "<figure class=\"play\" id=\"{}\" data-play=\"{}\"><div class=\"stage\"><p class=\"hint\">{} \
+         It is computed by the page's script.</p></div><figcaption>{label}{}</figcaption></figure>",
+        play.id(),
+        play.kind,
+        escape(play.alt),
+        escape(play.caption)
+    )
+}
+
+/// Where a figure is on the page: its own place, or that of the view that it is the still of.
+pub(super) fn anchor(records: &[Record], record: &str, figure: &str) -> String {
+    let views = records.iter().filter(|r| r.id == record).flat_map(|r| &r.views);
+    match views.into_iter().find(|view| view.fallback == figure) {
+        Some(view) => format!("{record}-{}", view.id),
+        None => format!("figure-{record}-{figure}"),
+    }
+}
+
+fn figure_id(record: &Record, figure: &str) -> String {
+    format!("figure-{}-{figure}", record.id)
+}
+
+/// A picture as the page shows it: a plot as SVG in the page itself, which follows the theme; else an image, whose
+/// size is said so that the page does not jump when it is loaded.
+///
+/// # Errors
+///
+/// If a file cannot be read, or is no picture.
+pub(super) fn image(figure: &FigureFile, folder: &Path, form: Form) -> Result<String> {
+    if let Some(path) = &figure.svg {
+        let read = fs::read_to_string(folder.join(path));
+        let svg = read.with_context(|| format!("reading {path}"))?;
+        let links = match figure.links.is_empty() {
+            true => String::new(),
+            false => format!("data-links=\"{}\" ", escape(&serde_json::to_string(&figure.links)?)),
+        };
+        let section = path.split('/').next().unwrap_or_default();
+        let open = format!(
+            "<svg class=\"figure\" role=\"img\" tabindex=\"0\" data-section=\"{}\" {links}aria-label=\"{}\" ",
+            escape(section),
+            escape(&figure.alt)
+        );
+        return Ok(svg.replacen("<svg ", &open, 1));
+    }
+    png(figure.small.as_ref().unwrap_or(&figure.png), &figure.alt, folder, form)
+}
+
+/// A PNG file as an image.
+///
+/// # Errors
+///
+/// If it cannot be read, or is no picture.
+pub(super) fn png(path: &str, alt: &str, folder: &Path, form: Form) -> Result<String> {
+    let bytes = fs::read(folder.join(path)).with_context(|| format!("reading {path}"))?;
+    let [width, height] = png_size(&bytes).with_context(|| format!("{path} is no PNG file"))?;
+    // What is in the page is there when it is printed; what is beside it comes as it comes near.
+    let (source, when) = match form {
+        Form::Small => (escape(path), "loading=\"lazy\" "),
+        Form::Whole => {
+            let data = base64::engine::general_purpose::STANDARD.encode(bytes);
+            (format!("data:image/png;base64,{data}"), "")
+        }
+    };
+    Ok(format!(
+        "<img {when}width=\"{width}\" height=\"{height}\" src=\"{source}\" alt=\"{}\">",
+        escape(alt)
+    ))
+}
+
+/// Width and height, which are in the first block of a PNG file.
+fn png_size(bytes: &[u8]) -> Option<[u32; 2]> {
+    let is_png = bytes.starts_with(b"\x89PNG\r\n\x1a\n") && bytes.get(12..16)? == b"IHDR";
+    let number = |at: usize| Some(u32::from_be_bytes(bytes.get(at..at + 4)?.try_into().ok()?));
+    is_png.then_some([number(16)?, number(20)?])
+}
+
+/// A figure with its caption, and links to both of its files.
+fn picture(
+    record: &Record,
+    figure: &FigureFile,
+    label: &str,
+    folder: &Path,
+    form: Form,
+) -> Result<String> {
+    let mut links = format!("<a href=\"{}\">PNG</a>", escape(&figure.png));
+    if let Some(svg) = &figure.svg {
+        let _ = write!(links, ", <a href=\"{}\">SVG</a>", escape(svg));
+    }
+    Ok(format!(
+        "<figure class=\"picture\" id=\"{}\">{}<figcaption>{label}{} \
+         <span class=\"soft\">({links})</span></figcaption></figure>",
+        escape(&figure_id(record, &figure.id)),
+        image(figure, folder, form)?,
+        escape(&figure.caption)
+    ))
+}

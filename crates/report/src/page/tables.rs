@@ -1,0 +1,95 @@
+//! The tables of a section.
+
+use std::fmt::Write as _;
+
+use super::html::escape;
+use crate::{layout, markdown};
+use fairing_results::results::{Form, Record};
+use fairing_results::table::{Cell, Table, Unit};
+
+/// Tables whose rows decide, and the others folded.
+pub(super) fn tables(record: &Record, form: Form) -> String {
+    let one = |t: &Table| table(t, &format!("{}/{}.csv", record.id, t.id), form);
+    let (seen, folded): (Vec<&Table>, Vec<&Table>) =
+        record.tables.iter().partition(|t| layout::shows_table(record, &t.id));
+    let mut text: String = seen.into_iter().map(one).collect();
+    if !folded.is_empty() {
+        let names: Vec<String> = folded.iter().map(|t| layout::name(&record.id, &t.id)).collect();
+        let _ = write!(
+            text,
+            "<details><summary>{}: {}</summary>{}</details>",
+            counted("Table", folded.len()),
+            escape(&names.join("; ")),
+            folded.into_iter().map(one).collect::<String>()
+        );
+    }
+    text
+}
+
+/// `Table`, or `3 tables`.
+pub(super) fn counted(what: &str, count: usize) -> String {
+    match count {
+        1 => what.to_string(),
+        n => format!("{n} {}s", what.to_lowercase()),
+    }
+}
+
+fn table(table: &Table, csv: &str, form: Form) -> String {
+    let caption = format!(
+        "{} <span class=\"soft\">(<a href=\"{}\">CSV{}</a>)</span>",
+        escape(&table.caption),
+        escape(csv),
+        markdown::left_out(table)
+    );
+    let rows = table.rows.len();
+    if rows > markdown::LONG && form == Form::Small {
+        return format!(
+            "<p class=\"caption\">{caption} <span class=\"soft\">{rows} rows, in the CSV.</span></p>"
+        );
+    }
+    // Hundreds of rows are not for paper: they stay folded there, and the line says how many there are.
+    let (before, caption, after) = match rows > markdown::LONG {
+        true => (
+            format!(
+                "<p class=\"caption\">{caption}</p><details class=\"rows\"><summary>{rows} rows</summary>"
+            ),
+            String::new(),
+            "</details>",
+        ),
+        false => (String::new(), format!("<caption>{caption}</caption>"), ""),
+    };
+    let mut text = format!(
+        "{before}<div class=\"wide\"><table id=\"table-{}\">{caption}<thead><tr>",
+        escape(csv.trim_end_matches(".csv")).replace('/', "-"),
+    );
+    let columns = markdown::columns(table);
+    for &c in &columns {
+        let c = &table.columns[c];
+        let unit = match c.unit {
+            Unit::Label | Unit::One | Unit::Count => String::new(),
+            unit => format!(" ({unit})"),
+        };
+        let class = class(c.unit);
+        let _ = write!(
+            text,
+            "<th scope=\"col\"{class}>{}{}</th>",
+            escape(&markdown::named(c)),
+            escape(&unit)
+        );
+    }
+    text += "</tr></thead><tbody>";
+    for row in &table.rows {
+        text += "<tr>";
+        for &c in &columns {
+            let class = class(table.columns[c].unit);
+            let _ = write!(text, "<td{class}>{}</td>", escape(&Cell::to_string(&row[c])));
+        }
+        text += "</tr>";
+    }
+    text + "</tbody></table></div>" + after
+}
+
+/// Numbers are set flush right.
+fn class(unit: Unit) -> &'static str {
+    if unit == Unit::Label { "" } else { " class=\"n\"" }
+}
