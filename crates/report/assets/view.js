@@ -20,7 +20,7 @@ class View {
     this.camera = new Camera(angles[0], angles[1], zUp);
     this.state = {
       stops: this.description.start ?? sliders.map(() => 0),
-      field: fields.length ? 0 : null,
+      field: this.description.color ?? (fields.length ? 0 : null),
       map: null,
       range: null,
       wire: false,
@@ -54,7 +54,7 @@ class View {
     this.sum = ModeSum.of(this.meshes, () => this.settleSum());
     this.fields = [...this.description.fields, ...Derived.fields(this.description, this.meshes)];
     if (this.sum) this.fields.unshift(this.sum.field());
-    // An address may name its field.
+    // A view or an address may name its field.
     if (typeof this.state.field === 'string') this.state.field = this.fields.findIndex((f) => f.name === this.state.field);
     // A mesh with modes is shown with the mode that is being added, others as they are unless they bring values.
     this.state.field ??= this.sum || this.description.fields.length ? 0 : -1;

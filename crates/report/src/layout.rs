@@ -17,7 +17,7 @@ const SEEN: [Seen; 11] = [
     Seen { section: "q1", figures: &["flower-view", "convergence"], tables: &[] },
     Seen { section: "q2", figures: &["play-ellipsoid"], tables: &["forms"] },
     Seen { section: "q3", figures: &["torus-view", "convergence"], tables: &[] },
-    Seen { section: "noise", figures: &["play-noise"], tables: &[] },
+    Seen { section: "noise", figures: &["play-noise", "changes"], tables: &[] },
     Seen { section: "estimators", figures: &["torus-view", "largest-mean"], tables: &[] },
     Seen { section: "q4", figures: &["modes-view", "decay"], tables: &[] },
     Seen { section: "q5", figures: &["play-diffusion", "sweep"], tables: &[] },

@@ -31,6 +31,9 @@ pub struct View {
     pub start: Vec<usize>,
     /// The panels, left to right.
     pub panels: Vec<Panel>,
+    /// The field that colours it at first, perhaps one that the page computes; without, the first that it brings along.
+    #[serde(default)]
+    pub color: Option<String>,
     /// The panel from which displacement counts, if the page is to offer it.
     #[serde(default)]
     pub from: Option<usize>,

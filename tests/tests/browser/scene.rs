@@ -72,6 +72,7 @@ fn flow() -> View {
         caption: "Explicit smoothing of a noisy sphere.".into(),
         alt: "Two bumpy spheres, one noisy, one smooth.".into(),
         fallback: "picture".into(),
+        color: None,
         z_up: false,
         sliders: vec![Slider::new("iterations", 0..stops.len())],
         start: vec![],
@@ -129,6 +130,7 @@ fn grid() -> View {
         alt: "An ellipsoid.".into(),
         fallback: "picture".into(),
         z_up: false,
+        color: Some("mean curvature".into()),
         sliders: vec![Slider::new("width", WIDTHS), Slider::new("height", HEIGHTS)],
         panels: vec![Panel::moving("ellipsoid", &sphere, all.iter().map(|p| &p[..])).with_fact(
             "E_a",

@@ -10,6 +10,7 @@ use fairing_operators::curvature::{CurvatureField, Estimator};
 use fairing_operators::surface::PointCurvature;
 use rayon::prelude::*;
 
+use super::every_estimator::EveryEstimator;
 use super::gallery::plotted;
 use super::refinement::second_order;
 use super::samples::{Layout, Sample};
@@ -34,7 +35,7 @@ impl Experiment for Estimators {
             id: "estimators",
             title: "Curvature estimators side by side",
             question: "Which estimator converges on meshes as they are, and when is each to be chosen?",
-            method: "Every estimator is run on surfaces of known curvature, over a series of refinements: sphere, torus, ellipsoid, and a wavy graph with a border. Meshes are regular, jittered along the surface, and irregular, with edges flipped as well. H, K, both principal curvatures and their directions are compared with the exact values, over inner vertices, in the root mean square and in the largest error: an estimator that converges in the largest error can be trusted at every vertex.".into(),
+            method: "Every estimator is run on surfaces of known curvature, over a series of refinements. One whose largest error converges can be trusted at every vertex.\n\nThe surfaces are a sphere, a torus, an ellipsoid, and a wavy graph with a border. Their meshes are regular, jittered along the surface, or irregular, with edges flipped as well. H, K, both principal curvatures and their directions are compared with the exact values at inner vertices, in the root mean square and in the largest error.".into(),
             formulas: vec![r"p = \frac{\log(e_1 / e_2)}{\log(h_1 / h_2)}".into()],
             inputs: &[],
             parameters: Estimator::ALL.map(|e| (e.name(), e.description().into())).to_vec(),
@@ -73,8 +74,11 @@ impl Experiment for Estimators {
         }
         let next = levels.iter().rev().nth(1).copied().context("no levels")?;
         let times = times(next, context)?;
-        let figures = vec![plot(&errors, "max H", "H")?, plot(&errors, "max K", "K")?];
-        Ok(Outcome { tables: vec![errors, orders, times], figures, ..Outcome::default() })
+        let mut figures = vec![plot(&errors, "max H", "H")?, plot(&errors, "max K", "K")?];
+        let torus = EveryEstimator::on_torus(context, BASELINE)?;
+        figures.push(torus.picture(!context.is_quick())?);
+        let tables = vec![errors, orders, times];
+        Ok(Outcome { tables, figures, views: vec![torus.view()], ..Outcome::default() })
     }
 
     fn judge(&self, tables: Tables<'_>) -> Result<Vec<Judgement>> {
@@ -369,13 +373,13 @@ fn plot(errors: &Table, column: &str, what: &str) -> Result<Picture> {
             plot.series.push(if stands_out { line } else { line.quiet() });
         }
         plot.series.extend(second_order(&plot.series));
-        figure.panels.push(Panel::drawing(plot.draw(450.0, 320.0)?));
+        figure.panels.push(Panel::drawing(plot.draw(450.0, 215.0)?));
     }
     plotted(
         &figure,
         if what == "H" { "largest-mean" } else { "largest-gaussian" },
         &format!(
-            "A line that stays level belongs to an estimator that does not converge at every vertex. In colour are the {WINNERS} with the least error of {what} on the finest meshes and, for comparison, {BASELINE}; a line that falls to the left converges, at second order if it falls like the dashed one. The largest error of {what} over inner vertices of jittered meshes; errors below {ROUNDING:e} are rounding and left out, and so are estimators that have nothing else."
+            "A line that falls to the left converges, at second order if it falls like the dashed one; a level line does not. In colour are the {WINNERS} estimators with the least error of {what} on the finest meshes, and {BASELINE} for comparison. The largest error of {what} at inner vertices of jittered meshes, without errors below {ROUNDING:e}, which are rounding."
         ),
         &format!(
             "Four plots of the largest relative error of {what} over mean edge length on logarithmic axes, for sphere, torus, ellipsoid and graph, a line for each estimator."

@@ -19,6 +19,7 @@ use crate::outcome::{Outcome, Picture};
 use crate::row;
 use crate::table::{Table, Tables, Tolerance, Unit, brief};
 use crate::verdict::{Judgement, Verdict};
+use crate::view::{Panel, Slider, View};
 
 pub(super) struct Flows;
 
@@ -37,7 +38,7 @@ impl Experiment for Flows {
             id: "flows",
             title: "Flows against theory, and beside each other",
             question: "Do the flows converge to what they discretise, and which of them removes noise at what price?",
-            method: "Mean curvature flow of the unit sphere, with the operator rebuilt in each step, is compared with r(t) = √(1 − 4t); time steps are in proportion to h², so that both errors should fall with the square of h. Conformalised mean curvature flow runs on bumpy spheres of genus 0 until it settles; measured is how far vertices are from the best sphere about the centroid. Then every method of the library runs with its default options on one noisy mesh whose truth is known.".into(),
+            method: "Mean curvature flow of the unit sphere, with the operator rebuilt in each step, is compared with r(t) = √(1 − 4t). Conformalised mean curvature flow runs on bumpy spheres until it settles. Every method of the library then runs with its default options on one noisy mesh whose truth is known.\n\nThe time steps of the first flow are in proportion to h², so that its error should fall with the square of h. After the second one we measure how far vertices are from the best sphere about the centroid.".into(),
             formulas: FORMULAS.map(String::from).to_vec(),
             inputs: &[],
             parameters: vec![
@@ -56,6 +57,7 @@ impl Experiment for Flows {
         let (table, picture) = methods(context)?;
         outcome.tables.push(table);
         outcome.figures.push(picture);
+        outcome.views.push(view(context)?);
         Ok(outcome)
     }
 
@@ -100,7 +102,7 @@ impl Experiment for Flows {
                 "Taubin's steps, the windowed sinc filter and HC keep the volume that diffusion loses",
                 judge(lost < 0.2 * plain),
                 format!(
-                    "They change it by at most {} per cent, implicit diffusion by {} per cent.",
+                    "They change it by at most {} %, implicit diffusion by {} %.",
                     brief(lost),
                     brief(plain),
                 ),
@@ -205,6 +207,59 @@ fn off_sphere(mesh: &TriMesh) -> f64 {
     radii.iter().map(|r| (r / mean - 1.0).abs()).fold(0.0, f64::max)
 }
 
+/// A bumpy sphere, and by name the same with noise and after every method with its default options.
+fn restored(context: &Context<'_>, level: u32) -> Result<(TriMesh, Vec<(String, TriMesh)>)> {
+    let truth = shapes::bumpy_sphere(level, 0.1, 5.0);
+    let sigma = NoiseLevel::EdgeLengths(SIGMA);
+    let seed = context.seed("methods");
+    let noisy = add_noise(&truth, NoiseKind::GaussianAlongNormals, sigma, seed)?;
+    let mut results = vec![("input".to_string(), noisy.clone())];
+    for method in Method::defaults() {
+        // These answer other questions.
+        if !matches!(method, Method::FairRegion(_) | Method::ConformalizedMcf(_)) {
+            results.push((method.name().to_string(), method.run(&noisy, None)?.mesh));
+        }
+    }
+    Ok((truth, results))
+}
+
+/// The noisy mesh, what each method makes of it, and the truth, on a coarser mesh than that of the table.
+fn view(context: &Context<'_>) -> Result<View> {
+    let (truth, mut results) = restored(context, context.choose(4, 3))?;
+    let (_, noisy) = results.remove(0);
+    let facts = |panel: Panel, meshes: &[&TriMesh]| -> Result<Panel> {
+        let (mut angles, mut volumes) = (vec![], vec![]);
+        for mesh in meshes {
+            angles.push(Some(normal_error(mesh, &truth)?.mean));
+            volumes.push(drift(mesh, &truth).volume.map(|volume| 100.0 * volume));
+        }
+        Ok(panel.with_fact("normal error", "°", angles).with_fact("volume", "%", volumes))
+    };
+    let meshes: Vec<&TriMesh> = results.iter().map(|(_, mesh)| mesh).collect();
+    let after = Panel::moving("result", &truth, meshes.iter().map(|mesh| mesh.positions()));
+    Ok(View {
+        id: "methods-view".into(),
+        mesh: "bumpy sphere".into(),
+        caption: format!(
+            "Move through the methods: red is outside the true surface, blue inside. Diffusion and mean curvature flow turn blue all over, because they shrink; Taubin's steps and HC do not. A bumpy sphere of {} vertices with noise of {SIGMA} h, after each method with its default options.",
+            truth.vertex_count()
+        ),
+        alt: "A rough sphere with bumps, a smoother one, and the true one, with a slider over methods.".into(),
+        fallback: "methods".into(),
+        z_up: true,
+        sliders: vec![Slider::new("method", results.iter().map(|(name, _)| name))],
+        start: vec![results.iter().position(|(name, _)| name == "implicit").unwrap_or_default()],
+        color: Some("distance off the truth".into()),
+        panels: vec![
+            facts(Panel::still("noisy input", &noisy), &[&noisy])?,
+            facts(after, &meshes)?,
+            Panel::still("truth", &truth),
+        ],
+        from: Some(0),
+        truth: Some(truth.positions().to_vec()),
+    })
+}
+
 /// Every method with its default options on one noisy mesh.
 fn methods(context: &Context<'_>) -> Result<(Table, Picture)> {
     let mut table = Table::new(
@@ -217,18 +272,8 @@ fn methods(context: &Context<'_>) -> Result<(Table, Picture)> {
             ("volume", Unit::Percent),
         ],
     );
-    let truth = shapes::bumpy_sphere(context.choose(5, 4), 0.1, 5.0);
+    let (truth, results) = restored(context, context.choose(5, 4))?;
     let h = truth.mean_edge_length();
-    let level = NoiseLevel::EdgeLengths(SIGMA);
-    let seed = context.seed("methods");
-    let noisy = add_noise(&truth, NoiseKind::GaussianAlongNormals, level, seed)?;
-    let mut results = vec![("input".to_string(), noisy.clone())];
-    for method in Method::defaults() {
-        // These answer other questions.
-        if !matches!(method, Method::FairRegion(_) | Method::ConformalizedMcf(_)) {
-            results.push((method.name().to_string(), method.run(&noisy, None)?.mesh));
-        }
-    }
     for (name, mesh) in &results {
         let volume = drift(mesh, &truth).volume.context("a closed mesh without a volume")?;
         table.push(row![

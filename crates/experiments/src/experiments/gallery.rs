@@ -157,6 +157,26 @@ impl Coloring<'_> {
     }
 }
 
+/// Signed errors of several estimates on one mesh, in one range.
+pub(super) fn errors(
+    id: &str,
+    caption: &str,
+    alt: &str,
+    mesh: &TriMesh,
+    estimates: &[(&str, ScalarCurvature)],
+    occlusion: bool,
+) -> Result<Picture> {
+    let looks = estimates.iter().map(|(title, field)| {
+        let options = ScaleOptions::SIGNED;
+        let (quantity, unit) = ("error of H", "1/mesh units");
+        let coloring = Coloring { field, range: Range::All, options, quantity, unit };
+        Look { title, mesh, coloring: Some(coloring) }
+    });
+    let looks = looks.collect();
+    Gallery { looks, viewpoints: &VIEWPOINTS[..1], up: Up::Z, aspect: 4.0 / 3.0, occlusion }
+        .draw(id, caption, alt)
+}
+
 /// A figure of plots: as SVG too, since it is made of lines.
 pub(super) fn plotted(figure: &Figure, id: &str, caption: &str, alt: &str) -> Result<Picture> {
     Ok(Picture {

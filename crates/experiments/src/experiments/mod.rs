@@ -15,6 +15,7 @@ mod estimators;
 mod flows;
 mod noise;
 
+mod every_estimator;
 mod families;
 mod gallery;
 mod gap;

@@ -29,7 +29,7 @@ impl Experiment for Noise {
             id: "noise",
             title: "Curvature under noise",
             question: "Is mean curvature disturbed by noise, and Gaussian curvature not?",
-            method: "Gaussian noise of growing size is added to every coordinate of unit sphere and torus at several resolutions, with several seeds. The change of H and of K against the same estimator on the clean mesh is compared, each over the root mean square of its own clean values, with the rank correlation of noisy and clean values on the torus (on a sphere all clean values are equal). The sum of the angle defects is compared with 2πχ. Here h is the mean edge length of the clean mesh.".into(),
+            method: "Gaussian noise of growing size is added to every coordinate of a sphere and a torus. The change of H is compared with that of K, each against the same estimator on the clean mesh and over the root mean square of its own clean values.\n\nThe meshes have several resolutions, and the noise several seeds. Also measured are the rank correlation of noisy and clean values on the torus (on a sphere all clean values are equal), and the distance of the sum of all angle defects from 2πχ. Here h is the mean edge length of the clean mesh.".into(),
             formulas: vec![],
             inputs: &[],
             parameters: vec![
@@ -319,7 +319,7 @@ fn plot(changes: &Table) -> Result<Picture> {
                 plot.series.push(Series::marked(format!("{what}, {name}"), points));
             }
         }
-        figure.panels.push(Panel::drawing(plot.draw(if i == 1 { 500.0 } else { 340.0 }, 300.0)?));
+        figure.panels.push(Panel::drawing(plot.draw(if i == 1 { 500.0 } else { 340.0 }, 240.0)?));
     }
     plotted(
         &figure,

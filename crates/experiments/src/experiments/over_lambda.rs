@@ -87,7 +87,7 @@ pub(super) fn plot(sweep: &Table, caption: &str) -> Result<Picture> {
             let points = rows.column("lambda")?.into_iter().zip(rows.column(column)?);
             plot.series.push(Series::marked(mesh, points.map(|(x, y)| [x, y]).collect()));
         }
-        figure.panels.push(FigurePanel::drawing(plot.draw(420.0, 320.0)?));
+        figure.panels.push(FigurePanel::drawing(plot.draw(450.0, 230.0)?));
     }
     let picture =
         plotted(&figure, "sweep", caption, "Two plots of error over λ on logarithmic axes.")?;
@@ -242,6 +242,7 @@ impl OverLambda<'_> {
             ),
             alt: format!("The {} twice, to turn, with sliders over λ and iterations.", model.name),
             fallback: model.slug(),
+            color: None,
             z_up: true,
             sliders: vec![Slider::new("λ", &lambdas[..viewed]), Slider::new("iterations", &counts)],
             start: self.start(model, &counts, &stops),

@@ -60,7 +60,7 @@ impl Experiment for UniformCurvature {
             id: "q1",
             title: "Curvature from the uniform Laplacian",
             question: "What do the mean curvature of the uniform Laplacian and the Gaussian curvature of the angle defect look like, and do they approximate the curvature of the continuous surface?",
-            method: "Mean curvature is half the length of the uniform Laplacian of the positions, H = ‖Δx‖/2 with (Δx)ᵢ the vector from xᵢ to the average of its neighbours. This is a length, not a curvature: it shrinks with the square of the edges. The scaled form divides by a quarter of the mean squared edge length at the vertex, which makes it comparable, and takes the sign from the normal. Gaussian curvature is the angle defect over the barycentric area, a third of the faces around the vertex.\n\nBoth are shown on the two meshes of the assignment with its colours (normalised, histogram equalised, hue from blue, low, to red, high) and in diverging colours about zero. Then both are compared with the exact curvature of closed surfaces, on regular meshes and on meshes whose vertices were moved at random along the surface.".into(),
+            method: "Mean curvature is half the length of the uniform Laplacian of the positions: H = ‖Δx‖/2, where (Δx)ᵢ is the vector from xᵢ to the average of its neighbours. That is a length, not a curvature; the scaled form divides it by a quarter of the mean squared edge length at the vertex and takes the sign from the normal. Gaussian curvature is the angle defect over the barycentric area, a third of the faces around the vertex.\n\nBoth are shown on the two meshes of the assignment: in its colours (normalised and histogram equalised, from blue for low to red for high) and in diverging colours about zero. Both are then compared with the exact curvature of closed surfaces, on regular meshes and on meshes whose vertices are moved at random along the surface.".into(),
             formulas: FORMULAS.map(String::from).to_vec(),
             inputs: &[Input::Flower, Input::Plane],
             parameters: [("area of a vertex", "barycentric".into())]
@@ -109,7 +109,7 @@ impl Experiment for UniformCurvature {
         }
         let [errors, orders] = refinement::study(context, &ESTIMATORS)?;
         outcome.figures.push(refinement::plot(&errors, &ESTIMATORS)?);
-        outcome.notes.push(answer(&errors, &orders)?);
+        outcome.notes.extend(answer(&errors, &orders)?);
         outcome.tables.extend([fields, errors, orders]);
         Ok(outcome)
     }
@@ -203,8 +203,8 @@ impl<'a> Pictures<'a> {
     }
 }
 
-/// The answer to the question, in numbers of the tables.
-fn answer(errors: &Table, orders: &Table) -> Result<String> {
+/// The answer to the question, and the numbers of the tables behind it.
+fn answer(errors: &Table, orders: &Table) -> Result<[String; 2]> {
     let worst =
         |table: &Table, sampling: &str, estimator: &str, column: &str| -> Result<[f64; 2]> {
             let rows =
@@ -247,18 +247,22 @@ fn answer(errors: &Table, orders: &Table) -> Result<String> {
         })
         .into_iter()
         .collect::<Result<Vec<_>>>()?;
-    Ok(format!(
-        "Answer: mean curvature, no. ‖Δx‖/2 is a length that goes to zero with the edges, whatever the surface: as an estimate of H its relative error reaches {}. Scaled by the edge lengths it is a curvature, but it does not converge either: the observed order is at most {} on regular and {} on jittered meshes, and on the finest regular torus the error is still {}, because uniform weights mistake uneven edges and tangential shifts for curvature. Gaussian curvature, on regular meshes in the mean only: its order is {} to {} in the root mean square, but the largest error {}. On jittered meshes the order in the root mean square is at most {}, and the relative error is still {} on the finest torus; only its integral is exact.",
+    let short = format!(
+        "Answer: mean curvature, no. ‖Δx‖/2 is a length that goes to zero with the edges. Scaled by them it is a curvature, but uniform weights mistake uneven edges and tangential shifts for curvature: on the finest regular torus the relative error is still {}. Gaussian curvature converges in the mean on regular meshes only: on the finest jittered torus the error is {}. Its integral is exact on all of them.",
+        brief(torus),
+        brief(left),
+    );
+    let numbers = format!(
+        "As an estimate of H the relative error of ‖Δx‖/2 reaches {}. The order of the scaled form is at most {} on regular and {} on jittered meshes. The order of Gaussian curvature in the root mean square is {} to {} on regular and at most {} on jittered meshes. On regular meshes its largest error {}.",
         brief(length),
         brief(regular),
         brief(jittered),
-        brief(torus),
         brief(least),
         brief(gaussian),
-        largest.join(", "),
         brief(irregular),
-        brief(left),
-    ))
+        largest.join(", "),
+    );
+    Ok([short, numbers])
 }
 
 const FORMULAS: [&str; 2] = [

@@ -7,7 +7,7 @@ use fairing_operators::LumpedArea;
 use fairing_operators::curvature::{MeanCurvature, MeanOperator, ScalarCurvature, mean_curvature};
 use fairing_shapes as shapes;
 
-use super::gallery::{Coloring, FLAT, Gallery, Look, Range, VIEWPOINTS};
+use super::gallery::{self, Coloring, FLAT, Gallery, Look, Range, VIEWPOINTS};
 use super::refinement::{self, Estimator, Quantity, finest};
 use super::spread;
 use super::surfaces::{Sampling, TestSurface};
@@ -59,7 +59,7 @@ impl Experiment for CotangentCurvature {
             id: "q3",
             title: "Mean curvature from the cotangent Laplacian",
             question: "Does the discrete Laplace–Beltrami operator with cotangent weights improve the estimate of mean curvature?",
-            method: "The cotangent stiffness S applied to the positions, over the mixed area of each vertex, gives the mean curvature vector: Δx = −M⁻¹Sx = −2Hn. The sign of H comes from the normal.\n\nFirst both meshes of the assignment; then the error against exact curvature, side by side with the uniform operator scaled by edge lengths (see q1). Last, planes: the curvature of a plane is zero, so that whatever an operator returns there is an error; inside and boundary are counted apart, and the meshes are regular, jittered and irregular. Here h is the mean edge length of each mesh.".into(),
+            method: "The cotangent stiffness S applied to the positions, over the mixed area of each vertex, gives the mean curvature vector: Δx = −M⁻¹Sx = −2Hn. The sign of H comes from the normal.\n\nBoth meshes of the assignment are shown. The error is then compared with that of the uniform operator scaled by edge lengths (see q1), on surfaces whose curvature is known. Planes come last: their curvature is zero, so whatever an operator returns there is an error. They are regular, jittered and irregular, and vertices inside and on the boundary are counted apart. Here h is the mean edge length of each mesh.".into(),
             formulas: FORMULAS.map(String::from).to_vec(),
             inputs: &[Input::Flower, Input::Plane],
             parameters: [("area of a vertex", "mixed (Voronoi where no angle is obtuse)".into())]
@@ -109,7 +109,9 @@ impl Experiment for CotangentCurvature {
                 ],
             });
         }
-        outcome.views.insert(0, torus_view(context)?);
+        let (view, picture) = torus_view(context)?;
+        outcome.views.insert(0, view);
+        outcome.figures.push(picture);
         outcome.tables.push(fields);
         let [errors, orders] = refinement::study(context, &ESTIMATORS)?;
         outcome.figures.push(refinement::plot(&errors, &ESTIMATORS)?);
@@ -316,7 +318,7 @@ fn view(name: &str, mesh: &TriMesh, uniform: &MeanCurvature, cotangent: &MeanCur
 }
 
 /// Both estimates on a jittered torus, where the exact curvature is known.
-fn torus_view(context: &Context<'_>) -> Result<View> {
+fn torus_view(context: &Context<'_>) -> Result<(View, Picture)> {
     let surface = TestSurface::Torus;
     let seed = context.seed("torus");
     let mesh = surface.mesh(context.choose(4, 3), Sampling::Jittered, seed);
@@ -324,33 +326,45 @@ fn torus_view(context: &Context<'_>) -> Result<View> {
         mesh.positions().iter().map(|&p| surface.exact(p).map(|c| c.mean())).collect();
     let exact = exact.context("a vertex off the torus")?;
     let squares = |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>();
-    let panel = |title: &str, operator: MeanOperator| -> Result<(Panel, f64)> {
+    let panel = |title: &str, operator: MeanOperator| -> Result<(Panel, f64, ScalarCurvature)> {
         let mean = mean_curvature(&mesh, operator)?;
-        let off = squares(&mut mean.signed.iter().zip(&exact).map(|(x, y)| x - y));
-        let error = 100.0 * (off / squares(&mut exact.iter().copied())).sqrt();
+        let gaps: Vec<f64> = mean.signed.iter().zip(&exact).map(|(x, y)| x - y).collect();
+        let error = 100.0
+            * (squares(&mut gaps.iter().copied()) / squares(&mut exact.iter().copied())).sqrt();
+        let gaps = ScalarCurvature::new(gaps, mean.status.clone(), mean.boundary.clone());
         let panel = Panel::still(title, &mesh)
             .with_field("mean curvature", "1/mesh units", true, &mean.signed)
             .exactly(exact.clone())
             .with_fact("RMS error", "%", vec![Some(error)]);
-        Ok((panel, error))
+        Ok((panel, error, gaps))
     };
-    let (uniform, first) = panel("uniform", MeanOperator::ScaledUmbrella)?;
-    let (cotangent, second) = panel("cotangent", MIXED)?;
-    Ok(View {
+    let (uniform, first, theirs) = panel("uniform", MeanOperator::ScaledUmbrella)?;
+    let (cotangent, second, ours) = panel("cotangent", MIXED)?;
+    let picture = gallery::errors(
+        "torus",
+        "Grey is zero. The error of H on a jittered torus, by uniform weights and by cotangents.",
+        "A torus twice, coloured by errors: far more on the left.",
+        &mesh,
+        &[("uniform", theirs), ("cotangent", ours)],
+        !context.is_quick(),
+    )?;
+    let view = View {
         id: "torus-view".into(),
         mesh: "jittered torus".into(),
         caption: format!(
-            "Colour by the error: on a torus with jittered vertices uniform weights are off by {} % in the root mean square, cotangents by {} %. A click shows the exact value, the estimate and the error at a vertex.",
+            "What is not grey is wrong: on a torus with jittered vertices uniform weights are off by {} % in the root mean square, cotangents by {} %. A click shows the exact value, the estimate and the error at a vertex.",
             brief(first),
             brief(second)
         ),
         alt: "A torus twice, to turn, coloured by the mean curvature of either operator.".into(),
-        fallback: "convergence".into(),
+        fallback: "torus".into(),
+        color: Some("error of mean curvature".into()),
         z_up: true,
         sliders: vec![],
         panels: vec![uniform, cotangent],
         ..View::default()
-    })
+    };
+    Ok((view, picture))
 }
 
 /// `½ ‖Δx‖` with the flags.

@@ -57,7 +57,7 @@ impl Experiment for Reconstruction {
             id: "q4",
             title: "Reconstruction from the smoothest modes",
             question: "How well do the eigenvectors of the k smallest eigenvalues of the Laplace–Beltrami operator reconstruct a mesh, and does a larger k help?",
-            method: "S φ = ω M φ with cotangent stiffness S and barycentric mass M; ω is a squared frequency, called ω because λ is a step here. The positions are projected in the inner product of M, X_k = Φ Φᵀ M X. The number of eigenvalues below the last one is certified by the inertia of a factorisation. Where eigenvalue k + 1 is equal to eigenvalue k or nearly so, the basis of their eigenspace is arbitrary, and k moves on to the next gap.\n\nThe error is predicted from the coefficients (Parseval); it is measured as well, with the distance between the surfaces and the angle between their normals. Eigenvalues are compared with those of the unit sphere, ℓ(ℓ + 1), and with Weyl's law, ω_k ≈ 4πk / A.".into(),
+            method: "The modes φ solve S φ = ω M φ, with cotangent stiffness S and barycentric mass M; ω is a squared frequency. The positions X are projected onto the first k modes, in the inner product of M.\n\nThe number of eigenvalues below the last one is certified by the inertia of a factorisation. Where eigenvalue k + 1 is equal to eigenvalue k or nearly so, the basis of their eigenspace is arbitrary, and k moves on to the next gap.\n\nThe error is predicted from the coefficients (Parseval); it is measured as well, with the distance between the surfaces and the angle between their normals. Eigenvalues are compared with those of the unit sphere, ℓ(ℓ + 1), and with Weyl's law, ω_k ≈ 4πk / A.".into(),
             formulas: FORMULAS.map(String::from).to_vec(),
             inputs: &[Input::Armadillo, Input::ArmadilloLarge],
             parameters: vec![
@@ -143,10 +143,11 @@ impl Experiment for Reconstruction {
                 "The eigenvalues converge to those of the surface with second order",
                 second,
                 format!(
-                    "On the unit sphere (ω = 6 and 12) and on a torus of revolution (its first dozen) the errors fall with orders {least:.2} to {most:.2}.",
+                    "On the unit sphere (ω = 6 and 12) and on a torus of revolution (its first dozen) the errors fall with order {}.",
+                    between(least, most)
                 ),
             )
-            .finding(format!("The observed orders are {least:.2} to {most:.2}; with order 2, half the edge length leaves a quarter of the error."))
+            .finding(format!("The observed order is {}: half the edge length leaves a quarter of the error.", between(least, most)))
             .ours()
             .number("least order", least, Unit::Order)
             .number("greatest order", most, Unit::Order),
@@ -480,6 +481,7 @@ fn view(id: &str, name: &str, mesh: &TriMesh, stops: &[usize], rebuilt: &[TriMes
         ),
         alt: format!("The {name} twice, to turn; a slider changes the number of modes."),
         fallback: id.into(),
+        color: None,
         z_up: false,
         sliders: vec![Slider::new("k", stops)],
         start: vec![2.min(stops.len() - 1)],
@@ -507,6 +509,12 @@ fn extremes(curves: &[Series]) -> Option<[&str; 2]> {
     (least.1 != most.1).then_some([least.1, most.1])
 }
 
+/// Two orders to two digits, or one if they do not differ in them.
+fn between(least: f64, most: f64) -> String {
+    let [low, high] = [least, most].map(|x| format!("{x:.2}"));
+    if low == high { low } else { format!("{low} to {high}") }
+}
+
 fn decay(curves: Vec<Series>) -> Result<Picture> {
     let plot = Plot {
         x: Axis::log("modes k"),
@@ -520,7 +528,7 @@ fn decay(curves: Vec<Series>) -> Result<Picture> {
         format!("At {COMPARED} modes the {least} is the closest to the original, the {most} the farthest. ")
     });
     let names: Vec<String> = plot.series.iter().map(|s| s.name.clone()).collect();
-    figure.panels.push(FigurePanel::drawing(plot.draw(680.0, 380.0)?));
+    figure.panels.push(FigurePanel::drawing(plot.draw(800.0, 280.0)?));
     let picture = plotted(
         &figure,
         "decay",

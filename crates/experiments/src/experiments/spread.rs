@@ -22,7 +22,7 @@ pub(super) fn table(id: &str, caption: &str) -> Table {
             ("mean size", Unit::One),
         ],
     )
-    .aside(&["vertices", "defined"])
+    .aside(&["defined", "mean size"])
 }
 
 /// Adds a row for the vertices inside and, if there are any, one for those on

@@ -75,6 +75,15 @@ fn describe(view: &View, step: u16) -> Result<(Value, String)> {
         "fields": fields,
         "panels": panels,
     });
+    begin(view, &mut about)?;
+    if let Some(truth) = truth {
+        about["truth"] = truth;
+    }
+    Ok((about, pack.finish()?))
+}
+
+/// The state in which a view begins: the stops of its sliders, where displacement counts from, and its colours.
+fn begin(view: &View, about: &mut Value) -> Result<()> {
     if !view.start.is_empty() {
         let stops: Vec<usize> = view.sliders.iter().map(|slider| slider.stops.len()).collect();
         let fit =
@@ -89,10 +98,10 @@ fn describe(view: &View, step: u16) -> Result<(Value, String)> {
         );
         about["from"] = from.into();
     }
-    if let Some(truth) = truth {
-        about["truth"] = truth;
+    if let Some(color) = &view.color {
+        about["color"] = color.as_str().into();
     }
-    Ok((about, pack.finish()?))
+    Ok(())
 }
 
 fn check(panel: &Panel, stops: usize) -> Result<()> {

@@ -178,6 +178,7 @@ mod tests {
             z_up: true,
             sliders: vec![Slider::new("k", [1, 2])],
             start: vec![1],
+            color: Some("mean".into()),
             panels: vec![panel, Panel::still("q", &mesh)],
             from: Some(1),
             truth: Some(vec![[0.1, 0.2, 0.3]; 3]),

@@ -154,6 +154,7 @@ impl<'a> Restored<'a> {
             ),
             alt: format!("The {name} three times, to turn, with sliders over noise and method."),
             fallback: figure.into(),
+            color: None,
             z_up: self.up == Up::Z,
             sliders: vec![
                 Slider::new("σ", self.levels.iter().map(|level| &level.name)),
@@ -247,7 +248,7 @@ fn curve(sweep: &Table, id: &str, column: &str, label: &str, caption: &str) -> R
         let points = input.column("σ/h")?.into_iter().zip(input.column(column)?);
         let points = points.map(|(x, y)| [x, y]).collect();
         plot.series.push(Series::reference(Method::Nothing.name(), points));
-        figure.panels.push(FigurePanel::drawing(plot.draw(450.0, 300.0)?));
+        figure.panels.push(FigurePanel::drawing(plot.draw(450.0, 205.0)?));
     }
     let picture = plotted(
         &figure,
