@@ -7,7 +7,7 @@
  */
 const Renderer = (() => {
   const WIDTH = 2048; // of data textures, in texels
-  const COARSE = 6000; // faces of a mesh while it moves, about
+  const COARSE = 4500; // faces of a mesh while it moves, about
 
   const VERTEX = `#version 300 es
 precision highp float; precision highp int; precision highp usampler2D;
@@ -45,10 +45,17 @@ uniform sampler2D tMap;
 uniform vec2 uRange;
 uniform bool uFlat, uColored, uLines;
 uniform float uWire, uPixel;
-vec3 linear(vec3 c) { return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c)); }
+// Both are within one step of 8 bits of the powers, but for what is nearly black; powers take half of the time of a
+// picture in software.
+vec3 linear(vec3 c) { return c * (0.0602285 + c * (0.3476008 + c * (0.9503896 - 0.3640633 * c))); }
 vec3 srgb(vec3 c) {
   c = clamp(c, 0.0, 1.0);
-  return mix(c * 12.92, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c));
+  vec3 root = sqrt(c);
+  return max(0.8273321 * root + 0.3035418 * sqrt(root) - 0.0780923 * c - 0.0530938, 0.0);
+}
+float power40(float x) {
+  float x2 = x * x, x4 = x2 * x2, x8 = x4 * x4, x16 = x8 * x8;
+  return x16 * x16 * x8;
 }
 void main() {
   vec3 eye = normalize(vPosition);
@@ -80,7 +87,7 @@ void main() {
     + 0.20 * max(dot(n, fill), 0.0) * open
     + mix(0.13, 0.32, 0.5 + 0.5 * n.y) * open;
   vec3 lit = base * light
-    + 0.06 * open * pow(max(dot(n, normalize(key - eye)), 0.0), 40.0);
+    + 0.06 * open * power40(max(dot(n, normalize(key - eye)), 0.0));
   if (uWire > 0.0) {
     // Distances to the three sides and heights of the face, in pixels.
     vec3 slope = max(fwidth(vSide), vec3(1e-6));

@@ -191,3 +191,63 @@ pub(crate) fn name(section: &str, id: &str) -> String {
     let found = own.into_iter().find(|(known, _)| *known == id);
     found.map_or_else(|| id.replace('-', " "), |(_, name)| (*name).into())
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use fairing_results::results::Results;
+
+    use super::*;
+    use crate::story;
+
+    #[test]
+    fn every_section_of_the_article_is_laid_out() {
+        for section in story::ACTS.iter().flat_map(story::Act::ids) {
+            assert!(SEEN.iter().any(|seen| seen.section == section), "{section}");
+        }
+    }
+
+    /// A line of a fold has words, not ids.
+    #[test]
+    fn what_the_committed_report_folds_has_a_name() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/report/results.json");
+        let results = Results::read(&path).unwrap();
+        let named = |section: &str, id: &str| {
+            let own = NAMES.iter().find(|(known, _)| *known == section);
+            own.is_some_and(|(_, names)| names.iter().any(|(known, _)| *known == id))
+        };
+        for record in &results.experiments {
+            let is_still = |id: &str| record.views.iter().any(|view| view.fallback == id);
+            let figures = record.figures.iter().filter(|f| f.svg.is_some() || !is_still(&f.id));
+            let figures = figures.map(|f| &f.id).chain(record.views.iter().map(|v| &v.id));
+            for id in figures.filter(|id| !shows_figure(record, id)) {
+                assert!(named(&record.id, id), "the figure {id} of {} has no name", record.id);
+            }
+            for table in record.tables.iter().filter(|table| !shows_table(record, &table.id)) {
+                assert!(named(&record.id, &table.id), "the table {} of {}", table.id, record.id);
+            }
+        }
+    }
+
+    /// A section that is not listed shows its first view and its plots.
+    #[test]
+    fn other_sections_have_a_rule() {
+        let mut record = Record { id: "other".into(), ..Record::default() };
+        record.figures = ["plot", "picture"]
+            .map(|id| fairing_results::results::FigureFile {
+                id: id.into(),
+                caption: String::new(),
+                alt: String::new(),
+                png: String::new(),
+                svg: (id == "plot").then(|| "plot.svg".into()),
+                small: None,
+                links: vec![],
+            })
+            .to_vec();
+        assert!(shows_figure(&record, "plot") && !shows_figure(&record, "picture"));
+        record.figures.remove(0);
+        assert!(shows_figure(&record, "picture"));
+        assert_eq!(name("other", "far-away"), "far away");
+    }
+}

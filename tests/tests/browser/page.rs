@@ -12,6 +12,9 @@ use crate::{report, scene};
 pub(crate) fn trials() -> Vec<(&'static str, Test)> {
     vec![
         ("paper_shows_pictures_of_views_that_were_not_opened", prints),
+        ("a_section_shows_one_view_and_one_plot_and_folds_the_rest", folds),
+        ("paper_shows_what_is_folded", unfolds),
+        ("a_view_begins_in_its_colour", colours),
         ("formulas_scroll_by_themselves", formulas),
         ("equalised_bars_show_the_values_that_occur", bars),
         ("the_page_does_not_jump", sizes),
@@ -43,6 +46,70 @@ fn prints(chrome: &mut Chrome, page: &Path) -> Result<()> {
     // One picture stands for all four views of the scene.
     ensure!(found == json!([0, 1, 0]), "stages, pictures, cut tables: {found}");
     chrome.picture("paper")
+}
+
+/// Each line of a fold says what is in it.
+fn folds(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    open(chrome, page)?;
+    let found = chrome.run(
+        "(() => {
+           const q5 = document.getElementById('q5');
+           const seen = (what) => [...q5.querySelectorAll(what)].filter((e) => e.checkVisibility()).map((e) => e.id || e.dataset.section);
+           const lines = [...q5.querySelectorAll('details:not(.more) > summary')].map((s) => s.textContent);
+           return [seen('figure.view, figure.play'), seen('svg.figure'), lines, q5.querySelectorAll('details[open]').length];
+         })()",
+    )?;
+    ensure!(found[0] == json!(["play-diffusion", "q5-flow"]), "views that are seen: {found}");
+    ensure!(found[1] == json!(["q5"]), "plots that are seen: {found}");
+    let lines: Vec<&str> =
+        found[2].as_array().into_iter().flatten().filter_map(|l| l.as_str()).collect();
+    ensure!(lines.contains(&"3 figures: open; grid; sum"), "{lines:?}");
+    ensure!(lines.contains(&"In Rust and on the command line"), "{lines:?}");
+    ensure!(found[3] == 0, "{} folds are open", found[3]);
+    let commands = chrome
+        .run("[...document.querySelectorAll('#q5 pre')].map((p) => p.textContent).join('\\n')")?;
+    let commands = commands.as_str().unwrap_or_default();
+    ensure!(
+        commands.contains("explicit(mesh") && commands.contains("fairing smooth "),
+        "{commands}"
+    );
+    Ok(())
+}
+
+/// By the style alone, and where a browser does not know it, by the event before printing; the screen is as before.
+fn unfolds(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    open(chrome, page)?;
+    let hidden = "(() => {
+       const folds = [...document.querySelectorAll('main details:not(.rows, .more)')];
+       const closed = folds.filter((d) => ![...d.children].slice(1).every((e) => e.checkVisibility() && e.getBoundingClientRect().height > 0));
+       return [folds.length, closed.length, folds.filter((d) => d.open).length];
+     })()";
+    let screen = chrome.run(hidden)?;
+    ensure!(screen[0].as_u64() > Some(3) && screen[1] == screen[0], "on the screen: {screen}");
+    chrome.call("Emulation.setEmulatedMedia", json!({"media": "print"}))?;
+    let paper = chrome.run(hidden)?;
+    ensure!(paper[0] == screen[0] && paper[1] == 0, "on paper: {paper}");
+    chrome.picture("unfolded")?;
+    chrome.call("Emulation.setEmulatedMedia", json!({"media": ""}))?;
+    chrome.run("dispatchEvent(new Event('beforeprint'))")?;
+    let asked = chrome.run(hidden)?;
+    ensure!(asked[2] == screen[0], "before printing: {asked}");
+    chrome.run("dispatchEvent(new Event('afterprint'))")?;
+    let after = chrome.run(hidden)?;
+    ensure!(after[2] == 0, "after printing: {after}");
+    Ok(())
+}
+
+/// The one that the view names, though the page computes it.
+fn colours(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    report::open(chrome, page)?;
+    let field = chrome.run(
+        "(() => { const v = fairing.views.get('q5-grid'); return v.fields[v.state.field]?.name ?? 'nothing'; })()",
+    )?;
+    ensure!(field == "mean curvature", "{field}");
+    let named = chrome.run("document.querySelector('#q5-grid .bar').textContent")?;
+    ensure!(named.as_str().is_some_and(|n| n.contains("mean curvature")), "{named}");
+    Ok(())
 }
 
 /// A formula that is too wide is moved inside its own box, and nothing of it is lost.

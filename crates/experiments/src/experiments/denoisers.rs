@@ -120,11 +120,15 @@ impl Experiment for Denoisers {
             0 => Verdict::Refuted,
             _ => Verdict::Qualified,
         };
-        let reason = format!(
-            "The automatic denoiser leaves the smallest E_a on {wins} of {} noisy meshes; where it does not, at most {} times the smallest.",
-            least.len(),
-            brief(ratio),
-        );
+        let share = match wins == least.len() {
+            true => format!("the smallest E_a on all {wins} noisy meshes."),
+            false => format!(
+                "the smallest E_a on {wins} of {} noisy meshes, elsewhere at most {} times the smallest.",
+                least.len(),
+                brief(ratio)
+            ),
+        };
+        let reason = format!("The automatic denoiser leaves {share}");
         let mut judgements: Vec<Judgement> = families::judge(tables)?.into_iter().collect();
         judgements.push(
             Judgement::new(
@@ -133,11 +137,7 @@ impl Experiment for Denoisers {
                 verdict,
                 reason,
             )
-            .finding(format!(
-                "It leaves the smallest error on {wins} of {} noisy meshes, elsewhere at most {} times the smallest.",
-                least.len(),
-                brief(ratio)
-            ))
+            .finding(format!("It leaves {share}"))
             .ours()
             .number("largest ratio to the best", ratio, Unit::One),
         );

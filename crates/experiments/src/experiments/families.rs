@@ -241,13 +241,11 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Option<Judgement>> {
         _ => Verdict::Qualified,
     };
     let reason = format!(
-        "On {cases} cases of families that no constant was chosen on, E_a is in the median {} times that of the best published method tuned with the truth, at worst {} times, and above {BAR} times on {above}; the result is farther from the truth than the noisy mesh, in normals or in positions, on {harmed}.",
-        brief(median),
+        "On {cases} cases of families that no constant was chosen on, E_a is in the median {median:.2} times that of the best published method tuned with the truth, at worst {} times, and above {BAR} times on {above}; the result is farther from the truth than the noisy mesh, in normals or in positions, on {harmed}.",
         brief(worst),
     );
     let finding = format!(
-        "In the median {} times the error of the best published method tuned with the truth, at worst {} times.",
-        brief(median),
+        "The median of its error is {median:.2} times that of the best published method tuned with the truth; at worst it is {} times as large.",
         brief(worst)
     );
     let judgement = Judgement::new(

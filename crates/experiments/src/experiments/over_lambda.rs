@@ -121,7 +121,7 @@ impl OverLambda<'_> {
         let columns: Vec<(&str, Unit)> =
             [("mesh", Unit::Label), ("lambda", Unit::One)].into_iter().chain(COLUMNS).collect();
         let caption = format!(
-            "After {iterations} {kind} steps; λ = 0 is the input. Volume and area against the truth; growth is the diagonal over that of the input. The vertex error is the distance of the vertices from the true surface, the surface error the root mean square of that distance and of the distance back: only the latter sees that a patch has shrunk. Distances are measured at up to {SAMPLES} vertices spread over each mesh."
+            "After {iterations} {kind} steps; λ = 0 is the input, and volume and area are compared with the truth. The surface error is the root mean square of the distances from the vertices to the true surface and back, at up to {SAMPLES} vertices: the way back shows that a patch has shrunk. The CSV has the vertex error too, one way only, and the growth of the diagonal."
         );
         let mut table = Table::new("flows", &caption, &columns)
             .aside(&["vertex error", "displacement", "largest displacement", "growth"])

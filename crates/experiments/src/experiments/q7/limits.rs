@@ -22,7 +22,7 @@ pub(super) const ERRORS: f64 = 2.0;
 pub(super) fn table(sweep: &Results) -> Result<Results> {
     let mut table = Results::new(
         "limits",
-        "Where each method helps, from the sweep: the first level at which its mean error lies below that of the noisy input; the first level after that at which it no longer does (a dash: it still helps at the last level at which it was run); the same by the distance of the vertices; and the level up to which the shape is kept, interpolated, with the range that two standard errors of E_a leave (∞: kept at the end of the sweep). The last row of each mesh takes the best method at each level: beyond its limit nothing recovers the shape.",
+        "Where each method helps: the first level at which its mean error is below that of the noisy input, and the first one at which it no longer is; a dash means that it still helps at the last level. Then the level up to which the shape is kept, with the range that two standard errors of E_a leave; ∞ means to the end of the sweep. The last row of each mesh takes the best method at each level: beyond its limit nothing recovers the shape.",
         &[
             ("mesh", Unit::Label),
             ("method", Unit::Label),
