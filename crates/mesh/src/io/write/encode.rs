@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use crate::PolygonMesh;
 use crate::io::error::WriteProblem;
+use crate::io::write::number::integer;
 use crate::io::write::{WriteReport, fields, obj, off, ply, stl};
 use crate::io::{Format, UnheldFields, VertexFields, WriteOptions};
 
@@ -59,6 +60,19 @@ pub(super) fn encode(
     };
     let bytes = pieces.iter().map(Vec::len).sum();
     Ok((pieces, WriteReport { format, bytes, dropped: unheld, notes }))
+}
+
+/// A line for each face: the number of its corners and their vertices.
+pub(super) fn face_lines(faces: Faces<'_>) -> Vec<Vec<u8>> {
+    lines(faces.len(), 26, |f, text| {
+        let face = faces.face(f);
+        integer(text, face.len() as u64);
+        for &v in face {
+            text.push(b' ');
+            integer(text, u64::from(v));
+        }
+        text.push(b'\n');
+    })
 }
 
 /// Text of many lines of about `per_line` bytes each, made in parallel; the
