@@ -28,13 +28,13 @@ pub(crate) trait Flow: Sized {
         &Self::ALGORITHMS[0]
     }
 
-    /// Runs the flow.
-    fn run(
-        &self,
-        mesh: &TriMesh,
-        observer: Option<&mut Observer<'_>>,
-    ) -> Result<Smoothed, FlowError>;
+    /// The flow.
+    const RUN: FlowFn<Self>;
 }
+
+/// A flow: a mesh, its options, and who sees every step.
+pub(crate) type FlowFn<Options> =
+    fn(&TriMesh, &Options, Option<&mut Observer<'_>>) -> Result<Smoothed, FlowError>;
 
 /// Makes [`Method`] of the types of options; each line adds a flow.
 macro_rules! methods {
@@ -87,7 +87,7 @@ macro_rules! methods {
                 observer: Option<&mut Observer<'_>>,
             ) -> Result<Smoothed, FlowError> {
                 match self {
-                    $(Self::$name(options) => options.run(mesh, observer),)*
+                    $(Self::$name(options) => (<$options>::RUN)(mesh, options, observer),)*
                 }
             }
 
