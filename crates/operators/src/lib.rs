@@ -2,7 +2,7 @@
 //!
 //! [`Laplacian`] is the stiffness and the mass of one mesh, of a
 //! [`LaplacianKind`] and a [`MassKind`], or chosen by the mesh
-//! ([`Laplacian::auto`]); the free functions it stands on are public too.
+//! ([`Laplacian::auto`]); the free functions that it is made of are public too.
 //!
 //! Matrices are sparse rows in the vertex order of the mesh. The stiffness `S`
 //! is positive semi-definite and Δ ≈ −M⁻¹S; `S u` and angle defects are

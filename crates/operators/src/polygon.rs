@@ -40,7 +40,7 @@ pub struct PolygonLaplacian {
 
 /// Assembles stiffness and mass of a polygon mesh.
 ///
-/// Rows in vertex order; isolated vertices have zeros. Boundaries are natural
+/// Rows in vertex order; rows of isolated vertices are zero. Boundaries are natural
 /// (zero flux). Cost: for each polygon the square of its corners.
 ///
 /// # Errors

@@ -47,12 +47,12 @@ pub enum CholeskyError {
     },
     /// A custom ordering is not a permutation of the rows.
     #[error(
-        "the ordering has {length} entries for {rows} rows, or names row {entry} twice or wrongly"
+        "the ordering has {length} entries for {rows} rows, or row {entry} is in it twice or does not exist"
     )]
     NotAnOrdering {
         /// Length of the ordering.
         length: usize,
-        /// Rows of the matrix.
+        /// The number of rows of the matrix.
         rows: usize,
         /// The first entry that is out of range or repeated.
         entry: u32,
@@ -63,8 +63,10 @@ pub enum CholeskyError {
         /// The first row that differs.
         row: usize,
     },
-    /// A pivot vanishes beside the diagonal of its row: the matrix is singular to working precision.
-    #[error("singular: pivot {pivot:e} in row {row}, where the diagonal is {diagonal:e}")]
+    /// A pivot is zero relative to the diagonal of its row: the matrix is singular to working precision.
+    #[error(
+        "the matrix is singular: pivot {pivot:e} in row {row}, where the diagonal is {diagonal:e}"
+    )]
     Singular {
         /// The row, in the order of the matrix.
         row: usize,
@@ -74,7 +76,9 @@ pub enum CholeskyError {
         diagonal: f64,
     },
     /// A pivot is negative: the matrix has a negative eigenvalue.
-    #[error("indefinite: pivot {pivot:e} in row {row}, where the diagonal is {diagonal:e}")]
+    #[error(
+        "the matrix is not positive definite: pivot {pivot:e} in row {row}, where the diagonal is {diagonal:e}"
+    )]
     Indefinite {
         /// The row, in the order of the matrix.
         row: usize,
@@ -84,9 +88,9 @@ pub enum CholeskyError {
         diagonal: f64,
     },
     /// Not enough memory, or more than 2³² entries in the factor.
-    #[error("the factor of {rows} rows does not fit")]
+    #[error("the factor of {rows} rows is too large for the memory or for 32-bit indices")]
     TooLarge {
-        /// Rows of the matrix.
+        /// The number of rows of the matrix.
         rows: usize,
     },
 }
@@ -196,7 +200,7 @@ impl SymbolicCholesky {
         Ok(if second.factor_entries() < first.factor_entries() { second } else { first })
     }
 
-    /// Rows of the matrix.
+    /// The number of rows of the matrix.
     pub fn rows(&self) -> usize {
         self.analysis.order.len()
     }
@@ -206,7 +210,7 @@ impl SymbolicCholesky {
         &self.analysis.order
     }
 
-    /// Numbers in a factor, the explicit zeros of its supernodes included.
+    /// The number of entries of a factor, the explicit zeros of its supernodes included.
     pub fn factor_entries(&self) -> usize {
         self.analysis.nodes.entries()
     }
@@ -290,7 +294,7 @@ impl SymbolicCholesky {
         })
     }
 
-    /// What rounding leaves of a pivot that ought to vanish, as a share of its diagonal entry. Errors of the
+    /// What rounding leaves of a pivot that should be zero, as a share of its diagonal entry. Errors of the
     /// eliminations add up like a random walk; on grids 2 to 5 ε √n were measured.
     fn noise(&self) -> f64 {
         64.0 * f64::EPSILON * (self.rows() as f64).sqrt()
@@ -374,7 +378,7 @@ impl Cholesky {
         Ok(self)
     }
 
-    /// The analysis this factor rests on.
+    /// The analysis that this factor was computed with.
     pub fn symbolic(&self) -> SymbolicCholesky {
         SymbolicCholesky { analysis: Arc::clone(&self.factor.analysis) }
     }
@@ -383,7 +387,7 @@ impl Cholesky {
         self.factor
     }
 
-    /// Rows of the matrix.
+    /// The number of rows of the matrix.
     pub fn rows(&self) -> usize {
         self.factor.rows()
     }

@@ -1,4 +1,4 @@
-//! All estimators under one name.
+//! All estimators in one type.
 
 use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
 
@@ -39,7 +39,7 @@ pub enum Estimator {
 }
 
 impl Estimator {
-    /// One of each, with the options they are known by.
+    /// Every estimator, with its default options.
     pub const ALL: [Self; 10] = [
         Self::Cotangent(CotangentOptions { area: LumpedArea::Mixed }),
         Self::Steiner,

@@ -25,7 +25,7 @@ pub struct CurvatureField {
     /// Unit tangents of κ₁ and κ₂; arbitrary at an umbilic. `None` if the
     /// estimator knows no directions.
     pub directions: Option<[Vec<[f64; 3]>; 2]>,
-    /// Whether there is a value at the vertex, and why not.
+    /// Whether there is a value at the vertex, and if not, why.
     pub status: Vec<VertexStatus>,
     /// Whether the vertex is on the boundary, where values are one-sided.
     pub boundary: Vec<bool>,
@@ -64,7 +64,7 @@ impl AtVertex {
     }
 }
 
-/// The vertices after which progress is told.
+/// Progress is reported after this many vertices.
 const REPORT: u32 = 256;
 
 /// The values of a vertex, whether they are defined, and whether the vertex is on the boundary.
@@ -89,8 +89,8 @@ impl CurvatureField {
         self.status.is_empty()
     }
 
-    /// Whether vertex `v` has values that are not one-sided: those a colour
-    /// range or a statistic should be made of.
+    /// Whether vertex `v` has values that are not one-sided: use these
+    /// for colour ranges and statistics.
     ///
     /// # Panics
     ///

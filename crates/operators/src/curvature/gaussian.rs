@@ -26,8 +26,8 @@ use crate::mass::{LumpedArea, lumped_mass};
 ///
 /// `n` angles in radians, in vertex order; scaling the mesh does not change
 /// them. The sum is 2πχ to rounding, with χ = V − E + F over the vertices that
-/// have faces; isolated ones hold zero. Defined on every mesh: where a face
-/// without area leaves its angles open, they are taken so that they sum to π.
+/// have faces; isolated ones are zero. Defined on every mesh: where a face
+/// without area does not determine its angles, they are chosen to sum to π.
 ///
 /// Source: \[meyer2003\].
 pub fn angle_defect(mesh: &TriMesh) -> Vec<f64> {

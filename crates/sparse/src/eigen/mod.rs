@@ -65,7 +65,7 @@ pub enum DenseSolver {
 pub enum Count {
     /// By the inertia of S − σM with σ just above the last eigenvalue: none has been missed.
     Certified,
-    /// Not at all: saves a factorisation.
+    /// Not checked: saves a factorisation.
     Unchecked,
 }
 
@@ -135,7 +135,7 @@ pub struct EigenPairs {
     pub beyond: Beyond,
 }
 
-/// Where a computation stands.
+/// How far a computation has come.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct EigenProgress {
@@ -147,7 +147,7 @@ pub struct EigenProgress {
     pub blocks: usize,
 }
 
-/// Called now and then; [`ControlFlow::Break`] cancels.
+/// Called from time to time; [`ControlFlow::Break`] cancels.
 pub type EigenWatch<'a> = dyn FnMut(&EigenProgress) -> ControlFlow<()> + 'a;
 
 /// Why there are no eigenpairs.
@@ -155,7 +155,7 @@ pub type EigenWatch<'a> = dyn FnMut(&EigenProgress) -> ControlFlow<()> + 'a;
 #[non_exhaustive]
 pub enum EigenError {
     /// More eigenpairs were asked for than there are rows.
-    #[error("{wanted} eigenpairs wanted of {rows} rows")]
+    #[error("{wanted} eigenpairs were requested, but the matrix has {rows} rows")]
     TooMany {
         /// Eigenpairs wanted.
         wanted: usize,
@@ -166,7 +166,7 @@ pub enum EigenError {
     #[error(transparent)]
     Mass(#[from] MassError),
     /// S − σM could not be factorised. A negative or zero pivot means that S is not positive semi-definite.
-    #[error("S − σM with σ = {shift:e}: {source}")]
+    #[error("S − σM with σ = {shift:e} cannot be factorised: {source}")]
     Factor {
         /// σ, in units of λ.
         shift: f64,
@@ -174,7 +174,7 @@ pub enum EigenError {
         source: CholeskyError,
     },
     /// The consistent mass is not positive definite.
-    #[error("consistent mass: {0}")]
+    #[error("the consistent mass is not positive definite: {0}")]
     ConsistentMass(CholeskyError),
     /// Fewer pairs converged than were wanted.
     #[error("{converged} of {wanted} eigenpairs converged within {blocks} blocks")]
