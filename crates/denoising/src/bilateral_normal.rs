@@ -11,9 +11,9 @@ use rayon::prelude::*;
 
 use super::DenoiseError;
 use super::conjugate_gradients::{by_rows, conjugate_gradients, solved};
-use super::denoiser::Method;
 use super::error::{positive, share};
 use super::faces::{FaceLists, FaceShapes, Hinges, mean_centroid_distance, unit_or_zero};
+use super::method::Method;
 use super::unit_scale::at_unit_scale;
 use super::vertex_update::{VertexUpdate, update_vertices};
 

@@ -8,9 +8,9 @@ use rayon::prelude::*;
 
 use super::DenoiseError;
 use super::conjugate_gradients::{by_rows, conjugate_gradients, solved};
-use super::denoiser::Method;
 use super::error::positive;
 use super::faces::{FaceShapes, Hinge, Hinges, unit_or_zero};
+use super::method::Method;
 use super::unit_scale::at_unit_scale;
 use super::vertex_update::{VertexUpdate, update_vertices};
 

@@ -3,35 +3,10 @@
 use fairing_mesh::TriMesh;
 use fairing_sparse::SparseMatrix;
 
+use crate::area::LumpedArea;
 use crate::assembly::{Diagonal, SideSums};
 use crate::corners::{FaceCorners, degenerate};
 use crate::error::OperatorError;
-
-/// How the area of a face is shared between its corners.
-///
-/// Written as its name (`Display`), and read from it (`FromStr`).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum LumpedArea {
-    /// A third each: `Aᵢ = ⅓ Σ A`. Positive wherever a face has area, and
-    /// defined on every mesh; on irregular meshes the cells ignore the shape
-    /// of the faces.
-    Barycentric,
-    /// The part nearest to each corner, `⅛ (b² cot β + c² cot γ)` for the
-    /// sides b, c that meet in the corner. The best for pointwise values;
-    /// **may be negative** at obtuse angles. Source: \[meyer2003\].
-    Voronoi,
-    /// Voronoi where no angle is obtuse; else half of the area for the obtuse
-    /// corner and a quarter for each of the others. Never negative.
-    /// Source: \[meyer2003\].
-    Mixed,
-}
-
-fairing_mesh::choices!(LumpedArea, "area of a vertex",
-    Barycentric: "barycentric", "A third of the faces around";
-    Voronoi: "voronoi", "Voronoi cells; negative at some obtuse angles, which flows refuse";
-    Mixed: "mixed", "Voronoi cells, kept inside obtuse faces";
-);
 
 impl LumpedArea {
     /// The area of each corner of a face, in squared mesh units, summing to

@@ -119,10 +119,10 @@ impl Local {
             if face.is_degenerate() {
                 return None;
             }
-            let cot = face.cotangents();
+            let halves = face.half_cotangents();
             for c in 0..3 {
                 let (p, q) = (triangle[(c + 1) % 3], triangle[(c + 2) % 3]);
-                let half = 0.5 * cot[c];
+                let half = halves[c];
                 s[p * m + q] -= half;
                 s[q * m + p] -= half;
                 s[p * m + p] += half;

@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use ndarray::{ArrayView2, ArrayViewMut2};
 
+use crate::analysis::Analysis;
 use crate::backend::{Failure, Order, Symbolic};
 use crate::factor::Factor;
 use crate::ldlt::Ldlt;
 use crate::matrix::{Rows, SparseMatrix};
 use crate::ordering::{self, Ordering};
-use crate::supernodes::Supernodes;
 use crate::sweeps::Diagonal;
 use crate::symmetry::{self, Defect};
 
@@ -128,17 +128,6 @@ impl From<Defect> for CholeskyError {
 #[derive(Debug, Clone)]
 pub struct SymbolicCholesky {
     analysis: Arc<Analysis>,
-}
-
-/// Everything a factor needs besides its values.
-#[derive(Debug)]
-pub(crate) struct Analysis {
-    symbolic: Symbolic,
-    pub(crate) nodes: Supernodes,
-    /// `order[k]`: the row of the matrix that is eliminated as the k-th.
-    pub(crate) order: Vec<u32>,
-    starts: Vec<u32>,
-    columns: Vec<u32>,
 }
 
 impl SymbolicCholesky {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use ndarray::{ArrayViewMut2, Axis};
 use rayon::prelude::*;
 
-use crate::cholesky::Analysis;
+use crate::analysis::Analysis;
 use crate::sweeps::{self, Diagonal};
 
 /// Right-hand sides of one sweep in a block.

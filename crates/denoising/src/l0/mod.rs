@@ -9,11 +9,11 @@ use rayon::prelude::*;
 
 use crate::DenoiseError;
 use crate::conjugate_gradients::{by_rows, conjugate_gradients};
-use crate::denoiser::Method;
 use crate::error::positive;
 use crate::faces::{FaceShapes, Hinge, Hinges};
+use crate::method::Method;
+use crate::rebuild::rebuild;
 use crate::unit_scale::at_unit_scale;
-use crate::vertex_update::rebuild;
 use system::System;
 
 /// How accurately the systems are solved. The solution of each is the first guess

@@ -11,8 +11,8 @@ use super::neighborhood::{Length, Neighborhood};
 use super::normal_cycle::{NormalCycleOptions, normal_cycle_curvature};
 use super::quadric::{QuadricOptions, quadric_curvature};
 use super::steiner::steiner_curvature;
+use crate::area::LumpedArea;
 use crate::error::OperatorError;
-use crate::mass::LumpedArea;
 use crate::normals::NormalWeight;
 
 /// A method to estimate curvature, with its options.

@@ -3,6 +3,7 @@
 use fairing_mesh::TriMesh;
 use rayon::prelude::*;
 
+use super::principal::principal_values;
 use super::status::{Undefined, VertexStatus};
 use crate::fan::Fan;
 use crate::symmetric::Symmetric2;
@@ -56,6 +57,12 @@ impl AtVertex {
     pub(crate) fn new(values: [f64; 2], directions: [[f64; 3]; 2]) -> Self {
         let [a, b] = values;
         Self { values, mean: 0.5 * (a + b), gaussian: a * b, directions }
+    }
+
+    /// H and K without directions, and the principal values that follow.
+    pub(crate) fn from_mean_and_gaussian(mean: f64, gaussian: f64) -> Self {
+        let (values, _) = principal_values(mean, gaussian);
+        Self { values, mean, gaussian, directions: [[0.0; 3]; 2] }
     }
 
     fn is_finite(&self) -> bool {

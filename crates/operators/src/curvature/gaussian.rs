@@ -17,10 +17,11 @@ use rayon::prelude::*;
 
 use super::cell::{Links, Turns};
 use super::status::{ScalarCurvature, Undefined};
+use crate::area::LumpedArea;
 use crate::corners::FaceCorners;
 use crate::error::OperatorError;
 use crate::fan::Fan;
-use crate::mass::{LumpedArea, lumped_mass};
+use crate::mass::lumped_mass;
 
 /// The angle defect of each vertex: its Gaussian curvature, integrated.
 ///

@@ -7,8 +7,9 @@ use fairing_sparse::{Mass, SparseMatrix};
 
 use super::kind::MassKind;
 use super::{Laplacian, LaplacianKind};
+use crate::area::LumpedArea;
 use crate::error::OperatorError;
-use crate::mass::{LumpedArea, consistent_on_pattern, lumped_mass};
+use crate::mass::{consistent_on_pattern, lumped_mass};
 use crate::uniform::degrees;
 
 /// A mass matrix, diagonal or sparse.

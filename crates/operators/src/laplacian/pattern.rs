@@ -13,9 +13,9 @@ use fairing_sparse::{GraphLaplacian, GraphNumbers};
 use rayon::prelude::*;
 
 use super::mass::{give_isolated, positive_lumped_mass};
+use crate::area::LumpedArea;
 use crate::corners::{FaceCorners, degenerate};
 use crate::error::OperatorError;
-use crate::mass::LumpedArea;
 
 /// Rows with more corners look for their columns by bisection.
 const MANY_CORNERS: usize = 64;

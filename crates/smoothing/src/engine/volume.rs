@@ -5,7 +5,6 @@ use fairing_mesh::{Parameter, TriMesh};
 
 use crate::engine::constraints::Freedom;
 use crate::engine::error::FlowFailure;
-use crate::engine::run::Frame;
 
 /// What happens to the volume in each step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -56,17 +55,18 @@ pub(crate) enum SizeKeeper {
 }
 
 impl SizeKeeper {
-    /// `None` if nothing is to be kept.
+    /// Keeps the area if `keep_area`, else the volume; `None` if nothing is to be kept.
     pub(crate) fn new(
         mesh: &TriMesh,
-        frame: &Frame<'_>,
+        volume: Volume,
+        keep_area: bool,
         freedom: &Freedom,
     ) -> Result<Option<Self>, FlowFailure> {
         let (faces, x) = (mesh.faces(), mesh.positions());
-        if frame.keep_area {
+        if keep_area {
             return Ok(Some(Self::Area(surface(faces, x).0)));
         }
-        if frame.volume == Volume::Drifts {
+        if volume == Volume::Drifts {
             return Ok(None);
         }
         if !mesh.topology().is_closed() || !mesh.topology().orientation().is_consistent() {
@@ -79,7 +79,7 @@ impl SizeKeeper {
         if !(target.is_finite() && target.abs() > rounding(faces, x)) {
             return Err(FlowFailure::Volume { reason: "the input has none" });
         }
-        if frame.volume == Volume::Offset {
+        if volume == Volume::Offset {
             return Ok(Some(Self::Offset(target)));
         }
         if freedom.fixed.contains(&true) {

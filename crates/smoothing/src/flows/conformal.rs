@@ -6,12 +6,12 @@ use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
 
 use crate::engine::diffusion::{Diffusion, OPERATOR, Operator, TIME, Time};
 use crate::engine::error::{FlowError, FlowFailure, at_least};
+use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::Smoothed;
 use crate::engine::step::{ITERATIONS, Observer};
 use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
 use crate::engine::volume::Volume;
 use crate::flows::implicit::{Implicit, TOLERANCE, Update, implicit_with};
-use crate::method::{Flow, FlowFn};
 
 /// Options of [`conformalized_mean_curvature_flow`].
 #[derive(Debug, Clone, PartialEq)]

@@ -7,6 +7,7 @@ use crate::engine::assemble::assemble;
 use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
 use crate::engine::diffusion::{AREA, Diffusion, LAMBDA, OPERATOR, TIME, WEIGHTS};
 use crate::engine::error::{FlowError, FlowFailure, at_least};
+use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::{Approach, Smoothed};
 use crate::engine::response::Response;
 use crate::engine::run::{Frame, Run, StepNote};
@@ -15,7 +16,6 @@ use crate::engine::stability::{Stability, UNSTABLE, measured_limit, uniform_limi
 use crate::engine::step::{ITERATIONS, Observer};
 use crate::engine::unit_scale::{at_unit_scale, diffuses_in_mesh_units};
 use crate::engine::volume::{VOLUME, Volume};
-use crate::method::{Flow, FlowFn};
 
 /// Options of [`explicit`].
 #[derive(Debug, Clone, PartialEq)]

@@ -5,11 +5,11 @@ use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
 use crate::engine::assemble::uniform;
 use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
 use crate::engine::error::{FlowError, FlowFailure};
+use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::Smoothed;
 use crate::engine::run::{Frame, Run, StepNote};
 use crate::engine::step::{ITERATIONS, Observer};
 use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
-use crate::method::{Flow, FlowFn};
 
 /// Options of [`hc`].
 #[derive(Debug, Clone, PartialEq)]

@@ -12,6 +12,7 @@ use crate::engine::constraints::{BOUNDARY, Constraints, Freedom, PIN, SOFT};
 use crate::engine::diffusion::{AREA, Diffusion, LAMBDA, OPERATOR, Operator, TIME, WEIGHTS};
 use crate::engine::direct::{self, Direct};
 use crate::engine::error::{FlowError, FlowFailure, at_least};
+use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::{Approach, Smoothed};
 use crate::engine::parts::Parts;
 use crate::engine::response::Response;
@@ -20,7 +21,6 @@ use crate::engine::series::expand;
 use crate::engine::step::{ITERATIONS, Observer};
 use crate::engine::unit_scale::{at_unit_scale, diffuses_in_mesh_units};
 use crate::engine::volume::{VOLUME, Volume};
-use crate::method::{Flow, FlowFn};
 
 /// When the operator is taken at the current positions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]

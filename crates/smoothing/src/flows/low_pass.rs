@@ -8,13 +8,13 @@ use crate::engine::assemble::cotangent;
 use crate::engine::constraints::{BOUNDARY, Constraints, PIN};
 use crate::engine::diffusion::{AREA, OPERATOR, Operator, TIME, Time};
 use crate::engine::error::{FlowError, FlowFailure, at_least};
+use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::{Approach, Report, Smoothed};
 use crate::engine::resolvent::Resolvent;
 use crate::engine::response::Response;
 use crate::engine::run::{Frame, Run};
 use crate::engine::series::expand;
 use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
-use crate::method::{Flow, FlowFn};
 
 /// What a filter does to the mode of eigenvalue ω of `S φ = ω M φ`.
 #[derive(Debug, Clone, Copy, PartialEq)]

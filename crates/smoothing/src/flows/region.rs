@@ -9,10 +9,10 @@ use fairing_sparse::{
 use crate::engine::assemble::operators;
 use crate::engine::diffusion::{AREA, OPERATOR, Operator, WEIGHTS, refuse_with_uniform};
 use crate::engine::error::{FlowError, FlowFailure};
+use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::{Approach, Report, Smoothed};
 use crate::engine::parts::larger;
 use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
-use crate::method::{Flow, FlowFn};
 
 /// The weights of [`fair_region`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -7,11 +7,11 @@ use fairing_sparse::GraphLaplacian;
 use crate::engine::assemble::uniform;
 use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
 use crate::engine::error::{FlowError, FlowFailure, at_least};
+use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::Smoothed;
 use crate::engine::run::{Frame, Run, StepNote};
 use crate::engine::step::{ITERATIONS, Observer};
 use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
-use crate::method::{Flow, FlowFn};
 
 /// Options of [`scale_dependent`].
 #[derive(Debug, Clone, PartialEq)]

@@ -6,6 +6,7 @@ use crate::engine::assemble::uniform;
 use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
 use crate::engine::diffusion::LAMBDA;
 use crate::engine::error::{FlowError, FlowFailure};
+use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::{Approach, Smoothed};
 use crate::engine::response::Response;
 use crate::engine::run::{Frame, Run, StepNote};
@@ -15,7 +16,6 @@ use crate::engine::step::{ITERATIONS, Observer};
 use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
 use crate::flows::explicit::explicit_step;
 use crate::flows::windowed_sinc::PASS_BAND;
-use crate::method::{Flow, FlowFn};
 
 /// Options of [`taubin`].
 #[derive(Debug, Clone, PartialEq)]

@@ -8,10 +8,10 @@ use fairing_sparse::ChebyshevSeries;
 use crate::engine::assemble::uniform;
 use crate::engine::constraints::{BOUNDARY, Constraints, PIN};
 use crate::engine::error::{FlowError, FlowFailure};
+use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::{Approach, Smoothed};
 use crate::engine::run::{Frame, Run};
 use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
-use crate::method::{Flow, FlowFn};
 
 /// How the Chebyshev series of the ideal filter is faded out. All are 1 at its beginning and small at its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]

@@ -13,9 +13,11 @@ mod operator;
 mod polish;
 mod problem;
 mod projected;
+mod run;
 mod shift;
 mod slices;
 mod solve;
+mod within;
 
 use std::ops::ControlFlow;
 
@@ -24,8 +26,8 @@ use ndarray::Array2;
 use crate::cholesky::CholeskyError;
 use crate::mass::MassError;
 
-pub use slices::eigenpairs_within;
 pub use solve::{smallest_eigenpairs, smallest_eigenpairs_with};
+pub use within::eigenpairs_within;
 
 /// How to solve an eigenproblem.
 #[derive(Debug, Clone, PartialEq)]
@@ -91,7 +93,7 @@ impl EigenOptions {
     /// The first is one number for all pairs: beside a huge eigenvalue it says little about a small one, whose
     /// residual does. The second belongs to each vector.
     pub fn residual_limit(&self, largest: f64) -> f64 {
-        solve::SLACK * self.tolerance * largest
+        run::SLACK * self.tolerance * largest
     }
 }
 

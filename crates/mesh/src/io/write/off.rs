@@ -1,7 +1,7 @@
 //! OFF text.
 
-use crate::io::write::encode::{Surface, face_lines, lines};
 use crate::io::write::number::{float, integer, triple};
+use crate::io::write::surface::{Surface, face_lines, lines};
 
 /// `OFF`, with the prefix C for colours (red, green, blue and alpha from 0 to
 /// 255) and N for normals. The number of edges is written as 0: nobody reads

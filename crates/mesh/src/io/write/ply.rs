@@ -3,9 +3,9 @@
 use rayon::prelude::*;
 
 use crate::io::error::WriteProblem;
-use crate::io::write::encode::{Faces, Surface, face_lines, lines};
 use crate::io::write::fields::property_names;
 use crate::io::write::number::{float, integer};
+use crate::io::write::surface::{Faces, Surface, face_lines, lines};
 use crate::io::{Encoding, FloatWidth, VertexFields, WriteOptions};
 
 /// Values of one property group, with the width they are written in.
