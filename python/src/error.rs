@@ -1,4 +1,4 @@
-//! One error for all crates, and what it is in Python.
+//! One error for all crates.
 
 use fairing_denoising::DenoiseError;
 use fairing_evaluation::EvaluationError;
@@ -9,10 +9,8 @@ use fairing_operators::OperatorError;
 use fairing_smoothing::{FlowError, FlowFailure};
 use fairing_spectral::SpectralError;
 use pyo3::create_exception;
-use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
-
-use crate::mesh::Mesh;
 
 create_exception!(
     pyfairing,
@@ -71,7 +69,7 @@ impl Error {
 }
 
 /// The message with those of its sources.
-fn chain(error: &dyn std::error::Error) -> String {
+pub(crate) fn chain(error: &dyn std::error::Error) -> String {
     let mut text = error.to_string();
     let mut source = error.source();
     while let Some(inner) = source {
@@ -195,59 +193,6 @@ impl From<EncodeError> for Error {
     fn from(error: EncodeError) -> Self {
         Self::Computation(chain(&error))
     }
-}
-
-impl From<Error> for PyErr {
-    fn from(error: Error) -> Self {
-        match error {
-            Error::Mesh(text) => MeshError::new_err(text),
-            Error::Option(text) => OptionError::new_err(text),
-            Error::Computation(text) => ComputationError::new_err(text),
-            Error::Internal(text) => InternalError::new_err(text),
-            Error::Flow(error) => flow(*error),
-            Error::Os { path, error } => match number_of(&error) {
-                // With errno and a name Python picks the subclass, such as FileNotFoundError.
-                Some(number) => {
-                    let text = error.to_string();
-                    let text = text.split(" (os error").next().unwrap_or_default().to_owned();
-                    PyOSError::new_err((number, text, path))
-                }
-                None => PyOSError::new_err(format!("{path}: {error}")),
-            },
-        }
-    }
-}
-
-/// The number of an error of the system, also where another error is about it.
-fn number_of(error: &std::io::Error) -> Option<i32> {
-    let mut inner: Option<&(dyn std::error::Error + 'static)> = Some(error);
-    while let Some(one) = inner {
-        let number = one.downcast_ref().and_then(std::io::Error::raw_os_error);
-        if number.is_some() {
-            return number;
-        }
-        inner = one.source().or_else(|| {
-            let outer: Option<&std::io::Error> = one.downcast_ref();
-            outer?.get_ref().map(|e| e as &(dyn std::error::Error + 'static))
-        });
-    }
-    (error.kind() == std::io::ErrorKind::NotFound).then_some(2)
-}
-
-/// The exception with the step and the last good mesh.
-fn flow(error: FlowError) -> PyErr {
-    let exception = FlowError_::new_err(chain(&error));
-    Python::attach(|py| {
-        let value = exception.value(py);
-        let set = || -> PyResult<()> {
-            value.setattr("iteration", error.iteration)?;
-            value.setattr("last_good", Bound::new(py, Mesh::from(*error.last_good))?)
-        };
-        match set() {
-            Ok(()) => exception,
-            Err(other) => other,
-        }
-    })
 }
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {

@@ -13,6 +13,7 @@ mod heat;
 mod mesh;
 mod operators;
 mod options;
+mod raise;
 mod run;
 mod shapes;
 mod smoothing;

@@ -7,11 +7,11 @@ use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
 use rayon::prelude::*;
 
 use super::DenoiseError;
-use super::denoiser::Method;
 use super::error::positive;
 use super::faces::{Marks, unit_or_zero};
+use super::method::Method;
+use super::rebuild::rebuild;
 use super::unit_scale::at_unit_scale;
-use super::vertex_update::rebuild;
 
 /// Parameters of [`bilateral`].
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,16 +1,19 @@
 //! Bilateral filtering of normals, local and global.
 
 use std::f64::consts::LOG2_E;
+use std::sync::{Mutex, PoisonError};
 
-use fairing_mesh::vec3::{add, distance, scale};
+use fairing_mesh::vec3::{add, distance, scale, sub};
 use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
+use fairing_sparse::CgOptions;
+use fairing_sparse::passes::update;
 use rayon::prelude::*;
 
 use super::DenoiseError;
-use super::conjugate_gradients::{conjugate_gradients, solved};
-use super::denoiser::Method;
+use super::conjugate_gradients::{by_rows, conjugate_gradients, solved};
 use super::error::{positive, share};
 use super::faces::{FaceLists, FaceShapes, Hinges, mean_centroid_distance, unit_or_zero};
+use super::method::Method;
 use super::unit_scale::at_unit_scale;
 use super::vertex_update::{VertexUpdate, update_vertices};
 
@@ -196,23 +199,19 @@ fn filter_globally(
     let mean = (weights.shapes.areas.iter().sum::<f64>() / count.max(1) as f64).max(1e-300);
     let areas: Vec<f64> = weights.shapes.areas.iter().map(|a| (a / mean).max(1e-3)).collect();
     let (smooth, keep) = (1.0 - options.fidelity, options.fidelity);
-    let apply = |x: &[[f64; 3]]| {
-        let defect: Vec<[f64; 3]> = (0..count)
-            .into_par_iter()
-            .map(|f| {
-                let mean = rows.forward(f).fold([0.0; 3], |s, (g, w)| add(s, scale(x[g], w)));
-                scale([x[f][0] - mean[0], x[f][1] - mean[1], x[f][2] - mean[2]], areas[f])
-            })
-            .collect();
-        (0..count)
-            .into_par_iter()
-            .map(|f| {
-                let spread =
-                    rows.backward(f).fold([0.0; 3], |s, (g, w)| add(s, scale(defect[g], w)));
-                let d = defect[f];
-                [0, 1, 2].map(|k| smooth * (d[k] - spread[k]) + keep * areas[f] * x[f][k])
-            })
-            .collect()
+    // Written by every product before it is read.
+    let defects = Mutex::new(vec![[0.0; 3]; count]);
+    let apply = |x: &[[f64; 3]], product: &mut [[f64; 3]]| {
+        let mut defects = defects.lock().unwrap_or_else(PoisonError::into_inner);
+        update(&mut defects, |f, _| {
+            let mean = rows.forward(f).fold([0.0; 3], |s, (g, w)| add(s, scale(x[g], w)));
+            (scale(sub(x[f], mean), areas[f]), ())
+        });
+        by_rows(x, product, |f| {
+            let spread = rows.backward(f).fold([0.0; 3], |s, (g, w)| add(s, scale(defects[g], w)));
+            let d = defects[f];
+            [0, 1, 2].map(|k| smooth * (d[k] - spread[k]) + keep * areas[f] * x[f][k])
+        })
     };
     let diagonal: Vec<f64> = (0..count)
         .into_par_iter()
@@ -224,9 +223,9 @@ fn filter_globally(
         })
         .collect();
     let b: Vec<[f64; 3]> = noisy.iter().zip(&areas).map(|(n, a)| scale(*n, keep * a)).collect();
-    let (tolerance, most) = (1e-6, 5000);
-    let found = conjugate_gradients(apply, &diagonal, &b, noisy.clone(), tolerance, most);
-    let normals = solved(found, tolerance, most, 0)?;
+    let accuracy = CgOptions { tolerance: 1e-6, max_iterations: 5000, measure: true };
+    let found = conjugate_gradients(apply, &diagonal, &b, noisy.clone(), &accuracy);
+    let normals = solved(found, &accuracy, 0)?;
     let normals: Vec<[f64; 3]> = normals.into_iter().map(unit_or_zero).collect();
     update_vertices(mesh, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })
 }
@@ -265,43 +264,58 @@ impl Weights {
 }
 
 /// The weights of the global scheme, scaled to unit row sums, by rows and by
-/// columns.
+/// columns, in the order of the rings.
 struct Rows<'a> {
     rings: &'a FaceLists,
     own: Vec<f64>,
-    forward: Vec<Vec<f64>>,
+    forward: Vec<f64>,
+    backward: Vec<f64>,
 }
 
 impl<'a> Rows<'a> {
     fn new(weights: &'a Weights, normals: &[[f64; 3]]) -> Self {
-        let (own, forward) = (0..normals.len())
-            .into_par_iter()
-            .map(|f| {
-                let mut row: Vec<f64> = weights.row(f, normals).map(|(_, w)| w).collect();
-                let sum: f64 = row.iter().sum();
-                // Faces without area all around: an identity row.
-                if sum > 0.0 {
-                    row.iter_mut().for_each(|w| *w /= sum);
-                } else {
-                    row[0] = 1.0;
-                }
-                (row[0], row[1..].to_vec())
-            })
-            .unzip();
-        Self { rings: &weights.rings, own, forward }
+        let rings = &weights.rings;
+        let mut own = vec![0.0; normals.len()];
+        let forward = rings.fill(&mut own, |f, own, row| {
+            let mut all = weights.row(f, normals).map(|(_, w)| w);
+            *own = all.next().unwrap_or(0.0);
+            row.iter_mut().zip(all).for_each(|(slot, w)| *slot = w);
+            let sum = row.iter().fold(*own, |sum, w| sum + w);
+            // Faces without area all around: an identity row.
+            if sum > 0.0 {
+                *own /= sum;
+                row.iter_mut().for_each(|w| *w /= sum);
+            } else {
+                *own = 1.0;
+            }
+        });
+        // Sharing a vertex is mutual, so the ring of a face holds the rows of its column.
+        let backward = rings.fill(&mut vec![(); normals.len()], |f, (), column| {
+            for (slot, &g) in column.iter_mut().zip(rings.row(f)) {
+                let place = rings.row(g as usize).partition_point(|&k| (k as usize) < f);
+                *slot = forward[rings.range(g as usize)][place];
+            }
+        });
+        Self { rings, own, forward, backward }
     }
 
     fn forward(&self, f: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
-        let ring = self.rings.row(f).iter().map(|&g| g as usize);
-        std::iter::once((f, self.own[f])).chain(ring.zip(self.forward[f].iter().copied()))
+        self.entries(f, &self.forward)
     }
 
-    /// Column `f`: sharing a vertex is mutual, so the ring of `f` holds its rows.
+    /// Column `f`.
     fn backward(&self, f: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
-        std::iter::once((f, self.own[f])).chain(self.rings.row(f).iter().filter_map(move |&g| {
-            let g = g as usize;
-            let slot = self.rings.row(g).binary_search(&(f as u32)).ok()?;
-            Some((g, self.forward[g][slot]))
-        }))
+        self.entries(f, &self.backward)
+    }
+
+    #[inline]
+    fn entries<'b>(
+        &'b self,
+        f: usize,
+        values: &'b [f64],
+    ) -> impl Iterator<Item = (usize, f64)> + 'b {
+        let ring = self.rings.row(f).iter().map(|&g| g as usize);
+        let values = values[self.rings.range(f)].iter().copied();
+        std::iter::once((f, self.own[f])).chain(ring.zip(values))
     }
 }

@@ -1,6 +1,6 @@
 //! Linear systems for fields of vectors, without a matrix.
 
-use fairing_sparse::passes::{sum, update};
+use fairing_sparse::passes::update;
 use fairing_sparse::{CgOptions, CgSystem};
 
 use super::DenoiseError;
@@ -12,12 +12,9 @@ struct Field<F> {
     inverse_diagonal: Vec<f64>,
 }
 
-impl<F: Fn(&[[f64; 3]]) -> Vec<[f64; 3]> + Sync> CgSystem<3> for Field<F> {
+impl<F: Fn(&[[f64; 3]], &mut [[f64; 3]]) -> [f64; 3] + Sync> CgSystem<3> for Field<F> {
     fn multiply(&self, p: &[[f64; 3]], q: &mut Vec<[f64; 3]>) -> [f64; 3] {
-        // Its memory is used again, while it is in the cache.
-        *q = Vec::new();
-        *q = (self.apply)(p);
-        sum(q.len(), |i| [p[i][0] * q[i][0], p[i][1] * q[i][1], p[i][2] * q[i][2]])
+        (self.apply)(p, q)
     }
 
     #[inline]
@@ -30,27 +27,28 @@ impl<F: Fn(&[[f64; 3]]) -> Vec<[f64; 3]> + Sync> CgSystem<3> for Field<F> {
     }
 }
 
-/// Solves `A x = b` for a field of vectors, one scalar operator acting on each
-/// coordinate alike, by conjugate gradients with the diagonal as the
-/// preconditioner, from `x`, to a relative residual of `tolerance`.
-///
-/// `apply` is a symmetric positive definite operator, `diagonal` its positive
-/// diagonal. Returns the solution after at most `max_iterations`, and the
-/// relative residual that it has, measured.
-pub(crate) fn conjugate_gradients(
-    apply: impl Fn(&[[f64; 3]]) -> Vec<[f64; 3]> + Sync,
-    diagonal: &[f64],
-    b: &[[f64; 3]],
-    x: Vec<[f64; 3]>,
-    tolerance: f64,
-    max_iterations: usize,
-) -> (Vec<[f64; 3]>, f64) {
-    let options = CgOptions { tolerance, max_iterations, ..CgOptions::default() };
-    solve_field(apply, diagonal, b, x, &options)
+/// `q ← A p` by rows, and Σ p q of each coordinate.
+pub(crate) fn by_rows(
+    p: &[[f64; 3]],
+    q: &mut [[f64; 3]],
+    row: impl Fn(usize) -> [f64; 3] + Sync,
+) -> [f64; 3] {
+    update(q, |i, _| {
+        let value = row(i);
+        (value, [p[i][0] * value[0], p[i][1] * value[1], p[i][2] * value[2]])
+    })
 }
 
-fn solve_field(
-    apply: impl Fn(&[[f64; 3]]) -> Vec<[f64; 3]> + Sync,
+/// Solves `A x = b` for a field of vectors, one scalar operator acting on each
+/// coordinate alike, by conjugate gradients with the diagonal as the
+/// preconditioner, from `x`.
+///
+/// `apply(p, q)` is a symmetric positive definite operator that writes `A p`
+/// into `q` and returns Σ p q of each coordinate ([`by_rows`]), `diagonal` its
+/// positive diagonal. Returns the solution and its relative residual: measured,
+/// or carried along by the iteration, as the options say.
+pub(crate) fn conjugate_gradients(
+    apply: impl Fn(&[[f64; 3]], &mut [[f64; 3]]) -> [f64; 3] + Sync,
     diagonal: &[f64],
     b: &[[f64; 3]],
     mut x: Vec<[f64; 3]>,
@@ -66,31 +64,15 @@ fn solve_field(
     (solution.x, solution.residuals[0])
 }
 
-/// [`conjugate_gradients`] within a loop whose next system begins with this
-/// solution, and by measuring it: the residual is the one that the iteration
-/// carries along.
-pub(crate) fn inner(
-    apply: impl Fn(&[[f64; 3]]) -> Vec<[f64; 3]> + Sync,
-    diagonal: &[f64],
-    b: &[[f64; 3]],
-    x: Vec<[f64; 3]>,
-    tolerance: f64,
-    max_iterations: usize,
-) -> (Vec<[f64; 3]>, f64) {
-    let options = CgOptions { tolerance, max_iterations, measure: false };
-    solve_field(apply, diagonal, b, x, &options)
-}
-
 /// The solution, unless its residual is above ten times the tolerance: an error
 /// of outer step `step`.
 pub(crate) fn solved(
     (x, residual): (Vec<[f64; 3]>, f64),
-    tolerance: f64,
-    iterations: usize,
+    options: &CgOptions,
     step: usize,
 ) -> Result<Vec<[f64; 3]>, DenoiseError> {
-    if residual <= 10.0 * tolerance {
+    if residual <= 10.0 * options.tolerance {
         return Ok(x);
     }
-    Err(DenoiseError::NotSolved { step, iterations, residual })
+    Err(DenoiseError::NotSolved { step, iterations: options.max_iterations, residual })
 }

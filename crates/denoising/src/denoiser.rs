@@ -2,23 +2,12 @@
 
 use fairing_mesh::{Algorithm, ParameterError, TriMesh, Values};
 
+use super::method::Method;
 use super::{
     BilateralNormalGlobalOptions, BilateralNormalOptions, BilateralOptions, DenoiseError,
     FastEffectiveOptions, GuidedNormalOptions, L0Options, NonIterativeOptions,
     TotalVariationOptions, automatic,
 };
-
-/// What the options of a denoiser say for programs.
-pub(crate) trait Method: Default {
-    /// The denoiser by name.
-    const ALGORITHM: &'static Algorithm;
-
-    /// Takes the values that are given.
-    fn read(&mut self, values: &Values<'_>) -> Result<(), ParameterError>;
-
-    /// Denoises.
-    fn run(&self, mesh: &TriMesh) -> Result<TriMesh, DenoiseError>;
-}
 
 /// The automatic denoiser has no options.
 #[derive(Default)]

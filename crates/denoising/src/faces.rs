@@ -1,5 +1,7 @@
 //! Faces as the elements of a field: areas, normals, centroids and neighbours.
 
+use std::ops::Range;
+
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, distance, norm, normalize, scale};
 use rayon::prelude::*;
@@ -92,6 +94,9 @@ impl Marks {
     }
 }
 
+/// Faces whose lists a thread gathers or fills at a time.
+const BLOCK: usize = 4096;
+
 /// Lists of faces, one for each face, in compressed rows.
 #[derive(Debug)]
 pub(crate) struct FaceLists {
@@ -105,7 +110,6 @@ impl FaceLists {
         face_count: usize,
         row: impl Fn(usize, &mut Vec<u32>, &mut Marks) + Sync + Send,
     ) -> Self {
-        const BLOCK: usize = 4096;
         let blocks: Vec<(Vec<usize>, Vec<u32>)> = (0..face_count.div_ceil(BLOCK))
             .into_par_iter()
             .map_init(
@@ -169,7 +173,41 @@ impl FaceLists {
     }
 
     pub(crate) fn row(&self, f: usize) -> &[u32] {
-        &self.items[self.offsets[f]..self.offsets[f + 1]]
+        &self.items[self.range(f)]
+    }
+
+    /// Where the row of face `f` is in the list of all rows.
+    pub(crate) fn range(&self, f: usize) -> Range<usize> {
+        self.offsets[f]..self.offsets[f + 1]
+    }
+
+    /// A number for each item of each row, in the order of the rows, which
+    /// `row(f, value, numbers)` writes over zeros, together with a value of its
+    /// own for each face. In parallel.
+    pub(crate) fn fill<T: Send>(
+        &self,
+        values: &mut [T],
+        row: impl Fn(usize, &mut T, &mut [f64]) + Sync,
+    ) -> Vec<f64> {
+        let mut numbers = vec![0.0; self.items.len()];
+        let mut rest = &mut numbers[..];
+        let mut blocks = Vec::with_capacity(values.len().div_ceil(BLOCK));
+        for (block, values) in values.chunks_mut(BLOCK).enumerate() {
+            let first = block * BLOCK;
+            let length = self.offsets[first + values.len()] - self.offsets[first];
+            let (now, later) = std::mem::take(&mut rest).split_at_mut(length);
+            blocks.push((first, values, now));
+            rest = later;
+        }
+        blocks.into_par_iter().for_each(|(first, values, mut numbers)| {
+            for (k, value) in values.iter_mut().enumerate() {
+                let length = self.range(first + k).len();
+                let (now, later) = std::mem::take(&mut numbers).split_at_mut(length);
+                row(first + k, value, now);
+                numbers = later;
+            }
+        });
+        numbers
     }
 }
 

@@ -5,8 +5,8 @@ use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
 use rayon::prelude::*;
 
 use super::DenoiseError;
-use super::denoiser::Method;
 use super::faces::{FaceLists, FaceShapes, unit_or_zero};
+use super::method::Method;
 use super::unit_scale::at_unit_scale;
 use super::vertex_update::{VertexUpdate, update_vertices};
 

@@ -7,9 +7,9 @@ use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
 use rayon::prelude::*;
 
 use super::DenoiseError;
-use super::denoiser::Method;
 use super::error::positive;
 use super::faces::{FaceLists, FaceShapes, Hinges, NO_HINGE, mean_centroid_distance, unit_or_zero};
+use super::method::Method;
 use super::unit_scale::at_unit_scale;
 use super::vertex_update::{VertexUpdate, update_vertices};
 

@@ -2,19 +2,21 @@
 
 use fairing_mesh::vec3::{add, distance, norm, scale, sub};
 use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
+use fairing_sparse::CgOptions;
+use fairing_sparse::passes::update;
 use rayon::prelude::*;
 
 use super::DenoiseError;
-use super::conjugate_gradients::{inner, solved};
-use super::denoiser::Method;
+use super::conjugate_gradients::{by_rows, conjugate_gradients, solved};
 use super::error::positive;
-use super::faces::{FaceShapes, Hinges, NO_HINGE, unit_or_zero};
+use super::faces::{FaceShapes, Hinge, Hinges, unit_or_zero};
+use super::method::Method;
 use super::unit_scale::at_unit_scale;
 use super::vertex_update::{VertexUpdate, update_vertices};
 
-/// The relative residual of the systems, and the most iterations.
-const TOLERANCE: f64 = 1e-5;
-const ITERATIONS: usize = 1000;
+/// How accurately the systems are solved. The solution of each is the first guess
+/// of the next, which begins by measuring the residual.
+const ACCURACY: CgOptions = CgOptions { tolerance: 1e-5, max_iterations: 1000, measure: false };
 
 /// Parameters of [`total_variation`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -95,29 +97,19 @@ fn filter(mesh: &TriMesh, options: &TotalVariationOptions) -> Result<TriMesh, De
         return Ok(mesh.clone());
     }
     let problem = Problem::new(mesh, options.weight);
-    let (noisy, edges) = (&problem.noisy, problem.hinges.all.len());
     let diagonal = problem.diagonal();
-    let data: Vec<[f64; 3]> =
-        noisy.iter().zip(&problem.areas).map(|(n, a)| scale(*n, *a)).collect();
-    let mut normals = noisy.clone();
-    // Scaled dual variables, one per hinge.
-    let mut dual = vec![[0.0; 3]; edges];
+    let mut normals = problem.noisy.clone();
+    let mut wanted = vec![[0.0; 3]; problem.hinges.all.len()];
+    let mut b = normals.clone();
     fairing_watch::stage("steps", options.iterations as u64);
     for step in 0..options.iterations {
         fairing_watch::advance(1);
-        let shrunk = problem.shrink(&normals, &dual);
-        let target: Vec<[f64; 3]> = (0..edges)
-            .into_par_iter()
-            .map(|e| scale(sub(shrunk[e], dual[e]), problem.penalty))
-            .collect();
-        let b: Vec<[f64; 3]> =
-            data.iter().zip(problem.diverge(&target)).map(|(d, t)| add(*d, t)).collect();
-        let found = inner(|x| problem.apply(x), &diagonal, &b, normals, TOLERANCE, ITERATIONS);
-        normals = solved(found, TOLERANCE, ITERATIONS, step)?;
-        dual = (0..edges)
-            .into_par_iter()
-            .map(|e| add(dual[e], sub(problem.jump(&normals, e), shrunk[e])))
-            .collect();
+        problem.shrink(&normals, &mut wanted, step == 0);
+        problem.right_hand_side(&wanted, &mut b);
+        let apply =
+            |x: &[[f64; 3]], product: &mut [[f64; 3]]| by_rows(x, product, |f| problem.row(x, f));
+        let found = conjugate_gradients(apply, &diagonal, &b, normals, &ACCURACY);
+        normals = solved(found, &ACCURACY, step)?;
     }
     let normals: Vec<[f64; 3]> = normals.into_par_iter().map(unit_or_zero).collect();
     update_vertices(mesh, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })
@@ -130,8 +122,10 @@ struct Problem {
     /// The normals m.
     noisy: Vec<[f64; 3]>,
     areas: Vec<f64>,
-    /// ℓ of each hinge.
-    lengths: Vec<f64>,
+    /// The face across each side of each face, and the penalty times ℓ there;
+    /// the face itself, and zero, where there is no hinge.
+    across: Vec<[u32; 3]>,
+    widths: Vec<[f64; 3]>,
     /// α w of each hinge.
     thresholds: Vec<f64>,
     penalty: f64,
@@ -141,7 +135,7 @@ impl Problem {
     fn new(mesh: &TriMesh, weight: f64) -> Self {
         let hinges = Hinges::new(mesh);
         let FaceShapes { normals, areas, .. } = FaceShapes::new(mesh);
-        let h = mesh.mean_edge_length();
+        let (h, penalty) = (mesh.mean_edge_length(), 2.0 * weight);
         let areas: Vec<f64> = areas.iter().map(|a| (a / (h * h)).max(1e-6)).collect();
         let weighted = |f: usize| scale(normals[f], areas[f]);
         let averaged: Vec<[f64; 3]> = (0..areas.len())
@@ -149,74 +143,74 @@ impl Problem {
             .map(|f| unit_or_zero(hinges.across(f).fold(weighted(f), |s, g| add(s, weighted(g)))))
             .collect();
         let positions = mesh.positions();
-        let (lengths, thresholds) = hinges
-            .all
-            .par_iter()
-            .map(|hinge| {
-                let [a, b] = hinge.ends.map(|v| positions[v as usize]);
-                let [m, n] = hinge.faces.map(|f| averaged[f as usize]);
-                (distance(a, b) / h, weight * libm::exp(-distance(m, n).powi(4)))
-            })
-            .unzip();
-        Self { hinges, noisy: normals, areas, lengths, thresholds, penalty: 2.0 * weight }
-    }
-
-    /// The difference of the fields of the two faces of hinge `e`.
-    fn jump(&self, x: &[[f64; 3]], e: usize) -> [f64; 3] {
-        let [f, g] = self.hinges.all[e].faces;
-        sub(x[f as usize], x[g as usize])
-    }
-
-    /// The hinges of a face.
-    fn sides(&self, f: usize) -> impl Iterator<Item = usize> + '_ {
-        let all = self.hinges.of_face[f].into_iter();
-        all.filter(|&e| e != NO_HINGE).map(|e| e as usize)
-    }
-
-    /// The adjoint of the jumps, weighted by lengths: a value for each face.
-    fn diverge(&self, values: &[[f64; 3]]) -> Vec<[f64; 3]> {
-        (0..self.areas.len())
+        let threshold = |hinge: &Hinge| {
+            let [m, n] = hinge.faces.map(|f| averaged[f as usize]);
+            weight * libm::exp(-distance(m, n).powi(4))
+        };
+        let side = |f: usize, e: u32| {
+            let Some(hinge) = hinges.all.get(e as usize) else { return (f as u32, 0.0) };
+            let [a, b] = hinge.ends.map(|v| positions[v as usize]);
+            let [g, k] = hinge.faces;
+            (if g as usize == f { k } else { g }, penalty * distance(a, b) / h)
+        };
+        let (across, widths) = (0..areas.len())
             .into_par_iter()
             .map(|f| {
-                self.sides(f).fold([0.0; 3], |s, e| {
-                    let sign = if self.hinges.all[e].faces[0] as usize == f { 1.0 } else { -1.0 };
-                    add(s, scale(values[e], sign * self.lengths[e]))
-                })
+                let sides = hinges.of_face[f].map(|e| side(f, e));
+                (sides.map(|(g, _)| g), sides.map(|(_, width)| width))
             })
-            .collect()
+            .unzip();
+        let thresholds = hinges.all.par_iter().map(threshold).collect();
+        Self { hinges, noisy: normals, areas, across, widths, thresholds, penalty }
     }
 
-    /// The matrix of the quadratic step times x.
-    fn apply(&self, x: &[[f64; 3]]) -> Vec<[f64; 3]> {
-        let jumps: Vec<_> = (0..self.hinges.all.len())
-            .into_par_iter()
-            .map(|e| scale(self.jump(x, e), self.penalty))
-            .collect();
-        let spread = self.diverge(&jumps);
-        (0..x.len()).into_par_iter().map(|f| add(scale(x[f], self.areas[f]), spread[f])).collect()
+    /// Row `f` of the matrix of the quadratic step times x.
+    #[inline]
+    fn row(&self, x: &[[f64; 3]], f: usize) -> [f64; 3] {
+        let (across, widths) = (&self.across[f], &self.widths[f]);
+        let mut sum = scale(x[f], self.areas[f]);
+        for k in 0..3 {
+            sum = add(sum, scale(sub(x[f], x[across[k] as usize]), widths[k]));
+        }
+        sum
     }
 
     /// The diagonal of that matrix.
     fn diagonal(&self) -> Vec<f64> {
-        (0..self.areas.len())
-            .into_par_iter()
-            .map(|f| {
-                self.areas[f] + self.penalty * self.sides(f).map(|e| self.lengths[e]).sum::<f64>()
-            })
-            .collect()
+        let faces = self.areas.par_iter().zip(&self.widths);
+        faces.map(|(area, widths)| area + widths.iter().sum::<f64>()).collect()
     }
 
-    /// The jumps plus the dual variables, shortened by their thresholds.
-    fn shrink(&self, normals: &[[f64; 3]], dual: &[[f64; 3]]) -> Vec<[f64; 3]> {
-        (0..dual.len())
-            .into_par_iter()
-            .map(|e| {
-                let q = add(self.jump(normals, e), dual[e]);
-                let size = norm(q);
-                let kept = size - self.thresholds[e] / self.penalty;
-                if kept > 0.0 { scale(q, kept / size) } else { [0.0; 3] }
-            })
-            .collect()
+    /// The right-hand side of the quadratic step: the noisy normals and the
+    /// jumps that are wanted.
+    fn right_hand_side(&self, wanted: &[[f64; 3]], b: &mut [[f64; 3]]) {
+        update(b, |f, _| {
+            let mut sum = scale(self.noisy[f], self.areas[f]);
+            for k in 0..3 {
+                let Some(jump) = wanted.get(self.hinges.of_face[f][k] as usize) else { continue };
+                // A jump is the value of the lower face less that of the other.
+                let sign = if (f as u32) < self.across[f][k] { 1.0 } else { -1.0 };
+                sum = add(sum, scale(*jump, sign * self.widths[f][k]));
+            }
+            (sum, ())
+        });
+    }
+
+    /// Both other steps: for each hinge, the jump of the normals plus the dual
+    /// variable, shortened by its threshold, less the dual variable, is the
+    /// jump that is wanted next. The dual variable is what the jump has more
+    /// than was wanted, or zero at first.
+    fn shrink(&self, normals: &[[f64; 3]], wanted: &mut [[f64; 3]], first: bool) {
+        update(wanted, |e, wanted| {
+            let [f, g] = self.hinges.all[e].faces.map(|f| normals[f as usize]);
+            let jump = sub(f, g);
+            let dual = if first { [0.0; 3] } else { sub(jump, wanted) };
+            let q = add(jump, dual);
+            let size = norm(q);
+            let kept = size - self.thresholds[e] / self.penalty;
+            let short = if kept > 0.0 { scale(q, kept / size) } else { [0.0; 3] };
+            (sub(short, dual), ())
+        });
     }
 }
 

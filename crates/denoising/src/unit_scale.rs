@@ -3,7 +3,7 @@
 use fairing_mesh::TriMesh;
 
 use super::DenoiseError;
-use super::vertex_update::rebuild;
+use super::rebuild::rebuild;
 
 /// Denoises the mesh [at unit scale](TriMesh::at_unit_scale) and scales the
 /// result back. A vertex that does not move keeps its position to the last bit.

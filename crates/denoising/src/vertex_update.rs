@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::DenoiseError;
 use super::error::positive;
+use super::rebuild::rebuild;
 use super::unit_scale::at_unit_scale;
 
 /// How [`update_vertices`] moves vertices.
@@ -74,13 +75,6 @@ pub fn update_vertices(
         }
         rebuild(mesh, positions)
     })
-}
-
-/// The mesh with other positions; an error instead of infinities.
-pub(crate) fn rebuild(mesh: &TriMesh, positions: Vec<[f64; 3]>) -> Result<TriMesh, DenoiseError> {
-    let broken = positions.iter().position(|p| p.iter().any(|x| !x.is_finite()));
-    mesh.with_positions(positions)
-        .map_err(|_| DenoiseError::NonFinite { vertex: broken.unwrap_or(usize::MAX) })
 }
 
 /// What a step needs of a face.

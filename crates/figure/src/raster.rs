@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::camera::Camera;
 use crate::error::RenderError;
-use crate::render::RenderOptions;
+use crate::render_options::RenderOptions;
 
 /// Rows of pixels that are drawn together: few enough for the samples to stay
 /// in the processor's cache.

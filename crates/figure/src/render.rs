@@ -9,12 +9,10 @@ use crate::color::{linear_from_srgb, srgb_from_linear};
 use crate::error::RenderError;
 use crate::image::Image;
 use crate::light::Lamps;
-use crate::normals::{Shading, area_vectors, corner_normals};
+use crate::normals::{area_vectors, corner_normals};
 use crate::occlusion::Occlusion;
 use crate::raster::{Band, ROWS, Raster};
-
-/// The largest width or height of a picture, in pixels.
-pub const MAX_SIDE: u32 = 16_384;
+use crate::render_options::{Background, MAX_SIDE, RenderOptions, Wireframe};
 
 /// What the surface looks like before light falls on it.
 #[derive(Debug, Clone, Copy)]
@@ -32,85 +30,8 @@ impl Colors<'_> {
     pub const CLAY: Colors<'static> = Colors::Uniform([214, 208, 198]);
 }
 
-/// Lines along the edges of the mesh.
-///
-/// They fade out where the edges come closer than a few pixels, so that a
-/// dense mesh shows its surface and not a black blot.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Wireframe {
-    /// Width in pixels of the picture.
-    pub width: f32,
-    /// sRGB colour.
-    pub color: [u8; 3],
-    /// How much of the surface a line hides, 0 to 1.
-    pub opacity: f32,
-}
-
-impl Default for Wireframe {
-    fn default() -> Self {
-        Self { width: 1.0, color: [20, 22, 28], opacity: 0.7 }
-    }
-}
-
-/// What is behind the mesh.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Background {
-    /// Nothing: the picture has an alpha channel.
-    #[default]
-    Transparent,
-    /// An opaque sRGB colour.
-    Color([u8; 3]),
-}
-
-impl Background {
-    /// White paper.
-    pub const WHITE: Self = Self::Color([255; 3]);
-}
-
-/// How a picture is drawn.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RenderOptions {
-    /// Width in pixels, 1 to [`MAX_SIDE`].
-    pub width: u32,
-    /// Height in pixels, 1 to [`MAX_SIDE`].
-    pub height: u32,
-    /// Samples along each side of a pixel, 1 to 8: 3 means 3 × 3.
-    pub samples: u32,
-    /// How normals vary over a face.
-    pub shading: Shading,
-    /// Lines along the edges, if wanted.
-    pub wireframe: Option<Wireframe>,
-    /// What is behind the mesh.
-    pub background: Background,
-    /// The colour towards which faces seen from behind are tinted, a third of
-    /// the way;
-    /// `None` shows both sides alike.
-    pub back_tint: Option<[u8; 3]>,
-}
-
-impl Default for RenderOptions {
-    fn default() -> Self {
-        Self {
-            width: 800,
-            height: 600,
-            samples: 3,
-            shading: Shading::Smooth,
-            wireframe: None,
-            background: Background::Transparent,
-            back_tint: Some([96, 110, 140]),
-        }
-    }
-}
-
 /// Enough to tell the sides apart, little enough to read a field's colours.
 const BACK_TINT: f32 = 1.0 / 3.0;
-
-impl RenderOptions {
-    /// Width over height, as [`Camera::fit`] takes it.
-    pub fn aspect(&self) -> f64 {
-        f64::from(self.width) / f64::from(self.height)
-    }
-}
 
 /// Draws a mesh.
 ///

@@ -36,6 +36,7 @@ mod algorithm;
 mod build;
 mod connectivity;
 mod diagnosis;
+mod incidence;
 #[cfg(feature = "io")]
 pub mod io;
 mod measure;
@@ -50,8 +51,9 @@ pub mod vec3;
 
 pub use algorithm::{Algorithm, Choice, Kind, Parameter, ParameterError, Values, WeightedVertex};
 pub use build::BuildError;
-pub use connectivity::{Connectivity, Incidence};
+pub use connectivity::Connectivity;
 pub use diagnosis::{Diagnosis, Tally};
+pub use incidence::Incidence;
 pub use named::UnknownName;
 #[doc(hidden)]
 pub use named::by_name;

@@ -4,7 +4,8 @@ use std::fmt;
 use std::sync::Arc;
 
 use crate::build::BuildError;
-use crate::connectivity::{Connectivity, Incidence};
+use crate::connectivity::Connectivity;
+use crate::incidence::Incidence;
 use crate::topology::Topology;
 use crate::vec3::{cross, distance, norm, sub};
 

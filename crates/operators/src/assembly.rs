@@ -44,111 +44,140 @@ impl Diagonal {
     }
 }
 
-/// The `n × n` matrix, for `n` vertices, with a pair of entries for each edge,
-/// summed over the faces of the edge: `of_face` says, for a face, what the side
-/// opposite each corner adds. Columns ascend, the diagonal is present.
+/// What the faces add to the rows of a matrix that has an entry for each vertex
+/// and a pair of entries for each edge.
 ///
-/// One pass over the faces writes what they add down at their vertices, so
-/// that nothing needs to be looked up there.
-///
-/// # Errors
-///
-/// The first of `of_face`; [`OperatorError::TooLarge`] beyond 2³² entries.
-pub(crate) fn sum_sides(
-    mesh: &TriMesh,
+/// Whether its pattern is found or given, a row is summed by the same code.
+pub(crate) struct SideSums<'a> {
+    mesh: &'a TriMesh,
     diagonal: Diagonal,
-    of_face: impl Fn(usize) -> Result<[f64; 3], OperatorError>,
-) -> Result<SparseMatrix, OperatorError> {
-    let sides = sides_at_vertices(mesh, of_face)?;
-    let starts = mesh.incidence().offsets();
-    let at = |v: u32| &sides[starts[v as usize] as usize..starts[v as usize + 1] as usize];
-    let gather = |fan: &mut Fan, v: u32| fan.gather(at(v).iter().map(|side| side.vertices));
-    let fill = |v: u32, fan: &Fan, place: usize, row: &mut [f64]| {
-        let mut sum = 0.0;
-        for (side, ranks) in at(v).iter().zip(&fan.ranks) {
-            for (&rank, value) in ranks.iter().zip(side.values) {
-                row[rank as usize + usize::from(rank as usize >= place)] += value;
-                sum += value;
-            }
-        }
-        row[place] = diagonal.of(sum);
-    };
-    Ok(assemble_rows(mesh.vertex_count(), gather, fill))
+    /// In the order of the corners at each vertex.
+    sides: Vec<Side>,
 }
 
-/// [`sum_sides`], written into a matrix that it made of the same faces: the
-/// same bits.
-///
-/// # Errors
-///
-/// The first of `of_face`; [`OperatorError::Connectivity`] for the first
-/// vertex with an edge that the matrix does not have. The matrix is as it was
-/// then.
-pub(crate) fn fill_sides(
-    mesh: &TriMesh,
-    diagonal: Diagonal,
-    of_face: impl Fn(usize) -> Result<[f64; 3], OperatorError>,
-    matrix: &mut SparseMatrix,
-) -> Result<(), OperatorError> {
-    let sides = sides_at_vertices(mesh, of_face)?;
-    let starts = mesh.incidence().offsets();
-    let (offsets, columns) = (matrix.indptr().into_raw_storage().to_vec(), matrix.indices());
-    let fill = |v: usize, columns: &[u32], row: &mut [f64]| -> Option<()> {
+impl<'a> SideSums<'a> {
+    /// `of_face` says, for a face, what the side opposite each corner adds to
+    /// its two entries.
+    ///
+    /// One pass over the faces writes that down at their vertices, so that
+    /// nothing needs to be looked up there.
+    ///
+    /// # Errors
+    ///
+    /// The first of `of_face`; [`OperatorError::TooLarge`] beyond 2³² entries.
+    pub(crate) fn new(
+        mesh: &'a TriMesh,
+        diagonal: Diagonal,
+        of_face: impl Fn(usize) -> Result<[f64; 3], OperatorError>,
+    ) -> Result<Self, OperatorError> {
+        check_size(mesh)?;
+        let mut next = mesh.incidence().offsets().to_vec();
+        let mut sides = vec![Side::default(); 3 * mesh.face_count()];
+        for (f, &[a, b, c]) in mesh.faces().iter().enumerate() {
+            let [at_a, at_b, at_c] = of_face(f)?;
+            for (v, vertices, values) in
+                [(a, [b, c], [at_c, at_b]), (b, [c, a], [at_a, at_c]), (c, [a, b], [at_b, at_a])]
+            {
+                let slot = &mut next[v as usize];
+                sides[*slot as usize] = Side { vertices, values };
+                *slot += 1;
+            }
+        }
+        Ok(Self { mesh, diagonal, sides })
+    }
+
+    /// The matrix, on the pattern of one of the same faces if there is one: the
+    /// same bits. Columns ascend, the diagonal is present.
+    ///
+    /// # Errors
+    ///
+    /// [`OperatorError::Connectivity`] for the first vertex with an edge that
+    /// the pattern does not have.
+    pub(crate) fn matrix(
+        &self,
+        pattern: Option<&SparseMatrix>,
+    ) -> Result<SparseMatrix, OperatorError> {
+        match pattern {
+            None => Ok(self.on_new_pattern()),
+            Some(pattern) => self.on_pattern(pattern),
+        }
+    }
+
+    fn on_new_pattern(&self) -> SparseMatrix {
+        let gather =
+            |fan: &mut Fan, v: u32| fan.gather(self.at(v as usize).iter().map(|s| s.vertices));
+        let fill = |v: u32, fan: &Fan, place: usize, row: &mut [f64]| {
+            let after = |rank: u32| rank as usize + usize::from(rank as usize >= place);
+            // The fan has every neighbour.
+            let _ = self.sum(v as usize, place, row, |side, end| Some(after(fan.ranks[side][end])));
+        };
+        assemble_rows(self.mesh.vertex_count(), gather, fill)
+    }
+
+    fn on_pattern(&self, pattern: &SparseMatrix) -> Result<SparseMatrix, OperatorError> {
+        let mut matrix = pattern.map(|_| 0.0);
+        let offsets = pattern.indptr();
+        let (offsets, columns) = (offsets.raw_storage(), pattern.indices());
+        let mut rest = matrix.data_mut();
+        let mut blocks = vec![];
+        for rows in row_ranges(self.mesh.vertex_count()) {
+            let length = offsets[rows.end] - offsets[rows.start];
+            let (block, later) = std::mem::take(&mut rest).split_at_mut(length as usize);
+            blocks.push((rows, block));
+            rest = later;
+        }
+        let fill = |(rows, values): (Range<usize>, &mut [f64])| -> Result<(), usize> {
+            let first = offsets[rows.start] as usize;
+            for v in rows {
+                let (start, end) = (offsets[v] as usize, offsets[v + 1] as usize);
+                let (columns, row) =
+                    (&columns[start..end], &mut values[start - first..end - first]);
+                let place = |w: u32| {
+                    let place = position(columns, w);
+                    (columns.get(place) == Some(&w)).then_some(place)
+                };
+                let at = self.at(v);
+                let filled = place(v as u32).and_then(|own| {
+                    self.sum(v, own, row, |side, end| place(at[side].vertices[end]))
+                });
+                filled.ok_or(v)?;
+            }
+            Ok(())
+        };
+        let filled: Vec<_> = blocks.into_par_iter().map(fill).collect();
+        let filled: Result<(), usize> = filled.into_iter().collect();
+        filled.map_err(|v| OperatorError::Connectivity { vertex: v as u32 })?;
+        Ok(matrix)
+    }
+
+    /// What the corners at vertex `v` say.
+    #[inline]
+    fn at(&self, v: usize) -> &[Side] {
+        let starts = self.mesh.incidence().offsets();
+        &self.sides[starts[v] as usize..starts[v + 1] as usize]
+    }
+
+    /// Adds up a row over zeros, whose diagonal is at `own`; `place(i, k)` is
+    /// where corner `i` at the vertex adds to the next (0) and to the previous
+    /// vertex (1) of its face. `None` if one has no place.
+    #[inline]
+    fn sum(
+        &self,
+        v: usize,
+        own: usize,
+        row: &mut [f64],
+        place: impl Fn(usize, usize) -> Option<usize>,
+    ) -> Option<()> {
         let mut sum = 0.0;
-        for side in &sides[starts[v] as usize..starts[v + 1] as usize] {
-            for (&w, value) in side.vertices.iter().zip(side.values) {
-                let place = position(columns, w);
-                if columns.get(place) != Some(&w) {
-                    return None;
-                }
-                row[place] += value;
+        for (i, side) in self.at(v).iter().enumerate() {
+            for (k, value) in side.values.into_iter().enumerate() {
+                row[place(i, k)?] += value;
                 sum += value;
             }
         }
-        *row.get_mut(position(columns, v as u32))? = diagonal.of(sum);
+        row[own] = self.diagonal.of(sum);
         Some(())
-    };
-    let block = |rows: Range<usize>| -> Result<Vec<f64>, usize> {
-        let first = offsets[rows.start] as usize;
-        let mut values = vec![0.0; offsets[rows.end] as usize - first];
-        for v in rows {
-            let (start, end) = (offsets[v] as usize, offsets[v + 1] as usize);
-            fill(v, &columns[start..end], &mut values[start - first..end - first]).ok_or(v)?;
-        }
-        Ok(values)
-    };
-    let blocks: Vec<_> = row_ranges(mesh.vertex_count()).into_par_iter().map(block).collect();
-    let blocks: Result<Vec<_>, usize> = blocks.into_iter().collect();
-    let blocks = blocks.map_err(|v| OperatorError::Connectivity { vertex: v as u32 })?;
-    let mut rest = matrix.data_mut();
-    for block in blocks {
-        let (now, later) = rest.split_at_mut(block.len());
-        now.copy_from_slice(&block);
-        rest = later;
     }
-    Ok(())
-}
-
-/// What `of_face` says of the sides of the faces, in the order of the corners
-/// at each vertex.
-fn sides_at_vertices(
-    mesh: &TriMesh,
-    of_face: impl Fn(usize) -> Result<[f64; 3], OperatorError>,
-) -> Result<Vec<Side>, OperatorError> {
-    check_size(mesh)?;
-    let mut next = mesh.incidence().offsets().to_vec();
-    let mut sides = vec![Side::default(); 3 * mesh.face_count()];
-    for (f, &[a, b, c]) in mesh.faces().iter().enumerate() {
-        let [at_a, at_b, at_c] = of_face(f)?;
-        for (v, vertices, values) in
-            [(a, [b, c], [at_c, at_b]), (b, [c, a], [at_a, at_c]), (c, [a, b], [at_b, at_a])]
-        {
-            let slot = &mut next[v as usize];
-            sides[*slot as usize] = Side { vertices, values };
-            *slot += 1;
-        }
-    }
-    Ok(sides)
 }
 
 /// The `n × n` matrix with an entry for each vertex, and a pair for each edge,
@@ -302,6 +331,13 @@ fn row_ranges(n: usize) -> Vec<Range<usize>> {
 mod tests {
     use super::*;
 
+    fn matrix(mesh: &TriMesh, diagonal: Diagonal, of_face: fn(usize) -> [f64; 3]) -> SparseMatrix {
+        let sums = SideSums::new(mesh, diagonal, |f| Ok(of_face(f))).unwrap();
+        let matrix = sums.matrix(None).unwrap();
+        assert_eq!(sums.matrix(Some(&matrix)), Ok(matrix.clone()));
+        matrix
+    }
+
     #[test]
     fn a_row_is_the_closed_ring_of_its_vertex() {
         let positions = vec![[0.0; 3]; 6];
@@ -318,8 +354,8 @@ mod tests {
     #[test]
     fn sides_go_to_their_two_entries() {
         let mesh = TriMesh::new(vec![[0.0; 3]; 5], vec![[0, 1, 2], [3, 2, 1]]).unwrap();
-        let of_face = |f| Ok([[1.0, 2.0, 4.0], [8.0, 16.0, 32.0]][f]);
-        let m = sum_sides(&mesh, Diagonal::MinusSum, of_face).unwrap();
+        let of_face = |f| [[1.0, 2.0, 4.0], [8.0, 16.0, 32.0]][f];
+        let m = matrix(&mesh, Diagonal::MinusSum, of_face);
         let expected = [
             [-6.0, 4.0, 2.0, 0.0, 0.0],
             [4.0, -29.0, 9.0, 16.0, 0.0],
@@ -328,7 +364,7 @@ mod tests {
             [0.0; 5],
         ];
         assert_eq!(m.to_dense(), ndarray::arr2(&expected));
-        let sum = sum_sides(&mesh, Diagonal::Sum, of_face).unwrap();
+        let sum = matrix(&mesh, Diagonal::Sum, of_face);
         assert_eq!(sum.get(1, 1), Some(&29.0));
     }
 
@@ -337,7 +373,7 @@ mod tests {
         let n = 400;
         let faces: Vec<[u32; 3]> = (1..n).map(|i| [0, i, i % (n - 1) + 1]).collect();
         let mesh = TriMesh::new(vec![[0.0; 3]; n as usize], faces).unwrap();
-        let m = sum_sides(&mesh, Diagonal::Sum, |_| Ok([1.0, 2.0, 3.0])).unwrap();
+        let m = matrix(&mesh, Diagonal::Sum, |_| [1.0, 2.0, 3.0]);
         assert_eq!(m.get(0, 0), Some(&(5.0 * 399.0)));
         for j in 1..n as usize {
             assert_eq!(m.get(0, j), Some(&5.0));
@@ -350,10 +386,7 @@ mod tests {
     #[test]
     fn threads_do_not_matter() {
         let mesh = fairing_shapes::icosphere(5);
-        let sum = || {
-            let of_face = |f| Ok([f as f64, 0.3 * (f % 7) as f64, -0.1]);
-            sum_sides(&mesh, Diagonal::Sum, of_face)
-        };
+        let sum = || matrix(&mesh, Diagonal::Sum, |f| [f as f64, 0.3 * (f % 7) as f64, -0.1]);
         let on = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         assert_eq!(on(1).install(sum), on(3).install(sum));
     }
@@ -361,7 +394,7 @@ mod tests {
     #[test]
     fn a_mesh_without_faces_has_a_zero_diagonal() {
         let mesh = TriMesh::new(vec![[0.0; 3]; 3], vec![]).unwrap();
-        let m = sum_sides(&mesh, Diagonal::MinusSum, |_| Ok([1.0; 3])).unwrap();
+        let m = matrix(&mesh, Diagonal::MinusSum, |_| [1.0; 3]);
         assert_eq!(m.nnz(), 3);
         assert!(m.data().iter().all(|&x| x == 0.0 && x.is_sign_positive()));
     }

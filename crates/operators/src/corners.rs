@@ -45,6 +45,25 @@ impl FaceCorners {
         self.dots.map(|d| d * s)
     }
 
+    /// ½ cot θₖ: what the face adds to the weight of the edge opposite corner k,
+    /// the only formula for weights of edges.
+    #[inline]
+    pub(crate) fn half_cotangents(&self) -> [f64; 3] {
+        self.cotangents().map(|cot| 0.5 * cot)
+    }
+
+    /// The area of the face.
+    #[inline]
+    pub(crate) fn area(&self) -> f64 {
+        0.5 * self.twice_area
+    }
+
+    /// A third of the area: the barycentric mass of each corner.
+    #[inline]
+    pub(crate) fn third(&self) -> f64 {
+        self.area() / 3.0
+    }
+
     /// The squared length of the side opposite each corner.
     #[inline]
     pub(crate) fn squared_sides(&self) -> [f64; 3] {
@@ -120,7 +139,7 @@ pub fn check_faces(mesh: &TriMesh) -> Result<(), OperatorError> {
 pub(crate) fn degenerate(face: usize, corners: &FaceCorners) -> OperatorError {
     OperatorError::DegenerateFace {
         face: face as u32,
-        area: 0.5 * corners.twice_area,
+        area: corners.area(),
         edge: corners.squared_sides().into_iter().fold(0.0, f64::max).max(0.0).sqrt(),
     }
 }

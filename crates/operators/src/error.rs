@@ -2,8 +2,8 @@
 
 use crate::laplacian::{LaplacianKind, MassKind};
 
-/// The height of a face over its longest edge, relative to that edge, below
-/// which its cotangents are not trusted.
+/// The least height of a face over its longest edge, relative to that edge, at
+/// which its cotangents are used.
 ///
 /// The cross product behind a cotangent carries a rounding error of about
 /// 10⁻¹⁶ (longest edge)², so that at this ratio a cotangent still has six
@@ -33,7 +33,7 @@ pub enum OperatorError {
         faces: usize,
     },
     /// All edges have length zero, or there are none that have one.
-    #[error("no edge has a length above zero")]
+    #[error("no edge is longer than zero")]
     NoLength,
     /// There is no such mass for such a Laplacian.
     #[error("the {laplacian} Laplacian has no {mass} mass, {}", masses_of(*laplacian))]
@@ -52,7 +52,7 @@ pub enum OperatorError {
         mass: f64,
     },
     /// A vertex that does not exist.
-    #[error("there is no vertex {vertex} among {vertices}")]
+    #[error("vertex {vertex} does not exist: there are {vertices} vertices")]
     NoSuchVertex {
         /// The vertex.
         vertex: u32,
@@ -60,7 +60,7 @@ pub enum OperatorError {
         vertices: usize,
     },
     /// A field has another number of values than there are vertices.
-    #[error("{found} values or vertices instead of {expected}")]
+    #[error("expected {expected} values, one for each vertex, found {found}")]
     Length {
         /// How many there are.
         found: usize,
@@ -74,7 +74,7 @@ pub enum OperatorError {
         vertex: u32,
     },
     /// An option is out of its range.
-    #[error("{name} cannot be {value}")]
+    #[error("{value} is out of range for {name}")]
     Option {
         /// The option.
         name: &'static str,
@@ -82,7 +82,7 @@ pub enum OperatorError {
         value: f64,
     },
     /// More entries than 32-bit indices can number.
-    #[error("the matrix would have up to {entries} entries, more than 32-bit indices can number")]
+    #[error("the matrix would have up to {entries} entries, too many for 32-bit indices")]
     TooLarge {
         /// An upper bound of the number of entries.
         entries: usize,

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! with eₖ the side opposite corner k, counter-clockwise. With A the diagonal
-//! of face areas, each thrice, `S = Gᵀ A G`. Source: \[botsch2010\].
+//! of face areas, each three times, `S = Gᵀ A G`. Source: \[botsch2010\].
 
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, cross, norm, scale, sub};

@@ -2,7 +2,7 @@
 //!
 //! [`Laplacian`] is the stiffness and the mass of one mesh, of a
 //! [`LaplacianKind`] and a [`MassKind`], or chosen by the mesh
-//! ([`Laplacian::auto`]); the free functions it stands on are public too.
+//! ([`Laplacian::auto`]); the free functions that it is made of are public too.
 //!
 //! Matrices are sparse rows in the vertex order of the mesh. The stiffness `S`
 //! is positive semi-definite and Δ ≈ −M⁻¹S; `S u` and angle defects are
@@ -12,6 +12,7 @@
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 
+mod area;
 mod assembly;
 mod corners;
 pub mod curvature;
@@ -31,6 +32,7 @@ mod symmetric;
 mod tangent;
 mod uniform;
 
+pub use area::LumpedArea;
 pub use corners::check_faces;
 pub use error::{MIN_HEIGHT_RATIO, OperatorError};
 pub use fairing_sparse::SparseMatrix;
@@ -39,7 +41,7 @@ pub use laplacian::{
     CotangentPattern, Intrinsic, Laplacian, LaplacianKind, MassKind, MassMatrix, Reason,
     Restricted, ThinFaces, positive_lumped_mass,
 };
-pub use mass::{LumpedArea, consistent_mass, lumped_mass};
+pub use mass::{consistent_mass, lumped_mass};
 pub use noise_level::{NoiseEstimate, NoisyParts, noise_level, noisy_parts};
 #[doc(hidden)]
 pub use normal_equations::{NormalEquations, NormalFactor};

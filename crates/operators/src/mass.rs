@@ -3,35 +3,10 @@
 use fairing_mesh::TriMesh;
 use fairing_sparse::SparseMatrix;
 
-use crate::assembly::{Diagonal, fill_sides, sum_sides};
+use crate::area::LumpedArea;
+use crate::assembly::{Diagonal, SideSums};
 use crate::corners::{FaceCorners, degenerate};
 use crate::error::OperatorError;
-
-/// How the area of a face is shared between its corners.
-///
-/// Written as its name (`Display`), and read from it (`FromStr`).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum LumpedArea {
-    /// A third each: `Aᵢ = ⅓ Σ A`. Positive wherever a face has area, and
-    /// defined on every mesh; on irregular meshes the cells ignore the shape
-    /// of the faces.
-    Barycentric,
-    /// The part nearest to each corner, `⅛ (b² cot β + c² cot γ)` for the
-    /// sides b, c that meet in the corner. The best for pointwise values;
-    /// **may be negative** at obtuse angles. Source: \[meyer2003\].
-    Voronoi,
-    /// Voronoi where no angle is obtuse; else half of the area for the obtuse
-    /// corner and a quarter for each of the others. Never negative.
-    /// Source: \[meyer2003\].
-    Mixed,
-}
-
-fairing_mesh::choices!(LumpedArea, "area of a vertex",
-    Barycentric: "barycentric", "A third of the faces around";
-    Voronoi: "voronoi", "Voronoi cells; negative at some obtuse angles, which flows refuse";
-    Mixed: "mixed", "Voronoi cells, kept inside obtuse faces";
-);
 
 impl LumpedArea {
     /// The area of each corner of a face, in squared mesh units, summing to
@@ -39,15 +14,14 @@ impl LumpedArea {
     /// is too thin for them.
     #[inline]
     pub(crate) fn shares(self, face: &FaceCorners) -> Option<[f64; 3]> {
-        let area = 0.5 * face.twice_area;
         if self == Self::Barycentric {
-            return Some([area / 3.0; 3]);
+            return Some([face.third(); 3]);
         }
         if self == Self::Mixed
             && let Some(k) = face.dots.iter().position(|&d| d < 0.0)
         {
-            let mut shares = [0.25 * area; 3];
-            shares[k] = 0.5 * area;
+            let mut shares = [0.25 * face.area(); 3];
+            shares[k] = 0.5 * face.area();
             return Some(shares);
         }
         if face.is_degenerate() {
@@ -86,18 +60,18 @@ pub fn lumped_mass(mesh: &TriMesh, area: LumpedArea) -> Result<Vec<f64>, Operato
 
 /// [`lumped_mass`] where fourth powers of lengths are floats.
 fn mass_in_range(mesh: &TriMesh, area: LumpedArea) -> Result<Vec<f64>, OperatorError> {
-    let mut mass = vec![0.0; mesh.vertex_count()];
-    if area == LumpedArea::Barycentric {
-        for (f, vertices) in mesh.faces().iter().enumerate() {
-            let third = mesh.face_area(f) / 3.0;
-            for &v in vertices {
-                mass[v as usize] += third;
-            }
-        }
-        return Ok(mass);
+    match area {
+        // Known to the compiler, which leaves out what thirds do not need.
+        LumpedArea::Barycentric => sum_shares(mesh, LumpedArea::Barycentric),
+        other => sum_shares(mesh, other),
     }
-    // One pass over the faces on one thread: as fast as gathering by vertices
-    // on several, and without a table of shares.
+}
+
+/// One pass over the faces on one thread: as fast as gathering by vertices on
+/// several, and without a table of shares.
+#[inline(always)]
+fn sum_shares(mesh: &TriMesh, area: LumpedArea) -> Result<Vec<f64>, OperatorError> {
+    let mut mass = vec![0.0; mesh.vertex_count()];
     for (f, vertices) in mesh.faces().iter().enumerate() {
         let face = FaceCorners::of(mesh.triangle(f));
         let shares = area.shares(&face).ok_or_else(|| degenerate(f, &face))?;
@@ -124,27 +98,22 @@ fn mass_in_range(mesh: &TriMesh, area: LumpedArea) -> Result<Vec<f64>, OperatorE
 ///
 /// Source: \[vallet2008\].
 pub fn consistent_mass(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
-    let (mesh, unit) = mesh.at_unit_scale();
-    sum_sides(&mesh, Diagonal::Sum, |f| Ok(twelfth(&mesh, f, unit)))
+    consistent_on_pattern(mesh, None)
 }
 
-/// A twelfth of the area of a face, thrice, of a mesh that was divided by
-/// `unit`, in its own units.
-fn twelfth(mesh: &TriMesh, f: usize, unit: f64) -> [f64; 3] {
-    [mesh.face_area(f) / 12.0 * unit * unit; 3]
-}
-
-/// [`consistent_mass`], written into a matrix that it made of the same faces.
+/// [`consistent_mass`], on the pattern of one of the same faces if there is
+/// one: the same bits.
 ///
 /// # Errors
 ///
-/// [`OperatorError::Connectivity`]; the matrix is as it was then.
-pub(crate) fn refill_consistent_mass(
+/// As [`consistent_mass`], and [`OperatorError::Connectivity`].
+pub(crate) fn consistent_on_pattern(
     mesh: &TriMesh,
-    matrix: &mut SparseMatrix,
-) -> Result<(), OperatorError> {
+    pattern: Option<&SparseMatrix>,
+) -> Result<SparseMatrix, OperatorError> {
     let (mesh, unit) = mesh.at_unit_scale();
-    fill_sides(&mesh, Diagonal::Sum, |f| Ok(twelfth(&mesh, f, unit)), matrix)
+    let twelfth = |f| Ok([mesh.face_area(f) / 12.0 * unit * unit; 3]);
+    SideSums::new(&mesh, Diagonal::Sum, twelfth)?.matrix(pattern)
 }
 
 #[cfg(test)]

@@ -30,7 +30,7 @@ pub struct NoiseEstimate {
     /// absolute values, over that of a Gaussian: 1 for Gaussian noise, more
     /// where a share of the vertices is moved further than the rest.
     pub tail_ratio: f64,
-    /// The number of vertices the estimate rests on.
+    /// The number of vertices that the estimate is made from.
     pub samples: usize,
 }
 
@@ -67,7 +67,7 @@ pub struct NoisyParts {
 /// σ̂ = 1.4826 · median |r| / √(1 + ℓ)
 /// ```
 ///
-/// The median shrugs off the vertices near creases. On Gaussian noise σ̂ is a
+/// The median is hardly changed by the vertices near creases. On Gaussian noise σ̂ is a
 /// few per cent high; on a clean mesh it is what the quadric misses, not zero.
 /// A connected part that is clean does not lower the level of another one.
 /// Scales with the mesh. `None` if no vertex has a two-ring that determines a
@@ -81,9 +81,9 @@ pub fn noise_level(mesh: &TriMesh) -> Option<NoiseEstimate> {
 const ALIKE: f64 = 4.0;
 
 /// The connected parts of a mesh, put together where their noise is about the
-/// same, those that hold most of it first.
+/// same, those with most of it first.
 ///
-/// The part with the largest `n σ̂²`, n the vertices it rests on, is taken with
+/// The part with the largest `n σ̂²`, n the number of its vertices, is taken with
 /// all parts whose level is at least a quarter and at most four times its own,
 /// and so on with what is left. Parts that are too small for an estimate are in
 /// the first group; empty if all are.

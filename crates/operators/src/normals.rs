@@ -22,7 +22,7 @@ pub enum NormalWeight {
     /// exact where all vertices lie on a sphere, and of second order on smooth
     /// surfaces. Source: \[max1999\].
     Sphere,
-    /// All alike. Source: \[gouraud1971\].
+    /// All with the same weight. Source: \[gouraud1971\].
     Uniform,
 }
 
@@ -53,8 +53,8 @@ pub fn vertex_normals(mesh: &TriMesh) -> Vec<[f64; 3]> {
 
 /// The unit normal of each vertex: the direction of the weighted sum of the
 /// normals of its faces, in vertex order. The zero vector where none is
-/// defined (isolated vertices, sums that cancel). Faces without area have no
-/// say.
+/// defined (isolated vertices, sums that cancel). Faces without area
+/// are ignored.
 pub fn weighted_vertex_normals(mesh: &TriMesh, weight: NormalWeight) -> Vec<[f64; 3]> {
     let (mesh, _) = mesh.at_unit_scale();
     let mesh = &*mesh;

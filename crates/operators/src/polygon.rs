@@ -40,7 +40,7 @@ pub struct PolygonLaplacian {
 
 /// Assembles stiffness and mass of a polygon mesh.
 ///
-/// Rows in vertex order; isolated vertices have zeros. Boundaries are natural
+/// Rows in vertex order; rows of isolated vertices are zero. Boundaries are natural
 /// (zero flux). Cost: for each polygon the square of its corners.
 ///
 /// # Errors
@@ -119,10 +119,10 @@ impl Local {
             if face.is_degenerate() {
                 return None;
             }
-            let cot = face.cotangents();
+            let halves = face.half_cotangents();
             for c in 0..3 {
                 let (p, q) = (triangle[(c + 1) % 3], triangle[(c + 2) % 3]);
-                let half = 0.5 * cot[c];
+                let half = halves[c];
                 s[p * m + q] -= half;
                 s[q * m + p] -= half;
                 s[p * m + p] += half;

@@ -12,7 +12,7 @@
 use fairing_mesh::TriMesh;
 use fairing_sparse::SparseMatrix;
 
-use crate::assembly::{Diagonal, fill_sides, sum_sides};
+use crate::assembly::{Diagonal, SideSums};
 use crate::corners::{FaceCorners, degenerate};
 use crate::error::OperatorError;
 
@@ -46,32 +46,26 @@ use crate::error::OperatorError;
 ///
 /// Source: \[pinkall1993\].
 pub fn cotan_stiffness(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
-    let (mesh, unit) = mesh.at_unit_scale();
-    let stiffness = sum_sides(&mesh, Diagonal::MinusSum, |f| weights(&mesh, f));
-    stiffness.map_err(|error| error.times(unit))
+    on_pattern(mesh, None)
 }
 
-/// [`cotan_stiffness`], written into a matrix that it made of the same faces.
+/// [`cotan_stiffness`], on the pattern of one of the same faces if there is
+/// one: the same bits.
 ///
 /// # Errors
 ///
-/// As [`cotan_stiffness`], and [`OperatorError::Connectivity`]; the matrix is
-/// as it was then.
-pub(crate) fn refill_cotan_stiffness(
+/// As [`cotan_stiffness`], and [`OperatorError::Connectivity`].
+pub(crate) fn on_pattern(
     mesh: &TriMesh,
-    matrix: &mut SparseMatrix,
-) -> Result<(), OperatorError> {
+    pattern: Option<&SparseMatrix>,
+) -> Result<SparseMatrix, OperatorError> {
     let (mesh, unit) = mesh.at_unit_scale();
-    let filled = fill_sides(&mesh, Diagonal::MinusSum, |f| weights(&mesh, f), matrix);
-    filled.map_err(|error| error.times(unit))
-}
-
-/// What the side opposite each corner of a face adds to its entries.
-#[inline]
-fn weights(mesh: &TriMesh, f: usize) -> Result<[f64; 3], OperatorError> {
-    let face = FaceCorners::of(mesh.triangle(f));
-    if face.is_degenerate() {
-        return Err(degenerate(f, &face));
-    }
-    Ok(face.cotangents().map(|cot| -0.5 * cot))
+    let sums = SideSums::new(&mesh, Diagonal::MinusSum, |f| {
+        let face = FaceCorners::of(mesh.triangle(f));
+        if face.is_degenerate() {
+            return Err(degenerate(f, &face));
+        }
+        Ok(face.half_cotangents().map(|half| -half))
+    });
+    sums.map_err(|error| error.times(unit))?.matrix(pattern)
 }

@@ -2,7 +2,7 @@
 //!
 //! Each flow is one function with one options struct; [`Method`] holds them all for programs. Those that take steps
 //! take an optional [`Observer`], which sees every step and can end the flow. All return a [`Smoothed`] mesh or a
-//! [`FlowError`] with the last good mesh; none ever returns a coordinate that is not a number.
+//! [`FlowError`] with the last good mesh; none returns a coordinate that is NaN or infinite.
 //!
 //! A flow diffuses along the negative semi-definite Laplacian `L = −M⁻¹S`; the [`Diffusion`] says with which
 //! weights and how far in one step, in the unit that belongs to them.

@@ -3,6 +3,7 @@
 use fairing_mesh::{Algorithm, ParameterError, TriMesh, UnknownName, Values};
 
 use crate::engine::error::FlowError;
+use crate::engine::flow::Flow;
 use crate::engine::outcome::Smoothed;
 use crate::engine::step::Observer;
 use crate::flows::conformal::ConformalizedMcf;
@@ -14,27 +15,6 @@ use crate::flows::region::FairRegion;
 use crate::flows::scale_dependent::ScaleDependent;
 use crate::flows::taubin::Taubin;
 use crate::flows::windowed_sinc::WindowedSinc;
-
-/// What the options of a flow say for programs.
-pub(crate) trait Flow: Sized {
-    /// The flow by name; several where a choice among its options has a name of its own.
-    const ALGORITHMS: &'static [Algorithm];
-
-    /// The options with these values, for a mesh with these positions.
-    fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError>;
-
-    /// The name that these options go by.
-    fn algorithm(&self) -> &'static Algorithm {
-        &Self::ALGORITHMS[0]
-    }
-
-    /// Runs the flow.
-    fn run(
-        &self,
-        mesh: &TriMesh,
-        observer: Option<&mut Observer<'_>>,
-    ) -> Result<Smoothed, FlowError>;
-}
 
 /// Makes [`Method`] of the types of options; each line adds a flow.
 macro_rules! methods {
@@ -87,7 +67,7 @@ macro_rules! methods {
                 observer: Option<&mut Observer<'_>>,
             ) -> Result<Smoothed, FlowError> {
                 match self {
-                    $(Self::$name(options) => options.run(mesh, observer),)*
+                    $(Self::$name(options) => (<$options>::RUN)(mesh, options, observer),)*
                 }
             }
 

@@ -12,7 +12,7 @@ pub trait CgSystem<const B: usize>: Sync {
     /// Row `i` of P⁻¹ r for a preconditioner P that is a matrix of blocks on the diagonal; `r` is row `i` of r.
     fn precondition(&self, i: usize, r: [f64; B]) -> [f64; B];
 
-    /// Whether A couples columns.
+    /// Whether A or the preconditioner couples columns.
     fn is_coupled(&self) -> bool {
         false
     }
@@ -29,7 +29,7 @@ pub trait CgSystem<const B: usize>: Sync {
 pub struct CgOptions {
     /// Relative residual ‖b − A x‖ / ‖b‖ to reach in every column, or in all together where they are coupled,
     /// measured. Where rounding leaves more, a residual within [`CgSystem::attainable`] is as good, and
-    /// [`CgSolution::residuals`] tells.
+    /// [`CgSolution::residuals`] is what was reached.
     pub tolerance: f64,
     /// Iterations after which to give up.
     pub max_iterations: usize,
@@ -72,7 +72,7 @@ pub enum CgError {
         value: f64,
     },
     /// The matrix is not square or a vector has another length than it has rows.
-    #[error("{rows} × {columns} matrix, {length} rows in the vector")]
+    #[error("a {rows} × {columns} matrix with a vector of {length} rows")]
     Size {
         /// Rows of the matrix.
         rows: usize,
@@ -82,13 +82,13 @@ pub enum CgError {
         length: usize,
     },
     /// A right-hand side or first guess has an infinite number or NaN.
-    #[error("the right-hand side or first guess is not finite in row {row}")]
+    #[error("row {row} of the right-hand side or of the first guess is not finite")]
     NotFinite {
         /// The first such row.
         row: usize,
     },
     /// A search direction p has pᵀ A p ≤ 0: the matrix is not positive definite.
-    #[error("indefinite: pᵀAp = {curvature:e} in iteration {iteration}")]
+    #[error("the matrix is not positive definite: pᵀAp = {curvature:e} in iteration {iteration}")]
     Indefinite {
         /// The iteration.
         iteration: usize,
@@ -96,7 +96,7 @@ pub enum CgError {
         curvature: f64,
     },
     /// The tolerance was not reached.
-    #[error("relative residual {residual:e} after {iterations} iterations")]
+    #[error("no convergence: relative residual {residual:e} after {iterations} iterations")]
     NotConverged {
         /// Iterations taken.
         iterations: usize,
@@ -105,7 +105,7 @@ pub enum CgError {
     },
 }
 
-/// Memory for an iteration, which solves one after another can share.
+/// Memory for an iteration, which consecutive solves can share.
 #[derive(Debug, Clone, Default)]
 pub struct CgRoom<const B: usize> {
     /// The residual b − A x.
@@ -125,11 +125,11 @@ impl<const B: usize> CgRoom<B> {
     }
 }
 
-/// Iterates x from the residual `room.r` on that belongs to it, until `done` says of the squared norm of every column of
-/// the residual that it is small enough. Columns that are done rest.
+/// Iterates x, whose residual is `room.r`, until `done` says for the squared norm of every column of the residual that it
+/// is small enough. Columns that are done no longer change.
 ///
 /// The residual is that of the recurrence, which departs from b − A x by rounding: measure it at the end, and call again
-/// where it is too large. `iterations` counts on.
+/// where it is too large. `iterations` goes on counting.
 ///
 /// # Errors
 ///

@@ -45,9 +45,9 @@ impl ChebyshevSeries {
     /// than `tolerance`. What g(0) has lost by that is added to the constant term. `None` where g is not finite at one of
     /// the points.
     ///
-    /// How many samples are enough is for a bound of g to say: with |g| ≤ B on the Bernstein ellipse of the parameter ρ
+    /// How many samples are enough follows from a bound of g: with |g| ≤ B on the Bernstein ellipse of the parameter ρ
     /// the polynomial through n points is within `4 B ρ^(1 − n)/(ρ − 1)` of g (\[trefethen2013\], theorem 8.2), and a
-    /// polynomial of degree below n is met exactly.
+    /// polynomial of degree below n is reproduced exactly.
     pub fn interpolate(
         bound: f64,
         samples: usize,

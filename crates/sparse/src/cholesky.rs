@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use ndarray::{ArrayView2, ArrayViewMut2};
 
+use crate::analysis::Analysis;
 use crate::backend::{Failure, Order, Symbolic};
 use crate::factor::Factor;
 use crate::ldlt::Ldlt;
 use crate::matrix::{Rows, SparseMatrix};
 use crate::ordering::{self, Ordering};
-use crate::supernodes::Supernodes;
 use crate::sweeps::Diagonal;
 use crate::symmetry::{self, Defect};
 
@@ -47,12 +47,12 @@ pub enum CholeskyError {
     },
     /// A custom ordering is not a permutation of the rows.
     #[error(
-        "the ordering has {length} entries for {rows} rows, or names row {entry} twice or wrongly"
+        "the ordering has {length} entries for {rows} rows, or row {entry} is in it twice or does not exist"
     )]
     NotAnOrdering {
         /// Length of the ordering.
         length: usize,
-        /// Rows of the matrix.
+        /// The number of rows of the matrix.
         rows: usize,
         /// The first entry that is out of range or repeated.
         entry: u32,
@@ -63,8 +63,10 @@ pub enum CholeskyError {
         /// The first row that differs.
         row: usize,
     },
-    /// A pivot vanishes beside the diagonal of its row: the matrix is singular to working precision.
-    #[error("singular: pivot {pivot:e} in row {row}, where the diagonal is {diagonal:e}")]
+    /// A pivot is zero relative to the diagonal of its row: the matrix is singular to working precision.
+    #[error(
+        "the matrix is singular: pivot {pivot:e} in row {row}, where the diagonal is {diagonal:e}"
+    )]
     Singular {
         /// The row, in the order of the matrix.
         row: usize,
@@ -74,7 +76,9 @@ pub enum CholeskyError {
         diagonal: f64,
     },
     /// A pivot is negative: the matrix has a negative eigenvalue.
-    #[error("indefinite: pivot {pivot:e} in row {row}, where the diagonal is {diagonal:e}")]
+    #[error(
+        "the matrix is not positive definite: pivot {pivot:e} in row {row}, where the diagonal is {diagonal:e}"
+    )]
     Indefinite {
         /// The row, in the order of the matrix.
         row: usize,
@@ -84,9 +88,9 @@ pub enum CholeskyError {
         diagonal: f64,
     },
     /// Not enough memory, or more than 2³² entries in the factor.
-    #[error("the factor of {rows} rows does not fit")]
+    #[error("the factor of {rows} rows is too large for the memory or for 32-bit indices")]
     TooLarge {
-        /// Rows of the matrix.
+        /// The number of rows of the matrix.
         rows: usize,
     },
 }
@@ -124,17 +128,6 @@ impl From<Defect> for CholeskyError {
 #[derive(Debug, Clone)]
 pub struct SymbolicCholesky {
     analysis: Arc<Analysis>,
-}
-
-/// Everything a factor needs besides its values.
-#[derive(Debug)]
-pub(crate) struct Analysis {
-    symbolic: Symbolic,
-    pub(crate) nodes: Supernodes,
-    /// `order[k]`: the row of the matrix that is eliminated as the k-th.
-    pub(crate) order: Vec<u32>,
-    starts: Vec<u32>,
-    columns: Vec<u32>,
 }
 
 impl SymbolicCholesky {
@@ -196,7 +189,7 @@ impl SymbolicCholesky {
         Ok(if second.factor_entries() < first.factor_entries() { second } else { first })
     }
 
-    /// Rows of the matrix.
+    /// The number of rows of the matrix.
     pub fn rows(&self) -> usize {
         self.analysis.order.len()
     }
@@ -206,7 +199,7 @@ impl SymbolicCholesky {
         &self.analysis.order
     }
 
-    /// Numbers in a factor, the explicit zeros of its supernodes included.
+    /// The number of entries of a factor, the explicit zeros of its supernodes included.
     pub fn factor_entries(&self) -> usize {
         self.analysis.nodes.entries()
     }
@@ -290,7 +283,7 @@ impl SymbolicCholesky {
         })
     }
 
-    /// What rounding leaves of a pivot that ought to vanish, as a share of its diagonal entry. Errors of the
+    /// What rounding leaves of a pivot that should be zero, as a share of its diagonal entry. Errors of the
     /// eliminations add up like a random walk; on grids 2 to 5 ε √n were measured.
     fn noise(&self) -> f64 {
         64.0 * f64::EPSILON * (self.rows() as f64).sqrt()
@@ -374,7 +367,7 @@ impl Cholesky {
         Ok(self)
     }
 
-    /// The analysis this factor rests on.
+    /// The analysis that this factor was computed with.
     pub fn symbolic(&self) -> SymbolicCholesky {
         SymbolicCholesky { analysis: Arc::clone(&self.factor.analysis) }
     }
@@ -383,7 +376,7 @@ impl Cholesky {
         self.factor
     }
 
-    /// Rows of the matrix.
+    /// The number of rows of the matrix.
     pub fn rows(&self) -> usize {
         self.factor.rows()
     }

@@ -70,7 +70,7 @@ impl<'a> ConjugateGradient<'a> {
     }
 
     /// X with A X = B for points, one in a row. The three columns share every pass over the matrix; each has
-    /// its own step lengths, and rests once it has converged.
+    /// its own step lengths, and no longer changes once it has converged.
     ///
     /// # Errors
     ///

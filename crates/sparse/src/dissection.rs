@@ -173,7 +173,7 @@ impl Part {
         }
     }
 
-    /// Two sides and what stands between them; `None` if no cut is worth it.
+    /// Two sides and what is between them; `None` if no cut is worth it.
     fn cut(&self) -> Option<Vec<Side>> {
         let n = self.len();
         let direction = self.main_direction();

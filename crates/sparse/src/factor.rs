@@ -5,7 +5,7 @@ use std::sync::Arc;
 use ndarray::{ArrayViewMut2, Axis};
 use rayon::prelude::*;
 
-use crate::cholesky::Analysis;
+use crate::analysis::Analysis;
 use crate::sweeps::{self, Diagonal};
 
 /// Right-hand sides of one sweep in a block.
@@ -64,7 +64,7 @@ impl Factor {
         });
     }
 
-    /// Solves in place for rows that already stand in the order of the factor.
+    /// Solves in place for rows that are already in the order of the factor.
     pub(crate) fn solve_ordered<const B: usize>(&self, x: &mut [[f64; B]]) {
         sweeps::solve(&self.analysis.nodes, &self.values, self.diagonal, x);
     }

@@ -40,7 +40,7 @@ pub struct GraphLaplacian {
     diagonal: Vec<f64>,
 }
 
-/// The numbers of a [`GraphLaplacian`], to be overwritten.
+/// The numbers of a [`GraphLaplacian`], to write to.
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct GraphNumbers<'a> {
@@ -69,7 +69,7 @@ pub(crate) struct Factors {
 
 impl GraphLaplacian {
     /// Unit weights over the number of neighbours: `(Lx)ᵢ` is the mean over the neighbours of `xⱼ − xᵢ`. Row `i` of the
-    /// graph is `columns[offsets[i]..offsets[i + 1]]`; a zero row has its own vertex for its only neighbour.
+    /// graph is `columns[offsets[i]..offsets[i + 1]]`; a zero row has its own vertex as its only neighbour.
     ///
     /// # Panics
     ///

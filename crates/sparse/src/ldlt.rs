@@ -69,7 +69,7 @@ impl Ldlt {
         self.factor
     }
 
-    /// Rows of the matrix.
+    /// The number of rows of the matrix.
     pub fn rows(&self) -> usize {
         self.factor.rows()
     }

@@ -6,6 +6,7 @@
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 
+mod analysis;
 mod backend;
 mod cg;
 mod chebyshev;

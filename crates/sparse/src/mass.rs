@@ -35,7 +35,7 @@ pub enum MassError {
 }
 
 impl Mass<'_> {
-    /// Rows of M.
+    /// The number of rows of M.
     pub fn len(&self) -> usize {
         match self {
             Self::Lumped(diagonal) => diagonal.len(),

@@ -2,11 +2,11 @@
 
 /// A sparse matrix of the workspace: CSR, `f64` values, `u32` indices, columns ascending in each row.
 ///
-/// [`from_csr`] and [`from_triplets`] make one and say what is wrong with numbers that make none; `into_raw_storage`
+/// [`from_csr`] and [`from_triplets`] make one, or say what is wrong with the given numbers; `into_raw_storage`
 /// takes one apart into offsets, columns and values.
 pub type SparseMatrix = sprs::CsMatI<f64, u32>;
 
-/// Why numbers make no [`SparseMatrix`].
+/// Why a [`SparseMatrix`] cannot be made from the given numbers.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MatrixError {

@@ -12,16 +12,16 @@ pub enum Ordering {
     #[default]
     MinimumDegree,
     /// Nested dissection, minimum degree inside its smallest pieces. On a sphere of 160 thousand vertices at random
-    /// 10.4 million numbers instead of 13.9, half of the operations; on meshes with regular connectivity, which
-    /// minimum degree sees through, more than with it (2.1 million for 1.2 on a scan of 43 thousand).
+    /// 10.4 million numbers instead of 13.9, half of the operations; on meshes with regular connectivity
+    /// more than with minimum degree (2.1 million instead of 1.2 on a scan of 43 thousand).
     NestedDissection,
     /// Minimum degree, and nested dissection as well where that leaves more than is usual on surface meshes; the
-    /// one with fewer numbers. Two analyses for one: worth it before many solves.
+    /// one with fewer numbers. It takes two analyses, which is worth it before many solves.
     LeastFill,
     /// The order of the matrix.
     Natural,
     /// `order[k]` is the row to eliminate as the k-th. It is composed with the postorder of its elimination
-    /// tree, which keeps the fill and lets the columns of a supernode stand together (1.7 times faster).
+    /// tree, which keeps the fill and makes the columns of a supernode adjacent (1.7 times faster).
     Custom(Vec<u32>),
 }
 

@@ -60,7 +60,7 @@ const FACTORISE: (f64, f64) = (700.0, 2.4);
 const SOLVE: f64 = 1.8;
 /// An iteration for three right-hand sides, in nanoseconds per entry of the matrix.
 const ITERATE: f64 = 1.6;
-/// How much earlier than the bound of Chebyshev conjugate gradients arrive.
+/// The share of the bound of Chebyshev that conjugate gradients take.
 const EARLY: f64 = 0.9;
 /// Upper end of the spectrum of D⁻¹S on closed triangle meshes.
 const JACOBI_BOUND: f64 = 1.5;
@@ -111,7 +111,7 @@ impl Workload {
 }
 
 impl SolverChoice {
-    /// What the measurements of this module's table expect to be faster.
+    /// The way that is faster by the measurements in this module's table.
     ///
     /// # Examples
     ///

@@ -5,7 +5,7 @@ use std::ops::Range;
 /// Columns that share their rows, in a lower triangular factor.
 ///
 /// Supernode `s` holds the columns `range(s)` and, below its dense triangle, the rows `rows(s)`. Its numbers
-/// stand column by column in `values(s)`, with `range(s).len() + rows(s).len()` numbers in a column.
+/// are column by column in `values(s)`, with `range(s).len() + rows(s).len()` numbers in a column.
 #[derive(Debug, Clone)]
 pub(crate) struct Supernodes {
     begin: Vec<usize>,

@@ -15,7 +15,7 @@ use crate::supernodes::Supernodes;
 /// Columns of a supernode taken together.
 const GROUP: usize = 4;
 
-/// What stands on the diagonal of a factor.
+/// What is on the diagonal of a factor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Diagonal {
     /// L Lᵀ: the diagonal of L.

@@ -1,4 +1,4 @@
-//! Is a matrix square, finite and symmetric? Factorisations read one triangle only, so they ask.
+//! Checks that a matrix is square, finite and symmetric, for factorisations, which read one triangle only.
 
 use crate::matrix::{Rows, SparseMatrix};
 
@@ -6,7 +6,7 @@ use crate::matrix::{Rows, SparseMatrix};
 /// the same terms in another order.
 const SYMMETRY_TOLERANCE: f64 = 1e-10;
 
-/// What is wrong with a matrix that ought to be symmetric.
+/// What is wrong with a matrix that should be symmetric.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Defect {
     Rectangular { rows: usize, columns: usize },

@@ -89,7 +89,7 @@ impl Spectrum {
         last == 0.0 || self.beyond.clear_below - last > residual / Self::GAP_ANGLE
     }
 
-    /// Eigenvalue k and what it may be off by.
+    /// Eigenvalue k and the bound of its error.
     fn known(&self, k: usize) -> (f64, f64) {
         let least = |value: f64| LEAST_RESIDUAL * value.abs();
         match self.values.get(k) {

@@ -55,7 +55,7 @@ impl GraphWeights {
 /// # Errors
 ///
 /// [`SpectralError::TooManyModes`]; in [`SpectralError::Operator`], a fixed vertex that does not exist and a mass that
-/// is not positive; what solving reports.
+/// is not positive; the errors of solving.
 ///
 /// # Examples
 ///

@@ -34,7 +34,7 @@ impl HeatDiffusion {
     ///
     /// # Errors
     ///
-    /// [`SpectralError::Parameter`] for a negative time; a mass that is not positive; what factorising reports.
+    /// [`SpectralError::Parameter`] for a negative time; a mass that is not positive; the errors of factorising.
     pub fn new(laplacian: &Laplacian, time: f64) -> Result<Self, SpectralError> {
         check_time(time)?;
         let mass = laplacian.positive_mass()?.into_owned();

@@ -20,8 +20,8 @@ pub enum SpectralError {
     /// The positions of the result are not those of a mesh.
     #[error(transparent)]
     Positions(#[from] BuildError),
-    /// A Laplacian of this kind does not serve.
-    #[error("a {kind} Laplacian does not serve here: take a cotangent or a robust one")]
+    /// A Laplacian of this kind cannot be used.
+    #[error("a {kind} Laplacian cannot be used here: use a cotangent or a robust one")]
     Kind {
         /// The kind.
         kind: LaplacianKind,
@@ -33,7 +33,7 @@ pub enum SpectralError {
         vertex: u32,
     },
     /// More modes were asked for than there are.
-    #[error("{wanted} modes wanted of {available}")]
+    #[error("{wanted} modes were requested, but there are {available}")]
     TooManyModes {
         /// Modes wanted.
         wanted: usize,
@@ -41,7 +41,7 @@ pub enum SpectralError {
         available: usize,
     },
     /// A field has another number of rows than there are vertices or modes.
-    #[error("{found} rows instead of {expected}")]
+    #[error("expected {expected} rows, found {found}")]
     Rows {
         /// Rows of the field.
         found: usize,
@@ -49,7 +49,7 @@ pub enum SpectralError {
         expected: usize,
     },
     /// A parameter is out of range.
-    #[error("{name} is {value}, must be {must}")]
+    #[error("{name} is {value}, but must be {must}")]
     Parameter {
         /// The parameter.
         name: &'static str,
@@ -59,13 +59,13 @@ pub enum SpectralError {
         must: &'static str,
     },
     /// Heat does not arrive at a vertex within the range of the numbers.
-    #[error("no heat arrives at vertex {vertex}: take a longer time")]
+    #[error("no heat arrives at vertex {vertex}: use a longer time")]
     NoHeat {
         /// The first such vertex.
         vertex: u32,
     },
     /// A vertex that does not exist.
-    #[error("vertex {vertex} of {vertices}")]
+    #[error("vertex {vertex} does not exist: there are {vertices} vertices")]
     NoSuchVertex {
         /// The vertex.
         vertex: u32,
@@ -80,7 +80,7 @@ pub enum SpectralError {
         /// What the system says.
         source: std::io::Error,
     },
-    /// A file is not what it should be.
+    /// A file does not have the contents that it should have.
     #[error("{path}: {problem}")]
     File {
         /// The file.

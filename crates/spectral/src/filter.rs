@@ -18,10 +18,10 @@ pub struct Filtered {
     pub split: Option<Split>,
 }
 
-/// Responses that differ by less than this share of the largest are alike.
+/// Responses that differ by less than this share of the largest are equal.
 const ALIKE: f64 = 1e-3;
 
-/// What becomes of the part of a field outside the modes at hand.
+/// What happens to the part of a field outside the computed modes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Rest {
     /// It is left out: the filter is zero beyond the last λ.

@@ -10,7 +10,7 @@ use crate::error::SpectralError;
 use crate::flat_face::FlatFace;
 
 /// The heat method, ready for any sources: heat diffuses for a short time, its gradient is normalised, and the
-/// function that best has this gradient is the distance.
+/// function whose gradient is closest to this is the distance.
 ///
 /// Smooth approximation of the geodesic distance, in mesh units: never negative and zero at the source, with
 /// several of them at the least one (at the others some tenths of an edge length); too large by the order of an
@@ -43,12 +43,12 @@ impl HeatGeodesics {
     /// of the source.
     ///
     /// Where no weight of an edge is negative, heat is positive and falls with the distance. The robust operator,
-    /// whose intrinsic triangulation is Delaunay on any mesh, makes it so elsewhere: slivers, which cost the
-    /// cotangent one several times the error and more, do no harm there. [`HeatGeodesics::kind`] tells.
+    /// whose intrinsic triangulation is Delaunay on any mesh, gives the same elsewhere: slivers, on which the
+    /// cotangent operator has several times the error, do no harm there. [`HeatGeodesics::kind`] is the one taken.
     ///
     /// # Errors
     ///
-    /// What assembling and factorising report.
+    /// Those of assembling and of factorising.
     ///
     /// # Examples
     ///

@@ -131,7 +131,7 @@ impl Spectrum {
     }
 }
 
-/// The name of what is no file, in messages.
+/// The name of bytes that are not in a file, in messages.
 const MEMORY: &str = "spectrum in memory";
 
 fn in_system(path: &Path, source: io::Error) -> SpectralError {

@@ -9,7 +9,7 @@ use crate::error::SpectralError;
 /// The k smoothest modes of a mesh.
 ///
 /// Modes with equal eigenvalues are one basis of many of the space they span: [`Spectrum::clusters`] tells which
-/// ones belong together. λᵢ is good to its residual rᵢ (to rᵢ² / gap where that is less), φᵢ to an angle of
+/// ones belong together. λᵢ has an error of at most its residual rᵢ (rᵢ² / gap where that is less), φᵢ an angle of
 /// rᵢ / gap, the gap being the distance to the nearest λ of another cluster; processors that round in another
 /// order give values and modes that differ by as much. Beyond that, rounding leaves some ε φᵀ|S|φ in λ.
 ///

@@ -95,6 +95,7 @@ pub const ALL: &[&dyn Task] = &[
     &files::Load { name: "load_ply", about: "PLY file to positions and faces" },
     &files::SavePly,
     &operators::Laplacian,
+    &operators::Refill,
     &operators::Curvature,
     &operators::Principal,
     &smoothing::Flow {

@@ -65,6 +65,50 @@ impl Work for Assembling {
     }
 }
 
+/// The Laplacian at other positions of the same faces.
+pub(super) struct Refill;
+
+impl Task for Refill {
+    fn name(&self) -> &'static str {
+        "laplacian_again"
+    }
+
+    fn about(&self) -> &'static str {
+        "the same at other positions of the same faces"
+    }
+
+    fn prepare(&self, job: &Job) -> Result<Box<dyn Work>> {
+        let mesh = io::read(&job.input)?.mesh;
+        let laplacian = fairing_operators::Laplacian::cotangent(&mesh)?;
+        let stretched = mesh.positions().iter().map(|&[x, y, z]| [x, y, 1.25 * z]).collect();
+        let stretched = mesh.with_positions(stretched)?;
+        Ok(Box::new(Refilling { meshes: [stretched, mesh], laplacian }))
+    }
+}
+
+struct Refilling {
+    /// In turn, the one that comes next first.
+    meshes: [TriMesh; 2],
+    laplacian: fairing_operators::Laplacian,
+}
+
+impl Work for Refilling {
+    fn run(&mut self, watch: &mut Stopwatch) -> Result<()> {
+        watch.phase("refill", || self.laplacian.refill(&self.meshes[0]))?;
+        self.meshes.swap(0, 1);
+        Ok(())
+    }
+
+    fn fingerprint(&mut self) -> Result<Fingerprint> {
+        let stiffness = self.laplacian.stiffness();
+        Ok(fingerprint! {
+            trace_S: stiffness.diag().iter().map(|(_, d)| d).sum::<f64>(),
+            sum_M: self.laplacian.mass().lumped().iter().sum::<f64>(),
+            nnz: stiffness.nnz(),
+        })
+    }
+}
+
 /// Mean curvature from the cotangent operator and the angle defect.
 pub(super) struct Curvature;
 

@@ -1,6 +1,7 @@
 //! Holds the tree against its own rules.
 
 mod arrows;
+mod circles;
 mod features;
 mod map;
 mod packages;
@@ -26,8 +27,9 @@ pub struct Finding {
 type Check = fn(&Path) -> Result<Vec<String>>;
 
 /// The rules.
-const RULES: [(&str, Check); 11] = [
+const RULES: [(&str, Check); 12] = [
     ("dependencies follow the arrows of docs/architecture.md", arrows::check),
+    ("no modules of a crate use each other in a circle", circles::check),
     ("what docs/architecture.md names exists", map::places),
     ("docs/architecture.md says what each dependency is for", map::dependencies),
     ("no crate has a dependency that it does not use", unused::check),

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::DenoiseError;
 use crate::faces::FaceLists;
-use crate::vertex_update::rebuild;
+use crate::rebuild::rebuild;
 
 /// The least area of a face, as a share of the mean area around it.
 const LEAST_SHARE: f64 = 0.3;

@@ -12,8 +12,8 @@ use fairing_mesh::vec3::norm;
 use fairing_operators::{NoiseEstimate, NoisyParts, noisy_parts};
 
 use super::faces::{FaceLists, Hinges};
+use super::rebuild::rebuild;
 use super::unit_scale::at_unit_scale;
-use super::vertex_update::rebuild;
 use crate::DenoiseError;
 use follow::Follow;
 use parts::Part;

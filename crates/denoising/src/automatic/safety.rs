@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::follow::Follow;
 use crate::DenoiseError;
-use crate::vertex_update::rebuild;
+use crate::rebuild::rebuild;
 
 /// Rounds of opening faces that oppose their normal, and of going back.
 const ROUNDS: usize = 4;

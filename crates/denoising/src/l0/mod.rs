@@ -4,16 +4,21 @@ mod system;
 
 use fairing_mesh::vec3::{add, cross, dot, norm, scale, sub};
 use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
+use fairing_sparse::CgOptions;
 use rayon::prelude::*;
 
 use crate::DenoiseError;
-use crate::conjugate_gradients::inner;
-use crate::denoiser::Method;
+use crate::conjugate_gradients::{by_rows, conjugate_gradients};
 use crate::error::positive;
 use crate::faces::{FaceShapes, Hinge, Hinges};
+use crate::method::Method;
+use crate::rebuild::rebuild;
 use crate::unit_scale::at_unit_scale;
-use crate::vertex_update::rebuild;
 use system::System;
+
+/// How accurately the systems are solved. The solution of each is the first guess
+/// of the next, which begins by measuring the residual.
+const ACCURACY: CgOptions = CgOptions { tolerance: 1e-4, max_iterations: 200, measure: false };
 
 /// Parameters of [`l0`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -152,9 +157,9 @@ fn filter(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> 
         let b: Vec<[f64; 3]> =
             noisy.iter().zip(&b).map(|(p, d)| add(*p, scale(*d, beta))).collect();
         system.fill(&weights, beta, alpha);
-        let apply = |x: &[[f64; 3]]| system.apply(x);
+        let apply = |p: &[[f64; 3]], q: &mut [[f64; 3]]| by_rows(p, q, |v| system.row(v, p));
         let diagonal = system.diagonal();
-        positions = inner(apply, &diagonal, &b, positions, 1e-4, 200).0;
+        positions = conjugate_gradients(apply, &diagonal, &b, positions, &ACCURACY).0;
         beta *= options.growth;
         alpha *= 0.5;
     }

@@ -16,7 +16,7 @@ pub(super) struct System {
     slots: Vec<[u32; 16]>,
 }
 
-/// Rows of a product that a thread takes at least.
+/// Rows that a thread takes at least.
 const ROWS: usize = 2048;
 
 impl System {
@@ -70,22 +70,18 @@ impl System {
         self.diagonal.iter().map(|&d| self.values[d as usize]).collect()
     }
 
-    pub(super) fn apply(&self, x: &[[f64; 3]]) -> Vec<[f64; 3]> {
-        (0..x.len())
-            .into_par_iter()
-            .with_min_len(ROWS)
-            .map(|v| {
-                let row = self.offsets[v] as usize..self.offsets[v + 1] as usize;
-                let mut sum = [0.0; 3];
-                for (&c, &a) in self.columns[row.clone()].iter().zip(&self.values[row]) {
-                    let x = x[c as usize];
-                    for k in 0..3 {
-                        sum[k] += a * x[k];
-                    }
-                }
-                sum
-            })
-            .collect()
+    /// Row `v` of the product with x.
+    #[inline]
+    pub(super) fn row(&self, v: usize, x: &[[f64; 3]]) -> [f64; 3] {
+        let row = self.offsets[v] as usize..self.offsets[v + 1] as usize;
+        let mut sum = [0.0; 3];
+        for (&c, &a) in self.columns[row.clone()].iter().zip(&self.values[row]) {
+            let x = x[c as usize];
+            for k in 0..3 {
+                sum[k] += a * x[k];
+            }
+        }
+        sum
     }
 }
 
@@ -124,12 +120,13 @@ mod tests {
                 }
             }
             let size = expected.as_flattened().iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-            for (a, b) in system.apply(&x).as_flattened().iter().zip(expected.as_flattened()) {
+            let product: Vec<_> = (0..x.len()).map(|v| system.row(v, &x)).collect();
+            for (a, b) in product.as_flattened().iter().zip(expected.as_flattened()) {
                 assert!((a - b).abs() <= 1e-12 * size, "{a} {b}");
             }
             let unit: Vec<[f64; 3]> =
                 (0..mesh.vertex_count()).map(|v| [f64::from(u8::from(v == 1)), 0.0, 0.0]).collect();
-            assert_eq!(system.apply(&unit)[1][0], system.diagonal()[1]);
+            assert_eq!(system.row(1, &unit)[0], system.diagonal()[1]);
         }
     }
 }

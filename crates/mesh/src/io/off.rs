@@ -7,9 +7,8 @@
 
 use crate::io::VertexFields;
 use crate::io::error::{Fault, unexpected};
-use crate::io::parsed::{Parsed, check_finite, too_few_corners, vertex_index};
+use crate::io::parsed::{FaceList, Parsed, check_finite};
 use crate::io::text::{Cursor, normalized, shown};
-use crate::polygon::Polygons;
 
 /// What the prefixes of the keyword announce.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -174,10 +173,8 @@ fn triple(cursor: &mut Cursor<'_>, what: &str) -> Result<[f64; 3], Fault> {
 
 fn parse_faces(cursor: &mut Cursor<'_>, count: u64, parsed: &mut Parsed) -> Result<(), Fault> {
     let room = (cursor.remaining() / 8).min(usize::try_from(count).unwrap_or(usize::MAX));
-    let vertex_count = parsed.positions.len();
-    let mut polygons = Polygons::with_capacity(room);
-    let mut corners = Vec::new();
-    let (mut colored, mut small) = (0usize, 0usize);
+    let mut faces = FaceList::with_capacity(room, parsed.positions.len());
+    let mut colored = 0usize;
     for face in 0..usize::try_from(count).unwrap_or(usize::MAX) {
         if !cursor.more() {
             let expected = format!("{count} faces");
@@ -185,28 +182,22 @@ fn parse_faces(cursor: &mut Cursor<'_>, count: u64, parsed: &mut Parsed) -> Resu
         }
         let line = cursor.clone();
         let size = cursor.count("the number of corners")?;
-        corners.clear();
-        for _ in 0..size {
+        for corner in 0..size {
             if !cursor.more_on_line() {
                 let expected = format!("{size} corners in face {face}");
-                return Err(cursor.fault(unexpected(expected, corners.len().to_string())));
+                return Err(cursor.fault(unexpected(expected, corner.to_string())));
             }
             let at = cursor.clone();
             let index = cursor.integer("the index of a vertex")?;
-            corners.push(
-                vertex_index(index, face, vertex_count).map_err(|problem| at.fault(problem))?,
-            );
+            faces.corner(index).map_err(|problem| at.fault(problem))?;
         }
-        match size {
-            0 => return Err(line.fault(too_few_corners(face, size))),
-            1 | 2 => small += 1,
-            _ => polygons.push(&corners),
-        }
+        faces.end().map_err(|problem| line.fault(problem))?;
         if cursor.more_on_line() {
             colored += 1;
             cursor.skip_line();
         }
     }
+    let FaceList { polygons, small, .. } = faces;
     if small > 0 {
         parsed.notes.push(format!("{small} points and segments among the faces are ignored"));
     }
@@ -235,6 +226,7 @@ pub(crate) fn bytes_of_colors(colors: &[[f64; 3]], largest_alpha: f64) -> Option
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::polygon::Polygons;
 
     fn parsed(text: &str) -> Parsed {
         parse(text.as_bytes()).unwrap_or_else(|fault| panic!("{text:?}: {fault:?}"))

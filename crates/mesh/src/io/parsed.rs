@@ -124,9 +124,47 @@ pub(crate) fn vertex_index(
     }
 }
 
-/// The problem of a face with fewer than three corners.
-pub(crate) fn too_few_corners(face: usize, corners: u64) -> ReadProblem {
-    unexpected(format!("three corners or more in face {face}"), corners.to_string())
+/// The faces of a file, one after another, each a corner after another.
+pub(crate) struct FaceList {
+    vertex_count: usize,
+    /// The faces that have ended.
+    ended: usize,
+    corners: Vec<u32>,
+    pub(crate) polygons: Polygons,
+    /// How many have one corner or two: points and segments, which are left
+    /// out.
+    pub(crate) small: usize,
+}
+
+impl FaceList {
+    /// An empty list with room for so many faces.
+    pub(crate) fn with_capacity(faces: usize, vertex_count: usize) -> Self {
+        let polygons = Polygons::with_capacity(faces);
+        Self { vertex_count, ended: 0, corners: Vec::new(), polygons, small: 0 }
+    }
+
+    /// The next corner of the face.
+    #[inline]
+    pub(crate) fn corner(&mut self, index: i64) -> Result<(), ReadProblem> {
+        self.corners.push(vertex_index(index, self.ended, self.vertex_count)?);
+        Ok(())
+    }
+
+    /// The end of the face; one without corners is a problem.
+    #[inline]
+    pub(crate) fn end(&mut self) -> Result<(), ReadProblem> {
+        match self.corners.len() {
+            0 => {
+                let expected = format!("three corners or more in face {}", self.ended);
+                return Err(unexpected(expected, "0"));
+            }
+            1 | 2 => self.small += 1,
+            _ => self.polygons.push(&self.corners),
+        }
+        self.corners.clear();
+        self.ended += 1;
+        Ok(())
+    }
 }
 
 /// Checks that a position is finite.

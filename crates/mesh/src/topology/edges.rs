@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::connectivity::Incidence;
+use crate::incidence::Incidence;
 
 /// Vertices per task; large enough that joining the pieces costs nothing,
 /// small enough to keep every thread busy.

@@ -18,7 +18,7 @@ pub use components::Components;
 pub use orientation::Orientation;
 pub use ring::Fan;
 
-use crate::connectivity::Incidence;
+use crate::incidence::Incidence;
 use edges::EdgeTables;
 
 /// What follows from the faces of a mesh, shared between meshes that differ in

@@ -7,10 +7,10 @@ use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use crate::area::LumpedArea;
 use crate::corners::{FaceCorners, degenerate};
 use crate::error::OperatorError;
 use crate::fan::Fan;
-use crate::mass::LumpedArea;
 
 /// Vertices handed to a thread at a time.
 const VERTICES_PER_TASK: usize = 2048;
@@ -97,9 +97,9 @@ pub(crate) fn map_cells<T: Send>(
             if shares.is_none() || face.is_degenerate() {
                 first.fetch_min(incidence.corners(v)[i] as usize / 3, Ordering::Relaxed);
             }
-            let cot = face.cotangents();
-            let pull = add(scale(to_next, cot[2]), scale(to_previous, cot[1]));
-            cell.laplacian = add(cell.laplacian, scale(pull, 0.5));
+            let half = face.half_cotangents();
+            let pull = add(scale(to_next, half[2]), scale(to_previous, half[1]));
+            cell.laplacian = add(cell.laplacian, pull);
             cell.area += shares.unwrap_or_default()[0];
             cell.normal = add(cell.normal, scale(normal, 0.5));
             turns.add(face.turn(0));

@@ -15,11 +15,10 @@ use super::cell::{Cell, map_cells};
 use super::field::{AtVertex, CurvatureField};
 use super::from_laplacian::laplacian_curvature;
 use super::gaussian::undefined;
-use super::principal::principal_values;
 use super::status::Undefined;
+use crate::area::LumpedArea;
 use crate::error::OperatorError;
 use crate::laplacian::Laplacian;
-use crate::mass::LumpedArea;
 
 /// The area of [`cotangent_curvature`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,16 +68,11 @@ fn at_cell(cell: &Cell) -> (Result<AtVertex, Undefined>, bool) {
     let length = norm(cell.normal);
     let found = if cell.area > 0.0 && length > 0.0 {
         let mean = -0.5 * dot(cell.laplacian, cell.normal) / (cell.area * length);
-        Ok(at(mean, cell.defect() / cell.area))
+        Ok(AtVertex::from_mean_and_gaussian(mean, cell.defect() / cell.area))
     } else {
         Err(undefined(cell.links))
     };
     (found, cell.links.boundary)
-}
-
-pub(super) fn at(mean: f64, gaussian: f64) -> AtVertex {
-    let (values, _) = principal_values(mean, gaussian);
-    AtVertex { values, mean, gaussian, directions: [[0.0; 3]; 2] }
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! All estimators under one name.
+//! All estimators in one type.
 
 use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
 
@@ -11,8 +11,8 @@ use super::neighborhood::{Length, Neighborhood};
 use super::normal_cycle::{NormalCycleOptions, normal_cycle_curvature};
 use super::quadric::{QuadricOptions, quadric_curvature};
 use super::steiner::steiner_curvature;
+use crate::area::LumpedArea;
 use crate::error::OperatorError;
-use crate::mass::LumpedArea;
 use crate::normals::NormalWeight;
 
 /// A method to estimate curvature, with its options.
@@ -39,7 +39,7 @@ pub enum Estimator {
 }
 
 impl Estimator {
-    /// One of each, with the options they are known by.
+    /// Every estimator, with its default options.
     pub const ALL: [Self; 10] = [
         Self::Cotangent(CotangentOptions { area: LumpedArea::Mixed }),
         Self::Steiner,

@@ -19,8 +19,8 @@ use rayon::prelude::*;
 use super::field::{AtVertex, CurvatureField, boundary_flags};
 use super::status::Undefined;
 use crate::NormalEquations;
+use crate::area::LumpedArea;
 use crate::corners::FaceCorners;
-use crate::mass::LumpedArea;
 use crate::normals::{NormalWeight, weighted_vertex_normals};
 use crate::symmetric::Symmetric2;
 use crate::tangent::{tangent_frame, turn_between};
@@ -51,7 +51,7 @@ struct FaceTensor {
 /// Principal curvatures by averaging the tensors of faces.
 ///
 /// Faces too thin for their cotangents ([`MIN_HEIGHT_RATIO`](crate::MIN_HEIGHT_RATIO)) or with a corner
-/// without normal have no say. Undefined
+/// without a normal are ignored. Undefined
 /// at isolated vertices, where no face has one, and where the normals cancel.
 /// Linear cost.
 pub fn face_tensor_curvature(mesh: &TriMesh, options: FaceTensorOptions) -> CurvatureField {

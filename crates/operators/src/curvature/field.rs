@@ -3,6 +3,7 @@
 use fairing_mesh::TriMesh;
 use rayon::prelude::*;
 
+use super::principal::principal_values;
 use super::status::{Undefined, VertexStatus};
 use crate::fan::Fan;
 use crate::symmetric::Symmetric2;
@@ -25,7 +26,7 @@ pub struct CurvatureField {
     /// Unit tangents of κ₁ and κ₂; arbitrary at an umbilic. `None` if the
     /// estimator knows no directions.
     pub directions: Option<[Vec<[f64; 3]>; 2]>,
-    /// Whether there is a value at the vertex, and why not.
+    /// Whether there is a value at the vertex, and if not, why.
     pub status: Vec<VertexStatus>,
     /// Whether the vertex is on the boundary, where values are one-sided.
     pub boundary: Vec<bool>,
@@ -58,13 +59,19 @@ impl AtVertex {
         Self { values, mean: 0.5 * (a + b), gaussian: a * b, directions }
     }
 
+    /// H and K without directions, and the principal values that follow.
+    pub(crate) fn from_mean_and_gaussian(mean: f64, gaussian: f64) -> Self {
+        let (values, _) = principal_values(mean, gaussian);
+        Self { values, mean, gaussian, directions: [[0.0; 3]; 2] }
+    }
+
     fn is_finite(&self) -> bool {
         let numbers = [self.values[0], self.values[1], self.mean, self.gaussian];
         numbers.iter().chain(self.directions.as_flattened()).all(|x| x.is_finite())
     }
 }
 
-/// The vertices after which progress is told.
+/// Progress is reported after this many vertices.
 const REPORT: u32 = 256;
 
 /// The values of a vertex, whether they are defined, and whether the vertex is on the boundary.
@@ -89,8 +96,8 @@ impl CurvatureField {
         self.status.is_empty()
     }
 
-    /// Whether vertex `v` has values that are not one-sided: those a colour
-    /// range or a statistic should be made of.
+    /// Whether vertex `v` has values that are not one-sided: use these
+    /// for colour ranges and statistics.
     ///
     /// # Panics
     ///

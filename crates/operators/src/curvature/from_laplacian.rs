@@ -3,8 +3,7 @@
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, scale, sub};
 
-use super::cotangent::at;
-use super::field::CurvatureField;
+use super::field::{self, CurvatureField};
 use super::gaussian::{defects, undefined};
 use super::mean::{AtVertex, MeanCurvature};
 use crate::error::OperatorError;
@@ -73,7 +72,7 @@ pub fn laplacian_curvature(
     let found = defects(mesh).into_iter().enumerate().map(|(v, (defect, links))| {
         let gaussian = defect / mass[v];
         let found = if mean.status[v].is_defined() && gaussian.is_finite() {
-            Ok(at(mean.signed[v], gaussian))
+            Ok(field::AtVertex::from_mean_and_gaussian(mean.signed[v], gaussian))
         } else {
             Err(undefined(links))
         };

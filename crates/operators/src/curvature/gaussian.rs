@@ -17,17 +17,18 @@ use rayon::prelude::*;
 
 use super::cell::{Links, Turns};
 use super::status::{ScalarCurvature, Undefined};
+use crate::area::LumpedArea;
 use crate::corners::FaceCorners;
 use crate::error::OperatorError;
 use crate::fan::Fan;
-use crate::mass::{LumpedArea, lumped_mass};
+use crate::mass::lumped_mass;
 
 /// The angle defect of each vertex: its Gaussian curvature, integrated.
 ///
 /// `n` angles in radians, in vertex order; scaling the mesh does not change
 /// them. The sum is 2πχ to rounding, with χ = V − E + F over the vertices that
-/// have faces; isolated ones hold zero. Defined on every mesh: where a face
-/// without area leaves its angles open, they are taken so that they sum to π.
+/// have faces; isolated ones are zero. Defined on every mesh: where a face
+/// without area does not determine its angles, they are chosen to sum to π.
 ///
 /// Source: \[meyer2003\].
 pub fn angle_defect(mesh: &TriMesh) -> Vec<f64> {

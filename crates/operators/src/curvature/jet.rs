@@ -5,8 +5,8 @@
 //! ```
 //!
 //! in the frame of the area-weighted normal, by least squares over the vertex
-//! and its neighbours, each weighted by a Gaussian of its distance or all
-//! alike. Gradient and second derivatives at the vertex give its curvature;
+//! and its neighbours, each weighted by a Gaussian of its distance, or all
+//! with the same weight. Gradient and second derivatives at the vertex give its curvature;
 //! the frame need not be exact. With a neighbourhood of size h the second
 //! derivatives have an error of order h^(d − 1): jets converge in the maximum
 //! norm on irregular meshes. Coordinates are along the principal axes of the
@@ -35,7 +35,7 @@ pub enum JetDegree {
 /// How much each neighbour counts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum JetWeight {
-    /// All alike: the smallest variance under noise.
+    /// All with the same weight: the smallest variance under noise.
     Uniform,
     /// `exp(−½ (r / (s R))²)` at distance r, with R the mean distance of the
     /// neighbours and s this factor: a smaller error on clean meshes.

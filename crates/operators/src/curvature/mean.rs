@@ -7,9 +7,9 @@ use rayon::prelude::*;
 use super::cell::{Links, map_cells};
 use super::gaussian::undefined;
 use super::status::{ScalarCurvature, Undefined, VertexStatus};
+use crate::area::LumpedArea;
 use crate::error::OperatorError;
 use crate::fan::Fan;
-use crate::mass::LumpedArea;
 
 /// The Laplacian behind a mean curvature.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -3,10 +3,10 @@
 //! Positive where the surface bends away from its outward normal: on a sphere
 //! of radius r, H = κ₁ = κ₂ = 1/r and K = 1/r². Pointwise unless a name says
 //! integrated. A vertex where a value cannot be computed is flagged in a
-//! [`VertexStatus`] and holds zero; NaN is never a result. Boundary vertices
+//! [`VertexStatus`] and its value is zero; NaN is never a result. Boundary vertices
 //! are flagged apart: their values are one-sided.
 //!
-//! [`Estimator`] has all methods under one roof, with one result, the
+//! [`Estimator`] runs any of the methods and returns one type, the
 //! [`CurvatureField`]; [`mean_curvature`] and [`gaussian_curvature`] are the
 //! plain operators of the assignment, and [`laplacian_curvature`] takes a
 //! [`Laplacian`](crate::Laplacian) of any kind.

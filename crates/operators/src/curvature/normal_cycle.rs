@@ -39,8 +39,8 @@ impl Default for NormalCycleOptions {
 
 /// Principal curvatures from the normal cycle over a ball about each vertex.
 ///
-/// Undefined at isolated vertices and where the ball holds no area or no
-/// normal. Cost: linear in the faces in a ball, per vertex.
+/// Undefined at isolated vertices and where the ball contains no area or
+/// there is no normal. Cost: linear in the faces in a ball, per vertex.
 ///
 /// # Errors
 ///

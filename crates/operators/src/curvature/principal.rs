@@ -8,8 +8,8 @@
 ///
 /// On a smooth surface H² ≥ K. Estimates made apart may break that; then both
 /// values are H (the surface is taken as umbilic there), so that their mean
-/// stays H and K alone is overruled: the second value returned, `K − H² > 0`,
-/// says by how much, and is zero otherwise. Finite for finite input.
+/// is still H and only K is changed: the second value returned, `K − H² > 0`,
+/// says by how much; it is zero otherwise. Finite for finite input.
 pub fn principal_values(mean: f64, gaussian: f64) -> ([f64; 2], f64) {
     let discriminant = mean * mean - gaussian;
     if discriminant >= 0.0 {

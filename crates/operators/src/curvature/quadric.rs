@@ -6,7 +6,7 @@
 //!
 //! in the frame of the area-weighted normal, by least squares over the
 //! neighbours with equal weights. The vertex lies on it exactly, so that its
-//! own noise goes undamped into the result; a jet of degree 2 leaves it free.
+//! own noise is not reduced; a jet of degree 2 need not pass through it.
 //! Source: \[panozzo2010\].
 
 use fairing_mesh::TriMesh;

@@ -27,12 +27,12 @@ impl fmt::Display for Undefined {
     }
 }
 
-/// Whether a value is defined at a vertex, and why not.
+/// Whether a value is defined at a vertex, and if not, why.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum VertexStatus {
     /// The value is there.
     Defined,
-    /// There is none; the field holds zero.
+    /// There is no value; the field is zero there.
     Undefined(Undefined),
 }
 
@@ -82,8 +82,8 @@ impl ScalarCurvature {
         self.status[v].is_defined().then(|| self.values[v])
     }
 
-    /// The vertices whose value is defined and not one-sided: what a colour
-    /// range or a statistic should be made of.
+    /// The vertices whose value is defined and not one-sided: use these for
+    /// colour ranges and statistics.
     pub fn interior(&self) -> impl Iterator<Item = (u32, f64)> + '_ {
         (0..self.values.len())
             .filter(|&v| self.status[v].is_defined() && !self.boundary[v])

@@ -1,7 +1,7 @@
 //! Curvature from the dihedral angles at a vertex.
 //!
-//! By Steiner's formula an edge e of length ℓ and dihedral angle θ holds the
-//! curvature θ ℓ, bending across itself. A vertex gets half of each edge:
+//! By Steiner's formula an edge e of length ℓ and dihedral angle θ has the
+//! integrated curvature θ ℓ, all of it across the edge. A vertex gets half of each edge:
 //!
 //! ```text
 //! II(v) = 1/A Σₑ ½ θ ℓ m ⊗ m,    m = the unit tangent across e,

@@ -7,7 +7,7 @@
 use super::triangulation::{BORDER, Triangulation, after, area, before};
 
 /// Sums of cotangents down to minus this count as Delaunay: rounding would
-/// otherwise flip cocircular edges to and fro.
+/// otherwise flip cocircular edges back and forth.
 const TOLERANCE: f64 = 1e-10;
 
 /// What came of flipping.

@@ -1,7 +1,7 @@
 //! Lengths raised where triangles have no area.
 //!
 //! \[sharp2020\] adds one ε to all lengths, enough for the worst triangle. The
-//! theory needs no more than what that gives: lengths, the same on both sides
+//! theory only needs the result of that: lengths, the same on both sides
 //! of an edge, with which every triangle has area. Any such lengths are a
 //! metric, with its own Delaunay triangulation and positive semi-definite
 //! operators. But one triangle without area then lengthens every edge, and a

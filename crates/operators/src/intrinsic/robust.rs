@@ -14,8 +14,8 @@ pub enum Cover {
     /// Two sides of each face, glued around each edge: any mesh. Source:
     /// \[sharp2020\].
     Tufted,
-    /// The faces as they are; edges must have one or two that turn alike. The
-    /// boundary stays where it is; half the work.
+    /// The faces as they are; every edge must have one face, or two with the
+    /// same orientation. The boundary is kept; half the work.
     Single,
 }
 
@@ -27,7 +27,7 @@ pub struct RobustOptions {
     /// By how much two sides of a triangle must be longer than the third, in
     /// units of its longest side, or of the mean length in its connected part
     /// where that is less. Where they are not, lengths are raised: all sides of
-    /// the triangle by the same, and with them those of neighbours that have no
+    /// the triangle by the same amount, and with them those of neighbours that have no
     /// length to spare. Sound faces keep theirs, but for sides that they share
     /// with such triangles. Not negative.
     pub mollify: f64,
@@ -74,7 +74,7 @@ pub struct IntrinsicFaces {
     pub corners: Vec<u32>,
     /// The lengths of the sides, three for each face, in mesh units.
     pub lengths: Vec<f64>,
-    /// What a face counts: ½ where the surface is covered twice.
+    /// The weight of a face: ½ where the surface is covered twice.
     pub share: f64,
 }
 

@@ -2,12 +2,10 @@
 
 use std::fmt;
 
-use fairing_mesh::TriMesh;
 use fairing_sparse::SparseMatrix;
 
 use super::kind::MassKind;
 use crate::error::OperatorError;
-use crate::stiffness::cotan_stiffness;
 
 /// Weights below zero by more than this share of the diagonal are negative;
 /// less is rounding.
@@ -19,7 +17,7 @@ const ROUNDING: f64 = 1e-10;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Reason {
-    /// It was asked for.
+    /// It was requested.
     Asked,
     /// Auto found no weight that is negative.
     Sound,
@@ -48,7 +46,7 @@ impl fmt::Display for Reason {
         match self {
             Self::Asked => write!(f, "asked for"),
             Self::Sound => write!(f, "no edge has a negative weight"),
-            Self::Mass => write!(f, "no other has this mass"),
+            Self::Mass => write!(f, "only the cotangent Laplacian has this mass"),
             Self::ThinFace { face, area, edge } => {
                 write!(
                     f,
@@ -62,13 +60,12 @@ impl fmt::Display for Reason {
     }
 }
 
-/// What [`LaplacianKind::Auto`](super::LaplacianKind::Auto) takes: the cotangent stiffness, or `None` for
-/// the robust one.
+/// What [`LaplacianKind::Auto`](super::LaplacianKind::Auto) takes where the cotangent stiffness is this:
+/// it, or `None` for the robust one.
 pub(super) fn choose(
-    mesh: &TriMesh,
+    stiffness: Result<SparseMatrix, OperatorError>,
     mass: MassKind,
 ) -> Result<(Reason, Option<SparseMatrix>), OperatorError> {
-    let stiffness = cotan_stiffness(mesh);
     if mass != MassKind::Barycentric {
         return Ok((Reason::Mass, Some(stiffness?)));
     }
@@ -85,7 +82,7 @@ pub(super) fn choose(
 }
 
 /// The first edge with a weight below zero.
-pub(super) fn negative_weight(stiffness: &SparseMatrix) -> Option<Reason> {
+fn negative_weight(stiffness: &SparseMatrix) -> Option<Reason> {
     stiffness.outer_iterator().enumerate().find_map(|(i, row)| {
         let limit = ROUNDING * row.get(i).copied().unwrap_or(0.0).abs();
         let bad = row.iter().find(|&(j, &s)| j != i && s > limit);

@@ -1,6 +1,6 @@
 //! Which Laplacian, and which mass, by name.
 
-use crate::mass::LumpedArea;
+use crate::area::LumpedArea;
 
 /// Which stiffness a [`Laplacian`](super::Laplacian) has.
 ///

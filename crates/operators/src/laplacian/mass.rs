@@ -7,8 +7,9 @@ use fairing_sparse::{Mass, SparseMatrix};
 
 use super::kind::MassKind;
 use super::{Laplacian, LaplacianKind};
+use crate::area::LumpedArea;
 use crate::error::OperatorError;
-use crate::mass::{LumpedArea, consistent_mass, lumped_mass};
+use crate::mass::{consistent_on_pattern, lumped_mass};
 use crate::uniform::degrees;
 
 /// A mass matrix, diagonal or sparse.
@@ -22,7 +23,7 @@ pub enum MassMatrix {
 }
 
 impl MassMatrix {
-    /// The mass as the sparse crate takes it.
+    /// The mass in the form that [`fairing_sparse`] takes.
     pub fn as_mass(&self) -> Mass<'_> {
         match self {
             Self::Lumped(diagonal) => Mass::Lumped(diagonal),
@@ -41,8 +42,13 @@ impl MassMatrix {
     }
 }
 
-/// The mass of a mesh, for all kinds of Laplacian but the robust one.
-pub(super) fn assemble(mesh: &TriMesh, kind: MassKind) -> Result<MassMatrix, OperatorError> {
+/// The mass of a mesh, for all kinds of Laplacian but the robust one; on the
+/// pattern of one of the same faces if there is one.
+pub(super) fn assemble(
+    mesh: &TriMesh,
+    kind: MassKind,
+    pattern: Option<&MassMatrix>,
+) -> Result<MassMatrix, OperatorError> {
     if let Some(area) = kind.area() {
         return Ok(MassMatrix::Lumped(lumped_mass(mesh, area)?));
     }
@@ -50,7 +56,13 @@ pub(super) fn assemble(mesh: &TriMesh, kind: MassKind) -> Result<MassMatrix, Ope
     Ok(match kind {
         MassKind::Degree => MassMatrix::Lumped(degrees(mesh)),
         MassKind::Unit => MassMatrix::Lumped(degrees(mesh).into_iter().map(used).collect()),
-        _ => MassMatrix::Consistent(consistent_mass(mesh)?),
+        _ => {
+            let pattern = match pattern {
+                Some(MassMatrix::Consistent(matrix)) => Some(matrix),
+                _ => None,
+            };
+            MassMatrix::Consistent(consistent_on_pattern(mesh, pattern)?)
+        }
     })
 }
 
@@ -63,11 +75,11 @@ impl Laplacian {
     /// The mass with a positive number at isolated vertices too: the mean of
     /// the masses of all vertices (1 where all are zero).
     ///
-    /// This is the rule for isolated vertices. Their rows of the stiffness and
+    /// The rule for isolated vertices: their rows of the stiffness and
     /// their masses are zero, so that they add nothing to an area, an integral
     /// or a mode. A system `M + tS` needs a positive number in their rows, and
-    /// any does: nothing else has an entry there, and a value stays as it is.
-    /// The mean keeps the condition of the system.
+    /// any number will do: nothing else has an entry there, so that the value
+    /// does not change. The mean does not worsen the condition of the system.
     ///
     /// # Errors
     ///

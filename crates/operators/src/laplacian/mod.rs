@@ -5,10 +5,10 @@
 //! ```
 //!
 //! This is where a [`Laplacian`] is made; spectra, heat, geodesic distance,
-//! Poisson problems and mean curvature take one by reference. It stands on
-//! [`cotan_stiffness`], [`combinatorial_laplacian`],
+//! Poisson problems and mean curvature take one by reference. It is made of
+//! [`cotan_stiffness`](crate::cotan_stiffness), [`combinatorial_laplacian`],
 //! [`robust_laplacian`], [`polygon_laplacian`], [`lumped_mass`](crate::lumped_mass)
-//! and [`consistent_mass`](crate::consistent_mass), which assemble.
+//! and [`consistent_mass`](crate::consistent_mass), the functions that assemble.
 //!
 //! An isolated vertex has a zero row in the stiffness and the mass zero.
 //! [`Laplacian::positive_mass`] is for systems that need a positive number
@@ -27,7 +27,7 @@ use fairing_sparse::{SparseMatrix, combine, multiply};
 use crate::error::OperatorError;
 use crate::intrinsic::{IntrinsicFaces, RobustLaplacian, RobustOptions, robust_laplacian};
 use crate::polygon::{PolygonLaplacian, polygon_laplacian};
-use crate::stiffness::cotan_stiffness;
+use crate::stiffness;
 use crate::uniform::combinatorial_laplacian;
 
 pub use choice::Reason;
@@ -101,12 +101,27 @@ impl Laplacian {
     /// that is not barycentric; [`OperatorError::TooLarge`] beyond 2³²
     /// entries.
     pub fn new(mesh: &TriMesh, kind: LaplacianKind, mass: MassKind) -> Result<Self, OperatorError> {
+        Self::assemble(mesh, kind, mass, None)
+    }
+
+    /// [`Laplacian::new`], on the patterns of one of the same faces, kind and
+    /// mass if there is one.
+    fn assemble(
+        mesh: &TriMesh,
+        kind: LaplacianKind,
+        mass: MassKind,
+        like: Option<&Self>,
+    ) -> Result<Self, OperatorError> {
+        let cotangents = || {
+            let like = like.filter(|like| like.kind == LaplacianKind::Cotangent);
+            stiffness::on_pattern(mesh, like.map(Self::stiffness))
+        };
         let (reason, stiffness) = match kind {
-            LaplacianKind::Auto => choice::choose(mesh, mass)?,
+            LaplacianKind::Auto => choice::choose(cotangents(), mass)?,
             LaplacianKind::Uniform => (Reason::Asked, Some(combinatorial_laplacian(mesh)?)),
             // On triangles the two are one.
             LaplacianKind::Cotangent | LaplacianKind::Polygon => {
-                (Reason::Asked, Some(cotan_stiffness(mesh)?))
+                (Reason::Asked, Some(cotangents()?))
             }
             LaplacianKind::Robust => (Reason::Asked, None),
         };
@@ -121,7 +136,7 @@ impl Laplacian {
             reason,
             mass_kind: mass,
             stiffness,
-            mass: mass::assemble(mesh, mass)?,
+            mass: mass::assemble(mesh, mass, like.map(Self::mass))?,
             isolated: isolated(mesh),
             intrinsic: None,
         })

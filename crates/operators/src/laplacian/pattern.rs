@@ -13,9 +13,9 @@ use fairing_sparse::{GraphLaplacian, GraphNumbers};
 use rayon::prelude::*;
 
 use super::mass::{give_isolated, positive_lumped_mass};
+use crate::area::LumpedArea;
 use crate::corners::{FaceCorners, degenerate};
 use crate::error::OperatorError;
-use crate::mass::LumpedArea;
 
 /// Rows with more corners look for their columns by bisection.
 const MANY_CORNERS: usize = 64;
@@ -37,7 +37,7 @@ const LEAST_MASS: f64 = 1e-12;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ThinFaces {
-    /// They are an error.
+    /// Return an error.
     Refuse,
     /// Their cotangents and areas are those of a triangle of sides that are
     /// longer by 10⁻⁵ of the longest, or by less where that suffices for two
@@ -287,8 +287,8 @@ fn face_terms(
         if corners.is_degenerate() {
             thin.store(true, Ordering::Relaxed);
         }
-        let [a, b, c] = corners.cotangents();
-        [0.5 * a, 0.5 * b, 0.5 * c, 0.5 * corners.twice_area / 3.0]
+        let ([a, b, c], third) = (corners.half_cotangents(), corners.third());
+        [a, b, c, third]
     };
     mesh.faces().par_iter().with_min_len(ROWS).map(of_face).collect_into_vec(terms);
     let mut widened = Vec::new();
@@ -368,7 +368,7 @@ mod tests {
     /// Rows as the operators crate assembles them: on a closed mesh, with a border, three faces at an edge, a fan
     /// around a hub, and an isolated vertex.
     #[test]
-    fn a_pattern_holds_the_cotangent_operator() {
+    fn a_pattern_gives_the_cotangent_operator() {
         let hub: Vec<[f64; 3]> = (0..200)
             .map(|i| {
                 let angle = f64::from(i) * std::f64::consts::TAU / 200.0;
@@ -387,9 +387,9 @@ mod tests {
         ];
         for mesh in &meshes {
             let n = mesh.vertex_count();
-            let held: Vec<bool> = (0..n).map(|v| v % 7 == 3).collect();
+            let fixed: Vec<bool> = (0..n).map(|v| v % 7 == 3).collect();
             for area in [LumpedArea::Barycentric, LumpedArea::Mixed] {
-                let mut pattern = CotangentPattern::new(mesh, area, &held).unwrap();
+                let mut pattern = CotangentPattern::new(mesh, area, &fixed).unwrap();
                 let stiffness = cotan_stiffness(mesh).unwrap();
                 let expected = positive_lumped_mass(mesh, area).unwrap();
                 // Filled twice: nothing is left of the first time.
@@ -400,7 +400,7 @@ mod tests {
                 for v in 0..n {
                     // A sum of some ten terms, in another order.
                     let size = 1e-13 * stiffness.get(v, v).unwrap().max(1.0);
-                    let entries = if held[v] { 1 } else { stiffness.outer_view(v).unwrap().nnz() };
+                    let entries = if fixed[v] { 1 } else { stiffness.outer_view(v).unwrap().nnz() };
                     assert_eq!(filled.neighbors(v).len() + 1, entries);
                     for (j, found) in filled.stiffness_row(v) {
                         let s = stiffness.get(v, j as usize).unwrap();

@@ -31,7 +31,7 @@ pub struct Restricted<'a> {
 
 impl Laplacian {
     /// Without the vertices `fixed`, in any order, and without isolated ones,
-    /// which have no equation. Copies nothing where that leaves all.
+    /// which have no equation. Nothing is copied if no vertex is taken out.
     ///
     /// # Errors
     ///

@@ -1,5 +1,5 @@
 use super::*;
-use crate::{LumpedArea, consistent_mass, lumped_mass};
+use crate::{LumpedArea, consistent_mass, cotan_stiffness, lumped_mass};
 use fairing_shapes as shapes;
 
 /// Two right triangles and, as vertex 0, an isolated one.

@@ -6,7 +6,7 @@ use super::{ChartNormal, SurfaceJet};
 use crate::symmetric::Symmetric2;
 
 /// How small `sin` of the angle between ∂p/∂u and ∂p/∂v, or the length of one
-/// over that of the other, may get before rounding rules the unit normal.
+/// over that of the other, may become before the unit normal is mostly rounding.
 const SINGULAR: f64 = 1e-12;
 
 /// Why there are no forms at a point.
@@ -54,7 +54,7 @@ pub struct PrincipalDirections {
     /// κ₁ ≥ κ₂, in 1 / mesh units.
     pub values: [f64; 2],
     /// Unit tangents in space, in the order of the values; with the outward
-    /// normal they form a right-handed frame. At an umbilic any pair would do.
+    /// normal they form a right-handed frame. Arbitrary at an umbilic.
     pub directions: [[f64; 3]; 2],
     /// The same as `(du, dv)`, of unit length in the first form.
     pub parameters: [[f64; 2]; 2],

@@ -92,7 +92,7 @@ impl<'a> ImplicitSolver<'a> {
             (self.side(x, freedom, c, i), [reach(0), reach(1), reach(2)])
         });
         let (sides, mut reach): (Vec<_>, Vec<_>) = both.into_iter().unzip();
-        // Held vertices are neighbours of every part that is not free.
+        // Fixed vertices are neighbours of every part that is not free.
         if let Some(&fixed) = reach.last() {
             for (reach, _) in reach.iter_mut().zip(self.parts.free()).filter(|(_, free)| !free) {
                 *reach = [0, 1, 2].map(|k| larger(reach[k], fixed[k]));

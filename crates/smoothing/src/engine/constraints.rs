@@ -61,14 +61,14 @@ pub struct SoftConstraint {
 pub struct Constraints {
     /// The boundary of the mesh.
     pub boundary: Boundary,
-    /// Vertices that stay where they are, wherever they lie.
+    /// Vertices that do not move, on the boundary or not.
     pub pinned: Vec<u32>,
     /// Vertices drawn towards targets; of two for one vertex the later counts.
     pub soft: Vec<SoftConstraint>,
 }
 
 impl Constraints {
-    /// No constraint but a boundary policy.
+    /// A rule for the boundary, and no other constraint.
     pub fn boundary(boundary: Boundary) -> Self {
         Self { boundary, ..Self::default() }
     }

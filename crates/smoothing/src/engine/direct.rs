@@ -43,7 +43,7 @@ pub(crate) fn pays(laplacian: &GraphLaplacian, step: f64, tolerance: f64, solves
     work.condition > ILL_CONDITIONED || SolverChoice::choose(&work) == SolverChoice::Direct
 }
 
-/// The systems of a run, factored. Held vertices are taken out; soft constraints are within.
+/// The systems of a run, factored. Fixed vertices are taken out; soft constraints are part of the systems.
 ///
 /// For long steps `A = M(1 + w) + tS` is nearly singular: a part without fixed vertices costs next to nothing to move
 /// as a whole, and rounding of t S would decide where it goes. But where it goes is known: 1ᵀ A = 1ᵀ M(1 + w) fixes

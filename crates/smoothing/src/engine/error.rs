@@ -86,8 +86,8 @@ pub enum FlowFailure {
     /// Pairs of steps would amplify a mode of the pass band by more than two, and
     /// [`Stability::Refuse`](crate::Stability::Refuse) is set.
     #[error(
-        "{pairs} pairs of steps would amplify the modes about half the pass band by {gain} each time, more than twofold \
-         in all; take fewer pairs, a smaller λ or pass band, or allow unstable steps"
+        "{pairs} pairs of steps would multiply the modes at half the pass band by {gain} each, by more than two in all; \
+         take fewer pairs, a smaller λ or pass band, or allow unstable steps"
     )]
     Amplified {
         /// The largest factor of a mode in one pair.
@@ -95,7 +95,7 @@ pub enum FlowFailure {
         /// The pairs asked for.
         pairs: usize,
     },
-    /// A coordinate left the range of numbers.
+    /// A coordinate is too large for a number.
     #[error("vertex {vertex} would move to ({}, {}, {})", position[0], position[1], position[2])]
     NonFinite {
         /// The vertex.
@@ -104,16 +104,16 @@ pub enum FlowFailure {
         position: [f64; 3],
     },
     /// The operator of a step cannot be assembled. [`Operator::Robust`](crate::Operator::Robust) and uniform weights
-    /// exist on meshes that have no plain one.
+    /// are defined on meshes where the plain operator is not.
     #[error(
-        "the operator cannot be assembled; the robust one or uniform weights serve on such meshes"
+        "the operator cannot be assembled; use the robust operator or uniform weights for such a mesh"
     )]
     Operator(#[source] OperatorError),
-    /// A flow that takes its operator again in each step has shrunk the mesh to next to nothing: the surface that it
+    /// A flow that takes its operator again in each step has shrunk the mesh to almost nothing: the surface that it
     /// follows has vanished within this step.
     #[error(
         "the surface collapses in this step: a face at vertex {vertex} has an area of {area:e}, of {before:e} at the \
-         beginning; end the flow before, or take the robust operator or conformal flow, which go on"
+         beginning; end the flow earlier, or use the robust operator or the conformal flow, which continue"
     )]
     Collapsed {
         /// A corner of the face that has lost the largest share of its area.

@@ -8,6 +8,7 @@ pub(crate) mod constraints;
 pub(crate) mod diffusion;
 pub(crate) mod direct;
 pub(crate) mod error;
+pub(crate) mod flow;
 pub(crate) mod neighbors;
 pub(crate) mod outcome;
 pub(crate) mod parts;

@@ -59,7 +59,8 @@ impl<'a, 'o> Run<'a, 'o> {
                 None => Arrangement::in_slabs(input)?,
             };
             let freedom = Freedom::new(&arrangement, frame.constraints)?;
-            let keeper = SizeKeeper::new(arrangement.mesh(), frame, &freedom)?;
+            let keeper =
+                SizeKeeper::new(arrangement.mesh(), frame.volume, frame.keep_area, &freedom)?;
             Ok((arrangement, freedom, keeper))
         };
         let (arrangement, freedom, keeper) = prepare().map_err(|failure| failure.before(input))?;

@@ -15,7 +15,7 @@ pub enum Stability {
     Refuse,
     /// It is taken, the report says so, and programs warn.
     Warn,
-    /// It is taken without a warning. The report says so.
+    /// It is taken, the report says so, and programs do not warn.
     Allow,
 }
 

@@ -82,7 +82,7 @@ impl Step<'_> {
         self.unit * (self.squared_displacements().sum::<f64>() / n).sqrt()
     }
 
-    /// The signed volume `⅙ Σ a · (b × c)`, in cubed mesh units, with a point amid the faces as origin; the
+    /// The signed volume `⅙ Σ a · (b × c)`, in cubed mesh units, with a point among the faces as origin; the
     /// volume inside where the mesh is closed. Computed when called.
     pub fn volume(&self) -> f64 {
         let mesh = self.mesh.divided_by(self.unit);

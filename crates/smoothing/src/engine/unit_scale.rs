@@ -27,6 +27,31 @@ pub(crate) trait InMeshUnits: Sized {
     }
 }
 
+/// [`InMeshUnits`] for options with a `diffusion` and `constraints`.
+macro_rules! diffuses_in_mesh_units {
+    ($options:ty) => {
+        impl $crate::engine::unit_scale::InMeshUnits for $options {
+            fn divided_by(&self, unit: f64) -> Result<Self, $crate::FlowFailure> {
+                Ok(Self {
+                    diffusion: self.diffusion.divided_by(unit)?,
+                    constraints: self.constraints.divided_by(unit)?,
+                    ..*self
+                })
+            }
+
+            fn is_timed(&self) -> bool {
+                self.diffusion.is_timed()
+            }
+
+            fn operator_mut(&mut self) -> Option<&mut $crate::Operator> {
+                self.diffusion.operator_mut()
+            }
+        }
+    };
+}
+
+pub(crate) use diffuses_in_mesh_units;
+
 /// [`with_operator_at_unit_scale`], where [`Operator::Auto`] is the plain operator first and the robust one if a face of
 /// the input is too thin for that.
 pub(crate) fn at_unit_scale<O: InMeshUnits + Clone>(

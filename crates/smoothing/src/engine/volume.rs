@@ -5,19 +5,18 @@ use fairing_mesh::{Parameter, TriMesh};
 
 use crate::engine::constraints::Freedom;
 use crate::engine::error::FlowFailure;
-use crate::engine::run::Frame;
 
 /// What happens to the volume in each step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Volume {
-    /// It changes as the flow has it: diffusion shrinks.
+    /// It is not kept: diffusion shrinks.
     #[default]
     Drifts,
     /// After each step the mesh is scaled about the centroid of its volume to the volume of the input.
     /// Source: \[desbrun1999\].
     Rescaled,
     /// After each step all vertices move by one distance along their normals, inward or outward, so that the
-    /// volume of the input is restored. Local: thin parts do not pay for the loss of others in proportion.
+    /// volume of the input is restored. Local: parts that have not shrunk are hardly scaled.
     Offset,
 }
 
@@ -56,17 +55,18 @@ pub(crate) enum SizeKeeper {
 }
 
 impl SizeKeeper {
-    /// `None` if nothing is to be kept.
+    /// Keeps the area if `keep_area`, else the volume; `None` if nothing is to be kept.
     pub(crate) fn new(
         mesh: &TriMesh,
-        frame: &Frame<'_>,
+        volume: Volume,
+        keep_area: bool,
         freedom: &Freedom,
     ) -> Result<Option<Self>, FlowFailure> {
         let (faces, x) = (mesh.faces(), mesh.positions());
-        if frame.keep_area {
+        if keep_area {
             return Ok(Some(Self::Area(surface(faces, x).0)));
         }
-        if frame.volume == Volume::Drifts {
+        if volume == Volume::Drifts {
             return Ok(None);
         }
         if !mesh.topology().is_closed() || !mesh.topology().orientation().is_consistent() {
@@ -79,7 +79,7 @@ impl SizeKeeper {
         if !(target.is_finite() && target.abs() > rounding(faces, x)) {
             return Err(FlowFailure::Volume { reason: "the input has none" });
         }
-        if frame.volume == Volume::Offset {
+        if volume == Volume::Offset {
             return Ok(Some(Self::Offset(target)));
         }
         if freedom.fixed.contains(&true) {
@@ -193,7 +193,7 @@ fn rounding(faces: &[[u32; 3]], x: &[[f64; 3]]) -> f64 {
     f64::EPSILON * (8.0 * products + faces.len() as f64 * terms) / 6.0
 }
 
-/// The centroid of the volume: tetrahedra from a point amid the faces, weighted by their signed volumes.
+/// The centroid of the volume: tetrahedra from a point among the faces, weighted by their signed volumes.
 fn volume_centroid(faces: &[[u32; 3]], x: &[[f64; 3]], volume: f64) -> [f64; 3] {
     let origin = middle(faces, x);
     let corner = |v: u32| sub(x[v as usize], origin);

@@ -6,12 +6,12 @@ use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
 
 use crate::engine::diffusion::{Diffusion, OPERATOR, Operator, TIME, Time};
 use crate::engine::error::{FlowError, FlowFailure, at_least};
+use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::Smoothed;
 use crate::engine::step::{ITERATIONS, Observer};
 use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
 use crate::engine::volume::Volume;
 use crate::flows::implicit::{Implicit, TOLERANCE, Update, implicit_with};
-use crate::method::Flow;
 
 /// Options of [`conformalized_mean_curvature_flow`].
 #[derive(Debug, Clone, PartialEq)]
@@ -92,6 +92,8 @@ impl Flow for ConformalizedMcf {
         ],
     )];
 
+    const RUN: FlowFn<Self> = conformalized_mean_curvature_flow;
+
     fn with(values: &Values<'_>, _: &[[f64; 3]]) -> Result<Self, ParameterError> {
         let mut options = Self { operator: Operator::of_values(values)?, ..Self::default() };
         values.read(TIME.name, &mut options.time)?;
@@ -99,14 +101,6 @@ impl Flow for ConformalizedMcf {
         values.read(TOLERANCE.name, &mut options.tolerance)?;
         values.read("settled", &mut options.settled)?;
         Ok(options)
-    }
-
-    fn run(
-        &self,
-        mesh: &TriMesh,
-        observer: Option<&mut Observer<'_>>,
-    ) -> Result<Smoothed, FlowError> {
-        conformalized_mean_curvature_flow(mesh, self, observer)
     }
 }
 

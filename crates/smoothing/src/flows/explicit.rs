@@ -5,17 +5,17 @@ use fairing_sparse::GraphLaplacian;
 
 use crate::engine::assemble::assemble;
 use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
-use crate::engine::diffusion::{AREA, Diffusion, LAMBDA, OPERATOR, Operator, TIME, WEIGHTS};
+use crate::engine::diffusion::{AREA, Diffusion, LAMBDA, OPERATOR, TIME, WEIGHTS};
 use crate::engine::error::{FlowError, FlowFailure, at_least};
+use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::{Approach, Smoothed};
 use crate::engine::response::Response;
 use crate::engine::run::{Frame, Run, StepNote};
 use crate::engine::series::Chain;
 use crate::engine::stability::{Stability, UNSTABLE, measured_limit, uniform_limit};
 use crate::engine::step::{ITERATIONS, Observer};
-use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
+use crate::engine::unit_scale::{at_unit_scale, diffuses_in_mesh_units};
 use crate::engine::volume::{VOLUME, Volume};
-use crate::method::Flow;
 
 /// Options of [`explicit`].
 #[derive(Debug, Clone, PartialEq)]
@@ -54,7 +54,7 @@ impl Explicit {
 /// The limit is checked before the first step.
 ///
 /// A soft constraint of weight w and target c ends each step at `(x + λLx + wc)/(1 + w)`. Cost: linear in vertices
-/// and steps; unobserved stable runs with many steps take about seven times the square root of their number in products.
+/// and steps; unobserved stable runs of n steps, for many, take about 7√n products with L.
 ///
 /// # Errors
 ///
@@ -103,6 +103,8 @@ impl Flow for Explicit {
         ],
     )];
 
+    const RUN: FlowFn<Self> = explicit;
+
     fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError> {
         let mut options = Self::new(Diffusion::of_values(values, 0.5, 0.1)?);
         options.constraints = Constraints::of_values(values, positions)?;
@@ -111,33 +113,9 @@ impl Flow for Explicit {
         values.read(UNSTABLE.name, &mut options.stability)?;
         Ok(options)
     }
-
-    fn run(
-        &self,
-        mesh: &TriMesh,
-        observer: Option<&mut Observer<'_>>,
-    ) -> Result<Smoothed, FlowError> {
-        explicit(mesh, self, observer)
-    }
 }
 
-impl InMeshUnits for Explicit {
-    fn divided_by(&self, unit: f64) -> Result<Self, FlowFailure> {
-        Ok(Self {
-            diffusion: self.diffusion.divided_by(unit)?,
-            constraints: self.constraints.divided_by(unit)?,
-            ..*self
-        })
-    }
-
-    fn is_timed(&self) -> bool {
-        self.diffusion.is_timed()
-    }
-
-    fn operator_mut(&mut self) -> Option<&mut Operator> {
-        self.diffusion.operator_mut()
-    }
-}
+diffuses_in_mesh_units!(Explicit);
 
 fn flow(
     mesh: &TriMesh,

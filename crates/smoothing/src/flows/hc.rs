@@ -5,16 +5,16 @@ use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
 use crate::engine::assemble::uniform;
 use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
 use crate::engine::error::{FlowError, FlowFailure};
+use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::Smoothed;
 use crate::engine::run::{Frame, Run, StepNote};
 use crate::engine::step::{ITERATIONS, Observer};
 use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
-use crate::method::Flow;
 
 /// Options of [`hc`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hc {
-    /// How much differences are taken to the input instead of the step before, in [0, 1]; 0 unless set.
+    /// The weight of the input against the step before in the differences, in [0, 1]; 0 unless set.
     pub alpha: f64,
     /// How much of its own difference a vertex is given back, the rest being the mean of its neighbours', in
     /// [0, 1]; ½ unless set. Above ½ it converges.
@@ -86,6 +86,8 @@ impl Flow for Hc {
         ],
     )];
 
+    const RUN: FlowFn<Self> = hc;
+
     fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError> {
         let constraints = Constraints::of_values(values, positions)?;
         let mut options = Self { constraints, ..Self::default() };
@@ -93,14 +95,6 @@ impl Flow for Hc {
         values.read("beta", &mut options.beta)?;
         values.read(ITERATIONS.name, &mut options.iterations)?;
         Ok(options)
-    }
-
-    fn run(
-        &self,
-        mesh: &TriMesh,
-        observer: Option<&mut Observer<'_>>,
-    ) -> Result<Smoothed, FlowError> {
-        hc(mesh, self, observer)
     }
 }
 

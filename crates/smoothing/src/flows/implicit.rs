@@ -12,15 +12,15 @@ use crate::engine::constraints::{BOUNDARY, Constraints, Freedom, PIN, SOFT};
 use crate::engine::diffusion::{AREA, Diffusion, LAMBDA, OPERATOR, Operator, TIME, WEIGHTS};
 use crate::engine::direct::{self, Direct};
 use crate::engine::error::{FlowError, FlowFailure, at_least};
+use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::{Approach, Smoothed};
 use crate::engine::parts::Parts;
 use crate::engine::response::Response;
 use crate::engine::run::{Frame, Run, StepNote};
 use crate::engine::series::expand;
 use crate::engine::step::{ITERATIONS, Observer};
-use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
+use crate::engine::unit_scale::{at_unit_scale, diffuses_in_mesh_units};
 use crate::engine::volume::{VOLUME, Volume};
-use crate::method::Flow;
 
 /// When the operator is taken at the current positions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -95,7 +95,7 @@ const SOME_ITERATIONS: usize = 2000;
 ///
 /// A mode of eigenvalue μ ≤ 0 of `L` is multiplied by `1/(1 − λμ)`: no λ is unstable, and none converges to the
 /// shape, since all modes but the constant shrink in every step (λ → ∞ collapses each component to its centroid,
-/// weighted by degree or area). Solved is the symmetric system `(M + λS) x' = M x`: with uniform weights
+/// weighted by degree or area). Each step solves the symmetric system `(M + λS) x' = M x`: with uniform weights
 /// `D − λ(A − D)`, with cotangents `M + tS`, positive definite as long as the areas are positive.
 ///
 /// Unobserved free or pinned runs of a frozen operator are computed at once by a Chebyshev series; other runs step by
@@ -109,10 +109,10 @@ const SOME_ITERATIONS: usize = 2000;
 /// # Errors
 ///
 /// [`FlowError`] with the last good mesh: for options out of range, for faces of the input too thin for cotangents,
-/// [`FlowFailure::Collapsed`] where an updated flow has shrunk the mesh to next to nothing, and for a system not solved
+/// [`FlowFailure::Collapsed`] where an updated flow has shrunk the mesh to almost nothing, and for a system not solved
 /// to the tolerance.
 ///
-/// Faces that become degenerate while the operator is taken again in each step do not end the flow: their cotangents and
+/// Faces that become degenerate while the operator is assembled again in each step do not end the flow: their cotangents and
 /// areas are those of a triangle whose sides are longer by a hundred-thousandth of the longest. The report says how
 /// many there were.
 ///
@@ -180,6 +180,8 @@ impl Flow for Implicit {
         ),
     ];
 
+    const RUN: FlowFn<Self> = implicit;
+
     fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError> {
         let mut options = match values.algorithm().name {
             "mean-curvature" => {
@@ -199,33 +201,9 @@ impl Flow for Implicit {
     fn algorithm(&self) -> &'static Algorithm {
         &Self::ALGORITHMS[usize::from(self.update == Update::Both)]
     }
-
-    fn run(
-        &self,
-        mesh: &TriMesh,
-        observer: Option<&mut Observer<'_>>,
-    ) -> Result<Smoothed, FlowError> {
-        implicit(mesh, self, observer)
-    }
 }
 
-impl InMeshUnits for Implicit {
-    fn divided_by(&self, unit: f64) -> Result<Self, FlowFailure> {
-        Ok(Self {
-            diffusion: self.diffusion.divided_by(unit)?,
-            constraints: self.constraints.divided_by(unit)?,
-            ..*self
-        })
-    }
-
-    fn is_timed(&self) -> bool {
-        self.diffusion.is_timed()
-    }
-
-    fn operator_mut(&mut self) -> Option<&mut Operator> {
-        self.diffusion.operator_mut()
-    }
-}
+diffuses_in_mesh_units!(Implicit);
 
 /// [`implicit`], and each step ends with scaling to the area of the input if `keep_area`.
 pub(crate) fn implicit_with(

@@ -8,14 +8,13 @@ use crate::engine::assemble::cotangent;
 use crate::engine::constraints::{BOUNDARY, Constraints, PIN};
 use crate::engine::diffusion::{AREA, OPERATOR, Operator, TIME, Time};
 use crate::engine::error::{FlowError, FlowFailure, at_least};
+use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::{Approach, Report, Smoothed};
 use crate::engine::resolvent::Resolvent;
 use crate::engine::response::Response;
 use crate::engine::run::{Frame, Run};
 use crate::engine::series::expand;
-use crate::engine::step::Observer;
 use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
-use crate::method::Flow;
 
 /// What a filter does to the mode of eigenvalue ω of `S φ = ω M φ`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,7 +30,7 @@ pub enum Transfer {
     },
     /// 1 for the k smallest eigenvalues, 0 beyond: the ideal low-pass, a projection on the k smoothest modes, which
     /// are computed. Where k splits a cluster of equal or nearly equal eigenvalues, which of their modes are kept is
-    /// arbitrary, and [`Report::split`] says so. Knows no constraints, and no Voronoi areas.
+    /// arbitrary, and [`Report::split`] says so. Supports neither constraints nor Voronoi areas.
     Modes(usize),
 }
 
@@ -56,7 +55,7 @@ impl LowPass {
 /// Smooths by one filter of the spectrum of the cotangent Laplacian, `x' = g(M⁻¹S) x`, without computing the
 /// spectrum unless the filter is [`Transfer::Modes`].
 ///
-/// In terms of the modes, `x' = Σ g(ωᵢ) φᵢ (φᵢᵀ M x)`; computed is the Chebyshev series of g up to an error of
+/// In terms of the modes, `x' = Σ g(ωᵢ) φᵢ (φᵢᵀ M x)`; what is computed is the Chebyshev series of g up to an error of
 /// 2.1e-10, whose degree grows with the square root of how many times the cut-off is below the roughest mode. Where it
 /// would exceed two thousand products, the series is one in the resolvent `(I − τL)⁻¹` instead, of degree 25 for heat
 /// and 30 to 250 for Butterworth filters, with one factorisation. The centroid of each component, weighted by area,
@@ -110,6 +109,8 @@ impl Flow for LowPass {
         ],
     )];
 
+    const RUN: FlowFn<Self> = |mesh, options, _| low_pass(mesh, options);
+
     fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError> {
         let mut steepness = 2;
         values.read("order", &mut steepness)?;
@@ -130,14 +131,6 @@ impl Flow for LowPass {
         };
         let operator = Operator::of_values(values)?;
         Ok(Self { transfer, operator, constraints: Constraints::of_values(values, positions)? })
-    }
-
-    fn run(
-        &self,
-        mesh: &TriMesh,
-        _observer: Option<&mut Observer<'_>>,
-    ) -> Result<Smoothed, FlowError> {
-        low_pass(mesh, self)
     }
 }
 
@@ -171,7 +164,7 @@ fn filter(mesh: &TriMesh, options: &LowPass) -> Result<Smoothed, FlowError> {
     }
     let mut run = Run::new(mesh, &Frame::new(&options.constraints, 1), None)?;
     if !run.is_linear() {
-        let reason = "a low-pass filter knows free and pinned vertices only";
+        let reason = "a low-pass filter supports free and pinned vertices only";
         return Err(run.refuse(FlowFailure::Unsupported { reason }));
     }
     let laplacian = cotangent(run.arrangement.mesh(), options.operator, &run.freedom.fixed)

@@ -9,11 +9,10 @@ use fairing_sparse::{
 use crate::engine::assemble::operators;
 use crate::engine::diffusion::{AREA, OPERATOR, Operator, WEIGHTS, refuse_with_uniform};
 use crate::engine::error::{FlowError, FlowFailure};
+use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::{Approach, Report, Smoothed};
 use crate::engine::parts::larger;
-use crate::engine::step::Observer;
 use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
-use crate::method::Flow;
 
 /// The weights of [`fair_region`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -103,6 +102,8 @@ impl Flow for FairRegion {
         ],
     )];
 
+    const RUN: FlowFn<Self> = |mesh, options, _| fair_region(mesh, options);
+
     fn with(values: &Values<'_>, _: &[[f64; 3]]) -> Result<Self, ParameterError> {
         let mut options = Self::new(values.vertices("vertices"));
         values.read("order", &mut options.order)?;
@@ -114,14 +115,6 @@ impl Flow for FairRegion {
             _ => FairingWeights::Cotangent(Operator::of_values(values)?),
         };
         Ok(options)
-    }
-
-    fn run(
-        &self,
-        mesh: &TriMesh,
-        _observer: Option<&mut Observer<'_>>,
-    ) -> Result<Smoothed, FlowError> {
-        fair_region(mesh, self)
     }
 }
 

@@ -7,11 +7,11 @@ use fairing_sparse::GraphLaplacian;
 use crate::engine::assemble::uniform;
 use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
 use crate::engine::error::{FlowError, FlowFailure, at_least};
+use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::Smoothed;
 use crate::engine::run::{Frame, Run, StepNote};
 use crate::engine::step::{ITERATIONS, Observer};
 use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
-use crate::method::Flow;
 
 /// Options of [`scale_dependent`].
 #[derive(Debug, Clone, PartialEq)]
@@ -84,20 +84,14 @@ impl Flow for ScaleDependent {
         ],
     )];
 
+    const RUN: FlowFn<Self> = scale_dependent;
+
     fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError> {
         let constraints = Constraints::of_values(values, positions)?;
         let mut options = Self { constraints, ..Self::default() };
         values.read("fraction", &mut options.fraction)?;
         values.read(ITERATIONS.name, &mut options.iterations)?;
         Ok(options)
-    }
-
-    fn run(
-        &self,
-        mesh: &TriMesh,
-        observer: Option<&mut Observer<'_>>,
-    ) -> Result<Smoothed, FlowError> {
-        scale_dependent(mesh, self, observer)
     }
 }
 

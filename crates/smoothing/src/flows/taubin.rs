@@ -6,6 +6,7 @@ use crate::engine::assemble::uniform;
 use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
 use crate::engine::diffusion::LAMBDA;
 use crate::engine::error::{FlowError, FlowFailure};
+use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::{Approach, Smoothed};
 use crate::engine::response::Response;
 use crate::engine::run::{Frame, Run, StepNote};
@@ -15,7 +16,6 @@ use crate::engine::step::{ITERATIONS, Observer};
 use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
 use crate::flows::explicit::explicit_step;
 use crate::flows::windowed_sinc::PASS_BAND;
-use crate::method::Flow;
 
 /// Options of [`taubin`].
 #[derive(Debug, Clone, PartialEq)]
@@ -118,6 +118,8 @@ impl Flow for Taubin {
         ],
     )];
 
+    const RUN: FlowFn<Self> = taubin;
+
     fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError> {
         let mut options = Self::default();
         values.read(LAMBDA.name, &mut options.lambda)?;
@@ -129,14 +131,6 @@ impl Flow for Taubin {
         values.read(ITERATIONS.name, &mut options.pairs)?;
         values.read(UNSTABLE.name, &mut options.stability)?;
         Ok(options)
-    }
-
-    fn run(
-        &self,
-        mesh: &TriMesh,
-        observer: Option<&mut Observer<'_>>,
-    ) -> Result<Smoothed, FlowError> {
-        taubin(mesh, self, observer)
     }
 }
 

@@ -8,16 +8,15 @@ use fairing_sparse::ChebyshevSeries;
 use crate::engine::assemble::uniform;
 use crate::engine::constraints::{BOUNDARY, Constraints, PIN};
 use crate::engine::error::{FlowError, FlowFailure};
+use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::{Approach, Smoothed};
 use crate::engine::run::{Frame, Run};
-use crate::engine::step::Observer;
 use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
-use crate::method::Flow;
 
 /// How the Chebyshev series of the ideal filter is faded out. All are 1 at its beginning and small at its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Window {
-    /// `0.5 + 0.5 cos`: no ripple to speak of, a wide transition.
+    /// `0.5 + 0.5 cos`: almost no ripple, a wide transition.
     Hanning,
     /// `0.54 + 0.46 cos`: a narrower transition, ripples below a hundredth. What VTK takes.
     #[default]
@@ -116,6 +115,8 @@ impl Flow for WindowedSinc {
         ],
     )];
 
+    const RUN: FlowFn<Self> = |mesh, options, _| windowed_sinc(mesh, options);
+
     fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError> {
         let constraints = Constraints::of_values(values, positions)?;
         let mut options = Self { constraints, ..Self::default() };
@@ -123,14 +124,6 @@ impl Flow for WindowedSinc {
         values.read("degree", &mut options.degree)?;
         values.read("window", &mut options.window)?;
         Ok(options)
-    }
-
-    fn run(
-        &self,
-        mesh: &TriMesh,
-        _observer: Option<&mut Observer<'_>>,
-    ) -> Result<Smoothed, FlowError> {
-        windowed_sinc(mesh, self)
     }
 }
 
@@ -153,7 +146,7 @@ fn filter(mesh: &TriMesh, options: &WindowedSinc) -> Result<Smoothed, FlowError>
     let frame = Frame::new(&options.constraints, 1);
     let mut run = Run::new(mesh, &frame, None)?;
     if !run.is_linear() {
-        let reason = "a windowed sinc filter knows free and pinned vertices only";
+        let reason = "a windowed sinc filter supports free and pinned vertices only";
         return Err(run.refuse(FlowFailure::Unsupported { reason }));
     }
     let laplacian = uniform(run.arrangement.mesh(), &run.freedom.fixed);

@@ -13,9 +13,11 @@ mod operator;
 mod polish;
 mod problem;
 mod projected;
+mod run;
 mod shift;
 mod slices;
 mod solve;
+mod within;
 
 use std::ops::ControlFlow;
 
@@ -24,8 +26,8 @@ use ndarray::Array2;
 use crate::cholesky::CholeskyError;
 use crate::mass::MassError;
 
-pub use slices::eigenpairs_within;
 pub use solve::{smallest_eigenpairs, smallest_eigenpairs_with};
+pub use within::eigenpairs_within;
 
 /// How to solve an eigenproblem.
 #[derive(Debug, Clone, PartialEq)]
@@ -65,7 +67,7 @@ pub enum DenseSolver {
 pub enum Count {
     /// By the inertia of S − σM with σ just above the last eigenvalue: none has been missed.
     Certified,
-    /// Not at all: saves a factorisation.
+    /// Not checked: saves a factorisation.
     Unchecked,
 }
 
@@ -91,7 +93,7 @@ impl EigenOptions {
     /// The first is one number for all pairs: beside a huge eigenvalue it says little about a small one, whose
     /// residual does. The second belongs to each vector.
     pub fn residual_limit(&self, largest: f64) -> f64 {
-        solve::SLACK * self.tolerance * largest
+        run::SLACK * self.tolerance * largest
     }
 }
 
@@ -135,7 +137,7 @@ pub struct EigenPairs {
     pub beyond: Beyond,
 }
 
-/// Where a computation stands.
+/// How far a computation has come.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct EigenProgress {
@@ -147,7 +149,7 @@ pub struct EigenProgress {
     pub blocks: usize,
 }
 
-/// Called now and then; [`ControlFlow::Break`] cancels.
+/// Called from time to time; [`ControlFlow::Break`] cancels.
 pub type EigenWatch<'a> = dyn FnMut(&EigenProgress) -> ControlFlow<()> + 'a;
 
 /// Why there are no eigenpairs.
@@ -155,7 +157,7 @@ pub type EigenWatch<'a> = dyn FnMut(&EigenProgress) -> ControlFlow<()> + 'a;
 #[non_exhaustive]
 pub enum EigenError {
     /// More eigenpairs were asked for than there are rows.
-    #[error("{wanted} eigenpairs wanted of {rows} rows")]
+    #[error("{wanted} eigenpairs were requested, but the matrix has {rows} rows")]
     TooMany {
         /// Eigenpairs wanted.
         wanted: usize,
@@ -166,7 +168,7 @@ pub enum EigenError {
     #[error(transparent)]
     Mass(#[from] MassError),
     /// S − σM could not be factorised. A negative or zero pivot means that S is not positive semi-definite.
-    #[error("S − σM with σ = {shift:e}: {source}")]
+    #[error("S − σM with σ = {shift:e} cannot be factorised: {source}")]
     Factor {
         /// σ, in units of λ.
         shift: f64,
@@ -174,7 +176,7 @@ pub enum EigenError {
         source: CholeskyError,
     },
     /// The consistent mass is not positive definite.
-    #[error("consistent mass: {0}")]
+    #[error("the consistent mass is not positive definite: {0}")]
     ConsistentMass(CholeskyError),
     /// Fewer pairs converged than were wanted.
     #[error("{converged} of {wanted} eigenpairs converged within {blocks} blocks")]

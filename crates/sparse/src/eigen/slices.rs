@@ -4,20 +4,14 @@
 //! below. Vectors of the previous window near the common end are locked: eigenvalues on both sides of
 //! an end may be as close as they like without their vectors leaning towards each other.
 
-use std::ops::{ControlFlow, Range};
-
-use ndarray::{Axis, Slice};
-
 use crate::eigen::basis::Block;
 use crate::eigen::certificate::{Counted, count_in_gap};
 use crate::eigen::operator::ShiftInvert;
 use crate::eigen::polish;
 use crate::eigen::problem::Problem;
-use crate::eigen::solve::{Found, Run, smallest_eigenpairs};
-use crate::eigen::{EigenError, EigenOptions, EigenPairs, EigenWatch};
+use crate::eigen::run::{Found, Run};
+use crate::eigen::{EigenError, EigenOptions, EigenWatch};
 use crate::factor::LANES;
-use crate::mass::Mass;
-use crate::matrix::SparseMatrix;
 
 /// Blocks of the previous window that a new one stays orthogonal to.
 const LOCKED_BLOCKS: usize = 6;
@@ -27,50 +21,6 @@ const TOO_FULL: f64 = 1.5;
 const MOST_CUTS: usize = 30;
 /// New starting vectors before a window that misses pairs is an error.
 const RENEWALS: usize = 3;
-
-/// All eigenpairs of S φ = λ M φ with λ in an interval, counted by inertia.
-///
-/// # Errors
-///
-/// As [`smallest_eigenpairs`], and [`EigenError::Interval`].
-pub fn eigenpairs_within(
-    stiffness: &SparseMatrix,
-    mass: Mass<'_>,
-    interval: Range<f64>,
-    options: &EigenOptions,
-) -> Result<EigenPairs, EigenError> {
-    let (from, to) = (interval.start, interval.end);
-    if !(from.is_finite() && to.is_finite() && from < to) {
-        return Err(EigenError::Interval { from, to });
-    }
-    mass.check(stiffness.rows())?;
-    let problem = Problem::new(stiffness, mass)?;
-    let below = |lambda: f64| -> Result<Counted, EigenError> {
-        let shift = lambda / problem.unit;
-        if shift <= 0.0 {
-            return Ok(Counted::NONE);
-        }
-        count_in_gap(&problem, shift, shift * (1.0 + 1e-10))
-    };
-    let (lower, upper) = (below(from)?, below(to)?);
-    let (first, last) = (lower.count, upper.count);
-    if first == 0 || stiffness.rows() <= options.dense_rows {
-        let mut pairs = smallest_eigenpairs(stiffness, mass, last, options)?;
-        let vectors = pairs.vectors.slice_axis(Axis(1), Slice::from(first..)).to_owned();
-        pairs.values.drain(..first);
-        pairs.residuals.drain(..first);
-        return Ok(EigenPairs { vectors, ..pairs });
-    }
-    let mut found =
-        Found { lambdas: vec![], blocks: vec![], certified: true, clear_below: upper.shift };
-    let mut slices = Slices { problem: &problem, from: lower.shift, counted: first, options };
-    let mut watch = |_: &_| ControlFlow::Continue(());
-    let width = upper.shift - lower.shift;
-    let guess = width * options.slice as f64 / (last - first).max(1) as f64;
-    slices.up_to(&mut found, Some(upper.shift), last, guess, &mut watch)?;
-    let count = found.lambdas.len();
-    found.finish(&problem, 0, count, options.tolerance)
-}
 
 /// Adds pairs above those found, which are complete below `shift`, until there are `wanted`.
 pub(crate) fn continue_upwards(
@@ -89,18 +39,18 @@ pub(crate) fn continue_upwards(
     slices.up_to(found, None, wanted, spacing * options.slice as f64, watch)
 }
 
-struct Slices<'a> {
-    problem: &'a Problem,
+pub(crate) struct Slices<'a> {
+    pub(crate) problem: &'a Problem,
     /// Everything below is done.
-    from: f64,
+    pub(crate) from: f64,
     /// Eigenvalues below `from`.
-    counted: usize,
-    options: &'a EigenOptions,
+    pub(crate) counted: usize,
+    pub(crate) options: &'a EigenOptions,
 }
 
 impl Slices<'_> {
     /// Window after window until `wanted` eigenvalues lie below the end of the last, or it reaches `end`.
-    fn up_to(
+    pub(crate) fn up_to(
         &mut self,
         found: &mut Found,
         end: Option<f64>,

@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::io::error::{Fault, unexpected};
-use crate::io::parsed::{Parsed, too_few_corners, vertex_index};
+use crate::io::parsed::{FaceList, Parsed, vertex_index};
 use crate::io::ply::header::{Element, Kind, Scalar};
 use crate::io::ply::source::{Source, decode_integer};
 use crate::io::ply::vertices::list_length;
@@ -31,26 +31,18 @@ pub(super) fn read(
         return Ok(());
     }
     let room = element.rows().min(source.remaining() / 4);
-    let mut polygons = Polygons::with_capacity(room);
-    let mut corners = Vec::new();
-    let mut small = 0usize;
-    for face in 0..element.rows() {
+    let mut faces = FaceList::with_capacity(room, vertex_count);
+    for _ in 0..element.rows() {
         for (p, property) in element.properties.iter().enumerate() {
             match property.kind {
                 Kind::Scalar(scalar) => source.skip(scalar, 1, &property.name)?,
                 Kind::List { count, item } if p == list => {
                     let length = list_length(source, count, &property.name)?;
-                    corners.clear();
                     for _ in 0..length {
                         let index = source.integer(item, "the index of a vertex")?;
-                        let checked = vertex_index(index, face, vertex_count);
-                        corners.push(checked.map_err(|problem| source.fault(problem))?);
+                        faces.corner(index).map_err(|problem| source.fault(problem))?;
                     }
-                    match length {
-                        0 => return Err(source.fault(too_few_corners(face, length))),
-                        1 | 2 => small += 1,
-                        _ => polygons.push(&corners),
-                    }
+                    faces.end().map_err(|problem| source.fault(problem))?;
                 }
                 Kind::List { count, item } => {
                     let length = list_length(source, count, &property.name)?;
@@ -60,6 +52,7 @@ pub(super) fn read(
         }
         source.end_row();
     }
+    let FaceList { polygons, small, .. } = faces;
     if small > 0 {
         parsed.doubts.push(format!("{small} faces have fewer than three corners: left out"));
     }

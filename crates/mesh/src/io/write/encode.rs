@@ -1,43 +1,9 @@
 //! From a surface to the bytes of a format.
 
-use rayon::prelude::*;
-
-use crate::PolygonMesh;
 use crate::io::error::WriteProblem;
+use crate::io::write::surface::Surface;
 use crate::io::write::{WriteReport, fields, obj, off, ply, stl};
-use crate::io::{Format, UnheldFields, VertexFields, WriteOptions};
-
-/// A mesh to write, with its fields.
-#[derive(Clone, Copy)]
-pub(super) struct Surface<'a> {
-    pub(super) positions: &'a [[f64; 3]],
-    pub(super) faces: Faces<'a>,
-    pub(super) fields: &'a VertexFields,
-}
-
-/// Triangles or polygons.
-#[derive(Clone, Copy)]
-pub(super) enum Faces<'a> {
-    Triangles(&'a [[u32; 3]]),
-    Polygons(&'a PolygonMesh),
-}
-
-impl<'a> Faces<'a> {
-    pub(super) fn len(self) -> usize {
-        match self {
-            Self::Triangles(faces) => faces.len(),
-            Self::Polygons(mesh) => mesh.polygon_count(),
-        }
-    }
-
-    #[inline]
-    pub(super) fn face(self, face: usize) -> &'a [u32] {
-        match self {
-            Self::Triangles(faces) => &faces[face],
-            Self::Polygons(mesh) => mesh.polygon(face),
-        }
-    }
-}
+use crate::io::{Format, UnheldFields, WriteOptions};
 
 /// The bytes of a file, in pieces, with the report.
 pub(super) fn encode(
@@ -59,23 +25,4 @@ pub(super) fn encode(
     };
     let bytes = pieces.iter().map(Vec::len).sum();
     Ok((pieces, WriteReport { format, bytes, dropped: unheld, notes }))
-}
-
-/// Text of many lines of about `per_line` bytes each, made in parallel; the
-/// result does not depend on the number of threads.
-pub(super) fn lines(
-    count: usize,
-    per_line: usize,
-    line: impl Fn(usize, &mut Vec<u8>) + Sync,
-) -> Vec<Vec<u8>> {
-    const PIECE: usize = 1 << 13;
-    (0..count.div_ceil(PIECE))
-        .into_par_iter()
-        .map(|piece| {
-            let range = piece * PIECE..count.min((piece + 1) * PIECE);
-            let mut text = Vec::with_capacity(range.len() * per_line);
-            range.for_each(|k| line(k, &mut text));
-            text
-        })
-        .collect()
 }

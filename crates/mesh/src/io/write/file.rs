@@ -7,7 +7,8 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 
 use super::WriteReport;
-use super::encode::{self, Faces, Surface};
+use super::encode;
+use super::surface::{Faces, Surface};
 use crate::io::error::{WriteError, WriteProblem};
 use crate::io::{Format, NamedFormat, VertexFields, WriteOptions, write_whole};
 use crate::{PolygonMesh, TriMesh};

@@ -9,15 +9,16 @@ mod obj;
 mod off;
 mod ply;
 mod stl;
+mod surface;
 
 use std::io::Write;
 
 use crate::io::error::WriteError;
 use crate::io::{Format, VertexFields, WriteOptions};
 use crate::{PolygonMesh, TriMesh};
-use encode::{Faces, Surface};
 #[cfg(feature = "files")]
 pub use file::{write, write_polygons, write_with_fields};
+use surface::{Faces, Surface};
 
 /// What was written, and what was not.
 #[derive(Debug, Clone, PartialEq, Eq)]

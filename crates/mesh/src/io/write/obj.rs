@@ -1,7 +1,7 @@
 //! OBJ text.
 
-use crate::io::write::encode::{Surface, lines};
 use crate::io::write::number::{integer, triple};
+use crate::io::write::surface::{Surface, lines};
 
 /// `v x y z` or, with colours, `v x y z r g b` from 0 to 1; `f` with indices
 /// from 1.

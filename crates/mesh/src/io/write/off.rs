@@ -1,7 +1,7 @@
 //! OFF text.
 
-use crate::io::write::encode::{Surface, lines};
 use crate::io::write::number::{float, integer, triple};
+use crate::io::write::surface::{Surface, face_lines, lines};
 
 /// `OFF`, with the prefix C for colours (red, green, blue and alpha from 0 to
 /// 255) and N for normals. The number of edges is written as 0: nobody reads
@@ -31,14 +31,6 @@ pub(super) fn encode(surface: Surface<'_>) -> Vec<Vec<u8>> {
         }
         text.push(b'\n');
     }));
-    pieces.extend(lines(faces, 26, |f, text| {
-        let face = surface.faces.face(f);
-        integer(text, face.len() as u64);
-        for &v in face {
-            text.push(b' ');
-            integer(text, u64::from(v));
-        }
-        text.push(b'\n');
-    }));
+    pieces.extend(face_lines(surface.faces));
     pieces
 }

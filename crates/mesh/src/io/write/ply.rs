@@ -3,9 +3,9 @@
 use rayon::prelude::*;
 
 use crate::io::error::WriteProblem;
-use crate::io::write::encode::{Faces, Surface, lines};
 use crate::io::write::fields::property_names;
 use crate::io::write::number::{float, integer};
+use crate::io::write::surface::{Faces, Surface, face_lines, lines};
 use crate::io::{Encoding, FloatWidth, VertexFields, WriteOptions};
 
 /// Values of one property group, with the width they are written in.
@@ -105,15 +105,7 @@ pub(super) fn encode(
                 text.pop();
                 text.push(b'\n');
             }));
-            pieces.extend(lines(surface.faces.len(), 26, |f, text| {
-                let face = surface.faces.face(f);
-                integer(text, face.len() as u64);
-                for &v in face {
-                    text.push(b' ');
-                    integer(text, u64::from(v));
-                }
-                text.push(b'\n');
-            }));
+            pieces.extend(face_lines(surface.faces));
             pieces
         }
         Encoding::Binary => vec![header, rows(surface, &columns), face_rows(surface, short_lists)],

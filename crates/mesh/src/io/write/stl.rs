@@ -1,8 +1,8 @@
 //! STL, binary or text.
 
 use crate::io::error::WriteProblem;
-use crate::io::write::encode::{Faces, Surface, lines};
 use crate::io::write::number::triple;
+use crate::io::write::surface::{Faces, Surface, lines};
 use crate::io::{Encoding, Format};
 use crate::vec3::{cross, normalize, sub};
 

@@ -1,0 +1,71 @@
+//! A mesh to write, and its lines of text.
+
+use rayon::prelude::*;
+
+use crate::PolygonMesh;
+use crate::io::VertexFields;
+use crate::io::write::number::integer;
+
+/// A mesh to write, with its fields.
+#[derive(Clone, Copy)]
+pub(super) struct Surface<'a> {
+    pub(super) positions: &'a [[f64; 3]],
+    pub(super) faces: Faces<'a>,
+    pub(super) fields: &'a VertexFields,
+}
+
+/// Triangles or polygons.
+#[derive(Clone, Copy)]
+pub(super) enum Faces<'a> {
+    Triangles(&'a [[u32; 3]]),
+    Polygons(&'a PolygonMesh),
+}
+
+impl<'a> Faces<'a> {
+    pub(super) fn len(self) -> usize {
+        match self {
+            Self::Triangles(faces) => faces.len(),
+            Self::Polygons(mesh) => mesh.polygon_count(),
+        }
+    }
+
+    #[inline]
+    pub(super) fn face(self, face: usize) -> &'a [u32] {
+        match self {
+            Self::Triangles(faces) => &faces[face],
+            Self::Polygons(mesh) => mesh.polygon(face),
+        }
+    }
+}
+
+/// A line for each face: the number of its corners and their vertices.
+pub(super) fn face_lines(faces: Faces<'_>) -> Vec<Vec<u8>> {
+    lines(faces.len(), 26, |f, text| {
+        let face = faces.face(f);
+        integer(text, face.len() as u64);
+        for &v in face {
+            text.push(b' ');
+            integer(text, u64::from(v));
+        }
+        text.push(b'\n');
+    })
+}
+
+/// Text of many lines of about `per_line` bytes each, made in parallel; the
+/// result does not depend on the number of threads.
+pub(super) fn lines(
+    count: usize,
+    per_line: usize,
+    line: impl Fn(usize, &mut Vec<u8>) + Sync,
+) -> Vec<Vec<u8>> {
+    const PIECE: usize = 1 << 13;
+    (0..count.div_ceil(PIECE))
+        .into_par_iter()
+        .map(|piece| {
+            let range = piece * PIECE..count.min((piece + 1) * PIECE);
+            let mut text = Vec::with_capacity(range.len() * per_line);
+            range.for_each(|k| line(k, &mut text));
+            text
+        })
+        .collect()
+}

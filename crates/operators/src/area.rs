@@ -1,0 +1,27 @@
+//! How vertices share the areas of faces.
+
+/// How the area of a face is shared between its corners.
+///
+/// Written as its name (`Display`), and read from it (`FromStr`).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum LumpedArea {
+    /// A third each: `Aᵢ = ⅓ Σ A`. Positive wherever a face has area, and
+    /// defined on every mesh; on irregular meshes the cells ignore the shape
+    /// of the faces.
+    Barycentric,
+    /// The part nearest to each corner, `⅛ (b² cot β + c² cot γ)` for the
+    /// sides b, c that meet in the corner. The best for pointwise values;
+    /// **may be negative** at obtuse angles. Source: \[meyer2003\].
+    Voronoi,
+    /// Voronoi where no angle is obtuse; else half of the area for the obtuse
+    /// corner and a quarter for each of the others. Never negative.
+    /// Source: \[meyer2003\].
+    Mixed,
+}
+
+fairing_mesh::choices!(LumpedArea, "area of a vertex",
+    Barycentric: "barycentric", "A third of the faces around";
+    Voronoi: "voronoi", "Voronoi cells; negative at some obtuse angles, which flows refuse";
+    Mixed: "mixed", "Voronoi cells, kept inside obtuse faces";
+);

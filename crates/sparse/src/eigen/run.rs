@@ -1,0 +1,328 @@
+//! Eigenpairs that are found, and the run of Lanczos that finds them.
+
+use ndarray::Array2;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+use crate::eigen::basis::Block;
+use crate::eigen::certificate::{Counted, count_in_gap};
+use crate::eigen::lanczos::{self, Candidate, Lanczos};
+use crate::eigen::operator::ShiftInvert;
+use crate::eigen::polish::{self, lanes_of};
+use crate::eigen::problem::Problem;
+use crate::eigen::projected::Ritz;
+use crate::eigen::{
+    Beyond, Count, EigenError, EigenOptions, EigenPairs, EigenProgress, EigenWatch,
+};
+use crate::factor::LANES;
+/// How much larger than the tolerance a measured residual may be: eigenvalues of a multiple group are measured
+/// with the residual of their neighbours.
+pub(super) const SLACK: f64 = 10.0;
+
+/// Dimensionless eigenpairs, ascending, in the order of the factor.
+pub(crate) struct Found {
+    /// More than there are vectors where some are known without.
+    pub(crate) lambdas: Vec<f64>,
+    /// Vectors in blocks; the last block may have empty lanes.
+    pub(crate) blocks: Vec<Block>,
+    pub(crate) certified: bool,
+    /// No eigenvalue that is not here lies below.
+    pub(crate) clear_below: f64,
+}
+
+impl Found {
+    /// The exact zero modes, of which the first `count` at most get vectors.
+    pub(crate) fn constants(problem: &Problem, count: usize) -> Self {
+        let constants = problem.constants.0;
+        Self {
+            lambdas: vec![0.0; constants],
+            blocks: lanczos::constants(problem, count.min(constants)),
+            certified: true,
+            clear_below: 0.0,
+        }
+    }
+
+    /// Appends vectors given in blocks of their own.
+    pub(crate) fn append(&mut self, lambdas: &[f64], blocks: &[Block]) {
+        for (i, &lambda) in lambdas.iter().enumerate() {
+            let lane = self.lambdas.len() % LANES;
+            let source = &blocks[i / LANES];
+            if lane == 0 {
+                self.blocks.push(vec![[0.0; LANES]; source.len()]);
+            }
+            if let Some(target) = self.blocks.last_mut() {
+                for (t, s) in target.iter_mut().zip(source) {
+                    t[lane] = s[i % LANES];
+                }
+            }
+            self.lambdas.push(lambda);
+        }
+    }
+
+    /// Residuals of all vectors, dimensionless.
+    fn residuals(&self, problem: &Problem) -> Vec<f64> {
+        let of = |(b, block)| polish::residuals(problem, block, &lanes_of(&self.lambdas, b));
+        self.blocks.iter().enumerate().flat_map(of).collect()
+    }
+
+    /// How many of the pairs `from .. to` have residuals above the tolerance and above what rounding leaves.
+    pub(crate) fn unsettled(
+        &self,
+        problem: &Problem,
+        from: usize,
+        to: usize,
+        tolerance: f64,
+    ) -> usize {
+        self.above_limit(problem, &self.residuals(problem), from..to, tolerance)
+    }
+
+    fn above_limit(
+        &self,
+        problem: &Problem,
+        residuals: &[f64],
+        pairs: std::ops::Range<usize>,
+        tolerance: f64,
+    ) -> usize {
+        let largest = self.lambdas[pairs.clone()].iter().fold(0.0, |m: f64, l| m.max(*l));
+        // [`EigenOptions::residual_limit`].
+        let limit = SLACK * tolerance * largest;
+        let mut above = 0;
+        for (b, block) in self.blocks.iter().enumerate() {
+            let suspects: Vec<usize> = (0..LANES)
+                .filter(|lane| pairs.contains(&(b * LANES + lane)))
+                .filter(|lane| {
+                    let residual = residuals[b * LANES + lane];
+                    residual.is_nan() || residual > limit
+                })
+                .collect();
+            if !suspects.is_empty() {
+                let lambda = lanes_of(&self.lambdas, b);
+                let attainable = polish::attainable(problem, block, &lambda);
+                // Not a number is above every limit.
+                let meets = |lane: &&usize| residuals[b * LANES + **lane] <= attainable[**lane];
+                above += suspects.len() - suspects.iter().filter(meets).count();
+            }
+        }
+        above
+    }
+
+    /// Pairs `from .. to` in the caller's units and order, residuals measured.
+    ///
+    /// # Errors
+    ///
+    /// [`EigenError::NotConverged`] if measured residuals are far from what was estimated: a guard, not a step.
+    pub(crate) fn finish(
+        self,
+        problem: &Problem,
+        from: usize,
+        to: usize,
+        tolerance: f64,
+    ) -> Result<EigenPairs, EigenError> {
+        let residuals = self.residuals(problem);
+        let unsettled = self.above_limit(problem, &residuals, from..to, tolerance);
+        if unsettled > 0 {
+            let wanted = to - from;
+            let blocks = self.blocks.len();
+            return Err(EigenError::NotConverged { converged: wanted - unsettled, wanted, blocks });
+        }
+        let mut vectors = Array2::zeros((problem.rows(), to - from));
+        for (k, &row) in problem.order().iter().enumerate() {
+            let mut out = vectors.row_mut(row as usize);
+            for (j, value) in out.iter_mut().enumerate() {
+                let i = from + j;
+                *value = self.blocks[i / LANES][k][i % LANES] / problem.norm_unit();
+            }
+        }
+        let scaled = |values: &[f64]| values.iter().map(|v| v * problem.unit).collect();
+        Ok(EigenPairs {
+            values: scaled(&self.lambdas[from..to]),
+            vectors,
+            residuals: scaled(&residuals[from..to]),
+            certified: self.certified,
+            beyond: Beyond {
+                values: scaled(&self.lambdas[to..]),
+                clear_below: self.clear_below * problem.unit,
+            },
+        })
+    }
+}
+
+/// A Lanczos run towards some number of pairs.
+pub(crate) struct Run<'a, 'w> {
+    pub(crate) lanczos: Lanczos<'a>,
+    problem: &'a Problem,
+    pub(crate) wanted: usize,
+    pub(crate) blocks: usize,
+    options: &'a EigenOptions,
+    watch: &'a mut EigenWatch<'w>,
+    cap: usize,
+    next_check: usize,
+    /// Looks at the basis since all wanted pairs were within reach of a step of inverse iteration.
+    waited: usize,
+}
+
+/// The wanted pairs are completed up to a gap of at least this share of the eigenvalue above it: so wide that the
+/// count, a fifth into it, leaves two parts in 10⁵ without eigenvalues, which sets the vectors on both sides apart.
+const GAP: f64 = 1.1e-4;
+/// The share of the goal that residuals must be within after a step of inverse iteration, if they are to be
+/// reached that way.
+const POLISHED: f64 = 1e-2;
+/// Looks at the basis before that way is taken. Where residuals are not magnified they arrive first.
+const PATIENCE: usize = 2;
+/// A share of σ within which an eigenvalue counts as zero up to rounding.
+const ZERO_SHARE: f64 = 1e-6;
+/// New starting vectors before a count that does not fit is an error.
+const RENEWALS: usize = 3;
+/// Numbers in a basis, at most, unless the pairs themselves need more: 2.4 GB.
+const MOST_NUMBERS: usize = 300_000_000;
+
+type Below = (Vec<f64>, Vec<Block>, Counted);
+
+impl<'a, 'w> Run<'a, 'w> {
+    pub(crate) fn new(
+        operator: &'a ShiftInvert<'a>,
+        locked: &'a [Block],
+        wanted: usize,
+        options: &'a EigenOptions,
+        watch: &'a mut EigenWatch<'w>,
+    ) -> Self {
+        let rows = operator.problem.rows();
+        let lanczos = Lanczos::new(operator, locked, ChaCha8Rng::seed_from_u64(options.seed));
+        let room = (MOST_NUMBERS / rows).max(wanted + wanted / 2 + 8 * LANES);
+        let cap = (3 * wanted + 12 * LANES).min(room).min(3 * rows / 4);
+        Self {
+            lanczos,
+            problem: operator.problem,
+            wanted,
+            blocks: 0,
+            options,
+            watch,
+            cap,
+            next_check: wanted + wanted / 3 + 5 * LANES,
+            waited: 0,
+        }
+    }
+
+    /// Which of the candidates will do: their residual is within the goal or, if that takes too long for
+    /// `wanted` of them, will be after a step of inverse iteration.
+    pub(crate) fn will_do(
+        &mut self,
+        candidates: &[Candidate],
+        goal: f64,
+        wanted: usize,
+    ) -> Vec<bool> {
+        let now: Vec<bool> = candidates.iter().map(|c| c.residual <= goal).collect();
+        let soon: Vec<bool> = candidates
+            .iter()
+            .zip(&now)
+            .map(|(c, now)| *now || c.polished <= POLISHED * goal)
+            .collect();
+        let count = |of: &[bool]| of.iter().take(wanted).filter(|x| **x).count();
+        if count(&now) < wanted && count(&soon) == wanted {
+            self.waited += 1;
+        }
+        if self.waited >= PATIENCE { soon } else { now }
+    }
+
+    /// Extends the basis until the next look at it. Restarts where it is full.
+    pub(crate) fn advance(&mut self) -> Result<(Ritz, Vec<Candidate>), EigenError> {
+        while self.lanczos.len() < self.next_check.min(self.cap) {
+            self.lanczos.extend();
+            self.blocks += 1;
+        }
+        self.next_check = self.lanczos.len() + (self.lanczos.len() / 12).max(LANES);
+        self.lanczos.ritz().map_err(|_| EigenError::Dense { rows: self.lanczos.len() })
+    }
+
+    /// Tells the watch, and whether to go on.
+    pub(crate) fn report(&mut self, converged: usize) -> Result<(), EigenError> {
+        let (wanted, blocks) = (self.wanted, self.blocks);
+        if (self.watch)(&EigenProgress { converged, wanted, blocks }).is_break() {
+            return Err(EigenError::Cancelled { converged, wanted });
+        }
+        if blocks > self.options.max_blocks {
+            return Err(EigenError::NotConverged { converged, wanted, blocks });
+        }
+        Ok(())
+    }
+
+    /// Restarts a full basis with the first of the given candidates.
+    pub(crate) fn restart_if_full(&mut self, ritz: &Ritz, best: &[Candidate]) {
+        if self.lanczos.len() + LANES > self.cap {
+            let keep = (self.wanted + (self.cap - self.wanted.min(self.cap)) / 3)
+                .min(self.cap - 4 * LANES);
+            self.restart(ritz, best, keep);
+        }
+    }
+
+    /// Keeps the first candidates, rounded up to whole blocks, and looks again a while later.
+    pub(crate) fn restart(&mut self, ritz: &Ritz, best: &[Candidate], keep: usize) {
+        let keep = (keep.div_ceil(LANES) * LANES).min(best.len() / LANES * LANES);
+        let chosen: Vec<usize> = best[..keep].iter().map(|c| c.index).collect();
+        self.lanczos.restart(ritz, &chosen);
+        self.next_check = (keep + 6 * LANES).max(keep + keep / 4);
+    }
+
+    /// Keeps what has converged and continues with random vectors.
+    pub(crate) fn renew(&mut self, ritz: &Ritz, best: &[Candidate], converged: usize) {
+        self.restart(ritz, best, converged);
+        self.lanczos.renew();
+        self.cap = self.cap.max(self.lanczos.len() + 12 * LANES);
+        self.next_check = self.lanczos.len() + 10 * LANES;
+    }
+
+    /// The wanted pairs from below, completed to the next gap, which inertia counts.
+    pub(crate) fn until_counted(&mut self, constants: usize) -> Result<Below, EigenError> {
+        let mut renewals = 0;
+        let operator = self.lanczos.operator;
+        // Zero up to rounding may come out negative. What has not converged is anywhere.
+        let least = -ZERO_SHARE * operator.sigma.abs();
+        loop {
+            let (ritz, mut candidates) = self.advance()?;
+            candidates.retain(|c| c.lambda > least);
+            candidates.sort_by(|a, b| a.lambda.total_cmp(&b.lambda));
+            let goal = candidates
+                .get(self.wanted - 1)
+                .map_or(0.0, |last| self.options.tolerance * last.lambda);
+            let done = self.will_do(&candidates, goal, self.wanted);
+            let converged = done.iter().take_while(|done| **done).count();
+            self.report(converged.min(self.wanted))?;
+            let gap = (self.wanted..=converged).find(|&g| {
+                candidates
+                    .get(g)
+                    .is_none_or(|next| next.lambda - candidates[g - 1].lambda > GAP * next.lambda)
+            });
+            let Some(g) = gap else {
+                self.restart_if_full(&ritz, &candidates);
+                continue;
+            };
+            let from = candidates[g - 1].lambda;
+            let to = candidates.get(g).map_or(1.01 * from, |next| next.lambda);
+            let counted = match self.options.count {
+                Count::Certified => count_in_gap(self.problem, from, to)?,
+                Count::Unchecked => Counted {
+                    count: constants + g,
+                    shift: from + 0.25 * (to - from),
+                    ..Counted::NONE
+                },
+            };
+            if counted.count == constants + g {
+                candidates.truncate(g);
+                let chosen: Vec<usize> = candidates.iter().map(|c| c.index).collect();
+                let lambdas: Vec<f64> = candidates.iter().map(|c| c.lambda).collect();
+                let mut vectors = self.lanczos.vectors(&ritz, &chosen);
+                polish::polish(operator, &lambdas, &mut vectors, goal);
+                return Ok((lambdas, vectors, counted));
+            }
+            renewals += 1;
+            if renewals > RENEWALS {
+                return Err(EigenError::Miscounted {
+                    found: constants + g,
+                    counted: counted.count,
+                    shift: counted.shift * self.problem.unit,
+                });
+            }
+            self.renew(&ritz, &candidates, converged);
+        }
+    }
+}

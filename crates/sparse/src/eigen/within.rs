@@ -1,0 +1,57 @@
+//! All eigenpairs of an interval.
+
+use std::ops::{ControlFlow, Range};
+
+use ndarray::{Axis, Slice};
+
+use crate::eigen::certificate::{Counted, count_in_gap};
+use crate::eigen::problem::Problem;
+use crate::eigen::run::Found;
+use crate::eigen::slices::Slices;
+use crate::eigen::solve::smallest_eigenpairs;
+use crate::eigen::{EigenError, EigenOptions, EigenPairs};
+use crate::mass::Mass;
+use crate::matrix::SparseMatrix;
+/// All eigenpairs of S φ = λ M φ with λ in an interval, counted by inertia.
+///
+/// # Errors
+///
+/// As [`smallest_eigenpairs`], and [`EigenError::Interval`].
+pub fn eigenpairs_within(
+    stiffness: &SparseMatrix,
+    mass: Mass<'_>,
+    interval: Range<f64>,
+    options: &EigenOptions,
+) -> Result<EigenPairs, EigenError> {
+    let (from, to) = (interval.start, interval.end);
+    if !(from.is_finite() && to.is_finite() && from < to) {
+        return Err(EigenError::Interval { from, to });
+    }
+    mass.check(stiffness.rows())?;
+    let problem = Problem::new(stiffness, mass)?;
+    let below = |lambda: f64| -> Result<Counted, EigenError> {
+        let shift = lambda / problem.unit;
+        if shift <= 0.0 {
+            return Ok(Counted::NONE);
+        }
+        count_in_gap(&problem, shift, shift * (1.0 + 1e-10))
+    };
+    let (lower, upper) = (below(from)?, below(to)?);
+    let (first, last) = (lower.count, upper.count);
+    if first == 0 || stiffness.rows() <= options.dense_rows {
+        let mut pairs = smallest_eigenpairs(stiffness, mass, last, options)?;
+        let vectors = pairs.vectors.slice_axis(Axis(1), Slice::from(first..)).to_owned();
+        pairs.values.drain(..first);
+        pairs.residuals.drain(..first);
+        return Ok(EigenPairs { vectors, ..pairs });
+    }
+    let mut found =
+        Found { lambdas: vec![], blocks: vec![], certified: true, clear_below: upper.shift };
+    let mut slices = Slices { problem: &problem, from: lower.shift, counted: first, options };
+    let mut watch = |_: &_| ControlFlow::Continue(());
+    let width = upper.shift - lower.shift;
+    let guess = width * options.slice as f64 / (last - first).max(1) as f64;
+    slices.up_to(&mut found, Some(upper.shift), last, guess, &mut watch)?;
+    let count = found.lambdas.len();
+    found.finish(&problem, 0, count, options.tolerance)
+}
