@@ -143,12 +143,18 @@ class NoiseLevel(NamedTuple):
         Whether the tails are those of impulsive noise.
     samples : int
         The vertices that the estimate rests on.
+    low_ratio : float
+        1 for Gaussian noise, less where the level varies over the surface.
+    correlation : float
+        The correlation of residuals across edges, from -1 to 1: about 0 for independent noise.
     """
 
     sigma: float
     tail_ratio: float
     impulsive: bool
     samples: int
+    low_ratio: float
+    correlation: float
 
 
 class Scores(Mapping[str, float]):

@@ -162,16 +162,18 @@ fn curvature<'py>(
     Ok(dict)
 }
 
-/// σ, the ratio of the tails, whether impulsive, and the number of samples.
+/// σ, the ratios at both tails, the correlation, whether impulsive, and the number of samples.
 #[pyfunction(name = "noise_level")]
 fn noise_level_of(
     py: Python<'_>,
     mesh: &Mesh,
     call: Call,
-) -> PyResult<Option<(f64, f64, bool, usize)>> {
+) -> PyResult<Option<(f64, f64, bool, usize, f64, f64)>> {
     let mesh = mesh.share();
     call.run(py, move || {
-        Ok(noise_level(&mesh).map(|n| (n.sigma, n.tail_ratio, n.is_impulsive(), n.samples)))
+        Ok(noise_level(&mesh).map(|n| {
+            (n.sigma, n.tail_ratio, n.is_impulsive(), n.samples, n.low_ratio, n.correlation)
+        }))
     })
 }
 

@@ -215,7 +215,7 @@ impl Measurement {
 fn line(f: &Found) -> String {
     let (best, by) = f.best.as_ref().map_or((String::new(), ""), |b| (format!("{:.2}", b.0), &b.1));
     let ratio = f.ratio().map(|r| format!("{r:.2}")).unwrap_or_default();
-    let volume = f.volume.map(|v| format!("{:+.2}%", 100.0 * v)).unwrap_or_default();
+    let volume = f.volume.map(|[_, v]| format!("{:+.2}%", 100.0 * v)).unwrap_or_default();
     let change = |[before, after]: [usize; 2]| format!("{before}→{after}");
     format!(
         "{:<44} {:>6.2} {:>6.2} {best:>6} {ratio:>5}  {by:<18} {:>5.2} {:>9} {:>9} {volume:>7} {:>5.2}s",
@@ -244,12 +244,13 @@ fn report(title: &str, found: &[Found], s: &Summary) {
         s.worse_than_default, s.worse_normals, s.worse_positions
     );
     println!(
-        "  flipped faces {} → {}, more than a tenth in {} cases; more self-intersections in {}; volume changes by {:.2} % at most",
+        "  flipped faces {} → {}, more than a tenth in {} cases; more self-intersections in {}; volume {:.2} % from the truth at most, {:.2} % from the noisy mesh",
         s.flipped[0],
         s.flipped[1],
         s.too_many_flipped,
         s.more_intersections,
-        100.0 * s.volume
+        100.0 * s.volume[0],
+        100.0 * s.volume[1]
     );
     let mut worst: Vec<&Found> = found.iter().filter(|f| f.ratio().is_some()).collect();
     worst.sort_by(|a, b| b.ratio().unwrap_or(0.0).total_cmp(&a.ratio().unwrap_or(0.0)));

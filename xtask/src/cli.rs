@@ -177,13 +177,13 @@ pub(crate) struct Train {
     #[arg(long, default_value_t = 4)]
     pub(crate) stages: usize,
     /// Bodies of each family
-    #[arg(long, default_value_t = 18)]
+    #[arg(long, default_value_t = 26)]
     pub(crate) bodies: u64,
     /// Faces drawn from each body for each stage
-    #[arg(long, default_value_t = 1800)]
+    #[arg(long, default_value_t = 1500)]
     pub(crate) faces: usize,
     /// Passes over these faces
-    #[arg(long, default_value_t = 14)]
+    #[arg(long, default_value_t = 16)]
     pub(crate) epochs: usize,
     /// The seed of all draws
     #[arg(long, default_value_t = 1)]

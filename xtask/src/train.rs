@@ -1,5 +1,5 @@
 //! `cargo xtask train`: the regression of normals, from bodies of the development
-//! half.
+//! half and bodies of no family.
 
 use std::path::Path;
 use std::time::Instant;
@@ -10,7 +10,7 @@ use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
 use fairing_experiments::bed::{Half, half_of};
 use fairing_mesh::TriMesh;
 use fairing_shapes as shapes;
-use fairing_shapes::families::{Family, Triangulation};
+use fairing_shapes::families::{Family, Triangulation, facets, swell, warped};
 use rayon::prelude::*;
 
 use crate::cli::Train;
@@ -19,16 +19,24 @@ use crate::cli::Train;
 pub(crate) const FILE: &str = "crates/denoising/data/normals.bin";
 
 /// The kinds of noise, and the largest level of each.
-const NOISE: [(NoiseKind, f64); 8] = [
+const NOISE: [(NoiseKind, f64); 10] = [
     (NoiseKind::GaussianAlongNormals, 0.8),
     (NoiseKind::GaussianPerAxis, 0.35),
     (NoiseKind::GaussianAlongNormals, 0.4),
     (NoiseKind::Correlated { reach: 2.0 }, 0.35),
     (NoiseKind::Impulsive { share: 0.25 }, 0.8),
     (NoiseKind::Varying, 0.45),
+    (NoiseKind::Correlated { reach: 1.5 }, 0.4),
     (NoiseKind::GaussianAlongDirections, 0.5),
     (NoiseKind::Impulsive { share: 0.5 }, 0.5),
+    (NoiseKind::Correlated { reach: 3.0 }, 0.3),
 ];
+
+/// How many terrains of each kind there are for each body of a family.
+const TERRAINS: u64 = 2;
+
+/// The share of bodies that are warped.
+const WARPED: f64 = 0.6;
 
 /// Seeds that no case of the test bed has.
 const SEEDS: u64 = 1_000_000;
@@ -51,8 +59,8 @@ pub(crate) fn run(options: &Train, root: &Path) -> Result<()> {
     std::fs::write(&path, bytes).with_context(|| format!("writing {}", path.display()))
 }
 
-/// Bodies of the families of the development half, and of the shapes that are in
-/// neither, with noise.
+/// Bodies of the families of the development half, terrains, and shapes that are in
+/// neither half, with noise.
 fn pairs(bodies: u64) -> Result<Vec<TrainingPair>> {
     let families = Family::ALL.iter().copied().filter(|f| half_of(*f) == Half::Development);
     let mut jobs: Vec<(Body, u64)> = vec![];
@@ -67,6 +75,10 @@ fn pairs(bodies: u64) -> Result<Vec<TrainingPair>> {
             jobs.push((Body::Shape(shape), SEEDS + 1000 * (50 + shape as u64) + k));
         }
     }
+    for k in 0..TERRAINS * bodies {
+        jobs.push((Body::Facets, SEEDS + 100_000 + k));
+        jobs.push((Body::Swell, SEEDS + 200_000 + k));
+    }
     jobs.into_par_iter().map(|(body, seed)| body.pair(seed)).collect()
 }
 
@@ -74,6 +86,8 @@ fn pairs(bodies: u64) -> Result<Vec<TrainingPair>> {
 #[derive(Clone, Copy)]
 enum Body {
     Family(Family),
+    Facets,
+    Swell,
     Shape(usize),
 }
 
@@ -84,34 +98,53 @@ impl Body {
     fn pair(self, seed: u64) -> Result<TrainingPair> {
         let draw = |salt: u64| unit(seed.wrapping_mul(31).wrapping_add(salt));
         let triangulation = Triangulation::ALL[(seed % 4) as usize];
-        let (kind, most) = NOISE[((seed / 4 + seed) % 8) as usize];
+        let (kind, most) = NOISE[((seed / 4 + seed) % 10) as usize];
         let most: f64 = match (self, triangulation) {
-            (Self::Family(_), Triangulation::Anisotropic) => most.min(0.3),
-            (Self::Family(_), Triangulation::Graded) => most.min(0.4),
+            (Self::Family(_) | Self::Facets | Self::Swell, Triangulation::Anisotropic) => {
+                most.min(0.3)
+            }
+            (Self::Family(_) | Self::Facets | Self::Swell, Triangulation::Graded) => most.min(0.4),
             _ => most,
         };
         let level = 0.04 + (most - 0.04) * draw(1);
+        let faces = [2200, 3000, 4000, 9000, 16_000][(5.0 * draw(2)) as usize];
         let truth = match self {
-            Self::Family(family) => {
-                let faces = [2200, 4000, 4000, 4000, 9000][(5.0 * draw(2)) as usize];
-                family.mesh(faces, triangulation, seed)
-            }
-            Self::Shape(k) => shape(k, draw(2), seed),
+            Self::Family(family) => family.mesh(faces, triangulation, seed),
+            Self::Facets => facets(faces, triangulation, seed),
+            Self::Swell => swell(faces, triangulation, seed),
+            Self::Shape(k) => shape(k, [draw(2), draw(4)], seed),
         };
+        let truth = if draw(3) < WARPED { warped(&truth, seed) } else { truth };
         let noisy = add_noise(&truth, kind, NoiseLevel::EdgeLengths(level), seed)?;
         Ok(TrainingPair { noisy, truth })
     }
 }
 
 /// One of the shapes, in a size that `t` from 0 to 1 decides on.
-fn shape(k: usize, t: f64, seed: u64) -> TriMesh {
+fn shape(k: usize, [t, u]: [f64; 2], seed: u64) -> TriMesh {
+    // Sides of a tube, from a few to many.
+    let sides = 9 + (36.0 * t) as u32;
     match k {
         0 => shapes::cad_block(0.08 + 0.08 * t),
         1 => shapes::creature(48 + (30.0 * t) as u32),
-        2 => shapes::bumpy_sphere(4, 0.05 + 0.1 * t, 4.0 + 4.0 * t),
-        3 => shapes::torus(1.0, 0.3 + 0.3 * t, 80, 30 + (20.0 * t) as u32),
+        2 => shapes::bumpy_sphere(4, 0.05 + 0.1 * t, 4.0 + 4.0 * u),
+        3 => {
+            let minor = 0.1 + 0.5 * u;
+            let around = f64::from(sides) / minor;
+            shapes::torus(1.0, minor, around.clamp(40.0, 200.0) as u32, sides)
+        }
         4 => shapes::irregular_plane(0.025 + 0.01 * t, seed),
-        _ => shapes::cylinder(1.0, 2.0, 40 + (30.0 * t) as u32, 24, shapes::Ends::Closed),
+        _ => {
+            let radius = 0.15 + 0.85 * u;
+            let along = 2.0 / (std::f64::consts::TAU * radius / f64::from(sides));
+            shapes::cylinder(
+                radius,
+                2.0,
+                sides,
+                along.clamp(8.0, 80.0) as u32,
+                shapes::Ends::Closed,
+            )
+        }
     }
 }
 

@@ -16,6 +16,12 @@ const IMPULSIVE_TAIL: f64 = 1.15;
 /// The 90th percentile of |x| over its median, for Gaussian x.
 const GAUSSIAN_TAIL: f64 = 2.4387;
 
+/// The 10th percentile of |x| over its median, for Gaussian x.
+const GAUSSIAN_LOW: f64 = 0.186_31;
+
+/// Residuals count in correlations up to this many standard deviations.
+const CLIP: f64 = 3.0;
+
 /// The median of |x| is this share of the standard deviation of Gaussian x.
 const GAUSSIAN_MEDIAN: f64 = 0.674_489_75;
 
@@ -30,6 +36,14 @@ pub struct NoiseEstimate {
     /// absolute values, over that of a Gaussian: 1 for Gaussian noise, more
     /// where a share of the vertices is moved further than the rest.
     pub tail_ratio: f64,
+    /// The ratio of the 10th percentile to the median of the residuals' absolute
+    /// values, over that of a Gaussian: less than 1 where the level varies over the surface, or
+    /// where details that a quadric misses are taken for noise.
+    pub low_ratio: f64,
+    /// The correlation of residuals across edges, from −1 to 1; residuals beyond three σ̂ count as
+    /// three. Independent noise gives about −0.1, since each residual is in the fits of its
+    /// neighbours. Correlated noise gives more.
+    pub correlation: f64,
     /// The number of vertices that the estimate is made from.
     pub samples: usize,
 }
@@ -90,18 +104,15 @@ const ALIKE: f64 = 4.0;
 pub fn noisy_parts(mesh: &TriMesh) -> Vec<NoisyParts> {
     let (mesh, unit) = mesh.at_unit_scale();
     let mesh = &*mesh;
-    let residuals: Vec<(u32, f64)> = (0..mesh.vertex_count() as u32)
+    let residuals: Vec<Option<f64>> = (0..mesh.vertex_count() as u32)
         .into_par_iter()
-        .map_init(Default::default, |scratch, v| {
-            leave_one_out(mesh, v, scratch).map(|r| (v, r.abs()))
-        })
-        .flatten_iter()
+        .map_init(Default::default, |scratch, v| leave_one_out(mesh, v, scratch))
         .collect();
     let components = mesh.topology().components();
     let mut of_part = vec![vec![]; components.count()];
-    for (v, size) in residuals {
-        if let Some(part) = components.of_vertex(v) {
-            of_part[part as usize].push(size * unit);
+    for (v, residual) in residuals.iter().enumerate() {
+        if let (Some(part), Some(r)) = (components.of_vertex(v as u32), residual) {
+            of_part[part as usize].push(r.abs() * unit);
         }
     }
     let mut unmeasured = vec![];
@@ -125,7 +136,37 @@ pub fn noisy_parts(mesh: &TriMesh) -> Vec<NoisyParts> {
         let mut sizes: Vec<f64> = group.into_iter().flat_map(|(_, sizes, _)| sizes).collect();
         groups.extend(level_of(&mut sizes).map(|level| NoisyParts { level, components }));
     }
+    for group in &mut groups {
+        let inside = |v: u32| {
+            let part = components.of_vertex(v);
+            part.is_some_and(|part| group.components.binary_search(&part).is_ok())
+        };
+        group.level.correlation = correlation(mesh, &residuals, group.level.sigma / unit, inside);
+    }
     groups
+}
+
+/// The correlation across edges of the residuals of the vertices that are `inside`; zero if there is none.
+fn correlation(
+    mesh: &TriMesh,
+    residuals: &[Option<f64>],
+    sigma: f64,
+    inside: impl Fn(u32) -> bool,
+) -> f64 {
+    let clipped: Vec<Option<f64>> = (0u32..)
+        .zip(residuals)
+        .map(|(v, r)| r.filter(|_| inside(v)).map(|r| (r / sigma).clamp(-CLIP, CLIP)))
+        .collect();
+    let (mut products, mut squares) = (0.0, 0.0);
+    for &[a, b, c] in mesh.faces() {
+        for (v, w) in [(a, b), (b, c), (c, a)] {
+            if let (Some(x), Some(y)) = (clipped[v as usize], clipped[w as usize]) {
+                products += x * y;
+                squares += 0.5 * (x * x + y * y);
+            }
+        }
+    }
+    if squares > 0.0 { products / squares } else { 0.0 }
 }
 
 /// Which part has the largest `n σ̂²`; the first of equal ones.
@@ -137,10 +178,15 @@ fn most_noise(parts: &[(u32, Vec<f64>, NoiseEstimate)]) -> Option<usize> {
 /// The level of absolute values, which it sorts.
 fn level_of(sizes: &mut [f64]) -> Option<NoiseEstimate> {
     sizes.sort_unstable_by(f64::total_cmp);
-    let (median, high) = (median(sizes)?, sizes[sizes.len() * 9 / 10]);
+    let (median, low, high) =
+        (median(sizes)?, sizes[sizes.len() / 10], sizes[sizes.len() * 9 / 10]);
+    let over_gaussian =
+        |size: f64, gaussian: f64| if median > 0.0 { size / median / gaussian } else { 1.0 };
     Some(NoiseEstimate {
         sigma: median / GAUSSIAN_MEDIAN,
-        tail_ratio: if median > 0.0 { high / median / GAUSSIAN_TAIL } else { 1.0 },
+        tail_ratio: over_gaussian(high, GAUSSIAN_TAIL),
+        low_ratio: over_gaussian(low, GAUSSIAN_LOW),
+        correlation: 0.0,
         samples: sizes.len(),
     })
 }
@@ -241,6 +287,30 @@ mod tests {
             assert!((0.94..1.1).contains(&(level.sigma / sigma)), "{sigma}: {level:?}");
             assert!(!level.is_impulsive(), "{level:?}");
         }
+    }
+
+    /// Independent noise correlates as the fits make it; means over neighbours correlate more, and so do
+    /// waves that a quadric misses. A level that varies leaves more small residuals.
+    #[test]
+    fn correlated_and_varying_noise_are_told() {
+        let mut rng = ChaCha8Rng::seed_from_u64(5);
+        let independent = noise_level(&grid(|| 0.1 * gaussian(&mut rng))).unwrap();
+        assert!(independent.correlation.abs() < 0.2, "{independent:?}");
+        assert!((0.85..1.15).contains(&independent.low_ratio), "{independent:?}");
+        let mut last = [0.0; 3];
+        let correlated = noise_level(&grid(|| {
+            last = [last[1], last[2], 0.1 * gaussian(&mut rng)];
+            last[0] + last[1] + last[2]
+        }))
+        .unwrap();
+        assert!(correlated.correlation > independent.correlation + 0.1, "{correlated:?}");
+        let mut k = 0;
+        let varying = noise_level(&grid(|| {
+            k += 1;
+            if k % 3600 < 1200 { 0.1 * gaussian(&mut rng) } else { 0.01 * gaussian(&mut rng) }
+        }))
+        .unwrap();
+        assert!(varying.low_ratio < 0.85, "{varying:?}");
     }
 
     /// Of an even number of residuals the level is that of the mean of the two in the middle.

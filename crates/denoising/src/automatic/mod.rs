@@ -1,6 +1,7 @@
 //! Denoising without parameters.
 
 mod follow;
+mod offset;
 mod parts;
 pub(crate) mod regression;
 mod relabel;
@@ -16,6 +17,7 @@ use super::rebuild::rebuild;
 use super::unit_scale::at_unit_scale;
 use crate::DenoiseError;
 use follow::Follow;
+use offset::in_the_middle;
 use parts::Part;
 use regression::model::Model;
 use regression::{FAR, regress};
@@ -95,6 +97,9 @@ impl Automatic {
 /// denoised apart ([`noisy_parts`]), each group as a mesh of its own: a clean
 /// part does not change, and does not reduce the smoothing of a noisy one.
 ///
+/// Each connected part is then offset so that its noisy vertices lie on both sides of it
+/// alike; a closed part so keeps its volume.
+///
 /// No vertex moves further than five times the larger of σ̂ and the root mean
 /// square displacement ([`Automatic::limit`]). Isolated vertices stay; borders
 /// move with their faces; nothing is compared across edges with one, three or
@@ -159,7 +164,9 @@ fn denoise_alike(mesh: &TriMesh, level: NoiseEstimate) -> Result<(TriMesh, f64),
     let rings = FaceLists::rings(mesh);
     let found = regress(mesh, &hinges, &rings, level, model)?;
     let follow = Follow::new(mesh, &rings, found.limit / FAR, found.limit);
+    fairing_watch::stage("positions", 0);
     let normals = relabel(mesh, &rings, found.normals, &follow)?;
     let moved = follow.run(mesh.positions(), &normals, STEPS)?;
+    let moved = in_the_middle(mesh, moved, &normals, found.limit / FAR, found.limit)?;
     Ok((without_flips(mesh, moved, &normals, &follow)?, found.limit))
 }

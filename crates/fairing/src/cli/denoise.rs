@@ -133,6 +133,8 @@ fn as_json(result: &Automatic) -> Value {
         "noise": result.noise.map(|noise| json!({
             "sigma": noise.sigma,
             "tail_ratio": noise.tail_ratio,
+            "low_ratio": noise.low_ratio,
+            "correlation": noise.correlation,
             "impulsive": noise.is_impulsive(),
         })),
         "kind": kind,

@@ -31,6 +31,9 @@ mod solid;
 #[cfg(test)]
 mod tests;
 mod tube;
+mod warp;
+
+pub use warp::{facets, swell, warped};
 
 /// What a family is like.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -237,20 +240,30 @@ impl Family {
     /// Unless `faces` is from 2000 to 100 thousand: coarser triangles miss the
     /// details.
     pub fn mesh(self, faces: usize, triangulation: Triangulation, seed: u64) -> TriMesh {
-        assert!((2000..=100_000).contains(&faces), "{faces} faces are not in 2000..=100000");
-        let build = |spacing| self.make(Build { spacing, triangulation, seed });
-        // A coarse mesh shows how many faces there are to a spacing.
-        let coarse = 0.12;
-        let mut spacing = coarse * (build(coarse).face_count() as f64 / faces as f64).sqrt();
-        let mut mesh = build(spacing);
-        for _ in 0..3 {
-            let share = mesh.face_count() as f64 / faces as f64;
-            if (share - 1.0).abs() < 0.08 {
-                break;
-            }
-            spacing *= share.sqrt();
-            mesh = build(spacing);
-        }
-        mesh
+        sized(|build| self.make(build), faces, triangulation, seed)
     }
+}
+
+/// What `make` makes with about this many faces.
+fn sized(
+    make: impl Fn(Build) -> TriMesh,
+    faces: usize,
+    triangulation: Triangulation,
+    seed: u64,
+) -> TriMesh {
+    assert!((2000..=100_000).contains(&faces), "{faces} faces are not in 2000..=100000");
+    let build = |spacing| make(Build { spacing, triangulation, seed });
+    // A coarse mesh shows how many faces there are to a spacing.
+    let coarse = 0.12;
+    let mut spacing = coarse * (build(coarse).face_count() as f64 / faces as f64).sqrt();
+    let mut mesh = build(spacing);
+    for _ in 0..3 {
+        let share = mesh.face_count() as f64 / faces as f64;
+        if (share - 1.0).abs() < 0.08 {
+            break;
+        }
+        spacing *= share.sqrt();
+        mesh = build(spacing);
+    }
+    mesh
 }

@@ -69,3 +69,41 @@ fn wrong(family: Family, triangulation: Triangulation, seed: u64) -> Vec<String>
     }
     wrong
 }
+
+/// Shears turn no face over, and a seed always gives the same bytes.
+#[test]
+fn warped_bodies_keep_their_faces() {
+    for seed in 0..12 {
+        let mesh = Family::Gear.mesh(2200, Triangulation::Irregular, 3);
+        let other = warped(&mesh, seed);
+        assert_eq!(other.faces(), mesh.faces());
+        assert_eq!(other.positions(), warped(&mesh, seed).positions());
+        assert!(other.topology().is_closed());
+        let diagnosis = Diagnosis::of(&other);
+        assert_eq!(diagnosis.degenerate_faces.count, 0, "{seed}");
+        // Stretched by two at most, and sheared.
+        let ratio = other.signed_volume() / mesh.signed_volume();
+        assert!((0.1..9.0).contains(&ratio), "{seed}: {ratio}");
+    }
+}
+
+/// Two facets to a cell of the terrain, each with its own normal.
+#[test]
+fn facets_are_planes() {
+    for seed in 0..4 {
+        let mesh = facets(3000, Triangulation::ALL[seed as usize], seed);
+        assert!((2400..3600).contains(&mesh.face_count()), "{seed}: {}", mesh.face_count());
+        let mut normals: Vec<[i64; 3]> = (0..mesh.face_count())
+            .map(|f| {
+                fairing_mesh::vec3::normalize(mesh.area_vector(f))
+                    .unwrap()
+                    .map(|x| libm::round(1e6 * x) as i64)
+            })
+            .collect();
+        normals.sort_unstable();
+        normals.dedup_by(|a, b| (0..3).all(|k| (a[k] - b[k]).abs() < 10));
+        let cells = libm::sqrt(normals.len() as f64 / 2.0).round();
+        assert_eq!(normals.len() as f64, 2.0 * cells * cells, "{seed}");
+        assert!((2.0..=7.0).contains(&cells));
+    }
+}

@@ -22,13 +22,19 @@ const RANGES: usize = 4;
 /// The radius and the range of each local fit.
 const FITS: [(usize, usize); 4] = [(1, 1), (2, 1), (2, 0), (1, 3)];
 
+/// The fits whose residuals are compared over the mesh.
+const SEEN_FITS: [usize; 2] = [0, 3];
+
 const MEANS: usize = RADII.len() * RANGES;
 
 /// Means of noisy and of present normals, planes and quadrics, and six single
 /// normals.
 pub(crate) const CANDIDATES: usize = 2 * MEANS + 2 * FITS.len() + 6;
 
-const SCALARS: usize = 25 + 3 * RADII.len() + 3 * FITS.len();
+/// How many quantiles of the residuals of local fits there are.
+pub(crate) const QUANTILES: usize = 4;
+
+const SCALARS: usize = 27 + QUANTILES + 3 * RADII.len() + 3 * FITS.len();
 
 /// Three components of each candidate, and numbers.
 pub(crate) const INPUTS: usize = 3 * CANDIDATES + SCALARS;
@@ -60,6 +66,8 @@ pub(crate) struct Seen {
     pub(crate) frame: [[f64; 3]; 3],
     /// The point of the surface at the face.
     pub(crate) anchor: [f64; 3],
+    /// log₂ of the residuals of two fits, in mesh units: that of similar normals and that of all.
+    pub(crate) residuals: [f64; 2],
 }
 
 /// A mesh between two stages.
@@ -90,6 +98,13 @@ pub(crate) struct State<'a> {
     pub(crate) h: f64,
     /// [`NoiseEstimate::tail_ratio`](fairing_operators::NoiseEstimate).
     pub(crate) tail: f64,
+    /// [`NoiseEstimate::low_ratio`](fairing_operators::NoiseEstimate).
+    pub(crate) low: f64,
+    /// [`NoiseEstimate::correlation`](fairing_operators::NoiseEstimate).
+    pub(crate) correlation: f64,
+    /// log₂ over σ of the first decile and the median over all faces of [`Seen::residuals`] in the stage before;
+    /// zero in the first stage. Correlated noise has no face with small ones; details leave some.
+    pub(crate) quantiles: [f64; QUANTILES],
     /// The finite scales of differences between normals.
     pub(crate) ranges: [f64; RANGES - 1],
 }
@@ -417,7 +432,9 @@ fn sample(state: &State<'_>, f: usize, sums: &Sums) -> Seen {
     for (slot, x) in inputs[3 * CANDIDATES..].iter_mut().zip(scalars) {
         *slot = x as f32;
     }
-    Seen { sample: Sample { inputs, spread: spread as f32 }, frame, anchor }
+    let of_all = log2(state.sigma);
+    let residuals = SEEN_FITS.map(|k| of_fits[k][0] + of_all);
+    Seen { sample: Sample { inputs, spread: spread as f32 }, frame, anchor, residuals }
 }
 
 /// The faces across the hinges of a face, that with the closest normal first;
@@ -500,6 +517,8 @@ fn scalars(
         missing as f64,
         log2(spread),
         state.tail,
+        state.low,
+        state.correlation,
         log2(state.excess),
         dot(state.noisy.normals[f], state.normals[f]),
         sums.near[1] / sums.near[0].max(f64::MIN_POSITIVE),
@@ -509,6 +528,8 @@ fn scalars(
     ];
     out[..fixed.len()].copy_from_slice(&fixed);
     let mut next = fixed.len();
+    out[next..next + QUANTILES].copy_from_slice(&state.quantiles);
+    next += QUANTILES;
     for (a, tensor) in sums.tensors.iter().enumerate() {
         let total = sums.weight(a + 1, RANGES - 1).max(f64::MIN_POSITIVE);
         let entries = across(tensor, [frame[0], frame[1]]).map(|x| x / total);

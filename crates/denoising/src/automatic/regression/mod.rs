@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::follow::Follow;
 use crate::DenoiseError;
 use crate::faces::{FaceLists, FaceShapes, Hinges, unit_or_zero};
-use features::{Gatherer, Seen, State, longest_sides};
+use features::{Gatherer, QUANTILES, Seen, State, longest_sides};
 use model::Model;
 use network::{Network, Trace, combine};
 
@@ -50,6 +50,8 @@ pub(crate) struct Progress<'a> {
     longest: Vec<f64>,
     /// The scales of differences between normals.
     ranges: [f64; 3],
+    /// log₂ of quantiles of the residuals of local fits, in mesh units.
+    quantiles: Option<[f64; QUANTILES]>,
 }
 
 impl<'a> Progress<'a> {
@@ -86,6 +88,7 @@ impl<'a> Progress<'a> {
             scales: vec![],
             longest: longest_sides(mesh),
             ranges: [0.0; 3],
+            quantiles: None,
         };
         progress.anchors = progress.first_anchors();
         progress.set_scales();
@@ -143,6 +146,11 @@ impl<'a> Progress<'a> {
             excess: self.sigma / self.level.sigma,
             h: self.h,
             tail: self.level.tail_ratio,
+            low: self.level.low_ratio,
+            correlation: self.level.correlation,
+            quantiles: self
+                .quantiles
+                .map_or([0.0; QUANTILES], |q| q.map(|q| q - libm::log2(self.sigma))),
             ranges: self.ranges,
         }
     }
@@ -172,29 +180,32 @@ impl<'a> Progress<'a> {
         let parts = network.parts();
         let watch = fairing_watch::current();
         let count = self.normals.len();
-        let blocks: Vec<Vec<[[f64; 3]; 2]>> = (0..count.div_ceil(BLOCK))
+        let blocks: Vec<Vec<([[f64; 3]; 2], Option<[f64; 2]>)>> = (0..count.div_ceil(BLOCK))
             .into_par_iter()
             .map_init(
                 || (Gatherer::new(&state), Trace::default()),
                 |(gatherer, trace), block| {
-                    watch.check();
+                    watch.advance(1);
                     (block * BLOCK..((block + 1) * BLOCK).min(count))
                         .map(|f| {
                             let Some(seen) = gatherer.sample(f) else {
-                                return [[0.0; 3], state.current.centroids[f]];
+                                return ([[0.0; 3], state.current.centroids[f]], None);
                             };
                             parts.run(&seen.sample, trace);
                             let (mean, _) = combine(&seen.sample, &trace.outputs);
                             let [x, y, z] = mean.map(f64::from);
                             let [a, b, c] = seen.frame;
                             let sum = add(add(scale(a, x), scale(b, y)), scale(c, z));
-                            [unit_or_zero(sum), seen.anchor]
+                            ([unit_or_zero(sum), seen.anchor], Some(seen.residuals))
                         })
                         .collect()
                 },
             )
             .collect();
-        (self.normals, self.anchors) = blocks.into_iter().flatten().map(|[n, a]| (n, a)).unzip();
+        let residuals: Vec<[f64; 2]> = blocks.iter().flatten().filter_map(|(_, r)| *r).collect();
+        (self.normals, self.anchors) =
+            blocks.into_iter().flatten().map(|([n, a], _)| (n, a)).unzip();
+        self.quantiles = quantiles(&residuals);
         self.follow()
     }
 
@@ -218,6 +229,22 @@ impl<'a> Progress<'a> {
         self.set_ranges(0.6);
         Ok(())
     }
+}
+
+/// The first decile and the median of both numbers.
+fn quantiles(residuals: &[[f64; 2]]) -> Option<[f64; QUANTILES]> {
+    let mut found = [0.0; QUANTILES];
+    for (k, slots) in found.chunks_exact_mut(2).enumerate() {
+        let mut numbers: Vec<f64> = residuals.iter().map(|r| r[k]).collect();
+        for (slot, divisor) in slots.iter_mut().zip([10, 2]) {
+            let at = numbers.len() / divisor;
+            if numbers.is_empty() {
+                return None;
+            }
+            *slot = *numbers.select_nth_unstable_by(at, f64::total_cmp).1;
+        }
+    }
+    Some(found)
 }
 
 /// The median; zero without numbers.
@@ -253,10 +280,10 @@ pub(crate) fn regress(
     model: &Model,
 ) -> Result<Regressed, DenoiseError> {
     let mut progress = Progress::new(mesh, hinges, rings, level);
-    fairing_watch::stage("normals", model.stages.len() as u64);
+    let blocks = mesh.face_count().div_ceil(BLOCK);
+    fairing_watch::stage("normals", (model.stages.len() * blocks) as u64);
     for network in &model.stages {
         progress.advance(network)?;
-        fairing_watch::advance(1);
     }
     let Progress { normals, limit, .. } = progress;
     Ok(Regressed { normals, limit })

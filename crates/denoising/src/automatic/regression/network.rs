@@ -3,7 +3,7 @@
 use super::features::{CANDIDATES, INPUTS, Sample};
 
 /// The units of each of the two hidden layers.
-pub(crate) const HIDDEN: usize = 64;
+pub(crate) const HIDDEN: usize = 96;
 
 /// A weight for each candidate, and two components that turn their mean.
 pub(crate) const OUTPUTS: usize = CANDIDATES + 2;

@@ -1,0 +1,175 @@
+//! Bodies that no family makes: families stretched and sheared, and random facets.
+
+use std::f64::consts::TAU;
+
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{add, cross, dot, norm, scale, sub};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+use super::polyhedron::{Polyhedron, polyhedron};
+use super::sheets::bent;
+use super::solid::Solid;
+use super::{Build, Proportions, Triangulation, sized};
+use crate::made;
+use crate::outline::polygon;
+
+/// The largest factor of a stretch; its inverse is the least.
+const STRETCH: f64 = 2.0;
+
+/// The share of meshes that get a relief.
+const RELIEF: f64 = 1.0 / 3.0;
+
+/// A terrain of plane triangles at random slopes: creases of all angles, convex and concave, that
+/// meet in corners. It has a border. `faces` is as for [`Family::mesh`](super::Family::mesh).
+pub fn facets(faces: usize, triangulation: Triangulation, seed: u64) -> TriMesh {
+    sized(terrain, faces, triangulation, seed)
+}
+
+fn terrain(build: Build) -> TriMesh {
+    let mut random = build.proportions();
+    let cells = random.count(2, 7) as usize;
+    let step = 2.0 / cells as f64;
+    let height = 0.5 * step * random.between(0.1, 1.2);
+    let row = cells + 1;
+    let corners = (0..row * row)
+        .map(|k| {
+            let inner = |i: usize| i > 0 && i < cells;
+            let (i, j) = (k % row, k / row);
+            let [x, y] = [i, j].map(|i| {
+                let shift = if inner(i) { random.between(-0.28, 0.28) } else { 0.0 };
+                step * (i as f64 + shift) - 1.0
+            });
+            [x, y, random.between(-height, height)]
+        })
+        .collect();
+    let mut triangles = vec![];
+    for (i, j) in (0..cells).flat_map(|j| (0..cells).map(move |i| (i, j))) {
+        let a = j * row + i;
+        let [b, c, d] = [a + 1, a + row + 1, a + row];
+        match random.count(0, 1) {
+            0 => triangles.extend([vec![a, b, c], vec![a, c, d]]),
+            _ => triangles.extend([vec![a, b, d], vec![b, c, d]]),
+        }
+    }
+    let mut solid = Solid::of(build);
+    polyhedron(&mut solid, &Polyhedron { corners, faces: triangles });
+    solid.finished()
+}
+
+/// A smooth terrain of waves at random, from long and flat to short and steep. It has a border.
+/// `faces` is as for [`Family::mesh`](super::Family::mesh).
+pub fn swell(faces: usize, triangulation: Triangulation, seed: u64) -> TriMesh {
+    sized(waves, faces, triangulation, seed)
+}
+
+fn waves(build: Build) -> TriMesh {
+    const WAVES: u32 = 5;
+    let mut random = build.proportions();
+    let steepest = random.between(0.05, 1.2);
+    let waves: Vec<([f64; 2], f64, f64)> = (0..WAVES)
+        .map(|_| {
+            let frequency = TAU / random.log_between(0.35, 4.0);
+            let (s, c) = libm::sincos(random.between(0.0, TAU));
+            let height = steepest / (f64::from(WAVES) * frequency);
+            ([c * frequency, s * frequency], random.between(0.0, TAU), 2.0 * height)
+        })
+        .collect();
+    let map = move |[x, y]: [f64; 2]| {
+        let height =
+            |(k, phase, a): &([f64; 2], f64, f64)| a * libm::sin(k[0] * x + k[1] * y + phase);
+        [x, y, waves.iter().map(height).sum()]
+    };
+    let [a, b] = [0; 2].map(|_| random.between(0.5, 1.0));
+    bent(build, &[polygon(&[[-a, -b], [a, -b], [a, b], [-a, b]])], map)
+}
+
+/// The mesh, stretched along three directions at random and sheared a few times along waves, and
+/// in a third of all cases also along the plateaus and valleys of a random relief with flanks a few
+/// edges wide. No shear folds space over. The faces stay, so that creases are lines of edges as
+/// before; planes become curved, curved faces flatter or rounder, and each body gets details
+/// that its family does not have.
+pub fn warped(mesh: &TriMesh, seed: u64) -> TriMesh {
+    let mut random = Proportions(ChaCha8Rng::seed_from_u64(seed));
+    let axes = random.axes();
+    let most = libm::log(STRETCH);
+    let factors = [(); 3].map(|()| libm::exp(random.between(-most, most)));
+    let mut positions: Vec<[f64; 3]> = (mesh.positions().iter())
+        .map(|&p| {
+            (axes.iter().zip(factors))
+                .fold([0.0; 3], |sum, (a, f)| add(sum, scale(*a, f * dot(*a, p))))
+        })
+        .collect();
+    let stretched = made(positions.clone(), mesh.faces().to_vec());
+    let (h, size) = (stretched.mean_edge_length(), stretched.diagonal());
+    for _ in 0..random.count(0, 3) {
+        let length = random.log_between(5.0 * h, 0.6 * size);
+        let wave = Shear::new(&mut random, 1, length);
+        let height = random.between(0.0, 0.8) * length / TAU;
+        wave.apply(&mut positions, |t| height * t);
+    }
+    if random.between(0.0, 1.0) < RELIEF {
+        for _ in 0..random.count(1, 2) {
+            let length = random.log_between(7.0 * h, 30.0 * h);
+            let flank = random.between(1.5 * h, (0.2 * length).max(2.5 * h));
+            let relief = Shear::new(&mut random, 3, length);
+            let height = random.between(0.3, 1.5) * flank;
+            // Half of the way up within `flank` of the middle of a flank.
+            let width = TAU / length * flank;
+            relief.apply(&mut positions, |t| height * t / (t * t + width * width).sqrt());
+        }
+    }
+    made(positions, mesh.faces().to_vec())
+}
+
+/// A displacement along one direction by a function of the coordinates across it.
+struct Shear {
+    along: [f64; 3],
+    /// Wave vectors across it, and phases.
+    waves: Vec<([f64; 3], f64)>,
+}
+
+impl Shear {
+    /// By a sum of waves of about this length.
+    fn new(random: &mut Proportions, waves: usize, length: f64) -> Self {
+        let along = random.direction();
+        let mut wave = || {
+            let across = loop {
+                let d = random.direction();
+                let d = sub(d, scale(along, dot(d, along)));
+                if norm(d) > 0.1 {
+                    break scale(d, 1.0 / norm(d));
+                }
+            };
+            let frequency = TAU / (length * random.between(0.8, 1.25));
+            (scale(across, frequency), random.between(0.0, TAU))
+        };
+        Self { along, waves: (0..waves).map(|_| wave()).collect() }
+    }
+
+    fn apply(&self, positions: &mut [[f64; 3]], height: impl Fn(f64) -> f64) {
+        for p in positions {
+            let sum: f64 = self.waves.iter().map(|(k, phase)| libm::sin(dot(*k, *p) + phase)).sum();
+            *p = add(*p, scale(self.along, height(sum)));
+        }
+    }
+}
+
+impl Proportions {
+    /// Evenly in the logarithm; `low` if the interval is empty.
+    fn log_between(&mut self, low: f64, high: f64) -> f64 {
+        low * libm::pow((high / low).max(1.0), self.between(0.0, 1.0))
+    }
+
+    /// Three unit vectors at right angles.
+    fn axes(&mut self) -> [[f64; 3]; 3] {
+        loop {
+            let x = self.direction();
+            let y = cross(x, self.direction());
+            if norm(y) > 0.1 {
+                let y = scale(y, 1.0 / norm(y));
+                return [x, y, cross(x, y)];
+            }
+        }
+    }
+}
