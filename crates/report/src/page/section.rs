@@ -79,7 +79,7 @@ fn method(record: &Record) -> Result<String> {
     }
     text += &same(record);
     if !files.is_empty() {
-        let _ = write!(text, "<details><summary>Files</summary>{files}</details>");
+        let _ = write!(text, "<details class=\"rows\"><summary>Files</summary>{files}</details>");
     }
     Ok(text + "</div>")
 }
