@@ -105,15 +105,16 @@ Playground.kinds.set('noise', class extends Playground {
     });
     this.result.textContent =
       `H is off by ${readable(100 * mean, 2)} %, K by ${readable(100 * gaussian, 2)} %: ${readable(gaussian / mean, 2)} times as much. ` +
-      `The angle defects still add up to ${this.total()} π, as they must: 2πχ = ${2 * this.kind.euler} π.`;
+      `The angle defects still add up to ${this.total()}, as they must: 2πχ = ${2 * this.kind.euler ? `${2 * this.kind.euler} π` : '0'}.`;
     this.plots.replaceChildren(this.plot(sigma, mean, gaussian));
     if (this.picked >= this.mesh.positions.length / 3) this.picked = -1;
     if (this.words && this.picked >= 0) this.words.textContent = `Vertex ${this.picked}. ${this.about(this.picked)}`;
   }
 
-  /** The sum of all angle defects over π; what is left of zero is rounding. */
+  /** The sum of all angle defects in parts of π; what is left of zero is rounding. */
   total() {
-    return readable(Number((this.now.total / Math.PI).toFixed(9)), 9);
+    const parts = Number((this.now.total / Math.PI).toFixed(9));
+    return parts ? `${readable(parts, 9)} π` : '0';
   }
 
   plot(sigma, mean, gaussian) {

@@ -138,7 +138,7 @@ class View {
       canvas.title = HOW;
       const bar = element('div', {class: 'bar'});
       const title = element('h4', {}, mesh.title);
-      const facts = element('p', {class: 'facts-line', hidden: !mesh.facts?.length});
+      const facts = element('p', {class: 'facts-line', hidden: !this.meshes.some((m) => m.facts?.length)});
       const panel = element('div', {class: 'panel', hidden: Boolean(mesh.flow)}, title, canvas, facts, bar);
       const shown = {mesh, canvas, bar, title, facts, panel, target: canvas.getContext('2d')};
       this.listen(shown);

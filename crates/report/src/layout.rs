@@ -139,6 +139,7 @@ const NAMES: [(&str, &[(&str, &str)]); 11] = [
     (
         "denoisers",
         &[
+            ("block", "the block after every denoiser"),
             ("torus", "the torus after every denoiser"),
             ("creature", "the creature after every denoiser"),
             ("worst-development", "the worst case of the development half"),

@@ -309,7 +309,7 @@ pub(crate) fn left_out(table: &Table) -> String {
 /// A table; numbers are set flush right.
 fn rows(table: &Table) -> String {
     let heading = |c: &Column| match c.unit {
-        Unit::Label | Unit::One | Unit::Count => named(c),
+        Unit::Label | Unit::One | Unit::Count | Unit::Order => named(c),
         unit => format!("{} ({unit})", named(c)),
     };
     let mut text = String::from("\n|");

@@ -358,7 +358,7 @@ fn view(body: &Body, level: f64, restored: &[TriMesh]) -> Result<View> {
         id: format!("{}-view", body.name),
         mesh: body.name.into(),
         caption: format!(
-            "Move through the denoisers: yellow marks normals that are off. The published filters leave whole edges or whole faces bright; the numbers under the panels say what each one costs. The {} with noise of {level} h along its normals, after each denoiser with its defaults.",
+            "Move through the denoisers: the brighter a place, the farther its normal is off. The numbers under the panels say what each denoiser costs in volume and in creases. The {} with noise of {level} h along its normals, after each denoiser with its defaults.",
             body.name
         ),
         alt: format!(

@@ -241,7 +241,7 @@ fn view(context: &Context<'_>) -> Result<View> {
         id: "methods-view".into(),
         mesh: "bumpy sphere".into(),
         caption: format!(
-            "Move through the methods: red is outside the true surface, blue inside. Diffusion and mean curvature flow turn blue all over, because they shrink; Taubin's steps and HC do not. A bumpy sphere of {} vertices with noise of {SIGMA} h, after each method with its default options.",
+            "Move through the methods: red is outside the true surface, blue inside. Implicit diffusion turns blue all over, because it shrinks; Taubin's steps do not. A bumpy sphere of {} vertices with noise of {SIGMA} h, after each method with its default options.",
             truth.vertex_count()
         ),
         alt: "A rough sphere with bumps, a smoother one, and the true one, with a slider over methods.".into(),

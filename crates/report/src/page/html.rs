@@ -9,6 +9,19 @@ pub(super) fn escape(text: &str) -> String {
         .replace('\'', "&#39;")
 }
 
+/// Text in which `` `words` `` are code.
+pub(super) fn with_code(text: &str) -> String {
+    let mut html = String::new();
+    let mut rest = text;
+    while let Some((before, (code, after))) =
+        rest.split_once('`').and_then(|(before, after)| Some((before, after.split_once('`')?)))
+    {
+        html += &format!("{}<code>{}</code>", escape(before), escape(code));
+        rest = after;
+    }
+    html + &escape(rest)
+}
+
 /// JSON for use inside a `<script>`: nothing in it can end the element.
 pub(super) fn script_json(value: &serde_json::Value) -> String {
     value.to_string().replace('<', "\\u003c")
@@ -21,6 +34,8 @@ mod tests {
     #[test]
     fn nothing_breaks_out() {
         assert_eq!(escape("<a b='\"'>&"), "&lt;a b=&#39;&quot;&#39;&gt;&amp;");
+        assert_eq!(with_code("a `b<c` d"), "a <code>b&lt;c</code> d");
+        assert_eq!(with_code("a ` <"), "a ` &lt;");
         let value = serde_json::json!("</script><!--");
         let text = script_json(&value);
         assert!(!text.contains('<'));

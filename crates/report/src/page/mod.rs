@@ -314,7 +314,7 @@ fn claims(results: &Results) -> String {
 fn claim_table(results: &Results, ours: bool, heading: &str) -> String {
     let mut rows = String::new();
     for (_, claim) in results.claims().into_iter().filter(|(_, c)| c.ours == ours) {
-        let number = claim.numbers.first().map(ToString::to_string).unwrap_or_default();
+        let number = claim.numbers.first().map(section::decided).unwrap_or_default();
         let _ = write!(
             rows,
             "<tr><td><a href=\"#claim-{0}\">{0}</a></td><td>{1}</td><td>{2}</td><td>{3}</td><td>{4}</td></tr>",
@@ -322,7 +322,7 @@ fn claim_table(results: &Results, ours: bool, heading: &str) -> String {
             escape(&claim.claim),
             section::verdict(claim.verdict) + &section::link(&results.experiments, claim),
             escape(&claim.finding),
-            escape(&number),
+            number,
         );
     }
     match rows.is_empty() {

@@ -5,11 +5,11 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::html::escape;
+use super::html::{escape, with_code};
 use super::{figures, tables};
 use crate::{commands, mathml, play, snippets};
 use fairing_results::results::{Form, Record};
-use fairing_results::verdict::{Judgement, Shown, Verdict};
+use fairing_results::verdict::{Deciding, Judgement, Shown, Verdict};
 
 /// Question, method, verdicts, views, figures, tables and how to make it
 /// again.
@@ -44,8 +44,14 @@ pub(super) fn experiment(
     text += &method(record)?;
     text += &figures::shown(record, first, folder, form)?;
     text += &tables::tables(record, form);
-    for note in &record.notes {
-        let _ = write!(text, "<p>{}</p>", escape(note));
+    let notes: Vec<String> =
+        record.notes.iter().map(|note| format!("<p>{}</p>", with_code(note))).collect();
+    if let Some((first, others)) = notes.split_first() {
+        text += first;
+        if !others.is_empty() {
+            let _ =
+                write!(text, "<details><summary>Remarks</summary>{}</details>", others.concat());
+        }
     }
     Ok(text + "</section>")
 }
@@ -73,7 +79,7 @@ fn method(record: &Record) -> Result<String> {
     }
     text += &same(record);
     if !files.is_empty() {
-        let _ = write!(text, "<details><summary>Files</summary>{files}</details>");
+        let _ = write!(text, "<details class=\"rows\"><summary>Files</summary>{files}</details>");
     }
     Ok(text + "</div>")
 }
@@ -128,7 +134,7 @@ fn judgement(all: &[Record], claim: &Judgement) -> String {
     if !claim.numbers.is_empty() {
         more += "<ul class=\"numbers\">";
         for number in &claim.numbers {
-            let _ = write!(more, "<li>{}</li>", escape(&number.to_string()));
+            let _ = write!(more, "<li>{}</li>", decided(number));
         }
         more += "</ul>";
     }
@@ -136,6 +142,13 @@ fn judgement(all: &[Record], claim: &Judgement) -> String {
         let _ = write!(text, "<details><summary>Reasons</summary>{more}</details>");
     }
     text + "</div>"
+}
+
+/// A deciding number after its name.
+pub(super) fn decided(number: &Deciding) -> String {
+    let text = number.to_string();
+    let value = text.strip_prefix(&number.name).unwrap_or_default();
+    format!("{}:{}", escape(&number.name), escape(value))
 }
 
 fn parameters(record: &Record) -> String {

@@ -66,7 +66,7 @@ fn table(table: &Table, csv: &str, form: Form) -> String {
     for &c in &columns {
         let c = &table.columns[c];
         let unit = match c.unit {
-            Unit::Label | Unit::One | Unit::Count => String::new(),
+            Unit::Label | Unit::One | Unit::Count | Unit::Order => String::new(),
             unit => format!(" ({unit})"),
         };
         let class = class(c.unit);
