@@ -319,3 +319,35 @@ impl<'a> Rows<'a> {
         std::iter::once((f, self.own[f])).chain(ring.zip(values))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use fairing_shapes as shapes;
+
+    use super::*;
+
+    /// Column f of the weights is the entry f of each row, and rows sum to one, with a border and where a face has no
+    /// area.
+    #[test]
+    fn columns_are_those_of_the_rows() {
+        let mut positions = shapes::plane(5, 4, shapes::Diagonals::Alternating).into_positions();
+        positions[7] = positions[8];
+        let plane = shapes::plane(5, 4, shapes::Diagonals::Alternating);
+        for mesh in [plane.with_positions(positions).unwrap(), shapes::cad_block(0.4)] {
+            let weights = Weights::new(&mesh, 1.0, 0.45);
+            let rows = Rows::new(&weights, &weights.shapes.normals);
+            let count = mesh.face_count();
+            let mut columns = vec![vec![]; count];
+            for f in 0..count {
+                let sum: f64 = rows.forward(f).map(|(_, w)| w).sum();
+                assert!((sum - 1.0).abs() < 1e-14, "row {f} sums to {sum}");
+                rows.forward(f).for_each(|(g, w)| columns[g].push((f, w)));
+            }
+            for (f, expected) in columns.iter().enumerate() {
+                let mut found: Vec<(usize, f64)> = rows.backward(f).collect();
+                found.sort_by_key(|&(g, _)| g);
+                assert_eq!(&found, expected, "column {f}");
+            }
+        }
+    }
+}

@@ -247,4 +247,40 @@ mod tests {
         }
         assert!(least < 0.9 * weight, "{least}");
     }
+
+    /// The matrix is that of Σ A x² + 2α Σ ℓ (x_f − x_g)² over the hinges, and the right-hand side of the jumps of a
+    /// field is the matrix times the field where the noisy normals are the field.
+    #[test]
+    fn the_matrix_is_that_of_the_jumps() {
+        let plane = shapes::plane(4, 3, shapes::Diagonals::Alternating);
+        for mesh in [shapes::cad_block(0.4), plane] {
+            let problem = Problem::new(&mesh, 0.7);
+            let x = &problem.noisy;
+            let square = |v: [f64; 3]| v.map(|v| v * v).iter().sum::<f64>();
+            let h = mesh.mean_edge_length();
+            let mut expected: f64 = x.iter().zip(&problem.areas).map(|(x, a)| a * square(*x)).sum();
+            for hinge in &problem.hinges.all {
+                let [a, b] = hinge.ends.map(|v| mesh.positions()[v as usize]);
+                let [f, g] = hinge.faces.map(|f| x[f as usize]);
+                expected += 1.4 * distance(a, b) / h * square(sub(f, g));
+            }
+            let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+            let found: f64 = (0..x.len()).map(|f| dot(x[f], problem.row(x, f))).sum();
+            assert!((found - expected).abs() < 1e-12 * expected, "{found} {expected}");
+            let jumps = problem.hinges.all.iter().map(|hinge| {
+                let [f, g] = hinge.faces.map(|f| x[f as usize]);
+                sub(f, g)
+            });
+            let mut b = vec![[0.0; 3]; x.len()];
+            problem.right_hand_side(&jumps.collect::<Vec<_>>(), &mut b);
+            let mut unit = vec![[0.0; 3]; x.len()];
+            for f in 0..x.len() {
+                // A few terms, in the same order but for the sign of a zero.
+                assert!(distance(b[f], problem.row(x, f)) < 1e-13, "{:?}", b[f]);
+                unit[f] = [1.0; 3];
+                assert!((problem.row(&unit, f)[0] - problem.diagonal()[f]).abs() < 1e-13);
+                unit[f] = [0.0; 3];
+            }
+        }
+    }
 }
