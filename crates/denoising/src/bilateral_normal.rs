@@ -333,7 +333,7 @@ mod tests {
         let mut positions = shapes::plane(5, 4, shapes::Diagonals::Alternating).into_positions();
         positions[7] = positions[8];
         let plane = shapes::plane(5, 4, shapes::Diagonals::Alternating);
-        for mesh in [plane.with_positions(positions).unwrap(), shapes::cad_block(0.4)] {
+        for mesh in [plane.with_positions(positions).unwrap(), shapes::cad_block(0.3)] {
             let weights = Weights::new(&mesh, 1.0, 0.45);
             let rows = Rows::new(&weights, &weights.shapes.normals);
             let count = mesh.face_count();

@@ -253,7 +253,7 @@ mod tests {
     #[test]
     fn the_matrix_is_that_of_the_jumps() {
         let plane = shapes::plane(4, 3, shapes::Diagonals::Alternating);
-        for mesh in [shapes::cad_block(0.4), plane] {
+        for mesh in [shapes::cad_block(0.3), plane] {
             let problem = Problem::new(&mesh, 0.7);
             let x = &problem.noisy;
             let square = |v: [f64; 3]| v.map(|v| v * v).iter().sum::<f64>();

@@ -167,6 +167,6 @@ fn denoise_alike(mesh: &TriMesh, level: NoiseEstimate) -> Result<(TriMesh, f64),
     fairing_watch::stage("positions", 0);
     let normals = relabel(mesh, &rings, found.normals, &follow)?;
     let moved = follow.run(mesh.positions(), &normals, STEPS)?;
-    let moved = in_the_middle(mesh, moved, &normals, found.limit / FAR, found.limit)?;
+    let moved = in_the_middle(mesh, moved, &normals, found.limit)?;
     Ok((without_flips(mesh, moved, &normals, &follow)?, found.limit))
 }

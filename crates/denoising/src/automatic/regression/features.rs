@@ -66,7 +66,7 @@ pub(crate) struct Seen {
     pub(crate) frame: [[f64; 3]; 3],
     /// The point of the surface at the face.
     pub(crate) anchor: [f64; 3],
-    /// log₂ of the residuals of two fits, in mesh units: that of similar normals and that of all.
+    /// log₂ of the residuals of two fits over σ: that of similar normals and that of all.
     pub(crate) residuals: [f64; 2],
 }
 
@@ -432,8 +432,7 @@ fn sample(state: &State<'_>, f: usize, sums: &Sums) -> Seen {
     for (slot, x) in inputs[3 * CANDIDATES..].iter_mut().zip(scalars) {
         *slot = x as f32;
     }
-    let of_all = log2(state.sigma);
-    let residuals = SEEN_FITS.map(|k| of_fits[k][0] + of_all);
+    let residuals = SEEN_FITS.map(|k| of_fits[k][0]);
     Seen { sample: Sample { inputs, spread: spread as f32 }, frame, anchor, residuals }
 }
 

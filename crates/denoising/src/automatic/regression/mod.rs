@@ -50,8 +50,8 @@ pub(crate) struct Progress<'a> {
     longest: Vec<f64>,
     /// The scales of differences between normals.
     ranges: [f64; 3],
-    /// log₂ of quantiles of the residuals of local fits, in mesh units.
-    quantiles: Option<[f64; QUANTILES]>,
+    /// log₂ of quantiles of the residuals of local fits over a noise level, and that level.
+    quantiles: Option<([f64; QUANTILES], f64)>,
 }
 
 impl<'a> Progress<'a> {
@@ -148,9 +148,9 @@ impl<'a> Progress<'a> {
             tail: self.level.tail_ratio,
             low: self.level.low_ratio,
             correlation: self.level.correlation,
-            quantiles: self
-                .quantiles
-                .map_or([0.0; QUANTILES], |q| q.map(|q| q - libm::log2(self.sigma))),
+            quantiles: self.quantiles.map_or([0.0; QUANTILES], |(quantiles, sigma)| {
+                quantiles.map(|q| q + libm::log2(sigma / self.sigma))
+            }),
             ranges: self.ranges,
         }
     }
@@ -205,7 +205,7 @@ impl<'a> Progress<'a> {
         let residuals: Vec<[f64; 2]> = blocks.iter().flatten().filter_map(|(_, r)| *r).collect();
         (self.normals, self.anchors) =
             blocks.into_iter().flatten().map(|([n, a], _)| (n, a)).unzip();
-        self.quantiles = quantiles(&residuals);
+        self.quantiles = quantiles(&residuals).map(|q| (q, self.sigma));
         self.follow()
     }
 
