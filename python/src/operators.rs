@@ -162,13 +162,12 @@ fn curvature<'py>(
     Ok(dict)
 }
 
+/// The fields of `NoiseLevel` in their order.
+type NoiseNumbers = (f64, f64, bool, usize, f64, f64);
+
 /// σ, the ratios at both tails, the correlation, whether impulsive, and the number of samples.
 #[pyfunction(name = "noise_level")]
-fn noise_level_of(
-    py: Python<'_>,
-    mesh: &Mesh,
-    call: Call,
-) -> PyResult<Option<(f64, f64, bool, usize, f64, f64)>> {
+fn noise_level_of(py: Python<'_>, mesh: &Mesh, call: Call) -> PyResult<Option<NoiseNumbers>> {
     let mesh = mesh.share();
     call.run(py, move || {
         Ok(noise_level(&mesh).map(|n| {

@@ -76,7 +76,7 @@ impl Default for RenderOptions {
 }
 
 impl RenderOptions {
-    /// Width over height, as [`Camera::fit`] takes it.
+    /// Width over height, as [`Camera::fit`](crate::Camera::fit) takes it.
     pub fn aspect(&self) -> f64 {
         f64::from(self.width) / f64::from(self.height)
     }

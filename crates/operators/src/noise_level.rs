@@ -311,7 +311,7 @@ mod tests {
         let mut k = 0;
         let varying = noise_level(&grid(|| {
             k += 1;
-            if k % 3600 < 1200 { 0.1 * gaussian(&mut rng) } else { 0.01 * gaussian(&mut rng) }
+            if k % 3600 < 2400 { 0.1 * gaussian(&mut rng) } else { 0.01 * gaussian(&mut rng) }
         }))
         .unwrap();
         assert!(varying.low_ratio < 0.85, "{varying:?}");

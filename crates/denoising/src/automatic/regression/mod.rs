@@ -27,6 +27,14 @@ const TRUST: f64 = 3.0;
 /// million is moved further by noise.
 pub(super) const FAR: f64 = 5.0;
 
+/// What a stage finds at a face.
+struct Answer {
+    normal: [f64; 3],
+    anchor: [f64; 3],
+    /// As in [`Seen`]; `None` without a normal.
+    residuals: Option<[f64; 2]>,
+}
+
 /// Faces that are treated together.
 const BLOCK: usize = 1024;
 
@@ -180,7 +188,7 @@ impl<'a> Progress<'a> {
         let parts = network.parts();
         let watch = fairing_watch::current();
         let count = self.normals.len();
-        let blocks: Vec<Vec<([[f64; 3]; 2], Option<[f64; 2]>)>> = (0..count.div_ceil(BLOCK))
+        let blocks: Vec<Vec<Answer>> = (0..count.div_ceil(BLOCK))
             .into_par_iter()
             .map_init(
                 || (Gatherer::new(&state), Trace::default()),
@@ -189,22 +197,31 @@ impl<'a> Progress<'a> {
                     (block * BLOCK..((block + 1) * BLOCK).min(count))
                         .map(|f| {
                             let Some(seen) = gatherer.sample(f) else {
-                                return ([[0.0; 3], state.current.centroids[f]], None);
+                                return Answer {
+                                    normal: [0.0; 3],
+                                    anchor: state.current.centroids[f],
+                                    residuals: None,
+                                };
                             };
                             parts.run(&seen.sample, trace);
                             let (mean, _) = combine(&seen.sample, &trace.outputs);
                             let [x, y, z] = mean.map(f64::from);
                             let [a, b, c] = seen.frame;
                             let sum = add(add(scale(a, x), scale(b, y)), scale(c, z));
-                            ([unit_or_zero(sum), seen.anchor], Some(seen.residuals))
+                            Answer {
+                                normal: unit_or_zero(sum),
+                                anchor: seen.anchor,
+                                residuals: Some(seen.residuals),
+                            }
                         })
                         .collect()
                 },
             )
             .collect();
-        let residuals: Vec<[f64; 2]> = blocks.iter().flatten().filter_map(|(_, r)| *r).collect();
+        let residuals: Vec<[f64; 2]> =
+            blocks.iter().flatten().filter_map(|a| a.residuals).collect();
         (self.normals, self.anchors) =
-            blocks.into_iter().flatten().map(|([n, a], _)| (n, a)).unzip();
+            blocks.into_iter().flatten().map(|a| (a.normal, a.anchor)).unzip();
         self.quantiles = quantiles(&residuals).map(|q| (q, self.sigma));
         self.follow()
     }
