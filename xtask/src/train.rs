@@ -114,7 +114,7 @@ impl Body {
             Self::Swell => swell(faces, triangulation, seed),
             Self::Shape(k) => shape(k, [draw(2), draw(4)], seed),
         };
-        let truth = if draw(3) < WARPED { warped(&truth, seed) } else { truth };
+        let truth = if draw(3) < WARPED { warped(&truth, seed)? } else { truth };
         let noisy = add_noise(&truth, kind, NoiseLevel::EdgeLengths(level), seed)?;
         Ok(TrainingPair { noisy, truth })
     }

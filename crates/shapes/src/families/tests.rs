@@ -75,15 +75,29 @@ fn wrong(family: Family, triangulation: Triangulation, seed: u64) -> Vec<String>
 fn warped_bodies_keep_their_faces() {
     for seed in 0..12 {
         let mesh = Family::Gear.mesh(2200, Triangulation::Irregular, 3);
-        let other = warped(&mesh, seed);
+        let other = warped(&mesh, seed).unwrap();
         assert_eq!(other.faces(), mesh.faces());
-        assert_eq!(other.positions(), warped(&mesh, seed).positions());
+        assert_eq!(other.positions(), warped(&mesh, seed).unwrap().positions());
         assert!(other.topology().is_closed());
         let diagnosis = Diagnosis::of(&other);
         assert_eq!(diagnosis.degenerate_faces.count, 0, "{seed}");
         // Stretched by two at most, and sheared.
         let ratio = other.signed_volume() / mesh.signed_volume();
         assert!((0.1..9.0).contains(&ratio), "{seed}: {ratio}");
+    }
+}
+
+/// Meshes that cannot be warped: none of them panics.
+#[test]
+fn what_cannot_be_warped_is_stretched_or_an_error() {
+    let point = TriMesh::new(vec![[1.0; 3]; 3], vec![[0, 1, 2]]).unwrap();
+    let empty = TriMesh::new(vec![], vec![]).unwrap();
+    let huge =
+        TriMesh::new(vec![[f64::MAX; 3], [-f64::MAX; 3], [0.0; 3]], vec![[0, 1, 2]]).unwrap();
+    for seed in 0..8 {
+        assert!(warped(&point, seed).unwrap().positions().iter().flatten().all(|x| x.is_finite()));
+        assert_eq!(warped(&empty, seed).unwrap().vertex_count(), 0);
+        let _: Result<TriMesh, fairing_mesh::BuildError> = warped(&huge, seed);
     }
 }
 

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, cross, dot, norm, scale, sub};
+use fairing_mesh::{BuildError, TriMesh};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
@@ -11,7 +11,6 @@ use super::polyhedron::{Polyhedron, polyhedron};
 use super::sheets::bent;
 use super::solid::Solid;
 use super::{Build, Proportions, Triangulation, sized};
-use crate::made;
 use crate::outline::polygon;
 
 /// The largest factor of a stretch; its inverse is the least.
@@ -88,8 +87,12 @@ fn waves(build: Build) -> TriMesh {
 /// in a third of all cases also along the plateaus and valleys of a random relief with flanks a few
 /// edges wide. No shear folds space over. The faces stay, so that creases are lines of edges as
 /// before; planes become curved, curved faces flatter or rounder, and each body gets details
-/// that its family does not have.
-pub fn warped(mesh: &TriMesh, seed: u64) -> TriMesh {
+/// that its family does not have. A mesh whose edges have no length is only stretched.
+///
+/// # Errors
+///
+/// [`BuildError`] if coordinates overflow.
+pub fn warped(mesh: &TriMesh, seed: u64) -> Result<TriMesh, BuildError> {
     let mut random = Proportions(ChaCha8Rng::seed_from_u64(seed));
     let axes = random.axes();
     let most = libm::log(STRETCH);
@@ -100,8 +103,11 @@ pub fn warped(mesh: &TriMesh, seed: u64) -> TriMesh {
                 .fold([0.0; 3], |sum, (a, f)| add(sum, scale(*a, f * dot(*a, p))))
         })
         .collect();
-    let stretched = made(positions.clone(), mesh.faces().to_vec());
+    let stretched = mesh.with_positions(positions.clone())?;
     let (h, size) = (stretched.mean_edge_length(), stretched.diagonal());
+    if !h.is_normal() {
+        return Ok(stretched);
+    }
     for _ in 0..random.count(0, 3) {
         let length = random.log_between(5.0 * h, 0.6 * size);
         let wave = Shear::new(&mut random, 1, length);
@@ -119,7 +125,7 @@ pub fn warped(mesh: &TriMesh, seed: u64) -> TriMesh {
             relief.apply(&mut positions, |t| height * t / (t * t + width * width).sqrt());
         }
     }
-    made(positions, mesh.faces().to_vec())
+    mesh.with_positions(positions)
 }
 
 /// A displacement along one direction by a function of the coordinates across it.
