@@ -13,6 +13,7 @@ use fairing_mesh::{TriMesh, io};
 use rayon::prelude::*;
 
 use crate::cli::{Bed, Which};
+use crate::meshes::meshes_folder;
 
 /// The table, from the root.
 const TABLE: &str = "docs/reference/published.csv";
@@ -60,8 +61,9 @@ impl Which {
 
     /// The pairs of the literature, which belong to neither half.
     fn pairs(&self, folder: Option<PathBuf>) -> Result<Vec<Pair>> {
-        let folder = folder.or_else(|| std::env::var_os("FAIRING_MESHES").map(PathBuf::from));
-        let Some(folder) = folder.filter(|_| self.half.is_none()) else { return Ok(vec![]) };
+        let Some(folder) = folder.or_else(meshes_folder).filter(|_| self.half.is_none()) else {
+            return Ok(vec![]);
+        };
         let (mut found, absent) = pairs(&folder)?;
         found.retain(|p| self.has(p.name));
         for name in absent.iter().filter(|n| self.has(n)) {

@@ -6,6 +6,7 @@ pub mod bench;
 pub mod cli;
 pub mod data;
 pub mod gate;
+mod meshes;
 mod python;
 pub mod reference;
 pub mod reproduce;

@@ -9,6 +9,7 @@ use fairing_results::compare::{Difference, differences};
 use fairing_results::results::{Form, Results};
 
 use crate::cli::{Bench, Cli, Command, Reproduce};
+use crate::meshes::meshes_folder;
 use crate::reproduce::{Plan, measure, reproduce};
 use crate::{bed, bench, data, gate, python, readme, reference, tidy, train};
 
@@ -65,8 +66,7 @@ impl Reproduce {
         if self.check || self.accept {
             return self.hold_against_reference();
         }
-        let meshes = self.meshes.clone();
-        let meshes = meshes.or_else(|| std::env::var_os("FAIRING_MESHES").map(PathBuf::from));
+        let meshes = self.meshes.clone().or_else(meshes_folder);
         let results = reproduce(experiments::ALL, &self.plan(meshes, &self.out))?;
         println!("The report is in {}.", self.out.display());
         Ok(succeeded(&results))

@@ -9,6 +9,7 @@ use std::time::Instant;
 
 use anyhow::{Context as _, Result};
 
+use crate::meshes::meshes_folder;
 use crate::python::Extent;
 use crate::{python, reference, tidy};
 use programs::Programs;
@@ -163,7 +164,7 @@ fn skipped(root: &Path) -> Vec<(&'static str, &'static str)> {
     if !reference::path(root, true).is_file() {
         skipped.push(("reference values", "none yet: cargo xtask reproduce --quick --accept"));
     }
-    if std::env::var_os("FAIRING_MESHES").is_none() {
+    if meshes_folder().is_none() {
         skipped.push(("corpus: every test", "FAIRING_MESHES names no folder of meshes"));
     }
     if !has_openblas() {
