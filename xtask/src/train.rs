@@ -28,7 +28,7 @@ const NOISE: [(NoiseKind, f64); 10] = [
     (NoiseKind::Varying, 0.45),
     (NoiseKind::Correlated { reach: 1.5 }, 0.4),
     (NoiseKind::GaussianAlongDirections, 0.5),
-    (NoiseKind::Impulsive { share: 0.5 }, 0.5),
+    (NoiseKind::Impulsive { share: 0.6 }, 0.6),
     (NoiseKind::Correlated { reach: 3.0 }, 0.3),
 ];
 
@@ -36,7 +36,7 @@ const NOISE: [(NoiseKind, f64); 10] = [
 const TERRAINS: u64 = 2;
 
 /// The share of bodies that are warped.
-const WARPED: f64 = 0.6;
+const WARPED: f64 = 0.5;
 
 /// Seeds that no case of the test bed has.
 const SEEDS: u64 = 1_000_000;

@@ -27,6 +27,8 @@ pub(crate) struct Hinges {
     pub(crate) all: Vec<Hinge>,
     /// Hinge `k` of a face lies opposite its corner `k`; [`NO_HINGE`] if none.
     pub(crate) of_face: Vec<[u32; 3]>,
+    /// The face across each of them.
+    pub(crate) beside: Vec<[u32; 3]>,
 }
 
 impl Hinges {
@@ -49,17 +51,20 @@ impl Hinges {
                 all.push(Hinge { faces: [f.min(g), f.max(g)], ends });
             }
         }
-        let of_face =
+        let of_face: Vec<[u32; 3]> =
             topology.face_edges().iter().map(|sides| sides.map(|e| of_edge[e as usize])).collect();
-        Self { all, of_face }
+        let other = |f: usize, h: u32| match all.get(h as usize) {
+            Some(&Hinge { faces: [a, b], .. }) if a as usize == f => b,
+            Some(hinge) => hinge.faces[0],
+            None => NO_HINGE,
+        };
+        let beside = of_face.iter().enumerate().map(|(f, row)| row.map(|h| other(f, h))).collect();
+        Self { all, of_face, beside }
     }
 
     /// The faces across the hinges of face `f`.
     pub(crate) fn across(&self, f: usize) -> impl Iterator<Item = usize> + '_ {
-        self.of_face[f].into_iter().filter(|&h| h != NO_HINGE).map(move |h| {
-            let [a, b] = self.all[h as usize].faces;
-            (if a as usize == f { b } else { a }) as usize
-        })
+        self.beside[f].into_iter().filter(|&g| g != NO_HINGE).map(|g| g as usize)
     }
 }
 
@@ -85,6 +90,11 @@ impl Marks {
             self.stamps.fill(0);
             self.current = 1;
         }
+    }
+
+    /// Whether one is marked.
+    pub(crate) fn contains(&self, f: u32) -> bool {
+        self.stamps[f as usize] == self.current
     }
 
     /// Marks one, and says whether it was not marked before.

@@ -3,6 +3,7 @@
 mod follow;
 mod offset;
 mod parts;
+mod planes;
 pub(crate) mod regression;
 mod relabel;
 mod safety;
@@ -81,13 +82,16 @@ impl Automatic {
 /// 2. Normals, in stages. In each stage a face looks at the faces around it, at
 ///    three radii, and at four scales of how different their normals may be:
 ///    means of the noisy normals, means of the present ones, planes and quadrics
-///    fitted to the noisy positions, the normals beside it. These are candidates.
+///    fitted to the noisy positions, the normals beside it, and means over wide
+///    regions that end at creases. These are candidates.
 ///    A small network sees them in axes that turn with the mesh, together with
 ///    numbers such as the residuals of the fits over σ̂, and answers with a
 ///    positive weight for each. The new normal is the weighted mean, turned by at
 ///    most the spread of the candidates. The networks are trained on generated
 ///    bodies (`cargo xtask train`) and part of this crate.
-/// 3. The surface follows the normals between the stages and at the end, and folds
+/// 3. Faces that lie in one plane, which ends at creases, get the normal of a plane
+///    fitted to all their noisy vertices.
+/// 4. The surface follows the normals between the stages and at the end, and folds
 ///    open. Faces that then contradict their normal are on the wrong side of a
 ///    crease and take the normal of a neighbour.
 ///

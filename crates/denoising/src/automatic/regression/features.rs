@@ -2,8 +2,9 @@
 
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, cross, distance, dot, norm, scale, sub};
-use fairing_operators::NormalEquations;
+use pulp::NullaryFnOnce;
 
+use super::fits::{LocalFit, log2, moments, read_fit};
 use crate::faces::{FaceShapes, Hinges, Marks, NO_HINGE, unit_or_zero};
 
 /// The radii of neighbourhoods, in local scales.
@@ -27,14 +28,17 @@ const SEEN_FITS: [usize; 2] = [0, 3];
 
 const MEANS: usize = RADII.len() * RANGES;
 
-/// Means of noisy and of present normals, planes and quadrics, and six single
+/// How many means over wide regions there are.
+pub(crate) const WIDE: usize = 4;
+
+/// Means of noisy and of present normals, planes and quadrics, wide means, and six single
 /// normals.
-pub(crate) const CANDIDATES: usize = 2 * MEANS + 2 * FITS.len() + 6;
+pub(crate) const CANDIDATES: usize = 2 * MEANS + 2 * FITS.len() + WIDE + 6;
 
 /// How many quantiles of the residuals of local fits there are.
 pub(crate) const QUANTILES: usize = 4;
 
-const SCALARS: usize = 27 + QUANTILES + 3 * RADII.len() + 3 * FITS.len();
+const SCALARS: usize = 27 + QUANTILES + 4 * RADII.len() + 3 * FITS.len();
 
 /// Three components of each candidate, and numbers.
 pub(crate) const INPUTS: usize = 3 * CANDIDATES + SCALARS;
@@ -109,6 +113,17 @@ pub(crate) struct State<'a> {
     pub(crate) ranges: [f64; RANGES - 1],
 }
 
+impl State<'_> {
+    /// The weight of a normal that differs by `apart`, in one of the ranges.
+    pub(crate) fn similarity(&self, apart: [f64; 3], range: usize) -> f64 {
+        similarities(dot(apart, apart), self.factors())[range]
+    }
+
+    fn factors(&self) -> [f64; RANGES - 1] {
+        self.ranges.map(|r| 0.25 / (r * r))
+    }
+}
+
 /// The longest side of each face.
 pub(crate) fn longest_sides(mesh: &TriMesh) -> Vec<f64> {
     (0..mesh.face_count())
@@ -117,71 +132,6 @@ pub(crate) fn longest_sides(mesh: &TriMesh) -> Vec<f64> {
             distance(a, b).max(distance(b, c)).max(distance(c, a))
         })
         .collect()
-}
-
-/// The monomials of degrees 0 to 4 in x and y, the heights z times those of
-/// degrees 0 to 2, and z²: what weighted fits of planes and quadrics need.
-const MOMENTS: usize = 22;
-
-/// Where the monomials of a degree begin.
-const DEGREES: [usize; 5] = [0, 1, 3, 6, 10];
-
-/// The powers of x and y of the unknowns of a quadric; the first three are those
-/// of a plane.
-const POWERS: [[usize; 2]; 6] = [[0, 0], [1, 0], [0, 1], [2, 0], [1, 1], [0, 2]];
-
-/// Sums of weighted moments.
-#[derive(Clone, Copy)]
-struct LocalFit([f64; MOMENTS]);
-
-impl LocalFit {
-    /// The normal equations of the first `N` unknowns.
-    fn equations<const N: usize>(&self) -> NormalEquations<N> {
-        let (mut matrix, mut rhs) = ([[0.0; N]; N], [0.0; N]);
-        for i in 0..N {
-            for j in 0..=i {
-                let [x, y] = [0, 1].map(|k| POWERS[i][k] + POWERS[j][k]);
-                matrix[i][j] = self.0[DEGREES[x + y] + y];
-            }
-            rhs[i] = self.0[15 + i];
-        }
-        NormalEquations::from_sums(matrix, rhs)
-    }
-
-    /// The root mean square residual of a solution.
-    fn residual(&self, solution: &[f64], rhs: &[f64]) -> f64 {
-        let explained: f64 = solution.iter().zip(rhs).map(|(c, r)| c * r).sum();
-        ((self.0[MOMENTS - 1] - explained).max(0.0) / self.0[0]).sqrt()
-    }
-}
-
-/// The moments of a point.
-fn moments([x, y, z]: [f64; 3]) -> [f64; MOMENTS] {
-    let (xx, xy, yy) = (x * x, x * y, y * y);
-    [
-        1.0,
-        x,
-        y,
-        xx,
-        xy,
-        yy,
-        xx * x,
-        xx * y,
-        x * yy,
-        yy * y,
-        xx * xx,
-        xx * xy,
-        xx * yy,
-        xy * yy,
-        yy * yy,
-        z,
-        x * z,
-        y * z,
-        xx * z,
-        xy * z,
-        yy * z,
-        z * z,
-    ]
 }
 
 /// Sums over the neighbourhood of a face.
@@ -195,6 +145,8 @@ struct Sums {
     near: [f64; 2],
     /// Squared displacements.
     displacement: f64,
+    /// Signed displacements along normals, over each radius.
+    offsets: [f64; RADII.len()],
 }
 
 impl Sums {
@@ -214,13 +166,14 @@ impl Sums {
 /// Finds the faces around one, and sums over them.
 pub(crate) struct Gatherer<'a> {
     state: &'a State<'a>,
+    wide: &'a [Vec<[f64; 3]>; WIDE],
     marks: Marks,
     queue: Vec<u32>,
 }
 
 impl<'a> Gatherer<'a> {
-    pub(crate) fn new(state: &'a State<'a>) -> Self {
-        Self { state, marks: Marks::new(state.normals.len()), queue: vec![] }
+    pub(crate) fn new(state: &'a State<'a>, wide: &'a [Vec<[f64; 3]>; WIDE]) -> Self {
+        Self { state, wide, marks: Marks::new(state.normals.len()), queue: vec![] }
     }
 
     /// What the network sees of face `f`; `None` for a face without a present
@@ -230,8 +183,8 @@ impl<'a> Gatherer<'a> {
             return None;
         }
         self.gather(f);
-        let sums = self.sums(f);
-        Some(sample(self.state, f, &sums))
+        let sums = pulp::Arch::new().dispatch(Summing { gatherer: self, face: f });
+        Some(sample(self.state, self.wide, f, &sums))
     }
 
     /// The faces around `f` up to the largest radius and at most [`DEPTH`] hinges away, itself
@@ -249,9 +202,12 @@ impl<'a> Gatherer<'a> {
             let end = self.queue.len();
             for i in begin..end {
                 for k in state.hinges.across(self.queue[i] as usize) {
-                    if distance(state.current.centroids[k], centre) < reach
-                        && self.marks.insert(k as u32)
-                    {
+                    if self.marks.contains(k as u32) {
+                        continue;
+                    }
+                    let offset = sub(state.current.centroids[k], centre);
+                    if dot(offset, offset) < reach * reach {
+                        self.marks.insert(k as u32);
                         self.queue.push(k as u32);
                     }
                 }
@@ -260,20 +216,22 @@ impl<'a> Gatherer<'a> {
         }
     }
 
+    #[inline(always)]
     fn sums(&self, f: usize) -> Sums {
         let state = self.state;
         let mut sums = Sums {
             means: [[0.0; 8]; MEANS],
             tensors: [[0.0; 6]; 2],
-            fits: [LocalFit([0.0; MOMENTS]); FITS.len()],
+            fits: [LocalFit::EMPTY; FITS.len()],
             near: [0.0; 2],
             displacement: 0.0,
+            offsets: [0.0; RADII.len()],
         };
         let n = state.normals[f];
         let axes = tangents(n);
         let centre = state.current.centroids[f];
         let inverse = 1.0 / state.scales[f];
-        let ranges = state.ranges.map(|r| 0.25 / (r * r));
+        let ranges = state.factors();
         let squares = RADII.map(|r| 1.0 / (r * r));
         for &g in &self.queue {
             let g = g as usize;
@@ -308,7 +266,7 @@ impl<'a> Gatherer<'a> {
             for (fit, (a, q)) in sums.fits.iter_mut().zip(FITS) {
                 let w = near[a] * range[q] * state.trust[g];
                 if w > 0.0 {
-                    fit.0.iter_mut().zip(point).for_each(|(x, p)| *x += w * p);
+                    fit.add(&point, w);
                 }
             }
             let w = near[0] * area;
@@ -316,13 +274,32 @@ impl<'a> Gatherer<'a> {
             sums.near[1] += w * dot(m, state.noisy.normals[g]);
             let moved = sub(state.noisy.centroids[g], state.current.centroids[g]);
             sums.displacement += near[1] * area * dot(moved, moved);
+            let along = area * dot(moved, m);
+            sums.offsets.iter_mut().zip(near).for_each(|(sum, w)| *sum += w * along);
         }
         sums
     }
 }
 
+/// The sums around a face, with the widest vectors of the processor. Multiplications and additions are
+/// not fused, and no sum is reordered: the bits are the same on all of them.
+struct Summing<'a> {
+    gatherer: &'a Gatherer<'a>,
+    face: usize,
+}
+
+impl NullaryFnOnce for Summing<'_> {
+    type Output = Sums;
+
+    #[inline(always)]
+    fn call(self) -> Sums {
+        self.gatherer.sums(self.face)
+    }
+}
+
 /// The weights of a normal at a squared distance, for each range: close to
 /// Gaussians, with tails of an eighth power; the last is one.
+#[inline(always)]
 fn similarities(square: f64, factors: [f64; RANGES - 1]) -> [f64; RANGES] {
     let mut weights = [1.0; RANGES];
     for (w, factor) in weights.iter_mut().zip(factors) {
@@ -333,54 +310,13 @@ fn similarities(square: f64, factors: [f64; RANGES - 1]) -> [f64; RANGES] {
 }
 
 /// Two unit vectors across `n`.
-fn tangents(n: [f64; 3]) -> [[f64; 3]; 2] {
+pub(in crate::automatic) fn tangents(n: [f64; 3]) -> [[f64; 3]; 2] {
     let axis = if n[0].abs() < 0.6 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
     let first = unit_or_zero(cross(n, axis));
     [first, cross(n, first)]
 }
 
-/// What a fit says: the normals of its plane and quadric, log₂ of the residual
-/// over σ, of the plane's residual over the quadric's, and of the slope's
-/// deviation. Last, the height at the origin.
-fn read_fit(
-    fit: &LocalFit,
-    n: [f64; 3],
-    axes: [[f64; 3]; 2],
-    sigma: f64,
-) -> ([[f64; 3]; 2], [f64; 3], f64) {
-    let normal = |x: f64, y: f64| unit_or_zero(sub(n, add(scale(axes[0], x), scale(axes[1], y))));
-    let equations = fit.equations::<3>();
-    let Some(plane) = equations.factor() else { return ([n; 2], [0.0, 0.0, 3.0], 0.0) };
-    let p = plane.solve(equations.rhs());
-    let coarse = fit.residual(&p, equations.rhs());
-    let flat = normal(p[1], p[2]);
-    let equations = fit.equations::<6>();
-    let (curved, fine, variance, height) = match equations.factor() {
-        Some(quadric) => {
-            let c = quadric.solve(equations.rhs());
-            let slopes = [[0.0, 1.0, 0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0, 0.0, 0.0]];
-            let variance: f64 = slopes.iter().map(|s| quadric.variance(s)).sum();
-            (normal(c[1], c[2]), fit.residual(&c, equations.rhs()), variance, c[0])
-        }
-        None => {
-            let slopes = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-            (flat, coarse, slopes.iter().map(|s| plane.variance(s)).sum(), p[0])
-        }
-    };
-    let tiny = 1e-3 * sigma + 1e-12;
-    let numbers = [
-        log2((fine + tiny) / (sigma + tiny)),
-        log2((coarse + tiny) / (fine + tiny)),
-        log2(sigma * variance.sqrt() + 1e-4),
-    ];
-    ([flat, curved], numbers, height)
-}
-
-fn log2(x: f64) -> f64 {
-    libm::log2(x.clamp(1e-12, 1e12))
-}
-
-fn sample(state: &State<'_>, f: usize, sums: &Sums) -> Seen {
+fn sample(state: &State<'_>, wide: &[Vec<[f64; 3]>; WIDE], f: usize, sums: &Sums) -> Seen {
     let n = state.normals[f];
     let axes = tangents(n);
     let s = state.scales[f];
@@ -407,6 +343,9 @@ fn sample(state: &State<'_>, f: usize, sums: &Sums) -> Seen {
     let single = 2 * MEANS + 2 * FITS.len();
     all[single] = or_present(state.noisy.normals[f]);
     all[single + 1] = or_present(state.current.normals[f]);
+    for (k, normals) in wide.iter().enumerate() {
+        all[CANDIDATES - WIDE + k] = or_present(normals[f]);
+    }
     let beside = across_sorted(state, f);
     for (k, &g) in beside.iter().enumerate() {
         all[single + 3 + k] = state.normals[g];
@@ -440,13 +379,9 @@ fn sample(state: &State<'_>, f: usize, sums: &Sums) -> Seen {
 /// the face itself where there is no hinge.
 fn across_sorted(state: &State<'_>, f: usize) -> [usize; 3] {
     let n = state.normals[f];
-    let mut found = state.hinges.of_face[f].map(|hinge| {
-        if hinge == NO_HINGE {
-            return f;
-        }
-        let [a, b] = state.hinges.all[hinge as usize].faces;
-        let g = (if a as usize == f { b } else { a }) as usize;
-        if state.normals[g] == [0.0; 3] { f } else { g }
+    let mut found = state.hinges.beside[f].map(|g| match state.normals.get(g as usize) {
+        Some(normal) if *normal != [0.0; 3] => g as usize,
+        _ => f,
     });
     found.sort_by(|&a, &b| dot(state.normals[b], n).total_cmp(&dot(state.normals[a], n)));
     found
@@ -544,6 +479,11 @@ fn scalars(
             out[next] = sums.weight(a, q) / all;
             next += 1;
         }
+    }
+    for (a, sum) in sums.offsets.iter().enumerate() {
+        let mean = sum / sums.weight(a, RANGES - 1).max(f64::MIN_POSITIVE);
+        out[next] = log2(mean.abs() / state.sigma + 0.01);
+        next += 1;
     }
     for g in [f, beside[0], beside[1], beside[2]] {
         out[next] = misfit(state, f, g);

@@ -1,9 +1,11 @@
 //! Normals by regression: stages of a small network that weighs candidates.
 
 pub(crate) mod features;
+pub(super) mod fits;
 pub(crate) mod model;
 pub(crate) mod network;
 pub(crate) mod training;
+mod wide;
 
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, distance, scale};
@@ -11,11 +13,13 @@ use fairing_operators::NoiseEstimate;
 use rayon::prelude::*;
 
 use super::follow::Follow;
+use super::planes::{Evidence, flatten};
 use crate::DenoiseError;
 use crate::faces::{FaceLists, FaceShapes, Hinges, unit_or_zero};
 use features::{Gatherer, QUANTILES, Seen, State, longest_sides};
 use model::Model;
 use network::{Network, Trace, combine};
+use wide::wide_means;
 
 /// Vertex steps between stages.
 const STEPS: usize = 15;
@@ -44,6 +48,8 @@ pub(crate) struct Progress<'a> {
     hinges: &'a Hinges,
     rings: &'a FaceLists,
     level: NoiseEstimate,
+    /// The variance of positions across the surface, weighted by the trust in them.
+    variance: f64,
     /// The noise level: the estimate, or the displacements, if they are larger.
     sigma: f64,
     /// How far vertices may go: five standard deviations.
@@ -85,6 +91,7 @@ impl<'a> Progress<'a> {
             hinges,
             rings,
             level,
+            variance: level.sigma * level.sigma,
             sigma: level.sigma,
             limit: FAR * level.sigma,
             h,
@@ -166,10 +173,11 @@ impl<'a> Progress<'a> {
     /// What the network sees of some faces.
     pub(crate) fn samples(&self, faces: &[u32]) -> Vec<Option<Seen>> {
         let state = self.state();
+        let wide = wide_means(&state);
         faces
             .par_chunks(BLOCK)
             .map_init(
-                || Gatherer::new(&state),
+                || Gatherer::new(&state, &wide),
                 |gatherer, block| {
                     block.iter().map(|&f| gatherer.sample(f as usize)).collect::<Vec<_>>()
                 },
@@ -185,13 +193,14 @@ impl<'a> Progress<'a> {
     /// [`DenoiseError::NonFinite`] if coordinates overflow.
     pub(crate) fn advance(&mut self, network: &Network) -> Result<(), DenoiseError> {
         let state = self.state();
+        let wide = wide_means(&state);
         let parts = network.parts();
         let watch = fairing_watch::current();
         let count = self.normals.len();
         let blocks: Vec<Vec<Answer>> = (0..count.div_ceil(BLOCK))
             .into_par_iter()
             .map_init(
-                || (Gatherer::new(&state), Trace::default()),
+                || (Gatherer::new(&state, &wide), Trace::default()),
                 |(gatherer, trace), block| {
                     watch.advance(1);
                     (block * BLOCK..((block + 1) * BLOCK).min(count))
@@ -236,6 +245,8 @@ impl<'a> Progress<'a> {
         self.sigma = self.level.sigma.max(median(moved.clone()));
         let scale = 1.0 / (TRUST * self.sigma);
         let trust: Vec<f64> = moved.iter().map(|d| 1.0 / (1.0 + (scale * d).powi(2))).collect();
+        let squares: f64 = moved.iter().zip(&trust).map(|(d, t)| t * d * d).sum();
+        self.variance = squares / trust.iter().sum::<f64>().max(f64::MIN_POSITIVE);
         self.limit = FAR * self.sigma.max(root_mean_square(&moved));
         self.trust = (self.mesh.faces().iter())
             .map(|face| face.iter().map(|&v| trust[v as usize]).sum::<f64>() / 3.0)
@@ -302,6 +313,7 @@ pub(crate) fn regress(
     for network in &model.stages {
         progress.advance(network)?;
     }
-    let Progress { normals, limit, .. } = progress;
+    let Progress { mut normals, limit, trust, variance, .. } = progress;
+    flatten(&Evidence { mesh, hinges, trust: &trust, variance }, &mut normals);
     Ok(Regressed { normals, limit })
 }

@@ -9,7 +9,7 @@ use super::network::{HIDDEN, Network, PARAMETERS};
 const NAME: [u8; 8] = *b"fairnorm";
 
 /// The version of the format and of what the inputs mean.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// Name, version, stages, inputs, hidden units, candidates, seed.
 const HEADER: usize = 8 + 5 * 4 + 8;

@@ -1,0 +1,425 @@
+//! Faces that lie in one plane get one normal.
+
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{add, distance, dot, scale, sub};
+
+use super::regression::features::tangents;
+use super::regression::fits::{LocalFit, moments};
+use crate::faces::{Hinges, Marks, unit_or_zero};
+
+/// Faces whose normals differ by more are not joined: 20°.
+const APART: f64 = 0.35;
+
+/// A plane has at least this many vertices.
+const LEAST_WEIGHT: f64 = 12.0;
+
+/// The share of a region's border with other regions that must be creases.
+const CREASED: f64 = 0.95;
+
+/// The share of the evidence that joins regions which is enough to call one curved.
+const CURVED: f64 = 0.5;
+
+/// The largest share of the variation of normals that may be linear in position.
+const TURNING: f64 = 0.7;
+
+/// The variance of positions in sums over coordinates of size one that rounding may leave.
+const ROUNDING: f64 = 1e-14;
+
+/// The most faces of a region that are asked whether it is curved.
+const MOST: usize = 4096;
+
+/// How far from a border, in hinges, positions say whether it is a crease.
+const DEPTH: usize = 6;
+
+/// What is known of a mesh when its planes are looked for.
+pub(super) struct Evidence<'a> {
+    /// The noisy mesh.
+    pub(super) mesh: &'a TriMesh,
+    pub(super) hinges: &'a Hinges,
+    /// The weight of the position of each face.
+    pub(super) trust: &'a [f64],
+    /// The variance of positions across the surface, weighted by trust.
+    pub(super) variance: f64,
+}
+
+/// Gives the faces of each plane the normal of a plane fitted to all their noisy vertices.
+///
+/// Regions grow over hinges, those with the most similar normals first. Two regions
+/// become one if the sum of squared distances from one plane exceeds that from two by less than
+/// 3 ln(vertices) variances: the description of both by one plane is shorter (Schwarz's
+/// criterion). On a curved surface this gives facets. So a region is a plane only
+///
+/// - if it ends at creases: where one quadric explains the positions on both sides of a border
+///   as well as the two planes do, there is none;
+/// - if a quadric does not explain its own positions better than the plane;
+/// - if its present normals do not turn steadily from one side to the other.
+///
+/// The normal of a plane is replaced if that of the fit is known better than the present
+/// normals agree with each other.
+pub(super) fn flatten(evidence: &Evidence<'_>, normals: &mut [[f64; 3]]) {
+    let regions = Regions::grow(evidence, normals);
+    let planes = regions.planes(evidence, normals);
+    for (f, normal) in normals.iter_mut().enumerate() {
+        if let Some(plane) = planes[regions.index[f] as usize] {
+            *normal = plane;
+        }
+    }
+}
+
+/// Sums over the corners of the faces of a region. A corner counts a sixth, so that a vertex
+/// inside counts once.
+#[derive(Clone, Copy)]
+struct Sums {
+    weight: f64,
+    point: [f64; 3],
+    second: [f64; 6],
+    normal: [f64; 3],
+}
+
+impl Sums {
+    fn new(evidence: &Evidence<'_>, f: usize, normal: [f64; 3]) -> Self {
+        let w = evidence.trust[f] / 6.0;
+        let corners = evidence.mesh.triangle(f);
+        let mut sums = Self { weight: 3.0 * w, point: [0.0; 3], second: [0.0; 6], normal };
+        for p in corners {
+            sums.point = add(sums.point, scale(p, w));
+            let products =
+                [p[0] * p[0], p[0] * p[1], p[0] * p[2], p[1] * p[1], p[1] * p[2], p[2] * p[2]];
+            sums.second.iter_mut().zip(products).for_each(|(s, p)| *s += w * p);
+        }
+        sums
+    }
+
+    fn plus(&self, other: &Self) -> Self {
+        let mut second = self.second;
+        second.iter_mut().zip(other.second).for_each(|(s, t)| *s += t);
+        Self {
+            weight: self.weight + other.weight,
+            point: add(self.point, other.point),
+            second,
+            normal: add(self.normal, other.normal),
+        }
+    }
+
+    fn centre(&self) -> [f64; 3] {
+        scale(self.point, 1.0 / self.weight.max(f64::MIN_POSITIVE))
+    }
+
+    /// The root mean square distance of the corners from their centre.
+    fn size(&self) -> f64 {
+        let [xx, _, _, yy, _, zz] = self.second;
+        let centre = self.centre();
+        let square = (xx + yy + zz) / self.weight - dot(centre, centre);
+        square.max(f64::MIN_POSITIVE).sqrt()
+    }
+
+    fn plane(&self) -> Plane {
+        let up = unit_or_zero(self.normal);
+        let [x, y] = tangents(up);
+        let [xx, xy, xz, yy, yz, zz] = self.second;
+        let rows = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
+        let mean = self.centre();
+        // The covariance of two directions, times the weight.
+        let covariance = |a: [f64; 3], b: [f64; 3]| {
+            dot(a, rows.map(|r| dot(r, b))) - self.weight * dot(mean, a) * dot(mean, b)
+        };
+        let (a, b, c) = (covariance(x, x), covariance(x, y), covariance(y, y));
+        let (p, q, all) = (covariance(x, up), covariance(y, up), covariance(up, up));
+        let ridge = 1e-12 * (a + c) + f64::MIN_POSITIVE;
+        let (a, c) = (a.max(0.0) + ridge, c.max(0.0) + ridge);
+        let determinant = (a * c - b * b).max(1e-12 * a * c);
+        let slopes = [(c * p - b * q) / determinant, (a * q - b * p) / determinant];
+        let normal = sub(up, add(scale(x, slopes[0]), scale(y, slopes[1])));
+        Plane {
+            normal: unit_or_zero(normal),
+            squares: (all - slopes[0] * p - slopes[1] * q).max(0.0),
+            spread: (a + c) / determinant,
+        }
+    }
+}
+
+/// The plane through the corners of a region that is closest in squares.
+struct Plane {
+    normal: [f64; 3],
+    /// The sum of squared distances.
+    squares: f64,
+    /// The variance of both slopes together, over that of the positions.
+    spread: f64,
+}
+
+/// The factor of the variance below which more squares are no evidence.
+fn doubt(weight: f64) -> f64 {
+    3.0 * libm::log(1.0 + weight)
+}
+
+struct Regions {
+    /// The region of each face.
+    index: Vec<u32>,
+    sums: Vec<Sums>,
+    /// The normal of the plane of each.
+    normals: Vec<[f64; 3]>,
+    faces: Vec<Vec<u32>>,
+}
+
+impl Regions {
+    fn grow(evidence: &Evidence<'_>, normals: &[[f64; 3]]) -> Self {
+        let count = normals.len();
+        let mut sums: Vec<Sums> = (0..count).map(|f| Sums::new(evidence, f, normals[f])).collect();
+        let mut squares = vec![0.0f64; count];
+        let mut parent: Vec<u32> = (0..count as u32).collect();
+        let mut order: Vec<(f64, u32)> = (evidence.hinges.all.iter().zip(0u32..))
+            .map(|(hinge, h)| {
+                let [f, g] = hinge.faces.map(|f| normals[f as usize]);
+                (if f == [0.0; 3] || g == [0.0; 3] { 2.0 } else { distance(f, g) }, h)
+            })
+            .filter(|(apart, _)| *apart < APART)
+            .collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        for (_, h) in order {
+            let [a, b] = evidence.hinges.all[h as usize].faces.map(|f| root(&mut parent, f));
+            if a == b {
+                continue;
+            }
+            let (i, j) = (a as usize, b as usize);
+            let both = sums[i].plus(&sums[j]);
+            let together = both.plane().squares;
+            let more = together - squares[i] - squares[j];
+            if more < doubt(both.weight) * (evidence.variance + ROUNDING) {
+                let (low, high) = (a.min(b), a.max(b));
+                parent[high as usize] = low;
+                sums[low as usize] = both;
+                squares[low as usize] = together;
+            }
+        }
+        let mut index = vec![u32::MAX; count];
+        let (mut kept, mut faces): (Vec<Sums>, Vec<Vec<u32>>) = (vec![], vec![]);
+        for f in 0..count as u32 {
+            let r = root(&mut parent, f) as usize;
+            // The root of a region is its first face.
+            if index[r] == u32::MAX {
+                index[r] = kept.len() as u32;
+                kept.push(sums[r]);
+                faces.push(vec![]);
+            }
+            index[f as usize] = index[r];
+            faces[index[r] as usize].push(f);
+        }
+        let normals = kept.iter().map(|s| s.plane().normal).collect();
+        Self { index, sums: kept, normals, faces }
+    }
+
+    /// The normal of each region that is a plane.
+    fn planes(&self, evidence: &Evidence<'_>, normals: &[[f64; 3]]) -> Vec<Option<[f64; 3]>> {
+        let large = |r: usize| self.sums[r].weight >= LEAST_WEIGHT;
+        // The hinges between each two large regions.
+        let mut pairs: Vec<([u32; 2], u32)> = (evidence.hinges.all.iter().zip(0u32..))
+            .map(|(hinge, h)| (hinge.faces.map(|f| self.index[f as usize]), h))
+            .filter(|([a, b], _)| a != b && large(*a as usize) && large(*b as usize))
+            .map(|([a, b], h)| ([a.min(b), a.max(b)], h))
+            .collect();
+        pairs.sort_unstable();
+        let mut borders = vec![[0.0f64; 2]; self.sums.len()];
+        let mut marks = Marks::new(self.index.len());
+        for run in pairs.chunk_by(|a, b| a.0 == b.0) {
+            let hinges = run.iter().map(|(_, h)| *h);
+            let strip = self.strip(evidence, run[0].0, hinges, &mut marks);
+            let kind = usize::from(self.is_crease(evidence, &strip));
+            for r in run[0].0 {
+                borders[r as usize][kind] += run.len() as f64;
+            }
+        }
+        (0..self.sums.len())
+            .map(|r| {
+                let [smooth, creased] = borders[r];
+                if !large(r) || creased < CREASED * (smooth + creased) {
+                    return None;
+                }
+                let stride = self.faces[r].len().div_ceil(MOST);
+                let faces = self.faces[r].iter().copied().step_by(stride);
+                let [flat, curved] = squares(evidence, &self.sums[r], faces)?;
+                if flat - curved > CURVED * doubt(self.sums[r].weight) * evidence.variance {
+                    return None;
+                }
+                if self.turning(evidence, normals, r)? > TURNING {
+                    return None;
+                }
+                let plane = self.sums[r].plane();
+                let scatter = self.faces[r]
+                    .iter()
+                    .map(|&f| distance(normals[f as usize], plane.normal).powi(2));
+                let scatter = scatter.sum::<f64>() / self.faces[r].len() as f64;
+                (plane.spread * evidence.variance < scatter).then_some(plane.normal)
+            })
+            .collect()
+    }
+
+    /// The share of the variation of the present normals over a region that is linear in position: close
+    /// to one on a curved surface, small where only errors are left.
+    fn turning(&self, evidence: &Evidence<'_>, normals: &[[f64; 3]], r: usize) -> Option<f64> {
+        let sums = &self.sums[r];
+        let axes = tangents(unit_or_zero(sums.normal));
+        let (centre, inverse) = (sums.centre(), 1.0 / sums.size());
+        let (mut left, mut all) = (0.0, 0.0);
+        for along in axes {
+            let mut fit = LocalFit::EMPTY;
+            let [mut first, mut second] = [0.0; 2];
+            for &f in &self.faces[r] {
+                let [a, b, c] = evidence.mesh.triangle(f as usize);
+                let p = scale(sub(scale(add(add(a, b), c), 1.0 / 3.0), centre), inverse);
+                let z = dot(normals[f as usize], along);
+                fit.add(&moments([dot(p, axes[0]), dot(p, axes[1]), z]), 1.0);
+                (first, second) = (first + z, second + z * z);
+            }
+            left += fit.squares::<3>()?;
+            all += second - first * first / self.faces[r].len() as f64;
+        }
+        Some(1.0 - left / all.max(f64::MIN_POSITIVE))
+    }
+
+    /// The faces of two regions up to [`DEPTH`] hinges from the hinges between them.
+    fn strip(
+        &self,
+        evidence: &Evidence<'_>,
+        regions: [u32; 2],
+        between: impl Iterator<Item = u32>,
+        marks: &mut Marks,
+    ) -> Vec<u32> {
+        marks.clear();
+        let faces = between.flat_map(|h| evidence.hinges.all[h as usize].faces);
+        let mut strip: Vec<u32> = faces.filter(|&f| marks.insert(f)).collect();
+        let mut begin = 0;
+        for _ in 0..DEPTH {
+            let end = strip.len();
+            for i in begin..end {
+                for g in evidence.hinges.across(strip[i] as usize) {
+                    if regions.contains(&self.index[g]) && marks.insert(g as u32) {
+                        strip.push(g as u32);
+                    }
+                }
+            }
+            begin = end;
+        }
+        strip
+    }
+
+    /// Whether the planes of two regions explain the positions on both sides of the border between
+    /// them better than one quadric.
+    fn is_crease(&self, evidence: &Evidence<'_>, strip: &[u32]) -> bool {
+        let sums = strip.iter().map(|&f| {
+            Sums::new(evidence, f as usize, self.sums[self.index[f as usize] as usize].normal)
+        });
+        let Some(sums) = sums.reduce(|a, b| a.plus(&b)) else { return false };
+        let Some([_, curved]) = squares(evidence, &sums, strip.iter().copied()) else {
+            return false;
+        };
+        let flat: f64 = strip
+            .iter()
+            .map(|&f| {
+                let region = self.index[f as usize] as usize;
+                let (n, centre) = (self.normals[region], self.sums[region].centre());
+                let corners = evidence.mesh.triangle(f as usize);
+                let sum: f64 = corners.iter().map(|&p| dot(n, sub(p, centre)).powi(2)).sum();
+                evidence.trust[f as usize] / 6.0 * sum
+            })
+            .sum();
+        curved - flat > doubt(sums.weight) * evidence.variance
+    }
+}
+
+/// The sums of squared distances of the corners of faces from one plane and from one quadric.
+fn squares(
+    evidence: &Evidence<'_>,
+    sums: &Sums,
+    faces: impl Iterator<Item = u32>,
+) -> Option<[f64; 2]> {
+    let up = unit_or_zero(sums.normal);
+    let [x, y] = tangents(up);
+    let centre = sums.centre();
+    let inverse = 1.0 / sums.size();
+    let mut fit = LocalFit::EMPTY;
+    for f in faces {
+        let w = evidence.trust[f as usize] / 6.0;
+        for p in evidence.mesh.triangle(f as usize) {
+            let p = scale(sub(p, centre), inverse);
+            fit.add(&moments([dot(p, x), dot(p, y), dot(p, up)]), w);
+        }
+    }
+    let unit = 1.0 / (inverse * inverse);
+    Some([fit.squares::<3>()? * unit, fit.squares::<6>()? * unit])
+}
+
+/// The root of a face's tree, to which all on the way then point.
+fn root(parent: &mut [u32], f: u32) -> u32 {
+    let mut top = f;
+    while parent[top as usize] != top {
+        top = parent[top as usize];
+    }
+    let mut at = f;
+    while at != top {
+        at = std::mem::replace(&mut parent[at as usize], top);
+    }
+    top
+}
+
+#[cfg(test)]
+mod tests {
+    use fairing_shapes as shapes;
+
+    use super::*;
+    use crate::faces::FaceShapes;
+
+    /// The normals of a noisy mesh, averaged over rings, after [`flatten`]; also those before.
+    fn flattened(truth: &TriMesh, sigma: f64) -> [Vec<[f64; 3]>; 2] {
+        let noisy = shapes::jittered(truth, sigma, 5, |p| p);
+        let hinges = Hinges::new(&noisy);
+        let rings = crate::faces::FaceLists::rings(&noisy);
+        let raw = FaceShapes::new(&noisy);
+        let mut before = raw.normals.clone();
+        for _ in 0..3 {
+            before = (0..before.len())
+                .map(|f| {
+                    let near = rings.row(f).iter().map(|&g| before[g as usize]);
+                    unit_or_zero(
+                        near.filter(|n| distance(*n, before[f]) < 0.8).fold(before[f], add),
+                    )
+                })
+                .collect();
+        }
+        let mut after = before.clone();
+        let moved = truth.positions().iter().zip(noisy.positions());
+        let squares: f64 = moved.map(|(&a, &b)| distance(a, b).powi(2)).sum();
+        let variance = squares / (3.0 * truth.vertex_count() as f64);
+        let trust = vec![1.0; before.len()];
+        let evidence = Evidence { mesh: &noisy, hinges: &hinges, trust: &trust, variance };
+        flatten(&evidence, &mut after);
+        [before, after]
+    }
+
+    /// The mean distance from the normals of the true faces.
+    fn error(truth: &TriMesh, normals: &[[f64; 3]]) -> f64 {
+        let wanted = FaceShapes::new(truth).normals;
+        let sum: f64 = wanted.iter().zip(normals).map(|(&a, &b)| distance(a, b)).sum();
+        sum / wanted.len() as f64
+    }
+
+    /// The sides of a cube come out flat; of normals inside of a side hardly an error is left.
+    #[test]
+    fn sides_of_a_cube_are_planes() {
+        let truth = shapes::cube(20, shapes::Diagonals::Alternating);
+        let [before, after] = flattened(&truth, 0.1);
+        let (first, last) = (error(&truth, &before), error(&truth, &after));
+        assert!(last < 0.3 * first, "{first} {last}");
+    }
+
+    /// A sphere and a torus have no planes: hardly a normal changes, at any noise.
+    #[test]
+    fn curved_surfaces_have_no_planes() {
+        for truth in [shapes::icosphere(4), shapes::torus(1.0, 0.4, 80, 40)] {
+            for sigma in [0.02, 0.1, 0.3] {
+                let [before, after] = flattened(&truth, sigma);
+                let changed = before.iter().zip(&after).filter(|(a, b)| a != b).count();
+                assert!(changed * 50 <= before.len(), "{sigma}: {changed} of {}", before.len());
+            }
+        }
+    }
+}
