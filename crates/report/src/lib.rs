@@ -20,6 +20,6 @@ mod story;
 mod thumbnail;
 mod views;
 
-pub use markdown::claim_table;
+pub use markdown::{claim_table, summary};
 pub use publish::publish;
 pub use render::render;
