@@ -11,6 +11,7 @@ pub mod mathml;
 
 mod layout;
 mod markdown;
+mod numbers;
 mod page;
 mod play;
 mod publish;

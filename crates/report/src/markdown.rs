@@ -2,8 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::page::figures;
-use crate::{commands, play, snippets, story, thumbnail};
+use crate::{commands, numbers, play, snippets, story, thumbnail};
 
 use fairing_results::results::{Form, MeshCard, Record, Results};
 use fairing_results::table::{Column, Table, Unit};
@@ -21,7 +20,7 @@ pub(crate) fn report(results: &Results) -> String {
         let _ = writeln!(text, "- [{}](#{})", heading(record), anchor(&heading(record)));
     }
     text += "\nFigures have the numbers of the page; the page has some more, as views to turn.\n";
-    let first = figures::first_numbers(results);
+    let first = numbers::first_numbers(results);
     let number = |record: &Record| {
         let found = first.iter().find(|(known, _)| std::ptr::eq(*known, record));
         found.map_or(1, |(_, number)| *number)
@@ -215,7 +214,7 @@ pub fn claim_table(results: &Results, ours: bool, place: &str) -> String {
 /// `first` is the number of its first figure.
 fn body(record: &Record, first: usize, form: Form) -> String {
     let mut text = String::new();
-    let numbered = |id: &str| match figures::place(record, id) {
+    let numbered = |id: &str| match numbers::place(record, id) {
         Some(place) => format!("Figure {}. ", first + place),
         None => String::new(),
     };
@@ -249,7 +248,9 @@ fn body(record: &Record, first: usize, form: Form) -> String {
         let number = numbered(&play.id());
         let _ = write!(text, "\n*{number}In the page, to play with.* {}\n", play.caption);
     }
-    for figure in &record.figures {
+    let mut figures: Vec<_> = record.figures.iter().collect();
+    figures.sort_by_key(|figure| numbers::place(record, &figure.id));
+    for figure in figures {
         let caption = numbered(&figure.id) + &figure.caption;
         let _ = write!(text, "\n![{}]({})\n\n*{caption}*", figure.alt, figure.png);
         if let Some(svg) = &figure.svg {

@@ -9,7 +9,7 @@
 //! compiler target that a machine with nothing but cargo does not have, for a
 //! solver of a hundred lines that is fast enough as it is.
 
-pub(crate) mod figures;
+mod figures;
 mod html;
 mod section;
 mod tables;
@@ -21,7 +21,7 @@ use std::path::Path;
 use anyhow::Result;
 use rayon::prelude::*;
 
-use crate::{markdown, story, thumbnail};
+use crate::{markdown, numbers, story, thumbnail};
 use fairing_results::results::{Record, Results};
 use fairing_results::verdict::{Judgement, Verdict};
 use html::escape;
@@ -66,7 +66,7 @@ pub(crate) fn report(results: &Results, folder: &Path) -> Result<String> {
     let mut main = opening(results, &first_picture(results, folder)?);
     main += &claims(results);
     main += &meshes(results, folder)?;
-    let numbered = figures::first_numbers(results);
+    let numbered = numbers::first_numbers(results);
     let section = |(record, first): &(&Record, usize)| {
         section::experiment(&results.experiments, record, *first, folder, form)
     };
