@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::{Context as _, Result};
 
 use crate::reference::REPORT;
-use fairing_report::claim_table;
+use fairing_report::{claim_table, summary};
 use fairing_results::results::Results;
 
 const BEGIN: &str = "<!-- The claims, written by `cargo xtask reproduce --accept`. -->\n";
@@ -19,8 +19,9 @@ fn with_claims(readme: &str, results: &Results) -> Option<String> {
     let (_, after) = rest.split_once(END)?;
     let place = format!("{REPORT}/report.md");
     let [source, ours] = [false, true].map(|ours| claim_table(results, ours, &place));
+    let summary = summary(results);
     Some(format!(
-        "{before}{BEGIN}\nClaims of the source report:\n\n{source}\nClaims of Fairing:\n\n{ours}\n{END}{after}"
+        "{before}{BEGIN}\n{summary}\nClaims of the original report:\n\n{source}\nClaims of Fairing:\n\n{ours}\n{END}{after}"
     ))
 }
 

@@ -267,9 +267,10 @@ fn percentile(sorted: &[f64], percent: f64) -> f64 {
     below + (above - below) * rank.fract()
 }
 
-/// The different values in range up to rounding, if there are at least two and at most [`FEW`]; else none.
+/// The different values in range up to rounding, if there are at least two and at most [`FEW`]; else none. Meshes in
+/// files may have single precision.
 fn distinct(sorted: &[f64], low: f64, high: f64) -> Vec<f64> {
-    let slack = 1e-9 * (high - low);
+    let slack = 1e-6 * (high - low);
     let mut found: Vec<f64> = vec![];
     for &x in sorted.iter().filter(|x| (low..=high).contains(x)) {
         if found.last().is_none_or(|last| x - last > slack) {

@@ -2,9 +2,10 @@
 
 /**
  * A colour bar with the histogram of what it shows standing on it; values beyond the ends are counted in words. `few`
- * are the values that occur where there are not many, `even` says that the colours are equalised.
+ * are the values that occur where there are not many, `even` says that the colours are equalised. `across` is the width
+ * of its place: in a narrow one the bar is shorter, and its words keep their size.
  */
-function colorBar({values, range, lookup, name, unit, few = null, even = false}) {
+function colorBar({values, range, lookup, name, unit, few = null, even = false, across = 408}) {
   const [low, high] = range;
   const bins = 90;
   const counts = new Array(bins).fill(0);
@@ -16,10 +17,19 @@ function colorBar({values, range, lookup, name, unit, few = null, even = false})
     else counts[Math.min(bins - 1, Math.floor(((x - low) / (high - low)) * bins))] += 1;
   }
   const tallest = Math.max(1, ...counts);
-  const width = 360;
+  const width = Math.max(160, Math.min(360, across - 48));
   const words = unit ? ` (${unit})` : '';
   const label = `colour bar: ${name}${words} from ${readable(low)} to ${readable(high)}`;
-  const {svg, add} = picture(`-24 0 ${width + 48} 76`, label, 'colors');
+  const beyond = [
+    below && `${below} below`,
+    above && `${above} above`,
+    undefinedCount && `${undefinedCount} undefined`,
+  ].filter(Boolean).join(', ');
+  const title = `${name}${words}${even ? ', equalised' : ''}`;
+  // About six and a half pixels a letter.
+  const fits = 6.5 * (title.length + beyond.length + 3) < width + 48;
+  const lines = beyond && !fits ? [title, beyond] : [[title, beyond].filter(Boolean).join(' · ')];
+  const {svg, add} = picture(`-24 0 ${width + 48} ${62 + 14 * lines.length}`, label, 'colors');
   counts.forEach((count, i) => {
     const h = (24 * count) / tallest;
     add('rect', {class: 'count', x: (width * i) / bins, y: 25 - h, width: width / bins - 0.4, height: h});
@@ -34,17 +44,11 @@ function colorBar({values, range, lookup, name, unit, few = null, even = false})
   }
   if (below) add('path', {d: 'M0 26L-9 32L0 38Z', fill: strip(0)});
   if (above) add('path', {d: `M${width} 26l9 6l-9 6Z`, fill: strip(1)});
-  for (const x of few?.length ? few : roundValues(low, high, 5)) {
+  for (const x of few?.length ? few : roundValues(low, high, width < 300 ? 3 : 5)) {
     const at = (width * (x - low)) / (high - low);
     add('path', {class: 'tick', d: `M${at} 38v4`});
     add('text', {x: at, y: 54, 'text-anchor': 'middle'}, readable(x));
   }
-  const beyond = [
-    below && `${below} below`,
-    above && `${above} above`,
-    undefinedCount && `${undefinedCount} undefined`,
-  ].filter(Boolean);
-  const title = `${name}${words}${even ? ', equalised' : ''}${beyond.length ? ` · ${beyond.join(', ')}` : ''}`;
-  add('text', {class: 'name', x: width / 2, y: 71, 'text-anchor': 'middle'}, title);
+  lines.forEach((line, i) => add('text', {class: 'name', x: width / 2, y: 71 + 14 * i, 'text-anchor': 'middle'}, line));
   return svg;
 }

@@ -122,6 +122,7 @@ const fairing = (() => {
     // Without WebGL playgrounds have their plots and numbers.
     for (const figure of plays) views.set(figure.id, Playground.of(figure, colors));
     for (const svg of document.querySelectorAll('svg.figure')) new PlotPoints(svg, views);
+    Stack.watch();
     document.addEventListener('fairing-state', ({detail}) => {
       detail.touched = true;
       writeAddress();

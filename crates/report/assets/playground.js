@@ -40,7 +40,7 @@ class Stage {
       flat,
     };
     this.over = over;
-    this.bar.replaceChildren(...(colors ? [colorBar({...colors, lookup: this.scene.lookup})] : []));
+    this.bar.replaceChildren(...(colors ? [colorBar({...colors, lookup: this.scene.lookup, across: this.panel.clientWidth || undefined})] : []));
   }
 
   place(v) {

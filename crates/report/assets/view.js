@@ -491,7 +491,7 @@ class View {
       input.setAttribute('aria-valuetext', text);
     });
     for (const shown of this.shown) {
-      shown.bar.replaceChildren(...(shown.panel.hidden ? [] : this.bar(shown.mesh)));
+      shown.bar.replaceChildren(...(shown.panel.hidden ? [] : this.bar(shown)));
       shown.facts?.replaceChildren(...this.facts(shown.mesh));
     }
     this.sum?.settle();
@@ -499,13 +499,13 @@ class View {
     this.draw();
   }
 
-  bar(mesh) {
+  bar({mesh, panel}) {
     const values = this.values(mesh);
     if (!values) return [];
     const {name, unit} = this.chosen();
     const range = this.range();
     const few = this.state.even ? this.distinct(...range, 6) : null;
-    return [colorBar({values, range, lookup: this.lookup(), name, unit, few, even: this.state.even})];
+    return [colorBar({values, range, lookup: this.lookup(), name, unit, few, even: this.state.even, across: panel.clientWidth || undefined})];
   }
 
   /** What was measured of a panel at this combination of stops, number by number. */

@@ -11,6 +11,7 @@ pub mod mathml;
 
 mod layout;
 mod markdown;
+mod numbers;
 mod page;
 mod play;
 mod publish;
@@ -20,6 +21,6 @@ mod story;
 mod thumbnail;
 mod views;
 
-pub use markdown::claim_table;
+pub use markdown::{claim_table, summary};
 pub use publish::publish;
 pub use render::render;

@@ -2,11 +2,11 @@
 
 use std::fmt::Write as _;
 
-use crate::{commands, play, snippets, story, thumbnail};
+use crate::{commands, numbers, play, snippets, story, thumbnail};
 
 use fairing_results::results::{Form, MeshCard, Record, Results};
 use fairing_results::table::{Column, Table, Unit};
-use fairing_results::verdict::{Judgement, Verdict};
+use fairing_results::verdict::Judgement;
 
 /// The report in Markdown. Links are relative to its folder.
 pub(crate) fn report(results: &Results) -> String {
@@ -19,17 +19,23 @@ pub(crate) fn report(results: &Results) -> String {
     for record in story::in_order(results) {
         let _ = writeln!(text, "- [{}](#{})", heading(record), anchor(&heading(record)));
     }
+    text += "\nFigures have the numbers of the page; the page has some more, as views to turn.\n";
+    let first = numbers::first_numbers(results);
+    let number = |record: &Record| {
+        let found = first.iter().find(|(known, _)| std::ptr::eq(*known, record));
+        found.map_or(1, |(_, number)| *number)
+    };
     for act in &story::ACTS {
         let own = act.sections(results);
         if !own.is_empty() {
             let _ = write!(text, "\n# {}\n\n{}\n", act.title, act.about);
         }
         for (record, bridge) in own {
-            text += &section(record, bridge, results.form);
+            text += &section(record, number(record), bridge, results.form);
         }
     }
     for record in story::others(results) {
-        text += &section(record, "", results.form);
+        text += &section(record, number(record), "", results.form);
     }
     let rules = story::rules(results);
     if !rules.is_empty() {
@@ -41,7 +47,7 @@ pub(crate) fn report(results: &Results) -> String {
     text
 }
 
-fn section(record: &Record, bridge: &str, form: Form) -> String {
+fn section(record: &Record, first: usize, bridge: &str, form: Form) -> String {
     let mut text = format!("\n## {}\n", heading(record));
     if !bridge.is_empty() {
         let _ = write!(text, "\n{bridge}\n");
@@ -61,7 +67,7 @@ fn section(record: &Record, bridge: &str, form: Form) -> String {
     if let Some(lines) = commands::of(&record.id) {
         let _ = write!(text, "\n```sh\n{}\n```\n", lines.join("\n"));
     }
-    text + &body(record, form)
+    text + &body(record, first, form)
 }
 
 /// The heading of an experiment's section.
@@ -112,14 +118,6 @@ pub(crate) fn stand_ins(results: &Results) -> Vec<String> {
     pairs
 }
 
-/// Verdicts with the words for all claims on which they were given.
-pub(crate) const GROUPS: [(Verdict, &str); 4] = [
-    (Verdict::Confirmed, "Confirmed"),
-    (Verdict::Qualified, "True in part"),
-    (Verdict::Refuted, "Refuted"),
-    (Verdict::Undecided, "Undecided"),
-];
-
 /// A claim's id and what is true of it.
 fn found_in(claim: &Judgement) -> String {
     let finding = if claim.finding.is_empty() { &claim.claim } else { &claim.finding };
@@ -129,13 +127,20 @@ fn found_in(claim: &Judgement) -> String {
 /// What was found, a line for each verdict.
 fn found(results: &Results) -> String {
     let mut text = String::new();
-    for (verdict, words) in GROUPS {
+    for (verdict, words) in story::GROUPS {
         let claims: Vec<String> = results.judged(verdict).iter().map(|c| found_in(c)).collect();
         if !claims.is_empty() {
             let _ = writeln!(text, "- **{words}:** {}.", claims.join("; "));
         }
     }
-    if text.is_empty() { text } else { format!("\nClaims of the original report:\n\n{text}") }
+    if text.is_empty() {
+        return text;
+    }
+    let lessons = story::lessons(results);
+    if !lessons.is_empty() {
+        let _ = writeln!(text, "- **To remember:** {lessons}.");
+    }
+    format!("\n{}\n\n{text}", story::tally(results))
 }
 
 fn claims(results: &Results) -> String {
@@ -171,7 +176,16 @@ fn meshes(results: &Results) -> String {
     text
 }
 
-/// A table of claims, those of the source report or our own, with links into the report at `place`: for each its
+/// How many claims of the original report hold, and what a student should remember: two paragraphs.
+pub fn summary(results: &Results) -> String {
+    let lessons = story::lessons(results);
+    match lessons.is_empty() {
+        true => format!("{}\n", story::tally(results)),
+        false => format!("{}\n\nTo remember: {lessons}.\n", story::tally(results)),
+    }
+}
+
+/// A table of claims, those of the original report or our own, with links into the report at `place`: for each its
 /// verdict, what is true in one sentence, and the number that decided; nothing if there is no claim.
 pub fn claim_table(results: &Results, ours: bool, place: &str) -> String {
     let mut rows = String::new();
@@ -197,8 +211,13 @@ pub fn claim_table(results: &Results, ours: bool, place: &str) -> String {
     }
 }
 
-fn body(record: &Record, form: Form) -> String {
+/// `first` is the number of its first figure.
+fn body(record: &Record, first: usize, form: Form) -> String {
     let mut text = String::new();
+    let numbered = |id: &str| match numbers::place(record, id) {
+        Some(place) => format!("Figure {}. ", first + place),
+        None => String::new(),
+    };
     if !record.parameters.is_empty() {
         text += "\n";
         for p in &record.parameters {
@@ -226,10 +245,14 @@ fn body(record: &Record, form: Form) -> String {
         );
     }
     for play in play::of(&record.id) {
-        let _ = write!(text, "\n*In the page, to play with.* {}\n", play.caption);
+        let number = numbered(&play.id());
+        let _ = write!(text, "\n*{number}In the page, to play with.* {}\n", play.caption);
     }
-    for figure in &record.figures {
-        let _ = write!(text, "\n![{}]({})\n\n*{}*", figure.alt, figure.png, figure.caption);
+    let mut figures: Vec<_> = record.figures.iter().collect();
+    figures.sort_by_key(|figure| numbers::place(record, &figure.id));
+    for figure in figures {
+        let caption = numbered(&figure.id) + &figure.caption;
+        let _ = write!(text, "\n![{}]({})\n\n*{caption}*", figure.alt, figure.png);
         if let Some(svg) = &figure.svg {
             let _ = write!(text, " ([SVG]({svg}))");
         }

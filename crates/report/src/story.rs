@@ -7,7 +7,7 @@ use fairing_results::verdict::Verdict;
 /// The title of the report.
 pub(crate) const TITLE: &str = "What the Laplacian says about a mesh, and what it does to it";
 
-/// What the report is about, before its findings.
+/// What the report is about, before what was found.
 pub(crate) const ABOUT: &str = "A solved coursework report on discrete curvature, spectra and smoothing of triangle \
     meshes, done again. One command runs, draws and measures every experiment, and each claim is tested by numbers.";
 
@@ -119,6 +119,41 @@ pub(crate) const ACTS: [Act; 3] = [
     },
 ];
 
+/// How many claims of the original report hold, in a sentence; nothing without claims.
+pub(crate) fn tally(results: &Results) -> String {
+    let counts: Vec<(usize, &str)> = GROUPS
+        .iter()
+        .map(|(verdict, words)| (results.judged(*verdict).len(), *words))
+        .filter(|(count, _)| *count > 0)
+        .collect();
+    let total: usize = counts.iter().map(|(count, _)| count).sum();
+    let counts: Vec<String> = counts
+        .iter()
+        .map(|(count, words)| {
+            let verb = if *count == 1 { "is" } else { "are" };
+            format!("{count} {verb} {}", words.to_lowercase())
+        })
+        .collect();
+    match (total, counts.split_last()) {
+        (_, None) => String::new(),
+        (1, Some((only, _))) => format!("Of its claims {only}."),
+        (_, Some((only, []))) => format!("Of its {total} claims {only}."),
+        (_, Some((last, others))) => {
+            format!("Of its {total} claims {} and {last}.", others.join(", "))
+        }
+    }
+}
+
+/// What a student should remember: the first sentence of each rule, as one line; nothing without rules.
+pub(crate) fn lessons(results: &Results) -> String {
+    let mut text = rules(results).iter().map(|rule| rule.lesson()).collect::<Vec<_>>().join("; ");
+    // Letters of formulas are not capitals: only the first of each lesson is.
+    if let Some(first) = text.get_mut(..1) {
+        first.make_ascii_uppercase();
+    }
+    text
+}
+
 impl Act {
     /// The ids of its experiments.
     #[cfg(test)]
@@ -152,6 +187,24 @@ pub(crate) struct Rule {
     pub(crate) claim: &'static str,
     follows: &'static [Verdict],
 }
+
+impl Rule {
+    /// Its first sentence, to go into a list.
+    fn lesson(&self) -> String {
+        let first = self.text.split(". ").next().unwrap_or_default().trim_end_matches('.');
+        let mut letters = first.chars();
+        let begin = letters.next().map(|c| c.to_lowercase().to_string()).unwrap_or_default();
+        begin + letters.as_str()
+    }
+}
+
+/// Verdicts with the words for all claims on which they were given.
+pub(crate) const GROUPS: [(Verdict, &str); 4] = [
+    (Verdict::Confirmed, "Confirmed"),
+    (Verdict::Qualified, "True in part"),
+    (Verdict::Refuted, "Refuted"),
+    (Verdict::Undecided, "Undecided"),
+];
 
 /// What we would tell the student.
 const RULES: [Rule; 6] = [
@@ -200,4 +253,36 @@ pub(crate) fn rules(results: &Results) -> Vec<&'static Rule> {
         claims.iter().any(|(_, c)| c.id == rule.claim && rule.follows.contains(&c.verdict))
     };
     RULES.iter().filter(follows).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use fairing_results::verdict::Judgement;
+
+    use super::*;
+
+    fn results(claims: &[(&str, Verdict)]) -> Results {
+        let claim = |&(id, verdict): &(&str, Verdict)| Judgement::new(id, "It is so", verdict, "");
+        let claims = claims.iter().map(claim).collect();
+        let provenance = fairing_results::provenance::Provenance::default();
+        let experiments = vec![Record { claims, ..Record::default() }];
+        Results { provenance, form: Default::default(), experiments }
+    }
+
+    #[test]
+    fn the_opening_counts_the_claims_and_says_what_to_remember() {
+        let none = results(&[]);
+        assert_eq!((tally(&none), lessons(&none)), (String::new(), String::new()));
+        let one = results(&[("4a", Verdict::Confirmed)]);
+        assert_eq!(tally(&one), "Of its claims 1 is confirmed.");
+        let some =
+            [("2a", Verdict::Refuted), ("5a", Verdict::Qualified), ("7a", Verdict::Qualified)];
+        let some = results(&some);
+        assert_eq!(tally(&some), "Of its 3 claims 2 are true in part and 1 is refuted.");
+        assert_eq!(
+            lessons(&some),
+            "Check a formula at the point where it is used; keep λ below 2/|μ| of the roughest mode; \
+             measure noise in edge lengths"
+        );
+    }
 }

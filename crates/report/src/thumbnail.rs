@@ -1,9 +1,10 @@
 //! Small pictures of the meshes, one for each name.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, ensure};
 use fairing_figure::{Camera, Colors, RenderOptions, Up, Viewpoint, render};
 use fairing_mesh::TriMesh;
 use fairing_results::results::{MeshCard, Results};
@@ -46,4 +47,50 @@ pub(crate) fn all(results: &Results) -> Vec<(&MeshCard, Vec<&str>)> {
         }
     }
     all
+}
+
+/// Makes sure that a name is that of one mesh.
+///
+/// # Errors
+///
+/// If two meshes of different sizes share a name.
+pub(crate) fn check(results: &Results) -> Result<()> {
+    let mut known: BTreeMap<&str, [usize; 2]> = BTreeMap::new();
+    for card in results.experiments.iter().flat_map(|r| &r.views).filter_map(|v| v.mesh.as_ref()) {
+        let size = [card.vertices, card.faces];
+        let first = *known.entry(&card.name).or_insert(size);
+        ensure!(
+            first == size,
+            "two meshes are called {}: one has {} vertices, one {}",
+            card.name,
+            first[0],
+            size[0]
+        );
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use fairing_results::results::{Record, ViewFile};
+
+    use super::*;
+
+    #[test]
+    fn a_name_is_of_one_mesh() {
+        let view = |vertices| {
+            let (name, picture) = ("torus".into(), String::new());
+            let mesh = Some(MeshCard { name, vertices, faces: 2 * vertices, picture });
+            let [id, caption, alt, fallback, data] = [(); 5].map(|()| String::new());
+            ViewFile { id, caption, alt, fallback, data, mesh }
+        };
+        let results = |second| {
+            let views = vec![view(8), view(second)];
+            let experiments = vec![Record { views, ..Record::default() }];
+            Results { provenance: Default::default(), form: Default::default(), experiments }
+        };
+        assert!(check(&results(8)).is_ok());
+        let error = check(&results(9)).unwrap_err().to_string();
+        assert_eq!(error, "two meshes are called torus: one has 8 vertices, one 9");
+    }
 }

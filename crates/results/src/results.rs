@@ -189,7 +189,7 @@ impl Record {
 }
 
 impl Results {
-    /// All judgements with their records: those on claims of the source report
+    /// All judgements with their records: those on claims of the original report
     /// by id, then those on our own.
     pub fn claims(&self) -> Vec<(&Record, &Judgement)> {
         let of = |r| -> Vec<(&Record, &Judgement)> {
@@ -201,7 +201,7 @@ impl Results {
         all
     }
 
-    /// The claims of the source report on which the verdict is this one.
+    /// The claims of the original report on which the verdict is this one.
     pub fn judged(&self, verdict: Verdict) -> Vec<&Judgement> {
         let claims = self.claims().into_iter().map(|(_, c)| c);
         claims.filter(|c| !c.ours && c.verdict == verdict).collect()

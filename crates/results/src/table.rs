@@ -213,7 +213,7 @@ pub fn short(x: f64) -> String {
     let text = if magnitude == 0.0 {
         "0".into()
     } else if !(1e-3..1e5).contains(&magnitude) {
-        format!("{x:.2e}")
+        return powered(&format!("{x:.2e}"));
     } else {
         let digits = 3 - libm::log10(magnitude).floor() as i32;
         let fixed = format!("{x:.*}", digits.max(0) as usize);
@@ -239,8 +239,12 @@ pub fn brief(x: f64) -> String {
         };
         return text.replace('-', "−");
     }
-    let rounded = format!("{x:.1e}");
-    let (mantissa, exponent) = rounded.split_once('e').unwrap_or((&rounded, "0"));
+    powered(&format!("{x:.1e}"))
+}
+
+/// `1.5e-4` as people write it: 1.5 × 10⁻⁴.
+fn powered(scientific: &str) -> String {
+    let (mantissa, exponent) = scientific.split_once('e').unwrap_or((scientific, "0"));
     let raised = |c: char| match c {
         '-' => '⁻',
         c => "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().nth(c.to_digit(10).unwrap_or(0) as usize).unwrap_or(c),
@@ -501,6 +505,6 @@ mod tests {
         {
             assert_eq!(short(x), text);
         }
-        assert_eq!(short(1.23456e-7), "1.23e−7");
+        assert_eq!(short(-1.23456e-7), "−1.23 × 10⁻⁷");
     }
 }

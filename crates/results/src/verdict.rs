@@ -82,7 +82,7 @@ pub struct Judgement {
     /// Where the page shows what decided: the id of a view or a playground and its state, as in an address.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shown: Option<Shown>,
-    /// Whether the claim is ours, rather than one of the source report.
+    /// Whether the claim is ours, rather than one of the original report.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub ours: bool,
 }

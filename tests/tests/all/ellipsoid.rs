@@ -270,7 +270,7 @@ fn formulas_12_to_14_at_the_end_of_the_first_axis() {
     }
 }
 
-/// The source report's κₙ = −1/c is neither along y nor along z, up to sign,
+/// The original report's κₙ = −1/c is neither along y nor along z, up to sign,
 /// unless the ellipsoid is a sphere.
 #[test]
 fn the_claim_of_the_report_holds_on_spheres_only() {

@@ -1,8 +1,11 @@
 //! The committed report, as a person who has cloned the repository opens it.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, ensure};
+use fairing_results::results::Results;
+use serde_json::json;
 
 use crate::Test;
 use crate::chrome::Chrome;
@@ -12,6 +15,9 @@ pub(crate) fn trials() -> Vec<(&'static str, Test)> {
         ("loads_without_complaint", loads),
         ("every_view_draws_and_every_slider_moves_it", draws),
         ("prints_every_view", prints),
+        ("is_at_most_25_screens_of_a_desk", height),
+        ("figures_are_numbered", numbered),
+        ("figures_of_the_original_report_have_counterparts", mapped),
     ]
 }
 
@@ -114,4 +120,64 @@ fn prints(chrome: &mut Chrome, page: &Path) -> Result<()> {
     ensure!(closed == 0.0, "{closed} views are not on the paper");
     ensure!(chrome.complaints.is_empty(), "{:?}", chrome.complaints);
     Ok(())
+}
+
+/// Folded as it is opened, and as wide as the text: nothing has to be moved to the side.
+fn height(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    const SCREEN: [f64; 2] = [1300.0, 900.0];
+    let [width, height] = SCREEN;
+    let desk = json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": false});
+    chrome.call("Emulation.setDeviceMetricsOverride", desk)?;
+    open(chrome, page)?;
+    let found = chrome.run(
+        "(() => {
+           const root = document.documentElement;
+           const cut = [...document.querySelectorAll('.wide')].filter((w) => w.checkVisibility() && w.scrollWidth > w.clientWidth);
+           return [root.scrollHeight, root.scrollWidth, cut.length];
+         })()",
+    )?;
+    let screens = found[0].as_f64().unwrap_or(f64::INFINITY) / height;
+    ensure!(screens < 25.0, "the page is {screens:.1} screens long");
+    ensure!(found[1] == width && found[2] == 0, "width and tables that are cut: {found}");
+    Ok(())
+}
+
+/// From 1 on without a gap, in the order of the page. A caption says more than a title.
+fn numbered(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    open(chrome, page)?;
+    let found = chrome.run(
+        "(() => {
+           const captions = [...document.querySelectorAll('figcaption')].map((c) => c.textContent);
+           const numbers = captions.map((c) => Number(/^Figure (\\d+)\\./.exec(c)?.[1]));
+           return [numbers.every((n, i) => n === i + 1), numbers.length, captions.filter((c) => c.length < 60)];
+         })()",
+    )?;
+    ensure!(found[0] == true && found[1].as_u64() > Some(30), "{found}");
+    ensure!(found[2] == json!([]), "{}", found[2]);
+    Ok(())
+}
+
+/// Each of the twelve figures of the original report has a counterpart that names it.
+fn mapped(_: &mut Chrome, page: &Path) -> Result<()> {
+    let results = Results::read(&page.with_file_name("results.json"))?;
+    let mut named = BTreeSet::new();
+    for record in &results.experiments {
+        let captions = record.figures.iter().map(|f| &f.caption);
+        for caption in captions.chain(record.views.iter().map(|v| &v.caption)) {
+            named.extend(theirs(caption));
+        }
+    }
+    ensure!(named == (1..=12).collect(), "{named:?}");
+    Ok(())
+}
+
+/// The numbers in `Figures 5 to 7 of the original report`.
+fn theirs(caption: &str) -> Vec<u32> {
+    let before = caption.split(" of the original report").filter_map(|part| {
+        let (_, numbers) = part.rsplit_once("Figure")?;
+        let numbers = numbers.trim_start_matches('s').split_whitespace();
+        let numbers: Vec<u32> = numbers.filter_map(|word| word.parse().ok()).collect();
+        Some(*numbers.first()?..=*numbers.last()?)
+    });
+    before.flatten().collect()
 }

@@ -15,7 +15,11 @@ pub(crate) fn trials() -> Vec<(&'static str, Test)> {
         ("a_section_shows_one_view_and_one_plot_and_folds_the_rest", folds),
         ("paper_shows_what_is_folded", unfolds),
         ("a_view_begins_in_its_colour", colours),
+        ("the_opening_says_what_was_found_and_what_to_remember", opens),
         ("formulas_scroll_by_themselves", formulas),
+        ("captions_of_tables_fit_a_telephone", captions),
+        ("plots_of_a_figure_are_stacked_on_a_telephone", stacks),
+        ("colour_bars_keep_the_size_of_their_words", words),
         ("equalised_bars_show_the_values_that_occur", bars),
         ("the_page_does_not_jump", sizes),
         ("the_theme_is_remembered", themes),
@@ -114,16 +118,16 @@ fn colours(chrome: &mut Chrome, page: &Path) -> Result<()> {
 
 /// A formula that is too wide is moved inside its own box, and nothing of it is lost.
 fn formulas(chrome: &mut Chrome, page: &Path) -> Result<()> {
-    let telephone = json!({"width": 390, "height": 800, "deviceScaleFactor": 1, "mobile": true});
-    chrome.call("Emulation.setDeviceMetricsOverride", telephone)?;
+    telephone(chrome)?;
     open(chrome, page)?;
     let found = chrome.run(
         "(() => {
            const box = document.querySelector('.formula');
-           const math = box.querySelector('math');
-           const tall = Math.max(...[...math.querySelectorAll('mo')].map((o) => o.getBoundingClientRect().height));
+           const height = (e) => e.getBoundingClientRect().height;
+           const parts = [...box.querySelectorAll('math')];
+           const tall = parts.map((math) => Math.max(...[...math.querySelectorAll('mo')].map(height)) / height(math));
            return [document.documentElement.scrollWidth, box.scrollWidth > box.clientWidth,
-                   tall / math.getBoundingClientRect().height, math.textContent];
+                   Math.max(...tall), box.textContent, new Set(parts.map((math) => math.getBoundingClientRect().top)).size, parts.length];
          })()",
     )?;
     ensure!(found[0].as_f64().is_some_and(|w| w <= 390.0), "{found}");
@@ -131,6 +135,78 @@ fn formulas(chrome: &mut Chrome, page: &Path) -> Result<()> {
     ensure!(found[2].as_f64().is_some_and(|part| part <= 1.01), "parentheses stick out: {found}");
     let text = found[3].as_str().unwrap_or_default();
     ensure!(text.contains('φ') && text.contains('δ') && text.contains('κ'), "{text}");
+    // Parts that do not fit beside one another are below one another.
+    ensure!(found[5].as_u64() > Some(1) && found[4].as_u64() > Some(1), "{found}");
+    Ok(())
+}
+
+fn opens(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    open(chrome, page)?;
+    let found = chrome.run("document.querySelector('.opening').textContent")?;
+    let text = found.as_str().unwrap_or_default();
+    for words in [
+        "Of its claims 1 is true in part.",
+        "5a λ = 0.05 is best",
+        "To remember: Keep λ below 2/|μ|",
+    ] {
+        ensure!(text.contains(words), "no “{words}” in {text}");
+    }
+    Ok(())
+}
+
+/// 390 pixels wide.
+fn telephone(chrome: &mut Chrome) -> Result<()> {
+    let screen = json!({"width": 390, "height": 800, "deviceScaleFactor": 1, "mobile": true});
+    chrome.call("Emulation.setDeviceMetricsOverride", screen).map(drop)
+}
+
+/// The table may be moved to the side; what is said of it is read without.
+fn captions(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    telephone(chrome)?;
+    open(chrome, page)?;
+    let found = chrome.run(
+        "(() => {
+           const box = document.querySelector('#q5 .wide:has(caption)');
+           box.scrollLeft = 10000;
+           const {left, right} = box.querySelector('caption > span').getBoundingClientRect();
+           return [box.scrollLeft > 0, left >= 0 && right <= innerWidth, [left, right]];
+         })()",
+    )?;
+    ensure!(found[0] == true, "the table is not wider than the screen: the test shows nothing");
+    ensure!(found[1] == true, "the caption goes from {} to the right", found[2]);
+    Ok(())
+}
+
+/// Two plots side by side are one above the other, in full width; a wider screen has them as they were.
+fn stacks(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    telephone(chrome)?;
+    open(chrome, page)?;
+    let places = "(() => {
+       const svg = document.querySelector('#q5 svg.figure');
+       const plots = [...svg.querySelectorAll('metadata')].map((m) => m.parentNode.getBoundingClientRect());
+       return [plots[1].top >= plots[0].bottom, plots[1].left >= plots[0].right,
+               plots.every((p) => p.left >= 0 && p.right <= innerWidth), svg.getAttribute('viewBox')];
+     })()";
+    let narrow = chrome.run(places)?;
+    ensure!(narrow[0] == true && narrow[1] == false && narrow[2] == true, "{narrow}");
+    chrome.picture("stacked")?;
+    let desk = json!({"width": 1300, "height": 900, "deviceScaleFactor": 1, "mobile": false});
+    chrome.call("Emulation.setDeviceMetricsOverride", desk)?;
+    let wide = chrome.until(places, |wide| wide[1] == true)?;
+    ensure!(wide[0] == false && wide[1] == true && wide[3] != narrow[3], "{wide}");
+    Ok(())
+}
+
+/// Also where a panel is narrow: no word of a bar is drawn smaller than it is written.
+fn words(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    telephone(chrome)?;
+    report::open(chrome, page)?;
+    let sizes = chrome.run(
+        "[...document.querySelectorAll('.panel:not([hidden]) .bar svg')].map((svg) => svg.getScreenCTM().a)",
+    )?;
+    let sizes: Vec<f64> =
+        sizes.as_array().into_iter().flatten().filter_map(|x| x.as_f64()).collect();
+    ensure!(!sizes.is_empty() && sizes.iter().all(|size| *size > 0.95), "{sizes:?}");
     Ok(())
 }
 

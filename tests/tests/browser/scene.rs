@@ -7,7 +7,8 @@ use fairing_figure::{Axis, Figure, Plot, Series};
 use fairing_mesh::TriMesh;
 use fairing_results::provenance::Provenance;
 use fairing_results::results::{FigureFile, Form, PlotLink, Record, Results, ViewFile};
-use fairing_results::table::Unit;
+use fairing_results::row;
+use fairing_results::table::{Table, Unit};
 use fairing_results::verdict::{Judgement, Verdict};
 use fairing_results::view::{Modes, Panel, Slider, View};
 use fairing_shapes as shapes;
@@ -187,7 +188,8 @@ fn curve(folder: &Path) -> Result<FigureFile> {
         series: vec![Series::marked("sphere", points)],
         ..Plot::default()
     };
-    let mut figure = Figure::default();
+    let mut figure = Figure { columns: 2, ..Figure::default() };
+    figure.panels.push(fairing_figure::Panel::drawing(plot.draw(420.0, 300.0)?));
     figure.panels.push(fairing_figure::Panel::drawing(plot.draw(420.0, 300.0)?));
     std::fs::write(folder.join("q5/curve.svg"), figure.to_svg()?)?;
     std::fs::write(folder.join("q5/curve.png"), figure.draw().to_image(1.0)?.to_png()?)?;
@@ -245,9 +247,21 @@ fn flows(folder: &Path) -> Result<Record> {
             .iter()
             .map(|view| keep(view, folder))
             .collect::<Result<_>>()?,
+        tables: vec![wide()],
         seconds: 1.0,
         ..Record::default()
     })
+}
+
+/// A table that is wider than a telephone.
+fn wide() -> Table {
+    let names = ["normal error", "surface error", "displacement", "largest displacement", "volume"];
+    let columns = names.map(|name| (name, Unit::EdgeLengths));
+    let caption =
+        "What the steps do to a sphere, in a sentence that is longer than a line of a telephone.";
+    let mut table = Table::new("wide", caption, &columns);
+    table.push(row![0.1234, 0.2345, 0.3456, 0.4567, 0.5678]);
+    table
 }
 
 /// Makes the report in this folder.

@@ -218,12 +218,12 @@ fn methods() -> impl Iterator<Item = Method> {
 fn short_name(method: Method) -> &'static str {
     match method {
         Method::Nothing => "noisy",
-        Method::Denoiser(Denoiser::NonIterative) => "non-iter.",
-        Method::Denoiser(Denoiser::FastEffective) => "fast eff.",
-        Method::Denoiser(Denoiser::BilateralNormal) => "bil. normal",
-        Method::Denoiser(Denoiser::BilateralNormalGlobal) => "… global",
-        Method::Denoiser(Denoiser::TotalVariation) => "total var.",
-        Method::Denoiser(Denoiser::GuidedNormal) => "guided",
+        Method::Denoiser(Denoiser::NonIterative) => "non-\niterative",
+        Method::Denoiser(Denoiser::FastEffective) => "fast,\neffective",
+        Method::Denoiser(Denoiser::BilateralNormal) => "bilateral\nnormal",
+        Method::Denoiser(Denoiser::BilateralNormalGlobal) => "bilateral\nnormal,\nglobal",
+        Method::Denoiser(Denoiser::TotalVariation) => "total\nvariation",
+        Method::Denoiser(Denoiser::GuidedNormal) => "guided\nnormal",
         other => other.name(),
     }
 }

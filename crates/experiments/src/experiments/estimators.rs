@@ -18,7 +18,7 @@ use super::surfaces::TestSurface;
 use crate::experiment::{Card, Context, Experiment};
 use crate::outcome::{Outcome, Picture};
 use crate::row;
-use crate::table::{Cell, Table, Tables, Tolerance, Unit, brief};
+use crate::table::{Cell, Table, Tables, Tolerance, Unit, brief, short};
 use crate::verdict::{Judgement, Verdict};
 
 pub(super) struct Estimators;
@@ -34,7 +34,7 @@ impl Experiment for Estimators {
         Card {
             id: "estimators",
             title: "Curvature estimators side by side",
-            question: "Which estimator converges on meshes as they are, and when is each to be chosen?",
+            question: "Which estimator converges on real meshes, and when should each be used?",
             method: "Every estimator is run on surfaces of known curvature, over a series of refinements. One whose largest error converges can be trusted at every vertex.\n\nThe surfaces are a sphere, a torus, an ellipsoid, and a wavy graph with a border. Their meshes are regular, jittered along the surface, or irregular, with edges flipped as well. H, K, both principal curvatures and their directions are compared with the exact values at inner vertices, in the root mean square and in the largest error.".into(),
             formulas: vec![r"p = \frac{\log(e_1 / e_2)}{\log(h_1 / h_2)}".into()],
             inputs: &[],
@@ -379,7 +379,8 @@ fn plot(errors: &Table, column: &str, what: &str) -> Result<Picture> {
         &figure,
         if what == "H" { "largest-mean" } else { "largest-gaussian" },
         &format!(
-            "A line that falls to the left converges, at second order if it falls like the dashed one; a level line does not. In colour are the {WINNERS} estimators with the least error of {what} on the finest meshes, and {BASELINE} for comparison. The largest error of {what} at inner vertices of jittered meshes, without errors below {ROUNDING:e}, which are rounding."
+            "A line that falls to the left converges, at second order if it falls like the dashed one; a level line does not. In colour are the {WINNERS} estimators with the least error of {what} on the finest meshes, and {BASELINE} for comparison. The largest error of {what} at inner vertices of jittered meshes, without errors below {}, which are rounding.",
+            short(ROUNDING)
         ),
         &format!(
             "Four plots of the largest relative error of {what} over mean edge length on logarithmic axes, for sphere, torus, ellipsoid and graph, a line for each estimator."

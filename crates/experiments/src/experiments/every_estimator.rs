@@ -55,7 +55,7 @@ impl EveryEstimator {
         gallery::errors(
             "torus",
             &format!(
-                "Grey is zero. The error of H on a torus with jittered vertices, by {} and by {}.",
+                "What is not grey is wrong. The error of H on a torus with jittered vertices, by {} and by {}.",
                 baseline.0, chosen.0
             ),
             "A torus twice, coloured by errors: more on the left than on the right.",
@@ -71,7 +71,7 @@ impl EveryEstimator {
         let name = Estimator::ALL[baseline].name();
         View {
             id: "torus-view".into(),
-            mesh: "jittered torus".into(),
+            mesh: "fine jittered torus".into(),
             caption: format!(
                 "Move through the estimators: what is not grey is wrong. On the left {name}, on the right the estimator of the slider, on a torus with jittered vertices. A click shows the exact value, the estimate and the error at a vertex."
             ),
@@ -83,7 +83,7 @@ impl EveryEstimator {
             color: Some("error of mean curvature".into()),
             panels: vec![
                 self.panel(name, &self.fields[baseline..=baseline]),
-                self.panel("the other", &self.fields),
+                self.panel("estimator of the slider", &self.fields),
             ],
             ..View::default()
         }

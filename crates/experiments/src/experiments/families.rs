@@ -221,7 +221,7 @@ fn again(case: &Case, published: &Published) -> Result<(Found, Picture)> {
     .draw(
         &format!("worst-{half}"),
         &format!(
-            "The worst case of the {half} half, “{name}”: the truth, the noisy mesh, what the automatic denoiser makes of it, and the best published result, whose parameters were tuned with the truth. Flat shaded, with E_a."
+            "Compare the last two pictures: here the automatic denoiser loses most against the best published method, whose parameters were tuned with the truth. The worst case of the {half} half, “{name}”: the truth, the noisy mesh and both results, flat shaded, with E_a."
         ),
         "Four pictures of one body: without noise, noisy, and denoised by two methods.",
     )?;

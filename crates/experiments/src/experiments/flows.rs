@@ -82,7 +82,7 @@ impl Experiment for Flows {
                 "mean-curvature",
                 "Mean curvature flow converges to that of the sphere with second order",
                 judge(second),
-                format!("Observed orders of the radius lie between {} and {}.", brief(least), brief(most)),
+                format!("The observed orders of the radius lie between {least:.2} and {most:.2}."),
             )
             .finding(format!("The observed orders are {least:.2} to {most:.2}."))
             .ours()
@@ -288,7 +288,7 @@ fn methods(context: &Context<'_>) -> Result<(Table, Picture)> {
     let looks = looks.map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
     let picture = Gallery { looks, viewpoints: &VIEWPOINTS[..1], up: Up::Z, aspect: 1.0, occlusion: !context.is_quick() }.draw(
         "methods",
-        "A bumpy sphere with noise, and after some of the methods with the options they have by default.",
+        "Compare the sizes: diffusion shrinks the sphere, Taubin's steps and HC do not. A bumpy sphere with noise, and after some of the methods with their default options.",
         "Five pictures: a rough sphere with bumps, and smoother ones of which some have shrunk.",
     )?;
     Ok((table, picture))

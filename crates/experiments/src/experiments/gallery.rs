@@ -3,8 +3,8 @@
 
 use anyhow::Result;
 use fairing_figure::{
-    Background, Camera, ColorBar, Colors, Field, Figure, Occlusion, Panel, RenderOptions, Scale,
-    ScaleOptions, Up, Viewpoint, Wireframe, render,
+    Background, Camera, ColorBar, Colors, Field, Figure, Limits, Occlusion, Panel, RenderOptions,
+    Scale, ScaleOptions, Up, Viewpoint, Wireframe, render,
 };
 use fairing_mesh::TriMesh;
 use fairing_operators::curvature::ScalarCurvature;
@@ -145,8 +145,7 @@ fn baked(meshes: &[&TriMesh]) -> (Vec<Occlusion>, Vec<usize>) {
 
 impl Coloring<'_> {
     fn paint(&self) -> Result<(Vec<[u8; 3]>, ColorBar)> {
-        let undefined: Vec<bool> = self.field.status.iter().map(|s| !s.is_defined()).collect();
-        let mut field = Field::new(&self.field.values).undefined_where(&undefined)?;
+        let mut field = drawn(self.field)?;
         if self.range == Range::Inside {
             field = field.range_without(&self.field.boundary)?;
         }
@@ -155,6 +154,12 @@ impl Coloring<'_> {
         let bar = ColorBar { scale, quantity: self.quantity.into(), unit: self.unit.into() };
         Ok((colors, bar))
     }
+}
+
+/// The values that have a colour.
+fn drawn(curvature: &ScalarCurvature) -> Result<Field<'_>> {
+    let undefined: Vec<bool> = curvature.status.iter().map(|s| !s.is_defined()).collect();
+    Ok(Field::new(&curvature.values).undefined_where(&undefined)?)
 }
 
 /// Signed errors of several estimates on one mesh, in one range.
@@ -166,8 +171,11 @@ pub(super) fn errors(
     estimates: &[(&str, ScalarCurvature)],
     occlusion: bool,
 ) -> Result<Picture> {
+    let fields: Vec<Field<'_>> = estimates.iter().map(|(_, e)| drawn(e)).collect::<Result<_>>()?;
+    let scale = Scale::of(&fields.iter().collect::<Vec<_>>(), &ScaleOptions::SIGNED)?;
+    let limits = Limits::Fixed { low: scale.low(), high: scale.high() };
     let looks = estimates.iter().map(|(title, field)| {
-        let options = ScaleOptions::SIGNED;
+        let options = ScaleOptions { limits, ..ScaleOptions::SIGNED };
         let (quantity, unit) = ("error of H", "1/mesh units");
         let coloring = Coloring { field, range: Range::All, options, quantity, unit };
         Look { title, mesh, coloring: Some(coloring) }

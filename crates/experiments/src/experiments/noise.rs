@@ -110,7 +110,7 @@ impl Experiment for Noise {
                 reason,
             )
             .finding(format!(
-                "Noise changes K {} times as much as H in the median. Only the total of K, 2πχ, stays.",
+                "Noise changes K {} times as much as H in the median. Only the total of K, 2πχ, stays the same.",
                 brief(middle)
             ))
             .shown("play-noise", "0.1~14~torus~error")
@@ -304,7 +304,7 @@ fn plot(changes: &Table) -> Result<Picture> {
             title: surface.name().into(),
             x: Axis::log("noise σ/h"),
             y: Axis::log(if i == 0 { "relative change" } else { "" }),
-            legend: if i == 1 { Legend::Right } else { Legend::None },
+            legend: if i == 1 { Legend::Lines } else { Legend::None },
             ..Plot::default()
         };
         let rows = changes.only(&[("surface", surface.name().into())])?;

@@ -79,7 +79,7 @@ pub(super) fn plot(sweep: &Table, caption: &str) -> Result<Picture> {
             title: column.into(),
             x: Axis::log("λ"),
             y: Axis::log(unit),
-            legend: Legend::Auto,
+            legend: Legend::Lines,
             ..Plot::default()
         };
         for mesh in ["patch", "machine part"] {

@@ -17,7 +17,7 @@ use crate::row;
 use crate::table::{Table, Tables, Tolerance, Unit};
 use crate::verdict::{Judgement, Verdict};
 
-/// Half axes under study; the first is a sphere, on which the source report's
+/// Half axes under study; the first is a sphere, on which the original report's
 /// answer looks right.
 const AXES: [[f64; 3]; 6] = [
     [1.0, 1.0, 1.0],
@@ -60,7 +60,7 @@ impl Experiment for EllipsoidForms {
     fn judge(&self, tables: Tables<'_>) -> Result<Vec<Judgement>> {
         let forms = tables.get("forms")?;
         let ours = forms.column("κ along y")?;
-        let theirs = forms.column("κ along y, source")?;
+        let theirs = forms.column("κ along y, original")?;
         let differences = forms.column("κ along y, differences")?;
         let check = gap(&ours, &differences);
         // The sign is a matter of the normal: compare sizes alone.
@@ -124,7 +124,7 @@ fn forms() -> Result<Table> {
             ("N", Unit::Length),
             ("κ along y", Unit::Curvature),
             ("κ along y, differences", Unit::Curvature),
-            ("κ along y, source", Unit::Curvature),
+            ("κ along y, original", Unit::Curvature),
             ("κ along z", Unit::Curvature),
         ],
     )
@@ -179,7 +179,7 @@ fn directions() -> Result<Table> {
             ("(a, b, c)", Unit::Label),
             ("θ", Unit::Degrees),
             ("κ", Unit::Curvature),
-            ("κ, source", Unit::Curvature),
+            ("κ, original", Unit::Curvature),
         ],
     );
     for axes in AXES {
@@ -197,7 +197,7 @@ fn directions() -> Result<Table> {
     Ok(table)
 }
 
-/// κₙ(θ), ours and the source report's, a panel for each ellipsoid.
+/// κₙ(θ), ours and the original report's, a panel for each ellipsoid.
 fn plot(directions: &Table) -> Result<Picture> {
     let mut figure = Figure { columns: 3, ..Figure::default() };
     for axes in AXES {
@@ -211,10 +211,10 @@ fn plot(directions: &Table) -> Result<Picture> {
             x: Axis::linear("θ/π, from +y (0) over +z (½)").from_to(0.0, 1.0),
             y: Axis::linear("κₙ in 1/mesh units"),
             series: vec![
-                Series::line("from the forms", line("κ")?),
-                Series::line("original report", line("κ, source")?),
+                Series::line("forms", line("κ")?),
+                Series::line("original", line("κ, original")?),
             ],
-            legend: Legend::Auto,
+            legend: Legend::Lines,
             ..Plot::default()
         };
         figure.panels.push(Panel::drawing(plot.draw(300.0, 270.0)?));

@@ -232,6 +232,12 @@ fn pictures(
     cotangent: &MeanCurvature,
 ) -> Result<[Picture; 2]> {
     let norms = sizes(cotangent);
+    let to_see = match is_flat(mesh, uniform, cotangent) {
+        true => {
+            "What looks like an artefact of cotangents is the border: nothing inside has a colour of its own."
+        }
+        false => "Equalised colours show where the surface bends more, and not by how much.",
+    };
     let (uniform, cotangent) = (uniform.clone().into_signed(), cotangent.clone().into_signed());
     let gallery =
         |looks| Gallery { looks, viewpoints: &VIEWPOINTS, up: Up::Z, aspect: 1.3, occlusion: true };
@@ -251,7 +257,7 @@ fn pictures(
     ])
     .draw(
         name,
-        &format!("What looks like an artefact of cotangents on a plane is its border. The {name} in the colours of Figures 2 and 3 of the original report: the mesh, and mean curvature from the cotangent Laplacian, from two viewpoints."),
+        &format!("{to_see} The {name} in the colours of Figures 2 and 3 of the original report: the mesh, and mean curvature from the cotangent Laplacian, from two viewpoints."),
         &format!("Four pictures of the {name}: plain and coloured by mean curvature, from two sides."),
     )?;
     let signed = |title: &'static str, field| Look {
@@ -278,11 +284,16 @@ fn pictures(
     Ok([assignment, diverging])
 }
 
-/// Both estimates on one mesh to turn.
-fn view(name: &str, mesh: &TriMesh, uniform: &MeanCurvature, cotangent: &MeanCurvature) -> View {
+/// Whether both operators give zero at all vertices, as on a plane.
+fn is_flat(mesh: &TriMesh, uniform: &MeanCurvature, cotangent: &MeanCurvature) -> bool {
     let h = mesh.mean_edge_length();
     let is_zero = |mean: &MeanCurvature| mean.signed.iter().all(|x| h * x.abs() < ZERO);
-    let flat = is_zero(uniform) && is_zero(cotangent);
+    is_zero(uniform) && is_zero(cotangent)
+}
+
+/// Both estimates on one mesh to turn.
+fn view(name: &str, mesh: &TriMesh, uniform: &MeanCurvature, cotangent: &MeanCurvature) -> View {
+    let flat = is_flat(mesh, uniform, cotangent);
     let panel = |title: &str, mean: &MeanCurvature| {
         let plain = Panel::still(title, mesh);
         let signed =
@@ -342,7 +353,7 @@ fn torus_view(context: &Context<'_>) -> Result<(View, Picture)> {
     let (cotangent, second, ours) = panel("cotangent", MIXED)?;
     let picture = gallery::errors(
         "torus",
-        "Grey is zero. The error of H on a jittered torus, by uniform weights and by cotangents.",
+        "Uniform weights are wrong on the whole torus, cotangents hardly anywhere: grey is zero. The error of H on a jittered torus.",
         "A torus twice, coloured by errors: far more on the left.",
         &mesh,
         &[("uniform", theirs), ("cotangent", ours)],
@@ -350,7 +361,7 @@ fn torus_view(context: &Context<'_>) -> Result<(View, Picture)> {
     )?;
     let view = View {
         id: "torus-view".into(),
-        mesh: "jittered torus".into(),
+        mesh: "coarse jittered torus".into(),
         caption: format!(
             "What is not grey is wrong: on a torus with jittered vertices uniform weights are off by {} % in the root mean square, cotangents by {} %. A click shows the exact value, the estimate and the error at a vertex.",
             brief(first),

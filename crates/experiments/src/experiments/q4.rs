@@ -129,7 +129,7 @@ impl Experiment for Reconstruction {
         Ok(vec![
             Judgement::new("4a", "A larger k approaches the original", verdict, reason)
                 .finding(format!(
-                    "How much the first modes help depends on the shape: from {} to {} of them the error goes to between {} and {} of what it was.",
+                    "How much the first modes help depends on the shape: going from {} to {} of them leaves between {} and {} of the error.",
                     ks[0],
                     ks[1],
                     brief(steps.iter().copied().fold(f64::INFINITY, f64::min)),
@@ -477,7 +477,7 @@ fn view(id: &str, name: &str, mesh: &TriMesh, stops: &[usize], rebuilt: &[TriMes
         id: format!("{id}-view"),
         mesh: name.into(),
         caption: format!(
-            "Move k and watch what is missing: the {name} from k modes, beside the original."
+            "Move k and watch what is missing: the {name} from k modes (Figure 4 of the original report), beside the whole mesh."
         ),
         alt: format!("The {name} twice, to turn; a slider changes the number of modes."),
         fallback: id.into(),

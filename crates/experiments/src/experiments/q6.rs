@@ -214,7 +214,7 @@ fn convergence(tables: Tables<'_>) -> Result<Judgement> {
     );
     let claim = "Implicit smoothing has converged after 10 iterations, explicit has not";
     let finding = format!(
-        "From {few} to {many} implicit steps the mesh still moves by {} edge lengths. At equal diffusion time both flows agree within {}.",
+        "From {few} to {many} implicit steps the mesh still moves by {} edge lengths. At equal diffusion time both flows are at most {} edge lengths apart.",
         brief(least),
         brief(apart)
     );

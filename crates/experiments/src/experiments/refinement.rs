@@ -150,7 +150,7 @@ pub(super) fn plot(errors: &Table, estimators: &[Estimator]) -> Result<Picture> 
             title: surface.name().into(),
             x: Axis::log("mean edge length h"),
             y: Axis::log(if i == 0 { "relative RMS error" } else { "" }),
-            legend: if i == 2 { Legend::Right } else { Legend::None },
+            legend: if i == 2 { Legend::Lines } else { Legend::None },
             ..Plot::default()
         };
         for e in estimators {

@@ -11,6 +11,8 @@ use crate::ticks::Ticks;
 
 const TICK_SIZE: f64 = 12.0;
 const LABEL_SIZE: f64 = 13.0;
+/// From one line of words to the next.
+const LINE: f64 = 14.0;
 const GRID: Color = [0xe8, 0xea, 0xed];
 
 pub(super) fn draw(plot: &Plot, width: f64, height: f64) -> Result<Drawing, PlotError> {
@@ -142,6 +144,12 @@ fn ranges(plot: &Plot) -> Result<[Range; 2], PlotError> {
     Ok([Range::fit(&groups, [0.0; 2])?, y])
 }
 
+/// The height of the lines of the categories after the first.
+fn further(plot: &Plot) -> f64 {
+    let lines = plot.categories.iter().map(|words| words.lines().count()).max().unwrap_or(1);
+    LINE * lines.saturating_sub(1) as f64
+}
+
 /// The rectangle of the data, and how values are placed in it.
 struct Frame {
     left: f64,
@@ -158,7 +166,7 @@ impl Frame {
     /// Leaves room for labels, and what is spared to the right and below.
     fn new(plot: &Plot, [x, y]: [Range; 2], size: [f64; 2], spare: [f64; 2]) -> Self {
         let title = if plot.title.is_empty() { 0.0 } else { 24.0 };
-        let below = spare[1] + if plot.x.label.is_empty() { 26.0 } else { 48.0 };
+        let below = spare[1] + further(plot) + if plot.x.label.is_empty() { 26.0 } else { 48.0 };
         let y_ticks = y.ticks(((size[1] - title - below) / 45.0).clamp(2.0, 8.0) as usize);
         let widest = y_ticks.major.iter().map(|(_, l)| width(l, TICK_SIZE, Face::Regular));
         let beside_y = if plot.y.label.is_empty() && y_ticks.exponent == 0 { 6.0 } else { 26.0 };
@@ -211,12 +219,14 @@ impl Frame {
         } else {
             for (i, words) in plot.categories.iter().enumerate() {
                 let [x, _] = self.at([i as f64 + 1.0, self.y.low]);
-                let below = [x, bottom + 17.0];
-                out.text(below, TICK_SIZE, Anchor::Middle, Face::Regular, INK, words);
+                for (line, words) in words.lines().enumerate() {
+                    let below = [x, bottom + 17.0 + LINE * line as f64];
+                    out.text(below, TICK_SIZE, Anchor::Middle, Face::Regular, INK, words);
+                }
             }
         }
         let exponent = if plot.categories.is_empty() { self.x_ticks.exponent } else { 0 };
-        let below = [middle, bottom + 38.0];
+        let below = [middle, bottom + 38.0 + further(plot)];
         let words = label(&plot.x, exponent);
         out.text(below, LABEL_SIZE, Anchor::Middle, Face::Regular, INK, &words);
         let words = label(&plot.y, self.y_ticks.exponent);
@@ -225,7 +235,6 @@ impl Frame {
 
     /// Names at the right ends of the lines, moved apart where they would cover one another.
     fn name_lines(&self, out: &mut Drawing, styled: &[(&Series, Style)]) {
-        const LINE: f64 = 14.0;
         let mut ends: Vec<(f64, Color, &str)> = styled
             .iter()
             .filter_map(|(series, style)| {

@@ -27,8 +27,8 @@ pub struct Plot {
     pub y: Axis,
     /// Drawn in this order, except that bands and bars come first.
     pub series: Vec<Series>,
-    /// Names of the groups of bars, from left to right; the horizontal axis
-    /// then has no numbers.
+    /// Names of the groups of bars, from left to right, perhaps of several
+    /// lines; the horizontal axis then has no numbers.
     pub categories: Vec<String>,
     /// Where the series are named.
     pub legend: Legend,

@@ -11,35 +11,14 @@ use rayon::prelude::*;
 use super::html::escape;
 use super::tables::counted;
 use super::view;
+use crate::layout;
+use crate::numbers::{Item, is_paper, parts};
 use crate::play::Play;
-use crate::{layout, play};
-use fairing_results::results::{FigureFile, Form, Record, ViewFile};
-
-/// Whether a picture is shown as the still of a view rather than by itself: a picture or a view, not both.
-fn is_paper(record: &Record, figure: &FigureFile) -> bool {
-    figure.svg.is_none() && record.views.iter().any(|view| view.fallback == figure.id)
-}
-
-/// How many numbered figures an experiment has.
-pub(super) fn count(record: &Record) -> usize {
-    play::of(&record.id).count()
-        + record.views.len()
-        + record.figures.iter().filter(|f| !is_paper(record, f)).count()
-}
+use fairing_results::results::{FigureFile, Form, Record};
 
 /// What is seen at once, then the rest folded under a line that says what it is. Numbered from `first`.
 pub(super) fn shown(record: &Record, first: usize, folder: &Path, form: Form) -> Result<String> {
-    let mut all: Vec<Item<'_>> = play::of(&record.id).map(Item::Play).collect();
-    all.extend(record.views.iter().enumerate().map(|(k, view)| Item::View(k, view)));
-    let pictures = |plots: bool| {
-        let own = record.figures.iter().filter(|f| !is_paper(record, f));
-        own.filter(move |f| f.svg.is_some() == plots).map(Item::Picture)
-    };
-    all.extend(pictures(true).chain(pictures(false)));
-    let (mut items, folded): (Vec<Item<'_>>, Vec<Item<'_>>) =
-        all.into_iter().partition(|item| layout::shows_figure(record, &item.id()));
-    let seen = items.len();
-    items.extend(folded);
+    let (items, seen) = parts(record);
     let one = |(k, item): (usize, &Item<'_>)| {
         item.html(record, &items, first, &format!("<b>Figure {}.</b> ", first + k), folder, form)
     };
@@ -59,23 +38,7 @@ pub(super) fn shown(record: &Record, first: usize, folder: &Path, form: Form) ->
     Ok(text)
 }
 
-/// Something with a number.
-enum Item<'a> {
-    Play(&'a Play),
-    /// With its place among the views.
-    View(usize, &'a ViewFile),
-    Picture(&'a FigureFile),
-}
-
 impl Item<'_> {
-    fn id(&self) -> String {
-        match self {
-            Self::Play(play) => play.id(),
-            Self::View(_, view) => view.id.clone(),
-            Self::Picture(figure) => figure.id.clone(),
-        }
-    }
-
     /// `all` are the numbered parts of the section, the first of which is number `first`.
     fn html(
         &self,

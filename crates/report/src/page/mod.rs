@@ -21,13 +21,13 @@ use std::path::Path;
 use anyhow::Result;
 use rayon::prelude::*;
 
-use crate::{markdown, story, thumbnail};
+use crate::{markdown, numbers, story, thumbnail};
 use fairing_results::results::{Record, Results};
 use fairing_results::verdict::{Judgement, Verdict};
 use html::escape;
 
 /// The scripts, in the order in which they use one another.
-const SCRIPTS: [&str; 19] = [
+const SCRIPTS: [&str; 20] = [
     include_str!("../../assets/dom.js"),
     include_str!("../../assets/geometry.js"),
     include_str!("../../assets/eigen.js"),
@@ -46,6 +46,7 @@ const SCRIPTS: [&str; 19] = [
     include_str!("../../assets/diffusion.js"),
     include_str!("../../assets/noise.js"),
     include_str!("../../assets/points.js"),
+    include_str!("../../assets/stack.js"),
     include_str!("../../assets/page.js"),
 ];
 
@@ -65,16 +66,7 @@ pub(crate) fn report(results: &Results, folder: &Path) -> Result<String> {
     let mut main = opening(results, &first_picture(results, folder)?);
     main += &claims(results);
     main += &meshes(results, folder)?;
-    let order = story::in_order(results);
-    let mut next = 1;
-    let numbered: Vec<(&Record, usize)> = order
-        .into_iter()
-        .map(|record| {
-            let first = next;
-            next += figures::count(record);
-            (record, first)
-        })
-        .collect();
+    let numbered = numbers::first_numbers(results);
     let section = |(record, first): &(&Record, usize)| {
         section::experiment(&results.experiments, record, *first, folder, form)
     };
@@ -143,7 +135,11 @@ fn opening(results: &Results, picture: &str) -> String {
         n => format!("{n} {what}s"),
     };
     let failed = results.experiments.iter().filter(|r| r.error.is_some()).count();
-    let mut text = format!("<section class=\"opening\">{picture}<p>{}</p>", story::ABOUT);
+    let mut text = format!(
+        "<section class=\"opening\">{picture}<p>{} {}</p>",
+        story::ABOUT,
+        story::tally(results)
+    );
     let claim = |c: &&Judgement| {
         let finding = if c.finding.is_empty() { &c.claim } else { &c.finding };
         format!(
@@ -152,7 +148,7 @@ fn opening(results: &Results, picture: &str) -> String {
             escape(finding.trim_end_matches('.'))
         )
     };
-    let groups: String = markdown::GROUPS
+    let groups: String = story::GROUPS
         .iter()
         .filter_map(|(verdict, words)| {
             let judged = results.judged(*verdict);
@@ -165,7 +161,12 @@ fn opening(results: &Results, picture: &str) -> String {
         })
         .collect();
     if !groups.is_empty() {
-        let _ = write!(text, "<ul class=\"found\">{groups}</ul>");
+        let lessons = story::lessons(results);
+        let lessons = match lessons.is_empty() {
+            true => lessons,
+            false => format!("<li><a href=\"#rules\">To remember:</a> {}.</li>", escape(&lessons)),
+        };
+        let _ = write!(text, "<ul class=\"found\">{groups}{lessons}</ul>");
     }
     if failed > 0 {
         let _ = write!(text, "<p class=\"error\">{} failed.</p>", count("experiment", failed));
@@ -294,7 +295,7 @@ fn claims(results: &Results) -> String {
     }
     let own = results.claims().into_iter().filter(|(_, c)| c.ours).map(|(_, c)| c.verdict);
     let own: Vec<Verdict> = own.collect();
-    let counts: Vec<String> = markdown::GROUPS
+    let counts: Vec<String> = story::GROUPS
         .iter()
         .map(|(verdict, _)| (own.iter().filter(|v| *v == verdict).count(), verdict))
         .filter(|(count, _)| *count > 0)

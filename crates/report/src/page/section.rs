@@ -64,7 +64,10 @@ fn method(record: &Record) -> Result<String> {
         let _ = write!(text, "<p>{}</p>", escape(first));
     }
     for formula in &record.formulas {
-        let _ = write!(text, "<p class=\"formula\">{}</p>", mathml::displayed(formula)?);
+        // Where the screen is narrow, parts go below one another.
+        let parts = formula.split(r"\qquad").flat_map(|part| part.split(r"\quad"));
+        let parts: Vec<String> = parts.map(mathml::displayed).collect::<Result<_>>()?;
+        let _ = write!(text, "<p class=\"formula\">{}</p>", parts.concat());
     }
     let rest: String = paragraphs.map(|p| format!("<p>{}</p>", escape(p))).collect();
     let (rows, files) = (parameters(record), files(record));

@@ -56,7 +56,7 @@ fn table(table: &Table, csv: &str, form: Form) -> String {
             String::new(),
             "</details>",
         ),
-        false => (String::new(), format!("<caption>{caption}</caption>"), ""),
+        false => (String::new(), format!("<caption><span>{caption}</span></caption>"), ""),
     };
     let mut text = format!(
         "{before}<div class=\"wide\"><table id=\"table-{}\">{caption}<thead><tr>",

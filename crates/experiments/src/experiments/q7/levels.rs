@@ -183,7 +183,15 @@ fn resolved(depends: &[Dependence]) -> String {
 }
 
 fn list(values: &[f64]) -> String {
-    values.iter().map(|x| brief(*x)).collect::<Vec<_>>().join(", ")
+    joined(&values.iter().map(|x| brief(*x)).collect::<Vec<_>>())
+}
+
+/// `a, b and c`.
+fn joined(words: &[String]) -> String {
+    match words.split_last() {
+        Some((last, others)) if !others.is_empty() => format!("{} and {last}", others.join(", ")),
+        _ => words.concat(),
+    }
 }
 
 /// Claim 7a.
@@ -203,13 +211,18 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
     let (coarse, fine) =
         (h.iter().copied().fold(0.0, f64::max), h.iter().copied().fold(f64::INFINITY, f64::min));
     let each =
-        |value: &dyn Fn(&Level) -> String| levels.iter().map(value).collect::<Vec<_>>().join("; ");
+        |value: &dyn Fn(&Level) -> String| joined(&levels.iter().map(value).collect::<Vec<_>>());
+    let spread = |l: &Level| {
+        let least = l.flows.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = l.flows.iter().copied().fold(0.0, f64::max);
+        format!("{} to {}°", brief(least), brief(most))
+    };
     let reason = format!(
-        "On the machine part the three levels are {} h. The flows of the original report ({}) leave {}°, and keep the shape {} times out of {all} (below {KEPT}°, no more than {SHRUNK} % of the volume lost). The best of all other methods leaves {}°. On a block with faces of {} sizes, h from {} down to {}, {}.",
+        "On the machine part the three levels are {} h. The flows of the original report ({}) leave normals off by {}. They keep the shape {} times out of {all}: below {KEPT}°, and no more than {SHRUNK} % of the volume lost. The best of all other methods leaves {}°. On a block with faces of {} sizes, h from {} down to {}, {}.",
         list(&levels.iter().map(|l| l.share).collect::<Vec<_>>()),
         Method::OF_THE_REPORT.map(Method::name).join("; "),
-        each(&|l| list(&l.flows)),
-        each(&|l| l.kept.to_string()).replace("; ", ", "),
+        each(&spread),
+        each(&|l| l.kept.to_string()),
         list(&levels.iter().map(|l| l.others).collect::<Vec<_>>()),
         h.len() / ASSIGNMENT.len(),
         brief(coarse),

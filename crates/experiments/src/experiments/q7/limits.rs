@@ -192,7 +192,7 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
     );
     let claim = "Denoisers keep the shape under more noise than flows do";
     let mut judgement = Judgement::new("7b", claim, verdict(&found), reason)
-        .finding(format!("In edge lengths of noise, flows and denoisers: {}.", summary(&numbers)))
+        .finding(summary(&numbers, &found))
         .ours();
     for (mesh, [flows, denoisers]) in numbers {
         for (who, kept) in [("flows", flows), ("denoisers", denoisers)] {
@@ -206,12 +206,20 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
     Ok(judgement)
 }
 
-/// What flows and denoisers keep on each mesh.
-fn summary(numbers: &[(String, [f64; 2])]) -> String {
+/// Where denoisers go further, and what they and flows keep on each mesh.
+fn summary(numbers: &[(String, [f64; 2])], found: &[Option<Ordering>]) -> String {
+    let further = numbers.iter().zip(found).filter(|(_, o)| **o == Some(Ordering::Greater));
+    let further: Vec<String> = further.map(|((mesh, _), _)| format!("the {mesh}")).collect();
     let each = numbers.iter().map(|(mesh, [flows, denoisers])| {
-        format!("{mesh} {} and {}", brief(*flows), brief(*denoisers))
+        format!("the {mesh} up to {} and {} h", brief(*denoisers), brief(*flows))
     });
-    each.collect::<Vec<_>>().join(", ")
+    let each = each.collect::<Vec<_>>().join(", ");
+    let begin = match further.len() {
+        0 => "On no mesh is that measurable. ".into(),
+        n if n < found.len() => format!("They do on {} only. ", further.join(" and ")),
+        _ => String::new(),
+    };
+    format!("{begin}Denoisers and flows keep {each} of noise.")
 }
 
 /// From whether denoisers go further on each mesh; `None` where that is not known.

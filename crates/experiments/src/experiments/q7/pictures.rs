@@ -59,7 +59,10 @@ pub(super) fn of_levels(context: &Context<'_>, part: &Body) -> Result<(Picture, 
         "Compare the rows: the more noise, the less of faces and edges comes back. The machine part under the three levels of noise of Figure 12 of the original report, in model units, and after each method; flat shaded, so that every face shows its normal.",
         "Three rows of six pictures of the machine part: noisy, smoothed, and denoised; the higher the level, the less of its faces and edges comes back.",
     )?;
-    Ok((picture, restored.view("levels")?))
+    Ok((
+        picture,
+        restored.view("levels", "the three levels of noise of Figure 12 of the original report")?,
+    ))
 }
 
 /// The same of the scan, levels in h.
@@ -82,7 +85,7 @@ pub(super) fn of_scan(context: &Context<'_>, scan: &Body) -> Result<(Picture, Vi
             scan.name
         ),
     )?;
-    Ok((picture, restored.view("scan")?))
+    Ok((picture, restored.view("scan", "noise")?))
 }
 
 /// A level of noise.
@@ -132,7 +135,7 @@ impl<'a> Restored<'a> {
     }
 
     /// The noisy body, what a method makes of it, and the truth, with sliders over the noise and the method.
-    fn view(&self, figure: &str) -> Result<View> {
+    fn view(&self, figure: &str, noise: &str) -> Result<View> {
         let name = self.body.name;
         let viewed = || SHOWN.iter().enumerate().filter(|(_, m)| !UNVIEWED.contains(m));
         let (mut noisy, mut results) = (vec![], vec![]);
@@ -150,7 +153,7 @@ impl<'a> Restored<'a> {
             id: format!("{figure}-view"),
             mesh: name.into(),
             caption: format!(
-                "Watch the numbers under the panels as σ grows: what a method gains in E_a it can lose in volume or creases. The {name} under noise, after each method, and without noise."
+                "Watch the numbers under the panels as σ grows: what a method gains in E_a it can lose in volume or creases. The {name} under {noise}, after each method, and without noise."
             ),
             alt: format!("The {name} three times, to turn, with sliders over noise and method."),
             fallback: figure.into(),
