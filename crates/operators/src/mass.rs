@@ -73,7 +73,7 @@ fn mass_in_range(mesh: &TriMesh, area: LumpedArea) -> Result<Vec<f64>, OperatorE
 fn sum_shares(mesh: &TriMesh, area: LumpedArea) -> Result<Vec<f64>, OperatorError> {
     let mut mass = vec![0.0; mesh.vertex_count()];
     for (f, vertices) in mesh.faces().iter().enumerate() {
-        let face = FaceCorners::of(mesh.triangle(f));
+        let face = FaceCorners::new(mesh.triangle(f));
         let shares = area.shares(&face).ok_or_else(|| degenerate(f, &face))?;
         for k in 0..3 {
             mass[vertices[k] as usize] += shares[k];

@@ -55,10 +55,10 @@ fn section(record: &Record, bridge: &str, form: Form) -> String {
     for formula in &record.formulas {
         let _ = write!(text, "\n$${formula}$$\n");
     }
-    if let Some(lines) = snippets::of(&record.id) {
+    if let Some(lines) = snippets::for_section(&record.id) {
         let _ = write!(text, "\n```rust\n{lines}\n```\n");
     }
-    if let Some(lines) = commands::of(&record.id) {
+    if let Some(lines) = commands::for_section(&record.id) {
         let _ = write!(text, "\n```sh\n{}\n```\n", lines.join("\n"));
     }
     text + &body(record, form)
@@ -225,7 +225,7 @@ fn body(record: &Record, form: Form) -> String {
             claim.id, claim.claim, claim.verdict, claim.reason
         );
     }
-    for play in play::of(&record.id) {
+    for play in play::for_section(&record.id) {
         let _ = write!(text, "\n*In the page, to play with.* {}\n", play.caption);
     }
     for figure in &record.figures {

@@ -150,7 +150,7 @@ impl Coloring<'_> {
         if self.range == Range::Inside {
             field = field.range_without(&self.field.boundary)?;
         }
-        let scale = Scale::of(&[&field], &self.options)?;
+        let scale = Scale::new(&[&field], &self.options)?;
         let colors = scale.colors(&field);
         let bar = ColorBar { scale, quantity: self.quantity.into(), unit: self.unit.into() };
         Ok((colors, bar))

@@ -283,7 +283,7 @@ fn face_terms(
     let x = mesh.positions();
     let thin = AtomicBool::new(false);
     let of_face = |face: &[u32; 3]| {
-        let corners = FaceCorners::of(face.map(|v| x[v as usize]));
+        let corners = FaceCorners::new(face.map(|v| x[v as usize]));
         if corners.is_degenerate() {
             thin.store(true, Ordering::Relaxed);
         }
@@ -297,7 +297,7 @@ fn face_terms(
     }
     for (f, terms) in terms.iter_mut().enumerate() {
         let [a, b, c] = mesh.triangle(f);
-        let corners = FaceCorners::of([a, b, c]);
+        let corners = FaceCorners::new([a, b, c]);
         let lengths = [norm(sub(c, b)), norm(sub(a, c)), norm(sub(b, a))];
         let thin = match faces {
             ThinFaces::WidenNearly => lacking(lengths) > 0.0,

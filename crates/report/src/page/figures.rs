@@ -22,14 +22,14 @@ fn is_paper(record: &Record, figure: &FigureFile) -> bool {
 
 /// How many numbered figures an experiment has.
 pub(super) fn count(record: &Record) -> usize {
-    play::of(&record.id).count()
+    play::for_section(&record.id).count()
         + record.views.len()
         + record.figures.iter().filter(|f| !is_paper(record, f)).count()
 }
 
 /// What is seen at once, then the rest folded under a line that says what it is. Numbered from `first`.
 pub(super) fn shown(record: &Record, first: usize, folder: &Path, form: Form) -> Result<String> {
-    let mut all: Vec<Item<'_>> = play::of(&record.id).map(Item::Play).collect();
+    let mut all: Vec<Item<'_>> = play::for_section(&record.id).map(Item::Play).collect();
     all.extend(record.views.iter().enumerate().map(|(k, view)| Item::View(k, view)));
     let pictures = |plots: bool| {
         let own = record.figures.iter().filter(|f| !is_paper(record, f));

@@ -35,7 +35,7 @@ pub(crate) struct Parts {
 
 impl Parts {
     /// The parts that the pattern of a Laplacian connects.
-    pub(crate) fn of(laplacian: &GraphLaplacian, freedom: &Freedom) -> Self {
+    pub(crate) fn new(laplacian: &GraphLaplacian, freedom: &Freedom) -> Self {
         const NONE: u32 = u32::MAX;
         let n = laplacian.len();
         let (mut label, mut first, mut anchored) = (vec![NONE; n], Vec::new(), Vec::new());
@@ -301,7 +301,7 @@ mod tests {
             Constraints { pinned: vec![1, 6], soft: vec![pull], ..Constraints::default() };
         let freedom = Freedom::new(&Arrangement::as_given(&mesh), &constraints).unwrap();
         let laplacian = uniform(12, mesh.faces(), &freedom.fixed);
-        let parts = Parts::of(&laplacian, &freedom);
+        let parts = Parts::new(&laplacian, &freedom);
         assert_eq!(parts.free().collect::<Vec<_>>(), [false, false, true, false]);
         let x = mesh.positions();
         let mean = |of: std::ops::Range<usize>| {
@@ -332,7 +332,7 @@ mod tests {
         let (mesh, _) = three();
         let freedom = Freedom::new(&Arrangement::as_given(&mesh), &Constraints::default()).unwrap();
         let laplacian = uniform(12, mesh.faces(), &freedom.fixed);
-        let parts = Parts::of(&laplacian, &freedom);
+        let parts = Parts::new(&laplacian, &freedom);
         assert_eq!(parts.count(), 4);
         // Right-hand sides of 1, 10⁻⁶ and 10³ in x, half of that in y, and a hundredth in z.
         let sides = [1.0, 1e-6, 1e3, 0.0].map(|s: f64| [s * s, 0.25 * s * s, 1e-4 * s * s, s * s]);
