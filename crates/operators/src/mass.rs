@@ -153,6 +153,18 @@ mod tests {
         assert!(difference.iter().all(|d| d.abs() < 1e-15));
     }
 
+    /// At sizes whose fourth powers are no floats. Powers of two round nothing.
+    #[test]
+    fn consistent_masses_follow_their_unit() {
+        let mesh = right_triangle();
+        let mass = consistent_mass(&mesh).unwrap();
+        for unit in [2f64.powi(-500), 2f64.powi(500)] {
+            let positions = mesh.positions().iter().map(|p| p.map(|x| x * unit)).collect();
+            let found = consistent_mass(&mesh.with_positions(positions).unwrap()).unwrap();
+            assert_eq!(found, mass.map(|m| m * unit * unit));
+        }
+    }
+
     #[test]
     fn a_collapsed_face_fails_only_where_cotangents_are_needed() {
         let positions = vec![[0.0; 3], [0.0; 3], [1.0, 0.0, 0.0]];

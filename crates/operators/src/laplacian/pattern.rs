@@ -365,8 +365,8 @@ mod tests {
         assert_eq!(mass[b as usize], 1.0);
     }
 
-    /// Rows as the operators crate assembles them: on a closed mesh, with a border, three faces at an edge, a fan
-    /// around a hub, and an isolated vertex.
+    /// Rows as the operators crate assembles them: on a closed mesh of several chunks, with a border, three faces at an
+    /// edge, a fan around a hub, and an isolated vertex.
     #[test]
     fn a_pattern_gives_the_cotangent_operator() {
         let hub: Vec<[f64; 3]> = (0..200)
@@ -380,7 +380,7 @@ mod tests {
         let pages =
             vec![[0.0; 3], [0.0, 0.0, 1.0], [1.0, 0.0, 0.3], [-1.0, 0.4, 0.6], [0.2, 1.0, 0.5]];
         let meshes = [
-            shapes::bumpy_sphere(4, 0.2, 5.0),
+            shapes::bumpy_sphere(5, 0.2, 5.0),
             shapes::plane(9, 7, shapes::Diagonals::Alternating),
             TriMesh::new(pages, vec![[0, 1, 2], [0, 1, 3], [1, 0, 4]]).unwrap(),
             TriMesh::new(hub, fan).unwrap(),

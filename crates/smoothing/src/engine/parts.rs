@@ -326,6 +326,24 @@ mod tests {
         assert!(found[0] == found[1] && found[1] == found[3]);
     }
 
+    /// Few parts are summed by chunks of vertices, many at once.
+    #[test]
+    fn parts_are_summed_over_all_chunks() {
+        let n = 2 * CHUNK + 77;
+        for count in [3, 2 * FEW as u32] {
+            let label: Vec<u32> = (0..n as u32).map(|i| (i / 700 + i % 2) % count).collect();
+            let anchored = vec![true; count as usize];
+            let parts = Parts { label: label.clone(), first: vec![], anchored };
+            let found = parts.sums_and_largest(|part, i| ([i as f64, 1.0], [(part + i) as f64]));
+            for (part, (sums, [largest])) in found.into_iter().enumerate() {
+                let own = || (0..n).filter(|&i| label[i] as usize == part);
+                // Whole numbers: the order of a sum does not matter.
+                assert_eq!(sums, [own().sum::<usize>() as f64, own().count() as f64]);
+                assert_eq!(Some(largest), own().last().map(|i| (part + i) as f64));
+            }
+        }
+    }
+
     /// Each part has its own measure, and each of its coordinates unless they are coupled.
     #[test]
     fn residuals_are_relative_to_their_own_part() {
