@@ -148,11 +148,15 @@ fn reports_and_scores_come_back() {
     for score in scores.entries() {
         let found = to_value(&score).unwrap();
         assert_eq!(found["name"], json!(score.name));
-        assert_eq!(found["value"]["Ok"], json!(score.value.unwrap()));
+        let expected = match &score.value {
+            Ok(value) => json!({ "Ok": value }),
+            Err(reason) => json!({ "Err": reason }),
+        };
+        assert_eq!(found["value"], expected);
     }
 
     let bytes =
         io::to_bytes(Format::Ply, &noisy, &VertexFields::default(), &WriteOptions::default());
     let file = io::read_bytes("", &bytes.unwrap(), &ReadOptions::default()).unwrap();
-    assert_eq!(json_of(&file.report)["format"], json!("ply"));
+    assert_eq!(json_of(&file.report)["format"], json!(Format::Ply.name()));
 }

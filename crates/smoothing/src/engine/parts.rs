@@ -331,7 +331,7 @@ mod tests {
     fn parts_are_summed_over_all_chunks() {
         let n = 2 * CHUNK + 77;
         for count in [3, 2 * FEW as u32] {
-            let label: Vec<u32> = (0..n as u32).map(|i| (i / 700 + i % 2) % count).collect();
+            let label: Vec<u32> = (0..n as u32).map(|i| (i / 200 + i % 2) % count).collect();
             let anchored = vec![true; count as usize];
             let parts = Parts { label: label.clone(), first: vec![], anchored };
             let found = parts.sums_and_largest(|part, i| ([i as f64, 1.0], [(part + i) as f64]));
