@@ -341,7 +341,7 @@ def _on_cluster(run: _Run, todo: list[Batch], folder: str, client: Any) -> Itera
         elif isinstance(error, KilledWorker) and len(batch.sources) > 1:
             waiting += reversed(_plan.halves(batch))
         elif isinstance(error, KilledWorker):
-            text = "KilledWorker: the workers that had this mesh ended, perhaps for want of memory"
+            text = "KilledWorker: the workers that had this mesh ended, perhaps because memory ran out"
             _batch.write(_batch.failed(batch, text), run.columns, folder, batch.part)
             yield batch
         else:

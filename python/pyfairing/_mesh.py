@@ -268,7 +268,7 @@ class Mesh(Computing, Moving):
         OSError
             If the system refuses.
         OptionError
-            If the format cannot hold the mesh, or the ending is unknown.
+            If the format cannot hold the mesh, or the file extension is unknown.
         """
         scalars, vectors, colors = self._sorted_fields()
         with running(threads, progress) as call:
@@ -467,7 +467,7 @@ def read(
     Parameters
     ----------
     path : str or path
-        An OBJ, PLY, OFF or STL file, plain or compressed with gzip; content and ending decide.
+        An OBJ, PLY, OFF or STL file, plain or compressed with gzip; content and file extension decide.
     strict : bool
         Refuse what would be left out with a warning: faces that repeat a corner, and the like.
     {run}
@@ -499,7 +499,7 @@ def read_bytes(data: bytes, name: str | PathLike[str] = "", *, strict: bool = Fa
     data : bytes
         The content.
     name : str or path
-        Looked at for its ending and for messages; may be empty.
+        Looked at for its file extension and for messages; may be empty.
     strict : bool
         As in `read`.
 

@@ -55,7 +55,7 @@ fn compare(
 ) -> PyResult<(f64, Vec<Entry>, String)> {
     let (mesh, reference) = (mesh.share(), reference.share());
     let options = ScoreOptions { hausdorff_tolerance, feature_angle };
-    let scores = call.run(py, move || Ok(Scores::of(&mesh, &reference, &options)?))?;
+    let scores = call.run(py, move || Ok(Scores::new(&mesh, &reference, &options)?))?;
     let entry = |score: fairing_evaluation::Score| match score.value {
         Ok(value) => (score.name, score.label, score.unit.to_string(), Some(value), None),
         Err(reason) => (score.name, score.label, score.unit.to_string(), None, Some(reason)),

@@ -1,10 +1,9 @@
 //! Pictures.
 
 use fairing_figure::{
-    Background, Camera, Center, ColorMap, Colors, Field, Image, Limits, Occlusion, RenderOptions,
-    Scale, ScaleOptions, Shading, Spread, Up, Viewpoint, Wireframe, render,
+    Background, Camera, ColorMap, ColoringOptions, Colors, Image, Occlusion, RenderOptions,
+    Shading, Up, Viewpoint, Wireframe, render,
 };
-use fairing_mesh::TriMesh;
 use numpy::{PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -24,18 +23,11 @@ enum View {
 
 impl View {
     fn viewpoint(&self) -> Result<Viewpoint> {
-        let views = [
-            ("three-quarter", Viewpoint::ThreeQuarter),
-            ("behind", Viewpoint::ThreeQuarterBack),
-            ("front", Viewpoint::Front),
-            ("back", Viewpoint::Back),
-            ("left", Viewpoint::Left),
-            ("right", Viewpoint::Right),
-            ("top", Viewpoint::Top),
-            ("bottom", Viewpoint::Bottom),
-        ];
         match self {
-            Self::Named(name) => choose("view", name, &views),
+            Self::Named(name) => {
+                let views = Viewpoint::ALL.map(|view| (view.name().unwrap_or_default(), view));
+                choose("view", name, &views)
+            }
             Self::Angles(azimuth, elevation) => {
                 if !(azimuth.is_finite() && elevation.is_finite()) {
                     return Err(Error::option(format!(
@@ -90,53 +82,15 @@ struct Coloring {
 }
 
 impl Coloring {
-    /// Signed fields get a diverging map about zero, the others a sequential one, unless something else is said.
-    fn options(&self, values: &[f64]) -> Result<ScaleOptions> {
-        let signed = values.iter().any(|&x| x < 0.0) && values.iter().any(|&x| x > 0.0);
-        let mut options = if signed { ScaleOptions::SIGNED } else { ScaleOptions::MAGNITUDE };
-        if let Some(name) = &self.map {
-            let map = choose("map", name, &ColorMap::ALL.map(|map| (map.name(), map)))?;
-            options.map = map;
-            options.center = if map == ColorMap::CoolWarm { Center::Zero } else { Center::Free };
-        }
-        if let Some((low, high)) = self.range {
-            options.limits = Limits::Fixed { low, high };
-            options.center = Center::Free;
-        }
-        if self.equalize {
-            options.spread = Spread::Equalized;
-            options.center = Center::Free;
-        }
-        Ok(options)
+    fn options(&self) -> Result<ColoringOptions> {
+        let maps = ColorMap::ALL.map(|map| (map.name(), map));
+        let map = self.map.as_ref().map(|name| choose("map", name, &maps)).transpose()?;
+        Ok(ColoringOptions { map, range: self.range, equalize: self.equalize })
     }
 }
 
 /// The values at the two ends of a map, and its name.
 type Bar = (f64, f64, &'static str);
-
-/// Colours of a field, and the values at the two ends of the map.
-fn colored(
-    mesh: &TriMesh,
-    field: &[f64],
-    undefined: Option<&[bool]>,
-    coloring: &Coloring,
-) -> Result<(Vec<[u8; 3]>, Bar)> {
-    if field.len() != mesh.vertex_count() {
-        let (found, expected) = (field.len(), mesh.vertex_count());
-        return Err(Error::option(format!("the field has {found} values for {expected} vertices")));
-    }
-    let boundary = mesh.topology().boundary_vertices();
-    let mut shown = Field::new(field);
-    // A mesh that is all boundary has no other range than the boundary's.
-    if boundary.contains(&false) {
-        shown = shown.range_without(boundary)?;
-    }
-    if let Some(undefined) = undefined {
-        shown = shown.undefined_where(undefined)?;
-    }
-    let scale = Scale::of(&[&shown], &coloring.options(field)?)?;
-    Ok((scale.colors(&shown), (scale.low(), scale.high(), scale.map().name())))
-}
 
 type Shown = (Image, Option<Bar>);
 type PyShown<'py> = (Bound<'py, PyArray3<u8>>, Option<Bar>);
@@ -158,15 +112,15 @@ fn render_mesh<'py>(
     let field = field.map(|f| values(&f));
     let undefined = undefined.map(|u| values(&u));
     let given = colors.map(|c| triples(&c)).transpose()?;
-    let options = style.options()?;
+    let (options, coloring) = (style.options()?, coloring.options()?);
     let viewpoint = style.view.viewpoint()?;
     let up = choose("up", &style.up, &[("y", Up::Y), ("z", Up::Z)])?;
     let (image, range): Shown = call.run(py, move || {
         let camera = Camera::fit(&[&*mesh], viewpoint, up, options.aspect())?;
         let (colors, range) = match &field {
             Some(field) => {
-                let (c, range) = colored(&mesh, field, undefined.as_deref(), &coloring)?;
-                (Some(c), Some(range))
+                let (scale, colors) = coloring.colors(&mesh, field, undefined.as_deref())?;
+                (Some(colors), Some((scale.low(), scale.high(), scale.map().name())))
             }
             None => (given, None),
         };

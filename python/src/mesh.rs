@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use fairing_mesh::io::{
-    self, Encoding, FloatWidth, Format, MeshFile, ReadOptions, ReadReport, UnheldFields,
+    self, Encoding, FloatWidth, Format, MeshFile, ReadOptions, ReadReport, UnsupportedFields,
     VertexFields, WriteOptions,
 };
 use fairing_mesh::{
@@ -157,7 +157,7 @@ impl Mesh {
 
     fn diagnosis<'py>(&self, py: Python<'py>, call: Call) -> PyResult<Bound<'py, PyDict>> {
         let mesh = self.share();
-        let d = call.run(py, move || Ok(Diagnosis::of(&mesh)))?;
+        let d = call.run(py, move || Ok(Diagnosis::new(&mesh)))?;
         as_dict(py, &d)
     }
 
@@ -221,7 +221,7 @@ fn write_options(ascii: bool, width: &str) -> Result<WriteOptions> {
     ];
     let mut options = WriteOptions::default().with_float_width(choose("width", width, &widths)?);
     options.encoding = if ascii { Encoding::Ascii } else { Encoding::Binary };
-    options.unheld_fields = UnheldFields::Drop;
+    options.unsupported_fields = UnsupportedFields::Drop;
     Ok(options)
 }
 

@@ -86,7 +86,7 @@ fn polygon_laplacian<'py>(
     let positions = triples(&vertices)?;
     let (corners, sizes) = (values(&corners), values(&sizes));
     let found = call.run(py, move || {
-        Ok(Laplacian::of_polygons(&polygons(positions, &corners, &sizes)?, mass_kind)?)
+        Ok(Laplacian::from_polygons(&polygons(positions, &corners, &sizes)?, mass_kind)?)
     })?;
     let (stiffness, matrix) = found.into_parts();
     Ok((csr(py, stiffness), mass(py, matrix)))

@@ -1,10 +1,10 @@
 //! Surfaces given by formulas, with exact forms and curvature.
 
 use fairing_operators::surface::{
-    ClosedForms, Cylinder, Ellipsoid, Helicoid, ImplicitSurface, ParametricSurface, Sphere, Torus,
-    WavyGraph,
+    ClosedForms, Cylinder, Ellipsoid, FundamentalForms, Helicoid, ImplicitSurface,
+    ParametricSurface, Sphere, Torus, WavyGraph,
 };
-use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
 use crate::arrays::{Rows, column, rows, triples, values};
@@ -100,10 +100,11 @@ fn kind(name: &str, numbers: &[f64]) -> Result<Kind> {
     })
 }
 
-type Parameters<'py> = PyReadonlyArray1<'py, f64>;
+type Numbers<'py> = PyReadonlyArray1<'py, f64>;
+type Column<'py> = Bound<'py, PyArray1<f64>>;
 
 /// The pairs of parameters, all finite.
-fn pairs(u: &Parameters<'_>, v: &Parameters<'_>) -> Result<Vec<(f64, f64)>> {
+fn pairs(u: &Numbers<'_>, v: &Numbers<'_>) -> Result<Vec<(f64, f64)>> {
     let pairs: Vec<(f64, f64)> = values(u).into_iter().zip(values(v)).collect();
     match pairs.iter().find(|(u, v)| !(u.is_finite() && v.is_finite())) {
         Some((u, v)) => Err(Error::option(format!("({u}, {v}) is not finite"))),
@@ -112,8 +113,7 @@ fn pairs(u: &Parameters<'_>, v: &Parameters<'_>) -> Result<Vec<(f64, f64)>> {
 }
 
 /// κ₁ ≥ κ₂ and their unit tangents.
-type Principal<'py> =
-    (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
+type Principal<'py> = (Rows<'py>, Rows<'py>, Rows<'py>);
 
 #[pymethods]
 impl Surface {
@@ -122,22 +122,12 @@ impl Surface {
         Ok(Self { kind: kind(name, &numbers)? })
     }
 
-    fn point<'py>(
-        &self,
-        py: Python<'py>,
-        u: Parameters<'_>,
-        v: Parameters<'_>,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    fn point<'py>(&self, py: Python<'py>, u: Numbers<'_>, v: Numbers<'_>) -> PyResult<Rows<'py>> {
         let surface = self.kind.parametric();
         rows(py, pairs(&u, &v)?.into_iter().map(|(u, v)| surface.jet(u, v).point).collect())
     }
 
-    fn normal<'py>(
-        &self,
-        py: Python<'py>,
-        u: Parameters<'_>,
-        v: Parameters<'_>,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    fn normal<'py>(&self, py: Python<'py>, u: Numbers<'_>, v: Numbers<'_>) -> PyResult<Rows<'py>> {
         rows(py, self.forms(&u, &v)?.into_iter().map(|f| f.normal).collect())
     }
 
@@ -145,67 +135,50 @@ impl Surface {
     fn first_form<'py>(
         &self,
         py: Python<'py>,
-        u: Parameters<'_>,
-        v: Parameters<'_>,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let found = match self.kind.closed() {
-            Some(s) => pairs(&u, &v)?.into_iter().map(|(u, v)| s.first_form(u, v)).collect(),
-            None => self.forms(&u, &v)?.into_iter().map(|f| f.first).collect(),
-        };
-        rows(py, found)
+        u: Numbers<'_>,
+        v: Numbers<'_>,
+    ) -> PyResult<Rows<'py>> {
+        rows(py, self.exactly(&u, &v, |s, u, v| s.first_form(u, v), |f| f.first)?)
     }
 
     /// L, M, N.
     fn second_form<'py>(
         &self,
         py: Python<'py>,
-        u: Parameters<'_>,
-        v: Parameters<'_>,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let found = match self.kind.closed() {
-            Some(s) => pairs(&u, &v)?.into_iter().map(|(u, v)| s.second_form(u, v)).collect(),
-            None => self.forms(&u, &v)?.into_iter().map(|f| f.second).collect(),
-        };
-        rows(py, found)
+        u: Numbers<'_>,
+        v: Numbers<'_>,
+    ) -> PyResult<Rows<'py>> {
+        rows(py, self.exactly(&u, &v, |s, u, v| s.second_form(u, v), |f| f.second)?)
     }
 
     fn mean_curvature<'py>(
         &self,
         py: Python<'py>,
-        u: Parameters<'_>,
-        v: Parameters<'_>,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let found = match self.kind.closed() {
-            Some(s) => pairs(&u, &v)?.into_iter().map(|(u, v)| s.mean_curvature(u, v)).collect(),
-            None => self.forms(&u, &v)?.into_iter().map(|f| f.mean_curvature()).collect(),
-        };
-        Ok(column(py, found))
+        u: Numbers<'_>,
+        v: Numbers<'_>,
+    ) -> PyResult<Column<'py>> {
+        let closed = |s: &dyn ClosedForms, u, v| s.mean_curvature(u, v);
+        Ok(column(py, self.exactly(&u, &v, closed, |f| f.mean_curvature())?))
     }
 
     fn gaussian_curvature<'py>(
         &self,
         py: Python<'py>,
-        u: Parameters<'_>,
-        v: Parameters<'_>,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let found = match self.kind.closed() {
-            Some(s) => {
-                pairs(&u, &v)?.into_iter().map(|(u, v)| s.gaussian_curvature(u, v)).collect()
-            }
-            None => self.forms(&u, &v)?.into_iter().map(|f| f.gaussian_curvature()).collect(),
-        };
-        Ok(column(py, found))
+        u: Numbers<'_>,
+        v: Numbers<'_>,
+    ) -> PyResult<Column<'py>> {
+        let closed = |s: &dyn ClosedForms, u, v| s.gaussian_curvature(u, v);
+        Ok(column(py, self.exactly(&u, &v, closed, |f| f.gaussian_curvature())?))
     }
 
     fn principal<'py>(
         &self,
         py: Python<'py>,
-        u: Parameters<'_>,
-        v: Parameters<'_>,
+        u: Numbers<'_>,
+        v: Numbers<'_>,
     ) -> PyResult<Principal<'py>> {
         let found: Vec<_> = self.forms(&u, &v)?.into_iter().map(|f| f.principal()).collect();
         let kappa: Vec<f64> = found.iter().flat_map(|p| p.values).collect();
-        use numpy::PyArrayMethods;
         let kappa = column(py, kappa).reshape([found.len(), 2])?;
         let first = rows(py, found.iter().map(|p| p.directions[0]).collect())?;
         Ok((kappa, first, rows(py, found.iter().map(|p| p.directions[1]).collect())?))
@@ -227,7 +200,6 @@ impl Surface {
             })
         });
         let found = found.collect::<Result<Vec<_>>>()?;
-        use numpy::PyArrayMethods;
         let kappa: Vec<f64> = found.iter().flat_map(|c| c.values).collect();
         let kappa = column(py, kappa).reshape([found.len(), 2])?;
         Ok((kappa, rows(py, found.iter().map(|c| c.normal).collect())?))
@@ -235,16 +207,26 @@ impl Surface {
 }
 
 impl Surface {
-    fn forms(
-        &self,
-        u: &Parameters<'_>,
-        v: &Parameters<'_>,
-    ) -> Result<Vec<fairing_operators::surface::FundamentalForms>> {
+    fn forms(&self, u: &Numbers<'_>, v: &Numbers<'_>) -> Result<Vec<FundamentalForms>> {
         let surface = self.kind.parametric();
         let forms = pairs(u, v)?.into_iter().map(|(u, v)| {
             surface.forms(u, v).map_err(|error| Error::Computation(error.to_string()))
         });
         forms.collect()
+    }
+
+    /// A quantity by its closed form where there is one, else from the fundamental forms.
+    fn exactly<T>(
+        &self,
+        u: &Numbers<'_>,
+        v: &Numbers<'_>,
+        closed: impl Fn(&dyn ClosedForms, f64, f64) -> T,
+        from_forms: impl Fn(&FundamentalForms) -> T,
+    ) -> Result<Vec<T>> {
+        Ok(match self.kind.closed() {
+            Some(s) => pairs(u, v)?.into_iter().map(|(u, v)| closed(s, u, v)).collect(),
+            None => self.forms(u, v)?.iter().map(from_forms).collect(),
+        })
     }
 }
 

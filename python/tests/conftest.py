@@ -22,9 +22,9 @@ DATA = ROOT / "data"
 def corpus() -> list[Path]:
     """The meshes of the repository, and the real ones where `FAIRING_MESHES` names their folder."""
     folders = [DATA, Path(os.environ.get("FAIRING_MESHES") or "/nonexistent")]
-    endings = {".obj", ".ply", ".off", ".stl"}
+    extensions = {".obj", ".ply", ".off", ".stl"}
     found = [
-        p for folder in folders if folder.is_dir() for p in sorted(folder.rglob("*")) if p.suffix in endings
+        p for folder in folders if folder.is_dir() for p in sorted(folder.rglob("*")) if p.suffix in extensions
     ]
     # Those that the tests can afford.
     return [p for p in found if p.stat().st_size < 4 << 20]

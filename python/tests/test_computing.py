@@ -121,9 +121,9 @@ def test_spectrum_of_a_sphere(sphere: pf.Mesh, tmp_path) -> None:
 
 
 def test_spectrum_options(patch: pf.Mesh) -> None:
-    free, held = patch.spectrum(4), patch.spectrum(4, boundary="dirichlet")
-    assert free.values[0] == 0 and held.values[0] > 1
-    assert (held.modes[patch.boundary_vertices] == 0).all()
+    free, fixed = patch.spectrum(4), patch.spectrum(4, boundary="dirichlet")
+    assert free.values[0] == 0 and fixed.values[0] > 1
+    assert (fixed.modes[patch.boundary_vertices] == 0).all()
     some = patch.spectrum(4, fixed=[3, 5], mass="consistent")
     assert (some.modes[[3, 5]] == 0).all() and some.mass.nnz > patch.n_vertices
     for bad in ({"k": 0}, {"k": 10**6}, {"k": -1}, {"boundary": "robin"}):
@@ -176,8 +176,8 @@ def test_options_of_flows(bumpy: pf.Mesh, patch: pf.Mesh) -> None:
     volume = bumpy.info()["volume"]
     kept = bumpy.smooth("implicit", lam=5.0, volume="rescale")
     assert kept.info()["volume"] == pytest.approx(volume)
-    held = bumpy.smooth("implicit", pin=[7])
-    np.testing.assert_array_equal(held.vertices[7], bumpy.vertices[7])
+    fixed = bumpy.smooth("implicit", pin=[7])
+    np.testing.assert_array_equal(fixed.vertices[7], bumpy.vertices[7])
     drawn = bumpy.smooth("implicit", soft=[(7, 1e9, [9.0, 0, 0])])
     np.testing.assert_allclose(drawn.vertices[7], [9, 0, 0], atol=1e-3)
     with pytest.raises(pf.OptionError, match="beyond the stable limit"):

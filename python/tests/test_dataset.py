@@ -148,9 +148,9 @@ def test_bad_tasks(corpus: list[str], tmp_path) -> None:
 
 def test_estimates_come_from_headers(tmp_path) -> None:
     mesh = pf.shapes.icosphere(4)
-    for ending in ("ply", "off", "stl", "obj"):
-        data = mesh.to_bytes(ending)
-        assert 0.4 * 2562 < _plan.estimate(f"a.{ending}", len(data), data[:1024]) < 4 * 2562
+    for extension in ("ply", "off", "stl", "obj"):
+        data = mesh.to_bytes(extension)
+        assert 0.4 * 2562 < _plan.estimate(f"a.{extension}", len(data), data[:1024]) < 4 * 2562
     # No count is trusted beyond the bytes.
     lie = b"ply\nformat ascii 1.0\nelement vertex 4000000000\n"
     assert _plan.estimate("a.ply", len(lie), lie) < 100

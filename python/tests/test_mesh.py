@@ -82,10 +82,10 @@ def test_weak_references() -> None:
     assert reference() is None
 
 
-@pytest.mark.parametrize("ending", ["ply", "obj", "off", "stl", "ply.gz", "obj.gz"])
-def test_files_read_back(tmp_path, sphere: pf.Mesh, ending: str) -> None:
-    path = tmp_path / f"mesh.{ending}"
-    if ending == "stl":
+@pytest.mark.parametrize("extension", ["ply", "obj", "off", "stl", "ply.gz", "obj.gz"])
+def test_files_read_back(tmp_path, sphere: pf.Mesh, extension: str) -> None:
+    path = tmp_path / f"mesh.{extension}"
+    if extension == "stl":
         with pytest.warns(pf.FairingWarning) as seen:
             sphere.write(path)
         notes = " ".join(str(w.message) for w in seen)
@@ -93,12 +93,12 @@ def test_files_read_back(tmp_path, sphere: pf.Mesh, ending: str) -> None:
     else:
         sphere.write(path)
     again = pf.read(path)
-    if ending == "stl":
+    if extension == "stl":
         # It has 32 bits and no vertices of its own.
         assert again.n_faces == sphere.n_faces and again.n_vertices == sphere.n_vertices
     else:
         assert again == sphere
-    assert again.report["format"].lower() == ending.split(".")[0]
+    assert again.report["format"].lower() == extension.split(".")[0]
 
 
 def test_fields_read_back(tmp_path, sphere: pf.Mesh) -> None:

@@ -130,8 +130,8 @@ def test_measures_of_trimesh(mesh: pf.Mesh) -> None:
 def test_files_of_trimesh_and_meshio(mesh: pf.Mesh, tmp_path) -> None:
     trimesh = pytest.importorskip("trimesh")
     meshio = pytest.importorskip("meshio")
-    for ending in ("ply", "obj", "off"):
-        path = tmp_path / f"mesh.{ending}"
+    for extension in ("ply", "obj", "off"):
+        path = tmp_path / f"mesh.{extension}"
         (
             mesh.write(path, width="double")
             if not mesh.fields
@@ -142,7 +142,7 @@ def test_files_of_trimesh_and_meshio(mesh: pf.Mesh, tmp_path) -> None:
             np.testing.assert_allclose(theirs.vertices, mesh.vertices, atol=1e-6 * mesh.diagonal)
         # A file without faces is a point cloud to them.
         assert (len(theirs.faces) if mesh.n_faces else 0) == mesh.n_faces
-        if ending != "off" or mesh.n_vertices < 10_000:
+        if extension != "off" or mesh.n_vertices < 10_000:
             read = meshio.read(path)
             np.testing.assert_allclose(read.points, mesh.vertices, atol=1e-6 * mesh.diagonal)
 

@@ -15,6 +15,8 @@ use super::unit_scale::at_unit_scale;
 
 /// Parameters of [`bilateral`].
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct BilateralOptions {
     /// The spatial scale σ_c, in mean edge lengths; neighbours within 2 σ_c
     /// are seen.

@@ -19,6 +19,8 @@ use super::vertex_update::{VertexUpdate, update_vertices};
 
 /// Parameters of [`bilateral_normal`].
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct BilateralNormalOptions {
     /// The spatial scale σ_c, in mean distances of neighbouring centroids.
     pub spatial: f64,
@@ -110,6 +112,8 @@ fn filter(mesh: &TriMesh, options: &BilateralNormalOptions) -> Result<TriMesh, D
 
 /// Parameters of [`bilateral_normal_global`].
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct BilateralNormalGlobalOptions {
     /// The spatial scale σ_c, in mean distances of neighbouring centroids.
     pub spatial: f64,

@@ -136,6 +136,8 @@ impl Denoiser {
 }
 
 fairing_mesh::named!(Denoiser, "denoiser");
+#[cfg(feature = "serde")]
+fairing_mesh::serde_by_name!(Denoiser);
 
 #[cfg(test)]
 mod tests {

@@ -12,6 +12,8 @@ use super::vertex_update::{VertexUpdate, update_vertices};
 
 /// Parameters of [`fast_effective`].
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct FastEffectiveOptions {
     /// The threshold T on the cosine between normals, from −1 to below 1:
     /// faces that differ by more have no weight.

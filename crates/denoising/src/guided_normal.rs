@@ -15,6 +15,8 @@ use super::vertex_update::{VertexUpdate, update_vertices};
 
 /// Parameters of [`guided_normal`].
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct GuidedNormalOptions {
     /// The radius of the neighbourhood, in mean distances of neighbouring
     /// centroids.

@@ -15,6 +15,8 @@ use super::unit_scale::at_unit_scale;
 
 /// Parameters of [`non_iterative`].
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct NonIterativeOptions {
     /// The spatial scale σ_f, in mean edge lengths; faces within 2 σ_f are
     /// seen.

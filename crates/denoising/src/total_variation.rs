@@ -20,6 +20,8 @@ const ACCURACY: CgOptions = CgOptions { tolerance: 1e-5, max_iterations: 1000, m
 
 /// Parameters of [`total_variation`].
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct TotalVariationOptions {
     /// The weight of the variation against fidelity, in mean edge lengths: a
     /// jump of one across an edge costs as much as an error of one over a strip

@@ -11,6 +11,8 @@ use super::unit_scale::at_unit_scale;
 
 /// How [`update_vertices`] moves vertices.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct VertexUpdate {
     /// Steps over all vertices.
     pub steps: usize,

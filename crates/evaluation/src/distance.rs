@@ -8,6 +8,7 @@ use fairing_mesh::vec3::{distance, power_of_two};
 
 /// Distances of the vertices of one mesh from the surface of another.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct VertexDistance {
     /// The mean over the vertices, in mesh units, as the others.
@@ -22,6 +23,7 @@ pub struct VertexDistance {
 
 /// How far two surfaces are from each other, measured at their vertices.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct SurfaceDistance {
     /// From the vertices of the mesh to the surface of the reference.
@@ -146,6 +148,7 @@ fn summary(
 
 /// Distances between vertices of the same number.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct VertexDisplacement {
     /// The root mean square, in mesh units.

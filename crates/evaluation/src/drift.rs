@@ -10,6 +10,7 @@ use crate::distance::{at_unit_scale, check_correspondence};
 /// The relative changes of sizes, `x / x_reference − 1`: zero for the same,
 /// negative where the mesh shrank, unchanged when both are scaled.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Drift {
     /// Of the enclosed volume; `None` unless both are closed and consistently

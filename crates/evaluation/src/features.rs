@@ -8,6 +8,7 @@ use crate::distance::{at_unit_scale, check_correspondence};
 
 /// How well the sharp edges of a mesh are those of a reference.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct FeatureEdges {
     /// Edges that are sharp in both.

@@ -10,6 +10,7 @@ use crate::{EvaluationError, SurfaceTree};
 
 /// An interval that holds a Hausdorff distance, in mesh units.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Hausdorff {
     /// The distance is at least this: that of a point of one surface from the

@@ -10,7 +10,7 @@
 //! let sphere = fairing_shapes::icosphere(3);
 //! let level = NoiseLevel::EdgeLengths(0.1);
 //! let noisy = add_noise(&sphere, NoiseKind::GaussianAlongNormals, level, 1)?;
-//! let scores = Scores::of(&noisy, &sphere, &ScoreOptions::default())?;
+//! let scores = Scores::new(&noisy, &sphere, &ScoreOptions::default())?;
 //! assert!(scores.hausdorff.upper > 0.0);
 //! assert!(scores.normals?.mean > 1.0);
 //! # Ok::<(), fairing_evaluation::EvaluationError>(())

@@ -12,6 +12,8 @@ use crate::normal::standard_normal;
 
 /// How large the noise is, in the unit of its name.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum NoiseLevel {
     /// In mesh units.
@@ -37,18 +39,24 @@ impl NoiseLevel {
 ///
 /// Written as its name (`Display`), and read from it (`FromStr`).
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum NoiseKind {
     /// Each coordinate by an independent Gaussian of standard deviation σ: the
     /// root mean square displacement is √3 σ.
+    #[cfg_attr(feature = "serde", serde(rename = "axes"))]
     GaussianPerAxis,
     /// Along the vertex normal, by a Gaussian of standard deviation σ.
+    #[cfg_attr(feature = "serde", serde(rename = "normal"))]
     GaussianAlongNormals,
     /// In a direction of its own for each vertex, all equally likely, by a
     /// Gaussian of standard deviation σ.
+    #[cfg_attr(feature = "serde", serde(rename = "direction"))]
     GaussianAlongDirections,
     /// Each coordinate by a number between −σ and σ, all equally likely: the
     /// root mean square displacement is σ.
+    #[cfg_attr(feature = "serde", serde(rename = "uniform"))]
     UniformPerAxis,
     /// As [`Self::GaussianAlongDirections`], but of a share of the vertices
     /// only; the others stay.

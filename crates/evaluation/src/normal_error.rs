@@ -9,6 +9,7 @@ use crate::distance::{at_unit_scale, check_correspondence};
 
 /// E_a: angles between the normals of matching faces, in degrees.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct NormalAngles {
     /// The mean over the faces, as the literature has it.

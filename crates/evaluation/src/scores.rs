@@ -14,6 +14,8 @@ use crate::{
 
 /// What the scores are measured with.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct ScoreOptions {
     /// The width of the interval around the Hausdorff distance, as a share of
     /// the reference's bounding-box diagonal.
@@ -57,6 +59,8 @@ pub struct Scores {
 
 /// The unit of a score.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum ScoreUnit {
     /// Degrees.
@@ -85,6 +89,7 @@ impl fmt::Display for ScoreUnit {
 
 /// One number, or why there is none.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct Score {
     /// A name for machines, in lower case with underscores.
@@ -105,7 +110,7 @@ impl Scores {
     /// [`EvaluationError::NoFaces`] or [`EvaluationError::NoVertices`] where
     /// there is nothing to compare; [`EvaluationError::Parameter`] for an
     /// option that is not positive and finite, or an angle of 180° or more.
-    pub fn of(
+    pub fn new(
         mesh: &TriMesh,
         reference: &TriMesh,
         options: &ScoreOptions,
@@ -160,7 +165,7 @@ impl Scores {
     }
 
     fn normal_entries(&self) -> Vec<Score> {
-        let angle = |f: fn(&NormalAngles) -> f64| of(&self.normals, f);
+        let angle = |f: fn(&NormalAngles) -> f64| measured(&self.normals, f);
         let entry = |name, label, value| Score { name, label, unit: ScoreUnit::Degrees, value };
         vec![
             entry("normal_mean", "normal angle, mean", angle(|n| n.mean)),
@@ -193,7 +198,8 @@ impl Scores {
     fn displacement_entries(&self) -> Vec<Score> {
         let moved = &self.displacement;
         let entry = |name, label, unit, value| Score { name, label, unit, value };
-        let length = |f: fn(&VertexDisplacement) -> f64| of(moved, f).and_then(|x| self.share(x));
+        let length =
+            |f: fn(&VertexDisplacement) -> f64| measured(moved, f).and_then(|x| self.share(x));
         let psnr = match moved {
             Ok(_) => some(self.psnr(), "no vertex moved"),
             Err(error) => Err(error.to_string()),
@@ -242,7 +248,7 @@ impl Scores {
         let recall = ratio(FeatureEdges::recall, "the reference has no sharp edge");
         let crossings = Ok(self.self_intersections as f64);
         vec![
-            count("flipped_faces", "flipped faces", of(&self.flipped_faces, |&n| n as f64)),
+            count("flipped_faces", "flipped faces", measured(&self.flipped_faces, |&n| n as f64)),
             count("self_intersections", "crossing pairs of faces", crossings),
             relative("feature_precision", "sharp edges, precision", precision),
             relative("feature_recall", "sharp edges, recall", recall),
@@ -260,7 +266,7 @@ impl Scores {
 }
 
 /// A number from a part of the scores, or the reason why there is no such part.
-fn of<T>(part: &Result<T, EvaluationError>, f: impl Fn(&T) -> f64) -> Result<f64, String> {
+fn measured<T>(part: &Result<T, EvaluationError>, f: impl Fn(&T) -> f64) -> Result<f64, String> {
     part.as_ref().map(f).map_err(ToString::to_string)
 }
 
@@ -299,7 +305,7 @@ mod tests {
         let shift = 0.01 * sphere.diagonal();
         let moved = sphere.positions().iter().map(|&[x, y, z]| [x + shift, y, z]).collect();
         let moved = sphere.with_positions(moved).unwrap();
-        let scores = Scores::of(&moved, &sphere, &ScoreOptions::default()).unwrap();
+        let scores = Scores::new(&moved, &sphere, &ScoreOptions::default()).unwrap();
         assert!((scores.psnr().unwrap() - 40.0).abs() < 1e-9, "{:?}", scores.psnr());
     }
 }

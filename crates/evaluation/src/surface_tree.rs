@@ -101,7 +101,7 @@ struct Frame {
 }
 
 impl Frame {
-    fn of(mesh: &TriMesh) -> Option<Self> {
+    fn new(mesh: &TriMesh) -> Option<Self> {
         let [lo, hi] = mesh.bounding_box()?;
         let extent = (0..3).map(|k| 0.5 * hi[k] - 0.5 * lo[k]).fold(0.0, f64::max);
         let centre = add(scale(lo, 0.5), scale(hi, 0.5));
@@ -129,7 +129,7 @@ impl SurfaceTree {
     pub fn new(mesh: &TriMesh) -> Result<Self, EvaluationError> {
         let (mesh, unit) = mesh.at_unit_scale();
         let mesh = &*mesh;
-        let frame = match Frame::of(mesh) {
+        let frame = match Frame::new(mesh) {
             Some(frame) if mesh.face_count() > 0 => frame,
             _ => return Err(EvaluationError::NoFaces { which: "mesh" }),
         };

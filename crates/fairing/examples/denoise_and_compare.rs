@@ -19,5 +19,5 @@ pub(crate) fn run(noisy: &str, original: &str) -> Result<Scores, Box<dyn Error>>
     let noisy = io::read(noisy)?.mesh;
     let original = io::read(original)?.mesh;
     let denoised = automatic(&noisy)?;
-    Ok(Scores::of(&denoised.mesh, &original, &ScoreOptions::default())?)
+    Ok(Scores::new(&denoised.mesh, &original, &ScoreOptions::default())?)
 }

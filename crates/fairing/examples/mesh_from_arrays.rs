@@ -10,15 +10,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let positions = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
     let faces = [0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3];
     let mesh = run(&positions, &faces)?;
-    println!("{:#?}", Diagnosis::of(&mesh));
+    println!("{:#?}", Diagnosis::new(&mesh));
     Ok(())
 }
 
 pub(crate) fn run(positions: &[f64], faces: &[u32]) -> Result<TriMesh, Box<dyn Error>> {
-    // What is left over does not make a vertex or a face.
-    let (points, []) = positions.as_chunks() else { return Err("three numbers a vertex".into()) };
-    let (corners, []) = faces.as_chunks() else { return Err("three indices a face".into()) };
-    let mesh = TriMesh::new(points.to_vec(), corners.to_vec())?;
+    // `TriMesh::from_indexed` takes other types of numbers, `TriMesh::new` vectors without a copy.
+    let mesh = TriMesh::from_flat(positions, faces)?;
     // The same arrays without a copy.
     assert_eq!(mesh.positions().as_flattened(), positions);
     assert_eq!(mesh.faces().as_flattened(), faces);

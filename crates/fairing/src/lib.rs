@@ -22,6 +22,8 @@
 //!
 //! - `figure`, on by default: pictures, the module `figure`.
 //! - `cli`: the program `fairing`.
+//! - `serde`: options, reports and scores can be serialized and deserialized.
+//!   A choice that has a name is its name; options may be left out.
 //! - `lapack`: dense eigenproblems by the LAPACK of the system, where
 //!   [`EigenOptions`](spectral::EigenOptions) asks for it.
 //!
@@ -31,6 +33,9 @@
 //! depend on their number. Programs that start many short tasks gain from an
 //! allocator that keeps memory, such as mimalloc; the program `fairing` uses it.
 
+mod error;
+
+pub use error::{Error, ErrorKind};
 pub use fairing_denoising as denoising;
 pub use fairing_evaluation as evaluation;
 #[cfg(feature = "figure")]

@@ -114,8 +114,13 @@ impl FromStr for Viewpoint {
     }
 }
 
+#[cfg(feature = "serde")]
+fairing_mesh::serde_by_name!(Viewpoint);
+
 /// The axis that points upward in the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Up {
     /// +y, as in most files made for graphics.
     #[default]

@@ -72,6 +72,14 @@ pub enum ScaleError {
         /// The upper end.
         high: f64,
     },
+    /// Values do not match the vertices.
+    #[error("the field has {found} values for {expected} vertices")]
+    Length {
+        /// The number of vertices.
+        expected: usize,
+        /// The number of values.
+        found: usize,
+    },
     /// Flags do not match the values.
     #[error("{found} flags were given for {expected} values")]
     Count {

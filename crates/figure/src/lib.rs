@@ -22,6 +22,7 @@
 mod camera;
 mod color;
 mod colorbar;
+mod coloring;
 mod drawing;
 mod error;
 mod field;
@@ -46,6 +47,7 @@ mod ticks;
 pub use camera::{Camera, Up, Viewpoint};
 pub use color::{from_hue, linear_from_srgb, srgb_from_linear};
 pub use colorbar::ColorBar;
+pub use coloring::ColoringOptions;
 pub use drawing::Drawing;
 pub use error::{EncodeError, RenderError, ScaleError};
 pub use field::Field;

@@ -6,6 +6,8 @@ use rayon::prelude::*;
 
 /// How normals vary over a face.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Shading {
     /// Interpolated between vertex normals.
     #[default]

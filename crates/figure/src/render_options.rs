@@ -10,6 +10,8 @@ pub const MAX_SIDE: u32 = 16_384;
 /// They fade out where the edges come closer than a few pixels, so that a
 /// dense mesh shows its surface and not a black blot.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct Wireframe {
     /// Width in pixels of the picture.
     pub width: f32,
@@ -27,6 +29,8 @@ impl Default for Wireframe {
 
 /// What is behind the mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Background {
     /// Nothing: the picture has an alpha channel.
     #[default]
@@ -42,6 +46,8 @@ impl Background {
 
 /// How a picture is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct RenderOptions {
     /// Width in pixels, 1 to [`MAX_SIDE`].
     pub width: u32,

@@ -9,6 +9,8 @@ pub const UNDEFINED: [u8; 3] = [150, 150, 150];
 
 /// The values at the two ends of a colour map.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Limits {
     /// The least and the greatest value.
     Full,
@@ -30,6 +32,8 @@ pub enum Limits {
 
 /// Whether zero is the middle of the range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Center {
     /// The range does not change.
     #[default]
@@ -41,6 +45,8 @@ pub enum Center {
 
 /// How values are spread over the map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Spread {
     /// In proportion.
     #[default]
@@ -52,6 +58,8 @@ pub enum Spread {
 
 /// How a [`Scale`] is found.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct ScaleOptions {
     /// The colours.
     pub map: ColorMap,
@@ -121,7 +129,7 @@ impl Scale {
     /// [`ScaleError::NonFinite`] for a defined value that is not finite,
     /// [`ScaleError::NoValues`] if none counts, [`ScaleError::Limits`] for
     /// percentiles or fixed values that are not ascending.
-    pub fn of(fields: &[&Field<'_>], options: &ScaleOptions) -> Result<Self, ScaleError> {
+    pub fn new(fields: &[&Field<'_>], options: &ScaleOptions) -> Result<Self, ScaleError> {
         for field in fields {
             field.check()?;
         }
@@ -308,7 +316,7 @@ mod tests {
     use super::*;
 
     fn scale(values: &[f64], options: ScaleOptions) -> Scale {
-        Scale::of(&[&Field::new(values)], &options).unwrap()
+        Scale::new(&[&Field::new(values)], &options).unwrap()
     }
 
     #[test]
@@ -339,7 +347,7 @@ mod tests {
             .undefined_where(&[false, false, false, false, true])
             .unwrap();
         let options = ScaleOptions { limits: Limits::Full, ..ScaleOptions::MAGNITUDE };
-        let s = Scale::of(&[&field], &options).unwrap();
+        let s = Scale::new(&[&field], &options).unwrap();
         assert_eq!((s.low(), s.high()), (0.0, 2.0));
         assert!(s.has_above());
         let colors = s.colors(&field);
@@ -366,7 +374,7 @@ mod tests {
     #[test]
     fn what_has_no_range_is_refused() {
         let of = |values: &[f64], options: &ScaleOptions| {
-            Scale::of(&[&Field::new(values)], options).unwrap_err()
+            Scale::new(&[&Field::new(values)], options).unwrap_err()
         };
         assert_eq!(of(&[], &ScaleOptions::SIGNED), ScaleError::NoValues);
         assert!(matches!(

@@ -120,7 +120,7 @@ fn the_bar_shows_the_colours_of_its_values() {
     let values: Vec<f64> = (0..1000).map(|i| (f64::from(i) / 999.0).powi(3)).collect();
     for options in [ScaleOptions::ASSIGNMENT, ScaleOptions::MAGNITUDE] {
         let options = ScaleOptions { limits: Limits::Full, ..options };
-        let scale = Scale::of(&[&Field::new(&values)], &options).unwrap();
+        let scale = Scale::new(&[&Field::new(&values)], &options).unwrap();
         let bar = ColorBar { scale: scale.clone(), quantity: "x".into(), unit: String::new() };
         let image = bar.draw(446.0).to_image(1.0).unwrap();
         // The bar runs from 23 to 423.
@@ -139,7 +139,7 @@ fn arrows_say_that_values_lie_beyond() {
     let draw = |high: f64| {
         let limits = Limits::Fixed { low: 0.0, high };
         let options = ScaleOptions { limits, ..ScaleOptions::MAGNITUDE };
-        let scale = Scale::of(&[&Field::new(&values)], &options).unwrap();
+        let scale = Scale::new(&[&Field::new(&values)], &options).unwrap();
         let bar = ColorBar { scale, quantity: String::new(), unit: String::new() };
         bar.draw(446.0).to_image(1.0).unwrap().pixel(426, 6)
     };

@@ -55,6 +55,20 @@ pub enum BuildError {
         /// How many there are.
         count: usize,
     },
+    /// Numbers in a row do not come in threes.
+    #[error("{count} {what} cannot be split into threes")]
+    NotInThrees {
+        /// `coordinates` or `indices`.
+        what: &'static str,
+        /// How many there are.
+        count: usize,
+    },
+    /// A face has a corner that is no 32-bit index, such as −1.
+    #[error("a corner of face {face} is no index")]
+    NotAnIndex {
+        /// The offending face.
+        face: usize,
+    },
     /// New positions do not match the vertices of the mesh they are meant for.
     #[error("{found} positions were given for a mesh of {expected} vertices")]
     PositionCount {

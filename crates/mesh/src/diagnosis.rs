@@ -7,6 +7,7 @@ use crate::vec3::{cross, distance, norm, sub};
 
 /// How many elements of a kind were found, and the lowest of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Tally {
     /// How many.
@@ -16,7 +17,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    fn of(found: impl IntoIterator<Item = u32>) -> Self {
+    fn new(found: impl IntoIterator<Item = u32>) -> Self {
         let mut tally = Self::default();
         for element in found {
             tally.first = Some(tally.first.map_or(element, |f| f.min(element)));
@@ -28,6 +29,7 @@ impl Tally {
 
 /// Topology, defects and measures of a mesh.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Diagnosis {
     /// Vertices, isolated ones included.
@@ -96,8 +98,8 @@ impl Diagnosis {
     /// its largest cotangent is beyond about 250.
     pub const SLIVER: f64 = 2e-3;
 
-    /// Looks the mesh over: linear but for two sorts.
-    pub fn of(mesh: &TriMesh) -> Self {
+    /// Examines the mesh: linear but for two sorts.
+    pub fn new(mesh: &TriMesh) -> Self {
         let topology = mesh.topology();
         let thinness: Vec<f64> = (0..mesh.face_count())
             .into_par_iter()
@@ -105,7 +107,7 @@ impl Diagnosis {
             .map(|f| height_ratio(mesh, f))
             .collect();
         let thin = |range: std::ops::Range<f64>| {
-            Tally::of(
+            Tally::new(
                 (0..mesh.face_count() as u32).filter(|&f| range.contains(&thinness[f as usize])),
             )
         };
@@ -124,14 +126,14 @@ impl Diagnosis {
             manifold: topology.is_manifold(),
             closed,
             orientable: orientation.is_orientable(),
-            isolated_vertices: Tally::of(topology.isolated_vertices()),
+            isolated_vertices: Tally::new(topology.isolated_vertices()),
             degenerate_faces: thin(f64::NEG_INFINITY..just_above),
             sliver_faces: thin(just_above..Self::SLIVER),
             duplicate_faces: duplicate_faces(mesh),
             duplicate_positions: duplicate_positions(mesh),
-            nonmanifold_edges: Tally::of(topology.nonmanifold_edges()),
-            nonmanifold_vertices: Tally::of(topology.nonmanifold_vertices().iter().copied()),
-            inconsistent_edges: Tally::of(orientation.inconsistent_edges().iter().copied()),
+            nonmanifold_edges: Tally::new(topology.nonmanifold_edges()),
+            nonmanifold_vertices: Tally::new(topology.nonmanifold_vertices().iter().copied()),
+            inconsistent_edges: Tally::new(orientation.inconsistent_edges().iter().copied()),
             bounding_box: mesh.bounding_box(),
             area: mesh.area(),
             volume: (closed && orientation.is_consistent()).then(|| mesh.signed_volume()),
@@ -179,7 +181,7 @@ fn duplicate_faces(mesh: &TriMesh) -> Tally {
         })
         .collect();
     keys.par_sort_unstable();
-    Tally::of(keys.windows(2).filter(|w| w[0].0 == w[1].0).map(|w| w[1].1))
+    Tally::new(keys.windows(2).filter(|w| w[0].0 == w[1].0).map(|w| w[1].1))
 }
 
 fn duplicate_positions(mesh: &TriMesh) -> Tally {
@@ -191,7 +193,7 @@ fn duplicate_positions(mesh: &TriMesh) -> Tally {
         .map(|(v, p)| (p.map(|x| (x + 0.0).to_bits()), v as u32))
         .collect();
     keys.par_sort_unstable();
-    Tally::of(keys.windows(2).filter(|w| w[0].0 == w[1].0).map(|w| w[1].1))
+    Tally::new(keys.windows(2).filter(|w| w[0].0 == w[1].0).map(|w| w[1].1))
 }
 
 #[cfg(test)]
@@ -210,7 +212,7 @@ mod tests {
             [9.0, 9.0, 9.0],  // isolated
         ];
         let faces = vec![[0, 1, 2], [0, 1, 3], [0, 4, 1], [2, 0, 1], [5, 1, 2]];
-        let d = Diagnosis::of(&TriMesh::new(positions, faces).unwrap());
+        let d = Diagnosis::new(&TriMesh::new(positions, faces).unwrap());
         let at = |count, first| Tally { count, first: Some(first) };
         assert_eq!(d.isolated_vertices, at(1, 6));
         // The last has two corners in one place.
@@ -230,7 +232,7 @@ mod tests {
         for scale in [1e-150, 1e-9, 1.0, 1e9, 1e150] {
             let positions = flat.iter().map(|p| p.map(|x| x * scale)).collect();
             let mesh = TriMesh::new(positions, vec![[0, 1, 2], [1, 0, 3]]).unwrap();
-            let diagnosis = Diagnosis::of(&mesh);
+            let diagnosis = Diagnosis::new(&mesh);
             assert_eq!(diagnosis.sliver_faces, Tally { count: 1, first: Some(0) }, "{scale}");
             assert_eq!(diagnosis.degenerate_faces.count, 0, "{scale}");
         }

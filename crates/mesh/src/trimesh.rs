@@ -49,6 +49,73 @@ impl TriMesh {
         Ok(Self { positions, connectivity: Arc::new(Connectivity::new(count, faces)) })
     }
 
+    /// A mesh from numbers in a row: three coordinates for each vertex, three
+    /// indices for each face.
+    ///
+    /// # Errors
+    ///
+    /// [`BuildError::NotInThrees`], and those of [`Self::new`].
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use fairing_mesh::TriMesh;
+    ///
+    /// let positions = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    /// let mesh = TriMesh::from_flat(&positions, &[0, 1, 2])?;
+    /// assert_eq!(mesh.positions().as_flattened(), positions);
+    /// # Ok::<(), fairing_mesh::BuildError>(())
+    /// ```
+    pub fn from_flat(positions: &[f64], faces: &[u32]) -> Result<Self, BuildError> {
+        let uneven = |what, count| BuildError::NotInThrees { what, count };
+        let (points, []) = positions.as_chunks() else {
+            return Err(uneven("coordinates", positions.len()));
+        };
+        let (corners, []) = faces.as_chunks() else {
+            return Err(uneven("indices", faces.len()));
+        };
+        Self::new(points.to_vec(), corners.to_vec())
+    }
+
+    /// A mesh from arrays of other types of numbers, such as `f32` and `i64`.
+    ///
+    /// # Errors
+    ///
+    /// [`BuildError::NotAnIndex`] for the first face with a corner that does
+    /// not fit into `u32`, and those of [`Self::new`].
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use fairing_mesh::{BuildError, TriMesh};
+    ///
+    /// let positions = [[0.0_f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    /// assert_eq!(TriMesh::from_indexed(&positions, &[[0_i64, 1, 2]])?.face_count(), 1);
+    /// let error = TriMesh::from_indexed(&positions, &[[0_i64, 1, -1]]).unwrap_err();
+    /// assert_eq!(error, BuildError::NotAnIndex { face: 0 });
+    /// # Ok::<(), BuildError>(())
+    /// ```
+    pub fn from_indexed<P, I>(positions: &[[P; 3]], faces: &[[I; 3]]) -> Result<Self, BuildError>
+    where
+        P: Into<f64> + Copy,
+        I: TryInto<u32> + Copy,
+    {
+        let index = |(face, corners): (usize, &[I; 3])| {
+            let index = |i: I| i.try_into().map_err(|_| BuildError::NotAnIndex { face });
+            let &[a, b, c] = corners;
+            Ok([index(a)?, index(b)?, index(c)?])
+        };
+        let faces: Result<Vec<[u32; 3]>, BuildError> =
+            faces.iter().enumerate().map(index).collect();
+        Self::new(positions.iter().map(|p| p.map(Into::into)).collect(), faces?)
+    }
+
+    /// Positions and faces.
+    pub fn into_parts(self) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+        let faces = self.faces().to_vec();
+        (self.positions, faces)
+    }
+
     /// The caller has made the checks of [`Self::new`].
     pub(crate) fn from_checked(positions: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> Self {
         let connectivity = Arc::new(Connectivity::new(positions.len(), faces));

@@ -25,3 +25,5 @@ fairing_mesh::choices!(LumpedArea, "area of a vertex",
     Voronoi: "voronoi", "Voronoi cells; negative at some obtuse angles, which flows refuse";
     Mixed: "mixed", "Voronoi cells, kept inside obtuse faces";
 );
+#[cfg(feature = "serde")]
+fairing_mesh::serde_by_name!(LumpedArea);

@@ -35,7 +35,7 @@ pub(crate) enum Diagonal {
 }
 
 impl Diagonal {
-    fn of(self, sum: f64) -> f64 {
+    fn entry(self, sum: f64) -> f64 {
         match self {
             Self::Sum => sum,
             // Not −0 where there is nothing.
@@ -175,7 +175,7 @@ impl<'a> SideSums<'a> {
                 sum += value;
             }
         }
-        row[own] = self.diagonal.of(sum);
+        row[own] = self.diagonal.entry(sum);
         Some(())
     }
 }
@@ -207,7 +207,7 @@ where
     F: Fn(u32, &Fan, usize, &mut [f64]) + Sync,
 {
     let blocks: Vec<Block> =
-        row_ranges(n).into_par_iter().map(|rows| Block::of(rows, &gather, &fill)).collect();
+        row_ranges(n).into_par_iter().map(|rows| Block::new(rows, &gather, &fill)).collect();
     Block::join(n, blocks)
 }
 
@@ -220,7 +220,7 @@ struct Block {
 }
 
 impl Block {
-    fn of<G, F>(rows: Range<usize>, gather: &G, fill: &F) -> Self
+    fn new<G, F>(rows: Range<usize>, gather: &G, fill: &F) -> Self
     where
         G: Fn(&mut Fan, u32),
         F: Fn(u32, &Fan, usize, &mut [f64]),

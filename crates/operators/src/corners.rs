@@ -24,7 +24,7 @@ pub(crate) struct FaceCorners {
 
 impl FaceCorners {
     #[inline]
-    pub(crate) fn of([a, b, c]: [[f64; 3]; 3]) -> Self {
+    pub(crate) fn new([a, b, c]: [[f64; 3]; 3]) -> Self {
         let (ab, bc, ca) = (sub(b, a), sub(c, b), sub(a, c));
         Self { dots: [-dot(ab, ca), -dot(bc, ab), -dot(ca, bc)], twice_area: norm(cross(ab, ca)) }
     }
@@ -32,7 +32,7 @@ impl FaceCorners {
     /// The face of two sides that leave corner 0, the next one first, and the
     /// cross product of the sides.
     #[inline]
-    pub(crate) fn of_sides(next: [f64; 3], previous: [f64; 3]) -> (Self, [f64; 3]) {
+    pub(crate) fn from_sides(next: [f64; 3], previous: [f64; 3]) -> (Self, [f64; 3]) {
         let (across, normal) = (sub(previous, next), cross(next, previous));
         let dots = [dot(next, previous), -dot(next, across), dot(previous, across)];
         (Self { dots, twice_area: norm(normal) }, normal)
@@ -110,7 +110,7 @@ pub(crate) fn map_sound_faces<T: Send>(
         .with_min_len(FACES_PER_TASK)
         .enumerate()
         .map(|(f, face)| {
-            let corners = FaceCorners::of(face.map(|v| positions[v as usize]));
+            let corners = FaceCorners::new(face.map(|v| positions[v as usize]));
             if corners.is_degenerate() {
                 first.fetch_min(f, Ordering::Relaxed);
             }
@@ -119,7 +119,7 @@ pub(crate) fn map_sound_faces<T: Send>(
         .collect();
     match first.into_inner() {
         usize::MAX => Ok(all),
-        face => Err(degenerate(face, &FaceCorners::of(mesh.triangle(face)))),
+        face => Err(degenerate(face, &FaceCorners::new(mesh.triangle(face)))),
     }
 }
 
@@ -162,7 +162,7 @@ mod tests {
 
     #[test]
     fn corners_of_a_right_triangle() {
-        let c = FaceCorners::of([[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0]]);
+        let c = FaceCorners::new([[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0]]);
         assert_eq!(c.dots, [0.0, 9.0, 16.0]);
         assert_eq!(c.twice_area, 12.0);
         assert_eq!(c.squared_sides(), [25.0, 16.0, 9.0]);
@@ -175,7 +175,7 @@ mod tests {
         let p = [1.0, 2.0, 3.0];
         let q = [2.0, 2.0, 3.0];
         for face in [[p, p, p], [p, p, q], [p, q, q], [p, q, p], [p, q, [5.0, 2.0, 3.0]]] {
-            let c = FaceCorners::of(face);
+            let c = FaceCorners::new(face);
             assert!(c.is_degenerate());
             let sum: f64 = (0..3).map(|k| c.turn(k)).map(|(x, y)| y.atan2(x)).sum();
             assert!((sum - std::f64::consts::PI).abs() < 1e-15, "{face:?} {sum}");

@@ -73,7 +73,7 @@ fn mass_in_range(mesh: &TriMesh, area: LumpedArea) -> Result<Vec<f64>, OperatorE
 fn sum_shares(mesh: &TriMesh, area: LumpedArea) -> Result<Vec<f64>, OperatorError> {
     let mut mass = vec![0.0; mesh.vertex_count()];
     for (f, vertices) in mesh.faces().iter().enumerate() {
-        let face = FaceCorners::of(mesh.triangle(f));
+        let face = FaceCorners::new(mesh.triangle(f));
         let shares = area.shares(&face).ok_or_else(|| degenerate(f, &face))?;
         for k in 0..3 {
             mass[vertices[k] as usize] += shares[k];
@@ -151,6 +151,18 @@ mod tests {
         let expected = [[2.0 * t, t, t, 0.0], [t, 2.0 * t, t, 0.0], [t, t, 2.0 * t, 0.0], [0.0; 4]];
         let difference = m.to_dense() - ndarray::arr2(&expected);
         assert!(difference.iter().all(|d| d.abs() < 1e-15));
+    }
+
+    /// At sizes whose fourth powers are no floats. Powers of two round nothing.
+    #[test]
+    fn consistent_masses_follow_their_unit() {
+        let mesh = right_triangle();
+        let mass = consistent_mass(&mesh).unwrap();
+        for unit in [2f64.powi(-500), 2f64.powi(500)] {
+            let positions = mesh.positions().iter().map(|p| p.map(|x| x * unit)).collect();
+            let found = consistent_mass(&mesh.with_positions(positions).unwrap()).unwrap();
+            assert_eq!(found, mass.map(|m| m * unit * unit));
+        }
     }
 
     #[test]

@@ -27,6 +27,7 @@ const GAUSSIAN_MEDIAN: f64 = 0.674_489_75;
 
 /// What [`noise_level`] finds.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct NoiseEstimate {
     /// The standard deviation of the displacement of a vertex along the
@@ -57,6 +58,7 @@ impl NoiseEstimate {
 
 /// Connected parts of a mesh with noise of about the same level.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct NoisyParts {
     /// The noise of all of them together.
@@ -111,7 +113,7 @@ pub fn noisy_parts(mesh: &TriMesh) -> Vec<NoisyParts> {
     let components = mesh.topology().components();
     let mut of_part = vec![vec![]; components.count()];
     for (v, residual) in residuals.iter().enumerate() {
-        if let (Some(part), Some(r)) = (components.of_vertex(v as u32), residual) {
+        if let (Some(part), Some(r)) = (components.label(v as u32), residual) {
             of_part[part as usize].push(r.abs() * unit);
         }
     }
@@ -138,7 +140,7 @@ pub fn noisy_parts(mesh: &TriMesh) -> Vec<NoisyParts> {
     }
     for group in &mut groups {
         let inside = |v: u32| {
-            let part = components.of_vertex(v);
+            let part = components.label(v);
             part.is_some_and(|part| group.components.binary_search(&part).is_ok())
         };
         group.level.correlation = correlation(mesh, &residuals, group.level.sigma / unit, inside);
@@ -236,7 +238,7 @@ fn leave_one_out(
     points.clear();
     let flat = |d: [f64; 3]| [dot(d, e1), dot(d, e2), dot(d, normal)];
     points.extend(offsets.map(|d| flat(scale(d, 1.0 / radius))));
-    let axes = PrincipalAxes::of(points.iter().map(|p| [p[0], p[1]]))?;
+    let axes = PrincipalAxes::new(points.iter().map(|p| [p[0], p[1]]))?;
     let mut equations = NormalEquations::<6>::default();
     for p in points.iter() {
         let [x, y] = axes.coordinates([p[0], p[1]]);

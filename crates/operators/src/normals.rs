@@ -32,6 +32,8 @@ fairing_mesh::choices!(NormalWeight, "weight of normals",
     Sphere: "sphere", "By area over squared sides: exact on spheres";
     Uniform: "uniform", "All faces alike";
 );
+#[cfg(feature = "serde")]
+fairing_mesh::serde_by_name!(NormalWeight);
 
 /// The unit normal of each face, outward for counter-clockwise faces; the zero
 /// vector for a face without area.
@@ -73,13 +75,13 @@ pub fn weighted_vertex_normals(mesh: &TriMesh, weight: NormalWeight) -> Vec<[f64
             let share = match weight {
                 NormalWeight::Area | NormalWeight::Uniform => vectors[f],
                 NormalWeight::Sphere => {
-                    let sides = FaceCorners::of(mesh.triangle(f)).squared_sides();
+                    let sides = FaceCorners::new(mesh.triangle(f)).squared_sides();
                     let k = c as usize % 3;
                     let squares = sides[(k + 1) % 3] * sides[(k + 2) % 3];
                     if squares > 0.0 { scale(vectors[f], 1.0 / squares) } else { [0.0; 3] }
                 }
                 NormalWeight::Angle => {
-                    let (x, y) = FaceCorners::of(mesh.triangle(f)).turn(c as usize % 3);
+                    let (x, y) = FaceCorners::new(mesh.triangle(f)).turn(c as usize % 3);
                     scale(vectors[f], libm::atan2(y, x))
                 }
             };

@@ -55,7 +55,7 @@ pub fn polygon_laplacian(mesh: &PolygonMesh) -> Result<PolygonLaplacian, Operato
         .into_par_iter()
         .map(|f| {
             let corners = mesh.polygon(f).iter().map(|&v| mesh.positions()[v as usize]);
-            Local::of(&corners.collect::<Vec<_>>())
+            Local::new(&corners.collect::<Vec<_>>())
         })
         .collect();
     let (mut stiffness, mut mass) = (vec![], vec![]);
@@ -97,7 +97,7 @@ struct Local {
 
 impl Local {
     /// `None` where a triangle of the fan is too thin.
-    fn of(corners: &[[f64; 3]]) -> Option<Self> {
+    fn new(corners: &[[f64; 3]]) -> Option<Self> {
         let k = corners.len();
         // About the mean of the corners, for precision far from the origin.
         let mean = scale(corners.iter().fold([0.0; 3], |sum, &p| add(sum, p)), 1.0 / k as f64);
@@ -115,7 +115,7 @@ impl Local {
         let (mut s, mut a) = (vec![0.0; m * m], vec![0.0; m * m]);
         for i in 0..k {
             let triangle = [i, (i + 1) % k, k];
-            let face = FaceCorners::of([x[i], x[(i + 1) % k], centre]);
+            let face = FaceCorners::new([x[i], x[(i + 1) % k], centre]);
             if face.is_degenerate() {
                 return None;
             }

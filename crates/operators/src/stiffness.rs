@@ -61,7 +61,7 @@ pub(crate) fn on_pattern(
 ) -> Result<SparseMatrix, OperatorError> {
     let (mesh, unit) = mesh.at_unit_scale();
     let sums = SideSums::new(&mesh, Diagonal::MinusSum, |f| {
-        let face = FaceCorners::of(mesh.triangle(f));
+        let face = FaceCorners::new(mesh.triangle(f));
         if face.is_degenerate() {
             return Err(degenerate(f, &face));
         }

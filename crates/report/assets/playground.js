@@ -4,12 +4,7 @@
 class Stage {
   constructor(owner, title, alt) {
     this.owner = owner;
-    this.canvas = element('canvas', {
-      tabindex: 0,
-      role: 'img',
-      'aria-label': `${alt} Arrow keys turn, plus and minus zoom, Enter picks the vertex in the middle, n and p the next and the previous one.`,
-    });
-    this.canvas.title = HOW;
+    this.canvas = steeredCanvas(alt);
     this.target = this.canvas.getContext('2d');
     this.title = element('h4', {}, title);
     this.bar = element('div', {class: 'bar'});
@@ -63,9 +58,7 @@ class Stage {
   /** Fits the canvas to its place; what there is to draw, or null. */
   fit(pixel) {
     if (!Renderer || !this.scene) return null;
-    const box = this.canvas.getBoundingClientRect();
-    const [width, height] = [box.width, box.height].map((x) => Math.round(x * pixel));
-    if (this.canvas.width !== width || this.canvas.height !== height) [this.canvas.width, this.canvas.height] = [width, height];
+    fitCanvas(this.canvas, pixel);
     return {target: this.target, scene: {...this.scene, pixel}};
   }
 
@@ -77,14 +70,7 @@ class Stage {
   }
 
   vertexAt(x, y) {
-    const [px, py] = [Math.floor(x * this.canvas.width), Math.floor(y * this.canvas.height)];
-    const face = Renderer.faceAt({...this.scene, pixel: this.owner.pixel}, this.canvas.width, this.canvas.height, px, py);
-    let [best, found] = [Infinity, -1];
-    for (const v of face < 0 ? [] : this.mesh.faces.subarray(3 * face, 3 * face + 3)) {
-      const [vx, vy] = this.place(v);
-      if (Math.hypot(vx - px, vy - py) < best) [best, found] = [Math.hypot(vx - px, vy - py), v];
-    }
-    return found;
+    return vertexAt({...this.scene, pixel: this.owner.pixel}, this.canvas, (v) => this.place(v), x, y);
   }
 }
 
@@ -92,7 +78,7 @@ class Stage {
  * Something to play with, computed in the page. A kind of playground has `build`, which returns its elements and fills
  * `inputs` (what is remembered in the address) and `stages`, and `settle`, which computes and shows.
  */
-class Playground {
+class Playground extends Drawn {
   static kinds = new Map();
 
   static of(figure, maps) {
@@ -102,6 +88,7 @@ class Playground {
   }
 
   constructor(figure, maps) {
+    super();
     this.figure = figure;
     this.id = figure.id;
     this.maps = maps;
@@ -161,23 +148,6 @@ class Playground {
     if (this.moving) Renderer.drawMoving(pictures, 0.5);
     else for (const {target, scene} of pictures) Renderer.draw(target, scene);
     for (const stage of this.stages) stage.finish(this.pixel);
-  }
-
-  redraw() {
-    this.waiting ??= requestAnimationFrame(() => {
-      this.waiting = null;
-      this.draw();
-    });
-  }
-
-  turnTo() {
-    this.moving = true;
-    clearTimeout(this.rest);
-    this.rest = setTimeout(() => {
-      this.moving = false;
-      this.redraw();
-    }, 180);
-    this.redraw();
   }
 
   pick(stage, x, y) {

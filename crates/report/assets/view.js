@@ -1,16 +1,14 @@
 'use strict';
 
-/** What can be done with a picture. */
-const HOW = 'Drag to turn, Shift-drag to move, click a vertex for its values; the wheel zooms once the picture has been clicked.';
-
 /**
  * One interactive view: panels side by side under one camera, with controls.
  *
  * What is chosen is kept in `state`; `settle` brings everything seen into line
  * with it.
  */
-class View {
+class View extends Drawn {
   constructor(figure, maps) {
+    super();
     this.figure = figure;
     this.id = figure.id;
     this.maps = maps;
@@ -130,12 +128,7 @@ class View {
 
   panels() {
     this.shown = this.meshes.map((mesh) => {
-      const canvas = element('canvas', {
-        tabindex: 0,
-        role: 'img',
-        'aria-label': `${mesh.title}. ${this.description.alt} Arrow keys turn, plus and minus zoom, Enter picks the vertex in the middle, n and p the next and the previous one.`,
-      });
-      canvas.title = HOW;
+      const canvas = steeredCanvas(`${mesh.title}. ${this.description.alt}`);
       const bar = element('div', {class: 'bar'});
       const title = element('h4', {}, mesh.title);
       const facts = element('p', {class: 'facts-line', hidden: !this.meshes.some((m) => m.facts?.length)});
@@ -207,18 +200,7 @@ class View {
 
   /** Finds the vertex at a place given in parts of the width and height. */
   pick(shown, x, y) {
-    const {canvas, mesh} = shown;
-    const [px, py] = [Math.floor(x * canvas.width), Math.floor(y * canvas.height)];
-    const face = Renderer.faceAt(this.scene(shown), canvas.width, canvas.height, px, py);
-    let picked = -1;
-    if (face >= 0) {
-      let best = Infinity;
-      for (const v of mesh.faces.subarray(3 * face, 3 * face + 3)) {
-        const [vx, vy] = this.place(shown, v);
-        const far = Math.hypot(vx - px, vy - py);
-        if (far < best) [best, picked] = [far, v];
-      }
-    }
+    const picked = vertexAt(this.scene(shown), shown.canvas, (v) => this.place(shown, v), x, y);
     this.change({picked});
     return picked;
   }
@@ -430,34 +412,9 @@ class View {
   resize() {
     this.pixel = Math.min(window.devicePixelRatio || 1, 2);
     for (const {canvas, panel} of this.shown) {
-      if (panel.hidden) continue;
-      const box = canvas.getBoundingClientRect();
-      const [width, height] = [box.width, box.height].map((x) => Math.round(x * this.pixel));
-      if (canvas.width !== width || canvas.height !== height) {
-        canvas.width = width;
-        canvas.height = height;
-      }
+      if (!panel.hidden) fitCanvas(canvas, this.pixel);
     }
     this.draw();
-  }
-
-  /** Draws coarsely while the camera moves, and once more when it rests. */
-  turnTo() {
-    this.moving = true;
-    clearTimeout(this.rest);
-    this.rest = setTimeout(() => {
-      this.moving = false;
-      this.redraw();
-    }, 180);
-    this.redraw();
-  }
-
-  /** Draws once, however often it is asked for until then. */
-  redraw() {
-    this.waiting ??= requestAnimationFrame(() => {
-      this.waiting = null;
-      this.draw();
-    });
   }
 
   draw() {

@@ -86,7 +86,7 @@ const COMMANDS: [(&str, &[&str]); 11] = [
 ];
 
 /// The commands of a section; `None` if it has none.
-pub fn of(section: &str) -> Option<&'static [&'static str]> {
+pub fn for_section(section: &str) -> Option<&'static [&'static str]> {
     COMMANDS.iter().find(|(id, _)| *id == section).map(|(_, commands)| *commands)
 }
 
@@ -103,8 +103,8 @@ mod tests {
     #[test]
     fn every_section_has_commands() {
         for section in story::ACTS.iter().flat_map(story::Act::ids) {
-            assert!(of(section).is_some_and(|commands| !commands.is_empty()), "{section}");
+            assert!(for_section(section).is_some_and(|commands| !commands.is_empty()), "{section}");
         }
-        assert_eq!(of("nothing"), None);
+        assert_eq!(for_section("nothing"), None);
     }
 }

@@ -153,24 +153,26 @@ const NAMES: [(&str, &[(&str, &str)]); 11] = [
     ),
 ];
 
-fn of(record: &Record) -> Option<&'static Seen> {
+fn seen(record: &Record) -> Option<&'static Seen> {
     let is_own = |seen: &&Seen| seen.section == record.id;
     let has = |id: &str| {
         record.views.iter().any(|v| v.id == id) || record.figures.iter().any(|f| f.id == id)
     };
     // Another experiment under this id, or parts of it, is shown as those that are not listed.
     SEEN.iter().find(is_own).filter(|seen| {
-        seen.figures.iter().all(|id| has(id) || play::of(&record.id).any(|play| play.id() == *id))
+        seen.figures
+            .iter()
+            .all(|id| has(id) || play::for_section(&record.id).any(|play| play.id() == *id))
     })
 }
 
 /// Whether a figure, a view or a playground is seen at once. Of a section that is not listed those are its playgrounds,
 /// its first view and its plots; its first figure where it has none of them.
 pub(crate) fn shows_figure(record: &Record, id: &str) -> bool {
-    match of(record) {
+    match seen(record) {
         Some(seen) => seen.figures.contains(&id),
         None => {
-            play::of(&record.id).any(|play| play.id() == id)
+            play::for_section(&record.id).any(|play| play.id() == id)
                 || record.views.first().is_some_and(|view| view.id == id)
                 || record.figures.iter().any(|f| f.id == id && f.svg.is_some())
                 || record.views.is_empty() && record.figures.first().is_some_and(|f| f.id == id)
@@ -180,7 +182,7 @@ pub(crate) fn shows_figure(record: &Record, id: &str) -> bool {
 
 /// Whether a table is seen at once: the first of a section that is not listed.
 pub(crate) fn shows_table(record: &Record, id: &str) -> bool {
-    match of(record) {
+    match seen(record) {
         Some(seen) => seen.tables.contains(&id),
         None => record.tables.first().is_some_and(|table| table.id == id),
     }

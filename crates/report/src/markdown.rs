@@ -61,10 +61,10 @@ fn section(record: &Record, first: usize, bridge: &str, form: Form) -> String {
     for formula in &record.formulas {
         let _ = write!(text, "\n$${formula}$$\n");
     }
-    if let Some(lines) = snippets::of(&record.id) {
+    if let Some(lines) = snippets::for_section(&record.id) {
         let _ = write!(text, "\n```rust\n{lines}\n```\n");
     }
-    if let Some(lines) = commands::of(&record.id) {
+    if let Some(lines) = commands::for_section(&record.id) {
         let _ = write!(text, "\n```sh\n{}\n```\n", lines.join("\n"));
     }
     text + &body(record, first, form)
@@ -244,7 +244,7 @@ fn body(record: &Record, first: usize, form: Form) -> String {
             claim.id, claim.claim, claim.verdict, claim.reason
         );
     }
-    for play in play::of(&record.id) {
+    for play in play::for_section(&record.id) {
         let number = numbered(&play.id());
         let _ = write!(text, "\n*{number}In the page, to play with.* {}\n", play.caption);
     }

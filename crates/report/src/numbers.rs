@@ -49,7 +49,7 @@ pub(crate) fn place(record: &Record, id: &str) -> Option<usize> {
 
 /// The numbered parts of a section in their order, and how many of them are seen at once.
 pub(crate) fn parts(record: &Record) -> (Vec<Item<'_>>, usize) {
-    let mut all: Vec<Item<'_>> = play::of(&record.id).map(Item::Play).collect();
+    let mut all: Vec<Item<'_>> = play::for_section(&record.id).map(Item::Play).collect();
     all.extend(record.views.iter().enumerate().map(|(k, view)| Item::View(k, view)));
     let pictures = |plots: bool| {
         let own = record.figures.iter().filter(|f| !is_paper(record, f));

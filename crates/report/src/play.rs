@@ -42,7 +42,7 @@ const PLAYS: [Play; 3] = [
 ];
 
 /// The playgrounds of an experiment's section.
-pub(crate) fn of(section: &str) -> impl Iterator<Item = &'static Play> {
+pub(crate) fn for_section(section: &str) -> impl Iterator<Item = &'static Play> {
     PLAYS.iter().filter(move |play| play.section == section)
 }
 

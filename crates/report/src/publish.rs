@@ -46,7 +46,7 @@ fn pack(record: &mut Record, folder: &Path, form: Form) -> Result<()> {
         remove(folder, &entry.data)?;
         entry.data = format!("{id}/{}.view.js", entry.id);
         write(&folder.join(&entry.data), &packed.to_script()?)?;
-        entry.mesh = thumbnail::of(&view, &format!("{id}/{}-mesh.png", entry.id), folder)?;
+        entry.mesh = thumbnail::mesh_card(&view, &format!("{id}/{}-mesh.png", entry.id), folder)?;
         Ok(())
     })
 }

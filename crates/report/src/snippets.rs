@@ -3,12 +3,12 @@
 const SOURCE: &str = include_str!("../../fairing/examples/report.rs");
 
 /// The lines of a section's snippet, without their indentation; `None` if it has none.
-pub(crate) fn of(section: &str) -> Option<String> {
+pub(crate) fn for_section(section: &str) -> Option<String> {
     let (_, rest) = SOURCE.split_once(&format!("// [{section}]\n"))?;
     let (lines, _) = rest.split_once("// [end]")?;
     let lines: Vec<&str> = lines.lines().filter(|line| !line.trim().is_empty()).collect();
-    let blank = |line: &&str| line.len() - line.trim_start().len();
-    let indent = lines.iter().map(blank).min().unwrap_or(0);
+    let indentation = |line: &&str| line.len() - line.trim_start().len();
+    let indent = lines.iter().map(indentation).min().unwrap_or(0);
     Some(lines.iter().map(|line| &line[indent..]).collect::<Vec<_>>().join("\n"))
 }
 
@@ -21,9 +21,9 @@ mod tests {
     #[test]
     fn every_section_has_a_snippet() {
         for section in story::ACTS.iter().flat_map(story::Act::ids) {
-            let lines = of(section).unwrap_or_default().lines().count();
+            let lines = for_section(section).unwrap_or_default().lines().count();
             assert!((2..=6).contains(&lines), "{section}: {lines} lines");
         }
-        assert_eq!(of("nothing"), None);
+        assert_eq!(for_section("nothing"), None);
     }
 }

@@ -14,7 +14,7 @@ use fairing_results::view::View;
 const SIZE: [u32; 2] = [240, 180];
 
 /// Draws the mesh of a view that names it: the first panel that does not move.
-pub(crate) fn of(view: &View, path: &str, folder: &Path) -> Result<Option<MeshCard>> {
+pub(crate) fn mesh_card(view: &View, path: &str, folder: &Path) -> Result<Option<MeshCard>> {
     let still = view.panels.iter().find(|panel| panel.positions.len() == 1);
     let Some(panel) = still.filter(|_| !view.mesh.is_empty()) else { return Ok(None) };
     let mesh = TriMesh::new(panel.positions[0].clone(), panel.faces.clone())?;

@@ -20,7 +20,7 @@ fn smallest_angle(mesh: &TriMesh) -> f64 {
 /// positive volume.
 #[track_caller]
 fn check(mesh: &TriMesh, genus: u32, loops: usize, angle: f64) {
-    let d = Diagnosis::of(mesh);
+    let d = Diagnosis::new(mesh);
     assert!(d.is_clean(), "{d:?}");
     assert_eq!((d.components, d.genus, d.boundary_loops), (1, Some(genus), loops));
     assert_eq!((d.sliver_faces.count, d.duplicate_positions.count), (0, 0));
@@ -84,7 +84,7 @@ fn blocks_and_creatures() {
 
 #[test]
 fn a_moebius_band_has_one_side_and_one_border() {
-    let d = Diagnosis::of(&moebius(0.4, 48, 6));
+    let d = Diagnosis::new(&moebius(0.4, 48, 6));
     assert!(d.manifold && !d.orientable && d.genus.is_none());
     assert_eq!((d.boundary_loops, d.euler_characteristic), (1, 0));
     // One inconsistent edge for each square along the seam.

@@ -37,6 +37,8 @@ macro_rules! methods {
         /// # Ok::<(), Box<dyn std::error::Error>>(())
         /// ```
         #[derive(Debug, Clone, PartialEq)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+        #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
         #[non_exhaustive]
         pub enum Method {
             $($(#[$doc])* $name($options),)*
@@ -72,7 +74,7 @@ macro_rules! methods {
             }
 
             /// The method with these values.
-            fn of_values(
+            fn from_values(
                 values: &Values<'_>,
                 positions: &[[f64; 3]],
             ) -> Result<Self, ParameterError> {
@@ -116,7 +118,7 @@ impl Method {
     /// Every method once, with options that suit most meshes.
     pub fn defaults() -> Vec<Self> {
         let all = Method::algorithms();
-        all.iter().filter_map(|of| Self::of_values(&Values::none(of), &[]).ok()).collect()
+        all.iter().filter_map(|of| Self::from_values(&Values::none(of), &[]).ok()).collect()
     }
 
     /// The method of that name, with options that suit most meshes.
@@ -125,7 +127,7 @@ impl Method {
     ///
     /// [`ParameterError::UnknownName`] with the names that there are.
     pub fn by_name(name: &str) -> Result<Self, ParameterError> {
-        Self::of_values(&Values::none(Self::algorithm_of(name)?), &[])
+        Self::from_values(&Values::none(Self::algorithm_of(name)?), &[])
     }
 
     /// The method of that name with values for some of its [parameters](Algorithm::parameters), to run on `mesh`:
@@ -141,7 +143,7 @@ impl Method {
         mesh: &TriMesh,
     ) -> Result<Self, ParameterError> {
         let values = Values::new(Self::algorithm_of(name)?, values)?;
-        Self::of_values(&values, mesh.positions())
+        Self::from_values(&values, mesh.positions())
     }
 
     fn algorithm_of(name: &str) -> Result<&'static Algorithm, ParameterError> {

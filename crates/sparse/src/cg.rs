@@ -26,6 +26,8 @@ pub trait CgSystem<const B: usize>: Sync {
 
 /// When to stop.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct CgOptions {
     /// Relative residual ‖b − A x‖ / ‖b‖ to reach in every column, or in all together where they are coupled,
     /// measured. Where rounding leaves more, a residual within [`CgSystem::attainable`] is as good, and

@@ -143,7 +143,7 @@ impl SymbolicCholesky {
         }
         fairing_watch::check();
         symmetry::check(matrix)?;
-        let rows = Rows::of(matrix);
+        let rows = Rows::new(matrix);
         let n = rows.count();
         let composed;
         let order = match ordering {
@@ -230,7 +230,7 @@ impl SymbolicCholesky {
     pub fn factorize_indefinite(&self, matrix: &SparseMatrix) -> Result<Ldlt, CholeskyError> {
         fairing_watch::check();
         self.check_pattern(matrix)?;
-        let rows = Rows::of(matrix);
+        let rows = Rows::new(matrix);
         let mut values = vec![0.0; self.analysis.symbolic.len()];
         let diagonal = rows.diagonal();
         match self.analysis.symbolic.ldlt(rows, &mut values) {
@@ -257,7 +257,7 @@ impl SymbolicCholesky {
     fn llt(&self, matrix: &SparseMatrix, values: &mut [f64]) -> Result<(), CholeskyError> {
         self.check_pattern(matrix)?;
         let analysis = &*self.analysis;
-        let rows = Rows::of(matrix);
+        let rows = Rows::new(matrix);
         let diagonal = rows.diagonal();
         let (scaled, root) = scaled_up(rows, &diagonal);
         let failed = match analysis.symbolic.llt(Rows { values: &scaled, ..rows }, values) {
@@ -291,14 +291,14 @@ impl SymbolicCholesky {
 
     /// The k-th pivot of elimination, which the backend does not tell when it fails there.
     fn pivot(&self, matrix: &SparseMatrix, k: usize, values: &mut [f64]) -> f64 {
-        match self.analysis.symbolic.ldlt(Rows::of(matrix), values) {
+        match self.analysis.symbolic.ldlt(Rows::new(matrix), values) {
             Ok(()) => self.analysis.nodes.diagonal(values).nth(k).unwrap_or(0.0),
             Err(_) => 0.0,
         }
     }
 
     fn check_pattern(&self, matrix: &SparseMatrix) -> Result<(), CholeskyError> {
-        let rows = Rows::of(matrix);
+        let rows = Rows::new(matrix);
         if rows.starts != self.analysis.starts || rows.columns != self.analysis.columns {
             let analysed = Rows {
                 starts: &self.analysis.starts,

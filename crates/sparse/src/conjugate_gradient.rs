@@ -38,7 +38,7 @@ impl<'a> ConjugateGradient<'a> {
         if rows != columns {
             return Err(CgError::Size { rows, columns, length: rows });
         }
-        let diagonal = Rows::of(matrix).diagonal();
+        let diagonal = Rows::new(matrix).diagonal();
         let bad = |d: &f64| !(*d > 0.0 && d.is_finite());
         match diagonal.iter().position(bad) {
             Some(row) => Err(CgError::Diagonal { row, value: diagonal[row] }),
@@ -129,7 +129,7 @@ impl<'a> ConjugateGradient<'a> {
 
 impl<const B: usize> CgSystem<B> for ConjugateGradient<'_> {
     fn multiply(&self, p: &[[f64; B]], q: &mut Vec<[f64; B]>) -> [f64; B] {
-        let rows = Rows::of(self.matrix);
+        let rows = Rows::new(self.matrix);
         passes::update(q, |i, _| {
             let (columns, values) = rows.row(i);
             let mut sum = [0.0; B];
@@ -149,7 +149,7 @@ impl<const B: usize> CgSystem<B> for ConjugateGradient<'_> {
 
     /// 4 ε ‖|A| |x| + |b|‖ in each column.
     fn attainable(&self, b: &[[f64; B]], x: &[[f64; B]]) -> [f64; B] {
-        let rows = Rows::of(self.matrix);
+        let rows = Rows::new(self.matrix);
         let squares: [f64; B] = passes::sum(b.len(), |i| {
             let mut sum = b[i].map(f64::abs);
             let (columns, values) = rows.row(i);

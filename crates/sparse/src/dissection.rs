@@ -393,7 +393,7 @@ mod tests {
     fn separators_separate() {
         let n = 70 * 60 + 40 * 50;
         let matrix = graph(n, grid(70, 60, 0).chain(grid(40, 50, 70 * 60)));
-        let rows = Rows::of(&matrix);
+        let rows = Rows::new(&matrix);
         let found = dissect(rows);
         let mut all: Vec<u32> = found.leaves.iter().chain(&found.separators).copied().collect();
         all.sort_unstable();
@@ -426,7 +426,7 @@ mod tests {
     fn covers_are_smallest() {
         let (nx, ny) = (12, 9);
         let matrix = graph(nx * ny, grid(nx, ny, 0));
-        let rows = Rows::of(&matrix);
+        let rows = Rows::new(&matrix);
         let part = Part {
             names: (0..(nx * ny) as u32).collect(),
             starts: rows.starts.to_vec(),
@@ -443,7 +443,7 @@ mod tests {
     fn dense_graphs_stay_whole() {
         let n = LEAF + 50;
         let matrix = graph(n, (0..n).flat_map(|i| (0..i).map(move |j| (i, j))));
-        let found = dissect(Rows::of(&matrix));
+        let found = dissect(Rows::new(&matrix));
         assert_eq!((found.leaves.len(), found.separators.len()), (n, 0));
     }
 }

@@ -52,7 +52,7 @@ impl Mass<'_> {
     pub fn diagonal(&self) -> Vec<f64> {
         match self {
             Self::Lumped(diagonal) => diagonal.to_vec(),
-            Self::Consistent(matrix) => Rows::of(matrix).diagonal(),
+            Self::Consistent(matrix) => Rows::new(matrix).diagonal(),
         }
     }
 
@@ -115,7 +115,7 @@ impl Mass<'_> {
 pub fn combine(alpha: f64, mass: Mass<'_>, beta: f64, stiffness: &SparseMatrix) -> SparseMatrix {
     let n = stiffness.rows();
     assert_eq!((n, mass.len()), (stiffness.cols(), n), "sizes of the stiffness and the mass");
-    let s = Rows::of(stiffness);
+    let s = Rows::new(stiffness);
     let guess = s.values.len() + n;
     let (mut starts, mut columns, mut values) =
         (Vec::with_capacity(n + 1), Vec::with_capacity(guess), Vec::with_capacity(guess));
@@ -128,7 +128,7 @@ pub fn combine(alpha: f64, mass: Mass<'_>, beta: f64, stiffness: &SparseMatrix) 
                 lumped = [diagonal[i]];
                 (std::slice::from_ref(&row), &lumped[..])
             }
-            Mass::Consistent(matrix) => Rows::of(matrix).row(i),
+            Mass::Consistent(matrix) => Rows::new(matrix).row(i),
         };
         merge_row(row, (s.row(i), beta), (m, alpha), &mut columns, &mut values);
         starts.push(columns.len() as u32);

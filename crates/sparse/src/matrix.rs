@@ -193,7 +193,7 @@ pub fn principal_submatrix(matrix: &SparseMatrix, keep: &[u32]) -> SparseMatrix 
     for (row, &old) in keep.iter().enumerate() {
         place[old as usize] = row as u32;
     }
-    let rows = Rows::of(matrix);
+    let rows = Rows::new(matrix);
     let mut offsets = Vec::with_capacity(keep.len() + 1);
     offsets.push(0);
     let (mut columns, mut values) = (vec![], vec![]);
@@ -221,7 +221,7 @@ pub(crate) struct Rows<'a> {
 impl<'a> Rows<'a> {
     /// Borrows the arrays. A CSC matrix shows its columns: the same for symmetric matrices, which are all
     /// this crate factorises; products check the storage themselves.
-    pub(crate) fn of(matrix: &'a SparseMatrix) -> Self {
+    pub(crate) fn new(matrix: &'a SparseMatrix) -> Self {
         Self {
             starts: matrix.indptr().into_raw_storage(),
             columns: matrix.indices(),

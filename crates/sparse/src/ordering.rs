@@ -143,9 +143,9 @@ mod tests {
         let matrix: SparseMatrix = t.to_csr();
         let order = [0, 4, 1, 3, 2];
         let inverse = invert(&order).unwrap();
-        let tree = elimination_tree(Rows::of(&matrix), &order, &inverse);
+        let tree = elimination_tree(Rows::new(&matrix), &order, &inverse);
         assert_eq!(tree, [2, 3, 4, 4, u32::MAX]);
-        assert_eq!(postordered(Rows::of(&matrix), &order, &inverse), [0, 1, 4, 3, 2]);
+        assert_eq!(postordered(Rows::new(&matrix), &order, &inverse), [0, 1, 4, 3, 2]);
     }
 
     #[test]

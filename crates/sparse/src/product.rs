@@ -29,7 +29,7 @@ pub fn multiply(matrix: &SparseMatrix, x: &[f64]) -> Vec<f64> {
 /// Panics if A is not CSR or a length does not fit.
 pub fn multiply_into(matrix: &SparseMatrix, x: &[f64], y: &mut [f64]) {
     check(matrix, x.len(), y.len());
-    let rows = Rows::of(matrix);
+    let rows = Rows::new(matrix);
     each_chunk(y, |i, y| {
         let (columns, values) = rows.row(i);
         *y = columns.iter().zip(values).map(|(&j, &a)| a * x[j as usize]).sum();
@@ -54,7 +54,7 @@ pub fn multiply_points(matrix: &SparseMatrix, x: &[[f64; 3]]) -> Vec<[f64; 3]> {
 /// Panics if A is not CSR or a length does not fit.
 pub fn multiply_points_into(matrix: &SparseMatrix, x: &[[f64; 3]], y: &mut [[f64; 3]]) {
     check(matrix, x.len(), y.len());
-    multiply_lanes(Rows::of(matrix), x, y);
+    multiply_lanes(Rows::new(matrix), x, y);
 }
 
 /// A X for an `n × k` block.
@@ -70,7 +70,7 @@ pub fn multiply_block(matrix: &SparseMatrix, x: ArrayView2<'_, f64>) -> Array2<f
         return y;
     }
     let x = x.as_standard_layout();
-    let rows = Rows::of(matrix);
+    let rows = Rows::new(matrix);
     // The array was made above in standard layout, and so was the copy: both are contiguous.
     if let (Some(x), Some(y)) = (x.as_slice(), y.as_slice_mut()) {
         let mut chunks: Vec<_> = y.chunks_mut(k).collect();

@@ -145,7 +145,7 @@ impl SolverChoice {
 /// Panics if the mass has fewer rows than S.
 pub fn shifted_condition(mass: Mass<'_>, t: f64, stiffness: &SparseMatrix) -> f64 {
     let mass = mass.diagonal();
-    let diagonal = Rows::of(stiffness).diagonal();
+    let diagonal = Rows::new(stiffness).diagonal();
     let mut quotients: Vec<f64> =
         (0..diagonal.len()).map(|i| (diagonal[i] / mass[i]).max(0.0)).collect();
     if quotients.is_empty() {

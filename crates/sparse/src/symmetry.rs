@@ -19,7 +19,7 @@ pub(crate) fn check(matrix: &SparseMatrix) -> Result<(), Defect> {
     if matrix.rows() != matrix.cols() {
         return Err(Defect::Rectangular { rows: matrix.rows(), columns: matrix.cols() });
     }
-    let rows = Rows::of(matrix);
+    let rows = Rows::new(matrix);
     let n = rows.count();
     let diagonal = rows.diagonal();
     // cursor[j]: the next entry of row j that lies right of its diagonal and has not met its mirror image.

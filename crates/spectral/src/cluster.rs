@@ -10,6 +10,7 @@ const LEAST_RESIDUAL: f64 = 1e-9;
 
 /// A cut through a cluster: what is kept depends on the basis of an eigenspace, which is arbitrary.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Split {
     /// The number of modes below the cluster: the largest smaller number that is no such cut.

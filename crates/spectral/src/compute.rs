@@ -12,6 +12,8 @@ use crate::spectrum::Spectrum;
 
 /// How to compute a spectrum.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct SpectrumOptions {
     /// The vertices where modes vanish, in any order; everywhere else the boundary is natural (zero flux).
     pub fixed: Vec<u32>,
@@ -30,6 +32,8 @@ impl SpectrumOptions {
 
 /// Which graph Laplacian: both ignore the shape of the faces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum GraphWeights {
     /// (D − A) φ = λ φ.

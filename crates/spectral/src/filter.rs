@@ -23,6 +23,8 @@ const ALIKE: f64 = 1e-3;
 
 /// What happens to the part of a field outside the computed modes.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Rest {
     /// It is left out: the filter is zero beyond the last λ.
     Dropped,

@@ -234,7 +234,7 @@ fn components(mesh: &TriMesh) -> (usize, Vec<u32>) {
     let components = mesh.topology().components();
     let mut count = components.count();
     let of_vertex = |v| {
-        components.of_vertex(v).unwrap_or_else(|| {
+        components.label(v).unwrap_or_else(|| {
             count += 1;
             count as u32 - 1
         })

@@ -423,7 +423,7 @@ fn commands_of_the_report_run() {
     let noisy = truth.with_positions(noisy).unwrap();
     for section in fairing_report::commands::sections() {
         let folder = tempfile::tempdir().unwrap();
-        let commands = fairing_report::commands::of(section).unwrap();
+        let commands = fairing_report::commands::for_section(section).unwrap();
         assert!(!commands.is_empty(), "{section}");
         let mut made: Vec<&str> = vec![];
         for command in commands {

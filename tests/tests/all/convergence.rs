@@ -251,7 +251,7 @@ fn corrected_measures_agree_with_dgtal() {
     for f in 0..mesh.face_count() {
         let x = mesh.triangle(f);
         let measures =
-            CorrectedMeasures::of_triangle(x, x.map(|p| TORUS.curvature(p).unwrap().normal));
+            CorrectedMeasures::from_triangle(x, x.map(|p| TORUS.curvature(p).unwrap().normal));
         let (values, _) = measures.principal(normalize(mesh.area_vector(f)).unwrap()).unwrap();
         for k in 0..2 {
             low[k] = low[k].min(values[k]);
@@ -272,7 +272,7 @@ fn corrected_measures_are_exact_on_a_sphere() {
     let mesh = shapes::jittered(&shapes::icosphere(1), 0.4, 5, shapes::onto_sphere);
     for f in 0..mesh.face_count() {
         let u = mesh.triangle(f);
-        let measures = CorrectedMeasures::of_triangle(u.map(|p| scale(p, 2.5)), u);
+        let measures = CorrectedMeasures::from_triangle(u.map(|p| scale(p, 2.5)), u);
         assert!((measures.mean_curvature().unwrap() - 0.4).abs() < 1e-14);
         assert!((measures.gaussian_curvature().unwrap() - 0.16).abs() < 1e-14);
         let (values, _) =

@@ -176,7 +176,7 @@ fn curvature_of_a_blown_up_sphere() {
 #[test]
 fn scores_of_the_same_mesh() {
     let block = shapes::cad_block(0.2);
-    let scores = Scores::of(&block, &block, &ScoreOptions::default()).unwrap();
+    let scores = Scores::new(&block, &block, &ScoreOptions::default()).unwrap();
     for score in scores.entries() {
         match (score.name, score.value) {
             ("psnr", Err(reason)) => assert_eq!(reason, "no vertex moved"),
@@ -194,7 +194,7 @@ fn scores_of_the_same_mesh() {
 #[test]
 fn scores_of_different_faces() {
     let (coarse, fine) = (shapes::icosphere(2), shapes::icosphere(3));
-    let scores = Scores::of(&coarse, &fine, &ScoreOptions::default()).unwrap();
+    let scores = Scores::new(&coarse, &fine, &ScoreOptions::default()).unwrap();
     let absent: Vec<&str> = scores
         .entries()
         .into_iter()
@@ -229,7 +229,7 @@ fn nothing_to_compare() {
     let none = |which| Err(EvaluationError::NoFaces { which });
     assert_eq!(surface_distance(&points, &sphere), none("mesh"));
     assert_eq!(surface_distance(&sphere, &points), none("reference"));
-    assert!(Scores::of(&sphere, &points, &ScoreOptions::default()).is_err());
+    assert!(Scores::new(&sphere, &points, &ScoreOptions::default()).is_err());
     for tolerance in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         assert!(hausdorff(&sphere, &sphere, tolerance).is_err(), "{tolerance}");
     }
@@ -264,8 +264,8 @@ proptest! {
         let size = 2f64.powi(size);
         let moved = |m: &TriMesh| mapped(m, |[x, y, z]| [size * z + shift, size * x, size * y]);
         let options = ScoreOptions::default();
-        let here = Scores::of(&noisy, &clean, &options).unwrap().entries();
-        let there = Scores::of(&moved(&noisy), &moved(&clean), &options).unwrap().entries();
+        let here = Scores::new(&noisy, &clean, &options).unwrap().entries();
+        let there = Scores::new(&moved(&noisy), &moved(&clean), &options).unwrap().entries();
         for (a, b) in here.iter().zip(&there) {
             let (x, y) = (a.value.clone().unwrap(), b.value.clone().unwrap());
             let slack = if a.name.starts_with("hausdorff") { 1e-4 } else { 1e-9 };

@@ -75,14 +75,14 @@ fn scores_do_not_depend_on_the_size() {
     let reference = shapes::cad_block(0.3);
     let mesh = noisy(&reference, 0.3, 4);
     let options = ScoreOptions::default();
-    let expected = Scores::of(&mesh, &reference, &options).unwrap();
+    let expected = Scores::new(&mesh, &reference, &options).unwrap();
     let distances = surface_distance(&mesh, &reference).unwrap();
     let bounds = hausdorff(&mesh, &reference, 1e-3).unwrap();
     let normals = normal_error(&mesh, &reference).unwrap();
     for exponent in EXPONENTS {
         let unit = power(exponent);
         let (m, r) = (scaled(&mesh, unit), scaled(&reference, unit));
-        let found = Scores::of(&m, &r, &options).unwrap();
+        let found = Scores::new(&m, &r, &options).unwrap();
         assert_eq!(found.entries(), expected.entries(), "2^{exponent}");
         assert_eq!(found.diagonal, expected.diagonal * unit);
         let d = surface_distance(&m, &r).unwrap();
@@ -460,7 +460,7 @@ fn operators_on_soups_are_sound_at_any_size() {
             if let Some(level) = noise_level(mesh) {
                 assert!(level.sigma.is_finite() && level.sigma >= 0.0, "{seed} {i}");
             }
-            let scores = Scores::of(mesh, &placed[0], &ScoreOptions::default()).unwrap();
+            let scores = Scores::new(mesh, &placed[0], &ScoreOptions::default()).unwrap();
             let values = scores.entries().into_iter().filter_map(|score| score.value.ok());
             assert!(values.into_iter().all(f64::is_finite), "{seed} {i}");
         }

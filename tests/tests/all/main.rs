@@ -14,6 +14,7 @@ mod public_types;
 mod rendering;
 mod report;
 mod robustness;
+mod serialized;
 mod shapes;
 mod sizes;
 mod smoothing;

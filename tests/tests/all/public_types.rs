@@ -53,7 +53,7 @@ all_shared!(
     fairing::mesh::io::ReadProblem,
     fairing::mesh::io::ReadReport,
     fairing::mesh::io::Strictness,
-    fairing::mesh::io::UnheldFields,
+    fairing::mesh::io::UnsupportedFields,
     fairing::mesh::io::VertexFields,
     fairing::mesh::io::WriteError,
     fairing::mesh::io::WriteOptions,
@@ -235,6 +235,7 @@ all_shared!(
     fairing::figure::Center,
     fairing::figure::ColorBar,
     fairing::figure::ColorMap,
+    fairing::figure::ColoringOptions,
     fairing::figure::Colors<'static>,
     fairing::figure::Drawing,
     fairing::figure::EncodeError,
@@ -259,6 +260,9 @@ all_shared!(
     fairing::figure::Up,
     fairing::figure::Viewpoint,
     fairing::figure::Wireframe,
+    // the façade
+    fairing::Error,
+    fairing::ErrorKind,
 );
 
 /// The names of the structs and enums that begin a line of a file.

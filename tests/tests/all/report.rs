@@ -250,7 +250,7 @@ fn finished_experiments_are_reused_until_asked_for_afresh() {
     assert_eq!(run(false, false), 1.0, "quick results are no full ones");
     assert_eq!(run(false, true), 0.0, "both are kept");
     assert_eq!(run(true, true), 2.0, "forgotten");
-    assert_eq!(run(false, true), 2.0, "and kept anew");
+    assert_eq!(run(false, true), 2.0, "and kept again");
 }
 
 /// The earlier report gives way as a whole, and nothing else is left beside it.

@@ -136,7 +136,7 @@ fn topology_and_defects(folder: &Path) -> Result<(), Failed> {
     let mut wrong = String::new();
     for row in &ROWS {
         let mesh = io::read(folder.join(row.file))?.mesh;
-        let d = Diagnosis::of(&mesh);
+        let d = Diagnosis::new(&mesh);
         let mut check = |what: &str, found: String, expected: String| {
             if found != expected {
                 wrong += &format!("{}: {what} {found}, not {expected}\n", row.file);
@@ -173,7 +173,7 @@ fn topology_and_defects(folder: &Path) -> Result<(), Failed> {
 }
 
 fn points_without_faces(folder: &Path) -> Result<(), Failed> {
-    let d = Diagnosis::of(&io::read(folder.join("broken/points_only.ply"))?.mesh);
+    let d = Diagnosis::new(&io::read(folder.join("broken/points_only.ply"))?.mesh);
     assert_eq!((d.vertices, d.faces, d.components), (1024, 0, 0));
     assert_eq!((d.closed, d.genus, d.isolated_vertices.count), (false, None, 1024));
     Ok(())

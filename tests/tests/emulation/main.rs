@@ -18,7 +18,7 @@ use fairing_mesh::io;
 use fairing_shapes as shapes;
 use libtest_mimic::{Arguments, Failed, Trial};
 
-use cases::{CASES, Case, Promise};
+use cases::{Case, Promise, cases};
 
 const EMULATOR: &str = "qemu-x86_64";
 
@@ -32,7 +32,7 @@ fn main() {
     let session: Arc<OnceLock<std::result::Result<Session, String>>> = Arc::default();
     let trials = PROCESSORS.into_iter().flat_map(|processor| {
         let (emulator, session) = (emulator.clone(), Arc::clone(&session));
-        CASES.iter().map(move |case| {
+        cases().into_iter().map(move |case| {
             let (emulator, session) = (emulator.clone(), Arc::clone(&session));
             let absent = emulator.is_none();
             Trial::test(format!("{}::{}", processor, case.name), move || {
@@ -40,7 +40,7 @@ fn main() {
                 let session = session.get_or_init(|| Session::new().map_err(|e| format!("{e:#}")));
                 let session = session.as_ref().map_err(Failed::from)?;
                 session
-                    .check(&emulator, processor, case)
+                    .check(&emulator, processor, &case)
                     .map_err(|e| Failed::from(format!("{e:#}")))
             })
             .with_kind("qemu-user")

@@ -43,7 +43,7 @@ impl Work for Loading {
     }
 
     fn fingerprint(&mut self) -> Result<Fingerprint> {
-        Ok(of_mesh(self.mesh.as_ref().context("nothing was read")?))
+        Ok(mesh_fingerprint(self.mesh.as_ref().context("nothing was read")?))
     }
 }
 
@@ -78,14 +78,14 @@ impl Work for Saving {
     }
 
     fn fingerprint(&mut self) -> Result<Fingerprint> {
-        let mut found = of_mesh(&io::read(&self.path)?.mesh);
+        let mut found = mesh_fingerprint(&io::read(&self.path)?.mesh);
         found.insert("bytes".into(), fs::metadata(&self.path)?.len().into());
         Ok(found)
     }
 }
 
 /// Counts and the sum of absolute coordinates.
-fn of_mesh(mesh: &TriMesh) -> Fingerprint {
+fn mesh_fingerprint(mesh: &TriMesh) -> Fingerprint {
     let sum: f64 = mesh.positions().as_flattened().iter().map(|x| x.abs()).sum();
     fingerprint! { vertices: mesh.vertex_count(), faces: mesh.face_count(), sum_abs: sum }
 }

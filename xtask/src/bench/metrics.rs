@@ -4,11 +4,11 @@ use anyhow::{Context as _, Result};
 use fairing_evaluation::{NormalAngles, SurfaceDistance, normal_error, surface_distance};
 use fairing_mesh::{TriMesh, io};
 
-use super::{Fingerprint, Job, Stopwatch, Task, Work, anew};
+use super::{Fingerprint, Job, Stopwatch, Task, Work, forgetful};
 use crate::fingerprint;
 
 /// Distances between vertices and surfaces both ways, and the angles between
-/// matching faces; the trees are built anew each time.
+/// matching faces; the trees are built again each time.
 pub(super) struct Metrics;
 
 impl Task for Metrics {
@@ -35,7 +35,7 @@ struct Comparing {
 
 impl Work for Comparing {
     fn run(&mut self, watch: &mut Stopwatch) -> Result<()> {
-        let (mesh, reference) = (anew(&self.mesh, watch)?, anew(&self.reference, watch)?);
+        let (mesh, reference) = (forgetful(&self.mesh, watch)?, forgetful(&self.reference, watch)?);
         let distance = watch.phase("distance", || surface_distance(&mesh, &reference))?;
         let normals = watch.phase("normals", || normal_error(&mesh, &reference))?;
         self.found = Some((distance, normals));

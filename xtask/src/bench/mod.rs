@@ -49,8 +49,8 @@ pub trait Work {
     fn fingerprint(&mut self) -> Result<Fingerprint>;
 }
 
-/// A mesh that remembers nothing: what follows from its faces must be found anew.
-fn anew(mesh: &TriMesh, watch: &mut Stopwatch) -> Result<TriMesh> {
+/// A mesh that remembers nothing: what follows from its faces must be found again.
+fn forgetful(mesh: &TriMesh, watch: &mut Stopwatch) -> Result<TriMesh> {
     let copy = || TriMesh::new(mesh.positions().to_vec(), mesh.faces().to_vec());
     Ok(watch.phase("prepare", copy)?)
 }

@@ -1,7 +1,7 @@
 //! Assembling operators and estimating curvature.
 //!
 //! Each repetition starts from a mesh of its own, made under the phase
-//! `prepare`: what a mesh remembers about its faces must be found anew.
+//! `prepare`: what a mesh remembers about its faces must be found again.
 
 use anyhow::{Context as _, Result};
 use fairing_mesh::{TriMesh, io};
@@ -10,7 +10,7 @@ use fairing_operators::curvature::{
 };
 use fairing_operators::{LumpedArea, SparseMatrix, cotan_stiffness, lumped_mass};
 
-use super::{Fingerprint, Job, Stopwatch, Task, Work, anew};
+use super::{Fingerprint, Job, Stopwatch, Task, Work, forgetful};
 use crate::fingerprint;
 
 /// The cotangent stiffness and the lumped barycentric mass.
@@ -38,7 +38,7 @@ struct Assembling {
 impl Work for Assembling {
     fn run(&mut self, watch: &mut Stopwatch) -> Result<()> {
         self.result = None;
-        let mesh = anew(&self.mesh, watch)?;
+        let mesh = forgetful(&self.mesh, watch)?;
         let assemble =
             || anyhow::Ok((cotan_stiffness(&mesh)?, lumped_mass(&mesh, LumpedArea::Barycentric)?));
         self.result = Some(watch.phase("assemble", assemble)?);
@@ -135,7 +135,7 @@ struct Bending {
 impl Work for Bending {
     fn run(&mut self, watch: &mut Stopwatch) -> Result<()> {
         self.result = None;
-        let mesh = anew(&self.mesh, watch)?;
+        let mesh = forgetful(&self.mesh, watch)?;
         let both = || mean_and_gaussian_curvature(&mesh, LumpedArea::Barycentric);
         self.result = Some(watch.phase("mean and gauss", both)?);
         Ok(())
@@ -181,7 +181,7 @@ struct Fitting {
 impl Work for Fitting {
     fn run(&mut self, watch: &mut Stopwatch) -> Result<()> {
         self.field = None;
-        let mesh = anew(&self.mesh, watch)?;
+        let mesh = forgetful(&self.mesh, watch)?;
         self.field = Some(watch.phase("principal", || self.estimator.estimate(&mesh))?);
         Ok(())
     }

@@ -7,7 +7,7 @@ use fairing_mesh::vec3::{dot, sub};
 use fairing_mesh::{TriMesh, io};
 use fairing_smoothing::{Diffusion, Explicit, Implicit, Method, Stability, Taubin};
 
-use super::{Fingerprint, Job, Stopwatch, Task, Work, anew};
+use super::{Fingerprint, Job, Stopwatch, Task, Work, forgetful};
 use crate::fingerprint;
 
 /// A flow over the mesh of the job.
@@ -75,7 +75,7 @@ struct Flowing {
 impl Work for Flowing {
     fn run(&mut self, watch: &mut Stopwatch) -> Result<()> {
         self.result = None;
-        let mesh = anew(&self.mesh, watch)?;
+        let mesh = forgetful(&self.mesh, watch)?;
         self.result = Some(watch.phase("solve", || self.method.run(&mesh, None))?.mesh);
         Ok(())
     }
@@ -85,7 +85,7 @@ impl Work for Flowing {
         if let Some(out) = &self.out {
             io::write(out, result)?;
         }
-        Ok(of_displacement(&self.mesh, result))
+        Ok(displacement_fingerprint(&self.mesh, result))
     }
 }
 
@@ -123,12 +123,12 @@ impl Work for Travelling {
 
     fn fingerprint(&mut self) -> Result<Fingerprint> {
         let (before, after) = (io::read(&self.input)?.mesh, io::read(&self.out)?.mesh);
-        Ok(of_displacement(&before, &after))
+        Ok(displacement_fingerprint(&before, &after))
     }
 }
 
 /// Root mean square and largest displacement, and the sum of squared coordinates.
-fn of_displacement(before: &TriMesh, after: &TriMesh) -> Fingerprint {
+fn displacement_fingerprint(before: &TriMesh, after: &TriMesh) -> Fingerprint {
     let squares: Vec<f64> = before
         .positions()
         .iter()

@@ -8,7 +8,7 @@ use fairing_sparse::{
     smallest_eigenpairs,
 };
 
-use super::{Fingerprint, Job, Stopwatch, Task, Work, anew};
+use super::{Fingerprint, Job, Stopwatch, Task, Work, forgetful};
 use crate::fingerprint;
 
 /// The tolerance of the comparison.
@@ -41,7 +41,7 @@ struct Solving {
 impl Work for Solving {
     fn run(&mut self, watch: &mut Stopwatch) -> Result<()> {
         self.result = None;
-        let mesh = anew(&self.mesh, watch)?;
+        let mesh = forgetful(&self.mesh, watch)?;
         let assemble =
             || anyhow::Ok((cotan_stiffness(&mesh)?, lumped_mass(&mesh, LumpedArea::Barycentric)?));
         let (s, m) = watch.phase("assemble", assemble)?;
@@ -99,7 +99,7 @@ struct Factored {
 impl Work for Factoring {
     fn run(&mut self, watch: &mut Stopwatch) -> Result<()> {
         self.result = None;
-        let mesh = anew(&self.mesh, watch)?;
+        let mesh = forgetful(&self.mesh, watch)?;
         let h = mesh.mean_edge_length();
         let matrix = watch.phase("assemble", || {
             let m = lumped_mass(&mesh, LumpedArea::Barycentric)?;

@@ -59,7 +59,7 @@ fn processor_seconds() -> Option<f64> {
     Some(nanoseconds as f64 * 1e-9)
 }
 
-/// The most memory this process has held, in megabytes, where Linux tells it.
+/// The most memory this process has used, in megabytes, where Linux tells it.
 pub(super) fn peak_megabytes() -> Option<f64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|l| l.starts_with("VmHWM:"))?;

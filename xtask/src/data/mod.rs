@@ -50,7 +50,7 @@ pub fn generate(folder: &Path) -> Result<()> {
     fs::create_dir_all(folder)?;
     let mut entries = vec![];
     for input in Input::WITH_STAND_IN {
-        let (Some(name), Some(stand_in)) = (input.stand_in(), stand_ins::of(input)) else {
+        let (Some(name), Some(stand_in)) = (input.stand_in(), stand_ins::for_input(input)) else {
             continue;
         };
         let path = folder.join(name);
@@ -86,7 +86,7 @@ pub fn check(folder: &Path) -> Result<Vec<String>> {
     let manifest: Manifest = toml::from_str(&text).context("reading the manifest")?;
     let mut wrong = vec![];
     for input in Input::WITH_STAND_IN {
-        let (Some(file), Some(stand_in)) = (input.stand_in(), stand_ins::of(input)) else {
+        let (Some(file), Some(stand_in)) = (input.stand_in(), stand_ins::for_input(input)) else {
             continue;
         };
         let Some(entry) = manifest.mesh.iter().find(|e| e.file == file) else {

@@ -29,7 +29,7 @@ const BLOCK_NOISE: f64 = 0.389;
 const PATCH_NOISE: f64 = 0.17;
 
 /// Makes the stand-in of an input, if it has one.
-pub(super) fn of(input: Input) -> Option<StandIn> {
+pub(super) fn for_input(input: Input) -> Option<StandIn> {
     let (mesh, about, made_by) = match input {
         Input::Flower => (
             shapes::flower(0.0714, SEED),

@@ -36,7 +36,7 @@ const HOSTILE: [&str; 9] = [
 ];
 
 /// `cargo NAME` of the library crates without their default features.
-fn of_libraries(root: &Path, name: &str) -> Command {
+fn on_libraries(root: &Path, name: &str) -> Command {
     let mut command = cargo(root);
     command.args([name, "--workspace", "--no-default-features", "--locked", "--target", TARGET]);
     for package in EXCLUDED {
@@ -49,7 +49,7 @@ fn of_libraries(root: &Path, name: &str) -> Command {
 /// no target that is installed.
 pub(super) fn is_free_of_hostile(root: &Path) -> Result<bool> {
     println!("== dependencies for WebAssembly");
-    let mut tree = of_libraries(root, "tree");
+    let mut tree = on_libraries(root, "tree");
     let output = tree.args(["--edges=normal,build", "--prefix=none", "--format={p}"]).output();
     let output = output.context("running cargo tree")?;
     if !output.status.success() {
@@ -72,7 +72,7 @@ fn hostile(packages: &str) -> Vec<&'static str> {
 /// Whether the library crates compile.
 pub(super) fn compiles(root: &Path) -> Result<bool> {
     println!("== libraries for WebAssembly: cargo check --target {TARGET}");
-    let status = of_libraries(root, "check").arg("--lib").status();
+    let status = on_libraries(root, "check").arg("--lib").status();
     Ok(status.context("running cargo")?.success())
 }
 

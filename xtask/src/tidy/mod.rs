@@ -6,6 +6,7 @@ mod features;
 mod map;
 mod packages;
 mod readme;
+mod repeated;
 mod report;
 mod sources;
 mod unused;
@@ -27,7 +28,7 @@ pub struct Finding {
 type Check = fn(&Path) -> Result<Vec<String>>;
 
 /// The rules.
-const RULES: [(&str, Check); 12] = [
+const RULES: [(&str, Check); 13] = [
     ("dependencies follow the arrows of docs/architecture.md", arrows::check),
     ("no modules of a crate use each other in a circle", circles::check),
     ("what docs/architecture.md names exists", map::places),
@@ -37,6 +38,7 @@ const RULES: [(&str, Check); 12] = [
     ("no file of code is longer than 600 lines", sources::lengths),
     ("no file names a path of somebody's machine", sources::machine_paths),
     ("no module is named utils, common or helpers", sources::names),
+    ("no ten lines of code stand twice", repeated::check),
     ("one crate names the solver backend", sources::backend),
     ("the committed report is smaller than 9 MB", report::check),
     ("the README's commands and example exist", readme::check),

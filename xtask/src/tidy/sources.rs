@@ -85,7 +85,7 @@ pub(super) fn backend(root: &Path) -> Result<Vec<String>> {
 }
 
 /// The committed report is generated; rules on code do not apply.
-fn in_report(path: &Path) -> bool {
+pub(super) fn in_report(path: &Path) -> bool {
     path.starts_with("docs/report")
 }
 
@@ -101,7 +101,7 @@ fn files(root: &Path) -> Result<Vec<PathBuf>> {
 }
 
 /// The files that hold text, and their text.
-fn texts(root: &Path) -> Result<Vec<(PathBuf, String)>> {
+pub(super) fn texts(root: &Path) -> Result<Vec<(PathBuf, String)>> {
     let mut texts = vec![];
     for path in files(root)? {
         let bytes =

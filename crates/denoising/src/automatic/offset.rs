@@ -39,7 +39,7 @@ pub(super) fn in_the_middle(
         let mut sums = vec![[0.0; 2]; components.count()];
         let areas = vertex_areas(&mesh, normals);
         for (v, (&x, &p)) in mesh.positions().iter().zip(noisy.positions()).enumerate() {
-            let Some(part) = components.of_vertex(v as u32) else { continue };
+            let Some(part) = components.label(v as u32) else { continue };
             let sum = &mut sums[part as usize];
             sum[0] += dot(areas[v], sub(p, x));
             sum[1] += dot(areas[v], directions[v]);
@@ -48,7 +48,7 @@ pub(super) fn in_the_middle(
             sums.iter().map(|[out, area]| if *area > 0.0 { out / area } else { 0.0 }).collect();
         let positions = (mesh.positions().iter().enumerate())
             .map(|(v, &x)| {
-                let part = components.of_vertex(v as u32);
+                let part = components.label(v as u32);
                 let offset = part.map_or(0.0, |part| offsets[part as usize]);
                 let moved = add(x, scale(directions[v], offset));
                 if distance(moved, noisy.positions()[v]) > limit { x } else { moved }

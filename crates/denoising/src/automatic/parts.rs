@@ -18,7 +18,7 @@ impl Part {
         let mut number = vec![u32::MAX; whole.vertex_count()];
         let mut vertices = vec![];
         for v in 0..whole.vertex_count() as u32 {
-            if parts.of_vertex(v).is_some_and(|part| components.binary_search(&part).is_ok()) {
+            if parts.label(v).is_some_and(|part| components.binary_search(&part).is_ok()) {
                 number[v as usize] = vertices.len() as u32;
                 vertices.push(v);
             }

@@ -22,6 +22,8 @@ const ACCURACY: CgOptions = CgOptions { tolerance: 1e-4, max_iterations: 200, me
 
 /// Parameters of [`l0`].
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct L0Options {
     /// The weight λ of a bent edge, as a multiple of 0.02 γ h², where γ is the
     /// mean angle between neighbouring normals and h the mean edge length.

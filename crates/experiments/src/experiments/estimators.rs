@@ -53,7 +53,7 @@ impl Experiment for Estimators {
                 .map(|(l, i)| (l, i, context.seed(&format!("{} {i}", sample.name()))))
                 .collect();
             // The largest first: they take most of the time, each on one thread for the most part.
-            let of = |&(layout, level, seed)| Refinement::of(sample, layout, level, seed);
+            let of = |&(layout, level, seed)| Refinement::new(sample, layout, level, seed);
             let mut largest_first: Vec<usize> = (0..meshes.len()).collect();
             largest_first.sort_by_key(|&i| std::cmp::Reverse(meshes[i].1));
             let mut found: Vec<(usize, Refinement)> = largest_first
@@ -165,10 +165,10 @@ struct Refinement {
 }
 
 impl Refinement {
-    fn of(sample: Sample, layout: Layout, level: u32, seed: u64) -> Result<Self> {
+    fn new(sample: Sample, layout: Layout, level: u32, seed: u64) -> Result<Self> {
         let mesh = sample.mesh(level, layout, seed);
         let exact = exact_values(sample, &mesh)?;
-        let study = |e: &Estimator| anyhow::Ok(Study::of(&e.estimate(&mesh)?, &exact));
+        let study = |e: &Estimator| anyhow::Ok(Study::new(&e.estimate(&mesh)?, &exact));
         Ok(Self {
             vertices: mesh.vertex_count(),
             h: mesh.mean_edge_length(),
@@ -206,7 +206,7 @@ struct Study {
 }
 
 impl Study {
-    fn of(field: &CurvatureField, exact: &[Option<PointCurvature>]) -> Self {
+    fn new(field: &CurvatureField, exact: &[Option<PointCurvature>]) -> Self {
         let inner = || exact.iter().enumerate().filter_map(|(v, c)| Some((v, (*c)?)));
         let defined = || inner().filter(|(v, _)| field.status[*v].is_defined());
         let count = defined().count() as f64;

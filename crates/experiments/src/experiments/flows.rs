@@ -1,4 +1,4 @@
-//! Beyond the questions: flows held against theory, and all of them beside each other.
+//! Beyond the questions: flows compared with theory, and all of them beside each other.
 
 use anyhow::{Context as _, Result};
 use fairing_evaluation::{

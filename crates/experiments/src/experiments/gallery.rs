@@ -149,7 +149,7 @@ impl Coloring<'_> {
         if self.range == Range::Inside {
             field = field.range_without(&self.field.boundary)?;
         }
-        let scale = Scale::of(&[&field], &self.options)?;
+        let scale = Scale::new(&[&field], &self.options)?;
         let colors = scale.colors(&field);
         let bar = ColorBar { scale, quantity: self.quantity.into(), unit: self.unit.into() };
         Ok((colors, bar))
@@ -172,7 +172,7 @@ pub(super) fn errors(
     occlusion: bool,
 ) -> Result<Picture> {
     let fields: Vec<Field<'_>> = estimates.iter().map(|(_, e)| drawn(e)).collect::<Result<_>>()?;
-    let scale = Scale::of(&fields.iter().collect::<Vec<_>>(), &ScaleOptions::SIGNED)?;
+    let scale = Scale::new(&fields.iter().collect::<Vec<_>>(), &ScaleOptions::SIGNED)?;
     let limits = Limits::Fixed { low: scale.low(), high: scale.high() };
     let looks = estimates.iter().map(|(title, field)| {
         let options = ScaleOptions { limits, ..ScaleOptions::SIGNED };

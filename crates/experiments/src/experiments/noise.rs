@@ -59,7 +59,7 @@ impl Experiment for Noise {
                         .collect();
                     let runs: Vec<Run> = seeds
                         .into_par_iter()
-                        .map(|seed| Run::of(&mesh, &clean, surface, sigma, seed))
+                        .map(|seed| Run::new(&mesh, &clean, surface, sigma, seed))
                         .collect::<Result<_>>()?;
                     push(&mut changes, surface, mesh.vertex_count(), sigma, &runs);
                     let distance = runs.iter().map(|run| run.gap_of_the_total).fold(0.0, f64::max);
@@ -198,7 +198,7 @@ struct Run {
 }
 
 impl Run {
-    fn of(
+    fn new(
         mesh: &TriMesh,
         clean: &[CurvatureField],
         surface: TestSurface,

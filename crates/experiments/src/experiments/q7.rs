@@ -112,8 +112,8 @@ impl Experiment for GrowingNoise {
         let modes = modes([&part].into_iter().chain(&bodies))?;
         let limits = limits::table(&sweep)?;
         context.progress(0.85, "pictures");
-        let (levels, levels_view) = pictures::of_levels(context, &part)?;
-        let (scan, scan_view) = pictures::of_scan(context, &bodies[2])?;
+        let (levels, levels_view) = pictures::levels(context, &part)?;
+        let (scan, scan_view) = pictures::scan(context, &bodies[2])?;
         let mut figures = vec![levels];
         figures.extend(pictures::curves(&sweep)?);
         figures.push(scan);

@@ -38,7 +38,7 @@ pub(super) struct Deviation {
 }
 
 impl Deviation {
-    pub(super) fn of(estimates: &[f64], exact: &[f64], mass: &[f64]) -> Self {
+    pub(super) fn new(estimates: &[f64], exact: &[f64], mass: &[f64]) -> Self {
         let total: f64 = mass.iter().sum();
         let size: f64 = exact.iter().zip(mass).map(|(x, m)| m * x * x).sum();
         let gaps = || estimates.iter().zip(exact).map(|(x, y)| x - y);
@@ -111,7 +111,7 @@ pub(super) fn study(context: &Context<'_>, estimators: &[Estimator]) -> Result<[
                             Quantity::Gaussian => c.gaussian(),
                         })
                         .collect();
-                    let deviation = Deviation::of(&(e.estimate)(&mesh)?, &truth, &mass);
+                    let deviation = Deviation::new(&(e.estimate)(&mesh)?, &truth, &mass);
                     errors.push(row![
                         surface.name(),
                         sampling.name(),

@@ -248,7 +248,7 @@ pub(super) struct Trials {
 
 impl Trials {
     fn new(method: Method, scores: &[Score]) -> Self {
-        let of = |f: fn(&Score) -> f64| Spread::of(scores.iter().map(f));
+        let of = |f: fn(&Score) -> f64| Spread::new(scores.iter().map(f));
         let volumes: Option<Vec<f64>> = scores.iter().map(|s| s.volume).collect();
         Self {
             method,
@@ -256,7 +256,7 @@ impl Trials {
             angle: of(|s| s.angle),
             distance: of(|s| s.distance),
             flipped: of(|s| s.flipped),
-            volume: volumes.map(|v| Spread::of(v.into_iter())),
+            volume: volumes.map(|v| Spread::new(v.into_iter())),
         }
     }
 }
@@ -275,7 +275,7 @@ impl Spread {
         Some(self.deviation? / (seeds as f64).sqrt())
     }
 
-    fn of(values: impl Iterator<Item = f64> + Clone) -> Self {
+    fn new(values: impl Iterator<Item = f64> + Clone) -> Self {
         let count = values.clone().count() as f64;
         let mean = values.clone().sum::<f64>() / count;
         let squares: f64 = values.map(|x| (x - mean) * (x - mean)).sum();
@@ -302,9 +302,9 @@ mod tests {
 
     #[test]
     fn spread_of_three_numbers() {
-        let spread = Spread::of([1.0, 2.0, 6.0].into_iter());
+        let spread = Spread::new([1.0, 2.0, 6.0].into_iter());
         assert_eq!(spread, Spread { mean: 3.0, deviation: Some(7f64.sqrt()) });
-        assert_eq!(Spread::of([4.0].into_iter()).deviation, None);
+        assert_eq!(Spread::new([4.0].into_iter()).deviation, None);
     }
 
     /// The eigenvalues of a symmetric mesh come in clusters; none is cut.

@@ -51,7 +51,7 @@ impl Compare {
             hausdorff_tolerance: self.hausdorff_tolerance,
             feature_angle: self.feature_angle,
         };
-        let scores = Scores::of(&mesh.mesh, &reference.mesh, &options)?;
+        let scores = Scores::new(&mesh.mesh, &reference.mesh, &options)?;
         match self.json {
             true => print(format_args!("{:#}\n", as_json(&scores))),
             false => print(scores),

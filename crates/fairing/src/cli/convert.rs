@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use fairing::mesh::io::{
-    self, Encoding, FloatWidth, Format, PolygonFile, ReadOptions, UnheldFields, WriteOptions,
+    self, Encoding, FloatWidth, Format, PolygonFile, ReadOptions, UnsupportedFields, WriteOptions,
 };
 
 use super::Context;
@@ -59,7 +59,7 @@ impl Convert {
             options.float_width = FloatWidth::Single;
         }
         if !self.strict {
-            options.unheld_fields = UnheldFields::Drop;
+            options.unsupported_fields = UnsupportedFields::Drop;
         }
         if self.triangulate || format == Some(Format::Stl) {
             return files::write(context, &self.output, &mesh.triangulate(), &fields, &options);

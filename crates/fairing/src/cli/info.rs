@@ -29,7 +29,7 @@ impl Info {
     pub(crate) fn run(&self, _: &Context) -> Result<(), Failure> {
         let PolygonFile { mesh, fields, report, .. } =
             io::read_polygons(&self.file).map_err(Failure::input)?;
-        let diagnosis = Diagnosis::of(&mesh.triangulate());
+        let diagnosis = Diagnosis::new(&mesh.triangulate());
         let mut names: Vec<&str> = fields.scalars.iter().map(|(name, _)| &name[..]).collect();
         names.extend(fields.vectors.iter().map(|(name, _)| &name[..]));
         names.extend(fields.colors.is_some().then_some("colors"));

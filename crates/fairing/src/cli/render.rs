@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use anyhow::anyhow;
 use clap::{Args, ValueEnum};
 use fairing::figure::{
-    Background, Camera, Center, ColorMap, Colors, Field, Image, Limits, Occlusion, RenderOptions,
-    Scale, ScaleOptions, Shading, Spread, Up, Viewpoint, Wireframe, render,
+    Background, Camera, ColorMap, ColoringOptions, Colors, Image, Occlusion, RenderOptions,
+    Shading, Up, Viewpoint, Wireframe, render,
 };
 use fairing::mesh::TriMesh;
 use fairing::mesh::io::VertexFields;
@@ -131,46 +131,17 @@ impl Render {
             return Ok(fields.colors.clone());
         };
         let values = values_of(fields, name)?;
-        let boundary: Vec<bool> = (0..mesh.vertex_count() as u32)
-            .map(|v| mesh.topology().is_boundary_vertex(v))
-            .collect();
-        let mut field = Field::new(&values);
-        // A mesh that is all boundary has no other range than the boundary's.
-        if boundary.contains(&false) {
-            field = field.range_without(&boundary)?;
-        }
-        if let Some(defined) = fields.scalar("defined") {
-            let undefined: Vec<bool> = defined.iter().map(|&d| d == 0.0).collect();
-            field = field.undefined_where(&undefined)?;
-        }
-        let scale = Scale::of(&[&field], &self.scale(&values))?;
+        let undefined: Option<Vec<bool>> =
+            fields.scalar("defined").map(|defined| defined.iter().map(|&d| d == 0.0).collect());
+        let asked = ColoringOptions { map: self.map, range: self.range, equalize: self.equalize };
+        let (scale, colors) = asked.colors(mesh, &values, undefined.as_deref())?;
         print(format_args!(
             "{name}: {} from {} to {}\n",
             scale.map().name(),
             number(scale.low()),
             number(scale.high())
         ))?;
-        Ok(Some(scale.colors(&field)))
-    }
-
-    /// Signed fields get a diverging map about zero, the others a sequential
-    /// one, unless the arguments say otherwise.
-    fn scale(&self, values: &[f64]) -> ScaleOptions {
-        let signed = values.iter().any(|&x| x < 0.0) && values.iter().any(|&x| x > 0.0);
-        let mut options = if signed { ScaleOptions::SIGNED } else { ScaleOptions::MAGNITUDE };
-        if let Some(map) = self.map {
-            options.map = map;
-            options.center = if map == ColorMap::CoolWarm { Center::Zero } else { Center::Free };
-        }
-        if let Some((low, high)) = self.range {
-            options.limits = Limits::Fixed { low, high };
-            options.center = Center::Free;
-        }
-        if self.equalize {
-            options.spread = Spread::Equalized;
-            options.center = Center::Free;
-        }
-        options
+        Ok(Some(colors))
     }
 }
 

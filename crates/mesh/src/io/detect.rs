@@ -5,7 +5,7 @@ use crate::io::{Format, obj, off, stl};
 
 impl Format {
     /// What the content looks like, if it looks like one of the formats.
-    fn of_content(bytes: &[u8]) -> Option<Self> {
+    fn from_content(bytes: &[u8]) -> Option<Self> {
         if bytes.starts_with(b"ply") && bytes.get(3).is_some_and(u8::is_ascii_whitespace) {
             Some(Self::Ply)
         } else if stl::looks_like(bytes) {
@@ -23,7 +23,7 @@ impl Format {
     /// nothing; where the content is unclear (a damaged file, say) the name
     /// does, and its reader says what is wrong.
     pub(crate) fn decide(named: Option<Self>, bytes: &[u8]) -> Result<Self, Fault> {
-        match (named, Self::of_content(bytes)) {
+        match (named, Self::from_content(bytes)) {
             (Some(name), Some(content)) if name != content => {
                 Err(Fault::whole(ReadProblem::OtherKind {
                     extension: name.to_string(),

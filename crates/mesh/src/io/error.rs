@@ -185,7 +185,7 @@ pub enum WriteProblem {
     UnknownExtension,
     /// The format has no place for these fields.
     #[error("{format} cannot hold {}; write PLY, or ask for fields to be dropped", fields.join(", "))]
-    FieldsNotHeld {
+    UnsupportedFields {
         /// The format.
         format: Format,
         /// The fields it has no place for.
@@ -193,7 +193,7 @@ pub enum WriteProblem {
     },
     /// The format cannot hold the mesh itself.
     #[error("{format} cannot hold {what}")]
-    MeshNotHeld {
+    UnsupportedMesh {
         /// The format.
         format: Format,
         /// What it has no place for.

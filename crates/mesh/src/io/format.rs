@@ -27,6 +27,8 @@ pub struct NamedFormat {
 }
 
 crate::named!(Format, "format");
+#[cfg(feature = "serde")]
+crate::serde_by_name!(Format);
 
 impl Format {
     /// All formats.

@@ -64,7 +64,7 @@ mod write;
 pub use error::{Place, ReadError, ReadProblem, WriteError, WriteProblem};
 pub use fields::VertexFields;
 pub use format::{Format, NamedFormat};
-pub use options::{Encoding, FloatWidth, ReadOptions, Strictness, UnheldFields, WriteOptions};
+pub use options::{Encoding, FloatWidth, ReadOptions, Strictness, UnsupportedFields, WriteOptions};
 pub use report::ReadReport;
 #[cfg(feature = "files")]
 #[doc(hidden)]

@@ -20,7 +20,7 @@ struct Prefixes {
 
 impl Prefixes {
     /// `None` if the token is not the keyword of a three-dimensional OFF file.
-    fn of(keyword: &[u8]) -> Option<Self> {
+    fn from_keyword(keyword: &[u8]) -> Option<Self> {
         let rest = keyword.strip_suffix(b"OFF")?;
         let (texture, rest) = strip(rest, b"ST");
         let (color, rest) = strip(rest, b"C");
@@ -49,7 +49,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {
     {
         Prefixes::default()
     } else {
-        let Some(prefixes) = Prefixes::of(keyword) else {
+        let Some(prefixes) = Prefixes::from_keyword(keyword) else {
             let expected = "OFF, perhaps with the prefixes ST, C, N";
             return Err(cursor.fault(unexpected(expected, shown(keyword))));
         };

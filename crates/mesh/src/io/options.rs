@@ -2,6 +2,8 @@
 
 /// What to do with content that is sound but cannot be kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Strictness {
     /// Leave it out and report it.
     #[default]
@@ -13,6 +15,8 @@ pub enum Strictness {
 
 /// How to read.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct ReadOptions {
     /// What to do with content that cannot be kept.
     pub strictness: Strictness,
@@ -46,6 +50,8 @@ impl Default for ReadOptions {
 
 /// How numbers and records are laid out in a PLY or STL file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Encoding {
     /// Binary, little endian.
     #[default]
@@ -56,6 +62,8 @@ pub enum Encoding {
 
 /// How wide the floating-point properties of a PLY file are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum FloatWidth {
     /// `float` where every value of the property group (positions, or one
     /// field) is exactly a 32-bit number, `double` elsewhere: nothing is lost,
@@ -70,7 +78,9 @@ pub enum FloatWidth {
 
 /// What to do with fields that a format cannot hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum UnheldFields {
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+pub enum UnsupportedFields {
     /// Write nothing and say so.
     #[default]
     Refuse,
@@ -80,6 +90,8 @@ pub enum UnheldFields {
 
 /// How to write.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct WriteOptions {
     /// For PLY and STL; the other formats are text.
     pub encoding: Encoding,
@@ -87,7 +99,7 @@ pub struct WriteOptions {
     /// and binary STL has 32 bits.
     pub float_width: FloatWidth,
     /// For fields that the format cannot hold.
-    pub unheld_fields: UnheldFields,
+    pub unsupported_fields: UnsupportedFields,
 }
 
 impl WriteOptions {
@@ -99,7 +111,7 @@ impl WriteOptions {
     /// These options with fields dropped where the format cannot hold them.
     #[must_use]
     pub fn dropping_fields(mut self) -> Self {
-        self.unheld_fields = UnheldFields::Drop;
+        self.unsupported_fields = UnsupportedFields::Drop;
         self
     }
 

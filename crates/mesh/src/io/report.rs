@@ -8,6 +8,7 @@ use crate::io::Format;
 /// the way.
 /// Its `Display` says it in a few lines.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct ReadReport {
     /// The format of the content.

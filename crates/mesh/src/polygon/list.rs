@@ -173,7 +173,7 @@ pub(crate) struct Distinct {
     pub(crate) polygons: Polygons,
     /// Repeated a corner, and have three distinct ones or more.
     pub(crate) reduced: Vec<usize>,
-    /// Had fewer than three distinct corners.
+    /// Has fewer than three distinct corners.
     pub(crate) left_out: Vec<usize>,
 }
 

@@ -52,7 +52,7 @@ impl Components {
     /// # Panics
     ///
     /// If there is no vertex `v`.
-    pub fn of_vertex(&self, v: u32) -> Option<u32> {
+    pub fn label(&self, v: u32) -> Option<u32> {
         let label = self.labels[v as usize];
         (label != NONE).then_some(label)
     }

@@ -64,7 +64,7 @@ fn three_faces_on_an_edge() {
     vertices.sort_unstable();
     assert_eq!(vertices, [0, 1, 2, 3, 4]);
     assert_eq!(t.isolated_vertices().collect::<Vec<_>>(), [5]);
-    assert_eq!(t.components().of_vertex(5), None);
+    assert_eq!(t.components().label(5), None);
 }
 
 #[test]
@@ -199,8 +199,8 @@ proptest! {
         let isolated = t.isolated_vertices().count();
         prop_assert_eq!(t.components().count(), classes(12, &corners) - isolated);
         for &[a, b, c] in &faces {
-            prop_assert_eq!(t.components().of_vertex(a), t.components().of_vertex(b));
-            prop_assert_eq!(t.components().of_vertex(a), t.components().of_vertex(c));
+            prop_assert_eq!(t.components().label(a), t.components().label(b));
+            prop_assert_eq!(t.components().label(a), t.components().label(c));
         }
         let on_loops: BTreeSet<u32> = t.boundary_loops().iter().flatten().copied().collect();
         prop_assert!(on_loops.iter().all(|&v| t.is_boundary_vertex(v)));

@@ -64,7 +64,7 @@ impl BendSum {
         }
         let Symmetric2 { a, b, c } = self.form;
         let form = Symmetric2 { a: a / area, b: b / area, c: c / area };
-        Ok(AtVertex::of_form(form, self.frame, self.normal))
+        Ok(AtVertex::from_form(form, self.frame, self.normal))
     }
 
     /// Adds a bend across an edge: in the tangent plane, along the quarter turn

@@ -50,7 +50,7 @@ impl Cell {
 
 impl Links {
     #[inline]
-    pub(crate) fn of(fan: &Fan, faces: usize) -> Self {
+    pub(crate) fn new(fan: &Fan, faces: usize) -> Self {
         Self {
             faces: faces as u32,
             edges: fan.neighbors.len() as u32,
@@ -87,12 +87,12 @@ pub(crate) fn map_cells<T: Send>(
             area: 0.0,
             normal: [0.0; 3],
             angles: 0.0,
-            links: Links::of(fan, sides.len()),
+            links: Links::new(fan, sides.len()),
         };
         let mut turns = Turns::default();
         for (i, side) in sides.iter().enumerate() {
             let [to_next, to_previous] = side.map(|w| sub(positions[w as usize], at));
-            let (face, normal) = FaceCorners::of_sides(to_next, to_previous);
+            let (face, normal) = FaceCorners::from_sides(to_next, to_previous);
             let shares = area.shares(&face);
             if shares.is_none() || face.is_degenerate() {
                 first.fetch_min(incidence.corners(v)[i] as usize / 3, Ordering::Relaxed);
@@ -114,7 +114,7 @@ pub(crate) fn map_cells<T: Send>(
         .collect();
     match first.into_inner() {
         usize::MAX => Ok(all),
-        face => Err(degenerate(face, &FaceCorners::of(mesh.triangle(face)))),
+        face => Err(degenerate(face, &FaceCorners::new(mesh.triangle(face)))),
     }
 }
 

@@ -46,7 +46,7 @@ pub struct CorrectedMeasures {
 impl CorrectedMeasures {
     /// The measures of a triangle with a unit normal at each corner.
     #[inline]
-    pub fn of_triangle(x: [[f64; 3]; 3], u: [[f64; 3]; 3]) -> Self {
+    pub fn from_triangle(x: [[f64; 3]; 3], u: [[f64; 3]; 3]) -> Self {
         let mean_normal = scale(add(add(u[0], u[1]), u[2]), 1.0 / 3.0);
         // About the first corner: the measures do not see translations.
         let (p, q) = (sub(x[1], x[0]), sub(x[2], x[0]));
@@ -103,12 +103,14 @@ impl CorrectedMeasures {
             |x: [f64; 3], y: [f64; 3]| dot(x, self.tensor.map(|row| dot(row, y))) / self.area;
         let [x, y] = frame;
         let form = Symmetric2 { a: form(x, x), b: 0.5 * (form(x, y) + form(y, x)), c: form(y, y) };
-        Some(AtVertex { mean, gaussian, ..AtVertex::of_form(form, frame, normal) })
+        Some(AtVertex { mean, gaussian, ..AtVertex::from_form(form, frame, normal) })
     }
 }
 
 /// The normals and the scale of [`corrected_curvature`].
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct CorrectedOptions {
     /// How the normals at the vertices are made.
     pub normals: NormalWeight,
@@ -148,7 +150,7 @@ pub fn corrected_curvature(
         if u.contains(&[0.0; 3]) {
             return CorrectedMeasures::default();
         }
-        CorrectedMeasures::of_triangle(mesh.triangle(f), u)
+        CorrectedMeasures::from_triangle(mesh.triangle(f), u)
     };
     let measures: Vec<CorrectedMeasures> =
         (0..mesh.face_count()).into_par_iter().with_min_len(4096).map(of_face).collect();
@@ -173,7 +175,7 @@ pub fn corrected_curvature(
         }
         sum.at(normal).ok_or(Undefined::NoArea)
     };
-    Ok(CurvatureField::of_each(mesh, at_vertex).times(unit))
+    Ok(CurvatureField::at_each_vertex(mesh, at_vertex).times(unit))
 }
 
 #[cfg(test)]
@@ -205,7 +207,7 @@ mod tests {
             let (p, q) = (sub(b, a), sub(c, a));
             let angle = norm(cross(p, q)).atan2(dot(p, q));
             let normals = tent.faces()[f].map(|v| normals[v as usize]);
-            let measures = CorrectedMeasures::of_triangle(tent.triangle(f), normals);
+            let measures = CorrectedMeasures::from_triangle(tent.triangle(f), normals);
             sum = sum.plus(&measures, 0.5 * radius * radius * angle / tent.face_area(f));
         }
         let expected = (sum.mean_curvature().unwrap(), sum.gaussian_curvature().unwrap());

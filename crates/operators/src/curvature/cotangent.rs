@@ -22,6 +22,8 @@ use crate::laplacian::Laplacian;
 
 /// The area of [`cotangent_curvature`].
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct CotangentOptions {
     /// What the integrated values are divided by.
     pub area: LumpedArea,

@@ -20,6 +20,8 @@ use crate::normals::NormalWeight;
 /// Written as its name (`Display`) and read from it with the options of
 /// [`Estimator::ALL`] (`FromStr`).
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum Estimator {
     /// [`cotangent_curvature`]

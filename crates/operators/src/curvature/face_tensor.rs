@@ -27,6 +27,8 @@ use crate::tangent::{tangent_frame, turn_between};
 
 /// The normals of [`face_tensor_curvature`].
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct FaceTensorOptions {
     /// How the normals at the vertices are made.
     pub normals: NormalWeight,
@@ -89,7 +91,7 @@ pub fn face_tensor_curvature(mesh: &TriMesh, options: FaceTensorOptions) -> Curv
             return Err(Undefined::NoArea);
         }
         let form = Symmetric2 { a: sum.a / area, b: sum.b / area, c: sum.c / area };
-        Ok(AtVertex::of_form(form, frame, normal))
+        Ok(AtVertex::from_form(form, frame, normal))
     };
     let boundary = boundary_flags(mesh);
     let found = (0..mesh.vertex_count() as u32)
@@ -102,7 +104,7 @@ pub fn face_tensor_curvature(mesh: &TriMesh, options: FaceTensorOptions) -> Curv
 
 fn face_tensor(mesh: &TriMesh, normals: &[[f64; 3]], f: usize) -> Option<FaceTensor> {
     let triangle = mesh.triangle(f);
-    let corners = FaceCorners::of(triangle);
+    let corners = FaceCorners::new(triangle);
     if corners.is_degenerate() {
         return None;
     }

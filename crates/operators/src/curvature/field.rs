@@ -48,7 +48,7 @@ pub(crate) struct AtVertex {
 
 impl AtVertex {
     /// The eigenvalues and eigenvectors of the second form in a frame.
-    pub(crate) fn of_form(form: Symmetric2, frame: [[f64; 3]; 2], normal: [f64; 3]) -> Self {
+    pub(crate) fn from_form(form: Symmetric2, frame: [[f64; 3]; 2], normal: [f64; 3]) -> Self {
         let (values, [x, y]) = form.eigen();
         let first = add(scale(frame[0], x), scale(frame[1], y));
         Self::new(values, [first, cross(normal, first)])
@@ -156,7 +156,7 @@ impl CurvatureField {
     }
 
     /// Each vertex by itself, in parallel. `W` is memory that vertices share.
-    pub(crate) fn of_each<W: Default>(
+    pub(crate) fn at_each_vertex<W: Default>(
         mesh: &TriMesh,
         at_vertex: impl Fn(&mut W, u32) -> Result<AtVertex, Undefined> + Sync,
     ) -> Self {

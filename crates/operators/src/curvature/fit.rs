@@ -58,7 +58,7 @@ impl<'a> HeightField<'a> {
             return None;
         }
         let unit = 1.0 / scale;
-        let axes = PrincipalAxes::of(points.iter().map(|p| [p[0] * unit, p[1] * unit]))?;
+        let axes = PrincipalAxes::new(points.iter().map(|p| [p[0] * unit, p[1] * unit]))?;
         let [c, s] = axes.direction;
         let [a, b] = axes.units.map(|u| unit / u);
         for [x, y, z] in points.iter_mut() {
@@ -94,7 +94,7 @@ impl<'a> HeightField<'a> {
             duv: [0.0, 0.0, second[1] / (a * b)],
             dvv: [0.0, 0.0, second[2] / (b * b)],
         };
-        let principal = FundamentalForms::of(jet, ChartNormal::Outward)?.principal();
+        let principal = FundamentalForms::from_jet(jet, ChartNormal::Outward)?.principal();
         let in_space = |[x, y, z]: [f64; 3]| -> [f64; 3] {
             std::array::from_fn(|k| {
                 x * self.frame[0][k] + y * self.frame[1][k] + z * self.normal[k]
@@ -122,7 +122,7 @@ impl PrincipalAxes {
     /// the first: the points are on a line as far as second derivatives can
     /// tell.
     #[inline]
-    pub(crate) fn of(points: impl ExactSizeIterator<Item = [f64; 2]> + Clone) -> Option<Self> {
+    pub(crate) fn new(points: impl ExactSizeIterator<Item = [f64; 2]> + Clone) -> Option<Self> {
         let count = points.len() as f64;
         let mut moments = Symmetric2::default();
         for [x, y] in points.clone() {
@@ -183,7 +183,7 @@ where
         let field = HeightField::new(mesh, &explorer.found, normal, points);
         field.and_then(|field| fit(&field)).ok_or(Undefined::IllConditioned)
     };
-    Ok(CurvatureField::of_each(mesh, at_vertex).times(unit))
+    Ok(CurvatureField::at_each_vertex(mesh, at_vertex).times(unit))
 }
 
 #[cfg(test)]

@@ -50,7 +50,7 @@ pub fn laplacian_mean_curvature(
             AtVertex::new(vector, normal, links)
         })
         .collect();
-    Ok(MeanCurvature::of(found.into_iter()))
+    Ok(MeanCurvature::from_vertices(found.into_iter()))
 }
 
 /// H with a Laplacian of the mesh, K from angle defects over its mass, and the

@@ -45,9 +45,9 @@ pub(crate) fn defects(mesh: &TriMesh) -> Vec<(f64, Links)> {
         let mut turns = Turns::default();
         for side in sides {
             let [to_next, to_previous] = side.map(|w| sub(positions[w as usize], at));
-            turns.add(FaceCorners::of_sides(to_next, to_previous).0.turn(0));
+            turns.add(FaceCorners::from_sides(to_next, to_previous).0.turn(0));
         }
-        let links = Links::of(fan, sides.len());
+        let links = Links::new(fan, sides.len());
         (links.defect(turns.sum()), links)
     };
     (0..mesh.vertex_count() as u32)

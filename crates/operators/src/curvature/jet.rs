@@ -23,6 +23,8 @@ use crate::error::OperatorError;
 
 /// The degree of the polynomial.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum JetDegree {
     /// 6 coefficients.
     Two,
@@ -34,6 +36,8 @@ pub enum JetDegree {
 
 /// How much each neighbour counts.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum JetWeight {
     /// All with the same weight: the smallest variance under noise.
     Uniform,
@@ -44,6 +48,8 @@ pub enum JetWeight {
 
 /// Degree, neighbourhood and weights of [`jet_curvature`].
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct JetOptions {
     /// The degree of the polynomial.
     pub degree: JetDegree,
@@ -122,23 +128,10 @@ fn monomials3(x: f64, y: f64) -> [f64; 10] {
 #[inline]
 fn monomials4(x: f64, y: f64) -> [f64; 15] {
     let (xx, xy, yy) = (x * x, x * y, y * y);
-    [
-        1.0,
-        x,
-        y,
-        xx,
-        xy,
-        yy,
-        xx * x,
-        xx * y,
-        x * yy,
-        yy * y,
-        xx * xx,
-        xx * xy,
-        xx * yy,
-        xy * yy,
-        yy * yy,
-    ]
+    let mut all = [0.0; 15];
+    all[..10].copy_from_slice(&monomials3(x, y));
+    all[10..].copy_from_slice(&[xx * xx, xx * xy, xx * yy, xy * yy, yy * yy]);
+    all
 }
 
 #[cfg(test)]

@@ -13,6 +13,8 @@ use crate::fan::Fan;
 
 /// The Laplacian behind a mean curvature.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum MeanOperator {
     /// The random walk, `Δx = mean(xⱼ) − xᵢ`, as the assignment has it.
     ///
@@ -47,7 +49,7 @@ pub struct MeanCurvature {
 }
 
 impl MeanCurvature {
-    pub(super) fn of(found: impl ExactSizeIterator<Item = AtVertex>) -> Self {
+    pub(super) fn from_vertices(found: impl ExactSizeIterator<Item = AtVertex>) -> Self {
         let n = found.len();
         let mut all = Self {
             vectors: Vec::with_capacity(n),
@@ -120,7 +122,7 @@ pub fn mean_curvature(
     };
     // The umbrella is a length, the others one over a length.
     let factor = if operator == MeanOperator::Umbrella { unit } else { 1.0 / unit };
-    Ok(MeanCurvature::of(found.into_iter()).times(factor))
+    Ok(MeanCurvature::from_vertices(found.into_iter()).times(factor))
 }
 
 /// [`mean_curvature`] with [`MeanOperator::Cotangent`] and
@@ -145,7 +147,7 @@ pub fn mean_and_gaussian_curvature(
     .map_err(|error| error.times(unit))?;
     let gaussian =
         found.iter().map(|(at, (k, reason))| (k / unit / unit, *reason, at.boundary)).collect();
-    let mean = MeanCurvature::of(found.into_iter().map(|(at, _)| at));
+    let mean = MeanCurvature::from_vertices(found.into_iter().map(|(at, _)| at));
     Ok((mean.times(1.0 / unit), gaussian))
 }
 
@@ -190,7 +192,7 @@ fn umbrellas(mesh: &TriMesh, scaled: bool) -> Vec<AtVertex> {
         });
         let divisor = if scaled { 0.25 * squares } else { fan.neighbors.len() as f64 };
         let vector = (divisor > 0.0).then(|| scale(sum, 1.0 / divisor));
-        AtVertex::new(vector, normal, Links::of(fan, sides.len()))
+        AtVertex::new(vector, normal, Links::new(fan, sides.len()))
     };
     (0..mesh.vertex_count() as u32)
         .into_par_iter()

@@ -7,6 +7,8 @@ use crate::error::OperatorError;
 
 /// A length, in the unit that suits.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Length {
     /// In mesh units.
     MeshUnits(f64),
@@ -34,6 +36,8 @@ impl Length {
 
 /// The vertices around a vertex that a fit takes.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Neighborhood {
     /// All within so many edges.
     Rings(u32),

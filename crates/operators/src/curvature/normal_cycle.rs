@@ -24,6 +24,8 @@ use crate::error::OperatorError;
 
 /// The scale of [`normal_cycle_curvature`].
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct NormalCycleOptions {
     /// The radius of the ball. Larger ones average out noise and features
     /// alike.
@@ -77,5 +79,5 @@ pub fn normal_cycle_curvature(
         });
         sum.over(area)
     };
-    Ok(CurvatureField::of_each(mesh, at_vertex).times(unit))
+    Ok(CurvatureField::at_each_vertex(mesh, at_vertex).times(unit))
 }

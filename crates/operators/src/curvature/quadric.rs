@@ -19,6 +19,8 @@ use crate::error::OperatorError;
 
 /// The neighbourhood of [`quadric_curvature`].
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct QuadricOptions {
     /// Which vertices the quadric is fitted to.
     pub neighborhood: Neighborhood,

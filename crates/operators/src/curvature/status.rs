@@ -4,6 +4,8 @@ use std::fmt;
 
 /// Why there is no value at a vertex.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum Undefined {
     /// No face has the vertex.
@@ -29,6 +31,8 @@ impl fmt::Display for Undefined {
 
 /// Whether a value is defined at a vertex, and if not, why.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum VertexStatus {
     /// The value is there.
     Defined,
@@ -45,6 +49,7 @@ impl VertexStatus {
 
 /// A curvature at each vertex.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct ScalarCurvature {
     /// The values in vertex order, zero where undefined.

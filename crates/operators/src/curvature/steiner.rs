@@ -48,7 +48,7 @@ pub fn steiner_curvature(mesh: &TriMesh) -> CurvatureField {
         }
         sum.over(area)
     };
-    CurvatureField::of_each(mesh, at_vertex).times(unit)
+    CurvatureField::at_each_vertex(mesh, at_vertex).times(unit)
 }
 
 #[cfg(test)]

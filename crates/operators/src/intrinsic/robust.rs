@@ -10,6 +10,8 @@ use crate::error::OperatorError;
 
 /// How the mesh becomes glued triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Cover {
     /// Two sides of each face, glued around each edge: any mesh. Source:
     /// \[sharp2020\].
@@ -21,6 +23,8 @@ pub enum Cover {
 
 /// Options of [`robust_laplacian`].
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct RobustOptions {
     /// How the mesh becomes glued triangles.
     pub cover: Cover,
@@ -118,7 +122,7 @@ pub fn robust_laplacian(
         return Err(OperatorError::NoLength);
     }
     let parts = mesh.topology().components();
-    let part = |v| parts.of_vertex(v).unwrap_or(0) as usize;
+    let part = |v| parts.label(v).unwrap_or(0) as usize;
     let done = triangles.mollify(value, || (0..mesh.vertex_count() as u32).map(part).collect());
     if let Some(t) = (0..triangles.triangle_count()).find(|&t| triangles.area(3 * t as u32) <= 0.0)
     {

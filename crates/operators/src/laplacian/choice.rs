@@ -15,6 +15,8 @@ const ROUNDING: f64 = 1e-10;
 ///
 /// Auto is [`LaplacianKind::Auto`](super::LaplacianKind::Auto).
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum Reason {
     /// It was requested.

@@ -113,6 +113,10 @@ impl From<LumpedArea> for MassKind {
 
 fairing_mesh::named!(LaplacianKind, "Laplacian");
 fairing_mesh::named!(MassKind, "mass");
+#[cfg(feature = "serde")]
+fairing_mesh::serde_by_name!(LaplacianKind);
+#[cfg(feature = "serde")]
+fairing_mesh::serde_by_name!(MassKind);
 
 #[cfg(test)]
 mod tests {

@@ -178,7 +178,7 @@ impl Laplacian {
     /// [`OperatorError::DegenerateFace`] for the first polygon whose fan has a
     /// triangle too thin for its cotangents; [`OperatorError::NoSuchMass`] for
     /// another mass; [`OperatorError::TooLarge`] beyond 2³² entries.
-    pub fn of_polygons(mesh: &PolygonMesh, mass: MassKind) -> Result<Self, OperatorError> {
+    pub fn from_polygons(mesh: &PolygonMesh, mass: MassKind) -> Result<Self, OperatorError> {
         let kind = LaplacianKind::Polygon;
         if !matches!(mass, MassKind::Barycentric | MassKind::Consistent) {
             return Err(mass::refused(kind, mass));

@@ -283,7 +283,7 @@ fn face_terms(
     let x = mesh.positions();
     let thin = AtomicBool::new(false);
     let of_face = |face: &[u32; 3]| {
-        let corners = FaceCorners::of(face.map(|v| x[v as usize]));
+        let corners = FaceCorners::new(face.map(|v| x[v as usize]));
         if corners.is_degenerate() {
             thin.store(true, Ordering::Relaxed);
         }
@@ -297,7 +297,7 @@ fn face_terms(
     }
     for (f, terms) in terms.iter_mut().enumerate() {
         let [a, b, c] = mesh.triangle(f);
-        let corners = FaceCorners::of([a, b, c]);
+        let corners = FaceCorners::new([a, b, c]);
         let lengths = [norm(sub(c, b)), norm(sub(a, c)), norm(sub(b, a))];
         let thin = match faces {
             ThinFaces::WidenNearly => lacking(lengths) > 0.0,
@@ -365,8 +365,8 @@ mod tests {
         assert_eq!(mass[b as usize], 1.0);
     }
 
-    /// Rows as the operators crate assembles them: on a closed mesh, with a border, three faces at an edge, a fan
-    /// around a hub, and an isolated vertex.
+    /// Rows as the operators crate assembles them: on a closed mesh of several chunks, with a border, three faces at an
+    /// edge, a fan around a hub, and an isolated vertex.
     #[test]
     fn a_pattern_gives_the_cotangent_operator() {
         let hub: Vec<[f64; 3]> = (0..200)
@@ -380,7 +380,7 @@ mod tests {
         let pages =
             vec![[0.0; 3], [0.0, 0.0, 1.0], [1.0, 0.0, 0.3], [-1.0, 0.4, 0.6], [0.2, 1.0, 0.5]];
         let meshes = [
-            shapes::bumpy_sphere(4, 0.2, 5.0),
+            shapes::bumpy_sphere(5, 0.2, 5.0),
             shapes::plane(9, 7, shapes::Diagonals::Alternating),
             TriMesh::new(pages, vec![[0, 1, 2], [0, 1, 3], [1, 0, 4]]).unwrap(),
             TriMesh::new(hub, fan).unwrap(),

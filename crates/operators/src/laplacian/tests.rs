@@ -62,6 +62,9 @@ fn auto_says_what_it_takes_and_why() {
     let Reason::NegativeWeight { edge, weight } = reason else { panic!("{reason}") };
     assert_eq!((kind, edge), (LaplacianKind::Robust, [1, 2]));
     assert!((weight + 0.75).abs() < 1e-15, "{weight}");
+    // cot 2 atan(1/h) = (h² − 1)/2h on both sides: a millionth below zero counts, rounding does not.
+    assert_eq!(taken(&rhombus(1.0 - 1e-6)).0, LaplacianKind::Robust);
+    assert_eq!(taken(&rhombus(1.0 - 1e-12)), (LaplacianKind::Cotangent, Reason::Sound));
     let (kind, reason) = taken(&rhombus(0.0));
     assert_eq!(kind, LaplacianKind::Robust);
     assert_eq!(reason, Reason::ThinFace { face: 0, area: 0.0, edge: 2.0 });
@@ -76,13 +79,13 @@ fn auto_says_what_it_takes_and_why() {
 fn polygons_have_one_too() {
     let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [7.0; 3]];
     let mesh = PolygonMesh::new(corners, [[0, 1, 2, 3]]).unwrap();
-    let found = Laplacian::of_polygons(&mesh, MassKind::Barycentric).unwrap();
+    let found = Laplacian::from_polygons(&mesh, MassKind::Barycentric).unwrap();
     assert_eq!((found.kind(), found.isolated()), (LaplacianKind::Polygon, &[4][..]));
     let x = [0.0, 1.0, 1.0, 0.0, 7.0];
     let energy: f64 = found.apply(&x).unwrap().iter().zip(x).map(|(a, b)| a * b).sum();
     assert!((energy - 1.0).abs() < 1e-14, "{energy}");
     assert!(matches!(
-        Laplacian::of_polygons(&mesh, MassKind::Mixed),
+        Laplacian::from_polygons(&mesh, MassKind::Mixed),
         Err(OperatorError::NoSuchMass { .. })
     ));
 }
@@ -130,6 +133,14 @@ fn restriction_takes_out_and_puts_back() {
         for ((found, more), expected) in found.iter().zip(part.coupling(&u).unwrap()).zip(expected)
         {
             assert!((found + more - expected).abs() < 1e-13);
+        }
+        let mut alone = u.clone();
+        for v in [3, 7, 40] {
+            alone[v] = 0.0;
+        }
+        let mass = part.gathered(&whole.mass().as_mass().times(&alone)).unwrap();
+        for (found, expected) in part.mass().as_mass().times(&inside).iter().zip(mass) {
+            assert!((found - expected).abs() < 1e-15);
         }
         let t = 0.3;
         let shifted = multiply(&part.shifted(t), &inside);
@@ -185,6 +196,18 @@ fn refilled_is_new() {
         }
     }
     assert!(taken.contains(&LaplacianKind::Robust) && taken.contains(&LaplacianKind::Cotangent));
+}
+
+/// The same where rows are shared out among tasks.
+#[test]
+fn refilled_in_several_tasks_is_new() {
+    let sphere = shapes::icosphere(5);
+    let bumpy = shapes::bumpy_sphere(5, 0.15, 4.0);
+    for mass in [MassKind::Barycentric, MassKind::Consistent] {
+        let mut found = Laplacian::new(&sphere, LaplacianKind::Cotangent, mass).unwrap();
+        found.refill(&sphere.with_positions(bumpy.positions().to_vec()).unwrap()).unwrap();
+        assert_eq!(found, Laplacian::new(&bumpy, LaplacianKind::Cotangent, mass).unwrap());
+    }
 }
 
 #[test]

@@ -62,7 +62,7 @@ pub struct PrincipalDirections {
 
 impl FundamentalForms {
     /// The forms of a jet; `None` where the chart is singular.
-    pub fn of(jet: SurfaceJet, side: ChartNormal) -> Option<Self> {
+    pub fn from_jet(jet: SurfaceJet, side: ChartNormal) -> Option<Self> {
         let across = cross(jet.du, jet.dv);
         let area = norm(across);
         let first = [dot(jet.du, jet.du), dot(jet.du, jet.dv), dot(jet.dv, jet.dv)];

@@ -69,7 +69,7 @@ pub trait ParametricSurface {
     /// [`SurfaceError::SingularChart`] where ∂p/∂u and ∂p/∂v do not span a
     /// plane, as at the poles of a sphere.
     fn forms(&self, u: f64, v: f64) -> Result<FundamentalForms, SurfaceError> {
-        FundamentalForms::of(self.jet(u, v), self.chart_normal())
+        FundamentalForms::from_jet(self.jet(u, v), self.chart_normal())
             .ok_or(SurfaceError::SingularChart { u, v })
     }
 }

@@ -90,8 +90,8 @@ fn method(record: &Record) -> Result<String> {
 /// The lines of Rust and the commands that do what the section does.
 fn same(record: &Record) -> String {
     let code = |text: &str| format!("<pre><code>{}</code></pre>", escape(text));
-    let lines = snippets::of(&record.id).map(|lines| code(&lines)).unwrap_or_default();
-    let shell = commands::of(&record.id).map(|commands| code(&commands.join("\n")));
+    let lines = snippets::for_section(&record.id).map(|lines| code(&lines)).unwrap_or_default();
+    let shell = commands::for_section(&record.id).map(|commands| code(&commands.join("\n")));
     let shell = shell.unwrap_or_default();
     format!(
         "<details><summary>In Rust and on the command line</summary>{lines}{shell}<p class=\"soft\">All figures and \
@@ -110,7 +110,7 @@ pub(super) fn verdict(verdict: Verdict) -> String {
 pub(super) fn link(all: &[Record], claim: &Judgement) -> String {
     let Some(Shown { id, state }) = &claim.shown else { return String::new() };
     let is_view = |r: &Record| r.views.iter().any(|v| format!("{}-{}", r.id, v.id) == *id);
-    let is_play = |r: &Record| play::of(&r.id).any(|play| play.id() == *id);
+    let is_play = |r: &Record| play::for_section(&r.id).any(|play| play.id() == *id);
     if !all.iter().any(|r| is_view(r) || is_play(r)) {
         return String::new();
     }

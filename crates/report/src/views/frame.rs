@@ -17,7 +17,7 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    pub(super) fn of(positions: &[[f64; 3]]) -> Self {
+    pub(super) fn new(positions: &[[f64; 3]]) -> Self {
         let empty = Self { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
         positions.iter().fold(empty, |frame, p| Self {
             low: [0, 1, 2].map(|k| p[k].min(frame.low[k])),
@@ -27,7 +27,7 @@ impl Frame {
 
     /// The box of all panels at their first stops: what the camera looks at.
     pub(super) fn around(panels: &[Panel]) -> Self {
-        let boxes = panels.iter().map(|p| Self::of(&p.positions[0]));
+        let boxes = panels.iter().map(|p| Self::new(&p.positions[0]));
         boxes
             .reduce(|a, b| Self {
                 low: [0, 1, 2].map(|k| a.low[k].min(b.low[k])),

@@ -161,7 +161,7 @@ fn describe_truth(truth: &Vec<[f64; 3]>, view: &View, step: u16, pack: &mut Pack
             return json!({"panel": i, "stop": stop});
         }
     }
-    let place = Frame::of(truth);
+    let place = Frame::new(truth);
     pack.shorts(&truth.iter().map(|&p| place.code(p, step)).collect::<Vec<_>>());
     json!({"low": place.low, "size": place.size(), "vertices": truth.len()})
 }
@@ -192,7 +192,7 @@ fn describe_panel(
         }
         // A stop that leaves the common box by far, as unstable flows do, has
         // a box of its own and takes no precision from the others.
-        let own = Frame::of(positions);
+        let own = Frame::new(positions);
         let stray = !frame.nearly_holds(&own);
         let place = if stray { own } else { frame.enlarged() };
         let codes: Vec<[u16; 3]> = positions.iter().map(|&p| place.code(p, step)).collect();

@@ -50,7 +50,7 @@ fn all_are_clean() {
 fn wrong(family: Family, triangulation: Triangulation, seed: u64) -> Vec<String> {
     let name = format!("{family} {triangulation} {seed}");
     let mesh = family.mesh(2000, triangulation, seed);
-    let d = Diagnosis::of(&mesh);
+    let d = Diagnosis::new(&mesh);
     let mut wrong = vec![];
     let closed =
         !matches!(family, Family::Minimal | Family::Strokes | Family::Cloth | Family::Shell);
@@ -79,7 +79,7 @@ fn warped_bodies_keep_their_faces() {
         assert_eq!(other.faces(), mesh.faces());
         assert_eq!(other.positions(), warped(&mesh, seed).unwrap().positions());
         assert!(other.topology().is_closed());
-        let diagnosis = Diagnosis::of(&other);
+        let diagnosis = Diagnosis::new(&other);
         assert_eq!(diagnosis.degenerate_faces.count, 0, "{seed}");
         // Stretched by two at most, and sheared.
         let ratio = other.signed_volume() / mesh.signed_volume();

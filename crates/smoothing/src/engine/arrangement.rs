@@ -2,7 +2,7 @@
 //!
 //! A smoothing step reads every neighbour of every vertex. Files often scatter neighbours over the whole array
 //! (subdivision appends new vertices at the end); a space-filling curve brings them together, and a step then runs
-//! several times faster. Runs that somebody watches keep the order of the file, so that positions can be shown
+//! several times faster. Observed runs keep the order of the file, so that positions can be shown
 //! without a copy.
 
 use fairing_mesh::{BuildError, TriMesh};

@@ -59,14 +59,14 @@ fn on_pattern(
 }
 
 /// Takes the operator again as positions change.
-pub(crate) enum Renewal {
+pub(crate) enum Assembler {
     /// On the pattern of the faces.
     Pattern(CotangentPattern),
     /// From the beginning: intrinsic edges change with the positions.
     Whole(Diffusion),
 }
 
-impl Renewal {
+impl Assembler {
     pub(crate) fn new(
         mesh: &TriMesh,
         diffusion: Diffusion,
@@ -94,7 +94,7 @@ impl Renewal {
 
     /// Replaces `laplacian`, which [`Self::assemble`] made of the same faces, by that at other positions. Returns the
     /// faces that are widened; the robust operator knows none.
-    pub(crate) fn renew(
+    pub(crate) fn reassemble(
         &mut self,
         mesh: &TriMesh,
         fixed: &[bool],

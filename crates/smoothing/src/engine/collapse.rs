@@ -47,7 +47,7 @@ impl Collapse {
         let by_geometry = matches!(
             failure,
             FlowFailure::NotConverged { .. }
-                | FlowFailure::NotFactored { .. }
+                | FlowFailure::NotFactored(_)
                 | FlowFailure::Operator(_)
                 | FlowFailure::NonPositiveMass { .. }
         );

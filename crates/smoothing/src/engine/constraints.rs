@@ -24,6 +24,8 @@ fairing_mesh::choices!(Boundary, "treatment of the boundary",
     Pinned: "pinned", "It stays";
     Sliding: "sliding", "It moves along its own curve";
 );
+#[cfg(feature = "serde")]
+fairing_mesh::serde_by_name!(Boundary);
 
 /// The boundary.
 pub(crate) const BOUNDARY: Parameter = Parameter::choice(
@@ -46,6 +48,8 @@ pub(crate) const SOFT: Parameter = Parameter::weighted(
 
 /// A vertex drawn towards a target.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct SoftConstraint {
     /// The vertex.
     pub vertex: u32,
@@ -58,6 +62,8 @@ pub struct SoftConstraint {
 
 /// What a flow has to respect. The default is nothing.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct Constraints {
     /// The boundary of the mesh.
     pub boundary: Boundary,
@@ -74,7 +80,7 @@ impl Constraints {
     }
 
     /// From [`BOUNDARY`], [`PIN`] and [`SOFT`]; vertices without a target are drawn to their positions.
-    pub(crate) fn of_values(
+    pub(crate) fn from_values(
         values: &Values<'_>,
         positions: &[[f64; 3]],
     ) -> Result<Self, ParameterError> {

@@ -8,6 +8,8 @@ use fairing_operators::{LaplacianKind, LumpedArea, MassKind};
 /// The unit belongs to the weights: with uniform weights λ is a dimensionless fraction of the way to the mean of
 /// the neighbours; with cotangents a step is a diffusion time, an area.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Diffusion {
     /// `L = D⁻¹A − I`: every neighbour counts the same. Defined on every mesh, broken ones included; moves
     /// vertices within the surface as well, towards even spacing.
@@ -26,6 +28,8 @@ pub enum Diffusion {
 
 /// How the stiffness `S` and the areas `M` of cotangent weights are made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Operator {
     /// Cotangents over barycentric areas; the robust operator where a face of the input is too thin for cotangents,
     /// which [`Report::too_thin`](crate::Report::too_thin) then names.
@@ -101,7 +105,7 @@ pub(crate) const TIME: Parameter =
 
 impl Operator {
     /// From [`OPERATOR`] and [`AREA`].
-    pub(crate) fn of_values(values: &Values<'_>) -> Result<Self, ParameterError> {
+    pub(crate) fn from_values(values: &Values<'_>) -> Result<Self, ParameterError> {
         let area = values.get(AREA.name)?.unwrap_or(LumpedArea::Barycentric);
         let barycentric = area == LumpedArea::Barycentric;
         match values.text(OPERATOR.name) {
@@ -131,7 +135,7 @@ pub(crate) fn refuse_with_uniform(
 impl Diffusion {
     /// From [`WEIGHTS`] and the parameters of [`cotangents`](Self::cotangents): a time means cotangents. Without
     /// either, the step is that of the weights.
-    pub(crate) fn of_values(
+    pub(crate) fn from_values(
         values: &Values<'_>,
         uniform: f64,
         cotangent: f64,
@@ -153,12 +157,14 @@ impl Diffusion {
             Some(time) => Time::SquaredUnits(time),
             None => Time::SquaredEdges(values.get(LAMBDA.name)?.unwrap_or(lambda)),
         };
-        Ok(Self::Cotangent { time, operator: Operator::of_values(values)? })
+        Ok(Self::Cotangent { time, operator: Operator::from_values(values)? })
     }
 }
 
 /// A diffusion time.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Time {
     /// In squared mesh units.
     SquaredUnits(f64),

@@ -70,7 +70,7 @@ struct Grounded {
 
 impl Direct {
     /// Forgets the factor, because the operator has changed; its pattern is kept.
-    pub(crate) fn renew(&mut self) {
+    pub(crate) fn forget_factor(&mut self) {
         self.factor = None;
     }
 
@@ -171,17 +171,17 @@ impl Direct {
     }
 
     fn factorise(&mut self, matrix: &SparseMatrix) -> Result<Cholesky, FlowFailure> {
-        let refuse = |e: CholeskyError| FlowFailure::NotFactored { reason: e.to_string() };
         self.factorisations += 1;
         // The pattern changes where intrinsic edges do.
         if let Some(symbolic) = &self.symbolic {
             match symbolic.factorize(matrix) {
                 Err(CholeskyError::PatternChanged { .. }) => {}
-                other => return other.map_err(refuse),
+                other => return other.map_err(FlowFailure::NotFactored),
             }
         }
-        let symbolic = SymbolicCholesky::new(matrix, Ordering::default()).map_err(refuse)?;
-        let factor = symbolic.factorize(matrix).map_err(refuse)?;
+        let symbolic =
+            SymbolicCholesky::new(matrix, Ordering::default()).map_err(FlowFailure::NotFactored)?;
+        let factor = symbolic.factorize(matrix).map_err(FlowFailure::NotFactored)?;
         self.symbolic = Some(symbolic);
         Ok(factor)
     }

@@ -4,6 +4,7 @@ use std::fmt;
 
 use fairing_mesh::{BuildError, TriMesh};
 use fairing_operators::OperatorError;
+use fairing_sparse::CholeskyError;
 
 /// A flow that failed, and the last mesh before that.
 #[derive(Debug, Clone)]
@@ -154,11 +155,8 @@ pub enum FlowFailure {
         vertex: u32,
     },
     /// A linear system could not be factored.
-    #[error("the linear system cannot be factored: {reason}")]
-    NotFactored {
-        /// What the factorisation reports.
-        reason: String,
-    },
+    #[error("the linear system cannot be factored")]
+    NotFactored(#[source] CholeskyError),
     /// The modes of a filter cannot be computed.
     #[error("the modes cannot be computed: {reason}")]
     Modes {

@@ -15,6 +15,7 @@ pub struct Smoothed {
 
 /// How a flow went.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Report {
     /// Steps taken.
@@ -45,6 +46,8 @@ pub struct Report {
 
 /// How the steps of a flow were computed. All give the same result within their tolerances.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum Approach {
     /// One after another, by products with the Laplacian alone.

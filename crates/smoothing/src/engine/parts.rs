@@ -35,7 +35,7 @@ pub(crate) struct Parts {
 
 impl Parts {
     /// The parts that the pattern of a Laplacian connects.
-    pub(crate) fn of(laplacian: &GraphLaplacian, freedom: &Freedom) -> Self {
+    pub(crate) fn new(laplacian: &GraphLaplacian, freedom: &Freedom) -> Self {
         const NONE: u32 = u32::MAX;
         let n = laplacian.len();
         let (mut label, mut first, mut anchored) = (vec![NONE; n], Vec::new(), Vec::new());
@@ -301,7 +301,7 @@ mod tests {
             Constraints { pinned: vec![1, 6], soft: vec![pull], ..Constraints::default() };
         let freedom = Freedom::new(&Arrangement::as_given(&mesh), &constraints).unwrap();
         let laplacian = uniform(12, mesh.faces(), &freedom.fixed);
-        let parts = Parts::of(&laplacian, &freedom);
+        let parts = Parts::new(&laplacian, &freedom);
         assert_eq!(parts.free().collect::<Vec<_>>(), [false, false, true, false]);
         let x = mesh.positions();
         let mean = |of: std::ops::Range<usize>| {
@@ -326,13 +326,31 @@ mod tests {
         assert!(found[0] == found[1] && found[1] == found[3]);
     }
 
+    /// Few parts are summed by chunks of vertices, many at once.
+    #[test]
+    fn parts_are_summed_over_all_chunks() {
+        let n = 2 * CHUNK + 77;
+        for count in [3, 2 * FEW as u32] {
+            let label: Vec<u32> = (0..n as u32).map(|i| (i / 200 + i % 2) % count).collect();
+            let anchored = vec![true; count as usize];
+            let parts = Parts { label: label.clone(), first: vec![], anchored };
+            let found = parts.sums_and_largest(|part, i| ([i as f64, 1.0], [(part + i) as f64]));
+            for (part, (sums, [largest])) in found.into_iter().enumerate() {
+                let own = || (0..n).filter(|&i| label[i] as usize == part);
+                // Whole numbers: the order of a sum does not matter.
+                assert_eq!(sums, [own().sum::<usize>() as f64, own().count() as f64]);
+                assert_eq!(Some(largest), own().last().map(|i| (part + i) as f64));
+            }
+        }
+    }
+
     /// Each part has its own measure, and each of its coordinates unless they are coupled.
     #[test]
     fn residuals_are_relative_to_their_own_part() {
         let (mesh, _) = three();
         let freedom = Freedom::new(&Arrangement::as_given(&mesh), &Constraints::default()).unwrap();
         let laplacian = uniform(12, mesh.faces(), &freedom.fixed);
-        let parts = Parts::of(&laplacian, &freedom);
+        let parts = Parts::new(&laplacian, &freedom);
         assert_eq!(parts.count(), 4);
         // Right-hand sides of 1, 10⁻⁶ and 10³ in x, half of that in y, and a hundredth in z.
         let sides = [1.0, 1e-6, 1e3, 0.0].map(|s: f64| [s * s, 0.25 * s * s, 1e-4 * s * s, s * s]);

@@ -79,7 +79,7 @@ impl Resolvent {
         freedom: &Freedom,
         x: &[Point],
     ) -> Result<(Vec<Point>, f64), FlowFailure> {
-        let parts = &Parts::of(laplacian, freedom);
+        let parts = &Parts::new(laplacian, freedom);
         let (step, tolerance) = (self.step, RESIDUAL);
         let solver = ImplicitSolver { laplacian, parts, step, tolerance, most_iterations: 0 };
         let mut direct = Direct::default();

@@ -75,7 +75,7 @@ impl<'a, 'o> Run<'a, 'o> {
         })
     }
 
-    /// Whether a run may be computed at once: nobody watches, and every step is the same linear map.
+    /// Whether a run may be computed at once: there is no observer, and every step is the same linear map.
     pub(crate) fn is_linear(&self) -> bool {
         self.observer.is_none() && self.keeper.is_none() && self.freedom.is_linear()
     }

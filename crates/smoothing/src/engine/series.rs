@@ -1,7 +1,7 @@
 //! A whole run of a linear flow at once.
 //!
 //! With a fixed operator, `k` steps multiply the mode of eigenvalue μ by `g(μ)`: `(1 + λμ)ᵏ` for explicit steps,
-//! `(1 − λμ)⁻ᵏ` for implicit ones. When nobody looks at the steps in between, `g(L) x` is computed directly from
+//! `(1 − λμ)⁻ᵏ` for implicit ones. Where the steps in between are not observed, `g(L) x` is computed directly from
 //! the Chebyshev series of `g` on the interval that holds the spectrum. Its degree is far below the number of
 //! products (or the iterations of the solves) that stepping needs: 32 instead of 50 for fifty explicit steps with
 //! λ = ½, 35 instead of 100 for fifty Taubin pairs, 62 for ten implicit steps with λ = 5. There are no inner

@@ -24,6 +24,8 @@ fairing_mesh::choices!(Stability, "treatment of unstable steps",
     Warn: "warn", "They are taken, with a warning";
     Allow: "allow", "They are taken";
 );
+#[cfg(feature = "serde")]
+fairing_mesh::serde_by_name!(Stability);
 
 /// Steps that make modes grow.
 pub(crate) const UNSTABLE: Parameter = Parameter::choice(

@@ -25,6 +25,8 @@ fairing_mesh::choices!(Volume, "treatment of the volume",
     Rescaled: "rescale", "Kept by scaling about the centroid in each step";
     Offset: "offset", "Kept by an offset along the normals in each step";
 );
+#[cfg(feature = "serde")]
+fairing_mesh::serde_by_name!(Volume);
 
 /// The volume.
 pub(crate) const VOLUME: Parameter = Parameter::choice(

@@ -15,6 +15,8 @@ use crate::flows::implicit::{Implicit, TOLERANCE, Update, implicit_with};
 
 /// Options of [`conformalized_mean_curvature_flow`].
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct ConformalizedMcf {
     /// The time of one step as a fraction of the area of the mesh, which is kept: dimensionless. 0.01 unless set.
     pub time: f64,
@@ -95,7 +97,7 @@ impl Flow for ConformalizedMcf {
     const RUN: FlowFn<Self> = conformalized_mean_curvature_flow;
 
     fn with(values: &Values<'_>, _: &[[f64; 3]]) -> Result<Self, ParameterError> {
-        let mut options = Self { operator: Operator::of_values(values)?, ..Self::default() };
+        let mut options = Self { operator: Operator::from_values(values)?, ..Self::default() };
         values.read(TIME.name, &mut options.time)?;
         values.read(ITERATIONS.name, &mut options.iterations)?;
         values.read(TOLERANCE.name, &mut options.tolerance)?;

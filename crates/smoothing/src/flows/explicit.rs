@@ -19,6 +19,8 @@ use crate::engine::volume::{VOLUME, Volume};
 
 /// Options of [`explicit`].
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct Explicit {
     /// The Laplacian and the length of a step.
     pub diffusion: Diffusion,
@@ -106,8 +108,8 @@ impl Flow for Explicit {
     const RUN: FlowFn<Self> = explicit;
 
     fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError> {
-        let mut options = Self::new(Diffusion::of_values(values, 0.5, 0.1)?);
-        options.constraints = Constraints::of_values(values, positions)?;
+        let mut options = Self::new(Diffusion::from_values(values, 0.5, 0.1)?);
+        options.constraints = Constraints::from_values(values, positions)?;
         values.read(ITERATIONS.name, &mut options.iterations)?;
         values.read(VOLUME.name, &mut options.volume)?;
         values.read(UNSTABLE.name, &mut options.stability)?;

@@ -13,6 +13,8 @@ use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
 
 /// Options of [`hc`].
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct Hc {
     /// The weight of the input against the step before in the differences, in [0, 1]; 0 unless set.
     pub alpha: f64,
@@ -89,7 +91,7 @@ impl Flow for Hc {
     const RUN: FlowFn<Self> = hc;
 
     fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError> {
-        let constraints = Constraints::of_values(values, positions)?;
+        let constraints = Constraints::from_values(values, positions)?;
         let mut options = Self { constraints, ..Self::default() };
         values.read("alpha", &mut options.alpha)?;
         values.read("beta", &mut options.beta)?;

@@ -5,7 +5,7 @@ use fairing_operators::ThinFaces;
 use fairing_sparse::GraphLaplacian;
 use fairing_sparse::passes::update;
 
-use crate::engine::assemble::{Renewal, mass};
+use crate::engine::assemble::{Assembler, mass};
 use crate::engine::collapse::Collapse;
 use crate::engine::conjugate::{ImplicitSolver, Room, Solved};
 use crate::engine::constraints::{BOUNDARY, Constraints, Freedom, PIN, SOFT};
@@ -40,6 +40,8 @@ fairing_mesh::choices!(Update, "update of the operator",
     Mass: "mass", "Areas of the current mesh, stiffness of the input";
     Both: "both", "All of the current mesh";
 );
+#[cfg(feature = "serde")]
+fairing_mesh::serde_by_name!(Update);
 
 /// The update.
 const UPDATE: Parameter =
@@ -51,6 +53,8 @@ pub(crate) const TOLERANCE: Parameter =
 
 /// Options of [`implicit`].
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct Implicit {
     /// The Laplacian and the length of a step.
     pub diffusion: Diffusion,
@@ -187,9 +191,9 @@ impl Flow for Implicit {
             "mean-curvature" => {
                 Self { update: Update::Both, ..Self::new(Diffusion::cotangents(values, 1.0)?) }
             }
-            _ => Self::new(Diffusion::of_values(values, 5.0, 5.0)?),
+            _ => Self::new(Diffusion::from_values(values, 5.0, 5.0)?),
         };
-        options.constraints = Constraints::of_values(values, positions)?;
+        options.constraints = Constraints::from_values(values, positions)?;
         values.read(ITERATIONS.name, &mut options.iterations)?;
         values.read(VOLUME.name, &mut options.volume)?;
         values.read(UPDATE.name, &mut options.update)?;
@@ -222,11 +226,11 @@ pub(crate) fn implicit_with(
     let mut run = Run::new(mesh, &frame, observer)?;
     let start = run.arrangement.mesh();
     let assembled =
-        Renewal::new(start, options.diffusion, &run.freedom.fixed).and_then(|mut all| {
+        Assembler::new(start, options.diffusion, &run.freedom.fixed).and_then(|mut all| {
             let laplacian = all.assemble(start, &run.freedom.fixed)?;
             Ok((laplacian, all))
         });
-    let (laplacian, renewal) = assembled.map_err(|failure| run.refuse(failure))?;
+    let (laplacian, assembler) = assembled.map_err(|failure| run.refuse(failure))?;
     let k = options.iterations;
     if run.is_linear() && options.update == Update::Never && k > 0 {
         let power = Response::Implicit { step, steps: k };
@@ -237,7 +241,7 @@ pub(crate) fn implicit_with(
             return run.finish(x);
         }
     }
-    let mut stepper = Stepper::new(options, step, start, &run.freedom, (laplacian, renewal));
+    let mut stepper = Stepper::new(options, step, start, &run.freedom, (laplacian, assembler));
     let smoothed =
         run.iterate(|iteration, mesh, freedom, next| stepper.step(iteration, mesh, freedom, next));
     smoothed.map(|mut smoothed| {
@@ -257,7 +261,7 @@ struct Stepper<'a> {
     step: f64,
     laplacian: GraphLaplacian,
     /// For operators that are assembled again in each step.
-    renewal: Option<Renewal>,
+    assembler: Option<Assembler>,
     parts: Parts,
     /// Sliding vertices couple the coordinates, which a factor of the scalar system does not know.
     may_factor: bool,
@@ -281,7 +285,7 @@ impl<'a> Stepper<'a> {
         step: f64,
         mesh: &TriMesh,
         freedom: &Freedom,
-        (laplacian, renewal): (GraphLaplacian, Renewal),
+        (laplacian, assembler): (GraphLaplacian, Assembler),
     ) -> Self {
         let frozen = options.update == Update::Never;
         // A factor serves as many solves as steps share their operator.
@@ -289,12 +293,12 @@ impl<'a> Stepper<'a> {
         let may_factor = freedom.sliding.is_none();
         let pays = || direct::pays(&laplacian, step, options.tolerance, solves);
         // A pattern that nobody will fill again only takes memory.
-        let renewal = (options.update == Update::Both).then_some(renewal);
+        let assembler = (options.update == Update::Both).then_some(assembler);
         Self {
             options,
             step,
             direct: (may_factor && pays()).then(Direct::default),
-            parts: Parts::of(&laplacian, freedom),
+            parts: Parts::new(&laplacian, freedom),
             laplacian,
             may_factor,
             rescue: Direct::default(),
@@ -302,8 +306,8 @@ impl<'a> Stepper<'a> {
             displacement: vec![[0.0; 3]; mesh.vertex_count()],
             room: Room::default(),
             iterations: 0,
-            flattened: vec![false; if renewal.is_some() { mesh.face_count() } else { 0 }],
-            renewal,
+            flattened: vec![false; if assembler.is_some() { mesh.face_count() } else { 0 }],
+            assembler,
         }
     }
 
@@ -317,9 +321,9 @@ impl<'a> Stepper<'a> {
         use FlowFailure::{NotConverged, NotFactored};
         let mut taken = self.attempt(iteration, mesh, freedom, next, ThinFaces::Widen);
         // A system that thin faces spoil is solved with those that are nearly flat made a little wider.
-        if let Err(NotConverged { .. } | NotFactored { .. }) = taken
+        if let Err(NotConverged { .. } | NotFactored(_)) = taken
             && iteration > 0
-            && self.renewal.is_some()
+            && self.assembler.is_some()
         {
             self.displacement.fill([0.0; 3]);
             taken = self.attempt(iteration, mesh, freedom, next, ThinFaces::WidenNearly);
@@ -338,7 +342,7 @@ impl<'a> Stepper<'a> {
         next: &mut [[f64; 3]],
         thin: ThinFaces,
     ) -> Result<StepNote, FlowFailure> {
-        let hard = iteration > 0 && self.renew(mesh, freedom, thin)?;
+        let hard = iteration > 0 && self.reassemble(mesh, freedom, thin)?;
         let solved = self.solve(mesh.positions(), freedom, hard)?;
         self.iterations += solved.iterations;
         let (x, d) = (mesh.positions(), &self.displacement);
@@ -351,7 +355,7 @@ impl<'a> Stepper<'a> {
 
     /// Takes the operator at the positions of `mesh`, as far as it is updated. Whether faces are too thin for
     /// cotangents, which makes a system ill conditioned within an otherwise easy run.
-    fn renew(
+    fn reassemble(
         &mut self,
         mesh: &TriMesh,
         freedom: &Freedom,
@@ -360,8 +364,8 @@ impl<'a> Stepper<'a> {
         if self.options.update == Update::Mass {
             self.laplacian.replace_mass(mass(mesh, operator(self.options))?);
         }
-        let Some(renewal) = &mut self.renewal else { return Ok(false) };
-        let faces = renewal.renew(mesh, &freedom.fixed, &mut self.laplacian, thin)?;
+        let Some(assembler) = &mut self.assembler else { return Ok(false) };
+        let faces = assembler.reassemble(mesh, &freedom.fixed, &mut self.laplacian, thin)?;
         for &f in &faces {
             self.flattened[f as usize] = true;
         }
@@ -385,7 +389,7 @@ impl<'a> Stepper<'a> {
         let displacement = &mut self.displacement;
         if let Some(direct) = &mut self.direct {
             if self.options.update != Update::Never {
-                direct.renew();
+                direct.forget_factor();
             }
             return direct.solve(solver, x, freedom, displacement);
         }
@@ -395,7 +399,7 @@ impl<'a> Stepper<'a> {
                 return solved;
             }
         }
-        self.rescue.renew();
+        self.rescue.forget_factor();
         self.rescue.solve(solver, x, freedom, displacement)
     }
 }

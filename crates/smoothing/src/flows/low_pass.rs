@@ -18,6 +18,8 @@ use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
 
 /// What a filter does to the mode of eigenvalue ω of `S φ = ω M φ`.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Transfer {
     /// `exp(−ωt)`: exact diffusion for the time t, the limit of infinitely many small steps.
     Heat(Time),
@@ -36,6 +38,8 @@ pub enum Transfer {
 
 /// Options of [`low_pass`].
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct LowPass {
     /// What happens to each mode.
     pub transfer: Transfer,
@@ -129,8 +133,8 @@ impl Flow for LowPass {
                 None => Time::SquaredEdges(5.0),
             }),
         };
-        let operator = Operator::of_values(values)?;
-        Ok(Self { transfer, operator, constraints: Constraints::of_values(values, positions)? })
+        let operator = Operator::from_values(values)?;
+        Ok(Self { transfer, operator, constraints: Constraints::from_values(values, positions)? })
     }
 }
 

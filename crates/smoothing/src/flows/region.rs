@@ -16,6 +16,8 @@ use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
 
 /// The weights of [`fair_region`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum FairingWeights {
     /// Every edge counts the same: evens out the spacing as well.
     Uniform,
@@ -25,6 +27,8 @@ pub enum FairingWeights {
 
 /// Options of [`fair_region`].
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct FairRegion {
     /// The vertices to replace. All others stay where they are.
     pub region: Vec<u32>,
@@ -112,7 +116,7 @@ impl Flow for FairRegion {
                 refuse_with_uniform(values, &[OPERATOR, AREA])?;
                 FairingWeights::Uniform
             }
-            _ => FairingWeights::Cotangent(Operator::of_values(values)?),
+            _ => FairingWeights::Cotangent(Operator::from_values(values)?),
         };
         Ok(options)
     }
@@ -157,7 +161,7 @@ fn solve(mesh: &TriMesh, options: &FairRegion) -> Result<TriMesh, FlowFailure> {
     let matrix = power.matrix();
     let right = from_outside(&matrix, &region, mesh.positions());
     let factor = Cholesky::new(&symmetric(&principal_submatrix(&matrix, &region)))
-        .map_err(|error| FlowFailure::NotFactored { reason: error.to_string() })?;
+        .map_err(FlowFailure::NotFactored)?;
     let mut positions = mesh.positions().to_vec();
     for (&v, p) in region.iter().zip(factor.solve_points(&right)) {
         positions[v as usize] = p;

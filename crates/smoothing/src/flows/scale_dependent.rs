@@ -15,6 +15,8 @@ use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
 
 /// Options of [`scale_dependent`].
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct ScaleDependent {
     /// The fraction of the stable limit of each step, in (0, 1]; ½ unless set.
     pub fraction: f64,
@@ -87,7 +89,7 @@ impl Flow for ScaleDependent {
     const RUN: FlowFn<Self> = scale_dependent;
 
     fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError> {
-        let constraints = Constraints::of_values(values, positions)?;
+        let constraints = Constraints::from_values(values, positions)?;
         let mut options = Self { constraints, ..Self::default() };
         values.read("fraction", &mut options.fraction)?;
         values.read(ITERATIONS.name, &mut options.iterations)?;

@@ -19,6 +19,8 @@ use crate::flows::windowed_sinc::PASS_BAND;
 
 /// Options of [`taubin`].
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct Taubin {
     /// λ > 0, the shrinking step; dimensionless.
     pub lambda: f64,
@@ -127,7 +129,7 @@ impl Flow for Taubin {
         if let Some(mu) = values.get("mu")? {
             options = Self::from_steps(options.lambda, mu);
         }
-        options.constraints = Constraints::of_values(values, positions)?;
+        options.constraints = Constraints::from_values(values, positions)?;
         values.read(ITERATIONS.name, &mut options.pairs)?;
         values.read(UNSTABLE.name, &mut options.stability)?;
         Ok(options)

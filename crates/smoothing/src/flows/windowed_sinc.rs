@@ -30,6 +30,8 @@ fairing_mesh::choices!(Window, "window",
     Hamming: "hamming", "A narrower transition, ripples below a hundredth";
     Blackman: "blackman", "The least ripple, the widest transition";
 );
+#[cfg(feature = "serde")]
+fairing_mesh::serde_by_name!(Window);
 
 /// The pass band.
 pub(crate) const PASS_BAND: Parameter =
@@ -49,6 +51,8 @@ impl Window {
 
 /// Options of [`windowed_sinc`].
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct WindowedSinc {
     /// Modes of eigenvalue −k are kept for k below this and removed above; dimensionless, in (0, 2).
     pub pass_band: f64,
@@ -118,7 +122,7 @@ impl Flow for WindowedSinc {
     const RUN: FlowFn<Self> = |mesh, options, _| windowed_sinc(mesh, options);
 
     fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError> {
-        let constraints = Constraints::of_values(values, positions)?;
+        let constraints = Constraints::from_values(values, positions)?;
         let mut options = Self { constraints, ..Self::default() };
         values.read(PASS_BAND.name, &mut options.pass_band)?;
         values.read("degree", &mut options.degree)?;

@@ -27,7 +27,7 @@ pub(crate) fn all_eigenpairs(
 
 /// The M-normalised constants that S maps to zero.
 fn constants(stiffness: &SparseMatrix, mass: Mass<'_>) -> Vec<Vec<f64>> {
-    let (count, component) = nullspace::constant_components(Rows::of(stiffness));
+    let (count, component) = nullspace::constant_components(Rows::new(stiffness));
     (0..count as u32)
         .map(|c| {
             let indicator: Vec<f64> =
@@ -123,7 +123,7 @@ fn inverse_root(mass: Mass<'_>) -> Result<InverseRoot, EigenError> {
         Mass::Consistent(matrix) => {
             let (values, vectors) = decompose(&matrix.to_dense())?;
             if let Some((row, &value)) = values.iter().enumerate().find(|(_, v)| **v <= 0.0) {
-                let diagonal = Rows::of(matrix).diagonal()[row];
+                let diagonal = Rows::new(matrix).diagonal()[row];
                 return Err(EigenError::ConsistentMass(crate::CholeskyError::Indefinite {
                     row,
                     pivot: value,

@@ -167,7 +167,7 @@ impl<'a> Lanczos<'a> {
 
     /// Throws the next block away for random vectors: eigenvectors may have hidden from the starting ones.
     /// Call right after [`Lanczos::restart`]; the kept vectors must have converged.
-    pub(crate) fn renew(&mut self) {
+    pub(crate) fn randomise_next(&mut self) {
         self.next = self.random_block();
         self.projected.coupling.iter_mut().for_each(|c| *c = ZERO);
     }

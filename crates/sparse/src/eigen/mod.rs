@@ -31,6 +31,8 @@ pub use within::eigenpairs_within;
 
 /// How to solve an eigenproblem.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct EigenOptions {
     /// Largest residual ‖S φ − λ M φ‖ in the M⁻¹ norm, as a share of the largest wanted eigenvalue, of a
     /// vector with φᵀMφ = 1: what the iteration aims at. [`EigenOptions::residual_limit`] says what is returned.
@@ -52,6 +54,8 @@ pub struct EigenOptions {
 
 /// What decomposes a dense problem.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum DenseSolver {
     /// The backend of this crate, on M^(−1/2) S M^(−1/2).
@@ -64,6 +68,8 @@ pub enum DenseSolver {
 
 /// Whether the number of eigenvalues is checked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Count {
     /// By the inertia of S − σM with σ just above the last eigenvalue: none has been missed.
     Certified,

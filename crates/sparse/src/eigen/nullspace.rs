@@ -71,7 +71,7 @@ mod tests {
             t.add_triplet(i, j, v);
         }
         let matrix: SparseMatrix = t.to_csr();
-        let (count, names) = constant_components(Rows::of(&matrix));
+        let (count, names) = constant_components(Rows::new(&matrix));
         assert_eq!((count, names), (2, vec![Some(0), Some(1), Some(0), None, None]));
     }
 
@@ -81,7 +81,7 @@ mod tests {
         for (tie, count) in [(1.0, 0), (1e-4, 1)] {
             let values = vec![1e12 + tie, -1e12, -1e12, 1e12];
             let matrix = SparseMatrix::new((2, 2), vec![0, 2, 4], vec![0, 1, 0, 1], values);
-            assert_eq!(constant_components(Rows::of(&matrix)).0, count, "{tie}");
+            assert_eq!(constant_components(Rows::new(&matrix)).0, count, "{tie}");
         }
     }
 }

@@ -44,7 +44,7 @@ impl Problem {
     pub(crate) fn new(stiffness: &SparseMatrix, mass: Mass<'_>) -> Result<Self, EigenError> {
         let n = stiffness.rows();
         mass.check(n)?;
-        let stiffness_unit = power_of_two(median_of_positive(Rows::of(stiffness).diagonal()));
+        let stiffness_unit = power_of_two(median_of_positive(Rows::new(stiffness).diagonal()));
         // Divided before they are added: the sum of huge masses may overflow.
         let mass_unit = power_of_two(mass.diagonal().iter().map(|m| m / n as f64).sum());
         let scaled = |matrix: &SparseMatrix, unit: f64| matrix.map(|v| v / unit);
@@ -68,7 +68,7 @@ impl Problem {
                 OrderedMass::Consistent { matrix, factor }
             }
         };
-        let constants = nullspace::constant_components(Rows::of(&stiffness));
+        let constants = nullspace::constant_components(Rows::new(&stiffness));
         let constant_masses = component_masses(&mass, &constants);
         Ok(Self {
             constants,
@@ -117,7 +117,7 @@ impl Problem {
             OrderedMass::Lumped(d) => w.iter().zip(d).map(|(w, m)| w.map(|w| w * m)).collect(),
             OrderedMass::Consistent { matrix, .. } => {
                 let mut out = vec![[0.0; LANES]; w.len()];
-                product::multiply_lanes(Rows::of(matrix), w, &mut out);
+                product::multiply_lanes(Rows::new(matrix), w, &mut out);
                 out
             }
         }
@@ -175,7 +175,7 @@ impl Problem {
     /// |S'| |W| + M' |W| diag |λ'|: what the terms of a residual add up to without signs.
     pub(crate) fn magnitude(&self, w: &Block, lambda: &[f64; LANES]) -> Block {
         let w: Block = w.iter().map(|w| w.map(f64::abs)).collect();
-        let s = Rows::of(&self.stiffness);
+        let s = Rows::new(&self.stiffness);
         let mut out = self.mass_times(&w);
         for (i, out) in out.iter_mut().enumerate() {
             for lane in 0..LANES {
@@ -193,7 +193,7 @@ impl Problem {
 
     /// The largest Σ sᵢᵢ φᵢ² of the vectors in these blocks.
     pub(crate) fn strain(&self, blocks: &[Block]) -> f64 {
-        let diagonal = Rows::of(&self.stiffness).diagonal();
+        let diagonal = Rows::new(&self.stiffness).diagonal();
         let squares = |block: &Block| basis::weighted_squares(&diagonal, block);
         blocks.iter().flat_map(squares).fold(0.0, f64::max)
     }
@@ -223,7 +223,7 @@ impl Problem {
     /// S' W − M' W diag(λ').
     pub(crate) fn residual(&self, w: &Block, lambda: &[f64; LANES]) -> Block {
         let mut r = vec![[0.0; LANES]; w.len()];
-        product::multiply_lanes(Rows::of(&self.stiffness), w, &mut r);
+        product::multiply_lanes(Rows::new(&self.stiffness), w, &mut r);
         for (r, m) in r.iter_mut().zip(self.mass_times(w)) {
             for lane in 0..LANES {
                 r[lane] -= lambda[lane] * m[lane];
@@ -278,7 +278,7 @@ impl UnorderedMass {
 
 /// P A Pᵀ: row k is row `order[k]` of A.
 fn permuted(matrix: &SparseMatrix, order: &[u32]) -> SparseMatrix {
-    let rows = Rows::of(matrix);
+    let rows = Rows::new(matrix);
     // An ordering of a factorisation is a permutation.
     let inverse = ordering::invert(order).unwrap_or_default();
     let mut starts = Vec::with_capacity(order.len() + 1);

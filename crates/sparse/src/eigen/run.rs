@@ -172,7 +172,7 @@ const PATIENCE: usize = 2;
 /// A share of σ within which an eigenvalue counts as zero up to rounding.
 const ZERO_SHARE: f64 = 1e-6;
 /// New starting vectors before a count that does not fit is an error.
-const RENEWALS: usize = 3;
+const RANDOM_RESTARTS: usize = 3;
 /// Numbers in a basis, at most, unless the pairs themselves need more: 2.4 GB.
 const MOST_NUMBERS: usize = 300_000_000;
 
@@ -264,16 +264,16 @@ impl<'a, 'w> Run<'a, 'w> {
     }
 
     /// Keeps what has converged and continues with random vectors.
-    pub(crate) fn renew(&mut self, ritz: &Ritz, best: &[Candidate], converged: usize) {
+    pub(crate) fn restart_randomly(&mut self, ritz: &Ritz, best: &[Candidate], converged: usize) {
         self.restart(ritz, best, converged);
-        self.lanczos.renew();
+        self.lanczos.randomise_next();
         self.cap = self.cap.max(self.lanczos.len() + 12 * LANES);
         self.next_check = self.lanczos.len() + 10 * LANES;
     }
 
     /// The wanted pairs from below, completed to the next gap, which inertia counts.
     pub(crate) fn until_counted(&mut self, constants: usize) -> Result<Below, EigenError> {
-        let mut renewals = 0;
+        let mut random_restarts = 0;
         let operator = self.lanczos.operator;
         // Zero up to rounding may come out negative. What has not converged is anywhere.
         let least = -ZERO_SHARE * operator.sigma.abs();
@@ -314,15 +314,15 @@ impl<'a, 'w> Run<'a, 'w> {
                 polish::polish(operator, &lambdas, &mut vectors, goal);
                 return Ok((lambdas, vectors, counted));
             }
-            renewals += 1;
-            if renewals > RENEWALS {
+            random_restarts += 1;
+            if random_restarts > RANDOM_RESTARTS {
                 return Err(EigenError::Miscounted {
                     found: constants + g,
                     counted: counted.count,
                     shift: counted.shift * self.problem.unit,
                 });
             }
-            self.renew(&ritz, &candidates, converged);
+            self.restart_randomly(&ritz, &candidates, converged);
         }
     }
 }

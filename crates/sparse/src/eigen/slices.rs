@@ -20,7 +20,7 @@ const TOO_FULL: f64 = 1.5;
 /// Cuts of a window before it is taken as it is.
 const MOST_CUTS: usize = 30;
 /// New starting vectors before a window that misses pairs is an error.
-const RENEWALS: usize = 3;
+const RANDOM_RESTARTS: usize = 3;
 
 /// Adds pairs above those found, which are complete below `shift`, until there are `wanted`.
 pub(crate) fn continue_upwards(
@@ -112,7 +112,7 @@ impl Slices<'_> {
         }
         let mut run = Run::new(&operator, &locked, inside, self.options, watch);
         let goal = self.options.tolerance * to;
-        let mut renewals = 0;
+        let mut random_restarts = 0;
         let mut stalled = 0;
         loop {
             let (ritz, mut candidates) = run.advance()?;
@@ -138,7 +138,7 @@ impl Slices<'_> {
             }
             // All that show inside have converged, yet some are missing: they hide from the start.
             stalled = if showing.len() == done.len() { stalled + 1 } else { 0 };
-            if done.len() > inside || (stalled >= 3 && renewals == RENEWALS) {
+            if done.len() > inside || (stalled >= 3 && random_restarts == RANDOM_RESTARTS) {
                 return Err(EigenError::Miscounted {
                     found: self.counted + done.len(),
                     counted: self.counted + inside,
@@ -146,9 +146,9 @@ impl Slices<'_> {
                 });
             }
             if stalled >= 3 {
-                renewals += 1;
+                random_restarts += 1;
                 stalled = 0;
-                run.renew(&ritz, &candidates, done.len());
+                run.restart_randomly(&ritz, &candidates, done.len());
             } else {
                 run.restart_if_full(&ritz, &candidates);
             }

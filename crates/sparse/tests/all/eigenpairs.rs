@@ -1,4 +1,4 @@
-//! Eigenpairs against known spectra; pairs are always held against S φ = λ M φ itself.
+//! Eigenpairs against known spectra; pairs are always checked with S φ = λ M φ itself.
 
 use std::ops::ControlFlow;
 

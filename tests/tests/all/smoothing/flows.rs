@@ -152,7 +152,7 @@ fn faired_regions_reproduce_what_the_operator_annihilates() {
     let grid = shapes::plane(14, 14, shapes::Diagonals::Alternating);
     let all: Vec<u32> = (0..grid.vertex_count() as u32).collect();
     let error = fair_region(&grid, &FairRegion::new(all)).unwrap_err();
-    assert!(matches!(error.failure, FlowFailure::NotFactored { .. }), "{:?}", error.failure);
+    assert!(matches!(error.failure, FlowFailure::NotFactored(_)), "{:?}", error.failure);
 }
 
 /// On a mode of eigenvalue μ the method of Vollmer is a recurrence of numbers: with p = (1 + μ) q and b = p − (αo +

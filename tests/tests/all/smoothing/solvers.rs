@@ -51,7 +51,7 @@ fn a_constrained_step_solves_its_system() {
     }
 }
 
-/// Series, conjugate gradients and factors of a frozen operator, and of one taken anew, agree.
+/// Series, conjugate gradients and factors of a frozen operator, and of one assembled again, agree.
 #[test]
 fn factors_and_iterations_agree() {
     let mesh = shapes::bumpy_sphere(4, 0.2, 5.0);
@@ -69,7 +69,7 @@ fn factors_and_iterations_agree() {
     }
 }
 
-/// Mean curvature flow over a pinned square frame, whose limit is flat: long steps are factored anew each time, and
+/// Mean curvature flow over a pinned square frame, whose limit is flat: long steps are factored again each time, and
 /// go where many iterations go.
 #[test]
 fn long_steps_of_mean_curvature_flow_are_factored() {

@@ -15,7 +15,7 @@ struct Modes {
     /// Rows are modes, orthonormal in the inner product of `M`.
     phi: Vec<Vec<f64>>,
     mass: Vec<f64>,
-    /// What a flow of infinite length leads to: the harmonic function of the vertices that are held.
+    /// What a flow of infinite length leads to: the harmonic function of the fixed vertices.
     limit: Vec<[f64; 3]>,
 }
 
@@ -50,7 +50,7 @@ fn jacobi(mut a: Vec<Vec<f64>>) -> (Vec<f64>, Vec<Vec<f64>>) {
 }
 
 impl Modes {
-    fn of(mesh: &TriMesh, uniform: bool, held: &[usize]) -> Self {
+    fn new(mesh: &TriMesh, uniform: bool, fixed: &[usize]) -> Self {
         let n = mesh.vertex_count();
         let (s, mass) = if uniform {
             let s = combinatorial_laplacian(mesh).unwrap().to_dense();
@@ -60,7 +60,7 @@ impl Modes {
             let mass = lumped_mass(mesh, LumpedArea::Barycentric).unwrap();
             (cotan_stiffness(mesh).unwrap().to_dense(), mass)
         };
-        let free: Vec<usize> = (0..n).filter(|i| !held.contains(i)).collect();
+        let free: Vec<usize> = (0..n).filter(|i| !fixed.contains(i)).collect();
         let scaled = |&i: &usize| {
             free.iter().map(|&j| s[[i, j]] / (mass[i] * mass[j]).sqrt()).collect::<Vec<f64>>()
         };
@@ -83,16 +83,16 @@ impl Modes {
             })
             .collect();
         let mut limit = vec![[0.0; 3]; n];
-        for &i in held {
+        for &i in fixed {
             limit[i] = mesh.positions()[i];
         }
-        // S_ff x = −S_fh x_h, mode by mode; constants of components without held vertices see nothing of it.
+        // S_ff x = −S_fh x_h, mode by mode; constants of components without fixed vertices see nothing of it.
         let mut harmonic = limit.clone();
         for (omega, row) in omega.iter().zip(&phi).filter(|(omega, _)| **omega > 0.0) {
             for k in 0..3 {
                 let side: f64 = free
                     .iter()
-                    .map(|&i| -row[i] * held.iter().map(|&j| s[[i, j]] * limit[j][k]).sum::<f64>())
+                    .map(|&i| -row[i] * fixed.iter().map(|&j| s[[i, j]] * limit[j][k]).sum::<f64>())
                     .sum();
                 for (x, phi) in harmonic.iter_mut().zip(row) {
                     x[k] += phi * side / omega;
@@ -159,7 +159,7 @@ fn apart(mesh: &TriMesh, found: &TriMesh, expected: &[[f64; 3]]) -> f64 {
 
 const LAMBDAS: [f64; 9] = [1e-3, 0.5, 5.0, 300.0, 1e4, 1e6, 1e9, 1e12, 1e15];
 
-/// Implicit runs, computed at once and step by step, with and without vertices that are held.
+/// Implicit runs, computed at once and step by step, with and without fixed vertices.
 #[test]
 fn implicit_runs_of_any_length() {
     let mesh = three_parts();
@@ -167,8 +167,8 @@ fn implicit_runs_of_any_length() {
     for (uniform, pinned) in
         [(true, vec![]), (false, vec![]), (true, vec![14, 20]), (false, vec![3, 30])]
     {
-        let held: Vec<usize> = pinned.iter().map(|&v: &u32| v as usize).collect();
-        let modes = Modes::of(&mesh, uniform, &held);
+        let fixed: Vec<usize> = pinned.iter().map(|&v: &u32| v as usize).collect();
+        let modes = Modes::new(&mesh, uniform, &fixed);
         for lambda in LAMBDAS {
             for steps in [1usize, 3, 10, 200] {
                 let diffusion =
@@ -184,7 +184,7 @@ fn implicit_runs_of_any_length() {
                 // until the modes are gone.
                 let off = apart(&mesh, &at_once.mesh, &expected);
                 let what =
-                    format!("uniform {uniform}, held {held:?}, λ = {lambda:e}, {steps} steps");
+                    format!("uniform {uniform}, fixed {fixed:?}, λ = {lambda:e}, {steps} steps");
                 assert!(off < 1e-7, "{what}: {off:e}, {:?}", at_once.report.approach);
                 if steps <= 10 {
                     let mut go_on = |_: &fairing_smoothing::Step<'_>| ControlFlow::Continue(());
@@ -202,7 +202,7 @@ fn implicit_runs_of_any_length() {
 #[test]
 fn explicit_runs_of_any_length() {
     let mesh = three_parts();
-    let modes = Modes::of(&mesh, true, &[]);
+    let modes = Modes::new(&mesh, true, &[]);
     for lambda in [1e-3, 0.5, 0.9, 1.0] {
         for steps in [1usize, 2, 10, 200, 5000, 100_000, 3_000_000] {
             let expected =
@@ -230,8 +230,8 @@ fn explicit_runs_of_any_length() {
 fn filters_of_any_width() {
     let mesh = three_parts();
     for pinned in [vec![], vec![14u32, 33]] {
-        let held: Vec<usize> = pinned.iter().map(|&v| v as usize).collect();
-        let modes = Modes::of(&mesh, false, &held);
+        let fixed: Vec<usize> = pinned.iter().map(|&v| v as usize).collect();
+        let modes = Modes::new(&mesh, false, &fixed);
         let check = |transfer: Transfer, factor: &dyn Fn(f64) -> f64| {
             let constraints = Constraints { pinned: pinned.clone(), ..Constraints::default() };
             let options = LowPass { constraints, ..LowPass::new(transfer) };
@@ -240,7 +240,7 @@ fn filters_of_any_width() {
             // 2.1e-10 in the norm of the mass, which is 1e-3 of the whole at the least vertex.
             let off = apart(&mesh, &found.mesh, &expected);
             assert!(off < 1e-8, "{transfer:?}: {off:e}, {:?}", found.report);
-            for &v in &held {
+            for &v in &fixed {
                 assert_eq!(found.mesh.positions()[v], mesh.positions()[v], "{transfer:?}");
             }
         };

@@ -314,6 +314,6 @@ pub(crate) fn regress(
         progress.advance(network)?;
     }
     let Progress { mut normals, limit, trust, variance, .. } = progress;
-    flatten(&Evidence { mesh, hinges, trust: &trust, variance }, &mut normals);
+    flatten(&Evidence::new(mesh, hinges, &trust, variance), &mut normals);
     Ok(Regressed { normals, limit })
 }

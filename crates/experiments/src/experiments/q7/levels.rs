@@ -111,7 +111,7 @@ struct Level {
 }
 
 impl Level {
-    fn of(model: &Table, sigma: f64) -> Result<Self> {
+    fn new(model: &Table, sigma: f64) -> Result<Self> {
         let rows = model.only(&[("σ", sigma.into())])?;
         let value =
             |method: Method, column: &str| rows.value(&[("method", method.name().into())], column);
@@ -197,7 +197,7 @@ fn joined(words: &[String]) -> String {
 /// Claim 7a.
 pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
     let model = tables.get("model")?;
-    let levels = ASSIGNMENT.iter().map(|s| Level::of(model, *s)).collect::<Result<Vec<_>>>()?;
+    let levels = ASSIGNMENT.iter().map(|s| Level::new(model, *s)).collect::<Result<Vec<_>>>()?;
     let resolution = tables.get("resolution")?;
     let depends = depending(resolution)?;
     let all = Method::OF_THE_REPORT.len();

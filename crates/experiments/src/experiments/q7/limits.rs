@@ -43,7 +43,7 @@ pub(super) fn table(sweep: &Results) -> Result<Results> {
     for mesh in sweep.labels("mesh")? {
         let mesh = mesh.as_str();
         let rows = sweep.only(&[("mesh", mesh.into())])?;
-        let of = |method: &str| Errors::of(&rows.only(&[("method", method.into())])?);
+        let of = |method: &str| Errors::new(&rows.only(&[("method", method.into())])?);
         let input = of(Method::Nothing.name())?;
         let mut best: Option<Errors> = None;
         for (method, _) in &METHODS[1..] {
@@ -71,7 +71,7 @@ struct Errors {
 }
 
 impl Errors {
-    fn of(rows: &Results) -> Result<Self> {
+    fn new(rows: &Results) -> Result<Self> {
         let optional = |column: &str| -> Result<Vec<Option<f64>>> {
             let c = rows.index(column)?;
             Ok(rows.rows.iter().map(|row| row[c].number()).collect())

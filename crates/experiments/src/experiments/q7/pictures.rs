@@ -47,7 +47,7 @@ const CURVES: [Method; 7] = [
 const SCAN_LEVELS: [(f64, bool); 4] = [(0.1, true), (0.3, true), (0.5, false), (1.0, true)];
 
 /// The noisy part and what the methods make of it, a row for each level of the assignment.
-pub(super) fn of_levels(context: &Context<'_>, part: &Body) -> Result<(Picture, View)> {
+pub(super) fn levels(context: &Context<'_>, part: &Body) -> Result<(Picture, View)> {
     let levels = ASSIGNMENT.map(|sigma| Level {
         name: sigma.to_string(),
         noise: NoiseLevel::Model(sigma),
@@ -66,7 +66,7 @@ pub(super) fn of_levels(context: &Context<'_>, part: &Body) -> Result<(Picture, 
 }
 
 /// The same of the scan, levels in h.
-pub(super) fn of_scan(context: &Context<'_>, scan: &Body) -> Result<(Picture, View)> {
+pub(super) fn scan(context: &Context<'_>, scan: &Body) -> Result<(Picture, View)> {
     let levels = SCAN_LEVELS.map(|(sigma, drawn)| Level {
         name: format!("{sigma} h"),
         noise: NoiseLevel::EdgeLengths(sigma),

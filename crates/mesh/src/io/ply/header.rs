@@ -25,7 +25,7 @@ pub(super) enum Scalar {
 }
 
 impl Scalar {
-    fn of(name: &[u8]) -> Option<Self> {
+    fn from_name(name: &[u8]) -> Option<Self> {
         Some(match name {
             b"char" | b"int8" => Self::I8,
             b"uchar" | b"uint8" => Self::U8,
@@ -233,10 +233,10 @@ fn add_property(
 fn property(words: &[&[u8]]) -> Option<Property> {
     let (kind, name) = match words {
         [b"list", count, item, name] => {
-            let count = Scalar::of(count).filter(|count| count.is_integer())?;
-            (Kind::List { count, item: Scalar::of(item)? }, name)
+            let count = Scalar::from_name(count).filter(|count| count.is_integer())?;
+            (Kind::List { count, item: Scalar::from_name(item)? }, name)
         }
-        [scalar, name] => (Kind::Scalar(Scalar::of(scalar)?), name),
+        [scalar, name] => (Kind::Scalar(Scalar::from_name(scalar)?), name),
         _ => return None,
     };
     Some(Property { name: String::from_utf8_lossy(name).into_owned(), kind })

@@ -21,7 +21,7 @@ impl Layout {
     /// `name_y`, `name_z` the vector `name`, if they stand together in this
     /// order. All else are scalars. Readers and writers share it, so that
     /// what is written is read back as the same.
-    pub(crate) fn of(columns: &[Column<'_>]) -> Self {
+    pub(crate) fn new(columns: &[Column<'_>]) -> Self {
         let find = |name: &str| columns.iter().position(|column| column.name == name);
         let all = |names: [&str; 3]| {
             let [a, b, c] = names.map(find);
@@ -78,7 +78,7 @@ mod tests {
     fn layout(names: &str) -> Layout {
         let columns: Vec<_> =
             names.split(' ').map(|name| Column { name, is_byte: name != "blue" }).collect();
-        Layout::of(&columns)
+        Layout::new(&columns)
     }
 
     #[test]

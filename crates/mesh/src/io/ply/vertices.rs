@@ -24,7 +24,7 @@ pub(super) fn read(
             Column { name: &property.name, is_byte: property.kind == Kind::Scalar(Scalar::U8) }
         })
         .collect();
-    let layout = Layout::of(&described);
+    let layout = Layout::new(&described);
     let Some(position) = layout.position else {
         let found = described.iter().map(|column| column.name).collect::<Vec<_>>().join(", ");
         return Err(source.fault(unexpected("vertex properties x, y and z", found)));

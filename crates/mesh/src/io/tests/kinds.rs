@@ -41,11 +41,11 @@ fn content_decides_where_the_name_is_silent() {
 #[test]
 fn a_byte_order_mark_is_no_content() {
     const MARK: &[u8] = b"\xef\xbb\xbf";
-    for (format, ending) in FORMATS {
+    for (format, extension) in FORMATS {
         let marked = [MARK, &bytes(format, &WriteOptions::ascii())].concat();
-        for name in ["", &format!("a.{ending}")] {
+        for name in ["", &format!("a.{extension}")] {
             for bytes in [marked.clone(), packed(&marked)] {
-                // A packed file has another ending.
+                // A packed file has another file extension.
                 let name = if bytes == marked { name } else { "" };
                 let file = read(name, &bytes);
                 assert_eq!(file.report.format, format);
@@ -76,8 +76,8 @@ fn another_kind_than_the_ending_is_named() {
     for (content, _) in FORMATS {
         for options in [WriteOptions::default(), WriteOptions::ascii()] {
             let bytes = bytes(content, &options);
-            for (named, ending) in FORMATS.into_iter().filter(|&(named, _)| named != content) {
-                let message = refusal(&format!("a.{ending}"), &bytes, &ReadOptions::default());
+            for (named, extension) in FORMATS.into_iter().filter(|&(named, _)| named != content) {
+                let message = refusal(&format!("a.{extension}"), &bytes, &ReadOptions::default());
                 let expected = format!("the name says {named}, but the content is {content}");
                 assert!(message.contains(&expected), "{message}");
             }
@@ -85,8 +85,8 @@ fn another_kind_than_the_ending_is_named() {
     }
     let message = refusal("a.obj.gz", b"v 0 0 0\n", &ReadOptions::default());
     assert!(message.contains("the name says gzip-compressed, but the content is not"), "{message}");
-    for (_, ending) in FORMATS {
-        let name = format!("a.{ending}");
+    for (_, extension) in FORMATS {
+        let name = format!("a.{extension}");
         let message = refusal(&name, b"\x89PNG\r\n\x1a\n and so on", &ReadOptions::default());
         assert!(message.contains("but the content is a PNG image"), "{message}");
     }
@@ -103,8 +103,8 @@ fn gzip_under_a_plain_name_is_read() {
 
 #[test]
 fn empty_files_and_meshes_are_errors() {
-    for (_, ending) in FORMATS {
-        let name = format!("a.{ending}");
+    for (_, extension) in FORMATS {
+        let name = format!("a.{extension}");
         for bytes in [&b""[..], b" \n\t\r\n", &packed(b"")] {
             let message = refusal(&name, bytes, &ReadOptions::default());
             assert!(message.contains("the file is empty"), "{message}");

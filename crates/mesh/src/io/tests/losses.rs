@@ -1,7 +1,7 @@
 //! What cannot be kept is said, and writing is whole or not at all.
 
 use crate::io::tests::{read, refusal, tetrahedron};
-use crate::io::{ReadOptions, UnheldFields, VertexFields, WriteOptions};
+use crate::io::{ReadOptions, UnsupportedFields, VertexFields, WriteOptions};
 use crate::io::{WriteProblem, read_bytes, write, write_with_fields};
 
 /// An open box whose quads name a corner twice, in a row and not, as files of
@@ -136,7 +136,7 @@ fn fields_are_never_lost_in_silence() {
         .with_scalar("mean", vec![1.0; 4])
         .with_vector("normal", vec![[0.0, 0.0, 1.0]; 4])
         .with_colors(vec![[1, 2, 3]; 4]);
-    for (name, unheld) in [
+    for (name, unsupported) in [
         ("a.obj", vec!["mean", "normal"]),
         ("a.off", vec!["mean"]),
         ("a.stl", vec!["mean", "normal", "colours"]),
@@ -145,19 +145,19 @@ fn fields_are_never_lost_in_silence() {
         let path = folder.path().join(name);
         let refuse = WriteOptions::default();
         match write_with_fields(&path, &tetrahedron(), &fields, &refuse) {
-            Ok(report) => assert!(unheld.is_empty() && report.dropped.is_empty()),
+            Ok(report) => assert!(unsupported.is_empty() && report.dropped.is_empty()),
             Err(error) => {
-                let WriteProblem::FieldsNotHeld { fields, .. } = error.problem else {
+                let WriteProblem::UnsupportedFields { fields, .. } = error.problem else {
                     panic!("{error}")
                 };
-                assert_eq!(fields, unheld);
+                assert_eq!(fields, unsupported);
                 assert!(!path.exists());
             }
         }
         let dropping = refuse.dropping_fields();
-        assert_eq!(dropping.unheld_fields, UnheldFields::Drop);
+        assert_eq!(dropping.unsupported_fields, UnsupportedFields::Drop);
         let report = write_with_fields(&path, &tetrahedron(), &fields, &dropping).unwrap();
-        assert_eq!(report.dropped, unheld);
+        assert_eq!(report.dropped, unsupported);
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::io::error::WriteProblem;
 use crate::io::write::surface::Surface;
 use crate::io::write::{WriteReport, fields, obj, off, ply, stl};
-use crate::io::{Format, UnheldFields, WriteOptions};
+use crate::io::{Format, UnsupportedFields, WriteOptions};
 
 /// The bytes of a file, in pieces, with the report.
 pub(super) fn encode(
@@ -12,9 +12,9 @@ pub(super) fn encode(
     options: &WriteOptions,
 ) -> Result<(Vec<Vec<u8>>, WriteReport), WriteProblem> {
     fields::check(surface.fields, surface.positions.len())?;
-    let unheld = fields::unheld(format, surface.fields);
-    if !unheld.is_empty() && options.unheld_fields == UnheldFields::Refuse {
-        return Err(WriteProblem::FieldsNotHeld { format, fields: unheld });
+    let unsupported = fields::unsupported(format, surface.fields);
+    if !unsupported.is_empty() && options.unsupported_fields == UnsupportedFields::Refuse {
+        return Err(WriteProblem::UnsupportedFields { format, fields: unsupported });
     }
     let mut notes = Vec::new();
     let pieces = match format {
@@ -24,5 +24,5 @@ pub(super) fn encode(
         Format::Stl => stl::encode(surface, options.encoding, &mut notes)?,
     };
     let bytes = pieces.iter().map(Vec::len).sum();
-    Ok((pieces, WriteReport { format, bytes, dropped: unheld, notes }))
+    Ok((pieces, WriteReport { format, bytes, dropped: unsupported, notes }))
 }

@@ -74,7 +74,7 @@ fn check_names(fields: &VertexFields) -> Result<(), WriteProblem> {
         .enumerate()
         .map(|(k, name)| Column { name, is_byte: k >= bytes_from })
         .collect();
-    let layout = Layout::of(&columns);
+    let layout = Layout::new(&columns);
     let scalars = layout.scalars.iter().map(|(name, _)| name);
     if !scalars.eq(fields.scalars.iter().map(|(name, _)| name)) {
         let name = layout.vectors.iter().map(|(name, _)| name);
@@ -85,7 +85,7 @@ fn check_names(fields: &VertexFields) -> Result<(), WriteProblem> {
 }
 
 /// The fields that a format has no place for.
-pub(super) fn unheld(format: Format, fields: &VertexFields) -> Vec<String> {
+pub(super) fn unsupported(format: Format, fields: &VertexFields) -> Vec<String> {
     if format == Format::Ply {
         return Vec::new();
     }

@@ -22,6 +22,7 @@ use surface::{Faces, Surface};
 
 /// What was written, and what was not.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct WriteReport {
     /// The format.

@@ -127,7 +127,7 @@ fn columns<'a>(
         }
         FloatWidth::Single => match values.iter().find(|x| (**x as f32).is_infinite()) {
             None => Ok(Width::Single),
-            Some(x) => Err(WriteProblem::MeshNotHeld {
+            Some(x) => Err(WriteProblem::UnsupportedMesh {
                 format: crate::io::Format::Ply,
                 what: format!("{x:e} in {name} as a 32-bit number"),
             }),

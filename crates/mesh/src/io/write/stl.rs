@@ -15,7 +15,7 @@ pub(super) fn encode(
     encoding: Encoding,
     notes: &mut Vec<String>,
 ) -> Result<Vec<Vec<u8>>, WriteProblem> {
-    let not_held = |what: String| WriteProblem::MeshNotHeld { format: Format::Stl, what };
+    let not_held = |what: String| WriteProblem::UnsupportedMesh { format: Format::Stl, what };
     let Faces::Triangles(faces) = surface.faces else {
         return Err(not_held("polygons: triangulate the mesh first".to_owned()));
     };

@@ -1,0 +1,234 @@
+//! One error for programs that call several crates.
+
+use fairing_denoising::DenoiseError;
+use fairing_evaluation::EvaluationError;
+#[cfg(feature = "figure")]
+use fairing_figure::{EncodeError, PlotError, RenderError, ScaleError};
+use fairing_mesh::io::{ReadError, ReadProblem, WriteError, WriteProblem};
+use fairing_mesh::{BuildError, ParameterError, UnknownName};
+use fairing_operators::OperatorError;
+use fairing_smoothing::{FlowError, FlowFailure};
+use fairing_sparse::{CgError, CholeskyError, EigenError, MassError, MatrixError};
+use fairing_spectral::SpectralError;
+use fairing_watch::Cancelled;
+
+/// What sort of failure an [`Error`] is: enough to choose an exit code, or an
+/// exception of another language.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum ErrorKind {
+    /// Arrays or a file do not make a mesh or a matrix.
+    Input,
+    /// An argument is out of its range, unknown, or for another mesh.
+    Option,
+    /// The system cannot read or write a file.
+    Io,
+    /// The computation is not defined on this mesh, or did not succeed.
+    Numeric,
+    /// The work was cancelled.
+    Cancelled,
+}
+
+/// Any error of any crate; `?` makes it.
+///
+/// # Examples
+///
+/// ```
+/// use fairing::{Error, ErrorKind};
+/// use fairing::mesh::TriMesh;
+/// use fairing::spectral::HeatGeodesics;
+///
+/// fn farthest(positions: &[f64], faces: &[u32]) -> Result<f64, Error> {
+///     let mesh = TriMesh::from_flat(positions, faces)?;
+///     let distance = HeatGeodesics::new(&mesh)?.distance(&[0])?;
+///     Ok(distance.into_iter().flatten().fold(0.0, f64::max))
+/// }
+/// assert_eq!(farthest(&[0.0, 0.0], &[]).unwrap_err().kind(), ErrorKind::Input);
+/// ```
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// Positions and faces do not make a mesh.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// A file cannot be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// A file cannot be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// A value does not fit a parameter of a method.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// There is no choice of this name.
+    #[error(transparent)]
+    UnknownName(#[from] UnknownName),
+    /// Arrays do not make a sparse matrix.
+    #[error(transparent)]
+    Matrix(#[from] MatrixError),
+    /// A mass does not fit its matrix.
+    #[error(transparent)]
+    Mass(#[from] MassError),
+    /// A matrix cannot be factorised.
+    #[error(transparent)]
+    Cholesky(#[from] CholeskyError),
+    /// Conjugate gradients do not converge.
+    #[error(transparent)]
+    Cg(#[from] CgError),
+    /// Eigenpairs cannot be computed.
+    #[error(transparent)]
+    Eigen(#[from] EigenError),
+    /// An operator or a curvature is not defined.
+    #[error(transparent)]
+    Operator(#[from] OperatorError),
+    /// A spectrum, or something made from it, is not available.
+    #[error(transparent)]
+    Spectral(#[from] SpectralError),
+    /// A flow has failed.
+    #[error(transparent)]
+    Flow(#[from] FlowError),
+    /// A mesh cannot be denoised.
+    #[error(transparent)]
+    Denoise(#[from] DenoiseError),
+    /// Noise, a distance or a score is not defined.
+    #[error(transparent)]
+    Evaluation(#[from] EvaluationError),
+    /// A picture cannot be drawn.
+    #[cfg(feature = "figure")]
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// Values cannot be turned into colours.
+    #[cfg(feature = "figure")]
+    #[error(transparent)]
+    Scale(#[from] ScaleError),
+    /// A plot cannot be drawn.
+    #[cfg(feature = "figure")]
+    #[error(transparent)]
+    Plot(#[from] PlotError),
+    /// A picture cannot be written.
+    #[cfg(feature = "figure")]
+    #[error(transparent)]
+    Encode(#[from] EncodeError),
+    /// The work was cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+impl Error {
+    /// What sort of failure it is.
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Cancelled(_) => ErrorKind::Cancelled,
+            Self::Build(_) | Self::Matrix(_) => ErrorKind::Input,
+            Self::Parameter(_) | Self::UnknownName(_) => ErrorKind::Option,
+            Self::Read(error) => match error.problem {
+                ReadProblem::Io(_) => ErrorKind::Io,
+                _ => ErrorKind::Input,
+            },
+            Self::Write(error) => match error.problem {
+                WriteProblem::Io(_) => ErrorKind::Io,
+                _ => ErrorKind::Option,
+            },
+            Self::Operator(error) => operator_kind(error),
+            Self::Spectral(error) => spectral_kind(error),
+            Self::Flow(error) => flow_kind(&error.failure),
+            Self::Denoise(DenoiseError::InvalidOption { .. } | DenoiseError::Parameter(_)) => {
+                ErrorKind::Option
+            }
+            Self::Evaluation(error) => evaluation_kind(error),
+            #[cfg(feature = "figure")]
+            Self::Scale(_) => ErrorKind::Option,
+            _ => ErrorKind::Numeric,
+        }
+    }
+}
+
+fn operator_kind(error: &OperatorError) -> ErrorKind {
+    match error {
+        OperatorError::Option { .. }
+        | OperatorError::Length { .. }
+        | OperatorError::NoSuchVertex { .. }
+        | OperatorError::NoSuchMass { .. } => ErrorKind::Option,
+        _ => ErrorKind::Numeric,
+    }
+}
+
+fn spectral_kind(error: &SpectralError) -> ErrorKind {
+    match error {
+        SpectralError::Io { .. } => ErrorKind::Io,
+        SpectralError::File { .. } | SpectralError::Positions(_) => ErrorKind::Input,
+        SpectralError::Operator(error) => operator_kind(error),
+        SpectralError::Kind { .. }
+        | SpectralError::Repeated { .. }
+        | SpectralError::TooManyModes { .. }
+        | SpectralError::Rows { .. }
+        | SpectralError::Parameter { .. }
+        | SpectralError::NoSuchVertex { .. } => ErrorKind::Option,
+        _ => ErrorKind::Numeric,
+    }
+}
+
+fn flow_kind(failure: &FlowFailure) -> ErrorKind {
+    match failure {
+        FlowFailure::InvalidOption { .. }
+        | FlowFailure::Unsupported { .. }
+        | FlowFailure::Unstable { .. }
+        | FlowFailure::Amplified { .. }
+        | FlowFailure::NoSuchVertex { .. } => ErrorKind::Option,
+        FlowFailure::Operator(error) => operator_kind(error),
+        _ => ErrorKind::Numeric,
+    }
+}
+
+fn evaluation_kind(error: &EvaluationError) -> ErrorKind {
+    match error {
+        EvaluationError::Parameter { .. } | EvaluationError::NoiseParameter { .. } => {
+            ErrorKind::Option
+        }
+        EvaluationError::Operator(error) => operator_kind(error),
+        _ => ErrorKind::Numeric,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{TriMesh, io};
+    use crate::smoothing::{Diffusion, Explicit, explicit};
+    use crate::{evaluation, operators, shapes, spectral};
+
+    #[test]
+    fn each_sort_of_failure_has_its_kind() {
+        let kind = |error: Error| error.kind();
+        let mesh = shapes::icosphere(1);
+        let built = TriMesh::new(vec![[f64::NAN; 3]], vec![]).unwrap_err();
+        assert_eq!(kind(built.into()), ErrorKind::Input);
+        assert_eq!(kind(io::read("no/such/file.ply").unwrap_err().into()), ErrorKind::Io);
+        let written = io::write("no/such/folder/a.ply", &mesh).unwrap_err();
+        assert_eq!(kind(written.into()), ErrorKind::Io);
+        let named = "cotan".parse::<operators::LaplacianKind>().unwrap_err();
+        assert_eq!(kind(named.into()), ErrorKind::Option);
+        let laplacian = operators::Laplacian::auto(&mesh).unwrap();
+        let options = spectral::SpectrumOptions { fixed: vec![99], ..Default::default() };
+        let modes = spectral::spectrum(&laplacian, 2, &options).unwrap_err();
+        assert_eq!(kind(modes.into()), ErrorKind::Option);
+        let flow = explicit(&mesh, &Explicit::new(Diffusion::uniform(9.0)), None).unwrap_err();
+        assert_eq!(kind(flow.into()), ErrorKind::Option);
+        let flat = TriMesh::new(vec![[0.0; 3], [1.0; 3], [2.0; 3]], vec![[0, 1, 2]]).unwrap();
+        let thin = operators::Laplacian::cotangent(&flat).unwrap_err();
+        assert_eq!(kind(thin.into()), ErrorKind::Numeric);
+        let few = evaluation::normal_error(&mesh, &flat).unwrap_err();
+        assert_eq!(kind(few.into()), ErrorKind::Numeric);
+        assert_eq!(kind(Cancelled.into()), ErrorKind::Cancelled);
+    }
+
+    /// The message and its source are those of the error inside.
+    #[test]
+    fn nothing_of_an_error_is_lost() {
+        use std::error::Error as _;
+        let read = || io::read("no/such/file.ply").unwrap_err();
+        let error = Error::from(read());
+        assert_eq!(error.to_string(), read().to_string());
+        assert_eq!(error.source().is_some(), read().source().is_some());
+    }
+}
