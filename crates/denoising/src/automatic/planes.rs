@@ -16,6 +16,9 @@ const LEAST_WEIGHT: f64 = 12.0;
 /// The share of a region's border with other regions that must be creases.
 const CREASED: f64 = 0.95;
 
+/// The share of the turn from one plane to the next that one hinge makes.
+const AT_ONCE: f64 = 0.5;
+
 /// The share of the evidence that joins regions which is enough to call one curved.
 const CURVED: f64 = 0.5;
 
@@ -248,8 +251,11 @@ impl Regions {
         let mut marks = Marks::new(self.index.len());
         for run in pairs.chunk_by(|a, b| a.0 == b.0) {
             let hinges = run.iter().map(|(_, h)| *h);
-            let strip = self.strip(evidence, run[0].0, hinges, &mut marks);
-            let kind = usize::from(self.is_crease(evidence, &strip));
+            let strip = self.strip(evidence, run[0].0, hinges.clone(), &mut marks);
+            let kind = usize::from(
+                self.turns_at_once(evidence, normals, run[0].0, hinges)
+                    && self.is_crease(evidence, &strip),
+            );
             for r in run[0].0 {
                 borders[r as usize][kind] += run.len() as f64;
             }
@@ -326,6 +332,24 @@ impl Regions {
             begin = end;
         }
         strip
+    }
+
+    /// Whether most of the turn from one region to another happens at the hinges between them, and
+    /// not step by step on both sides.
+    fn turns_at_once(
+        &self,
+        evidence: &Evidence<'_>,
+        normals: &[[f64; 3]],
+        regions: [u32; 2],
+        between: impl Iterator<Item = u32>,
+    ) -> bool {
+        let [a, b] = regions.map(|r| self.normals[r as usize]);
+        let (mut sum, mut count) = (0.0, 0.0);
+        for h in between {
+            let [f, g] = evidence.hinges.all[h as usize].faces.map(|f| normals[f as usize]);
+            (sum, count) = (sum + distance(f, g), count + 1.0);
+        }
+        sum > AT_ONCE * count * distance(a, b)
     }
 
     /// Whether the planes of two regions explain the positions on both sides of the border between
