@@ -211,13 +211,9 @@ pub fn claim_table(results: &Results, ours: bool, place: &str) -> String {
     }
 }
 
-/// `first` is the number of its first figure.
-fn body(record: &Record, first: usize, form: Form) -> String {
+/// The parameters and the meshes of an experiment.
+fn inputs(record: &Record) -> String {
     let mut text = String::new();
-    let numbered = |id: &str| match numbers::place(record, id) {
-        Some(place) => format!("Figure {}. ", first + place),
-        None => String::new(),
-    };
     if !record.parameters.is_empty() {
         text += "\n";
         for p in &record.parameters {
@@ -237,6 +233,16 @@ fn body(record: &Record, first: usize, form: Form) -> String {
             &source.sha256[..12]
         );
     }
+    text
+}
+
+/// `first` is the number of its first figure.
+fn body(record: &Record, first: usize, form: Form) -> String {
+    let mut text = inputs(record);
+    let numbered = |id: &str| match numbers::place(record, id) {
+        Some(place) => format!("Figure {}. ", first + place),
+        None => String::new(),
+    };
     for claim in &record.claims {
         let _ = write!(
             text,

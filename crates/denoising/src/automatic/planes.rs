@@ -16,6 +16,9 @@ const LEAST_WEIGHT: f64 = 12.0;
 /// The share of a region's border with other regions that must be creases.
 const CREASED: f64 = 0.95;
 
+/// The share of a region's border with other regions that must be with large ones.
+const KNOWN: f64 = 0.5;
+
 /// The share of the turn from one plane to the next that one hinge makes.
 const AT_ONCE: f64 = 0.5;
 
@@ -243,9 +246,14 @@ impl Regions {
         // The hinges between each two large regions.
         let mut pairs: Vec<([u32; 2], u32)> = (evidence.hinges.all.iter().zip(0u32..))
             .map(|(hinge, h)| (hinge.faces.map(|f| self.index[f as usize]), h))
-            .filter(|([a, b], _)| a != b && large(*a as usize) && large(*b as usize))
+            .filter(|([a, b], _)| a != b)
             .map(|([a, b], h)| ([a.min(b), a.max(b)], h))
             .collect();
+        let mut leaving = vec![0.0f64; self.sums.len()];
+        for r in pairs.iter().flat_map(|(pair, _)| pair) {
+            leaving[*r as usize] += 1.0;
+        }
+        pairs.retain(|(pair, _)| pair.iter().all(|&r| large(r as usize)));
         pairs.sort_unstable();
         let mut borders = vec![[0.0f64; 2]; self.sums.len()];
         let mut marks = Marks::new(self.index.len());
@@ -263,7 +271,8 @@ impl Regions {
         (0..self.sums.len())
             .map(|r| {
                 let [smooth, creased] = borders[r];
-                if !large(r) || creased < CREASED * (smooth + creased) {
+                let known = smooth + creased;
+                if !large(r) || creased < CREASED * known || known < KNOWN * leaving[r] {
                     return None;
                 }
                 let stride = self.faces[r].len().div_ceil(MOST);

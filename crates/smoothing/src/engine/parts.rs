@@ -339,7 +339,7 @@ mod tests {
                 let own = || (0..n).filter(|&i| label[i] as usize == part);
                 // Whole numbers: the order of a sum does not matter.
                 assert_eq!(sums, [own().sum::<usize>() as f64, own().count() as f64]);
-                assert_eq!(Some(largest), own().last().map(|i| (part + i) as f64));
+                assert_eq!(Some(largest), own().next_back().map(|i| (part + i) as f64));
             }
         }
     }
