@@ -20,10 +20,7 @@ const CREASED: f64 = 0.95;
 const KNOWN: f64 = 0.5;
 
 /// The share of the turn from one plane to the next that one hinge makes.
-const AT_ONCE: f64 = 0.5;
-
-/// The share of the evidence that joins regions which is enough to call one curved.
-const CURVED: f64 = 0.5;
+const AT_ONCE: f64 = 0.25;
 
 /// The largest share of the variation of normals that may be linear in position.
 const TURNING: f64 = 0.7;
@@ -278,7 +275,7 @@ impl Regions {
                 let stride = self.faces[r].len().div_ceil(MOST);
                 let faces = self.faces[r].iter().copied().step_by(stride);
                 let [flat, curved] = squares(evidence, &self.sums[r], faces)?;
-                if flat - curved > CURVED * doubt(self.sums[r].weight) * evidence.variance {
+                if flat - curved > doubt(self.sums[r].weight) * evidence.variance {
                     return None;
                 }
                 if self.turning(evidence, normals, r)? > TURNING {
@@ -343,7 +340,7 @@ impl Regions {
         strip
     }
 
-    /// Whether most of the turn from one region to another happens at the hinges between them, and
+    /// Whether the turn from one region to another happens at the hinges between them, and
     /// not step by step on both sides.
     fn turns_at_once(
         &self,
