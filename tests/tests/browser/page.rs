@@ -127,7 +127,8 @@ fn formulas(chrome: &mut Chrome, page: &Path) -> Result<()> {
            const parts = [...box.querySelectorAll('math')];
            const tall = parts.map((math) => Math.max(...[...math.querySelectorAll('mo')].map(height)) / height(math));
            return [document.documentElement.scrollWidth, box.scrollWidth > box.clientWidth,
-                   Math.max(...tall), box.textContent, new Set(parts.map((math) => math.getBoundingClientRect().top)).size, parts.length];
+                   Math.max(...tall), box.textContent, new Set(parts.map((math) => math.getBoundingClientRect().top)).size, parts.length,
+                   getComputedStyle(box).overflowY, box.scrollHeight - box.clientHeight];
          })()",
     )?;
     ensure!(found[0].as_f64().is_some_and(|w| w <= 390.0), "{found}");
@@ -135,6 +136,8 @@ fn formulas(chrome: &mut Chrome, page: &Path) -> Result<()> {
     ensure!(found[2].as_f64().is_some_and(|part| part <= 1.01), "parentheses stick out: {found}");
     let text = found[3].as_str().unwrap_or_default();
     ensure!(text.contains('φ') && text.contains('δ') && text.contains('κ'), "{text}");
+    // No bar to scroll up and down, and nothing that it would show.
+    ensure!(found[6] == "hidden" && found[7].as_f64().is_some_and(|over| over <= 1.0), "{found}");
     // Parts that do not fit beside one another are below one another.
     ensure!(found[5].as_u64() > Some(1) && found[4].as_u64() > Some(1), "{found}");
     Ok(())
