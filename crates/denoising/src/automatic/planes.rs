@@ -25,7 +25,7 @@ const AT_ONCE: f64 = 0.25;
 /// The largest share of the variation of normals that may be linear in position.
 const TURNING: f64 = 0.7;
 
-/// What rounding adds to a mean square of distances, over the square of the largest coordinate.
+/// What rounding adds to a mean square of distances, over the square of half the diagonal of a part.
 const ROUNDING: f64 = 1e-14;
 
 /// The most faces of a region that are asked whether it is curved.
@@ -38,14 +38,15 @@ const DEPTH: usize = 6;
 pub(super) struct Evidence<'a> {
     hinges: &'a Hinges,
     faces: &'a [[u32; 3]],
-    /// The noisy positions from their middle, in mean edge lengths.
+    /// The noisy positions from the middle of their connected part, in mean edge lengths: a part far
+    /// away, or an isolated vertex, costs no digits.
     points: Vec<[f64; 3]>,
     /// The weight of the position of each face.
     trust: &'a [f64],
     /// The variance of positions across the surface, weighted by trust, in squared mean edge lengths.
     variance: f64,
-    /// What rounding may add to it in sums of squares.
-    rounding: f64,
+    /// What rounding may add to it in sums of squares, at each vertex.
+    rounding: Vec<f64>,
 }
 
 impl<'a> Evidence<'a> {
@@ -57,13 +58,33 @@ impl<'a> Evidence<'a> {
         variance: f64,
     ) -> Self {
         let inverse = 1.0 / mesh.mean_edge_length().max(f64::MIN_POSITIVE);
-        let middle = mesh.bounding_box().map_or([0.0; 3], |[low, high]| scale(add(low, high), 0.5));
-        let points: Vec<[f64; 3]> =
-            mesh.positions().iter().map(|&p| scale(sub(p, middle), inverse)).collect();
-        let far = points.iter().map(|&p| dot(p, p)).fold(0.0, f64::max);
-        let rounding = ROUNDING * far;
+        let parts = mesh.topology().components();
+        let mut boxes = vec![[[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]]; parts.count()];
+        for (p, v) in mesh.positions().iter().zip(0..) {
+            if let Some(part) = parts.label(v) {
+                let [low, high] = &mut boxes[part as usize];
+                for k in 0..3 {
+                    (low[k], high[k]) = (low[k].min(p[k]), high[k].max(p[k]));
+                }
+            }
+        }
+        let (points, rounding) = (mesh.positions().iter().zip(0..))
+            .map(|(&p, v)| match parts.label(v) {
+                Some(part) => {
+                    let [low, high] = boxes[part as usize].map(|x| scale(x, 0.5 * inverse));
+                    let half = sub(high, low);
+                    (sub(scale(p, inverse), add(low, high)), ROUNDING * dot(half, half))
+                }
+                None => ([0.0; 3], 0.0),
+            })
+            .unzip();
         let variance = variance * inverse * inverse;
         Self { hinges, faces: mesh.faces(), points, trust, variance, rounding }
+    }
+
+    /// The least variance of positions that can be told at face `f`.
+    fn blur(&self, f: usize) -> f64 {
+        self.variance + self.rounding[self.faces[f][0] as usize]
     }
 
     fn corners(&self, f: usize) -> [[f64; 3]; 3] {
@@ -213,7 +234,7 @@ impl Regions {
             let both = sums[i].plus(&sums[j]);
             let together = both.plane().squares;
             let more = together - squares[i] - squares[j];
-            if more < doubt(both.weight) * (evidence.variance + evidence.rounding) {
+            if more < doubt(both.weight) * evidence.blur(i) {
                 let (low, high) = (a.min(b), a.max(b));
                 parent[high as usize] = low;
                 sums[low as usize] = both;
@@ -465,6 +486,19 @@ mod tests {
         let [before, after] = flattened(&truth, 0.1);
         let (first, last) = (error(&truth, &before), error(&truth, &after));
         assert!(last < 0.3 * first, "{first} {last}");
+    }
+
+    /// A vertex without faces, far away, changes nothing.
+    #[test]
+    fn an_isolated_vertex_costs_no_digits() {
+        let truth = shapes::cube(10, shapes::Diagonals::Alternating);
+        let with = |far: f64| {
+            let mut positions = truth.positions().to_vec();
+            positions.push([far; 3]);
+            TriMesh::new(positions, truth.faces().to_vec()).unwrap()
+        };
+        let [near, far] = [1.0, 1e9].map(|far| flattened(&with(far), 0.1));
+        assert!(near == far);
     }
 
     /// A sphere and a torus have no planes: at any noise few normals change, and the errors do not grow.

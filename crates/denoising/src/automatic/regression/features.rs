@@ -205,8 +205,7 @@ impl<'a> Gatherer<'a> {
                     if self.marks.contains(k as u32) {
                         continue;
                     }
-                    let offset = sub(state.current.centroids[k], centre);
-                    if dot(offset, offset) < reach * reach {
+                    if distance(state.current.centroids[k], centre) < reach {
                         self.marks.insert(k as u32);
                         self.queue.push(k as u32);
                     }
