@@ -180,7 +180,7 @@ pub(crate) struct Train {
     #[arg(long, default_value_t = 26)]
     pub(crate) bodies: u64,
     /// Faces drawn from each body for each stage
-    #[arg(long, default_value_t = 1500)]
+    #[arg(long, default_value_t = 1200)]
     pub(crate) faces: usize,
     /// Passes over these faces
     #[arg(long, default_value_t = 16)]

@@ -10,7 +10,7 @@ use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
 use fairing_experiments::bed::{Half, half_of};
 use fairing_mesh::TriMesh;
 use fairing_shapes as shapes;
-use fairing_shapes::families::{Family, Triangulation, facets, swell, warped};
+use fairing_shapes::families::{Family, RandomBody, Triangulation, warped};
 use rayon::prelude::*;
 
 use crate::cli::Train;
@@ -31,9 +31,6 @@ const NOISE: [(NoiseKind, f64); 10] = [
     (NoiseKind::Impulsive { share: 0.6 }, 0.6),
     (NoiseKind::Correlated { reach: 3.0 }, 0.3),
 ];
-
-/// How many terrains of each kind there are for each body of a family.
-const TERRAINS: u64 = 2;
 
 /// The share of bodies that are warped.
 const WARPED: f64 = 0.5;
@@ -59,7 +56,7 @@ pub(crate) fn run(options: &Train, root: &Path) -> Result<()> {
     std::fs::write(&path, bytes).with_context(|| format!("writing {}", path.display()))
 }
 
-/// Bodies of the families of the development half, terrains, and shapes that are in
+/// Bodies of the families of the development half, bodies at random, and shapes that are in
 /// neither half, with noise.
 fn pairs(bodies: u64) -> Result<Vec<TrainingPair>> {
     let families = Family::ALL.iter().copied().filter(|f| half_of(*f) == Half::Development);
@@ -75,9 +72,10 @@ fn pairs(bodies: u64) -> Result<Vec<TrainingPair>> {
             jobs.push((Body::Shape(shape), SEEDS + 1000 * (50 + shape as u64) + k));
         }
     }
-    for k in 0..TERRAINS * bodies {
-        jobs.push((Body::Facets, SEEDS + 100_000 + k));
-        jobs.push((Body::Swell, SEEDS + 200_000 + k));
+    for (i, &body) in RandomBody::ALL.iter().enumerate() {
+        for k in 0..bodies * 3 / 2 {
+            jobs.push((Body::Random(body), SEEDS + 100_000 * (i as u64 + 1) + k));
+        }
     }
     jobs.into_par_iter().map(|(body, seed)| body.pair(seed)).collect()
 }
@@ -86,8 +84,7 @@ fn pairs(bodies: u64) -> Result<Vec<TrainingPair>> {
 #[derive(Clone, Copy)]
 enum Body {
     Family(Family),
-    Facets,
-    Swell,
+    Random(RandomBody),
     Shape(usize),
 }
 
@@ -100,18 +97,16 @@ impl Body {
         let triangulation = Triangulation::ALL[(seed % 4) as usize];
         let (kind, most) = NOISE[((seed / 4 + seed) % 10) as usize];
         let most: f64 = match (self, triangulation) {
-            (Self::Family(_) | Self::Facets | Self::Swell, Triangulation::Anisotropic) => {
-                most.min(0.3)
-            }
-            (Self::Family(_) | Self::Facets | Self::Swell, Triangulation::Graded) => most.min(0.4),
+            (Self::Shape(_), _) => most,
+            (_, Triangulation::Anisotropic) => most.min(0.3),
+            (_, Triangulation::Graded) => most.min(0.4),
             _ => most,
         };
         let level = 0.04 + (most - 0.04) * draw(1);
         let faces = [2200, 3000, 4000, 9000, 16_000][(5.0 * draw(2)) as usize];
         let truth = match self {
             Self::Family(family) => family.mesh(faces, triangulation, seed),
-            Self::Facets => facets(faces, triangulation, seed),
-            Self::Swell => swell(faces, triangulation, seed),
+            Self::Random(body) => body.mesh(faces, triangulation, seed),
             Self::Shape(k) => shape(k, [draw(2), draw(4)], seed),
         };
         let truth = if draw(3) < WARPED { warped(&truth, seed)? } else { truth };

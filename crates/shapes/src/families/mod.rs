@@ -15,6 +15,7 @@
 //! ```
 
 use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{cross, norm, scale};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -24,6 +25,8 @@ mod detailed;
 mod extrude;
 mod planar;
 mod polyhedron;
+mod random;
+mod random_smooth;
 mod revolve;
 mod sheets;
 mod smooth;
@@ -33,7 +36,8 @@ mod tests;
 mod tube;
 mod warp;
 
-pub use warp::{facets, swell, warped};
+pub use random::RandomBody;
+pub use warp::warped;
 
 /// What a family is like.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -138,6 +142,23 @@ impl Proportions {
         let (s, c) = libm::sincos(self.between(0.0, std::f64::consts::TAU));
         let r = (1.0 - z * z).sqrt();
         [r * c, r * s, z]
+    }
+
+    /// Evenly in the logarithm; `low` if the interval is empty.
+    fn log_between(&mut self, low: f64, high: f64) -> f64 {
+        low * libm::pow((high / low).max(1.0), self.between(0.0, 1.0))
+    }
+
+    /// Three unit vectors at right angles.
+    fn axes(&mut self) -> [[f64; 3]; 3] {
+        loop {
+            let x = self.direction();
+            let y = cross(x, self.direction());
+            if norm(y) > 0.1 {
+                let y = scale(y, 1.0 / norm(y));
+                return [x, y, cross(x, y)];
+            }
+        }
     }
 }
 

@@ -7,15 +7,10 @@ use fairing_mesh::vec3::{add, distance, scale};
 
 use super::Build;
 use super::bodies::{level_set, ring};
+use super::random_smooth::soft_max;
 use super::sheets::bent;
 use super::tube::Tube;
 use crate::outline::{circle, polygon};
-
-/// A maximum that rounds its corners over about 1 / k.
-fn soft_max(k: f64, a: f64, b: f64) -> f64 {
-    let (low, high) = (a.min(b), a.max(b));
-    high + libm::log1p(libm::exp(k * (low - high))) / k
-}
 
 pub(super) fn blob(build: Build) -> TriMesh {
     let mut random = build.proportions();

@@ -101,11 +101,47 @@ fn what_cannot_be_warped_is_stretched_or_an_error() {
     }
 }
 
+/// Every random body in every triangulation: a manifold without degenerate faces, of about the
+/// size that was asked for, the right way out.
+#[test]
+fn random_bodies_are_clean() {
+    let jobs: Vec<(RandomBody, u64)> =
+        RandomBody::ALL.iter().flat_map(|&b| (0..8).map(move |k| (b, k))).collect();
+    let wrong: Vec<String> = (jobs.into_par_iter())
+        .filter_map(|(body, seed)| {
+            let mesh = body.mesh(2500, Triangulation::ALL[seed as usize % 4], seed);
+            let d = Diagnosis::new(&mesh);
+            let open =
+                matches!(body, RandomBody::Facets | RandomBody::Swell | RandomBody::Terraces);
+            let good = d.degenerate_faces.count == 0
+                && d.manifold
+                && d.closed != open
+                && d.volume.is_none_or(|v| v > 0.0)
+                && (2000..=3000).contains(&mesh.face_count());
+            (!good).then(|| format!("{body} {seed}: {} faces, {d:?}", mesh.face_count()))
+        })
+        .collect();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Walls are upright and tops level.
+#[test]
+fn terraces_are_right_angled() {
+    for seed in 0..6 {
+        let mesh = RandomBody::Terraces.mesh(3000, Triangulation::ALL[seed as usize % 4], seed);
+        for f in 0..mesh.face_count() {
+            let n = fairing_mesh::vec3::normalize(mesh.area_vector(f)).unwrap();
+            let most = n.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+            assert!(most > 1.0 - 1e-12 && n[2] > -1e-6, "{seed}: {n:?}");
+        }
+    }
+}
+
 /// Two facets to a cell of the terrain, each with its own normal.
 #[test]
 fn facets_are_planes() {
     for seed in 0..4 {
-        let mesh = facets(3000, Triangulation::ALL[seed as usize], seed);
+        let mesh = RandomBody::Facets.mesh(3000, Triangulation::ALL[seed as usize], seed);
         assert!((2400..3600).contains(&mesh.face_count()), "{seed}: {}", mesh.face_count());
         let mut normals: Vec<[i64; 3]> = (0..mesh.face_count())
             .map(|f| {

@@ -1,87 +1,19 @@
-//! Bodies that no family makes: families stretched and sheared, and random facets.
+//! Bodies stretched and sheared.
 
 use std::f64::consts::TAU;
 
-use fairing_mesh::vec3::{add, cross, dot, norm, scale, sub};
+use fairing_mesh::vec3::{add, dot, norm, scale, sub};
 use fairing_mesh::{BuildError, TriMesh};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use super::polyhedron::{Polyhedron, polyhedron};
-use super::sheets::bent;
-use super::solid::Solid;
-use super::{Build, Proportions, Triangulation, sized};
-use crate::outline::polygon;
+use super::Proportions;
 
 /// The largest factor of a stretch; its inverse is the least.
 const STRETCH: f64 = 2.0;
 
 /// The share of meshes that get a relief.
 const RELIEF: f64 = 1.0 / 3.0;
-
-/// A terrain of plane triangles at random slopes: creases of all angles, convex and concave, that
-/// meet in corners. It has a border. `faces` is as for [`Family::mesh`](super::Family::mesh).
-pub fn facets(faces: usize, triangulation: Triangulation, seed: u64) -> TriMesh {
-    sized(terrain, faces, triangulation, seed)
-}
-
-fn terrain(build: Build) -> TriMesh {
-    let mut random = build.proportions();
-    let cells = random.count(2, 7) as usize;
-    let step = 2.0 / cells as f64;
-    let height = 0.5 * step * random.between(0.1, 1.2);
-    let row = cells + 1;
-    let corners = (0..row * row)
-        .map(|k| {
-            let inner = |i: usize| i > 0 && i < cells;
-            let (i, j) = (k % row, k / row);
-            let [x, y] = [i, j].map(|i| {
-                let shift = if inner(i) { random.between(-0.28, 0.28) } else { 0.0 };
-                step * (i as f64 + shift) - 1.0
-            });
-            [x, y, random.between(-height, height)]
-        })
-        .collect();
-    let mut triangles = vec![];
-    for (i, j) in (0..cells).flat_map(|j| (0..cells).map(move |i| (i, j))) {
-        let a = j * row + i;
-        let [b, c, d] = [a + 1, a + row + 1, a + row];
-        match random.count(0, 1) {
-            0 => triangles.extend([vec![a, b, c], vec![a, c, d]]),
-            _ => triangles.extend([vec![a, b, d], vec![b, c, d]]),
-        }
-    }
-    let mut solid = Solid::of(build);
-    polyhedron(&mut solid, &Polyhedron { corners, faces: triangles });
-    solid.finished()
-}
-
-/// A smooth terrain of waves at random, from long and flat to short and steep. It has a border.
-/// `faces` is as for [`Family::mesh`](super::Family::mesh).
-pub fn swell(faces: usize, triangulation: Triangulation, seed: u64) -> TriMesh {
-    sized(waves, faces, triangulation, seed)
-}
-
-fn waves(build: Build) -> TriMesh {
-    const WAVES: u32 = 5;
-    let mut random = build.proportions();
-    let steepest = random.between(0.05, 1.2);
-    let waves: Vec<([f64; 2], f64, f64)> = (0..WAVES)
-        .map(|_| {
-            let frequency = TAU / random.log_between(0.35, 4.0);
-            let (s, c) = libm::sincos(random.between(0.0, TAU));
-            let height = steepest / (f64::from(WAVES) * frequency);
-            ([c * frequency, s * frequency], random.between(0.0, TAU), 2.0 * height)
-        })
-        .collect();
-    let map = move |[x, y]: [f64; 2]| {
-        let height =
-            |(k, phase, a): &([f64; 2], f64, f64)| a * libm::sin(k[0] * x + k[1] * y + phase);
-        [x, y, waves.iter().map(height).sum()]
-    };
-    let [a, b] = [0; 2].map(|_| random.between(0.5, 1.0));
-    bent(build, &[polygon(&[[-a, -b], [a, -b], [a, b], [-a, b]])], map)
-}
 
 /// The mesh, stretched along three directions at random and sheared a few times along waves, and
 /// in a third of all cases also along the plateaus and valleys of a random relief with flanks a few
@@ -157,25 +89,6 @@ impl Shear {
         for p in positions {
             let sum: f64 = self.waves.iter().map(|(k, phase)| libm::sin(dot(*k, *p) + phase)).sum();
             *p = add(*p, scale(self.along, height(sum)));
-        }
-    }
-}
-
-impl Proportions {
-    /// Evenly in the logarithm; `low` if the interval is empty.
-    fn log_between(&mut self, low: f64, high: f64) -> f64 {
-        low * libm::pow((high / low).max(1.0), self.between(0.0, 1.0))
-    }
-
-    /// Three unit vectors at right angles.
-    fn axes(&mut self) -> [[f64; 3]; 3] {
-        loop {
-            let x = self.direction();
-            let y = cross(x, self.direction());
-            if norm(y) > 0.1 {
-                let y = scale(y, 1.0 / norm(y));
-                return [x, y, cross(x, y)];
-            }
         }
     }
 }

@@ -21,7 +21,7 @@ const DEPTH: usize = 15;
 const RANGES: usize = 4;
 
 /// The radius and the range of each local fit.
-const FITS: [(usize, usize); 4] = [(1, 1), (2, 1), (2, 0), (1, 3)];
+const FITS: [(usize, usize); 5] = [(1, 1), (2, 1), (2, 0), (1, 3), (2, 3)];
 
 /// The fits whose residuals are compared over the mesh.
 const SEEN_FITS: [usize; 2] = [0, 3];
@@ -29,7 +29,7 @@ const SEEN_FITS: [usize; 2] = [0, 3];
 const MEANS: usize = RADII.len() * RANGES;
 
 /// How many means over wide regions there are.
-pub(crate) const WIDE: usize = 4;
+pub(crate) const WIDE: usize = 6;
 
 /// Means of noisy and of present normals, planes and quadrics, wide means, and six single
 /// normals.

@@ -8,7 +8,7 @@ pub(crate) mod training;
 mod wide;
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, distance, scale};
+use fairing_mesh::vec3::{add, distance, dot, scale, sub};
 use fairing_operators::NoiseEstimate;
 use rayon::prelude::*;
 
@@ -30,6 +30,9 @@ const TRUST: f64 = 3.0;
 /// How far a vertex may go, in standard deviations: one Gaussian vertex in two
 /// million is moved further by noise.
 pub(super) const FAR: f64 = 5.0;
+
+/// A vertex with more neighbours than this is not looked past.
+const HUB: usize = 32;
 
 /// What a stage finds at a face.
 struct Answer {
@@ -59,6 +62,9 @@ pub(crate) struct Progress<'a> {
     current: FaceShapes,
     pub(crate) normals: Vec<[f64; 3]>,
     anchors: Vec<[f64; 3]>,
+    /// The displacements of vertices along the normals, times their trust.
+    offsets: Vec<f64>,
+    /// The weight of the position of each face.
     trust: Vec<f64>,
     scales: Vec<f64>,
     longest: Vec<f64>,
@@ -99,6 +105,7 @@ impl<'a> Progress<'a> {
             noisy,
             normals,
             anchors: vec![],
+            offsets: vec![],
             trust: vec![1.0; mesh.face_count()],
             scales: vec![],
             longest: longest_sides(mesh),
@@ -235,6 +242,46 @@ impl<'a> Progress<'a> {
         self.follow()
     }
 
+    /// The displacements of vertices from a surface, along its normals and times their trust.
+    fn offsets_to(&self, surface: &TriMesh, trust: &[f64]) -> Vec<f64> {
+        let mut up = vec![[0.0; 3]; trust.len()];
+        for (face, &n) in self.mesh.faces().iter().zip(&self.normals) {
+            face.iter().for_each(|&v| up[v as usize] = add(up[v as usize], n));
+        }
+        (self.mesh.positions().iter().zip(surface.positions()).zip(up).zip(trust))
+            .map(|(((&p, &x), n), t)| t * dot(unit_or_zero(n), sub(p, x)))
+            .collect()
+    }
+
+    /// The sum of the correlations of the displacement of a vertex with those of all vertices up to two edges
+    /// away, itself included (beyond a vertex with many neighbours none); at least one. The variance of a mean over many vertices is so many times that
+    /// of independent noise.
+    fn inflation(&self) -> f64 {
+        let topology = self.mesh.topology();
+        let offsets = &self.offsets;
+        let terms: Vec<[f64; 2]> = (0..offsets.len() as u32)
+            .into_par_iter()
+            .map_init(Vec::new, |disc: &mut Vec<u32>, v| {
+                disc.clear();
+                disc.push(v);
+                for &w in topology.neighbors(v) {
+                    disc.push(w);
+                    let ring = topology.neighbors(w);
+                    if ring.len() <= HUB {
+                        disc.extend_from_slice(ring);
+                    }
+                }
+                disc.sort_unstable();
+                disc.dedup();
+                let sum: f64 = disc.iter().map(|&w| offsets[w as usize]).sum();
+                let r = offsets[v as usize];
+                [r * sum, r * r]
+            })
+            .collect();
+        let [products, squares] = terms.iter().fold([0.0; 2], |s, t| [s[0] + t[0], s[1] + t[1]]);
+        if squares > 0.0 { (products / squares).max(1.0) } else { 1.0 }
+    }
+
     /// The surface follows the normals.
     fn follow(&mut self) -> Result<(), DenoiseError> {
         let follow = Follow::new(self.mesh, self.rings, self.limit / FAR, f64::INFINITY);
@@ -251,6 +298,7 @@ impl<'a> Progress<'a> {
         self.trust = (self.mesh.faces().iter())
             .map(|face| face.iter().map(|&v| trust[v as usize]).sum::<f64>() / 3.0)
             .collect();
+        self.offsets = self.offsets_to(&current, &trust);
         self.current = FaceShapes::new(&current);
         self.longest = longest_sides(&current);
         self.set_scales();
@@ -313,7 +361,52 @@ pub(crate) fn regress(
     for network in &model.stages {
         progress.advance(network)?;
     }
-    let Progress { mut normals, limit, trust, variance, .. } = progress;
+    let variance = progress.variance * progress.inflation();
+    let Progress { mut normals, limit, trust, .. } = progress;
     flatten(&Evidence::new(mesh, hinges, &trust, variance), &mut normals);
     Ok(Regressed { normals, limit })
+}
+
+#[cfg(test)]
+mod tests {
+    use fairing_operators::noise_level;
+    use fairing_shapes as shapes;
+
+    use super::*;
+
+    /// Independent displacements count one by one, apart from chance; means of them over two rings count
+    /// as the number of vertices of about such a mean.
+    #[test]
+    fn correlated_displacements_are_told_by_their_sums() {
+        let mesh = shapes::plane(60, 60, shapes::Diagonals::Alternating);
+        let noisy = shapes::jittered(&mesh, 0.1, 3, |p| p);
+        let (hinges, rings) = (Hinges::new(&noisy), FaceLists::rings(&noisy));
+        let level = noise_level(&shapes::jittered(&shapes::icosphere(3), 0.1, 1, |p| p));
+        let mut progress = Progress::new(&noisy, &hinges, &rings, level.unwrap());
+        let topology = noisy.topology();
+        let mut state = 1u64;
+        let white: Vec<f64> = (0..noisy.vertex_count())
+            .map(|_| {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+                (state >> 40) as f64 / (1u64 << 23) as f64 - 1.0
+            })
+            .collect();
+        let averaged = |x: &[f64]| -> Vec<f64> {
+            (0..x.len() as u32)
+                .map(|v| {
+                    let ring = topology.neighbors(v);
+                    let sum: f64 = ring.iter().map(|&w| x[w as usize]).sum();
+                    (sum + x[v as usize]) / (ring.len() + 1) as f64
+                })
+                .collect()
+        };
+        progress.offsets = averaged(&averaged(&white));
+        let correlated = progress.inflation();
+        assert!((7.0..20.0).contains(&correlated), "{correlated}");
+        progress.offsets = white;
+        let independent = progress.inflation();
+        assert!((1.0..1.4).contains(&independent), "{independent}");
+        progress.offsets = vec![0.0; noisy.vertex_count()];
+        assert_eq!(progress.inflation(), 1.0);
+    }
 }

@@ -37,9 +37,9 @@ pub struct TrainingOptions {
 }
 
 impl Default for TrainingOptions {
-    /// Four stages of 16 passes over 1500 faces of each pair.
+    /// Four stages of 16 passes over 1200 faces of each pair.
     fn default() -> Self {
-        Self { stages: 4, faces_per_pair: 1500, epochs: 16, seed: 1 }
+        Self { stages: 4, faces_per_pair: 1200, epochs: 16, seed: 1 }
     }
 }
 
