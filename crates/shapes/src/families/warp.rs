@@ -51,7 +51,7 @@ fn terrain(build: Build) -> TriMesh {
             _ => triangles.extend([vec![a, b, d], vec![b, c, d]]),
         }
     }
-    let mut solid = Solid::of(build);
+    let mut solid = Solid::new(build);
     polyhedron(&mut solid, &Polyhedron { corners, faces: triangles });
     solid.finished()
 }
