@@ -7,7 +7,7 @@ use fairing_mesh::BuildError;
 use fairing_mesh::io::{ReadError, ReadProblem, WriteError, WriteProblem};
 use fairing_operators::OperatorError;
 use fairing_smoothing::{FlowError, FlowFailure};
-use fairing_spectral::SpectralError;
+use fairing_spectral::{SpectralError, SpectrumFileError};
 use pyo3::create_exception;
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -113,7 +113,7 @@ impl From<OperatorError> for Error {
     fn from(error: OperatorError) -> Self {
         let text = chain(&error);
         match error {
-            OperatorError::Option { .. }
+            OperatorError::Option(_)
             | OperatorError::Length { .. }
             | OperatorError::NoSuchVertex { .. }
             | OperatorError::NoSuchMass { .. } => Self::Option(text),
@@ -126,18 +126,25 @@ impl From<SpectralError> for Error {
     fn from(error: SpectralError) -> Self {
         let text = chain(&error);
         match error {
-            SpectralError::Io { path, source } => {
-                Self::Os { path: path.display().to_string(), error: source }
-            }
-            SpectralError::File { .. } => Self::Mesh(text),
             SpectralError::Operator(error) => error.into(),
             SpectralError::Kind { .. }
             | SpectralError::Repeated { .. }
             | SpectralError::TooManyModes { .. }
             | SpectralError::Rows { .. }
-            | SpectralError::Parameter { .. }
+            | SpectralError::Option(_)
             | SpectralError::NoSuchVertex { .. } => Self::Option(text),
             _ => Self::Computation(text),
+        }
+    }
+}
+
+impl From<SpectrumFileError> for Error {
+    fn from(error: SpectrumFileError) -> Self {
+        match error {
+            SpectrumFileError::Io { path, source } => {
+                Self::Os { path: path.display().to_string(), error: source }
+            }
+            _ => Self::Mesh(chain(&error)),
         }
     }
 }
@@ -145,7 +152,7 @@ impl From<SpectralError> for Error {
 impl From<FlowError> for Error {
     fn from(error: FlowError) -> Self {
         match &error.failure {
-            FlowFailure::InvalidOption { .. }
+            FlowFailure::Option(_)
             | FlowFailure::Unsupported { .. }
             | FlowFailure::Unstable { .. }
             | FlowFailure::Amplified { .. }
@@ -158,9 +165,7 @@ impl From<FlowError> for Error {
 impl From<DenoiseError> for Error {
     fn from(error: DenoiseError) -> Self {
         match error {
-            DenoiseError::InvalidOption { .. } | DenoiseError::Parameter(_) => {
-                Self::Option(chain(&error))
-            }
+            DenoiseError::Option(_) | DenoiseError::Parameter(_) => Self::Option(chain(&error)),
             _ => Self::Computation(chain(&error)),
         }
     }
@@ -169,9 +174,7 @@ impl From<DenoiseError> for Error {
 impl From<EvaluationError> for Error {
     fn from(error: EvaluationError) -> Self {
         match error {
-            EvaluationError::Parameter { .. } | EvaluationError::NoiseParameter { .. } => {
-                Self::Option(chain(&error))
-            }
+            EvaluationError::Option(_) => Self::Option(chain(&error)),
             _ => Self::Computation(chain(&error)),
         }
     }

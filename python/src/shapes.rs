@@ -57,6 +57,7 @@ type Counts = Vec<u32>;
 type Lengths = Vec<f64>;
 
 /// The shape with checked parameters.
+#[expect(clippy::too_many_lines, reason = "a list: one arm for each shape")]
 fn made(name: &str, lengths: &[f64], counts: &[u32], word: &str, seed: u64) -> Result<TriMesh> {
     Ok(match (name, lengths, counts) {
         ("icosphere", [], &[l]) => {

@@ -55,7 +55,7 @@ pub(crate) struct Reproduce {
     /// Run these experiments only
     #[arg(long, value_name = "IDS", value_delimiter = ',')]
     pub(crate) only: Vec<String>,
-    /// Folder that holds the assignment's meshes, searched by file name; FAIRING_MESHES does the same. Without it, generated meshes stand in
+    /// Folder that holds the assignment's meshes, searched by file name; FAIRING_MESHES does the same. Without it, generated meshes take their place
     #[arg(long, value_name = "DIR")]
     pub(crate) meshes: Option<PathBuf>,
     /// Folder for the report; an earlier report there is replaced when the new one is complete
@@ -73,7 +73,7 @@ pub(crate) struct Reproduce {
     /// Run on the generated meshes and compare with the committed reference values, within each column's tolerance; times are not compared. Writes no report
     #[arg(long, conflicts_with_all = ["meshes", "out", "accept", "diff"])]
     pub(crate) check: bool,
-    /// Run on the generated meshes and make the results the reference values: those of a full run are the report in docs/report, those of a quick one stand in docs/reference
+    /// Run on the generated meshes and make the results the reference values: those of a full run are the report in docs/report, those of a quick one are in docs/reference
     #[arg(long, conflicts_with_all = ["meshes", "out", "only", "diff"])]
     pub(crate) accept: bool,
     /// Compare two results.json and do nothing else

@@ -50,7 +50,7 @@ struct Environment {
 }
 
 impl Environment {
-    /// The environment, made where there is none; or why it cannot be made.
+    /// The environment, created if there is none; or why it cannot be created.
     fn new(folder: PathBuf) -> Result<std::result::Result<Self, String>> {
         let environment = Self { folder };
         if environment.program("python").is_file() {

@@ -1,4 +1,4 @@
-//! The table of claims in the README, which the committed report writes.
+//! The table of claims in the README, which is written together with the committed report.
 
 use std::fs;
 use std::path::Path;

@@ -17,7 +17,7 @@ use crate::{bed, bench, data, gate, python, readme, reference, tidy, train};
 ///
 /// # Errors
 ///
-/// Whatever stands in the way.
+/// Any failure of the task.
 pub fn run(cli: Cli) -> Result<bool> {
     match cli.command {
         Command::Reproduce(options) => options.run(),

@@ -3,11 +3,10 @@
 use std::f64::consts::LOG2_E;
 
 use fairing_mesh::vec3::{add, distance, dot, scale, sub};
-use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
+use fairing_mesh::{Algorithm, OptionError, Parameter, ParameterError, TriMesh, Values};
 use rayon::prelude::*;
 
 use super::DenoiseError;
-use super::error::positive;
 use super::faces::{Marks, unit_or_zero};
 use super::method::Method;
 use super::rebuild::rebuild;
@@ -78,7 +77,7 @@ impl Method for BilateralOptions {
 ///
 /// # Errors
 ///
-/// [`DenoiseError::InvalidOption`] for a scale that is not positive.
+/// [`DenoiseError::Option`] for a scale that is not positive.
 ///
 /// Source: \[fleishman2003\].
 pub fn bilateral(mesh: &TriMesh, options: &BilateralOptions) -> Result<TriMesh, DenoiseError> {
@@ -86,8 +85,8 @@ pub fn bilateral(mesh: &TriMesh, options: &BilateralOptions) -> Result<TriMesh, 
 }
 
 fn filter(mesh: &TriMesh, options: &BilateralOptions) -> Result<TriMesh, DenoiseError> {
-    positive("spatial", options.spatial)?;
-    positive("range", options.range)?;
+    OptionError::require_positive("spatial", options.spatial)?;
+    OptionError::require_positive("range", options.range)?;
     let mut current = mesh.clone();
     fairing_watch::stage("rounds", options.iterations as u64);
     for _ in 0..options.iterations {

@@ -4,14 +4,13 @@ use std::f64::consts::LOG2_E;
 use std::sync::{Mutex, PoisonError};
 
 use fairing_mesh::vec3::{add, distance, scale, sub};
-use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
+use fairing_mesh::{Algorithm, OptionError, Parameter, ParameterError, TriMesh, Values};
 use fairing_sparse::CgOptions;
 use fairing_sparse::passes::update;
 use rayon::prelude::*;
 
 use super::DenoiseError;
 use super::conjugate_gradients::{by_rows, conjugate_gradients, solved};
-use super::error::{positive, share};
 use super::faces::{FaceLists, FaceShapes, Hinges, mean_centroid_distance, unit_or_zero};
 use super::method::Method;
 use super::unit_scale::at_unit_scale;
@@ -79,7 +78,7 @@ impl Method for BilateralNormalOptions {
 ///
 /// # Errors
 ///
-/// [`DenoiseError::InvalidOption`] for a scale that is not positive.
+/// [`DenoiseError::Option`] for a scale that is not positive.
 ///
 /// Source: \[zheng2011\], the local iterative scheme.
 pub fn bilateral_normal(
@@ -90,8 +89,8 @@ pub fn bilateral_normal(
 }
 
 fn filter(mesh: &TriMesh, options: &BilateralNormalOptions) -> Result<TriMesh, DenoiseError> {
-    positive("spatial", options.spatial)?;
-    positive("range", options.range)?;
+    OptionError::require_positive("spatial", options.spatial)?;
+    OptionError::require_positive("range", options.range)?;
     let weights = Weights::new(mesh, options.spatial, options.range);
     let mut normals = weights.shapes.normals.clone();
     fairing_watch::stage("rounds", options.iterations as u64);
@@ -177,7 +176,7 @@ impl Method for BilateralNormalGlobalOptions {
 ///
 /// # Errors
 ///
-/// [`DenoiseError::InvalidOption`] for a parameter outside its range;
+/// [`DenoiseError::Option`] for a parameter outside its range;
 /// [`DenoiseError::NotSolved`] if conjugate gradients stall.
 ///
 /// Source: \[zheng2011\], the global scheme.
@@ -192,10 +191,10 @@ fn filter_globally(
     mesh: &TriMesh,
     options: &BilateralNormalGlobalOptions,
 ) -> Result<TriMesh, DenoiseError> {
-    positive("spatial", options.spatial)?;
-    positive("range", options.range)?;
-    positive("fidelity", options.fidelity)?;
-    share("fidelity", options.fidelity)?;
+    OptionError::require_positive("spatial", options.spatial)?;
+    OptionError::require_positive("range", options.range)?;
+    OptionError::require_positive("fidelity", options.fidelity)?;
+    OptionError::require_share("fidelity", options.fidelity)?;
     let weights = Weights::new(mesh, options.spatial, options.range);
     let noisy = &weights.shapes.normals;
     let count = noisy.len();

@@ -1,19 +1,14 @@
 //! Why a mesh cannot be denoised.
 
+use fairing_mesh::OptionError;
+
 /// Why a mesh cannot be denoised.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DenoiseError {
     /// An option is outside the range where the method is defined.
-    #[error("{option} is {value}, but must be {expected}")]
-    InvalidOption {
-        /// The name of the field.
-        option: &'static str,
-        /// Its value.
-        value: f64,
-        /// What it must be.
-        expected: &'static str,
-    },
+    #[error(transparent)]
+    Option(#[from] OptionError),
     /// A value fits no parameter of a denoiser.
     #[error(transparent)]
     Parameter(#[from] fairing_mesh::ParameterError),
@@ -40,20 +35,4 @@ pub enum DenoiseError {
         /// The vertex.
         vertex: usize,
     },
-}
-
-/// Refuses a value that is not positive and finite.
-pub(crate) fn positive(option: &'static str, value: f64) -> Result<(), DenoiseError> {
-    if value > 0.0 && value.is_finite() {
-        return Ok(());
-    }
-    Err(DenoiseError::InvalidOption { option, value, expected: "positive and finite" })
-}
-
-/// Refuses a value outside `[0, 1]`.
-pub(crate) fn share(option: &'static str, value: f64) -> Result<(), DenoiseError> {
-    if (0.0..=1.0).contains(&value) {
-        return Ok(());
-    }
-    Err(DenoiseError::InvalidOption { option, value, expected: "between 0 and 1" })
 }

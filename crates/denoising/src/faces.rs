@@ -160,9 +160,9 @@ impl FaceLists {
         })
     }
 
-    /// The faces whose centroid lies within `radius` of a face's own and that
-    /// are reached from it through faces that share vertices and do too; the
-    /// face itself left out, in the order they are reached.
+    /// For each face the others whose centroids lie within `radius` of its own
+    /// and that such faces connect to it through shared vertices, in the order
+    /// in which a search reaches them.
     pub(crate) fn within(rings: &Self, centroids: &[[f64; 3]], radius: f64) -> Self {
         Self::gather(centroids.len(), |f, list, marks| {
             marks.clear();

@@ -1,7 +1,7 @@
 //! Fast and effective feature-preserving denoising.
 
 use fairing_mesh::vec3::{add, dot, scale};
-use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
+use fairing_mesh::{Algorithm, OptionError, Parameter, ParameterError, TriMesh, Values};
 use rayon::prelude::*;
 
 use super::DenoiseError;
@@ -70,7 +70,7 @@ impl Method for FastEffectiveOptions {
 ///
 /// # Errors
 ///
-/// [`DenoiseError::InvalidOption`] for a threshold outside `[−1, 1)`.
+/// [`DenoiseError::Option`] for a threshold outside `[−1, 1)`.
 ///
 /// Source: \[sun2007\].
 pub fn fast_effective(
@@ -82,13 +82,8 @@ pub fn fast_effective(
 
 fn filter(mesh: &TriMesh, options: &FastEffectiveOptions) -> Result<TriMesh, DenoiseError> {
     let threshold = options.threshold;
-    if !(-1.0..1.0).contains(&threshold) {
-        return Err(DenoiseError::InvalidOption {
-            option: "threshold",
-            value: threshold,
-            expected: "at least −1 and below 1",
-        });
-    }
+    let between = (-1.0..1.0).contains(&threshold);
+    OptionError::require(between, "threshold", threshold, "at least −1 and below 1")?;
     let rings = FaceLists::rings(mesh);
     let mut normals = FaceShapes::new(mesh).normals;
     fairing_watch::stage("rounds", options.iterations as u64);

@@ -3,11 +3,10 @@
 use std::f64::consts::LOG2_E;
 
 use fairing_mesh::vec3::{add, distance, scale};
-use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
+use fairing_mesh::{Algorithm, OptionError, Parameter, ParameterError, TriMesh, Values};
 use rayon::prelude::*;
 
 use super::DenoiseError;
-use super::error::positive;
 use super::faces::{FaceLists, FaceShapes, Hinges, NO_HINGE, mean_centroid_distance, unit_or_zero};
 use super::method::Method;
 use super::unit_scale::at_unit_scale;
@@ -87,7 +86,7 @@ impl Method for GuidedNormalOptions {
 ///
 /// # Errors
 ///
-/// [`DenoiseError::InvalidOption`] for a length or scale that is not positive.
+/// [`DenoiseError::Option`] for a length or scale that is not positive.
 ///
 /// Source: \[zhang2015\].
 pub fn guided_normal(
@@ -98,9 +97,9 @@ pub fn guided_normal(
 }
 
 fn filter(mesh: &TriMesh, options: &GuidedNormalOptions) -> Result<TriMesh, DenoiseError> {
-    positive("radius", options.radius)?;
-    positive("spatial", options.spatial)?;
-    positive("range", options.range)?;
+    OptionError::require_positive("radius", options.radius)?;
+    OptionError::require_positive("spatial", options.spatial)?;
+    OptionError::require_positive("range", options.range)?;
     let hinges = Hinges::new(mesh);
     let rings = FaceLists::rings(mesh);
     let shapes = FaceShapes::new(mesh);

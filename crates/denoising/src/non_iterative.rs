@@ -3,11 +3,10 @@
 use std::f64::consts::LOG2_E;
 
 use fairing_mesh::vec3::{add, distance, dot, scale, sub};
-use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
+use fairing_mesh::{Algorithm, OptionError, Parameter, ParameterError, TriMesh, Values};
 use rayon::prelude::*;
 
 use super::DenoiseError;
-use super::error::positive;
 use super::faces::{FaceLists, FaceShapes, Marks};
 use super::method::Method;
 use super::rebuild::rebuild;
@@ -80,7 +79,7 @@ impl Method for NonIterativeOptions {
 ///
 /// # Errors
 ///
-/// [`DenoiseError::InvalidOption`] for a scale that is not positive.
+/// [`DenoiseError::Option`] for a scale that is not positive.
 ///
 /// Source: \[jones2003\].
 pub fn non_iterative(
@@ -91,8 +90,8 @@ pub fn non_iterative(
 }
 
 fn filter(mesh: &TriMesh, options: &NonIterativeOptions) -> Result<TriMesh, DenoiseError> {
-    positive("spatial", options.spatial)?;
-    positive("influence", options.influence)?;
+    OptionError::require_positive("spatial", options.spatial)?;
+    OptionError::require_positive("influence", options.influence)?;
     let h = mesh.mean_edge_length();
     let (spatial, influence) = (options.spatial * h, options.influence * h);
     let shapes = FaceShapes::new(mesh);

@@ -1,14 +1,13 @@
 //! Total variation of the normal field.
 
 use fairing_mesh::vec3::{add, distance, norm, scale, sub};
-use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
+use fairing_mesh::{Algorithm, OptionError, Parameter, ParameterError, TriMesh, Values};
 use fairing_sparse::CgOptions;
 use fairing_sparse::passes::update;
 use rayon::prelude::*;
 
 use super::DenoiseError;
 use super::conjugate_gradients::{by_rows, conjugate_gradients, solved};
-use super::error::positive;
 use super::faces::{FaceShapes, Hinge, Hinges, unit_or_zero};
 use super::method::Method;
 use super::unit_scale::at_unit_scale;
@@ -82,7 +81,7 @@ impl Method for TotalVariationOptions {
 ///
 /// # Errors
 ///
-/// [`DenoiseError::InvalidOption`] for a weight that is not positive;
+/// [`DenoiseError::Option`] for a weight that is not positive;
 /// [`DenoiseError::NotSolved`] if conjugate gradients stall.
 ///
 /// Source: \[zhang2015variational\].
@@ -94,7 +93,7 @@ pub fn total_variation(
 }
 
 fn filter(mesh: &TriMesh, options: &TotalVariationOptions) -> Result<TriMesh, DenoiseError> {
-    positive("weight", options.weight)?;
+    OptionError::require_positive("weight", options.weight)?;
     if mesh.mean_edge_length() <= 0.0 {
         return Ok(mesh.clone());
     }
@@ -198,10 +197,10 @@ impl Problem {
         });
     }
 
-    /// Both other steps: for each hinge, the jump of the normals plus the dual
-    /// variable, shortened by its threshold, less the dual variable, is the
-    /// jump that is wanted next. The dual variable is what the jump has more
-    /// than was wanted, or zero at first.
+    /// The two other steps, for each hinge. The dual variable is the jump of the
+    /// normals minus the wanted one, or zero in the first step. Jump plus dual
+    /// variable, shortened by its threshold, minus the dual variable is the
+    /// jump wanted next.
     fn shrink(&self, normals: &[[f64; 3]], wanted: &mut [[f64; 3]], first: bool) {
         update(wanted, |e, wanted| {
             let [f, g] = self.hinges.all[e].faces.map(|f| normals[f as usize]);

@@ -1,11 +1,10 @@
 //! Moving vertices until the faces have given normals.
 
-use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, cross, dot, norm, scale, sub};
+use fairing_mesh::{OptionError, TriMesh};
 use rayon::prelude::*;
 
 use super::DenoiseError;
-use super::error::positive;
 use super::rebuild::rebuild;
 use super::unit_scale::at_unit_scale;
 
@@ -47,7 +46,7 @@ impl Default for VertexUpdate {
 ///
 /// # Errors
 ///
-/// [`DenoiseError::InvalidOption`] if there is not one normal per face or the
+/// [`DenoiseError::Option`] if there is not one normal per face or the
 /// limit is not positive; [`DenoiseError::NonFinite`] if a normal is not
 /// finite.
 ///
@@ -57,15 +56,11 @@ pub fn update_vertices(
     normals: &[[f64; 3]],
     options: &VertexUpdate,
 ) -> Result<TriMesh, DenoiseError> {
-    if normals.len() != mesh.face_count() {
-        return Err(DenoiseError::InvalidOption {
-            option: "the number of normals",
-            value: normals.len() as f64,
-            expected: "the number of faces",
-        });
-    }
+    let one_each = normals.len() == mesh.face_count();
+    let (count, expected) = (normals.len() as f64, "the number of faces");
+    OptionError::require(one_each, "number of normals", count, expected)?;
     if let Some(limit) = options.limit {
-        positive("limit", limit)?;
+        OptionError::require_positive("limit", limit)?;
     }
     let limit = options.limit.map(|limit| limit / mesh.scale_unit());
     at_unit_scale(mesh, |mesh| {

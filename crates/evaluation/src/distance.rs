@@ -11,7 +11,7 @@ use fairing_mesh::vec3::{distance, power_of_two};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct VertexDistance {
-    /// The mean over the vertices, in mesh units, as the others.
+    /// The mean over the vertices, in mesh units like the others.
     pub mean: f64,
     /// The root mean square.
     pub rms: f64,

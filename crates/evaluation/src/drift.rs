@@ -13,13 +13,13 @@ use crate::distance::{at_unit_scale, check_correspondence};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Drift {
-    /// Of the enclosed volume; `None` unless both are closed and consistently
+    /// The change of the enclosed volume; `None` unless both are closed and consistently
     /// oriented and the reference has a volume above the rounding of its sum
     /// ([`TriMesh::volume_rounding`]).
     pub volume: Option<f64>,
-    /// Of the area; `None` if the reference has none.
+    /// The change of the area; `None` if the reference has none.
     pub area: Option<f64>,
-    /// Of the mean edge length, an edge counted once for each of its faces;
+    /// The change of the mean edge length, an edge counted once for each of its faces;
     /// `None` if the reference has none.
     pub edge_length: Option<f64>,
 }

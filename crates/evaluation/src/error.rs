@@ -1,20 +1,15 @@
 //! Why something cannot be evaluated.
 
-use fairing_mesh::BuildError;
+use fairing_mesh::{BuildError, OptionError};
 use fairing_operators::OperatorError;
 
 /// Why noise, a distance or a score is not defined.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum EvaluationError {
-    /// A parameter of the noise is out of its range.
-    #[error("the {what} of the noise is {value}")]
-    NoiseParameter {
-        /// `level` or `share`.
-        what: &'static str,
-        /// Its value; a level in mesh units.
-        value: f64,
-    },
+    /// An option is out of its range, or no distance or angle can meet it.
+    #[error(transparent)]
+    Option(#[from] OptionError),
     /// Noise or a mean leads out of the range of numbers.
     #[error("positions out of range: {0}")]
     Positions(BuildError),
@@ -42,14 +37,6 @@ pub enum EvaluationError {
         faces: usize,
         /// Triangles of the reference.
         reference_faces: usize,
-    },
-    /// A tolerance or threshold that no distance or angle can meet.
-    #[error("the {what} is {value}")]
-    Parameter {
-        /// What it is for.
-        what: &'static str,
-        /// Its value.
-        value: f64,
     },
     /// A curvature is not defined.
     #[error(transparent)]

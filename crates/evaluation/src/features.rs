@@ -1,7 +1,7 @@
 //! Sharp edges, found and missed.
 
-use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{cross, dot, norm, normalize};
+use fairing_mesh::{OptionError, TriMesh};
 
 use crate::EvaluationError;
 use crate::distance::{at_unit_scale, check_correspondence};
@@ -40,19 +40,15 @@ impl FeatureEdges {
 /// # Errors
 ///
 /// [`EvaluationError::NoCorrespondence`] unless both have the same faces,
-/// [`EvaluationError::Parameter`] unless 0 < `degrees` < 180.
+/// [`EvaluationError::Option`] unless 0 < `degrees` < 180.
 pub fn feature_edges(
     mesh: &TriMesh,
     reference: &TriMesh,
     degrees: f64,
 ) -> Result<FeatureEdges, EvaluationError> {
     check_correspondence(mesh, reference)?;
-    if !(degrees > 0.0 && degrees < 180.0) {
-        return Err(EvaluationError::Parameter {
-            what: "feature angle in degrees",
-            value: degrees,
-        });
-    }
+    let between = degrees > 0.0 && degrees < 180.0;
+    OptionError::require(between, "feature angle", degrees, "above 0 and below 180 degrees")?;
     let (mesh, reference, _) = at_unit_scale(mesh, reference);
     let topology = mesh.topology();
     let mut edges = FeatureEdges { shared: 0, found: 0, expected: 0 };

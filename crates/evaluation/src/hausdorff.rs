@@ -1,7 +1,7 @@
 //! The Hausdorff distance between surfaces, to a bound.
 
-use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, distance, scale};
+use fairing_mesh::{OptionError, TriMesh};
 use rayon::prelude::*;
 
 use crate::distance::{at_unit_scale, tree};
@@ -39,10 +39,10 @@ pub struct Hausdorff {
 ///
 /// # Errors
 ///
-/// [`EvaluationError::NoFaces`], [`EvaluationError::Parameter`] unless the
+/// [`EvaluationError::NoFaces`], [`EvaluationError::Option`] unless the
 /// tolerance is positive and finite.
 pub fn hausdorff(a: &TriMesh, b: &TriMesh, tolerance: f64) -> Result<Hausdorff, EvaluationError> {
-    check_tolerance(tolerance)?;
+    OptionError::require_positive("tolerance", tolerance)?;
     let (a, b, unit) = at_unit_scale(a, b);
     let (own, other) = (tree(&a, "mesh")?, tree(&b, "reference")?);
     // A tolerance beyond the range of floats is as good as its border.
@@ -54,13 +54,6 @@ impl Hausdorff {
     pub(crate) fn times(self, unit: f64) -> Self {
         Self { lower: self.lower * unit, upper: self.upper * unit }
     }
-}
-
-pub(crate) fn check_tolerance(tolerance: f64) -> Result<(), EvaluationError> {
-    if tolerance > 0.0 && tolerance.is_finite() {
-        return Ok(());
-    }
-    Err(EvaluationError::Parameter { what: "tolerance", value: tolerance })
 }
 
 /// [`hausdorff`] with trees that are there already.

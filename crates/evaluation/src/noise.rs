@@ -1,7 +1,7 @@
 //! Seeded noise on vertices.
 
-use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, norm, scale};
+use fairing_mesh::{OptionError, TriMesh};
 use fairing_operators::vertex_normals;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -61,7 +61,7 @@ pub enum NoiseKind {
     /// As [`Self::GaussianAlongDirections`], but of a share of the vertices
     /// only; the others stay.
     Impulsive {
-        /// The probability of each vertex to be moved, from 0 to 1.
+        /// The probability that a vertex is moved, from 0 to 1.
         share: f64,
     },
     /// Along the vertex normal, by Gaussians of standard deviation σ whose
@@ -135,7 +135,7 @@ fairing_mesh::named!(NoiseKind, "kind of noise");
 ///
 /// # Errors
 ///
-/// [`EvaluationError::NoiseParameter`] if the level is negative or not finite
+/// [`EvaluationError::Option`] if the level is negative or not finite
 /// or the share is not between 0 and 1 or the reach not between 0.1 and 8; [`EvaluationError::Positions`] if a
 /// position leaves the range of numbers.
 ///
@@ -155,18 +155,13 @@ pub fn add_noise(
     seed: u64,
 ) -> Result<TriMesh, EvaluationError> {
     let sigma = level.in_mesh_units(mesh);
-    if !sigma.is_finite() || sigma < 0.0 {
-        return Err(EvaluationError::NoiseParameter { what: "level", value: sigma });
+    OptionError::require_not_negative("noise level in mesh units", sigma)?;
+    if let NoiseKind::Impulsive { share } = kind {
+        OptionError::require_share("share of impulses", share)?;
     }
-    if let NoiseKind::Impulsive { share } = kind
-        && !(0.0..=1.0).contains(&share)
-    {
-        return Err(EvaluationError::NoiseParameter { what: "share", value: share });
-    }
-    if let NoiseKind::Correlated { reach } = kind
-        && !(0.1..=8.0).contains(&reach)
-    {
-        return Err(EvaluationError::NoiseParameter { what: "reach", value: reach });
+    if let NoiseKind::Correlated { reach } = kind {
+        let between = (0.1..=8.0).contains(&reach);
+        OptionError::require(between, "reach of the noise", reach, "between 0.1 and 8")?;
     }
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let displacements = match kind {
@@ -399,14 +394,17 @@ mod tests {
         let sphere = shapes::icosphere(1);
         for level in [-1.0, f64::NAN, f64::INFINITY] {
             let e = add_noise(&sphere, NoiseKind::UniformPerAxis, NoiseLevel::Model(level), 0);
-            assert!(matches!(e, Err(EvaluationError::NoiseParameter { what: "level", .. })));
+            let Err(EvaluationError::Option(OptionError { option, .. })) = e else {
+                panic!("{e:?}")
+            };
+            assert_eq!(option, "noise level in mesh units");
         }
         let kind = NoiseKind::Impulsive { share: 1.5 };
         let e = add_noise(&sphere, kind, NoiseLevel::Model(1.0), 0).unwrap_err();
-        assert_eq!(e.to_string(), "the share of the noise is 1.5");
+        assert_eq!(e.to_string(), "share of impulses is 1.5, but must be between 0 and 1");
         let kind = NoiseKind::Correlated { reach: 0.0 };
         let e = add_noise(&sphere, kind, NoiseLevel::Model(1.0), 0).unwrap_err();
-        assert_eq!(e.to_string(), "the reach of the noise is 0");
+        assert_eq!(e.to_string(), "reach of the noise is 0, but must be between 0.1 and 8");
         let e = add_noise(&sphere, NoiseKind::GaussianPerAxis, NoiseLevel::Model(1e308), 0);
         assert!(matches!(e, Err(EvaluationError::Positions(_))));
     }

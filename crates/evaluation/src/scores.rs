@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use fairing_mesh::TriMesh;
+use fairing_mesh::{OptionError, TriMesh};
 
 use crate::distance::{self, tree};
 use crate::hausdorff;
@@ -108,14 +108,14 @@ impl Scores {
     /// # Errors
     ///
     /// [`EvaluationError::NoFaces`] or [`EvaluationError::NoVertices`] where
-    /// there is nothing to compare; [`EvaluationError::Parameter`] for an
+    /// there is nothing to compare; [`EvaluationError::Option`] for an
     /// option that is not positive and finite, or an angle of 180° or more.
     pub fn new(
         mesh: &TriMesh,
         reference: &TriMesh,
         options: &ScoreOptions,
     ) -> Result<Self, EvaluationError> {
-        hausdorff::check_tolerance(options.hausdorff_tolerance)?;
+        OptionError::require_positive("Hausdorff tolerance", options.hausdorff_tolerance)?;
         let (mesh, reference, scale) = distance::at_unit_scale(mesh, reference);
         let (mesh, reference) = (&*mesh, &*reference);
         let (own, other) = (tree(mesh, "mesh")?, tree(reference, "reference")?);
@@ -123,7 +123,7 @@ impl Scores {
         // A reference of one point has no diagonal to take a share of.
         let unit = if diagonal > 0.0 { diagonal } else { 1.0 };
         let features = feature_edges(mesh, reference, options.feature_angle);
-        if let Err(error @ EvaluationError::Parameter { .. }) = features {
+        if let Err(error @ EvaluationError::Option(_)) = features {
             return Err(error);
         }
         let tolerance = options.hausdorff_tolerance * unit;

@@ -23,7 +23,7 @@ pub trait Experiment: Sync {
     ///
     /// # Errors
     ///
-    /// Whatever stands in the way; the runner reports it and goes on with the
+    /// Any failure; the runner reports it and goes on with the
     /// other experiments.
     fn run(&self, context: &Context<'_>) -> Result<Outcome>;
 
@@ -47,7 +47,7 @@ pub struct Card {
     pub title: &'static str,
     /// What is asked.
     pub question: &'static str,
-    /// How it is answered, in short. Paragraphs are parted by an empty line.
+    /// How it is answered, in short. Paragraphs are separated by an empty line.
     pub method: String,
     /// The formulas behind the method, in TeX, without dollars.
     pub formulas: Vec<String>,

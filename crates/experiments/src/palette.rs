@@ -116,7 +116,7 @@ fn encode(width: usize, height: usize, pixels: &[[u8; 3]]) -> Result<Vec<u8>> {
     encoder.set_depth(BitDepth::Eight);
     encoder.set_palette(palette.concat());
     encoder.set_filter(png::Filter::NoFilter);
-    // The highest level takes three times as long for two per cent.
+    // The highest level takes three times as long for two percent.
     encoder.set_compression(Compression::Balanced);
     encoder.write_header()?.write_image_data(&indices)?;
     Ok(out)

@@ -5,11 +5,11 @@ use fairing_evaluation::EvaluationError;
 #[cfg(feature = "figure")]
 use fairing_figure::{EncodeError, PlotError, RenderError, ScaleError};
 use fairing_mesh::io::{ReadError, ReadProblem, WriteError, WriteProblem};
-use fairing_mesh::{BuildError, ParameterError, UnknownName};
+use fairing_mesh::{BuildError, OptionError, ParameterError, UnknownName};
 use fairing_operators::OperatorError;
 use fairing_smoothing::{FlowError, FlowFailure};
 use fairing_sparse::{CgError, CholeskyError, EigenError, MassError, MatrixError};
-use fairing_spectral::SpectralError;
+use fairing_spectral::{SpectralError, SpectrumFileError};
 use fairing_watch::Cancelled;
 
 /// What sort of failure an [`Error`] is: enough to choose an exit code, or an
@@ -57,6 +57,9 @@ pub enum Error {
     /// A file cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// An option is out of its range.
+    #[error(transparent)]
+    Option(#[from] OptionError),
     /// A value does not fit a parameter of a method.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
@@ -84,6 +87,9 @@ pub enum Error {
     /// A spectrum, or something made from it, is not available.
     #[error(transparent)]
     Spectral(#[from] SpectralError),
+    /// A spectrum cannot be written to a file or read from it.
+    #[error(transparent)]
+    SpectrumFile(#[from] SpectrumFileError),
     /// A flow has failed.
     #[error(transparent)]
     Flow(#[from] FlowError),
@@ -120,7 +126,7 @@ impl Error {
         match self {
             Self::Cancelled(_) => ErrorKind::Cancelled,
             Self::Build(_) | Self::Matrix(_) => ErrorKind::Input,
-            Self::Parameter(_) | Self::UnknownName(_) => ErrorKind::Option,
+            Self::Option(_) | Self::Parameter(_) | Self::UnknownName(_) => ErrorKind::Option,
             Self::Read(error) => match error.problem {
                 ReadProblem::Io(_) => ErrorKind::Io,
                 _ => ErrorKind::Input,
@@ -131,8 +137,10 @@ impl Error {
             },
             Self::Operator(error) => operator_kind(error),
             Self::Spectral(error) => spectral_kind(error),
+            Self::SpectrumFile(SpectrumFileError::Io { .. }) => ErrorKind::Io,
+            Self::SpectrumFile(_) => ErrorKind::Input,
             Self::Flow(error) => flow_kind(&error.failure),
-            Self::Denoise(DenoiseError::InvalidOption { .. } | DenoiseError::Parameter(_)) => {
+            Self::Denoise(DenoiseError::Option(_) | DenoiseError::Parameter(_)) => {
                 ErrorKind::Option
             }
             Self::Evaluation(error) => evaluation_kind(error),
@@ -145,7 +153,7 @@ impl Error {
 
 fn operator_kind(error: &OperatorError) -> ErrorKind {
     match error {
-        OperatorError::Option { .. }
+        OperatorError::Option(_)
         | OperatorError::Length { .. }
         | OperatorError::NoSuchVertex { .. }
         | OperatorError::NoSuchMass { .. } => ErrorKind::Option,
@@ -155,14 +163,13 @@ fn operator_kind(error: &OperatorError) -> ErrorKind {
 
 fn spectral_kind(error: &SpectralError) -> ErrorKind {
     match error {
-        SpectralError::Io { .. } => ErrorKind::Io,
-        SpectralError::File { .. } | SpectralError::Positions(_) => ErrorKind::Input,
+        SpectralError::Positions(_) => ErrorKind::Input,
         SpectralError::Operator(error) => operator_kind(error),
         SpectralError::Kind { .. }
         | SpectralError::Repeated { .. }
         | SpectralError::TooManyModes { .. }
         | SpectralError::Rows { .. }
-        | SpectralError::Parameter { .. }
+        | SpectralError::Option(_)
         | SpectralError::NoSuchVertex { .. } => ErrorKind::Option,
         _ => ErrorKind::Numeric,
     }
@@ -170,21 +177,20 @@ fn spectral_kind(error: &SpectralError) -> ErrorKind {
 
 fn flow_kind(failure: &FlowFailure) -> ErrorKind {
     match failure {
-        FlowFailure::InvalidOption { .. }
+        FlowFailure::Option(_)
         | FlowFailure::Unsupported { .. }
         | FlowFailure::Unstable { .. }
         | FlowFailure::Amplified { .. }
         | FlowFailure::NoSuchVertex { .. } => ErrorKind::Option,
         FlowFailure::Operator(error) => operator_kind(error),
+        FlowFailure::Modes(error) => spectral_kind(error),
         _ => ErrorKind::Numeric,
     }
 }
 
 fn evaluation_kind(error: &EvaluationError) -> ErrorKind {
     match error {
-        EvaluationError::Parameter { .. } | EvaluationError::NoiseParameter { .. } => {
-            ErrorKind::Option
-        }
+        EvaluationError::Option(_) => ErrorKind::Option,
         EvaluationError::Operator(error) => operator_kind(error),
         _ => ErrorKind::Numeric,
     }

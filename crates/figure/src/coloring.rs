@@ -101,7 +101,7 @@ mod tests {
         assert_eq!(options(cool_warm, &[1.0, 2.0]), signed);
     }
 
-    /// A range that is given is taken as it is, and equal shares have no middle.
+    /// A given range is kept, and equal shares have no middle.
     #[test]
     fn a_range_and_equal_shares_are_not_centred() {
         let free = ColoringOptions::default();

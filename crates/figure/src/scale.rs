@@ -118,7 +118,7 @@ pub struct Scale {
 
 const BINS: usize = 1024;
 
-/// Up to so many different values a colour bar shows one by one.
+/// A colour bar shows up to this many different values one by one.
 const FEW: usize = 6;
 
 impl Scale {

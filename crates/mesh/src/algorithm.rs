@@ -95,7 +95,7 @@ impl Kind {
     ///
     /// # Errors
     ///
-    /// What it must be.
+    /// What the text must be, if it is not.
     pub fn check(self, text: &str) -> Result<(), String> {
         let each = |is: fn(&str) -> bool| text.split(',').all(is);
         let (good, expected) = match self {

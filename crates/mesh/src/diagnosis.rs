@@ -51,7 +51,7 @@ pub struct Diagnosis {
     pub manifold: bool,
     /// There are faces, and no edge has exactly one.
     pub closed: bool,
-    /// Faces could be flipped so that all turn alike.
+    /// Flipping some faces orients all of them consistently.
     pub orientable: bool,
     /// Vertices that no face uses.
     pub isolated_vertices: Tally,

@@ -41,6 +41,7 @@ mod incidence;
 pub mod io;
 mod measure;
 mod named;
+mod option_error;
 mod polygon;
 mod subdivide;
 mod topology;
@@ -59,6 +60,7 @@ pub use named::UnknownName;
 pub use named::by_name;
 #[cfg(feature = "ndarray")]
 pub use ndarray;
+pub use option_error::OptionError;
 pub use polygon::PolygonMesh;
 pub use subdivide::{subdivide_loop, subdivide_midpoint};
 pub use topology::{Components, Fan, Orientation, Topology};

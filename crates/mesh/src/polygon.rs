@@ -129,7 +129,7 @@ impl PolygonMesh {
     /// Splits the polygons into triangles: n − 2 for n corners, in the order
     /// of the polygons, all corners used, none added.
     ///
-    /// - A triangle stays as it is.
+    /// - A triangle does not change.
     /// - A convex polygon becomes the fan around its first corner: `(0, 1, 2)`,
     ///   `(0, 2, 3)`, …
     /// - Any other is cut ear by ear. An ear is a corner that turns like the

@@ -16,7 +16,7 @@ impl TriMesh {
     ///
     /// Squares of lengths, areas or normals of very small or very large meshes
     /// leave the range of floats. An extent of 2⁻⁶⁴ to 2⁶⁴ of the vertices of
-    /// the faces keeps the mesh as it is, with the power 1; others come near
+    /// the faces leaves the mesh unchanged, with the power 1; others come near
     /// one. Nothing is rounded, except coordinates below 10⁻²⁹² of the extent.
     /// Isolated vertices that would leave the range end at its border. Linear,
     /// and without a copy where the mesh is kept.

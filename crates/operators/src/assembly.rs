@@ -59,8 +59,8 @@ impl<'a> SideSums<'a> {
     /// `of_face` says, for a face, what the side opposite each corner adds to
     /// its two entries.
     ///
-    /// One pass over the faces writes that down at their vertices, so that
-    /// nothing needs to be looked up there.
+    /// One pass over the faces stores that at their vertices, so that
+    /// nothing needs to be searched for there.
     ///
     /// # Errors
     ///

@@ -1,6 +1,7 @@
 //! Why an operator cannot be assembled.
 
 use crate::laplacian::{LaplacianKind, MassKind};
+use fairing_mesh::OptionError;
 
 /// The least height of a face over its longest edge, relative to that edge, at
 /// which its cotangents are used.
@@ -74,13 +75,8 @@ pub enum OperatorError {
         vertex: u32,
     },
     /// An option is out of its range.
-    #[error("{value} is out of range for {name}")]
-    Option {
-        /// The option.
-        name: &'static str,
-        /// Its value.
-        value: f64,
-    },
+    #[error(transparent)]
+    Option(#[from] OptionError),
     /// More entries than 32-bit indices can number.
     #[error("the matrix would have up to {entries} entries, too many for 32-bit indices")]
     TooLarge {

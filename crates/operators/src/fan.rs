@@ -38,7 +38,7 @@ impl Fan {
         sides: impl ExactSizeIterator<Item = [u32; 2]>,
     ) -> bool {
         let count = sides.len();
-        // No vertex has the last number, so that it is smaller than none.
+        // Stands for "none": no vertex has this number, and every vertex has a smaller one.
         let (mut after, mut before) = ([u32::MAX; ROOM], [u32::MAX; ROOM]);
         for (i, [next, previous]) in sides.enumerate() {
             after[i] = next;

@@ -84,7 +84,7 @@ pub struct NoisyParts {
 /// ```
 ///
 /// The median is hardly changed by the vertices near creases. On Gaussian noise σ̂ is a
-/// few per cent high; on a clean mesh it is what the quadric misses, not zero.
+/// few percent high; on a clean mesh it is what the quadric misses, not zero.
 /// A connected part that is clean does not lower the level of another one.
 /// Scales with the mesh. `None` if no vertex has a two-ring that determines a
 /// quadric (at least eight neighbours in general position). Linear cost.
@@ -92,7 +92,7 @@ pub fn noise_level(mesh: &TriMesh) -> Option<NoiseEstimate> {
     noisy_parts(mesh).first().map(|parts| parts.level)
 }
 
-/// The levels of a part within this factor of each other are taken for one:
+/// The levels of a part within this factor of each other count as the same:
 /// estimates from a few dozen vertices differ by as much as two.
 const ALIKE: f64 = 4.0;
 

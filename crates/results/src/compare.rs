@@ -16,7 +16,7 @@ pub enum Difference {
         /// Whether it is the new side that has it.
         added: bool,
     },
-    /// A mesh that is read is another one, so that numbers cannot be compared.
+    /// Another mesh was read, so the numbers cannot be compared.
     Input {
         /// The experiment.
         experiment: String,

@@ -52,7 +52,7 @@ pub enum Unit {
     /// Radians.
     #[serde(rename = "rad")]
     Radians,
-    /// Per cent.
+    /// Percent.
     #[serde(rename = "%")]
     Percent,
     /// Seconds of wall time; never compared between runs.
@@ -103,7 +103,7 @@ impl Tolerance {
     /// The default: wider than the last digits in which two processors or
     /// mathematical libraries differ, narrower than any change of method.
     pub const NUMERICAL: Self = Self { relative: 1e-6, absolute: 1e-9 };
-    /// For what amplifies rounding: iterative solvers, ranks, thresholds.
+    /// For values that amplify rounding: iterative solvers, ranks, thresholds.
     pub const LOOSE: Self = Self { relative: 1e-2, absolute: 1e-6 };
 
     /// Whether `new` may stand where `old` stood.

@@ -119,7 +119,7 @@ pub struct CgRoom<const B: usize> {
 }
 
 impl<const B: usize> CgRoom<B> {
-    /// Room for so many rows. What the arrays hold is not specified.
+    /// Room for this many rows. What the arrays hold is not specified.
     pub fn resize(&mut self, rows: usize) {
         for all in [&mut self.r, &mut self.p, &mut self.q] {
             all.resize(rows, [0.0; B]);
@@ -131,7 +131,7 @@ impl<const B: usize> CgRoom<B> {
 /// is small enough. Columns that are done no longer change.
 ///
 /// The residual is that of the recurrence, which departs from b − A x by rounding: measure it at the end, and call again
-/// where it is too large. `iterations` goes on counting.
+/// where it is too large. `iterations` continues to count.
 ///
 /// # Errors
 ///

@@ -9,7 +9,7 @@ use crate::passes::CHUNK;
 /// `g(μ) = Σ cₖ Tₖ(1 + 2μ/b)` on the interval `[−b, 0]`.
 ///
 /// With b no less than the [bound of the spectrum](GraphLaplacian::spectral_bound), `g(L) x` is a sum of as many
-/// products with `L` as the series has terms, without inner products and hence without synchronisation. `L` is
+/// products with `L` as the series has terms, without inner products and so without synchronisation. `L` is
 /// symmetric in the inner product of its mass, so an error of g on the interval is at most that share of the norm of x.
 ///
 /// # Examples
@@ -179,7 +179,7 @@ mod tests {
             columns.extend([i.wrapping_sub(1), i + 1].into_iter().filter(|&j| j < n));
             offsets.push(columns.len() as u32);
         }
-        // An isolated vertex behind it.
+        // An isolated vertex after it.
         columns.push(n);
         offsets.push(columns.len() as u32);
         let path = GraphLaplacian::uniform(offsets, columns);

@@ -12,10 +12,10 @@
 
 use std::ops::Range;
 
-use pulp::NullaryFnOnce;
 use rayon::prelude::*;
 
 use crate::graph_laplacian::{Factors, GraphLaplacian, Padded};
+use crate::simd::{self, Kernel};
 
 /// Bytes that the blocks at work in one batch may take: most of the second-level cache of one core.
 const CACHE: usize = 1 << 20;
@@ -107,11 +107,11 @@ impl Batch<'_> {
         let ends: Vec<usize> = (0..=parts).map(|q| q * n / parts).collect();
         let middles: Vec<usize> = ends.windows(2).map(|e| (e[0] + e[1]) / 2).collect();
         split(last, before, &ends).into_par_iter().for_each(|piece| {
-            pulp::Arch::new().dispatch(Trapezoid { batch: self, piece, n });
+            simd::dispatch(Trapezoid { batch: self, piece, n });
         });
         let between = split(last, before, &middles);
         between.into_par_iter().zip(&ends[1..]).for_each(|(piece, &end)| {
-            pulp::Arch::new().dispatch(Triangle { batch: self, piece, end });
+            simd::dispatch(Triangle { batch: self, piece, end });
         });
     }
 
@@ -157,7 +157,7 @@ struct Trapezoid<'a> {
     n: usize,
 }
 
-impl NullaryFnOnce for Trapezoid<'_> {
+impl Kernel for Trapezoid<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -184,7 +184,7 @@ struct Triangle<'a> {
     end: usize,
 }
 
-impl NullaryFnOnce for Triangle<'_> {
+impl Kernel for Triangle<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -201,7 +201,7 @@ impl NullaryFnOnce for Triangle<'_> {
 mod tests {
     use super::*;
 
-    /// The recurrence as it is written, one term after another.
+    /// The recurrence as the formula has it, one term after another.
     fn plainly(of: Clenshaw<'_>) -> Vec<Padded> {
         let n = of.x.len();
         let (mut last, mut before) = (vec![[0.0; 4]; n], vec![[0.0; 4]; n]);

@@ -30,7 +30,7 @@ impl GraphLaplacian {
         (1.01 * theta + residual * last_component(&alpha, &beta, theta)).min(gershgorin)
     }
 
-    /// The largest eigenvalue of `−L = M⁻¹S`, from below: the largest Ritz value of so many Lanczos steps from a fixed
+    /// The largest eigenvalue of `−L = M⁻¹S`, from below: the largest Ritz value of that many Lanczos steps from a fixed
     /// random vector. Two hundred give many digits unless its neighbours crowd it. Zero without edges.
     pub fn largest_eigenvalue(&self, steps: usize) -> f64 {
         let (alpha, beta) = tridiagonal(self, steps);

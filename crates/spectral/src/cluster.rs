@@ -53,7 +53,7 @@ impl Spectrum {
         (!self.is_gap(k)).then(|| Split { below: self.gap_below(k), above: self.gap_above(k) })
     }
 
-    /// The largest number of modes up to k that splits no cluster; 0 if all k are in one that goes on.
+    /// The largest number of modes up to k that splits no cluster; 0 if all k are in one that continues.
     ///
     /// # Panics
     ///
@@ -64,7 +64,7 @@ impl Spectrum {
     }
 
     /// The smallest number of modes from k on that splits no cluster; `None` if none is known. It may be larger
-    /// than [`Spectrum::len`]: so many modes have to be computed then.
+    /// than [`Spectrum::len`]: that many modes have to be computed then.
     ///
     /// # Panics
     ///

@@ -2,7 +2,7 @@
 
 use ndarray::{Array2, Axis, Slice};
 
-use fairing_mesh::TriMesh;
+use fairing_mesh::{OptionError, TriMesh};
 
 use crate::cluster::Split;
 use crate::error::SpectralError;
@@ -29,7 +29,7 @@ pub struct Compressed {
 ///
 /// # Errors
 ///
-/// [`SpectralError::TooManyModes`], [`SpectralError::Rows`], [`SpectralError::Parameter`].
+/// [`SpectralError::TooManyModes`], [`SpectralError::Rows`], [`SpectralError::Option`].
 ///
 /// Source: \[karni2000\], in the inner product of the mass.
 pub fn compress(
@@ -39,13 +39,7 @@ pub fn compress(
     precision: f64,
 ) -> Result<Compressed, SpectralError> {
     spectrum.check_modes(k)?;
-    if !(precision > 0.0 && precision.is_finite()) {
-        return Err(SpectralError::Parameter {
-            name: "precision",
-            value: precision,
-            must: "positive",
-        });
-    }
+    OptionError::require_positive("precision", precision)?;
     let positions = mesh.positions_view();
     let truncation = spectrum.truncation_errors(positions)?[k];
     let area = spectrum.area();

@@ -1,5 +1,6 @@
 //! Diffusion of heat on a mesh by implicit steps.
 
+use fairing_mesh::OptionError;
 use fairing_operators::{Laplacian, MassMatrix};
 use fairing_sparse::{Cholesky, combine};
 
@@ -34,9 +35,9 @@ impl HeatDiffusion {
     ///
     /// # Errors
     ///
-    /// [`SpectralError::Parameter`] for a negative time; a mass that is not positive; the errors of factorising.
+    /// [`SpectralError::Option`] for a negative time; a mass that is not positive; the errors of factorising.
     pub fn new(laplacian: &Laplacian, time: f64) -> Result<Self, SpectralError> {
-        check_time(time)?;
+        OptionError::require_not_negative("time", time)?;
         let mass = laplacian.positive_mass()?.into_owned();
         let matrix = combine(1.0, mass.as_mass(), time, laplacian.stiffness());
         Ok(Self { factor: Cholesky::new(&matrix)?, mass })
@@ -57,11 +58,4 @@ impl HeatDiffusion {
         self.factor.solve_in_place(&mut heat);
         Ok(heat)
     }
-}
-
-pub(crate) fn check_time(time: f64) -> Result<(), SpectralError> {
-    if time >= 0.0 && time.is_finite() {
-        return Ok(());
-    }
-    Err(SpectralError::Parameter { name: "time", value: time, must: "finite and not negative" })
 }

@@ -1,11 +1,14 @@
 //! What can go wrong with spectra.
 
-use fairing_mesh::BuildError;
+#[cfg(feature = "npz")]
+use std::path::PathBuf;
+
+use fairing_mesh::{BuildError, OptionError};
 use fairing_operators::{LaplacianKind, OperatorError};
 use fairing_sparse::{CholeskyError, EigenError};
 
 /// Why a spectrum, or something made from it, is not available.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SpectralError {
     /// The operators cannot be assembled.
@@ -48,16 +51,9 @@ pub enum SpectralError {
         /// Rows it should have.
         expected: usize,
     },
-    /// A parameter is out of range.
-    #[error("{name} is {value}, but must be {must}")]
-    Parameter {
-        /// The parameter.
-        name: &'static str,
-        /// Its value.
-        value: f64,
-        /// What it must be.
-        must: &'static str,
-    },
+    /// An option is out of its range.
+    #[error(transparent)]
+    Option(#[from] OptionError),
     /// Heat does not arrive at a vertex within the range of the numbers.
     #[error("no heat arrives at vertex {vertex}: use a longer time")]
     NoHeat {
@@ -72,20 +68,37 @@ pub enum SpectralError {
         /// How many there are.
         vertices: usize,
     },
-    /// The system cannot open, read or write a file.
+}
+
+/// Why a spectrum cannot be written to a file or read from it.
+#[cfg(feature = "npz")]
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SpectrumFileError {
+    /// The system cannot open, read or write the file.
     #[error("{}: {source}", path.display())]
     Io {
         /// The file.
-        path: std::path::PathBuf,
+        path: PathBuf,
         /// What the system says.
         source: std::io::Error,
     },
-    /// A file does not have the contents that it should have.
-    #[error("{path}: {problem}")]
-    File {
+    /// The file is no archive of arrays, or not of those that a spectrum has.
+    #[error("{}: {part}: {source}", path.display())]
+    Part {
         /// The file.
-        path: String,
-        /// What happened.
-        problem: String,
+        path: PathBuf,
+        /// The array that cannot be read or written, or `archive`.
+        part: String,
+        /// What is wrong with it.
+        source: Box<dyn std::error::Error + Send + Sync>,
+    },
+    /// The arrays do not make a spectrum.
+    #[error("{}: {problem}", path.display())]
+    Contents {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        problem: &'static str,
     },
 }

@@ -13,7 +13,7 @@ pub struct Filtered {
     /// The field, `n × d`.
     pub field: Array2<f64>,
     /// The first cluster of eigenvalues that the response splits, if any: it differs inside by more than a
-    /// thousandth of its largest value, or falls to that of the rest within a cluster that goes on beyond
+    /// thousandth of its largest value, or falls to that of the rest within a cluster that continues beyond
     /// the modes. The field then depends on the basis of an eigenspace, which is arbitrary.
     pub split: Option<Split>,
 }

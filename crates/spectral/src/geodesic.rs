@@ -1,20 +1,19 @@
 //! Geodesic distance by the heat method.
 
-use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::distance;
+use fairing_mesh::{OptionError, TriMesh};
 use fairing_operators::{Intrinsic, Laplacian, LaplacianKind};
 use fairing_sparse::{Cholesky, Mass, Ordering, SparseMatrix, SymbolicCholesky, combine};
 
-use crate::diffusion::check_time;
 use crate::error::SpectralError;
 use crate::flat_face::FlatFace;
 
 /// The heat method, ready for any sources: heat diffuses for a short time, its gradient is normalised, and the
 /// function whose gradient is closest to this is the distance.
 ///
-/// Smooth approximation of the geodesic distance, in mesh units: never negative and zero at the source, with
-/// several of them at the least one (at the others some tenths of an edge length); too large by the order of an
-/// edge length near them, of first order in h elsewhere; never exact. Natural boundaries. Source: \[crane2013\].
+/// Smooth approximation of the geodesic distance, in mesh units: never negative, and zero at the source. Of
+/// several sources one has the value zero, the others up to some tenths of an edge length. The error is about an
+/// edge length near sources, where distances come out too large, and of first order in h elsewhere. Natural boundaries. Source: \[crane2013\].
 #[derive(Debug)]
 pub struct HeatGeodesics {
     kind: LaplacianKind,
@@ -71,7 +70,7 @@ impl HeatGeodesics {
     ///
     /// # Errors
     ///
-    /// [`SpectralError::Parameter`] for a negative time; [`SpectralError::Kind`] for another kind of Laplacian, whose
+    /// [`SpectralError::Option`] for a negative time; [`SpectralError::Kind`] for another kind of Laplacian, whose
     /// gradients are not those of faces; [`SpectralError::Rows`] for that of another mesh; a mass that is not
     /// positive; what factorising reports.
     pub fn with(
@@ -80,7 +79,7 @@ impl HeatGeodesics {
         time: Option<f64>,
     ) -> Result<Self, SpectralError> {
         if let Some(time) = time {
-            check_time(time)?;
+            OptionError::require_not_negative("time", time)?;
         }
         let (found, expected) = (laplacian.vertex_count(), mesh.vertex_count());
         if found != expected {
@@ -127,14 +126,13 @@ impl HeatGeodesics {
     ///
     /// # Errors
     ///
-    /// [`SpectralError::NoSuchVertex`]; [`SpectralError::Parameter`] without a source;
+    /// [`SpectralError::NoSuchVertex`]; [`SpectralError::Option`] without a source;
     /// [`SpectralError::NoHeat`] for a vertex so far from the sources that no heat arrives in the time: more than
     /// some 1300 edges with that of [`HeatGeodesics::new`].
     pub fn distance(&self, sources: &[u32]) -> Result<Vec<Option<f64>>, SpectralError> {
         let n = self.component.len();
         if sources.is_empty() {
-            let (name, value) = ("number of sources", 0.0);
-            return Err(SpectralError::Parameter { name, value, must: "at least 1" });
+            return Err(OptionError::new("number of sources", 0.0, "at least 1").into());
         }
         let mut heat = vec![0.0; n];
         let mut reached = vec![false; self.components];

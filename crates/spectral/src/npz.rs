@@ -1,5 +1,6 @@
 //! Spectra in files that numpy reads: `numpy.load("modes.npz")["modes"]`.
 
+use std::error::Error;
 use std::fs::File;
 use std::io::{self, Cursor, Read, Seek, Write};
 use std::path::Path;
@@ -11,7 +12,7 @@ use ndarray::Array2;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
-use crate::error::SpectralError;
+use crate::error::SpectrumFileError;
 use crate::npy::{Kind, Npy};
 use crate::spectrum::Spectrum;
 
@@ -22,8 +23,8 @@ impl Spectrum {
     ///
     /// # Errors
     ///
-    /// [`SpectralError::Io`].
-    pub fn save(&self, path: impl AsRef<Path>) -> Result<(), SpectralError> {
+    /// [`SpectrumFileError::Io`].
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<(), SpectrumFileError> {
         let path = path.as_ref();
         write_whole(path, |file| self.write(file)).map_err(|source| in_system(path, source))
     }
@@ -32,10 +33,10 @@ impl Spectrum {
     ///
     /// # Errors
     ///
-    /// [`SpectralError::File`] for arrays that the format cannot hold.
-    pub fn to_bytes(&self) -> Result<Vec<u8>, SpectralError> {
+    /// [`SpectrumFileError::Part`] for arrays that the format cannot hold.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, SpectrumFileError> {
         let mut bytes = Cursor::new(vec![]);
-        self.write(&mut bytes).map_err(|e| problem(Path::new(MEMORY), e))?;
+        self.write(&mut bytes).map_err(|e| in_part(Path::new(MEMORY), ARCHIVE, e))?;
         Ok(bytes.into_inner())
     }
 
@@ -70,9 +71,9 @@ impl Spectrum {
     ///
     /// # Errors
     ///
-    /// [`SpectralError::Io`] where the system cannot open it; [`SpectralError::File`] for an array that is missing, and
-    /// shapes that do not fit.
-    pub fn load(path: impl AsRef<Path>) -> Result<Self, SpectralError> {
+    /// [`SpectrumFileError::Io`] where the system cannot open it; [`SpectrumFileError::Part`] for an array that is
+    /// missing or of another type; [`SpectrumFileError::Contents`] for shapes that do not fit.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, SpectrumFileError> {
         let path = path.as_ref();
         let file = File::open(path).map_err(|source| in_system(path, source))?;
         Self::read(path, file)
@@ -82,21 +83,20 @@ impl Spectrum {
     ///
     /// # Errors
     ///
-    /// [`SpectralError::File`], as [`Spectrum::load`].
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, SpectralError> {
+    /// [`SpectrumFileError::Part`] and [`SpectrumFileError::Contents`], as [`Spectrum::load`].
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, SpectrumFileError> {
         Self::read(Path::new(MEMORY), Cursor::new(bytes))
     }
 
-    fn read(path: &Path, file: impl Read + Seek) -> Result<Self, SpectralError> {
-        let mut zip = ZipArchive::new(file).map_err(|e| problem(path, e))?;
+    fn read(path: &Path, file: impl Read + Seek) -> Result<Self, SpectrumFileError> {
+        let mut zip = ZipArchive::new(file).map_err(|e| in_part(path, ARCHIVE, e))?;
         let names: Vec<String> = zip.file_names().map(str::to_string).collect();
         let has = |name: &str| names.iter().any(|n| n.strip_suffix(".npy") == Some(name));
-        let mut array = |name: &str, kind: Kind| -> Result<Npy, SpectralError> {
+        let mut array = |name: &str, kind: Kind| -> Result<Npy, SpectrumFileError> {
             let member = format!("{name}.npy");
-            let mut file =
-                zip.by_name(&member).map_err(|e| problem(path, format!("{name}: {e}")))?;
+            let mut file = zip.by_name(&member).map_err(|e| in_part(path, name, e))?;
             let size = file.size();
-            Npy::read(&mut file, size, kind).map_err(|e| problem(path, format!("{name}: {e}")))
+            Npy::read(&mut file, size, kind).map_err(|e| in_part(path, name, e))
         };
         let mut vector = |name: &str| array(name, Kind::Float).map(Npy::into_floats);
         let (values, residuals) = (vector("values")?, vector("residuals")?);
@@ -109,7 +109,7 @@ impl Spectrum {
             Beyond::new(vec![], values.last().copied().unwrap_or(0.0))
         };
         let modes = array("modes", Kind::Float)?.into_matrix();
-        let modes: Array2<f64> = modes.ok_or_else(|| problem(path, "modes: not a matrix"))?;
+        let modes: Array2<f64> = modes.ok_or_else(|| problem(path, "modes is no matrix"))?;
         let n = modes.nrows();
         let mass = if has("mass") {
             MassMatrix::Lumped(array("mass", Kind::Float)?.into_floats())
@@ -118,7 +118,7 @@ impl Spectrum {
             let starts = array("mass_indptr", Kind::Index)?.into_indices();
             let columns = array("mass_indices", Kind::Index)?.into_indices();
             let matrix = SparseMatrix::try_new((n, n), starts, columns, data);
-            MassMatrix::Consistent(matrix.map_err(|(.., e)| problem(path, e))?)
+            MassMatrix::Consistent(matrix.map_err(|(.., e)| in_part(path, "mass", e))?)
         };
         let k = values.len();
         let finite = values.iter().chain(&modes).chain(&residuals).all(|x| x.is_finite())
@@ -134,10 +134,21 @@ impl Spectrum {
 /// The name of bytes that are not in a file, in messages.
 const MEMORY: &str = "spectrum in memory";
 
-fn in_system(path: &Path, source: io::Error) -> SpectralError {
-    SpectralError::Io { path: path.to_path_buf(), source }
+/// What the whole of a file is called among its parts.
+const ARCHIVE: &str = "archive";
+
+fn in_system(path: &Path, source: io::Error) -> SpectrumFileError {
+    SpectrumFileError::Io { path: path.to_path_buf(), source }
 }
 
-fn problem(path: &Path, problem: impl std::fmt::Display) -> SpectralError {
-    SpectralError::File { path: path.display().to_string(), problem: problem.to_string() }
+fn in_part(
+    path: &Path,
+    part: &str,
+    source: impl Into<Box<dyn Error + Send + Sync>>,
+) -> SpectrumFileError {
+    SpectrumFileError::Part { path: path.into(), part: part.into(), source: source.into() }
+}
+
+fn problem(path: &Path, problem: &'static str) -> SpectrumFileError {
+    SpectrumFileError::Contents { path: path.into(), problem }
 }

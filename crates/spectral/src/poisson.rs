@@ -1,5 +1,6 @@
 //! Poisson problems on a mesh.
 
+use fairing_mesh::OptionError;
 use fairing_operators::{Laplacian, OperatorError, SparseMatrix};
 use fairing_sparse::Cholesky;
 
@@ -99,7 +100,7 @@ impl<'a> Poisson<'a> {
     /// # Errors
     ///
     /// [`SpectralError::Rows`] for another number of values;
-    /// [`SpectralError::Parameter`] for one that is not finite.
+    /// [`SpectralError::Option`] for one that is not finite.
     pub fn solve(&self, f: &[f64], values: &[f64]) -> Result<Vec<f64>, SpectralError> {
         let n = self.laplacian.vertex_count();
         for (found, expected) in [(f.len(), n), (values.len(), self.fixed.len())] {
@@ -109,7 +110,7 @@ impl<'a> Poisson<'a> {
         }
         for (name, numbers) in [("right-hand side", f), ("fixed value", values)] {
             if let Some(&value) = numbers.iter().find(|x| !x.is_finite()) {
-                return Err(SpectralError::Parameter { name, value, must: "finite" });
+                return Err(OptionError::new(name, value, "finite").into());
             }
         }
         let mass = self.laplacian.mass();
@@ -199,7 +200,7 @@ mod tests {
         (TriMesh::new(positions, faces).unwrap(), n)
     }
 
-    /// The solution solves the equation at free vertices, and has the means and values that it must.
+    /// The solution solves the equation at free vertices, and has the required means and values.
     #[test]
     fn solutions_solve() {
         let (mesh, n) = pair();
@@ -245,7 +246,7 @@ mod tests {
         ));
         assert!(matches!(
             problem.solve(&[0.0; 12], &[f64::NAN]),
-            Err(SpectralError::Parameter { name: "fixed value", .. })
+            Err(SpectralError::Option(OptionError { option: "fixed value", .. }))
         ));
         // Nothing is left to solve where all are fixed.
         let all: Vec<u32> = (0..12).collect();

@@ -21,7 +21,7 @@ pub struct Reconstruction {
 
 /// The mesh with its positions projected onto the first k modes: X_k = Φ Φᵀ M X.
 ///
-/// Vertices without faces, which no mode knows, stay where they are. Dirichlet modes draw the boundary to
+/// Vertices without faces, which are in no mode, stay where they are. Dirichlet modes pull the boundary to
 /// the origin: reconstruct from Neumann modes.
 ///
 /// # Errors

@@ -1,5 +1,6 @@
 //! Signatures of points and of shapes.
 
+use fairing_mesh::OptionError;
 use ndarray::{Array1, Array2};
 
 use crate::error::SpectralError;
@@ -15,16 +16,15 @@ const ZERO: f64 = 1e-10;
 ///
 /// # Errors
 ///
-/// [`SpectralError::Parameter`] for a time that is not positive.
+/// [`SpectralError::Option`] for a time that is not positive.
 ///
 /// Source: \[sun2009\].
 pub fn heat_kernel_signature(
     spectrum: &Spectrum,
     times: &[f64],
 ) -> Result<Array2<f64>, SpectralError> {
-    let bad = times.iter().find(|t| !(**t > 0.0 && t.is_finite()));
-    if let Some(&value) = bad {
-        return Err(SpectralError::Parameter { name: "time", value, must: "positive" });
+    for &time in times {
+        OptionError::require_positive("time", time)?;
     }
     let squares = spectrum.modes.mapv(|x| x * x);
     let weights = Array2::from_shape_fn((spectrum.len(), times.len()), |(i, t)| {
@@ -33,7 +33,7 @@ pub fn heat_kernel_signature(
     Ok(squares.dot(&weights))
 }
 
-/// `count` times evenly spread in the logarithm over what the modes resolve, 4 ln 10 / λ_k to
+/// `count` times evenly spaced in the logarithm over what the modes resolve, 4 ln 10 / λ_k to
 /// 4 ln 10 / λ₁ (the first that is not zero). Empty without such a λ. Source: \[sun2009\].
 pub fn heat_kernel_times(spectrum: &Spectrum, count: usize) -> Vec<f64> {
     let Some((first, last)) = range(spectrum) else { return vec![] };
@@ -49,21 +49,17 @@ pub fn heat_kernel_times(spectrum: &Spectrum, count: usize) -> Vec<f64> {
 ///
 /// # Errors
 ///
-/// [`SpectralError::Parameter`] for fewer than two energies, or with fewer than two different λ above zero.
+/// [`SpectralError::Option`] for fewer than two energies, or with fewer than two different λ above zero.
 ///
 /// Source: \[aubry2011\].
 pub fn wave_kernel_signature(
     spectrum: &Spectrum,
     energies: usize,
 ) -> Result<Array2<f64>, SpectralError> {
-    let too_few = |name, value: usize, must| {
-        Err(SpectralError::Parameter { name, value: value as f64, must })
-    };
-    if energies < 2 {
-        return too_few("number of energies", energies, "at least 2");
-    }
+    OptionError::require(energies >= 2, "number of energies", energies as f64, "at least 2")?;
     let Some((first, last)) = range(spectrum).filter(|(a, b)| a < b) else {
-        return too_few("number of modes", spectrum.len(), "enough for two λ above zero");
+        let expected = "enough for two λ above zero";
+        return Err(OptionError::new("number of modes", spectrum.len() as f64, expected).into());
     };
     let (low, high) = (libm::log(first), libm::log(last));
     // The step d obeys low + 2σ … high − 2σ in energies − 1 steps with σ = 7d.

@@ -8,8 +8,8 @@
 //! work that is not pays for a look at an empty thread-local.
 //!
 //! Cancelled work is left by unwinding, not through the error types of each
-//! function: it is no failure of any of them, and no caller on the way has
-//! something to do about it. [`Watch::run`] is where it ends, as
+//! function: it is no failure of theirs, and their callers can do nothing
+//! about it. [`Watch::run`] is where it ends, as
 //! `Err(Cancelled)`. No message is printed. A program built with
 //! `panic = "abort"` must not cancel.
 //!

@@ -5,7 +5,7 @@ use fairing_evaluation::{
     drift, feature_edges, flipped_faces, hausdorff, normal_error, observed_orders,
     self_intersections, surface_distance, vertex_displacement, vertex_distance,
 };
-use fairing_mesh::{TriMesh, subdivide_midpoint};
+use fairing_mesh::{OptionError, TriMesh, subdivide_midpoint};
 use fairing_shapes::{self as shapes, Diagonals};
 use proptest::prelude::*;
 
@@ -159,7 +159,7 @@ fn features() {
     let error = feature_edges(&cube, &cube, 180.0).unwrap_err();
     assert_eq!(
         error,
-        EvaluationError::Parameter { what: "feature angle in degrees", value: 180.0 }
+        OptionError::new("feature angle", 180.0, "above 0 and below 180 degrees").into()
     );
 }
 

@@ -5,9 +5,9 @@ use fairing_mesh::TriMesh;
 use fairing_operators::{Laplacian, LaplacianKind, MassKind};
 use fairing_shapes as shapes;
 use fairing_spectral::{
-    GraphWeights, HeatDiffusion, HeatGeodesics, Rest, SpectralError, Spectrum, SpectrumOptions,
-    compress, global_point_signature, graph_spectrum, heat_kernel_signature, heat_kernel_times,
-    ideal_low_pass, reconstruct, shape_dna, spectrum, wave_kernel_signature,
+    GraphWeights, HeatDiffusion, HeatGeodesics, Rest, SpectralError, Spectrum, SpectrumFileError,
+    SpectrumOptions, compress, global_point_signature, graph_spectrum, heat_kernel_signature,
+    heat_kernel_times, ideal_low_pass, reconstruct, shape_dna, spectrum, wave_kernel_signature,
 };
 use ndarray::{Array2, ArrayView2};
 
@@ -271,7 +271,7 @@ fn files_give_the_same_spectrum_back() {
     }
     assert!(matches!(
         Spectrum::load(folder.path().join("nothing.npz")),
-        Err(SpectralError::Io { .. })
+        Err(SpectrumFileError::Io { .. })
     ));
 }
 

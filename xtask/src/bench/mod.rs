@@ -38,7 +38,7 @@ pub trait Work {
     ///
     /// # Errors
     ///
-    /// Whatever stands in the way.
+    /// Any failure of the work.
     fn run(&mut self, watch: &mut Stopwatch) -> Result<()>;
 
     /// Numbers by which the last result can be compared with that of others.

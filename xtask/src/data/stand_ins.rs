@@ -87,8 +87,8 @@ pub(super) fn for_input(input: Input) -> Option<StandIn> {
 fn noisy_along_z(mesh: &TriMesh) -> TriMesh {
     let sigma = PATCH_NOISE * mesh.mean_edge_length();
     let mut rng = ChaCha8Rng::seed_from_u64(SEED);
-    // Twelve uniform numbers make a normal one well enough, on every platform
-    // alike, since only additions are involved.
+    // The sum of twelve uniform numbers is close enough to normal, and the same
+    // on every platform, since only additions are involved.
     let mut normal = || (0..12).map(|_| rng.random::<f64>()).sum::<f64>() - 6.0;
     moved(mesh, |[x, y, z]| [x, y, z + sigma * normal()])
 }

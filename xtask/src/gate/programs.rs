@@ -84,7 +84,7 @@ impl Programs {
             let mut command = Command::new(&program.executable);
             command.current_dir(&program.folder).env("CARGO_MANIFEST_DIR", &program.folder);
             command.env(TIMES, times.path());
-            // The standard test harness tells times only where unstable options
+            // The standard test harness reports times only where unstable options
             // are allowed; nothing is compiled under this setting.
             let timed = ["-Zunstable-options", "--report-time"];
             let mut probe = Command::new(&program.executable);

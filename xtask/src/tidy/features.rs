@@ -9,11 +9,33 @@ use std::process::Command;
 
 use anyhow::{Context as _, Result, ensure};
 
+/// Crates that need matrices but no factorisation: whoever depends on them does not compile the solver backend.
+const WITHOUT_SOLVERS: [&str; 4] =
+    ["fairing-denoising", "fairing-evaluation", "fairing-operators", "fairing-shapes"];
+
 /// Packages that `cargo xtask` builds with other features than the tests of the workspace do.
 pub(super) fn check(root: &Path) -> Result<Vec<String>> {
     let own = tree(root, &["--package=xtask", "--edges=normal,build"])?;
     let all = tree(root, &["--workspace", "--edges=normal,build,dev"])?;
     Ok(differences(&own, &all))
+}
+
+/// Crates that compile the solver backend without a need for it.
+pub(super) fn solvers(root: &Path) -> Result<Vec<String>> {
+    let mut found = vec![];
+    for package in WITHOUT_SOLVERS {
+        if has_backend(&tree(root, &["--package", package, "--edges=normal"])?) {
+            found.push(format!(
+                "{package} compiles faer: cargo tree --package {package} --invert faer"
+            ));
+        }
+    }
+    Ok(found)
+}
+
+/// Whether the solver backend is in a list of packages.
+fn has_backend(tree: &str) -> bool {
+    features(tree).keys().any(|package| package.starts_with("faer "))
 }
 
 /// What `cargo tree` lists: a package and its features in each line.
@@ -68,5 +90,11 @@ mod tests {
         let found = differences("rand v0.10.0|std\nsyn v2.0.0|full (*)\n", all);
         let [only] = &found[..] else { panic!("{found:?}") };
         assert!(only.contains("rand v0.10.0") && only.contains("[std,sys_rng]"), "{only}");
+    }
+
+    #[test]
+    fn the_backend_is_found_by_its_whole_name() {
+        assert!(has_backend("sprs v0.11.6|\nfaer v0.24.0|std (*)\n"));
+        assert!(!has_backend("faer-traits v0.24.0|\nfairing-sparse v0.1.0|\n"));
     }
 }

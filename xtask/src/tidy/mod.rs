@@ -3,6 +3,7 @@
 mod arrows;
 mod circles;
 mod features;
+mod lints;
 mod map;
 mod packages;
 mod readme;
@@ -28,13 +29,15 @@ pub struct Finding {
 type Check = fn(&Path) -> Result<Vec<String>>;
 
 /// The rules.
-const RULES: [(&str, Check); 13] = [
+const RULES: [(&str, Check); 15] = [
     ("dependencies follow the arrows of docs/architecture.md", arrows::check),
     ("no modules of a crate use each other in a circle", circles::check),
     ("what docs/architecture.md names exists", map::places),
     ("docs/architecture.md says what each dependency is for", map::dependencies),
     ("no crate has a dependency that it does not use", unused::check),
     ("xtask builds dependencies with the features of the tests", features::check),
+    ("crates that need matrices only do not compile the solver backend", features::solvers),
+    ("every crate has the lints of the workspace", lints::check),
     ("no file of code is longer than 600 lines", sources::lengths),
     ("no file names a path of somebody's machine", sources::machine_paths),
     ("no module is named utils, common or helpers", sources::names),

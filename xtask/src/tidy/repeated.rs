@@ -8,7 +8,7 @@ use anyhow::Result;
 
 use super::sources::{in_report, texts};
 
-/// So many lines that are the same are a passage.
+/// This many equal lines are a passage.
 const PASSAGE: usize = 10;
 
 /// A line, folded, and its number.

@@ -3,13 +3,12 @@
 mod system;
 
 use fairing_mesh::vec3::{add, cross, dot, norm, scale, sub};
-use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
+use fairing_mesh::{Algorithm, OptionError, Parameter, ParameterError, TriMesh, Values};
 use fairing_sparse::CgOptions;
 use rayon::prelude::*;
 
 use crate::DenoiseError;
 use crate::conjugate_gradients::{by_rows, conjugate_gradients};
-use crate::error::positive;
 use crate::faces::{FaceShapes, Hinge, Hinges};
 use crate::method::Method;
 use crate::rebuild::rebuild;
@@ -98,7 +97,7 @@ impl Method for L0Options {
 ///
 /// # Errors
 ///
-/// [`DenoiseError::InvalidOption`] for a parameter that is not positive or a
+/// [`DenoiseError::Option`] for a parameter that is not positive or a
 /// growth of at most 1; [`DenoiseError::NonFinite`] if coordinates overflow.
 ///
 /// Source: \[he2013\].
@@ -107,16 +106,10 @@ pub fn l0(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> 
 }
 
 fn filter(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> {
-    positive("sparsity", options.sparsity)?;
-    positive("regularity", options.regularity)?;
-    positive("last_beta", options.last_beta)?;
-    if options.growth.is_nan() || options.growth <= 1.0 {
-        return Err(DenoiseError::InvalidOption {
-            option: "growth",
-            value: options.growth,
-            expected: "above 1",
-        });
-    }
+    OptionError::require_positive("sparsity", options.sparsity)?;
+    OptionError::require_positive("regularity", options.regularity)?;
+    OptionError::require_positive("last_beta", options.last_beta)?;
+    OptionError::require(options.growth > 1.0, "growth", options.growth, "above 1")?;
     let hinges = Hinges::new(mesh);
     if hinges.all.is_empty() {
         return Ok(mesh.clone());

@@ -98,7 +98,7 @@ impl Case {
     ///
     /// # Errors
     ///
-    /// Never in fact: those of [`add_noise`].
+    /// Those of [`add_noise`], none of which a case can cause.
     pub fn meshes(&self) -> Result<(TriMesh, TriMesh)> {
         let truth = self.family.mesh(self.faces, self.triangulation, self.seed);
         let level = NoiseLevel::EdgeLengths(self.level);

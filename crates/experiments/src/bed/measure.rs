@@ -81,7 +81,7 @@ fn best(case: &str, published: &Published) -> Option<(f64, String)> {
 }
 
 fn best_default(case: &str, published: &Published) -> Option<f64> {
-    published.of(case).map(|e| e.default).min_by(f64::total_cmp)
+    published.entries(case).map(|e| e.default).min_by(f64::total_cmp)
 }
 
 impl Found {

@@ -79,14 +79,14 @@ impl Published {
     }
 
     /// The entries of a case.
-    pub fn of<'a>(&'a self, case: &str) -> impl Iterator<Item = &'a Entry> + use<'a> {
+    pub fn entries<'a>(&'a self, case: &str) -> impl Iterator<Item = &'a Entry> + use<'a> {
         let case = case.to_string();
         self.entries.values().filter(move |e| e.case == case)
     }
 
     /// The entry with the least tuned E_a of a case.
     pub fn best(&self, case: &str) -> Option<&Entry> {
-        self.of(case).min_by(|a, b| a.tuned.total_cmp(&b.tuned))
+        self.entries(case).min_by(|a, b| a.tuned.total_cmp(&b.tuned))
     }
 
     /// The number of entries.

@@ -228,7 +228,7 @@ fn again(case: &Case, published: &Published) -> Result<(Found, Picture)> {
     Ok((now, picture))
 }
 
-/// Whether the bar is met on the families that nothing was chosen on; nothing
+/// Whether the bar is met on the families that no choice was based on; `None`
 /// where the results are left out.
 pub(super) fn judge(tables: Tables<'_>) -> Result<Option<Judgement>> {
     let Ok(halves) = tables.get("halves") else { return Ok(None) };

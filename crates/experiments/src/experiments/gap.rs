@@ -8,7 +8,7 @@ use fairing_spectral::{SpectralError, Spectrum};
 /// How far numbers that depend on a truncation may move between processors.
 pub(super) const ANGLE: f64 = Spectrum::GAP_ANGLE;
 
-/// The relative gap behind the first k modes; infinite behind all of them.
+/// The relative gap after the first k modes; infinite after all of them.
 pub(super) fn behind(spectrum: &Spectrum, k: usize) -> f64 {
     match spectrum.values.get(k) {
         Some(next) if *next > 0.0 && k > 0 => (next - spectrum.values[k - 1]) / next,
@@ -17,8 +17,8 @@ pub(super) fn behind(spectrum: &Spectrum, k: usize) -> f64 {
     }
 }
 
-/// The least number of modes from k on behind which there is a gap; `None` if
-/// the modes at hand end before.
+/// The least number of modes from k on after which there is a gap; `None` if
+/// the known modes end before it.
 pub(super) fn next(spectrum: &Spectrum, k: usize) -> Option<usize> {
     spectrum.gap_above(k).filter(|&k| k <= spectrum.len())
 }
@@ -52,7 +52,7 @@ mod tests {
 
     use super::*;
 
-    /// Every mode of a mesh: there is nothing behind to be mixed with.
+    /// Every mode of a mesh: there is none after them to be mixed with.
     #[test]
     fn all_modes_end_at_a_gap() {
         let mesh = shapes::icosphere(1);

@@ -143,9 +143,9 @@ pub(super) struct Measures {
     /// Root mean square distance between the surfaces both ways, from the vertices of each to the other, in h: what has
     /// shrunk within the truth leaves vertices of the truth behind.
     pub(super) surface: f64,
-    /// Change of volume against the truth in per cent; `None` if open.
+    /// Change of volume relative to the truth in percent; `None` if open.
     pub(super) volume: Option<f64>,
-    /// Change of area against the truth in per cent.
+    /// Change of area relative to the truth in percent.
     pub(super) area: Option<f64>,
     /// The share of the truth's features that are found; `None` if it has none.
     pub(super) recall: Option<f64>,

@@ -34,7 +34,7 @@ const STOPS: [usize; 7] = [5, 15, 50, 100, 300, 600, 1000];
 /// Above this many vertices the full spectrum is not computed.
 const FULL: usize = 1500;
 
-/// The name of the generated mesh that both kinds of runs have.
+/// The name of the generated mesh, which both kinds of runs have.
 const BALL: &str = "bumpy ball";
 
 /// An error of all modes below this, over the diagonal, is rounding.
@@ -456,7 +456,7 @@ fn modes_picture(
 fn energies(id: &str, name: &str, mesh: &TriMesh, modes: &Spectrum) -> Result<Attachment> {
     let c = modes.transform(ArrayView2::from(mesh.positions()))?;
     let mut csv = String::from("first mode,last mode,least eigenvalue,greatest eigenvalue,x,y,z\n");
-    // The last is left out: what belongs to it may not be there.
+    // The last is left out: some of its modes may be missing.
     for cluster in modes.clusters().into_iter().filter(|c| c.end < modes.len()) {
         let (first, last) = (cluster.start, cluster.end - 1);
         let [x, y, z] = [0, 1, 2].map(|d| cluster.clone().map(|i| c[[i, d]].powi(2)).sum::<f64>());

@@ -161,7 +161,7 @@ const ALIKE: f64 = 1.5;
 /// What is said of best steps that are not.
 const SEVERAL: &str = "There is no best λ as such.";
 
-/// A change of area beyond this is seen, in per cent.
+/// A change of area above this is visible, in percent.
 const SEEN: f64 = 5.0;
 
 /// Which of the four steps comes closest on the patch and on the machine part, by surfaces and by normals.

@@ -37,13 +37,13 @@ const COMPARED: [usize; 2] = [10, ITERATIONS];
 /// The explicit step that is taken for comparisons at equal time.
 const EXPLICIT: f64 = 0.5;
 
-/// The λ at which it is looked at what moves.
+/// The λ at which displacements are examined.
 const MOVED: f64 = LAMBDAS[4];
 
 /// The largest λ.
 const LARGEST: f64 = LAMBDAS[5];
 
-/// The explicit steps that take as long as the fewer of the compared numbers of implicit ones.
+/// The number of explicit steps that take as long as the smaller of the two numbers of implicit steps compared.
 const EQUAL: usize = (COMPARED[0] as f64 * CLAIMED / EXPLICIT) as usize;
 
 /// A growth of the diagonal above one by more than this is an instability, not rounding.

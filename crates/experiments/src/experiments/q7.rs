@@ -40,7 +40,7 @@ const SEEDS: [usize; 2] = [5, 3];
 /// are off by as much each are 30° apart, from where on an edge counts as sharp.
 const KEPT: f64 = 15.0;
 
-/// A shape that has lost more of its volume is not kept, in per cent: normals alone do not see it shrink.
+/// A shape that has lost more of its volume is not kept, in percent: normals alone do not show that it shrinks.
 const SHRUNK: f64 = 50.0;
 
 /// A denoiser that leaves more than this at one level of noise, in degrees, is not run at higher ones.

@@ -54,7 +54,7 @@ impl Method {
     pub(super) const OF_THE_REPORT: [Self; 4] =
         [Self::Explicit, Self::Implicit, Self::ReportExplicit, Self::ReportImplicit];
 
-    /// Whether it is a flow or filter that knows nothing of creases.
+    /// Whether it is a flow or filter that ignores creases.
     pub(super) fn is_linear(self) -> bool {
         Self::OF_THE_REPORT.contains(&self) || matches!(self, Self::Taubin | Self::Spectral)
     }
@@ -115,7 +115,7 @@ pub(super) struct Kept {
     pub(super) wanted: usize,
     /// The number kept.
     pub(super) modes: usize,
-    /// The gap behind them, over the eigenvalue behind it.
+    /// The gap after them, over the eigenvalue that follows it.
     pub(super) gap: f64,
 }
 
@@ -231,7 +231,7 @@ pub(super) struct Score {
     pub(super) distance: f64,
     /// Faces that oppose the truth.
     pub(super) flipped: f64,
-    /// The change of volume in per cent; `None` if open.
+    /// The change of volume in percent; `None` if open.
     pub(super) volume: Option<f64>,
 }
 
@@ -265,12 +265,12 @@ impl Trials {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Spread {
     pub(super) mean: f64,
-    /// From n − 1 degrees of freedom; `None` of a single value.
+    /// From n − 1 degrees of freedom; `None` for a single value.
     pub(super) deviation: Option<f64>,
 }
 
 impl Spread {
-    /// The standard error of the mean; `None` of a single value.
+    /// The standard error of the mean; `None` for a single value.
     pub(super) fn error(&self, seeds: usize) -> Option<f64> {
         Some(self.deviation? / (seeds as f64).sqrt())
     }

@@ -21,7 +21,7 @@ use cache::Cache;
 /// The seed of everything random in the report.
 pub const SEED: u64 = 2021;
 
-/// What an experiment is expected to take when it has never been run.
+/// How long an experiment is expected to take that has never run.
 const UNKNOWN_SECONDS: f64 = 5.0;
 
 /// What to run.
@@ -39,7 +39,7 @@ pub struct Plan {
     pub quick: bool,
     /// Whether to run what has been run before.
     pub fresh: bool,
-    /// What experiments are expected to take that have never been run here, in
+    /// How long experiments are expected to take that have never run here, in
     /// seconds, by id.
     pub expected: HashMap<String, f64>,
 }

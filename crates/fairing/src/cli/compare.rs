@@ -36,7 +36,7 @@ pub(crate) struct Compare {
     /// How far apart the two bounds of the Hausdorff distance may be, in diagonals
     #[arg(long, value_name = "SHARE", default_value_t = ScoreOptions::default().hausdorff_tolerance)]
     hausdorff_tolerance: f64,
-    /// From which dihedral angle on an edge counts as sharp, in degrees
+    /// The dihedral angle from which an edge counts as sharp, in degrees
     #[arg(long, value_name = "DEGREES", default_value_t = ScoreOptions::default().feature_angle)]
     feature_angle: f64,
 }

@@ -164,7 +164,7 @@ impl Curvature {
     ) -> Result<CurvatureField, Failure> {
         let Some(operator) = self.operator else {
             return match estimator.estimate(mesh) {
-                Err(error @ OperatorError::Option { .. }) => Err(Failure::usage(error)),
+                Err(error @ OperatorError::Option(_)) => Err(Failure::usage(error)),
                 other => Ok(other?),
             };
         };

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use fairing::denoising::{Automatic, DenoiseError, Denoiser, FaceKind, SurfaceKind, automatic};
-use fairing::mesh::Algorithm;
+use fairing::mesh::{Algorithm, OptionError};
 use serde_json::{Map, Value, json};
 
 use super::exit::Failure;
@@ -90,7 +90,7 @@ impl Denoise {
                 result.mesh
             }
             other => match other.denoise_with(&file.mesh, &self.parameters.given()) {
-                Err(DenoiseError::InvalidOption { option, value, expected }) => {
+                Err(DenoiseError::Option(OptionError { option, value, expected, .. })) => {
                     let option = option.replace('_', "-");
                     let said = format_args!("--{option} is {value}, but must be {expected}");
                     return Err(Failure::usage(said));

@@ -118,8 +118,8 @@ impl Smooth {
         let smoothed = match method.run(&file.mesh, observer) {
             Ok(smoothed) => smoothed,
             Err(error) => {
-                use FlowFailure::{InvalidOption, Unsupported};
-                if matches!(error.failure, InvalidOption { .. } | Unsupported { .. }) {
+                if matches!(error.failure, FlowFailure::Option(_) | FlowFailure::Unsupported { .. })
+                {
                     return Err(Failure::usage(error.failure));
                 }
                 if self.last_good && error.iteration > 1 {
@@ -172,7 +172,7 @@ impl Smooth {
     ) -> Result<(), Failure> {
         let (report, after) = (&smoothed.report, &smoothed.mesh);
         let change = |old: f64, new: f64| (old != 0.0).then(|| 100.0 * (new / old - 1.0));
-        // A flat closed mesh has no volume but rounding; a ball of its area has (area/π)^(3/2)/6 or less.
+        // The volume of a flat closed mesh is rounding alone; a ball of its area has (area/π)^(3/2)/6 or less.
         let none = 1e-12 * libm::pow(before.area(), 1.5);
         let volume = match before.signed_volume() {
             old if before.topology().is_closed() && old.abs() > none => {
@@ -207,7 +207,7 @@ impl Smooth {
     }
 }
 
-/// What was done, with the changes of volume and area in per cent.
+/// What was done, with the changes of volume and area in percent.
 fn json(method: &Method, report: &Report, changes: [Option<f64>; 2], farthest: f64) -> Value {
     // As `fairing spectrum` calls them; null where no number of modes was kept.
     let gaps = match report.approach {

@@ -266,7 +266,7 @@ impl Frame {
 
     /// Title and points of the plot, where they are and what they stand for.
     fn data(&self, plot: &Plot) -> String {
-        /// A line of more points is said at so many of them.
+        /// A line of more points is described at this many of them.
         const MOST: usize = 60;
         let brief = |x: f64| format!("{:.4e}", x).parse::<f64>().unwrap_or(x);
         let series = plot.series.iter().filter(|s| !s.name.is_empty() && !s.points_of().is_empty());

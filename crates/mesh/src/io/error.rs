@@ -144,7 +144,7 @@ impl Fault {
         Self { at: Place::Byte(offset as u64), problem }
     }
 
-    /// The same problem so many bytes further on; lines stay what they are.
+    /// The same problem, that many bytes further on; lines do not change.
     pub(crate) fn moved(mut self, bytes: usize) -> Self {
         if let Place::Byte(offset) = &mut self.at {
             *offset += bytes as u64;

@@ -222,7 +222,8 @@ fn load(path: &Path) -> Result<Vec<u8>, Fault> {
     std::fs::read(path).map_err(|error| Fault::whole(ReadProblem::Io(error)))
 }
 
-/// The bytes of a file, unless it is not compressed and its name says that it is.
+/// The format that the name says and the bytes of the file; an error if the name says that it is compressed and it is
+/// not.
 fn as_named<'a>(path: &Path, bytes: &'a [u8]) -> Result<(Option<Format>, &'a [u8]), Fault> {
     let named = Format::from_path(path);
     if named.is_some_and(|named| named.gzip) && !is_gzip(bytes) && !bytes.is_empty() {

@@ -137,7 +137,7 @@ pub(crate) struct FaceList {
 }
 
 impl FaceList {
-    /// An empty list with room for so many faces.
+    /// An empty list with room for that many faces.
     pub(crate) fn with_capacity(faces: usize, vertex_count: usize) -> Self {
         let polygons = Polygons::with_capacity(faces);
         Self { vertex_count, ended: 0, corners: Vec::new(), polygons, small: 0 }

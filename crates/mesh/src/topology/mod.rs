@@ -183,7 +183,7 @@ impl Topology {
         self.components.get_or_init(|| Components::new(self.vertex_count, &self.faces))
     }
 
-    /// Whether neighbouring faces turn alike, and whether they could.
+    /// Whether neighbouring faces are oriented consistently, and whether they can be.
     pub fn orientation(&self) -> &Orientation {
         self.orientation.get_or_init(|| Orientation::new(&self.faces, &self.tables))
     }

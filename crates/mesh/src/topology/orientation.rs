@@ -1,9 +1,9 @@
-//! Whether faces turn alike.
+//! Whether faces are oriented consistently.
 
 use super::edges::EdgeTables;
 
-/// How the faces at the edges with exactly two faces turn. Edges with more
-/// faces ask nothing of them.
+/// Which faces agree in orientation across the edges with exactly two faces.
+/// Edges with more faces impose nothing.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Orientation {
     inconsistent_edges: Vec<u32>,
@@ -62,12 +62,12 @@ impl Orientation {
         &self.inconsistent_edges
     }
 
-    /// Whether all faces turn alike as they are.
+    /// Whether all faces are oriented consistently as they are.
     pub fn is_consistent(&self) -> bool {
         self.inconsistent_edges.is_empty()
     }
 
-    /// Whether some faces could be flipped so that all turn alike.
+    /// Whether flipping some faces orients all of them consistently.
     pub fn is_orientable(&self) -> bool {
         self.orientable
     }

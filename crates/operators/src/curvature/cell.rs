@@ -68,10 +68,10 @@ impl Links {
     }
 }
 
-/// Gathers at each vertex, in vertex order, and makes something of it.
+/// Sums over the faces of each vertex, in vertex order, and maps each sum.
 ///
-/// Each face is computed once for each of its corners: cheaper than to write
-/// it down and read it back.
+/// Each face is computed once for each of its corners: cheaper than to store
+/// and load it.
 pub(crate) fn map_cells<T: Send>(
     mesh: &TriMesh,
     area: LumpedArea,

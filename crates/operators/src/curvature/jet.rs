@@ -13,7 +13,7 @@
 //! neighbours, each in its own unit: long faces are fitted as well as round ones.
 //! Source: \[cazals2005\].
 
-use fairing_mesh::TriMesh;
+use fairing_mesh::{OptionError, TriMesh};
 
 use super::field::{AtVertex, CurvatureField};
 use super::fit::{HeightField, fit_each};
@@ -80,10 +80,8 @@ impl Default for JetOptions {
 /// [`OperatorError::Option`] for a radius that is negative or not finite, or a
 /// Gaussian that is not positive.
 pub fn jet_curvature(mesh: &TriMesh, options: JetOptions) -> Result<CurvatureField, OperatorError> {
-    if let JetWeight::Gaussian(value) = options.weight
-        && !(value > 0.0 && value.is_finite())
-    {
-        return Err(OperatorError::Option { name: "width of the Gaussian", value });
+    if let JetWeight::Gaussian(width) = options.weight {
+        OptionError::require_positive("width of the Gaussian", width)?;
     }
     let at = options.neighborhood;
     match options.degree {

@@ -159,7 +159,7 @@ pub(super) struct AtVertex {
 }
 
 impl AtVertex {
-    /// From Δx, if there is one, and a vector along the normal.
+    /// The mean curvature from Δx, if there is one, and a vector along the normal.
     pub(super) fn new(vector: Option<[f64; 3]>, normal: [f64; 3], links: Links) -> Self {
         let boundary = links.boundary;
         if let (Some(vector), Some(normal)) = (vector, normalize(normal)) {

@@ -1,7 +1,7 @@
 //! Which vertices an estimator looks at.
 
 use fairing_mesh::vec3::distance;
-use fairing_mesh::{Topology, TriMesh};
+use fairing_mesh::{OptionError, Topology, TriMesh};
 
 use crate::error::OperatorError;
 
@@ -27,10 +27,8 @@ impl Length {
             Self::MeshUnits(value) => (value, 1.0),
             Self::MeanEdges(value) => (value, mesh.mean_edge_length()),
         };
-        if value >= 0.0 && value.is_finite() {
-            return Ok(value * unit);
-        }
-        Err(OperatorError::Option { name: "radius", value })
+        OptionError::require_not_negative("radius", value)?;
+        Ok(value * unit)
     }
 }
 
@@ -39,7 +37,7 @@ impl Length {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Neighborhood {
-    /// All within so many edges.
+    /// All within this number of edges.
     Rings(u32),
     /// All that a path of edges reaches without leaving the ball of this
     /// radius.

@@ -7,7 +7,7 @@ use super::triangulation::{BORDER, Triangulation};
 use crate::error::OperatorError;
 use crate::tangent::tangent_frame;
 
-/// The faces as they are, glued where an edge has two that turn alike.
+/// The faces as they are, glued where an edge has two of consistent orientation.
 pub(super) fn single(mesh: &TriMesh) -> Result<Triangulation, OperatorError> {
     let topology = mesh.topology();
     let mut glued = sides(mesh, mesh.faces());

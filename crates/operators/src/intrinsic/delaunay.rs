@@ -73,8 +73,8 @@ impl Triangulation {
     }
 
     /// Replaces the edge of side `s` by the other diagonal of its two
-    /// triangles; false, and nothing done, where a triangle would lose its
-    /// area. The new edge is on the sides of the same numbers.
+    /// triangles. Where a triangle would lose its area, does nothing and
+    /// returns false. The sides of the new edge keep the numbers of the old.
     fn flip(&mut self, s: u32) -> bool {
         let t = self.twin[s as usize];
         // The triangles are s = (i → j), j → k, k → i and t = (j → i), i → m,

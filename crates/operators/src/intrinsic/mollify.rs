@@ -27,8 +27,8 @@ pub(super) struct Mollified {
 impl Triangulation {
     /// Raises lengths until in every triangle two sides are longer than the
     /// third by `slack` times its longest side, or times the mean length in its
-    /// part of the mesh where that is less. `part_of_vertex` tells the parts
-    /// and is asked only if there is a triangle to mend.
+    /// part of the mesh where that is less. `part_of_vertex` gives the parts
+    /// and is called only if a triangle needs mending.
     ///
     /// Triangles without any length follow their neighbours; where those have
     /// none either, they get `slack` times the shortest length that there is.

@@ -1,6 +1,6 @@
 //! Stiffness and mass that exist on any triangle soup.
 
-use fairing_mesh::TriMesh;
+use fairing_mesh::{OptionError, TriMesh};
 use fairing_sparse::SparseMatrix;
 
 use super::cover::{single, tufted};
@@ -107,10 +107,7 @@ pub fn robust_laplacian(
     mesh: &TriMesh,
     options: RobustOptions,
 ) -> Result<RobustLaplacian, OperatorError> {
-    let value = options.mollify;
-    if !(value >= 0.0 && value.is_finite()) {
-        return Err(OperatorError::Option { name: "mollification", value });
-    }
+    OptionError::require_not_negative("mollification", options.mollify)?;
     let (mesh, unit) = mesh.at_unit_scale();
     let mesh = &*mesh;
     let (mut triangles, share) = match options.cover {
@@ -123,7 +120,8 @@ pub fn robust_laplacian(
     }
     let parts = mesh.topology().components();
     let part = |v| parts.label(v).unwrap_or(0) as usize;
-    let done = triangles.mollify(value, || (0..mesh.vertex_count() as u32).map(part).collect());
+    let done =
+        triangles.mollify(options.mollify, || (0..mesh.vertex_count() as u32).map(part).collect());
     if let Some(t) = (0..triangles.triangle_count()).find(|&t| triangles.area(3 * t as u32) <= 0.0)
     {
         let face = (t % mesh.face_count()) as u32;

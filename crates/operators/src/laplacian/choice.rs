@@ -62,8 +62,8 @@ impl fmt::Display for Reason {
     }
 }
 
-/// What [`LaplacianKind::Auto`](super::LaplacianKind::Auto) takes where the cotangent stiffness is this:
-/// it, or `None` for the robust one.
+/// What [`LaplacianKind::Auto`](super::LaplacianKind::Auto) takes, and why, given the cotangent stiffness: that
+/// stiffness, or `None` for the robust Laplacian.
 pub(super) fn choose(
     stiffness: Result<SparseMatrix, OperatorError>,
     mass: MassKind,

@@ -39,12 +39,12 @@ const LEAST_MASS: f64 = 1e-12;
 pub enum ThinFaces {
     /// Return an error.
     Refuse,
-    /// Their cotangents and areas are those of a triangle of sides that are
-    /// longer by 10⁻⁵ of the longest, or by less where that suffices for two
-    /// of them to be as much longer than the third.
+    /// Compute their cotangents and areas from longer sides: each is lengthened
+    /// by 10⁻⁵ of the longest, or by less where that is enough for any two to
+    /// exceed the third by this amount.
     Widen,
-    /// The same of all faces with two sides that are not longer than the third
-    /// by as much.
+    /// The same for all faces with two sides that do not exceed the third by
+    /// this amount.
     WidenNearly,
 }
 

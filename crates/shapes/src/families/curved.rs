@@ -40,7 +40,7 @@ pub(super) fn gear(build: Build) -> TriMesh {
     }
     let hole = circle([0.0; 2], random.between(0.25, 0.4), 4, true);
     let half = random.between(0.2, 0.35);
-    let mut solid = Solid::of(build);
+    let mut solid = Solid::new(build);
     extrude(&mut solid, &[outer, hole], move |_| -half, move |_| half, &[]);
     solid.finished()
 }
@@ -65,7 +65,7 @@ pub(super) fn bracket(build: Build) -> TriMesh {
         ([0.75, -0.6], 0.12),
     ]);
     let half = random.between(0.3, 0.45);
-    let mut solid = Solid::of(build);
+    let mut solid = Solid::new(build);
     extrude(&mut solid, &[outer, hole, slot], move |_| -half, move |_| half, &[]);
     solid.finished()
 }
@@ -91,7 +91,7 @@ pub(super) fn turned(build: Build) -> TriMesh {
         sweep: FRAC_PI_2,
     });
     pieces.extend(path(&[[wide - end, 0.5 + end], [0.0, 0.5 + end]]));
-    let mut solid = Solid::of(build);
+    let mut solid = Solid::new(build);
     revolve(&mut solid, [0.0; 2], &pieces, None);
     solid.finished()
 }
@@ -128,14 +128,14 @@ pub(super) fn grooves(build: Build) -> TriMesh {
     }
     pieces.push(arc(at, cap));
     pieces.extend(path(&[on(1.0, cap), [0.0, libm::sin(cap)]]));
-    let mut solid = Solid::of(build);
+    let mut solid = Solid::new(build);
     revolve(&mut solid, [0.0; 2], &pieces, None);
     solid.finished()
 }
 
 pub(super) fn bosses(build: Build) -> TriMesh {
     let mut random = build.proportions();
-    let mut solid = Solid::of(build);
+    let mut solid = Solid::new(build);
     let h = 0.15;
     let wide = random.between(0.36, 0.44);
     let frustum = path(&[[wide, h], [random.between(0.15, 0.3), 0.65], [0.0, 0.65]]);
@@ -177,7 +177,7 @@ pub(super) fn lobes(build: Build) -> TriMesh {
     });
     let crown = random.between(0.1, 0.3);
     let top = move |[x, _]: [f64; 2]| 0.7 - crown * x * x;
-    let mut solid = Solid::of(build);
+    let mut solid = Solid::new(build);
     extrude(&mut solid, &[outline.collect()], |_| -0.7, top, &[]);
     solid.finished()
 }
@@ -187,7 +187,7 @@ pub(super) fn joint(build: Build) -> TriMesh {
     let mut random = build.proportions();
     let wide = random.between(0.45, 0.55);
     let thin = wide * random.between(0.6, 0.9);
-    let mut solid = Solid::of(build);
+    let mut solid = Solid::new(build);
     // Where they meet, in quarters.
     let meeting = move |angle: f64| {
         let (s, c) = libm::sincos(angle);

@@ -27,7 +27,7 @@ pub(super) fn stairs(build: Build) -> TriMesh {
     }
     // The back leans over.
     corners.push([-0.75, 0.7]);
-    let mut solid = Solid::of(build);
+    let mut solid = Solid::new(build);
     let top = move |[x, y]: [f64; 2]| 0.6 + tilt * (x - 0.5 * y);
     extrude(&mut solid, &[polygon(&corners)], |_| -0.5, top, &[]);
     solid.finished()
@@ -52,7 +52,7 @@ pub(super) fn frame(build: Build) -> TriMesh {
     let hole =
         [[-w, -h], [-w, h], [w, h], [w, -h]].map(|[x, y]| [co * x - s * y - 0.05, s * x + co * y]);
     let tilt = random.between(-0.2, 0.2);
-    let mut solid = Solid::of(build);
+    let mut solid = Solid::new(build);
     let outlines = [polygon(&outer), polygon(&hole)];
     extrude(&mut solid, &outlines, |_| -0.3, move |[x, y]| 0.3 + tilt * x + 0.1 * y, &[]);
     solid.finished()
@@ -77,7 +77,7 @@ pub(super) fn crystal(build: Build) -> TriMesh {
             break body;
         }
     };
-    let mut solid = Solid::of(build);
+    let mut solid = Solid::new(build);
     polyhedron(&mut solid, &body);
     solid.finished()
 }
@@ -109,7 +109,7 @@ pub(super) fn star(build: Build) -> TriMesh {
             triangles.push(vec![face[i], face[(i + 1) % face.len()], apex]);
         }
     }
-    let mut solid = Solid::of(build);
+    let mut solid = Solid::new(build);
     polyhedron(&mut solid, &Polyhedron { corners, faces: triangles });
     solid.finished()
 }
@@ -133,7 +133,7 @@ pub(super) fn prism(build: Build) -> TriMesh {
         faces.push(vec![i, next, sides + next, sides + i]);
         faces.push(vec![sides + i, sides + next, 2 * sides]);
     }
-    let mut solid = Solid::of(build);
+    let mut solid = Solid::new(build);
     polyhedron(&mut solid, &Polyhedron { corners, faces });
     solid.finished()
 }

@@ -106,7 +106,7 @@ fn facets(build: Build) -> TriMesh {
             _ => triangles.extend([vec![a, b, d], vec![b, c, d]]),
         }
     }
-    let mut solid = Solid::of(build);
+    let mut solid = Solid::new(build);
     polyhedron(&mut solid, &Polyhedron { corners, faces: triangles });
     solid.finished()
 }
@@ -140,7 +140,7 @@ fn gem(build: Build) -> TriMesh {
         .map(|&p| scale(p, libm::exp(random.between(-most, most))))
         .collect();
     let faces = coarse.faces().iter().map(|f| f.map(|v| v as usize).to_vec()).collect();
-    let mut solid = Solid::of(build);
+    let mut solid = Solid::new(build);
     polyhedron(&mut solid, &Polyhedron { corners, faces });
     solid.finished()
 }
@@ -224,7 +224,7 @@ fn stepped(build: Build, [xs, ys]: [&[f64]; 2], height: impl Fn(usize, usize) ->
             }
         }
     }
-    let mut solid = Solid::of(build);
+    let mut solid = Solid::new(build);
     polyhedron(&mut solid, &Polyhedron { corners, faces });
     solid.finished()
 }

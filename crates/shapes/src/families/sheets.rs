@@ -48,7 +48,7 @@ pub(super) fn sheet(build: Build) -> TriMesh {
     let outline = rounded(&corners.map(|p| (p, 0.25)));
     let hole = circle([0.2, 0.1], 0.25, 4, true);
     const HALF: f64 = 0.045;
-    let mut solid = Solid::of(build);
+    let mut solid = Solid::new(build);
     extrude(
         &mut solid,
         &[outline, hole],
@@ -82,7 +82,7 @@ pub(super) fn channel(build: Build) -> TriMesh {
         ([-w, left], 0.0),
     ]);
     let half = random.between(0.5, 0.8);
-    let mut solid = Solid::of(build);
+    let mut solid = Solid::new(build);
     extrude(&mut solid, &[outline], move |_| -half, move |_| half, &[]);
     solid.finished()
 }

@@ -83,8 +83,9 @@ pub(super) fn joined(curves: &[&[u32]]) -> Curve {
 }
 
 impl Solid {
-    /// Nothing yet; edges are to be about `spacing` long.
-    pub(super) fn new(spacing: f64, triangulation: Triangulation, seed: u64) -> Self {
+    /// An empty solid, whose edges are to be about `spacing` long.
+    pub(super) fn new(build: super::Build) -> Self {
+        let super::Build { spacing, triangulation, seed, .. } = build;
         let rng = ChaCha8Rng::seed_from_u64(seed);
         Self { spacing, triangulation, rng, positions: vec![], faces: vec![], stretch: None }
     }
@@ -98,13 +99,9 @@ impl Solid {
             let across = sub(map([x, y + STEP]), p);
             (norm(cross(along, across)) / (STEP * STEP)).sqrt()
         };
-        let mut solid = Self::of(build);
+        let mut solid = Self::new(build);
         solid.stretch = Some(Box::new(stretch));
         solid
-    }
-
-    pub(super) fn of(build: super::Build) -> Self {
-        Self::new(build.spacing, build.triangulation, build.seed)
     }
 
     pub(super) fn finished(self) -> TriMesh {

@@ -1,8 +1,8 @@
 //! The end of mean curvature flow: a mesh, or a part of it, that shrinks to a point.
 //!
 //! A closed surface of area A is gone after a time of about A/8π, a neck much earlier. Implicit steps pass that
-//! moment without noticing: what should have vanished is left as a speck. It is told by the areas of faces beside those
-//! in the input. A neck that pinches off, or faces that degenerate here and there, do not end a flow.
+//! moment without noticing: what should have vanished is left as a speck. Comparing the areas of faces with those in
+//! the input shows it. A neck that pinches off, or faces that degenerate here and there, do not end a flow.
 
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{cross, norm, sub};
@@ -14,7 +14,7 @@ use crate::engine::error::FlowFailure;
 /// A mesh with less than this share of its area is gone: a hundredth of its size.
 const GONE: f64 = 1e-4;
 
-/// Where a step fails and a face has less than this share of its area, that is why.
+/// Where a step fails and a face has less than this share of its area left, that is the reason.
 const PINCHED: f64 = 1e-3;
 
 /// The areas of the faces in the input.

@@ -1,6 +1,6 @@
 //! Which vertices may move, and how.
 
-use fairing_mesh::{Parameter, ParameterError, TriMesh, Values};
+use fairing_mesh::{OptionError, Parameter, ParameterError, TriMesh, Values};
 
 use crate::engine::arrangement::Arrangement;
 use crate::engine::error::FlowFailure;
@@ -149,17 +149,13 @@ impl Freedom {
             let (mut weights, mut targets) = (vec![0.0; n], vec![[0.0; 3]; n]);
             for constraint in &constraints.soft {
                 let v = check(constraint.vertex)?;
-                crate::engine::error::at_least(
-                    "the weight of a soft constraint",
+                OptionError::require_not_negative(
+                    "weight of a soft constraint",
                     constraint.weight,
-                    0.0,
                 )?;
-                if let Some(&value) = constraint.target.iter().find(|x| !x.is_finite()) {
-                    return Err(FlowFailure::InvalidOption {
-                        option: "the target of a soft constraint",
-                        value,
-                        expected: "coordinates must be finite",
-                    });
+                for x in constraint.target {
+                    let option = "target of a soft constraint";
+                    OptionError::require(x.is_finite(), option, x, "finite")?;
                 }
                 weights[v] = constraint.weight;
                 targets[v] = constraint.target;

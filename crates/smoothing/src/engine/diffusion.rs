@@ -47,7 +47,7 @@ pub enum Operator {
 }
 
 impl Operator {
-    /// Auto, as it is tried first.
+    /// What auto tries first.
     pub(crate) const FIRST: Self = Self::Plain(LumpedArea::Barycentric);
 
     /// The kinds of stiffness and mass.

@@ -2,9 +2,10 @@
 
 use std::fmt;
 
-use fairing_mesh::{BuildError, TriMesh};
+use fairing_mesh::{BuildError, OptionError, TriMesh};
 use fairing_operators::OperatorError;
 use fairing_sparse::CholeskyError;
+use fairing_spectral::SpectralError;
 
 /// A flow that failed, and the last mesh before that.
 #[derive(Debug, Clone)]
@@ -49,15 +50,8 @@ impl From<OperatorError> for FlowFailure {
 #[non_exhaustive]
 pub enum FlowFailure {
     /// An option is outside of its range.
-    #[error("{option} is {value}, but {expected}")]
-    InvalidOption {
-        /// The name of the option.
-        option: &'static str,
-        /// The value given.
-        value: f64,
-        /// What it has to satisfy.
-        expected: &'static str,
-    },
+    #[error(transparent)]
+    Option(#[from] OptionError),
     /// Options that contradict each other.
     #[error("{reason}")]
     Unsupported {
@@ -158,11 +152,8 @@ pub enum FlowFailure {
     #[error("the linear system cannot be factored")]
     NotFactored(#[source] CholeskyError),
     /// The modes of a filter cannot be computed.
-    #[error("the modes cannot be computed: {reason}")]
-    Modes {
-        /// What the eigensolver reports.
-        reason: String,
-    },
+    #[error("the modes cannot be computed")]
+    Modes(#[source] Box<SpectralError>),
     /// Volume can be kept only where it is defined.
     #[error("the volume cannot be kept: {reason}")]
     Volume {
@@ -188,17 +179,4 @@ impl FlowFailure {
     pub(crate) fn before(self, mesh: &TriMesh) -> FlowError {
         FlowError { failure: self, iteration: 0, last_good: Box::new(mesh.clone()) }
     }
-}
-
-/// Checks that an option is a finite number of at least `least`.
-pub(crate) fn at_least(option: &'static str, value: f64, least: f64) -> Result<(), FlowFailure> {
-    if value.is_finite() && value >= least {
-        return Ok(());
-    }
-    let expected = if least == 0.0 {
-        "it must be a finite number, zero or more"
-    } else {
-        "it must be a finite number that is large enough"
-    };
-    Err(FlowFailure::InvalidOption { option, value, expected })
 }

@@ -162,8 +162,8 @@ impl Parts {
         total
     }
 
-    /// The points about which each part is solved: where `M(1 + w) x' = M (x + w c)` leaves it as a whole, if it
-    /// may move so; otherwise the mean of all such parts, weighted alike, one for all.
+    /// The points about which each part is solved. For a part that may move as a whole, it is the centre that
+    /// `M(1 + w) x' = M (x + w c)` gives it; all other parts share the weighted mean of their centres.
     pub(crate) fn centres(&self, mass: &[f64], x: &[Point], freedom: &Freedom) -> Vec<Point> {
         // About a point of the part, so that coordinates far from the origin lose nothing.
         let origin = |part: usize| x[self.first.get(part).map_or(0, |&v| v as usize)];

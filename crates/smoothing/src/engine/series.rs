@@ -5,7 +5,7 @@
 //! the Chebyshev series of `g` on the interval that holds the spectrum. Its degree is far below the number of
 //! products (or the iterations of the solves) that stepping needs: 32 instead of 50 for fifty explicit steps with
 //! λ = ½, 35 instead of 100 for fifty Taubin pairs, 62 for ten implicit steps with λ = 5. There are no inner
-//! products, hence no synchronisation, and every operation is fused into one sweep over the mesh.
+//! products, so no synchronisation, and every operation is fused into one sweep over the mesh.
 //!
 //! A series is computed from samples of `g`, but taken on the strength of a bound: with `|g| ≤ M` on the Bernstein
 //! ellipse of the parameter ρ, the polynomial through n Chebyshev points is within `4 M ρ^(1 − n)/(ρ − 1)` of g on

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use fairing_mesh::TriMesh;
+use fairing_mesh::{OptionError, TriMesh};
 use fairing_operators::{OperatorError, check_faces};
 
 use crate::engine::constraints::Constraints;
@@ -232,7 +232,7 @@ fn scaled(
     // What is no number before is refused by the flow.
     match scaled.is_finite() || !value.is_finite() {
         true => Ok(scaled),
-        false => Err(FlowFailure::InvalidOption { option, value, expected }),
+        false => Err(OptionError::new(option, value, expected).into()),
     }
 }
 
@@ -241,8 +241,8 @@ impl InMeshUnits for Time {
         Ok(match *self {
             Self::SquaredEdges(lambda) => Self::SquaredEdges(lambda),
             Self::SquaredUnits(t) => {
-                let expected = "over the squared extent of the mesh it must be a number";
-                Self::SquaredUnits(scaled("the time", t, t / unit / unit, expected)?)
+                let expected = "finite in units of the squared extent of the mesh";
+                Self::SquaredUnits(scaled("time", t, t / unit / unit, expected)?)
             }
         })
     }
@@ -267,8 +267,8 @@ impl InMeshUnits for Constraints {
     fn divided_by(&self, unit: f64) -> Result<Self, FlowFailure> {
         let mut constraints = self.clone();
         for x in constraints.soft.iter_mut().flat_map(|soft| &mut soft.target) {
-            let expected = "over the extent of the mesh it must be a number";
-            *x = scaled("the target of a soft constraint", *x, *x / unit, expected)?;
+            let expected = "finite in units of the extent of the mesh";
+            *x = scaled("target of a soft constraint", *x, *x / unit, expected)?;
         }
         Ok(constraints)
     }

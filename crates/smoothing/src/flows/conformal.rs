@@ -2,10 +2,10 @@
 
 use std::ops::ControlFlow;
 
-use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
+use fairing_mesh::{Algorithm, OptionError, Parameter, ParameterError, TriMesh, Values};
 
 use crate::engine::diffusion::{Diffusion, OPERATOR, Operator, TIME, Time};
-use crate::engine::error::{FlowError, FlowFailure, at_least};
+use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::Smoothed;
 use crate::engine::step::{ITERATIONS, Observer};
@@ -121,14 +121,18 @@ impl InMeshUnits for ConformalizedMcf {
     }
 }
 
+fn check(options: &ConformalizedMcf) -> Result<(), FlowFailure> {
+    OptionError::require_not_negative("time", options.time)?;
+    Ok(OptionError::require_not_negative("threshold for settling", options.settled)?)
+}
+
 fn flow(
     mesh: &TriMesh,
     options: &ConformalizedMcf,
     observer: Option<&mut Observer<'_>>,
 ) -> Result<Smoothed, FlowError> {
     let refuse = |failure: FlowFailure| failure.before(mesh);
-    at_least("the time", options.time, 0.0).map_err(refuse)?;
-    at_least("the threshold for settling", options.settled, 0.0).map_err(refuse)?;
+    check(options).map_err(refuse)?;
     let topology = mesh.topology();
     if !topology.is_closed() || topology.components().count() != 1 {
         let reason = "the area can only be kept on a closed mesh of one component";

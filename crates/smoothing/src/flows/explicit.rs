@@ -1,12 +1,12 @@
 //! Explicit diffusion, forward Euler.
 
-use fairing_mesh::{Algorithm, ParameterError, TriMesh, Values};
+use fairing_mesh::{Algorithm, OptionError, ParameterError, TriMesh, Values};
 use fairing_sparse::GraphLaplacian;
 
 use crate::engine::assemble::assemble;
 use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
 use crate::engine::diffusion::{AREA, Diffusion, LAMBDA, OPERATOR, TIME, WEIGHTS};
-use crate::engine::error::{FlowError, FlowFailure, at_least};
+use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::{Approach, Smoothed};
 use crate::engine::response::Response;
@@ -125,7 +125,8 @@ fn flow(
     observer: Option<&mut Observer<'_>>,
 ) -> Result<Smoothed, FlowError> {
     let step = options.diffusion.factor(mesh);
-    at_least("the step", options.diffusion.value(), 0.0).map_err(|e| e.before(mesh))?;
+    OptionError::require_not_negative("step", options.diffusion.value())
+        .map_err(|error| FlowFailure::from(error).before(mesh))?;
     let frame =
         Frame { volume: options.volume, ..Frame::new(&options.constraints, options.iterations) };
     let mut run = Run::new(mesh, &frame, observer)?;

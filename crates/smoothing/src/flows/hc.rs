@@ -1,6 +1,6 @@
 //! HC smoothing: Laplacian steps that give back what they took from the shape.
 
-use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
+use fairing_mesh::{Algorithm, OptionError, Parameter, ParameterError, TriMesh, Values};
 
 use crate::engine::assemble::uniform;
 use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
@@ -113,10 +113,8 @@ fn flow(
 ) -> Result<Smoothed, FlowError> {
     let Hc { alpha, beta, .. } = *options;
     for (option, value) in [("alpha", alpha), ("beta", beta)] {
-        if !(0.0..=1.0).contains(&value) {
-            let expected = "it must lie between 0 and 1";
-            return Err(FlowFailure::InvalidOption { option, value, expected }.before(mesh));
-        }
+        OptionError::require_share(option, value)
+            .map_err(|error| FlowFailure::from(error).before(mesh))?;
     }
     let frame = Frame::new(&options.constraints, options.iterations);
     let run = Run::new(mesh, &frame, observer)?;

@@ -1,6 +1,6 @@
 //! Implicit diffusion, backward Euler, and mean curvature flow.
 
-use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
+use fairing_mesh::{Algorithm, OptionError, Parameter, ParameterError, TriMesh, Values};
 use fairing_operators::ThinFaces;
 use fairing_sparse::GraphLaplacian;
 use fairing_sparse::passes::update;
@@ -11,7 +11,7 @@ use crate::engine::conjugate::{ImplicitSolver, Room, Solved};
 use crate::engine::constraints::{BOUNDARY, Constraints, Freedom, PIN, SOFT};
 use crate::engine::diffusion::{AREA, Diffusion, LAMBDA, OPERATOR, Operator, TIME, WEIGHTS};
 use crate::engine::direct::{self, Direct};
-use crate::engine::error::{FlowError, FlowFailure, at_least};
+use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::{Approach, Smoothed};
 use crate::engine::parts::Parts;
@@ -405,14 +405,10 @@ impl<'a> Stepper<'a> {
 }
 
 fn check(options: &Implicit) -> Result<(), FlowFailure> {
-    at_least("the step", options.diffusion.value(), 0.0)?;
-    if !(options.tolerance > 0.0 && options.tolerance < 1.0) {
-        return Err(FlowFailure::InvalidOption {
-            option: "the tolerance",
-            value: options.tolerance,
-            expected: "it must lie between 0 and 1",
-        });
-    }
+    OptionError::require_not_negative("step", options.diffusion.value())?;
+    let tolerance = options.tolerance;
+    let between = tolerance > 0.0 && tolerance < 1.0;
+    OptionError::require(between, "tolerance", tolerance, "above 0 and below 1")?;
     let uniform = matches!(options.diffusion, Diffusion::Uniform { .. });
     if uniform && options.update != Update::Never {
         return Err(FlowFailure::Unsupported {

@@ -1,13 +1,13 @@
 //! Spectral low-pass filters.
 
-use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
+use fairing_mesh::{Algorithm, OptionError, Parameter, ParameterError, TriMesh, Values};
 use fairing_operators::{Laplacian, MassKind};
 use fairing_spectral::{Reconstruction, SpectrumOptions, reconstruct, spectrum};
 
 use crate::engine::assemble::cotangent;
 use crate::engine::constraints::{BOUNDARY, Constraints, PIN};
 use crate::engine::diffusion::{AREA, OPERATOR, Operator, TIME, Time};
-use crate::engine::error::{FlowError, FlowFailure, at_least};
+use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::{Approach, Report, Smoothed};
 use crate::engine::resolvent::Resolvent;
@@ -215,31 +215,21 @@ fn smoothest(mesh: &TriMesh, k: usize, options: &LowPass) -> Result<Smoothed, Fl
     let laplacian = Laplacian::new(mesh, kind, mass)?;
     let Reconstruction { mesh, split, .. } = spectrum(&laplacian, k, &SpectrumOptions::default())
         .and_then(|modes| reconstruct(mesh, &modes, k))
-        .map_err(|error| FlowFailure::Modes { reason: error.to_string() })?;
+        .map_err(|error| FlowFailure::Modes(Box::new(error)))?;
     let approach = Approach::Modes { count: k };
     Ok(Smoothed { mesh, report: Report { iterations: 1, approach, split, ..Report::default() } })
 }
 
 fn check(options: &LowPass) -> Result<(), FlowFailure> {
     match options.transfer {
-        Transfer::Heat(time) => at_least("the time", time.value(), 0.0),
+        Transfer::Heat(time) => OptionError::require_not_negative("time", time.value())?,
         Transfer::Butterworth { cutoff, order } => {
-            if !(cutoff > 0.0 && cutoff.is_finite()) {
-                let expected = "it must be positive and finite";
-                return Err(FlowFailure::InvalidOption {
-                    option: "the cut-off",
-                    value: cutoff,
-                    expected,
-                });
-            }
-            if !(1..=16).contains(&order) {
-                let expected = "it must lie between 1 and 16";
-                let value = f64::from(order);
-                return Err(FlowFailure::InvalidOption { option: "the order", value, expected });
-            }
-            Ok(())
+            OptionError::require_positive("cut-off", cutoff)?;
+            let between = (1..=16).contains(&order);
+            OptionError::require(between, "order", f64::from(order), "between 1 and 16")?;
         }
         // The spectrum says how many there are.
-        Transfer::Modes(_) => Ok(()),
+        Transfer::Modes(_) => {}
     }
+    Ok(())
 }

@@ -1,6 +1,6 @@
 //! Fairing of a region whose surroundings are fixed.
 
-use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
+use fairing_mesh::{Algorithm, OptionError, Parameter, ParameterError, TriMesh, Values};
 use fairing_operators::{LaplacianKind, MassKind};
 use fairing_sparse::{
     Cholesky, LaplacianPower, SparseMatrix, multiply_points, principal_submatrix,
@@ -142,13 +142,8 @@ fn fair(mesh: &TriMesh, options: &FairRegion) -> Result<Smoothed, FlowError> {
 }
 
 fn solve(mesh: &TriMesh, options: &FairRegion) -> Result<TriMesh, FlowFailure> {
-    if !(1..=4).contains(&options.order) {
-        return Err(FlowFailure::InvalidOption {
-            option: "the order",
-            value: f64::from(options.order),
-            expected: "it must lie between 1 and 4",
-        });
-    }
+    let between = (1..=4).contains(&options.order);
+    OptionError::require(between, "order", f64::from(options.order), "between 1 and 4")?;
     let region = vertices(mesh, &options.region)?;
     if region.is_empty() {
         return Ok(mesh.clone());

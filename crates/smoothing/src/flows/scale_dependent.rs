@@ -1,12 +1,12 @@
 //! The scale-dependent umbrella.
 
 use fairing_mesh::vec3::distance;
-use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
+use fairing_mesh::{Algorithm, OptionError, Parameter, ParameterError, TriMesh, Values};
 use fairing_sparse::GraphLaplacian;
 
 use crate::engine::assemble::uniform;
 use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
-use crate::engine::error::{FlowError, FlowFailure, at_least};
+use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::Smoothed;
 use crate::engine::run::{Frame, Run, StepNote};
@@ -114,13 +114,9 @@ fn flow(
     observer: Option<&mut Observer<'_>>,
 ) -> Result<Smoothed, FlowError> {
     let fraction = options.fraction;
-    at_least("the fraction", fraction, 0.0).map_err(|failure| failure.before(mesh))?;
-    if fraction > 1.0 {
-        let expected = "a step beyond the stable limit is not taken";
-        let failure =
-            FlowFailure::InvalidOption { option: "the fraction", value: fraction, expected };
-        return Err(failure.before(mesh));
-    }
+    let (stable, expected) = ((0.0..=1.0).contains(&fraction), "between 0 and 1, the stable limit");
+    OptionError::require(stable, "fraction", fraction, expected)
+        .map_err(|error| FlowFailure::from(error).before(mesh))?;
     let frame = Frame::new(&options.constraints, options.iterations);
     let run = Run::new(mesh, &frame, observer)?;
     let laplacian = uniform(run.arrangement.mesh(), &run.freedom.fixed);

@@ -1,6 +1,6 @@
 //! Taubin's λ|μ smoothing.
 
-use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
+use fairing_mesh::{Algorithm, OptionError, Parameter, ParameterError, TriMesh, Values};
 
 use crate::engine::assemble::uniform;
 use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
@@ -179,24 +179,11 @@ fn flow(
 
 fn check(options: &Taubin) -> Result<(), FlowFailure> {
     let Taubin { lambda, pass_band, .. } = *options;
-    if !(lambda > 0.0 && lambda.is_finite()) {
-        let expected = "it must be positive and finite";
-        return Err(FlowFailure::InvalidOption { option: "lambda", value: lambda, expected });
-    }
-    if !(pass_band > 0.0 && pass_band < 1.0 / lambda) {
-        return Err(FlowFailure::InvalidOption {
-            option: "the pass band",
-            value: pass_band,
-            expected: "it must lie between 0 and 1/λ, so that μ < −λ",
-        });
-    }
+    OptionError::require_positive("lambda", lambda)?;
+    let between = pass_band > 0.0 && pass_band < 1.0 / lambda;
+    let expected = "above 0 and below 1/λ, so that μ < −λ";
+    OptionError::require(between, "pass band", pass_band, expected)?;
     let roughest = (1.0 - 2.0 * lambda) * (1.0 - 2.0 * options.mu());
-    if roughest.abs() > 1.0 {
-        return Err(FlowFailure::InvalidOption {
-            option: "lambda",
-            value: lambda,
-            expected: "the roughest mode must not grow: |(1 − 2λ)(1 − 2μ)| ≤ 1",
-        });
-    }
-    Ok(())
+    let expected = "so small that the roughest mode does not grow: |(1 − 2λ)(1 − 2μ)| ≤ 1";
+    Ok(OptionError::require(roughest.abs() <= 1.0, "lambda", lambda, expected)?)
 }

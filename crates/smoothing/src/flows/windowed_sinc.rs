@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
+use fairing_mesh::{Algorithm, OptionError, Parameter, ParameterError, TriMesh, Values};
 use fairing_sparse::ChebyshevSeries;
 
 use crate::engine::assemble::uniform;
@@ -139,14 +139,9 @@ impl InMeshUnits for WindowedSinc {
 
 fn filter(mesh: &TriMesh, options: &WindowedSinc) -> Result<Smoothed, FlowError> {
     let WindowedSinc { pass_band, degree, window, .. } = *options;
-    if !(pass_band > 0.0 && pass_band < 2.0) {
-        return Err(FlowFailure::InvalidOption {
-            option: "the pass band",
-            value: pass_band,
-            expected: "it must lie between 0 and 2",
-        }
-        .before(mesh));
-    }
+    let between = pass_band > 0.0 && pass_band < 2.0;
+    OptionError::require(between, "pass band", pass_band, "above 0 and below 2")
+        .map_err(|error| FlowFailure::from(error).before(mesh))?;
     let frame = Frame::new(&options.constraints, 1);
     let mut run = Run::new(mesh, &frame, None)?;
     if !run.is_linear() {

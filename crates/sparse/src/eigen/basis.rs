@@ -6,7 +6,7 @@
 
 use rayon::prelude::*;
 
-use crate::factor::LANES;
+use crate::direct::factor::LANES;
 use crate::simd::{self, Kernel};
 
 /// Eight vectors.

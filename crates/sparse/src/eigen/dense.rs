@@ -5,7 +5,7 @@
 
 use ndarray::Array2;
 
-use crate::backend;
+use crate::direct::backend;
 use crate::eigen::nullspace;
 use crate::eigen::{DenseSolver, EigenError};
 use crate::mass::Mass;

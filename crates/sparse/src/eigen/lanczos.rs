@@ -1,21 +1,23 @@
 //! Block Lanczos with orthogonalisation against the whole basis and thick restart.
 //!
-//! Every block is orthogonalised against its two predecessors, as theory asks, and then against the whole basis,
+//! Every block is orthogonalised against its two predecessors, as the theory requires, and then against the whole basis,
 //! to undo what rounding does; a second such pass follows only where the first found much. (Leaving the whole
 //! basis out in two blocks of four halves the work, but what T then misses shows in the residuals of S, which
-//! magnify rough errors: 10⁻⁷ was measured where 10⁻⁹ was estimated.) Ritz residuals are those of S φ = λ M φ in the M⁻¹ norm, without forming Ritz vectors: for a
-//! Ritz pair (θ, V y) of A = (S − σM)⁻¹ M, A V y − θ V y = Q z, hence S φ − λ M φ = −(S − σM) Q z / θ.
+//! magnify rough errors: 10⁻⁷ was measured where 10⁻⁹ was estimated.)
+//!
+//! Ritz residuals are those of S φ = λ M φ in the M⁻¹ norm, without forming Ritz vectors: for a Ritz pair (θ, V y) of
+//! A = (S − σM)⁻¹ M, A V y − θ V y = Q z and therefore S φ − λ M φ = −(S − σM) Q z / θ.
 //! Source: \[grimes1994\], \[wu2000\].
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use crate::backend::NoConvergence;
+use crate::direct::backend::NoConvergence;
+use crate::direct::factor::LANES;
 use crate::eigen::basis::{self, Block, Small};
 use crate::eigen::operator::ShiftInvert;
 use crate::eigen::problem::Problem;
 use crate::eigen::projected::{Projected, Ritz, ZERO};
-use crate::factor::LANES;
 
 /// A block is orthogonalised once more if a pass took off more than this share of it.
 const ANOTHER_PASS: f64 = 1e-2;
@@ -203,7 +205,7 @@ impl<'a> Lanczos<'a> {
         combined(&self.basis, ritz, chosen)
     }
 
-    /// Replaces the basis by the chosen Ritz vectors, a multiple of eight of them, and carries on.
+    /// Replaces the basis by the chosen Ritz vectors, a multiple of eight of them, and continues.
     pub(crate) fn restart(&mut self, ritz: &Ritz, chosen: &[usize]) {
         let kept = self.vectors(ritz, chosen);
         let values: Vec<f64> = chosen.iter().map(|&i| ritz.values[i]).collect();

@@ -23,7 +23,7 @@ use std::ops::ControlFlow;
 
 use ndarray::Array2;
 
-use crate::cholesky::CholeskyError;
+use crate::direct::cholesky::CholeskyError;
 use crate::mass::MassError;
 
 pub use solve::{smallest_eigenpairs, smallest_eigenpairs_with};
@@ -43,7 +43,7 @@ pub struct EigenOptions {
     pub max_blocks: usize,
     /// Whether to count the eigenvalues by an extra factorisation.
     pub count: Count,
-    /// Problems with at most so many rows are solved densely; so are up to four times as many rows if a
+    /// Problems with at most this many rows are solved densely; so are up to four times as many rows if a
     /// quarter of the eigenvalues is wanted.
     pub dense_rows: usize,
     /// Most eigenpairs of one Lanczos run; more are taken slice by slice.
@@ -107,7 +107,7 @@ impl EigenOptions {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Beyond {
-    /// Eigenvalues after the last that were found as well, ascending: a solver goes on to the next gap.
+    /// Eigenvalues after the last that were found as well, ascending: a solver continues to the next gap.
     pub values: Vec<f64>,
     /// No others lie below this, as surely as `certified` says. Infinite if there are no others.
     pub clear_below: f64,

@@ -2,7 +2,7 @@
 
 use crate::matrix::Rows;
 
-/// A row sum counts as zero within so many ε of the sum of the sizes of the entries, for each entry: assembly
+/// A row sum counts as zero within this many ε of the sum of the sizes of the entries, for each entry: assembly
 /// rounds every entry and every addition. More would take a small pinned part, whose ties to the rest are
 /// weak beside its own weights, for a component of its own.
 const ROUNDINGS: f64 = 4.0;

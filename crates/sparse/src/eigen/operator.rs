@@ -1,9 +1,9 @@
 //! The operator of shift-invert iteration, (S − σM)⁻¹ M, whose eigenvalues are θ = 1 / (λ − σ).
 
-use crate::cholesky::CholeskyError;
+use crate::direct::cholesky::CholeskyError;
+use crate::direct::factor::{Factor, LANES};
 use crate::eigen::basis::Block;
 use crate::eigen::problem::Problem;
-use crate::factor::{Factor, LANES};
 
 /// S − σM, factorised.
 pub(crate) struct ShiftInvert<'a> {

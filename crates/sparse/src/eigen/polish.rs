@@ -4,12 +4,12 @@
 //! is at rounding, so is the residual of φ', while that of φ magnifies its rough errors by up to the largest
 //! eigenvalue there is. That matters on meshes where a few vertices have tiny masses or huge weights.
 
+use crate::direct::factor::LANES;
 use crate::eigen::basis::{self, Block, Small};
 use crate::eigen::operator::ShiftInvert;
 use crate::eigen::problem::Problem;
-use crate::factor::LANES;
 
-/// A residual of so many roundings is as good as can be computed: sums over some ten entries of a row, and a
+/// A residual of this many roundings is as good as can be computed: sums over some ten entries of a row, and a
 /// solution with the errors of a factorisation.
 const ATTAINABLE: f64 = 64.0;
 
@@ -24,7 +24,7 @@ pub(crate) fn residuals(problem: &Problem, block: &Block, lambda: &[f64; LANES])
     std::array::from_fn(|j| square[j][j].max(0.0).sqrt())
 }
 
-/// The residual that rounding alone may leave: so many ε ‖|S'| |φ| + |λ'| M' |φ|‖ in the M'⁻¹ norm.
+/// The residual that rounding alone may leave: this many ε ‖|S'| |φ| + |λ'| M' |φ|‖ in the M'⁻¹ norm.
 pub(crate) fn attainable(problem: &Problem, block: &Block, lambda: &[f64; LANES]) -> [f64; LANES] {
     let square = problem.inverse_gram(&problem.magnitude(block, lambda));
     std::array::from_fn(|j| ATTAINABLE * f64::EPSILON * square[j][j].max(0.0).sqrt())
@@ -64,8 +64,8 @@ pub(crate) fn polish(operator: &ShiftInvert<'_>, lambdas: &[f64], blocks: &mut [
     }
 }
 
-/// V ← V (3 − VᵀM'V) / 2, which squares what vectors that are nearly orthonormal lack: solutions with huge weights
-/// are off by more than ε.
+/// V ← V (3 − VᵀM'V) / 2, which squares the deviation of nearly orthonormal vectors: solutions with huge weights
+/// deviate by more than ε.
 fn orthonormalise(problem: &Problem, blocks: &mut [Block]) {
     let gram: Vec<Vec<Small>> = blocks
         .iter()

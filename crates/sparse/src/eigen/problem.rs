@@ -1,14 +1,14 @@
 //! The problem made dimensionless and put in the order of its factor.
 
-use crate::cholesky::{Cholesky, CholeskyError, SymbolicCholesky};
+use crate::direct::cholesky::{Cholesky, CholeskyError, SymbolicCholesky};
+use crate::direct::factor::LANES;
+use crate::direct::ldlt::Ldlt;
+use crate::direct::ordering::{self, Ordering};
 use crate::eigen::EigenError;
 use crate::eigen::basis::{self, Block, Small, products, weighted_products};
 use crate::eigen::nullspace;
-use crate::factor::LANES;
-use crate::ldlt::Ldlt;
 use crate::mass::{Mass, combine};
 use crate::matrix::{Rows, SparseMatrix};
-use crate::ordering::{self, Ordering};
 use crate::product;
 
 /// S' = S / s and M' = M / m, rows in the order of elimination: s the median of the diagonal, which a few huge

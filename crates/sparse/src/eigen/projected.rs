@@ -1,8 +1,8 @@
 //! The small dense problem of a Rayleigh–Ritz step: the operator in the basis.
 
-use crate::backend;
+use crate::direct::backend;
+use crate::direct::factor::LANES;
 use crate::eigen::basis::Small;
-use crate::factor::LANES;
 
 /// T = Vᵀ M A V for the blocks of V so far, symmetric, and the coupling of the last block to the next.
 #[derive(Debug, Default)]

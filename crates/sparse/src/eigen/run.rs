@@ -4,6 +4,7 @@ use ndarray::Array2;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
+use crate::direct::factor::LANES;
 use crate::eigen::basis::Block;
 use crate::eigen::certificate::{Counted, count_in_gap};
 use crate::eigen::lanczos::{self, Candidate, Lanczos};
@@ -14,7 +15,6 @@ use crate::eigen::projected::Ritz;
 use crate::eigen::{
     Beyond, Count, EigenError, EigenOptions, EigenPairs, EigenProgress, EigenWatch,
 };
-use crate::factor::LANES;
 /// How much larger than the tolerance a measured residual may be: eigenvalues of a multiple group are measured
 /// with the residual of their neighbours.
 pub(super) const SLACK: f64 = 10.0;
@@ -171,7 +171,7 @@ const POLISHED: f64 = 1e-2;
 const PATIENCE: usize = 2;
 /// A share of σ within which an eigenvalue counts as zero up to rounding.
 const ZERO_SHARE: f64 = 1e-6;
-/// New starting vectors before a count that does not fit is an error.
+/// How often new starting vectors are tried before a count that does not match is an error.
 const RANDOM_RESTARTS: usize = 3;
 /// Numbers in a basis, at most, unless the pairs themselves need more: 2.4 GB.
 const MOST_NUMBERS: usize = 300_000_000;
@@ -275,7 +275,7 @@ impl<'a, 'w> Run<'a, 'w> {
     pub(crate) fn until_counted(&mut self, constants: usize) -> Result<Below, EigenError> {
         let mut random_restarts = 0;
         let operator = self.lanczos.operator;
-        // Zero up to rounding may come out negative. What has not converged is anywhere.
+        // Zero up to rounding may come out negative. Values that have not converged may be anywhere.
         let least = -ZERO_SHARE * operator.sigma.abs();
         loop {
             let (ritz, mut candidates) = self.advance()?;

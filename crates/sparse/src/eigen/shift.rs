@@ -25,7 +25,7 @@ const GOOD_SHARES: std::ops::Range<f64> = 0.45..0.75;
 const FEW: usize = 6;
 /// Shifts to try before falling back to one below the spectrum.
 const TRIES: usize = 4;
-/// Pivots may outgrow the matrix by so much in an operator: solutions keep nine digits.
+/// In an operator, pivots may outgrow the matrix by this factor: solutions keep nine digits.
 const SAFE_GROWTH: f64 = 1e6;
 
 /// The operator for the `count` smallest eigenvalues, constants included.
@@ -41,7 +41,7 @@ pub(crate) fn for_smallest(problem: &Problem, count: usize) -> Result<ShiftInver
             };
             let share = inertia as f64 / count as f64;
             if !GOOD_SHARES.contains(&share) {
-                // Far more below than wanted: the wanted ones lie much closer to zero than Weyl's law has it.
+                // Far more below than wanted: the wanted ones lie much closer to zero than Weyl's law predicts.
                 if inertia > count {
                     below = below.max(-sigma / share);
                 }

@@ -4,6 +4,7 @@
 //! below. Vectors of the previous window near the common end are locked: eigenvalues on both sides of
 //! an end may be as close as they like without their vectors leaning towards each other.
 
+use crate::direct::factor::LANES;
 use crate::eigen::basis::Block;
 use crate::eigen::certificate::{Counted, count_in_gap};
 use crate::eigen::operator::ShiftInvert;
@@ -11,13 +12,12 @@ use crate::eigen::polish;
 use crate::eigen::problem::Problem;
 use crate::eigen::run::{Found, Run};
 use crate::eigen::{EigenError, EigenOptions, EigenWatch};
-use crate::factor::LANES;
 
 /// Blocks of the previous window that a new one stays orthogonal to.
 const LOCKED_BLOCKS: usize = 6;
 /// A window that turns out to hold more than this share of the plan is cut.
 const TOO_FULL: f64 = 1.5;
-/// Cuts of a window before it is taken as it is.
+/// How often a window is cut before it is taken whole.
 const MOST_CUTS: usize = 30;
 /// New starting vectors before a window that misses pairs is an error.
 const RANDOM_RESTARTS: usize = 3;
@@ -61,7 +61,7 @@ impl Slices<'_> {
         let plan = self.options.slice;
         while self.counted < wanted {
             let missing = (wanted - self.counted) as f64;
-            // A little more than needed, lest a tiny window remain.
+            // A little more than needed, so that no tiny window remains.
             let share = (1.15 * missing / plan as f64).min(1.0);
             let mut to = self.from + width * share;
             if let Some(end) = end {

@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use ndarray::Array2;
 
+use crate::direct::factor::LANES;
 use crate::eigen::basis::Block;
 use crate::eigen::lanczos::{self};
 use crate::eigen::operator::ShiftInvert;
@@ -14,7 +15,6 @@ use crate::eigen::run::{Found, Run};
 use crate::eigen::{
     Beyond, Count, EigenError, EigenOptions, EigenPairs, EigenWatch, dense, shift, slices,
 };
-use crate::factor::LANES;
 use crate::mass::Mass;
 use crate::matrix::SparseMatrix;
 

@@ -2,8 +2,8 @@
 
 use std::ops::ControlFlow;
 
-use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::scale;
+use fairing_mesh::{OptionError, TriMesh};
 use fairing_operators::LumpedArea;
 use fairing_shapes as shapes;
 use fairing_smoothing::{
@@ -212,13 +212,13 @@ fn options_beyond_all_sizes() {
         Diffusion::Cotangent { time, operator: Operator::default() }
     };
     let error = explicit(&small, &Explicit::new(step(1e10)), None).unwrap_err();
-    let FlowFailure::InvalidOption { value, .. } = error.failure else { panic!("{error}") };
+    let FlowFailure::Option(OptionError { value, .. }) = error.failure else { panic!("{error}") };
     assert_eq!(value, 1e10);
     let target = SoftConstraint { vertex: 0, target: [0.0, 1e200, 0.0], weight: 1.0 };
     let constraints = Constraints { soft: vec![target], ..Constraints::default() };
     let options = Explicit { constraints, ..Explicit::new(Diffusion::uniform(0.5)) };
     let error = explicit(&small, &options, None).unwrap_err();
-    let FlowFailure::InvalidOption { value, .. } = error.failure else { panic!("{error}") };
+    let FlowFailure::Option(OptionError { value, .. }) = error.failure else { panic!("{error}") };
     assert_eq!(value, 1e200);
     for (exponent, kept) in [(-500, false), (500, true)] {
         let mesh = scaled(&body(), power(exponent));

@@ -36,7 +36,7 @@ pub(super) fn table(sweep: &Results) -> Result<Results> {
         ],
     )
     .aside(&["E_v helps from", "E_v stops at"]);
-    // Interpolated between errors that may move by two per cent.
+    // Interpolated between errors that may move by two percent.
     for column in ["kept up to", "at least", "at most"] {
         table = table.tolerance(column, Some(Tolerance { relative: 0.05, absolute: 1e-3 }));
     }
@@ -100,7 +100,7 @@ impl Errors {
         }
     }
 
-    /// The level up to which the shape is kept if all angles are off by so many
+    /// The level up to which the shape is kept if all angles are off by this many
     /// standard errors: interpolated, 0 if it never is, infinite if it always is.
     fn limit(&self, off: f64) -> f64 {
         let angles: Vec<f64> =
@@ -134,7 +134,7 @@ fn helps(levels: &[f64], error: &[f64], input: &[f64]) -> (Option<f64>, Option<f
     (Some(levels[first]), end)
 }
 
-/// The limits of a group of methods on one mesh: of the one that keeps the shape longest.
+/// The limits of one method on one mesh: that of its group which keeps the shape longest.
 #[derive(Debug, Clone, Copy)]
 struct Limit {
     kept: f64,

@@ -79,7 +79,7 @@ pub(super) struct AsciiSource<'a> {
 }
 
 impl<'a> AsciiSource<'a> {
-    /// `body` follows a header of so many lines.
+    /// `body` follows a header of that many lines.
     pub(super) fn new(body: &'a [u8], header_lines: u64) -> Self {
         let cursor = Cursor::new(body, 0, None);
         Self { last: cursor.clone(), cursor, lines_before: header_lines, long_rows: 0 }

@@ -85,7 +85,7 @@ fn from_rows(
 }
 
 /// Three columns as vectors. The usual case, three little-endian numbers of
-/// one type side by side, is worth a loop without choices.
+/// one type side by side, has a loop of its own, without branches.
 fn vectors(rows: &Rows<'_>, columns: [(usize, Scalar); 3]) -> Vec<[f64; 3]> {
     let [(offset, kind), ..] = columns;
     let side_by_side = [0, 1, 2].map(|k| (offset + k * kind.size(), kind)) == columns;

@@ -15,7 +15,7 @@ pub(super) fn looks_like(bytes: &[u8]) -> bool {
     if !cursor.token().is_some_and(|token| token.eq_ignore_ascii_case(b"solid")) {
         return false;
     }
-    // The name of the solid may fill the line, with whatever it likes.
+    // The name of the solid is the rest of the line and may hold anything.
     cursor.skip_line();
     cursor.token().is_none_or(|token| {
         token.eq_ignore_ascii_case(b"facet") || token.eq_ignore_ascii_case(b"endsolid")

@@ -1,14 +1,14 @@
 //! The ordering of a matrix and the pattern of its factor.
 
-use crate::backend::Symbolic;
-use crate::supernodes::Supernodes;
+use crate::direct::backend::Symbolic;
+use crate::direct::supernodes::Supernodes;
 
 /// Everything a factor needs besides its values.
 #[derive(Debug)]
 pub(crate) struct Analysis {
     pub(crate) symbolic: Symbolic,
     pub(crate) nodes: Supernodes,
-    /// `order[k]`: the row of the matrix that is eliminated as the k-th.
+    /// `order[k]`: the row of the matrix that is eliminated k-th.
     pub(crate) order: Vec<u32>,
     pub(crate) starts: Vec<u32>,
     pub(crate) columns: Vec<u32>,

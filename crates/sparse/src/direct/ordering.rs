@@ -1,7 +1,7 @@
 //! Fill-reducing orderings and the elimination tree.
 
-use crate::backend::{self, Failure};
-use crate::dissection;
+use crate::direct::backend::{self, Failure};
+use crate::direct::dissection;
 use crate::matrix::Rows;
 
 /// The order in which a factorisation eliminates the rows.

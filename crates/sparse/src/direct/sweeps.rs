@@ -9,8 +9,8 @@
 
 use rayon::prelude::*;
 
+use crate::direct::supernodes::Supernodes;
 use crate::simd::{self, Kernel};
-use crate::supernodes::Supernodes;
 
 /// Columns of a supernode taken together.
 const GROUP: usize = 4;

@@ -18,8 +18,8 @@ use faer::sparse::linalg::cholesky::{
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{ColMut, MatMut, MatRef, Par, Side};
 
+use crate::direct::supernodes::Supernodes;
 use crate::matrix::Rows;
-use crate::supernodes::Supernodes;
 
 const SIDE: Side = Side::Lower;
 const SEQUENTIAL: Par = Par::Seq;
@@ -124,7 +124,7 @@ impl Symbolic {
     }
 }
 
-/// Memory to work in, or that there is not so much.
+/// Memory to work in, or an error if there is not enough.
 fn room(needed: StackReq) -> Result<MemBuffer, Failure> {
     MemBuffer::try_new(needed).map_err(|_| Failure::TooLarge)
 }

@@ -4,14 +4,14 @@ use std::sync::Arc;
 
 use ndarray::{ArrayView2, ArrayViewMut2};
 
-use crate::analysis::Analysis;
-use crate::backend::{Failure, Order, Symbolic};
-use crate::factor::Factor;
-use crate::ldlt::Ldlt;
+use crate::direct::analysis::Analysis;
+use crate::direct::backend::{Failure, Order, Symbolic};
+use crate::direct::factor::Factor;
+use crate::direct::ldlt::Ldlt;
+use crate::direct::ordering::{self, Ordering};
+use crate::direct::sweeps::Diagonal;
+use crate::direct::symmetry::{self, Defect};
 use crate::matrix::{Rows, SparseMatrix};
-use crate::ordering::{self, Ordering};
-use crate::sweeps::Diagonal;
-use crate::symmetry::{self, Defect};
 
 /// Why a matrix cannot be factorised.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]

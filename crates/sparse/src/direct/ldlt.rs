@@ -2,7 +2,7 @@
 
 use ndarray::ArrayViewMut2;
 
-use crate::factor::Factor;
+use crate::direct::factor::Factor;
 
 /// How many eigenvalues of a symmetric matrix are negative, zero and positive.
 ///

@@ -21,9 +21,9 @@
 //! solves of one matrix Cholesky wins at t = h² already. Memory decides beyond some million rows: a factor
 //! takes 8 bytes for each of 60 to 80 numbers in a row, conjugate gradients 20 in all.
 
+use crate::direct::ordering;
 use crate::mass::Mass;
 use crate::matrix::{Rows, SparseMatrix};
-use crate::ordering;
 
 /// How to solve a symmetric positive definite system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

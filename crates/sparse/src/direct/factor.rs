@@ -5,8 +5,8 @@ use std::sync::Arc;
 use ndarray::{ArrayViewMut2, Axis};
 use rayon::prelude::*;
 
-use crate::analysis::Analysis;
-use crate::sweeps::{self, Diagonal};
+use crate::direct::analysis::Analysis;
+use crate::direct::sweeps::{self, Diagonal};
 
 /// Right-hand sides of one sweep in a block.
 pub(crate) const LANES: usize = 8;

@@ -1,0 +1,20 @@
+//! Direct solvers: orderings, factorisations and solves with them, and when they are faster than conjugate gradients.
+//!
+//! [`backend`] alone names the solver backend.
+
+mod analysis;
+pub(crate) mod backend;
+pub(crate) mod cholesky;
+mod dissection;
+pub(crate) mod factor;
+pub(crate) mod ldlt;
+pub(crate) mod ordering;
+mod solver_choice;
+mod supernodes;
+mod sweeps;
+mod symmetry;
+
+pub use cholesky::{Cholesky, CholeskyError, SymbolicCholesky};
+pub use ldlt::{Inertia, Ldlt};
+pub use ordering::Ordering;
+pub use solver_choice::{SolverChoice, Workload, shifted_condition};
