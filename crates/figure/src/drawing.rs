@@ -21,6 +21,8 @@ pub(crate) const WHITE: Color = [0xff; 3];
 pub struct Drawing {
     pub(crate) width: f64,
     pub(crate) height: f64,
+    /// What is written below is centred here: the middle of the width, or of the frame of a plot.
+    pub(crate) middle: f64,
     pub(crate) elements: Vec<Element>,
 }
 
@@ -111,7 +113,7 @@ impl Stroke {
 
 impl Drawing {
     pub(crate) fn new(width: f64, height: f64) -> Self {
-        Self { width, height, elements: Vec::new() }
+        Self { width, height, middle: width / 2.0, elements: Vec::new() }
     }
 
     /// Width in CSS pixels.

@@ -201,9 +201,12 @@ impl Panel {
             None => self.caption.clone(),
         };
         y += 2.0;
+        let beside = (width - self.drawing.width) / 2.0;
         for line in wrap(&words, CAPTION, width) {
             y += LINE;
-            let middle = [x + width / 2.0, y - 4.0];
+            let half = self::width(&line, CAPTION, Style::Regular) / 2.0;
+            let middle = (beside + self.drawing.middle).clamp(half, (width - half).max(half));
+            let middle = [x + middle, y - 4.0];
             out.text(middle, CAPTION, Anchor::Middle, Style::Regular, INK, &line);
         }
         y

@@ -244,7 +244,7 @@ mod tests {
         inner.stroke(bar, stroke);
         let clip = Element::Clip { at: [0.0; 2], size: [20.0; 2], elements: inner.elements };
         let mut drawing = Drawing::new(60.0, 40.0);
-        drawing.place([10.0, 10.0], Drawing { width: 20.0, height: 20.0, elements: vec![clip] });
+        drawing.place([10.0, 10.0], Drawing { elements: vec![clip], ..Drawing::new(20.0, 20.0) });
         let image = drawing.to_image(2.0).unwrap();
         assert_eq!((image.width(), image.height()), (120, 80));
         let all: Vec<_> = dark(&image).collect();

@@ -50,5 +50,5 @@ const Derived = (() => {
     return all;
   }
 
-  return {fields};
+  return {fields, angles};
 })();

@@ -99,7 +99,7 @@ Playground.kinds.set('diffusion', class extends Playground {
       : `λ is below the limit 2/|μ| = 4/3: no mode grows.`;
     return `The roughest mode has μ = ${readable(mu)}. An explicit step multiplies it by 1 + λμ = ${readable(one)}, an implicit one by 1/(1 − λμ) = ${readable(other)}; ` +
       `${count} steps by ${readable(one ** count)} and ${readable(other ** count)}. ${side}` +
-      (lambda >= 2 ? ' At λ = 2 no mesh is safe: the eigenvalues sum to −n, so that one of them is below −1.' : '');
+      (lambda >= 2 ? ' At λ = 2 no mesh is safe: the eigenvalues sum to minus the number of vertices, so that one of them is below −1.' : '');
   }
 
   factorPlot(lambda, factors) {

@@ -57,6 +57,47 @@ const Geometry = (() => {
     return {positions, angles, faces: Uint32Array.from(faces)};
   }
 
+  /**
+   * A body of revolution about the z axis: `outline` lists radius and height from the axis to the axis, upwards. Vertices
+   * are about `spacing` apart, and on every crease.
+   */
+  function turned(outline, spacing) {
+    const rings = [];
+    const positions = [];
+    const faces = [];
+    const add = (r, z) => {
+      const count = r > 0 ? Math.max(6, Math.round((2 * Math.PI * r) / spacing)) : 1;
+      const first = positions.length / 3;
+      for (let i = 0; i < count; i++) {
+        // Every other ring is shifted, so that faces are nearly equilateral.
+        const u = (2 * Math.PI * (i + 0.5 * (rings.length % 2))) / count;
+        positions.push(r * Math.cos(u), r * Math.sin(u), z);
+      }
+      rings.push({first, count, shift: 0.5 * (rings.length % 2)});
+    };
+    outline.forEach(([r, z], i) => {
+      if (!i) return add(r, z);
+      const [r0, z0] = outline[i - 1];
+      const steps = Math.max(1, Math.round(Math.hypot(r - r0, z - z0) / (0.87 * spacing)));
+      for (let k = 1; k <= steps; k++) add(r0 + ((r - r0) * k) / steps, z0 + ((z - z0) * k) / steps);
+    });
+    for (let k = 1; k < rings.length; k++) {
+      const [below, above] = [rings[k - 1], rings[k]];
+      const at = ({first, count}, i) => first + (i % count);
+      const turn = ({count, shift}, i) => (i + shift) / count;
+      let [i, j] = [0, 0];
+      // The ring whose next vertex comes first goes on.
+      while (i < below.count || j < above.count) {
+        const lower = j >= above.count || (i < below.count && turn(below, i + 1) <= turn(above, j + 1));
+        if (lower && below.count > 1) faces.push(at(below, i), at(below, i + 1), at(above, j));
+        if (!lower && above.count > 1) faces.push(at(above, j), at(below, i), at(above, j + 1));
+        if (lower) i += 1;
+        else j += 1;
+      }
+    }
+    return {positions: Float64Array.from(positions), faces: Uint32Array.from(faces)};
+  }
+
   /** The neighbours of all vertices: those of `v` are `ends` from `starts[v]` to `starts[v + 1]`. */
   function neighbours(count, faces) {
     const lists = Array.from({length: count}, () => []);
@@ -228,5 +269,5 @@ const Geometry = (() => {
     return {positions: drawn, note: growth > 1 ? ` (drawn 1 : ${readable(growth, 2)})` : ` (drawn ×${readable(1 / growth, 2)})`};
   }
 
-  return {octasphere, torus, neighbours, normals, shape, curvature, boundary, meanEdge, gaussians, spread, fitted};
+  return {octasphere, torus, turned, neighbours, normals, shape, curvature, boundary, meanEdge, gaussians, spread, fitted};
 })();

@@ -6,6 +6,7 @@
  */
 const fairing = (() => {
   const views = new Map();
+  const plots = new Map();
   const root = document.documentElement;
 
   function maps() {
@@ -25,12 +26,30 @@ const fairing = (() => {
     figure.classList.add('still');
   }
 
-  /** The address holds `#view=state&view=state`; other anchors are left alone. */
+  /** Opens what is folded around a figure, goes there and marks it. */
+  function mark(figure) {
+    for (const other of document.querySelectorAll('figure.marked')) other.classList.remove('marked');
+    for (let at = figure.closest('details'); at; at = at.parentElement.closest('details')) at.open = true;
+    figure.classList.add('marked');
+    figure.scrollIntoView({block: 'center'});
+  }
+
+  /** The address holds `#view=state&view=state` or `#figure=line`; of other anchors only figures are marked. */
   function readAddress() {
     const hash = location.hash.slice(1);
-    if (!hash.includes('=')) return;
+    if (!hash.includes('=')) {
+      const figure = document.getElementById(hash);
+      if (figure?.matches('figure.picture')) mark(figure);
+      return;
+    }
     let first = null;
     for (const [id, text] of new URLSearchParams(hash)) {
+      if (plots.has(id)) {
+        const plot = plots.get(id);
+        mark(plot.svg.closest('figure'));
+        plot.recall(text);
+        continue;
+      }
       const view = views.get(id);
       if (!view) continue;
       view.fromText(text);
@@ -121,8 +140,13 @@ const fairing = (() => {
     }
     // Without WebGL playgrounds have their plots and numbers.
     for (const figure of plays) views.set(figure.id, Playground.of(figure, colors));
-    for (const svg of document.querySelectorAll('svg.figure')) new PlotPoints(svg, views);
+    for (const svg of document.querySelectorAll('svg.figure')) plots.set(svg.closest('figure').id, new PlotPoints(svg, views));
     Stack.watch();
+    // The address of a link that was followed before does not change.
+    document.addEventListener('click', ({target}) => {
+      const link = target.closest?.('a.shown');
+      if (link && link.hash === location.hash) readAddress();
+    });
     document.addEventListener('fairing-state', ({detail}) => {
       detail.touched = true;
       writeAddress();

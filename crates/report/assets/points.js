@@ -72,6 +72,13 @@ class PlotPoints {
     this.move(point, view);
   }
 
+  /** Shows the last point of a line, that of the finest mesh or of the worst case. */
+  recall(name) {
+    const line = this.all.filter((point) => point.name === name);
+    const last = line.filter(({group}) => group === line[0].group).at(-1);
+    if (last) this.show(last);
+  }
+
   /** The view of a point, with the link that leads to it. */
   view(point) {
     const link = this.links.find(({plot, series}) => (!plot || plot === point.title) && (!series || series === point.name));

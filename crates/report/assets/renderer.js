@@ -243,23 +243,31 @@ void main() {
   function coarse(mesh, points) {
     if (mesh.faces.length <= 3 * COARSE) return mesh.faces;
     mesh.coarseFaces ??= (() => {
-      const cells = Math.sqrt(COARSE / 16);
-      const known = new Map();
-      const stand = new Uint32Array(mesh.vertices);
-      for (let v = 0; v < mesh.vertices; v++) {
-        const [i, j, k] = [0, 1, 2].map((c) => Math.floor((points[4 * v + c] + 2) * cells));
-        const cell = (i * 4096 + j) * 4096 + k;
-        if (!known.has(cell)) known.set(cell, v);
-        stand[v] = known.get(cell);
+      // Noise fills more cells than a surface does: they grow until few enough faces are left.
+      for (let cells = Math.sqrt(COARSE / 16); ; cells *= 0.8) {
+        const kept = between(mesh, points, cells);
+        if (kept.length <= 4 * COARSE) return kept;
       }
-      const kept = [];
-      for (let f = 0; f < mesh.faces.length; f += 3) {
-        const [a, b, c] = [stand[mesh.faces[f]], stand[mesh.faces[f + 1]], stand[mesh.faces[f + 2]]];
-        if (a !== b && b !== c && c !== a) kept.push(a, b, c);
-      }
-      return Uint32Array.from(kept);
     })();
     return mesh.coarseFaces;
+  }
+
+  /** Faces between one vertex of each cell; `cells` of them along the radius of the view. */
+  function between(mesh, points, cells) {
+    const known = new Map();
+    const stand = new Uint32Array(mesh.vertices);
+    for (let v = 0; v < mesh.vertices; v++) {
+      const [i, j, k] = [0, 1, 2].map((c) => Math.floor((points[4 * v + c] + 2) * cells));
+      const cell = (i * 4096 + j) * 4096 + k;
+      if (!known.has(cell)) known.set(cell, v);
+      stand[v] = known.get(cell);
+    }
+    const kept = [];
+    for (let f = 0; f < mesh.faces.length; f += 3) {
+      const [a, b, c] = [stand[mesh.faces[f]], stand[mesh.faces[f + 1]], stand[mesh.faces[f + 2]]];
+      if (a !== b && b !== c && c !== a) kept.push(a, b, c);
+    }
+    return Uint32Array.from(kept);
   }
 
   /**

@@ -24,7 +24,7 @@ const SEEN: [Seen; 11] = [
     Seen { section: "q6", figures: &["machine-part-view", "sweep"], tables: &[] },
     Seen { section: "flows", figures: &["methods-view"], tables: &["spheres"] },
     Seen { section: "q7", figures: &["levels-view", "normals"], tables: &[] },
-    Seen { section: "denoisers", figures: &["block-view", "averages"], tables: &[] },
+    Seen { section: "denoisers", figures: &["play-denoising", "averages"], tables: &[] },
 ];
 
 /// What folded figures and tables are called in the line that is seen of them.
@@ -79,6 +79,7 @@ const NAMES: [(&str, &[(&str, &str)]); 11] = [
     (
         "q4",
         &[
+            ("eigenvalues", "eigenvalues under refinement"),
             ("small-creature-view", "the small creature from k modes"),
             ("large-creature-view", "the large creature from k modes"),
             ("bumpy-ball-view", "the bumpy ball from k modes"),
@@ -119,6 +120,8 @@ const NAMES: [(&str, &[(&str, &str)]); 11] = [
     (
         "flows",
         &[
+            ("radius", "the radius of a shrinking sphere"),
+            ("conformal-view", "a bumpy sphere that becomes round"),
             ("methods", "scores of all methods"),
             ("conformal", "conformalised flow"),
             ("spheres", "mean curvature flow of the sphere"),
@@ -139,6 +142,8 @@ const NAMES: [(&str, &[(&str, &str)]); 11] = [
     (
         "denoisers",
         &[
+            ("block-view", "the block, to turn"),
+            ("ratios", "all cases of the test bed"),
             ("block", "the block after every denoiser"),
             ("torus", "the torus after every denoiser"),
             ("creature", "the creature after every denoiser"),

@@ -10,6 +10,7 @@ pub mod commands;
 pub mod mathml;
 
 mod layout;
+mod letters;
 mod markdown;
 mod numbers;
 mod page;

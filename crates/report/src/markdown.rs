@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::{commands, numbers, play, snippets, story, thumbnail};
+use crate::{commands, letters, numbers, play, snippets, story, thumbnail};
 
 use fairing_results::results::{Form, MeshCard, Record, Results};
 use fairing_results::table::{Column, Table, Unit};
@@ -60,6 +60,9 @@ fn section(record: &Record, first: usize, bridge: &str, form: Form) -> String {
     let _ = write!(text, "\n{}\n", record.method);
     for formula in &record.formulas {
         let _ = write!(text, "\n$${formula}$$\n");
+    }
+    if let Some(reference) = letters::reference(&record.id) {
+        let _ = write!(text, "\n{reference}\n");
     }
     if let Some(lines) = snippets::for_section(&record.id) {
         let _ = write!(text, "\n```rust\n{lines}\n```\n");

@@ -11,23 +11,6 @@ pub(crate) const TITLE: &str = "What the Laplacian says about a mesh, and what i
 pub(crate) const ABOUT: &str = "A solved coursework report on discrete curvature, spectra and smoothing of triangle \
     meshes, done again. One command runs, draws and measures every experiment, and each claim is tested by numbers.";
 
-/// What the letters stand for, in all sections but where one says otherwise.
-pub(crate) const LETTERS: [(&str, &str); 7] = [
-    ("λ", "the step of a flow; steps times λ is the diffusion time"),
-    (
-        "μ",
-        "an eigenvalue of the uniform Laplacian L = D⁻¹A − I, from −2 to 0; the roughest mode has the least",
-    ),
-    ("ω", "an eigenvalue of S φ = ω M φ, with cotangents: the squared frequency of a mode"),
-    ("h", "the mean edge length, of the mesh without noise where there is noise"),
-    ("σ", "the standard deviation of noise along each axis"),
-    ("H, K", "mean and Gaussian curvature, positive on a sphere"),
-    (
-        "L, M, N",
-        "the coefficients of the second fundamental form in q2; elsewhere L is the Laplacian and M the mass",
-    ),
-];
-
 /// A part of the article.
 pub(crate) struct Act {
     /// Its name in links.

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Result, ensure};
+use anyhow::{Context as _, Result, ensure};
 use fairing_results::results::Results;
 use serde_json::json;
 
@@ -18,6 +18,8 @@ pub(crate) fn trials() -> Vec<(&'static str, Test)> {
         ("is_at_most_25_screens_of_a_desk", height),
         ("figures_are_numbered", numbered),
         ("figures_of_the_original_report_have_counterparts", mapped),
+        ("every_claim_opens_what_decides_it", claims),
+        ("ids_are_plain_and_captions_begin_with_what_to_see", plain),
     ]
 }
 
@@ -154,6 +156,68 @@ fn numbered(chrome: &mut Chrome, page: &Path) -> Result<()> {
     )?;
     ensure!(found[0] == true && found[1].as_u64() > Some(30), "{found}");
     ensure!(found[2] == json!([]), "{}", found[2]);
+    Ok(())
+}
+
+/// Every row of the table of claims has a link; it leads to a view or a playground in the state that it names, or to a
+/// figure, unfolded and marked, with the line that it names.
+fn claims(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    open(chrome, page)?;
+    let links = chrome.run(
+        "[...document.querySelectorAll('table.claims tr')].filter((row) => row.querySelector('td')).map((row) => (
+           [row.querySelector('a').textContent, row.querySelector('a.shown')?.getAttribute('href') ?? '']))",
+    )?;
+    let links = links.as_array().context("no table of claims")?;
+    ensure!(links.len() > 12, "{links:?}");
+    for link in links {
+        let [claim, href] = [0, 1].map(|k| link[k].as_str().unwrap_or_default());
+        ensure!(!href.is_empty(), "claim {claim} shows nothing");
+        let found = chrome.run(&format!("({SEE})('{href}')"))?;
+        ensure!(found == "", "claim {claim}, {href}: {found}");
+    }
+    ensure!(chrome.complaints.is_empty(), "{:?}", chrome.complaints);
+    Ok(())
+}
+
+/// Follows a link; says what is wrong with where it leads.
+const SEE: &str = "async (href) => {
+  const link = [...document.querySelectorAll('.claim a.shown')].find((a) => a.getAttribute('href') === href);
+  if (!link) return 'the claim itself has no link';
+  link.click();
+  const [id, text] = [...new URLSearchParams(href.slice(1))][0];
+  const figure = document.getElementById(id);
+  const view = fairing.views.get(id);
+  await view?.open();
+  for (let k = 0; k < 100; k++) {
+    const {top, bottom} = figure.getBoundingClientRect();
+    if (top < innerHeight && bottom > 0 && figure.checkVisibility()) break;
+    if (k === 99) return 'it is not on the screen';
+    await new Promise((go) => setTimeout(go, 50));
+  }
+  if (!view) {
+    if (!figure.classList.contains('marked')) return 'the figure is not marked';
+    const tip = figure.querySelector('.tip');
+    return !text || (!tip.hidden && tip.textContent.includes(text)) ? '' : `the line is not marked: ${tip?.textContent}`;
+  }
+  if (view.stages) return view.toText().startsWith(text) ? '' : view.toText();
+  const [, stops, field, , , , , , k] = text.split('!');
+  if (stops && stops !== view.state.stops.join('~')) return `stops ${view.state.stops}`;
+  if (field && view.chosen()?.name !== field) return `coloured by ${view.chosen()?.name}`;
+  return k && Number(view.sum.toText()) !== Number(k) ? `k = ${view.sum.toText()}` : '';
+}";
+
+/// Ids are letters, digits and dashes, each once. No caption begins with what to do.
+fn plain(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    open(chrome, page)?;
+    let found = chrome.run(
+        "(() => {
+           const ids = [...document.querySelectorAll('[id]')].map((e) => e.id);
+           const odd = ids.filter((id) => !/^[A-Za-z][A-Za-z0-9-]*$/.test(id) || ids.indexOf(id) !== ids.lastIndexOf(id));
+           const captions = [...document.querySelectorAll('figcaption')].map((c) => c.textContent.replace(/^Figure \\d+\\. /, ''));
+           return [odd, captions.filter((c) => /^(Compare|Drag|Look|Move|Turn|Watch|Click|See)\\b/.test(c))];
+         })()",
+    )?;
+    ensure!(found == json!([[], []]), "{found}");
     Ok(())
 }
 

@@ -4,6 +4,8 @@ use std::path::Path;
 use std::time::Duration;
 
 use anyhow::{Context as _, Result, ensure};
+use fairing_denoising::{BilateralNormalOptions, bilateral_normal};
+use fairing_evaluation::{drift, feature_edges, normal_error};
 use fairing_mesh::TriMesh;
 use fairing_operators::LumpedArea;
 use fairing_operators::curvature::{
@@ -23,6 +25,7 @@ pub(crate) fn trials() -> Vec<(&'static str, Test)> {
         ("the_ellipsoid_has_its_normal_curvature", ellipsoid),
         ("diffusion_goes_through_four_thirds", diffusion),
         ("noise_counts_the_errors_of_known_curvature", noise),
+        ("denoising_counts_what_the_library_measures", denoising),
         ("modes_are_summed_continuously", modes),
         ("facts_follow_the_sliders", facts),
         ("views_are_coloured_by_what_they_compute", derived),
@@ -168,6 +171,65 @@ fn noise(chrome: &mut Chrome, page: &Path) -> Result<()> {
     let words = words.as_str().unwrap_or_default();
     ensure!(["exact", "estimate", "error"].iter().all(|w| words.contains(w)), "{words}");
     chrome.picture("noise")
+}
+
+/// Both methods and all scores are those of the library, for the same noise: positions to 10⁻⁹ of the size of the part,
+/// angles to 10⁻⁶ degrees, volumes to 10⁻⁹ per cent, creases to one.
+fn denoising(chrome: &mut Chrome, page: &Path) -> Result<()> {
+    open(chrome, page, "play-denoising")?;
+    for (sigma, steps, rounds) in [(0.0, 0, 20), (0.2, 8, 20), (0.45, 3, 7)] {
+        let found = chrome.run(&format!(
+            "(() => {{
+               const p = fairing.views.get('play-denoising');
+               const start = performance.now();
+               p.fromText('{sigma}~{steps}~{rounds}');
+               const time = performance.now() - start;
+               const scores = p.found.map((s) => [s.angle, s.volume, s.creases]);
+               const words = [...p.figure.querySelectorAll('.facts-line')].map((f) => f.textContent);
+               return [[[...p.truth], [...p.faces]], p.now.map((x) => [...x]), scores, words, time];
+             }})()"
+        ))?;
+        let truth = mesh(&found[0])?;
+        ensure!(truth.topology().is_closed() && truth.signed_volume() > 0.0, "the part is open");
+        let of = |k: usize| -> Result<TriMesh> {
+            Ok(truth.with_positions(numbers(&found[1][k]).as_chunks().0.to_vec())?)
+        };
+        let noisy = of(0)?;
+        let options = Explicit { iterations: steps, ..Explicit::new(Diffusion::uniform(0.5)) };
+        let filter = BilateralNormalOptions { iterations: rounds, ..Default::default() };
+        let expected = [
+            noisy.clone(),
+            explicit(&noisy, &options, None)?.mesh,
+            bilateral_normal(&noisy, &filter)?,
+        ];
+        for (k, expected) in expected.iter().enumerate() {
+            let off = gap(of(k)?.positions().as_flattened(), expected.positions().as_flattened());
+            ensure!(off < 1e-9, "σ = {sigma}, panel {k}: off by {off:e}");
+            let creases = feature_edges(expected, &truth, 30.0)?;
+            let scores = numbers(&found[2][k]);
+            let volume = 100.0 * drift(expected, &truth).volume.context("no volume")?;
+            let recall = 100.0 * creases.recall().context("no creases")?;
+            let off = [
+                (scores[0] - normal_error(expected, &truth)?.mean).abs() / 1e-6,
+                (scores[1] - volume).abs() / 1e-9,
+                (scores[2] - recall).abs() / (101.0 / creases.expected as f64),
+            ];
+            ensure!(
+                off.iter().all(|off| *off <= 1.0),
+                "σ = {sigma}, panel {k}: {scores:?}, {off:?}"
+            );
+            let words = found[3][k].as_str().unwrap_or_default();
+            ensure!(["E_a", "volume", "creases kept"].iter().all(|w| words.contains(w)), "{words}");
+        }
+        // A tenth of that where nothing else runs.
+        ensure!(found[4].as_f64().is_some_and(|ms| ms < 2000.0), "{} ms", found[4]);
+    }
+    // It begins where the filter keeps creases that diffusion does not.
+    chrome.run("fairing.views.get('play-denoising').fromText('0.2~8~20')")?;
+    let kept = chrome.run("fairing.views.get('play-denoising').found.map((s) => s.creases)")?;
+    let kept = numbers(&kept);
+    ensure!(kept[2] > 60.0 && kept[1] < 10.0, "{kept:?}");
+    chrome.picture("denoising")
 }
 
 /// Whole numbers of modes give the projection, and between them the next mode comes in part.

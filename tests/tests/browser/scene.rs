@@ -294,7 +294,7 @@ pub(crate) fn publish(folder: &Path, form: Form) -> Result<()> {
     let results = Results {
         provenance,
         form: Form::Whole,
-        experiments: vec![flows(folder)?, playful("q2"), playful("noise")],
+        experiments: vec![flows(folder)?, playful("q2"), playful("noise"), playful("denoisers")],
     };
     fairing_report::publish(results, folder, form)?;
     Ok(())

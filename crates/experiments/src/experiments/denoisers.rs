@@ -139,6 +139,7 @@ impl Experiment for Denoisers {
             )
             .finding(format!("It leaves {share}"))
             .ours()
+            .shown("figure-denoisers-averages", "")
             .number("largest ratio to the best", ratio, Unit::One),
         );
         Ok(judgements)
@@ -310,7 +311,7 @@ fn averages(scores: &Table, levels: &[f64]) -> Result<Picture> {
     let mut plot = Plot {
         y: Axis::log("E_a in degrees"),
         categories: methods().map(|m| short_name(m).into()).collect(),
-        legend: Legend::Right,
+        legend: Legend::Lines,
         ..Plot::default()
     };
     for name in GENERATED {
@@ -330,7 +331,7 @@ fn averages(scores: &Table, levels: &[f64]) -> Result<Picture> {
     plotted(
         &figure,
         "averages",
-        "Shorter bars are better. The mean normal error of each denoiser on the generated meshes, averaged over the levels of noise.",
+        "Shorter bars are better; the names of the meshes are beside the last group. The mean normal error of each denoiser on the generated meshes, averaged over the levels of noise.",
         "Groups of three bars for each denoiser, one for each kind of mesh.",
     )
 }
@@ -358,7 +359,7 @@ fn view(body: &Body, level: f64, restored: &[TriMesh]) -> Result<View> {
         id: format!("{}-view", body.name),
         mesh: body.name.into(),
         caption: format!(
-            "Move through the denoisers: the brighter a place, the farther its normal is off. The numbers under the panels say what each denoiser costs in volume and in creases. The {} with noise of {level} h along its normals, after each denoiser with its defaults.",
+            "The brighter a place, the farther its normal is off. The numbers under the panels say what each denoiser costs in volume and in creases. The {} with noise of {level} h along its normals, after each denoiser with its defaults.",
             body.name
         ),
         alt: format!(
@@ -398,7 +399,7 @@ fn picture(body: &Body, restored: &[TriMesh]) -> Result<Picture> {
     }
     .draw(
         body.name,
-        &format!("Look at creases and flat parts: a good denoiser keeps the ones sharp and the others smooth. The {} at the highest level of noise, and after every denoiser with its defaults; flat shaded.", body.name),
+        &format!("A good denoiser keeps creases sharp and flat parts smooth. The {} at the highest level of noise, and after every denoiser with its defaults; flat shaded.", body.name),
         &format!("Ten pictures of the {}, the noisy one and nine results.", body.name),
     )
 }

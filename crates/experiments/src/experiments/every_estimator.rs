@@ -73,7 +73,7 @@ impl EveryEstimator {
             id: "torus-view".into(),
             mesh: "fine jittered torus".into(),
             caption: format!(
-                "Move through the estimators: what is not grey is wrong. On the left {name}, on the right the estimator of the slider, on a torus with jittered vertices. A click shows the exact value, the estimate and the error at a vertex."
+                "What is not grey is wrong. On the left {name}, on the right the estimator of the slider, on a torus with jittered vertices. A click shows the exact value, the estimate and the error at a vertex."
             ),
             alt: "A torus twice, to turn, coloured by the error of curvature, with a slider over estimators.".into(),
             fallback: "torus".into(),

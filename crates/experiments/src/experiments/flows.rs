@@ -4,20 +4,19 @@ use anyhow::{Context as _, Result};
 use fairing_evaluation::{
     NoiseKind, NoiseLevel, add_noise, drift, normal_error, observed_orders, vertex_distance,
 };
-use fairing_figure::Up;
+use fairing_figure::{Axis, Figure, Legend, Panel as FigurePanel, Plot, Series, Up};
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, distance, norm, scale};
+use fairing_mesh::vec3::norm;
 use fairing_shapes as shapes;
-use fairing_smoothing::{
-    ConformalizedMcf, Diffusion, Implicit, Method, Operator, Time, Update,
-    conformalized_mean_curvature_flow, implicit,
-};
+use fairing_smoothing::{Diffusion, Implicit, Method, Operator, Time, Update, implicit};
 
-use super::gallery::{Gallery, Look, VIEWPOINTS};
+use super::conformal;
+use super::gallery::{Gallery, Look, VIEWPOINTS, plotted};
+use super::refinement::second_order;
 use crate::experiment::{Card, Context, Experiment};
 use crate::outcome::{Outcome, Picture};
 use crate::row;
-use crate::table::{Table, Tables, Tolerance, Unit, brief};
+use crate::table::{Table, Tables, Unit, brief};
 use crate::verdict::{Judgement, Verdict};
 use crate::view::{Panel, Slider, View};
 
@@ -50,14 +49,18 @@ impl Experiment for Flows {
 
     fn run(&self, context: &Context<'_>) -> Result<Outcome> {
         let mut outcome = Outcome::default();
-        outcome.tables.push(spheres(context.choose(4, 3))?);
+        let spheres = spheres(context.choose(4, 3))?;
+        outcome.figures.push(radius(&spheres)?);
+        outcome.tables.push(spheres);
         context.progress(0.4, "conformal flow");
-        outcome.tables.push(conformal(context.choose(&[3, 4, 5], &[3, 4]))?);
+        outcome.tables.push(conformal::table(context.choose(&[3, 4, 5], &[3, 4]))?);
+        let (round, rounding) = conformal::pictures(context)?;
+        outcome.figures.push(round);
         context.progress(0.7, "methods");
         let (table, picture) = methods(context)?;
         outcome.tables.push(table);
         outcome.figures.push(picture);
-        outcome.views.push(view(context)?);
+        outcome.views.extend([view(context)?, rounding]);
         Ok(outcome)
     }
 
@@ -86,6 +89,7 @@ impl Experiment for Flows {
             )
             .finding(format!("The observed orders are {least:.2} to {most:.2}."))
             .ours()
+            .shown("figure-flows-radius", "unit sphere")
             .number("least order", least, Unit::Order)
             .number("greatest order", most, Unit::Order),
             Judgement::new(
@@ -96,6 +100,7 @@ impl Experiment for Flows {
             )
             .finding(format!("No vertex ends farther from the sphere than {} of its radius.", brief(worst)))
             .ours()
+            .shown(&format!("flows-{}", conformal::VIEW), &format!("!{}!", conformal::STOPS.len() - 1))
             .number("farthest off the sphere", worst, Unit::Relative),
             Judgement::new(
                 "volume",
@@ -109,6 +114,7 @@ impl Experiment for Flows {
             )
             .finding(format!("They change the volume by at most {} %, diffusion by {} %.", brief(lost), brief(plain)))
             .ours()
+            .shown("flows-methods-view", &format!("!{}!distance off the truth", stop("taubin")))
             .number("largest change of the three", lost, Unit::Percent)
             .number("change by implicit diffusion", plain, Unit::Percent),
         ])
@@ -159,52 +165,25 @@ fn spheres(finest: u32) -> Result<Table> {
     Ok(table)
 }
 
-/// Conformalised mean curvature flow of a bumpy sphere.
-fn conformal(levels: &[u32]) -> Result<Table> {
-    let mut table = Table::new(
-        "conformal",
-        "A bumpy sphere under conformalised mean curvature flow: steps until it settles, and the largest distance of a vertex from the mean sphere about the centroid, over its radius.",
-        &[
-            ("vertices", Unit::Count),
-            ("steps", Unit::Count),
-            ("off the sphere before", Unit::Relative),
-            ("off the sphere after", Unit::Relative),
-        ],
+/// The error of the radius over h.
+fn radius(spheres: &Table) -> Result<Picture> {
+    let points = spheres.column("h")?.into_iter().zip(spheres.column("error")?);
+    let mut plot = Plot {
+        x: Axis::log("mean edge length h"),
+        y: Axis::log("error of the radius"),
+        legend: Legend::Lines,
+        series: vec![Series::marked("unit sphere", points.map(<[f64; 2]>::from).collect())],
+        ..Plot::default()
+    };
+    plot.series.extend(second_order(&plot.series));
+    let mut figure = Figure::default();
+    figure.panels.push(FigurePanel::drawing(plot.draw(450.0, 215.0)?));
+    plotted(
+        &figure,
+        "radius",
+        "The line is as steep as the dashed one: half the edge length leaves a quarter of the error. The radius of the unit sphere under mean curvature flow against √(1 − 4t) at the end, with time steps in proportion to h².",
+        "A plot of error over mean edge length on logarithmic axes, with a dashed line of second order.",
     )
-    .tolerance("steps", None)
-    .tolerance("off the sphere after", Some(Tolerance::LOOSE));
-    for &level in levels {
-        let bumpy = shapes::bumpy_sphere(level, 0.2, 3.0);
-        let options = ConformalizedMcf {
-            time: 0.05,
-            iterations: 300,
-            settled: 1e-7,
-            ..ConformalizedMcf::default()
-        };
-        let smoothed = conformalized_mean_curvature_flow(&bumpy, &options, None)?;
-        let steps = smoothed.report.iterations;
-        table.push(row![
-            bumpy.vertex_count(),
-            steps,
-            off_sphere(&bumpy),
-            off_sphere(&smoothed.mesh)
-        ]);
-    }
-    Ok(table)
-}
-
-/// The largest deviation of a vertex from the mean distance from the centroid of the surface, over that distance.
-fn off_sphere(mesh: &TriMesh) -> f64 {
-    let mut centre = [0.0; 3];
-    for f in 0..mesh.face_count() {
-        for p in mesh.triangle(f) {
-            centre = add(centre, scale(p, mesh.face_area(f) / 3.0));
-        }
-    }
-    centre = scale(centre, 1.0 / mesh.area());
-    let radii: Vec<f64> = mesh.positions().iter().map(|&p| distance(p, centre)).collect();
-    let mean = radii.iter().sum::<f64>() / radii.len() as f64;
-    radii.iter().map(|r| (r / mean - 1.0).abs()).fold(0.0, f64::max)
 }
 
 /// A bumpy sphere, and by name the same with noise and after every method with its default options.
@@ -214,13 +193,22 @@ fn restored(context: &Context<'_>, level: u32) -> Result<(TriMesh, Vec<(String, 
     let seed = context.seed("methods");
     let noisy = add_noise(&truth, NoiseKind::GaussianAlongNormals, sigma, seed)?;
     let mut results = vec![("input".to_string(), noisy.clone())];
-    for method in Method::defaults() {
-        // These answer other questions.
-        if !matches!(method, Method::FairRegion(_) | Method::ConformalizedMcf(_)) {
-            results.push((method.name().to_string(), method.run(&noisy, None)?.mesh));
-        }
+    for method in compared() {
+        results.push((method.name().to_string(), method.run(&noisy, None)?.mesh));
     }
     Ok((truth, results))
+}
+
+/// The methods that are compared: the others answer other questions.
+fn compared() -> impl Iterator<Item = Method> {
+    let others =
+        |method: &Method| matches!(method, Method::FairRegion(_) | Method::ConformalizedMcf(_));
+    Method::defaults().into_iter().filter(move |method| !others(method))
+}
+
+/// The stop of a method in the view.
+fn stop(name: &str) -> usize {
+    compared().position(|method| method.name() == name).unwrap_or_default()
 }
 
 /// The noisy mesh, what each method makes of it, and the truth, on a coarser mesh than that of the table.
@@ -241,14 +229,14 @@ fn view(context: &Context<'_>) -> Result<View> {
         id: "methods-view".into(),
         mesh: "bumpy sphere".into(),
         caption: format!(
-            "Move through the methods: red is outside the true surface, blue inside. Implicit diffusion turns blue all over, because it shrinks; Taubin's steps do not. A bumpy sphere of {} vertices with noise of {SIGMA} h, after each method with its default options.",
+            "Implicit diffusion turns blue all over, because it shrinks; Taubin's steps do not. Red is outside the true surface, blue inside. A bumpy sphere of {} vertices with noise of {SIGMA} h, after each method with its default options.",
             truth.vertex_count()
         ),
         alt: "A rough sphere with bumps, a smoother one, and the true one, with a slider over methods.".into(),
         fallback: "methods".into(),
         z_up: true,
         sliders: vec![Slider::new("method", results.iter().map(|(name, _)| name))],
-        start: vec![results.iter().position(|(name, _)| name == "implicit").unwrap_or_default()],
+        start: vec![stop("implicit")],
         color: Some("distance off the truth".into()),
         panels: vec![
             facts(Panel::still("noisy input", &noisy), &[&noisy])?,
@@ -288,7 +276,7 @@ fn methods(context: &Context<'_>) -> Result<(Table, Picture)> {
     let looks = looks.map(|(title, mesh)| Look { title, mesh, coloring: None }).collect();
     let picture = Gallery { looks, viewpoints: &VIEWPOINTS[..1], up: Up::Z, aspect: 1.0, occlusion: !context.is_quick() }.draw(
         "methods",
-        "Compare the sizes: diffusion shrinks the sphere, Taubin's steps and HC do not. A bumpy sphere with noise, and after some of the methods with their default options.",
+        "Diffusion shrinks the sphere, Taubin's steps and HC do not. A bumpy sphere with noise, and after some of the methods with their default options.",
         "Five pictures: a rough sphere with bumps, and smoother ones of which some have shrunk.",
     )?;
     Ok((table, picture))

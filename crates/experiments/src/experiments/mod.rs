@@ -10,6 +10,7 @@ mod q5;
 mod q6;
 mod q7;
 
+mod conformal;
 mod denoisers;
 mod estimators;
 mod flows;

@@ -29,7 +29,7 @@ impl Experiment for Noise {
             id: "noise",
             title: "Curvature under noise",
             question: "Is mean curvature disturbed by noise, and Gaussian curvature not?",
-            method: "Gaussian noise of growing size is added to every coordinate of a sphere and a torus. The change of H is compared with that of K, each against the same estimator on the clean mesh and over the root mean square of its own clean values.\n\nThe meshes have several resolutions, and the noise several seeds. Also measured are the rank correlation of noisy and clean values on the torus (on a sphere all clean values are equal), and the distance of the sum of all angle defects from 2πχ. Here h is the mean edge length of the clean mesh.".into(),
+            method: "Gaussian noise of growing size is added to every coordinate of a sphere and a torus. The change of H is compared with that of K, each against the same estimator on the clean mesh and over the root mean square of its own clean values.\n\nThe meshes have several resolutions, and the noise several seeds. Also measured are the rank correlation of noisy and clean values on the torus (on a sphere all clean values are equal), and the distance of the sum of all angle defects from 2πχ.".into(),
             formulas: vec![],
             inputs: &[],
             parameters: vec![
@@ -324,7 +324,7 @@ fn plot(changes: &Table) -> Result<Picture> {
     plotted(
         &figure,
         "changes",
-        "Compare K with H of the same estimator: the upper line suffers more. Relative change of both under noise on the finest meshes, for three estimators.",
+        "Of each estimator the line of K is above that of H: K suffers more. Relative change of both under noise on the finest meshes, for three estimators.",
         "Two plots of relative change over noise on logarithmic axes, for sphere and torus.",
     )
     .context("the plot of changes")

@@ -190,7 +190,7 @@ impl<'a> Pictures<'a> {
             id: format!("{}-view", self.name),
             mesh: self.name.into(),
             caption: format!(
-                "Look for speckle, where neighbours differ although the surface does not: it follows the shape of the triangles. The {} of Figure 1 of the original report, with curvature from the uniform Laplacian and the angle defect.",
+                "There is speckle where neighbours differ although the surface does not: it follows the shape of the triangles. The {} of Figure 1 of the original report, with curvature from the uniform Laplacian and the angle defect.",
                 self.name
             ),
             alt: format!("The {} to turn, plain and coloured by curvature.", self.name),
@@ -267,5 +267,5 @@ fn answer(errors: &Table, orders: &Table) -> Result<[String; 2]> {
 
 const FORMULAS: [&str; 2] = [
     r"H_i = \tfrac12 \Big\| \tfrac{1}{d_i} \sum_{j \sim i} (x_j - x_i) \Big\|",
-    r"K_i = \frac{1}{A_i} \Big( 2\pi - \sum_f \theta_{i,f} \Big), \qquad A_i = \tfrac13 \sum_f A_f",
+    r"K_i = \frac{1}{A_i} \Big( 2\pi - \sum_T \alpha_{i,T} \Big), \qquad A_i = \tfrac13 \sum_T A_T",
 ];

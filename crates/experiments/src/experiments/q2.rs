@@ -40,7 +40,7 @@ impl Experiment for EllipsoidForms {
             id: "q2",
             title: "First and second fundamental form of the ellipsoid",
             question: "What are the fundamental forms of p(u,v) = (a cos u sin v, b sin u sin v, c cos v), and what is the normal curvature at (a, 0, 0) in every tangent direction?",
-            method: "The forms follow from the derivatives of p; the coefficients are computed three times: from closed forms derived by hand, from the derivatives, and from central differences of p, independent of any derivation. The normal m points inward here, so that curvature is positive where the surface bends like a sphere. In this section L, M and N are the coefficients of the second form, not matrices.\n\nAt (a, 0, 0), u = 0 and v = π/2: du runs along +y and dv along −z. A tangent at the angle θ from +y towards +z is du = cos θ / b, dv = −sin θ / c. The same curvatures are then read off fine meshes with discrete operators, which use nothing of p but positions.".into(),
+            method: "The forms follow from the derivatives of p; the coefficients are computed three times: from closed forms derived by hand, from the derivatives, and from central differences of p, independent of any derivation. The normal m points inward here, so that curvature is positive where the surface bends like a sphere. The coefficients of the second form are e, f and g, which the original report calls L, M and N.\n\nAt (a, 0, 0), u = 0 and v = π/2: du runs along +y and dv along −z. A tangent at the angle θ from +y towards +z is du = cos θ / b, dv = −sin θ / c. The same curvatures are then read off fine meshes with discrete operators, which use nothing of p but positions.".into(),
             formulas: FORMULAS.map(String::from).to_vec(),
             inputs: &[],
             parameters: vec![("half axes (a, b, c)", AXES.map(axes_name).join(", "))],
@@ -66,14 +66,14 @@ impl Experiment for EllipsoidForms {
         // The sign is a matter of the normal: compare sizes alone.
         let sizes: Vec<f64> = theirs.iter().map(|k| k.abs()).collect();
         let error = gap(&ours, &sizes);
-        let l = forms.column("L")?;
+        let l = forms.column("e")?;
         let smallest_l = l.iter().fold(f64::INFINITY, |a, b| a.min(b.abs()));
         let mesh = tables.get("meshes")?.column("error of κ₁")?;
         let wrong = error > 1e-3 && check < 1e-4;
         let verdict = if wrong { Verdict::Refuted } else { Verdict::Confirmed };
         let right = ours.iter().zip(&sizes).filter(|(a, b)| (*a - *b).abs() < 1e-9).count();
         let reason = format!(
-            "Closed forms, derivatives and central differences agree on a/b² along y (largest relative gap {}), and L is never zero (at least {}). The original report's −1/c is off by up to {} % in size, and is right on {right} of the {} ellipsoids, the sphere. It evaluates L and N at the pole (0, 0, c), E and G at (a, 0, 0), and mistakes dv, which runs along z, for the y direction.",
+            "Closed forms, derivatives and central differences agree on a/b² along y (largest relative gap {}), and e is never zero (at least {}). The original report's −1/c is off by up to {} % in size, and is right on {right} of the {} ellipsoids, the sphere. It evaluates e and g at the pole (0, 0, c), E and G at (a, 0, 0), and mistakes dv, which runs along z, for the y direction.",
             crate::table::brief(check),
             crate::table::brief(smallest_l),
             crate::table::brief(100.0 * error),
@@ -82,7 +82,7 @@ impl Experiment for EllipsoidForms {
         Ok(vec![
             Judgement::new(
                 "2a",
-                "At (a, 0, 0): L = M = 0 and N = −c, so that κₙ = −1/c along y",
+                "At (a, 0, 0): e = f = 0 and g = −c, so that κₙ = −1/c along y",
                 verdict,
                 reason,
             )
@@ -113,15 +113,15 @@ fn axes_name([a, b, c]: [f64; 3]) -> String {
 fn forms() -> Result<Table> {
     let mut table = Table::new(
         "forms",
-        "The coefficients at (a, 0, 0) with the inward normal, and the normal curvature along y: by the closed form a/b², by central differences of p, and as the original report states it, N/G = −1/c.",
+        "The coefficients at (a, 0, 0) with the inward normal, and the normal curvature along y: by the closed form a/b², by central differences of p, and as the original report states it, g/G = −1/c.",
         &[
             ("(a, b, c)", Unit::Label),
             ("E", Unit::Area),
             ("F", Unit::Area),
             ("G", Unit::Area),
-            ("L", Unit::Length),
-            ("M", Unit::Length),
-            ("N", Unit::Length),
+            ("e", Unit::Length),
+            ("f", Unit::Length),
+            ("g", Unit::Length),
             ("κ along y", Unit::Curvature),
             ("κ along y, differences", Unit::Curvature),
             ("κ along y, original", Unit::Curvature),
@@ -174,7 +174,7 @@ fn difference_curvature([a, b, c]: [f64; 3]) -> f64 {
 fn directions() -> Result<Table> {
     let mut table = Table::new(
         "directions",
-        "Normal curvature at (a, 0, 0) over the angle θ from +y towards +z: from the forms at (a, 0, 0), and what the original report's coefficients L = M = 0, N = −c give in the same direction.",
+        "Normal curvature at (a, 0, 0) over the angle θ from +y towards +z: from the forms at (a, 0, 0), and what the original report's coefficients e = f = 0, g = −c give in the same direction.",
         &[
             ("(a, b, c)", Unit::Label),
             ("θ", Unit::Degrees),
@@ -283,6 +283,6 @@ fn meshes(context: &Context<'_>) -> Result<Table> {
 const COTANGENT: Estimator = Estimator::Cotangent(CotangentOptions { area: LumpedArea::Mixed });
 
 const FORMULAS: [&str; 2] = [
-    r"\kappa_n = \frac{L\,du^2 + 2M\,du\,dv + N\,dv^2}{E\,du^2 + 2F\,du\,dv + G\,dv^2}",
+    r"\kappa_n = \frac{e\,du^2 + 2f\,du\,dv + g\,dv^2}{E\,du^2 + 2F\,du\,dv + G\,dv^2}",
     r"\kappa_n(\theta)\big|_{(a,0,0)} = a\left(\frac{\cos^2\theta}{b^2} + \frac{\sin^2\theta}{c^2}\right)",
 ];

@@ -59,7 +59,7 @@ impl Experiment for CotangentCurvature {
             id: "q3",
             title: "Mean curvature from the cotangent Laplacian",
             question: "Does the discrete Laplace–Beltrami operator with cotangent weights improve the estimate of mean curvature?",
-            method: "The cotangent stiffness S applied to the positions, over the mixed area of each vertex, gives the mean curvature vector: Δx = −M⁻¹Sx = −2Hn. The sign of H comes from the normal.\n\nBoth meshes of the assignment are shown. The error is then compared with that of the uniform operator scaled by edge lengths (see q1), on surfaces whose curvature is known. Planes come last: their curvature is zero, so whatever an operator returns there is an error. They are regular, jittered and irregular, and vertices inside and on the boundary are counted apart. Here h is the mean edge length of each mesh.".into(),
+            method: "The cotangent stiffness S applied to the positions, over the mixed area of each vertex, gives the mean curvature vector: Δx = −M⁻¹Sx = −2Hn. The sign of H comes from the normal.\n\nBoth meshes of the assignment are shown. The error is then compared with that of the uniform operator scaled by edge lengths (see q1), on surfaces whose curvature is known. Planes come last: their curvature is zero, so whatever an operator returns there is an error. They are regular, jittered and irregular, and vertices inside and on the boundary are counted apart.".into(),
             formulas: FORMULAS.map(String::from).to_vec(),
             inputs: &[Input::Flower, Input::Plane],
             parameters: [("area of a vertex", "mixed (Voronoi where no angle is obtuse)".into())]
@@ -311,7 +311,7 @@ fn view(name: &str, mesh: &TriMesh, uniform: &MeanCurvature, cotangent: &MeanCur
         true => {
             "Only the border has colours: inside, both operators give zero, and the signed value is zero everywhere."
         }
-        false => "Compare the speckle: uniform weights on the left, cotangents on the right.",
+        false => "The speckle of uniform weights on the left is gone with cotangents on the right.",
     };
     View {
         id: format!("{name}-view"),

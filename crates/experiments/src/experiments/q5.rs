@@ -39,7 +39,7 @@ impl Experiment for ExplicitFlow {
             title: "Explicit smoothing",
             question: "Explicit diffusion x ← x + λLx with the uniform Laplacian, 50 iterations: what λ is good, and what happens beyond?",
             method: format!(
-                "The assignment's {} values of λ are run on its two noisy meshes and a cube, and compared with the truth. A step multiplies each mode of L by 1 + λμ, so the smallest eigenvalue μ decides what is stable.\n\nThe ground truth of the machine part is a mesh with the same faces; that of the patch, its vertices projected to the best-fit plane; that of the cube, the cube. Measured are the mean angle between the normals of faces and of the truth, the distance of the vertices from the true surface, the distance both ways (which sees that a patch has shrunk), volume, area, the share of its features (edges that turn by {}° or more) that are found, and how far vertices moved. Lengths are in mean edge lengths h of the truth.\n\nA fine sweep of λ follows, and another one over a generated block at two resolutions with three levels of noise, to see whether the best λ is a constant.\n\nThe smallest eigenvalue is measured and compared with its bounds: μ ≥ −3/2 on every closed triangle mesh (sum (x₁ + x₂ + x₃)² over the triangles), μ ≥ −7/4 on every open one, and, since the trace of L is −n, μ ≤ −n/(n − 1) on all of them. So λ = {DIVERGENT} diverges on every mesh.",
+                "The assignment's {} values of λ are run on its two noisy meshes and a cube, and compared with the truth. A step multiplies each mode of L by 1 + λμ, so the smallest eigenvalue μ decides what is stable.\n\nThe ground truth of the machine part is a mesh with the same faces; that of the patch, its vertices projected to the best-fit plane; that of the cube, the cube. Measured are the mean angle between the normals of faces and of the truth, the distance of the vertices from the true surface, the distance both ways (which sees that a patch has shrunk), volume, area, the share of its features (edges that turn by {}° or more) that are found, and how far vertices moved.\n\nA fine sweep of λ follows, and another one over a generated block at two resolutions with three levels of noise, to see whether the best λ is a constant.\n\nThe smallest eigenvalue is measured and compared with its bounds: μ ≥ −3/2 on every closed triangle mesh (sum (x₁ + x₂ + x₃)² over the triangles), μ ≥ −7/4 on every open one, and, since the trace of L is −|V|, μ ≤ −|V|/(|V| − 1) on all of them. So λ = {DIVERGENT} diverges on every mesh.",
                 LAMBDAS.len(),
                 models::FEATURE
             ),
@@ -276,7 +276,7 @@ fn best(context: &Context<'_>) -> Result<Table> {
 fn spectra(models: &[Model]) -> Result<Table> {
     let mut table = Table::new(
         "spectra",
-        &format!("The smallest eigenvalue μ of L = D⁻¹A − I, measured; the bound below it, −3/2 if closed and −7/4 if open; the bound above it, −n/(n − 1) from the trace. The stable limit is 2/|μ|. Growth of the diagonal in {ITERATIONS} steps with λ = {DIVERGENT}, beside |1 + {DIVERGENT}μ| to the power of {ITERATIONS}, the growth of the roughest mode."),
+        &format!("The smallest eigenvalue μ of L = D⁻¹W − I, measured; the bound below it, −3/2 if closed and −7/4 if open; the bound above it, −|V|/(|V| − 1) from the trace. The stable limit is 2/|μ|. Growth of the diagonal in {ITERATIONS} steps with λ = {DIVERGENT}, beside |1 + {DIVERGENT}μ| to the power of {ITERATIONS}, the growth of the roughest mode."),
         &[
             ("mesh", Unit::Label),
             ("vertices", Unit::Count),
@@ -323,7 +323,7 @@ fn spectra(models: &[Model]) -> Result<Table> {
 }
 
 const FORMULAS: [&str; 1] = [
-    r"x^{n+1} = x^n + \lambda L x^n, \qquad L = D^{-1}A - I, \qquad \text{each mode times } 1 + \lambda\mu",
+    r"x^{s+1} = x^s + \lambda L x^s, \qquad L = D^{-1}W - I, \qquad \text{each mode times } 1 + \lambda\mu",
 ];
 
 #[cfg(test)]

@@ -60,7 +60,7 @@ impl Experiment for ImplicitFlow {
             title: "Implicit smoothing",
             question: "Implicit diffusion (I − λL)x' = x (Desbrun et al. 1999, eq. 9): what do λ and the number of iterations do, and how does it compare with explicit steps?",
             method: format!(
-                "Each step solves a linear system whose matrix, D − λ(A − D), is symmetric and positive definite. A mode is divided by 1 − λμ ≥ 1, so that no λ is unstable.\n\nThe assignment's {} values of λ are run for {ITERATIONS} iterations on its two noisy meshes and a cube, and measured as in q5, with inner and boundary vertices apart. A fine sweep of λ follows.\n\nTo compare iterations, λ = {CLAIMED} is run for {few} and {many} of them, beside explicit steps of the same number, as in the original report. Both are then compared at equal diffusion time, steps times λ: implicit steps of {CLAIMED} and explicit steps of {EXPLICIT} until they have diffused equally long. If explicit steps had merely not converged yet, the two would still differ.\n\nAs λ grows, a single step takes every component to its centroid, weighted by degrees. A sphere of radius r shrinks slowly: a neighbour at distance e lies e²/(2r) below the tangent plane, so that a coordinate is nearly a mode of μ = −h²/(2r²), with h² the mean squared edge length. So n steps multiply the radius by (1 + λh²/(2r²))⁻ⁿ, and the volume by its cube.",
+                "Each step solves a linear system whose matrix, D − λ(W − D), is symmetric and positive definite. A mode is divided by 1 − λμ ≥ 1, so that no λ is unstable.\n\nThe assignment's {} values of λ are run for {ITERATIONS} iterations on its two noisy meshes and a cube, and measured as in q5, with inner and boundary vertices apart. A fine sweep of λ follows.\n\nTo compare iterations, λ = {CLAIMED} is run for {few} and {many} of them, beside explicit steps of the same number, as in the original report. Both are then compared at equal diffusion time, steps times λ: implicit steps of {CLAIMED} and explicit steps of {EXPLICIT} until they have diffused equally long. If explicit steps had merely not converged yet, the two would still differ.\n\nAs λ grows, a single step takes every component to its centroid, weighted by degrees. A sphere of radius r shrinks slowly: a neighbour at distance q lies q²/(2r) below the tangent plane, so that a coordinate is nearly a mode of μ = −q²/(2r²), with q² the mean squared edge length. So s steps multiply the radius by (1 + λq²/(2r²))⁻ˢ, and the volume by its cube.",
                 LAMBDAS.len()
             ),
             formulas: FORMULAS.map(String::from).to_vec(),
@@ -340,7 +340,7 @@ fn limit(models: &[Model]) -> Result<Table> {
 fn spheres(context: &Context<'_>) -> Result<Table> {
     let mut table = Table::new(
         "spheres",
-        "The volume of unit spheres after implicit steps, as a share of that before, beside (1 + λh²/(2r²))⁻³ⁿ, h² the mean squared edge length.",
+        "The volume of unit spheres after implicit steps, as a share of that before, beside (1 + λq²/(2r²))⁻³ˢ, q² the mean squared edge length.",
         &[
             ("level", Unit::Count),
             ("lambda", Unit::One),
@@ -361,7 +361,7 @@ fn spheres(context: &Context<'_>) -> Result<Table> {
         for (lambda, n) in [(5.0, 10), (5.0, 50), (100.0, 10)] {
             let options = Implicit { iterations: n, ..Implicit::new(Diffusion::uniform(lambda)) };
             let after = implicit(&sphere, &options, None)?.mesh;
-            // μ = −h²/2 for the coordinates of a unit sphere.
+            // μ = −q²/2 for the coordinates of a unit sphere.
             let predicted = (1.0 + lambda * h2 / 2.0).powi(-3 * n as i32);
             let left = after.signed_volume() / sphere.signed_volume();
             table.push(row![level as usize, lambda, n, left, predicted]);
@@ -440,4 +440,4 @@ fn over_iterations(model: &Model) -> Result<Picture> {
 }
 
 const FORMULAS: [&str; 1] =
-    [r"(I - \lambda L)\, x^{n+1} = x^n, \qquad \text{each mode over } 1 - \lambda\mu \ge 1"];
+    [r"(I - \lambda L)\, x^{s+1} = x^s, \qquad \text{each mode over } 1 - \lambda\mu \ge 1"];

@@ -74,7 +74,7 @@ impl Experiment for GrowingNoise {
             title: "Denoising under growing noise",
             question: "When does smoothing remove noise, and when does it fail? What works instead?",
             method: format!(
-                "Gaussian noise is added along each axis: to the machine part with the assignment's levels in model units; to a block with creases, a smooth torus and a body with details with {lowest} to {highest} mean edge lengths h. All methods get the same noisy meshes and keep the same parameters at every level; the automatic denoiser has none.\n\nExplicit and implicit smoothing cover the same diffusion time, and are run once more as the original report recommends (it does not say what it used here): {} explicit steps of {}, {} implicit ones of {}. The spectral method projects onto the smoothest of the modes of the edge graph, one in {MODES}, which does not depend on the noise, and up to the next gap between eigenvalues; in a cluster of equal ones the result would depend on the solver. A denoiser that leaves more than {HOPELESS}° at one level is not run at higher ones.\n\nMeasured are E_a, the mean angle between the normals of matching faces of the result and of the truth, and E_v, the mean distance of the vertices from the true surface. A method helps where an error falls below that of the noisy input: smoothing also removes shape, so that at little noise it can do harm. A shape is called kept while E_a stays below {KEPT}° and no more than {SHRUNK} % of the volume is lost: two faces that are off by {KEPT}° each are {}° apart, the angle at which we call an edge sharp. The unit h is the mean edge length of the mesh without noise. The standard error of a mean is its standard deviation from seed to seed over the square root of the number of seeds; a level at which a shape is lost is found by interpolation, and its uncertainty is that of {ERRORS} standard errors.",
+                "Gaussian noise is added along each axis: to the machine part with the assignment's levels in model units; to a block with creases, a smooth torus and a body with details with {lowest} to {highest} mean edge lengths h. All methods get the same noisy meshes and keep the same parameters at every level; the automatic denoiser has none.\n\nExplicit and implicit smoothing cover the same diffusion time, and are run once more as the original report recommends (it does not say what it used here): {} explicit steps of {}, {} implicit ones of {}. The spectral method projects onto the smoothest of the modes of the edge graph, one in {MODES}, which does not depend on the noise, and up to the next gap between eigenvalues; in a cluster of equal ones the result would depend on the solver. A denoiser that leaves more than {HOPELESS}° at one level is not run at higher ones.\n\nMeasured are E_a, the mean angle between the normals of matching faces of the result and of the truth, and E_v, the mean distance of the vertices from the true surface. A method helps where an error falls below that of the noisy input: smoothing also removes shape, so that at little noise it can do harm. A shape is called kept while E_a stays below {KEPT}° and no more than {SHRUNK} % of the volume is lost: two faces that are off by {KEPT}° each are {}° apart, the angle at which we call an edge sharp. The standard error of a mean is its standard deviation from seed to seed over the square root of the number of seeds; a level at which a shape is lost is found by interpolation, and its uncertainty is that of {ERRORS} standard errors.",
                 REPORT_EXPLICIT.count,
                 REPORT_EXPLICIT.lambda,
                 REPORT_IMPLICIT.count,
@@ -115,7 +115,7 @@ impl Experiment for GrowingNoise {
         let (levels, levels_view) = pictures::levels(context, &part)?;
         let (scan, scan_view) = pictures::scan(context, &bodies[2])?;
         let mut figures = vec![levels];
-        figures.extend(pictures::curves(&sweep)?);
+        figures.extend(pictures::curves(&sweep, &model)?);
         figures.push(scan);
         let views = vec![levels_view, scan_view];
         let tables = vec![model, limits, resolutions, modes, sweep];
@@ -280,4 +280,5 @@ fn push(table: &mut Table, leading: &[Cell], trials: &[Trials], faces: usize) {
     }
 }
 
-const FORMULAS: [&str; 1] = [r"E_a = \frac{1}{|F|} \sum_{f \in F} \arccos(n_f \cdot \hat n_f)"];
+const FORMULAS: [&str; 1] =
+    [r"E_a = \text{mean over the triangles } T \text{ of } \arccos(n_T \cdot \hat n_T)"];

@@ -53,6 +53,7 @@ pub(super) fn draw(plot: &Plot, width: f64, height: f64) -> Result<Drawing, Plot
         }
     };
     let mut out = Drawing::new(width, height);
+    out.middle = (frame.left + frame.right) / 2.0;
     frame.axes(&mut out, plot);
     let [left, top, right, bottom] = frame.sides();
     let mut inside = Drawing::new(width, height);
@@ -238,7 +239,11 @@ impl Frame {
         let mut ends: Vec<(f64, Color, &str)> = styled
             .iter()
             .filter_map(|(series, style)| {
-                let last = series.extent().into_iter().max_by(|a, b| a[0].total_cmp(&b[0]))?;
+                let last = match &series.shape {
+                    // The last group is beside the names.
+                    Shape::Bars(values) => [1.0, *values.last()?],
+                    _ => series.extent().into_iter().max_by(|a, b| a[0].total_cmp(&b[0]))?,
+                };
                 let [_, y] = self.at(last);
                 let color = match series.is_styled() {
                     true => style.color(),
@@ -267,7 +272,7 @@ impl Frame {
     /// Title and points of the plot, where they are and what they stand for.
     fn data(&self, plot: &Plot) -> String {
         /// A line of more points is described at this many of them.
-        const MOST: usize = 60;
+        const MOST: usize = 100;
         let brief = |x: f64| format!("{:.4e}", x).parse::<f64>().unwrap_or(x);
         let series = plot.series.iter().filter(|s| !s.name.is_empty() && !s.points_of().is_empty());
         let series = series.map(|s| {

@@ -110,7 +110,7 @@ pub(super) fn anchor(records: &[Record], record: &str, figure: &str) -> String {
     }
 }
 
-fn figure_id(record: &Record, figure: &str) -> String {
+pub(super) fn figure_id(record: &Record, figure: &str) -> String {
     format!("figure-{}-{figure}", record.id)
 }
 

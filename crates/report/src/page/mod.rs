@@ -21,13 +21,13 @@ use std::path::Path;
 use anyhow::Result;
 use rayon::prelude::*;
 
-use crate::{markdown, numbers, story, thumbnail};
+use crate::{letters, markdown, numbers, story, thumbnail};
 use fairing_results::results::{Record, Results};
 use fairing_results::verdict::{Judgement, Verdict};
 use html::escape;
 
 /// The scripts, in the order in which they use one another.
-const SCRIPTS: [&str; 20] = [
+const SCRIPTS: [&str; 22] = [
     include_str!("../../assets/dom.js"),
     include_str!("../../assets/geometry.js"),
     include_str!("../../assets/eigen.js"),
@@ -45,6 +45,8 @@ const SCRIPTS: [&str; 20] = [
     include_str!("../../assets/ellipsoid.js"),
     include_str!("../../assets/diffusion.js"),
     include_str!("../../assets/noise.js"),
+    include_str!("../../assets/filter.js"),
+    include_str!("../../assets/denoising.js"),
     include_str!("../../assets/points.js"),
     include_str!("../../assets/stack.js"),
     include_str!("../../assets/page.js"),
@@ -171,9 +173,9 @@ fn opening(results: &Results, picture: &str) -> String {
     if failed > 0 {
         let _ = write!(text, "<p class=\"error\">{} failed.</p>", count("experiment", failed));
     }
-    let letters: String = story::LETTERS
+    let letters: String = letters::LETTERS
         .iter()
-        .map(|(letter, about)| format!("<dt>{letter}</dt><dd>{about}</dd>"))
+        .map(|letter| format!("<dt>{}</dt><dd>{}</dd>", letter.sign, letter.meaning))
         .collect();
     let _ = write!(text, "<details><summary>Letters</summary><dl>{letters}</dl></details>");
     let p = &results.provenance;

@@ -7,7 +7,7 @@ use anyhow::Result;
 
 use super::html::{escape, with_code};
 use super::{figures, tables};
-use crate::{commands, mathml, play, snippets};
+use crate::{commands, letters, mathml, numbers, play, snippets};
 use fairing_results::results::{Form, Record};
 use fairing_results::verdict::{Deciding, Judgement, Shown, Verdict};
 
@@ -69,6 +69,9 @@ fn method(record: &Record) -> Result<String> {
         let parts: Vec<String> = parts.map(mathml::displayed).collect::<Result<_>>()?;
         let _ = write!(text, "<p class=\"formula\">{}</p>", parts.concat());
     }
+    if let Some(reference) = letters::reference(&record.id) {
+        let _ = write!(text, "<p class=\"soft\">{}</p>", escape(&reference));
+    }
     let rest: String = paragraphs.map(|p| format!("<p>{}</p>", escape(p))).collect();
     let (rows, files) = (parameters(record), files(record));
     text += "<div class=\"folds\">";
@@ -106,13 +109,21 @@ pub(super) fn verdict(verdict: Verdict) -> String {
     format!("<span class=\"verdict {verdict}\">{verdict}</span>")
 }
 
-/// A link to the view or playground of the page in the state that decided a claim; nothing where the page has none.
+/// A link to the view or playground of the page in the state that decided a claim, or to the figure, whose marked line
+/// is the state; nothing where the page has none.
 pub(super) fn link(all: &[Record], claim: &Judgement) -> String {
     let Some(Shown { id, state }) = &claim.shown else { return String::new() };
     let is_view = |r: &Record| r.views.iter().any(|v| format!("{}-{}", r.id, v.id) == *id);
     let is_play = |r: &Record| play::for_section(&r.id).any(|play| play.id() == *id);
-    if !all.iter().any(|r| is_view(r) || is_play(r)) {
+    let is_figure = |r: &Record| {
+        let mut own = r.figures.iter().filter(|f| !numbers::is_paper(r, f));
+        own.any(|f| figures::figure_id(r, &f.id) == *id)
+    };
+    if !all.iter().any(|r| is_view(r) || is_play(r) || is_figure(r)) {
         return String::new();
+    }
+    if state.is_empty() {
+        return format!(" <a class=\"shown\" href=\"#{}\">See it</a>", escape(id));
     }
     let state = state.replace('%', "%25").replace(' ', "%20").replace('&', "%26");
     format!(" <a class=\"shown\" href=\"#{}={}\">See it</a>", escape(id), escape(&state))

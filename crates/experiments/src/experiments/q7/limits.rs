@@ -193,7 +193,8 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
     let claim = "Denoisers keep the shape under more noise than flows do";
     let mut judgement = Judgement::new("7b", claim, verdict(&found), reason)
         .finding(summary(&numbers, &found))
-        .ours();
+        .ours()
+        .shown("figure-q7-normals", "");
     for (mesh, [flows, denoisers]) in numbers {
         for (who, kept) in [("flows", flows), ("denoisers", denoisers)] {
             // Beyond the end of the sweep there is no number.

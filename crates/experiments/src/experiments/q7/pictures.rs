@@ -5,11 +5,13 @@ use std::collections::BTreeMap;
 use anyhow::Result;
 use fairing_denoising::Denoiser;
 use fairing_evaluation::{NoiseLevel, drift, feature_edges, normal_error};
-use fairing_figure::{Axis, Figure, Legend, Panel as FigurePanel, Plot, Series, Up, Viewpoint};
+use fairing_figure::{
+    Axis, Figure, Legend, Panel as FigurePanel, Plot, Series, Shape, Up, Viewpoint,
+};
 use fairing_mesh::TriMesh;
 use rayon::prelude::*;
 
-use super::ASSIGNMENT;
+use super::{ASSIGNMENT, KEPT};
 use crate::experiment::Context;
 use crate::experiments::gallery::{VIEWPOINTS, plotted};
 use crate::experiments::grid::{Grid, Row};
@@ -43,6 +45,9 @@ const CURVES: [Method; 7] = [
     Method::Denoiser(Denoiser::Automatic),
 ];
 
+/// What the plots call the greatest E_a at which a shape is kept.
+const KEPT_NAME: &str = "kept below";
+
 /// The levels of the scan's view, in h, and whether they are drawn too.
 const SCAN_LEVELS: [(f64, bool); 4] = [(0.1, true), (0.3, true), (0.5, false), (1.0, true)];
 
@@ -56,7 +61,7 @@ pub(super) fn levels(context: &Context<'_>, part: &Body) -> Result<(Picture, Vie
     let restored = Restored::new(context, part, &levels, VIEWPOINTS[0], Up::Z)?;
     let picture = restored.draw(
         "levels",
-        "Compare the rows: the more noise, the less of faces and edges comes back. The machine part under the three levels of noise of Figure 12 of the original report, in model units, and after each method; flat shaded, so that every face shows its normal.",
+        "The more noise, from row to row, the less of faces and edges comes back. The machine part under the three levels of noise of Figure 12 of the original report, in model units, and after each method; flat shaded, so that every face shows its normal.",
         "Three rows of six pictures of the machine part: noisy, smoothed, and denoised; the higher the level, the less of its faces and edges comes back.",
     )?;
     Ok((
@@ -77,7 +82,7 @@ pub(super) fn scan(context: &Context<'_>, scan: &Body) -> Result<(Picture, View)
     let picture = restored.draw(
         "scan",
         &format!(
-            "Compare the rows: details go first, the outline last. The {} under three levels of noise, and after each method.",
+            "From row to row details go first, the outline last. The {} under three levels of noise, and after each method.",
             scan.name
         ),
         &format!(
@@ -153,7 +158,7 @@ impl<'a> Restored<'a> {
             id: format!("{figure}-view"),
             mesh: name.into(),
             caption: format!(
-                "Watch the numbers under the panels as σ grows: what a method gains in E_a it can lose in volume or creases. The {name} under {noise}, after each method, and without noise."
+                "As σ grows, what a method gains in E_a it can lose in volume or creases: the numbers are under the panels. The {name} under {noise}, after each method, and without noise."
             ),
             alt: format!("The {name} three times, to turn, with sliders over noise and method."),
             fallback: figure.into(),
@@ -193,14 +198,14 @@ impl<'a> Restored<'a> {
     }
 }
 
-/// Errors over the noise, a figure for each error with a plot for each mesh.
-pub(super) fn curves(sweep: &Table) -> Result<Vec<Picture>> {
+/// Errors over the noise, a figure for each error with a plot for each mesh of the sweep and for the machine part.
+pub(super) fn curves(sweep: &Table, model: &Table) -> Result<Vec<Picture>> {
     let errors = [
         (
             "normals",
             "E_a",
             "E_a in degrees",
-            "A method helps where its line runs below the dashed one of the noisy input. E_a over the noise, mean and standard deviation over seeds; in colour what is best at some level, in grey what never is.",
+            "A method helps where its line runs below the dashed one of the noisy input, and keeps the shape below the level line. E_a over the noise, mean and standard deviation over seeds; in colour what is best at some level, in grey what never is.",
         ),
         (
             "distances",
@@ -211,15 +216,24 @@ pub(super) fn curves(sweep: &Table) -> Result<Vec<Picture>> {
     ];
     errors
         .into_iter()
-        .map(|(id, column, label, caption)| curve(sweep, id, column, label, caption))
+        .map(|(id, column, label, caption)| curve([sweep, model], id, column, label, caption))
         .collect()
 }
 
 /// The error in one column.
-fn curve(sweep: &Table, id: &str, column: &str, label: &str, caption: &str) -> Result<Picture> {
+fn curve(
+    tables: [&Table; 2],
+    id: &str,
+    column: &str,
+    label: &str,
+    caption: &str,
+) -> Result<Picture> {
     let mut figure = Figure { columns: 2, ..Figure::default() };
-    let meshes = sweep.labels("mesh")?;
-    for mesh in &meshes {
+    let mut meshes = vec![];
+    for table in tables {
+        meshes.extend(table.labels("mesh")?.into_iter().map(|mesh| (table, mesh)));
+    }
+    for (table, mesh) in &meshes {
         let mut plot = Plot {
             title: mesh.clone(),
             x: Axis::log("noise σ/h"),
@@ -227,7 +241,7 @@ fn curve(sweep: &Table, id: &str, column: &str, label: &str, caption: &str) -> R
             legend: Legend::Lines,
             ..Plot::default()
         };
-        let rows = sweep.only(&[("mesh", mesh.as_str().into())])?;
+        let rows = table.only(&[("mesh", mesh.as_str().into())])?;
         let best = best_somewhere(&rows, column)?;
         let mut style = 0;
         for method in CURVES {
@@ -251,16 +265,19 @@ fn curve(sweep: &Table, id: &str, column: &str, label: &str, caption: &str) -> R
         let points = input.column("σ/h")?.into_iter().zip(input.column(column)?);
         let points = points.map(|(x, y)| [x, y]).collect();
         plot.series.push(Series::reference(Method::Nothing.name(), points));
+        if column == "E_a" {
+            plot.series.push(Series::new(KEPT_NAME, Shape::Level(KEPT)));
+        }
         figure.panels.push(FigurePanel::drawing(plot.draw(450.0, 205.0)?));
     }
     let picture = plotted(
         &figure,
         id,
         caption,
-        "Three plots of error over noise on logarithmic axes, a line for each method.",
+        "Four plots of error over noise on logarithmic axes, a line for each method.",
     )?;
-    // The last mesh is that of the view.
-    Ok(match meshes.last() {
+    // The last mesh of the sweep is that of the view.
+    Ok(match tables[0].labels("mesh")?.last() {
         Some(last) => picture.linked(last, "", "scan-view", "σ"),
         None => picture,
     })

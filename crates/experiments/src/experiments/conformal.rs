@@ -1,0 +1,128 @@
+//! Conformalised mean curvature flow of a bumpy sphere: how round it gets.
+
+use anyhow::Result;
+use fairing_figure::Up;
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{add, distance, scale};
+use fairing_shapes as shapes;
+use fairing_smoothing::{ConformalizedMcf, conformalized_mean_curvature_flow};
+
+use super::gallery::{Gallery, Look, VIEWPOINTS};
+use crate::experiment::Context;
+use crate::outcome::Picture;
+use crate::row;
+use crate::table::{Table, Tolerance, Unit};
+use crate::view::{Panel, Slider, View};
+
+/// The id of the view within the experiment.
+pub(super) const VIEW: &str = "conformal-view";
+
+/// The numbers of steps that the view shows; the flow has settled at the last.
+pub(super) const STOPS: [usize; 7] = [0, 1, 2, 4, 8, 16, 300];
+
+/// The stops that are drawn.
+const DRAWN: [usize; 4] = [0, 1, 4, 300];
+
+fn bumpy(level: u32) -> TriMesh {
+    shapes::bumpy_sphere(level, 0.2, 3.0)
+}
+
+/// The flow until it settles or has made so many steps, and the steps it made.
+fn flow(mesh: &TriMesh, iterations: usize) -> Result<(TriMesh, usize)> {
+    if iterations == 0 {
+        return Ok((mesh.clone(), 0));
+    }
+    let options =
+        ConformalizedMcf { time: 0.05, iterations, settled: 1e-7, ..ConformalizedMcf::default() };
+    let flowed = conformalized_mean_curvature_flow(mesh, &options, None)?;
+    Ok((flowed.mesh, flowed.report.iterations))
+}
+
+/// Steps until bumpy spheres settle, and what is left.
+pub(super) fn table(levels: &[u32]) -> Result<Table> {
+    let mut table = Table::new(
+        "conformal",
+        "A bumpy sphere under conformalised mean curvature flow: steps until it settles, and the largest distance of a vertex from the mean sphere about the centroid, over its radius.",
+        &[
+            ("vertices", Unit::Count),
+            ("steps", Unit::Count),
+            ("off the sphere before", Unit::Relative),
+            ("off the sphere after", Unit::Relative),
+        ],
+    )
+    .tolerance("steps", None)
+    .tolerance("off the sphere after", Some(Tolerance::LOOSE));
+    for &level in levels {
+        let before = bumpy(level);
+        let (after, steps) = flow(&before, STOPS[STOPS.len() - 1])?;
+        table.push(row![before.vertex_count(), steps, farthest(&before), farthest(&after)]);
+    }
+    Ok(table)
+}
+
+/// How far each vertex is off the mean distance from the centroid of the surface, over that distance.
+fn off_sphere(mesh: &TriMesh) -> Vec<f64> {
+    let mut centre = [0.0; 3];
+    for f in 0..mesh.face_count() {
+        for p in mesh.triangle(f) {
+            centre = add(centre, scale(p, mesh.face_area(f) / 3.0));
+        }
+    }
+    centre = scale(centre, 1.0 / mesh.area());
+    let radii: Vec<f64> = mesh.positions().iter().map(|&p| distance(p, centre)).collect();
+    let mean = radii.iter().sum::<f64>() / radii.len() as f64;
+    radii.iter().map(|r| r / mean - 1.0).collect()
+}
+
+fn farthest(mesh: &TriMesh) -> f64 {
+    off_sphere(mesh).into_iter().fold(0.0, |most, off| most.max(off.abs()))
+}
+
+/// The bumpy sphere as it becomes round: drawn, and to turn.
+pub(super) fn pictures(context: &Context<'_>) -> Result<(Picture, View)> {
+    let before = bumpy(context.choose(4, 3));
+    let meshes: Vec<TriMesh> =
+        STOPS.iter().map(|&n| Ok(flow(&before, n)?.0)).collect::<Result<_>>()?;
+    let off: Vec<Vec<f64>> = meshes.iter().map(off_sphere).collect();
+    let words = |steps: usize| match steps {
+        300 => "settled".to_string(),
+        n => n.to_string(),
+    };
+    let titles: Vec<String> = STOPS.map(words).to_vec();
+    let drawn = STOPS.iter().zip(&titles).zip(&meshes).filter(|((n, _), _)| DRAWN.contains(n));
+    let looks = drawn.map(|((_, title), mesh)| Look { title, mesh, coloring: None }).collect();
+    let picture = Gallery {
+        looks,
+        viewpoints: &VIEWPOINTS[..1],
+        up: Up::Z,
+        aspect: 1.0,
+        occlusion: !context.is_quick(),
+    }
+    .draw(
+        "conformal",
+        "The bumps go, and what is left is a round sphere. A bumpy sphere after some numbers of steps of conformalised mean curvature flow.",
+        "Four pictures of a bumpy sphere that becomes round.",
+    )?;
+    let worst = meshes.iter().map(|mesh| Some(100.0 * farthest(mesh))).collect();
+    let panel = Panel::moving("flow", &before, meshes.iter().map(TriMesh::positions))
+        .with_moving_field("off the mean sphere", "of its radius", true, off.iter().map(|o| &o[..]))
+        .with_fact("farthest off the sphere", "%", worst);
+    let view = View {
+        id: VIEW.into(),
+        mesh: "smooth bumpy sphere".into(),
+        caption: "The colours fade to grey as the steps go on, and grey is round. A bumpy sphere under conformalised mean curvature flow; red is outside its mean sphere, blue inside.".into(),
+        alt: "A bumpy sphere that becomes round, with a slider over steps, beside its beginning.".into(),
+        fallback: "conformal".into(),
+        z_up: true,
+        sliders: vec![Slider::new("steps", titles)],
+        start: vec![2],
+        panels: vec![
+            Panel::still("input", &before)
+                .with_field("off the mean sphere", "of its radius", true, &off[0])
+                .with_fact("farthest off the sphere", "%", vec![Some(100.0 * farthest(&before))]),
+            panel,
+        ],
+        ..View::default()
+    };
+    Ok((picture, view))
+}

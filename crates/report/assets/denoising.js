@@ -1,0 +1,104 @@
+'use strict';
+
+/** A turned part with creases under noise, after diffusion and after a filter of normals, with what each costs. */
+Playground.kinds.set('denoising', class extends Playground {
+  /** Radius and height along the outline of the part, from the middle of its bottom to that of its top. */
+  static outline = [[0, -0.7], [1, -0.7], [1, 0], [0.62, 0], [0.62, 0.45], [0.4, 0.67], [0, 0.67]];
+
+  build() {
+    this.camera = new Camera(30, 32, true);
+    this.sigma = this.slider('noise', {min: 0, max: 0.6, step: 0.01, value: 0.2}, (x) => `σ = ${readable(x)} h`);
+    this.steps = this.slider('diffusion', {min: 0, max: 40, step: 1, value: 8}, (x) => `${x} explicit steps, λ = 0.5`);
+    this.rounds = this.slider('filter', {min: 0, max: 40, step: 1, value: 20}, (x) => `${x} rounds of the filter`);
+    this.seed = 1;
+    const again = element('button', {type: 'button'}, 'draw noise again');
+    again.addEventListener('click', () => {
+      this.seed += 1;
+      this.change();
+    });
+    this.results = ['noisy', 'diffusion', 'filter of normals'].map((title) => {
+      const stage = this.stage(title, `The part: ${title}.`);
+      const facts = element('p', {class: 'facts-line'});
+      stage.panel.insertBefore(facts, stage.bar);
+      return {stage, facts};
+    });
+    this.result = element('p', {class: 'factors', 'aria-live': 'polite'});
+    this.plots = element('div', {});
+    const {positions, faces} = Geometry.turned(this.constructor.outline, 0.1);
+    const h = Geometry.meanEdge(positions, faces);
+    Object.assign(this, {truth: positions, faces, h, topology: Filter.topology(positions.length / 3, faces)});
+    return [
+      element('div', {class: 'controls', role: 'group', 'aria-label': 'display'}, again),
+      element('div', {class: 'panels'}, ...this.results.map(({stage}) => stage.panel)),
+      this.sigma.row, this.steps.row, this.rounds.row, this.result, this.plots,
+    ];
+  }
+
+  /** The part under this noise, after diffusion and after the filter. */
+  restored(sigma) {
+    if (this.drawn !== this.seed) [this.drawn, this.noise] = [this.seed, Geometry.gaussians(this.truth.length, this.seed)];
+    const noisy = this.truth.map((x, i) => x + sigma * this.h * this.noise[i]);
+    return [
+      noisy,
+      new Smoother(noisy, this.faces).explicit(0.5, this.steps.value()),
+      Filter.bilateral(noisy, this.faces, this.topology, this.rounds.value()),
+    ];
+  }
+
+  scores(positions) {
+    return Filter.scores(positions, this.truth, this.faces, this.topology);
+  }
+
+  settle() {
+    const sigma = this.sigma.value();
+    this.now = this.restored(sigma);
+    this.found = this.now.map((positions) => this.scores(positions));
+    const ball = {center: [0, 0, 0], radius: 1.2};
+    this.results.forEach(({stage, facts}, k) => {
+      const {angle, volume, creases} = this.found[k];
+      const fact = (name, value) => element('span', {class: 'fact'}, `${name} `, element('b', {}, value));
+      facts.replaceChildren(
+        fact('E_a', `${readable(angle, 2)}°`),
+        fact('volume', `${Math.abs(volume) < 5e-13 ? '0' : readable(volume, 2)} %`),
+        fact('creases kept', `${readable(creases, 2)} %`));
+      const values = Derived.angles(this.now[k], this.truth, this.faces);
+      stage.show(this.now[k], this.faces, ball, {flat: true, colors: {values, range: [0, 40], map: 'viridis', name: 'normal error', unit: '°'}});
+    });
+    this.result.textContent = this.verdict();
+    this.plots.replaceChildren(this.plot(sigma));
+    if (this.words && this.picked >= 0) this.words.textContent = `Vertex ${this.picked}. ${this.about(this.picked)}`;
+  }
+
+  verdict() {
+    const [noisy, flow, filter] = this.found;
+    const of = ({angle, volume, creases}) => `E_a ${readable(angle, 2)}°, ${readable(creases, 2)} % of the creases, volume ${Math.abs(volume) < 5e-13 ? '0' : readable(volume, 2)} %`;
+    const least = Math.min(noisy.angle, flow.angle, filter.angle);
+    const who = least === noisy.angle ? 'Nothing helps here: the noisy part is the closest to the truth'
+      : `${least === filter.angle ? 'The filter' : 'Diffusion'} leaves the least E_a`;
+    return `Diffusion leaves ${of(flow)}; the filter ${of(filter)}. ${who}.`;
+  }
+
+  /** E_a over the noise, measured again when the steps, the rounds or the seed change. */
+  plot(sigma) {
+    const key = [this.steps.value(), this.rounds.value(), this.seed].join();
+    if (key !== this.key) {
+      this.key = key;
+      this.curve = [0.02, 0.06, 0.12, 0.2, 0.3, 0.42, 0.6].map((s) => [s, ...this.restored(s).map((p) => this.scores(p).angle)]);
+    }
+    const names = [['noisy', 'soft'], ['diffusion', 'red'], ['filter', 'blue']];
+    return linePlot({
+      label: 'E_a over the noise: of the noisy part, after diffusion and after the filter',
+      x: {from: 0, to: 0.6, label: 'noise σ/h'},
+      y: {from: 0, to: 80, label: 'E_a in degrees'},
+      series: names.map(([name, kind], k) => ({name, kind, points: this.curve.map((row) => [row[0], row[1 + k]])})),
+      marks: [{at: sigma}],
+      here: this.found.map(({angle}) => [sigma, Math.min(80, angle)]),
+    });
+  }
+
+  about(v) {
+    const off = this.now.map((positions) => Math.hypot(...[0, 1, 2].map((c) => positions[3 * v + c] - this.truth[3 * v + c])) / this.h);
+    const [noisy, flow, filter] = off.map((x) => readable(x, 2));
+    return `Off its true place by ${noisy} h (noisy), ${flow} h (diffusion) and ${filter} h (filter).`;
+  }
+});

@@ -1,0 +1,285 @@
+//! What letters stand for: one meaning each on the whole page.
+
+/// A letter, or several that belong together.
+pub(crate) struct Letter {
+    /// As the text writes it; several are separated by commas.
+    pub(crate) sign: &'static str,
+    /// What it stands for, wherever it is used.
+    pub(crate) meaning: &'static str,
+    /// As formulas write it: characters or commands of TeX.
+    #[cfg(test)]
+    tex: &'static [&'static str],
+    /// The sections whose formulas have it.
+    #[cfg(test)]
+    sections: &'static [&'static str],
+}
+
+macro_rules! letter {
+    ($sign:literal, $meaning:literal, $tex:expr, $sections:expr) => {
+        Letter {
+            sign: $sign,
+            meaning: $meaning,
+            #[cfg(test)]
+            tex: &$tex,
+            #[cfg(test)]
+            sections: &$sections,
+        }
+    };
+}
+
+/// Those of the page, in the order of first use.
+pub(crate) const LETTERS: [Letter; 30] = [
+    letter!(
+        "x, X",
+        "the position of a vertex; those of all of them",
+        ["x", "X"],
+        ["q1", "q3", "q4", "q5", "q6", "flows"]
+    ),
+    letter!("i, j", "numbers of vertices and of modes", ["i", "j"], ["q1", "q3", "q4"]),
+    letter!(
+        "d",
+        "the number of neighbours of a vertex; du and dv are steps of u and v",
+        ["d"],
+        ["q1", "q2"]
+    ),
+    letter!("T", "a triangle", ["T"], ["q1", "q7"]),
+    letter!("A", "the area of a vertex or of a triangle", ["A"], ["q1", "q3"]),
+    letter!(
+        "α, β",
+        "angles of triangles: at a vertex, or opposite an edge",
+        ["\\alpha", "\\beta"],
+        ["q1", "q3"]
+    ),
+    letter!(
+        "H, K",
+        "mean and Gaussian curvature, positive on a sphere",
+        ["H", "K"],
+        ["q1", "q3", "flows"]
+    ),
+    letter!("κ", "normal curvature; κ₁ and κ₂ are the principal ones", ["\\kappa"], ["q2"]),
+    letter!(
+        "n",
+        "a unit normal; a hat marks that of the truth",
+        ["n"],
+        ["q2", "q3", "q7", "flows"]
+    ),
+    letter!("a, b, c", "the half axes of an ellipsoid", ["a", "b", "c"], ["q2"]),
+    letter!("u, v", "the parameters of a surface", ["u", "v"], ["q2"]),
+    letter!("E, F, G", "the coefficients of the first fundamental form", ["E", "F", "G"], ["q2"]),
+    letter!("e, f, g", "the coefficients of the second fundamental form", ["e", "f", "g"], ["q2"]),
+    letter!("θ", "the angle of a tangent direction", ["\\theta"], ["q2"]),
+    letter!("Δ", "the Laplacian of a surface", ["\\Delta"], ["q3", "flows"]),
+    letter!("h", "a mean edge length; each section says of which mesh", ["h"], ["estimators"]),
+    letter!("σ", "the standard deviation of noise", ["\\sigma"], []),
+    letter!("ε", "an error", ["\\varepsilon"], ["estimators"]),
+    letter!("S", "the stiffness matrix of cotangents", ["S"], ["q4"]),
+    letter!("M", "the mass matrix: areas of vertices on its diagonal", ["M"], ["q4"]),
+    letter!("φ", "an eigenvector of S φ = ω M φ: a mode", ["\\varphi"], ["q4"]),
+    letter!("ω", "its eigenvalue, the squared frequency", ["\\omega"], ["q4"]),
+    letter!("δ", "1 where both indices are equal, else 0", ["\\delta"], ["q4"]),
+    letter!("k", "a number of modes", ["k"], ["q4"]),
+    letter!("L", "the uniform Laplacian D⁻¹W − I", ["L"], ["q5", "q6"]),
+    letter!(
+        "D, W, I",
+        "numbers of neighbours on a diagonal; 1 for each edge; the unit matrix",
+        ["D", "W", "I"],
+        ["q5", "q6"]
+    ),
+    letter!(
+        "μ",
+        "an eigenvalue of L, from −2 to 0; the roughest mode has the least",
+        ["\\mu"],
+        ["q5", "q6"]
+    ),
+    letter!(
+        "λ, s",
+        "the length of a step, and the number of steps; s λ is the diffusion time",
+        ["\\lambda", "s"],
+        ["q5", "q6"]
+    ),
+    letter!("t, r", "time, and the radius of a sphere", ["t", "r"], ["flows"]),
+    letter!(
+        "E_a, E_v",
+        "mean errors of normals, in degrees, and of vertices",
+        ["E_a", "E_v"],
+        ["q7"]
+    ),
+];
+
+/// Of which mesh h is the mean edge length, in each section that uses it.
+const REFERENCES: [(&str, &str); 11] = [
+    ("q1", "each mesh"),
+    ("q2", "each mesh"),
+    ("q3", "each mesh"),
+    ("q4", "each mesh"),
+    ("estimators", "each mesh"),
+    ("noise", "the mesh without noise"),
+    ("q5", "the mesh without noise, the truth"),
+    ("q6", "the mesh without noise, the truth"),
+    ("flows", "each sphere without noise"),
+    ("q7", "the mesh without noise, the truth"),
+    ("denoisers", "the mesh without noise, the truth"),
+];
+
+/// The sentence that says what h refers to in a section; `None` if it has none.
+pub(crate) fn reference(section: &str) -> Option<String> {
+    let (_, mesh) = REFERENCES.iter().find(|(id, _)| *id == section)?;
+    Some(format!("Here h is the mean edge length of {mesh}."))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use fairing_results::results::{Record, Results};
+    use fairing_results::table::Unit;
+
+    use super::*;
+
+    fn committed() -> Results {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/report/results.json");
+        Results::read(&path).unwrap()
+    }
+
+    /// Whether a text has this letter as a word: `0.5 h`, `σ/h`, but not `the`.
+    fn has(text: &str, letter: char) -> bool {
+        let part = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || c == '_');
+        text.char_indices().any(|(at, c)| {
+            let after = &text[at + c.len_utf8()..];
+            c == letter && !part(text[..at].chars().next_back()) && !part(after.chars().next())
+        })
+    }
+
+    /// All words of a section.
+    fn words(record: &Record) -> Vec<&str> {
+        let mut all: Vec<&str> = vec![&record.question, &record.method];
+        for claim in &record.claims {
+            all.extend([&claim.claim[..], &claim.reason, &claim.finding]);
+        }
+        all.extend(record.figures.iter().map(|f| &f.caption[..]));
+        all.extend(record.views.iter().map(|v| &v.caption[..]));
+        for table in &record.tables {
+            all.push(&table.caption);
+            all.extend(table.columns.iter().map(|c| &c.name[..]));
+        }
+        all.extend(record.parameters.iter().flat_map(|p| [&p.name[..], &p.value]));
+        all.extend(record.notes.iter().map(|n| &n[..]));
+        all
+    }
+
+    #[test]
+    fn sections_that_use_h_say_of_which_mesh() {
+        for record in &committed().experiments {
+            let in_words = words(record).iter().any(|text| has(text, 'h'));
+            let units = record.tables.iter().flat_map(|t| &t.columns).map(|c| c.unit);
+            let mut units =
+                units.chain(record.claims.iter().flat_map(|c| &c.numbers).map(|n| n.unit));
+            if in_words || units.any(|unit| unit == Unit::EdgeLengths) {
+                assert!(
+                    reference(&record.id).is_some(),
+                    "{} does not say what h refers to",
+                    record.id
+                );
+            }
+        }
+    }
+
+    /// The letters of a formula: characters and commands, an index that is part of a name with them.
+    fn letters(formula: &str) -> Vec<String> {
+        const SETTING: [&str; 17] = [
+            "frac", "tfrac", "Big", "big", "left", "right", "qquad", "quad", "sum", "log", "cos",
+            "cot", "arccos", "sqrt", "partial", "text", "hat",
+        ];
+        const SIGNS: [&str; 7] = ["sim", "cdot", "pi", "ge", "top", "approx", "circ"];
+        let mut found = vec![];
+        let mut rest = formula;
+        while let Some(c) = rest.chars().next() {
+            let after = &rest[c.len_utf8()..];
+            if c == '\\' {
+                let end = after.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(after.len());
+                let command = &after[..end];
+                rest = &after[end.max(usize::from(end == 0 && !after.is_empty()))..];
+                if command == "text" {
+                    // Words, not letters.
+                    rest = rest.split_once('}').map_or("", |(_, rest)| rest);
+                } else if !command.is_empty()
+                    && !SETTING.contains(&command)
+                    && !SIGNS.contains(&command)
+                {
+                    found.push(format!("\\{command}"));
+                }
+                continue;
+            }
+            let named = ["E_a", "E_v"].into_iter().find(|name| rest.starts_with(name));
+            rest = &rest[named.map_or(c.len_utf8(), str::len)..];
+            match named {
+                Some(name) => found.push(name.into()),
+                None if c.is_ascii_alphabetic() => found.push(c.into()),
+                None => {}
+            }
+        }
+        found
+    }
+
+    /// A letter of a formula is in the list, for this section: another meaning needs another letter.
+    #[test]
+    fn formulas_use_letters_in_one_meaning() {
+        assert_eq!(
+            letters(r"E_a = \text{mean} \frac{\kappa_n}{2}\,x_i^\top"),
+            ["E_a", "\\kappa", "n", "x", "i"]
+        );
+        for record in &committed().experiments {
+            for letter in record.formulas.iter().flat_map(|formula| letters(formula)) {
+                let known = LETTERS.iter().find(|l| l.tex.contains(&&letter[..]));
+                let known =
+                    known.unwrap_or_else(|| panic!("{letter} of {} is not explained", record.id));
+                assert!(
+                    known.sections.contains(&&record.id[..]),
+                    "{letter} of {}: {}",
+                    record.id,
+                    known.meaning
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn every_letter_has_one_meaning() {
+        let mut signs: Vec<&str> = LETTERS.iter().flat_map(|l| l.sign.split(", ")).collect();
+        signs.sort_unstable();
+        for pair in signs.windows(2) {
+            assert_ne!(pair[0], pair[1], "{} stands for two things", pair[0]);
+        }
+        let mut tex: Vec<&str> = LETTERS.iter().flat_map(|l| l.tex).copied().collect();
+        tex.sort_unstable();
+        assert!(tex.windows(2).all(|pair| pair[0] != pair[1]));
+        for letter in &LETTERS {
+            assert!(!letter.meaning.contains("elsewhere"), "{}", letter.sign);
+        }
+    }
+
+    /// Capitals that are matrices or forms are theirs in words, too.
+    #[test]
+    fn words_use_capitals_in_one_meaning() {
+        for (letter, sections) in [
+            ('N', &[][..]),
+            ('M', &["q3", "q4"][..]),
+            ('S', &["q3", "q4"][..]),
+            ('L', &["q5", "q6"][..]),
+            ('G', &["q2"][..]),
+            ('F', &["q2"][..]),
+            ('W', &["q5", "q6"][..]),
+            ('A', &[][..]),
+        ] {
+            for record in committed().experiments.iter().filter(|r| !sections.contains(&&r.id[..]))
+            {
+                for text in words(record) {
+                    // The original report's letters are named once; a sentence may begin with the article.
+                    let text = text.replace("L, M and N", "").replace(". A ", ". ");
+                    let text = text.strip_prefix("A ").unwrap_or(&text);
+                    assert!(!has(text, letter), "{letter} in {}: {text}", record.id);
+                }
+            }
+        }
+    }
+}
