@@ -190,12 +190,12 @@ const SEE: &str = "async (href) => {
   await view?.open();
   for (let k = 0; k < 100; k++) {
     const {top, bottom} = figure.getBoundingClientRect();
-    if (top < innerHeight && bottom > 0 && figure.checkVisibility()) break;
-    if (k === 99) return 'it is not on the screen';
+    const there = view || figure.classList.contains('marked');
+    if (there && top < innerHeight && bottom > 0 && figure.checkVisibility()) break;
+    if (k === 99) return there ? 'it is not on the screen' : 'the figure is not marked';
     await new Promise((go) => setTimeout(go, 50));
   }
   if (!view) {
-    if (!figure.classList.contains('marked')) return 'the figure is not marked';
     const tip = figure.querySelector('.tip');
     return !text || (!tip.hidden && tip.textContent.includes(text)) ? '' : `the line is not marked: ${tip?.textContent}`;
   }
