@@ -51,3 +51,29 @@ fn volume_far_from_the_origin() {
     let moved = sphere.with_positions(moved).unwrap();
     assert!((moved.signed_volume() - sphere.signed_volume()).abs() < 1e-7);
 }
+
+/// Sums over a chunk round once for each of its faces: a surface cut into 16 times as many faces has about 16 times
+/// the bound.
+#[test]
+fn the_rounding_of_a_volume_grows_with_the_number_of_faces() {
+    let bound = |n| shapes::cube(n, shapes::Diagonals::Regular).volume_rounding();
+    let ratio = bound(16) / bound(4);
+    assert!((10.0..20.0).contains(&ratio), "{ratio}");
+}
+
+/// Sums of numbers of no common scale have the same bits on every number of threads.
+#[test]
+fn measures_do_not_depend_on_threads() {
+    let sphere = shapes::icosphere(7);
+    let bent = |p: &[f64; 3]| [p[0].exp(), p[1] + p[0] * p[0], (3.0 * p[2]).exp()];
+    let mesh = sphere.with_positions(sphere.positions().iter().map(bent).collect()).unwrap();
+    assert!(mesh.face_count() > 16 * 4096);
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| [mesh.area(), mesh.signed_volume(), mesh.volume_rounding()])
+    };
+    let first = run(1);
+    for threads in [2, 3, 8] {
+        assert_eq!(run(threads), first, "{threads}");
+    }
+}

@@ -27,6 +27,8 @@ fn ordinary_sizes_are_kept_and_others_come_near_one() {
                 .map(|f| fairing_mesh::vec3::norm(near_one.triangle(f)[0]))
                 .fold(0.0, f64::max);
             assert!((0.5..4.0).contains(&diagonal), "2^{exponent} {isolated:?} {diagonal}");
+            // An isolated vertex far away would overflow.
+            assert!(near_one.positions().as_flattened().iter().all(|x| x.is_finite()));
             let faces = mesh.faces().as_flattened().iter().map(|&v| v as usize);
             for v in faces {
                 assert_eq!(near_one.positions()[v].map(|x| x * unit), mesh.positions()[v]);
