@@ -66,6 +66,7 @@ all_shared!(
     fairing::shapes::HelicoidOptions,
     fairing::shapes::families::Family,
     fairing::shapes::families::Kind,
+    fairing::shapes::families::RandomBody,
     fairing::shapes::families::Triangulation,
     // sparse
     fairing::sparse::Beyond,

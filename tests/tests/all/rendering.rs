@@ -199,6 +199,7 @@ fn written(tex: &str) -> String {
             "in" => "∈",
             "sim" => "∼",
             "ge" => "≥",
+            "top" => "⊤",
             "arccos" | "cos" | "cot" | "log" | "sin" => name,
             "frac" | "tfrac" | "sqrt" | "hat" | "text" | "cdot" => "",
             "big" | "Big" | "left" | "right" | "quad" | "qquad" | "," | "|" => "",
