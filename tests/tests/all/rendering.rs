@@ -194,6 +194,7 @@ fn written(tex: &str) -> String {
             "partial" => "∂",
             "pi" => "π",
             "theta" => "θ",
+            "varepsilon" => "ε",
             "varphi" => "φ",
             "sum" => "∑",
             "in" => "∈",
