@@ -11,8 +11,8 @@ pub enum EvaluationError {
     #[error(transparent)]
     Option(#[from] OptionError),
     /// Noise or a mean leads out of the range of numbers.
-    #[error("positions out of range: {0}")]
-    Positions(BuildError),
+    #[error("positions are out of the range of numbers")]
+    Positions(#[source] BuildError),
     /// There is nothing to measure a distance to.
     #[error("the {which} has no faces")]
     NoFaces {

@@ -95,7 +95,7 @@ pub enum ScaleError {
 #[non_exhaustive]
 pub enum EncodeError {
     /// The PNG encoder refused.
-    #[error("the picture cannot be written as PNG: {0}")]
+    #[error("the picture cannot be written as PNG")]
     Png(#[source] Box<dyn std::error::Error + Send + Sync>),
     /// The picture has no pixel or too many.
     #[error("a figure of {width} × {height} pixels cannot be drawn")]

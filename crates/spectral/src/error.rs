@@ -76,7 +76,7 @@ pub enum SpectralError {
 #[non_exhaustive]
 pub enum SpectrumFileError {
     /// The system cannot open, read or write the file.
-    #[error("{}: {source}", path.display())]
+    #[error("{} cannot be opened, read or written", path.display())]
     Io {
         /// The file.
         path: PathBuf,
@@ -84,7 +84,7 @@ pub enum SpectrumFileError {
         source: std::io::Error,
     },
     /// The file is no archive of arrays, or not of those that a spectrum has.
-    #[error("{}: {part}: {source}", path.display())]
+    #[error("{}: {part} cannot be read or written", path.display())]
     Part {
         /// The file.
         path: PathBuf,

@@ -174,7 +174,7 @@ pub enum EigenError {
     #[error(transparent)]
     Mass(#[from] MassError),
     /// S − σM could not be factorised. A negative or zero pivot means that S is not positive semi-definite.
-    #[error("S − σM with σ = {shift:e} cannot be factorised: {source}")]
+    #[error("S − σM with σ = {shift:e} cannot be factorised")]
     Factor {
         /// σ, in units of λ.
         shift: f64,
@@ -182,8 +182,8 @@ pub enum EigenError {
         source: CholeskyError,
     },
     /// The consistent mass is not positive definite.
-    #[error("the consistent mass is not positive definite: {0}")]
-    ConsistentMass(CholeskyError),
+    #[error("the consistent mass is not positive definite")]
+    ConsistentMass(#[source] CholeskyError),
     /// Fewer pairs converged than were wanted.
     #[error("{converged} of {wanted} eigenpairs converged within {blocks} blocks")]
     NotConverged {

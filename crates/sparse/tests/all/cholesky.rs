@@ -269,3 +269,17 @@ fn definite_matrices_have_no_growth() {
         assert!((growth - 1.0).abs() < 1e-12, "{growth}");
     }
 }
+
+/// An entry may differ from its mirror image by rounding, a share of 10⁻¹⁰ of the larger diagonal entry, not by more.
+#[test]
+fn symmetry_is_asked_for_up_to_rounding() {
+    let factor = |difference: f64| {
+        let values = vec![4.0, 1.0, 1.0 + difference, 2.0];
+        Cholesky::new(&SparseMatrix::new((2, 2), vec![0, 2, 4], vec![0, 1, 0, 1], values))
+    };
+    assert!(factor(3e-10).is_ok());
+    for difference in [1e-9, -1e-9, 1e-3] {
+        let error = factor(difference).unwrap_err();
+        assert!(matches!(error, CholeskyError::NotSymmetric { row: 1, column: 0, .. }), "{error}");
+    }
+}

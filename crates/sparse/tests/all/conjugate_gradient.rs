@@ -190,3 +190,25 @@ fn residuals_need_not_be_measured() {
         assert!(measured.residuals[k] <= 1e-8 && measured.residuals[k] > 1e-10);
     }
 }
+
+/// From a guess far away the residual that is carried along departs from the true one by the rounding of the guess. The
+/// true one counts: it ends at the goal and a few roundings of the terms of A x and b.
+#[test]
+fn residuals_end_at_the_rounding_of_the_solution() {
+    let n = 40 * 30;
+    let a = combine(1.0, Mass::Lumped(&vec![1.0; n]), 30.0, &grid(40, 30));
+    let size = a.map(|value| value.abs());
+    let cg = ConjugateGradient::new(&a).unwrap();
+    let norm = |v: Vec<f64>| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    for seed in 0..8 {
+        let b = multiply(&a, &random_vector(n, seed));
+        let guess: Vec<f64> = random_vector(n, seed + 100).iter().map(|x| 1e5 * x).collect();
+        let options = CgOptions { tolerance: 1e-15, ..Default::default() };
+        let x = cg.solve(&b, Some(&guess), &options).unwrap().x;
+        let terms = multiply(&size, &x.iter().map(|x| x.abs()).collect::<Vec<_>>());
+        let residual = norm(multiply(&a, &x).iter().zip(&b).map(|(r, b)| b - r).collect());
+        let rounding = norm(terms.iter().zip(&b).map(|(t, b)| t + b.abs()).collect());
+        let most = 1e-15 * norm(b.clone()) + 8.0 * f64::EPSILON * rounding;
+        assert!(residual <= most, "{residual:e} {most:e}");
+    }
+}

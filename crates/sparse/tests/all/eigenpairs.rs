@@ -267,3 +267,15 @@ fn units_do_not_matter_to_dense_problems() {
         assert!(pairs.residuals.iter().all(|r| r * unit < 40.0 * 16.0 * f64::EPSILON * 21.0));
     }
 }
+
+/// Masses must be positive numbers; the first that is not is named.
+#[test]
+fn masses_that_are_no_positive_numbers_are_named() {
+    for value in [0.0, -1.0, f64::INFINITY, f64::NAN] {
+        let error = Mass::Lumped(&[1.0, value, value]).check(3).unwrap_err();
+        assert!(matches!(error, MassError::NotPositive { row: 1, .. }), "{error}");
+    }
+    assert_eq!(Mass::Lumped(&[1.0, 2.0]).check(2), Ok(()));
+    let error = Mass::Lumped(&[1.0, 2.0]).check(3);
+    assert_eq!(error, Err(MassError::Size { mass: 2, stiffness: 3 }));
+}

@@ -4,8 +4,9 @@ use fairing_mesh::TriMesh;
 use fairing_operators::Laplacian;
 use fairing_shapes as shapes;
 use fairing_spectral::{
-    EigenOptions, GraphWeights, Rest, Spectrum, SpectrumOptions, Split, compress, graph_spectrum,
-    heat_kernel_times, ideal_band_pass, ideal_high_pass, ideal_low_pass, reconstruct, spectrum,
+    Beyond, EigenOptions, GraphWeights, Rest, Spectrum, SpectrumOptions, Split, compress,
+    graph_spectrum, heat_kernel_times, ideal_band_pass, ideal_high_pass, ideal_low_pass,
+    reconstruct, spectrum,
 };
 use ndarray::ArrayView2;
 
@@ -194,5 +195,19 @@ fn times_of_heat_kernels_span_the_spectrum() {
     let [first, last] = [8, 1].map(|i| 4.0 * 10f64.ln() / found.values[i]);
     for (time, expected) in times.iter().zip([first, (first * last).sqrt(), last]) {
         assert!((time / expected - 1.0).abs() < 1e-12, "{times:?}");
+    }
+}
+
+/// That no eigenvalue follows below a bound makes a gap only if the bound is farther away than the residual leaves the
+/// last mode undetermined.
+#[test]
+fn a_bound_is_a_gap_beyond_the_residual() {
+    let mut found = modes(&shapes::icosphere(2), 4);
+    let last = found.values[3];
+    found.residuals[3] = 1e-8 * last;
+    let gap = 1e-8 * last / Spectrum::GAP_ANGLE;
+    for (factor, splits) in [(0.5, true), (2.0, false)] {
+        found.beyond = Beyond::new(vec![], last + factor * gap);
+        assert_eq!(found.split(4).is_some(), splits, "{factor}");
     }
 }

@@ -210,3 +210,18 @@ fn limbs_of_slivers() {
         assert!(stretch == 1.0 || cotangent.0 > 10.0 * auto.0, "{stretch}: {auto:?} {cotangent:?}");
     }
 }
+
+/// Without a time the square of the mean edge length is taken, however much lengths differ: not the mean of squares.
+#[test]
+fn the_time_is_the_square_of_the_mean_edge_length() {
+    let torus = shapes::torus(1.0, 0.3, 60, 60);
+    let laplacian = Laplacian::cotangent(&torus).unwrap();
+    let h = torus.mean_edge_length();
+    let found =
+        |time| HeatGeodesics::with(&torus, &laplacian, time).unwrap().distance(&[0]).unwrap();
+    let (own, given) = (found(None), found(Some(h * h)));
+    for (own, given) in own.iter().zip(&given) {
+        let (own, given) = (own.unwrap(), given.unwrap());
+        assert!((own - given).abs() < 1e-9, "{own} {given}");
+    }
+}
