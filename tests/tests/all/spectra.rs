@@ -258,6 +258,23 @@ fn compression_knows_its_error() {
     assert!(small.bits() < 64.0 * 90.0);
 }
 
+/// Where no coefficient is small, rounding leaves the precision that was asked for, up to chance among 90 of them.
+#[test]
+fn compression_meets_its_precision() {
+    let torus = shapes::torus(1.0, 0.4, 40, 20);
+    let bent = |&[x, y, z]: &[f64; 3]| {
+        [x + 0.1 * y * y, y + 0.2 * (3.0 * x).sin() + 0.1 * z, z + 0.1 * x * y]
+    };
+    let mesh = torus.with_positions(torus.positions().iter().map(bent).collect()).unwrap();
+    let found = modes(&mesh, 30);
+    let precision = 1e-7;
+    let small = compress(&mesh, &found, 30, precision).unwrap();
+    let coefficients = found.transform(positions(&mesh)).unwrap();
+    let rest = &coefficients - &small.levels.mapv(|level| level as f64 * small.step);
+    let rounding = (rest.iter().map(|x| x * x).sum::<f64>() / found.area()).sqrt();
+    assert!((0.8..1.2).contains(&(rounding / precision)), "{rounding}");
+}
+
 #[test]
 fn files_give_the_same_spectrum_back() {
     let folder = tempfile::tempdir().unwrap();
@@ -268,7 +285,20 @@ fn files_give_the_same_spectrum_back() {
         let path = folder.path().join(format!("{mass:?}.npz"));
         found.save(&path).unwrap();
         assert_eq!(Spectrum::load(&path).unwrap(), found);
+        let refused = |change: fn(&mut Spectrum)| {
+            let mut other = found.clone();
+            change(&mut other);
+            let read = Spectrum::from_bytes(&other.to_bytes().unwrap());
+            assert!(matches!(read, Err(SpectrumFileError::Contents { .. })), "{read:?}");
+        };
+        refused(|other| other.values[2] = f64::NAN);
+        refused(|other| other.modes[[3, 1]] = f64::INFINITY);
+        refused(|other| other.residuals[0] = f64::NAN);
+        refused(|other| other.residuals.truncate(3));
     }
+    let Err(error) = Spectrum::from_bytes(b"PK") else { panic!() };
+    assert!(matches!(error, SpectrumFileError::Part { .. }), "{error}");
+    assert!(std::error::Error::source(&error).is_some());
     assert!(matches!(
         Spectrum::load(folder.path().join("nothing.npz")),
         Err(SpectrumFileError::Io { .. })

@@ -180,4 +180,24 @@ mod tests {
             assert!(distance(along, [-2.0 * y, 2.0 * x, 0.0]) < 1e-14, "{i}: {along:?}");
         }
     }
+
+    /// A vertex slides past a segment without length, where two vertices of the border coincide.
+    #[test]
+    fn a_segment_without_length_stops_nothing() {
+        let mut positions: Vec<[f64; 3]> =
+            [0.0, 1.0, 1.0, 2.0, 3.0, 4.0].map(|x| [x, 0.0, 0.0]).into();
+        positions.extend([[4.0, 3.0, 0.0], [0.0, 3.0, 0.0]]);
+        let faces = (0..5).map(|i| [i, i + 1, 7]).chain([[5, 6, 7]]).collect();
+        let mesh = TriMesh::new(positions, faces).unwrap();
+        let mut fixed = vec![false; 8];
+        let mut sliding = Sliding::new(&mesh, &mut fixed);
+        // Vertex 3 lies between others on a line. It goes from x = 2 to the doubled point at 1, and on from there.
+        assert!(!fixed[3]);
+        let mut x = mesh.positions().to_vec();
+        for to in [1.0, 0.5] {
+            x[3] = [to, 0.1, 0.0];
+            sliding.retract(&mut x);
+            assert_eq!(x[3], [to, 0.0, 0.0]);
+        }
+    }
 }

@@ -189,3 +189,41 @@ fn a_neck_that_pinches_off_does_not_end_the_flow() {
     assert!(matches!(error.failure, FlowFailure::Collapsed { .. }), "{:?}", error.failure);
     assert!(error.last_good.area() < 0.1 * dumbbell.area(), "step {}", error.iteration);
 }
+
+/// On a long strip of free borders Δ⁴ has a condition beyond what double precision solves: no result is better than one
+/// that corrections still change by a fifth of the mesh.
+#[test]
+fn regions_that_cannot_be_solved_are_refused() {
+    let (rows, n) = (6, 500u32);
+    let places = (0..n).flat_map(|i| (0..rows).map(move |j| [f64::from(i), f64::from(j)]));
+    let positions = places.map(|[x, y]| [x, y, (0.7 * x).sin()]).collect();
+    let at = |i, j| i * rows + j;
+    let cells = (0..n - 1).flat_map(|i| (0..rows - 1).map(move |j| (i, j)));
+    let faces = cells.flat_map(|(i, j)| {
+        let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+        [[a, b, c], [a, c, d]]
+    });
+    let mesh = TriMesh::new(positions, faces.collect()).unwrap();
+    let region: Vec<u32> = (5 * rows..(n - 5) * rows).collect();
+    for weights in [FairingWeights::Uniform, FairingWeights::Cotangent(Operator::Auto)] {
+        let options = FairRegion { order: 4, weights, ..FairRegion::new(region.clone()) };
+        let error = fair_region(&mesh, &options).unwrap_err();
+        let named =
+            matches!(error.failure, FlowFailure::NotConverged { .. } | FlowFailure::NotFactored(_));
+        assert!(named && error.last_good.positions() == mesh.positions(), "{error}");
+    }
+}
+
+/// Weights that divide by edge lengths are not defined where neighbours coincide: the edge is named.
+#[test]
+fn edges_without_length_are_named() {
+    let sphere = fairing_shapes::icosphere(1);
+    let [a, b] = sphere.topology().edges()[7];
+    let mut positions = sphere.positions().to_vec();
+    positions[b as usize] = positions[a as usize];
+    let mesh = sphere.with_positions(positions).unwrap();
+    let options = fairing_smoothing::ScaleDependent { iterations: 3, ..Default::default() };
+    let error = fairing_smoothing::scale_dependent(&mesh, &options, None).unwrap_err();
+    assert_eq!(error.failure, FlowFailure::NoLength { vertex: a, neighbor: b });
+    assert_eq!((error.iteration, error.last_good.positions()), (1, mesh.positions()));
+}
