@@ -36,6 +36,12 @@ pub(super) fn level_set(
     made(net.positions().iter().map(|&p| pulled(p)).collect(), net.faces().to_vec())
 }
 
+/// The larger of two values, rounded where they are within about 1 / k of each other.
+pub(super) fn soft_max(k: f64, a: f64, b: f64) -> f64 {
+    let (low, high) = (a.min(b), a.max(b));
+    high + libm::log1p(libm::exp(k * (low - high))) / k
+}
+
 /// The closed surface `at(u, v)` of period one in both, u along and v around
 /// (counter-clockwise seen from outside for u to the right and v upwards),
 /// where `along` and `around` are the lengths of its mean circles.

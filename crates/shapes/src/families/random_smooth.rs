@@ -5,29 +5,25 @@ use std::f64::consts::TAU;
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, cross, distance, dot, norm, scale, sub};
 
-use super::bodies::{level_set, ring};
+use super::bodies::{level_set, ring, soft_max};
 use super::{Build, Proportions};
-
-/// The larger of two values, rounded where they are within about 1 / k of each other.
-pub(super) fn soft_max(k: f64, a: f64, b: f64) -> f64 {
-    let (low, high) = (a.min(b), a.max(b));
-    high + libm::log1p(libm::exp(k * (low - high))) / k
-}
 
 /// Points of a curve that are looked at for its bends.
 const POINTS: usize = 256;
 
 pub(super) fn tube(build: Build) -> TriMesh {
     let mut random = build.proportions();
-    let (axis, room) = (0..6)
-        .map(|_| {
-            let axis = closed_curve(&mut random);
-            let room = room(&axis);
-            (axis, room)
-        })
-        .max_by(|a, b| a.1.total_cmp(&b.1))
-        .unwrap_or_else(|| unreachable!("six curves were made"));
-    let radius = room * random.between(0.3, 0.85);
+    // Of six curves that with the most room.
+    let mut axis = closed_curve(&mut random);
+    let mut most = room(&axis);
+    for _ in 1..6 {
+        let other = closed_curve(&mut random);
+        let found = room(&other);
+        if found >= most {
+            (axis, most) = (other, found);
+        }
+    }
+    let radius = most * random.between(0.3, 0.85);
     let (lobes, waves) = (f64::from(random.count(2, 4)), f64::from(random.count(1, 6)));
     let turns = f64::from(random.count(0, 2));
     let [lobed, waved] = [0.2, 0.25].map(|most| random.between(-most, most).max(0.0));
@@ -86,7 +82,8 @@ fn room(axis: &Axis) -> f64 {
     least
 }
 
-/// Axes across a closed curve that turn as little as they can.
+/// Axes across a closed curve that turn as little as they can: unlike those of
+/// [`Tube`](super::tube::Tube) they need no bend of the curve.
 struct Frames {
     points: Vec<[f64; 3]>,
     normals: Vec<[f64; 3]>,

@@ -6,8 +6,7 @@ use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, distance, scale};
 
 use super::Build;
-use super::bodies::{level_set, ring};
-use super::random_smooth::soft_max;
+use super::bodies::{level_set, ring, soft_max};
 use super::sheets::bent;
 use super::tube::Tube;
 use crate::outline::{circle, polygon};
