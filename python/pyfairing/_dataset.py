@@ -85,8 +85,8 @@ def dataset(
     -----
     A mesh that cannot be read or computed is a row with its `error`. Batches of a worker that
     is killed are done again; if that happens again and again, each mesh of the batch is done
-    on its own, and one that still ends its workers becomes a row with its error. A mesh whose
-    estimate exceeds the memory of a worker is not tried.
+    on its own, at last with nothing beside it on the cluster, and one that still ends its
+    workers becomes a row with its error. A mesh whose estimate exceeds the memory of a worker is not tried.
     """
     try:
         import dask.dataframe
@@ -303,11 +303,18 @@ def _on_threads(run: _Run, todo: list[Batch], folder: str, _: Any) -> Iterable[B
 
 
 def _on_cluster(run: _Run, todo: list[Batch], folder: str, client: Any) -> Iterable[Batch]:
+    """The batches on the workers of a cluster.
+
+    A worker that ends takes every mesh with it that was on it, and the scheduler counts that against each of them. So a
+    mesh is only given up after it was on the cluster alone: until then it is a suspect, and waits for the others.
+    """
     from distributed import as_completed
     from distributed.scheduler import KilledWorker
 
     shared = run.task
     waiting = list(reversed(todo))
+    suspects: list[Batch] = []
+    alone = False
     batches: dict[str, Batch] = {}
     running_ = as_completed()
 
@@ -340,6 +347,8 @@ def _on_cluster(run: _Run, todo: list[Batch], folder: str, client: Any) -> Itera
             yield batch
         elif isinstance(error, KilledWorker) and len(batch.sources) > 1:
             waiting += reversed(_plan.halves(batch))
+        elif isinstance(error, KilledWorker) and not alone:
+            suspects.append(batch)
         elif isinstance(error, KilledWorker):
             text = "KilledWorker: the workers that had this mesh ended, perhaps because memory ran out"
             _batch.write(_batch.failed(batch, text), run.columns, folder, batch.part)
@@ -350,3 +359,6 @@ def _on_cluster(run: _Run, todo: list[Batch], folder: str, client: Any) -> Itera
         for _ in range(room()):
             if waiting:
                 submit(waiting.pop())
+        if not batches and suspects:
+            alone = True
+            submit(suspects.pop())

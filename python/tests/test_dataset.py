@@ -9,6 +9,7 @@ import subprocess
 import sys
 import textwrap
 import time
+import types
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ pytest.importorskip("dask.dataframe")
 pytest.importorskip("pyarrow")
 distributed = pytest.importorskip("distributed")
 
+from distributed.scheduler import KilledWorker  # noqa: E402
 from pyfairing import _plan  # noqa: E402
 
 #: Meshes of the corpus of these tests.
@@ -200,6 +202,46 @@ def test_a_poisoned_file_is_a_row_with_its_error(corpus: list[str], client, tmp_
     assert list(table.index) == list(range(20))
     assert [i for i in range(20) if table["error"].notna()[i]] == [7, 10]
     assert table["error"][10].startswith("KilledWorker")
+
+
+class OneWorker:
+    """A cluster of one worker, which ends with all that is on it when one of its meshes is the poisoned one."""
+
+    def __init__(self, poisoned: str) -> None:
+        self.poisoned = poisoned
+        self.held: list = []
+
+    def nthreads(self) -> dict[str, int]:
+        return {"tcp://here": 1}
+
+    def submit(self, task, batch, *rest, **_):
+        future = types.SimpleNamespace(key=object(), batch=batch, run=lambda: task(batch, *rest), release=lambda: None)
+        return future
+
+    def add(self, future) -> None:
+        self.held.append(future)
+
+    def __iter__(self):
+        while self.held:
+            if any(s.path == self.poisoned for future in self.held for s in future.batch.sources):
+                ended, self.held = self.held, []
+                error = KilledWorker("run", None, 1)
+            else:
+                ended, error = [self.held.pop(0)], None
+                ended[0].run()
+            for future in ended:
+                future.exception = lambda: error
+                yield future
+
+
+def test_what_was_on_the_worker_of_a_poisoned_file_is_done(corpus: list[str], tmp_path, monkeypatch) -> None:
+    few = corpus[8:48]
+    cluster = OneWorker(few[2])
+    monkeypatch.setattr(distributed, "as_completed", lambda: cluster)
+    table = pf.dataset(few, area, tmp_path / "out", client=cluster).compute()
+    assert [i for i in range(40) if table["error"].notna()[i]] == [2]
+    assert table["error"][2].startswith("KilledWorker")
+    assert list(table.index) == list(range(40))
 
 
 def hungry(mesh: pf.Mesh) -> dict[str, float]:
