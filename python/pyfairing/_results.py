@@ -147,6 +147,9 @@ class NoiseLevel(NamedTuple):
         1 for Gaussian noise, less where the level varies over the surface.
     correlation : float
         The correlation of residuals across edges, from -1 to 1: about -0.27 for independent noise, a little more for correlated noise.
+    two_ring_ratio : float
+        The level that quadrics over two-rings find, over `sigma`: 1 or a little more on smooth surfaces with independent noise,
+        more where creases and details are as dense as two-rings, or the noise is correlated.
     """
 
     sigma: float
@@ -155,6 +158,7 @@ class NoiseLevel(NamedTuple):
     samples: int
     low_ratio: float
     correlation: float
+    two_ring_ratio: float
 
 
 class Scores(Mapping[str, float]):

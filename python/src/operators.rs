@@ -163,15 +163,16 @@ fn curvature<'py>(
 }
 
 /// The fields of `NoiseLevel` in their order.
-type NoiseNumbers = (f64, f64, bool, usize, f64, f64);
+type NoiseNumbers = (f64, f64, bool, usize, f64, f64, f64);
 
-/// σ, the ratios at both tails, the correlation, whether impulsive, and the number of samples.
+/// The noise level; `None` where it is undefined.
 #[pyfunction(name = "noise_level")]
 fn noise_level_of(py: Python<'_>, mesh: &Mesh, call: Call) -> PyResult<Option<NoiseNumbers>> {
     let mesh = mesh.share();
     call.run(py, move || {
         Ok(noise_level(&mesh).map(|n| {
-            (n.sigma, n.tail_ratio, n.is_impulsive(), n.samples, n.low_ratio, n.correlation)
+            let (low, two_ring) = (n.low_ratio, n.two_ring_ratio);
+            (n.sigma, n.tail_ratio, n.is_impulsive(), n.samples, low, n.correlation, two_ring)
         }))
     })
 }

@@ -215,6 +215,7 @@ def test_noise_denoise_compare() -> None:
     level = noisy.noise_level()
     assert level is not None and level.sigma == pytest.approx(0.2 * cube.mean_edge_length, rel=0.3)
     assert -0.5 < level.correlation < 0.1 and 0.5 < level.low_ratio < 1.5 and not level.impulsive
+    assert 1.0 <= level.two_ring_ratio < 1.2
     clean = noisy.denoise()
     assert clean.report["surface"] == "creased"
     before, after = pf.compare(noisy, cube), pf.compare(clean, cube)

@@ -25,6 +25,20 @@ const CLIP: f64 = 3.0;
 /// The median of |x| is this share of the standard deviation of Gaussian x.
 const GAUSSIAN_MEDIAN: f64 = 0.674_489_75;
 
+/// The fits of a vertex: a quadric to its two-ring, a quadric to the [`NEAREST`] of it, and a
+/// paraboloid of revolution to its one-ring.
+const FITS: usize = 3;
+
+/// Fits to fewer points see less of the surface, and stray more.
+const NEAREST: usize = 10;
+
+/// Squared distances that differ by less, relatively, are the same: whether both points are taken must not depend on
+/// rounding.
+const ALIKE_FAR: f64 = 1e-9;
+
+/// A fit counts where it has residuals at this share of the vertices that have a quadric to their two-ring.
+const ENOUGH: f64 = 0.5;
+
 /// What [`noise_level`] finds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -45,6 +59,10 @@ pub struct NoiseEstimate {
     /// three. Independent noise gives about −0.27, since each residual is in the fits of its
     /// neighbours. Noise that is correlated over two edges gives about 0.05 more.
     pub correlation: f64,
+    /// The level that the fits to two-rings find, over `sigma`: at least 1, and close to it where the surface is
+    /// smooth over two rings and the noise is independent. More where creases and details are as dense as two-rings, or
+    /// the noise is correlated.
+    pub two_ring_ratio: f64,
     /// The number of vertices that the estimate is made from.
     pub samples: usize,
 }
@@ -74,17 +92,22 @@ pub struct NoisyParts {
 /// its tails are heavy, where there is most of it: that of the first of the
 /// [`noisy_parts`].
 ///
-/// A quadric is fitted to the two-ring of each vertex without the vertex, as
-/// a height field over the plane of the ring's area vector. With the leverage
+/// A surface is fitted to the neighbours of each vertex without the vertex, as
+/// a height field over the plane of the two-ring's area vector. With the leverage
 /// ℓ, the variance of the fit at the vertex over σ², the vertex's own residual
-/// r has the variance σ² (1 + ℓ) where the surface is smooth on that scale, so
+/// r has the variance σ² (1 + ℓ) where the surface is as the fit on that scale, so
 ///
 /// ```text
 /// σ̂ = 1.4826 · median |r| / √(1 + ℓ)
 /// ```
 ///
+/// This is done with three fits, and the least of the three is the result, since what a fit misses can only add to
+/// the noise: a quadric to the two-ring, a quadric to the ten vertices of it that are nearest (more where several are as far as the tenth), and
+/// a + bx + cy + d(x² + y²) to the one-ring. Nearer points see fewer creases and details, above all on stretched triangles.
+/// The other numbers of a [`NoiseEstimate`] are of the residuals over two-rings.
+///
 /// The median is hardly changed by the vertices near creases. On Gaussian noise σ̂ is a
-/// few percent high; on a clean mesh it is what the quadric misses, not zero.
+/// few percent high; on a clean mesh it is what the fits miss, not zero.
 /// A connected part that is clean does not lower the level of another one.
 /// Scales with the mesh. `None` if no vertex has a two-ring that determines a
 /// quadric (at least eight neighbours in general position). Linear cost.
@@ -106,19 +129,21 @@ const ALIKE: f64 = 4.0;
 pub fn noisy_parts(mesh: &TriMesh) -> Vec<NoisyParts> {
     let (mesh, unit) = mesh.at_unit_scale();
     let mesh = &*mesh;
-    let residuals: Vec<Option<f64>> = (0..mesh.vertex_count() as u32)
+    let residuals: Vec<[Option<f64>; FITS]> = (0..mesh.vertex_count() as u32)
         .into_par_iter()
-        .map_init(Default::default, |scratch, v| leave_one_out(mesh, v, scratch))
+        .map_init(Scratch::default, |scratch, v| leave_one_out(mesh, v, scratch))
         .collect();
     let components = mesh.topology().components();
-    let mut of_part = vec![vec![]; components.count()];
-    for (v, residual) in residuals.iter().enumerate() {
-        if let (Some(part), Some(r)) = (components.label(v as u32), residual) {
-            of_part[part as usize].push(r.abs() * unit);
+    let mut of_part = vec![Sizes::default(); components.count()];
+    for (v, residuals) in residuals.iter().enumerate() {
+        if let Some(part) = components.label(v as u32) {
+            for (sizes, residual) in of_part[part as usize].iter_mut().zip(residuals) {
+                sizes.extend(residual.map(|r| r.abs() * unit));
+            }
         }
     }
     let mut unmeasured = vec![];
-    let mut left: Vec<(u32, Vec<f64>, NoiseEstimate)> = vec![];
+    let mut left: Vec<(u32, Sizes, NoiseEstimate)> = vec![];
     for (part, mut sizes) in of_part.into_iter().enumerate() {
         match level_of(&mut sizes) {
             Some(level) => left.push((part as u32, sizes, level)),
@@ -135,7 +160,10 @@ pub fn noisy_parts(mesh: &TriMesh) -> Vec<NoisyParts> {
         let mut components: Vec<u32> = group.iter().map(|(part, ..)| *part).collect();
         components.append(&mut unmeasured);
         components.sort_unstable();
-        let mut sizes: Vec<f64> = group.into_iter().flat_map(|(_, sizes, _)| sizes).collect();
+        let mut sizes = Sizes::default();
+        for (_, part, _) in group {
+            sizes.iter_mut().zip(part).for_each(|(all, part)| all.extend(part));
+        }
         groups.extend(level_of(&mut sizes).map(|level| NoisyParts { level, components }));
     }
     for group in &mut groups {
@@ -143,21 +171,26 @@ pub fn noisy_parts(mesh: &TriMesh) -> Vec<NoisyParts> {
             let part = components.label(v);
             part.is_some_and(|part| group.components.binary_search(&part).is_ok())
         };
-        group.level.correlation = correlation(mesh, &residuals, group.level.sigma / unit, inside);
+        let sigma = group.level.sigma * group.level.two_ring_ratio / unit;
+        group.level.correlation = correlation(mesh, &residuals, sigma, inside);
     }
     groups
 }
 
-/// The correlation across edges of the residuals of the vertices that are `inside`; zero if there is none.
+/// The absolute values of the residuals of each fit.
+type Sizes = [Vec<f64>; FITS];
+
+/// The correlation across edges of the residuals over two-rings of the vertices that are `inside`; zero if there is
+/// none.
 fn correlation(
     mesh: &TriMesh,
-    residuals: &[Option<f64>],
+    residuals: &[[Option<f64>; FITS]],
     sigma: f64,
     inside: impl Fn(u32) -> bool,
 ) -> f64 {
     let clipped: Vec<Option<f64>> = (0u32..)
         .zip(residuals)
-        .map(|(v, r)| r.filter(|_| inside(v)).map(|r| (r / sigma).clamp(-CLIP, CLIP)))
+        .map(|(v, r)| r[0].filter(|_| inside(v)).map(|r| (r / sigma).clamp(-CLIP, CLIP)))
         .collect();
     let (mut products, mut squares) = (0.0, 0.0);
     for &[a, b, c] in mesh.faces() {
@@ -172,24 +205,29 @@ fn correlation(
 }
 
 /// Which part has the largest `n σ̂²`; the first of equal ones.
-fn most_noise(parts: &[(u32, Vec<f64>, NoiseEstimate)]) -> Option<usize> {
+fn most_noise(parts: &[(u32, Sizes, NoiseEstimate)]) -> Option<usize> {
     let amount = |i: usize| (parts[i].2.samples as f64).sqrt() * parts[i].2.sigma;
     (0..parts.len()).reduce(|best, i| if amount(i) > amount(best) { i } else { best })
 }
 
-/// The level of absolute values, which it sorts.
-fn level_of(sizes: &mut [f64]) -> Option<NoiseEstimate> {
-    sizes.sort_unstable_by(f64::total_cmp);
+/// The level of the residuals, which it sorts.
+fn level_of(sizes: &mut Sizes) -> Option<NoiseEstimate> {
+    sizes.iter_mut().for_each(|sizes| sizes.sort_unstable_by(f64::total_cmp));
+    let [two_ring, ..] = &*sizes;
     let (median, low, high) =
-        (median(sizes)?, sizes[sizes.len() / 10], sizes[sizes.len() * 9 / 10]);
+        (median(two_ring)?, two_ring[two_ring.len() / 10], two_ring[two_ring.len() * 9 / 10]);
     let over_gaussian =
         |size: f64, gaussian: f64| if median > 0.0 { size / median / gaussian } else { 1.0 };
+    let enough = ENOUGH * two_ring.len() as f64;
+    let counted = sizes.iter().filter(|sizes| sizes.len() as f64 >= enough);
+    let least = counted.filter_map(|sizes| self::median(sizes)).fold(median, f64::min);
     Some(NoiseEstimate {
-        sigma: median / GAUSSIAN_MEDIAN,
+        sigma: least / GAUSSIAN_MEDIAN,
         tail_ratio: over_gaussian(high, GAUSSIAN_TAIL),
         low_ratio: over_gaussian(low, GAUSSIAN_LOW),
         correlation: 0.0,
-        samples: sizes.len(),
+        two_ring_ratio: if least > 0.0 { median / least } else { 1.0 },
+        samples: two_ring.len(),
     })
 }
 
@@ -199,24 +237,38 @@ fn median(sorted: &[f64]) -> Option<f64> {
     Some(0.5 * sorted.get(n.checked_sub(1)? / 2)? + 0.5 * sorted[n / 2])
 }
 
-/// The residual of vertex `v` from the quadric of its two-ring, standardised
-/// to the variance of the noise. The last argument is scratch space.
-fn leave_one_out(
+/// What the fits of one vertex are made from, kept from one to the next.
+#[derive(Default)]
+struct Scratch {
+    one_ring: Vec<u32>,
+    ring: Vec<u32>,
+    points: Vec<[f64; 3]>,
+    squares: Vec<f64>,
+}
+
+/// The residuals of vertex `v` from the fits to its neighbours, each standardised
+/// to the variance of the noise.
+fn leave_one_out(mesh: &TriMesh, v: u32, scratch: &mut Scratch) -> [Option<f64>; FITS] {
+    two_ring_residuals(mesh, v, scratch).unwrap_or_default()
+}
+
+/// `None` where the two-ring determines no quadric.
+fn two_ring_residuals(
     mesh: &TriMesh,
     v: u32,
-    (ring, points): &mut (Vec<u32>, Vec<[f64; 3]>),
-) -> Option<f64> {
+    Scratch { one_ring, ring, points, squares }: &mut Scratch,
+) -> Option<[Option<f64>; FITS]> {
     let (incidence, faces) = (mesh.incidence(), mesh.faces());
-    ring.clear();
+    one_ring.clear();
     for &c in incidence.corners(v) {
-        ring.extend_from_slice(&faces[c as usize / 3]);
+        one_ring.extend_from_slice(&faces[c as usize / 3]);
     }
-    ring.sort_unstable();
-    ring.dedup();
-    let one_ring = ring.len();
+    one_ring.sort_unstable();
+    one_ring.dedup();
+    ring.clear();
     let mut area = [0.0; 3];
-    for i in 0..one_ring {
-        for &c in incidence.corners(ring[i]) {
+    for &w in &*one_ring {
+        for &c in incidence.corners(w) {
             area = add(area, mesh.area_vector(c as usize / 3));
             ring.extend_from_slice(&faces[c as usize / 3]);
         }
@@ -227,27 +279,67 @@ fn leave_one_out(
         return None;
     }
     let origin = mesh.positions()[v as usize];
-    let offsets =
-        ring.iter().filter(|&&w| w != v).map(|&w| sub(mesh.positions()[w as usize], origin));
-    let radius = offsets.clone().map(norm).fold(0.0, f64::max);
+    let offset = |w: &u32| sub(mesh.positions()[*w as usize], origin);
+    let radius = ring.iter().map(|w| norm(offset(w))).fold(0.0, f64::max);
     let normal = normalize(area)?;
     let [e1, e2] = tangent_frame(normal);
     if radius.is_nan() || radius <= 0.0 {
         return None;
     }
+    let flat = |w: &u32| {
+        let d = scale(offset(w), 1.0 / radius);
+        [dot(d, e1), dot(d, e2), dot(d, normal)]
+    };
     points.clear();
-    let flat = |d: [f64; 3]| [dot(d, e1), dot(d, e2), dot(d, normal)];
-    points.extend(offsets.map(|d| flat(scale(d, 1.0 / radius))));
+    points.extend(ring.iter().filter(|&&w| w != v).map(flat));
+    let two_ring = quadric_residual(points)?;
+    if points.len() > NEAREST {
+        let square = |p: &[f64; 3]| dot(*p, *p);
+        squares.clear();
+        squares.extend(points.iter().map(square));
+        let (_, tenth, _) = squares.select_nth_unstable_by(NEAREST - 1, f64::total_cmp);
+        let far = *tenth * (1.0 + ALIKE_FAR);
+        points.retain(|p| square(p) <= far);
+    }
+    let nearest = quadric_residual(points);
+    points.clear();
+    points.extend(one_ring.iter().filter(|&&w| w != v).map(flat));
+    let residual = |r: f64| Some(r * radius).filter(|r| r.is_finite());
+    Some([
+        residual(two_ring),
+        nearest.and_then(residual),
+        round_residual(points).and_then(residual),
+    ])
+}
+
+/// The standardised residual at the origin from a quadric through the points.
+fn quadric_residual(points: &[[f64; 3]]) -> Option<f64> {
     let axes = PrincipalAxes::new(points.iter().map(|p| [p[0], p[1]]))?;
-    let mut equations = NormalEquations::<6>::default();
-    for p in points.iter() {
-        let [x, y] = axes.coordinates([p[0], p[1]]);
-        equations.add(&[1.0, x, y, x * x, x * y, y * y], p[2], 1.0);
+    residual(points, |p| {
+        let [x, y] = axes.coordinates(p);
+        [1.0, x, y, x * x, x * y, y * y]
+    })
+}
+
+/// The standardised residual at the origin from a + bx + cy + d(x² + y²) through the points, five at least.
+fn round_residual(points: &[[f64; 3]]) -> Option<f64> {
+    if points.len() < 5 {
+        return None;
+    }
+    residual(points, |[x, y]| [1.0, x, y, x * x + y * y])
+}
+
+fn residual<const N: usize>(
+    points: &[[f64; 3]],
+    basis: impl Fn([f64; 2]) -> [f64; N],
+) -> Option<f64> {
+    let mut equations = NormalEquations::<N>::default();
+    for &[x, y, z] in points {
+        equations.add(&basis([x, y]), z, 1.0);
     }
     let factor = equations.factor()?;
-    let leverage = factor.variance(&[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
-    let residual = -radius * factor.solve(equations.rhs())[0] / (1.0 + leverage).sqrt();
-    residual.is_finite().then_some(residual)
+    let leverage = factor.variance(&basis([0.0; 2]));
+    Some(-factor.solve(equations.rhs())[0] / (1.0 + leverage).sqrt())
 }
 
 #[cfg(test)]
@@ -291,6 +383,22 @@ mod tests {
         }
     }
 
+    /// A pleated grid with a crease at every third row: two-rings always meet one, one-rings on the planes between do not.
+    #[test]
+    fn creases_within_two_rings_are_not_noise() {
+        let mut rng = ChaCha8Rng::seed_from_u64(9);
+        let mut k = 0;
+        let pleated = grid(|| {
+            let (x, y) = (f64::from(k % 60), f64::from(k / 60));
+            k += 1;
+            let bumps = 3.0 * (0.1 * x).sin() * (0.07 * y).cos();
+            (x % 6.0 - 3.0).abs() - bumps + 0.03 * gaussian(&mut rng)
+        });
+        let level = noise_level(&pleated).unwrap();
+        assert!((0.024..0.036).contains(&level.sigma), "{level:?}");
+        assert!(level.two_ring_ratio > 2.0, "{level:?}");
+    }
+
     /// Independent noise correlates as the fits make it; means over neighbours correlate more, and so do
     /// waves that a quadric misses. A level that varies leaves more small residuals.
     #[test]
@@ -327,10 +435,16 @@ mod tests {
             (median(&[1.0, 2.0, 9.0]), median(&[7.0]), median(&[])),
             (Some(2.0), Some(7.0), None)
         );
-        let level = level_of(&mut [9.0, 2.0, 1.0, 4.0]).unwrap();
+        let level = level_of(&mut [vec![9.0, 2.0, 1.0, 4.0], vec![], vec![]]).unwrap();
         assert_eq!((level.sigma, level.samples), (3.0 / GAUSSIAN_MEDIAN, 4));
         assert_eq!(level.tail_ratio, 3.0 / GAUSSIAN_TAIL);
-        assert!(level_of(&mut []).is_none());
+        assert!(level_of(&mut Sizes::default()).is_none());
+        // Another fit counts if it is less, and has residuals at half of the vertices or more.
+        let with =
+            |other: Vec<f64>| level_of(&mut [vec![9.0, 2.0, 1.0, 4.0], other, vec![]]).unwrap();
+        assert_eq!(with(vec![2.0, 1.0]).two_ring_ratio, 2.0);
+        assert_eq!(with(vec![2.0, 1.0]).sigma, 1.5 / GAUSSIAN_MEDIAN);
+        assert_eq!((with(vec![1.0]), with(vec![5.0, 5.0])), (level, level));
     }
 
     #[test]

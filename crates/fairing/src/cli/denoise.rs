@@ -134,6 +134,7 @@ fn as_json(result: &Automatic) -> Value {
             "sigma": noise.sigma,
             "tail_ratio": noise.tail_ratio,
             "low_ratio": noise.low_ratio,
+            "two_ring_ratio": noise.two_ring_ratio,
             "correlation": noise.correlation,
             "impulsive": noise.is_impulsive(),
         })),

@@ -9,7 +9,7 @@ use super::polyhedron::{Polyhedron, polyhedron};
 use super::random_smooth;
 use super::sheets::bent;
 use super::solid::Solid;
-use super::{Build, Triangulation, sized};
+use super::{Build, Proportions, Triangulation, sized};
 use crate::icosphere;
 use crate::outline::polygon;
 
@@ -32,11 +32,13 @@ pub enum RandomBody {
     Sponge,
     /// Boxes, balls, cylinders and rings, added and taken away, with rounded creases.
     Blend,
+    /// A plate with raised or sunken blots and winding ridges of one width, on a part of it. It has a border.
+    Labyrinth,
 }
 
 impl RandomBody {
     /// All kinds.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Facets,
         Self::Swell,
         Self::Gem,
@@ -44,6 +46,7 @@ impl RandomBody {
         Self::Tube,
         Self::Sponge,
         Self::Blend,
+        Self::Labyrinth,
     ];
 
     /// The name in tables.
@@ -56,6 +59,7 @@ impl RandomBody {
             Self::Tube => "tube",
             Self::Sponge => "sponge",
             Self::Blend => "blend",
+            Self::Labyrinth => "labyrinth",
         }
     }
 
@@ -73,6 +77,7 @@ impl RandomBody {
             Self::Tube => random_smooth::tube,
             Self::Sponge => random_smooth::sponge,
             Self::Blend => random_smooth::blend,
+            Self::Labyrinth => labyrinth,
         };
         sized(make, faces, triangulation, seed)
     }
@@ -130,6 +135,63 @@ fn swell(build: Build) -> TriMesh {
     };
     let [a, b] = [0; 2].map(|_| random.between(0.5, 1.0));
     bent(build, &[polygon(&[[-a, -b], [a, -b], [a, b], [-a, b]])], map)
+}
+
+/// Waves of one length and all directions cross zero along winding lines. Cut off below and above, they are blots, pits
+/// or ridges with flanks of any slope.
+fn labyrinth(build: Build) -> TriMesh {
+    const WAVES: usize = 5;
+    let mut random = build.proportions();
+    let waves = |random: &mut Proportions, length: f64| -> Vec<([f64; 2], f64)> {
+        let frequency = TAU / length;
+        (0..WAVES)
+            .map(|_| {
+                let (s, c) = libm::sincos(random.between(0.0, TAU));
+                ([c * frequency, s * frequency], random.between(0.0, TAU))
+            })
+            .collect()
+    };
+    let length = random.log_between(0.12, 0.6);
+    let fine = waves(&mut random, length);
+    let part = random.log_between(1.0, 3.0);
+    let wide = waves(&mut random, part);
+    // Of mean square one.
+    let sum = |waves: &[([f64; 2], f64)], [x, y]: [f64; 2]| -> f64 {
+        let terms = waves.iter().map(|(k, phase)| libm::sin(k[0] * x + k[1] * y + phase));
+        terms.sum::<f64>() / libm::sqrt(0.5 * WAVES as f64)
+    };
+    let (level, flank) = (random.between(-1.0, 1.0), random.between(0.1, 1.0));
+    let (height, bare) = (length * random.between(0.05, 0.4), random.between(-2.5, 0.5));
+    let sign = if random.count(0, 1) == 0 { 1.0 } else { -1.0 };
+    let step = |t: f64| {
+        let t = t.clamp(0.0, 1.0);
+        t * t * (3.0 - 2.0 * t)
+    };
+    let exact = |p: [f64; 2]| {
+        let here = step((sum(&wide, p) - bare) / 0.5);
+        sign * height * here * step(0.5 + (sum(&fine, p) - level) / flank)
+    };
+    // Bilinear between nodes: triangulating takes millions of heights.
+    let side = |i: u32, cells: u32, half: f64| half * (2.0 * f64::from(i) / f64::from(cells) - 1.0);
+    let [columns, rows] = [256u32, 180];
+    let heights: Vec<f64> = (0..=rows)
+        .flat_map(|j| (0..=columns).map(move |i| [side(i, columns, 1.0), side(j, rows, 0.7)]))
+        .map(exact)
+        .collect();
+    let map = move |[x, y]: [f64; 2]| {
+        let cell = |t: f64, cells: u32| {
+            let t = (t * f64::from(cells)).clamp(0.0, f64::from(cells));
+            let k = (t as u32).min(cells - 1);
+            (k as usize, t - f64::from(k))
+        };
+        let ((i, s), (j, t)) = (cell(0.5 * (x + 1.0), columns), cell(0.5 * (y / 0.7 + 1.0), rows));
+        let row = columns as usize + 1;
+        let at = |i: usize, j: usize| heights[j * row + i];
+        let low = at(i, j) * (1.0 - s) + at(i + 1, j) * s;
+        let high = at(i, j + 1) * (1.0 - s) + at(i + 1, j + 1) * s;
+        [x, y, low * (1.0 - t) + high * t]
+    };
+    bent(build, &[polygon(&[[-1.0, -0.7], [1.0, -0.7], [1.0, 0.7], [-1.0, 0.7]])], map)
 }
 
 fn gem(build: Build) -> TriMesh {

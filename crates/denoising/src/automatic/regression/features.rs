@@ -38,7 +38,7 @@ pub(crate) const CANDIDATES: usize = 2 * MEANS + 2 * FITS.len() + WIDE + 6;
 /// How many quantiles of the residuals of local fits there are.
 pub(crate) const QUANTILES: usize = 4;
 
-const SCALARS: usize = 27 + QUANTILES + 4 * RADII.len() + 3 * FITS.len();
+const SCALARS: usize = 28 + QUANTILES + 4 * RADII.len() + 3 * FITS.len();
 
 /// Three components of each candidate, and numbers.
 pub(crate) const INPUTS: usize = 3 * CANDIDATES + SCALARS;
@@ -96,7 +96,7 @@ pub(crate) struct State<'a> {
     pub(crate) longest: &'a [f64],
     /// The noise level, in mesh units.
     pub(crate) sigma: f64,
-    /// That over the estimate from the noisy mesh.
+    /// The median displacement over the estimate from the noisy mesh; one in the first stage.
     pub(crate) excess: f64,
     /// The mean edge length.
     pub(crate) h: f64,
@@ -106,6 +106,8 @@ pub(crate) struct State<'a> {
     pub(crate) low: f64,
     /// [`NoiseEstimate::correlation`](fairing_operators::NoiseEstimate).
     pub(crate) correlation: f64,
+    /// [`NoiseEstimate::two_ring_ratio`](fairing_operators::NoiseEstimate).
+    pub(crate) two_ring: f64,
     /// log₂ over σ of the first decile and the median over all faces of [`Seen::residuals`] in the stage before;
     /// zero in the first stage. Correlated noise has no face with small ones; details leave some.
     pub(crate) quantiles: [f64; QUANTILES],
@@ -451,8 +453,9 @@ fn scalars(
         log2(spread),
         state.tail,
         state.low,
+        log2(state.two_ring),
         state.correlation,
-        log2(state.excess),
+        log2(state.excess + 0.01),
         dot(state.noisy.normals[f], state.normals[f]),
         sums.near[1] / sums.near[0].max(f64::MIN_POSITIVE),
         noise,

@@ -55,6 +55,8 @@ pub(crate) struct Progress<'a> {
     variance: f64,
     /// The noise level: the estimate, or the displacements, if they are larger.
     sigma: f64,
+    /// The median displacement over the estimate; one at first.
+    excess: f64,
     /// How far vertices may go: five standard deviations.
     pub(crate) limit: f64,
     h: f64,
@@ -62,8 +64,10 @@ pub(crate) struct Progress<'a> {
     current: FaceShapes,
     pub(crate) normals: Vec<[f64; 3]>,
     anchors: Vec<[f64; 3]>,
-    /// The displacements of vertices along the normals, times their trust.
-    offsets: Vec<f64>,
+    /// The surface that has followed the present normals; `None` before the first stage.
+    surface: Option<TriMesh>,
+    /// The weight of each vertex's position.
+    vertex_trust: Vec<f64>,
     /// The weight of the position of each face.
     trust: Vec<f64>,
     scales: Vec<f64>,
@@ -99,13 +103,15 @@ impl<'a> Progress<'a> {
             level,
             variance: level.sigma * level.sigma,
             sigma: level.sigma,
+            excess: 1.0,
             limit: FAR * level.sigma,
             h,
             current: noisy.clone(),
             noisy,
             normals,
             anchors: vec![],
-            offsets: vec![],
+            surface: None,
+            vertex_trust: vec![1.0; mesh.vertex_count()],
             trust: vec![1.0; mesh.face_count()],
             scales: vec![],
             longest: longest_sides(mesh),
@@ -165,10 +171,11 @@ impl<'a> Progress<'a> {
             scales: &self.scales,
             longest: &self.longest,
             sigma: self.sigma,
-            excess: self.sigma / self.level.sigma,
+            excess: self.excess,
             h: self.h,
             tail: self.level.tail_ratio,
             low: self.level.low_ratio,
+            two_ring: self.level.two_ring_ratio,
             correlation: self.level.correlation,
             quantiles: self.quantiles.map_or([0.0; QUANTILES], |(quantiles, sigma)| {
                 quantiles.map(|q| q + libm::log2(sigma / self.sigma))
@@ -242,44 +249,16 @@ impl<'a> Progress<'a> {
         self.follow()
     }
 
-    /// The displacements of vertices from a surface, along its normals and times their trust.
-    fn offsets_to(&self, surface: &TriMesh, trust: &[f64]) -> Vec<f64> {
-        let mut up = vec![[0.0; 3]; trust.len()];
+    /// The displacements of vertices from the surface, along its normals and times their trust.
+    fn offsets(&self) -> Vec<f64> {
+        let Some(surface) = &self.surface else { return vec![0.0; self.vertex_trust.len()] };
+        let mut up = vec![[0.0; 3]; self.vertex_trust.len()];
         for (face, &n) in self.mesh.faces().iter().zip(&self.normals) {
             face.iter().for_each(|&v| up[v as usize] = add(up[v as usize], n));
         }
-        (self.mesh.positions().iter().zip(surface.positions()).zip(up).zip(trust))
+        (self.mesh.positions().iter().zip(surface.positions()).zip(up).zip(&self.vertex_trust))
             .map(|(((&p, &x), n), t)| t * dot(unit_or_zero(n), sub(p, x)))
             .collect()
-    }
-
-    /// The sum of the correlations of the displacement of a vertex with those of all vertices up to two edges
-    /// away, itself included (beyond a vertex with many neighbours none); at least one. The variance of a mean over many vertices is so many times that
-    /// of independent noise.
-    fn inflation(&self) -> f64 {
-        let topology = self.mesh.topology();
-        let offsets = &self.offsets;
-        let terms: Vec<[f64; 2]> = (0..offsets.len() as u32)
-            .into_par_iter()
-            .map_init(Vec::new, |disc: &mut Vec<u32>, v| {
-                disc.clear();
-                disc.push(v);
-                for &w in topology.neighbors(v) {
-                    disc.push(w);
-                    let ring = topology.neighbors(w);
-                    if ring.len() <= HUB {
-                        disc.extend_from_slice(ring);
-                    }
-                }
-                disc.sort_unstable();
-                disc.dedup();
-                let sum: f64 = disc.iter().map(|&w| offsets[w as usize]).sum();
-                let r = offsets[v as usize];
-                [r * sum, r * r]
-            })
-            .collect();
-        let [products, squares] = terms.iter().fold([0.0; 2], |s, t| [s[0] + t[0], s[1] + t[1]]);
-        if squares > 0.0 { (products / squares).max(1.0) } else { 1.0 }
     }
 
     /// The surface follows the normals.
@@ -289,7 +268,9 @@ impl<'a> Progress<'a> {
         let moved: Vec<f64> = (self.mesh.positions().iter().zip(current.positions()))
             .map(|(&p, &x)| distance(p, x))
             .collect();
-        self.sigma = self.level.sigma.max(median(moved.clone()));
+        let usual = median(moved.clone());
+        self.excess = usual / self.level.sigma;
+        self.sigma = self.level.sigma.max(usual);
         let scale = 1.0 / (TRUST * self.sigma);
         let trust: Vec<f64> = moved.iter().map(|d| 1.0 / (1.0 + (scale * d).powi(2))).collect();
         let squares: f64 = moved.iter().zip(&trust).map(|(d, t)| t * d * d).sum();
@@ -298,13 +279,42 @@ impl<'a> Progress<'a> {
         self.trust = (self.mesh.faces().iter())
             .map(|face| face.iter().map(|&v| trust[v as usize]).sum::<f64>() / 3.0)
             .collect();
-        self.offsets = self.offsets_to(&current, &trust);
+        self.vertex_trust = trust;
         self.current = FaceShapes::new(&current);
         self.longest = longest_sides(&current);
+        self.surface = Some(current);
         self.set_scales();
         self.set_ranges(0.6);
         Ok(())
     }
+}
+
+/// The sum of the correlations of the displacement of a vertex with those of all vertices up to two edges
+/// away, itself included (beyond a vertex with many neighbours none); at least one. The variance of a mean over many vertices is so many times that
+/// of independent noise.
+fn correlation_sum(mesh: &TriMesh, offsets: &[f64]) -> f64 {
+    let topology = mesh.topology();
+    let terms: Vec<[f64; 2]> = (0..offsets.len() as u32)
+        .into_par_iter()
+        .map_init(Vec::new, |disc: &mut Vec<u32>, v| {
+            disc.clear();
+            disc.push(v);
+            for &w in topology.neighbors(v) {
+                disc.push(w);
+                let ring = topology.neighbors(w);
+                if ring.len() <= HUB {
+                    disc.extend_from_slice(ring);
+                }
+            }
+            disc.sort_unstable();
+            disc.dedup();
+            let sum: f64 = disc.iter().map(|&w| offsets[w as usize]).sum();
+            let r = offsets[v as usize];
+            [r * sum, r * r]
+        })
+        .collect();
+    let [products, squares] = terms.iter().fold([0.0; 2], |s, t| [s[0] + t[0], s[1] + t[1]]);
+    if squares > 0.0 { (products / squares).max(1.0) } else { 1.0 }
 }
 
 /// The first decile and the median of both numbers.
@@ -361,7 +371,7 @@ pub(crate) fn regress(
     for network in &model.stages {
         progress.advance(network)?;
     }
-    let variance = progress.variance * progress.inflation();
+    let variance = progress.variance * correlation_sum(mesh, &progress.offsets());
     let Progress { mut normals, limit, trust, .. } = progress;
     flatten(&Evidence::new(mesh, hinges, &trust, variance), &mut normals);
     Ok(Regressed { normals, limit })
@@ -369,7 +379,6 @@ pub(crate) fn regress(
 
 #[cfg(test)]
 mod tests {
-    use fairing_operators::noise_level;
     use fairing_shapes as shapes;
 
     use super::*;
@@ -380,9 +389,6 @@ mod tests {
     fn correlated_displacements_are_told_by_their_sums() {
         let mesh = shapes::plane(60, 60, shapes::Diagonals::Alternating);
         let noisy = shapes::jittered(&mesh, 0.1, 3, |p| p);
-        let (hinges, rings) = (Hinges::new(&noisy), FaceLists::rings(&noisy));
-        let level = noise_level(&shapes::jittered(&shapes::icosphere(3), 0.1, 1, |p| p));
-        let mut progress = Progress::new(&noisy, &hinges, &rings, level.unwrap());
         let topology = noisy.topology();
         let mut state = 1u64;
         let white: Vec<f64> = (0..noisy.vertex_count())
@@ -400,13 +406,10 @@ mod tests {
                 })
                 .collect()
         };
-        progress.offsets = averaged(&averaged(&white));
-        let correlated = progress.inflation();
+        let correlated = correlation_sum(&noisy, &averaged(&averaged(&white)));
         assert!((7.0..20.0).contains(&correlated), "{correlated}");
-        progress.offsets = white;
-        let independent = progress.inflation();
+        let independent = correlation_sum(&noisy, &white);
         assert!((1.0..1.4).contains(&independent), "{independent}");
-        progress.offsets = vec![0.0; noisy.vertex_count()];
-        assert_eq!(progress.inflation(), 1.0);
+        assert_eq!(correlation_sum(&noisy, &vec![0.0; noisy.vertex_count()]), 1.0);
     }
 }
