@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import warnings
 from collections.abc import Iterable, Mapping
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from os import PathLike, cpu_count, fspath
@@ -19,6 +20,10 @@ if TYPE_CHECKING:
 
 #: Batches that are given to a cluster at a time, for each of its threads.
 _AHEAD = 4
+#: Seconds after which a cluster is asked whether it has workers.
+_PATIENCE = 5
+#: So many times without a worker, and a warning says so.
+_PATIENT = 12
 #: Bytes for each vertex of tasks that do not say.
 _PER_VERTEX = 2_000
 
@@ -305,18 +310,17 @@ def _on_threads(run: _Run, todo: list[Batch], folder: str, _: Any) -> Iterable[B
 def _on_cluster(run: _Run, todo: list[Batch], folder: str, client: Any) -> Iterable[Batch]:
     """The batches on the workers of a cluster.
 
-    A worker that ends takes every mesh with it that was on it, and the scheduler counts that against each of them. So a
-    mesh is only given up after it was on the cluster alone: until then it is a suspect, and waits for the others.
+    A worker that ends takes every mesh with it that was on it, and the scheduler counts that against
+    each of them. So a mesh is only given up after it was on the cluster alone: until then it is a
+    suspect, and waits for the others.
     """
-    from distributed import as_completed
     from distributed.scheduler import KilledWorker
 
     shared = run.task
     waiting = list(reversed(todo))
     suspects: list[Batch] = []
     alone = False
-    batches: dict[str, Batch] = {}
-    running_ = as_completed()
+    running_: dict[Any, tuple[Any, Batch]] = {}
 
     def submit(batch: Batch) -> None:
         future = client.submit(
@@ -330,35 +334,51 @@ def _on_cluster(run: _Run, todo: list[Batch], folder: str, client: Any) -> Itera
             pure=False,
             priority=sum(s.vertices for s in batch.sources) / 1e6,
         )
-        batches[future.key] = batch
-        running_.add(future)
+        running_[future.key] = future, batch
 
-    def room() -> int:
+    def fill() -> None:
         threads: int = sum(client.nthreads().values())
-        return max(_AHEAD * threads, _AHEAD) - len(batches)
-
-    for _ in range(room()):
-        if waiting:
+        while waiting and len(running_) < max(_AHEAD * threads, _AHEAD):
             submit(waiting.pop())
-    for future in running_:
-        batch = batches.pop(future.key)
-        error = future.exception()
-        if error is None:
-            yield batch
-        elif isinstance(error, KilledWorker) and len(batch.sources) > 1:
-            waiting += reversed(_plan.halves(batch))
-        elif isinstance(error, KilledWorker) and not alone:
-            suspects.append(batch)
-        elif isinstance(error, KilledWorker):
-            text = "KilledWorker: the workers that had this mesh ended, perhaps because memory ran out"
-            _batch.write(_batch.failed(batch, text), run.columns, folder, batch.part)
-            yield batch
-        else:
-            raise error
-        future.release()
-        for _ in range(room()):
-            if waiting:
-                submit(waiting.pop())
-        if not batches and suspects:
+
+    fill()
+    while running_:
+        for future in _finished([future for future, _ in running_.values()], client):
+            _, batch = running_.pop(future.key)
+            error = future.exception()
+            if error is None:
+                yield batch
+            elif isinstance(error, KilledWorker) and len(batch.sources) > 1:
+                waiting += reversed(_plan.halves(batch))
+            elif isinstance(error, KilledWorker) and not alone:
+                suspects.append(batch)
+            elif isinstance(error, KilledWorker):
+                text = "KilledWorker: the workers that had this mesh ended, perhaps because memory ran out"
+                _batch.write(_batch.failed(batch, text), run.columns, folder, batch.part)
+                yield batch
+            else:
+                raise error
+            future.release()
+        fill()
+        if not running_ and suspects:
             alone = True
             submit(suspects.pop())
+
+
+def _finished(futures: list[Any], client: Any) -> Iterable[Any]:
+    """Those that are done, at least one; warns where there are no workers, which a queue may still bring."""
+    import distributed
+
+    idle = 0
+    while True:
+        try:
+            return distributed.wait(futures, timeout=_PATIENCE, return_when="FIRST_COMPLETED").done
+        except distributed.TimeoutError:
+            idle = 0 if client.nthreads() else idle + 1
+        if idle == _PATIENT:
+            warnings.warn(
+                f"the cluster has had no workers for {_PATIENCE * _PATIENT} s; this waits for new ones."
+                " What is written is kept: after an interrupt the next call goes on after it",
+                RuntimeWarning,
+                stacklevel=2,
+            )

@@ -76,9 +76,14 @@ def check(found, paths: list[str]) -> None:
 def cluster():
     import dask
 
-    # One more try than the first, so that the tests need not wait for three.
+    # One more try than the first, so that the tests need not wait for three. A local cluster looks for a
+    # worker some time after it ended, and closes it for good if it restarts just then: never here.
+    settings = {
+        "distributed.scheduler.allowed-failures": 1,
+        "distributed.deploy.lost-worker-timeout": "1 hour",
+    }
     with (
-        dask.config.set({"distributed.scheduler.allowed-failures": 1}),
+        dask.config.set(settings),
         distributed.LocalCluster(
             n_workers=2, threads_per_worker=1, processes=True, memory_limit="900MB", dashboard_address=None
         ) as cluster,
@@ -205,40 +210,41 @@ def test_a_poisoned_file_is_a_row_with_its_error(corpus: list[str], client, tmp_
 
 
 class OneWorker:
-    """A cluster of one worker, which ends with all that is on it when one of its meshes is the poisoned one."""
+    """A cluster of one worker, which ends with all that is on it when one of its meshes is the poisoned one.
 
-    def __init__(self, poisoned: str) -> None:
-        self.poisoned = poisoned
-        self.held: list = []
+    At first it has no worker at all.
+    """
+
+    def __init__(self, poisoned: str, late: int) -> None:
+        self.poisoned, self.late = poisoned, late
 
     def nthreads(self) -> dict[str, int]:
-        return {"tcp://here": 1}
+        return {} if self.late > 0 else {"tcp://here": 1}
 
     def submit(self, task, batch, *rest, **_):
-        future = types.SimpleNamespace(key=object(), batch=batch, run=lambda: task(batch, *rest), release=lambda: None)
-        return future
+        run = functools.partial(task, batch, *rest)
+        return types.SimpleNamespace(key=object(), batch=batch, run=run, release=lambda: None)
 
-    def add(self, future) -> None:
-        self.held.append(future)
-
-    def __iter__(self):
-        while self.held:
-            if any(s.path == self.poisoned for future in self.held for s in future.batch.sources):
-                ended, self.held = self.held, []
-                error = KilledWorker("run", None, 1)
-            else:
-                ended, error = [self.held.pop(0)], None
-                ended[0].run()
-            for future in ended:
-                future.exception = lambda: error
-                yield future
+    def wait(self, futures, timeout, return_when):
+        if self.late > 0:
+            self.late -= 1
+            raise distributed.TimeoutError
+        if any(s.path == self.poisoned for future in futures for s in future.batch.sources):
+            ended, error = futures, KilledWorker("run", None, 1)
+        else:
+            ended, error = futures[:1], None
+            futures[0].run()
+        for future in ended:
+            future.exception = lambda: error
+        return types.SimpleNamespace(done=ended)
 
 
 def test_what_was_on_the_worker_of_a_poisoned_file_is_done(corpus: list[str], tmp_path, monkeypatch) -> None:
     few = corpus[8:48]
-    cluster = OneWorker(few[2])
-    monkeypatch.setattr(distributed, "as_completed", lambda: cluster)
-    table = pf.dataset(few, area, tmp_path / "out", client=cluster).compute()
+    cluster = OneWorker(few[2], late=15)
+    monkeypatch.setattr(distributed, "wait", cluster.wait)
+    with pytest.warns(RuntimeWarning, match="no workers for 60 s"):
+        table = pf.dataset(few, area, tmp_path / "out", client=cluster).compute()
     assert [i for i in range(40) if table["error"].notna()[i]] == [2]
     assert table["error"][2].startswith("KilledWorker")
     assert list(table.index) == list(range(40))
