@@ -39,6 +39,10 @@ const ALIKE_FAR: f64 = 1e-9;
 /// A fit counts where it has residuals at this share of the vertices that have a quadric to their two-ring.
 const ENOUGH: f64 = 0.5;
 
+/// A fit counts where its level is more than this share of that over two-rings. A smaller one says that most vertices
+/// lie on it exactly: on planes with few impulses that is so for one-rings, and no two-ring is without one.
+const EXACT: f64 = 1e-3;
+
 /// What [`noise_level`] finds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -57,9 +61,9 @@ pub struct NoiseEstimate {
     pub low_ratio: f64,
     /// The correlation of residuals across edges, from −1 to 1; residuals beyond three σ̂ count as
     /// three. Independent noise gives about −0.27, since each residual is in the fits of its
-    /// neighbours. Noise that is correlated over two edges gives about 0.05 more.
+    /// neighbours. Noise that is correlated over two edges gives about 0.05 more. Zero where `sigma` is.
     pub correlation: f64,
-    /// The level that the fits to two-rings find, over `sigma`: at least 1, and close to it where the surface is
+    /// The level that the fits to two-rings find, over `sigma`: at least 1, 1 where `sigma` is zero, and close to it where the surface is
     /// smooth over two rings and the noise is independent. More where creases and details are as dense as two-rings, or
     /// the noise is correlated.
     pub two_ring_ratio: f64,
@@ -104,6 +108,7 @@ pub struct NoisyParts {
 /// This is done with three fits, and the least of the three is the result, since what a fit misses can only add to
 /// the noise: a quadric to the two-ring, a quadric to the ten vertices of it that are nearest (more where several are as far as the tenth), and
 /// a + bx + cy + d(x² + y²) to the one-ring. Nearer points see fewer creases and details, above all on stretched triangles.
+/// A level below a thousandth of that over two-rings does not count: most vertices lie on that fit exactly, and the noise is elsewhere.
 /// The other numbers of a [`NoiseEstimate`] are of the residuals over two-rings.
 ///
 /// The median is hardly changed by the vertices near creases. On Gaussian noise σ̂ is a
@@ -172,7 +177,9 @@ pub fn noisy_parts(mesh: &TriMesh) -> Vec<NoisyParts> {
             part.is_some_and(|part| group.components.binary_search(&part).is_ok())
         };
         let sigma = group.level.sigma * group.level.two_ring_ratio / unit;
-        group.level.correlation = correlation(mesh, &residuals, sigma, inside);
+        if sigma > 0.0 {
+            group.level.correlation = correlation(mesh, &residuals, sigma, inside);
+        }
     }
     groups
 }
@@ -220,7 +227,8 @@ fn level_of(sizes: &mut Sizes) -> Option<NoiseEstimate> {
         |size: f64, gaussian: f64| if median > 0.0 { size / median / gaussian } else { 1.0 };
     let enough = ENOUGH * two_ring.len() as f64;
     let counted = sizes.iter().filter(|sizes| sizes.len() as f64 >= enough);
-    let least = counted.filter_map(|sizes| self::median(sizes)).fold(median, f64::min);
+    let levels = counted.filter_map(|sizes| self::median(sizes));
+    let least = levels.filter(|&level| level > EXACT * median).fold(median, f64::min);
     Some(NoiseEstimate {
         sigma: least / GAUSSIAN_MEDIAN,
         tail_ratio: over_gaussian(high, GAUSSIAN_TAIL),
@@ -391,6 +399,7 @@ mod tests {
         let pleated = grid(|| {
             let (x, y) = (f64::from(k % 60), f64::from(k / 60));
             k += 1;
+            // What the grid adds.
             let bumps = 3.0 * (0.1 * x).sin() * (0.07 * y).cos();
             (x % 6.0 - 3.0).abs() - bumps + 0.03 * gaussian(&mut rng)
         });
@@ -445,6 +454,8 @@ mod tests {
         assert_eq!(with(vec![2.0, 1.0]).two_ring_ratio, 2.0);
         assert_eq!(with(vec![2.0, 1.0]).sigma, 1.5 / GAUSSIAN_MEDIAN);
         assert_eq!((with(vec![1.0]), with(vec![5.0, 5.0])), (level, level));
+        // One that passes through most vertices does not.
+        assert_eq!(with(vec![0.0, 1e-12, 1e-9]), level);
     }
 
     #[test]
