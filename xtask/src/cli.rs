@@ -173,9 +173,12 @@ pub(crate) struct Which {
 
 #[derive(Debug, Args)]
 pub(crate) struct Train {
-    /// The networks in a row
+    /// The stages in a row
     #[arg(long, default_value_t = 4)]
     pub(crate) stages: usize,
+    /// The networks of each stage
+    #[arg(long, default_value_t = 2)]
+    pub(crate) members: usize,
     /// Bodies of each family
     #[arg(long, default_value_t = 26)]
     pub(crate) bodies: u64,

@@ -46,6 +46,7 @@ pub(crate) fn run(options: &Train, root: &Path) -> Result<()> {
     println!("{} pairs, {faces} faces, {:.0} s", pairs.len(), start.elapsed().as_secs_f64());
     let training = TrainingOptions {
         stages: options.stages,
+        members: options.members,
         faces_per_pair: options.faces,
         epochs: options.epochs,
         seed: options.seed,

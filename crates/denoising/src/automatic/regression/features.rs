@@ -5,6 +5,7 @@ use fairing_mesh::vec3::{add, cross, distance, dot, norm, scale, sub};
 use pulp::NullaryFnOnce;
 
 use super::fits::{LocalFit, log2, moments, read_fit};
+use super::wide::range_of;
 use crate::faces::{FaceShapes, Hinges, Marks, NO_HINGE, unit_or_zero};
 
 /// The radii of neighbourhoods, in local scales.
@@ -18,10 +19,13 @@ const DEPTH: usize = 15;
 
 /// How many scales of differences between normals there are; the last is
 /// infinite.
-const RANGES: usize = 4;
+pub(super) const RANGES: usize = 4;
 
 /// The radius and the range of each local fit.
 const FITS: [(usize, usize); 5] = [(1, 1), (2, 1), (2, 0), (1, 3), (2, 3)];
+
+/// The widest fit for each range of differences between normals.
+const FIT_OF_RANGE: [usize; RANGES] = [2, 1, 1, 4];
 
 /// The fits whose residuals are compared over the mesh.
 const SEEN_FITS: [usize; 2] = [0, 3];
@@ -70,6 +74,8 @@ pub(crate) struct Seen {
     pub(crate) frame: [[f64; 3]; 3],
     /// The point of the surface at the face.
     pub(crate) anchor: [f64; 3],
+    /// What the normal of the flat face is more than that of the smooth surface.
+    pub(crate) turn: [f64; 3],
     /// log₂ of the residuals of two fits over σ: that of similar normals and that of all.
     pub(crate) residuals: [f64; 2],
 }
@@ -81,10 +87,14 @@ pub(crate) struct State<'a> {
     pub(crate) hinges: &'a Hinges,
     /// Its faces.
     pub(crate) noisy: &'a FaceShapes,
-    /// The surface that has followed the present normals.
+    /// The surface that has followed the present normals; the input mesh before the first stage.
+    pub(crate) surface: &'a TriMesh,
+    /// Its faces.
     pub(crate) current: &'a FaceShapes,
     /// The present normals.
     pub(crate) normals: &'a [[f64; 3]],
+    /// The normals of the smooth surface at the faces: the present ones without the turn to flat faces.
+    pub(crate) smooth: &'a [[f64; 3]],
     /// A point of the surface at each face, from a local fit.
     pub(crate) anchors: &'a [[f64; 3]],
     /// The weight of the position of each face.
@@ -228,7 +238,7 @@ impl<'a> Gatherer<'a> {
             displacement: 0.0,
             offsets: [0.0; RADII.len()],
         };
-        let n = state.normals[f];
+        let n = state.smooth[f];
         let axes = tangents(n);
         let centre = state.current.centroids[f];
         let inverse = 1.0 / state.scales[f];
@@ -238,7 +248,7 @@ impl<'a> Gatherer<'a> {
             let g = g as usize;
             let offset = scale(sub(state.current.centroids[g], centre), inverse);
             let d = dot(offset, offset);
-            let m = state.normals[g];
+            let m = state.smooth[g];
             let apart = sub(m, n);
             let range = similarities(dot(apart, apart), ranges);
             let area = state.current.areas[g];
@@ -318,34 +328,45 @@ pub(in crate::automatic) fn tangents(n: [f64; 3]) -> [[f64; 3]; 2] {
 }
 
 fn sample(state: &State<'_>, wide: &[Vec<[f64; 3]>; WIDE], f: usize, sums: &Sums) -> Seen {
-    let n = state.normals[f];
+    let (present, n) = (state.normals[f], state.smooth[f]);
     let axes = tangents(n);
     let s = state.scales[f];
-    let mut all = [n; CANDIDATES];
+    let mut all = [present; CANDIDATES];
     let or_present = |v: [f64; 3]| {
         let unit = unit_or_zero(v);
-        if unit == [0.0; 3] { n } else { unit }
+        if unit == [0.0; 3] { present } else { unit }
     };
-    for k in 0..MEANS {
-        all[k] = or_present(sums.noisy(k));
-        all[MEANS + k] = or_present(sums.present(k));
-    }
+    let centre = state.current.centroids[f];
+    let corners = state.surface.triangle(f).map(|p| {
+        let offset = scale(sub(p, centre), 1.0 / s);
+        axes.map(|e| dot(offset, e))
+    });
     let mut of_fits = [[0.0; 3]; FITS.len()];
-    let mut anchor = state.current.centroids[f];
+    let mut turns = [[0.0; 3]; FITS.len()];
+    let mut anchor = centre;
     for (k, fit) in sums.fits.iter().enumerate() {
-        let (normals, numbers, height) = read_fit(fit, n, axes, state.sigma / s);
-        all[2 * MEANS + 2 * k] = or_present(normals[0]);
-        all[2 * MEANS + 2 * k + 1] = or_present(normals[1]);
-        of_fits[k] = numbers;
+        let found = read_fit(fit, n, axes, corners, state.sigma / s);
+        all[2 * MEANS + 2 * k] = or_present(found.normals[0]);
+        all[2 * MEANS + 2 * k + 1] = or_present(add(found.normals[1], found.turn));
+        of_fits[k] = found.numbers;
+        turns[k] = found.turn;
         if k == 0 {
-            anchor = add(state.current.centroids[f], scale(n, height.clamp(-3.0, 3.0) * s));
+            anchor = add(centre, scale(n, found.height.clamp(-3.0, 3.0) * s));
         }
+    }
+    // Means of normals are close to normals of the smooth surface at the centroid. Those of flat faces
+    // differ from them by a turn.
+    let of_face =
+        |v: [f64; 3], range: usize| or_present(add(or_present(v), turns[FIT_OF_RANGE[range]]));
+    for k in 0..MEANS {
+        all[k] = of_face(sums.noisy(k), k % RANGES);
+        all[MEANS + k] = of_face(sums.present(k), k % RANGES);
     }
     let single = 2 * MEANS + 2 * FITS.len();
     all[single] = or_present(state.noisy.normals[f]);
     all[single + 1] = or_present(state.current.normals[f]);
     for (k, normals) in wide.iter().enumerate() {
-        all[CANDIDATES - WIDE + k] = or_present(normals[f]);
+        all[CANDIDATES - WIDE + k] = of_face(normals[f], range_of(k));
     }
     let beside = across_sorted(state, f);
     for (k, &g) in beside.iter().enumerate() {
@@ -373,7 +394,8 @@ fn sample(state: &State<'_>, wide: &[Vec<[f64; 3]>; WIDE], f: usize, sums: &Sums
         *slot = x as f32;
     }
     let residuals = SEEN_FITS.map(|k| of_fits[k][0]);
-    Seen { sample: Sample { inputs, spread: spread as f32 }, frame, anchor, residuals }
+    let turn = turns[FIT_OF_RANGE[1]];
+    Seen { sample: Sample { inputs, spread: spread as f32 }, frame, anchor, turn, residuals }
 }
 
 /// The faces across the hinges of a face, that with the closest normal first;

@@ -9,15 +9,16 @@ use super::network::{HIDDEN, Network, PARAMETERS};
 const NAME: [u8; 8] = *b"fairnorm";
 
 /// The version of the format and of what the inputs mean.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
-/// Name, version, stages, inputs, hidden units, candidates, seed.
-const HEADER: usize = 8 + 5 * 4 + 8;
+/// Name, version, stages, networks of each, inputs, hidden units, candidates, seed.
+const HEADER: usize = 8 + 6 * 4 + 8;
 
 /// The stages, in their order.
 #[derive(Debug, Clone)]
 pub(crate) struct Model {
-    pub(crate) stages: Vec<Network>,
+    /// The networks of each stage, as many for each.
+    pub(crate) stages: Vec<Vec<Network>>,
     /// The seed of the training.
     pub(crate) seed: u64,
 }
@@ -51,9 +52,10 @@ impl Model {
             let at = 8 + 4 * k;
             u32::from_le_bytes([body[at], body[at + 1], body[at + 2], body[at + 3]])
         };
-        let expected = [VERSION, word(1), INPUTS as u32, HIDDEN as u32, CANDIDATES as u32];
-        let found = [0, 1, 2, 3, 4].map(word);
-        if found != expected {
+        let [stages, members] = [1, 2].map(word);
+        let expected = [VERSION, stages, members, INPUTS as u32, HIDDEN as u32, CANDIDATES as u32];
+        let found = [0, 1, 2, 3, 4, 5].map(word);
+        if found != expected || members == 0 {
             return Err(format!("the sizes are {found:?}, but must be {expected:?}"));
         }
         let mut seed = [0; 8];
@@ -61,25 +63,33 @@ impl Model {
         let numbers: Vec<f32> = (body[HEADER..].chunks_exact(4))
             .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
             .collect();
-        if numbers.len() != word(1) as usize * PARAMETERS {
-            return Err(format!("{} numbers for {} stages", numbers.len(), word(1)));
+        let networks = numbers.len() / PARAMETERS;
+        if numbers.len() != networks * PARAMETERS
+            || networks as u64 != u64::from(stages) * u64::from(members)
+        {
+            let count = numbers.len();
+            return Err(format!("{count} numbers for {stages} stages of {members} networks"));
         }
         if numbers.iter().any(|x| !x.is_finite()) {
             return Err("a number is not finite".into());
         }
-        let stages =
+        let networks: Vec<Network> =
             numbers.chunks_exact(PARAMETERS).map(|n| Network { numbers: n.to_vec() }).collect();
+        let stages = networks.chunks(members as usize).map(<[Network]>::to_vec).collect();
         Ok(Self { stages, seed: u64::from_le_bytes(seed) })
     }
 
     /// The bytes of a file.
     pub(crate) fn write(&self) -> Vec<u8> {
-        let sizes =
-            [VERSION, self.stages.len() as u32, INPUTS as u32, HIDDEN as u32, CANDIDATES as u32];
+        let [stages, members] = [self.stages.len(), self.stages.first().map_or(0, Vec::len)];
+        let sizes = [stages, members, INPUTS, HIDDEN, CANDIDATES].map(|n| n as u32);
         let mut bytes = NAME.to_vec();
+        bytes.extend(VERSION.to_le_bytes());
         bytes.extend(sizes.iter().flat_map(|x| x.to_le_bytes()));
         bytes.extend(self.seed.to_le_bytes());
-        bytes.extend(self.stages.iter().flat_map(|s| &s.numbers).flat_map(|x| x.to_le_bytes()));
+        bytes.extend(
+            self.stages.iter().flatten().flat_map(|n| &n.numbers).flat_map(|x| x.to_le_bytes()),
+        );
         let sum = checksum(&bytes);
         bytes.extend(sum.to_le_bytes());
         bytes

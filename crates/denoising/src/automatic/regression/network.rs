@@ -1,5 +1,7 @@
 //! A small network that weighs candidates for a normal.
 
+use pulp::NullaryFnOnce;
+
 use super::features::{CANDIDATES, INPUTS, Sample};
 
 /// The units of each of the two hidden layers.
@@ -33,7 +35,7 @@ pub(crate) struct Layer<'a> {
 
 impl Layer<'_> {
     /// `biases + weightsᵀ x`.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn apply(&self, x: &[f32], out: &mut [f32]) {
         out.copy_from_slice(self.biases);
         for (&x, row) in x.iter().zip(self.weights.chunks_exact(out.len())) {
@@ -87,8 +89,15 @@ impl Network {
 }
 
 impl Parts<'_> {
-    /// The outputs for a sample.
+    /// The outputs for a sample, with the widest vectors of the processor. Multiplications and additions are
+    /// not fused, and no sum is reordered: the bits are the same on all of them.
     pub(crate) fn run(&self, sample: &Sample, trace: &mut Trace) {
+        pulp::Arch::new().dispatch(Running { parts: self, sample, trace });
+    }
+
+    /// The outputs for a sample.
+    #[inline(always)]
+    pub(crate) fn run_inline(&self, sample: &Sample, trace: &mut Trace) {
         let moved = sample.inputs.iter().zip(self.shift).zip(self.scale);
         for (x, ((&input, shift), scale)) in trace.inputs.iter_mut().zip(moved) {
             // Beyond six deviations lies nothing the network was trained on.
@@ -102,6 +111,23 @@ impl Parts<'_> {
     }
 }
 
+/// A call of [`Parts::run`].
+struct Running<'a> {
+    parts: &'a Parts<'a>,
+    sample: &'a Sample,
+    trace: &'a mut Trace,
+}
+
+impl NullaryFnOnce for Running<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.parts.run_inline(self.sample, self.trace);
+    }
+}
+
+#[inline(always)]
 fn leak(units: &mut [f32]) {
     for u in units {
         *u = u.max(LEAK * *u);
@@ -118,8 +144,11 @@ pub(crate) fn weight(z: f32) -> f32 {
     phi * phi
 }
 
-/// The largest turn by the last two outputs, in spreads of the candidates.
+/// The largest turn by the last two outputs, in spreads of the weighted candidates.
 const TURN: f32 = 1.0;
+
+/// The least spread of weighted candidates: 10⁻⁵ radians.
+const LEAST_SPREAD: f32 = 1e-5;
 
 /// `t/√(1 + t²)` times the largest turn, and its derivative.
 #[inline]
@@ -128,9 +157,21 @@ pub(crate) fn turn(t: f32) -> (f32, f32) {
     (TURN * t * inverse, TURN * inverse * inverse * inverse)
 }
 
-/// The weighted mean of the candidates, turned; in the frame of the sample, not
-/// of unit length. Also the sum of the weights.
-pub(crate) fn combine(sample: &Sample, outputs: &[f32; OUTPUTS]) -> ([f32; 3], f32) {
+/// What the outputs make of the candidates, in the frame of the sample.
+pub(crate) struct Combined {
+    /// The weighted mean of the candidates.
+    pub(crate) mean: [f32; 3],
+    /// The sum of the weights.
+    pub(crate) total: f32,
+    /// The weighted root mean square distance of the candidates from their mean: small where those that count agree,
+    /// however far the others are.
+    pub(crate) spread: f32,
+    /// The mean, turned; not of unit length.
+    pub(crate) turned: [f32; 3],
+}
+
+/// The weighted mean of the candidates, turned by at most their weighted spread.
+pub(crate) fn combine(sample: &Sample, outputs: &[f32; OUTPUTS]) -> Combined {
     let (mut sum, mut total) = ([0.0f32; 3], 0.0f32);
     for (k, &z) in outputs[..CANDIDATES].iter().enumerate() {
         let w = weight(z);
@@ -139,8 +180,20 @@ pub(crate) fn combine(sample: &Sample, outputs: &[f32; OUTPUTS]) -> ([f32; 3], f
         }
         total += w;
     }
-    let mut mean = sum.map(|s| s / total);
-    mean[0] += sample.spread * turn(outputs[CANDIDATES]).0;
-    mean[1] += sample.spread * turn(outputs[CANDIDATES + 1]).0;
-    (mean, total)
+    let mean = sum.map(|s| s / total);
+    let mut squares = 0.0f32;
+    for (k, &z) in outputs[..CANDIDATES].iter().enumerate() {
+        squares += weight(z) * square_distance(sample.candidate(k), mean);
+    }
+    let spread = (squares / total + LEAST_SPREAD * LEAST_SPREAD).sqrt();
+    let mut turned = mean;
+    turned[0] += spread * turn(outputs[CANDIDATES]).0;
+    turned[1] += spread * turn(outputs[CANDIDATES + 1]).0;
+    Combined { mean, total, spread, turned }
+}
+
+/// The squared distance.
+pub(crate) fn square_distance(a: [f32; 3], b: [f32; 3]) -> f32 {
+    let d = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+    d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
 }

@@ -15,6 +15,15 @@ const SHARPENED_FROM: usize = 2;
 
 const _: () = assert!(WIDE == 2 * DIFFUSIONS.len() - SHARPENED_FROM);
 
+/// The range of differences between normals that a wide mean goes with.
+pub(super) fn range_of(mean: usize) -> usize {
+    let plain = DIFFUSIONS.len();
+    DIFFUSIONS[if mean < plain { mean } else { mean - plain + SHARPENED_FROM }].0
+}
+
+/// Faces that a thread takes at least: a step takes little time.
+const AT_LEAST: usize = 2048;
+
 /// The least mass of a face, in mean areas: what keeps the system definite.
 const LEAST_MASS: f64 = 1e-6;
 
@@ -30,7 +39,7 @@ pub(crate) fn wide_means(state: &State<'_>) -> [Vec<[f64; 3]>; WIDE] {
     let (mut plain, mut sharpened) = (vec![], vec![]);
     for (k, (range, strength, steps)) in DIFFUSIONS.into_iter().enumerate() {
         let diffusion = Diffusion::new(state, range, strength);
-        let mut x = state.normals.to_vec();
+        let mut x = state.smooth.to_vec();
         diffusion.solve(&mut x, steps);
         plain.push(units(&x));
         if k >= SHARPENED_FROM {
@@ -68,7 +77,7 @@ impl Diffusion {
         let weights: Vec<f64> = (state.hinges.all.par_iter())
             .map(|hinge| {
                 let [f, g] = hinge.faces.map(|f| f as usize);
-                let (m, n) = (state.normals[f], state.normals[g]);
+                let (m, n) = (state.smooth[f], state.smooth[g]);
                 if m == [0.0; 3] || n == [0.0; 3] {
                     return 0.0;
                 }
@@ -97,7 +106,7 @@ impl Diffusion {
     }
 
     /// Adds the diffusion of what x leaves of the noisy normals.
-    fn sharpen(mut self, x: &mut [[f64; 3]], steps: usize) {
+    fn sharpen(mut self, x: &mut Vec<[f64; 3]>, steps: usize) {
         (self.target.par_iter_mut().zip(&self.masses).zip(&*x))
             .for_each(|((target, m), x)| *target = sub(scale(*target, 2.0), scale(*x, *m)));
         self.solve(x, steps);
@@ -105,30 +114,33 @@ impl Diffusion {
 
     /// Chebyshev's iteration from x, in a fixed number of steps, so that nothing depends on
     /// rounding.
-    fn solve(&self, x: &mut [[f64; 3]], steps: usize) {
+    fn solve(&self, x: &mut Vec<[f64; 3]>, steps: usize) {
         // Scaled by the diagonal, eigenvalues are below 2. Those of faces of usual mass are above
         // the lower end; the iteration does not increase parts below it.
         let low = 1.0 / (1.0 + 3.0 * self.strength);
         let (middle, half) = (0.5 * (2.0 + low), 0.5 * (2.0 - low));
         let mut step = vec![[0.0; 3]; x.len()];
+        let mut next = step.clone();
         let mut rho = half / middle;
         for k in 0..steps {
             let (turn, gain) = if k == 0 {
                 (0.0, 1.0 / middle)
             } else {
-                let next = 1.0 / (2.0 * middle / half - rho);
-                let found = (next * rho, 2.0 * next / half);
-                rho = next;
+                let smaller = 1.0 / (2.0 * middle / half - rho);
+                let found = (smaller * rho, 2.0 * smaller / half);
+                rho = smaller;
                 found
             };
-            step.par_iter_mut().enumerate().for_each(|(f, step)| {
+            let both = step.par_iter_mut().zip(&mut next).enumerate().with_min_len(AT_LEAST);
+            both.for_each(|(f, (step, next))| {
                 let mut residual = sub(self.target[f], scale(x[f], self.masses[f]));
                 for &(g, w) in &self.rows[f] {
                     residual = add(residual, scale(sub(x[g as usize], x[f]), w));
                 }
                 *step = add(scale(*step, turn), scale(residual, gain * self.inverse[f]));
+                *next = add(x[f], *step);
             });
-            x.par_iter_mut().zip(&step).for_each(|(x, s)| *x = add(*x, *s));
+            std::mem::swap(x, &mut next);
         }
     }
 }
@@ -161,7 +173,7 @@ mod tests {
         let all = wide_means(&state);
         for (k, (range, strength, steps)) in DIFFUSIONS.into_iter().enumerate() {
             let solved = |steps| {
-                let mut x = state.normals.to_vec();
+                let mut x = state.smooth.to_vec();
                 Diffusion::new(&state, range, strength).solve(&mut x, steps);
                 x.into_iter().map(unit_or_zero).collect::<Vec<_>>()
             };
