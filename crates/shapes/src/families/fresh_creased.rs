@@ -309,7 +309,7 @@ mod tests {
     /// No face spans a crease: its corners lie on one of the six spheres.
     #[test]
     fn faces_of_the_cushion_lie_on_its_spheres() {
-        for (seed, &triangulation) in (0..).zip(Triangulation::ALL) {
+        for (seed, triangulation) in (0..).zip(Triangulation::ALL) {
             let build = Build { spacing: 0.11, triangulation, seed };
             let mesh = cushion(build);
             let mut random = build.proportions();
