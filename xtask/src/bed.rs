@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 
 use anyhow::{Context as _, Result};
 use fairing_experiments::bed::{
-    Case, Found, Half, Method, PAIR_NAMES, Pair, Published, Summary, cases, denoiser, found, pairs,
+    Case, Found, Method, PAIR_NAMES, Pair, Published, Set, Summary, cases, denoiser, found, pairs,
     summary, tuned, written,
 };
 use fairing_mesh::{TriMesh, io};
@@ -26,7 +26,7 @@ pub(crate) fn run(command: Bed, root: &Path) -> Result<()> {
     match command {
         Bed::List { which } => {
             for case in which.cases() {
-                println!("{:<12} {}", case.half().to_string(), case.name());
+                println!("{:<12} {}", case.set().to_string(), case.name());
             }
             Ok(())
         }
@@ -39,7 +39,7 @@ pub(crate) fn run(command: Bed, root: &Path) -> Result<()> {
             if let Some(csv) = csv {
                 let mut all = measurement.found;
                 // Only what everybody can make.
-                all.retain(|(half, _)| !accept || half.is_some());
+                all.retain(|(set, _)| !accept || set.is_some());
                 let all: Vec<Found> = all.into_iter().map(|f| f.1).collect();
                 fs::write(&csv, written(&all)).with_context(|| format!("{}", csv.display()))?;
             }
@@ -55,13 +55,13 @@ impl Which {
 
     fn cases(&self) -> Vec<Case> {
         let mut all = cases();
-        all.retain(|c| self.half.is_none_or(|h| c.half() == h) && self.has(&c.name()));
+        all.retain(|c| self.set.is_none_or(|s| c.set() == s) && self.has(&c.name()));
         all
     }
 
-    /// The pairs of the literature, which belong to neither half.
+    /// The pairs of the literature, which belong to no set.
     fn pairs(&self, folder: Option<PathBuf>) -> Result<Vec<Pair>> {
-        let Some(folder) = folder.or_else(meshes_folder).filter(|_| self.half.is_none()) else {
+        let Some(folder) = folder.or_else(meshes_folder).filter(|_| self.set.is_none()) else {
             return Ok(vec![]);
         };
         let (mut found, absent) = pairs(&folder)?;
@@ -147,8 +147,8 @@ struct Measurement {
     table: Published,
     name: String,
     keep: Option<PathBuf>,
-    /// The half, none for the pairs of the literature.
-    found: Vec<(Option<Half>, Found)>,
+    /// The set, none for the pairs of the literature.
+    found: Vec<(Option<Set>, Found)>,
 }
 
 impl Measurement {
@@ -172,20 +172,16 @@ impl Measurement {
         );
         for case in which.cases() {
             let (truth, noisy) = case.meshes()?;
-            self.one(Some(case.half()), &case.name(), &truth, &noisy)?;
+            self.one(Some(case.set()), &case.name(), &truth, &noisy)?;
         }
         for pair in which.pairs(meshes)? {
             self.one(None, pair.name, &pair.truth, &pair.noisy)?;
         }
-        for (half, title) in [
-            (Some(Half::Development), "development"),
-            (Some(Half::Unseen), "unseen"),
-            (None, "pairs"),
-        ] {
+        for set in Set::ALL.into_iter().map(Some).chain([None]) {
             let mine: Vec<Found> =
-                self.found.iter().filter(|f| f.0 == half).map(|f| f.1.clone()).collect();
+                self.found.iter().filter(|f| f.0 == set).map(|f| f.1.clone()).collect();
             if !mine.is_empty() {
-                report(title, &mine, &summary(&mine));
+                report(set.map_or("pairs", Set::name), &mine, &summary(&mine));
             }
         }
         Ok(())
@@ -193,7 +189,7 @@ impl Measurement {
 
     fn one(
         &mut self,
-        half: Option<Half>,
+        set: Option<Set>,
         name: &str,
         truth: &TriMesh,
         noisy: &TriMesh,
@@ -208,7 +204,7 @@ impl Measurement {
                 io::write(folder.join(format!("{base}_{part}.ply")), mesh)?;
             }
         }
-        self.found.push((half, one));
+        self.found.push((set, one));
         Ok(())
     }
 }
@@ -231,7 +227,7 @@ fn line(f: &Found) -> String {
     )
 }
 
-/// What holds of all cases of a half.
+/// What holds of all cases of a set.
 fn report(title: &str, found: &[Found], s: &Summary) {
     let number = |x: Option<f64>| x.map_or("?".to_string(), |x| format!("{x:.3}"));
     println!("\n{title}: {} cases, {:.1} s", s.cases, s.seconds);

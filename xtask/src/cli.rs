@@ -144,7 +144,7 @@ pub(crate) enum Bed {
         #[arg(long, value_name = "FILE")]
         csv: Option<PathBuf>,
         /// Keep the results of the automatic denoiser on all cases in docs/reference/bed.csv, for the experiment "denoisers"
-        #[arg(long, conflicts_with_all = ["half", "filter", "denoiser", "csv"])]
+        #[arg(long, conflicts_with_all = ["set", "filter", "denoiser", "csv"])]
         accept: bool,
         /// Write the true, noisy and denoised meshes into this folder
         #[arg(long, value_name = "DIR")]
@@ -163,9 +163,9 @@ pub(crate) enum Bed {
 /// Which cases.
 #[derive(Debug, Args)]
 pub(crate) struct Which {
-    /// One half of the families only: development, unseen
-    #[arg(long, value_name = "HALF")]
-    pub(crate) half: Option<fairing_experiments::bed::Half>,
+    /// One set of families only: development, unseen, fresh
+    #[arg(long, value_name = "SET")]
+    pub(crate) set: Option<fairing_experiments::bed::Set>,
     /// Cases whose name contains one of these only
     #[arg(long, value_name = "TEXTS", value_delimiter = ',')]
     pub(crate) filter: Vec<String>,

@@ -1,5 +1,5 @@
 //! `cargo xtask train`: the regression of normals, from bodies of the development
-//! half and bodies of no family.
+//! set and bodies of no family.
 
 use std::path::Path;
 use std::time::Instant;
@@ -7,7 +7,7 @@ use std::time::Instant;
 use anyhow::{Context as _, Result};
 use fairing_denoising::{TrainingOptions, TrainingPair, train_normals};
 use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
-use fairing_experiments::bed::{Half, half_of};
+use fairing_experiments::bed::{Set, set_of};
 use fairing_mesh::TriMesh;
 use fairing_shapes as shapes;
 use fairing_shapes::families::{Family, RandomBody, Triangulation, warped};
@@ -57,10 +57,10 @@ pub(crate) fn run(options: &Train, root: &Path) -> Result<()> {
     std::fs::write(&path, bytes).with_context(|| format!("writing {}", path.display()))
 }
 
-/// Bodies of the families of the development half, bodies at random, and shapes that are in
-/// neither half, with noise.
+/// Bodies of the families of the development set, bodies at random, and shapes that are in
+/// no set, with noise.
 fn pairs(bodies: u64) -> Result<Vec<TrainingPair>> {
-    let families = Family::ALL.iter().copied().filter(|f| half_of(*f) == Half::Development);
+    let families = Family::ALL.iter().copied().filter(|f| set_of(*f) == Set::Development);
     let mut jobs: Vec<(Body, u64)> = vec![];
     for (i, family) in families.enumerate() {
         for k in 0..bodies {

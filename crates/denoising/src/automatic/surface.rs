@@ -16,7 +16,7 @@ const STANDS_OUT: f64 = 2.5;
 /// The largest turn at a flat face, 2°, as a cosine.
 const FLAT: f64 = 0.999_390_827_019_095_7;
 
-/// Creases as long as two diagonals together make a body with creases. On the development half
+/// Creases as long as two diagonals together make a body with creases. On the development set
 /// of the test bed all that bodies without creases have are at most 0.5 on blobs, cloth and
 /// relief, and designed bodies have 3.9 and more.
 const CREASE_LENGTH: f64 = 2.0;

@@ -1,36 +1,40 @@
-//! The cases, and their division into two halves.
+//! The cases, and their division into three sets.
 
 use anyhow::Result;
 use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
 use fairing_mesh::TriMesh;
 use fairing_shapes::families::{Family, Triangulation};
 
-/// The two halves of the families.
+/// A set of families.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Half {
+pub enum Set {
     /// Those that constants may be chosen on.
     Development,
     /// Those that are only reported.
     Unseen,
+    /// Those that were made after the weights of the networks had been trained and all
+    /// constants chosen; nothing was chosen on them.
+    Fresh,
 }
 
-impl Half {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::Development, Self::Unseen];
+impl Set {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Development, Self::Unseen, Self::Fresh];
 
     /// The name on the command line and in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Development => "development",
             Self::Unseen => "unseen",
+            Self::Fresh => "fresh",
         }
     }
 }
 
-fairing_mesh::named!(Half, "half");
+fairing_mesh::named!(Set, "set of families");
 
-/// The half that a family is in; each has families of every kind.
-pub fn half_of(family: Family) -> Half {
+/// The set that a family is in; each has families of every kind.
+pub fn set_of(family: Family) -> Set {
     match family {
         Family::Stairs
         | Family::Frame
@@ -43,7 +47,7 @@ pub fn half_of(family: Family) -> Half {
         | Family::Relief
         | Family::Weave
         | Family::Sheet
-        | Family::Cloth => Half::Development,
+        | Family::Cloth => Set::Development,
         Family::Crystal
         | Family::Star
         | Family::Bracket
@@ -55,7 +59,17 @@ pub fn half_of(family: Family) -> Half {
         | Family::Strokes
         | Family::Pores
         | Family::Channel
-        | Family::Shell => Half::Unseen,
+        | Family::Shell => Set::Unseen,
+        Family::House
+        | Family::Tower
+        | Family::Bolt
+        | Family::Cushion
+        | Family::Vase
+        | Family::Pretzel
+        | Family::Fluted
+        | Family::Tyre
+        | Family::Ruffle
+        | Family::Bowl => Set::Fresh,
     }
 }
 
@@ -89,9 +103,9 @@ impl Case {
         format!("{family} {triangulation} {noise} {level}{size}")
     }
 
-    /// The half that its family is in.
-    pub fn half(&self) -> Half {
-        half_of(self.family)
+    /// The set that its family is in.
+    pub fn set(&self) -> Set {
+        set_of(self.family)
     }
 
     /// The truth, and the noisy mesh with the same faces.
@@ -129,11 +143,11 @@ const LARGE: [(Family, Triangulation, NoiseKind, f64); 3] = [
     (Family::Knot, Triangulation::Regular, NoiseKind::GaussianAlongNormals, 0.3),
 ];
 
-/// All cases, family by family, the large ones last.
+/// All cases, set by set and family by family, the large ones last.
 pub fn cases() -> Vec<Case> {
     let mut cases = vec![];
-    for half in Half::ALL {
-        let families = Family::ALL.iter().copied().filter(|f| half_of(*f) == half);
+    for set in Set::ALL {
+        let families = Family::ALL.iter().copied().filter(|f| set_of(*f) == set);
         for (i, family) in families.enumerate() {
             for (k, (triangulation, noise, levels)) in PLAN.into_iter().enumerate() {
                 let seed = 100 * (family as u64 + 1) + k as u64;
@@ -158,19 +172,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_half_has_every_kind_and_names_are_unique() {
+    fn every_set_has_every_kind_and_names_are_unique() {
         let all = cases();
-        assert!(all.len() >= 150, "{} cases", all.len());
+        assert_eq!(all.len(), 241);
         let names: BTreeSet<String> = all.iter().map(Case::name).collect();
         assert_eq!(names.len(), all.len());
-        for half in Half::ALL {
+        for set in Set::ALL {
             for kind in Kind::ALL {
-                let mine = all.iter().filter(|c| c.half() == half && c.family.kind() == kind);
+                let mine = all.iter().filter(|c| c.set() == set && c.family.kind() == kind);
                 let families: BTreeSet<Family> = mine.map(|c| c.family).collect();
-                assert!(families.len() >= 2, "{half} {kind}: {families:?}");
+                assert!(families.len() >= 2, "{set} {kind}: {families:?}");
             }
             for &triangulation in &Triangulation::ALL {
-                assert!(all.iter().any(|c| c.half() == half && c.triangulation == triangulation));
+                assert!(all.iter().any(|c| c.set() == set && c.triangulation == triangulation));
             }
         }
         for family in Family::ALL {

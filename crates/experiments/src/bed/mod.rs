@@ -2,9 +2,10 @@
 //! truth, the best that published methods reach on them, and how a denoiser
 //! compares.
 //!
-//! Families of bodies, not cases, are divided into two halves. What is chosen
+//! Families of bodies, not cases, are divided into three sets. What is chosen
 //! by looking at results (constants, weights, candidates) is chosen on
-//! [`Half::Development`]; the other half is only reported.
+//! [`Set::Development`]; the others are only reported. [`Set::Fresh`] was made
+//! when everything had been chosen.
 //!
 //! Every case is made from seeds, the same on every processor.
 
@@ -15,7 +16,7 @@ mod published;
 mod table;
 mod tune;
 
-pub use cases::{Case, Half, cases, half_of};
+pub use cases::{Case, Set, cases, set_of};
 pub use measure::{Found, Summary, committed, found, summary, written};
 pub use pairs::{PAIR_NAMES, Pair, pairs};
 pub use published::{Method, Setting, denoiser};

@@ -13,6 +13,17 @@ pub(super) fn extrude(
     top: impl Fn([f64; 2]) -> f64,
     rings: &[Curve],
 ) {
+    extrude_with(solid, outlines, bottom, top, &[vec![], rings.to_vec()]);
+}
+
+/// The same, with the borders of further holes in the floor and in the lid.
+pub(super) fn extrude_with(
+    solid: &mut Solid,
+    outlines: &[Vec<Piece>],
+    bottom: impl Fn([f64; 2]) -> f64,
+    top: impl Fn([f64; 2]) -> f64,
+    [below, above]: &[Vec<Curve>; 2],
+) {
     let lower = |p: [f64; 2]| [p[0], p[1], bottom(p)];
     let upper = |p: [f64; 2]| [p[0], p[1], top(p)];
     let (mut floor, mut lid) = (vec![], vec![]);
@@ -28,7 +39,8 @@ pub(super) fn extrude(
     };
     let upwards =
         Chart { to_plane: Box::new(|p| [p[0], p[1]]), to_space: Box::new(upper), isometric: false };
-    lid.extend_from_slice(rings);
+    floor.extend_from_slice(below);
+    lid.extend_from_slice(above);
     solid.face(&floor.iter().map(|b| reversed(b)).collect::<Vec<_>>(), &downwards);
     solid.face(&lid, &upwards);
 }

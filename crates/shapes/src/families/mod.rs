@@ -23,6 +23,8 @@ mod bodies;
 mod curved;
 mod detailed;
 mod extrude;
+mod fresh_creased;
+mod fresh_smooth;
 mod planar;
 mod polyhedron;
 mod random;
@@ -172,7 +174,8 @@ macro_rules! families {
         }
 
         impl Family {
-            /// All families, those of a kind together.
+            /// All families. Those of a kind are together, but for the ten last ones, which are
+            /// together in turn.
             pub const ALL: &'static [Self] = &[$(Self::$family),*];
 
             /// The name in tables.
@@ -247,6 +250,26 @@ families! {
     Channel Thin "channel" sheets::channel,
     /// An open shell with a jagged border.
     Shell Thin "shell" sheets::shell,
+    /// A house: roofs of slopes of 12° and more that meet in valleys, and a chimney.
+    House Planar "house" fresh_creased::house,
+    /// A tower of turned storeys, whose triangles fold inwards and outwards.
+    Tower Planar "tower" fresh_creased::tower,
+    /// A bolt: a hexagonal head that a cone chamfers, a shank with a fillet and a groove.
+    Bolt Curved "bolt" fresh_creased::bolt,
+    /// A cube with spherical sides, one of them hollow.
+    Cushion Curved "cushion" fresh_creased::cushion,
+    /// A vase with lobes that wind around it.
+    Vase Smooth "vase" fresh_smooth::vase,
+    /// A plate with two or three holes, round everywhere.
+    Pretzel Smooth "pretzel" fresh_smooth::pretzel,
+    /// A fluted column with mouldings.
+    Fluted Detailed "fluted" fresh_smooth::fluted,
+    /// A tyre with a tread.
+    Tyre Detailed "tyre" fresh_smooth::tyre,
+    /// A flat ring with a ruffled border.
+    Ruffle Thin "ruffle" fresh_smooth::ruffle,
+    /// A bowl about an edge thick.
+    Bowl Thin "bowl" fresh_smooth::bowl,
 }
 
 fairing_mesh::named!(Family, "family");

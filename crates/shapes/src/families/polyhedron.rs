@@ -85,7 +85,7 @@ pub(super) fn convex(planes: &[([f64; 3], f64)], least: f64) -> Option<Polyhedro
 }
 
 /// Where three planes meet; `None` if they are nearly dependent.
-fn meeting([(a, d), (b, e), (c, f)]: [([f64; 3], f64); 3]) -> Option<[f64; 3]> {
+pub(super) fn meeting([(a, d), (b, e), (c, f)]: [([f64; 3], f64); 3]) -> Option<[f64; 3]> {
     let determinant = dot(a, cross(b, c));
     if determinant.abs() < 1e-6 {
         return None;
