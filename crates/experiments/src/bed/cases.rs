@@ -12,8 +12,8 @@ pub enum Set {
     Development,
     /// Those that are only reported.
     Unseen,
-    /// Those that were made after the weights of the networks had been trained and all
-    /// constants chosen; nothing was chosen on them.
+    /// Those on which no result was known when the weights of the networks were trained and the
+    /// constants chosen.
     Fresh,
 }
 

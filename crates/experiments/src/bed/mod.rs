@@ -4,8 +4,8 @@
 //!
 //! Families of bodies, not cases, are divided into three sets. What is chosen
 //! by looking at results (constants, weights, candidates) is chosen on
-//! [`Set::Development`]; the others are only reported. [`Set::Fresh`] was made
-//! when everything had been chosen.
+//! [`Set::Development`]; the others are only reported. On [`Set::Fresh`] no
+//! result was known when anything was chosen.
 //!
 //! Every case is made from seeds, the same on every processor.
 

@@ -159,7 +159,7 @@ fn rows_of(table: &mut Table, set: Set, mine: &[(&Case, &Found)]) {
 fn sets_table() -> Table {
     Table::new(
         "sets",
-        "The sets of families. Constants are chosen on the development set alone; the fresh families were made after all had been chosen. Flipped faces oppose the truth. Volumes are compared with that of the truth, and with that of the noisy mesh, which noise alone changes.",
+        "The sets of families. Constants are chosen on the development set alone; on the fresh families no result was known when anything was chosen. Flipped faces oppose the truth. Volumes are compared with that of the truth, and with that of the noisy mesh, which noise alone changes.",
         &[
             ("set", Unit::Label),
             ("cases", Unit::Count),
@@ -282,7 +282,7 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Option<Judgement>> {
         _ => Verdict::Qualified,
     };
     let reason = format!(
-        "On {} cases of unseen families, which no constant was chosen on, {}. On {} cases of fresh families, which were made after everything had been chosen, {}.",
+        "On {} cases of unseen families, which no constant was chosen on, {}. On {} cases of fresh families, on which no result was known when anything was chosen, {}.",
         unseen.cases,
         unseen.text(),
         fresh.cases,
