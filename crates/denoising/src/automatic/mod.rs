@@ -87,7 +87,7 @@ impl Automatic {
 ///    A small network sees them in axes that turn with the mesh, together with
 ///    numbers such as the residuals of the fits over σ̂, and answers with a
 ///    positive weight for each. The new normal is the weighted mean, turned by at
-///    most their weighted spread. The networks are trained on generated
+///    most the spread of the candidates. The networks are trained on generated
 ///    bodies (`cargo xtask train`) and part of this crate.
 /// 3. Faces that lie in one plane, which ends at creases, get the normal of a plane
 ///    fitted to all their noisy vertices.

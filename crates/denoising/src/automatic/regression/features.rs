@@ -5,7 +5,6 @@ use fairing_mesh::vec3::{add, cross, distance, dot, norm, scale, sub};
 use pulp::NullaryFnOnce;
 
 use super::fits::{LocalFit, log2, moments, read_fit};
-use super::wide::range_of;
 use crate::faces::{FaceShapes, Hinges, Marks, NO_HINGE, unit_or_zero};
 
 /// The radii of neighbourhoods, in local scales.
@@ -31,6 +30,9 @@ const FIT_OF_RANGE: [usize; RANGES] = [2, 1, 1, 4];
 const SEEN_FITS: [usize; 2] = [0, 3];
 
 const MEANS: usize = RADII.len() * RANGES;
+
+/// The range of each mean over a wide region.
+pub(super) const WIDE_RANGES: [usize; WIDE] = [0, 1, 0, 1, 0, 1];
 
 /// How many means over wide regions there are.
 pub(crate) const WIDE: usize = 6;
@@ -74,8 +76,6 @@ pub(crate) struct Seen {
     pub(crate) frame: [[f64; 3]; 3],
     /// The point of the surface at the face.
     pub(crate) anchor: [f64; 3],
-    /// What the normal of the flat face is more than that of the smooth surface.
-    pub(crate) turn: [f64; 3],
     /// log₂ of the residuals of two fits over σ: that of similar normals and that of all.
     pub(crate) residuals: [f64; 2],
 }
@@ -93,8 +93,6 @@ pub(crate) struct State<'a> {
     pub(crate) current: &'a FaceShapes,
     /// The present normals.
     pub(crate) normals: &'a [[f64; 3]],
-    /// The normals of the smooth surface at the faces: the present ones without the turn to flat faces.
-    pub(crate) smooth: &'a [[f64; 3]],
     /// A point of the surface at each face, from a local fit.
     pub(crate) anchors: &'a [[f64; 3]],
     /// The weight of the position of each face.
@@ -238,7 +236,7 @@ impl<'a> Gatherer<'a> {
             displacement: 0.0,
             offsets: [0.0; RADII.len()],
         };
-        let n = state.smooth[f];
+        let n = state.normals[f];
         let axes = tangents(n);
         let centre = state.current.centroids[f];
         let inverse = 1.0 / state.scales[f];
@@ -248,7 +246,7 @@ impl<'a> Gatherer<'a> {
             let g = g as usize;
             let offset = scale(sub(state.current.centroids[g], centre), inverse);
             let d = dot(offset, offset);
-            let m = state.smooth[g];
+            let m = state.normals[g];
             let apart = sub(m, n);
             let range = similarities(dot(apart, apart), ranges);
             let area = state.current.areas[g];
@@ -328,13 +326,13 @@ pub(in crate::automatic) fn tangents(n: [f64; 3]) -> [[f64; 3]; 2] {
 }
 
 fn sample(state: &State<'_>, wide: &[Vec<[f64; 3]>; WIDE], f: usize, sums: &Sums) -> Seen {
-    let (present, n) = (state.normals[f], state.smooth[f]);
+    let n = state.normals[f];
     let axes = tangents(n);
     let s = state.scales[f];
-    let mut all = [present; CANDIDATES];
+    let mut all = [n; CANDIDATES];
     let or_present = |v: [f64; 3]| {
         let unit = unit_or_zero(v);
-        if unit == [0.0; 3] { present } else { unit }
+        if unit == [0.0; 3] { n } else { unit }
     };
     let centre = state.current.centroids[f];
     let corners = state.surface.triangle(f).map(|p| {
@@ -366,7 +364,7 @@ fn sample(state: &State<'_>, wide: &[Vec<[f64; 3]>; WIDE], f: usize, sums: &Sums
     all[single] = or_present(state.noisy.normals[f]);
     all[single + 1] = or_present(state.current.normals[f]);
     for (k, normals) in wide.iter().enumerate() {
-        all[CANDIDATES - WIDE + k] = of_face(normals[f], range_of(k));
+        all[CANDIDATES - WIDE + k] = of_face(normals[f], WIDE_RANGES[k]);
     }
     let beside = across_sorted(state, f);
     for (k, &g) in beside.iter().enumerate() {
@@ -394,8 +392,7 @@ fn sample(state: &State<'_>, wide: &[Vec<[f64; 3]>; WIDE], f: usize, sums: &Sums
         *slot = x as f32;
     }
     let residuals = SEEN_FITS.map(|k| of_fits[k][0]);
-    let turn = turns[FIT_OF_RANGE[1]];
-    Seen { sample: Sample { inputs, spread: spread as f32 }, frame, anchor, turn, residuals }
+    Seen { sample: Sample { inputs, spread: spread as f32 }, frame, anchor, residuals }
 }
 
 /// The faces across the hinges of a face, that with the closest normal first;

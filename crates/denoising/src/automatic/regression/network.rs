@@ -144,11 +144,8 @@ pub(crate) fn weight(z: f32) -> f32 {
     phi * phi
 }
 
-/// The largest turn by the last two outputs, in spreads of the weighted candidates.
+/// The largest turn by the last two outputs, in spreads of the candidates.
 const TURN: f32 = 1.0;
-
-/// The least spread of weighted candidates: 10⁻⁵ radians.
-const LEAST_SPREAD: f32 = 1e-5;
 
 /// `t/√(1 + t²)` times the largest turn, and its derivative.
 #[inline]
@@ -157,21 +154,9 @@ pub(crate) fn turn(t: f32) -> (f32, f32) {
     (TURN * t * inverse, TURN * inverse * inverse * inverse)
 }
 
-/// What the outputs make of the candidates, in the frame of the sample.
-pub(crate) struct Combined {
-    /// The weighted mean of the candidates.
-    pub(crate) mean: [f32; 3],
-    /// The sum of the weights.
-    pub(crate) total: f32,
-    /// The weighted root mean square distance of the candidates from their mean: small where those that count agree,
-    /// however far the others are.
-    pub(crate) spread: f32,
-    /// The mean, turned; not of unit length.
-    pub(crate) turned: [f32; 3],
-}
-
-/// The weighted mean of the candidates, turned by at most their weighted spread.
-pub(crate) fn combine(sample: &Sample, outputs: &[f32; OUTPUTS]) -> Combined {
+/// The weighted mean of the candidates, turned; in the frame of the sample, not
+/// of unit length. Also the sum of the weights.
+pub(crate) fn combine(sample: &Sample, outputs: &[f32; OUTPUTS]) -> ([f32; 3], f32) {
     let (mut sum, mut total) = ([0.0f32; 3], 0.0f32);
     for (k, &z) in outputs[..CANDIDATES].iter().enumerate() {
         let w = weight(z);
@@ -180,20 +165,8 @@ pub(crate) fn combine(sample: &Sample, outputs: &[f32; OUTPUTS]) -> Combined {
         }
         total += w;
     }
-    let mean = sum.map(|s| s / total);
-    let mut squares = 0.0f32;
-    for (k, &z) in outputs[..CANDIDATES].iter().enumerate() {
-        squares += weight(z) * square_distance(sample.candidate(k), mean);
-    }
-    let spread = (squares / total + LEAST_SPREAD * LEAST_SPREAD).sqrt();
-    let mut turned = mean;
-    turned[0] += spread * turn(outputs[CANDIDATES]).0;
-    turned[1] += spread * turn(outputs[CANDIDATES + 1]).0;
-    Combined { mean, total, spread, turned }
-}
-
-/// The squared distance.
-pub(crate) fn square_distance(a: [f32; 3], b: [f32; 3]) -> f32 {
-    let d = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
-    d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
+    let mut mean = sum.map(|s| s / total);
+    mean[0] += sample.spread * turn(outputs[CANDIDATES]).0;
+    mean[1] += sample.spread * turn(outputs[CANDIDATES + 1]).0;
+    (mean, total)
 }

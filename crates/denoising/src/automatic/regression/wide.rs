@@ -3,7 +3,7 @@
 use fairing_mesh::vec3::{add, scale, sub};
 use rayon::prelude::*;
 
-use super::features::{State, WIDE};
+use super::features::{State, WIDE, WIDE_RANGES};
 use crate::faces::unit_or_zero;
 
 /// For each diffusion: the range of differences between normals, the strength t, and the steps.
@@ -13,13 +13,16 @@ const DIFFUSIONS: [(usize, f64, usize); 4] =
 /// The first of the diffusions that are also sharpened.
 const SHARPENED_FROM: usize = 2;
 
-const _: () = assert!(WIDE == 2 * DIFFUSIONS.len() - SHARPENED_FROM);
-
-/// The range of differences between normals that a wide mean goes with.
-pub(super) fn range_of(mean: usize) -> usize {
-    let plain = DIFFUSIONS.len();
-    DIFFUSIONS[if mean < plain { mean } else { mean - plain + SHARPENED_FROM }].0
-}
+const _: () = {
+    assert!(WIDE == 2 * DIFFUSIONS.len() - SHARPENED_FROM);
+    let mut k = 0;
+    while k < DIFFUSIONS.len() {
+        assert!(WIDE_RANGES[k] == DIFFUSIONS[k].0);
+        let sharpened = k + WIDE - DIFFUSIONS.len();
+        assert!(k < SHARPENED_FROM || WIDE_RANGES[sharpened] == DIFFUSIONS[k].0);
+        k += 1;
+    }
+};
 
 /// Faces that a thread takes at least: a step takes little time.
 const AT_LEAST: usize = 2048;
@@ -39,7 +42,7 @@ pub(crate) fn wide_means(state: &State<'_>) -> [Vec<[f64; 3]>; WIDE] {
     let (mut plain, mut sharpened) = (vec![], vec![]);
     for (k, (range, strength, steps)) in DIFFUSIONS.into_iter().enumerate() {
         let diffusion = Diffusion::new(state, range, strength);
-        let mut x = state.smooth.to_vec();
+        let mut x = state.normals.to_vec();
         diffusion.solve(&mut x, steps);
         plain.push(units(&x));
         if k >= SHARPENED_FROM {
@@ -77,7 +80,7 @@ impl Diffusion {
         let weights: Vec<f64> = (state.hinges.all.par_iter())
             .map(|hinge| {
                 let [f, g] = hinge.faces.map(|f| f as usize);
-                let (m, n) = (state.smooth[f], state.smooth[g]);
+                let (m, n) = (state.normals[f], state.normals[g]);
                 if m == [0.0; 3] || n == [0.0; 3] {
                     return 0.0;
                 }
@@ -173,7 +176,7 @@ mod tests {
         let all = wide_means(&state);
         for (k, (range, strength, steps)) in DIFFUSIONS.into_iter().enumerate() {
             let solved = |steps| {
-                let mut x = state.smooth.to_vec();
+                let mut x = state.normals.to_vec();
                 Diffusion::new(&state, range, strength).solve(&mut x, steps);
                 x.into_iter().map(unit_or_zero).collect::<Vec<_>>()
             };
