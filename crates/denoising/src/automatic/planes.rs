@@ -526,7 +526,7 @@ mod tests {
     fn shallow_creases_are_found_from_afar() {
         let flat = shapes::plane(40, 40, shapes::Diagonals::Alternating);
         let middle = 0.5 * flat.positions().iter().fold(0.0, |most: f64, p| most.max(p[0]));
-        let tilt = 3.0f64.to_radians().tan();
+        let tilt = libm::tan(3.0f64.to_radians());
         let roof = flat.positions().iter().map(|&[x, y, _]| [x, y, -tilt * (x - middle).abs()]);
         let truth = flat.with_positions(roof.collect()).unwrap();
         let noisy = shapes::jittered(&truth, 0.25, 5, |p| p);

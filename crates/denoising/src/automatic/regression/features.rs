@@ -325,15 +325,63 @@ pub(in crate::automatic) fn tangents(n: [f64; 3]) -> [[f64; 3]; 2] {
     [first, cross(n, first)]
 }
 
-fn sample(state: &State<'_>, wide: &[Vec<[f64; 3]>; WIDE], f: usize, sums: &Sums) -> Seen {
+/// The candidates for the normal of a face, and what its fits say.
+struct Candidates {
+    all: [[f64; 3]; CANDIDATES],
+    of_fits: [[f64; 3]; FITS.len()],
+    anchor: [f64; 3],
+}
+
+impl Candidates {
+    fn new(
+        state: &State<'_>,
+        wide: &[Vec<[f64; 3]>; WIDE],
+        f: usize,
+        sums: &Sums,
+        beside: [usize; 3],
+    ) -> Self {
+        let n = state.normals[f];
+        let mut all = [n; CANDIDATES];
+        let or_present = |v: [f64; 3]| unit_or(v, n);
+        let (of_fits, turns, anchor) = read_fits(state, f, sums, &mut all);
+        // Means of normals are close to normals of the smooth surface at the centroid. Those of flat faces
+        // differ from them by a turn.
+        let of_face =
+            |v: [f64; 3], range: usize| or_present(add(or_present(v), turns[FIT_OF_RANGE[range]]));
+        for k in 0..MEANS {
+            all[k] = of_face(sums.noisy(k), k % RANGES);
+            all[MEANS + k] = of_face(sums.present(k), k % RANGES);
+        }
+        let single = 2 * MEANS + 2 * FITS.len();
+        all[single] = or_present(state.noisy.normals[f]);
+        all[single + 1] = or_present(state.current.normals[f]);
+        for (k, normals) in wide.iter().enumerate() {
+            all[CANDIDATES - WIDE + k] = of_face(normals[f], WIDE_RANGES[k]);
+        }
+        for (k, &g) in beside.iter().enumerate() {
+            all[single + 3 + k] = state.normals[g];
+        }
+        Self { all, of_fits, anchor }
+    }
+}
+
+/// The unit vector along `v`, or `other` where it has no length.
+fn unit_or(v: [f64; 3], other: [f64; 3]) -> [f64; 3] {
+    let unit = unit_or_zero(v);
+    if unit == [0.0; 3] { other } else { unit }
+}
+
+/// The numbers of the fits, the turns from the smooth surface to the flat face, and the point of the
+/// surface; the normals become candidates.
+fn read_fits(
+    state: &State<'_>,
+    f: usize,
+    sums: &Sums,
+    all: &mut [[f64; 3]; CANDIDATES],
+) -> ([[f64; 3]; FITS.len()], [[f64; 3]; FITS.len()], [f64; 3]) {
     let n = state.normals[f];
     let axes = tangents(n);
     let s = state.scales[f];
-    let mut all = [n; CANDIDATES];
-    let or_present = |v: [f64; 3]| {
-        let unit = unit_or_zero(v);
-        if unit == [0.0; 3] { n } else { unit }
-    };
     let centre = state.current.centroids[f];
     let corners = state.surface.triangle(f).map(|p| {
         let offset = scale(sub(p, centre), 1.0 / s);
@@ -344,34 +392,22 @@ fn sample(state: &State<'_>, wide: &[Vec<[f64; 3]>; WIDE], f: usize, sums: &Sums
     let mut anchor = centre;
     for (k, fit) in sums.fits.iter().enumerate() {
         let found = read_fit(fit, n, axes, corners, state.sigma / s);
-        all[2 * MEANS + 2 * k] = or_present(found.normals[0]);
-        all[2 * MEANS + 2 * k + 1] = or_present(add(found.normals[1], found.turn));
+        all[2 * MEANS + 2 * k] = unit_or(found.normals[0], n);
+        all[2 * MEANS + 2 * k + 1] = unit_or(add(found.normals[1], found.turn), n);
         of_fits[k] = found.numbers;
         turns[k] = found.turn;
         if k == 0 {
             anchor = add(centre, scale(n, found.height.clamp(-3.0, 3.0) * s));
         }
     }
-    // Means of normals are close to normals of the smooth surface at the centroid. Those of flat faces
-    // differ from them by a turn.
-    let of_face =
-        |v: [f64; 3], range: usize| or_present(add(or_present(v), turns[FIT_OF_RANGE[range]]));
-    for k in 0..MEANS {
-        all[k] = of_face(sums.noisy(k), k % RANGES);
-        all[MEANS + k] = of_face(sums.present(k), k % RANGES);
-    }
-    let single = 2 * MEANS + 2 * FITS.len();
-    all[single] = or_present(state.noisy.normals[f]);
-    all[single + 1] = or_present(state.current.normals[f]);
-    for (k, normals) in wide.iter().enumerate() {
-        all[CANDIDATES - WIDE + k] = of_face(normals[f], WIDE_RANGES[k]);
-    }
+    (of_fits, turns, anchor)
+}
+
+fn sample(state: &State<'_>, wide: &[Vec<[f64; 3]>; WIDE], f: usize, sums: &Sums) -> Seen {
     let beside = across_sorted(state, f);
-    for (k, &g) in beside.iter().enumerate() {
-        all[single + 3 + k] = state.normals[g];
-    }
+    let Candidates { all, of_fits, anchor } = Candidates::new(state, wide, f, sums, beside);
     let sum = all.iter().fold([0.0; 3], |s, &c| add(s, c));
-    let up = or_present(sum);
+    let up = unit_or(sum, state.normals[f]);
     // The candidate that sees furthest fixes the signs of the axes.
     let frame = frame(up, &sums.tensors[0], all[(RADII.len() - 1) * RANGES + RANGES - 1]);
     let mut local = [[0.0; 3]; CANDIDATES];
