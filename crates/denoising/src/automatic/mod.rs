@@ -7,6 +7,7 @@ mod planes;
 pub(crate) mod regression;
 mod relabel;
 mod safety;
+mod spikes;
 mod surface;
 
 use fairing_mesh::TriMesh;
@@ -24,6 +25,7 @@ use regression::model::Model;
 use regression::{FAR, regress};
 use relabel::relabel;
 use safety::without_flips;
+use spikes::without_spikes;
 use surface::face_kinds;
 
 pub use surface::FaceKind;
@@ -97,6 +99,9 @@ impl Automatic {
 ///
 /// Where all candidates agree the network changes nothing: planes stay planes.
 ///
+/// Under impulsive noise, where at least 1 % of the vertices are spikes, more than 15 σ̂ from the plane of their neighbours and
+/// three times as far as each of these, spikes are first put into that plane.
+///
 /// Connected parts whose noise differs by more than a factor of four are
 /// denoised apart ([`noisy_parts`]), each group as a mesh of its own: a clean
 /// part does not change, and does not reduce the smoothing of a noisy one.
@@ -105,7 +110,7 @@ impl Automatic {
 /// alike; a closed part so keeps its volume.
 ///
 /// No vertex moves further than five times the larger of σ̂ and the root mean
-/// square displacement ([`Automatic::limit`]). Isolated vertices stay; borders
+/// square displacement, and the height of the highest spike ([`Automatic::limit`]). Isolated vertices stay; borders
 /// move with their faces; nothing is compared across edges with one, three or
 /// more faces or a flip of orientation. A mesh whose noise level is undefined or
 /// below 10⁻⁷ h is returned unchanged. Moves with the mesh under rotation,
@@ -163,6 +168,17 @@ fn denoise_alike(mesh: &TriMesh, level: NoiseEstimate) -> Result<(TriMesh, f64),
     if level.sigma <= LEAST_NOISE * mesh.mean_edge_length() {
         return Ok((mesh.clone(), 0.0));
     }
+    if level.is_impulsive()
+        && let Some((mesh, level, farthest)) = without_spikes(mesh, level)?
+    {
+        let (moved, limit) = denoise_even(&mesh, level)?;
+        return Ok((moved, limit + farthest));
+    }
+    denoise_even(mesh, level)
+}
+
+/// Denoises a mesh whose noise has one level and no spikes.
+fn denoise_even(mesh: &TriMesh, level: NoiseEstimate) -> Result<(TriMesh, f64), DenoiseError> {
     let model = Model::released().ok_or(DenoiseError::Model)?;
     let hinges = Hinges::new(mesh);
     let rings = FaceLists::rings(mesh);

@@ -1,0 +1,149 @@
+//! Vertices far from everything around them.
+
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{add, cross, dot, norm, scale, sub};
+use fairing_operators::{NoiseEstimate, noise_level};
+
+use crate::DenoiseError;
+use crate::rebuild::rebuild;
+
+/// How far a spike is from its neighbours, in noise levels: farther than impulses that the networks
+/// were trained on.
+const FAR: f64 = 15.0;
+
+/// The height of a spike's highest neighbour on the same side, as a share of its own.
+const ALONE: f64 = 1.0 / 3.0;
+
+/// The least share of vertices that are spikes: fewer may be tips.
+const LEAST_SHARE: f64 = 0.01;
+
+/// Rounds; spikes beside others, and smaller ones, come out in later ones.
+const ROUNDS: usize = 4;
+
+/// The mesh with its spikes at the height of their neighbours, its noise level then, and how far a
+/// spike was moved at most; `None` where spikes are no more than tips.
+///
+/// A spike is a vertex whose height over the plane of its neighbours is above [`FAR`] noise levels, and above
+/// three times that of each neighbour on the same side: along creases and on curved surfaces neighbours are as high.
+///
+/// # Errors
+///
+/// [`DenoiseError::NonFinite`] if coordinates overflow.
+pub(super) fn without_spikes(
+    mesh: &TriMesh,
+    level: NoiseEstimate,
+) -> Result<Option<(TriMesh, NoiseEstimate, f64)>, DenoiseError> {
+    let (mut found, mut farthest) = (None, 0.0f64);
+    let (mut current, mut level) = (mesh.clone(), level);
+    for _ in 0..ROUNDS {
+        let heights = heights(&current);
+        let spikes: Vec<u32> = (0..current.vertex_count() as u32)
+            .filter(|&v| is_spike(&current, &heights, v, FAR * level.sigma))
+            .collect();
+        let share = spikes.len() as f64 / current.vertex_count().max(1) as f64;
+        if spikes.is_empty() || (found.is_none() && share < LEAST_SHARE) {
+            break;
+        }
+        let mut positions = current.positions().to_vec();
+        for v in spikes {
+            let (height, up) = heights[v as usize];
+            positions[v as usize] = sub(positions[v as usize], scale(up, height));
+            farthest = farthest.max(height.abs());
+        }
+        current = rebuild(&current, positions)?;
+        let Some(next) = noise_level(&current).filter(|l| l.sigma > 0.0) else { break };
+        level = next;
+        found = Some((current.clone(), level));
+    }
+    Ok(found.map(|(mesh, level)| (mesh, level, farthest)))
+}
+
+/// The height of each inner vertex over the plane of its neighbours, and that plane's normal: the area vector of the polygon
+/// of the neighbours, through their mean. Zero for vertices on borders.
+fn heights(mesh: &TriMesh) -> Vec<(f64, [f64; 3])> {
+    let topology = mesh.topology();
+    let incidence = mesh.incidence();
+    let (positions, faces) = (mesh.positions(), mesh.faces());
+    (0..mesh.vertex_count() as u32)
+        .map(|v| {
+            let (ring, corners) = (topology.neighbors(v), incidence.corners(v));
+            if ring.len() < 3 || corners.len() != ring.len() {
+                return (0.0, [0.0; 3]);
+            }
+            let x = positions[v as usize];
+            let mut sum = [0.0; 3];
+            for &c in corners {
+                let (f, k) = (c as usize / 3, c as usize % 3);
+                let [p, q] = [1, 2].map(|i| positions[faces[f][(k + i) % 3] as usize]);
+                // Over a closed polygon the sum does not depend on x.
+                sum = add(sum, cross(sub(p, x), sub(q, x)));
+            }
+            let length = norm(sum);
+            if length <= 0.0 {
+                return (0.0, [0.0; 3]);
+            }
+            let up = scale(sum, 1.0 / length);
+            let mean = ring.iter().fold([0.0; 3], |s, &w| add(s, positions[w as usize]));
+            (dot(up, sub(x, scale(mean, 1.0 / ring.len() as f64))), up)
+        })
+        .collect()
+}
+
+fn is_spike(mesh: &TriMesh, heights: &[(f64, [f64; 3])], v: u32, least: f64) -> bool {
+    let height = heights[v as usize].0;
+    height.abs() > least
+        && mesh.topology().neighbors(v).iter().all(|&w| {
+            let other = heights[w as usize].0;
+            other * height <= 0.0 || other.abs() < ALONE * height.abs()
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use fairing_mesh::vec3::distance;
+    use fairing_shapes as shapes;
+
+    use super::*;
+
+    /// Each 25th vertex of a sphere is lifted by an edge or more: they return to the surface, and nothing else moves.
+    #[test]
+    fn spikes_return_to_the_surface() {
+        let truth = shapes::icosphere(4);
+        let noisy = shapes::jittered(&truth, 0.02, 3, |p| p);
+        let h = noisy.mean_edge_length();
+        let mut positions = noisy.positions().to_vec();
+        for v in (0..positions.len()).step_by(25) {
+            positions[v] = scale(positions[v], 1.0 + h * (1.0 + (v % 3) as f64));
+        }
+        let input = noisy.with_positions(positions).unwrap();
+        let level = noise_level(&input).unwrap();
+        let (found, after, farthest) = without_spikes(&input, level).unwrap().unwrap();
+        assert!(after.sigma < 0.5 * level.sigma + 0.05 * h, "{} {}", after.sigma, level.sigma);
+        assert!((2.5 * h..4.0 * h).contains(&farthest), "{} h", farthest / h);
+        let (mut back, mut all) = (0, 0);
+        for (v, (&p, &q)) in found.positions().iter().zip(noisy.positions()).enumerate() {
+            if v % 25 == 0 {
+                (back, all) = (back + usize::from(distance(p, q) < 0.3 * h), all + 1);
+            } else {
+                assert!(p == q, "vertex {v}: {} h", distance(p, q) / h);
+            }
+        }
+        // Two that are neighbours and alike stay.
+        assert!(back * 10 > all * 9, "{back} of {all}");
+    }
+
+    /// Creases, corners and tips are none, at any noise.
+    #[test]
+    fn corners_are_no_spikes() {
+        let cube = shapes::cube(10, shapes::Diagonals::Alternating);
+        let block = shapes::cad_block(0.1);
+        for truth in [cube, block] {
+            for amount in [0.001, 0.02, 0.2] {
+                let noisy = shapes::jittered(&truth, amount, 3, |p| p);
+                if let Some(level) = noise_level(&noisy) {
+                    assert!(without_spikes(&noisy, level).unwrap().is_none(), "{amount}");
+                }
+            }
+        }
+    }
+}
