@@ -99,8 +99,8 @@ impl Automatic {
 ///
 /// Where all candidates agree the network changes nothing: planes stay planes.
 ///
-/// Under impulsive noise, where at least 1 % of the vertices are spikes, more than 15 σ̂ from the plane of their neighbours and
-/// three times as far as each of these, spikes are first put into that plane.
+/// Under impulsive noise, where at least 1 % of the vertices are spikes, more than 15 σ̂ and a quarter of an edge from the
+/// plane of their neighbours and three times as far as each of these, spikes are first put into that plane.
 ///
 /// Connected parts whose noise differs by more than a factor of four are
 /// denoised apart ([`noisy_parts`]), each group as a mesh of its own: a clean
@@ -171,6 +171,9 @@ fn denoise_alike(mesh: &TriMesh, level: NoiseEstimate) -> Result<(TriMesh, f64),
     if level.is_impulsive()
         && let Some((mesh, level, farthest)) = without_spikes(mesh, level)?
     {
+        if level.sigma <= LEAST_NOISE * mesh.mean_edge_length() {
+            return Ok((mesh, farthest));
+        }
         let (moved, limit) = denoise_even(&mesh, level)?;
         return Ok((moved, limit + farthest));
     }

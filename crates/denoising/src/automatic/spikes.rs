@@ -1,7 +1,7 @@
 //! Vertices far from everything around them.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, cross, dot, norm, scale, sub};
+use fairing_mesh::vec3::{add, cross, distance, dot, norm, scale, sub};
 use fairing_operators::{NoiseEstimate, noise_level};
 
 use crate::DenoiseError;
@@ -10,6 +10,9 @@ use crate::rebuild::rebuild;
 /// How far a spike is from its neighbours, in noise levels: farther than impulses that the networks
 /// were trained on.
 const FAR: f64 = 15.0;
+
+/// The least height of a spike, as a share of the mean distance of its neighbours: less can be curvature.
+const STEEP: f64 = 0.25;
 
 /// The height of a spike's highest neighbour on the same side, as a share of its own.
 const ALONE: f64 = 1.0 / 3.0;
@@ -23,8 +26,9 @@ const ROUNDS: usize = 4;
 /// The mesh with its spikes at the height of their neighbours, its noise level then, and how far a
 /// spike was moved at most; `None` where spikes are no more than tips.
 ///
-/// A spike is a vertex whose height over the plane of its neighbours is above [`FAR`] noise levels, and above
-/// three times that of each neighbour on the same side: along creases and on curved surfaces neighbours are as high.
+/// A spike is a vertex whose height over the plane of its neighbours is above [`FAR`] noise levels, above a quarter of their
+/// distance, and above three times the height of each neighbour on the same side: along creases and on curved surfaces
+/// neighbours are as high. Without noise nothing is one.
 ///
 /// # Errors
 ///
@@ -46,21 +50,37 @@ pub(super) fn without_spikes(
         }
         let mut positions = current.positions().to_vec();
         for v in spikes {
-            let (height, up) = heights[v as usize];
+            let Height { height, up, .. } = heights[v as usize];
             positions[v as usize] = sub(positions[v as usize], scale(up, height));
             farthest = farthest.max(height.abs());
         }
         current = rebuild(&current, positions)?;
-        let Some(next) = noise_level(&current).filter(|l| l.sigma > 0.0) else { break };
-        level = next;
+        match noise_level(&current) {
+            Some(next) => level = next,
+            None => level.sigma = 0.0,
+        }
         found = Some((current.clone(), level));
+        if level.sigma <= 0.0 {
+            break;
+        }
     }
     Ok(found.map(|(mesh, level)| (mesh, level, farthest)))
 }
 
+/// A vertex over its neighbours.
+#[derive(Clone, Copy, Default)]
+struct Height {
+    /// Over their plane.
+    height: f64,
+    /// The normal of their plane.
+    up: [f64; 3],
+    /// Their mean distance from their mean.
+    reach: f64,
+}
+
 /// The height of each inner vertex over the plane of its neighbours, and that plane's normal: the area vector of the polygon
 /// of the neighbours, through their mean. Zero for vertices on borders.
-fn heights(mesh: &TriMesh) -> Vec<(f64, [f64; 3])> {
+fn heights(mesh: &TriMesh) -> Vec<Height> {
     let topology = mesh.topology();
     let incidence = mesh.incidence();
     let (positions, faces) = (mesh.positions(), mesh.faces());
@@ -68,7 +88,7 @@ fn heights(mesh: &TriMesh) -> Vec<(f64, [f64; 3])> {
         .map(|v| {
             let (ring, corners) = (topology.neighbors(v), incidence.corners(v));
             if ring.len() < 3 || corners.len() != ring.len() {
-                return (0.0, [0.0; 3]);
+                return Height::default();
             }
             let x = positions[v as usize];
             let mut sum = [0.0; 3];
@@ -80,27 +100,28 @@ fn heights(mesh: &TriMesh) -> Vec<(f64, [f64; 3])> {
             }
             let length = norm(sum);
             if length <= 0.0 {
-                return (0.0, [0.0; 3]);
+                return Height::default();
             }
             let up = scale(sum, 1.0 / length);
             let mean = ring.iter().fold([0.0; 3], |s, &w| add(s, positions[w as usize]));
-            (dot(up, sub(x, scale(mean, 1.0 / ring.len() as f64))), up)
+            let mean = scale(mean, 1.0 / ring.len() as f64);
+            let reach = ring.iter().map(|&w| distance(positions[w as usize], mean)).sum::<f64>();
+            Height { height: dot(up, sub(x, mean)), up, reach: reach / ring.len() as f64 }
         })
         .collect()
 }
 
-fn is_spike(mesh: &TriMesh, heights: &[(f64, [f64; 3])], v: u32, least: f64) -> bool {
-    let height = heights[v as usize].0;
-    height.abs() > least
+fn is_spike(mesh: &TriMesh, heights: &[Height], v: u32, least: f64) -> bool {
+    let Height { height, reach, .. } = heights[v as usize];
+    height.abs() > least.max(STEEP * reach)
         && mesh.topology().neighbors(v).iter().all(|&w| {
-            let other = heights[w as usize].0;
+            let other = heights[w as usize].height;
             other * height <= 0.0 || other.abs() < ALONE * height.abs()
         })
 }
 
 #[cfg(test)]
 mod tests {
-    use fairing_mesh::vec3::distance;
     use fairing_shapes as shapes;
 
     use super::*;
