@@ -13,6 +13,7 @@ pub struct Connectivity {
     faces: Arc<Vec<[u32; 3]>>,
     incidence: OnceLock<Arc<Incidence>>,
     topology: OnceLock<Topology>,
+    consistent: OnceLock<bool>,
 }
 
 impl Connectivity {
@@ -23,6 +24,7 @@ impl Connectivity {
             faces: Arc::new(faces),
             incidence: OnceLock::new(),
             topology: OnceLock::new(),
+            consistent: OnceLock::new(),
         }
     }
 
@@ -50,6 +52,16 @@ impl Connectivity {
                 Arc::clone(&self.faces),
                 Arc::clone(self.shared_incidence()),
             )
+        })
+    }
+
+    /// Whether the two faces of each edge that has two run through it in
+    /// opposite directions; computed at the first call, without a topology
+    /// where no two faces leave a vertex for the same neighbour.
+    pub fn is_consistent(&self) -> bool {
+        *self.consistent.get_or_init(|| {
+            (self.topology.get().is_none() && self.incidence().leaves_each_side_once())
+                || self.topology().orientation().is_consistent()
         })
     }
 

@@ -71,13 +71,20 @@ pub struct Diagnosis {
     pub nonmanifold_vertices: Tally,
     /// Edges whose two faces turn against each other.
     pub inconsistent_edges: Tally,
+    /// The faces that would have to be turned so that neighbours agree
+    /// ([`TriMesh::turned_faces`]).
+    pub turned_faces: Tally,
+    /// Boundary vertices at exactly the position of another one
+    /// ([`TriMesh::seam_vertices`]).
+    pub seam_vertices: usize,
     /// Lowest and highest corner of the bounding box; `None` without
     /// vertices.
     pub bounding_box: Option<[[f64; 3]; 2]>,
     /// Area, in squared mesh units.
     pub area: f64,
     /// Enclosed volume in cubed mesh units, negative where the faces turn
-    /// inside out; `None` unless closed and consistently oriented.
+    /// inside out; faces count as [oriented](TriMesh::oriented). `None` unless
+    /// closed and orientable.
     pub volume: Option<f64>,
     /// Shortest edge, in mesh units; zero without faces, as the next two.
     pub shortest_edge: f64,
@@ -134,9 +141,11 @@ impl Diagnosis {
             nonmanifold_edges: Tally::new(topology.nonmanifold_edges()),
             nonmanifold_vertices: Tally::new(topology.nonmanifold_vertices().iter().copied()),
             inconsistent_edges: Tally::new(orientation.inconsistent_edges().iter().copied()),
+            turned_faces: Tally::new(mesh.turned_faces()),
+            seam_vertices: mesh.seam_vertices(),
             bounding_box: mesh.bounding_box(),
             area: mesh.area(),
-            volume: (closed && orientation.is_consistent()).then(|| mesh.signed_volume()),
+            volume: (closed && orientation.is_orientable()).then(|| mesh.signed_volume()),
             shortest_edge: lengths.iter().copied().reduce(f64::min).unwrap_or(0.0),
             mean_edge: mesh.mean_edge_length(),
             longest_edge: lengths.iter().copied().fold(0.0, f64::max),

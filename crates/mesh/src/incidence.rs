@@ -2,6 +2,8 @@
 
 use std::sync::{Arc, OnceLock};
 
+use rayon::prelude::*;
+
 /// The corners at each vertex, in compressed rows.
 ///
 /// Corner `c` is corner `c % 3` of face `c / 3`. Within a vertex corners
@@ -64,8 +66,25 @@ impl Incidence {
     /// If there is no vertex `v`.
     #[inline]
     pub fn sides(&self, v: u32) -> &[[u32; 2]] {
-        let all = self.sides.get_or_init(|| self.sorted(|_, [a, b, c]| [[b, c], [c, a], [a, b]]));
-        &all[self.range(v)]
+        &self.all_sides()[self.range(v)]
+    }
+
+    /// Whether no two faces run from a vertex to the same neighbour.
+    pub(crate) fn leaves_each_side_once(&self) -> bool {
+        let all = self.all_sides();
+        (0..self.offsets.len() - 1).into_par_iter().with_min_len(4096).all(|v| {
+            let sides = &all[self.range(v as u32)];
+            if sides.len() > 16 {
+                let mut next: Vec<u32> = sides.iter().map(|side| side[0]).collect();
+                next.sort_unstable();
+                return next.windows(2).all(|w| w[0] != w[1]);
+            }
+            (1..sides.len()).all(|i| sides[..i].iter().all(|side| side[0] != sides[i][0]))
+        })
+    }
+
+    fn all_sides(&self) -> &[[u32; 2]] {
+        self.sides.get_or_init(|| self.sorted(|_, [a, b, c]| [[b, c], [c, a], [a, b]]))
     }
 
     #[inline]

@@ -42,6 +42,7 @@ pub mod io;
 mod measure;
 mod named;
 mod option_error;
+mod oriented;
 mod polygon;
 mod subdivide;
 mod topology;
@@ -49,6 +50,7 @@ mod trimesh;
 mod unit_scale;
 #[doc(hidden)]
 pub mod vec3;
+mod weld;
 
 pub use algorithm::{Algorithm, Choice, Kind, Parameter, ParameterError, Values, WeightedVertex};
 pub use build::BuildError;
@@ -65,3 +67,4 @@ pub use polygon::PolygonMesh;
 pub use subdivide::{subdivide_loop, subdivide_midpoint};
 pub use topology::{Components, Fan, Orientation, Topology};
 pub use trimesh::TriMesh;
+pub use weld::Welded;

@@ -22,14 +22,16 @@ impl TriMesh {
     /// ```
     ///
     /// over the faces `abc`, with `o` the middle of the bounding box, so that
-    /// a body far from the origin loses no digits. Positive where the faces
-    /// turn counter-clockwise seen from outside. Meaningful for a closed,
-    /// consistently oriented surface only: otherwise it depends on `o`.
+    /// a body far from the origin loses no digits. Faces count as
+    /// [oriented](Self::oriented). Positive where they turn counter-clockwise
+    /// seen from outside. Meaningful for a closed surface without
+    /// [one-sided](Self::one_sided_faces) parts only: otherwise it depends on `o`.
     pub fn signed_volume(&self) -> f64 {
         let Some([lo, hi]) = self.bounding_box() else { return 0.0 };
         let o = scale(add(lo, hi), 0.5);
-        self.sum_over_faces(|f| {
-            let [a, b, c] = self.triangle(f);
+        let mesh = self.oriented();
+        mesh.sum_over_faces(|f| {
+            let [a, b, c] = mesh.triangle(f);
             dot(sub(a, o), cross(sub(b, a), sub(c, a))) / 6.0
         })
     }

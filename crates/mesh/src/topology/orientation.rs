@@ -1,19 +1,28 @@
-//! Whether faces are oriented consistently.
+//! Orientation of neighbouring faces.
+
+use std::collections::VecDeque;
 
 use super::edges::EdgeTables;
 
-/// Which faces agree in orientation across the edges with exactly two faces.
-/// Edges with more faces impose nothing.
+/// Faces at an edge up to which those of an edge with more than two are compared: all pairs are.
+const MAX_SHEETS: usize = 8;
+
+/// Agreement in orientation of neighbouring faces.
+///
+/// Faces on the two sides of an edge agree if they run through it in opposite directions. Parts of
+/// the mesh are connected by edges with exactly two faces. Where more faces meet, two parts are
+/// joined only if they must belong together: by two faces with the same corners, or where all
+/// faces at the edge have one of two third corners.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Orientation {
     inconsistent_edges: Vec<u32>,
-    orientable: bool,
     flipped: Vec<bool>,
+    one_sided: Vec<bool>,
+    parts: Vec<u32>,
 }
 
 impl Orientation {
-    /// Spreads a turning sense over edges with two faces, component by
-    /// component; linear.
+    /// Spreads a turning sense over edges with two faces, part by part; linear.
     pub(super) fn new(faces: &[[u32; 3]], tables: &EdgeTables) -> Self {
         let inconsistent: Vec<bool> = (0..tables.edges.len())
             .map(|e| match *tables.faces_of(e) {
@@ -26,34 +35,31 @@ impl Orientation {
             .collect();
         let inconsistent_edges: Vec<u32> =
             (0..tables.edges.len() as u32).filter(|&e| inconsistent[e as usize]).collect();
-        let mut flipped = vec![false; faces.len()];
-        let mut orientable = true;
-        if !inconsistent_edges.is_empty() {
-            let mut seen = vec![false; faces.len()];
-            let mut stack = vec![];
-            for start in 0..faces.len() {
-                if seen[start] {
-                    continue;
-                }
-                seen[start] = true;
-                stack.push(start);
-                while let Some(f) = stack.pop() {
-                    for e in tables.face_edges[f].map(|e| e as usize) {
-                        let [a, b] = *tables.faces_of(e) else { continue };
-                        let other = if a as usize == f { b as usize } else { a as usize };
-                        let wanted = flipped[f] != inconsistent[e];
-                        if !seen[other] {
-                            seen[other] = true;
-                            flipped[other] = wanted;
-                            stack.push(other);
-                        } else if flipped[other] != wanted {
-                            orientable = false;
-                        }
-                    }
-                }
-            }
+        if inconsistent_edges.is_empty() {
+            let all = |value| vec![value; faces.len()];
+            return Self {
+                inconsistent_edges,
+                flipped: all(false),
+                one_sided: all(false),
+                parts: vec![],
+            };
         }
-        Self { inconsistent_edges, orientable, flipped }
+        let mut spread = Spread::new(faces.len());
+        for start in 0..faces.len() {
+            spread.from(start, tables, &inconsistent);
+        }
+        let Spread { mut flipped, mut parts, one_sided, .. } = spread;
+        let mut joined = Joined::new(&one_sided);
+        for e in 0..tables.edges.len() {
+            joined.join_at(e, faces, tables, &parts, &flipped);
+        }
+        for (part, flipped) in parts.iter_mut().zip(&mut flipped) {
+            let (root, turned) = joined.root(*part);
+            *flipped ^= turned;
+            *part = root;
+        }
+        let one_sided = parts.iter().map(|&part| one_sided[part as usize]).collect();
+        Self { inconsistent_edges, flipped, one_sided, parts }
     }
 
     /// The edges whose two faces both run along them in the same direction,
@@ -69,13 +75,141 @@ impl Orientation {
 
     /// Whether flipping some faces orients all of them consistently.
     pub fn is_orientable(&self) -> bool {
-        self.orientable
+        !self.one_sided.contains(&true)
     }
 
     /// The faces to flip so that all turn as the lowest face of their
-    /// edge-connected part; `None` where the mesh is not orientable.
+    /// part; `None` where the mesh is not orientable.
     pub fn flips(&self) -> Option<&[bool]> {
-        self.orientable.then_some(&self.flipped[..])
+        self.is_orientable().then_some(&self.flipped[..])
+    }
+
+    /// Each face of a part that cannot be oriented, such as a Möbius band.
+    pub fn one_sided_faces(&self) -> &[bool] {
+        &self.one_sided
+    }
+
+    /// The flips that give each part the winding of most of its area. Flips of a part that cannot be
+    /// oriented leave disagreements along one cut only.
+    pub(crate) fn majority_flips(&self, area: impl Fn(usize) -> f64) -> Vec<bool> {
+        let count = self.parts.iter().max().map_or(0, |&part| part as usize + 1);
+        let mut kept = vec![0.0; count];
+        for (f, (&part, &flipped)) in self.parts.iter().zip(&self.flipped).enumerate() {
+            kept[part as usize] += if flipped { -area(f) } else { area(f) };
+        }
+        let faces = self.parts.iter().zip(&self.flipped).zip(&self.one_sided);
+        faces
+            .map(|((&part, &flip), &one_sided)| flip ^ (!one_sided && kept[part as usize] < 0.0))
+            .collect()
+    }
+}
+
+/// Parts and flips found so far.
+struct Spread {
+    parts: Vec<u32>,
+    flipped: Vec<bool>,
+    /// Whether each part has met itself turned over.
+    one_sided: Vec<bool>,
+    queue: VecDeque<usize>,
+}
+
+impl Spread {
+    fn new(faces: usize) -> Self {
+        Self {
+            parts: vec![u32::MAX; faces],
+            flipped: vec![false; faces],
+            one_sided: vec![],
+            queue: VecDeque::new(),
+        }
+    }
+
+    /// Finds the part of a face, unless it is known. Breadth first: on a part that cannot be
+    /// oriented, disagreements stay along a short cut.
+    fn from(&mut self, start: usize, tables: &EdgeTables, inconsistent: &[bool]) {
+        if self.parts[start] != u32::MAX {
+            return;
+        }
+        let part = self.one_sided.len() as u32;
+        self.one_sided.push(false);
+        self.parts[start] = part;
+        self.queue.push_back(start);
+        while let Some(f) = self.queue.pop_front() {
+            for e in tables.face_edges[f].map(|e| e as usize) {
+                let [a, b] = *tables.faces_of(e) else { continue };
+                let other = if a as usize == f { b as usize } else { a as usize };
+                let wanted = self.flipped[f] != inconsistent[e];
+                if self.parts[other] == u32::MAX {
+                    self.parts[other] = part;
+                    self.flipped[other] = wanted;
+                    self.queue.push_back(other);
+                } else if self.flipped[other] != wanted {
+                    self.one_sided[part as usize] = true;
+                }
+            }
+        }
+    }
+}
+
+/// Parts that belong together across edges with more than two faces: a disjoint-set forest whose
+/// links say whether the part is turned against the one above.
+struct Joined<'a> {
+    above: Vec<(u32, bool)>,
+    one_sided: &'a [bool],
+}
+
+impl<'a> Joined<'a> {
+    fn new(one_sided: &'a [bool]) -> Self {
+        Self { above: (0..one_sided.len() as u32).map(|part| (part, false)).collect(), one_sided }
+    }
+
+    /// The lowest part of those joined with this one, and whether this one is turned against it.
+    fn root(&mut self, part: u32) -> (u32, bool) {
+        let (mut at, mut turned) = (part, false);
+        while self.above[at as usize].0 != at {
+            turned ^= self.above[at as usize].1;
+            at = self.above[at as usize].0;
+        }
+        self.above[part as usize] = (at, turned);
+        (at, turned)
+    }
+
+    /// Joins the parts at an edge with more than two faces, as far as it is plain how.
+    fn join_at(
+        &mut self,
+        e: usize,
+        faces: &[[u32; 3]],
+        tables: &EdgeTables,
+        parts: &[u32],
+        flipped: &[bool],
+    ) {
+        let (around, ends) = (tables.faces_of(e), tables.edges[e]);
+        if !(3..=MAX_SHEETS).contains(&around.len()) {
+            return;
+        }
+        let third = |f: u32| faces[f as usize].into_iter().find(|v| !ends.contains(v));
+        let mut sheets: Vec<_> = around.iter().map(|&f| third(f)).collect();
+        sheets.sort_unstable();
+        sheets.dedup();
+        let turns = |f: u32| turns_along(faces[f as usize], ends) != flipped[f as usize];
+        for (i, &f) in around.iter().enumerate() {
+            for &g in &around[..i] {
+                let same = third(f) == third(g);
+                if !same && sheets.len() != 2 {
+                    continue;
+                }
+                let (p, q) = (parts[f as usize], parts[g as usize]);
+                if self.one_sided[p as usize] || self.one_sided[q as usize] {
+                    continue;
+                }
+                let ((p, p_turned), (q, q_turned)) = (self.root(p), self.root(q));
+                // Two faces with the same corners turn alike, the two sides of an edge against each other.
+                let disagree = (turns(f) == turns(g)) != same;
+                let (low, high) = (p.min(q), p.max(q));
+                if low != high {
+                    self.above[high as usize] = (low, disagree ^ p_turned ^ q_turned);
+                }
+            }
+        }
     }
 }
 

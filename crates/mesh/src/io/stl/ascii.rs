@@ -2,9 +2,9 @@
 
 use crate::io::error::{Fault, ReadProblem, unexpected};
 use crate::io::parsed::{Parsed, check_finite};
-use crate::io::stl::weld::Welder;
 use crate::io::text::{Cursor, normalized};
 use crate::polygon::Polygons;
+use crate::weld::Welder;
 
 /// Whether the bytes begin with `solid` and the first word of a later line is
 /// `facet` or `endsolid`, or there is no later line.

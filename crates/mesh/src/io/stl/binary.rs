@@ -2,8 +2,8 @@
 
 use crate::io::error::{Fault, ReadProblem, unexpected};
 use crate::io::parsed::{Parsed, check_finite};
-use crate::io::stl::weld::Welder;
 use crate::polygon::Polygons;
+use crate::weld::Welder;
 
 const HEADER: usize = 84;
 const RECORD: usize = 50;

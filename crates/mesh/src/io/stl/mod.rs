@@ -2,7 +2,6 @@
 
 mod ascii;
 mod binary;
-mod weld;
 
 use crate::io::error::Fault;
 use crate::io::parsed::Parsed;

@@ -1,0 +1,232 @@
+//! Meshes whose neighbouring faces agree in orientation.
+
+use std::borrow::Cow;
+
+use crate::TriMesh;
+
+impl TriMesh {
+    /// The mesh with the faces turned that disagree with their part: positions, order of faces
+    /// and first corners as they are.
+    ///
+    /// Parts are those of [`Orientation`](crate::Orientation). A part takes the winding that most
+    /// of its area has, its lowest face's where both have as much. A part that is consistent stays
+    /// as it is, inside out too. A [one-sided](Self::one_sided_faces) part, which cannot be
+    /// oriented, disagrees along one cut. Borrowed, at the cost of a look at each corner, where
+    /// nothing has to be turned; linear.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use fairing_mesh::TriMesh;
+    ///
+    /// let corners = vec![[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [1.5, 1.5, 0.0]];
+    /// let mesh = TriMesh::new(corners, vec![[0, 1, 2], [1, 2, 3]])?;
+    /// assert_eq!(mesh.turned_faces(), [1]);
+    /// assert_eq!(mesh.oriented().faces(), [[0, 1, 2], [1, 3, 2]]);
+    /// # Ok::<(), fairing_mesh::BuildError>(())
+    /// ```
+    pub fn oriented(&self) -> Cow<'_, Self> {
+        match self.flips() {
+            None => Cow::Borrowed(self),
+            Some(flips) => Cow::Owned(self.turned(&flips)),
+        }
+    }
+
+    /// The faces that [`oriented`](Self::oriented) turns, ascending; those of one-sided parts are
+    /// not among them.
+    pub fn turned_faces(&self) -> Vec<u32> {
+        let Some(flips) = self.flips() else { return vec![] };
+        let one_sided = self.topology().orientation().one_sided_faces();
+        (0..flips.len() as u32).filter(|&f| flips[f as usize] && !one_sided[f as usize]).collect()
+    }
+
+    /// The faces of parts that cannot be oriented, such as Möbius bands, ascending: normals,
+    /// signs of curvature and volumes are not defined there.
+    pub fn one_sided_faces(&self) -> Vec<u32> {
+        if self.connectivity().is_consistent() {
+            return vec![];
+        }
+        let one_sided = self.topology().orientation().one_sided_faces();
+        (0..one_sided.len() as u32).filter(|&f| one_sided[f as usize]).collect()
+    }
+
+    /// The mesh with its one-sided parts replaced by their orientable double covers, and the two
+    /// vertices of the cover above each vertex, the lower first; both are the vertex itself where
+    /// no face is one-sided. `None` without one-sided faces.
+    ///
+    /// The cover of a Möbius band is the untwisted band that follows it around twice: each face
+    /// and each vertex occurs once for each of its sides. Faces keep their numbers; the second
+    /// copies of one-sided faces come after all others. Neighbouring faces agree.
+    pub fn double_cover(&self) -> Option<(Self, Vec<[u32; 2]>)> {
+        let one_sided = self.one_sided_faces();
+        if one_sided.is_empty() {
+            return None;
+        }
+        let oriented = self.oriented();
+        let is_one_sided = oriented.topology().orientation().one_sided_faces();
+        let mut positions = self.positions().to_vec();
+        let mut above: Vec<[u32; 2]> = (0..self.vertex_count() as u32).map(|v| [v; 2]).collect();
+        let mut faces = oriented.faces().to_vec();
+        // Whether each corner of a one-sided face is on the second side of its vertex.
+        let mut second = vec![false; 3 * faces.len()];
+        for v in 0..self.vertex_count() as u32 {
+            let corners = oriented.incidence().corners(v).iter().copied();
+            let corners: Vec<u32> = corners.filter(|&c| is_one_sided[c as usize / 3]).collect();
+            if !corners.is_empty() {
+                above[v as usize][1] = positions.len() as u32;
+                positions.push(self.positions()[v as usize]);
+                oriented.sides_of_corners(v, &corners, &mut second);
+            }
+        }
+        for &f in &one_sided {
+            let face = faces[f as usize];
+            let side = |k: usize| usize::from(second[3 * f as usize + k]);
+            let [front, back] = [0, 1]
+                .map(|other| std::array::from_fn(|k| above[face[k] as usize][side(k) ^ other]));
+            let [a, b, c]: [u32; 3] = back;
+            faces[f as usize] = front;
+            faces.push([a, c, b]);
+        }
+        Some((Self::from_checked(positions, faces), above))
+    }
+
+    /// Finds the corners at vertex `v` that are on the other side of the surface than the first
+    /// corner of their fan: across an edge where the faces disagree, sides change.
+    fn sides_of_corners(&self, v: u32, corners: &[u32], second: &mut [bool]) {
+        let topology = self.topology();
+        let at = |f: u32| corners.binary_search_by_key(&f, |&c| c / 3).ok();
+        let mut seen = vec![false; corners.len()];
+        let mut stack = vec![];
+        for start in 0..corners.len() {
+            stack.push((start, false));
+            while let Some((i, side)) = stack.pop() {
+                if std::mem::replace(&mut seen[i], true) {
+                    continue;
+                }
+                let (f, k) = (corners[i] / 3, corners[i] as usize % 3);
+                second[corners[i] as usize] |= side;
+                for e in [1, 2].map(|j| topology.face_edges()[f as usize][(k + j) % 3]) {
+                    let &[a, b] = topology.edge_faces(e) else { continue };
+                    let Some(next) = at(if a == f { b } else { a }) else { continue };
+                    let disagree =
+                        topology.orientation().inconsistent_edges().binary_search(&e).is_ok();
+                    stack.push((next, side != disagree));
+                }
+            }
+        }
+        debug_assert!(corners.iter().all(|&c| self.faces()[c as usize / 3][c as usize % 3] == v));
+    }
+
+    /// The faces to flip; `None` where all agree.
+    fn flips(&self) -> Option<Vec<bool>> {
+        if self.connectivity().is_consistent() {
+            return None;
+        }
+        let flips = self.topology().orientation().majority_flips(|f| self.face_area(f));
+        flips.contains(&true).then_some(flips)
+    }
+
+    /// The mesh with these faces turned over.
+    fn turned(&self, flips: &[bool]) -> Self {
+        let turn =
+            |(&[a, b, c], &flip): (&[u32; 3], &bool)| if flip { [a, c, b] } else { [a, b, c] };
+        let faces = self.faces().iter().zip(flips).map(turn).collect();
+        Self::from_checked(self.positions().to_vec(), faces)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A band of `n` squares, each cut in two, twisted by half turns.
+    fn band(n: u32, half_turns: u32) -> TriMesh {
+        let at = |i: u32, j: u32| {
+            let t = std::f64::consts::TAU * f64::from(i) / f64::from(n);
+            let (s, w) = (0.5 * f64::from(half_turns) * t, 0.5 * f64::from(j) - 0.25);
+            let r = 1.0 + w * s.cos();
+            [r * t.cos(), r * t.sin(), w * s.sin()]
+        };
+        let positions = (0..n).flat_map(|i| [at(i, 0), at(i, 1)]).collect();
+        let faces = (0..n).flat_map(|i| {
+            let twisted = i + 1 == n && half_turns % 2 == 1;
+            let j = (i + 1) % n;
+            let (c, d) = if twisted { (2 * j + 1, 2 * j) } else { (2 * j, 2 * j + 1) };
+            [[2 * i, c, 2 * i + 1], [2 * i + 1, c, d]]
+        });
+        TriMesh::new(positions, faces.collect()).unwrap()
+    }
+
+    fn with_turned(mesh: &TriMesh, turned: impl Fn(usize) -> bool) -> TriMesh {
+        let turn =
+            |(f, &[a, b, c]): (usize, &[u32; 3])| if turned(f) { [b, a, c] } else { [a, b, c] };
+        let faces = mesh.faces().iter().enumerate().map(turn).collect();
+        TriMesh::new(mesh.positions().to_vec(), faces).unwrap()
+    }
+
+    #[test]
+    fn the_larger_area_decides() {
+        let mesh = band(12, 2);
+        assert!(matches!(mesh.oriented(), Cow::Borrowed(_)));
+        let few = with_turned(&mesh, |f| f % 3 == 1);
+        let turned: Vec<u32> = (0..24).filter(|f| f % 3 == 1).collect();
+        assert_eq!(few.turned_faces(), turned);
+        assert!(few.oriented().topology().orientation().is_consistent());
+        // One large face outweighs many small ones, though it is the last.
+        let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -9.0, 0.0]];
+        let large = TriMesh::new(corners, vec![[0, 2, 1], [1, 3, 0]]).unwrap();
+        assert_eq!(large.turned_faces(), [] as [u32; 0]);
+        let large = with_turned(&large, |f| f == 0);
+        assert_eq!(large.turned_faces(), [0]);
+    }
+
+    /// Two faces with the same corners belong to the surface around them.
+    #[test]
+    fn a_face_that_occurs_twice_joins_its_surroundings() {
+        let corner = |k: usize, x: f64| std::array::from_fn(|i| if i == k { x } else { 0.0 });
+        let positions = (0..6).map(|v| corner(v / 2, [1.0, -1.0][v % 2])).collect();
+        let half = [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4]];
+        let faces = half.iter().flat_map(|&[a, b, c]| [[a, b, c], [b, a, 5]]);
+        let octahedron = TriMesh::new(positions, faces.collect()).unwrap();
+        assert!(matches!(octahedron.oriented(), Cow::Borrowed(_)));
+        let twice = [octahedron.faces(), &[octahedron.faces()[6]]].concat();
+        let twice = TriMesh::new(octahedron.positions().to_vec(), twice).unwrap();
+        for turned in [[0, 6], [0, 8]] {
+            let mesh = with_turned(&twice, |f| turned.contains(&(f as u32)));
+            assert_eq!(mesh.turned_faces(), turned);
+        }
+    }
+
+    /// Three sheets at an edge: nothing says how they belong together.
+    #[test]
+    fn sheets_at_an_edge_stay_as_they_are() {
+        let corners = (0..5).map(|i| [f64::from(i), f64::from(i * i), f64::from(i % 2)]).collect();
+        let faces = vec![[0, 1, 2], [1, 0, 3], [0, 1, 4]];
+        let mesh = TriMesh::new(corners, faces).unwrap();
+        assert!(matches!(mesh.oriented(), Cow::Borrowed(_)));
+    }
+
+    #[test]
+    fn a_moebius_band_has_an_untwisted_cover() {
+        for turned in [|_| false, |f| f % 3 == 0] {
+            let mesh = with_turned(&band(20, 1), turned);
+            assert_eq!(mesh.one_sided_faces().len(), 40);
+            assert_eq!(mesh.turned_faces(), [] as [u32; 0]);
+            // One cut: the edges across the band at one place.
+            assert_eq!(mesh.oriented().topology().orientation().inconsistent_edges().len(), 1);
+            let (cover, above) = mesh.double_cover().unwrap();
+            let topology = cover.topology();
+            assert_eq!((cover.vertex_count(), cover.face_count()), (80, 80));
+            assert!(topology.orientation().is_consistent() && topology.is_manifold());
+            assert_eq!((topology.components().count(), topology.boundary_loops().len()), (1, 2));
+            for (v, [first, second]) in above.iter().enumerate() {
+                assert_eq!(*first as usize, v);
+                assert_eq!(cover.positions()[*second as usize], mesh.positions()[v]);
+            }
+            for f in 0..40 {
+                assert!((cover.face_area(f) - mesh.face_area(f)).abs() < 1e-15);
+            }
+        }
+        assert!(band(20, 2).double_cover().is_none());
+    }
+}
