@@ -29,6 +29,18 @@ pub enum DenoiseError {
         "the trained numbers of the automatic denoiser were damaged when the program was built"
     )]
     Model,
+    /// Most vertices lie where another one does: the faces do not share their corners
+    /// ([`TriMesh::is_unwelded`](fairing_mesh::TriMesh::is_unwelded)).
+    #[error(
+        "{seams} of {vertices} vertices lie exactly where another one does: the faces do not share \
+         their corners, so that no face has neighbours; weld the mesh first"
+    )]
+    Unwelded {
+        /// Boundary vertices that coincide with another one.
+        seams: usize,
+        /// All vertices.
+        vertices: usize,
+    },
     /// Coordinates grew beyond what a float can hold.
     #[error("vertex {vertex} left the range of floating point numbers")]
     NonFinite {

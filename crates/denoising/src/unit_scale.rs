@@ -1,20 +1,31 @@
-//! Denoising at a size whose powers are floats.
+//! Denoising of a mesh in the form that all methods expect.
+
+use std::borrow::Cow;
 
 use fairing_mesh::TriMesh;
 
 use super::DenoiseError;
 use super::rebuild::rebuild;
 
-/// Denoises the mesh [at unit scale](TriMesh::at_unit_scale) and scales the
-/// result back. A vertex that does not move keeps its position to the last bit.
+/// Denoises the [oriented](TriMesh::oriented) mesh [at unit scale](TriMesh::at_unit_scale), and
+/// gives the result the faces and the scale of the input. A vertex that does not move keeps its
+/// position to the last bit. Refuses a mesh whose faces share no corners.
 pub(crate) fn at_unit_scale(
     mesh: &TriMesh,
     denoise: impl FnOnce(&TriMesh) -> Result<TriMesh, DenoiseError>,
 ) -> Result<TriMesh, DenoiseError> {
-    let (scaled, unit) = mesh.at_unit_scale();
+    if mesh.is_unwelded() {
+        let (vertices, seams) = (mesh.vertex_count(), mesh.seam_vertices());
+        return Err(DenoiseError::Unwelded { seams, vertices });
+    }
+    let oriented = mesh.oriented();
+    let (scaled, unit) = oriented.at_unit_scale();
     let denoised = denoise(&scaled)?;
     if unit == 1.0 {
-        return Ok(denoised);
+        return match oriented {
+            Cow::Borrowed(_) => Ok(denoised),
+            Cow::Owned(_) => rebuild(mesh, denoised.into_positions()),
+        };
     }
     let moved = scaled.positions().iter().zip(denoised.positions());
     let positions = mesh.positions().iter().zip(moved);

@@ -5,7 +5,8 @@ use fairing_operators::curvature::{MeanOperator, mean_curvature};
 use fairing_operators::{LumpedArea, lumped_mass};
 
 use crate::EvaluationError;
-use crate::distance::{at_unit_scale, check_correspondence};
+use crate::correspondence::in_one_winding;
+use crate::distance::at_unit_scale;
 
 /// The relative error of the pointwise mean curvature (cotangents over mixed
 /// areas) in the mean square over the surface of the reference,
@@ -27,8 +28,8 @@ pub fn curvature_error(
     mesh: &TriMesh,
     reference: &TriMesh,
 ) -> Result<Option<f64>, EvaluationError> {
-    check_correspondence(mesh, reference)?;
-    let (mesh, reference, _) = at_unit_scale(mesh, reference);
+    let (mesh, reference) = in_one_winding(mesh, reference)?;
+    let (mesh, reference, _) = at_unit_scale(&mesh, &reference);
     let (mesh, reference) = (&*mesh, &*reference);
     let operator = MeanOperator::Cotangent(LumpedArea::Mixed);
     let (own, other) = (mean_curvature(mesh, operator)?, mean_curvature(reference, operator)?);

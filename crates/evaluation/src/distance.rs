@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use crate::correspondence::check_correspondence;
 use crate::{EvaluationError, SurfaceTree};
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{distance, power_of_two};
@@ -183,25 +184,4 @@ impl VertexDisplacement {
     pub(crate) fn times(self, unit: f64) -> Self {
         Self { rms: self.rms * unit, max: self.max * unit }
     }
-}
-
-/// Whether elements of the same number can be compared: the same number of
-/// vertices and the same faces.
-///
-/// # Errors
-///
-/// [`EvaluationError::NoCorrespondence`] if not.
-pub fn check_correspondence(mesh: &TriMesh, reference: &TriMesh) -> Result<(), EvaluationError> {
-    let shared = std::sync::Arc::ptr_eq(mesh.connectivity(), reference.connectivity());
-    let alike = shared
-        || mesh.vertex_count() == reference.vertex_count() && mesh.faces() == reference.faces();
-    if alike {
-        return Ok(());
-    }
-    Err(EvaluationError::NoCorrespondence {
-        vertices: mesh.vertex_count(),
-        reference_vertices: reference.vertex_count(),
-        faces: mesh.face_count(),
-        reference_faces: reference.face_count(),
-    })
 }

@@ -1,11 +1,14 @@
 //! How size and faces change.
 
+use std::borrow::Cow;
+
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{dot, normalize};
 use rayon::prelude::*;
 
 use crate::EvaluationError;
-use crate::distance::{at_unit_scale, check_correspondence};
+use crate::correspondence::in_one_winding;
+use crate::distance::at_unit_scale;
 
 /// The relative changes of sizes, `x / x_reference − 1`: zero for the same,
 /// negative where the mesh shrank, unchanged when both are scaled.
@@ -13,8 +16,8 @@ use crate::distance::{at_unit_scale, check_correspondence};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Drift {
-    /// The change of the enclosed volume; `None` unless both are closed and consistently
-    /// oriented and the reference has a volume above the rounding of its sum
+    /// The change of the enclosed volume; `None` unless both are closed and
+    /// orientable and the reference has a volume above the rounding of its sum
     /// ([`TriMesh::volume_rounding`]).
     pub volume: Option<f64>,
     /// The change of the area; `None` if the reference has none.
@@ -27,11 +30,14 @@ pub struct Drift {
 /// The relative changes of volume, area and edge length against a reference,
 /// which may have different faces.
 pub fn drift(mesh: &TriMesh, reference: &TriMesh) -> Drift {
-    let (mesh, reference, _) = at_unit_scale(mesh, reference);
+    // Of faces with the same corners the same ones are turned.
+    let alike = in_one_winding(mesh, reference);
+    let (mesh, reference) = alike.unwrap_or((Cow::Borrowed(mesh), Cow::Borrowed(reference)));
+    let (mesh, reference, _) = at_unit_scale(&mesh, &reference);
     let (mesh, reference) = (&*mesh, &*reference);
     let change = |new: f64, old: f64| Some(new / old - 1.0).filter(|x| x.is_finite());
     let solid =
-        |m: &TriMesh| m.topology().is_closed() && m.topology().orientation().is_consistent();
+        |m: &TriMesh| m.topology().is_closed() && m.topology().orientation().is_orientable();
     let volume = || {
         let old = reference.signed_volume();
         let exists = old.abs() > reference.volume_rounding();
@@ -51,8 +57,8 @@ pub fn drift(mesh: &TriMesh, reference: &TriMesh) -> Drift {
 ///
 /// [`EvaluationError::NoCorrespondence`] unless both have the same faces.
 pub fn flipped_faces(mesh: &TriMesh, reference: &TriMesh) -> Result<usize, EvaluationError> {
-    check_correspondence(mesh, reference)?;
-    let (mesh, reference, _) = at_unit_scale(mesh, reference);
+    let (mesh, reference) = in_one_winding(mesh, reference)?;
+    let (mesh, reference, _) = at_unit_scale(&mesh, &reference);
     let (mesh, reference) = (&*mesh, &*reference);
     Ok((0..mesh.face_count())
         .into_par_iter()

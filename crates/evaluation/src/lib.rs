@@ -18,6 +18,7 @@
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 
+mod correspondence;
 mod curvature_error;
 mod distance;
 mod drift;
@@ -34,10 +35,11 @@ mod scores;
 mod surface_tree;
 mod triangle;
 
+pub use correspondence::check_correspondence;
 pub use curvature_error::curvature_error;
 pub use distance::{
-    SurfaceDistance, VertexDisplacement, VertexDistance, check_correspondence, surface_distance,
-    vertex_displacement, vertex_distance,
+    SurfaceDistance, VertexDisplacement, VertexDistance, surface_distance, vertex_displacement,
+    vertex_distance,
 };
 pub use drift::{Drift, drift, flipped_faces};
 pub use error::EvaluationError;

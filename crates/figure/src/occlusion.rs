@@ -43,7 +43,9 @@ const RAY_BUDGET: usize = 3_000_000;
 impl Occlusion {
     /// Casts the rays: about a second for 50 thousand vertices on two cores,
     /// four for 350 thousand. Meshes without extent see the sky everywhere.
+    /// Faces count as [oriented](TriMesh::oriented).
     pub fn bake(mesh: &TriMesh) -> Self {
+        let mesh = &*mesh.oriented();
         let open = || Self { front: vec![1.0; mesh.vertex_count()], back: None };
         let Some([low, high]) = mesh.bounding_box() else { return open() };
         let (low, high) = (DVec3::from_array(low), DVec3::from_array(high));

@@ -132,7 +132,8 @@ const ALIKE: f64 = 4.0;
 /// and so on with what is left. Parts that are too small for an estimate are in
 /// the first group; empty if all are.
 pub fn noisy_parts(mesh: &TriMesh) -> Vec<NoisyParts> {
-    let (mesh, unit) = mesh.at_unit_scale();
+    let oriented = mesh.oriented();
+    let (mesh, unit) = oriented.at_unit_scale();
     let mesh = &*mesh;
     let residuals: Vec<[Option<f64>; FITS]> = (0..mesh.vertex_count() as u32)
         .into_par_iter()

@@ -35,9 +35,10 @@ fairing_mesh::choices!(NormalWeight, "weight of normals",
 #[cfg(feature = "serde")]
 fairing_mesh::serde_by_name!(NormalWeight);
 
-/// The unit normal of each face, outward for counter-clockwise faces; the zero
-/// vector for a face without area.
+/// The unit normal of each face of the [oriented](TriMesh::oriented) mesh,
+/// outward for counter-clockwise faces; the zero vector for a face without area.
 pub fn face_normals(mesh: &TriMesh) -> Vec<[f64; 3]> {
+    let mesh = mesh.oriented();
     let (mesh, _) = mesh.at_unit_scale();
     let mesh = &*mesh;
     (0..mesh.face_count())
@@ -57,7 +58,17 @@ pub fn vertex_normals(mesh: &TriMesh) -> Vec<[f64; 3]> {
 /// normals of its faces, in vertex order. The zero vector where none is
 /// defined (isolated vertices, sums that cancel). Faces without area
 /// are ignored.
+///
+/// Faces count as [oriented](TriMesh::oriented). On a
+/// [one-sided](TriMesh::one_sided_faces) part, whose normals have no sign, each
+/// is one of the two.
 pub fn weighted_vertex_normals(mesh: &TriMesh, weight: NormalWeight) -> Vec<[f64; 3]> {
+    if let Some((cover, above)) = mesh.double_cover() {
+        let mut normals = weighted_vertex_normals(&cover, weight);
+        normals.truncate(above.len());
+        return normals;
+    }
+    let mesh = mesh.oriented();
     let (mesh, _) = mesh.at_unit_scale();
     let mesh = &*mesh;
     let vectors: Vec<[f64; 3]> = (0..mesh.face_count())

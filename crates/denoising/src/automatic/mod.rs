@@ -112,12 +112,13 @@ impl Automatic {
 /// No vertex moves further than five times the larger of σ̂ and the root mean
 /// square displacement, and the height of the highest spike ([`Automatic::limit`]). Isolated vertices stay; borders
 /// move with their faces; nothing is compared across edges with one, three or
-/// more faces or a flip of orientation. A mesh whose noise level is undefined or
+/// more faces. Faces count as [oriented](TriMesh::oriented). A mesh whose noise level is undefined or
 /// below 10⁻⁷ h is returned unchanged. Moves with the mesh under rotation,
 /// reflection, translation and scaling, up to rounding.
 ///
 /// # Errors
 ///
+/// [`DenoiseError::Unwelded`] for faces that do not share their corners;
 /// [`DenoiseError::NonFinite`] where numbers leave the range of floats;
 /// [`DenoiseError::Model`] if the trained numbers were damaged in the build.
 ///
@@ -148,7 +149,8 @@ pub fn automatic(mesh: &TriMesh) -> Result<Automatic, DenoiseError> {
             }
         }
     })?;
-    let (faces, creased) = face_kinds(&moved, &Hinges::new(mesh));
+    let view = moved.oriented();
+    let (faces, creased) = face_kinds(&view, &Hinges::new(&view));
     let kind = match (limit > 0.0, creased) {
         (false, _) => SurfaceKind::Clean,
         (true, true) => SurfaceKind::Creased,

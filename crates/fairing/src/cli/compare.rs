@@ -8,6 +8,7 @@ use serde_json::{Map, Value, json};
 
 use super::exit::Failure;
 use super::files;
+use super::surface::say_orientation;
 use super::{Context, print};
 
 const EXAMPLES: &str = "\
@@ -45,8 +46,10 @@ impl Compare {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
         let mesh = files::read(&self.mesh)?;
         files::say_report(context, &self.mesh, &mesh.report);
+        say_orientation(context, &self.mesh, &mesh.mesh);
         let reference = files::read(&self.reference)?;
         files::say_report(context, &self.reference, &reference.report);
+        say_orientation(context, &self.reference, &reference.mesh);
         let options = ScoreOptions {
             hausdorff_tolerance: self.hausdorff_tolerance,
             feature_angle: self.feature_angle,

@@ -13,6 +13,7 @@ use super::exit::Failure;
 use super::files::{self, Overwrite};
 use super::operator::{OperatorName, say_too_thin};
 use super::parameters::{Family, Parameters, foreign, list, names};
+use super::surface::{Reading, Surface, say_orientation};
 use super::table::{Table, number};
 use super::{Context, print};
 
@@ -37,6 +38,8 @@ pub(crate) struct Curvature {
     /// The mesh
     #[arg(required_unless_present = "list")]
     input: Option<PathBuf>,
+    #[command(flatten)]
+    reading: Reading,
     /// The file to write; without it, only a summary is printed
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -85,19 +88,19 @@ impl Curvature {
         };
         self.overwrite.check_given(self.output.as_deref())?;
         let estimator = self.estimator()?;
-        let file = files::read(input)?;
-        files::say_report(context, input, &file.report);
-        let field = self.estimate(context, &estimator, &file.mesh)?;
+        let (surface, fields) = self.reading.read(context, input)?;
+        say_orientation(context, input, surface.mesh());
+        let field = self.estimate(context, &estimator, surface.mesh())?;
         if let Some(output) = &self.output {
-            let fields = with_curvature(file.fields, &field);
-            files::write_held(context, output, &file.mesh, &fields)?;
+            let fields = with_curvature(fields, &field, &surface);
+            files::write_held(context, output, &surface.own, &fields)?;
         }
         if let Some(face) = field.too_thin {
             say_too_thin(context, face);
         }
         let undefined = field.status.iter().filter(|s| !s.is_defined()).count();
         if self.json {
-            let summary = json!({
+            let mut summary = json!({
                 "estimator": estimator.name(),
                 "vertices": field.len(),
                 "undefined": undefined,
@@ -105,6 +108,7 @@ impl Curvature {
                 "boundary": field.boundary.iter().filter(|&&b| b).count(),
                 "interior": summary(&field),
             });
+            surface.add_to(&mut summary);
             return print(format_args!("{summary:#}\n"));
         }
         let mut table = Table::new();
@@ -207,11 +211,16 @@ fn summary(field: &CurvatureField) -> Value {
 
 /// The fields of the file and those of the curvature, which replace fields of the
 /// same names.
-fn with_curvature(mut fields: VertexFields, field: &CurvatureField) -> VertexFields {
-    let flags =
-        |flags: &mut dyn Iterator<Item = bool>| flags.map(|b| f64::from(u8::from(b))).collect();
+fn with_curvature(
+    mut fields: VertexFields,
+    field: &CurvatureField,
+    surface: &Surface,
+) -> VertexFields {
+    let flags = |flags: &mut dyn Iterator<Item = bool>| {
+        surface.spread(flags.map(|b| f64::from(u8::from(b))).collect())
+    };
     let mut scalars: Vec<(&str, Vec<f64>)> =
-        columns(field).map(|(name, values)| (name, values.to_vec())).into();
+        columns(field).map(|(name, values)| (name, surface.spread(values.to_vec()))).into();
     scalars.push(("defined", flags(&mut field.status.iter().map(|s| s.is_defined()))));
     scalars.push(("boundary", flags(&mut field.boundary.iter().copied())));
     fields.scalars.retain(|(name, _)| scalars.iter().all(|(n, _)| n != name));
@@ -219,7 +228,9 @@ fn with_curvature(mut fields: VertexFields, field: &CurvatureField) -> VertexFie
     if let Some([first, second]) = &field.directions {
         let vectors = [("direction1", first), ("direction2", second)];
         fields.vectors.retain(|(name, _)| vectors.iter().all(|(n, _)| n != name));
-        fields.vectors.extend(vectors.map(|(name, values)| (name.to_owned(), values.clone())));
+        fields.vectors.extend(
+            vectors.map(|(name, values)| (name.to_owned(), surface.spread(values.clone()))),
+        );
     }
     fields
 }

@@ -10,6 +10,7 @@ use serde_json::{Map, Value, json};
 use super::exit::Failure;
 use super::files::{self, MaybeOutput};
 use super::parameters::{Family, Parameters, list, names};
+use super::surface::{Reading, say_orientation};
 use super::table::number;
 use super::{Context, print};
 
@@ -29,6 +30,8 @@ pub(crate) struct Denoise {
     /// The mesh
     #[arg(required_unless_present = "list")]
     input: Option<PathBuf>,
+    #[command(flatten)]
+    reading: Reading,
     #[command(flatten)]
     output: MaybeOutput,
     /// The denoiser; --list says what each is for
@@ -78,18 +81,20 @@ impl Denoise {
                 "--json says what the method automatic found; {denoiser} looks for nothing"
             )));
         }
-        let file = files::read(input)?;
-        files::say_report(context, input, &file.report);
+        let (surface, fields) = self.reading.read(context, input)?;
+        say_orientation(context, input, surface.mesh());
         let mesh = match denoiser {
             Denoiser::Automatic => {
-                let result = automatic(&file.mesh)?;
+                let result = automatic(surface.mesh())?;
                 context.note(summary(&result));
                 if self.json {
-                    print(format_args!("{:#}\n", as_json(&result)))?;
+                    let mut json = as_json(&result);
+                    surface.add_to(&mut json);
+                    print(format_args!("{json:#}\n"))?;
                 }
                 result.mesh
             }
-            other => match other.denoise_with(&file.mesh, &self.parameters.given()) {
+            other => match other.denoise_with(surface.mesh(), &self.parameters.given()) {
                 Err(DenoiseError::Option(OptionError { option, value, expected, .. })) => {
                     let option = option.replace('_', "-");
                     let said = format_args!("--{option} is {value}, but must be {expected}");
@@ -99,7 +104,7 @@ impl Denoise {
                 other => other?,
             },
         };
-        files::write_moved(context, &output, &mesh, file.fields)
+        files::write_moved(context, &output, &surface.own(mesh)?, fields)
     }
 }
 

@@ -67,6 +67,8 @@ fn as_json(mesh: &PolygonMesh, d: &Diagnosis, report: &ReadReport, fields: &[&st
         "nonmanifold_edges": d.nonmanifold_edges.count,
         "nonmanifold_vertices": d.nonmanifold_vertices.count,
         "inconsistent_edges": d.inconsistent_edges.count,
+        "turned_faces": d.turned_faces.count,
+        "seam_vertices": d.seam_vertices,
         "bounding_box": d.bounding_box,
         "area": d.area,
         "volume": d.volume,
@@ -109,6 +111,8 @@ fn as_table(mesh: &PolygonMesh, d: &Diagnosis) -> Table {
     row("non-manifold edges", tally(d.nonmanifold_edges));
     row("non-manifold vertices", tally(d.nonmanifold_vertices));
     row("inconsistent edges", tally(d.inconsistent_edges));
+    row("turned faces", tally(d.turned_faces));
+    row("seam vertices", d.seam_vertices.to_string());
     if let Some([lo, hi]) = d.bounding_box {
         row("lowest corner", lo.map(number).join(", "));
         row("highest corner", hi.map(number).join(", "));

@@ -18,6 +18,7 @@ mod reconstruct;
 mod render;
 mod smooth;
 mod spectrum;
+mod surface;
 mod table;
 
 use std::process::ExitCode;

@@ -9,6 +9,7 @@ use fairing::evaluation::{NoiseKind, NoiseLevel, add_noise};
 use super::Context;
 use super::exit::Failure;
 use super::files::{self, Output};
+use super::surface::{Reading, say_orientation};
 use super::table::number;
 
 const EXAMPLES: &str = "\
@@ -25,6 +26,8 @@ Examples:
 pub(crate) struct Noise {
     /// The mesh
     input: PathBuf,
+    #[command(flatten)]
+    reading: Reading,
     #[command(flatten)]
     output: Output,
     /// Standard deviation (of each moved vertex; for uniform noise the largest shift per axis)
@@ -71,18 +74,19 @@ impl Noise {
                 )));
             }
         };
-        let file = files::read(&self.input)?;
-        files::say_report(context, &self.input, &file.report);
+        let (surface, fields) = self.reading.read(context, &self.input)?;
+        let mesh = surface.mesh();
+        say_orientation(context, &self.input, mesh);
         let level = match self.unit {
             Unit::Edge => NoiseLevel::EdgeLengths(self.sigma),
             Unit::Model => NoiseLevel::Model(self.sigma),
             Unit::Diagonal => NoiseLevel::Diagonals(self.sigma),
         };
-        let noisy = add_noise(&file.mesh, kind, level, self.seed)?;
+        let noisy = add_noise(mesh, kind, level, self.seed)?;
         context.note(format_args!(
             "sigma = {} in units of the file",
-            number(level.in_mesh_units(&file.mesh))
+            number(level.in_mesh_units(mesh))
         ));
-        files::write_moved(context, &self.output, &noisy, file.fields)
+        files::write_moved(context, &self.output, &surface.own(noisy)?, fields)
     }
 }

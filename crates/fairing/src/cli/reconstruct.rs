@@ -9,6 +9,7 @@ use fairing::spectral::{SpectrumOptions, reconstruct, reconstruction_errors};
 use super::exit::Failure;
 use super::files::{self, Output};
 use super::operator::OperatorName;
+use super::surface::Reading;
 use super::table::number;
 use super::{Context, spectrum};
 
@@ -38,21 +39,23 @@ pub(crate) struct Reconstruct {
     #[arg(long, value_enum, default_value_t = OperatorName::Auto)]
     operator: OperatorName,
     #[command(flatten)]
+    reading: Reading,
+    #[command(flatten)]
     output: Output,
 }
 
 impl Reconstruct {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
         self.output.check()?;
-        let file = files::read(&self.input)?;
-        files::say_report(context, &self.input, &file.report);
-        let laplacian = self.operator.assemble(context, &file.mesh, MassKind::Barycentric)?;
+        let (surface, fields) = self.reading.read(context, &self.input)?;
+        let mesh = surface.mesh();
+        let laplacian = self.operator.assemble(context, mesh, MassKind::Barycentric)?;
         let options = SpectrumOptions::default();
         let modes = spectrum::compute(context, &laplacian, self.k, &options)?;
         spectrum::warn_of_split(context, modes.split(self.k), self.k, "-k");
-        let mesh = reconstruct(&file.mesh, &modes, self.k)?.mesh;
-        let errors = reconstruction_errors(&file.mesh, &modes)?;
-        files::write_moved(context, &self.output, &mesh, file.fields)?;
+        let rebuilt = reconstruct(mesh, &modes, self.k)?.mesh;
+        let errors = reconstruction_errors(mesh, &modes)?;
+        files::write_moved(context, &self.output, &surface.own(rebuilt)?, fields)?;
         context.note(format_args!("displacement: {} (RMS)", number(errors[self.k])));
         Ok(())
     }

@@ -13,6 +13,7 @@ use fairing::mesh::io::VertexFields;
 
 use super::exit::Failure;
 use super::files::{self, Output};
+use super::surface::say_orientation;
 use super::table::number;
 use super::{Context, print};
 
@@ -90,6 +91,7 @@ impl Render {
         self.output.check()?;
         let file = files::read(&self.input)?;
         files::say_report(context, &self.input, &file.report);
+        say_orientation(context, &self.input, &file.mesh);
         let colors = self.colors(&file.mesh, &file.fields)?;
         let png = self.draw(&file.mesh, &colors)?.to_png()?;
         files::write_bytes(&self.output.path, &png)

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use clap::Args;
-use fairing::mesh::{Algorithm, TriMesh};
+use fairing::mesh::{Algorithm, Kind};
 use fairing::smoothing::{Approach, FlowFailure, Method, Observer, Report, Smoothed, Step};
 use serde_json::{Value, json};
 
@@ -13,6 +13,7 @@ use super::files::{self, MaybeOutput};
 use super::operator::say_too_thin;
 use super::parameters::{Family, Parameters, foreign, list, names};
 use super::spectrum::warn_of_split;
+use super::surface::{Reading, Surface, say_orientation};
 use super::table::{Table, number};
 use super::{Context, print};
 
@@ -57,6 +58,8 @@ pub(crate) struct Smooth {
     /// The mesh
     #[arg(required_unless_present = "list")]
     input: Option<PathBuf>,
+    #[command(flatten)]
+    reading: Reading,
     #[command(flatten)]
     output: MaybeOutput,
     /// The method; --list says what each is for
@@ -105,17 +108,17 @@ impl Smooth {
         };
         output.check()?;
         self.check()?;
-        let file = files::read(input)?;
-        files::say_report(context, input, &file.report);
-        let values = self.parameters.given();
-        let method = Method::with(&self.method, &values, &file.mesh).map_err(Failure::usage)?;
-        let small = self.until.map(|until| until * file.mesh.mean_edge_length());
+        let (surface, fields) = self.reading.read(context, input)?;
+        let mesh = surface.mesh();
+        say_orientation(context, input, mesh);
+        let method = self.method_on(&surface)?;
+        let small = self.until.map(|until| until * mesh.mean_edge_length());
         let mut settle = |step: &Step<'_>| match small {
             Some(small) if step.largest_displacement() <= small => ControlFlow::Break(()),
             _ => ControlFlow::Continue(()),
         };
         let observer = small.map(|_| &mut settle as &mut Observer<'_>);
-        let smoothed = match method.run(&file.mesh, observer) {
+        let smoothed = match method.run(mesh, observer) {
             Ok(smoothed) => smoothed,
             Err(error) => {
                 if matches!(error.failure, FlowFailure::Option(_) | FlowFailure::Unsupported { .. })
@@ -123,14 +126,33 @@ impl Smooth {
                     return Err(Failure::usage(error.failure));
                 }
                 if self.last_good && error.iteration > 1 {
-                    files::write_moved(context, &output, &error.last_good, file.fields)?;
+                    let last_good = surface.own((*error.last_good).clone())?;
+                    files::write_moved(context, &output, &last_good, fields)?;
                 }
                 return Err(Failure::from(error));
             }
         };
         self.say(context, &smoothed.report);
-        self.summarise(context, &method, &file.mesh, &smoothed)?;
-        files::write_moved(context, &output, &smoothed.mesh, file.fields)
+        self.summarise(context, &method, &surface, &smoothed)?;
+        files::write_moved(context, &output, &surface.own(smoothed.mesh)?, fields)
+    }
+
+    /// The method with its parameters, whose vertices are numbered as in the file.
+    fn method_on(&self, surface: &Surface) -> Result<Method, Failure> {
+        let algorithm = self.parameters.check(&self.method)?;
+        let of_vertices = |name: &str| {
+            let kind = algorithm.parameter(name).map(|parameter| parameter.kind);
+            matches!(kind, Some(Kind::Vertices | Kind::Weighted))
+        };
+        let given = self.parameters.given();
+        let values: Vec<(&str, String)> = (given.into_iter())
+            .map(|(name, value)| match of_vertices(name) {
+                true => (name, surface.renumbered(value)),
+                false => (name, value.to_owned()),
+            })
+            .collect();
+        let values: Vec<(&str, &str)> = values.iter().map(|(name, v)| (*name, &v[..])).collect();
+        Method::with(&self.method, &values, surface.mesh()).map_err(Failure::usage)
     }
 
     /// Notes what a user might not expect.
@@ -167,10 +189,10 @@ impl Smooth {
         &self,
         context: &Context,
         method: &Method,
-        before: &TriMesh,
+        surface: &Surface,
         smoothed: &Smoothed,
     ) -> Result<(), Failure> {
-        let (report, after) = (&smoothed.report, &smoothed.mesh);
+        let (report, before, after) = (&smoothed.report, surface.mesh(), &smoothed.mesh);
         let change = |old: f64, new: f64| (old != 0.0).then(|| 100.0 * (new / old - 1.0));
         // The volume of a flat closed mesh is rounding alone; a ball of its area has (area/π)^(3/2)/6 or less.
         let none = 1e-12 * libm::pow(before.area(), 1.5);
@@ -188,7 +210,8 @@ impl Smooth {
             .map(|(&p, &q)| fairing::mesh::vec3::distance(p, q))
             .fold(0.0, f64::max);
         if self.json {
-            let summary = json(method, report, [volume, area], farthest);
+            let mut summary = json(method, report, [volume, area], farthest);
+            surface.add_to(&mut summary);
             return print(format_args!("{summary:#}\n"));
         }
         let mut table = Table::new();

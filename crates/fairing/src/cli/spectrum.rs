@@ -4,13 +4,14 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use fairing::mesh::TriMesh;
-use fairing::operators::{Laplacian, MassKind};
+use fairing::operators::{Laplacian, MassKind, MassMatrix};
 use fairing::spectral::{self, EigenOptions, SpectralError, SpectrumOptions, Split};
 use serde_json::json;
 
 use super::exit::Failure;
-use super::files::{self, Overwrite};
+use super::files::Overwrite;
 use super::operator::OperatorName;
+use super::surface::{Reading, Surface};
 use super::table::{Table, number};
 use super::{Context, print};
 
@@ -40,6 +41,8 @@ pub(crate) struct Spectrum {
     /// How many modes
     #[arg(short, value_name = "K", default_value_t = 10, value_parser = at_least_one)]
     k: usize,
+    #[command(flatten)]
+    reading: Reading,
     /// The npz file to write; without it, the eigenvalues are only printed
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -177,13 +180,12 @@ pub(crate) fn compute(
 impl Spectrum {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
         self.overwrite.check_given(self.output.as_deref())?;
-        let file = files::read(&self.input)?;
-        files::say_report(context, &self.input, &file.report);
-        let (kind, mesh) = (&self.kind, &file.mesh);
+        let (surface, _) = self.reading.read(context, &self.input)?;
+        let (kind, mesh) = (&self.kind, surface.mesh());
         let laplacian = kind.operator.assemble(context, mesh, mass(kind.mass))?;
         let modes = compute(context, &laplacian, self.k, &kind.options(mesh))?;
         if let Some(output) = &self.output {
-            modes.save(output).map_err(Failure::output)?;
+            on_file(&modes, &surface)?.save(output).map_err(Failure::output)?;
         }
         warn_of_split(context, modes.split(self.k), self.k, "-k");
         warn_of_residuals(context, &modes);
@@ -209,4 +211,24 @@ impl Spectrum {
         }
         Ok(())
     }
+}
+
+/// The modes with a row for each vertex of the file: vertices that were joined have the same values
+/// and share their mass, so that modes stay orthonormal.
+fn on_file(modes: &spectral::Spectrum, surface: &Surface) -> Result<spectral::Spectrum, Failure> {
+    let mut modes = modes.clone();
+    if surface.own.vertex_count() == surface.mesh().vertex_count() {
+        return Ok(modes);
+    }
+    let MassMatrix::Lumped(mass) = &modes.mass else {
+        return Err(Failure::usage(
+            "a consistent mass cannot be given to vertices that are joined: leave out --weld, \
+             --mass or --output",
+        ));
+    };
+    let shares = mass.iter().zip(surface.copies()).map(|(m, n)| m / f64::from(n)).collect();
+    modes.mass = MassMatrix::Lumped(surface.spread(shares));
+    let rows: Vec<usize> = surface.spread((0..modes.modes.nrows()).collect());
+    modes.modes = modes.modes.select(fairing::sparse::ndarray::Axis(0), &rows);
+    Ok(modes)
 }

@@ -23,6 +23,7 @@ use rayon::prelude::*;
 use super::ball::BallExplorer;
 use super::field::{AtVertex, CurvatureField};
 use super::neighborhood::Length;
+use super::oriented::on_oriented;
 use super::status::Undefined;
 use crate::error::OperatorError;
 use crate::normals::{NormalWeight, weighted_vertex_normals};
@@ -140,6 +141,10 @@ pub fn corrected_curvature(
     mesh: &TriMesh,
     options: CorrectedOptions,
 ) -> Result<CurvatureField, OperatorError> {
+    on_oriented(mesh, |mesh| estimate(mesh, options))
+}
+
+fn estimate(mesh: &TriMesh, options: CorrectedOptions) -> Result<CurvatureField, OperatorError> {
     let radius = options.radius.map(|r| r.on(mesh)).transpose()?;
     let (mesh, unit) = mesh.at_unit_scale();
     let (mesh, radius) = (&*mesh, radius.map(|r| r / unit));

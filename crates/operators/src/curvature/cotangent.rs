@@ -15,6 +15,7 @@ use super::cell::{Cell, map_cells};
 use super::field::{AtVertex, CurvatureField};
 use super::from_laplacian::laplacian_curvature;
 use super::gaussian::undefined;
+use super::oriented::on_oriented;
 use super::status::Undefined;
 use crate::area::LumpedArea;
 use crate::error::OperatorError;
@@ -54,6 +55,10 @@ pub fn cotangent_curvature(
     mesh: &TriMesh,
     options: CotangentOptions,
 ) -> Result<CurvatureField, OperatorError> {
+    on_oriented(mesh, |mesh| estimate(mesh, options))
+}
+
+fn estimate(mesh: &TriMesh, options: CotangentOptions) -> Result<CurvatureField, OperatorError> {
     let (mesh, unit) = mesh.at_unit_scale();
     let field = match map_cells(&mesh, options.area, at_cell) {
         Ok(found) => CurvatureField::collect(found, false),

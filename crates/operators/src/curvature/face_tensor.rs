@@ -12,11 +12,14 @@
 //! face gives to the vertex (mixed; a third where a face is too thin for it).
 //! Source: \[rusinkiewicz2004\].
 
+use std::convert::Infallible;
+
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{cross, dot, normalize, sub};
 use rayon::prelude::*;
 
 use super::field::{AtVertex, CurvatureField, boundary_flags};
+use super::oriented::on_oriented;
 use super::status::Undefined;
 use crate::NormalEquations;
 use crate::area::LumpedArea;
@@ -57,6 +60,11 @@ struct FaceTensor {
 /// at isolated vertices, where no face has one, and where the normals cancel.
 /// Linear cost.
 pub fn face_tensor_curvature(mesh: &TriMesh, options: FaceTensorOptions) -> CurvatureField {
+    let Ok(field) = on_oriented(mesh, |mesh| Ok::<_, Infallible>(estimate(mesh, options)));
+    field
+}
+
+fn estimate(mesh: &TriMesh, options: FaceTensorOptions) -> CurvatureField {
     let (mesh, unit) = mesh.at_unit_scale();
     let mesh = &*mesh;
     let normals = weighted_vertex_normals(mesh, options.normals);

@@ -6,6 +6,7 @@ use fairing_mesh::{Topology, TriMesh};
 
 use super::field::{AtVertex, CurvatureField};
 use super::neighborhood::{Explorer, Neighborhood};
+use super::oriented::on_oriented;
 use super::status::Undefined;
 use crate::error::OperatorError;
 use crate::normals::vertex_normals;
@@ -154,6 +155,18 @@ impl PrincipalAxes {
 /// connected part has no more, the vertex has too few neighbours. Where the
 /// fit finds no solution the neighbours do not determine one.
 pub(crate) fn fit_each<F>(
+    mesh: &TriMesh,
+    neighborhood: Neighborhood,
+    at_least: usize,
+    fit: F,
+) -> Result<CurvatureField, OperatorError>
+where
+    F: Fn(&HeightField<'_>) -> Option<AtVertex> + Sync,
+{
+    on_oriented(mesh, |mesh| fit_oriented(mesh, neighborhood, at_least, fit))
+}
+
+fn fit_oriented<F>(
     mesh: &TriMesh,
     neighborhood: Neighborhood,
     at_least: usize,

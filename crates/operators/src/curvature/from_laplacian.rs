@@ -50,7 +50,12 @@ pub fn laplacian_mean_curvature(
             AtVertex::new(vector, normal, links)
         })
         .collect();
-    Ok(MeanCurvature::from_vertices(found.into_iter()))
+    let mut mean = MeanCurvature::from_vertices(found.into_iter());
+    // There the sign of the normal says nothing.
+    for v in mesh.one_sided_faces().into_iter().flat_map(|f| mesh.faces()[f as usize]) {
+        mean.signed[v as usize] = mean.signed[v as usize].abs();
+    }
+    Ok(mean)
 }
 
 /// H with a Laplacian of the mesh, K from angle defects over its mass, and the

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::cell::{Links, map_cells};
 use super::gaussian::undefined;
+use super::oriented::on_oriented;
 use super::status::{ScalarCurvature, Undefined, VertexStatus};
 use crate::area::LumpedArea;
 use crate::error::OperatorError;
@@ -110,6 +111,13 @@ pub fn mean_curvature(
     mesh: &TriMesh,
     operator: MeanOperator,
 ) -> Result<MeanCurvature, OperatorError> {
+    on_oriented(mesh, |mesh| mean_of_oriented(mesh, operator))
+}
+
+fn mean_of_oriented(
+    mesh: &TriMesh,
+    operator: MeanOperator,
+) -> Result<MeanCurvature, OperatorError> {
     let (mesh, unit) = mesh.at_unit_scale();
     let found = match operator {
         MeanOperator::Umbrella => umbrellas(&mesh, false),
@@ -134,6 +142,13 @@ pub fn mean_curvature(
 /// [`OperatorError::DegenerateFace`] for the first face too thin for its
 /// cotangents.
 pub fn mean_and_gaussian_curvature(
+    mesh: &TriMesh,
+    area: LumpedArea,
+) -> Result<(MeanCurvature, ScalarCurvature), OperatorError> {
+    on_oriented(mesh, |mesh| both_of_oriented(mesh, area))
+}
+
+fn both_of_oriented(
     mesh: &TriMesh,
     area: LumpedArea,
 ) -> Result<(MeanCurvature, ScalarCurvature), OperatorError> {

@@ -6,6 +6,10 @@
 //! [`VertexStatus`] and its value is zero; NaN is never a result. Boundary vertices
 //! are flagged apart: their values are one-sided.
 //!
+//! Signs are those of the [oriented](fairing_mesh::TriMesh::oriented) mesh: faces that turn
+//! against the rest of their part count as turned over. On parts that cannot be oriented, such as
+//! a Möbius band, curvature has no sign: values there are those of the side from which H ≥ 0.
+//!
 //! [`Estimator`] runs any of the methods and returns one type, the
 //! [`CurvatureField`]; [`mean_curvature`] and [`gaussian_curvature`] are the
 //! plain operators of the assignment, and [`laplacian_curvature`] takes a
@@ -26,6 +30,7 @@ mod jet;
 mod mean;
 mod neighborhood;
 mod normal_cycle;
+mod oriented;
 mod principal;
 mod quadric;
 mod status;

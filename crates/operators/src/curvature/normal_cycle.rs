@@ -19,6 +19,7 @@ use super::ball::BallExplorer;
 use super::bending::{BendSum, edge_bending, normal_sum};
 use super::field::CurvatureField;
 use super::neighborhood::Length;
+use super::oriented::on_oriented;
 use super::status::Undefined;
 use crate::error::OperatorError;
 
@@ -51,6 +52,10 @@ pub fn normal_cycle_curvature(
     mesh: &TriMesh,
     options: NormalCycleOptions,
 ) -> Result<CurvatureField, OperatorError> {
+    on_oriented(mesh, |mesh| estimate(mesh, options))
+}
+
+fn estimate(mesh: &TriMesh, options: NormalCycleOptions) -> Result<CurvatureField, OperatorError> {
     let radius = options.radius.on(mesh)?;
     let (mesh, unit) = mesh.at_unit_scale();
     let (mesh, radius) = (&*mesh, radius / unit);

@@ -12,11 +12,14 @@
 //! than two faces, and those whose faces turn against each other do not bend.
 //! Source: \[sullivan2008\].
 
+use std::convert::Infallible;
+
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{normalize, sub};
 
 use super::bending::{BendSum, edge_bending, normal_sum};
 use super::field::CurvatureField;
+use super::oriented::on_oriented;
 use super::status::Undefined;
 
 /// Principal curvatures from dihedral angles.
@@ -24,6 +27,11 @@ use super::status::Undefined;
 /// Undefined at isolated vertices and where the faces have no area or no
 /// normal. Linear cost.
 pub fn steiner_curvature(mesh: &TriMesh) -> CurvatureField {
+    let Ok(field) = on_oriented(mesh, |mesh| Ok::<_, Infallible>(estimate(mesh)));
+    field
+}
+
+fn estimate(mesh: &TriMesh) -> CurvatureField {
     let (mesh, unit) = mesh.at_unit_scale();
     let mesh = &*mesh;
     let topology = mesh.topology();

@@ -154,6 +154,18 @@ pub enum FlowFailure {
     /// The modes of a filter cannot be computed.
     #[error("the modes cannot be computed")]
     Modes(#[source] Box<SpectralError>),
+    /// Most vertices lie where another one does: the faces do not share their corners
+    /// ([`TriMesh::is_unwelded`]).
+    #[error(
+        "{seams} of {vertices} vertices lie exactly where another one does: the faces do not share \
+         their corners, so that each would shrink by itself; weld the mesh first"
+    )]
+    Unwelded {
+        /// Boundary vertices that coincide with another one.
+        seams: usize,
+        /// All vertices.
+        vertices: usize,
+    },
     /// Volume can be kept only where it is defined.
     #[error("the volume cannot be kept: {reason}")]
     Volume {

@@ -46,6 +46,15 @@ pub(crate) struct StepNote {
     pub(crate) residual: Option<f64>,
 }
 
+/// Refuses a mesh whose faces share no corners: without neighbours each face shrinks by itself.
+pub(crate) fn refuse_unwelded(mesh: &TriMesh) -> Result<(), FlowFailure> {
+    if mesh.is_unwelded() {
+        let (vertices, seams) = (mesh.vertex_count(), mesh.seam_vertices());
+        return Err(FlowFailure::Unwelded { seams, vertices });
+    }
+    Ok(())
+}
+
 impl<'a, 'o> Run<'a, 'o> {
     /// Arranges the mesh and its constraints. Whoever is observed works in the order of the file.
     pub(crate) fn new(
@@ -54,6 +63,7 @@ impl<'a, 'o> Run<'a, 'o> {
         observer: Option<&'a mut Observer<'o>>,
     ) -> Result<Self, FlowError> {
         let prepare = || -> Result<_, FlowFailure> {
+            refuse_unwelded(input)?;
             let arrangement = match observer {
                 Some(_) => Arrangement::as_given(input),
                 None => Arrangement::in_slabs(input)?,
@@ -103,7 +113,7 @@ impl<'a, 'o> Run<'a, 'o> {
                     // Checked before: the volume of a broken mesh says nothing about the vertex that broke it.
                     mesh.with_positions(std::mem::take(&mut next))
                         .map(|m| next = m.into_positions())?;
-                    keeper.restore(mesh.faces(), &mut next, &self.freedom)?;
+                    keeper.restore(&mut next, &self.freedom)?;
                 }
                 Ok((note, mesh.with_positions(std::mem::take(&mut next))?))
             });

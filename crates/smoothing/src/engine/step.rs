@@ -5,8 +5,6 @@ use std::ops::ControlFlow;
 use fairing_mesh::vec3::{dot, sub};
 use fairing_mesh::{Parameter, TriMesh};
 
-use crate::engine::volume::signed_volume;
-
 /// The number of steps. A flow that has it shows its steps to an observer.
 pub(crate) const ITERATIONS: Parameter =
     Parameter::count("iterations", "10", "The number of steps");
@@ -82,11 +80,11 @@ impl Step<'_> {
         self.unit * (self.squared_displacements().sum::<f64>() / n).sqrt()
     }
 
-    /// The signed volume `⅙ Σ a · (b × c)`, in cubed mesh units, with a point among the faces as origin; the
-    /// volume inside where the mesh is closed. Computed when called.
+    /// The signed volume `⅙ Σ a · (b × c)`, in cubed mesh units, of the
+    /// [oriented](TriMesh::oriented) mesh with the middle of its bounding box as origin; the volume inside where the
+    /// mesh is closed. Computed when called.
     pub fn volume(&self) -> f64 {
-        let mesh = self.mesh.divided_by(self.unit);
-        signed_volume(mesh.faces(), mesh.positions()) * self.unit * self.unit * self.unit
+        self.mesh.divided_by(self.unit).signed_volume() * self.unit * self.unit * self.unit
     }
 
     /// The area, in squared mesh units: the energy that cotangent flows descend. Computed when called.

@@ -1,7 +1,9 @@
 //! Keeping the volume that a flow would lose.
 
+use std::sync::Arc;
+
 use fairing_mesh::vec3::{add, cross, dot, norm, scale, sub};
-use fairing_mesh::{Parameter, TriMesh};
+use fairing_mesh::{Connectivity, Parameter, TriMesh};
 
 use crate::engine::constraints::Freedom;
 use crate::engine::error::FlowFailure;
@@ -46,8 +48,16 @@ const TOLERANCE: f64 = 1e-13;
 const ACCEPTED: f64 = 1e-9;
 
 /// Restores a volume or an area after each step.
+#[derive(Debug, Clone)]
+pub(crate) struct SizeKeeper {
+    size: Size,
+    /// The faces, [oriented](TriMesh::oriented).
+    connectivity: Arc<Connectivity>,
+}
+
+/// What is kept, and how.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum SizeKeeper {
+enum Size {
     /// The area, by scaling about the centroid of the surface.
     Area(f64),
     /// The volume, by scaling about its centroid.
@@ -64,17 +74,26 @@ impl SizeKeeper {
         keep_area: bool,
         freedom: &Freedom,
     ) -> Result<Option<Self>, FlowFailure> {
-        let (faces, x) = (mesh.faces(), mesh.positions());
-        if keep_area {
-            return Ok(Some(Self::Area(surface(faces, x).0)));
-        }
-        if volume == Volume::Drifts {
+        if !keep_area && volume == Volume::Drifts {
             return Ok(None);
         }
-        if !mesh.topology().is_closed() || !mesh.topology().orientation().is_consistent() {
-            return Err(FlowFailure::Volume {
-                reason: "only a closed mesh whose faces agree in orientation has one",
-            });
+        let oriented = mesh.oriented();
+        let size = Self::size_of(&oriented, volume, keep_area, freedom)?;
+        Ok(Some(Self { size, connectivity: Arc::clone(oriented.connectivity()) }))
+    }
+
+    fn size_of(
+        mesh: &TriMesh,
+        volume: Volume,
+        keep_area: bool,
+        freedom: &Freedom,
+    ) -> Result<Size, FlowFailure> {
+        let (faces, x) = (mesh.faces(), mesh.positions());
+        if keep_area {
+            return Ok(Size::Area(surface(faces, x).0));
+        }
+        if !mesh.topology().is_closed() || !mesh.topology().orientation().is_orientable() {
+            return Err(FlowFailure::Volume { reason: "only a closed, orientable mesh has one" });
         }
         let target = signed_volume(faces, x);
         // Of a flat or doubled sheet rounding alone is left.
@@ -82,33 +101,29 @@ impl SizeKeeper {
             return Err(FlowFailure::Volume { reason: "the input has none" });
         }
         if volume == Volume::Offset {
-            return Ok(Some(Self::Offset(target)));
+            return Ok(Size::Offset(target));
         }
         if freedom.fixed.contains(&true) {
             return Err(FlowFailure::Volume {
                 reason: "scaling would move pinned vertices; take an offset along the normals",
             });
         }
-        Ok(Some(Self::Rescaled(target)))
+        Ok(Size::Rescaled(target))
     }
 
     /// Restores the size.
-    pub(crate) fn restore(
-        &self,
-        faces: &[[u32; 3]],
-        x: &mut [[f64; 3]],
-        freedom: &Freedom,
-    ) -> Result<(), FlowFailure> {
-        match *self {
-            Self::Area(target) => {
+    pub(crate) fn restore(&self, x: &mut [[f64; 3]], freedom: &Freedom) -> Result<(), FlowFailure> {
+        let faces = self.connectivity.faces();
+        match self.size {
+            Size::Area(target) => {
                 let (area, centre) = surface(faces, x);
                 rescale(x, centre, (target / area).sqrt())
             }
-            Self::Rescaled(target) => {
+            Size::Rescaled(target) => {
                 let volume = signed_volume(faces, x);
                 rescale(x, volume_centroid(faces, x, volume), libm::cbrt(target / volume))
             }
-            Self::Offset(target) => offset(target, faces, x, freedom),
+            Size::Offset(target) => offset(target, faces, x, freedom),
         }
     }
 }

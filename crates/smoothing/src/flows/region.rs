@@ -12,6 +12,7 @@ use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::{Approach, Report, Smoothed};
 use crate::engine::parts::larger;
+use crate::engine::run::refuse_unwelded;
 use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
 
 /// The weights of [`fair_region`].
@@ -144,6 +145,7 @@ fn fair(mesh: &TriMesh, options: &FairRegion) -> Result<Smoothed, FlowError> {
 fn solve(mesh: &TriMesh, options: &FairRegion) -> Result<TriMesh, FlowFailure> {
     let between = (1..=4).contains(&options.order);
     OptionError::require(between, "order", f64::from(options.order), "between 1 and 4")?;
+    refuse_unwelded(mesh)?;
     let region = vertices(mesh, &options.region)?;
     if region.is_empty() {
         return Ok(mesh.clone());

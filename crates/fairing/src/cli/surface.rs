@@ -1,0 +1,144 @@
+//! Meshes that verbs compute on: read, welded on request, with their neighbours known.
+
+use std::path::Path;
+
+use clap::Args;
+use fairing::mesh::io::VertexFields;
+use fairing::mesh::{TriMesh, Welded};
+use serde_json::{Value, json};
+
+use super::Context;
+use super::exit::Failure;
+use super::files;
+
+/// How a verb takes its mesh.
+#[derive(Args)]
+pub(crate) struct Reading {
+    /// Join vertices at exactly equal positions for the computation, in files whose faces do not
+    /// share their corners or that have seams; the result has the vertices of the file
+    #[arg(long)]
+    weld: bool,
+}
+
+/// A mesh to compute on, and the way back to the vertices of its file.
+pub(crate) struct Surface {
+    /// The mesh of the file.
+    pub(crate) own: TriMesh,
+    welded: Option<Welded>,
+}
+
+impl Reading {
+    /// Reads a mesh whose faces have neighbours, with its fields.
+    pub(crate) fn read(
+        &self,
+        context: &Context,
+        path: &Path,
+    ) -> Result<(Surface, VertexFields), Failure> {
+        let file = files::read(path)?;
+        files::say_report(context, path, &file.report);
+        let seams = file.mesh.seam_vertices();
+        let (name, vertices) = (path.display(), file.mesh.vertex_count());
+        if !self.weld && file.mesh.is_unwelded() {
+            return Err(Failure::input(anyhow::anyhow!(
+                "{name}: {seams} of {vertices} vertices lie exactly where another one does: the \
+                 faces do not share their corners, so that none has neighbours; add --weld"
+            )));
+        }
+        let welded = self.weld.then(|| file.mesh.welded());
+        if let Some(Welded { mesh, left_out, .. }) = &welded {
+            context.note(format_args!("{name}: welded to {} vertices", mesh.vertex_count()));
+            if !left_out.is_empty() {
+                context.note(format_args!(
+                    "{name}: {} faces with two corners in one place are left out of the computation",
+                    left_out.len()
+                ));
+            }
+        } else if seams > 0 {
+            context.note(format_args!(
+                "{name}: {seams} boundary vertices lie exactly where another one does, as at seams \
+                 of texture coordinates; --weld joins them"
+            ));
+        }
+        Ok((Surface { own: file.mesh, welded }, file.fields))
+    }
+}
+
+impl Surface {
+    /// The mesh to compute on.
+    pub(crate) fn mesh(&self) -> &TriMesh {
+        self.welded.as_ref().map_or(&self.own, |welded| &welded.mesh)
+    }
+
+    /// What was done to the mesh before the computation, for machines.
+    pub(crate) fn add_to(&self, summary: &mut Value) {
+        let mesh = self.mesh();
+        let entries = [
+            ("turned_faces", mesh.turned_faces().len()),
+            ("one_sided_faces", mesh.one_sided_faces().len()),
+            ("welded_vertices", self.own.vertex_count() - mesh.vertex_count()),
+        ];
+        if let Value::Object(summary) = summary {
+            summary.extend(entries.map(|(name, count)| (name.to_owned(), json!(count))));
+        }
+    }
+
+    /// A value for each vertex of the file, from one for each vertex computed on.
+    pub(crate) fn spread<T: Clone>(&self, values: Vec<T>) -> Vec<T> {
+        match &self.welded {
+            None => values,
+            Some(welded) => welded.spread(&values),
+        }
+    }
+
+    /// The vertices and faces of the file at the positions of a result.
+    pub(crate) fn own(&self, moved: TriMesh) -> Result<TriMesh, Failure> {
+        match &self.welded {
+            None => Ok(moved),
+            Some(welded) => Ok(self.own.with_positions(welded.spread(moved.positions()))?),
+        }
+    }
+
+    /// How many vertices of the file each vertex stands for.
+    pub(crate) fn copies(&self) -> Vec<u32> {
+        let mut copies = vec![0; self.mesh().vertex_count()];
+        match &self.welded {
+            None => copies.fill(1),
+            Some(welded) => welded.vertices.iter().for_each(|&v| copies[v as usize] += 1),
+        }
+        copies
+    }
+
+    /// A list of vertices of the file, joined by commas, as vertices computed on: what follows a
+    /// number after a colon is kept.
+    pub(crate) fn renumbered(&self, list: &str) -> String {
+        let Some(welded) = &self.welded else { return list.to_owned() };
+        let renumber = |item: &str| {
+            let (vertex, rest) = item.split_at(item.find(':').unwrap_or(item.len()));
+            match vertex.parse::<usize>().ok().and_then(|v| welded.vertices.get(v)) {
+                Some(v) => format!("{v}{rest}"),
+                None => item.to_owned(),
+            }
+        };
+        list.split(',').map(renumber).collect::<Vec<_>>().join(",")
+    }
+}
+
+/// Notes how faces that disagree in orientation are taken, for verbs whose results depend on it.
+pub(crate) fn say_orientation(context: &Context, path: &Path, mesh: &TriMesh) {
+    let (turned, one_sided) = (mesh.turned_faces(), mesh.one_sided_faces());
+    let (name, faces) = (path.display(), mesh.face_count());
+    if let Some(first) = turned.first() {
+        context.note(format_args!(
+            "{name}: {} of {faces} faces turn against the rest of their part (the first: {first}) \
+             and count as turned over; what is written keeps the winding of the file",
+            turned.len(),
+        ));
+    }
+    if let Some(first) = one_sided.first() {
+        context.note(format_args!(
+            "{name}: {} of {faces} faces are on one-sided parts (the first: {first}), which have \
+             no outside, as a Möbius band has none: signs and volumes are not defined there",
+            one_sided.len(),
+        ));
+    }
+}
