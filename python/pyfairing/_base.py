@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy.typing as npt
 
+from . import _core
+from ._calls import running, warn
+
 if TYPE_CHECKING:
     from typing_extensions import Self
 
@@ -31,3 +34,26 @@ class Base:
             fields: Mapping[str, npt.ArrayLike] | None = None,
             report: Mapping[str, Any] | None = None,
         ) -> Self: ...
+
+    def _warn_of_orientation(self) -> None:
+        """Warns where faces disagree in orientation, on which the result depends."""
+        with running(None, None) as call:
+            turned, one_sided = self._core.disagreeing_faces(call)
+        if turned:
+            warn(
+                f"{turned} of {self._core.face_count} faces turn against the rest of their part "
+                "and count as turned over"
+            )
+        if one_sided:
+            warn(
+                f"{one_sided} of {self._core.face_count} faces are on one-sided parts, which have no "
+                "outside: signs and volumes are not defined there"
+            )
+
+    def _require_welded(self) -> None:
+        with running(None, None) as call:
+            if self._core.is_unwelded(call):
+                raise _core.ComputationError(
+                    "most vertices lie exactly where another one does: the faces do not share their "
+                    "corners, so that none has neighbours; use the mesh that Mesh.weld returns"
+                )

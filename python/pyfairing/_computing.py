@@ -123,8 +123,10 @@ class Computing(Base):
         Returns
         -------
         ndarray, shape (n, 3)
-            Zero where no normal is defined (isolated vertices, sums that cancel).
+            Zero where no normal is defined (isolated vertices, sums that cancel). Faces that
+            turn against the rest of their part count as turned over, with a `FairingWarning`.
         """
+        self._warn_of_orientation()
         with running(threads, None) as call:
             return self._core.vertex_normals(weight, call)
 
@@ -162,8 +164,17 @@ class Computing(Base):
         Curvature
             `mean`, `gaussian`, `kappa1`, `kappa2`, `direction1`, `direction2`, `defined`,
             `boundary`: arrays in the order of the vertices. Positive on a sphere whose faces
-            turn counter-clockwise seen from outside.
+            turn counter-clockwise seen from outside. Faces that turn against the rest of their
+            part count as turned over, with a `FairingWarning`; on one-sided parts, such as a
+            Möbius band, values are those of the side from which H is not negative.
+
+        Raises
+        ------
+        ComputationError
+            If the faces do not share their corners; see `Mesh.weld`.
         """
+        self._require_welded()
+        self._warn_of_orientation()
         with running(threads, progress) as call:
             found = _core.curvature(
                 self._core,
@@ -217,8 +228,10 @@ class Computing(Base):
         OptionError
             If there are fewer modes than k.
         ComputationError
-            For the first face too thin for cotangents, where they were asked for.
+            For the first face too thin for cotangents, where they were asked for, and if the
+            faces do not share their corners; see `Mesh.weld`.
         """
+        self._require_welded()
         pinned = _arrays.numbers(fixed, self._core.vertex_count, "fixed", self._core.vertex_count)
         with running(threads, progress) as call:
             core, taken, note = _core.spectrum(

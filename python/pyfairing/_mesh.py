@@ -204,9 +204,43 @@ class Mesh(Computing, Moving):
 
     @property
     def face_normals(self) -> Floats:
-        """The outward unit normal of each face, (m, 3) float64; zero for faces without area."""
+        """The outward unit normal of each face, (m, 3) float64; zero for faces without area.
+
+        Faces that turn against the rest of their part count as turned over, with a `FairingWarning`.
+        """
+        self._warn_of_orientation()
         with running(None, None) as call:
             return self._core.face_normals(call)
+
+    def weld(self) -> tuple[Self, Indices]:
+        """Joins vertices at exactly equal positions.
+
+        For files whose faces do not share their corners, or that are open along seams of texture
+        coordinates: what needs neighbours is computed on the welded mesh, and `index` brings it
+        back.
+
+        Returns
+        -------
+        mesh : Mesh
+            Vertices in the order of their first appearance, without fields; faces that had two
+            corners in one place are left out.
+        index : ndarray, shape (n,), uint32
+            The vertex of `mesh` that each vertex of this mesh has become.
+
+        Examples
+        --------
+        >>> import pyfairing as pf
+        >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+        >>> soup = pf.Mesh(corners, [[0, 1, 2], [3, 4, 5]])
+        >>> mesh, index = soup.weld()
+        >>> mesh, index.tolist()
+        (Mesh(4 vertices, 2 faces), [0, 1, 2, 1, 3, 2])
+        >>> soup.with_vertices(mesh.vertices[index]) == soup
+        True
+        """
+        with running(None, None) as call:
+            core, index = self._core.weld(call)
+        return self._of(core), index
 
     def with_vertices(self, vertices: npt.ArrayLike) -> Self:
         """The same faces with other positions; what follows from faces alone is shared.

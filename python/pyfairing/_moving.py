@@ -209,6 +209,8 @@ class Moving(Base):
         -------
         Mesh
         """
+        if kind in ("normal", "correlated", "varying"):
+            self._warn_of_orientation()
         with running(threads, None) as call:
             core = _core.noise(
                 self._core, float(sigma), unit, kind, float(share), _arrays.whole(seed, "seed"), call
@@ -251,8 +253,15 @@ class Moving(Base):
         Mesh
             The same faces. For `automatic`, `Mesh.report` has `sigma`, the noise in mesh
             units (None where there are too few vertices to tell), and `surface`: `creased`,
-            `smooth`, or `clean` where nothing was moved.
+            `smooth`, or `clean` where nothing was moved. Faces that turn against the rest of
+            their part count as turned over, with a `FairingWarning`.
+
+        Raises
+        ------
+        ComputationError
+            If the faces do not share their corners; see `Mesh.weld`.
         """
+        self._warn_of_orientation()
         with running(threads, progress) as call:
             core, sigma, kind = _core.denoise(self._core, method, call)
         report: dict[str, Any] = {"method": method}

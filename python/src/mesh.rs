@@ -8,7 +8,7 @@ use fairing_mesh::io::{
     VertexFields, WriteOptions,
 };
 use fairing_mesh::{
-    BuildError, Diagnosis, PolygonMesh, TriMesh, subdivide_loop, subdivide_midpoint,
+    BuildError, Diagnosis, PolygonMesh, TriMesh, Welded, subdivide_loop, subdivide_midpoint,
 };
 use fairing_operators::{NormalWeight, face_normals, weighted_vertex_normals};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
@@ -146,6 +146,28 @@ impl Mesh {
         rows(py, call.run(py, move || Ok(weighted_vertex_normals(&mesh, weight)))?)
     }
 
+    /// The numbers of turned faces and of one-sided ones.
+    fn disagreeing_faces(&self, py: Python<'_>, call: Call) -> PyResult<(usize, usize)> {
+        let mesh = self.share();
+        call.run(py, move || Ok((mesh.turned_faces().len(), mesh.one_sided_faces().len())))
+    }
+
+    fn is_unwelded(&self, py: Python<'_>, call: Call) -> PyResult<bool> {
+        let mesh = self.share();
+        call.run(py, move || Ok(mesh.is_unwelded()))
+    }
+
+    /// The welded mesh, and the vertex of it that each vertex has become.
+    fn weld<'py>(
+        &self,
+        py: Python<'py>,
+        call: Call,
+    ) -> PyResult<(Self, Bound<'py, PyArray1<u32>>)> {
+        let mesh = self.share();
+        let Welded { mesh, vertices, .. } = call.run(py, move || Ok(mesh.welded()))?;
+        Ok((mesh.into(), column(py, vertices)))
+    }
+
     fn subdivide(&self, py: Python<'_>, scheme: &str, call: Call) -> PyResult<Self> {
         type Scheme = fn(&TriMesh) -> std::result::Result<TriMesh, BuildError>;
         let schemes: [(&str, Scheme); 2] =
@@ -259,6 +281,8 @@ fn as_dict<'py>(py: Python<'py>, d: &Diagnosis) -> PyResult<Bound<'py, PyDict>> 
     dict.set_item("nonmanifold_edges", d.nonmanifold_edges.count)?;
     dict.set_item("nonmanifold_vertices", d.nonmanifold_vertices.count)?;
     dict.set_item("inconsistent_edges", d.inconsistent_edges.count)?;
+    dict.set_item("turned_faces", d.turned_faces.count)?;
+    dict.set_item("seam_vertices", d.seam_vertices)?;
     dict.set_item("bounding_box", d.bounding_box)?;
     dict.set_item("area", d.area)?;
     dict.set_item("volume", d.volume)?;

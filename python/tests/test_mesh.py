@@ -221,3 +221,44 @@ def test_bad_shapes() -> None:
     ):
         with pytest.raises(pf.OptionError):
             make()
+
+
+def test_turned_faces_change_no_result(sphere: pf.Mesh) -> None:
+    faces = sphere.faces.copy()
+    turned = np.random.default_rng(4).random(len(faces)) < 0.3
+    faces[turned] = faces[turned][:, ::-1]
+    mixed = pf.Mesh(sphere.vertices, faces)
+    assert mixed.info()["turned_faces"] == turned.sum()
+    with pytest.warns(pf.FairingWarning, match=f"{turned.sum()} of {len(faces)} faces turn against"):
+        found = mixed.curvature()
+    expected = sphere.curvature()
+    assert np.allclose(found.mean, expected.mean, rtol=1e-9)
+    with pytest.warns(pf.FairingWarning, match="turn against"):
+        assert np.allclose(mixed.vertex_normals(), sphere.vertex_normals(), atol=1e-12)
+    with pytest.warns(pf.FairingWarning, match="turn against"):
+        noisy = mixed.noise(0.2)
+    assert np.allclose(noisy.vertices, sphere.noise(0.2).vertices, atol=1e-12)
+    with pytest.warns(pf.FairingWarning, match="turn against"):
+        clean = noisy.denoise()
+    assert np.array_equal(clean.faces, mixed.faces)
+    assert np.allclose(clean.vertices, sphere.noise(0.2).denoise().vertices, atol=1e-9)
+
+
+def test_one_sided_parts_are_warned_of() -> None:
+    band = pf.shapes.moebius(0.4, 40, 4)
+    with pytest.warns(pf.FairingWarning, match="one-sided"):
+        found = band.curvature()
+    assert (found.mean >= 0).all() and (found.gaussian < 0).any()
+
+
+def test_faces_with_corners_of_their_own(sphere: pf.Mesh) -> None:
+    corners = sphere.vertices[sphere.faces].reshape(-1, 3)
+    soup = pf.Mesh(corners, np.arange(len(corners)).reshape(-1, 3))
+    for refused in (soup.smooth, soup.denoise, soup.curvature, soup.spectrum):
+        with pytest.raises(pf.ComputationError, match="do not share their corners"):
+            refused()
+    mesh, index = soup.weld()
+    assert len(mesh.vertices) == len(sphere.vertices)
+    back = soup.with_vertices(mesh.smooth().vertices[index])
+    expected = sphere.smooth().vertices[sphere.faces].reshape(-1, 3)
+    assert np.allclose(back.vertices, expected, atol=1e-12)
