@@ -253,7 +253,8 @@ class Moving(Base):
         Mesh
             The same faces. For `automatic`, `Mesh.report` has `sigma`, the noise in mesh
             units (None where there are too few vertices to tell), and `surface`: `creased`,
-            `smooth`, or `clean` where nothing was moved. Faces that turn against the rest of
+            `smooth`, `uneven` or `clean`, where nothing was moved. Parts with faces as uneven as
+            those of CAD tessellations stay as they are, with a `FairingWarning`. Faces that turn against the rest of
             their part count as turned over, with a `FairingWarning`.
 
         Raises
@@ -263,7 +264,12 @@ class Moving(Base):
         """
         self._warn_of_orientation()
         with running(threads, progress) as call:
-            core, sigma, kind = _core.denoise(self._core, method, call)
+            core, sigma, kind, uneven = _core.denoise(self._core, method, call)
+        if uneven:
+            warn(
+                f"{uneven} vertices are on parts whose faces are too uneven (a CAD tessellation?): "
+                "these parts stay as they are"
+            )
         report: dict[str, Any] = {"method": method}
         if method == "automatic":
             report |= {"sigma": sigma, "surface": kind}

@@ -14,22 +14,23 @@ fn denoise(
     mesh: &Mesh,
     method: &str,
     call: Call,
-) -> PyResult<(Mesh, Option<f64>, Option<&'static str>)> {
+) -> PyResult<(Mesh, Option<f64>, Option<&'static str>, usize)> {
     let method: Denoiser = named(method)?;
     let mesh = mesh.share();
-    let (mesh, sigma, kind) = call.run(py, move || {
+    let (mesh, sigma, kind, uneven) = call.run(py, move || {
         if method != Denoiser::Automatic {
-            return Ok((method.denoise(&mesh)?, None, None));
+            return Ok((method.denoise(&mesh)?, None, None, 0));
         }
         let found = automatic(&mesh)?;
         let kind = match found.kind {
             SurfaceKind::Creased => "creased",
             SurfaceKind::Smooth => "smooth",
+            SurfaceKind::Uneven => "uneven",
             _ => "clean",
         };
-        Ok((found.mesh, found.noise.map(|n| n.sigma), Some(kind)))
+        Ok((found.mesh, found.noise.map(|n| n.sigma), Some(kind), found.uneven_vertices))
     })?;
-    Ok((mesh.into(), sigma, kind))
+    Ok((mesh.into(), sigma, kind, uneven))
 }
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {

@@ -119,7 +119,8 @@ impl TriMesh {
             return false;
         }
         let used = self.vertex_count() - self.topology().isolated_vertices().count();
-        2 * self.seam_vertices() > used
+        // Faces with their own corners in one place are no soup, but degenerate.
+        2 * self.seam_vertices() > used && 2 * self.welded().left_out.len() < self.face_count()
     }
 }
 
@@ -172,5 +173,7 @@ mod tests {
         let welded = mesh.welded();
         assert_eq!(welded.left_out, [0]);
         assert_eq!(welded.mesh.faces(), [[0, 1, 2]]);
+        let flat = vec![[1.0; 3], [0.0; 3], [0.0; 3], [1.0; 3]];
+        assert!(!TriMesh::new(flat, vec![[0, 1, 2], [3, 2, 1]]).unwrap().is_unwelded());
     }
 }

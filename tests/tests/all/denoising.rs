@@ -302,3 +302,16 @@ fn vertex_updates_do_not_flip_faces() {
         assert!(after <= before + plane.face_count() / 100, "{before} to {after}");
     }
 }
+
+/// Under noise far above an edge length faces are needles by chance, but no longer than the noise: that is no
+/// tessellation, which would be left alone.
+#[test]
+fn noise_does_not_make_a_mesh_uneven() {
+    for mesh in [shapes::icosphere(3), shapes::cad_block(0.25)] {
+        for noise in [0.1, 0.5, 1.0, 3.0] {
+            let level = NoiseLevel::EdgeLengths(noise);
+            let noisy = add_noise(&mesh, NoiseKind::GaussianPerAxis, level, 2).unwrap();
+            assert_eq!(automatic(&noisy).unwrap().uneven_vertices, 0, "{noise}");
+        }
+    }
+}

@@ -38,6 +38,7 @@ all_shared!(
     fairing::mesh::Incidence,
     fairing::mesh::Orientation,
     fairing::mesh::PolygonMesh,
+    fairing::mesh::Welded,
     fairing::mesh::Tally,
     fairing::mesh::Topology,
     fairing::mesh::TriMesh,

@@ -9,6 +9,7 @@ mod relabel;
 mod safety;
 mod spikes;
 mod surface;
+mod uneven;
 
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::norm;
@@ -27,6 +28,7 @@ use relabel::relabel;
 use safety::without_flips;
 use spikes::without_spikes;
 use surface::face_kinds;
+use uneven::uneven_parts;
 
 pub use surface::FaceKind;
 
@@ -46,6 +48,9 @@ pub enum SurfaceKind {
     Smooth,
     /// No noise could be measured, and nothing was moved.
     Clean,
+    /// The faces are too uneven for their normals to say where vertices belong, and nothing was
+    /// moved.
+    Uneven,
 }
 
 /// What [`automatic`] returns.
@@ -59,6 +64,9 @@ pub struct Automatic {
     pub noise: Option<NoiseEstimate>,
     /// The kind of surface that the result is. Nothing depends on it.
     pub kind: SurfaceKind,
+    /// The vertices of connected parts that were left as they are, because their faces are too
+    /// uneven. Remeshed, they can be denoised.
+    pub uneven_vertices: usize,
     /// What the result is like at each face.
     pub faces: Vec<FaceKind>,
     /// The largest distance that a vertex was allowed to move, in mesh units.
@@ -106,6 +114,10 @@ impl Automatic {
 /// denoised apart ([`noisy_parts`]), each group as a mesh of its own: a clean
 /// part does not change, and does not reduce the smoothing of a noisy one.
 ///
+/// A connected part where at one vertex in ten a twentieth of the longest side is more than the least height of the
+/// faces and more than σ̂, such as a tessellated CAD model, stays as it is ([`Automatic::uneven_vertices`]): a normal
+/// that is off by 3° would put the far end of such a face off by more than the noise does, and fold its neighbours.
+///
 /// Each connected part is then offset so that its noisy vertices lie on both sides of it
 /// alike; a closed part so keeps its volume.
 ///
@@ -127,12 +139,17 @@ pub fn automatic(mesh: &TriMesh) -> Result<Automatic, DenoiseError> {
     let unit = mesh.scale_unit();
     let mut noise = None;
     let mut limit = 0.0f64;
+    let mut uneven_vertices = 0;
     let moved = at_unit_scale(mesh, |mesh| {
         let groups = noisy_parts(mesh);
         noise = groups.first().map(|group| group.level);
+        let uneven = uneven_parts(mesh, &groups);
+        let parts = mesh.topology().components();
+        let is_uneven = |v: &u32| parts.label(*v).is_some_and(|part| uneven[part as usize]);
+        uneven_vertices = (0..mesh.vertex_count() as u32).filter(is_uneven).count();
         match &groups[..] {
             [] => Ok(mesh.clone()),
-            [NoisyParts { level, .. }] => {
+            [NoisyParts { level, .. }] if uneven_vertices == 0 => {
                 let (moved, far) = denoise_alike(mesh, *level)?;
                 limit = far;
                 Ok(moved)
@@ -140,7 +157,12 @@ pub fn automatic(mesh: &TriMesh) -> Result<Automatic, DenoiseError> {
             groups => {
                 let mut positions = mesh.positions().to_vec();
                 for group in groups {
-                    let part = Part::new(mesh, &group.components)?;
+                    let mut components = group.components.clone();
+                    components.retain(|&part| !uneven[part as usize]);
+                    if components.is_empty() {
+                        continue;
+                    }
+                    let part = Part::new(mesh, &components)?;
                     let (moved, far) = denoise_alike(&part.mesh, group.level)?;
                     part.put_back(&moved, &mut positions);
                     limit = limit.max(far);
@@ -152,6 +174,7 @@ pub fn automatic(mesh: &TriMesh) -> Result<Automatic, DenoiseError> {
     let view = moved.oriented();
     let (faces, creased) = face_kinds(&view, &Hinges::new(&view));
     let kind = match (limit > 0.0, creased) {
+        (false, _) if uneven_vertices > 0 => SurfaceKind::Uneven,
         (false, _) => SurfaceKind::Clean,
         (true, true) => SurfaceKind::Creased,
         (true, false) => SurfaceKind::Smooth,
@@ -161,7 +184,7 @@ pub fn automatic(mesh: &TriMesh) -> Result<Automatic, DenoiseError> {
         noise
     };
     let noise = noise.map(in_mesh_units);
-    Ok(Automatic { mesh: moved, noise, kind, faces, limit: limit * unit })
+    Ok(Automatic { mesh: moved, noise, kind, uneven_vertices, faces, limit: limit * unit })
 }
 
 /// Denoises a mesh whose noise has one level; also the largest distance allowed,

@@ -87,6 +87,9 @@ impl Denoise {
             Denoiser::Automatic => {
                 let result = automatic(surface.mesh())?;
                 context.note(summary(&result));
+                if result.uneven_vertices > 0 {
+                    context.note(format_args!("{} vertices are on parts whose faces are too uneven (a CAD tessellation?): these parts stay as they are", result.uneven_vertices));
+                }
                 if self.json {
                     let mut json = as_json(&result);
                     surface.add_to(&mut json);
@@ -116,6 +119,7 @@ fn summary(result: &Automatic) -> String {
     let kind = match result.kind {
         SurfaceKind::Creased => "a surface with creases",
         SurfaceKind::Smooth => "a surface without creases",
+        SurfaceKind::Uneven => "nothing is moved",
         _ => "no noise to remove",
     };
     format!("noise of {} in units of the file; {kind}", number(noise.sigma))
@@ -126,6 +130,7 @@ fn as_json(result: &Automatic) -> Value {
     let kind = match result.kind {
         SurfaceKind::Creased => "creased",
         SurfaceKind::Smooth => "smooth",
+        SurfaceKind::Uneven => "uneven",
         _ => "clean",
     };
     let shares: Map<String, Value> = (FaceKind::ALL.iter())
@@ -145,6 +150,7 @@ fn as_json(result: &Automatic) -> Value {
         })),
         "kind": kind,
         "area_share": shares,
+        "uneven_vertices": result.uneven_vertices,
         "border_vertices": border,
         "displacement_limit": result.limit,
     })
