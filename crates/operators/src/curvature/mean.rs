@@ -8,6 +8,7 @@ use super::cell::{Links, map_cells};
 use super::gaussian::undefined;
 use super::status::{ScalarCurvature, Undefined, VertexStatus};
 use crate::area::LumpedArea;
+use crate::corners::check_faces;
 use crate::error::OperatorError;
 use crate::fan::Fan;
 
@@ -110,6 +111,9 @@ pub fn mean_curvature(
     mesh: &TriMesh,
     operator: MeanOperator,
 ) -> Result<MeanCurvature, OperatorError> {
+    if let MeanOperator::Cotangent(_) = operator {
+        check_faces(mesh)?;
+    }
     let (mesh, unit) = mesh.at_unit_scale();
     let found = match operator {
         MeanOperator::Umbrella => umbrellas(&mesh, false),
@@ -117,8 +121,7 @@ pub fn mean_curvature(
         MeanOperator::Cotangent(area) => map_cells(&mesh, area, |cell| {
             let vector = (cell.area > 0.0).then(|| scale(cell.laplacian, 1.0 / cell.area));
             AtVertex::new(vector, cell.normal, cell.links)
-        })
-        .map_err(|error| error.times(unit))?,
+        }),
     };
     // The umbrella is a length, the others one over a length.
     let factor = if operator == MeanOperator::Umbrella { unit } else { 1.0 / unit };
@@ -137,14 +140,14 @@ pub fn mean_and_gaussian_curvature(
     mesh: &TriMesh,
     area: LumpedArea,
 ) -> Result<(MeanCurvature, ScalarCurvature), OperatorError> {
+    check_faces(mesh)?;
     let (mesh, unit) = mesh.at_unit_scale();
     let found = map_cells(&mesh, area, |cell| {
         let inverse = (cell.area > 0.0).then(|| 1.0 / cell.area);
         let vector = inverse.map(|inverse| scale(cell.laplacian, inverse));
         let gaussian = cell.defect() * inverse.unwrap_or(f64::INFINITY);
         (AtVertex::new(vector, cell.normal, cell.links), (gaussian, undefined(cell.links)))
-    })
-    .map_err(|error| error.times(unit))?;
+    });
     let gaussian =
         found.iter().map(|(at, (k, reason))| (k / unit / unit, *reason, at.boundary)).collect();
     let mean = MeanCurvature::from_vertices(found.into_iter().map(|(at, _)| at));
