@@ -4,13 +4,13 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use fairing::mesh::TriMesh;
-use fairing::operators::{Laplacian, MassKind};
+use fairing::operators::{Laplacian, LaplacianKind, MassKind};
 use fairing::spectral::{self, EigenOptions, SpectralError, SpectrumOptions, Split};
 use serde_json::json;
 
 use super::exit::Failure;
 use super::files::{self, Overwrite};
-use super::operator::OperatorName;
+use super::operator;
 use super::table::{Table, number};
 use super::{Context, print};
 
@@ -113,8 +113,8 @@ fn warn_of_residuals(context: &Context, modes: &spectral::Spectrum) {
 #[derive(Args)]
 pub(crate) struct Kind {
     /// The stiffness
-    #[arg(long, value_enum, default_value_t = OperatorName::Auto)]
-    operator: OperatorName,
+    #[arg(long, value_parser = operator::kinds(), default_value_t = LaplacianKind::Auto)]
+    operator: LaplacianKind,
     /// The mass matrix
     #[arg(long, value_enum, default_value_t = MassName::Barycentric)]
     mass: MassName,
@@ -180,7 +180,7 @@ impl Spectrum {
         let file = files::read(&self.input)?;
         files::say_report(context, &self.input, &file.report);
         let (kind, mesh) = (&self.kind, &file.mesh);
-        let laplacian = kind.operator.assemble(context, mesh, mass(kind.mass))?;
+        let laplacian = operator::assemble(context, mesh, kind.operator, mass(kind.mass))?;
         let modes = compute(context, &laplacian, self.k, &kind.options(mesh))?;
         if let Some(output) = &self.output {
             modes.save(output).map_err(Failure::output)?;
