@@ -317,8 +317,8 @@ class Computing(Base):
 
         Parameters
         ----------
-        f : array_like, shape (n,)
-            Pointwise.
+        f : float or array_like, shape (n,)
+            Pointwise; a number is the same everywhere.
         fixed : array_like of int, shape (j,)
             The vertices where u is given.
         values : array_like, shape (j,)
@@ -338,7 +338,7 @@ class Computing(Base):
         n = self._core.vertex_count
         vertices = _arrays.numbers(fixed, n, "fixed", n)
         at_fixed = _arrays.field(values, len(vertices), "values")
-        field = _arrays.field(f, n, "f")
+        field = _arrays.field(f, n, "f", constant=True)
         with running(threads, progress) as call:
             u, note = _core.poisson(self._core, field, vertices, at_fixed, kind, mass, call)
         if note:
