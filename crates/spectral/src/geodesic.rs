@@ -38,8 +38,8 @@ const REGULARISATION: f64 = 1e-6;
 const HEAT: i32 = 900;
 
 impl HeatGeodesics {
-    /// Factorises with [`LaplacianKind::NonNegative`] for the time t = h², h the mean edge length of each component:
-    /// the choice of the source.
+    /// Factorises with [`LaplacianKind::NonNegative`] for the time t = h², h the mean edge length
+    /// of each component: the choice of the source.
     ///
     /// Where no weight of an edge is negative, heat is positive and falls with the distance. The robust operator,
     /// whose intrinsic triangulation is Delaunay on any mesh, gives the same elsewhere: slivers, on which the

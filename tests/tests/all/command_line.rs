@@ -415,8 +415,8 @@ fn curvature_says_that_it_uses_the_robust_operator() {
     assert_eq!(good["too_thin_face"], Value::Null);
 }
 
-/// Eigenvalues, curvature and flows of auto are those of `Laplacian::auto`, bit by bit, on meshes with edges that are
-/// not Delaunay and on one with a face too thin for cotangents.
+/// Eigenvalues, curvature and flows of auto are those of `Laplacian::auto`, bit by bit, on meshes
+/// with edges that are not Delaunay and on one with a face too thin for cotangents.
 #[test]
 fn auto_is_the_same_in_the_program_and_in_the_library() {
     let folder = tempfile::tempdir().unwrap();

@@ -116,7 +116,7 @@ mod tests {
         assert!((field.gaussian[1] - exact).abs() < 0.4, "{}", field.gaussian[1]);
     }
 
-    /// One face decides for curvature as for matrices, also where a rounding of its height decides: heights about
+    /// One face decides for curvature as for matrices, also where rounding decides: heights about
     /// 10⁻¹⁰ of the base, at all turns of the corners.
     #[test]
     fn curvature_and_matrices_choose_alike() {

@@ -31,8 +31,9 @@ pub enum Diffusion {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Operator {
-    /// [`LaplacianKind::Auto`]: cotangents over barycentric areas; the robust operator where a face of the input is
-    /// too thin for cotangents, which [`Report::too_thin`](crate::Report::too_thin) then names.
+    /// [`LaplacianKind::Auto`]: cotangents over barycentric areas; the robust operator where a face
+    /// of the input is too thin for cotangents, which [`Report::too_thin`](crate::Report::too_thin)
+    /// then names.
     #[default]
     Auto,
     /// Cotangents of the faces as they are, over these areas. Faces without area are refused, obtuse ones can give
@@ -47,8 +48,8 @@ pub enum Operator {
 }
 
 impl Operator {
-    /// The operator that this one is on a mesh, never [`Operator::Auto`], and the first face too thin for cotangents
-    /// where auto takes the robust operator.
+    /// The operator for a mesh, never [`Operator::Auto`], and the first face too thin for
+    /// cotangents where auto takes the robust operator.
     pub(crate) fn on(self, mesh: &TriMesh) -> Result<(Self, Option<u32>), OperatorError> {
         if self != Self::Auto {
             return Ok((self, None));
