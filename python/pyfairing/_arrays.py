@@ -89,9 +89,11 @@ def numbers(values: npt.ArrayLike, n: int, what: str, count: int) -> list[int]:
     return flat
 
 
-def field(values: npt.ArrayLike, n: int, name: str) -> Floats:
-    """One finite number for each vertex."""
+def field(values: npt.ArrayLike, n: int, name: str, *, constant: bool = False) -> Floats:
+    """One finite number for each vertex, or a number for all if `constant`."""
     array = floats(values, name)
+    if constant and array.ndim == 0:
+        array = np.full(n, array)
     if array.shape != (n,):
         raise OptionError(f"{name} has the shape {array.shape}, but must have ({n},)")
     finite(array, name)

@@ -15,7 +15,7 @@ from ._base import Base
 from ._results import Curvature, Laplacian
 from ._spectrum import Spectrum
 
-Kind = Literal["auto", "uniform", "cotangent", "robust", "polygon"]
+Kind = Literal["auto", "non-negative", "uniform", "cotangent", "robust", "polygon"]
 MassKind = Literal["barycentric", "mixed", "voronoi", "consistent", "degree", "unit"]
 
 
@@ -41,8 +41,9 @@ class Computing(Base):
         Parameters
         ----------
         kind : str
-            One of {laplacians}. `auto` takes cotangents unless a face is too thin for them
-            or an edge has a negative weight; then it takes the robust Laplacian.
+            One of {laplacians}. `auto` takes cotangents unless a face is too thin for them;
+            then it takes the robust Laplacian. `non-negative` takes that where an edge has a
+            negative weight too. `auto` means the same in every method.
         mass : str
             One of {masses}. The robust Laplacian has the barycentric mass only.
         {run}
@@ -62,9 +63,9 @@ class Computing(Base):
             If there is no such kind or mass, or not together.
         """
         with running(threads, progress) as call:
-            stiffness, matrix, taken, reason = _core.laplacian(self._core, kind, mass, call)
-        if kind == "auto" and "too thin" in reason:
-            warn(f"{reason}; the robust Laplacian is used")
+            stiffness, matrix, taken, reason, note = _core.laplacian(self._core, kind, mass, call)
+        if note:
+            warn(note)
         mass_matrix = _arrays.csr(matrix) if isinstance(matrix, tuple) else _arrays.diagonal(matrix)
         return Laplacian(_arrays.csr(stiffness), mass_matrix, taken, reason)
 
@@ -208,7 +209,7 @@ class Computing(Base):
         k : int
             How many.
         kind : str
-            One of {laplacians}. `auto` is cotangent, or robust where a face is too thin.
+            One of {laplacians}, as in `laplacian`.
         mass : str
             One of {masses}.
         boundary : {'neumann', 'dirichlet'}
@@ -245,7 +246,7 @@ class Computing(Base):
     def geodesic(
         self,
         sources: npt.ArrayLike,
-        kind: Kind = "auto",
+        kind: Kind = "non-negative",
         *,
         time: float | None = None,
         threads: int | None = None,
@@ -260,8 +261,9 @@ class Computing(Base):
         ----------
         sources : int or array_like of int or bool
             Vertices: numbers, or a mask.
-        kind : {'auto', 'cotangent', 'robust'}
-            The Laplacian; `auto` takes the robust one for bad meshes.
+        kind : {'non-negative', 'auto', 'cotangent', 'robust'}
+            The Laplacian, as in `laplacian`: cotangents unless an edge has a negative weight or
+            a face is too thin for them; then the robust one.
         time : float, optional
             The time of diffusion in squared mesh units; that of the mean edge length squared
             of each component unless given. Longer times smooth the distance more.
@@ -328,8 +330,8 @@ class Computing(Base):
 
         Parameters
         ----------
-        f : array_like, shape (n,)
-            Pointwise.
+        f : float or array_like, shape (n,)
+            Pointwise; a number is the same everywhere.
         fixed : array_like of int, shape (j,)
             The vertices where u is given.
         values : array_like, shape (j,)
@@ -349,9 +351,12 @@ class Computing(Base):
         n = self._core.vertex_count
         vertices = _arrays.numbers(fixed, n, "fixed", n)
         at_fixed = _arrays.field(values, len(vertices), "values")
-        field = _arrays.field(f, n, "f")
+        field = _arrays.field(f, n, "f", constant=True)
         with running(threads, progress) as call:
-            return _core.poisson(self._core, field, vertices, at_fixed, kind, mass, call)
+            u, note = _core.poisson(self._core, field, vertices, at_fixed, kind, mass, call)
+        if note:
+            warn(note)
+        return u
 
     @documented
     def info(self, *, threads: int | None = None) -> dict[str, Any]:

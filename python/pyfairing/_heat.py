@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from . import _arrays, _core
 from ._arrays import Floats
-from ._calls import Progress, running
+from ._calls import Progress, running, warn
 from ._docs import documented
 
 if TYPE_CHECKING:
@@ -23,8 +23,9 @@ class GeodesicSolver:
     ----------
     mesh : Mesh
         The mesh.
-    kind : {'auto', 'cotangent', 'robust'}
-        The Laplacian; `auto` takes the robust one for bad meshes.
+    kind : {'non-negative', 'auto', 'cotangent', 'robust'}
+        The Laplacian, as in `Mesh.laplacian`: cotangents unless an edge has a negative weight
+        or a face is too thin for them; then the robust one.
     time : float, optional
         The time of diffusion in squared mesh units; that of the mean edge length squared of
         each component unless given.
@@ -49,7 +50,7 @@ class GeodesicSolver:
     def __init__(
         self,
         mesh: Base,
-        kind: Kind = "auto",
+        kind: Kind = "non-negative",
         *,
         time: float | None = None,
         threads: int | None = None,
@@ -58,6 +59,8 @@ class GeodesicSolver:
         self._n = mesh._core.vertex_count
         with running(threads, progress) as call:
             self._core = _core.Geodesics(mesh._core, kind, None if time is None else float(time), call)
+        if self._core.note:
+            warn(self._core.note)
 
     @property
     def kind(self) -> str:
@@ -113,6 +116,8 @@ class HeatSolver:
         self._n = mesh._core.vertex_count
         with running(threads, None) as call:
             self._core = _core.Heat(mesh._core, float(time), kind, mass, call)
+        if self._core.note:
+            warn(self._core.note)
 
     @documented
     def step(

@@ -167,6 +167,8 @@ class Moving(Base):
             core, report = _core.smooth(self._core, method, values, call)
         if report["unstable"] and unstable == "warn":
             warn("steps beyond the stable limit were taken: some modes grow")
+        if report["too_thin"] is not None:
+            warn(f"face {report['too_thin']} is too thin for cotangents; the robust operator is used")
         if report["degenerate_faces"]:
             warn(f"{report['degenerate_faces']} faces became degenerate on the way")
         warn_of_split(report["split"], modes or 0, "modes")

@@ -24,7 +24,7 @@ class Laplacian(tuple[Csr, Csr]):
     mass : scipy.sparse.csr_matrix, shape (n, n)
         M, in squared mesh units (dimensionless for `degree` and `unit`).
     kind : str
-        The kind that was taken, never `auto`.
+        The kind that was taken, never `auto` or `non-negative`.
     reason : str
         Why that kind was taken.
     """

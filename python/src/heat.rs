@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
-use fairing_operators::{Laplacian, LaplacianKind, MassKind};
+use fairing_operators::{LaplacianKind, MassKind};
 use fairing_spectral::{HeatDiffusion, HeatGeodesics, Poisson};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 
 use crate::arrays::{column, values};
 use crate::mesh::Mesh;
+use crate::operators::assemble;
 use crate::options::named;
 use crate::run::Call;
 
@@ -16,6 +17,9 @@ use crate::run::Call;
 #[pyclass(frozen, module = "pyfairing._core")]
 struct Geodesics {
     inner: Arc<HeatGeodesics>,
+    /// A note where a face too thin for cotangents made the Laplacian robust.
+    #[pyo3(get)]
+    note: Option<String>,
 }
 
 #[pymethods]
@@ -30,12 +34,12 @@ impl Geodesics {
     ) -> PyResult<Self> {
         let kind = named::<LaplacianKind>(kind)?;
         let mesh = mesh.share();
-        let inner = call.run(py, move || {
+        let (inner, note) = call.run(py, move || {
             fairing_watch::stage("factorising", 2);
-            let laplacian = Laplacian::new(&mesh, kind, MassKind::Barycentric)?;
-            Ok(HeatGeodesics::with(&mesh, &laplacian, time)?)
+            let (laplacian, note) = assemble(&mesh, kind, MassKind::Barycentric)?;
+            Ok((HeatGeodesics::with(&mesh, &laplacian, time)?, note))
         })?;
-        Ok(Self { inner: Arc::new(inner) })
+        Ok(Self { inner: Arc::new(inner), note })
     }
 
     #[getter]
@@ -63,6 +67,9 @@ impl Geodesics {
 #[pyclass(frozen, module = "pyfairing._core")]
 struct Heat {
     inner: Arc<HeatDiffusion>,
+    /// A note where a face too thin for cotangents made the Laplacian robust.
+    #[pyo3(get)]
+    note: Option<String>,
 }
 
 #[pymethods]
@@ -78,9 +85,11 @@ impl Heat {
     ) -> PyResult<Self> {
         let (kind, mass) = (named::<LaplacianKind>(kind)?, named::<MassKind>(mass)?);
         let mesh = mesh.share();
-        let inner = call
-            .run(py, move || Ok(HeatDiffusion::new(&Laplacian::new(&mesh, kind, mass)?, time)?))?;
-        Ok(Self { inner: Arc::new(inner) })
+        let (inner, note) = call.run(py, move || {
+            let (laplacian, note) = assemble(&mesh, kind, mass)?;
+            Ok((HeatDiffusion::new(&laplacian, time)?, note))
+        })?;
+        Ok(Self { inner: Arc::new(inner), note })
     }
 
     fn step<'py>(
@@ -103,7 +112,7 @@ impl Heat {
     }
 }
 
-/// −Δu = f with u given at some vertices.
+/// −Δu = f with u given at some vertices, and a note as in [`assemble`].
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "named in Python")]
 fn poisson<'py>(
@@ -115,14 +124,14 @@ fn poisson<'py>(
     kind: &str,
     mass: &str,
     call: Call,
-) -> PyResult<Bound<'py, PyArray1<f64>>> {
+) -> PyResult<(Bound<'py, PyArray1<f64>>, Option<String>)> {
     let (kind, mass) = (named::<LaplacianKind>(kind)?, named::<MassKind>(mass)?);
     let (mesh, f, at_fixed) = (mesh.share(), values(&f), values(&at_fixed));
-    let found = call.run(py, move || {
-        let laplacian = Laplacian::new(&mesh, kind, mass)?;
-        Ok(Poisson::new(&laplacian, &fixed)?.solve(&f, &at_fixed)?)
+    let (found, note) = call.run(py, move || {
+        let (laplacian, note) = assemble(&mesh, kind, mass)?;
+        Ok((Poisson::new(&laplacian, &fixed)?.solve(&f, &at_fixed)?, note))
     })?;
-    Ok(column(py, found))
+    Ok((column(py, found), note))
 }
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {

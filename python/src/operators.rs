@@ -5,8 +5,7 @@ use std::sync::Arc;
 use fairing_mesh::TriMesh;
 use fairing_operators::curvature::{CurvatureField, Estimator, laplacian_curvature};
 use fairing_operators::{
-    Laplacian, LaplacianKind, MassKind, MassMatrix, OperatorError, divergence, gradient,
-    noise_level,
+    Laplacian, LaplacianKind, MassKind, MassMatrix, Reason, divergence, gradient, noise_level,
 };
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -18,28 +17,18 @@ use crate::mesh::{Mesh, polygons};
 use crate::options::named;
 use crate::run::Call;
 
-/// Assembles what was asked for, and says what auto took and why.
-pub(crate) fn assemble(mesh: &TriMesh, kind: LaplacianKind, mass: MassKind) -> Result<Laplacian> {
-    Ok(Laplacian::new(mesh, kind, mass)?)
-}
-
-/// As [`assemble`]; auto is robust for thin faces only, as in the program:
-/// negative weights do no harm to spectra.
-pub(crate) fn assemble_for_modes(
+/// The Laplacian, and a note where a face too thin for cotangents made it robust.
+pub(crate) fn assemble(
     mesh: &TriMesh,
     kind: LaplacianKind,
     mass: MassKind,
 ) -> Result<(Laplacian, Option<String>)> {
-    if kind != LaplacianKind::Auto {
-        return Ok((assemble(mesh, kind, mass)?, None));
-    }
-    match Laplacian::new(mesh, LaplacianKind::Cotangent, mass) {
-        Err(thin @ OperatorError::DegenerateFace { .. }) if mass == MassKind::Barycentric => {
-            let note = format!("{thin}; the robust Laplacian is used");
-            Ok((Laplacian::robust(mesh)?, Some(note)))
-        }
-        other => Ok((other?, None)),
-    }
+    let laplacian = Laplacian::new(mesh, kind, mass)?;
+    let note = match laplacian.reason() {
+        reason @ Reason::ThinFace { .. } => Some(format!("{reason}; the robust Laplacian is used")),
+        _ => None,
+    };
+    Ok((laplacian, note))
 }
 
 /// A mass of Python: a diagonal or a matrix.
@@ -63,13 +52,13 @@ fn laplacian<'py>(
     kind: &str,
     mass_kind: &str,
     call: Call,
-) -> PyResult<(Csr<'py>, PyMass<'py>, &'static str, String)> {
+) -> PyResult<(Csr<'py>, PyMass<'py>, &'static str, String, Option<String>)> {
     let (kind, mass_kind) = (named::<LaplacianKind>(kind)?, named::<MassKind>(mass_kind)?);
     let mesh = mesh.share();
-    let found = call.run(py, move || assemble(&mesh, kind, mass_kind))?;
+    let (found, note) = call.run(py, move || assemble(&mesh, kind, mass_kind))?;
     let (taken, reason) = (found.kind().name(), found.reason().to_string());
     let (stiffness, matrix) = found.into_parts();
-    Ok((csr(py, stiffness), mass(py, matrix), taken, reason))
+    Ok((csr(py, stiffness), mass(py, matrix), taken, reason, note))
 }
 
 /// S and M of the polygons themselves, not of triangles.

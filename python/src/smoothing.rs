@@ -13,6 +13,7 @@ fn report_dict<'py>(py: Python<'py>, report: &Report) -> PyResult<Bound<'py, PyD
     dict.set_item("iterations", report.iterations)?;
     dict.set_item("stable_limit", report.stable_limit)?;
     dict.set_item("unstable", report.unstable)?;
+    dict.set_item("too_thin", report.too_thin)?;
     dict.set_item("degenerate_faces", report.degenerate_faces)?;
     dict.set_item("worst_residual", report.worst_residual)?;
     dict.set_item("approach", approach(report.approach))?;

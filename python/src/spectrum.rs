@@ -16,7 +16,7 @@ use pyo3::types::PyBytes;
 use crate::arrays::{Rows, column, matrix, values, view};
 use crate::error::Error;
 use crate::mesh::Mesh;
-use crate::operators::{PyMass, assemble_for_modes, mass};
+use crate::operators::{PyMass, assemble, mass};
 use crate::options::{choose, named};
 use crate::run::Call;
 
@@ -236,7 +236,7 @@ fn spectrum(
         if k == 0 {
             return Err(Error::option("k is 0, but must be 1 or more"));
         }
-        let (laplacian, note) = assemble_for_modes(&mesh, kind, mass_kind)?;
+        let (laplacian, note) = assemble(&mesh, kind, mass_kind)?;
         let mut options =
             if dirichlet { SpectrumOptions::dirichlet(&mesh) } else { SpectrumOptions::default() };
         options.fixed.extend(fixed);

@@ -9,6 +9,7 @@ import pyfairing as pf
 import pytest
 import scipy.sparse
 import scipy.sparse.linalg
+from conftest import corpus
 
 
 def test_laplacian_is_a_pair_of_csr_matrices(sphere: pf.Mesh) -> None:
@@ -37,12 +38,85 @@ def test_thin_faces() -> None:
     mesh = pf.Mesh(v, [[0, 1, 2], [1, 0, 3]])
     with pytest.raises(pf.ComputationError, match="face 1 is degenerate: area"):
         mesh.laplacian("cotangent")
-    with pytest.warns(pf.FairingWarning, match="face 1 is too thin"):
-        assert mesh.laplacian("auto").kind == "robust"
-    with pytest.warns(pf.FairingWarning, match="face 1 is degenerate"):
-        assert mesh.spectrum(2).kind == "robust"
-    with pytest.warns(pf.FairingWarning, match="face 1 is too thin"):
-        assert mesh.curvature("cotangent").too_thin == 1
+    # Every method that chooses takes the robust Laplacian, and says so.
+    for robust in (
+        lambda: mesh.laplacian("auto").kind == "robust",
+        lambda: mesh.laplacian("non-negative").kind == "robust",
+        lambda: mesh.spectrum(2).kind == "robust",
+        lambda: mesh.curvature("cotangent").too_thin == 1,
+        lambda: mesh.curvature("cotangent", kind="auto").too_thin == 1,
+        lambda: pf.GeodesicSolver(mesh).kind == "robust",
+        lambda: mesh.geodesic(0)[0] == 0,
+        lambda: mesh.heat([1, 0, 0, 0], 0.1).sum() < 2,
+        lambda: mesh.poisson(np.zeros(4), fixed=[0], values=[1.0])[1] == pytest.approx(1),
+        lambda: mesh.smooth("implicit", weights="cotangent").report["too_thin"] == 1,
+        lambda: mesh.smooth("explicit", weights="cotangent", lam=1e-4).report["too_thin"] == 1,
+        lambda: mesh.smooth("low-pass", time=0.01).report["too_thin"] == 1,
+    ):
+        with pytest.warns(pf.FairingWarning, match="face 1 is too thin for cotangents.* robust"):
+            assert robust()
+
+
+def obtuse_meshes() -> list[pf.Mesh]:
+    """Ordinary meshes with edges that are not Delaunay."""
+    sheet = pf.shapes.irregular_plane(0.08)
+    x, y, _ = sheet.vertices.T
+    meshes = [
+        pf.shapes.bumpy_sphere(3, 0.3, 5.0),
+        pf.shapes.ellipsoid(3, 2, 0.5, level=3),
+        pf.shapes.torus(1, 0.3, 12, 40),
+        sheet.with_vertices(np.column_stack([x + 2 * y, y, 0.1 * np.sin(5 * x)])),
+        pf.shapes.icosphere(3).noise(0.2),
+        pf.shapes.creature(24),
+    ]
+    return [mesh for mesh in meshes if mesh.laplacian("non-negative").kind == "robust"]
+
+
+def check_one_rule(mesh: pf.Mesh) -> None:
+    S, M = found = mesh.laplacian()
+    s = mesh.spectrum(min(20, mesh.n_vertices - mesh.info()["isolated_vertices"]))
+    assert found.kind == s.kind
+    assert abs(s.mass - M).max() == 0
+    # Residuals in the inverse norm of the mass, against the largest eigenvalue asked for.
+    used = M.diagonal() > 0
+    r = (S @ s.modes - (M @ s.modes) * s.values)[used]
+    residuals = np.sqrt((r**2 / M.diagonal()[used, None]).sum(axis=0))
+    # What the solver promises itself, and the rounding of the products here.
+    rounding = 1e-13 * (S.diagonal()[used] / M.diagonal()[used]).max()
+    assert (residuals <= 2 * s.residuals + 1e-8 * s.values[-1] + rounding).all(), (mesh, residuals)
+    if s.kind == "cotangent":
+        assert (mesh.laplacian("cotangent").stiffness != S).nnz == 0
+        u = np.sin(np.arange(mesh.n_vertices))
+        t = mesh.mean_edge_length**2
+        np.testing.assert_array_equal(mesh.heat(u, t), mesh.heat(u, t, "cotangent"))
+        np.testing.assert_array_equal(mesh.poisson(u), mesh.poisson(u, kind="cotangent"))
+        steps = {"weights": "cotangent", "iterations": 2}
+        assert mesh.smooth("implicit", **steps) == mesh.smooth("implicit", kind="cotangent", **steps)
+
+
+def test_auto_is_one_rule() -> None:
+    meshes = obtuse_meshes()
+    assert len(meshes) >= 4 and all(mesh.laplacian().kind == "cotangent" for mesh in meshes)
+    for mesh in meshes:
+        check_one_rule(mesh)
+
+
+@pytest.mark.parametrize("path", corpus(), ids=lambda p: p.stem)
+@pytest.mark.filterwarnings("ignore::pyfairing.FairingWarning")
+def test_auto_is_one_rule_on_the_corpus(path) -> None:
+    mesh = pf.read(path)
+    if not 20 < mesh.n_vertices < 20_000 or not mesh.n_faces:
+        pytest.skip("of another size than is quick")
+    check_one_rule(mesh)
+
+
+def test_distances_have_a_rule_of_their_own() -> None:
+    for mesh in obtuse_meshes():
+        assert pf.GeodesicSolver(mesh).kind == "robust"
+        np.testing.assert_array_equal(mesh.geodesic(0), mesh.geodesic(0, "robust"))
+        assert pf.GeodesicSolver(mesh, "auto").kind == "cotangent"
+    sphere = pf.shapes.icosphere(3)
+    assert pf.GeodesicSolver(sphere).kind == "cotangent" == sphere.laplacian("non-negative").kind
 
 
 def test_gradient_and_divergence(patch: pf.Mesh) -> None:

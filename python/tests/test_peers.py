@@ -66,9 +66,10 @@ def test_gaussian_curvature_of_libigl(mesh: pf.Mesh) -> None:
     V, F = arrays(sound(mesh))
     c = mesh.curvature("cotangent")
     area = mesh.laplacian("cotangent", "mixed").mass.diagonal()
-    np.testing.assert_allclose(
-        (c.gaussian * area)[c.interior], igl.gaussian_curvature(V, F)[c.interior], atol=1e-6
-    )
+    # Theirs is 2π − Σθ at the boundary too; ours takes off π there, (e − f)π for e edges and f faces.
+    n = mesh.n_vertices
+    fans = np.bincount(mesh.edges.ravel(), minlength=n) - np.bincount(F.ravel(), minlength=n)
+    np.testing.assert_allclose(c.gaussian * area + np.pi * fans, igl.gaussian_curvature(V, F), atol=1e-6)
 
 
 def test_the_robust_laplacian_of_its_authors(mesh: pf.Mesh) -> None:
@@ -103,6 +104,7 @@ def test_the_heat_method_of_potpourri3d(mesh: pf.Mesh) -> None:
     assert np.median(error) < 0.05 * ours.max() and np.corrcoef(ours, theirs)[0, 1] > 0.99
 
 
+@pytest.mark.slow
 def test_eigenvalues_of_lapy(mesh: pf.Mesh) -> None:
     lapy = pytest.importorskip("lapy")
     if mesh.n_vertices > 20_000 or mesh.n_vertices < 50:
@@ -161,11 +163,11 @@ def test_principal_curvatures_of_libigl() -> None:
     igl = pytest.importorskip("igl")
     mesh = pf.shapes.ellipsoid(3, 2, 1, level=5)
     V, F = arrays(mesh)
-    found = igl.principal_curvature(V, F)
-    theirs = np.sort(np.abs(np.column_stack(found[2:4])), axis=1)
-    exact = np.column_stack(pf.surfaces.Ellipsoid(3, 2, 1).curvature_at(V))[:, ::-1]
+    theirs = np.column_stack(igl.principal_curvature(V, F)[2:4])
+    exact = np.column_stack(pf.surfaces.Ellipsoid(3, 2, 1).curvature_at(V))
     c = mesh.curvature("quadric")
-    ours = np.column_stack([c.kappa2, c.kappa1])
+    ours = np.column_stack([c.kappa1, c.kappa2])
+    assert (theirs > 0).all() and (ours > 0).all()
     error = [np.sqrt(np.mean((x - exact) ** 2)) for x in (ours, theirs)]
     assert error[0] < 0.05 and error[0] < 1.5 * error[1]
 

@@ -10,9 +10,10 @@ const BUILD: [&str; 1] = ["maturin>=1.9,<2"];
 /// What the tests need.
 const TESTS: [&str; 4] = ["numpy", "scipy", "pytest", "hypothesis"];
 /// What single tests need, and are skipped without.
-const PEERS: [&str; 6] = ["tqdm", "trimesh", "meshio", "libigl", "robust_laplacian", "potpourri3d"];
+const PEERS: [&str; 7] =
+    ["tqdm", "trimesh", "meshio", "libigl", "robust_laplacian", "potpourri3d", "lapy"];
 /// The same, for slow tests and those of data sets, notebooks and types.
-const MORE: [&str; 11] = [
+const MORE: [&str; 10] = [
     "mypy",
     // With its Node.js from the package index.
     "pyright[nodejs]",
@@ -24,7 +25,6 @@ const MORE: [&str; 11] = [
     "pandas",
     "pyarrow",
     "fsspec",
-    "lapy",
 ];
 
 /// Which tests of the package to run.

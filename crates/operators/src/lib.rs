@@ -39,7 +39,7 @@ pub use fairing_sparse::SparseMatrix;
 pub use gradient::{divergence, face_gradients, gradient};
 pub use laplacian::{
     CotangentPattern, Intrinsic, Laplacian, LaplacianKind, MassKind, MassMatrix, Reason,
-    Restricted, ThinFaces, positive_lumped_mass,
+    Restricted, ThinFaces, choose, positive_lumped_mass,
 };
 pub use mass::{consistent_mass, lumped_mass};
 pub use noise_level::{NoiseEstimate, NoisyParts, noise_level, noisy_parts};

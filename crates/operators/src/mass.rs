@@ -14,24 +14,32 @@ impl LumpedArea {
     /// is too thin for them.
     #[inline]
     pub(crate) fn shares(self, face: &FaceCorners) -> Option<[f64; 3]> {
+        let needs_cotangents = match self {
+            Self::Barycentric => false,
+            Self::Mixed => !face.dots.iter().any(|&d| d < 0.0),
+            Self::Voronoi => true,
+        };
+        (!needs_cotangents || !face.is_degenerate()).then(|| self.sound_shares(face))
+    }
+
+    /// [`shares`](Self::shares) of a face that is known to have cotangents.
+    #[inline]
+    pub(crate) fn sound_shares(self, face: &FaceCorners) -> [f64; 3] {
         if self == Self::Barycentric {
-            return Some([face.third(); 3]);
+            return [face.third(); 3];
         }
         if self == Self::Mixed
             && let Some(k) = face.dots.iter().position(|&d| d < 0.0)
         {
             let mut shares = [0.25 * face.area(); 3];
             shares[k] = 0.5 * face.area();
-            return Some(shares);
-        }
-        if face.is_degenerate() {
-            return None;
+            return shares;
         }
         let cot = face.cotangents();
         let sides = face.squared_sides();
         // The side opposite a corner contributes to the other two.
         let part: [f64; 3] = std::array::from_fn(|k| 0.125 * sides[k] * cot[k]);
-        Some([part[1] + part[2], part[2] + part[0], part[0] + part[1]])
+        [part[1] + part[2], part[2] + part[0], part[0] + part[1]]
     }
 }
 

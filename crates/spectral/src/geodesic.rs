@@ -2,7 +2,7 @@
 
 use fairing_mesh::vec3::distance;
 use fairing_mesh::{OptionError, TriMesh};
-use fairing_operators::{Intrinsic, Laplacian, LaplacianKind};
+use fairing_operators::{Intrinsic, Laplacian, LaplacianKind, MassKind};
 use fairing_sparse::{Cholesky, Mass, Ordering, SparseMatrix, SymbolicCholesky, combine};
 
 use crate::error::SpectralError;
@@ -38,8 +38,8 @@ const REGULARISATION: f64 = 1e-6;
 const HEAT: i32 = 900;
 
 impl HeatGeodesics {
-    /// Factorises with [`Laplacian::auto`] for the time t = h², h the mean edge length of each component: the choice
-    /// of the source.
+    /// Factorises with [`LaplacianKind::NonNegative`] for the time t = h², h the mean edge length
+    /// of each component: the choice of the source.
     ///
     /// Where no weight of an edge is negative, heat is positive and falls with the distance. The robust operator,
     /// whose intrinsic triangulation is Delaunay on any mesh, gives the same elsewhere: slivers, on which the
@@ -62,7 +62,8 @@ impl HeatGeodesics {
     /// # Ok::<(), fairing_spectral::SpectralError>(())
     /// ```
     pub fn new(mesh: &TriMesh) -> Result<Self, SpectralError> {
-        Self::with(mesh, &Laplacian::auto(mesh)?, None)
+        let laplacian = Laplacian::new(mesh, LaplacianKind::NonNegative, MassKind::Barycentric)?;
+        Self::with(mesh, &laplacian, None)
     }
 
     /// Factorises with a Laplacian of the mesh, cotangent or robust, for a time in squared mesh units, the same on

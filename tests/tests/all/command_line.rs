@@ -4,8 +4,13 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::OnceLock;
 
+use fairing_mesh::TriMesh;
 use fairing_mesh::io::{self, VertexFields, WriteOptions};
+use fairing_operators::curvature::laplacian_curvature;
+use fairing_operators::{Laplacian, LaplacianKind, MassKind};
 use fairing_shapes as shapes;
+use fairing_smoothing::{Diffusion, Implicit, implicit};
+use fairing_spectral::{SpectrumOptions, spectrum};
 use serde_json::{Value, json};
 
 /// Built once for all tests.
@@ -394,7 +399,7 @@ fn curvature_says_that_it_uses_the_robust_operator() {
     let n = positions.len() as u32;
     positions.extend([[3.0, 0.0, 0.0], [4.0, 0.0, 0.0], [5.0, 0.0, 0.0]]);
     faces.push([n, n + 1, n + 2]);
-    let mesh = fairing_mesh::TriMesh::new(positions, faces).unwrap();
+    let mesh = TriMesh::new(positions, faces).unwrap();
     io::write(folder.path().join("bad.ply"), &mesh).unwrap();
     io::write(folder.path().join("good.ply"), &sphere).unwrap();
     let line = |name: &str| format!("curvature {name} --estimator cotangent --json");
@@ -408,6 +413,47 @@ fn curvature_says_that_it_uses_the_robust_operator() {
     assert_eq!(json["too_thin_face"], 320);
     let good: Value = serde_json::from_str(&run(folder.path(), &line("good.ply"))).unwrap();
     assert_eq!(good["too_thin_face"], Value::Null);
+}
+
+/// Eigenvalues, curvature and flows of auto are those of `Laplacian::auto`, bit by bit, on meshes
+/// with edges that are not Delaunay and on one with a face too thin for cotangents.
+#[test]
+fn auto_is_the_same_in_the_program_and_in_the_library() {
+    let folder = tempfile::tempdir().unwrap();
+    let bumpy = shapes::bumpy_sphere(3, 0.3, 5.0);
+    let stretched = bumpy.positions().iter().map(|[x, y, z]| [x + 2.0 * y, 2.0 * y, *z]).collect();
+    let stretched = bumpy.with_positions(stretched).unwrap();
+    let (mut positions, mut faces) = (bumpy.positions().to_vec(), bumpy.faces().to_vec());
+    let [a, b, _] = faces[0].map(|v| positions[v as usize]);
+    positions.push([0, 1, 2].map(|k| 0.5 * (a[k] + b[k])));
+    faces.push([faces[0][1], faces[0][0], positions.len() as u32 - 1]);
+    let finned = TriMesh::new(positions, faces).unwrap();
+    let cotangent = (LaplacianKind::Cotangent, "cotangent");
+    let robust = (LaplacianKind::Robust, "robust");
+    for (mesh, (kind, name)) in [(bumpy, cotangent), (stretched, cotangent), (finned, robust)] {
+        let laplacian = Laplacian::auto(&mesh).unwrap();
+        assert_eq!(laplacian.kind(), kind);
+        let other = Laplacian::new(&mesh, LaplacianKind::NonNegative, MassKind::Barycentric);
+        assert_eq!(other.unwrap().kind(), LaplacianKind::Robust);
+        io::write(folder.path().join("mesh.ply"), &mesh).unwrap();
+        let found: Value =
+            serde_json::from_str(&run(folder.path(), "spectrum mesh.ply -k 7 --json")).unwrap();
+        assert_eq!(found["operator"], name);
+        let modes = spectrum(&laplacian, 7, &SpectrumOptions::default()).unwrap();
+        assert_eq!(found["eigenvalues"], json!(modes.values));
+        let line = "curvature mesh.ply --estimator cotangent --operator auto --json";
+        let found: Value = serde_json::from_str(&run(folder.path(), line)).unwrap();
+        let thin = (kind == LaplacianKind::Robust).then(|| mesh.face_count() - 1);
+        assert_eq!(found["too_thin_face"], json!(thin));
+        let mean = laplacian_curvature(&mesh, &laplacian).unwrap().mean;
+        let greatest = mean.iter().copied().fold(f64::MIN, f64::max);
+        assert!(found.to_string().contains(&greatest.to_string()), "{greatest} in {found}");
+        let flow = implicit(&mesh, &Implicit::new(Diffusion::cotangent(0.05)), None).unwrap();
+        assert_eq!(json!(flow.report.too_thin), json!(thin));
+        let line = "smooth mesh.ply -o x.ply --force --method implicit --weights cotangent --lambda 0.05 --json";
+        let found: Value = serde_json::from_str(&run(folder.path(), line)).unwrap();
+        assert_eq!(found["too_thin_face"], json!(thin));
+    }
 }
 
 /// The commands under the methods of the report run as they stand, and write what they name.

@@ -6,12 +6,12 @@ use clap::Args;
 use fairing::mesh::io::VertexFields;
 use fairing::mesh::{Algorithm, TriMesh};
 use fairing::operators::curvature::{CurvatureField, Estimator, laplacian_curvature};
-use fairing::operators::{LumpedArea, MassKind, OperatorError};
+use fairing::operators::{Laplacian, LaplacianKind, LumpedArea, MassKind, OperatorError};
 use serde_json::{Value, json};
 
 use super::exit::Failure;
 use super::files::{self, Overwrite};
-use super::operator::{OperatorName, say_too_thin};
+use super::operator::{self, say_too_thin};
 use super::parameters::{Family, Parameters, foreign, list, names};
 use super::surface::{Reading, Surface, say_orientation};
 use super::table::{Table, number};
@@ -57,8 +57,8 @@ pub(crate) struct Curvature {
     parameters: Parameters<Estimators>,
     /// The Laplacian of the estimator cotangent, over barycentric areas unless --area is
     /// given; without it, cotangents over mixed areas, or robust where a face is too thin
-    #[arg(long, value_enum)]
-    operator: Option<OperatorName>,
+    #[arg(long, value_parser = operator::kinds())]
+    operator: Option<LaplacianKind>,
     /// Print a summary as one JSON object
     #[arg(long)]
     json: bool,
@@ -90,7 +90,7 @@ impl Curvature {
         let estimator = self.estimator()?;
         let (surface, fields) = self.reading.read(context, input)?;
         say_orientation(context, input, surface.mesh());
-        let field = self.estimate(context, &estimator, surface.mesh())?;
+        let field = self.estimate(&estimator, surface.mesh())?;
         if let Some(output) = &self.output {
             let fields = with_curvature(fields, &field, &surface);
             files::write_held(context, output, &surface.own, &fields)?;
@@ -135,7 +135,7 @@ impl Curvature {
         let estimator = Estimator::with(name, &self.parameters.given()).map_err(Failure::usage)?;
         match (self.operator, estimator) {
             (None, _) => Ok(estimator),
-            (Some(OperatorName::Robust), Estimator::Cotangent(_))
+            (Some(LaplacianKind::Robust), Estimator::Cotangent(_))
                 if self.mass(estimator) != MassKind::Barycentric =>
             {
                 Err(Failure::usage(
@@ -160,19 +160,14 @@ impl Curvature {
         }
     }
 
-    fn estimate(
-        &self,
-        context: &Context,
-        estimator: &Estimator,
-        mesh: &TriMesh,
-    ) -> Result<CurvatureField, Failure> {
-        let Some(operator) = self.operator else {
+    fn estimate(&self, estimator: &Estimator, mesh: &TriMesh) -> Result<CurvatureField, Failure> {
+        let Some(kind) = self.operator else {
             return match estimator.estimate(mesh) {
                 Err(error @ OperatorError::Option(_)) => Err(Failure::usage(error)),
                 other => Ok(other?),
             };
         };
-        let laplacian = operator.assemble(context, mesh, self.mass(*estimator))?;
+        let laplacian = Laplacian::new(mesh, kind, self.mass(*estimator))?;
         Ok(laplacian_curvature(mesh, &laplacian)?)
     }
 }

@@ -1,45 +1,41 @@
-//! Which Laplacian: the same option in every verb that takes one.
+//! The option `--operator`, the same in every verb that takes a Laplacian.
 
-use clap::ValueEnum;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use fairing::mesh::TriMesh;
-use fairing::operators::{Laplacian, LaplacianKind, MassKind, OperatorError};
+use fairing::operators::{Laplacian, LaplacianKind, MassKind, OperatorError, Reason};
 
 use super::Context;
 
-/// The value of `--operator`.
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum OperatorName {
-    /// cotangent, or robust where a face is too thin for cotangents; with another mass than
-    /// barycentric, always cotangent
-    Auto,
-    /// The cotangents of the faces
-    Cotangent,
-    /// Those of the intrinsic Delaunay triangulation, which any mesh has
-    Robust,
+/// The parser of `--operator`.
+pub(crate) fn kinds() -> impl TypedValueParser<Value = LaplacianKind> {
+    let kinds = [
+        (
+            LaplacianKind::Auto,
+            "cotangent, or robust where a face is too thin for cotangents; with another mass than \
+             barycentric, always cotangent",
+        ),
+        (LaplacianKind::Cotangent, "The cotangents of the faces"),
+        (
+            LaplacianKind::Robust,
+            "Those of the intrinsic Delaunay triangulation, which any mesh has",
+        ),
+    ];
+    let names = kinds.map(|(kind, about)| PossibleValue::new(kind.name()).help(about));
+    PossibleValuesParser::new(names).try_map(|name| name.parse::<LaplacianKind>())
 }
 
-impl OperatorName {
-    /// The Laplacian, with a note where auto takes the robust one.
-    pub(crate) fn assemble(
-        self,
-        context: &Context,
-        mesh: &TriMesh,
-        mass: MassKind,
-    ) -> Result<Laplacian, OperatorError> {
-        let kind = match self {
-            Self::Auto | Self::Cotangent => LaplacianKind::Cotangent,
-            Self::Robust => LaplacianKind::Robust,
-        };
-        match Laplacian::new(mesh, kind, mass) {
-            Err(OperatorError::DegenerateFace { face, .. })
-                if self == Self::Auto && mass == MassKind::Barycentric =>
-            {
-                say_too_thin(context, face);
-                Laplacian::robust(mesh)
-            }
-            other => other,
-        }
+/// The Laplacian, with a note where a face is too thin for cotangents.
+pub(crate) fn assemble(
+    context: &Context,
+    mesh: &TriMesh,
+    kind: LaplacianKind,
+    mass: MassKind,
+) -> Result<Laplacian, OperatorError> {
+    let laplacian = Laplacian::new(mesh, kind, mass)?;
+    if let Reason::ThinFace { face, .. } = laplacian.reason() {
+        say_too_thin(context, face);
     }
+    Ok(laplacian)
 }
 
 /// Says that auto took the robust operator, and why.

@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use fairing::operators::MassKind;
+use fairing::operators::{LaplacianKind, MassKind};
 use fairing::spectral::{SpectrumOptions, reconstruct, reconstruction_errors};
 
 use super::exit::Failure;
 use super::files::{self, Output};
-use super::operator::OperatorName;
+use super::operator;
 use super::surface::Reading;
 use super::table::number;
 use super::{Context, spectrum};
@@ -36,8 +36,8 @@ pub(crate) struct Reconstruct {
     #[arg(short, value_name = "K", value_parser = spectrum::at_least_one)]
     k: usize,
     /// The stiffness of the Laplacian
-    #[arg(long, value_enum, default_value_t = OperatorName::Auto)]
-    operator: OperatorName,
+    #[arg(long, value_parser = operator::kinds(), default_value_t = LaplacianKind::Auto)]
+    operator: LaplacianKind,
     #[command(flatten)]
     reading: Reading,
     #[command(flatten)]
@@ -49,7 +49,7 @@ impl Reconstruct {
         self.output.check()?;
         let (surface, fields) = self.reading.read(context, &self.input)?;
         let mesh = surface.mesh();
-        let laplacian = self.operator.assemble(context, mesh, MassKind::Barycentric)?;
+        let laplacian = operator::assemble(context, mesh, self.operator, MassKind::Barycentric)?;
         let options = SpectrumOptions::default();
         let modes = spectrum::compute(context, &laplacian, self.k, &options)?;
         spectrum::warn_of_split(context, modes.split(self.k), self.k, "-k");

@@ -4,13 +4,13 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use fairing::mesh::TriMesh;
-use fairing::operators::{Laplacian, MassKind, MassMatrix};
+use fairing::operators::{Laplacian, LaplacianKind, MassKind, MassMatrix};
 use fairing::spectral::{self, EigenOptions, SpectralError, SpectrumOptions, Split};
 use serde_json::json;
 
 use super::exit::Failure;
 use super::files::Overwrite;
-use super::operator::OperatorName;
+use super::operator;
 use super::surface::{Reading, Surface};
 use super::table::{Table, number};
 use super::{Context, print};
@@ -116,8 +116,8 @@ fn warn_of_residuals(context: &Context, modes: &spectral::Spectrum) {
 #[derive(Args)]
 pub(crate) struct Kind {
     /// The stiffness
-    #[arg(long, value_enum, default_value_t = OperatorName::Auto)]
-    operator: OperatorName,
+    #[arg(long, value_parser = operator::kinds(), default_value_t = LaplacianKind::Auto)]
+    operator: LaplacianKind,
     /// The mass matrix
     #[arg(long, value_enum, default_value_t = MassName::Barycentric)]
     mass: MassName,
@@ -182,7 +182,7 @@ impl Spectrum {
         self.overwrite.check_given(self.output.as_deref())?;
         let (surface, _) = self.reading.read(context, &self.input)?;
         let (kind, mesh) = (&self.kind, surface.mesh());
-        let laplacian = kind.operator.assemble(context, mesh, mass(kind.mass))?;
+        let laplacian = operator::assemble(context, mesh, kind.operator, mass(kind.mass))?;
         let modes = compute(context, &laplacian, self.k, &kind.options(mesh))?;
         if let Some(output) = &self.output {
             on_file(&modes, &surface)?.save(output).map_err(Failure::output)?;

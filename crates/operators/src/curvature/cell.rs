@@ -5,11 +5,9 @@ use fairing_mesh::vec3::{add, power_of_two, scale, sub};
 use rayon::prelude::*;
 
 use std::f64::consts::{PI, TAU};
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::area::LumpedArea;
-use crate::corners::{FaceCorners, degenerate};
-use crate::error::OperatorError;
+use crate::corners::FaceCorners;
 use crate::fan::Fan;
 
 /// Vertices handed to a thread at a time.
@@ -71,14 +69,13 @@ impl Links {
 /// Sums over the faces of each vertex, in vertex order, and maps each sum.
 ///
 /// Each face is computed once for each of its corners: cheaper than to store
-/// and load it.
+/// and load it. The faces have [passed](crate::check_faces) as sound.
 pub(crate) fn map_cells<T: Send>(
     mesh: &TriMesh,
     area: LumpedArea,
     of: impl Fn(&Cell) -> T + Sync + Send,
-) -> Result<Vec<T>, OperatorError> {
+) -> Vec<T> {
     let (positions, incidence) = (mesh.positions(), mesh.incidence());
-    let first = AtomicUsize::new(usize::MAX);
     let gather = |fan: &mut Fan, v: u32| {
         let (sides, at) = (incidence.sides(v), positions[v as usize]);
         fan.gather(sides.iter().copied());
@@ -90,32 +87,24 @@ pub(crate) fn map_cells<T: Send>(
             links: Links::new(fan, sides.len()),
         };
         let mut turns = Turns::default();
-        for (i, side) in sides.iter().enumerate() {
+        for side in sides {
             let [to_next, to_previous] = side.map(|w| sub(positions[w as usize], at));
             let (face, normal) = FaceCorners::from_sides(to_next, to_previous);
-            let shares = area.shares(&face);
-            if shares.is_none() || face.is_degenerate() {
-                first.fetch_min(incidence.corners(v)[i] as usize / 3, Ordering::Relaxed);
-            }
             let half = face.half_cotangents();
             let pull = add(scale(to_next, half[2]), scale(to_previous, half[1]));
             cell.laplacian = add(cell.laplacian, pull);
-            cell.area += shares.unwrap_or_default()[0];
+            cell.area += area.sound_shares(&face)[0];
             cell.normal = add(cell.normal, scale(normal, 0.5));
             turns.add(face.turn(0));
         }
         cell.angles = turns.sum();
         of(&cell)
     };
-    let all = (0..mesh.vertex_count() as u32)
+    (0..mesh.vertex_count() as u32)
         .into_par_iter()
         .with_min_len(VERTICES_PER_TASK)
         .map_init(Fan::default, gather)
-        .collect();
-    match first.into_inner() {
-        usize::MAX => Ok(all),
-        face => Err(degenerate(face, &FaceCorners::new(mesh.triangle(face)))),
-    }
+        .collect()
 }
 
 /// A sum of angles between 0 and π.

@@ -7,7 +7,7 @@ use super::field::{self, CurvatureField};
 use super::gaussian::{defects, undefined};
 use super::mean::{AtVertex, MeanCurvature};
 use crate::error::OperatorError;
-use crate::laplacian::Laplacian;
+use crate::laplacian::{Laplacian, Reason};
 use crate::normals::vertex_normals;
 
 /// [`mean_curvature`](super::mean_curvature) with a Laplacian of the mesh:
@@ -62,7 +62,9 @@ pub fn laplacian_mean_curvature(
 /// principal values that follow.
 ///
 /// Where estimates have H² < K, κ₁ = κ₂ = H; H and K stay as they are.
-/// Undefined as in [`laplacian_mean_curvature`]. Linear cost.
+/// Undefined as in [`laplacian_mean_curvature`].
+/// [`CurvatureField::too_thin`] is the face for which the Laplacian is robust,
+/// if that is its [reason](Laplacian::reason). Linear cost.
 ///
 /// # Errors
 ///
@@ -83,7 +85,11 @@ pub fn laplacian_curvature(
         };
         (found, links.boundary)
     });
-    Ok(CurvatureField::collect(found.collect(), false))
+    let too_thin = match laplacian.reason() {
+        Reason::ThinFace { face, .. } => Some(face),
+        _ => None,
+    };
+    Ok(CurvatureField { too_thin, ..CurvatureField::collect(found.collect(), false) })
 }
 
 /// The rows of `S x`, about the vertex itself: rows sum to zero, and this way

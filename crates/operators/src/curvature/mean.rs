@@ -9,6 +9,7 @@ use super::gaussian::undefined;
 use super::oriented::on_oriented;
 use super::status::{ScalarCurvature, Undefined, VertexStatus};
 use crate::area::LumpedArea;
+use crate::corners::check_faces;
 use crate::error::OperatorError;
 use crate::fan::Fan;
 
@@ -118,6 +119,9 @@ fn mean_of_oriented(
     mesh: &TriMesh,
     operator: MeanOperator,
 ) -> Result<MeanCurvature, OperatorError> {
+    if let MeanOperator::Cotangent(_) = operator {
+        check_faces(mesh)?;
+    }
     let (mesh, unit) = mesh.at_unit_scale();
     let found = match operator {
         MeanOperator::Umbrella => umbrellas(&mesh, false),
@@ -125,8 +129,7 @@ fn mean_of_oriented(
         MeanOperator::Cotangent(area) => map_cells(&mesh, area, |cell| {
             let vector = (cell.area > 0.0).then(|| scale(cell.laplacian, 1.0 / cell.area));
             AtVertex::new(vector, cell.normal, cell.links)
-        })
-        .map_err(|error| error.times(unit))?,
+        }),
     };
     // The umbrella is a length, the others one over a length.
     let factor = if operator == MeanOperator::Umbrella { unit } else { 1.0 / unit };
@@ -152,14 +155,14 @@ fn both_of_oriented(
     mesh: &TriMesh,
     area: LumpedArea,
 ) -> Result<(MeanCurvature, ScalarCurvature), OperatorError> {
+    check_faces(mesh)?;
     let (mesh, unit) = mesh.at_unit_scale();
     let found = map_cells(&mesh, area, |cell| {
         let inverse = (cell.area > 0.0).then(|| 1.0 / cell.area);
         let vector = inverse.map(|inverse| scale(cell.laplacian, inverse));
         let gaussian = cell.defect() * inverse.unwrap_or(f64::INFINITY);
         (AtVertex::new(vector, cell.normal, cell.links), (gaussian, undefined(cell.links)))
-    })
-    .map_err(|error| error.times(unit))?;
+    });
     let gaussian =
         found.iter().map(|(at, (k, reason))| (k / unit / unit, *reason, at.boundary)).collect();
     let mean = MeanCurvature::from_vertices(found.into_iter().map(|(at, _)| at));

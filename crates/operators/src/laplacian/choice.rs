@@ -2,18 +2,19 @@
 
 use std::fmt;
 
+use fairing_mesh::TriMesh;
 use fairing_sparse::SparseMatrix;
 
-use super::kind::MassKind;
+use super::kind::{LaplacianKind, MassKind};
+use crate::corners::check_faces;
 use crate::error::OperatorError;
+use crate::stiffness::cotan_stiffness;
 
 /// Weights below zero by more than this share of the diagonal are negative;
 /// less is rounding.
 const ROUNDING: f64 = 1e-10;
 
 /// Why a [`Laplacian`](super::Laplacian) is of its kind.
-///
-/// Auto is [`LaplacianKind::Auto`](super::LaplacianKind::Auto).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
@@ -21,11 +22,13 @@ const ROUNDING: f64 = 1e-10;
 pub enum Reason {
     /// It was requested.
     Asked,
-    /// Auto found no weight that is negative.
+    /// [`LaplacianKind::Auto`] found cotangents in every face.
     Sound,
-    /// Auto with a mass that only cotangents have.
+    /// [`LaplacianKind::Auto`] with a mass that only cotangents have.
     Mass,
-    /// Auto found a face too thin for its cotangents.
+    /// [`LaplacianKind::NonNegative`] found no weight below zero.
+    NonNegative,
+    /// A face is too thin for its cotangents.
     ThinFace {
         /// The first such face.
         face: u32,
@@ -34,7 +37,7 @@ pub enum Reason {
         /// Its longest edge, in mesh units.
         edge: f64,
     },
-    /// Auto found an edge that is not Delaunay.
+    /// [`LaplacianKind::NonNegative`] found an edge that is not Delaunay.
     NegativeWeight {
         /// The ends of the first such edge.
         edge: [u32; 2],
@@ -47,8 +50,9 @@ impl fmt::Display for Reason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Asked => write!(f, "asked for"),
-            Self::Sound => write!(f, "no edge has a negative weight"),
+            Self::Sound => write!(f, "no face is too thin for cotangents"),
             Self::Mass => write!(f, "only the cotangent Laplacian has this mass"),
+            Self::NonNegative => write!(f, "no edge has a negative weight"),
             Self::ThinFace { face, area, edge } => {
                 write!(
                     f,
@@ -62,24 +66,76 @@ impl fmt::Display for Reason {
     }
 }
 
-/// What [`LaplacianKind::Auto`](super::LaplacianKind::Auto) takes, and why, given the cotangent stiffness: that
-/// stiffness, or `None` for the robust Laplacian.
-pub(super) fn choose(
-    stiffness: Result<SparseMatrix, OperatorError>,
+/// The kind that `kind` stands for on a mesh, and the reason.
+///
+/// The only place that decides between cotangents and the robust Laplacian, for
+/// matrices, curvature, flows and distances: [`LaplacianKind::Auto`] and
+/// [`LaplacianKind::NonNegative`] are one of the two,
+/// [`LaplacianKind::Polygon`] is [`LaplacianKind::Cotangent`] on triangles, and
+/// the others are themselves.
+///
+/// # Errors
+///
+/// [`OperatorError::TooLarge`] for [`LaplacianKind::NonNegative`], as
+/// [`cotan_stiffness`].
+///
+/// # Examples
+///
+/// ```
+/// use fairing_operators::{LaplacianKind, MassKind, Reason, choose};
+/// use fairing_shapes as shapes;
+///
+/// let sphere = shapes::icosphere(2);
+/// let found = choose(&sphere, LaplacianKind::Auto, MassKind::Barycentric)?;
+/// assert_eq!(found, (LaplacianKind::Cotangent, Reason::Sound));
+/// # Ok::<(), fairing_operators::OperatorError>(())
+/// ```
+pub fn choose(
+    mesh: &TriMesh,
+    kind: LaplacianKind,
     mass: MassKind,
-) -> Result<(Reason, Option<SparseMatrix>), OperatorError> {
-    if mass != MassKind::Barycentric {
-        return Ok((Reason::Mass, Some(stiffness?)));
-    }
-    match stiffness {
-        Ok(stiffness) => Ok(match negative_weight(&stiffness) {
-            Some(reason) => (reason, None),
-            None => (Reason::Sound, Some(stiffness)),
-        }),
-        Err(OperatorError::DegenerateFace { face, area, edge }) => {
-            Ok((Reason::ThinFace { face, area, edge }, None))
+) -> Result<(LaplacianKind, Reason), OperatorError> {
+    let Choice { kind, reason, .. } = resolve(mesh, kind, mass, || cotan_stiffness(mesh))?;
+    Ok((kind, reason))
+}
+
+/// Result of [`choose`], with the cotangent stiffness where the choice needed it.
+pub(super) struct Choice {
+    pub(super) kind: LaplacianKind,
+    pub(super) reason: Reason,
+    pub(super) stiffness: Option<SparseMatrix>,
+}
+
+/// [`choose`], with the function that assembles the cotangent stiffness of the mesh.
+pub(super) fn resolve(
+    mesh: &TriMesh,
+    kind: LaplacianKind,
+    mass: MassKind,
+    cotangents: impl FnOnce() -> Result<SparseMatrix, OperatorError>,
+) -> Result<Choice, OperatorError> {
+    let taken = |kind, reason| Choice { kind, reason, stiffness: None };
+    let (cotangent, robust) = (LaplacianKind::Cotangent, LaplacianKind::Robust);
+    let found = match kind {
+        LaplacianKind::Auto if mass != MassKind::Barycentric => Ok(taken(cotangent, Reason::Mass)),
+        LaplacianKind::Auto => check_faces(mesh).map(|()| taken(cotangent, Reason::Sound)),
+        LaplacianKind::NonNegative => {
+            cotangents().map(|stiffness| match negative_weight(&stiffness) {
+                Some(reason) => taken(robust, reason),
+                None => {
+                    Choice { stiffness: Some(stiffness), ..taken(cotangent, Reason::NonNegative) }
+                }
+            })
         }
-        Err(error) => Err(error),
+        LaplacianKind::Polygon => Ok(taken(cotangent, Reason::Asked)),
+        LaplacianKind::Uniform | LaplacianKind::Cotangent | LaplacianKind::Robust => {
+            Ok(taken(kind, Reason::Asked))
+        }
+    };
+    match found {
+        Err(OperatorError::DegenerateFace { face, area, edge }) => {
+            Ok(taken(robust, Reason::ThinFace { face, area, edge }))
+        }
+        found => found,
     }
 }
 

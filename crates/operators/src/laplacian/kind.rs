@@ -8,13 +8,19 @@ use crate::area::LumpedArea;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum LaplacianKind {
-    /// [`Cotangent`](Self::Cotangent), or [`Robust`](Self::Robust) where the
-    /// mesh is bad for it: where a face is too thin for its cotangents
-    /// ([`MIN_HEIGHT_RATIO`](crate::MIN_HEIGHT_RATIO)), or where an edge that is
-    /// not Delaunay has a negative weight (by more than 10⁻¹⁰ of the
-    /// diagonal). With another mass than the barycentric one, which is the
-    /// only one that the robust kind has, always the cotangent one.
+    /// [`Cotangent`](Self::Cotangent), or [`Robust`](Self::Robust) where a face
+    /// is too thin for its cotangents
+    /// ([`MIN_HEIGHT_RATIO`](crate::MIN_HEIGHT_RATIO)). The default of spectra,
+    /// flows, heat, Poisson problems and curvature. With another mass than the
+    /// barycentric one, which is the only one that the robust kind has, always
+    /// the cotangent one.
     Auto,
+    /// [`Cotangent`](Self::Cotangent), or [`Robust`](Self::Robust) where a face
+    /// is too thin for its cotangents or an edge that is not Delaunay has a
+    /// negative weight (by more than 10⁻¹⁰ of the diagonal). The default of
+    /// geodesic distances: without negative weights heat is nowhere negative.
+    /// Exists with the barycentric mass only where it is robust.
+    NonNegative,
     /// The graph of the edges, each with the weight 1, whatever the positions:
     /// [`combinatorial_laplacian`](crate::combinatorial_laplacian).
     Uniform,
@@ -33,13 +39,20 @@ pub enum LaplacianKind {
 
 impl LaplacianKind {
     /// All of them.
-    pub const ALL: [Self; 5] =
-        [Self::Auto, Self::Uniform, Self::Cotangent, Self::Robust, Self::Polygon];
+    pub const ALL: [Self; 6] = [
+        Self::Auto,
+        Self::NonNegative,
+        Self::Uniform,
+        Self::Cotangent,
+        Self::Robust,
+        Self::Polygon,
+    ];
 
     /// The name on the command line and in messages.
     pub fn name(self) -> &'static str {
         match self {
             Self::Auto => "auto",
+            Self::NonNegative => "non-negative",
             Self::Uniform => "uniform",
             Self::Cotangent => "cotangent",
             Self::Robust => "robust",

@@ -30,7 +30,8 @@ use crate::polygon::{PolygonLaplacian, polygon_laplacian};
 use crate::stiffness;
 use crate::uniform::combinatorial_laplacian;
 
-pub use choice::Reason;
+use choice::Choice;
+pub use choice::{Reason, choose};
 pub use kind::{LaplacianKind, MassKind};
 pub use mass::{MassMatrix, positive_lumped_mass};
 pub use pattern::{CotangentPattern, ThinFaces};
@@ -97,8 +98,9 @@ impl Laplacian {
     /// cotangents, with [`LaplacianKind::Cotangent`] and
     /// [`LaplacianKind::Polygon`], and for one too thin for its share of the
     /// mass; [`OperatorError::NoLength`] with the robust kind, if no edge has
-    /// a length; [`OperatorError::NoSuchMass`] for the robust kind with a mass
-    /// that is not barycentric; [`OperatorError::TooLarge`] beyond 2³²
+    /// a length; [`OperatorError::NoSuchMass`] for the robust kind, or
+    /// [`LaplacianKind::NonNegative`] where it takes the robust kind, with a
+    /// mass that is not barycentric; [`OperatorError::TooLarge`] beyond 2³²
     /// entries.
     pub fn new(mesh: &TriMesh, kind: LaplacianKind, mass: MassKind) -> Result<Self, OperatorError> {
         Self::assemble(mesh, kind, mass, None)
@@ -116,19 +118,13 @@ impl Laplacian {
             let like = like.filter(|like| like.kind == LaplacianKind::Cotangent);
             stiffness::on_pattern(mesh, like.map(Self::stiffness))
         };
-        let (reason, stiffness) = match kind {
-            LaplacianKind::Auto => choice::choose(cotangents(), mass)?,
-            LaplacianKind::Uniform => (Reason::Asked, Some(combinatorial_laplacian(mesh)?)),
-            // On triangles the two are one.
-            LaplacianKind::Cotangent | LaplacianKind::Polygon => {
-                (Reason::Asked, Some(cotangents()?))
-            }
-            LaplacianKind::Robust => (Reason::Asked, None),
-        };
-        let Some(stiffness) = stiffness else { return Self::robust_of(mesh, kind, reason, mass) };
-        let taken = match kind {
-            LaplacianKind::Auto | LaplacianKind::Polygon => LaplacianKind::Cotangent,
-            other => other,
+        let Choice { kind: taken, reason, stiffness } =
+            choice::resolve(mesh, kind, mass, cotangents)?;
+        let stiffness = match (taken, stiffness) {
+            (LaplacianKind::Robust, _) => return Self::robust_of(mesh, kind, reason, mass),
+            (LaplacianKind::Uniform, _) => combinatorial_laplacian(mesh)?,
+            (_, Some(stiffness)) => stiffness,
+            (_, None) => cotangents()?,
         };
         Ok(Self {
             asked: kind,
@@ -142,8 +138,8 @@ impl Laplacian {
         })
     }
 
-    /// [`LaplacianKind::Auto`] with the barycentric mass: what to take where
-    /// nothing is known about the mesh.
+    /// [`LaplacianKind::Auto`] with the barycentric mass: for a mesh of which
+    /// nothing is known.
     ///
     /// # Errors
     ///
@@ -228,7 +224,8 @@ impl Laplacian {
         })
     }
 
-    /// The kind that was taken, never [`LaplacianKind::Auto`].
+    /// The kind that was taken, never [`LaplacianKind::Auto`] or
+    /// [`LaplacianKind::NonNegative`].
     pub fn kind(&self) -> LaplacianKind {
         self.kind
     }

@@ -10,7 +10,7 @@ impl Laplacian {
     /// has the faces that this one was made of.
     ///
     /// The result is that of [`Laplacian::new`], bit by bit, and
-    /// [`LaplacianKind::Auto`] chooses again. Cotangents are written into the
+    /// [`choose`](crate::choose) decides again. Cotangents are written into the
     /// pattern that there is, the uniform stiffness stays, and the robust one
     /// is assembled again, because its edges depend on the positions.
     ///

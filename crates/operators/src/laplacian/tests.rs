@@ -51,12 +51,20 @@ fn parts_are_those_of_the_free_functions() {
 #[test]
 fn auto_says_what_it_takes_and_why() {
     let auto = |mesh: &TriMesh, mass| Laplacian::new(mesh, LaplacianKind::Auto, mass).unwrap();
-    let taken = |mesh: &TriMesh| {
-        let found = auto(mesh, MassKind::Barycentric);
-        (found.kind(), found.reason())
+    let of_kind = |mesh: &TriMesh, kind| {
+        let found = Laplacian::new(mesh, kind, MassKind::Barycentric).unwrap();
+        let chosen = (found.kind(), found.reason());
+        assert_eq!(choose(mesh, kind, MassKind::Barycentric), Ok(chosen));
+        chosen
     };
+    let taken = |mesh: &TriMesh| of_kind(mesh, LaplacianKind::NonNegative);
+    // Auto does not mind negative weights.
+    for mesh in [square(), rhombus(0.5), rhombus(1e-9)] {
+        let sound = (LaplacianKind::Cotangent, Reason::Sound);
+        assert_eq!(of_kind(&mesh, LaplacianKind::Auto), sound);
+    }
     // The diagonal of a square has the weight zero, but for rounding.
-    assert_eq!(taken(&square()), (LaplacianKind::Cotangent, Reason::Sound));
+    assert_eq!(taken(&square()), (LaplacianKind::Cotangent, Reason::NonNegative));
     // cot 2 atan 2 = −3/4 on both sides of the edge.
     let (kind, reason) = taken(&rhombus(0.5));
     let Reason::NegativeWeight { edge, weight } = reason else { panic!("{reason}") };
@@ -64,15 +72,19 @@ fn auto_says_what_it_takes_and_why() {
     assert!((weight + 0.75).abs() < 1e-15, "{weight}");
     // cot 2 atan(1/h) = (h² − 1)/2h on both sides: a millionth below zero counts, rounding does not.
     assert_eq!(taken(&rhombus(1.0 - 1e-6)).0, LaplacianKind::Robust);
-    assert_eq!(taken(&rhombus(1.0 - 1e-12)), (LaplacianKind::Cotangent, Reason::Sound));
-    let (kind, reason) = taken(&rhombus(0.0));
-    assert_eq!(kind, LaplacianKind::Robust);
-    assert_eq!(reason, Reason::ThinFace { face: 0, area: 0.0, edge: 2.0 });
+    assert_eq!(taken(&rhombus(1.0 - 1e-12)), (LaplacianKind::Cotangent, Reason::NonNegative));
+    let thin = (LaplacianKind::Robust, Reason::ThinFace { face: 0, area: 0.0, edge: 2.0 });
+    assert_eq!(taken(&rhombus(0.0)), thin);
+    assert_eq!(of_kind(&rhombus(0.0), LaplacianKind::Auto), thin);
     let robust = auto(&rhombus(0.0), MassKind::Barycentric);
     assert!(robust.intrinsic().is_some_and(|on| on.mollified > 0 && on.added_length > 0.0));
     // The robust kind has no other mass.
     let mixed = auto(&rhombus(0.5), MassKind::Mixed);
     assert_eq!((mixed.kind(), mixed.reason()), (LaplacianKind::Cotangent, Reason::Mass));
+    let mixed =
+        |height| Laplacian::new(&rhombus(height), LaplacianKind::NonNegative, MassKind::Mixed);
+    assert_eq!(mixed(2.0).unwrap().kind(), LaplacianKind::Cotangent);
+    assert!(matches!(mixed(0.5), Err(OperatorError::NoSuchMass { .. })));
 }
 
 #[test]
@@ -182,7 +194,7 @@ fn refilled_is_new() {
                     Ok(new) => {
                         found.refill(mesh).unwrap();
                         assert_eq!(found, new, "{kind} {mass}");
-                        if kind == LaplacianKind::Auto && mass == MassKind::Barycentric {
+                        if kind == LaplacianKind::NonNegative && mass == MassKind::Barycentric {
                             taken.push(found.kind());
                         }
                     }

@@ -2,7 +2,7 @@
 
 use fairing_mesh::TriMesh;
 use fairing_operators::{
-    CotangentPattern, LaplacianKind, MassKind, OperatorError, ThinFaces, positive_lumped_mass,
+    CotangentPattern, LaplacianKind, MassKind, ThinFaces, positive_lumped_mass,
 };
 use fairing_sparse::{GraphLaplacian, SparseMatrix};
 
@@ -34,12 +34,7 @@ pub(crate) fn cotangent(
     fixed: &[bool],
 ) -> Result<GraphLaplacian, FlowFailure> {
     match operator {
-        Operator::Auto => match cotangent(mesh, Operator::FIRST, fixed) {
-            Err(FlowFailure::Operator(OperatorError::DegenerateFace { .. })) => {
-                cotangent(mesh, Operator::Robust, fixed)
-            }
-            other => other,
-        },
+        Operator::Auto => cotangent(mesh, operator.on(mesh)?.0, fixed),
         Operator::Plain(area) => on_pattern(&mut CotangentPattern::new(mesh, area, fixed)?, mesh),
         Operator::Robust => {
             let (stiffness, mass) = operators(mesh, operator.kinds())?;

@@ -1,7 +1,7 @@
 //! What diffuses, and how far in one step.
 
-use fairing_mesh::{Choice, Parameter, ParameterError, Values};
-use fairing_operators::{LaplacianKind, LumpedArea, MassKind};
+use fairing_mesh::{Choice, Parameter, ParameterError, TriMesh, Values};
+use fairing_operators::{LaplacianKind, LumpedArea, MassKind, OperatorError, Reason, choose};
 
 /// The Laplacian of a flow with the length of a step in its unit.
 ///
@@ -31,8 +31,9 @@ pub enum Diffusion {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Operator {
-    /// Cotangents over barycentric areas; the robust operator where a face of the input is too thin for cotangents,
-    /// which [`Report::too_thin`](crate::Report::too_thin) then names.
+    /// [`LaplacianKind::Auto`]: cotangents over barycentric areas; the robust operator where a face
+    /// of the input is too thin for cotangents, which [`Report::too_thin`](crate::Report::too_thin)
+    /// then names.
     #[default]
     Auto,
     /// Cotangents of the faces as they are, over these areas. Faces without area are refused, obtuse ones can give
@@ -47,13 +48,23 @@ pub enum Operator {
 }
 
 impl Operator {
-    /// What auto tries first.
-    pub(crate) const FIRST: Self = Self::Plain(LumpedArea::Barycentric);
+    /// The operator for a mesh, never [`Operator::Auto`], and the first face too thin for
+    /// cotangents where auto takes the robust operator.
+    pub(crate) fn on(self, mesh: &TriMesh) -> Result<(Self, Option<u32>), OperatorError> {
+        if self != Self::Auto {
+            return Ok((self, None));
+        }
+        let (kind, mass) = self.kinds();
+        Ok(match choose(mesh, kind, mass)?.1 {
+            Reason::ThinFace { face, .. } => (Self::Robust, Some(face)),
+            _ => (Self::Plain(LumpedArea::Barycentric), None),
+        })
+    }
 
     /// The kinds of stiffness and mass.
     pub(crate) fn kinds(self) -> (LaplacianKind, MassKind) {
         match self {
-            Self::Auto => Self::FIRST.kinds(),
+            Self::Auto => (LaplacianKind::Auto, MassKind::Barycentric),
             Self::Plain(area) => (LaplacianKind::Cotangent, area.into()),
             Self::Robust => (LaplacianKind::Robust, MassKind::Barycentric),
         }
@@ -227,7 +238,7 @@ impl Diffusion {
     }
 
     /// The step as the factor of `L`.
-    pub(crate) fn factor(self, mesh: &fairing_mesh::TriMesh) -> f64 {
+    pub(crate) fn factor(self, mesh: &TriMesh) -> f64 {
         match self {
             Self::Uniform { lambda } => lambda,
             Self::Cotangent { time, .. } => time.in_squared_units(mesh.mean_edge_length()),

@@ -52,33 +52,21 @@ macro_rules! diffuses_in_mesh_units {
 
 pub(crate) use diffuses_in_mesh_units;
 
-/// [`with_operator_at_unit_scale`], where [`Operator::Auto`] is the plain operator first and the robust one if a face of
-/// the input is too thin for that.
+/// [`with_operator_at_unit_scale`], with the operator that [`Operator::Auto`] is on the input.
 pub(crate) fn at_unit_scale<O: InMeshUnits + Clone>(
     mesh: &TriMesh,
     options: &O,
-    mut observer: Option<&mut Observer<'_>>,
+    observer: Option<&mut Observer<'_>>,
     flow: impl Fn(&TriMesh, &O, Option<&mut Observer<'_>>) -> Result<Smoothed, FlowError>,
 ) -> Result<Smoothed, FlowError> {
     let mut options = options.clone();
-    let auto = options.operator_mut().filter(|operator| **operator == Operator::Auto);
-    let Some(operator) = auto else {
-        return with_operator_at_unit_scale(mesh, &options, observer, flow);
-    };
-    *operator = Operator::FIRST;
-    let watch = observer.as_mut().map(|observe| &mut **observe as &mut Observer<'_>);
-    let error = match with_operator_at_unit_scale(mesh, &options, watch, &flow) {
-        Err(error) if error.iteration == 0 => error,
-        other => return other,
-    };
-    let FlowFailure::Operator(OperatorError::DegenerateFace { face, .. }) = error.failure else {
-        return Err(error);
-    };
+    let mut too_thin = None;
     if let Some(operator) = options.operator_mut() {
-        *operator = Operator::Robust;
+        (*operator, too_thin) =
+            operator.on(mesh).map_err(|error| FlowFailure::from(error).before(mesh))?;
     }
     let mut smoothed = with_operator_at_unit_scale(mesh, &options, observer, flow)?;
-    smoothed.report.too_thin = Some(face);
+    smoothed.report.too_thin = too_thin;
     Ok(smoothed)
 }
 
