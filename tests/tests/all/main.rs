@@ -20,3 +20,4 @@ mod sizes;
 mod smoothing;
 mod spectra;
 mod spectral_verbs;
+mod ugly_files;
