@@ -8,8 +8,9 @@ use crate::error::SpectralError;
 
 /// The heat equation Mu' = −S u in one backward Euler step, (M + tS) u = M u₀, factorised once.
 ///
-/// Natural boundaries: no heat leaves the mesh. The heat of every component is kept to rounding, for any time: its mean
-/// is taken off, and the rest is solved for ([`GraphSystem`]). Vertices without faces keep their heat.
+/// Natural boundaries: no heat leaves the mesh. The heat of every component is kept to rounding,
+/// for any time: its mean is taken off, and the rest is solved for ([`GraphSystem`]). Vertices
+/// without faces keep their heat.
 ///
 /// # Examples
 ///
@@ -33,8 +34,8 @@ pub struct HeatDiffusion {
     system: GraphSystem,
 }
 
-/// From this time on, in units of the least mass over the diagonal of S in the same row, the equation is divided by the
-/// time, so that no time is too long.
+/// From this time on, in units of the least mass over the diagonal of S in the same row, the
+/// equation is divided by the time, so that no time is too long.
 const LONG: f64 = 100.0;
 
 impl HeatDiffusion {
@@ -64,12 +65,16 @@ impl HeatDiffusion {
     ///
     /// # Errors
     ///
-    /// [`SpectralError::Rows`]; [`SpectralError::Solve`] where the digits of the solution are gone.
+    /// [`SpectralError::Rows`]; [`SpectralError::Option`] for one that is not finite;
+    /// [`SpectralError::Solve`] where the digits of the solution are gone.
     pub fn step(&self, temperatures: &[f64]) -> Result<Vec<f64>, SpectralError> {
         let mass = self.mass.as_mass();
         let (found, expected) = (temperatures.len(), mass.len());
         if found != expected {
             return Err(SpectralError::Rows { found, expected });
+        }
+        if let Some(&value) = temperatures.iter().find(|x| !x.is_finite()) {
+            return Err(OptionError::new("temperature", value, "finite").into());
         }
         let (means, parts) = (self.system.floating_means(temperatures), self.system.parts());
         let about: Vec<f64> =

@@ -13,11 +13,12 @@ use crate::flat_face::FlatFace;
 /// The heat method, ready for any sources: heat diffuses for a short time, its gradient is normalised, and the
 /// function whose gradient is closest to this is the distance.
 ///
-/// Smooth approximation of the geodesic distance, in mesh units: never negative, and exactly zero at every source. The
-/// function is known up to a constant for each component, and the constant is chosen so that the mean over the
-/// sources there is zero; the function itself differs between them by some tenths of an edge length. The error is about
-/// an edge length near sources, where distances come out too large, and of first order in h elsewhere. Natural
-/// boundaries. Source: \[crane2013\].
+/// Smooth approximation of the geodesic distance, in mesh units: never negative, and exactly zero
+/// at every source. The function is known up to a constant for each component, and the constant is
+/// chosen so that the mean over the sources there is zero; the function itself differs between them
+/// by some tenths of an edge length. The error is about an edge length near sources, where
+/// distances come out too large, and of first order in h elsewhere. Natural boundaries. Source:
+/// \[crane2013\].
 #[derive(Debug)]
 pub struct HeatGeodesics {
     kind: LaplacianKind,
@@ -133,9 +134,9 @@ impl HeatGeodesics {
     /// # Errors
     ///
     /// [`SpectralError::NoSuchVertex`]; [`SpectralError::Option`] without a source;
-    /// [`SpectralError::NoHeat`] for a vertex so far from the sources that no heat arrives in the time: more than
-    /// some 1300 edges with that of [`HeatGeodesics::new`]; [`SpectralError::Solve`] where the digits of the
-    /// distances are gone.
+    /// [`SpectralError::NoHeat`] for a vertex so far from the sources that no heat arrives in the
+    /// time: more than some 1300 edges with that of [`HeatGeodesics::new`];
+    /// [`SpectralError::Solve`] where the digits of the distances are gone.
     pub fn distance(&self, sources: &[u32]) -> Result<Vec<Option<f64>>, SpectralError> {
         let n = self.component.len();
         if sources.is_empty() {
@@ -143,7 +144,10 @@ impl HeatGeodesics {
         }
         let mut heat = vec![0.0; n];
         let mut reached = vec![false; self.components];
-        for &vertex in sources {
+        let mut sources = sources.to_vec();
+        sources.sort_unstable();
+        sources.dedup();
+        for &vertex in &sources {
             let at = heat.get_mut(vertex as usize);
             *at.ok_or(SpectralError::NoSuchVertex { vertex, vertices: n })? = 2f64.powi(HEAT);
             reached[self.component[vertex as usize] as usize] = true;
@@ -168,7 +172,7 @@ impl HeatGeodesics {
         }
         let phi = self.poisson.solve(&phi, &vec![0.0; n])?;
         let mut at_sources = vec![(0.0, 0.0); self.components];
-        for &v in sources {
+        for &v in &sources {
             let (sum, count) = &mut at_sources[self.component[v as usize] as usize];
             *sum += phi[v as usize];
             *count += 1.0;
@@ -178,7 +182,7 @@ impl HeatGeodesics {
             is_reached(v).then(|| ((phi - sum / count) * self.unit).max(0.0))
         };
         let mut distances: Vec<Option<f64>> = phi.iter().enumerate().map(distance).collect();
-        for &v in sources {
+        for &v in &sources {
             distances[v as usize] = Some(0.0);
         }
         Ok(distances)

@@ -70,7 +70,7 @@ impl<'a> Poisson<'a> {
         }
         let masses = laplacian.mass().as_mass().diagonal();
         for (v, &mass) in masses.iter().enumerate() {
-            if !is_fixed[v] && !(mass > 0.0) {
+            if !is_fixed[v] && (mass <= 0.0 || mass.is_nan()) {
                 return Err(OperatorError::Mass { vertex: v as u32, mass }.into());
             }
         }
@@ -108,7 +108,8 @@ impl<'a> Poisson<'a> {
             }
         }
         let right = self.laplacian.mass().as_mass().times(f);
-        // About one of the values of each component: what all of them have in common costs no digits.
+        // About one of the values of each component: what all of them have in common costs no
+        // digits.
         let parts = self.system.parts();
         let mut base = vec![None; n];
         for (&v, &value) in self.fixed.iter().zip(values) {

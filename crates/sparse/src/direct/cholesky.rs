@@ -89,7 +89,7 @@ pub enum CholeskyError {
     },
     /// Rounding leaves less than half of the digits of a solution.
     #[error(
-        "the system is so ill-conditioned, by {condition:.0e} or more, that no digits of its solution are right"
+        "the system is too ill-conditioned, by about {condition:.0e}: less than half of the digits of its solution would be right"
     )]
     IllConditioned {
         /// An estimate of the condition of the matrix scaled to a unit diagonal.

@@ -1,14 +1,16 @@
 //! Elimination of a graph Laplacian without subtractions.
 //!
-//! A matrix `D + S` with D ≥ 0 and a Laplacian S of positive weights is given by its weights and by D alone. To eliminate
-//! a vertex joins its neighbours by new edges and hands its share of D on to them:
+//! A matrix `D + S` with D ≥ 0 and a Laplacian S of positive weights is given by its weights and by
+//! D alone. Eliminating a vertex joins its neighbours by new edges and hands its share of D on to
+//! them:
 //!
 //! ```text
 //! p = dₖ + Σⱼ wₖⱼ,    wᵢⱼ ← wᵢⱼ + wₖᵢ wₖⱼ / p,    dᵢ ← dᵢ + wₖᵢ dₖ / p
 //! ```
 //!
-//! All terms are positive, so every number keeps its digits, however small D is and however much weights differ: a
-//! stored diagonal, in which the small terms of a row drown, is never formed. Source: \[alfa2002\].
+//! All terms are positive, so every number keeps its digits, however small D is and however much
+//! weights differ: a stored diagonal, in which the small terms of a row drown, is never formed.
+//! Source: \[alfa2002\].
 
 use fairing_watch::check;
 
@@ -33,7 +35,8 @@ impl Elimination {
     ///
     /// # Errors
     ///
-    /// The row and its pivot where one is not positive, which takes negative weights, or a part without D.
+    /// The row and its pivot where one is not positive, which takes negative weights, or a part
+    /// without D.
     pub(crate) fn new<R: Iterator<Item = (u32, f64)>>(
         order: Vec<u32>,
         weights: impl Fn(usize) -> R,
@@ -124,8 +127,8 @@ fn merge(a: &[(u32, f64)], b: &[(u32, f64)], factor: f64, sum: &mut Vec<(u32, f6
 mod tests {
     use super::*;
 
-    /// A path whose edges alternate between 1 and 10⁻²⁰, held at its first vertex by 10⁻³⁰: the potential of a source at
-    /// the far end is the sum of all resistances, to the last digits.
+    /// A path whose edges alternate between 1 and 10⁻²⁰, held at its first vertex by 10⁻³⁰: the
+    /// potential of a source at the far end is the sum of all resistances, to the last digits.
     #[test]
     fn small_weights_keep_their_digits() {
         let n = 1001;

@@ -3,16 +3,17 @@
 use crate::direct::cholesky::{Cholesky, CholeskyError, SymbolicCholesky};
 use crate::direct::elimination::Elimination;
 use crate::direct::ordering::Ordering;
+use crate::double;
 use crate::graph_laplacian::GraphLaplacian;
 use crate::matrix::{Rows, SparseMatrix, principal_submatrix};
 
-/// Systems in which weights are at most this many times what is added are solved as they are: rounding of the diagonal
-/// is below 10⁻¹³ of what is added.
+/// Systems in which weights are at most this many times what is added are solved as they are:
+/// rounding of the diagonal is below 10⁻¹³ of what is added.
 const LONG: f64 = 100.0;
 
-/// A solution is as it should be if its correction is below this share of it: what the correction leaves is smaller by
-/// the same factor once more.
-const CLOSE: f64 = 1e-10;
+/// A solution is as it should be if its correction is below this share of it: what the correction
+/// leaves is smaller by the same factor once more.
+const CLOSE: f64 = 1e-9;
 
 /// Digits are gone where corrections end above this share of a solution: half of them.
 const LOST: f64 = 1e-8;
@@ -23,15 +24,19 @@ const PROGRESS: f64 = 0.1;
 /// Solves of one system: corrections fall from 1 to [`CLOSE`] by factors of [`PROGRESS`].
 const MOST_SOLVES: usize = 12;
 
-/// The system `(D + S) x = b` of a diagonal `D ≥ 0` and a graph Laplacian S, with some x given, factorised once.
+/// The system `(D + S) x = b` of a diagonal `D ≥ 0` and a graph Laplacian S, with some x given,
+/// factorised once.
 ///
-/// S is given by its entries beside the diagonal, and its rows act on differences, `(Sx)ᵢ = Σⱼ wᵢⱼ (xᵢ − xⱼ)`. The
-/// solution of a stored matrix is corrected by such residuals, so that it is that of the weights, not that of a
-/// diagonal in which small weights, and D, have drowned beside large ones. Where the stored matrix has lost too much
-/// for that, elimination without subtractions takes its place, slower by an order of magnitude; it needs no digits at all if weights are positive.
+/// S is given by its entries beside the diagonal, and its rows act on differences,
+/// `(Sx)ᵢ = Σⱼ wᵢⱼ (xᵢ − xⱼ)`. The solution of a stored matrix is corrected by such residuals, so
+/// that it is that of the weights, not that of a diagonal in which small weights, and D, have
+/// drowned beside large ones. Where the stored matrix has lost too much for that, elimination
+/// without subtractions takes its place. It is slower by an order of magnitude, and with positive
+/// weights its accuracy does not depend on the condition.
 ///
-/// A part that has no given value *floats*: it is determined by D alone, or up to a constant where that is zero. It is
-/// solved about its weighted mean: b sums to zero over it, what it has more is taken off by weight, and so does x.
+/// A part that has no given value *floats*: it is determined by D alone, or up to a constant where
+/// that is zero. It is solved about its weighted mean: the sum of b over the part is taken off by
+/// weight, and so is the mean of x.
 ///
 /// # Examples
 ///
@@ -48,8 +53,8 @@ const MOST_SOLVES: usize = 12;
 pub struct GraphSystem {
     /// S, zero in the rows of given values.
     laplacian: GraphLaplacian,
-    /// D, and what grounds a vertex of each floating part, the diagonal of S: `A' = D + S + s e eᵀ` is as well conditioned
-    /// as S is without its constants.
+    /// D, and what grounds a vertex of each floating part, the diagonal of S: `A' = D + S + s e eᵀ`
+    /// is as well conditioned as S is without its constants.
     added: Vec<f64>,
     /// The diagonal of A'.
     diagonal: Vec<f64>,
@@ -63,7 +68,8 @@ pub struct GraphSystem {
     floating: Vec<bool>,
     /// The weight of each vertex in the mean of its part.
     share: Vec<f64>,
-    /// `v = A'⁻¹ s e` over its mean: the solution of a grounded system is off by a multiple of this.
+    /// `v = A'⁻¹ s e` over its mean: the solution of a grounded system is off by a multiple of
+    /// this.
     response: Vec<f64>,
     /// Whether residuals are corrected.
     refine: bool,
@@ -78,12 +84,14 @@ enum Factor {
 }
 
 impl GraphSystem {
-    /// Factorises D + S for the entries of `s` beside its diagonal, D, weights for the means of parts, and the rows in
-    /// which x is given. `like` is an analysis of a matrix that may have the pattern of `s`, if there is one.
+    /// Factorises D + S for the entries of `s` beside its diagonal, D, weights for the means of
+    /// parts, and the rows in which x is given. `like` is an analysis of a matrix that may have the
+    /// pattern of `s`, if there is one.
     ///
     /// # Errors
     ///
-    /// [`CholeskyError`]: [`IllConditioned`](CholeskyError::IllConditioned) where no digits would be right.
+    /// [`CholeskyError`]: [`IllConditioned`](CholeskyError::IllConditioned) where no digits would
+    /// be right.
     ///
     /// # Panics
     ///
@@ -99,10 +107,7 @@ impl GraphSystem {
         assert_eq!((added.len(), weights.len()), (n, n), "sizes of the operands");
         let laplacian = GraphLaplacian::weighted(s, vec![1.0; n], given);
         let (part, floating) = parts(s, given);
-        let mut totals = vec![0.0; floating.len()];
-        for (&w, &p) in weights.iter().zip(&part) {
-            totals[p as usize] += w;
-        }
+        let totals = sums(&part, floating.len(), |v| weights[v]);
         let share = weights.iter().zip(&part).map(|(w, &p)| w / totals[p as usize]).collect();
         let free: Vec<u32> = (0..n as u32).filter(|&v| !given[v as usize]).collect();
         let diagonal: Vec<f64> =
@@ -124,16 +129,9 @@ impl GraphSystem {
         if system.free.is_empty() {
             return Ok(system);
         }
-        let mut ground = vec![0.0; n];
-        if refine {
-            let mut grounded = vec![false; system.floating.len()];
-            for v in 0..n {
-                let p = system.part[v] as usize;
-                if system.floating[p] && !std::mem::replace(&mut grounded[p], true) {
-                    ground[v] = system.diagonal[v];
-                    system.added[v] += ground[v];
-                }
-            }
+        let ground = system.ground();
+        for (added, ground) in system.added.iter_mut().zip(&ground) {
+            *added += ground;
         }
         for (diagonal, added) in system.diagonal.iter_mut().zip(&system.added) {
             *diagonal += added;
@@ -141,6 +139,23 @@ impl GraphSystem {
         system.factorise(s, like)?;
         system.respond(&ground)?;
         Ok(system)
+    }
+
+    /// The diagonal of S at one vertex of each floating part in which D is small, in the mean of
+    /// its shares of that diagonal: a few huge weights do not make a part move as a whole.
+    fn ground(&self) -> Vec<f64> {
+        let shares = |v: usize| [self.added[v] / (self.diagonal[v] + self.added[v]), 1.0];
+        let [small, count] =
+            [0, 1].map(|k| sums(&self.part, self.floating.len(), |v| shares(v)[k]));
+        let mut due: Vec<bool> = self.floating.clone();
+        let mut ground = vec![0.0; self.part.len()];
+        for (v, ground) in ground.iter_mut().enumerate() {
+            let p = self.part[v] as usize;
+            if small[p] * LONG < count[p] && std::mem::replace(&mut due[p], false) {
+                *ground = self.diagonal[v];
+            }
+        }
+        ground
     }
 
     /// The factor that solves the system of the weights, with the estimate of its inverse.
@@ -178,7 +193,8 @@ impl GraphSystem {
             Err(failed) if self.refine => failed,
             Err(failed) => return Err(failed),
         };
-        // Beside the diagonal of the matrix there are only the weights between free vertices: the rest is held.
+        // Beside the diagonal of the matrix there are only the weights between free vertices: the
+        // rest is held.
         let rows = Rows::new(&matrix);
         let weights = |row: usize| {
             let (columns, values) = rows.row(row);
@@ -198,8 +214,8 @@ impl GraphSystem {
         self.probe()
     }
 
-    /// Solves `A' z = diag A'`: where weights are positive the largest of z is the norm of `A'⁻¹ diag A'`, and otherwise
-    /// an estimate.
+    /// Solves `A' z = diag A'`: where weights are positive the largest of z is the norm of `A'⁻¹
+    /// diag A'`, and otherwise an estimate.
     fn probe(&mut self) -> Result<(), CholeskyError> {
         self.inverse = f64::INFINITY;
         let n = self.part.len();
@@ -243,10 +259,7 @@ impl GraphSystem {
     pub fn solve(&self, right: &[f64], given: &[f64]) -> Result<Vec<f64>, CholeskyError> {
         let n = self.part.len();
         assert_eq!((right.len(), given.len()), (n, n), "sizes of the operands");
-        let mut excess = vec![0.0; self.floating.len()];
-        for (b, &p) in right.iter().zip(&self.part) {
-            excess[p as usize] += b;
-        }
+        let excess = sums(&self.part, self.floating.len(), |v| right[v]);
         let mut x: Vec<[f64; 1]> = given.iter().map(|&x| [x]).collect();
         let mut right = right.to_vec();
         for &v in &self.free {
@@ -280,10 +293,13 @@ impl GraphSystem {
         let mut size = vec![0.0; self.floating.len()];
         let mut last = f64::INFINITY;
         for solved in 0..MOST_SOLVES {
+            if solved == 1 && !self.refine {
+                break;
+            }
             self.laplacian.sweep_summing(&x, &mut residual, |i, s, x, _| {
                 ([right[i] + s[0] - self.added[i] * x[0]], ())
             });
-            if solved == 1 && (!self.refine || self.is_close(&residual, &size)) {
+            if solved == 1 && self.is_close(&residual, &size) {
                 break;
             }
             let mut d: Vec<f64> = self.free.iter().map(|&v| residual[v as usize][0]).collect();
@@ -304,8 +320,8 @@ impl GraphSystem {
             if solved > 0 && worst <= CLOSE {
                 break;
             }
-            let stalled = solved > 0 && !(worst <= PROGRESS * last) || solved + 1 == MOST_SOLVES;
-            if !worst.is_finite() || stalled && !(worst <= LOST) {
+            let stalled = solved > 0 && worst > PROGRESS * last || solved + 1 == MOST_SOLVES;
+            if !worst.is_finite() || stalled && worst > LOST {
                 return Err(size.into_iter().fold(0.0, larger));
             }
             if stalled {
@@ -316,7 +332,8 @@ impl GraphSystem {
         Ok(x)
     }
 
-    /// Whether a residual is so small that its correction is not worth a solve: `|A'⁻¹ r| ≤ max |rᵢ/aᵢᵢ| ‖A'⁻¹ diag A'‖`.
+    /// Whether a residual is so small that its correction is not worth a solve: `|A'⁻¹ r| ≤ max
+    /// |rᵢ/aᵢᵢ| ‖A'⁻¹ diag A'‖`.
     fn is_close(&self, residual: &[[f64; 1]], size: &[f64]) -> bool {
         self.free.iter().all(|&v| {
             let v = v as usize;
@@ -325,13 +342,16 @@ impl GraphSystem {
         })
     }
 
-    /// The weighted mean over each part.
+    /// The weighted mean over each part, formed about one of its values, so that the mean of a
+    /// constant is exact.
     fn means(&self, value: impl Fn(usize) -> f64) -> Vec<f64> {
-        let mut means = vec![0.0; self.floating.len()];
-        for (v, &p) in self.part.iter().enumerate() {
-            means[p as usize] += self.share[v] * value(v);
+        let mut origin = vec![f64::NAN; self.floating.len()];
+        for (v, &p) in self.part.iter().enumerate().rev() {
+            origin[p as usize] = value(v);
         }
-        means
+        let about = |v: usize| self.share[v] * (value(v) - origin[self.part[v] as usize]);
+        let means = sums(&self.part, origin.len(), about);
+        means.iter().zip(&origin).map(|(mean, origin)| origin + mean).collect()
     }
 
     /// The weighted mean over each part that floats, and 0 for the others.
@@ -352,10 +372,11 @@ impl GraphSystem {
         &self.part
     }
 
-    /// An estimate of the condition of the matrix scaled to a unit diagonal, in the largest norm, with one vertex of each
-    /// floating part grounded: twice the norm of `A⁻¹ diag A`.
+    /// An estimate of the condition of the matrix scaled to a unit diagonal, in the largest norm,
+    /// with one vertex of each floating part grounded: twice the norm of `A⁻¹ diag A`.
     ///
-    /// This is that of any perturbation of entries. Solutions do not lose so much, because they are those of the weights.
+    /// This is that of any perturbation of entries. Solutions do not lose so much, because they are
+    /// those of the weights.
     pub fn condition(&self) -> f64 {
         2.0 * self.inverse
     }
@@ -388,7 +409,100 @@ fn parts(s: &SparseMatrix, given: &[bool]) -> (Vec<u32>, Vec<bool>) {
     (part, floating)
 }
 
+/// The sum over each part, with twice the digits: what is kept over many steps is not to drift.
+fn sums(part: &[u32], parts: usize, value: impl Fn(usize) -> f64) -> Vec<f64> {
+    let mut sums = vec![(0.0, 0.0); parts];
+    for (v, &p) in part.iter().enumerate() {
+        let slot = &mut sums[p as usize];
+        *slot = double::sum(*slot, (value(v), 0.0));
+    }
+    sums.iter().map(|(high, low)| high + low).collect()
+}
+
 /// The larger of two numbers; NaN if one is.
 fn larger(a: f64, b: f64) -> f64 {
     if a > b || a.is_nan() { a } else { b }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::matrix::from_triplets;
+
+    /// S of edges with weights.
+    fn laplacian(n: usize, edges: &[(usize, usize, f64)]) -> SparseMatrix {
+        let entries = |&(i, j, w): &(usize, usize, f64)| {
+            let (i, j) = (i as u32, j as u32);
+            [(i, i, w), (j, j, w), (i, j, -w), (j, i, -w)]
+        };
+        let entries: Vec<(u32, u32, f64)> = edges.iter().flat_map(entries).collect();
+        from_triplets((n, n), &entries).unwrap()
+    }
+
+    /// A ladder of stiff rungs and weak rails, between 0 at its foot and 1 at its head: linear,
+    /// whatever the ratio.
+    #[test]
+    fn ratios_cost_no_digits() {
+        for rail in [1.0, 1e-6, 1e-10, 1e-14, 1e-20, 1e-100] {
+            let n = 500;
+            let mut edges: Vec<_> = (0..n).map(|i| (2 * i, 2 * i + 1, 1.0)).collect();
+            edges.extend((0..2 * n - 2).map(|v| (v, v + 2, rail)));
+            let mut given = vec![false; 2 * n];
+            given[0] = true;
+            given[2 * n - 1] = true;
+            let s = laplacian(2 * n, &edges);
+            let system = GraphSystem::new(&s, vec![0.0; 2 * n], &vec![1.0; 2 * n], &given, None);
+            let mut x = vec![0.0; 2 * n];
+            x[2 * n - 1] = 1.0;
+            let x = system.unwrap().solve(&vec![0.0; 2 * n], &x).unwrap();
+            for (v, x) in x.iter().enumerate().filter(|_| rail < 1e-5) {
+                // The rungs at the ends carry the current of one rail.
+                let exact = (v / 2) as f64 / (n - 1) as f64;
+                assert!((x - exact).abs() < 1e-5, "{rail:e} {v}: {x} {exact}");
+            }
+            // Symmetry of the ladder.
+            for v in 0..2 * n {
+                assert!((x[v] + x[2 * n - 1 - v] - 1.0).abs() < 1e-9, "{rail:e} {v}");
+            }
+        }
+    }
+
+    /// An edge whose negative weight takes away what a detour of two edges conducts, but for
+    /// rounding.
+    #[test]
+    fn lost_digits_are_an_error() {
+        let edges = [(0, 1, 0.3), (1, 2, 0.7), (0, 2, -0.21 * (1.0 - 4e-16)), (2, 3, 1.0)];
+        let s = laplacian(4, &edges);
+        let given = [true, false, false, false];
+        let system = GraphSystem::new(&s, vec![0.0; 4], &[1.0; 4], &given, None);
+        let found = system.and_then(|system| system.solve(&[0.0, 0.0, 0.0, 1.0], &[0.0; 4]));
+        assert!(found.is_err(), "{found:?}");
+    }
+
+    /// Two triangles, one without a given value: its mean is zero, and the sum of b is taken off by
+    /// weight.
+    #[test]
+    fn parts_float_about_their_means() {
+        let triangle = |v: usize| [(v, v + 1, 1.0), (v + 1, v + 2, 2.0), (v, v + 2, 3.0)];
+        let s = laplacian(6, &[triangle(0), triangle(3)].concat());
+        let given = [true, false, false, false, false, false];
+        let weights = [1.0, 1.0, 1.0, 1.0, 2.0, 1.0];
+        for added in [0.0, 1e-3, 10.0] {
+            let added = [0.0, 0.0, 0.0, added, 2.0 * added, added];
+            let system = GraphSystem::new(&s, added.to_vec(), &weights, &given, None).unwrap();
+            assert_eq!(system.parts(), [0, 0, 0, 1, 1, 1]);
+            assert_eq!(system.floating_means(&[9.0, 9.0, 9.0, 1.0, 2.0, 3.0]), [0.0, 2.0]);
+            let b = [0.0, 1.0, 2.0, 4.0, 0.0, 0.0];
+            let x = system.solve(&b, &[5.0, 0.0, 0.0, 0.0, 0.0, 0.0]).unwrap();
+            assert_eq!(x[0], 5.0);
+            assert!((x[3] + 2.0 * x[4] + x[5]).abs() < 1e-15);
+            let image = crate::multiply(&s, &x);
+            for v in [1, 2, 3, 4, 5] {
+                let balance = if v < 3 { 0.0 } else { weights[v] };
+                let found = image[v] + added[v] * x[v];
+                // Some roundings of numbers below ten.
+                assert!((found - (b[v] - balance)).abs() < 1e-13, "{v}: {found}");
+            }
+        }
+    }
 }
