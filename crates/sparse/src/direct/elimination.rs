@@ -132,7 +132,7 @@ mod tests {
     #[test]
     fn small_weights_keep_their_digits() {
         let n = 1001;
-        let weight = |k: usize| if k % 2 == 0 { 1.0 } else { 1e-20 };
+        let weight = |k: usize| if k.is_multiple_of(2) { 1.0 } else { 1e-20 };
         let row = |i: usize| {
             let before = (i > 0).then(|| (i as u32 - 1, weight(i - 1)));
             before.into_iter().chain((i + 1 < n).then(|| (i as u32 + 1, weight(i))))
