@@ -272,7 +272,7 @@ class Computing(Base):
         Returns
         -------
         ndarray, shape (n,)
-            In mesh units, zero at the nearest source, infinite where nothing is reached.
+            In mesh units, zero at every source, infinite where nothing is reached.
         """
         solver = GeodesicSolver(self, kind, time=time, threads=threads, progress=progress)
         return solver.distance(sources, threads=threads)

@@ -36,8 +36,8 @@ pub use chebyshev::ChebyshevSeries;
 pub use conjugate_gradient::ConjugateGradient;
 #[cfg(feature = "solvers")]
 pub use direct::{
-    Cholesky, CholeskyError, Inertia, Ldlt, Ordering, SolverChoice, SymbolicCholesky, Workload,
-    shifted_condition,
+    Cholesky, CholeskyError, GraphSystem, Inertia, Ldlt, Ordering, SolverChoice, SymbolicCholesky,
+    Workload, shifted_condition,
 };
 #[cfg(feature = "solvers")]
 pub use eigen::{

@@ -2,13 +2,15 @@
 
 use fairing_mesh::OptionError;
 use fairing_operators::{Laplacian, MassMatrix};
-use fairing_sparse::{Cholesky, combine};
+use fairing_sparse::{GraphSystem, combine};
 
 use crate::error::SpectralError;
 
 /// The heat equation Mu' = −S u in one backward Euler step, (M + tS) u = M u₀, factorised once.
 ///
-/// Natural boundaries: no heat leaves the mesh. Vertices without faces keep their heat.
+/// Natural boundaries: no heat leaves the mesh. The heat of every component is kept to rounding,
+/// for any time: its mean is taken off, and the rest is solved for ([`GraphSystem`]). Vertices
+/// without faces keep their heat.
 ///
 /// # Examples
 ///
@@ -27,8 +29,14 @@ use crate::error::SpectralError;
 #[derive(Debug)]
 pub struct HeatDiffusion {
     mass: MassMatrix,
-    factor: Cholesky,
+    /// M is multiplied by this in the system: 1, or 1/t for long times.
+    scale: f64,
+    system: GraphSystem,
 }
+
+/// From this time on, in units of the least mass over the diagonal of S in the same row, the
+/// equation is divided by the time, so that no time is too long.
+const LONG: f64 = 100.0;
 
 impl HeatDiffusion {
     /// Factorises M + tS for a time t in squared mesh units.
@@ -39,23 +47,43 @@ impl HeatDiffusion {
     pub fn new(laplacian: &Laplacian, time: f64) -> Result<Self, SpectralError> {
         OptionError::require_not_negative("time", time)?;
         let mass = laplacian.positive_mass()?.into_owned();
-        let matrix = combine(1.0, mass.as_mass(), time, laplacian.stiffness());
-        Ok(Self { factor: Cholesky::new(&matrix)?, mass })
+        let (weights, diagonal) = (mass.lumped(), laplacian.stiffness().diag());
+        let is_long = |(v, &s): (usize, &f64)| time * s > LONG * weights[v];
+        let (scale, time) = match diagonal.iter().any(is_long) {
+            true => (1.0 / time, 1.0),
+            false => (1.0, time),
+        };
+        let matrix = combine(scale, mass.as_mass(), time, laplacian.stiffness());
+        let added = weights.iter().map(|m| scale * m).collect();
+        let given = vec![false; weights.len()];
+        let system = GraphSystem::new(&matrix, added, &weights, &given, None)?;
+        drop(weights);
+        Ok(Self { mass, scale, system })
     }
 
     /// The temperatures after the time, from those at the beginning.
     ///
     /// # Errors
     ///
-    /// [`SpectralError::Rows`].
+    /// [`SpectralError::Rows`]; [`SpectralError::Option`] for one that is not finite;
+    /// [`SpectralError::Solve`] where the digits of the solution are gone.
     pub fn step(&self, temperatures: &[f64]) -> Result<Vec<f64>, SpectralError> {
         let mass = self.mass.as_mass();
         let (found, expected) = (temperatures.len(), mass.len());
         if found != expected {
             return Err(SpectralError::Rows { found, expected });
         }
-        let mut heat = mass.times(temperatures);
-        self.factor.solve_in_place(&mut heat);
-        Ok(heat)
+        if let Some(&value) = temperatures.iter().find(|x| !x.is_finite()) {
+            return Err(OptionError::new("temperature", value, "finite").into());
+        }
+        let (means, parts) = (self.system.floating_means(temperatures), self.system.parts());
+        let about: Vec<f64> =
+            temperatures.iter().zip(parts).map(|(u, &p)| u - means[p as usize]).collect();
+        let heat: Vec<f64> = mass.times(&about).iter().map(|heat| self.scale * heat).collect();
+        let mut u = self.system.solve(&heat, &vec![0.0; expected])?;
+        for (u, &p) in u.iter_mut().zip(parts) {
+            *u += means[p as usize];
+        }
+        Ok(u)
     }
 }

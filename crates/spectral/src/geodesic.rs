@@ -3,7 +3,9 @@
 use fairing_mesh::vec3::distance;
 use fairing_mesh::{OptionError, TriMesh};
 use fairing_operators::{Intrinsic, Laplacian, LaplacianKind, MassKind};
-use fairing_sparse::{Cholesky, Mass, Ordering, SparseMatrix, SymbolicCholesky, combine};
+use fairing_sparse::{
+    Cholesky, GraphSystem, Mass, Ordering, SparseMatrix, SymbolicCholesky, combine,
+};
 
 use crate::error::SpectralError;
 use crate::flat_face::FlatFace;
@@ -11,14 +13,17 @@ use crate::flat_face::FlatFace;
 /// The heat method, ready for any sources: heat diffuses for a short time, its gradient is normalised, and the
 /// function whose gradient is closest to this is the distance.
 ///
-/// Smooth approximation of the geodesic distance, in mesh units: never negative, and zero at the source. Of
-/// several sources one has the value zero, the others up to some tenths of an edge length. The error is about an
-/// edge length near sources, where distances come out too large, and of first order in h elsewhere. Natural boundaries. Source: \[crane2013\].
+/// Smooth approximation of the geodesic distance, in mesh units: never negative, and exactly zero
+/// at every source. The function is known up to a constant for each component, and the constant is
+/// chosen so that the mean over the sources there is zero; the function itself differs between them
+/// by some tenths of an edge length. The error is about an edge length near sources, where
+/// distances come out too large, and of first order in h elsewhere. Natural boundaries. Source:
+/// \[crane2013\].
 #[derive(Debug)]
 pub struct HeatGeodesics {
     kind: LaplacianKind,
     heat: Cholesky,
-    poisson: Cholesky,
+    poisson: GraphSystem,
     corners: Vec<u32>,
     flat: Vec<FlatFace>,
     components: usize,
@@ -29,10 +34,6 @@ pub struct HeatGeodesics {
     unit: f64,
 }
 
-/// S + D in place of the singular S: D is the mass of a vertex as a share of that of its component, times this
-/// share of the mean diagonal of S there, divided by the vertices: the smallest eigenvalue there may be on a compact
-/// surface, and a millionth of that.
-const REGULARISATION: f64 = 1e-6;
 /// Heat at the sources, 2⁹⁰⁰: it falls by a factor of about 2.6 in each edge length, and reaches twice as far as
 /// heat of 1 before it underflows.
 const HEAT: i32 = 900;
@@ -109,11 +110,17 @@ impl HeatGeodesics {
         };
         let mass = laplacian.positive_mass()?;
         let mass: Vec<f64> = mass.lumped().iter().map(|m| m / unit / unit).collect();
-        let (heat, poisson) = factor_pair(laplacian.stiffness(), &mass, &times, &component)?;
-        let mut used = vec![true; mesh.vertex_count()];
+        let mut isolated = vec![false; mesh.vertex_count()];
         for &v in laplacian.isolated() {
-            used[v as usize] = false;
+            isolated[v as usize] = true;
         }
+        // They share their pattern, and one analysis serves both.
+        let stiffness = laplacian.stiffness();
+        let heat = heat(stiffness, &mass, &times, &component)?;
+        let none = vec![0.0; mass.len()];
+        let like = heat.symbolic();
+        let poisson = GraphSystem::new(stiffness, none, &mass, &isolated, Some(&like))?;
+        let used = isolated.iter().map(|isolated| !isolated).collect();
         let kind = laplacian.kind();
         Ok(Self { kind, heat, poisson, corners, flat, components, component, used, unit })
     }
@@ -128,8 +135,9 @@ impl HeatGeodesics {
     /// # Errors
     ///
     /// [`SpectralError::NoSuchVertex`]; [`SpectralError::Option`] without a source;
-    /// [`SpectralError::NoHeat`] for a vertex so far from the sources that no heat arrives in the time: more than
-    /// some 1300 edges with that of [`HeatGeodesics::new`].
+    /// [`SpectralError::NoHeat`] for a vertex so far from the sources that no heat arrives in the
+    /// time: more than some 1300 edges with that of [`HeatGeodesics::new`];
+    /// [`SpectralError::Solve`] where the digits of the distances are gone.
     pub fn distance(&self, sources: &[u32]) -> Result<Vec<Option<f64>>, SpectralError> {
         let n = self.component.len();
         if sources.is_empty() {
@@ -137,7 +145,10 @@ impl HeatGeodesics {
         }
         let mut heat = vec![0.0; n];
         let mut reached = vec![false; self.components];
-        for &vertex in sources {
+        let mut sources = sources.to_vec();
+        sources.sort_unstable();
+        sources.dedup();
+        for &vertex in &sources {
             let at = heat.get_mut(vertex as usize);
             *at.ok_or(SpectralError::NoSuchVertex { vertex, vertices: n })? = 2f64.powi(HEAT);
             reached[self.component[vertex as usize] as usize] = true;
@@ -160,15 +171,22 @@ impl HeatGeodesics {
                 }
             }
         }
-        self.poisson.solve_in_place(&mut phi);
-        let mut least = vec![f64::INFINITY; self.components];
-        for (phi, &c) in phi.iter().zip(&self.component) {
-            least[c as usize] = least[c as usize].min(*phi);
+        let phi = self.poisson.solve(&phi, &vec![0.0; n])?;
+        let mut at_sources = vec![(0.0, 0.0); self.components];
+        for &v in &sources {
+            let (sum, count) = &mut at_sources[self.component[v as usize] as usize];
+            *sum += phi[v as usize];
+            *count += 1.0;
         }
         let distance = |(v, phi): (usize, &f64)| {
-            is_reached(v).then(|| (phi - least[self.component[v] as usize]) * self.unit)
+            let (sum, count) = at_sources[self.component[v] as usize];
+            is_reached(v).then(|| ((phi - sum / count) * self.unit).max(0.0))
         };
-        Ok(phi.iter().enumerate().map(distance).collect())
+        let mut distances: Vec<Option<f64>> = phi.iter().enumerate().map(distance).collect();
+        for &v in &sources {
+            distances[v as usize] = Some(0.0);
+        }
+        Ok(distances)
     }
 }
 
@@ -179,40 +197,21 @@ fn sides(mesh: &TriMesh) -> impl Iterator<Item = [f64; 3]> + '_ {
     mesh.faces().iter().map(move |&[a, b, c]| [side(a, b), side(b, c), side(c, a)])
 }
 
-/// M + tS, t that of the component, and the regular S: they share their pattern, and one analysis serves both.
-fn factor_pair(
+/// M + tS, t that of the component, factorised.
+fn heat(
     stiffness: &SparseMatrix,
     mass: &[f64],
     times: &[f64],
     component: &[u32],
-) -> Result<(Cholesky, Cholesky), SpectralError> {
+) -> Result<Cholesky, SpectralError> {
     let mut timed = stiffness.clone();
-    let mut sums = vec![(0.0, 0.0, 0.0); times.len()];
     for (i, mut row) in timed.outer_iterator_mut().enumerate() {
-        let c = component[i] as usize;
-        let (trace, total, count) = &mut sums[c];
-        *trace += row.get(i).copied().unwrap_or(0.0);
-        *total += mass[i];
-        *count += 1.0;
         for (_, value) in row.iter_mut() {
-            *value *= times[c];
+            *value *= times[component[i] as usize];
         }
     }
-    let heat = combine(1.0, Mass::Lumped(mass), 1.0, &timed);
-    let symbolic = SymbolicCholesky::new(&heat, Ordering::default())?;
-    let heat = symbolic.factorize(&heat)?;
-    let regular: Vec<f64> = mass
-        .iter()
-        .zip(component)
-        .map(|(m, &c)| {
-            let (trace, total, count) = sums[c as usize];
-            // A vertex of its own has no trace.
-            let mean = if trace > 0.0 { trace / count } else { 1.0 };
-            REGULARISATION * mean * (m / total)
-        })
-        .collect();
-    let poisson = combine(1.0, Mass::Lumped(&regular), 1.0, stiffness);
-    Ok((heat, symbolic.factorize(&poisson)?))
+    let matrix = combine(1.0, Mass::Lumped(mass), 1.0, &timed);
+    Ok(SymbolicCholesky::new(&matrix, Ordering::default())?.factorize(&matrix)?)
 }
 
 /// The square of the mean length of the sides of the faces of each component.

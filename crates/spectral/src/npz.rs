@@ -2,7 +2,7 @@
 
 use std::error::Error;
 use std::fs::File;
-use std::io::{self, Cursor, Read, Seek, Write};
+use std::io::{self, Cursor, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use fairing_mesh::io::write_whole;
@@ -67,12 +67,15 @@ impl Spectrum {
         Ok(())
     }
 
-    /// Reads what [`Spectrum::save`] has written. Without `beyond` nothing is known after the last eigenvalue.
+    /// Reads what [`Spectrum::save`] has written. Without `beyond` and `clear_below` nothing is
+    /// known after the last eigenvalue.
     ///
     /// # Errors
     ///
-    /// [`SpectrumFileError::Io`] where the system cannot open it; [`SpectrumFileError::Part`] for an array that is
-    /// missing or of another type; [`SpectrumFileError::Contents`] for shapes that do not fit.
+    /// [`SpectrumFileError::Io`] where the system cannot open it; [`SpectrumFileError::Part`] for
+    /// an array that is missing, of another type or damaged, by the checksum that the archive has
+    /// of it; [`SpectrumFileError::Contents`] for shapes that do not fit, other arrays, and other
+    /// bytes than those of the archive.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, SpectrumFileError> {
         let path = path.as_ref();
         let file = File::open(path).map_err(|source| in_system(path, source))?;
@@ -88,20 +91,34 @@ impl Spectrum {
         Self::read(Path::new(MEMORY), Cursor::new(bytes))
     }
 
-    fn read(path: &Path, file: impl Read + Seek) -> Result<Self, SpectrumFileError> {
+    fn read(path: &Path, mut file: impl Read + Seek) -> Result<Self, SpectrumFileError> {
+        let whole = ends_as_archive(&mut file).map_err(|e| in_part(path, ARCHIVE, e))?;
         let mut zip = ZipArchive::new(file).map_err(|e| in_part(path, ARCHIVE, e))?;
+        if !whole || zip.offset() != 0 {
+            return Err(problem(path, "there are bytes before or after the archive"));
+        }
         let names: Vec<String> = zip.file_names().map(str::to_string).collect();
         let has = |name: &str| names.iter().any(|n| n.strip_suffix(".npy") == Some(name));
+        // A name that was damaged must not pass for an array that is left out.
+        if !names.iter().all(|n| n.strip_suffix(".npy").is_some_and(|n| ARRAYS.contains(&n))) {
+            return Err(problem(path, "an array has a name that no array of a spectrum has"));
+        }
         let mut array = |name: &str, kind: Kind| -> Result<Npy, SpectrumFileError> {
             let member = format!("{name}.npy");
             let mut file = zip.by_name(&member).map_err(|e| in_part(path, name, e))?;
             let size = file.size();
-            Npy::read(&mut file, size, kind).map_err(|e| in_part(path, name, e))
+            let array = Npy::read(&mut file, size, kind).map_err(|e| in_part(path, name, e))?;
+            // The checksum is looked at where a member ends.
+            match io::copy(&mut file, &mut io::sink()) {
+                Ok(0) => Ok(array),
+                Ok(_) => Err(problem(path, "an array is followed by other bytes")),
+                Err(e) => Err(in_part(path, name, e)),
+            }
         };
         let mut vector = |name: &str| array(name, Kind::Float).map(Npy::into_floats);
         let (values, residuals) = (vector("values")?, vector("residuals")?);
         let certified = vector("certified")? == [1.0];
-        let beyond = if has("beyond") && has("clear_below") {
+        let beyond = if has("beyond") || has("clear_below") {
             let clear_below = vector("clear_below")?.first().copied();
             let clear_below = clear_below.ok_or_else(|| problem(path, "clear_below is empty"))?;
             Beyond::new(vector("beyond")?, clear_below)
@@ -133,6 +150,32 @@ impl Spectrum {
 
 /// The name of bytes that are not in a file, in messages.
 const MEMORY: &str = "spectrum in memory";
+
+/// The names of all arrays.
+const ARRAYS: [&str; 10] = [
+    "values",
+    "residuals",
+    "certified",
+    "beyond",
+    "clear_below",
+    "mass",
+    "mass_data",
+    "mass_indptr",
+    "mass_indices",
+    "modes",
+];
+
+/// Whether a file ends with the end of a directory that has no comment, as the archives of numpy
+/// do.
+fn ends_as_archive(file: &mut (impl Read + Seek)) -> io::Result<bool> {
+    const END: &[u8] = b"PK\x05\x06";
+    const LENGTH: i64 = 22;
+    let mut start = [0; END.len()];
+    file.seek(SeekFrom::End(-LENGTH))?;
+    file.read_exact(&mut start)?;
+    file.rewind()?;
+    Ok(start == END)
+}
 
 /// What the whole of a file is called among its parts.
 const ARCHIVE: &str = "archive";

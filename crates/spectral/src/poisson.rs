@@ -1,8 +1,8 @@
 //! Poisson problems on a mesh.
 
 use fairing_mesh::OptionError;
-use fairing_operators::{Laplacian, OperatorError, SparseMatrix};
-use fairing_sparse::Cholesky;
+use fairing_operators::{Laplacian, OperatorError};
+use fairing_sparse::GraphSystem;
 
 use crate::error::SpectralError;
 
@@ -15,6 +15,10 @@ use crate::error::SpectralError;
 /// only up to a constant: the mean of f over the component is taken off, and
 /// the u of mean zero is the solution. Means are weighted by area. Isolated
 /// vertices have no equation: u is 0 there unless they are fixed.
+///
+/// The solution is that of the weights of the edges, however much they differ
+/// ([`GraphSystem`]); where rounding leaves less than half of its digits, it
+/// is an error.
 ///
 /// # Examples
 ///
@@ -39,14 +43,7 @@ use crate::error::SpectralError;
 pub struct Poisson<'a> {
     laplacian: &'a Laplacian,
     fixed: Vec<u32>,
-    /// The vertices with an equation, ascending.
-    free: Vec<u32>,
-    /// `None` where there is no free vertex.
-    factor: Option<Cholesky>,
-    /// The component of each vertex.
-    component: Vec<u32>,
-    /// Whether each component has no fixed vertex.
-    floating: Vec<bool>,
+    system: GraphSystem,
 }
 
 impl<'a> Poisson<'a> {
@@ -68,29 +65,25 @@ impl<'a> Poisson<'a> {
                 return Err(SpectralError::Repeated { vertex });
             }
         }
-        let component = components(laplacian.stiffness());
-        let count = component.iter().max().map_or(0, |&c| c as usize + 1);
-        let mut floating = vec![true; count];
-        for &v in fixed {
-            floating[component[v as usize] as usize] = false;
+        for &v in laplacian.isolated() {
+            is_fixed[v as usize] = true;
         }
-        // One vertex of each floating component is fixed at 0. Its equation follows from the others when f has
-        // mean zero, and the mean of u is taken off in the end.
-        let mut taken = fixed.to_vec();
-        let mut grounded = vec![false; count];
-        for v in 0..n {
-            let c = component[v] as usize;
-            if floating[c] && !std::mem::replace(&mut grounded[c], true) {
-                taken.push(v as u32);
+        let masses = laplacian.mass().as_mass().diagonal();
+        for (v, &mass) in masses.iter().enumerate() {
+            if !is_fixed[v] && (mass <= 0.0 || mass.is_nan()) {
+                return Err(OperatorError::Mass { vertex: v as u32, mass }.into());
             }
         }
-        let part = laplacian.restricted(&taken)?;
-        let free = part.free().to_vec();
-        let factor = match free.len() {
-            0 => None,
-            _ => Some(Cholesky::new(part.stiffness())?),
-        };
-        Ok(Self { laplacian, fixed: fixed.to_vec(), free, factor, component, floating })
+        let areas = laplacian.mass().lumped();
+        let system =
+            GraphSystem::new(laplacian.stiffness(), vec![0.0; n], &areas, &is_fixed, None)?;
+        Ok(Self { laplacian, fixed: fixed.to_vec(), system })
+    }
+
+    /// An estimate of the condition of the system scaled to a unit diagonal:
+    /// [`GraphSystem::condition`].
+    pub fn condition(&self) -> f64 {
+        self.system.condition()
     }
 
     /// The solution u at each vertex, for f pointwise at each vertex, in the
@@ -100,7 +93,8 @@ impl<'a> Poisson<'a> {
     /// # Errors
     ///
     /// [`SpectralError::Rows`] for another number of values;
-    /// [`SpectralError::Option`] for one that is not finite.
+    /// [`SpectralError::Option`] for one that is not finite;
+    /// [`SpectralError::Solve`] where the digits of the solution are gone.
     pub fn solve(&self, f: &[f64], values: &[f64]) -> Result<Vec<f64>, SpectralError> {
         let n = self.laplacian.vertex_count();
         for (found, expected) in [(f.len(), n), (values.len(), self.fixed.len())] {
@@ -113,72 +107,28 @@ impl<'a> Poisson<'a> {
                 return Err(OptionError::new(name, value, "finite").into());
             }
         }
-        let mass = self.laplacian.mass();
-        let areas = mass.lumped();
-        let mut right = mass.as_mass().times(f);
-        let means = self.means(right.iter().copied(), &areas);
-        for (v, right) in right.iter_mut().enumerate() {
-            *right -= areas[v] * means[self.component[v] as usize];
+        let right = self.laplacian.mass().as_mass().times(f);
+        // About one of the values of each component: what all of them have in common costs no
+        // digits.
+        let parts = self.system.parts();
+        let mut base = vec![None; n];
+        for (&v, &value) in self.fixed.iter().zip(values) {
+            base[parts[v as usize] as usize].get_or_insert(value);
         }
-        let mut u = vec![0.0; n];
+        let base = |v: usize| base[parts[v] as usize].unwrap_or(0.0);
+        let mut given = vec![0.0; n];
+        for (&v, &value) in self.fixed.iter().zip(values) {
+            given[v as usize] = value - base(v as usize);
+        }
+        let mut u = self.system.solve(&right, &given)?;
+        for (v, u) in u.iter_mut().enumerate() {
+            *u += base(v);
+        }
         for (&v, &value) in self.fixed.iter().zip(values) {
             u[v as usize] = value;
         }
-        let Some(factor) = &self.factor else { return Ok(u) };
-        let known = self.laplacian.apply(&u)?;
-        let mut inside: Vec<f64> =
-            self.free.iter().map(|&v| right[v as usize] - known[v as usize]).collect();
-        factor.solve_in_place(&mut inside);
-        for (&v, inside) in self.free.iter().zip(inside) {
-            u[v as usize] = inside;
-        }
-        let means = self.means(u.iter().zip(&*areas).map(|(u, area)| u * area), &areas);
-        for (u, &c) in u.iter_mut().zip(&self.component) {
-            *u -= means[c as usize];
-        }
         Ok(u)
     }
-
-    /// The mean over each floating component of what is integrated at each
-    /// vertex; 0 for the other components.
-    fn means(&self, integrated: impl Iterator<Item = f64>, areas: &[f64]) -> Vec<f64> {
-        let mut sums = vec![(0.0, 0.0); self.floating.len()];
-        for ((value, area), &c) in integrated.zip(areas.iter()).zip(&self.component) {
-            let (sum, total) = &mut sums[c as usize];
-            *sum += value;
-            *total += area;
-        }
-        let mean = |(&(sum, total), &floating): (&(f64, f64), &bool)| {
-            if floating && total > 0.0 { sum / total } else { 0.0 }
-        };
-        sums.iter().zip(&self.floating).map(mean).collect()
-    }
-}
-
-/// The component of each row, of the graph of the entries.
-fn components(matrix: &SparseMatrix) -> Vec<u32> {
-    const NONE: u32 = u32::MAX;
-    let mut component = vec![NONE; matrix.rows()];
-    let mut waiting = vec![];
-    let mut count = 0;
-    for first in 0..matrix.rows() {
-        if component[first] != NONE {
-            continue;
-        }
-        component[first] = count;
-        waiting.push(first);
-        while let Some(row) = waiting.pop() {
-            for &column in matrix.outer_view(row).iter().flat_map(|row| row.indices()) {
-                let slot = &mut component[column as usize];
-                if *slot == NONE {
-                    *slot = count;
-                    waiting.push(column as usize);
-                }
-            }
-        }
-        count += 1;
-    }
-    component
 }
 
 #[cfg(test)]

@@ -87,6 +87,14 @@ pub enum CholeskyError {
         /// Its diagonal entry.
         diagonal: f64,
     },
+    /// Rounding leaves less than half of the digits of a solution.
+    #[error(
+        "the system is too ill-conditioned, by about {condition:.0e}: less than half of the digits of its solution would be right"
+    )]
+    IllConditioned {
+        /// An estimate of the condition of the matrix scaled to a unit diagonal.
+        condition: f64,
+    },
     /// Not enough memory, or more than 2³² entries in the factor.
     #[error("the factor of {rows} rows is too large for the memory or for 32-bit indices")]
     TooLarge {

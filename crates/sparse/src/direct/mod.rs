@@ -6,7 +6,9 @@ mod analysis;
 pub(crate) mod backend;
 pub(crate) mod cholesky;
 mod dissection;
+mod elimination;
 pub(crate) mod factor;
+mod graph_system;
 pub(crate) mod ldlt;
 pub(crate) mod ordering;
 mod solver_choice;
@@ -15,6 +17,7 @@ mod sweeps;
 mod symmetry;
 
 pub use cholesky::{Cholesky, CholeskyError, SymbolicCholesky};
+pub use graph_system::GraphSystem;
 pub use ldlt::{Inertia, Ldlt};
 pub use ordering::Ordering;
 pub use solver_choice::{SolverChoice, Workload, shifted_condition};

@@ -73,6 +73,34 @@ fn laplacians_that_do_not_serve_are_refused() {
     assert!(matches!(refused, Err(SpectralError::Rows { found: 162, expected: 42 })));
 }
 
+/// Every source has distance 0, to the last bit, and nothing is nearer; on every component that has
+/// some. Neither their order nor how often they are named matters.
+#[test]
+fn sources_have_no_distance() {
+    let (sphere, slivers) = (shapes::icosphere(4), sheet(20, 20, [0.05, 0.05], 3.0));
+    let n = sphere.vertex_count() as u32;
+    let mesh = union(&sphere, &slivers);
+    let heat = HeatGeodesics::new(&mesh).unwrap();
+    let curve: Vec<u32> = (0..21).map(|i| n + 21 * i + 10).collect();
+    for sources in [vec![3, 77, 1000, 2000, n + 5, n + 300], vec![0, 1, 2, 3, 4, 5], curve] {
+        let found = heat.distance(&sources).unwrap();
+        assert!(sources.iter().all(|&v| found[v as usize] == Some(0.0)));
+        assert!(found.iter().flatten().all(|d| *d >= 0.0));
+        let mut again = [&sources[..], &sources[..2]].concat();
+        again.reverse();
+        assert_eq!(heat.distance(&again).unwrap(), found);
+    }
+    // The distance to the nearest of two poles, within some hundredths.
+    let p = sphere.positions();
+    let pole = (0..p.len()).find(|&v| p[v].iter().zip(p[0]).all(|(a, b)| (a + b).abs() < 1e-9));
+    let found = distances(&sphere, &[0, pole.unwrap() as u32]);
+    for (found, q) in found.iter().zip(p) {
+        let cosine = (0..3).map(|k| q[k] * p[0][k]).sum::<f64>().abs();
+        let exact = cosine.min(1.0).acos();
+        assert!((found - exact).abs() < 0.08, "{found} {exact}");
+    }
+}
+
 /// Strips of unit squares: heat falls by a factor of 2.6 an edge, far below what squares can hold.
 #[test]
 fn distances_do_not_stop_growing() {

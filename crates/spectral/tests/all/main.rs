@@ -3,7 +3,9 @@
 #![expect(clippy::disallowed_methods, reason = "tests do not need the same bits")]
 
 mod clusters;
+mod files;
 mod geodesics;
 mod hard;
 mod invariance;
 mod meshes;
+mod thin;
