@@ -9,7 +9,7 @@ use fairing::mesh::io::{
 
 use super::Context;
 use super::exit::Failure;
-use super::files::{self, Overwrite};
+use super::files::{self, Content, Overwrite};
 
 /// Convert a mesh between OBJ, PLY, OFF and STL
 ///
@@ -42,7 +42,7 @@ pub(crate) struct Convert {
 
 impl Convert {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
-        self.overwrite.check(&self.output)?;
+        self.overwrite.check(&self.output, Content::Mesh)?;
         let format = Format::from_path(&self.output).map(|named| named.format);
         if let Some(format) = format {
             self.check(format)?;

@@ -7,7 +7,7 @@ use fairing::operators::MassKind;
 use fairing::spectral::{SpectrumOptions, reconstruct, reconstruction_errors};
 
 use super::exit::Failure;
-use super::files::{self, Output};
+use super::files::{self, Content, Output};
 use super::operator::OperatorName;
 use super::table::number;
 use super::{Context, spectrum};
@@ -43,7 +43,7 @@ pub(crate) struct Reconstruct {
 
 impl Reconstruct {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
-        self.output.check()?;
+        self.output.check(Content::Mesh)?;
         let file = files::read(&self.input)?;
         files::say_report(context, &self.input, &file.report);
         let laplacian = self.operator.assemble(context, &file.mesh, MassKind::Barycentric)?;

@@ -9,7 +9,7 @@ use fairing::spectral::{self, EigenOptions, SpectralError, SpectrumOptions, Spli
 use serde_json::json;
 
 use super::exit::Failure;
-use super::files::{self, Overwrite};
+use super::files::{self, Content, Overwrite};
 use super::operator::OperatorName;
 use super::table::{Table, number};
 use super::{Context, print};
@@ -176,7 +176,7 @@ pub(crate) fn compute(
 
 impl Spectrum {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
-        self.overwrite.check_given(self.output.as_deref())?;
+        self.overwrite.check_given(self.output.as_deref(), Content::Npz)?;
         let file = files::read(&self.input)?;
         files::say_report(context, &self.input, &file.report);
         let (kind, mesh) = (&self.kind, &file.mesh);

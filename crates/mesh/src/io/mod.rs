@@ -68,7 +68,7 @@ pub use options::{Encoding, FloatWidth, ReadOptions, Strictness, UnsupportedFiel
 pub use report::ReadReport;
 #[cfg(feature = "files")]
 #[doc(hidden)]
-pub use whole::write_whole;
+pub use whole::{check_writable, write_whole};
 pub use write::{WriteReport, polygons_to_bytes, to_bytes, write_polygons_to, write_to};
 #[cfg(feature = "files")]
 pub use write::{write, write_polygons, write_with_fields};
