@@ -43,9 +43,9 @@ pub(crate) struct Compare {
 
 impl Compare {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
-        let mesh = files::read(&self.mesh)?;
+        let mesh = files::read(context, &self.mesh)?;
         files::say_report(context, &self.mesh, &mesh.report);
-        let reference = files::read(&self.reference)?;
+        let reference = files::read(context, &self.reference)?;
         files::say_report(context, &self.reference, &reference.report);
         let options = ScoreOptions {
             hausdorff_tolerance: self.hausdorff_tolerance,

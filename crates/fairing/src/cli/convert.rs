@@ -47,9 +47,15 @@ impl Convert {
         if let Some(format) = format {
             self.check(format)?;
         }
-        let reading = if self.strict { ReadOptions::strict() } else { ReadOptions::default() };
+        let reading = match (self.strict, context.drop_broken) {
+            (true, true) => {
+                return Err(Failure::usage("--strict refuses what --drop-broken leaves out"));
+            }
+            (true, false) => ReadOptions::strict(),
+            (false, _) => files::reading(context),
+        };
         let PolygonFile { mesh, fields, report, .. } =
-            io::read_polygons_with(&self.input, &reading).map_err(Failure::input)?;
+            io::read_polygons_with(&self.input, &reading).map_err(files::unreadable)?;
         files::say_report(context, &self.input, &report);
         let mut options = WriteOptions::default();
         if self.ascii {

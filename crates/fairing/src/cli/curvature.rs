@@ -86,7 +86,7 @@ impl Curvature {
         };
         self.overwrite.check_given(self.output.as_deref(), Content::Fields)?;
         let estimator = self.estimator()?;
-        let file = files::read(input)?;
+        let file = files::read(context, input)?;
         files::say_report(context, input, &file.report);
         let field = self.estimate(context, &estimator, &file.mesh)?;
         if let Some(output) = &self.output {

@@ -78,7 +78,7 @@ impl Denoise {
                 "--json says what the method automatic found; {denoiser} looks for nothing"
             )));
         }
-        let file = files::read(input)?;
+        let file = files::read(context, input)?;
         files::say_report(context, input, &file.report);
         let mesh = match denoiser {
             Denoiser::Automatic => {

@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use fairing::mesh::TriMesh;
 use fairing::mesh::io::{
-    self, Format, MeshFile, ReadReport, VertexFields, WriteOptions, WriteProblem, WriteReport,
+    self, Format, MeshFile, ReadError, ReadOptions, ReadProblem, ReadReport, VertexFields,
+    WriteOptions, WriteProblem, WriteReport,
 };
 
 use super::Context;
@@ -119,13 +120,33 @@ impl Output {
 }
 
 /// Reads a mesh with its fields.
-pub(crate) fn read(path: &Path) -> Result<MeshFile, Failure> {
-    io::read(path).map_err(Failure::input)
+pub(crate) fn read(context: &Context, path: &Path) -> Result<MeshFile, Failure> {
+    io::read_with(path, &reading(context)).map_err(unreadable)
+}
+
+/// How every verb reads.
+pub(crate) fn reading(context: &Context) -> ReadOptions {
+    match context.drop_broken {
+        true => ReadOptions::dropping_broken(),
+        false => ReadOptions::default(),
+    }
+}
+
+/// Says why a file cannot be read, and which option would read it.
+pub(crate) fn unreadable(error: ReadError) -> Failure {
+    use ReadProblem::{IndexOutOfRange, NonFinite};
+    match error.problem {
+        NonFinite { .. } | IndexOutOfRange { .. } => Failure::input(anyhow::anyhow!(
+            "{error}; --drop-broken leaves out faces with such vertices"
+        )),
+        _ => Failure::input(error),
+    }
 }
 
 /// Prints what the reader split, reduced, left out or ignored, if anything.
 pub(crate) fn say_report(context: &Context, path: &Path, report: &ReadReport) {
     let changed = report.polygons > 0 || report.reduced > 0 || report.left_out > 0;
+    let changed = changed || report.broken_vertices > 0 || report.broken_faces > 0;
     if changed || !report.notes.is_empty() {
         context.note(format_args!("{}: {report}", path.display()));
     }

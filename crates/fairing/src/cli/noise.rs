@@ -71,7 +71,7 @@ impl Noise {
                 )));
             }
         };
-        let file = files::read(&self.input)?;
+        let file = files::read(context, &self.input)?;
         files::say_report(context, &self.input, &file.report);
         let level = match self.unit {
             Unit::Edge => NoiseLevel::EdgeLengths(self.sigma),

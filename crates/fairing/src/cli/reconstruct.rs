@@ -44,7 +44,7 @@ pub(crate) struct Reconstruct {
 impl Reconstruct {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
         self.output.check(Content::Mesh)?;
-        let file = files::read(&self.input)?;
+        let file = files::read(context, &self.input)?;
         files::say_report(context, &self.input, &file.report);
         let laplacian = self.operator.assemble(context, &file.mesh, MassKind::Barycentric)?;
         let options = SpectrumOptions::default();

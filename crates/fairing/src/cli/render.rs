@@ -90,7 +90,7 @@ enum ShadingKind {
 impl Render {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
         self.output.check(Content::Png)?;
-        let file = files::read(&self.input)?;
+        let file = files::read(context, &self.input)?;
         files::say_report(context, &self.input, &file.report);
         let colors = self.colors(context, &file.mesh, &file.fields)?;
         let png = self.draw(&file.mesh, &colors)?.to_png()?;

@@ -105,7 +105,7 @@ impl Smooth {
         };
         output.check(Content::Mesh)?;
         self.check()?;
-        let file = files::read(input)?;
+        let file = files::read(context, input)?;
         files::say_report(context, input, &file.report);
         let values = self.parameters.given();
         let method = Method::with(&self.method, &values, &file.mesh).map_err(Failure::usage)?;

@@ -177,7 +177,7 @@ pub(crate) fn compute(
 impl Spectrum {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
         self.overwrite.check_given(self.output.as_deref(), Content::Npz)?;
-        let file = files::read(&self.input)?;
+        let file = files::read(context, &self.input)?;
         files::say_report(context, &self.input, &file.report);
         let (kind, mesh) = (&self.kind, &file.mesh);
         let laplacian = kind.operator.assemble(context, mesh, mass(kind.mass))?;
