@@ -43,12 +43,14 @@ impl ColoringOptions {
 
     /// The scale of a field on the vertices of `mesh`, and the colour of each vertex.
     ///
-    /// Boundary vertices do not count for the range, unless there are no others: one-sided estimates there are often
-    /// far from those inside. Vertices where `undefined` is true, and isolated ones, which no picture shows, count for
-    /// nothing and are [`UNDEFINED`](crate::UNDEFINED).
+    /// Boundary vertices do not count for the range, unless there are no others: one-sided
+    /// estimates there are often far from those inside. Vertices where `undefined` is true, and
+    /// isolated ones, which no picture shows, count for nothing and are
+    /// [`UNDEFINED`](crate::UNDEFINED).
     ///
-    /// A curvature is zero where undefined, and no zero tells the one from the other: with `None` every value is taken
-    /// as it is. Pass the flags of the curvature, `Some(&curvature.undefined())`.
+    /// A curvature is zero where it is undefined, which cannot be told from a plane: with `None`
+    /// every value is taken as it is. Pass the flags that come with a curvature,
+    /// `Some(&curvature.undefined())`.
     ///
     /// # Errors
     ///
@@ -144,8 +146,8 @@ mod tests {
         assert_eq!(short, ScaleError::Length { expected: 3, found: 1 });
     }
 
-    /// Two triangles at an edge, all of it boundary, and a vertex of no face: what is undefined or not drawn decides
-    /// neither range nor map.
+    /// Two triangles at an edge, all of it boundary, and a vertex of no face: what is undefined or
+    /// not drawn decides neither range nor map.
     #[test]
     fn nothing_is_taken_from_what_has_no_value_or_is_not_drawn() {
         let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [9.0; 3]];

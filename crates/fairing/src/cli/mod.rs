@@ -48,8 +48,8 @@ struct Cli {
     /// Print only results and errors
     #[arg(long, short, global = true)]
     quiet: bool,
-    /// Leave out what is broken in a mesh that is read, and say how much: faces that name a vertex that is
-    /// not there or is not finite; such a vertex keeps its number, at the place of the first sound one
+    /// Leave out faces of a file that name a vertex that is not there or not finite, and say how
+    /// many; such a vertex keeps its number, at the place of the first sound one
     #[arg(long, global = true)]
     drop_broken: bool,
     #[command(subcommand)]

@@ -108,8 +108,8 @@ impl Parsed {
         Ok(Finished { positions: self.positions, polygons, fields: self.fields, report })
     }
 
-    /// Takes vertices that are not finite out of all faces, by leaving these out, and puts them where the first sound
-    /// vertex is; leaves out faces that name a vertex that is not there.
+    /// Leaves out faces that name a vertex that is not finite or not there, and puts vertices that
+    /// are not finite where the first sound one is.
     fn drop_broken(&mut self) -> Result<Dropped, Fault> {
         let is_broken = |p: &[f64; 3]| p.iter().any(|x| !x.is_finite());
         let count = self.positions.len();

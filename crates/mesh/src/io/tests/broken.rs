@@ -2,8 +2,9 @@
 
 use crate::io::{ReadOptions, ReadProblem, read_bytes, read_polygons_from};
 
-/// Four corners of a square, a vertex that is not finite, and one that no face names. Of the faces the first and the
-/// last are sound, the second names the broken vertex, the third one that is not there.
+/// Four corners of a square, a broken vertex that faces name, and one that none does. The first and
+/// the last face are sound, the last but one repeats a corner, the others name what is broken or not
+/// there.
 const FILES: [(&str, &str); 3] = [
     (
         "a.obj",
