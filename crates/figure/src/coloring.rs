@@ -158,7 +158,6 @@ mod tests {
         let (scale, colors) = asked.colors(&mesh, &values, Some(&flags)).unwrap();
         assert!(scale.low() >= 2.0 && scale.high() <= 4.0, "{scale:?}");
         assert_eq!((scale.map(), colors[2]), (ColorMap::Viridis, UNDEFINED));
-        assert!(scale.low() >= 2.0 && !scale.has_below());
         let (scale, _) = asked.colors(&mesh, &[2.0, 3.0, 3.0, 4.0, -50.0], None).unwrap();
         assert!(scale.low() >= 2.0 && scale.high() <= 4.0, "{scale:?}");
         let all = asked.colors(&mesh, &[0.0; 5], Some(&[true; 5])).unwrap_err();
