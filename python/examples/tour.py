@@ -40,7 +40,9 @@ def main() -> None:
     scores = pf.compare(clean, mesh)
     print(flat.report["approach"], scores["distance_rms"])
 
-    image: npt.NDArray[np.uint8] = clean.render(field=c.mean, size=(160, 120))
+    image: npt.NDArray[np.uint8] = clean.render(
+        field=c.mean, defined=c.defined, size=(160, 120)
+    )
     print(image.shape)
 
     ellipsoid = pf.surfaces.Ellipsoid(3.0, 2.0, 1.0)

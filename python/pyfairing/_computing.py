@@ -187,6 +187,8 @@ class Computing(Base):
             )
         if found["too_thin"] is not None:
             warn(f"face {found['too_thin']} is too thin for cotangents; the robust operator is used")
+        if found["defined"].size and not found["defined"].any():
+            warn(f"{estimator} is undefined at every vertex: the values are 0 and mean nothing")
         first, second = found.pop("directions") or (None, None)
         return Curvature(estimator=estimator, direction1=first, direction2=second, **found)
 
@@ -403,7 +405,9 @@ class Computing(Base):
             The values, or the name of a field; vectors are shown by their length. Without it,
             the colours of the mesh if it has any.
         defined : array_like of bool, shape (n,), optional
-            Where there is a value; the rest is grey.
+            Where there is a value; the rest is grey and does not count for the range. Without it,
+            the field `defined` of the mesh for fields by name, and the mask of masked arrays. A
+            curvature is 0 where undefined, so pass its `defined`.
         map : str, optional
             One of {maps}; `coolwarm` about zero for signed fields, else `viridis`.
         range : (float, float), optional
@@ -473,9 +477,12 @@ def _field_to_show(
         if field not in mesh._fields:
             known = ", ".join(mesh._fields) or "none"
             raise _core.OptionError(f"there is no field {field}; the mesh has {known}")
-        if undefined is None and "defined" in mesh._fields and field != "defined":
+        if undefined is None and "defined" in mesh._fields and field not in ("defined", "boundary"):
             undefined = mesh._fields["defined"] == 0
         field = mesh._fields[field]
+    if undefined is None and isinstance(field, np.ma.MaskedArray):
+        mask = np.ma.getmaskarray(field).reshape(len(field), -1).any(axis=1)
+        field, undefined = field.filled(0.0), mask
     values = _arrays.floats(field, "field")
     if values.shape == (n, 3):
         values = np.linalg.norm(values, axis=1)

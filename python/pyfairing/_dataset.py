@@ -81,6 +81,8 @@ def dataset(
 
     Raises
     ------
+    FileNotFoundError
+        If a glob matches no file.
     ValueError
         If `out` holds another run: other files, sizes, columns or another task.
     ImportError

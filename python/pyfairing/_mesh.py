@@ -493,6 +493,7 @@ def read(
     path: str | PathLike[str],
     *,
     strict: bool = False,
+    drop_broken: bool = False,
     threads: int | None = None,
     progress: Progress = None,
 ) -> Mesh:
@@ -504,6 +505,10 @@ def read(
         An OBJ, PLY, OFF or STL file, plain or compressed with gzip; content and file extension decide.
     strict : bool
         Refuse what would be left out with a warning: faces that repeat a corner, and the like.
+    drop_broken : bool
+        Leave out faces that name a vertex that is not there or not finite, with a warning, instead
+        of refusing the file. Such a vertex keeps its number, in no face and at the place of the first
+        sound one.
     {run}
 
     Returns
@@ -521,11 +526,17 @@ def read(
     """
     name = fspath(path)
     with running(threads, progress) as call:
-        parts = _core.read(name, bool(strict), call)
+        parts = _core.read(name, bool(strict), bool(drop_broken), call)
     return _with_warnings(parts, name)
 
 
-def read_bytes(data: bytes, name: str | PathLike[str] = "", *, strict: bool = False) -> Mesh:
+def read_bytes(
+    data: bytes,
+    name: str | PathLike[str] = "",
+    *,
+    strict: bool = False,
+    drop_broken: bool = False,
+) -> Mesh:
     """Reads a mesh from the bytes of a file.
 
     Parameters
@@ -534,7 +545,7 @@ def read_bytes(data: bytes, name: str | PathLike[str] = "", *, strict: bool = Fa
         The content.
     name : str or path
         Looked at for its file extension and for messages; may be empty.
-    strict : bool
+    strict, drop_broken : bool
         As in `read`.
 
     Returns
@@ -542,7 +553,9 @@ def read_bytes(data: bytes, name: str | PathLike[str] = "", *, strict: bool = Fa
     Mesh
     """
     with running(None, None) as call:
-        parts = _core.read_bytes(fspath(name), bytes(data), bool(strict), call)
+        parts = _core.read_bytes(
+            fspath(name), bytes(data), bool(strict), bool(drop_broken), call
+        )
     return _with_warnings(parts, fspath(name))
 
 
@@ -551,6 +564,7 @@ def _with_warnings(parts: Any, name: str) -> Mesh:
     fields: dict[str, npt.ArrayLike] = {n: _arrays.frozen(v) for n, v in [*scalars, *vectors]}
     if colors is not None:
         fields["colors"] = _arrays.frozen(colors)
-    if report["polygons"] or report["reduced_faces"] or report["left_out_faces"] or report["notes"]:
+    counts = ("polygons", "reduced_faces", "left_out_faces", "broken_vertices", "broken_faces")
+    if any(report[name] for name in (*counts, "notes")):
         warn(f"{name}: {report['text']}".strip())
     return Mesh._of(core, fields, report)

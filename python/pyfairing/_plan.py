@@ -76,7 +76,10 @@ def list_paths(paths: Any) -> tuple[list[str], Any]:
         if any(c in address for c in "*?["):
             fs, inner = filesystem(address)
             protocol = address.split("://")[0] + "://" if "://" in address else ""
-            return [protocol + p for p in sorted(fs.glob(inner))], None
+            found = [protocol + p for p in sorted(fs.glob(inner))]
+            if not found and not fs.exists(inner):
+                raise FileNotFoundError(f"no file matches {address}")
+            return found or [address], None
         return [address], None
     if hasattr(paths, "columns"):
         table = paths.compute() if hasattr(paths, "compute") else paths

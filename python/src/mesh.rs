@@ -318,18 +318,32 @@ fn report_dict<'py>(py: Python<'py>, report: &ReadReport) -> PyResult<Bound<'py,
     dict.set_item("polygons", report.polygons)?;
     dict.set_item("reduced_faces", report.reduced)?;
     dict.set_item("left_out_faces", report.left_out)?;
+    dict.set_item("broken_vertices", report.broken_vertices)?;
+    dict.set_item("broken_faces", report.broken_faces)?;
     dict.set_item("notes", &report.notes)?;
     dict.set_item("text", report.to_string())?;
     Ok(dict)
 }
 
-fn read_options(strict: bool) -> ReadOptions {
-    if strict { ReadOptions::strict() } else { ReadOptions::default() }
+fn read_options(strict: bool, drop_broken: bool) -> Result<ReadOptions> {
+    match (strict, drop_broken) {
+        (true, true) => Err(Error::option("strict refuses what drop_broken leaves out")),
+        (true, false) => Ok(ReadOptions::strict()),
+        (false, true) => Ok(ReadOptions::dropping_broken()),
+        (false, false) => Ok(ReadOptions::default()),
+    }
 }
 
 #[pyfunction]
-fn read(py: Python<'_>, path: PathBuf, strict: bool, call: Call) -> PyResult<FileParts<'_>> {
-    let file = call.run(py, move || Ok(io::read_with(&path, &read_options(strict))?))?;
+fn read(
+    py: Python<'_>,
+    path: PathBuf,
+    strict: bool,
+    drop_broken: bool,
+    call: Call,
+) -> PyResult<FileParts<'_>> {
+    let options = read_options(strict, drop_broken)?;
+    let file = call.run(py, move || Ok(io::read_with(&path, &options)?))?;
     parts(py, file)
 }
 
@@ -339,9 +353,11 @@ fn read_bytes(
     name: PathBuf,
     bytes: Vec<u8>,
     strict: bool,
+    drop_broken: bool,
     call: Call,
 ) -> PyResult<FileParts<'_>> {
-    let file = call.run(py, move || Ok(io::read_bytes(&name, &bytes, &read_options(strict))?))?;
+    let options = read_options(strict, drop_broken)?;
+    let file = call.run(py, move || Ok(io::read_bytes(&name, &bytes, &options)?))?;
     parts(py, file)
 }
 

@@ -338,6 +338,25 @@ def test_render(bumpy: pf.Mesh) -> None:
             bumpy.render(**{"field": c.mean, **bad})
 
 
+def test_what_is_undefined_has_no_colour() -> None:
+    """Triangles of their own have no curvature: zeros, which say so and are never shown as values."""
+    ball = pf.shapes.icosphere(2)
+    lone = np.array([[5.0, 0, 0], [6, 0, 0], [5, 1, 0]])
+    mesh = pf.Mesh(np.vstack([ball.vertices, lone]), np.vstack([ball.faces, [[162, 163, 164]]]))
+    c = mesh.curvature("jet3")
+    assert c.defined.sum() == 162
+    shown = mesh.render(field=c.mean, defined=c.defined, size=(64, 48))
+    masked = np.ma.array(c.mean, mask=~c.defined)
+    np.testing.assert_array_equal(mesh.render(field=masked, size=(64, 48)), shown)
+    np.testing.assert_array_equal(mesh.with_fields(c.fields()).render("mean", size=(64, 48)), shown)
+    assert not np.array_equal(mesh.render(field=c.mean, size=(64, 48)), shown)
+    soup = pf.Mesh(lone, [[0, 1, 2]])
+    with pytest.warns(pf.FairingWarning, match="undefined at every vertex"):
+        c = soup.curvature("jet3")
+    with pytest.raises(pf.OptionError, match="undefined everywhere"):
+        soup.render(field=c.mean, defined=c.defined)
+
+
 def test_surfaces() -> None:
     u, v = np.meshgrid(np.linspace(0.1, 6, 7), np.linspace(0.1, 3, 5))
     for surface, mean, gaussian in [

@@ -130,6 +130,14 @@ def test_globs_tables_and_addresses(corpus: list[str], tmp_path) -> None:
     with pytest.raises(ValueError, match="no column path"):
         pf.dataset(pd.DataFrame({"file": []}), area)
     assert len(pf.dataset([], area).compute()) == 0
+    for glob in (f"{folder}/*.nothing", "memory://meshes/*.obj"):
+        with pytest.raises(FileNotFoundError, match="no file matches .*(nothing|obj)"):
+            pf.dataset(glob, area, tmp_path / "none")
+    assert not (tmp_path / "none").exists()
+    # A name that only looks like a glob.
+    odd = tmp_path / "a[1].ply"
+    odd.write_bytes(Path(ply[0]).read_bytes())
+    assert list(pf.dataset(str(odd), area).compute()["path"]) == [str(odd)]
 
 
 def test_tasks_of_the_package(corpus: list[str]) -> None:

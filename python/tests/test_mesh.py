@@ -138,6 +138,21 @@ def test_what_a_reader_changes_is_warned_of() -> None:
         pf.read_bytes(square, "square.obj", strict=True)
 
 
+def test_what_is_broken_is_dropped_on_request(tmp_path) -> None:
+    broken = b"v 0 0 0\nv 1 0 0\nv nan 1 0\nv 0 1 0\nf 1 2 4\nf 1 2 3\nf 1 2 9\n"
+    (tmp_path / "broken.obj").write_bytes(broken)
+    for options in ({}, {"strict": True}):
+        with pytest.raises(pf.MeshError, match="vertex 2 has the coordinate NaN"):
+            pf.read(tmp_path / "broken.obj", **options)
+    for read in (lambda **o: pf.read(tmp_path / "broken.obj", **o), lambda **o: pf.read_bytes(broken, **o)):
+        with pytest.warns(pf.FairingWarning, match="1 vertices are not finite"):
+            mesh = read(drop_broken=True)
+        assert mesh.faces.tolist() == [[0, 1, 3]] and mesh.vertices[2].tolist() == [0, 0, 0]
+        assert (mesh.report["broken_vertices"], mesh.report["broken_faces"]) == (1, 2)
+        with pytest.raises(pf.OptionError, match="drop_broken"):
+            read(drop_broken=True, strict=True)
+
+
 def test_polygons() -> None:
     mesh = pf.Mesh.from_polygons(V[[0, 1, 3, 2]], [[0, 1, 2, 3]])
     assert mesh.n_faces == 2

@@ -58,9 +58,9 @@ pub(crate) struct Reproduce {
     /// Folder that holds the assignment's meshes, searched by file name; FAIRING_MESHES does the same. Without it, generated meshes take their place
     #[arg(long, value_name = "DIR")]
     pub(crate) meshes: Option<PathBuf>,
-    /// Folder for the report; an earlier report there is replaced when the new one is complete
-    #[arg(long, value_name = "DIR", default_value = "out/report")]
-    pub(crate) out: PathBuf,
+    /// Folder for the report, out/report by default; an earlier report there is replaced when the new one is complete
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
     /// Smaller sizes and fewer repetitions
     #[arg(long)]
     pub(crate) quick: bool,
@@ -70,8 +70,8 @@ pub(crate) struct Reproduce {
     /// List the experiments and do nothing else
     #[arg(long)]
     pub(crate) list: bool,
-    /// Run on the generated meshes and compare with the committed reference values, within each column's tolerance; times are not compared. Writes no report
-    #[arg(long, conflicts_with_all = ["meshes", "out", "accept", "diff"])]
+    /// Run on the generated meshes and compare with the committed reference values, within each column's tolerance; times are not compared. Runs everything, and writes no report but to a folder given by --out
+    #[arg(long, conflicts_with_all = ["meshes", "accept", "diff"])]
     pub(crate) check: bool,
     /// Run on the generated meshes and make the results the reference values: those of a full run are the report in docs/report, those of a quick one are in docs/reference
     #[arg(long, conflicts_with_all = ["meshes", "out", "only", "diff"])]

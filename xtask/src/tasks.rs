@@ -67,8 +67,9 @@ impl Reproduce {
             return self.hold_against_reference();
         }
         let meshes = self.meshes.clone().or_else(meshes_folder);
-        let results = reproduce(experiments::ALL, &self.plan(meshes, &self.out))?;
-        println!("The report is in {}.", self.out.display());
+        let out = self.out.as_deref().unwrap_or(Path::new("out/report"));
+        let results = reproduce(experiments::ALL, &self.plan(meshes, out))?;
+        println!("The report is in {}.", out.display());
         Ok(succeeded(&results))
     }
 
@@ -88,10 +89,16 @@ impl Reproduce {
     /// Reference values are those of the generated meshes, which everybody has.
     fn hold_against_reference(&self) -> Result<bool> {
         let publish = self.accept && !self.quick;
-        let plan = self.plan(None, &root().join(reference::REPORT));
-        let results = match publish {
-            true => reproduce(experiments::ALL, &plan)?,
-            false => measure(experiments::ALL, &plan)?,
+        let results = match &self.out {
+            // What is compared is measured, never taken from an earlier run.
+            Some(out) => {
+                let plan = Plan { fresh: true, ..self.plan(None, out) };
+                reproduce(experiments::ALL, &plan)?
+            }
+            None if publish => {
+                reproduce(experiments::ALL, &self.plan(None, &root().join(reference::REPORT)))?
+            }
+            None => measure(experiments::ALL, &self.plan(None, Path::new("")))?,
         };
         if self.accept {
             if publish {

@@ -8,7 +8,7 @@ use anyhow::{Context as _, Result};
 use fairing_denoising::{TrainingOptions, TrainingPair, train_normals};
 use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
 use fairing_experiments::bed::{Set, set_of};
-use fairing_mesh::TriMesh;
+use fairing_mesh::{TriMesh, io};
 use fairing_shapes as shapes;
 use fairing_shapes::families::{Family, RandomBody, Triangulation, warped};
 use rayon::prelude::*;
@@ -41,6 +41,9 @@ const SEEDS: u64 = 1_000_000;
 /// Trains, and writes the file.
 pub(crate) fn run(options: &Train, root: &Path) -> Result<()> {
     let start = Instant::now();
+    let path = options.out.clone().unwrap_or_else(|| root.join(FILE));
+    // Training takes long: a place that cannot be written is an error before it.
+    io::check_writable(&path).with_context(|| format!("writing {}", path.display()))?;
     let pairs = pairs(options.bodies)?;
     let faces: usize = pairs.iter().map(|p| p.truth.face_count()).sum();
     println!("{} pairs, {faces} faces, {:.0} s", pairs.len(), start.elapsed().as_secs_f64());
@@ -53,7 +56,6 @@ pub(crate) fn run(options: &Train, root: &Path) -> Result<()> {
     };
     let say = |line: String| println!("{:7.1} s  {line}", start.elapsed().as_secs_f64());
     let bytes = train_normals(&pairs, &training, say)?;
-    let path = options.out.clone().unwrap_or_else(|| root.join(FILE));
     std::fs::write(&path, bytes).with_context(|| format!("writing {}", path.display()))
 }
 

@@ -219,6 +219,15 @@ impl Input {
         Known { file, sha256, stand_in }
     }
 
+    /// The mesh with the same vertices: where that one has a stand-in, so has this one.
+    fn partner(self) -> Option<Self> {
+        match self {
+            Self::NoisyFandisk => Some(Self::Fandisk),
+            Self::Fandisk => Some(Self::NoisyFandisk),
+            _ => None,
+        }
+    }
+
     /// The name of the assignment's file.
     pub fn file(self) -> &'static str {
         self.known().file
@@ -239,7 +248,8 @@ pub struct Inputs {
 impl Inputs {
     /// Looks for the wanted meshes by the names of the assignment below
     /// `meshes`, and takes the stand-ins of the folder `data` for those that
-    /// are not there. Parts that have no stand-in are absent then.
+    /// are not there. Parts that have no stand-in are absent then. The noisy machine part and
+    /// the one without noise go together: both are the assignment's, or both stand-ins.
     ///
     /// # Errors
     ///
@@ -253,7 +263,12 @@ impl Inputs {
         let mut sources = BTreeMap::new();
         for &input in wanted {
             let known = input.known();
-            let candidates = found.get(known.file).map_or(&[][..], Vec::as_slice);
+            let mut candidates = found.get(known.file).map_or(&[][..], Vec::as_slice);
+            // Half of a pair has nothing to be compared with: vertices of one are not those of
+            // the other's stand-in.
+            if input.partner().is_some_and(|other| !found.contains_key(other.known().file)) {
+                candidates = &[];
+            }
             let (file, path, stand_in) = match (candidates, known.stand_in) {
                 ([], Some(name)) => (name, data.join(name), true),
                 ([], None) => continue,
@@ -270,6 +285,12 @@ impl Inputs {
             sources.insert(input, (source, path));
         }
         Ok(Self { sources })
+    }
+
+    /// The names of the assignment's files whose parts stand-ins play.
+    pub fn replaced(&self) -> Vec<&str> {
+        let sources = self.sources.values().map(|(source, _)| source);
+        sources.filter(|source| source.stand_in).map(|source| &source.stands_for[..]).collect()
     }
 
     /// Where this input came from; `None` if it is absent.

@@ -43,14 +43,19 @@ impl ColoringOptions {
 
     /// The scale of a field on the vertices of `mesh`, and the colour of each vertex.
     ///
-    /// Boundary vertices do not count for the range, unless there are no others: one-sided estimates there are often
-    /// far from those inside. Vertices where `undefined` is true do not count either, and are
+    /// Boundary vertices do not count for the range, unless there are no others: one-sided
+    /// estimates there are often far from those inside. Vertices where `undefined` is true, and
+    /// isolated ones, which no picture shows, count for nothing and are
     /// [`UNDEFINED`](crate::UNDEFINED).
+    ///
+    /// A curvature is zero where it is undefined, which cannot be told from a plane: with `None`
+    /// every value is taken as it is. Pass the flags that come with a curvature,
+    /// `Some(&curvature.undefined())`.
     ///
     /// # Errors
     ///
     /// [`ScaleError::Length`] unless there are as many values as vertices, [`ScaleError::Count`] unless there are as
-    /// many flags, and the errors of [`Scale::new`].
+    /// many flags, and the errors of [`Scale::new`], among them [`ScaleError::NoValues`] where all is undefined.
     pub fn colors(
         &self,
         mesh: &TriMesh,
@@ -61,15 +66,26 @@ impl ColoringOptions {
         if found != expected {
             return Err(ScaleError::Length { expected, found });
         }
-        let boundary = mesh.topology().boundary_vertices();
         let mut field = Field::new(values);
-        if boundary.contains(&false) {
-            field = field.range_without(boundary)?;
-        }
         if let Some(undefined) = undefined {
             field = field.undefined_where(undefined)?;
         }
-        let scale = Scale::new(&[&field], &self.scale_options(values))?;
+        let topology = mesh.topology();
+        let mut isolated = vec![false; expected];
+        topology.isolated_vertices().for_each(|v| isolated[v as usize] = true);
+        for without in [
+            field.clone().undefined_where(&isolated)?,
+            field
+                .clone()
+                .undefined_where(&isolated)?
+                .range_without(topology.boundary_vertices())?,
+        ] {
+            if without.counted().next().is_some() {
+                field = without;
+            }
+        }
+        let defined: Vec<f64> = field.values().flatten().collect();
+        let scale = Scale::new(&[&field], &self.scale_options(&defined))?;
         let colors = scale.colors(&field);
         Ok((scale, colors))
     }
@@ -128,5 +144,26 @@ mod tests {
         assert_eq!((colors[2], colors.contains(&scale.color(1.0))), (UNDEFINED, true));
         let short = asked.colors(&open, &[1.0], None).unwrap_err();
         assert_eq!(short, ScaleError::Length { expected: 3, found: 1 });
+    }
+
+    /// Two triangles at an edge, all of it boundary, and a vertex of no face: what is undefined or
+    /// not drawn decides neither range nor map.
+    #[test]
+    fn nothing_is_taken_from_what_has_no_value_or_is_not_drawn() {
+        let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [9.0; 3]];
+        let mesh = TriMesh::new(corners, vec![[0, 1, 2], [1, 3, 2]]).unwrap();
+        let asked = ColoringOptions::default();
+        let flags = [false, false, true, false, false];
+        let values = [2.0, 3.0, -7.0, 4.0, 50.0];
+        let (scale, colors) = asked.colors(&mesh, &values, Some(&flags)).unwrap();
+        assert!(scale.low() >= 2.0 && scale.high() <= 4.0, "{scale:?}");
+        assert_eq!((scale.map(), colors[2]), (ColorMap::Viridis, UNDEFINED));
+        let (scale, _) = asked.colors(&mesh, &[2.0, 3.0, 3.0, 4.0, -50.0], None).unwrap();
+        assert!(scale.low() >= 2.0 && scale.high() <= 4.0, "{scale:?}");
+        let all = asked.colors(&mesh, &[0.0; 5], Some(&[true; 5])).unwrap_err();
+        assert_eq!(all, ScaleError::NoValues);
+        let points = TriMesh::new(vec![[0.0; 3], [1.0; 3]], vec![]).unwrap();
+        let (scale, _) = asked.colors(&points, &[1.0, 2.0], None).unwrap();
+        assert!(scale.high() > scale.low());
     }
 }

@@ -61,8 +61,8 @@ pub enum ScaleError {
         /// The value.
         value: f64,
     },
-    /// No value counts for the range.
-    #[error("no value is left to find the range of the colours")]
+    /// No value counts for the range: all are undefined.
+    #[error("the field is undefined everywhere: there is no range of colours")]
     NoValues,
     /// The ends of the range are not ascending, or not percentages.
     #[error("a colour range cannot go from {low} to {high}")]

@@ -19,7 +19,7 @@ use crate::{thumbnail, views};
 ///
 /// # Errors
 ///
-/// If a file cannot be read or written, a view does not hold together, or two meshes share a name.
+/// If a file cannot be read or written, or a view does not hold together.
 pub fn publish(mut results: Results, folder: &Path, form: Form) -> Result<Results> {
     results.form = form;
     for record in &mut results.experiments {
@@ -29,7 +29,7 @@ pub fn publish(mut results: Results, folder: &Path, form: Form) -> Result<Result
             leave_out(record, folder)?;
         }
     }
-    thumbnail::check(&results)?;
+    thumbnail::tell_apart(&mut results);
     write(&folder.join("results.json"), &json::readable(&results)?)?;
     render(folder)?;
     Ok(results)

@@ -1,10 +1,10 @@
 //! Small pictures of the meshes, one for each name.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
-use anyhow::{Context as _, Result, ensure};
+use anyhow::{Context as _, Result};
 use fairing_figure::{Camera, Colors, RenderOptions, Up, Viewpoint, render};
 use fairing_mesh::TriMesh;
 use fairing_results::results::{MeshCard, Results};
@@ -49,25 +49,25 @@ pub(crate) fn all(results: &Results) -> Vec<(&MeshCard, Vec<&str>)> {
     all
 }
 
-/// Makes sure that a name is that of one mesh.
-///
-/// # Errors
-///
-/// If two meshes of different sizes share a name.
-pub(crate) fn check(results: &Results) -> Result<()> {
-    let mut known: BTreeMap<&str, [usize; 2]> = BTreeMap::new();
-    for card in results.experiments.iter().flat_map(|r| &r.views).filter_map(|v| v.mesh.as_ref()) {
-        let size = [card.vertices, card.faces];
-        let first = *known.entry(&card.name).or_insert(size);
-        ensure!(
-            first == size,
-            "two meshes are called {}: one has {} vertices, one {}",
-            card.name,
-            first[0],
-            size[0]
-        );
+/// Adds the number of vertices, or of faces where that is the same, to the names of meshes that
+/// share one: sizes of quick runs and meshes of the reader's own can give one part two meshes.
+pub(crate) fn tell_apart(results: &mut Results) {
+    let mut sizes: BTreeMap<String, BTreeSet<[usize; 2]>> = BTreeMap::new();
+    for card in cards(results) {
+        sizes.entry(card.name.clone()).or_default().insert([card.vertices, card.faces]);
     }
-    Ok(())
+    for card in cards(results) {
+        let Some(shared) = sizes.get(&card.name).filter(|sizes| sizes.len() > 1) else { continue };
+        let alike = shared.iter().filter(|[vertices, _]| *vertices == card.vertices).count();
+        card.name += &match alike {
+            1 => format!(" of {} vertices", card.vertices),
+            _ => format!(" of {} faces", card.faces),
+        };
+    }
+}
+
+fn cards(results: &mut Results) -> impl Iterator<Item = &mut MeshCard> {
+    results.experiments.iter_mut().flat_map(|r| &mut r.views).filter_map(|v| v.mesh.as_mut())
 }
 
 #[cfg(test)]
@@ -76,21 +76,36 @@ mod tests {
 
     use super::*;
 
+    /// A quick run has two machine parts; a name remains that of one mesh, and of all its views.
     #[test]
-    fn a_name_is_of_one_mesh() {
-        let view = |vertices| {
-            let (name, picture) = ("torus".into(), String::new());
-            let mesh = Some(MeshCard { name, vertices, faces: 2 * vertices, picture });
+    fn meshes_that_share_a_name_are_told_apart() {
+        let view = |name: &str, vertices, faces| {
+            let (name, picture) = (name.into(), String::new());
+            let mesh = Some(MeshCard { name, vertices, faces, picture });
             let [id, caption, alt, fallback, data] = [(); 5].map(|()| String::new());
             ViewFile { id, caption, alt, fallback, data, mesh }
         };
-        let results = |second| {
-            let views = vec![view(8), view(second)];
-            let experiments = vec![Record { views, ..Record::default() }];
-            Results { provenance: Default::default(), form: Default::default(), experiments }
-        };
-        assert!(check(&results(8)).is_ok());
-        let error = check(&results(9)).unwrap_err().to_string();
-        assert_eq!(error, "two meshes are called torus: one has 8 vertices, one 9");
+        let record = |views| Record { views, ..Record::default() };
+        let experiments = vec![
+            record(vec![view("torus", 8, 16), view("part", 7054, 14108), view("bump", 9, 14)]),
+            record(vec![view("torus", 8, 16), view("part", 575, 1146), view("bump", 9, 12)]),
+            record(vec![view("part", 575, 1146)]),
+        ];
+        let mut results =
+            Results { provenance: Default::default(), form: Default::default(), experiments };
+        tell_apart(&mut results);
+        let names: Vec<&str> = cards(&mut results).map(|card| card.name.as_str()).collect();
+        assert_eq!(
+            names,
+            [
+                "torus",
+                "part of 7054 vertices",
+                "bump of 14 faces",
+                "torus",
+                "part of 575 vertices",
+                "bump of 12 faces",
+                "part of 575 vertices"
+            ]
+        );
     }
 }

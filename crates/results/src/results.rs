@@ -180,6 +180,16 @@ pub struct File {
 }
 
 impl Record {
+    /// The paths of all its files, relative to the folder of the report.
+    pub fn paths(&self) -> impl Iterator<Item = &str> {
+        let figures = self.figures.iter();
+        let pictures = figures.flat_map(|f| [Some(&f.png), f.svg.as_ref(), f.small.as_ref()]);
+        let views =
+            self.views.iter().flat_map(|v| [Some(&v.data), v.mesh.as_ref().map(|m| &m.picture)]);
+        let files = self.files.iter().map(|file| Some(&file.path));
+        pictures.chain(views).chain(files).flatten().map(String::as_str)
+    }
+
     /// The files that are not the CSV of a table.
     pub fn other_files(&self) -> impl Iterator<Item = &File> {
         let tables: Vec<String> =

@@ -123,10 +123,11 @@ fn nothing_is_overwritten_unasked() {
     let folder = folder_with_torus();
     run(folder.path(), "convert torus.ply a.off");
     let before = std::fs::read(folder.path().join("a.off")).unwrap();
+    std::fs::write(folder.path().join("a.png"), "a picture").unwrap();
     for line in [
         "convert torus.ply a.off",
         "noise torus.ply -o a.off --sigma 0.1",
-        "render torus.ply -o a.off",
+        "render torus.ply -o a.png",
     ] {
         assert!(refuse(folder.path(), line, 4).contains("--force"));
     }

@@ -9,6 +9,7 @@ mod ellipsoid;
 mod evaluation;
 mod examples;
 mod extremes;
+mod files;
 mod invariants;
 mod public_types;
 mod rendering;

@@ -6,11 +6,14 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use fairing_experiments::experiment::{Card, Context, Experiment};
 use fairing_experiments::experiments;
 use fairing_experiments::outcome::Outcome;
+use fairing_mesh::TriMesh;
 use fairing_results::compare::differences;
 use fairing_results::results::{Form, Results};
 use fairing_results::row;
 use fairing_results::table::{Table, Tables, Unit};
 use fairing_results::verdict::{Judgement, Verdict};
+use fairing_results::view::{Panel, View};
+use fairing_shapes as shapes;
 use serde_json::Value;
 use xtask::reproduce::{Plan, reproduce};
 
@@ -251,6 +254,102 @@ fn finished_experiments_are_reused_until_asked_for_afresh() {
     assert_eq!(run(false, true), 0.0, "both are kept");
     assert_eq!(run(true, true), 2.0, "forgotten");
     assert_eq!(run(false, true), 2.0, "and kept again");
+}
+
+/// Shows a mesh that is called a part, of another size in each instance.
+struct Shown(&'static str, TriMesh);
+
+impl Experiment for Shown {
+    fn card(&self) -> Card {
+        Card { id: self.0, ..Sample("works").card() }
+    }
+
+    fn run(&self, _: &Context<'_>) -> anyhow::Result<Outcome> {
+        let panels = vec![Panel::still("input", &self.1)];
+        let view = View { id: "part-view".into(), mesh: "part".into(), panels, ..View::default() };
+        Ok(Outcome { views: vec![view], ..Outcome::default() })
+    }
+}
+
+/// Sizes of quick runs differ from one experiment to another, as those of `--meshes` can.
+#[test]
+fn meshes_that_share_a_name_are_both_in_the_report() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("report");
+    let [fine, coarse] = [2, 1].map(shapes::icosphere);
+    let results = reproduce(&[&Shown("a", fine), &Shown("b", coarse)], &plan(&out, &[])).unwrap();
+    assert!(results.experiments.iter().all(|r| r.error.is_none()));
+    for name in ["report.md", "report.html"] {
+        let page = std::fs::read_to_string(out.join(name)).unwrap();
+        for mesh in ["part of 162 vertices", "part of 42 vertices"] {
+            assert!(page.contains(mesh), "{name}: {mesh}");
+        }
+    }
+}
+
+/// The forms of the command, one after another into one folder and over one folder of kept
+/// experiments: whole runs, with every experiment, are those of `cargo xtask test`.
+#[test]
+fn every_form_runs_to_its_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = |name: &str| folder.path().join(name);
+    for name in ["none", "half"] {
+        std::fs::create_dir(place(name)).unwrap();
+        std::fs::write(place(name).join("readme.txt"), "no mesh").unwrap();
+    }
+    std::fs::write(place("half").join("fandisk.off"), "without the noisy one").unwrap();
+    let out = place("report");
+    let all = |only: &[&str]| Plan { fresh: false, ..plan(&out, only) };
+    let ended = |plan: &Plan| {
+        let results = reproduce(experiments::ALL, plan).unwrap();
+        for record in &results.experiments {
+            assert_eq!(record.error, None, "{}", record.id);
+            assert!(record.paths().all(|path| plan.out.join(path).is_file()), "{}", record.id);
+        }
+        let read = Results::read(&plan.out.join("results.json")).unwrap();
+        assert_eq!(differences(&read, &results, false), []);
+        let page = std::fs::read(plan.out.join("report.html")).unwrap();
+        fairing_report::render(&plan.out).unwrap();
+        assert_eq!(page, std::fs::read(plan.out.join("report.html")).unwrap());
+        results
+    };
+    let first = ended(&all(&["q2"]));
+    assert_eq!(ended(&all(&["q2"])).experiments, first.experiments, "kept");
+    assert_eq!(ended(&all(&["q1", "q2"])).experiments.len(), 2);
+    assert_eq!(ended(&Plan { quick: false, ..all(&["q2"]) }).experiments[0].id, "q2");
+    assert_eq!(
+        ended(&Plan { fresh: true, ..all(&["q2"]) }).experiments[0].tables,
+        first.experiments[0].tables
+    );
+    ended(&Plan { form: Form::Small, ..all(&["q1"]) });
+    let deep = Plan { out: place("new/folder"), ..all(&["q2"]) };
+    ended(&deep);
+    for meshes in ["none", "half"].map(place) {
+        let run = ended(&Plan { meshes: Some(meshes), ..all(&["q1", "q5"]) });
+        assert!(run.experiments.iter().flat_map(|r| &r.inputs).all(|source| source.stand_in));
+    }
+    let absent = Plan { meshes: Some(place("absent")), ..all(&["q2"]) };
+    assert!(reproduce(experiments::ALL, &absent).unwrap_err().to_string().contains("absent"));
+    // What is kept and has lost a file is made again.
+    let lost = all(&["q1"]).cache.join("q1-quick/files");
+    let view = std::fs::read_dir(&lost).unwrap().map(|entry| entry.unwrap().path());
+    std::fs::remove_file(
+        view.into_iter().find(|p| p.extension() == Some("view".as_ref())).unwrap(),
+    )
+    .unwrap();
+    ended(&all(&["q1"]));
+}
+
+/// A link to the folder of a report stays a link, and its target has the new report.
+#[cfg(unix)]
+#[test]
+fn a_link_to_a_report_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    let [real, link] = ["real", "link"].map(|name| folder.path().join(name));
+    reproduce(&[&Sample("first")], &plan(&real, &[])).unwrap();
+    std::os::unix::fs::symlink(&real, &link).unwrap();
+    reproduce(&[&Sample("second")], &plan(&link, &[])).unwrap();
+    assert!(link.is_symlink() && real.join("second").is_dir() && !real.join("first").exists());
 }
 
 /// The earlier report gives way as a whole, and nothing else is left beside it.

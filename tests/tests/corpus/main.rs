@@ -8,6 +8,7 @@ mod denoising;
 mod diagnosis;
 mod operators;
 mod reading;
+mod report;
 
 use std::path::{Path, PathBuf};
 
@@ -23,6 +24,7 @@ fn main() {
         ("diagnosis", diagnosis::trials()),
         ("operators", operators::trials()),
         ("reading", reading::trials()),
+        ("report", report::trials()),
     ];
     let trials = areas
         .into_iter()

@@ -57,13 +57,14 @@ impl Plan {
 /// If an experiment is not known, an input is missing, or a file cannot be
 /// written. An experiment that fails is no error here: its record says so.
 pub fn reproduce(experiments: &[&dyn Experiment], plan: &Plan) -> Result<Results> {
-    let work = place::beside(&plan.out)?;
+    let out = place::followed(&plan.out)?;
+    let work = place::beside(&out)?;
     let bar = Bar::new();
     let measured = runner::run(experiments, &plan.run(), Some(work.path()), &bar)?;
     bar.say("writing the report");
     bar.finish();
     let results = fairing_report::publish(measured, work.path(), plan.form)?;
-    place::move_into(work, &plan.out)?;
+    place::move_into(work, &out)?;
     Ok(results)
 }
 

@@ -2,7 +2,7 @@
 //! it is complete.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::{Context as _, Result, ensure};
@@ -54,6 +54,16 @@ fn sweep(parent: &Path) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// The folder itself where `out` is a link to one, so that the link stays.
+pub(super) fn followed(out: &Path) -> Result<PathBuf> {
+    match out.is_symlink() {
+        true => {
+            fs::canonicalize(out).with_context(|| format!("{} is a link to nothing", out.display()))
+        }
+        false => Ok(out.into()),
+    }
 }
 
 /// Puts the finished folder in its place; an earlier report gives way.

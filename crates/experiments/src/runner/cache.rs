@@ -70,8 +70,11 @@ impl Cache {
             let Ok(text) = fs::read_to_string(place.join("entry.json")) else { continue };
             // An entry of another layout is as good as none.
             let Ok(entry) = serde_json::from_str::<Entry>(&text) else { continue };
-            if entry.key == key {
-                copy(&place.join("files"), to)?;
+            let files = place.join("files");
+            // Of an entry that has lost a file nothing is taken.
+            let whole = || entry.record.paths().all(|p| kept(&files, p).is_file());
+            if entry.key == key && whole() {
+                copy(&files, to)?;
                 return Ok(Some(entry.record));
             }
         }
@@ -92,6 +95,11 @@ impl Cache {
         fs::write(&unfinished, serde_json::to_string(&entry)?)?;
         Ok(fs::rename(unfinished, place.join("entry.json"))?)
     }
+}
+
+/// A file of a report, which is named from the folder of the report, among those that are kept.
+fn kept(files: &Path, path: &str) -> PathBuf {
+    files.join(Path::new(path).file_name().unwrap_or_default())
 }
 
 /// Copies the files of a folder.

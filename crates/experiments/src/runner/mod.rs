@@ -73,6 +73,10 @@ pub fn run(
     let mut left: f64 = chosen.iter().map(|&e| expected(e)).sum();
     progress.start(left);
     progress.say(&format!("{} experiments, {}", chosen.len(), about(left)));
+    if let (Some(folder), replaced @ [_, ..]) = (&plan.meshes, &inputs.replaced()[..]) {
+        let (folder, replaced) = (folder.display(), replaced.join(", "));
+        progress.say(&format!("generated meshes take the place of what {folder} does not hold: {replaced} (a noisy mesh and the one without noise go together)"));
+    }
     let mut records = vec![];
     for (i, &experiment) in chosen.iter().enumerate() {
         let card = experiment.card();

@@ -44,10 +44,10 @@ pub(crate) struct Compare {
 
 impl Compare {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
-        let mesh = files::read(&self.mesh)?;
+        let mesh = files::read(context, &self.mesh)?;
         files::say_report(context, &self.mesh, &mesh.report);
         say_orientation(context, &self.mesh, &mesh.mesh);
-        let reference = files::read(&self.reference)?;
+        let reference = files::read(context, &self.reference)?;
         files::say_report(context, &self.reference, &reference.report);
         say_orientation(context, &self.reference, &reference.mesh);
         let options = ScoreOptions {

@@ -9,7 +9,7 @@ use fairing::mesh::io::{
 
 use super::Context;
 use super::exit::Failure;
-use super::files::{self, Overwrite};
+use super::files::{self, Content, Overwrite};
 
 /// Convert a mesh between OBJ, PLY, OFF and STL
 ///
@@ -42,14 +42,20 @@ pub(crate) struct Convert {
 
 impl Convert {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
-        self.overwrite.check(&self.output)?;
+        self.overwrite.check(&self.output, Content::Mesh)?;
         let format = Format::from_path(&self.output).map(|named| named.format);
         if let Some(format) = format {
             self.check(format)?;
         }
-        let reading = if self.strict { ReadOptions::strict() } else { ReadOptions::default() };
+        let reading = match (self.strict, context.drop_broken) {
+            (true, true) => {
+                return Err(Failure::usage("--strict refuses what --drop-broken leaves out"));
+            }
+            (true, false) => ReadOptions::strict(),
+            (false, _) => files::reading(context),
+        };
         let PolygonFile { mesh, fields, report, .. } =
-            io::read_polygons_with(&self.input, &reading).map_err(Failure::input)?;
+            io::read_polygons_with(&self.input, &reading).map_err(files::unreadable)?;
         files::say_report(context, &self.input, &report);
         let mut options = WriteOptions::default();
         if self.ascii {

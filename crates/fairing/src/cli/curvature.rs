@@ -1,16 +1,17 @@
 //! `fairing curvature`.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::Args;
 use fairing::mesh::io::VertexFields;
 use fairing::mesh::{Algorithm, TriMesh};
-use fairing::operators::curvature::{CurvatureField, Estimator, laplacian_curvature};
+use fairing::operators::curvature::{CurvatureField, Estimator, VertexStatus, laplacian_curvature};
 use fairing::operators::{Laplacian, LaplacianKind, LumpedArea, MassKind, OperatorError};
 use serde_json::{Value, json};
 
 use super::exit::Failure;
-use super::files::{self, Overwrite};
+use super::files::{self, Content, Overwrite};
 use super::operator::{self, say_too_thin};
 use super::parameters::{Family, Parameters, foreign, list, names};
 use super::surface::{Reading, Surface, say_orientation};
@@ -28,8 +29,8 @@ Examples:
 ///
 /// Writes the vertex properties mean, gaussian, kappa1 >= kappa2 and, where the
 /// estimator knows them, the unit tangents direction1 and direction2; defined is
-/// 0 where there is no value (and the values are 0), boundary is 1 at boundary
-/// vertices, whose values are one-sided. Units are those of the file: 1/length,
+/// 0 where there is no value (and the values are 0, which means nothing), boundary
+/// is 1 at boundary vertices, whose values are one-sided. PLY alone holds them. Units are those of the file: 1/length,
 /// for gaussian 1/length². Curvature is positive on a sphere whose faces turn
 /// counter-clockwise seen from outside. Other properties of the file are kept.
 #[derive(Args)]
@@ -40,7 +41,7 @@ pub(crate) struct Curvature {
     input: Option<PathBuf>,
     #[command(flatten)]
     reading: Reading,
-    /// The file to write; without it, only a summary is printed
+    /// The PLY file to write; without it, only a summary is printed
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     #[command(flatten)]
@@ -86,7 +87,7 @@ impl Curvature {
         let Some(input) = &self.input else {
             return Err(Failure::usage("no mesh is given"));
         };
-        self.overwrite.check_given(self.output.as_deref())?;
+        self.overwrite.check_given(self.output.as_deref(), Content::Fields)?;
         let estimator = self.estimator()?;
         let (surface, fields) = self.reading.read(context, input)?;
         say_orientation(context, input, surface.mesh());
@@ -98,12 +99,14 @@ impl Curvature {
         if let Some(face) = field.too_thin {
             say_too_thin(context, face);
         }
-        let undefined = field.status.iter().filter(|s| !s.is_defined()).count();
+        let reasons = reasons(&field);
+        let undefined: usize = reasons.values().sum();
         if self.json {
             let mut summary = json!({
                 "estimator": estimator.name(),
                 "vertices": field.len(),
                 "undefined": undefined,
+                "undefined_because": reasons,
                 "too_thin_face": field.too_thin,
                 "boundary": field.boundary.iter().filter(|&&b| b).count(),
                 "interior": summary(&field),
@@ -121,7 +124,13 @@ impl Curvature {
         }
         print(table)?;
         if undefined > 0 {
-            context.note(format_args!("undefined at {undefined} of {} vertices", field.len()));
+            let reasons: Vec<String> =
+                reasons.iter().map(|(reason, count)| format!("{reason}: {count}")).collect();
+            context.note(format_args!(
+                "undefined at {undefined} of {} vertices ({})",
+                field.len(),
+                reasons.join(", ")
+            ));
         }
         Ok(())
     }
@@ -170,6 +179,17 @@ impl Curvature {
         let laplacian = Laplacian::new(mesh, kind, self.mass(*estimator))?;
         Ok(laplacian_curvature(mesh, &laplacian)?)
     }
+}
+
+/// Why there is no value, and at how many vertices.
+fn reasons(field: &CurvatureField) -> BTreeMap<String, usize> {
+    let mut reasons = BTreeMap::new();
+    for status in &field.status {
+        if let VertexStatus::Undefined(reason) = status {
+            *reasons.entry(reason.to_string()).or_default() += 1;
+        }
+    }
+    reasons
 }
 
 fn columns(field: &CurvatureField) -> [(&'static str, &[f64]); 4] {

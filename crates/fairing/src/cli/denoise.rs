@@ -8,7 +8,7 @@ use fairing::mesh::{Algorithm, OptionError};
 use serde_json::{Map, Value, json};
 
 use super::exit::Failure;
-use super::files::{self, MaybeOutput};
+use super::files::{self, Content, MaybeOutput};
 use super::parameters::{Family, Parameters, list, names};
 use super::surface::{Reading, say_orientation};
 use super::table::number;
@@ -73,7 +73,7 @@ impl Denoise {
         let (Some(input), Some(output)) = (input, output) else {
             return Err(Failure::usage("which mesh, and where to?"));
         };
-        output.check()?;
+        output.check(Content::Mesh)?;
         self.parameters.check(&self.method)?;
         let denoiser: Denoiser = self.method.parse().map_err(Failure::usage)?;
         if self.json && denoiser != Denoiser::Automatic {

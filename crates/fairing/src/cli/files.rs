@@ -5,7 +5,10 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use fairing::mesh::TriMesh;
-use fairing::mesh::io::{self, MeshFile, ReadReport, VertexFields, WriteOptions, WriteReport};
+use fairing::mesh::io::{
+    self, Format, MeshFile, ReadError, ReadOptions, ReadProblem, ReadReport, VertexFields,
+    WriteOptions, WriteProblem, WriteReport,
+};
 
 use super::Context;
 use super::exit::Failure;
@@ -41,14 +44,53 @@ impl MaybeOutput {
 /// Whether a file that exists may be replaced.
 #[derive(Args)]
 pub(crate) struct Overwrite {
-    /// Replace the output if it exists
+    /// Replace the output if it exists; of a symbolic link, the file that it names
     #[arg(long)]
     pub(crate) force: bool,
 }
 
+/// What a file is to hold, which its extension has to say.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Content {
+    /// A mesh, with fields where the format holds them.
+    Mesh,
+    /// A mesh with fields, for which alone it is written.
+    Fields,
+    /// A picture.
+    Png,
+    /// Arrays.
+    Npz,
+}
+
+impl Content {
+    /// Refuses a name that does not say so.
+    fn check(self, path: &Path) -> Result<(), String> {
+        let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+        let is = |wanted: &str| match extension.as_deref() == Some(wanted) {
+            true => Ok(()),
+            false => Err(format!("the file extension must be .{wanted}")),
+        };
+        match (self, Format::from_path(path).map(|named| named.format)) {
+            (Self::Png, _) => is("png"),
+            (Self::Npz, _) => is("npz"),
+            (_, None) => Err(WriteProblem::UnknownExtension.to_string()),
+            (Self::Fields, Some(format)) if format != Format::Ply => {
+                Err(format!("{format} holds no fields; write PLY: .ply or .ply.gz"))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
 impl Overwrite {
-    /// Refuses to replace a file, before any work is done for it.
-    pub(crate) fn check(&self, path: &Path) -> Result<(), Failure> {
+    /// Refuses what cannot be written, before any work is done for it: a name that does not say
+    /// what the file holds, a folder that is not there or is closed to us, a file that exists.
+    pub(crate) fn check(&self, path: &Path, content: Content) -> Result<(), Failure> {
+        let refused =
+            |reason: &str| Failure::output(anyhow::anyhow!("{}: {reason}", path.display()));
+        content.check(path).map_err(|reason| refused(&reason))?;
+        io::check_writable(path)
+            .map_err(|error| refused(&format!("cannot be written: {error}")))?;
         if !self.force && path.exists() {
             return Err(Failure::output(anyhow::anyhow!(
                 "{} exists; add --force to replace it",
@@ -59,9 +101,9 @@ impl Overwrite {
     }
 
     /// [`check`](Self::check) for a file that may be given; without one there is nothing to replace.
-    pub(crate) fn check_given(&self, path: Option<&Path>) -> Result<(), Failure> {
+    pub(crate) fn check_given(&self, path: Option<&Path>, content: Content) -> Result<(), Failure> {
         match path {
-            Some(path) => self.check(path),
+            Some(path) => self.check(path, content),
             None if self.force => Err(Failure::usage(
                 "--force is for --output, which is not given: nothing is written",
             )),
@@ -71,20 +113,40 @@ impl Overwrite {
 }
 
 impl Output {
-    /// Refuses to replace a file, before any work is done for it.
-    pub(crate) fn check(&self) -> Result<(), Failure> {
-        self.overwrite.check(&self.path)
+    /// As [`Overwrite::check`].
+    pub(crate) fn check(&self, content: Content) -> Result<(), Failure> {
+        self.overwrite.check(&self.path, content)
     }
 }
 
 /// Reads a mesh with its fields.
-pub(crate) fn read(path: &Path) -> Result<MeshFile, Failure> {
-    io::read(path).map_err(Failure::input)
+pub(crate) fn read(context: &Context, path: &Path) -> Result<MeshFile, Failure> {
+    io::read_with(path, &reading(context)).map_err(unreadable)
+}
+
+/// How every verb reads.
+pub(crate) fn reading(context: &Context) -> ReadOptions {
+    match context.drop_broken {
+        true => ReadOptions::dropping_broken(),
+        false => ReadOptions::default(),
+    }
+}
+
+/// Says why a file cannot be read, and which option would read it.
+pub(crate) fn unreadable(error: ReadError) -> Failure {
+    use ReadProblem::{IndexOutOfRange, NonFinite};
+    match error.problem {
+        NonFinite { .. } | IndexOutOfRange { .. } => Failure::input(anyhow::anyhow!(
+            "{error}; --drop-broken leaves out faces with such vertices"
+        )),
+        _ => Failure::input(error),
+    }
 }
 
 /// Prints what the reader split, reduced, left out or ignored, if anything.
 pub(crate) fn say_report(context: &Context, path: &Path, report: &ReadReport) {
     let changed = report.polygons > 0 || report.reduced > 0 || report.left_out > 0;
+    let changed = changed || report.broken_vertices > 0 || report.broken_faces > 0;
     if changed || !report.notes.is_empty() {
         context.note(format_args!("{}: {report}", path.display()));
     }

@@ -8,6 +8,7 @@ use fairing::mesh::{Diagnosis, PolygonMesh, Tally};
 use serde_json::{Value, json};
 
 use super::exit::Failure;
+use super::files;
 use super::table::{Table, number};
 use super::{Context, print};
 
@@ -26,9 +27,10 @@ pub(crate) struct Info {
 }
 
 impl Info {
-    pub(crate) fn run(&self, _: &Context) -> Result<(), Failure> {
+    pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
         let PolygonFile { mesh, fields, report, .. } =
-            io::read_polygons(&self.file).map_err(Failure::input)?;
+            io::read_polygons_with(&self.file, &files::reading(context))
+                .map_err(files::unreadable)?;
         let diagnosis = Diagnosis::new(&mesh.triangulate());
         let mut names: Vec<&str> = fields.scalars.iter().map(|(name, _)| &name[..]).collect();
         names.extend(fields.vectors.iter().map(|(name, _)| &name[..]));
@@ -82,6 +84,8 @@ fn as_json(mesh: &PolygonMesh, d: &Diagnosis, report: &ReadReport, fields: &[&st
             "polygons": report.polygons,
             "reduced_faces": report.reduced,
             "left_out_faces": report.left_out,
+            "broken_vertices": report.broken_vertices,
+            "broken_faces": report.broken_faces,
             "notes": report.notes,
         },
     })

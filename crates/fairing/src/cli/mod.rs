@@ -49,6 +49,10 @@ struct Cli {
     /// Print only results and errors
     #[arg(long, short, global = true)]
     quiet: bool,
+    /// Leave out faces of a file that name a vertex that is not there or not finite, and say how
+    /// many; such a vertex keeps its number, at the place of the first sound one
+    #[arg(long, global = true)]
+    drop_broken: bool,
     #[command(subcommand)]
     verb: Verb,
 }
@@ -72,6 +76,8 @@ enum Verb {
 struct Context {
     /// Print only results and errors.
     quiet: bool,
+    /// Leave out broken vertices and faces of files.
+    drop_broken: bool,
 }
 
 impl Context {
@@ -119,7 +125,7 @@ pub(crate) fn main() -> ExitCode {
             return ExitCode::from(1);
         }
     }
-    match cli.verb.run(&Context { quiet: cli.quiet }) {
+    match cli.verb.run(&Context { quiet: cli.quiet, drop_broken: cli.drop_broken }) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),
     }

@@ -8,7 +8,7 @@ use fairing::evaluation::{NoiseKind, NoiseLevel, add_noise};
 
 use super::Context;
 use super::exit::Failure;
-use super::files::{self, Output};
+use super::files::{self, Content, Output};
 use super::surface::{Reading, say_orientation};
 use super::table::number;
 
@@ -64,7 +64,7 @@ fn kinds() -> impl TypedValueParser<Value = NoiseKind> {
 
 impl Noise {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
-        self.output.check()?;
+        self.output.check(Content::Mesh)?;
         let kind = match (self.kind, self.share) {
             (kind, None) => kind,
             (NoiseKind::Impulsive { .. }, Some(share)) => NoiseKind::Impulsive { share },

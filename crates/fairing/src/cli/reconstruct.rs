@@ -7,7 +7,7 @@ use fairing::operators::{LaplacianKind, MassKind};
 use fairing::spectral::{SpectrumOptions, reconstruct, reconstruction_errors};
 
 use super::exit::Failure;
-use super::files::{self, Output};
+use super::files::{self, Content, Output};
 use super::operator;
 use super::surface::Reading;
 use super::table::number;
@@ -46,7 +46,7 @@ pub(crate) struct Reconstruct {
 
 impl Reconstruct {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
-        self.output.check()?;
+        self.output.check(Content::Mesh)?;
         let (surface, fields) = self.reading.read(context, &self.input)?;
         let mesh = surface.mesh();
         let laplacian = operator::assemble(context, mesh, self.operator, MassKind::Barycentric)?;

@@ -12,7 +12,7 @@ use fairing::mesh::TriMesh;
 use fairing::mesh::io::VertexFields;
 
 use super::exit::Failure;
-use super::files::{self, Output};
+use super::files::{self, Content, Output};
 use super::surface::say_orientation;
 use super::table::number;
 use super::{Context, print};
@@ -29,7 +29,9 @@ Examples:
 ///
 /// Without --field, the colours of the file are shown if it has any. Vector
 /// fields are shown by their length. The range of the colours is from the 2nd to
-/// the 98th percentile unless --range is given; it is printed.
+/// the 98th percentile unless --range is given; it is printed. Vertices where the
+/// property defined of the file is 0, as curvature writes it, are grey and do not
+/// count for the range.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Render {
@@ -88,11 +90,11 @@ enum ShadingKind {
 
 impl Render {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
-        self.output.check()?;
-        let file = files::read(&self.input)?;
+        self.output.check(Content::Png)?;
+        let file = files::read(context, &self.input)?;
         files::say_report(context, &self.input, &file.report);
         say_orientation(context, &self.input, &file.mesh);
-        let colors = self.colors(&file.mesh, &file.fields)?;
+        let colors = self.colors(context, &file.mesh, &file.fields)?;
         let png = self.draw(&file.mesh, &colors)?.to_png()?;
         files::write_bytes(&self.output.path, &png)
     }
@@ -126,6 +128,7 @@ impl Render {
     /// One colour per vertex: of the field asked for, or else of the file.
     fn colors(
         &self,
+        context: &Context,
         mesh: &TriMesh,
         fields: &VertexFields,
     ) -> Result<Option<Vec<[u8; 3]>>, Failure> {
@@ -133,10 +136,18 @@ impl Render {
             return Ok(fields.colors.clone());
         };
         let values = values_of(fields, name)?;
+        // Flags have a value everywhere.
+        let flags = ["defined", "boundary"].contains(&&name[..]);
+        let defined = fields.scalar("defined").filter(|_| !flags);
         let undefined: Option<Vec<bool>> =
-            fields.scalar("defined").map(|defined| defined.iter().map(|&d| d == 0.0).collect());
+            defined.map(|defined| defined.iter().map(|&d| d == 0.0).collect());
         let asked = ColoringOptions { map: self.map, range: self.range, equalize: self.equalize };
         let (scale, colors) = asked.colors(mesh, &values, undefined.as_deref())?;
+        let without = undefined.iter().flatten().filter(|&&undefined| undefined).count();
+        if without > 0 {
+            let all = mesh.vertex_count();
+            context.note(format_args!("{name} is undefined at {without} of {all} vertices: grey"));
+        }
         print(format_args!(
             "{name}: {} from {} to {}\n",
             scale.map().name(),

@@ -9,7 +9,7 @@ use fairing::smoothing::{Approach, FlowFailure, Method, Observer, Report, Smooth
 use serde_json::{Value, json};
 
 use super::exit::Failure;
-use super::files::{self, MaybeOutput};
+use super::files::{self, Content, MaybeOutput};
 use super::operator::say_too_thin;
 use super::parameters::{Family, Parameters, foreign, list, names};
 use super::spectrum::warn_of_split;
@@ -106,7 +106,7 @@ impl Smooth {
         let (Some(input), Some(output)) = (&self.input, self.output.given()) else {
             return Err(Failure::usage("which mesh, and where to?"));
         };
-        output.check()?;
+        output.check(Content::Mesh)?;
         self.check()?;
         let (surface, fields) = self.reading.read(context, input)?;
         let mesh = surface.mesh();

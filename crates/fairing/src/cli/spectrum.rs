@@ -9,7 +9,7 @@ use fairing::spectral::{self, EigenOptions, SpectralError, SpectrumOptions, Spli
 use serde_json::json;
 
 use super::exit::Failure;
-use super::files::Overwrite;
+use super::files::{Content, Overwrite};
 use super::operator;
 use super::surface::{Reading, Surface};
 use super::table::{Table, number};
@@ -179,7 +179,7 @@ pub(crate) fn compute(
 
 impl Spectrum {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
-        self.overwrite.check_given(self.output.as_deref())?;
+        self.overwrite.check_given(self.output.as_deref(), Content::Npz)?;
         let (surface, _) = self.reading.read(context, &self.input)?;
         let (kind, mesh) = (&self.kind, surface.mesh());
         let laplacian = operator::assemble(context, mesh, kind.operator, mass(kind.mass))?;

@@ -34,7 +34,7 @@ impl Reading {
         context: &Context,
         path: &Path,
     ) -> Result<(Surface, VertexFields), Failure> {
-        let file = files::read(path)?;
+        let file = files::read(context, path)?;
         files::say_report(context, path, &file.report);
         let seams = file.mesh.seam_vertices();
         let (name, vertices) = (path.display(), file.mesh.vertex_count());

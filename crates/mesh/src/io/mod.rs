@@ -12,6 +12,8 @@
 //!   their distinct corners; those with fewer than three have no area and are
 //!   left out. The report says which. [Strict](Strictness::Strict) reading
 //!   refuses both.
+//! - A position that is not finite, or an index of a vertex that is not there,
+//!   is an error; [`ReadOptions::dropping_broken`] leaves out such faces.
 //! - STL has no vertices of its own: corners at exactly equal positions
 //!   (−0 = 0) become one vertex, in the order of first appearance.
 //! - Per-vertex properties of PLY, vertex colours of OBJ and OFF and vertex
@@ -68,7 +70,7 @@ pub use options::{Encoding, FloatWidth, ReadOptions, Strictness, UnsupportedFiel
 pub use report::ReadReport;
 #[cfg(feature = "files")]
 #[doc(hidden)]
-pub use whole::write_whole;
+pub use whole::{check_writable, write_whole};
 pub use write::{WriteReport, polygons_to_bytes, to_bytes, write_polygons_to, write_to};
 #[cfg(feature = "files")]
 pub use write::{write, write_polygons, write_with_fields};
@@ -78,7 +80,7 @@ use std::io::Read;
 use std::path::Path;
 
 use crate::io::error::Fault;
-use crate::io::parsed::Finished;
+use crate::io::parsed::{Broken, Finished};
 use crate::polygon::Polygons;
 use crate::{PolygonMesh, TriMesh};
 
@@ -272,11 +274,15 @@ fn finished(named: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Resul
     }
     let body = after_mark(&bytes);
     let format = Format::decide(named, body)?;
+    let broken = match options.strictness {
+        Strictness::DropBroken => Broken::Kept,
+        Strictness::Lenient | Strictness::Strict => Broken::Refused,
+    };
     let parsed = match format {
-        Format::Obj => obj::parse(body),
-        Format::Ply => ply::parse(body),
-        Format::Off => off::parse(body),
-        Format::Stl => stl::parse(body),
+        Format::Obj => obj::parse(body, broken),
+        Format::Ply => ply::parse(body, broken),
+        Format::Off => off::parse(body, broken),
+        Format::Stl => stl::parse(body, broken),
     };
     let mark = bytes.len() - body.len();
     let mut parsed = parsed.map_err(|fault| fault.moved(mark))?;

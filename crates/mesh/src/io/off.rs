@@ -7,7 +7,7 @@
 
 use crate::io::VertexFields;
 use crate::io::error::{Fault, unexpected};
-use crate::io::parsed::{FaceList, Parsed, check_finite};
+use crate::io::parsed::{Broken, FaceList, Parsed, check_finite};
 use crate::io::text::{Cursor, normalized, shown};
 
 /// What the prefixes of the keyword announce.
@@ -40,7 +40,7 @@ pub(crate) fn looks_like(bytes: &[u8]) -> bool {
 }
 
 /// Parses a file; the keyword may be missing where the name said OFF.
-pub(crate) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {
+pub(crate) fn parse(bytes: &[u8], broken: Broken) -> Result<Parsed, Fault> {
     let text = normalized(bytes);
     let mut cursor = Cursor::new(&text, 0, Some(b'#'));
     cursor.more();
@@ -69,8 +69,8 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {
     }
 
     let mut parsed = Parsed::default();
-    parse_vertices(&mut cursor, vertex_count, prefixes, &mut parsed)?;
-    parse_faces(&mut cursor, face_count, &mut parsed)?;
+    parse_vertices(&mut cursor, vertex_count, prefixes, broken, &mut parsed)?;
+    parse_faces(&mut cursor, face_count, broken, &mut parsed)?;
     cursor.expect_end(&format!("{vertex_count} vertices and {face_count} faces"))?;
     Ok(parsed)
 }
@@ -78,6 +78,7 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {
 /// The contents of the lines of vertices.
 #[derive(Default)]
 struct VertexLines {
+    broken: Broken,
     positions: Vec<[f64; 3]>,
     normals: Vec<[f64; 3]>,
     colors: Vec<[f64; 3]>,
@@ -90,7 +91,8 @@ impl VertexLines {
     fn parse(&mut self, cursor: &mut Cursor<'_>, prefixes: Prefixes) -> Result<(), Fault> {
         let line = cursor.clone();
         let position = triple(cursor, "a coordinate")?;
-        check_finite(&position, self.positions.len()).map_err(|problem| line.fault(problem))?;
+        check_finite(&position, self.positions.len(), self.broken)
+            .map_err(|problem| line.fault(problem))?;
         self.positions.push(position);
         if prefixes.normal {
             self.normals.push(triple(cursor, "a component of the normal")?);
@@ -142,12 +144,14 @@ fn parse_vertices(
     cursor: &mut Cursor<'_>,
     count: u64,
     prefixes: Prefixes,
+    broken: Broken,
     parsed: &mut Parsed,
 ) -> Result<(), Fault> {
     // A vertex takes six bytes or more: a count that lies reserves no more
     // than the file could fill.
     let room = (cursor.remaining() / 6).min(usize::try_from(count).unwrap_or(usize::MAX));
-    let mut lines = VertexLines { positions: Vec::with_capacity(room), ..Default::default() };
+    let mut lines =
+        VertexLines { positions: Vec::with_capacity(room), broken, ..Default::default() };
     while (lines.positions.len() as u64) < count {
         if !cursor.more() {
             let found = format!("{} and then the end", lines.positions.len());
@@ -171,9 +175,14 @@ fn triple(cursor: &mut Cursor<'_>, what: &str) -> Result<[f64; 3], Fault> {
     Ok(triple)
 }
 
-fn parse_faces(cursor: &mut Cursor<'_>, count: u64, parsed: &mut Parsed) -> Result<(), Fault> {
+fn parse_faces(
+    cursor: &mut Cursor<'_>,
+    count: u64,
+    broken: Broken,
+    parsed: &mut Parsed,
+) -> Result<(), Fault> {
     let room = (cursor.remaining() / 8).min(usize::try_from(count).unwrap_or(usize::MAX));
-    let mut faces = FaceList::with_capacity(room, parsed.positions.len());
+    let mut faces = FaceList::with_capacity(room, parsed.positions.len(), broken);
     let mut colored = 0usize;
     for face in 0..usize::try_from(count).unwrap_or(usize::MAX) {
         if !cursor.more() {
@@ -229,11 +238,12 @@ mod tests {
     use crate::polygon::Polygons;
 
     fn parsed(text: &str) -> Parsed {
-        parse(text.as_bytes()).unwrap_or_else(|fault| panic!("{text:?}: {fault:?}"))
+        parse(text.as_bytes(), Broken::Refused)
+            .unwrap_or_else(|fault| panic!("{text:?}: {fault:?}"))
     }
 
     fn message(text: &str) -> String {
-        match parse(text.as_bytes()) {
+        match parse(text.as_bytes(), Broken::Refused) {
             Ok(_) => panic!("{text:?} was read"),
             Err(fault) => format!("{}{}", fault.at, fault.problem),
         }
@@ -261,7 +271,9 @@ mod tests {
         assert_eq!(parsed.fields.vector("normal"), Some(&[[0.0, 0.0, 1.0]][..]));
         assert_eq!(parsed.fields.colors, Some(vec![[51, 102, 255]]));
         assert_eq!(parsed.notes.len(), 1);
-        let colors = super::parse(b"COFF\n2 0 0\n0 0 0 1 2 255\n0 0 1 0 0 1 255\n").unwrap();
+        let colors =
+            super::parse(b"COFF\n2 0 0\n0 0 0 1 2 255\n0 0 1 0 0 1 255\n", Broken::Refused)
+                .unwrap();
         assert_eq!(colors.fields.colors, Some(vec![[1, 2, 255], [0, 0, 1]]));
     }
 

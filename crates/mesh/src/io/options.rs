@@ -11,6 +11,12 @@ pub enum Strictness {
     /// Refuse the file: faces that repeat a corner, weights of vertices that
     /// are not 1, fields with values that are not finite.
     Strict,
+    /// As [`Lenient`](Self::Lenient), and leave out what is broken, too, which
+    /// the others refuse: faces that name a vertex that is not there or whose
+    /// position is not finite. Such a vertex keeps its number, in no face and
+    /// at the place of the first sound vertex, so that the numbers of all
+    /// others, and the rows of fields, stay those of the file.
+    DropBroken,
 }
 
 /// How to read.
@@ -31,6 +37,11 @@ pub struct ReadOptions {
 impl ReadOptions {
     /// What any compressed file may unpack to, however small it is.
     pub const FREE_UNPACKED_BYTES: u64 = 16 << 20;
+
+    /// The default options, with broken vertices and faces left out.
+    pub fn dropping_broken() -> Self {
+        Self { strictness: Strictness::DropBroken, ..Self::default() }
+    }
 
     /// The default options with strict reading.
     pub fn strict() -> Self {

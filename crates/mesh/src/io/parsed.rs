@@ -4,8 +4,23 @@ use crate::io::error::{Fault, ReadProblem, unexpected};
 use crate::io::{Format, ReadOptions, ReadReport, Strictness, VertexFields};
 use crate::polygon::{Distinct, Polygons};
 
-/// What a parser found. It has checked that coordinates are finite, that
-/// indices are in range and that faces have three corners or more.
+/// What a parser does with coordinates that are not finite and indices of vertices that are not
+/// there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) enum Broken {
+    /// They are errors.
+    #[default]
+    Refused,
+    /// They stay for [`Parsed::finish`] to leave out, such an index as [`NO_VERTEX`].
+    Kept,
+}
+
+/// An index that is never that of a vertex, as there are fewer than that many.
+pub(crate) const NO_VERTEX: u32 = u32::MAX;
+
+/// What a parser found. It has checked that faces have three corners or more
+/// and, unless told to keep what is [`Broken`], that coordinates are finite and
+/// indices in range.
 #[derive(Default)]
 pub(crate) struct Parsed {
     pub(crate) positions: Vec<[f64; 3]>,
@@ -46,7 +61,14 @@ impl Parsed {
         check_size("corners", split * corners)?;
         self.leave_out_nonfinite_fields();
         let file_faces = self.polygons.len();
-        let Distinct { polygons, reduced, left_out } = self.polygons.without_repeating();
+        let dropped = match options.strictness {
+            Strictness::DropBroken => self.drop_broken()?,
+            Strictness::Lenient | Strictness::Strict => Dropped::default(),
+        };
+        let Distinct { polygons, mut reduced, mut left_out } = self.polygons.without_repeating();
+        if !dropped.faces.is_empty() {
+            reduced.iter_mut().chain(&mut left_out).for_each(|face| *face = dropped.kept[*face]);
+        }
         if options.strictness == Strictness::Strict {
             if let Some(face) = reduced.first().into_iter().chain(left_out.first()).min() {
                 let problem = ReadProblem::Strict(format!(
@@ -66,6 +88,7 @@ impl Parsed {
             }
         };
         self.notes.append(&mut self.doubts);
+        let first = |all: &[usize]| all.iter().copied().take(ReadReport::NAMED).collect();
         let report = ReadReport {
             format,
             compressed,
@@ -73,12 +96,42 @@ impl Parsed {
             file_faces,
             polygons: larger,
             reduced: reduced.len(),
-            first_reduced: reduced.iter().copied().take(ReadReport::NAMED).collect(),
+            first_reduced: first(&reduced),
             left_out: left_out.len(),
-            first_left_out: left_out.iter().copied().take(ReadReport::NAMED).collect(),
+            first_left_out: first(&left_out),
+            broken_vertices: dropped.vertices.len(),
+            first_broken_vertices: first(&dropped.vertices),
+            broken_faces: dropped.faces.len(),
+            first_broken_faces: first(&dropped.faces),
             notes: self.notes,
         };
         Ok(Finished { positions: self.positions, polygons, fields: self.fields, report })
+    }
+
+    /// Leaves out faces that name a vertex that is not finite or not there, and puts vertices that
+    /// are not finite where the first sound one is.
+    fn drop_broken(&mut self) -> Result<Dropped, Fault> {
+        let is_broken = |p: &[f64; 3]| p.iter().any(|x| !x.is_finite());
+        let count = self.positions.len();
+        let vertices: Vec<usize> = (0..count).filter(|&v| is_broken(&self.positions[v])).collect();
+        let Some(&sound) = self.positions.iter().find(|p| !is_broken(p)) else {
+            return Err(Fault::whole(ReadProblem::NoVertices));
+        };
+        let positions = &self.positions;
+        let is_sound = |v: u32| positions.get(v as usize).is_some_and(|p| !is_broken(p));
+        let sides: Vec<bool> = (0..self.polygons.len())
+            .map(|face| self.polygons.face(face).iter().all(|&v| is_sound(v)))
+            .collect();
+        let [kept, faces] = [true, false].map(|side| -> Vec<usize> {
+            (0..sides.len()).filter(|&face| sides[face] == side).collect()
+        });
+        if !faces.is_empty() {
+            let mut polygons = Polygons::with_capacity(kept.len());
+            kept.iter().for_each(|&face| polygons.push(self.polygons.face(face)));
+            self.polygons = polygons;
+        }
+        vertices.iter().for_each(|&v| self.positions[v] = sound);
+        Ok(Dropped { vertices, faces, kept })
     }
 
     fn leave_out_nonfinite_fields(&mut self) {
@@ -100,6 +153,14 @@ impl Parsed {
     }
 }
 
+/// The broken vertices and faces, and the faces that are not, all numbered as in the file.
+#[derive(Default)]
+struct Dropped {
+    vertices: Vec<usize>,
+    faces: Vec<usize>,
+    kept: Vec<usize>,
+}
+
 fn check_size(what: &'static str, count: usize) -> Result<(), Fault> {
     match u32::try_from(count) {
         Ok(_) => Ok(()),
@@ -113,9 +174,11 @@ pub(crate) fn vertex_index(
     index: i64,
     face: usize,
     vertex_count: usize,
+    broken: Broken,
 ) -> Result<u32, ReadProblem> {
     match u32::try_from(index) {
         Ok(v) if (v as usize) < vertex_count => Ok(v),
+        _ if broken == Broken::Kept => Ok(NO_VERTEX),
         _ => Err(ReadProblem::IndexOutOfRange {
             face: face as u64,
             index,
@@ -127,6 +190,7 @@ pub(crate) fn vertex_index(
 /// The faces of a file, one after another, each a corner after another.
 pub(crate) struct FaceList {
     vertex_count: usize,
+    broken: Broken,
     /// The faces that have ended.
     ended: usize,
     corners: Vec<u32>,
@@ -138,15 +202,15 @@ pub(crate) struct FaceList {
 
 impl FaceList {
     /// An empty list with room for that many faces.
-    pub(crate) fn with_capacity(faces: usize, vertex_count: usize) -> Self {
+    pub(crate) fn with_capacity(faces: usize, vertex_count: usize, broken: Broken) -> Self {
         let polygons = Polygons::with_capacity(faces);
-        Self { vertex_count, ended: 0, corners: Vec::new(), polygons, small: 0 }
+        Self { vertex_count, broken, ended: 0, corners: Vec::new(), polygons, small: 0 }
     }
 
     /// The next corner of the face.
     #[inline]
     pub(crate) fn corner(&mut self, index: i64) -> Result<(), ReadProblem> {
-        self.corners.push(vertex_index(index, self.ended, self.vertex_count)?);
+        self.corners.push(vertex_index(index, self.ended, self.vertex_count, self.broken)?);
         Ok(())
     }
 
@@ -169,9 +233,14 @@ impl FaceList {
 
 /// Checks that a position is finite.
 #[inline]
-pub(crate) fn check_finite(position: &[f64; 3], vertex: usize) -> Result<(), ReadProblem> {
+pub(crate) fn check_finite(
+    position: &[f64; 3],
+    vertex: usize,
+    broken: Broken,
+) -> Result<(), ReadProblem> {
     match position.iter().find(|x| !x.is_finite()) {
         None => Ok(()),
+        Some(_) if broken == Broken::Kept => Ok(()),
         Some(&value) => Err(ReadProblem::NonFinite { vertex: vertex as u64, value }),
     }
 }

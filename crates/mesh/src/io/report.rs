@@ -34,18 +34,29 @@ pub struct ReadReport {
     /// The first of them, at most [`Self::NAMED`], numbered from 0 as in the
     /// file.
     pub first_left_out: Vec<usize>,
+    /// How many vertices have positions that are not finite. They are in no
+    /// face, at the place of the first sound vertex.
+    pub broken_vertices: usize,
+    /// The first of them, at most [`Self::NAMED`].
+    pub first_broken_vertices: Vec<usize>,
+    /// How many faces name such a vertex, or one that is not there, and are
+    /// left out.
+    pub broken_faces: usize,
+    /// The first of them, at most [`Self::NAMED`], numbered from 0 as in the
+    /// file.
+    pub first_broken_faces: Vec<usize>,
     /// Anything else: what the file holds and the mesh does not, one sentence
     /// each.
     pub notes: Vec<String>,
 }
 
 impl ReadReport {
-    /// How many of the faces that are reduced or left out are named.
+    /// How many of the faces and vertices of each kind are named.
     pub const NAMED: usize = 8;
 
     /// How many faces are read: those of the file but the ones left out.
     pub fn faces(&self) -> usize {
-        self.file_faces - self.left_out
+        self.file_faces - self.left_out - self.broken_faces
     }
 }
 
@@ -56,16 +67,22 @@ impl fmt::Display for ReadReport {
         if self.polygons > 0 {
             write!(f, "\n{} faces have more than three corners", self.polygons)?;
         }
-        let mut faces = |count: usize, first: &[usize], what: &str| {
+        let mut some = |count: usize, first: &[usize], what: &str| {
             if count == 0 {
                 return Ok(());
             }
             let named: Vec<String> = first.iter().map(usize::to_string).collect();
             let more = if count > named.len() { ", …" } else { "" };
-            write!(f, "\n{count} faces repeat a corner and {what}: {}{more}", named.join(", "))
+            write!(f, "\n{count} {what}: {}{more}", named.join(", "))
         };
-        faces(self.reduced, &self.first_reduced, "are reduced to their distinct corners")?;
-        faces(self.left_out, &self.first_left_out, "are left out, having fewer than three")?;
+        let reduced = "faces repeat a corner and are reduced to their distinct corners";
+        some(self.reduced, &self.first_reduced, reduced)?;
+        let left_out = "faces repeat a corner and are left out, having fewer than three";
+        some(self.left_out, &self.first_left_out, left_out)?;
+        let vertices = "vertices are not finite and stand in no face, where the first sound one is";
+        some(self.broken_vertices, &self.first_broken_vertices, vertices)?;
+        let faces = "faces are left out, which name such vertices or some that are not there";
+        some(self.broken_faces, &self.first_broken_faces, faces)?;
         self.notes.iter().try_for_each(|note| write!(f, "\n{note}"))
     }
 }

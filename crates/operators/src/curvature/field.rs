@@ -106,6 +106,11 @@ impl CurvatureField {
         self.status[v as usize].is_defined() && !self.boundary[v as usize]
     }
 
+    /// Whether each vertex has no value, so that the zero there means nothing: the flags for colours.
+    pub fn undefined(&self) -> Vec<bool> {
+        self.status.iter().map(|status| !status.is_defined()).collect()
+    }
+
     /// The shape index `s = 2/π arctan((κ₁ + κ₂) / (κ₁ − κ₂))` of each vertex:
     /// 1 for a cap, ½ for a ridge, 0 for a saddle, −½ for a rut, −1 for a cup.
     /// `None` where undefined or flat (κ₁ = κ₂ = 0). Source: \[koenderink1992\].

@@ -87,6 +87,11 @@ impl ScalarCurvature {
         self.status[v].is_defined().then(|| self.values[v])
     }
 
+    /// Whether each vertex has no value, so that the zero there means nothing: the flags for colours.
+    pub fn undefined(&self) -> Vec<bool> {
+        self.status.iter().map(|status| !status.is_defined()).collect()
+    }
+
     /// The vertices whose value is defined and not one-sided: use these for
     /// colour ranges and statistics.
     pub fn interior(&self) -> impl Iterator<Item = (u32, f64)> + '_ {

@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::io::error::{ReadProblem, unexpected};
 use crate::io::number::{self, is_delimiter};
 use crate::io::obj::scan::{ends, is_keyword, next_line, next_statement, skip_blanks, word_end};
-use crate::io::parsed::check_finite;
+use crate::io::parsed::{Broken, NO_VERTEX, check_finite};
 use crate::io::text::shown;
 use crate::polygon::Polygons;
 
@@ -23,6 +23,7 @@ pub(super) struct Chunk {
     pub(super) largest: i64,
     pub(super) smallest: i64,
     pub(super) counts: Counts,
+    broken: Broken,
     /// The first problem, and its byte.
     pub(super) fault: Option<(usize, ReadProblem)>,
 }
@@ -80,7 +81,7 @@ impl Counts {
 type Stop = (usize, ReadProblem);
 
 impl Chunk {
-    pub(super) fn parse(text: &[u8], range: Range<usize>) -> Self {
+    pub(super) fn parse(text: &[u8], range: Range<usize>, broken: Broken) -> Self {
         // Usual lines take thirty to forty bytes (v) and twenty (f); what is
         // missing is added by growth.
         let guess = range.len() / 48;
@@ -89,6 +90,7 @@ impl Chunk {
             polygons: Polygons::with_capacity(guess),
             largest: -1,
             range,
+            broken,
             ..Self::default()
         };
         chunk.fault = chunk.statements(text).err();
@@ -148,7 +150,8 @@ impl Chunk {
             at = skip_blanks(text, at);
             (*x, at) = float(text, at, "a coordinate")?;
         }
-        check_finite(&position, self.positions.len()).map_err(|problem| (start, problem))?;
+        check_finite(&position, self.positions.len(), self.broken)
+            .map_err(|problem| (start, problem))?;
         self.positions.push(position);
         at = skip_blanks(text, at);
         if ends(text, at) { Ok(next_line(text, at)) } else { self.rest_of_vertex(text, at) }
@@ -206,6 +209,8 @@ impl Chunk {
             } else if let Some(corner) = u32::try_from(index).ok().and_then(|i| i.checked_sub(1)) {
                 self.largest = self.largest.max(i64::from(corner));
                 corners.push(corner);
+            } else if self.broken == Broken::Kept {
+                corners.push(NO_VERTEX);
             } else {
                 return Err((at, unexpected("an index from 1 to 2^32 - 1", index.to_string())));
             }
@@ -233,7 +238,7 @@ impl Chunk {
             *index += vertices_before as i64;
             self.largest = self.largest.max(*index);
             self.smallest = self.smallest.min(*index);
-            self.polygons.corners_mut()[*corner] = *index as u32;
+            self.polygons.corners_mut()[*corner] = u32::try_from(*index).unwrap_or(NO_VERTEX);
         }
     }
 

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use crate::io::error::{Fault, ReadProblem};
 use crate::io::off::bytes_of_colors;
-use crate::io::parsed::{Parsed, vertex_index};
+use crate::io::parsed::{Broken, Parsed, vertex_index};
 use crate::io::text::normalized;
 use crate::polygon::Polygons;
 use chunk::{Chunk, Counts};
@@ -26,18 +26,18 @@ pub(crate) fn looks_like(bytes: &[u8]) -> bool {
         .is_some_and(|keyword| scan::is_keyword(&keyword))
 }
 
-pub(crate) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {
-    parse_in_chunks(bytes, CHUNK)
+pub(crate) fn parse(bytes: &[u8], broken: Broken) -> Result<Parsed, Fault> {
+    parse_in_chunks(bytes, CHUNK, broken)
 }
 
-fn parse_in_chunks(bytes: &[u8], size: usize) -> Result<Parsed, Fault> {
+fn parse_in_chunks(bytes: &[u8], size: usize, broken: Broken) -> Result<Parsed, Fault> {
     let text = normalized(bytes);
     let ranges = scan::split(&text, size);
     let watch = fairing_watch::current();
     watch.stage("reading", ranges.len() as u64);
     let parse = |range| {
         watch.advance(1);
-        Chunk::parse(&text, range)
+        Chunk::parse(&text, range, broken)
     };
     let mut chunks: Vec<Chunk> = ranges.into_par_iter().map(parse).collect();
     if let Some(k) = chunks.iter().position(|chunk| chunk.fault.is_some())
@@ -59,7 +59,7 @@ fn parse_in_chunks(bytes: &[u8], size: usize) -> Result<Parsed, Fault> {
     }
     let largest = chunks.iter().map(|chunk| chunk.largest).max().unwrap_or(-1);
     let smallest = chunks.iter().map(|chunk| chunk.smallest).min().unwrap_or(0);
-    if largest >= vertices as i64 || smallest < 0 {
+    if broken == Broken::Refused && (largest >= vertices as i64 || smallest < 0) {
         return Err(out_of_range(&text, &chunks, vertices));
     }
 
@@ -115,7 +115,8 @@ fn out_of_range(text: &[u8], chunks: &[Chunk], vertices: usize) -> Fault {
         for face in 0..chunk.polygons.len() {
             for &v in chunk.polygons.face(face) {
                 let index = chunk.index(corner, v);
-                if let Err(problem) = vertex_index(index, before + face, vertices) {
+                if let Err(problem) = vertex_index(index, before + face, vertices, Broken::Refused)
+                {
                     let offset = scan::face_statement(text, chunk.range.clone(), face);
                     return Fault::on_line(text, offset, problem);
                 }

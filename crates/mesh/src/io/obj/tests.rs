@@ -2,11 +2,11 @@ use super::*;
 use crate::io::Place;
 
 fn parsed(text: &str) -> Parsed {
-    parse(text.as_bytes()).unwrap_or_else(|fault| panic!("{text:?}: {fault:?}"))
+    parse(text.as_bytes(), Broken::Refused).unwrap_or_else(|fault| panic!("{text:?}: {fault:?}"))
 }
 
 fn message(text: &str) -> String {
-    match parse(text.as_bytes()) {
+    match parse(text.as_bytes(), Broken::Refused) {
         Ok(_) => panic!("{text:?} was read"),
         Err(fault) => format!("{}{}", fault.at, fault.problem),
     }
@@ -51,7 +51,7 @@ fn relative_indices_count_from_the_statement() {
     assert_eq!(parsed(&text).polygons, expected);
     // Whatever the pieces are.
     for size in 1..text.len() {
-        let parsed = parse_in_chunks(text.as_bytes(), size).unwrap();
+        let parsed = parse_in_chunks(text.as_bytes(), size, Broken::Refused).unwrap();
         assert_eq!(parsed.polygons, expected, "{size}");
         assert_eq!(parsed.positions.len(), 5);
     }
@@ -169,7 +169,7 @@ fn lines_of_later_pieces_are_counted_from_the_start() {
     text.push_str("f 1 2 3\n".repeat(100).as_str());
     text.push_str("f 1 2 201\n");
     for size in [10, 100, 1000] {
-        let fault = parse_in_chunks(text.as_bytes(), size).err().unwrap();
+        let fault = parse_in_chunks(text.as_bytes(), size, Broken::Refused).err().unwrap();
         assert_eq!(fault.at, Place::Line(301), "{size}");
     }
 }

@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::io::error::{Fault, unexpected};
-use crate::io::parsed::{FaceList, Parsed, vertex_index};
+use crate::io::parsed::{Broken, FaceList, NO_VERTEX, Parsed, vertex_index};
 use crate::io::ply::header::{Element, Kind, Scalar};
 use crate::io::ply::source::{Source, decode_integer};
 use crate::io::ply::vertices::list_length;
@@ -12,12 +12,19 @@ use crate::polygon::Polygons;
 /// The names under which writers list the corners of a face.
 pub(super) const INDICES: [&str; 2] = ["vertex_indices", "vertex_index"];
 
+/// The vertices that faces can name, and what becomes of faces that name others.
+#[derive(Clone, Copy)]
+pub(super) struct Limits {
+    pub(super) vertex_count: usize,
+    pub(super) broken: Broken,
+}
+
 /// Reads the element `face`, whose property number `list` lists the corners.
 pub(super) fn read(
     source: &mut impl Source,
     element: &Element,
     list: usize,
-    vertex_count: usize,
+    limits: Limits,
     parsed: &mut Parsed,
 ) -> Result<(), Fault> {
     let others = element.properties.iter().enumerate().filter(|&(p, _)| p != list);
@@ -25,13 +32,13 @@ pub(super) fn read(
     if !others.is_empty() {
         parsed.notes.push(format!("face properties are ignored: {}", others.join(", ")));
     }
-    if let Some((faces, length)) = triangles_at_once(source, element, list, vertex_count) {
+    if let Some((faces, length)) = triangles_at_once(source, element, list, limits) {
         source.advance(length);
         keep(parsed, Polygons::Triangles(faces));
         return Ok(());
     }
     let room = element.rows().min(source.remaining() / 4);
-    let mut faces = FaceList::with_capacity(room, vertex_count);
+    let mut faces = FaceList::with_capacity(room, limits.vertex_count, limits.broken);
     for _ in 0..element.rows() {
         for (p, property) in element.properties.iter().enumerate() {
             match property.kind {
@@ -76,7 +83,7 @@ fn triangles_at_once(
     source: &impl Source,
     element: &Element,
     list: usize,
-    vertex_count: usize,
+    limits: Limits,
 ) -> Option<(Vec<[u32; 3]>, usize)> {
     let Kind::List { count, item } = element.properties[list].kind else { return None };
     let mut stride = count.size() + 3 * item.size();
@@ -88,9 +95,10 @@ fn triangles_at_once(
     }
     let rows = source.peek_rows(stride, element.rows())?;
     let sound = AtomicBool::new(true);
-    let limit = u32::try_from(vertex_count).unwrap_or(u32::MAX);
+    let limit = u32::try_from(limits.vertex_count).unwrap_or(NO_VERTEX);
+    let refused = limits.broken == Broken::Refused;
     let check = |is_triangle: bool, [a, b, c]: [u32; 3]| {
-        if !is_triangle || a.max(b).max(c) >= limit {
+        if !is_triangle || (refused && a.max(b).max(c) >= limit) {
             sound.store(false, Ordering::Relaxed);
         }
         [a, b, c]
@@ -109,7 +117,7 @@ fn triangles_at_once(
             let corners = [0, 1, 2].map(|k| {
                 let at = count.size() + k * item.size();
                 let index = decode_integer(item, rows.big_endian, &row[at..]);
-                u32::try_from(index).unwrap_or(u32::MAX)
+                u32::try_from(index).unwrap_or(NO_VERTEX)
             });
             check(length == 3, corners)
         })
@@ -126,7 +134,7 @@ pub(super) fn read_strips(
     source: &mut impl Source,
     element: &Element,
     list: usize,
-    vertex_count: usize,
+    limits: Limits,
     parsed: &mut Parsed,
 ) -> Result<(), Fault> {
     let mut faces = Vec::new();
@@ -153,7 +161,7 @@ pub(super) fn read_strips(
                     since = 0;
                     continue;
                 }
-                let c = vertex_index(index, faces.len(), vertex_count)
+                let c = vertex_index(index, faces.len(), limits.vertex_count, limits.broken)
                     .map_err(|problem| source.fault(problem))?;
                 strips += usize::from(since == 0);
                 if since >= 2 {

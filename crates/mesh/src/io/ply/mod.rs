@@ -12,24 +12,29 @@ mod source;
 mod vertices;
 
 use crate::io::error::{Fault, unexpected};
-use crate::io::parsed::Parsed;
+use crate::io::parsed::{Broken, Parsed};
 use crate::io::text::normalized;
+use faces::Limits;
 use header::{Body, Element, Header, Kind};
 use source::{AsciiSource, BinarySource, Source};
 
-pub(crate) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {
+pub(crate) fn parse(bytes: &[u8], broken: Broken) -> Result<Parsed, Fault> {
     let header = header::parse(bytes)?;
     match header.body {
         Body::Ascii => {
             let body = normalized(&bytes[header.length..]);
-            read_body(AsciiSource::new(&body, header.lines), &header)
+            read_body(AsciiSource::new(&body, header.lines), &header, broken)
         }
-        Body::LittleEndian => read_body(BinarySource::new(bytes, header.length, false), &header),
-        Body::BigEndian => read_body(BinarySource::new(bytes, header.length, true), &header),
+        Body::LittleEndian => {
+            read_body(BinarySource::new(bytes, header.length, false), &header, broken)
+        }
+        Body::BigEndian => {
+            read_body(BinarySource::new(bytes, header.length, true), &header, broken)
+        }
     }
 }
 
-fn read_body(mut source: impl Source, header: &Header) -> Result<Parsed, Fault> {
+fn read_body(mut source: impl Source, header: &Header, broken: Broken) -> Result<Parsed, Fault> {
     let elements = &header.elements;
     let Some(vertices) = elements.iter().find(|element| element.name == "vertex") else {
         let found = elements.iter().map(|element| &element.name[..]).collect::<Vec<_>>();
@@ -40,16 +45,17 @@ fn read_body(mut source: impl Source, header: &Header) -> Result<Parsed, Fault> 
     // and reading the vertices will prove it.
     let vertex_count = vertices.rows();
     let mut parsed = Parsed::default();
+    let limits = Limits { vertex_count, broken };
     for element in elements {
         match &element.name[..] {
-            "vertex" => vertices::read(&mut source, element, &mut parsed)?,
+            "vertex" => vertices::read(&mut source, element, broken, &mut parsed)?,
             "face" if element.count > 0 => {
                 let list = faces::index_list(element, &source)?;
-                faces::read(&mut source, element, list, vertex_count, &mut parsed)?;
+                faces::read(&mut source, element, list, limits, &mut parsed)?;
             }
             "tristrips" if element.count > 0 => {
                 let list = faces::index_list(element, &source)?;
-                faces::read_strips(&mut source, element, list, vertex_count, &mut parsed)?;
+                faces::read_strips(&mut source, element, list, limits, &mut parsed)?;
             }
             "face" | "tristrips" => {}
             _ => skip(&mut source, element, &mut parsed)?,

@@ -2,7 +2,7 @@ use super::*;
 use crate::polygon::Polygons;
 
 fn outcome(bytes: &[u8]) -> Result<Parsed, String> {
-    parse(bytes).map_err(|fault| format!("{}{}", fault.at, fault.problem))
+    parse(bytes, Broken::Refused).map_err(|fault| format!("{}{}", fault.at, fault.problem))
 }
 
 fn ascii(header: &str, body: &str) -> Vec<u8> {

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::io::VertexFields;
 use crate::io::error::{Fault, unexpected};
-use crate::io::parsed::{Parsed, check_finite};
+use crate::io::parsed::{Broken, Parsed, check_finite};
 use crate::io::ply::header::{Element, Kind, Scalar};
 use crate::io::ply::layout::{Column, Layout};
 use crate::io::ply::source::{Rows, Source, decode_float};
@@ -12,6 +12,7 @@ use crate::io::ply::source::{Rows, Source, decode_float};
 pub(super) fn read(
     source: &mut impl Source,
     element: &Element,
+    broken: Broken,
     parsed: &mut Parsed,
 ) -> Result<(), Fault> {
     let columns: Vec<usize> = (0..element.properties.len())
@@ -35,14 +36,16 @@ pub(super) fn read(
         }
     }
     let by_rows = match source.take_rows(element)? {
-        Some(rows) => Some(from_rows(&rows, element, position, &layout)?),
+        Some(rows) => Some(from_rows(&rows, element, position, &layout, broken)?),
         None => None,
     };
     (parsed.positions, parsed.fields) = match by_rows {
         Some(found) => found,
-        None => {
-            from_columns(value_by_value(source, element, position, &layout)?, position, &layout)
-        }
+        None => from_columns(
+            value_by_value(source, element, position, &layout, broken)?,
+            position,
+            &layout,
+        ),
     };
     Ok(())
 }
@@ -53,6 +56,7 @@ fn from_rows(
     element: &Element,
     position: [usize; 3],
     layout: &Layout,
+    broken: Broken,
 ) -> Result<(Vec<[f64; 3]>, VertexFields), Fault> {
     let mut offsets = Vec::with_capacity(element.properties.len());
     let mut offset = 0;
@@ -64,10 +68,11 @@ fn from_rows(
     }
     let triples = |columns: [usize; 3]| vectors(rows, columns.map(|k| offsets[k]));
     let positions = triples(position);
-    let bad = |p: &[f64; 3]| check_finite(p, 0).is_err();
+    let bad = |p: &[f64; 3]| check_finite(p, 0, broken).is_err();
     if let Some(vertex) = positions.par_iter().with_min_len(1 << 13).position_first(bad) {
         let at = rows.start + vertex * rows.stride;
-        check_finite(&positions[vertex], vertex).map_err(|problem| Fault::at_byte(at, problem))?;
+        check_finite(&positions[vertex], vertex, broken)
+            .map_err(|problem| Fault::at_byte(at, problem))?;
     }
     let scalar = |k: usize| -> Vec<f64> {
         let (offset, scalar) = offsets[k];
@@ -110,6 +115,7 @@ fn value_by_value(
     element: &Element,
     position: [usize; 3],
     layout: &Layout,
+    broken: Broken,
 ) -> Result<Vec<Vec<f64>>, Fault> {
     // Every value takes a byte or more.
     let room = element.rows().min(source.remaining() / element.properties.len().max(1));
@@ -127,9 +133,8 @@ fn value_by_value(
                     } else {
                         source.float(scalar, &property.name)?
                     };
-                    if position.contains(&column) && !value.is_finite() {
-                        let problem = check_finite(&[value; 3], vertex);
-                        return problem.map(|()| columns).map_err(|p| source.fault(p));
+                    if position.contains(&column) {
+                        check_finite(&[value; 3], vertex, broken).map_err(|p| source.fault(p))?;
                     }
                     columns[column].push(value);
                     column += 1;

@@ -1,7 +1,7 @@
 //! Text STL: `solid`, facets of one loop with three vertices, `endsolid`.
 
 use crate::io::error::{Fault, ReadProblem, unexpected};
-use crate::io::parsed::{Parsed, check_finite};
+use crate::io::parsed::{Broken, Parsed, check_finite};
 use crate::io::text::{Cursor, normalized};
 use crate::polygon::Polygons;
 use crate::weld::Welder;
@@ -22,7 +22,7 @@ pub(super) fn looks_like(bytes: &[u8]) -> bool {
     })
 }
 
-pub(super) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {
+pub(super) fn parse(bytes: &[u8], broken: Broken) -> Result<Parsed, Fault> {
     let text = normalized(bytes);
     let mut cursor = Cursor::new(&text, 0, None);
     // A facet takes some hundred bytes.
@@ -39,7 +39,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {
                 cursor.skip_line();
                 break;
             }
-            faces.push(facet(&mut cursor, &mut welder, faces.len())?);
+            faces.push(facet(&mut cursor, &mut welder, faces.len(), broken)?);
         }
     }
     let notes = if solids > 1 { vec![format!("{solids} solids are one mesh")] } else { vec![] };
@@ -47,7 +47,12 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {
     Ok(Parsed { positions, polygons: Polygons::Triangles(faces), notes, ..Parsed::default() })
 }
 
-fn facet(cursor: &mut Cursor<'_>, welder: &mut Welder, face: usize) -> Result<[u32; 3], Fault> {
+fn facet(
+    cursor: &mut Cursor<'_>,
+    welder: &mut Welder,
+    face: usize,
+    broken: Broken,
+) -> Result<[u32; 3], Fault> {
     if !cursor.peek().eq_ignore_ascii_case(b"facet") {
         return Err(cursor.fault(unexpected("facet or endsolid", cursor.found())));
     }
@@ -67,7 +72,7 @@ fn facet(cursor: &mut Cursor<'_>, welder: &mut Welder, face: usize) -> Result<[u
         for x in &mut position {
             *x = cursor.float("a coordinate")?;
         }
-        check_finite(&position, 3 * face + k).map_err(|problem| at.fault(problem))?;
+        check_finite(&position, 3 * face + k, broken).map_err(|problem| at.fault(problem))?;
         *corner = welder.vertex(position).ok_or_else(|| {
             let count = u64::from(u32::MAX) + 1;
             at.fault(ReadProblem::TooLarge { what: "vertices", count })
@@ -99,12 +104,13 @@ mod tests {
             format!("SOLID a facet of 3\r\n{FACET}endsolid a facet of 3"),
             format!("solid x\n{}endsolid\n", FACET.to_uppercase().replace('\n', "\r\n\t")),
         ] {
-            let parsed = parse(text.as_bytes()).unwrap_or_else(|f| panic!("{text}: {f:?}"));
+            let parsed =
+                parse(text.as_bytes(), Broken::Refused).unwrap_or_else(|f| panic!("{text}: {f:?}"));
             assert_eq!(parsed.positions, [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 0.1, 0.0]]);
             assert!(looks_like(text.as_bytes()));
         }
         let two = format!("solid a\n{FACET}endsolid a\nsolid b\n{FACET}endsolid b\n");
-        let parsed = parse(two.as_bytes()).unwrap();
+        let parsed = parse(two.as_bytes(), Broken::Refused).unwrap();
         assert_eq!(parsed.polygons, Polygons::Triangles(vec![[0, 1, 2], [0, 1, 2]]));
         assert_eq!(parsed.notes.len(), 1);
     }
@@ -127,7 +133,7 @@ mod tests {
             ),
             (format!("solid\n{FACET}endsolid\njunk"), "line 10: expected solid, found \"junk\""),
         ] {
-            let fault = parse(text.as_bytes()).err().unwrap();
+            let fault = parse(text.as_bytes(), Broken::Refused).err().unwrap();
             let message = format!("{}{}", fault.at, fault.problem);
             assert!(message.contains(expected), "{text}: {message}");
         }

@@ -1,7 +1,7 @@
 //! Binary STL: 80 bytes of header, a count, and 50 bytes per triangle.
 
 use crate::io::error::{Fault, ReadProblem, unexpected};
-use crate::io::parsed::{Parsed, check_finite};
+use crate::io::parsed::{Broken, Parsed, check_finite};
 use crate::polygon::Polygons;
 use crate::weld::Welder;
 
@@ -20,7 +20,7 @@ pub(super) fn has_its_size(bytes: &[u8]) -> bool {
         .is_some_and(|count| bytes.len() as u64 == HEADER as u64 + RECORD as u64 * u64::from(count))
 }
 
-pub(super) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {
+pub(super) fn parse(bytes: &[u8], broken: Broken) -> Result<Parsed, Fault> {
     let Some(count) = claimed(bytes) else {
         let found = format!("{} bytes", bytes.len());
         let problem = unexpected(
@@ -46,7 +46,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Parsed, Fault> {
         for (k, corner) in corners.iter_mut().enumerate() {
             let position = [0, 1, 2].map(|i| f64::from(f32::from_le_bytes(numbers[3 * k + i])));
             let at = HEADER + RECORD * face + 12 + 12 * k;
-            check_finite(&position, 3 * face + k).map_err(|p| Fault::at_byte(at, p))?;
+            check_finite(&position, 3 * face + k, broken).map_err(|p| Fault::at_byte(at, p))?;
             *corner = welder.vertex(position).ok_or_else(|| {
                 let count = u64::from(u32::MAX) + 1;
                 Fault::at_byte(at, ReadProblem::TooLarge { what: "vertices", count })
@@ -87,7 +87,7 @@ mod tests {
     #[test]
     fn a_header_that_begins_with_solid_is_still_binary() {
         let bytes = file(b"solid cube facet", 2, &TWO);
-        let parsed = crate::io::stl::parse(&bytes).unwrap();
+        let parsed = crate::io::stl::parse(&bytes, Broken::Refused).unwrap();
         assert_eq!(parsed.positions.len(), 4);
         assert_eq!(parsed.positions[3], [1.0, 1.0, f64::from(0.1f32)]);
         assert_eq!(parsed.polygons, Polygons::Triangles(vec![[0, 1, 2], [2, 1, 3]]));
@@ -96,14 +96,14 @@ mod tests {
     #[test]
     fn lying_counts_and_infinite_corners_are_errors() {
         for claimed in [0, 1, 3, u32::MAX] {
-            let fault = parse(&file(b"", claimed, &TWO)).err().unwrap();
+            let fault = parse(&file(b"", claimed, &TWO), Broken::Refused).err().unwrap();
             let text = format!("{}{}", fault.at, fault.problem);
             assert!(text.contains(&format!("byte 80: expected {claimed} triangles")), "{text}");
         }
         let mut bad = TWO;
         bad[1][0][1] = f32::NAN;
-        let fault = parse(&file(b"", 2, &bad)).err().unwrap();
+        let fault = parse(&file(b"", 2, &bad), Broken::Refused).err().unwrap();
         assert_eq!(fault.at, crate::io::Place::Byte(84 + 50 + 12));
-        assert!(parse(&[0; 83]).is_err());
+        assert!(parse(&[0; 83], Broken::Refused).is_err());
     }
 }

@@ -1,5 +1,6 @@
 //! Tests of reading and writing together.
 
+mod broken;
 mod kinds;
 mod losses;
 mod mutations;

@@ -69,7 +69,7 @@ fn mutate(bytes: &mut Vec<u8>, mutation: &Mutation) {
 }
 
 fn check(name: &str, bytes: &[u8]) {
-    for options in [ReadOptions::default(), ReadOptions::strict()] {
+    for options in [ReadOptions::default(), ReadOptions::strict(), ReadOptions::dropping_broken()] {
         if let Ok(file) = read_bytes(name, bytes, &options) {
             let (positions, faces) = (file.mesh.positions().to_vec(), file.mesh.faces().to_vec());
             TriMesh::new(positions, faces).unwrap();

@@ -18,7 +18,7 @@ use crate::{PolygonMesh, TriMesh};
 ///
 /// The file appears whole under its name or not at all: it is written under a
 /// temporary name in the same folder and renamed. A file of that name is
-/// replaced.
+/// replaced; through a symbolic link, the file that it names is.
 ///
 /// Coordinates are written as the shortest text that reads back as the same
 /// `f64`, in PLY as [`FloatWidth::Lossless`](crate::io::FloatWidth::Lossless)

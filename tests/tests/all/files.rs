@@ -1,0 +1,164 @@
+//! Files of the program: what is checked before the work, links, broken meshes, values that are not there.
+
+use std::path::Path;
+
+use fairing_mesh::io;
+use fairing_shapes as shapes;
+use serde_json::Value;
+
+use crate::command_line::{fairing, refuse, run};
+
+fn folder_with_torus() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    io::write(folder.path().join("torus.ply"), &shapes::torus(3.0, 1.0, 24, 12)).unwrap();
+    folder
+}
+
+/// The verbs that write, each with an output that its extension allows.
+const WRITERS: [(&str, &str); 8] = [
+    ("convert torus.ply", "a.obj"),
+    ("curvature torus.ply -o", "a.ply"),
+    ("spectrum torus.ply -k 3 -o", "a.npz"),
+    ("reconstruct torus.ply -k 3 -o", "a.obj"),
+    ("smooth torus.ply -o", "a.off"),
+    ("noise torus.ply --sigma 0.1 -o", "a.ply"),
+    ("denoise torus.ply -o", "a.stl"),
+    ("render torus.ply --size 40x30 -o", "a.png"),
+];
+
+/// The input is not there: whoever looks at the output first does not notice.
+#[test]
+fn outputs_are_checked_before_anything_is_read() {
+    let folder = folder_with_torus();
+    let place = folder.path();
+    std::fs::create_dir(place.join("folder")).unwrap();
+    for (verb, output) in WRITERS {
+        let verb = verb.replace("torus", "absent");
+        let extension = output.strip_prefix('a').unwrap();
+        std::fs::create_dir_all(place.join(format!("is-folder{extension}"))).unwrap();
+        for (wrong, said) in [
+            ("a.txt".to_owned(), "extension must be"),
+            ("a".to_owned(), "extension must be"),
+            (format!("nowhere/a{extension}"), "there is no folder nowhere"),
+            (format!("torus.ply/a{extension}"), "there is no folder torus.ply"),
+            (format!("is-folder{extension}"), "it is a folder"),
+        ] {
+            for force in ["", " --force"] {
+                let error = refuse(place, &format!("{verb} {wrong}{force}"), 4);
+                assert!(error.contains(said) && error.contains(&wrong), "{verb} {wrong}: {error}");
+            }
+        }
+        refuse(place, &format!("{verb} {output}"), 3);
+    }
+    let error = refuse(place, "render absent.ply -o s.jpg", 4);
+    assert!(error.contains(".png"), "{error}");
+    for format in ["stl", "obj", "off", "obj.gz"] {
+        let error = refuse(place, &format!("curvature absent.ply -o a.{format}"), 4);
+        assert!(error.contains("holds no fields; write PLY"), "{error}");
+    }
+    run(place, "--quiet curvature torus.ply -o curved.ply.gz");
+    assert!(io::read(place.join("curved.ply.gz")).unwrap().fields.scalar("mean").is_some());
+}
+
+/// A link is written through by every verb, and stays.
+#[cfg(unix)]
+#[test]
+fn links_are_written_through() {
+    let folder = folder_with_torus();
+    let place = folder.path();
+    std::fs::create_dir(place.join("deep")).unwrap();
+    for (verb, output) in WRITERS {
+        let (link, real) = (place.join(output), place.join("deep").join(output));
+        let _ = std::fs::remove_file(&link);
+        std::fs::write(&real, "old").unwrap();
+        std::os::unix::fs::symlink(Path::new("deep").join(output), &link).unwrap();
+        refuse(place, &format!("{verb} {output}"), 4);
+        run(place, &format!("--quiet {verb} {output} --force"));
+        assert!(link.is_symlink(), "{verb}");
+        assert!(std::fs::metadata(&real).unwrap().len() > 100, "{verb}");
+    }
+    let left = std::fs::read_dir(place.join("deep")).unwrap().count();
+    assert_eq!(left, 6, "one of each kind, and nothing else");
+}
+
+/// A torus with a vertex that is not finite and no face has, and one that a face has.
+#[test]
+fn broken_meshes_are_read_by_every_verb_on_request() {
+    let folder = folder_with_torus();
+    let place = folder.path();
+    run(place, "convert torus.ply torus.obj");
+    let text = std::fs::read_to_string(place.join("torus.obj")).unwrap();
+    let unused = text.replacen("\nf ", "\nv nan 0 0\nf ", 1);
+    std::fs::write(place.join("unused.obj"), &unused).unwrap();
+    std::fs::write(place.join("used.obj"), unused + "f 1 2 289\nf 1 2 999\n").unwrap();
+    for file in ["unused", "used"] {
+        for (verb, output) in WRITERS {
+            let line =
+                format!("{} {output} --force", verb.replace("torus.ply", &format!("{file}.obj")));
+            let error = refuse(place, &line, 3);
+            assert!(error.contains("NaN") && error.contains("--drop-broken"), "{error}");
+            let done = fairing(place, &format!("{line} --drop-broken"));
+            let said = String::from_utf8(done.stderr).unwrap();
+            assert!(done.status.success(), "{line}: {said}");
+            assert!(said.contains("1 vertices are not finite"), "{line}: {said}");
+            assert_eq!(said.contains("2 faces are left out"), file == "used", "{said}");
+        }
+        let line = format!("info {file}.obj --json");
+        refuse(place, &line, 3);
+        let info: Value =
+            serde_json::from_str(&run(place, &format!("{line} --drop-broken"))).unwrap();
+        assert_eq!((&info["vertices"], &info["faces"]), (&289.into(), &576.into()));
+        assert_eq!(info["file"]["broken_vertices"], 1);
+        assert_eq!(info["file"]["broken_faces"], if file == "used" { 2 } else { 0 });
+        let line = format!("compare {file}.obj {file}.obj --drop-broken --json");
+        run(place, &line);
+    }
+    // Numbers stay those of the file, and the box that of what is sound.
+    run(place, "--quiet convert used.obj sound.ply --drop-broken");
+    let [sound, torus] =
+        ["sound.ply", "torus.ply"].map(|name| io::read(place.join(name)).unwrap().mesh);
+    assert_eq!(sound.faces(), torus.faces());
+    assert_eq!(sound.positions()[..288], torus.positions()[..]);
+    assert_eq!(sound.positions()[288], torus.positions()[0]);
+    refuse(place, "convert used.obj b.ply --drop-broken --strict", 2);
+}
+
+/// Half of the vertices of an open strip have no curvature, and one of no face; they have no part in the colours.
+#[test]
+fn undefined_values_are_grey_and_said() {
+    let folder = folder_with_torus();
+    let place = folder.path();
+    run(place, "convert torus.ply torus.obj");
+    let text = std::fs::read_to_string(place.join("torus.obj")).unwrap();
+    let lone = "\nv 20 0 0\nv 21 0 0\nv 20 1 0\nv 30 0 0\nf 289 290 291\nf ";
+    std::fs::write(place.join("with.obj"), text.replacen("\nf ", lone, 1)).unwrap();
+    let summary = run(place, "--quiet curvature with.obj -o curved.ply --json");
+    let summary: Value = serde_json::from_str(&summary).unwrap();
+    assert_eq!(summary["undefined"], 4);
+    let reasons = summary["undefined_because"].as_object().unwrap();
+    assert_eq!(reasons.values().map(|n| n.as_u64().unwrap()).sum::<u64>(), 4);
+    run(place, "--quiet curvature torus.ply -o plain.ply");
+    let drawn = |file: &str, field: &str| {
+        fairing(place, &format!("render {file} -o a.png --force --size 40x30 --field {field}"))
+    };
+    for field in ["mean", "gaussian", "kappa2", "direction1"] {
+        let [all, plain] = ["curved.ply", "plain.ply"].map(|file| drawn(file, field));
+        assert!(all.status.success());
+        // A vector has the length 1 or none.
+        assert_eq!(all.stdout, plain.stdout, "{field}: the same range as without them");
+        let said = String::from_utf8(all.stderr).unwrap();
+        assert!(said.contains("undefined at 4 of 292 vertices"), "{said}");
+        assert!(plain.stderr.is_empty());
+    }
+    let flags = String::from_utf8(drawn("curved.ply", "defined").stdout).unwrap();
+    assert!(flags.contains("defined"), "{flags}");
+    // Nothing but triangles of their own: nothing is defined.
+    let soup = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 5 5\nv 6 5 5\nv 5 6 5\nf 1 2 3\nf 4 5 6\n";
+    std::fs::write(place.join("soup.obj"), soup).unwrap();
+    let said = fairing(place, "curvature soup.obj -o soup.ply --estimator jet3");
+    let said = String::from_utf8(said.stderr).unwrap();
+    assert!(said.contains("undefined at 6 of 6 vertices (too few neighbours: 6)"), "{said}");
+    let error = refuse(place, "render soup.ply -o b.png --field mean", 1);
+    assert!(error.contains("undefined everywhere"), "{error}");
+    assert!(!place.join("b.png").exists());
+}
