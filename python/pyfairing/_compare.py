@@ -30,7 +30,8 @@ def compare(
     mesh, reference : Mesh
         Scores that compare element by element need the same faces.
     hausdorff_tolerance : float
-        How far apart the two bounds of the Hausdorff distance may be, in diagonals.
+        How far apart the two bounds of the Hausdorff distance may be, in diagonals; not
+        below the rounding of the coordinates.
     feature_angle : float
         From which dihedral angle on an edge counts as sharp, in degrees.
     {run}

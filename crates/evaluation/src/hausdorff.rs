@@ -8,6 +8,18 @@ use crate::distance::{at_unit_scale, tree};
 use crate::triangle::squared_distance;
 use crate::{EvaluationError, SurfaceTree};
 
+/// The smallest tolerance, in largest coordinates: the midpoint of two points is
+/// off by half a rounding of each coordinate, and distances are by a few.
+const FINEST: f64 = 8.0 * f64::EPSILON;
+
+/// Parts that the faces of a surface are cut into before their tolerance grows:
+/// seconds of work.
+const MOST_PARTS: usize = 1 << 20;
+
+/// Parts of a face that are allowed in any case: of a million faces, a side is a
+/// few tolerances of 1e-4 diagonals.
+const LEAST_PARTS: usize = 256;
+
 /// An interval that holds a Hausdorff distance, in mesh units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -27,8 +39,11 @@ pub struct Hausdorff {
 /// max( max_{x ∈ A} d(x, B), max_{y ∈ B} d(y, A) )
 /// ```
 ///
-/// to within `tolerance` (mesh units): `upper − lower ≤ tolerance`, up to
-/// rounding.
+/// to within `tolerance` (mesh units): `upper − lower ≤ tolerance`. Tolerances
+/// below the rounding of the coordinates, 1.8e-15 times the largest of either
+/// mesh, are taken as that. Where surfaces run at a constant distance, the
+/// number of parts grows with the digits of the tolerance; beyond a million the
+/// interval is wider instead, and still holds the distance.
 ///
 /// Distance to one triangle is convex, so that over a face it is largest at a
 /// corner; the least of these maxima over the triangles closest to the corners
@@ -64,6 +79,9 @@ pub(crate) fn between(
     other: &SurfaceTree,
     tolerance: f64,
 ) -> Hausdorff {
+    let coordinates = a.positions().iter().chain(b.positions()).flatten();
+    let largest = coordinates.fold(0.0, |most: f64, x| most.max(x.abs()));
+    let tolerance = tolerance.max(FINEST * largest);
     let forward = one_sided(a, b, other, 0.0, tolerance);
     // The other side only matters where it goes beyond this one.
     let backward = one_sided(b, a, own, forward.lower, tolerance);
@@ -89,6 +107,7 @@ fn one_sided(
     let closest = surface.closest_to_all(mesh.positions());
     let reached =
         mesh.faces().iter().flatten().map(|&v| closest[v as usize].distance).fold(floor, f64::max);
+    let parts = MOST_PARTS / mesh.face_count() + LEAST_PARTS;
     let watch = fairing_watch::current();
     watch.stage("Hausdorff distance", mesh.face_count() as u64);
     let bounds: Vec<[f64; 2]> = (0..mesh.face_count())
@@ -102,48 +121,73 @@ fn one_sided(
                 distances: ids.map(|v| closest[v as usize].distance),
                 near: ids.map(|v| closest[v as usize].face),
             };
-            refine(part, other, surface, reached, tolerance)
+            refine(part, other, surface, reached, tolerance, parts)
         })
         .collect();
     let [lower, upper] = bounds.iter().fold([reached; 2], |[l, u], b| [l.max(b[0]), u.max(b[1])]);
     Hausdorff { lower, upper }
 }
 
-/// The distance found and the bound of a face, neither below `reached`.
+/// The distance found and the bound of a face, neither below `reached`, within
+/// the tolerance or as many times 64 of it as the number of parts demands.
 fn refine(
     part: Part,
     other: &TriMesh,
     surface: &SurfaceTree,
     reached: f64,
-    tolerance: f64,
+    mut tolerance: f64,
+    parts: usize,
 ) -> [f64; 2] {
-    let (mut lower, mut upper) = (reached, reached);
-    let mut parts = vec![part];
+    let mut lower = reached;
+    loop {
+        if let Some(upper) = cut(part, other, surface, &mut lower, tolerance, parts) {
+            return [lower, upper.max(lower)];
+        }
+        tolerance *= 64.0;
+    }
+}
+
+/// The bound of a face within the tolerance of the distance found, which is
+/// raised on the way; `None` if that takes more parts.
+///
+/// A part with sides up to √3 × the tolerance is never cut: its bound is at most
+/// the distance of a corner, which `lower` is not below, plus the tolerance.
+/// Halving leaves sides of two roundings of a coordinate, a fraction of the
+/// least tolerance.
+fn cut(
+    part: Part,
+    other: &TriMesh,
+    surface: &SurfaceTree,
+    lower: &mut f64,
+    tolerance: f64,
+    most: usize,
+) -> Option<f64> {
+    let mut upper = *lower;
+    let (mut parts, mut count) = (vec![part], 0);
     while let Some(part) = parts.pop() {
         let mut bound = bound(&part, other);
-        if bound > lower + tolerance {
+        if bound > *lower + tolerance {
             let [a, b, c] = part.corners;
             let centre = scale(add(a, add(b, c)), 1.0 / 3.0);
             let found = surface.closest(centre);
-            lower = lower.max(found.distance);
+            *lower = lower.max(found.distance);
             let reach = part.corners.map(|p| distance(p, centre)).into_iter().fold(0.0, f64::max);
             let over_face = farthest_corner(&part, other.triangle(found.face as usize));
             bound = bound.min(over_face).min(found.distance + reach);
         }
-        if bound <= lower + tolerance {
+        if bound <= *lower + tolerance {
             upper = upper.max(bound);
             continue;
+        }
+        count += 1;
+        if count > most {
+            return None;
         }
         let [a, b, c] = part.corners;
         let middles = [(b, c), (c, a), (a, b)].map(|(p, q)| scale(add(p, q), 0.5));
         let found = middles.map(|p| surface.closest(p));
         for f in found {
-            lower = lower.max(f.distance);
-        }
-        // Rounding leaves nothing to cut.
-        if longest_side(part.corners) <= 1e-3 * tolerance {
-            upper = upper.max(bound);
-            continue;
+            *lower = lower.max(f.distance);
         }
         let (d, n) = (found.map(|f| f.distance), found.map(|f| f.face));
         for k in 0..3 {
@@ -156,7 +200,7 @@ fn refine(
         }
         parts.push(Part { corners: middles, distances: d, near: n });
     }
-    [lower, upper.max(lower)]
+    Some(upper)
 }
 
 /// An upper bound of the distance of the part from the other surface.
@@ -179,4 +223,49 @@ fn farthest_corner(part: &Part, triangle: [[f64; 3]; 3]) -> f64 {
 
 fn longest_side([a, b, c]: [[f64; 3]; 3]) -> f64 {
     distance(a, b).max(distance(b, c)).max(distance(c, a))
+}
+
+#[cfg(test)]
+mod tests {
+    use fairing_shapes as shapes;
+
+    use super::*;
+
+    /// Triangles whose corners are a few roundings apart, and a tolerance far
+    /// below: the interval is as narrow as coordinates are exact.
+    #[test]
+    fn roundings_are_not_cut() {
+        let ulp = f64::EPSILON;
+        let positions: Vec<[f64; 3]> =
+            (0..30u32).map(|i| [7, 3, 5].map(|k| 1.0 + ulp * f64::from(i * k % 11))).collect();
+        let faces = (0..28).map(|i| [i, i + 1, i + 2]).collect();
+        let soup = TriMesh::new(positions, faces).unwrap();
+        let sphere = shapes::icosphere(2);
+        for (a, b) in [(&soup, &soup), (&sphere, &sphere)] {
+            for tolerance in [1e-17, f64::MIN_POSITIVE] {
+                let found = hausdorff(a, b, tolerance).unwrap();
+                assert!(found.lower <= found.upper, "{found:?}");
+                assert!(found.upper - found.lower <= 8.1 * ulp * (1.0 + 10.0 * ulp), "{found:?}");
+            }
+        }
+    }
+
+    /// The middle faces of the finer sphere are parallel to those of the coarser
+    /// one: around them the distance is constant along lines, on which only the
+    /// number of parts sets a limit.
+    #[test]
+    fn constant_distances_end() {
+        let (a, b) = (shapes::icosphere(1), shapes::icosphere(2));
+        let surface = SurfaceTree::new(&b).unwrap();
+        for f in 0..a.face_count() {
+            let corners = a.triangle(f);
+            let closest = corners.map(|p| surface.closest(p));
+            let distances = closest.map(|c| c.distance);
+            let part = Part { corners, distances, near: closest.map(|c| c.face) };
+            let rough = refine(part, &b, &surface, 0.0, 1e-3, usize::MAX);
+            let fine = refine(part, &b, &surface, 0.0, 1e-15, 3000);
+            assert!(fine[0] >= rough[0] - 1e-15 && fine[0] <= rough[1]);
+            assert!(fine[1] >= rough[0] && fine[1] - fine[0] < 1e-3, "{fine:?} {rough:?}");
+        }
+    }
 }

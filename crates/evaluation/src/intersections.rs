@@ -1,9 +1,17 @@
 //! Self-intersections.
 
 use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{add, dot, normalize, scale, sub};
 use robust::{Coord3D, orient3d};
 
-use crate::SurfaceTree;
+use crate::surface_tree::{Frame, SurfaceTree};
+
+/// Faces at a vertex from which on their pairs are found by direction. Below,
+/// half a million pairs are asked one by one, which takes hundredths of a second.
+const HUB: usize = 1000;
+
+/// A triangle whose box has all directions.
+const ALL_DIRECTIONS: [[f64; 3]; 3] = [[-1.0; 3], [1.0; 3], [1.0; 3]];
 
 /// The pairs of faces of a mesh that pass through each other.
 ///
@@ -14,16 +22,79 @@ use crate::SurfaceTree;
 /// whose planes meet in it. Decided exactly, by Shewchuk's adaptive
 /// predicates \[shewchuk1997\]. The number does not change when the mesh is
 /// scaled by a power of two, nor when its vertices are renumbered. F log F for
-/// F faces and few crossings.
+/// F faces and few crossings, whatever the number of faces at a vertex, unless
+/// the boxes of faces without a common vertex overlap in many pairs.
 pub fn self_intersections(mesh: &TriMesh) -> usize {
     let (mesh, _) = mesh.at_unit_scale();
     let mesh = &*mesh;
-    // Without faces there is no tree, and nothing to cross.
-    let Ok(tree) = SurfaceTree::new(mesh) else { return 0 };
-    tree.count_overlapping_pairs(|f, g| {
+    // Without faces there is nothing to cross.
+    let Some(frame) = Frame::new(mesh).filter(|_| mesh.face_count() > 0) else { return 0 };
+    let meets = |f: u32, g: u32| {
         let (f, g) = (mesh.faces()[f as usize], mesh.faces()[g as usize]);
         crosses(mesh, f, g) || crosses(mesh, g, f)
-    })
+    };
+    let groups = by_hub(mesh);
+    let tree =
+        |faces: &Vec<u32>| SurfaceTree::of(faces.clone(), |f| mesh.triangle(f as usize), frame);
+    let trees: Vec<SurfaceTree> = groups.iter().map(|(_, faces)| tree(faces)).collect();
+    let mut count = 0;
+    for (i, (hub, faces)) in groups.iter().enumerate() {
+        count += match hub {
+            None => trees[i].count_overlapping_pairs(&trees[i], meets),
+            Some(hub) => {
+                let arcs = SurfaceTree::of(faces.clone(), |f| arc(mesh, *hub, f), Frame::HALF);
+                arcs.count_overlapping_pairs(&arcs, meets)
+            }
+        };
+        for other in trees[..i].iter().filter(|other| other.may_meet(&trees[i])) {
+            let few_first = trees[i].len() < other.len();
+            let (a, b) = if few_first { (&trees[i], other) } else { (other, &trees[i]) };
+            count += a.count_overlapping_pairs(b, meets);
+        }
+    }
+    count
+}
+
+/// The faces without a hub, a vertex of more than [`HUB`] faces, and those of
+/// each hub, of which a face with several has the lowest.
+///
+/// The boxes of the faces of a hub overlap, as many pairs as there are, near the
+/// hub; only the directions in which it sees them are apart.
+fn by_hub(mesh: &TriMesh) -> Vec<(Option<u32>, Vec<u32>)> {
+    let offsets = mesh.incidence().offsets();
+    let is_hub = |v: u32| (offsets[v as usize + 1] - offsets[v as usize]) as usize > HUB;
+    let all = 0..mesh.face_count() as u32;
+    let mut of_hubs: Vec<(u32, u32)> = vec![];
+    let mut others = vec![];
+    for f in all {
+        match mesh.faces()[f as usize].into_iter().filter(|&v| is_hub(v)).min() {
+            Some(hub) => of_hubs.push((hub, f)),
+            None => others.push(f),
+        }
+    }
+    of_hubs.sort_unstable();
+    let groups = of_hubs.chunk_by(|a, b| a.0 == b.0);
+    let groups = groups.map(|group| (Some(group[0].0), group.iter().map(|x| x.1).collect()));
+    std::iter::once((None, others)).chain(groups).collect()
+}
+
+/// A triangle around the directions in which a corner sees the opposite side:
+/// an arc of the unit sphere, between its ends and where its tangents there
+/// meet. Two faces that cross, and have only that corner in common, do so in a
+/// direction of both.
+fn arc(mesh: &TriMesh, corner: u32, face: u32) -> [[f64; 3]; 3] {
+    let at = |v: u32| mesh.positions()[v as usize];
+    let [p, q] = match mesh.faces()[face as usize] {
+        [a, b, c] if a == corner => [b, c],
+        [a, b, c] if b == corner => [c, a],
+        [a, b, _] => [a, b],
+    };
+    let direction = |v: u32| normalize(sub(at(v), at(corner)));
+    match (direction(p), direction(q)) {
+        // Up to a right angle, which leaves the tangents' meeting within √2.
+        (Some(u), Some(v)) if dot(u, v) >= 0.0 => [u, v, scale(add(u, v), 1.0 / (1.0 + dot(u, v)))],
+        _ => ALL_DIRECTIONS,
+    }
 }
 
 /// Whether a side of `face` without corners of `other` crosses `other`.
@@ -121,6 +192,37 @@ mod tests {
         assert_eq!(with([[1.0, 1.0, 0.0], [2.0, 1.0, 0.0], [1.0, 2.0, 0.0]]), 0);
         assert_eq!(with([[5.0, 5.0, -1.0], [5.0, 5.0, 1.0], [6.0, 5.0, 1.0]]), 0);
         assert_eq!(with([[1.0, 1.0, -1.0], [1.0, 1.0, 2.0], [2.0, 1.0, 2.0]]), 1);
+    }
+
+    /// A star of faces around a vertex in all directions, some of them wide, and a
+    /// body in it: as many as when all pairs are asked.
+    #[test]
+    fn faces_of_a_hub() {
+        let at = |i: u32| {
+            let [x, y, z] = [1u32, 2, 3].map(|k| f64::from(i * (7919 + 104 * k) % 1009) / 504.5);
+            [x - 1.0, y - 1.0, z - 1.0]
+        };
+        let mut positions = vec![[0.01, 0.02, 0.03]];
+        positions.extend((1..1500).map(at));
+        let mut faces: Vec<[u32; 3]> = (1..1499)
+            .map(|i| match i % 3 {
+                0 => [0, i, i + 1],
+                1 => [i + 1, 0, i],
+                _ => [i, i + 1, 0],
+            })
+            .collect();
+        let body = shapes::icosphere(1);
+        faces.extend(body.faces().iter().map(|f| f.map(|v| v + 1500)));
+        positions.extend(body.positions().iter().map(|&p| scale(p, 0.5)));
+        let star = mesh(&positions, &faces);
+        let pairs = (0..faces.len()).flat_map(|f| (0..f).map(move |g| (f, g)));
+        let expected = pairs
+            .filter(|&(f, g)| {
+                crosses(&star, faces[f], faces[g]) || crosses(&star, faces[g], faces[f])
+            })
+            .count();
+        assert!(expected > 1000);
+        assert_eq!(self_intersections(&star), expected);
     }
 
     /// Two faces with a common corner may still cross.

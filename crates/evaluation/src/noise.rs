@@ -10,6 +10,10 @@ use rayon::prelude::*;
 use crate::EvaluationError;
 use crate::normal::standard_normal;
 
+/// Neighbours above which correlation does not pass through a vertex: each of n
+/// neighbours would be summed over all the others.
+const HUB: usize = 256;
+
 /// How large the noise is, in the unit of its name.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -70,6 +74,8 @@ pub enum NoiseKind {
     ///
     /// The displacement of vertex v is Σ k(d) g(w) / √Σ k(d)² over the vertices w
     /// within 3/2 r edges, with independent Gaussians g and k(d) = exp(−2 d²/r²).
+    /// Paths of edges do not pass through vertices of more than 256 neighbours,
+    /// which would make all around such a vertex alike.
     Correlated {
         /// The reach r, in edges, from 0.1 to 8.
         reach: f64,
@@ -226,28 +232,41 @@ fn correlated(mesh: &TriMesh, heights: &[f64], reach: f64) -> Vec<f64> {
     let rings = (1.5 * reach).floor() as u32;
     let weights: Vec<f64> =
         (0..=rings).map(|d| libm::exp(-2.0 * f64::from(d).powi(2) / (reach * reach))).collect();
+    // A thread's marks are as many as vertices: for few runs of vertices only.
+    let run = heights.len().div_ceil(64);
     (0..heights.len())
         .into_par_iter()
-        .map(|v| {
-            let mut found = vec![v as u32];
-            let (mut from, mut sum, mut square) = (0, 0.0, 0.0);
-            for weight in &weights {
-                let end = found.len();
-                for &w in &found[from..end] {
-                    sum += weight * heights[w as usize];
-                    square += weight * weight;
-                }
-                for k in from..end {
-                    for &w in topology.neighbors(found[k]) {
-                        if !found.contains(&w) {
-                            found.push(w);
+        .with_min_len(run)
+        .map_init(
+            || (vec![u32::MAX; heights.len()], vec![]),
+            |(found_for, found), v| {
+                let v = v as u32;
+                found.clear();
+                found.push(v);
+                found_for[v as usize] = v;
+                let (mut from, mut sum, mut square) = (0, 0.0, 0.0);
+                for weight in &weights {
+                    let end = found.len();
+                    for &w in &found[from..end] {
+                        sum += weight * heights[w as usize];
+                        square += weight * weight;
+                    }
+                    for k in from..end {
+                        let neighbors = topology.neighbors(found[k]);
+                        if neighbors.len() > HUB && found[k] != v {
+                            continue;
+                        }
+                        for &w in neighbors {
+                            if std::mem::replace(&mut found_for[w as usize], v) != v {
+                                found.push(w);
+                            }
                         }
                     }
+                    from = end;
                 }
-                from = end;
-            }
-            sum / square.sqrt()
-        })
+                sum / square.sqrt()
+            },
+        )
         .collect()
 }
 
@@ -340,6 +359,29 @@ mod tests {
             // About 600 independent patches.
             assert!((found - expected).abs() < 0.13, "{d} edges: {found}");
         }
+    }
+
+    /// A fan of 20000 faces: all pairs of rim vertices would be 200 million.
+    #[test]
+    fn correlation_does_not_pass_through_a_hub() {
+        let n = 20_000u32;
+        let rim = (0..n).map(|i| {
+            let (y, x) = libm::sincos(std::f64::consts::TAU * f64::from(i) / f64::from(n));
+            [x, y, 0.0]
+        });
+        let positions = std::iter::once([0.0; 3]).chain(rim).collect();
+        let faces = (0..n).map(|i| [0, i + 1, (i + 1) % n + 1]).collect();
+        let fan = TriMesh::new(positions, faces).unwrap();
+        let kind = NoiseKind::Correlated { reach: 2.0 };
+        let noisy = add_noise(&fan, kind, NoiseLevel::Model(1.0), 4).unwrap();
+        let height = |i: u32| noisy.positions()[(i % n) as usize + 1][2];
+        let mean = |f: &dyn Fn(u32) -> f64| (0..n).map(f).sum::<f64>() / f64::from(n);
+        // The hub's own part is in all of them; of the rest, there are about 5000
+        // independent stretches.
+        let common = mean(&height);
+        let product = |apart: u32| mean(&|i| (height(i) - common) * (height(i + apart) - common));
+        let (near, far) = (product(1) / product(0), product(9) / product(0));
+        assert!(near > 0.6 && far.abs() < 0.1, "{near} {far}");
     }
 
     #[test]

@@ -18,7 +18,8 @@ use crate::{
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct ScoreOptions {
     /// The width of the interval around the Hausdorff distance, as a share of
-    /// the reference's bounding-box diagonal.
+    /// the reference's bounding-box diagonal; at least the rounding of the
+    /// coordinates, as in [`hausdorff`](crate::hausdorff()).
     pub hausdorff_tolerance: f64,
     /// The dihedral angle from which on an edge is a feature, in degrees.
     pub feature_angle: f64,

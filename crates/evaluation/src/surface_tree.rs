@@ -95,13 +95,16 @@ struct Query {
 
 /// Mesh units to units of the tree, where the mesh fills [−1, 1].
 #[derive(Debug, Clone, Copy)]
-struct Frame {
+pub(crate) struct Frame {
     centre: [f64; 3],
     scale: f64,
 }
 
 impl Frame {
-    fn new(mesh: &TriMesh) -> Option<Self> {
+    /// Half of the coordinates themselves.
+    pub(crate) const HALF: Self = Self { centre: [0.0; 3], scale: 0.5 };
+
+    pub(crate) fn new(mesh: &TriMesh) -> Option<Self> {
         let [lo, hi] = mesh.bounding_box()?;
         let extent = (0..3).map(|k| 0.5 * hi[k] - 0.5 * lo[k]).fold(0.0, f64::max);
         let centre = add(scale(lo, 0.5), scale(hi, 0.5));
@@ -133,19 +136,29 @@ impl SurfaceTree {
             Some(frame) if mesh.face_count() > 0 => frame,
             _ => return Err(EvaluationError::NoFaces { which: "mesh" }),
         };
-        let mut order: Vec<(u64, u32)> = (0..mesh.face_count())
+        let faces = (0..mesh.face_count() as u32).collect();
+        Ok(Self { unit, ..Self::of(faces, |f| mesh.triangle(f as usize), frame) })
+    }
+
+    /// The tree of some faces; empty without any.
+    pub(crate) fn of(
+        faces: Vec<u32>,
+        triangle: impl Fn(u32) -> [[f64; 3]; 3] + Sync,
+        frame: Frame,
+    ) -> Self {
+        let mut order: Vec<(u64, u32)> = faces
             .into_par_iter()
             .with_min_len(4096)
             .map(|f| {
-                let [a, b, c] = mesh.triangle(f);
+                let [a, b, c] = triangle(f);
                 let middle = add(scale(a, 1.0 / 3.0), scale(add(b, c), 1.0 / 3.0));
-                (hilbert(frame.to_tree(middle)), f as u32)
+                (hilbert(frame.to_tree(middle)), f)
             })
             .collect();
         order.par_sort_unstable();
         let faces: Vec<u32> = order.par_iter().with_min_len(4096).map(|o| o.1).collect();
         let triangles: Vec<[[f64; 3]; 3]> =
-            faces.par_iter().with_min_len(4096).map(|&f| mesh.triangle(f as usize)).collect();
+            faces.par_iter().with_min_len(4096).map(|&f| triangle(f)).collect();
 
         let mut levels: Vec<Vec<Quad>> = vec![
             triangles
@@ -178,7 +191,7 @@ impl SurfaceTree {
                 .collect();
             levels.push(above);
         }
-        Ok(Self { levels, triangles, faces, frame, unit })
+        Self { levels, triangles, faces, frame, unit: 1.0 }
     }
 
     /// The closest point of the surface.
@@ -250,16 +263,38 @@ impl SurfaceTree {
             .collect()
     }
 
-    /// The number of pairs of faces for which `counts` holds, among those whose
-    /// boxes overlap; each pair is asked once.
+    /// The number of faces.
+    pub(crate) fn len(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// Whether the boxes of two trees of one frame overlap.
+    pub(crate) fn may_meet(&self, other: &Self) -> bool {
+        let bounds = |tree: &Self| {
+            let top = tree.levels.last().and_then(|level| level.first()).unwrap_or(&Quad::EMPTY);
+            (top.low.map(|v| v.min_element()), top.high.map(|v| v.max_element()))
+        };
+        let ((low, high), (from, to)) = (bounds(self), bounds(other));
+        // Twice the rounding of a coordinate of at most 1, on either side.
+        (0..3).all(|k| low[k] <= to[k] + 4.0 * ROUNDOFF && from[k] <= high[k] + 4.0 * ROUNDOFF)
+    }
+
+    /// The number of pairs of faces, one of either tree, for which `counts`
+    /// holds, among those whose boxes overlap; each pair is asked once. The trees
+    /// have the same frame, and may be the same.
     pub(crate) fn count_overlapping_pairs(
         &self,
+        other: &Self,
         counts: impl Fn(u32, u32) -> bool + Sync,
     ) -> usize {
         // Twice the rounding of a coordinate of at most 1.
         let margin = Vec4::splat(2.0 * ROUNDOFF);
         let watch = fairing_watch::current();
         watch.stage("intersections", 0);
+        if other.triangles.is_empty() {
+            return 0;
+        }
+        let same = std::ptr::eq(self, other);
         (0..self.triangles.len())
             .into_par_iter()
             .with_min_len(256)
@@ -270,19 +305,19 @@ impl SurfaceTree {
                 let high = quad.high.map(|v| Vec4::splat(v[slot % 4]) + margin);
                 let mut count = 0;
                 stack.clear();
-                stack.push((self.levels.len() as u32 - 1, 0));
+                stack.push((other.levels.len() as u32 - 1, 0));
                 while let Some((level, i)) = stack.pop() {
-                    let four = &self.levels[level as usize][i as usize];
+                    let four = &other.levels[level as usize][i as usize];
                     let apart = (0..3).fold(glam::BVec4A::FALSE, |apart, k| {
                         apart | four.low[k].cmpgt(high[k]) | four.high[k].cmplt(low[k])
                     });
                     for k in (0..4).filter(|&k| !apart.test(k as usize)) {
                         let child = 4 * i + k;
-                        // Later slots only: the pair is asked from its first.
+                        // Of one tree later slots only: the pair is asked from its first.
                         if level > 0 {
                             stack.push((level - 1, child));
-                        } else if child as usize > slot
-                            && counts(self.faces[slot], self.faces[child as usize])
+                        } else if (!same || child as usize > slot)
+                            && counts(self.faces[slot], other.faces[child as usize])
                         {
                             count += 1;
                         }

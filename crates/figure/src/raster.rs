@@ -161,11 +161,15 @@ impl Raster {
                 continue;
             }
             let scale = 1.0 / area;
-            let columns = span([p[0], q[0], r[0]], 0, self.width);
+            let all_columns = span([p[0], q[0], r[0]], 0, self.width);
             for y in span([p[1], q[1], r[1]], first_row, last_row) {
                 let py = y as f64 + 0.5;
                 let row = (y - first_row) * self.width;
-                for x in columns.clone() {
+                let columns = match all_columns.len() > WIDE {
+                    true => columns([p, q, r], py, self.width),
+                    false => all_columns.clone(),
+                };
+                for x in columns {
                     let px = x as f64 + 0.5;
                     // For the two faces of an edge, these differ exactly in
                     // sign, so that no sample falls between them.
@@ -232,6 +236,30 @@ impl Raster {
 #[inline]
 fn edge(a: [f64; 3], b: [f64; 3], x: f64, y: f64) -> f64 {
     (a[0] - x) * (b[1] - y) - (a[1] - y) * (b[0] - x)
+}
+
+/// Columns of a triangle above which those of each row are found: below, to test
+/// them all is faster.
+const WIDE: usize = 16;
+
+/// The columns of a row that a triangle may cover, one more on either side for
+/// rounding: of a sliver across the picture few, where its box has them all.
+fn columns(corners: [[f64; 3]; 3], y: f64, width: usize) -> std::ops::Range<usize> {
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for k in 0..3 {
+        let (p, q) = (corners[k], corners[(k + 1) % 3]);
+        let (below, above) = (p[1].min(q[1]), p[1].max(q[1]));
+        if below <= y && y <= above {
+            let t = if above > below { (y - p[1]) / (q[1] - p[1]) } else { 0.0 };
+            let x = p[0] + t * (q[0] - p[0]);
+            // A level side has both of its ends in the row.
+            let other = if above > below { x } else { q[0] };
+            (low, high) = (low.min(x).min(other), high.max(x).max(other));
+        }
+    }
+    let first = ((low - 1.5).ceil().max(0.0) as usize).min(width);
+    let last = ((high + 0.5).floor() + 1.0).max(0.0) as usize;
+    first..last.min(width).max(first)
 }
 
 /// The samples whose centres can lie between the extremes of three

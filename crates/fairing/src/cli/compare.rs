@@ -35,6 +35,9 @@ pub(crate) struct Compare {
     #[arg(long)]
     json: bool,
     /// How far apart the two bounds of the Hausdorff distance may be, in diagonals
+    ///
+    /// Values below the rounding of the coordinates are taken as that; where surfaces run
+    /// at a constant distance, very small ones are not reached, and the bounds say so.
     #[arg(long, value_name = "SHARE", default_value_t = ScoreOptions::default().hausdorff_tolerance)]
     hausdorff_tolerance: f64,
     /// The dihedral angle from which an edge counts as sharp, in degrees

@@ -59,19 +59,19 @@ impl Topology {
         }
         ends.sort_unstable();
         let mut nodes: Vec<Node> = vec![];
-        let mut labels = vec![];
+        let (mut labels, mut node_of) = (vec![], vec![]);
         for group in ends.chunk_by(|x, y| x.0 == y.0) {
             let vertex = group[0].0;
             self.label_sheets(vertex, &mut labels);
-            let mut here: Vec<(u32, u32)> = vec![];
+            // The node of each label, which is the place of a neighbour.
+            node_of.clear();
+            node_of.resize(labels.len(), None);
             for &(_, other, s, place) in group {
                 let label = labels[self.neighbors(vertex).partition_point(|&x| x < other)];
-                let known = here.iter().find(|n| n.0 == label).map(|n| n.1);
-                let node = known.unwrap_or(nodes.len() as u32);
-                if known.is_none() {
-                    here.push((label, node));
+                let node = *node_of[label as usize].get_or_insert_with(|| {
                     nodes.push(Node { vertex, sides: vec![] });
-                }
+                    nodes.len() as u32 - 1
+                });
                 nodes[node as usize].sides.push(s);
                 sides[s as usize][place] = node;
             }

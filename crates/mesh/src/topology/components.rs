@@ -58,7 +58,8 @@ impl Components {
     }
 }
 
-fn find(parent: &mut [u32], mut v: u32) -> u32 {
+/// The root of `v` in a forest, with paths halved on the way.
+pub(super) fn find(parent: &mut [u32], mut v: u32) -> u32 {
     while parent[v as usize] != v {
         let up = parent[parent[v as usize] as usize];
         parent[v as usize] = up;

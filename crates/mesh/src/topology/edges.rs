@@ -77,12 +77,21 @@ impl EdgeTables {
         self.edges[range].binary_search_by_key(&hi, |e| e[1]).ok().map(|i| first + i as u32)
     }
 
-    /// The edge between two vertices of one face, which always exists; a
-    /// linear search, since a vertex is the lower end of about three edges.
+    /// The edge between two vertices of one face, which always exists; halving
+    /// down to a linear search, since a vertex is mostly the lower end of about
+    /// three edges.
     #[inline]
     fn find(&self, a: u32, b: u32) -> u32 {
         let [lo, hi] = [a.min(b), a.max(b)];
         let mut e = self.lower_offsets[lo as usize];
+        let mut end = self.lower_offsets[lo as usize + 1];
+        while end - e > 16 {
+            let middle = e + (end - e) / 2;
+            match self.edges[middle as usize][1] <= hi {
+                true => e = middle,
+                false => end = middle,
+            }
+        }
         while self.edges[e as usize][1] != hi {
             e += 1;
         }

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::Topology;
+use super::components::find;
 
 impl Topology {
     /// Labels the neighbours of `v` by sheet: `labels[i]` belongs to
@@ -12,24 +13,22 @@ impl Topology {
         let neighbors = self.neighbors(v);
         labels.clear();
         labels.extend(0..neighbors.len() as u32);
-        // Joining relabels the larger label; valences are small.
         let mut sheets = neighbors.len() as u32;
         for &c in self.incidence.corners(v) {
             let face = self.faces[c as usize / 3];
             let k = c as usize % 3;
             // Both ends are neighbours, since they share the face with `v`.
-            let place = |w: u32| neighbors.partition_point(|&x| x < w);
-            let a = labels[place(face[(k + 1) % 3])];
-            let b = labels[place(face[(k + 2) % 3])];
+            let place = |w: u32| neighbors.partition_point(|&x| x < w) as u32;
+            let a = find(labels, place(face[(k + 1) % 3]));
+            let b = find(labels, place(face[(k + 2) % 3]));
             if a != b {
                 sheets -= 1;
-                let (keep, gone) = (a.min(b), a.max(b));
-                for label in labels.iter_mut() {
-                    if *label == gone {
-                        *label = keep;
-                    }
-                }
+                labels[a.max(b) as usize] = a.min(b);
             }
+        }
+        // Roots are lowest, so that the label of a root is final when reached.
+        for i in 0..labels.len() {
+            labels[i] = labels[labels[i] as usize];
         }
         sheets
     }

@@ -30,11 +30,11 @@ impl Topology {
     /// If there is no vertex `v`.
     pub fn ring(&self, v: u32) -> Vec<Fan> {
         let corners = self.incidence.corners(v);
-        let mut seen: Vec<u32> = Vec::with_capacity(corners.len());
+        let mut seen = vec![false; corners.len()];
         let mut fans = vec![];
-        for &c in corners {
+        for (i, &c) in corners.iter().enumerate() {
             let start = c / 3;
-            if seen.contains(&start) {
+            if seen[i] {
                 continue;
             }
             let face = self.faces[start as usize];
@@ -52,7 +52,10 @@ impl Topology {
                 faces.splice(0..1, back.into_iter().rev());
                 vertices.splice(0..1, ends.into_iter().rev());
             }
-            seen.extend(&faces);
+            for &f in &faces {
+                // Corners are ascending, and a face has one at the vertex.
+                seen[corners.partition_point(|&c| c / 3 < f)] = true;
+            }
             fans.push(Fan { vertices, faces, closed });
         }
         fans

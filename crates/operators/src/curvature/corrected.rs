@@ -145,9 +145,9 @@ pub fn corrected_curvature(
 }
 
 fn estimate(mesh: &TriMesh, options: CorrectedOptions) -> Result<CurvatureField, OperatorError> {
-    let radius = options.radius.map(|r| r.on(mesh)).transpose()?;
+    let radii = options.radius.map(|r| r.at_vertices(mesh)).transpose()?;
     let (mesh, unit) = mesh.at_unit_scale();
-    let (mesh, radius) = (&*mesh, radius.map(|r| r / unit));
+    let mesh = &*mesh;
     let normals = weighted_vertex_normals(mesh, options.normals);
     let topology = mesh.topology();
     let of_face = |f: usize| {
@@ -166,13 +166,13 @@ fn estimate(mesh: &TriMesh, options: CorrectedOptions) -> Result<CurvatureField,
         }
         let normal = normalize(normals[v as usize]).ok_or(Undefined::NoArea)?;
         let mut sum = CorrectedMeasures::default();
-        match radius {
+        match &radii {
             None => {
                 for &c in corners {
                     sum = sum.plus(&measures[c as usize / 3], 1.0);
                 }
             }
-            Some(radius) => explorer.visit(mesh, topology, v, radius, |part| {
+            Some(radii) => explorer.visit(mesh, topology, v, radii[v as usize] / unit, |part| {
                 if part.share > 0.0 {
                     sum = sum.plus(&measures[part.face as usize], part.share);
                 }

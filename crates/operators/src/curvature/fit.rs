@@ -189,7 +189,7 @@ where
         if normal == [0.0; 3] {
             return Err(Undefined::NoArea);
         }
-        explorer.explore(mesh, topology, v, reach, at_least);
+        explorer.explore(mesh, topology, v, &reach, at_least);
         if explorer.found.len() <= at_least {
             return Err(Undefined::TooFewNeighbors);
         }

@@ -5,6 +5,10 @@ use fairing_mesh::{OptionError, Topology, TriMesh};
 
 use crate::error::OperatorError;
 
+/// Neighbours above which a neighbourhood does not reach through a vertex: each
+/// of n neighbours would have all the others.
+const HUB: usize = 256;
+
 /// A length, in the unit that suits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -12,27 +16,39 @@ use crate::error::OperatorError;
 pub enum Length {
     /// In mesh units.
     MeshUnits(f64),
-    /// In mean edge lengths of the mesh.
+    /// In mean edge lengths of the component, an edge counted once for each of its faces.
     MeanEdges(f64),
 }
 
 impl Length {
-    /// In mesh units.
+    /// In mesh units, at each vertex; 0 at isolated ones if in mean edges.
     ///
     /// # Errors
     ///
     /// [`OperatorError::Option`] if it is negative or not finite.
-    pub fn on(self, mesh: &TriMesh) -> Result<f64, OperatorError> {
-        let (value, unit) = match self {
-            Self::MeshUnits(value) => (value, 1.0),
-            Self::MeanEdges(value) => (value, mesh.mean_edge_length()),
-        };
+    pub fn at_vertices(self, mesh: &TriMesh) -> Result<Vec<f64>, OperatorError> {
+        let (Self::MeshUnits(value) | Self::MeanEdges(value)) = self;
         OptionError::require_not_negative("radius", value)?;
-        Ok(value * unit)
+        if matches!(self, Self::MeshUnits(_)) {
+            return Ok(vec![value; mesh.vertex_count()]);
+        }
+        let components = mesh.topology().components();
+        let component = |v: u32| components.label(v).map(|c| c as usize);
+        let mut sums = vec![(0.0, 0usize); components.count()];
+        for (f, face) in mesh.faces().iter().enumerate() {
+            if let Some(c) = component(face[0]) {
+                let [a, b, third] = mesh.triangle(f);
+                sums[c].0 += distance(a, b) + distance(b, third) + distance(third, a);
+                sums[c].1 += 3;
+            }
+        }
+        let mean = |v: u32| component(v).map_or(0.0, |c| sums[c].0 / sums[c].1 as f64);
+        Ok((0..mesh.vertex_count() as u32).map(|v| value * mean(v)).collect())
     }
 }
 
-/// The vertices around a vertex that a fit takes.
+/// The vertices around a vertex that a fit takes. Those with more than 256
+/// neighbours are taken, but nothing beyond them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
@@ -62,7 +78,7 @@ impl Explorer {
         mesh: &TriMesh,
         topology: &Topology,
         v: u32,
-        reach: Reach,
+        reach: &Reach,
         at_least: usize,
     ) {
         self.reached_for.resize(mesh.vertex_count(), 0);
@@ -72,11 +88,12 @@ impl Explorer {
         let mut start = 0;
         match reach {
             Reach::Rings(count) => {
-                for _ in 0..count {
+                for _ in 0..*count {
                     start = self.grow(topology, start, |_| true);
                 }
             }
-            Reach::Radius(radius) => {
+            Reach::Radii(radii) => {
+                let radius = radii[v as usize];
                 let (positions, centre) = (mesh.positions(), mesh.positions()[v as usize]);
                 while start < self.found.len() {
                     start = self.grow(topology, start, |w| {
@@ -98,7 +115,11 @@ impl Explorer {
     fn grow(&mut self, topology: &Topology, start: usize, take: impl Fn(u32) -> bool) -> usize {
         let (end, mark) = (self.found.len(), self.found[0] + 1);
         for i in start..end {
-            for &w in topology.neighbors(self.found[i]) {
+            let neighbors = topology.neighbors(self.found[i]);
+            if neighbors.len() > HUB && i > 0 {
+                continue;
+            }
+            for &w in neighbors {
                 if self.reached_for[w as usize] != mark && take(w) {
                     self.reached_for[w as usize] = mark;
                     self.found.push(w);
@@ -109,18 +130,18 @@ impl Explorer {
     }
 }
 
-/// A neighbourhood in mesh units.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A neighbourhood in mesh units, with a radius at each vertex.
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Reach {
     Rings(u32),
-    Radius(f64),
+    Radii(Vec<f64>),
 }
 
 impl Reach {
     /// That in a mesh divided by `unit`.
     pub(crate) fn divided_by(self, unit: f64) -> Self {
         match self {
-            Self::Radius(radius) => Self::Radius(radius / unit),
+            Self::Radii(radii) => Self::Radii(radii.iter().map(|r| r / unit).collect()),
             rings => rings,
         }
     }
@@ -130,7 +151,7 @@ impl Neighborhood {
     pub(crate) fn reach(self, mesh: &TriMesh) -> Result<Reach, OperatorError> {
         Ok(match self {
             Self::Rings(count) => Reach::Rings(count),
-            Self::Ball(radius) => Reach::Radius(radius.on(mesh)?),
+            Self::Ball(radius) => Reach::Radii(radius.at_vertices(mesh)?),
         })
     }
 }
@@ -155,8 +176,8 @@ mod tests {
         let mesh = strip();
         let mut explorer = Explorer::default();
         // Marks of another vertex must not matter.
-        explorer.explore(&mesh, mesh.topology(), 7, reach, 0);
-        explorer.explore(&mesh, mesh.topology(), 0, reach, at_least);
+        explorer.explore(&mesh, mesh.topology(), 7, &reach, 0);
+        explorer.explore(&mesh, mesh.topology(), 0, &reach, at_least);
         explorer.found.sort_unstable();
         explorer.found
     }
@@ -166,25 +187,55 @@ mod tests {
         assert_eq!(found(Reach::Rings(0), 0), [0]);
         assert_eq!(found(Reach::Rings(1), 0), [0, 1, 2]);
         assert_eq!(found(Reach::Rings(2), 0), [0, 1, 2, 3, 4]);
-        assert_eq!(found(Reach::Radius(1.0), 0), [0, 1, 2]);
-        assert_eq!(found(Reach::Radius(1.5), 0), [0, 1, 2, 3]);
+        assert_eq!(found(Reach::Radii(vec![1.0; 12]), 0), [0, 1, 2]);
+        assert_eq!(found(Reach::Radii(vec![1.5; 12]), 0), [0, 1, 2, 3]);
     }
 
     #[test]
     fn too_few_widen_until_there_are_enough_or_no_more() {
         assert_eq!(found(Reach::Rings(1), 3), [0, 1, 2, 3, 4]);
-        assert_eq!(found(Reach::Radius(0.1), 2), [0, 1, 2]);
-        assert_eq!(found(Reach::Radius(1.5), 4), [0, 1, 2, 3, 4, 5]);
+        assert_eq!(found(Reach::Radii(vec![0.1; 12]), 2), [0, 1, 2]);
+        assert_eq!(found(Reach::Radii(vec![1.5; 12]), 4), [0, 1, 2, 3, 4, 5]);
         assert_eq!(found(Reach::Rings(1), 99).len(), 12);
+    }
+
+    /// Around the rim, and to the hub, but not to the other side.
+    #[test]
+    fn hubs_are_not_passed() {
+        let n = 300u32;
+        let positions = vec![[0.0; 3]; n as usize + 1];
+        let faces = (0..n).map(|i| [0, i + 1, (i + 1) % n + 1]).collect();
+        let fan = TriMesh::new(positions, faces).unwrap();
+        let mut explorer = Explorer::default();
+        explorer.explore(&fan, fan.topology(), 10, &Reach::Rings(2), 0);
+        explorer.found.sort_unstable();
+        assert_eq!(explorer.found, [0, 8, 9, 10, 11, 12]);
+        explorer.explore(&fan, fan.topology(), 0, &Reach::Rings(2), 0);
+        assert_eq!(explorer.found.len(), 301);
+    }
+
+    /// A second component a thousand times larger leaves the lengths of the first.
+    #[test]
+    fn mean_edges_are_those_of_a_component() {
+        let mesh = strip();
+        let large = mesh.positions().iter().map(|p| p.map(|x| 1000.0 * x + 50.0));
+        let positions = mesh.positions().iter().copied().chain(large).collect();
+        let second = mesh.faces().iter().map(|f| f.map(|v| v + 12));
+        let faces = mesh.faces().iter().copied().chain(second).collect();
+        let both = TriMesh::new(positions, faces).unwrap();
+        let alone = Length::MeanEdges(2.0).at_vertices(&mesh).unwrap();
+        let beside = Length::MeanEdges(2.0).at_vertices(&both).unwrap();
+        assert_eq!(beside[..12], alone);
+        assert!((beside[20] / alone[0] - 1000.0).abs() < 1e-9);
     }
 
     #[test]
     fn lengths_have_units_and_limits() {
         let mesh = strip();
         let h = mesh.mean_edge_length();
-        assert_eq!(Length::MeanEdges(2.0).on(&mesh), Ok(2.0 * h));
-        assert_eq!(Length::MeshUnits(2.0).on(&mesh), Ok(2.0));
-        assert!(Length::MeshUnits(-1.0).on(&mesh).is_err());
-        assert!(Length::MeanEdges(f64::NAN).on(&mesh).is_err());
+        assert_eq!(Length::MeanEdges(2.0).at_vertices(&mesh), Ok(vec![2.0 * h; 12]));
+        assert_eq!(Length::MeshUnits(2.0).at_vertices(&mesh), Ok(vec![2.0; 12]));
+        assert!(Length::MeshUnits(-1.0).at_vertices(&mesh).is_err());
+        assert!(Length::MeanEdges(f64::NAN).at_vertices(&mesh).is_err());
     }
 }

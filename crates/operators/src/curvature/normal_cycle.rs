@@ -33,7 +33,7 @@ pub struct NormalCycleOptions {
     pub radius: Length,
 }
 
-/// Two mean edge lengths.
+/// Two mean edge lengths of the component.
 impl Default for NormalCycleOptions {
     fn default() -> Self {
         Self { radius: Length::MeanEdges(2.0) }
@@ -56,9 +56,9 @@ pub fn normal_cycle_curvature(
 }
 
 fn estimate(mesh: &TriMesh, options: NormalCycleOptions) -> Result<CurvatureField, OperatorError> {
-    let radius = options.radius.on(mesh)?;
+    let radii = options.radius.at_vertices(mesh)?;
     let (mesh, unit) = mesh.at_unit_scale();
-    let (mesh, radius) = (&*mesh, radius / unit);
+    let mesh = &*mesh;
     let topology = mesh.topology();
     let bending = edge_bending(mesh, topology);
     let areas: Vec<f64> = (0..mesh.face_count())
@@ -73,7 +73,7 @@ fn estimate(mesh: &TriMesh, options: NormalCycleOptions) -> Result<CurvatureFiel
         let normal = normalize(normal_sum(mesh, v)).ok_or(Undefined::NoArea)?;
         let mut sum = BendSum::new(normal);
         let mut area = 0.0;
-        explorer.visit(mesh, topology, v, radius, |part| {
+        explorer.visit(mesh, topology, v, radii[v as usize] / unit, |part| {
             let f = part.face as usize;
             area += part.share * areas[f];
             for (k, &e) in topology.face_edges()[f].iter().enumerate() {

@@ -8,6 +8,7 @@ use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::Smoothed;
 use crate::engine::run::{Frame, Run, StepNote};
+use crate::engine::stability::{Stability, UNSTABLE, uniform_limit};
 use crate::engine::step::{ITERATIONS, Observer};
 use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
 
@@ -19,10 +20,12 @@ pub struct Hc {
     /// The weight of the input against the step before in the differences, in [0, 1]; 0 unless set.
     pub alpha: f64,
     /// How much of its own difference a vertex is given back, the rest being the mean of its neighbours', in
-    /// [0, 1]; ½ unless set. Above ½ it converges.
+    /// [0, 1]; ½ unless set. From ½ on no mode grows, below ½ only where [`hc`] says so.
     pub beta: f64,
     /// The number of steps; 10 unless set.
     pub iterations: usize,
+    /// What happens where modes would grow; refused unless set.
+    pub stability: Stability,
     /// Vertices that may not move freely.
     pub constraints: Constraints,
 }
@@ -30,9 +33,19 @@ pub struct Hc {
 /// The values of the paper.
 impl Default for Hc {
     fn default() -> Self {
-        Self { alpha: 0.0, beta: 0.5, iterations: 10, constraints: Constraints::default() }
+        Self {
+            alpha: 0.0,
+            beta: 0.5,
+            iterations: 10,
+            stability: Stability::default(),
+            constraints: Constraints::default(),
+        }
     }
 }
+
+const LARGE_ENOUGH: &str = "so large that no mode grows, as every beta from 0.5 is: \
+    at least 1 − (2 − alpha) / (K (K − alpha)) with K = 1.5 on closed meshes, 1.75 on open ones, \
+    2 where an edge has three faces; or unstable steps allowed";
 
 /// Smooths by Humphrey's Classes steps with uniform weights: a full Laplacian step, then back by a smoothed
 /// difference.
@@ -44,9 +57,19 @@ impl Default for Hc {
 /// with the input o, the positions before q, and the mean over neighbours A. Fine detail goes, volume and size
 /// change far less than under the Laplacian alone.
 ///
+/// In a step the mode of eigenvalue −k of `L` is multiplied by `1 − α + (1 − β) k (α − k)`, and α times a part of the
+/// input added. The factor is never above 1, and not below −1 as long as
+///
+/// ```text
+/// 1 − β ≤ (2 − α) / (K (K − α))
+/// ```
+///
+/// for the bound K of the spectrum: 3/2 on closed meshes, 7/4 on open ones, 2 where an edge has three faces or more.
+/// Each β from ½ on is stable on every mesh; with α = 0, 1/9 on closed ones and 0.347 on open ones.
+///
 /// # Errors
 ///
-/// [`FlowError`] for options out of range.
+/// [`FlowError`] for options out of range, and for a β below that, unless [`Hc::stability`] allows it.
 ///
 /// # Examples
 ///
@@ -85,6 +108,7 @@ impl Flow for Hc {
             BOUNDARY,
             PIN,
             SOFT,
+            UNSTABLE.about("What happens where beta is so small that modes grow"),
         ],
     )];
 
@@ -96,6 +120,7 @@ impl Flow for Hc {
         values.read("alpha", &mut options.alpha)?;
         values.read("beta", &mut options.beta)?;
         values.read(ITERATIONS.name, &mut options.iterations)?;
+        values.read(UNSTABLE.name, &mut options.stability)?;
         Ok(options)
     }
 }
@@ -117,7 +142,17 @@ fn flow(
             .map_err(|error| FlowFailure::from(error).before(mesh))?;
     }
     let frame = Frame::new(&options.constraints, options.iterations);
-    let run = Run::new(mesh, &frame, observer)?;
+    let mut run = Run::new(mesh, &frame, observer)?;
+    // From ½ on every mesh is stable: no need for its topology.
+    if beta < 0.5 {
+        let limit = returned_limit(alpha, 2.0 / uniform_limit(mesh));
+        run.report.stable_limit = Some(limit);
+        run.report.unstable = 1.0 - beta > limit;
+        if run.report.unstable && options.stability == Stability::Refuse {
+            let error = OptionError::new("beta", beta, LARGE_ENOUGH);
+            return Err(run.refuse(error.into()));
+        }
+    }
     let laplacian = uniform(run.arrangement.mesh(), &run.freedom.fixed);
     let input = run.arrangement.mesh().positions().to_vec();
     let mut difference = vec![[0.0; 3]; input.len()];
@@ -141,4 +176,51 @@ fn flow(
         });
         Ok(StepNote { step_size: 1.0, residual: None })
     })
+}
+
+/// The largest `1 − β` for which no mode of eigenvalues down to `−bound` grows.
+fn returned_limit(alpha: f64, bound: f64) -> f64 {
+    (2.0 - alpha) / (bound * (bound - alpha))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Factors of modes at the limit and beyond: within ±1, and at −1 for the roughest.
+    #[test]
+    fn the_limit_is_that_of_the_roughest_mode() {
+        for alpha in [0.0, 0.1, 0.5, 1.0] {
+            for bound in [1.5, 1.75, 2.0] {
+                let limit = returned_limit(alpha, bound);
+                let factor = |k: f64| 1.0 - alpha + limit * k * (alpha - k);
+                for i in 0..=100 {
+                    let k = bound * f64::from(i) / 100.0;
+                    assert!(factor(k).abs() <= 1.0 + 1e-14, "{alpha} {bound}: {}", factor(k));
+                }
+                assert!((factor(bound) + 1.0).abs() < 1e-14);
+                assert!(limit >= 0.5);
+            }
+        }
+    }
+
+    /// Without the limit, positions of an ellipsoid ended at millions.
+    #[test]
+    fn growing_modes_are_refused() {
+        let ball = fairing_shapes::bumpy_sphere(3, 0.2, 5.0);
+        let options = Hc { beta: 0.0, iterations: 100, ..Hc::default() };
+        let error = hc(&ball, &options, None).unwrap_err();
+        assert!(matches!(error.failure, FlowFailure::Option(_)), "{error:?}");
+        let few = Hc { iterations: 3, stability: Stability::Allow, ..options.clone() };
+        assert!(hc(&ball, &few, None).unwrap().report.unstable);
+        let size = |beta: f64| {
+            let smoothed = hc(&ball, &Hc { beta, ..options.clone() }, None).unwrap();
+            assert!(!smoothed.report.unstable);
+            smoothed.mesh.diagonal() / ball.diagonal()
+        };
+        // 1/9 is the limit of closed meshes.
+        for beta in [0.112, 0.3, 0.5, 1.0] {
+            assert!((0.5..1.1).contains(&size(beta)), "{beta}: {}", size(beta));
+        }
+    }
 }

@@ -124,10 +124,15 @@ impl Flow for LowPass {
         }
         let transfer = match (values.get("modes")?, values.get::<f64>("cutoff")?) {
             (Some(modes), _) => Transfer::Modes(modes),
-            (None, Some(wavelength)) => Transfer::Butterworth {
-                cutoff: (2.0 * std::f64::consts::PI / wavelength).powi(2),
-                order: steepness,
-            },
+            (None, Some(wavelength)) => {
+                if !(wavelength > 0.0 && wavelength.is_finite()) {
+                    return Err(values.refuse("cutoff", "positive and finite"));
+                }
+                let cutoff = (2.0 * std::f64::consts::PI / wavelength).powi(2);
+                // Beyond every mesh, with room for the powers of a filter.
+                let cutoff = cutoff.clamp(1e-150, 1e150);
+                Transfer::Butterworth { cutoff, order: steepness }
+            }
             (None, None) => Transfer::Heat(match values.get(TIME.name)? {
                 Some(time) => Time::SquaredUnits(time),
                 None => Time::SquaredEdges(5.0),

@@ -1,7 +1,9 @@
 //! The scale-dependent umbrella.
 
 use fairing_mesh::vec3::distance;
-use fairing_mesh::{Algorithm, OptionError, Parameter, ParameterError, TriMesh, Values};
+use fairing_mesh::{
+    Algorithm, Components, OptionError, Parameter, ParameterError, TriMesh, Values,
+};
 use fairing_sparse::GraphLaplacian;
 
 use crate::engine::assemble::uniform;
@@ -41,8 +43,8 @@ impl Default for ScaleDependent {
 ///
 /// Unlike the umbrella with uniform weights it hardly moves vertices within the surface where edges have different
 /// lengths, and unlike cotangents it cannot have negative weights. It scales as 1/length², so a step is a time;
-/// the largest stable one is the reciprocal of the largest `(2/Eᵢ) Σ 1/|eᵢⱼ|`, computed again in each step, so that no
-/// step can be unstable.
+/// the largest stable one is the reciprocal of the largest `(2/Eᵢ) Σ 1/|eᵢⱼ|` of a component, computed again in each
+/// step, so that no step can be unstable. Components thus flow as each would alone; the report has the smallest step.
 ///
 /// # Errors
 ///
@@ -120,10 +122,13 @@ fn flow(
     let frame = Frame::new(&options.constraints, options.iterations);
     let run = Run::new(mesh, &frame, observer)?;
     let laplacian = uniform(run.arrangement.mesh(), &run.freedom.fixed);
+    let connectivity = run.arrangement.mesh().connectivity().clone();
+    let components = connectivity.topology().components();
     run.iterate(|_, mesh, freedom, next| {
         let x = mesh.positions();
-        let rate = largest_rate(&laplacian, x)?;
-        let step = if rate > 0.0 { fraction / rate } else { 0.0 };
+        let rates = largest_rates(&laplacian, components, x)?;
+        let step_at = |rate: f64| if rate > 0.0 { fraction / rate } else { 0.0 };
+        let largest = rates.iter().copied().fold(0.0, f64::max);
         laplacian.visit(next, |i, neighbors, next| {
             let mut sum = [0.0; 3];
             let mut around = 0.0;
@@ -136,6 +141,7 @@ fn flow(
                     }
                 }
             }
+            let step = components.label(i as u32).map_or(0.0, |c| step_at(rates[c as usize]));
             let (w, target) = freedom.pull(i);
             let d = [0, 1, 2].map(|k| {
                 let flow = if around > 0.0 { step * 2.0 / around * sum[k] } else { 0.0 };
@@ -144,13 +150,18 @@ fn flow(
             let d = freedom.project(i, d);
             *next = [x[i][0] + d[0], x[i][1] + d[1], x[i][2] + d[2]];
         });
-        Ok(StepNote { step_size: step, residual: None })
+        Ok(StepNote { step_size: step_at(largest), residual: None })
     })
 }
 
-/// The largest `(2/Eᵢ) Σ 1/|eᵢⱼ|`: eigenvalues of `−L` are at most twice that, by Gershgorin's circles.
-fn largest_rate(laplacian: &GraphLaplacian, x: &[[f64; 3]]) -> Result<f64, FlowFailure> {
-    let mut largest = 0.0f64;
+/// The largest `(2/Eᵢ) Σ 1/|eᵢⱼ|` of each component: eigenvalues of `−L` are at most twice that, by Gershgorin's
+/// circles.
+fn largest_rates(
+    laplacian: &GraphLaplacian,
+    components: &Components,
+    x: &[[f64; 3]],
+) -> Result<Vec<f64>, FlowFailure> {
+    let mut largest = vec![0.0f64; components.count()];
     for i in 0..laplacian.len() {
         let (mut around, mut inverse) = (0.0, 0.0);
         for &j in laplacian.neighbors(i) {
@@ -165,9 +176,36 @@ fn largest_rate(laplacian: &GraphLaplacian, x: &[[f64; 3]]) -> Result<f64, FlowF
             around += length;
             inverse += 1.0 / length;
         }
-        if around > 0.0 {
-            largest = largest.max(2.0 / around * inverse);
+        if let Some(component) = components.label(i as u32).filter(|_| around > 0.0) {
+            let largest = &mut largest[component as usize];
+            *largest = largest.max(2.0 / around * inverse);
         }
     }
     Ok(largest)
+}
+
+#[cfg(test)]
+mod tests {
+    use fairing_shapes as shapes;
+
+    use super::*;
+
+    /// A second component a thousand times smaller or larger leaves the first as it would be alone.
+    #[test]
+    fn components_flow_apart() {
+        let ball = shapes::bumpy_sphere(2, 0.2, 5.0);
+        let n = ball.vertex_count();
+        let alone = scale_dependent(&ball, &ScaleDependent::default(), None).unwrap().mesh;
+        for size in [1e-3, 1e3] {
+            let other = ball.positions().iter().map(|p| p.map(|x| size * x + 3.0));
+            let positions = ball.positions().iter().copied().chain(other).collect();
+            let second = ball.faces().iter().map(|f| f.map(|v| v + n as u32));
+            let faces = ball.faces().iter().copied().chain(second).collect();
+            let both = TriMesh::new(positions, faces).unwrap();
+            let both = scale_dependent(&both, &ScaleDependent::default(), None).unwrap().mesh;
+            for (&p, &q) in alone.positions().iter().zip(both.positions()) {
+                assert!(distance(p, q) < 1e-12, "{p:?} {q:?}");
+            }
+        }
+    }
 }

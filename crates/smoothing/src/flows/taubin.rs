@@ -75,6 +75,11 @@ impl Default for Taubin {
 /// amplified. The largest factor, half-way to the pass band, is `1 + (λk)²/(4 (1 − λk))`: 1.0007 for the default, which
 /// shows after hundreds of pairs, but 5.5 for λ = ½ and a pass band of 1.9.
 ///
+/// The size is kept of shapes that are modes of the pass band: those many edges across, as scans are. A panel, a corner
+/// or a tube a few edges across is made of the rougher modes and shrinks like noise, and so do free boundaries: a model
+/// of 50 open parts in large triangles, half of its vertices on their boundaries, lost a third of its area, and an
+/// eighth with its boundaries pinned. Such models are subdivided first, or left as they are.
+///
 /// # Errors
 ///
 /// [`FlowError`] for options out of range: stable is what keeps `|(1 − λk)(1 − μk)| ≤ 1` at k = 2; and
@@ -106,7 +111,7 @@ pub fn taubin(
 impl Flow for Taubin {
     const ALGORITHMS: &'static [Algorithm] = &[Algorithm::new(
         "taubin",
-        "a shrinking and a growing step in turn: removes noise, keeps the size",
+        "a shrinking and a growing step in turn: removes noise, keeps the size of finely meshed shapes",
         &["taubin1995"],
         &[
             LAMBDA.about("The shrinking step").excludes(&[]).default("0.5"),

@@ -1,6 +1,6 @@
 //! Windowed sinc smoothing.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use fairing_mesh::{Algorithm, OptionError, Parameter, ParameterError, TriMesh, Values};
 use fairing_sparse::ChebyshevSeries;
@@ -108,7 +108,7 @@ pub fn windowed_sinc(mesh: &TriMesh, options: &WindowedSinc) -> Result<Smoothed,
 impl Flow for WindowedSinc {
     const ALGORITHMS: &'static [Algorithm] = &[Algorithm::new(
         "windowed-sinc",
-        "a sharper low-pass filter than taubin; keeps the size best",
+        "a sharper low-pass filter than taubin; keeps the size of finely meshed shapes best",
         &["taubin1996"],
         &[
             PASS_BAND,
@@ -158,7 +158,8 @@ fn filter(mesh: &TriMesh, options: &WindowedSinc) -> Result<Smoothed, FlowError>
 
 /// The windowed coefficients in `Tⱼ(1 + μ)`, which sum to one: the value at μ = 0.
 fn coefficients(pass_band: f64, degree: usize, window: Window) -> Vec<f64> {
-    let edge = libm::acos(1.0 - pass_band);
+    // arccos(1 − pass band) of bands whose difference from 1 rounds to 1, too.
+    let edge = 2.0 * libm::asin(FRAC_1_SQRT_2 * pass_band.sqrt());
     let mut c: Vec<f64> = (0..=degree)
         .map(|j| {
             let ideal = match j {
@@ -182,6 +183,19 @@ mod tests {
     fn response(c: &[f64], k: f64) -> f64 {
         let angle = (1.0 - k).acos();
         c.iter().enumerate().map(|(j, c)| c * (j as f64 * angle).cos()).sum()
+    }
+
+    /// As narrow as numbers allow, the filter is that of the window alone.
+    #[test]
+    fn narrow_bands_have_a_limit() {
+        let limit = coefficients(1e-12, 20, Window::Hamming);
+        for pass_band in [1e-17, 1e-300, f64::from_bits(1)] {
+            let c = coefficients(pass_band, 20, Window::Hamming);
+            for (c, limit) in c.iter().zip(&limit) {
+                // The band of 1e-12 differs by its twentieth of a degree, squared.
+                assert!((c - limit).abs() < 1e-9, "{pass_band:e}: {c} {limit}");
+            }
+        }
     }
 
     #[test]
