@@ -318,14 +318,15 @@ impl Part {
         let problem = Problem::new(&self.stiffness, self.mass.view())?;
         let from = last / problem.unit;
         let mut wanted = known + 1;
-        if let Ok(counted) = count_in_gap(&problem, from, from * (1.0 + MARGIN)) {
-            if counted.is_sure(problem.largest_strain(), counted.shift - from) {
-                if counted.count == known {
-                    self.pairs.beyond.clear_below = counted.shift * problem.unit;
-                    return Ok(());
-                }
-                wanted = wanted.max(counted.count);
+        let sure = count_in_gap(&problem, from, from * (1.0 + MARGIN))
+            .ok()
+            .filter(|c| c.is_sure(problem.largest_strain(), c.shift - from));
+        if let Some(counted) = sure {
+            if counted.count == known {
+                self.pairs.beyond.clear_below = counted.shift * problem.unit;
+                return Ok(());
             }
+            wanted = wanted.max(counted.count);
         }
         self.solve(wanted, of_all, options, watch)
     }

