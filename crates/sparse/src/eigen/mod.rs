@@ -6,6 +6,7 @@
 
 mod basis;
 mod certificate;
+mod components;
 mod dense;
 mod lanczos;
 mod nullspace;
@@ -130,10 +131,12 @@ impl Beyond {
 pub struct EigenPairs {
     /// Eigenvalues, ascending. Those of the constants of each component that S maps to zero are exactly 0.
     pub values: Vec<f64>,
-    /// `n × k`, one eigenvector in a column, φᵢᵀ M φⱼ = δᵢⱼ. Signs and bases of multiple eigenvalues are
+    /// `n × k`, one eigenvector in a column, φᵢᵀ M φⱼ = δᵢⱼ, zero outside its component of S and M. Signs and bases of multiple eigenvalues are
     /// arbitrary but reproducible.
     pub vectors: Array2<f64>,
-    /// ‖S φ − λ M φ‖ in the M⁻¹ norm of each pair, in units of λ, measured on the vectors returned.
+    /// ‖S φ − λ M φ‖ in the M⁻¹ norm of each pair, in units of λ, measured on the vectors returned, with S as the
+    /// Laplacian of its entries off the diagonal. Where rounding of the entries counts, with weights far apart, some
+    /// ε φᵀ diag(S) φ is added: λ is within this of an eigenvalue of the exact matrix.
     pub residuals: Vec<f64>,
     /// Whether inertia (or a dense decomposition) proves that no smaller eigenvalue was missed. Not so where the
     /// pivots of the count grew so much that it could be wrong. It says nothing about how exact the pairs are:
@@ -141,6 +144,19 @@ pub struct EigenPairs {
     pub certified: bool,
     /// The eigenvalues after the last.
     pub beyond: Beyond,
+}
+
+impl EigenPairs {
+    /// No pairs of a problem with this number of rows.
+    fn none(rows: usize) -> Self {
+        Self {
+            values: vec![],
+            vectors: Array2::zeros((rows, 0)),
+            residuals: vec![],
+            certified: true,
+            beyond: Beyond { values: vec![], clear_below: 0.0 },
+        }
+    }
 }
 
 /// How far a computation has come.

@@ -24,9 +24,7 @@ pub(crate) fn constant_components(rows: Rows<'_>) -> (usize, Vec<Option<u32>>) {
         stack.push(seed);
         while let Some(i) = stack.pop() {
             let (columns, values) = rows.row(i);
-            let size: f64 = values.iter().map(|v| v.abs()).sum();
-            let rounding = ROUNDINGS * values.len() as f64 * f64::EPSILON * size;
-            balanced &= values.iter().sum::<f64>().abs() <= rounding;
+            balanced &= row_sum(values) == 0.0;
             for (&j, &v) in columns.iter().zip(values) {
                 if v != 0.0 && component[j as usize] == u32::MAX {
                     component[j as usize] = number;
@@ -47,6 +45,18 @@ pub(crate) fn constant_components(rows: Rows<'_>) -> (usize, Vec<Option<u32>>) {
         })
         .collect();
     (count as usize, component.iter().map(|&c| names[c as usize]).collect())
+}
+
+/// The sum of every row, exactly zero where it is zero up to rounding.
+pub(crate) fn row_sums(rows: Rows<'_>) -> Vec<f64> {
+    (0..rows.count()).map(|i| row_sum(rows.row(i).1)).collect()
+}
+
+fn row_sum(values: &[f64]) -> f64 {
+    let size: f64 = values.iter().map(|v| v.abs()).sum();
+    let rounding = ROUNDINGS * values.len() as f64 * f64::EPSILON * size;
+    let sum = values.iter().sum::<f64>();
+    if sum.abs() <= rounding { 0.0 } else { sum }
 }
 
 #[cfg(test)]

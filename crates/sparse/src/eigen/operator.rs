@@ -10,12 +10,19 @@ pub(crate) struct ShiftInvert<'a> {
     pub(crate) problem: &'a Problem,
     pub(crate) sigma: f64,
     factor: Factor,
+    /// Steps of refinement of a solution, at most.
+    steps: usize,
 }
+
+/// Steps that take an error of a third to [`SETTLED`].
+const EXACT_STEPS: usize = 30;
+/// A change by this share of a solution is of no use to eigenvalues of ten digits.
+const SETTLED: f64 = 1e-14;
 
 impl<'a> ShiftInvert<'a> {
     /// With σ below all eigenvalues.
     pub(crate) fn below(problem: &'a Problem, sigma: f64) -> Result<Self, CholeskyError> {
-        Ok(Self { problem, sigma, factor: problem.definite(sigma)?.into_factor() })
+        Ok(Self { problem, sigma, factor: problem.definite(sigma)?.into_factor(), steps: 0 })
     }
 
     /// With σ among the eigenvalues; how many lie below it, and the growth of the pivots.
@@ -25,31 +32,51 @@ impl<'a> ShiftInvert<'a> {
     ) -> Result<(Self, usize, f64), CholeskyError> {
         let ldlt = problem.indefinite(sigma)?;
         let (count, growth) = (ldlt.inertia().negative, ldlt.growth());
-        Ok((Self { problem, sigma, factor: ldlt.into_factor() }, count, growth))
+        Ok((Self { problem, sigma, factor: ldlt.into_factor(), steps: 0 }, count, growth))
+    }
+
+    /// The same operator with its solutions refined until they are those of S with exact row sums.
+    pub(crate) fn exact(self) -> Self {
+        Self { steps: EXACT_STEPS, ..self }
     }
 
     /// (S − σM)⁻¹ M V.
     pub(crate) fn apply(&self, v: &Block) -> Block {
-        let mut w = self.problem.mass_times(v);
-        self.factor.solve_ordered(&mut w);
-        w
+        self.solve(v, self.steps)
     }
 
-    /// [`ShiftInvert::apply`], once refined: what the factor leaves of the right-hand side is solved for too, so that
-    /// what is left is the rounding of each row's own terms, however small they are beside those of other rows.
+    /// [`ShiftInvert::apply`], once refined at least: what the factor leaves of the right-hand side is solved for too,
+    /// so that what is left is the rounding of each row's own terms, however small they are beside those of other rows.
     pub(crate) fn apply_refined(&self, v: &Block) -> Block {
-        let mut w = self.apply(v);
-        let mut rest = self.problem.mass_times(v);
-        let found = self.problem.residual(&w, &[self.sigma; LANES]);
-        for (rest, found) in rest.iter_mut().zip(found) {
-            for lane in 0..LANES {
-                rest[lane] -= found[lane];
+        self.solve(v, self.steps.max(1))
+    }
+
+    fn solve(&self, v: &Block, steps: usize) -> Block {
+        let mut w = self.problem.mass_times(v);
+        self.factor.solve_ordered(&mut w);
+        let mut before = f64::INFINITY;
+        for _ in 0..steps {
+            let mut rest = self.problem.mass_times(v);
+            let found = self.problem.residual(&w, &[self.sigma; LANES]);
+            for (rest, found) in rest.iter_mut().zip(found) {
+                for lane in 0..LANES {
+                    rest[lane] -= found[lane];
+                }
             }
-        }
-        self.factor.solve_ordered(&mut rest);
-        for (w, correction) in w.iter_mut().zip(rest) {
-            for lane in 0..LANES {
-                w[lane] += correction[lane];
+            self.factor.solve_ordered(&mut rest);
+            for (w, correction) in w.iter_mut().zip(&rest) {
+                for lane in 0..LANES {
+                    w[lane] += correction[lane];
+                }
+            }
+            if steps > 1 {
+                let length = |block: &Block| self.problem.squares(block).iter().sum::<f64>().sqrt();
+                let change = length(&rest) / length(&w);
+                // Settled, or at its limit. Not a number ends it too.
+                if !(change > SETTLED && change < 0.5 * before) {
+                    break;
+                }
+                before = change;
             }
         }
         w

@@ -1,5 +1,7 @@
 //! The problem made dimensionless and put in the order of its factor.
 
+use rayon::prelude::*;
+
 use crate::direct::cholesky::{Cholesky, CholeskyError, SymbolicCholesky};
 use crate::direct::factor::LANES;
 use crate::direct::ldlt::Ldlt;
@@ -11,6 +13,9 @@ use crate::mass::{Mass, combine};
 use crate::matrix::{Rows, SparseMatrix};
 use crate::product;
 
+/// Rows that are worth a task.
+const ROWS_OF_TASK: usize = 1024;
+
 /// S' = S / s and M' = M / m, rows in the order of elimination: s the median of the diagonal, which a few huge
 /// entries do not move, m the mean, both to the nearest power of two, so that the division is exact.
 ///
@@ -20,6 +25,8 @@ pub(crate) struct Problem {
     unordered_stiffness: SparseMatrix,
     unordered_mass: UnorderedMass,
     stiffness: SparseMatrix,
+    /// The row sums of S', exactly zero where they are zero up to rounding.
+    excess: Vec<f64>,
     mass: OrderedMass,
     /// λ / λ'.
     pub(crate) unit: f64,
@@ -70,7 +77,9 @@ impl Problem {
         };
         let constants = nullspace::constant_components(Rows::new(&stiffness));
         let constant_masses = component_masses(&mass, &constants);
+        let excess = nullspace::row_sums(Rows::new(&stiffness));
         Ok(Self {
+            excess,
             constants,
             constant_masses,
             unit: stiffness_unit / mass_unit,
@@ -191,11 +200,22 @@ impl Problem {
         out
     }
 
+    /// Σ sᵢᵢ φᵢ² of each vector of a block.
+    pub(crate) fn strains(&self, block: &Block) -> [f64; LANES] {
+        basis::weighted_squares(&Rows::new(&self.stiffness).diagonal(), block)
+    }
+
     /// The largest Σ sᵢᵢ φᵢ² of the vectors in these blocks.
     pub(crate) fn strain(&self, blocks: &[Block]) -> f64 {
-        let diagonal = Rows::new(&self.stiffness).diagonal();
-        let squares = |block: &Block| basis::weighted_squares(&diagonal, block);
-        blocks.iter().flat_map(squares).fold(0.0, f64::max)
+        blocks.iter().flat_map(|block| self.strains(block)).fold(0.0, f64::max)
+    }
+
+    /// At least the strain of any vector of length 1 in M', for lumped masses; much more for most.
+    pub(crate) fn largest_strain(&self) -> f64 {
+        let masses = self.unordered_mass.view().diagonal();
+        let diagonal = Rows::new(&self.unordered_stiffness).diagonal();
+        // A consistent mass is at least a quarter of its diagonal.
+        diagonal.iter().zip(masses).map(|(s, m)| 4.0 * s.abs() / m).fold(0.0, f64::max)
     }
 
     /// Takes off a block its parts along the constants of all components.
@@ -220,15 +240,25 @@ impl Problem {
         }
     }
 
-    /// S' W − M' W diag(λ').
+    /// S' W − M' W diag(λ'), from differences: (S φ)ᵢ = Σⱼ sᵢⱼ (φⱼ − φᵢ) + eᵢ φᵢ with the row sum eᵢ, which is
+    /// exactly zero for a Laplacian. The diagonal as it is stored has lost what lies below its last digit.
     pub(crate) fn residual(&self, w: &Block, lambda: &[f64; LANES]) -> Block {
-        let mut r = vec![[0.0; LANES]; w.len()];
-        product::multiply_lanes(Rows::new(&self.stiffness), w, &mut r);
-        for (r, m) in r.iter_mut().zip(self.mass_times(w)) {
-            for lane in 0..LANES {
-                r[lane] -= lambda[lane] * m[lane];
+        let rows = Rows::new(&self.stiffness);
+        let mut r = self.mass_times(w);
+        r.par_iter_mut().with_min_len(ROWS_OF_TASK).enumerate().for_each(|(i, r)| {
+            let (own, excess) = (w[i], self.excess[i]);
+            let mut sum = own.map(|own| excess * own);
+            let (columns, values) = rows.row(i);
+            for (&j, &v) in columns.iter().zip(values).filter(|(j, _)| **j as usize != i) {
+                let other = &w[j as usize];
+                for lane in 0..LANES {
+                    sum[lane] += v * (other[lane] - own[lane]);
+                }
             }
-        }
+            for lane in 0..LANES {
+                r[lane] = sum[lane] - lambda[lane] * r[lane];
+            }
+        });
         r
     }
 }

@@ -19,6 +19,9 @@ use crate::eigen::{
 /// with the residual of their neighbours.
 pub(super) const SLACK: f64 = 10.0;
 
+/// A diagonal entry is off by some ε: a sum of six terms, and as many in elimination.
+const DIAGONAL_ROUNDINGS: f64 = 4.0;
+
 /// Dimensionless eigenpairs, ascending, in the order of the factor.
 pub(crate) struct Found {
     /// More than there are vectors where some are known without.
@@ -76,6 +79,34 @@ impl Found {
         self.above_limit(problem, &self.residuals(problem), from..to, tolerance)
     }
 
+    /// Whether rounding of the diagonal of S, in its entries or its factor, moves an eigenvalue by more than the
+    /// tolerance: by some ε Σ sᵢᵢ φᵢ².
+    pub(crate) fn is_strained(&self, problem: &Problem, tolerance: f64) -> bool {
+        let strains = self.blocks.iter().flat_map(|block| problem.strains(block));
+        // Exact zeros are those of constants.
+        strains.zip(&self.lambdas).any(|(strain, &lambda)| {
+            lambda != 0.0 && DIAGONAL_ROUNDINGS * f64::EPSILON * strain > SLACK * tolerance * lambda
+        })
+    }
+
+    /// Residuals with the rounding of assembly added where it counts: an entry made from lengths or angles of a thin
+    /// face has lost as many digits as the diagonal.
+    fn with_rounding(
+        &self,
+        problem: &Problem,
+        mut residuals: Vec<f64>,
+        tolerance: f64,
+    ) -> Vec<f64> {
+        let strains = self.blocks.iter().flat_map(|block| problem.strains(block));
+        for ((residual, strain), &lambda) in residuals.iter_mut().zip(strains).zip(&self.lambdas) {
+            let rounding = DIAGONAL_ROUNDINGS * f64::EPSILON * strain;
+            if lambda != 0.0 && rounding > SLACK * tolerance * lambda {
+                *residual += rounding;
+            }
+        }
+        residuals
+    }
+
     fn above_limit(
         &self,
         problem: &Problem,
@@ -125,6 +156,7 @@ impl Found {
             let blocks = self.blocks.len();
             return Err(EigenError::NotConverged { converged: wanted - unsettled, wanted, blocks });
         }
+        let residuals = self.with_rounding(problem, residuals, tolerance);
         let mut vectors = Array2::zeros((problem.rows(), to - from));
         for (k, &row) in problem.order().iter().enumerate() {
             let mut out = vectors.row_mut(row as usize);
@@ -171,12 +203,25 @@ const POLISHED: f64 = 1e-2;
 const PATIENCE: usize = 2;
 /// A share of σ within which an eigenvalue counts as zero up to rounding.
 const ZERO_SHARE: f64 = 1e-6;
-/// How often new starting vectors are tried before a count that does not match is an error.
-const RANDOM_RESTARTS: usize = 3;
+/// How often new starting vectors that bring nothing are tried before a count that does not match is an error. An
+/// eigenvalue may be as multiple as there are rows, and a block of new vectors finds eight more of it.
+pub(super) const RANDOM_RESTARTS: usize = 3;
 /// Numbers in a basis, at most, unless the pairs themselves need more: 2.4 GB.
 const MOST_NUMBERS: usize = 300_000_000;
 
-type Below = (Vec<f64>, Vec<Block>, Counted);
+/// An eigenvalue below this share of −σ is too far from σ: (λ − σ)⁻¹ hardly tells it from zero. Compact meshes have
+/// shares from 10⁻³ on.
+const FAR: f64 = 1e-4;
+/// A share of −σ that rounding may make of zero.
+const FAR_ROUNDING: f64 = 1e-12;
+
+/// How a run from below ends.
+pub(crate) enum Below {
+    /// The pairs below a gap, as many as were counted.
+    Counted(Vec<f64>, Vec<Block>, Counted),
+    /// All wanted eigenvalues lie within this distance of zero, far less than that of σ.
+    TooFar(f64),
+}
 
 impl<'a, 'w> Run<'a, 'w> {
     pub(crate) fn new(
@@ -273,7 +318,7 @@ impl<'a, 'w> Run<'a, 'w> {
 
     /// The wanted pairs from below, completed to the next gap, which inertia counts.
     pub(crate) fn until_counted(&mut self, constants: usize) -> Result<Below, EigenError> {
-        let mut random_restarts = 0;
+        let (mut random_restarts, mut most) = (0, 0);
         let operator = self.lanczos.operator;
         // Zero up to rounding may come out negative. Values that have not converged may be anywhere.
         let least = -ZERO_SHARE * operator.sigma.abs();
@@ -281,9 +326,12 @@ impl<'a, 'w> Run<'a, 'w> {
             let (ritz, mut candidates) = self.advance()?;
             candidates.retain(|c| c.lambda > least);
             candidates.sort_by(|a, b| a.lambda.total_cmp(&b.lambda));
-            let goal = candidates
-                .get(self.wanted - 1)
-                .map_or(0.0, |last| self.options.tolerance * last.lambda);
+            let last = candidates.get(self.wanted - 1).map(|last| last.lambda);
+            // Ritz values are above the eigenvalues, converged or not.
+            if let Some(last) = last.filter(|last| *last < FAR * -operator.sigma) {
+                return Ok(Below::TooFar(last.max(FAR_ROUNDING * -operator.sigma)));
+            }
+            let goal = last.map_or(0.0, |last| self.options.tolerance * last);
             let done = self.will_do(&candidates, goal, self.wanted);
             let converged = done.iter().take_while(|done| **done).count();
             self.report(converged.min(self.wanted))?;
@@ -312,9 +360,10 @@ impl<'a, 'w> Run<'a, 'w> {
                 let lambdas: Vec<f64> = candidates.iter().map(|c| c.lambda).collect();
                 let mut vectors = self.lanczos.vectors(&ritz, &chosen);
                 polish::polish(operator, &lambdas, &mut vectors, goal);
-                return Ok((lambdas, vectors, counted));
+                return Ok(Below::Counted(lambdas, vectors, counted));
             }
-            random_restarts += 1;
+            random_restarts = if g > most { 1 } else { random_restarts + 1 };
+            most = most.max(g);
             if random_restarts > RANDOM_RESTARTS {
                 return Err(EigenError::Miscounted {
                     found: constants + g,

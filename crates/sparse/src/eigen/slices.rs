@@ -10,7 +10,7 @@ use crate::eigen::certificate::{Counted, count_in_gap};
 use crate::eigen::operator::ShiftInvert;
 use crate::eigen::polish;
 use crate::eigen::problem::Problem;
-use crate::eigen::run::{Found, Run};
+use crate::eigen::run::{Found, RANDOM_RESTARTS, Run};
 use crate::eigen::{EigenError, EigenOptions, EigenWatch};
 
 /// Blocks of the previous window that a new one stays orthogonal to.
@@ -19,8 +19,6 @@ const LOCKED_BLOCKS: usize = 6;
 const TOO_FULL: f64 = 1.5;
 /// How often a window is cut before it is taken whole.
 const MOST_CUTS: usize = 30;
-/// New starting vectors before a window that misses pairs is an error.
-const RANDOM_RESTARTS: usize = 3;
 
 /// Adds pairs above those found, which are complete below `shift`, until there are `wanted`.
 pub(crate) fn continue_upwards(
@@ -102,17 +100,37 @@ impl Slices<'_> {
     ) -> Result<(), EigenError> {
         let (problem, to) = (self.problem, next.shift);
         let sigma = 0.5 * (self.from + to) + 1e-3 * (to - self.from);
-        let (operator, ..) = ShiftInvert::among(problem, sigma)
+        let (mut operator, ..) = ShiftInvert::among(problem, sigma)
             .map_err(|source| EigenError::Factor { shift: sigma * problem.unit, source })?;
+        let mut here = self.run(&operator, found, next, inside, watch)?;
+        if here.is_strained(problem, self.options.tolerance) {
+            operator = operator.exact();
+            here = self.run(&operator, found, next, inside, watch)?;
+        }
+        found.certified &= here.certified;
+        found.append(&here.lambdas, &here.blocks);
+        Ok(())
+    }
+
+    /// The pairs of a window, found with the operator of its middle.
+    fn run(
+        &self,
+        operator: &ShiftInvert<'_>,
+        found: &Found,
+        next: Counted,
+        inside: usize,
+        watch: &mut EigenWatch<'_>,
+    ) -> Result<Found, EigenError> {
+        let (problem, to, sigma) = (self.problem, next.shift, operator.sigma);
         let known = found.blocks.len();
         let mut locked: Vec<Block> = found.blocks[known.saturating_sub(LOCKED_BLOCKS)..].to_vec();
         // Empty lanes are zero vectors: harmless.
         if known > LOCKED_BLOCKS && (1..=LANES).contains(&problem.constants.0) {
             locked.push(found.blocks[0].clone());
         }
-        let mut run = Run::new(&operator, &locked, inside, self.options, watch);
+        let mut run = Run::new(operator, &locked, inside, self.options, watch);
         let goal = self.options.tolerance * to;
-        let mut random_restarts = 0;
+        let (mut random_restarts, mut most) = (0, 0);
         let mut stalled = 0;
         loop {
             let (ritz, mut candidates) = run.advance()?;
@@ -130,11 +148,13 @@ impl Slices<'_> {
                 let chosen: Vec<usize> = done.iter().map(|c| c.index).collect();
                 let mut vectors = run.lanczos.vectors(&ritz, &chosen);
                 let lambdas: Vec<f64> = done.iter().map(|c| c.lambda).collect();
-                polish::polish(&operator, &lambdas, &mut vectors, goal);
+                polish::polish(operator, &lambdas, &mut vectors, goal);
                 let nearest = lambdas.last().map_or(f64::INFINITY, |last| to - last);
-                found.certified &= next.is_sure(problem.strain(&vectors), nearest);
-                found.append(&lambdas, &vectors);
-                return Ok(());
+                let certified = next.is_sure(problem.strain(&vectors), nearest);
+                return Ok(Found { lambdas, blocks: vectors, certified, clear_below: to });
+            }
+            if done.len() > most {
+                (most, random_restarts) = (done.len(), 0);
             }
             // All that show inside have converged, yet some are missing: they hide from the start.
             stalled = if showing.len() == done.len() { stalled + 1 } else { 0 };

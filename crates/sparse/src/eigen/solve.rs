@@ -2,8 +2,6 @@
 
 use std::ops::ControlFlow;
 
-use ndarray::Array2;
-
 use crate::direct::factor::LANES;
 use crate::eigen::basis::Block;
 use crate::eigen::lanczos::{self};
@@ -11,9 +9,9 @@ use crate::eigen::operator::ShiftInvert;
 use crate::eigen::polish::{self};
 use crate::eigen::problem::Problem;
 use crate::eigen::projected::{Projected, ZERO};
-use crate::eigen::run::{Found, Run};
+use crate::eigen::run::{Below, Found, Run};
 use crate::eigen::{
-    Beyond, Count, EigenError, EigenOptions, EigenPairs, EigenWatch, dense, shift, slices,
+    Count, EigenError, EigenOptions, EigenPairs, EigenWatch, components, dense, shift, slices,
 };
 use crate::mass::Mass;
 use crate::matrix::SparseMatrix;
@@ -67,15 +65,25 @@ pub fn smallest_eigenpairs_with(
     }
     mass.check(rows)?;
     if count == 0 {
-        let vectors = Array2::zeros((rows, 0));
-        let beyond = Beyond { values: vec![], clear_below: 0.0 };
-        return Ok(EigenPairs {
-            values: vec![],
-            vectors,
-            residuals: vec![],
-            certified: true,
-            beyond,
-        });
+        return Ok(EigenPairs::none(rows));
+    }
+    match components::parts(stiffness, mass) {
+        Some(parts) => components::smallest(parts, rows, count, options, watch),
+        None => connected(stiffness, mass, count, options, watch),
+    }
+}
+
+/// The same without a look for components.
+pub(crate) fn connected(
+    stiffness: &SparseMatrix,
+    mass: Mass<'_>,
+    count: usize,
+    options: &EigenOptions,
+    watch: &mut EigenWatch<'_>,
+) -> Result<EigenPairs, EigenError> {
+    let rows = stiffness.rows();
+    if count == 0 {
+        return Ok(EigenPairs::none(rows));
     }
     if rows <= options.dense_rows || (rows <= 4 * options.dense_rows && 4 * count >= rows) {
         return dense_pairs(stiffness, mass, count, options);
@@ -126,10 +134,12 @@ fn dense_pairs(
         clear_below: f64::INFINITY,
     };
     let constants = problem.constants.0;
-    if found.unsettled(&problem, 0, count, options.tolerance) > 0 && constants < count {
+    let strained = found.is_strained(&problem, options.tolerance);
+    let unsettled = strained || found.unsettled(&problem, 0, count, options.tolerance) > 0;
+    if unsettled && constants < count {
         let basis = blocks(constants, stiffness.rows());
         let missing = count - constants;
-        found = from_inverse(&problem, found, &basis, missing)?;
+        found = from_inverse(&problem, found, &basis, missing, strained)?;
     }
     found.finish(&problem, 0, count, options.tolerance)
 }
@@ -147,6 +157,7 @@ fn from_inverse(
     first: Found,
     basis: &[Block],
     wanted: usize,
+    exact: bool,
 ) -> Result<Found, EigenError> {
     let constants = problem.constants.0;
     let mut last = first.lambdas[constants + wanted - 1].abs();
@@ -155,6 +166,7 @@ fn from_inverse(
         let sigma = -last.max(f64::MIN_POSITIVE / f64::EPSILON);
         let operator = ShiftInvert::below(problem, sigma)
             .map_err(|source| EigenError::Factor { shift: sigma * problem.unit, source })?;
+        let operator = if exact { operator.exact() } else { operator };
         let mut projected = Projected::default();
         for j in 0..basis.len() {
             let w = operator.apply(&basis[j]);
@@ -191,18 +203,41 @@ fn run_from_below(
     options: &EigenOptions,
     watch: &mut EigenWatch<'_>,
 ) -> Result<f64, EigenError> {
-    let operator = shift::for_smallest(problem, found.lambdas.len() + wanted)?;
     let constants = found.lambdas.len();
-    let locked: &[Block] = if constants <= LANES { &found.blocks } else { &[] };
-    let mut run = Run::new(&operator, locked, wanted, options, watch);
-    let (lambdas, vectors, counted) = run.until_counted(constants)?;
-    if options.count == Count::Certified {
-        let nearest = lambdas.iter().fold(0.0, |m: f64, l| m.max(*l));
-        let distance = counted.shift - nearest;
-        found.certified &= counted.is_sure(problem.strain(&vectors), distance);
-    } else {
-        found.certified = false;
+    let locked: Vec<Block> = if constants <= LANES { found.blocks.clone() } else { vec![] };
+    let mut operator = shift::for_smallest(problem, constants + wanted)?;
+    let mut exact = false;
+    loop {
+        let mut run = Run::new(&operator, &locked, wanted, options, watch);
+        let (lambdas, vectors, counted) = match run.until_counted(constants)? {
+            Below::Counted(lambdas, vectors, counted) => (lambdas, vectors, counted),
+            // At least ten thousand times nearer each time.
+            Below::TooFar(distance) => {
+                operator = ShiftInvert::below(problem, -distance).map_err(|source| {
+                    EigenError::Factor { shift: -distance * problem.unit, source }
+                })?;
+                if exact {
+                    operator = operator.exact();
+                }
+                continue;
+            }
+        };
+        let mut more =
+            Found { blocks: found.blocks.clone(), lambdas: found.lambdas.clone(), ..*found };
+        more.append(&lambdas, &vectors);
+        if !exact && more.is_strained(problem, options.tolerance) {
+            exact = true;
+            operator = operator.exact();
+            continue;
+        }
+        if options.count == Count::Certified {
+            let nearest = lambdas.iter().fold(0.0, |m: f64, l| m.max(*l));
+            let distance = counted.shift - nearest;
+            more.certified &= counted.is_sure(problem.strain(&vectors), distance);
+        } else {
+            more.certified = false;
+        }
+        *found = more;
+        return Ok(counted.shift);
     }
-    found.append(&lambdas, &vectors);
-    Ok(counted.shift)
 }

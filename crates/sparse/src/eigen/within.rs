@@ -8,15 +8,15 @@ use crate::eigen::certificate::{Counted, count_in_gap};
 use crate::eigen::problem::Problem;
 use crate::eigen::run::Found;
 use crate::eigen::slices::Slices;
-use crate::eigen::solve::smallest_eigenpairs;
-use crate::eigen::{EigenError, EigenOptions, EigenPairs};
+use crate::eigen::{EigenError, EigenOptions, EigenPairs, components, solve};
 use crate::mass::Mass;
 use crate::matrix::SparseMatrix;
+
 /// All eigenpairs of S φ = λ M φ with λ in an interval, counted by inertia.
 ///
 /// # Errors
 ///
-/// As [`smallest_eigenpairs`], and [`EigenError::Interval`].
+/// As [`smallest_eigenpairs`](crate::smallest_eigenpairs), and [`EigenError::Interval`].
 pub fn eigenpairs_within(
     stiffness: &SparseMatrix,
     mass: Mass<'_>,
@@ -28,6 +28,24 @@ pub fn eigenpairs_within(
         return Err(EigenError::Interval { from, to });
     }
     mass.check(stiffness.rows())?;
+    let Some(mut parts) = components::parts(stiffness, mass) else {
+        return connected(stiffness, mass, interval, options);
+    };
+    for part in &mut parts {
+        part.solve_within(interval.clone(), options)?;
+    }
+    let count = parts.iter().map(components::Part::pairs_of_all).sum();
+    Ok(components::assemble(&parts, stiffness.rows(), count))
+}
+
+/// The same without a look for components.
+pub(crate) fn connected(
+    stiffness: &SparseMatrix,
+    mass: Mass<'_>,
+    interval: Range<f64>,
+    options: &EigenOptions,
+) -> Result<EigenPairs, EigenError> {
+    let (from, to) = (interval.start, interval.end);
     let problem = Problem::new(stiffness, mass)?;
     let below = |lambda: f64| -> Result<Counted, EigenError> {
         let shift = lambda / problem.unit;
@@ -39,7 +57,8 @@ pub fn eigenpairs_within(
     let (lower, upper) = (below(from)?, below(to)?);
     let (first, last) = (lower.count, upper.count);
     if first == 0 || stiffness.rows() <= options.dense_rows {
-        let mut pairs = smallest_eigenpairs(stiffness, mass, last, options)?;
+        let mut watch = |_: &_| ControlFlow::Continue(());
+        let mut pairs = solve::connected(stiffness, mass, last, options, &mut watch)?;
         let vectors = pairs.vectors.slice_axis(Axis(1), Slice::from(first..)).to_owned();
         pairs.values.drain(..first);
         pairs.residuals.drain(..first);

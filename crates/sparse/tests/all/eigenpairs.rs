@@ -279,3 +279,120 @@ fn masses_that_are_no_positive_numbers_are_named() {
     let error = Mass::Lumped(&[1.0, 2.0]).check(3);
     assert_eq!(error, Err(MassError::Size { mass: 2, stiffness: 3 }));
 }
+
+/// A strip of m cells of 1 × h with lumped masses, as cotangents make it: 1/h across, h/2 along, the diagonal
+/// rounded as a sum is. Its smallest eigenvalues are those of the path, 4 sin²(kπ/2m), doubled at the ends' half mass.
+fn strip(m: usize, h: f64) -> (SparseMatrix, Vec<f64>) {
+    let n = 2 * (m + 1);
+    let (mut t, mut masses) = (vec![], vec![0.0; n]);
+    let mut tie =
+        |i: usize, j: usize, w: f64| t.extend([(i as u32, j as u32, -w), (j as u32, i as u32, -w)]);
+    for i in 0..=m {
+        let share = if i == 0 || i == m { 0.5 } else { 1.0 };
+        tie(2 * i, 2 * i + 1, share / h);
+        masses[2 * i] = 0.5 * h * share;
+        masses[2 * i + 1] = 0.5 * h * share;
+        if i < m {
+            tie(2 * i, 2 * i + 2, 0.5 * h);
+            tie(2 * i + 1, 2 * i + 3, 0.5 * h);
+        }
+    }
+    for i in 0..n {
+        let diagonal = -t.iter().filter(|e| e.0 == i as u32).map(|e| e.2).sum::<f64>();
+        t.push((i as u32, i as u32, diagonal));
+    }
+    (fairing_sparse::from_triplets((n, n), &t).unwrap(), masses)
+}
+
+/// A certified interval holds the eigenvalue, and the value itself is right to the tolerance of the largest wanted,
+/// whatever k and the height; the stored diagonal alone would leave four digits at 10⁻⁵.
+#[test]
+fn strips_of_any_height_have_the_spectrum_of_a_path() {
+    for (m, dense_rows) in [(300, 0), (100, 0), (100, 400)] {
+        for h in [1e-1, 1e-3, 1e-4, 1e-5] {
+            let (s, masses) = strip(m, h);
+            for k in [2, 3, 4, 6, 9, 20] {
+                let options = EigenOptions { dense_rows, ..EigenOptions::default() };
+                let pairs = smallest_eigenpairs(&s, Mass::Lumped(&masses), k, &options).unwrap();
+                for i in 1..k {
+                    let angle = std::f64::consts::PI * i as f64 / (2 * m) as f64;
+                    let expected = 4.0 * angle.sin().powi(2);
+                    let error = (pairs.values[i] - expected).abs();
+                    let largest = pairs.values[k - 1];
+                    assert!(error < 1e-9 * largest, "{m} {h} {k}: {i} is off by {error:e}");
+                    let allowed = pairs.residuals[i] + 1e-12 * expected;
+                    assert!(!pairs.certified || error <= allowed, "{m} {h} {k}: {i}, {error:e}");
+                }
+            }
+        }
+    }
+}
+
+/// Components of different sizes and scales, pinned and free, equal and not: the merge of their spectra, each vector
+/// zero outside its own component.
+#[test]
+fn components_are_solved_apart() {
+    let lengths = [3, 40, 500, 7, 500, 90, 7, 7, 12, 700];
+    let (mut t, mut masses, mut expected, mut start) = (vec![], vec![], vec![], 0);
+    for (c, &n) in lengths.iter().enumerate() {
+        let weight = [1.0, 0.25, 4.0][c % 3];
+        let pinned = c % 4 == 1;
+        for i in 0..n {
+            let ends = usize::from(i == 0) + usize::from(i == n - 1);
+            let ties = if pinned { 2.0 } else { 2.0 - ends as f64 };
+            let row = (start + i) as u32;
+            t.push((row, row, weight * ties));
+            if i > 0 {
+                t.push((row, row - 1, -weight));
+                t.push((row - 1, row, -weight));
+            }
+            let denominator = if pinned { n + 1 } else { n } as f64;
+            let k = (i + usize::from(pinned)) as f64;
+            let half = (0.5 * std::f64::consts::PI * k / denominator).sin();
+            expected.push(4.0 * weight * half * half);
+        }
+        masses.extend(vec![1.0; n]);
+        start += n;
+    }
+    expected.sort_by(f64::total_cmp);
+    let s = fairing_sparse::from_triplets((start, start), &t).unwrap();
+    let mass = Mass::Lumped(&masses);
+    for k in [1, 5, 8, 9, 12, 40, 200] {
+        let pairs = smallest_eigenpairs(&s, mass, k, &EigenOptions::default()).unwrap();
+        assert!(pairs.certified);
+        check(&s, mass, &pairs, 1e-8);
+        compare(&pairs.values, &expected[..k]);
+        for column in pairs.vectors.columns() {
+            let mut from = 0;
+            let inside = lengths.iter().filter(|&&n| {
+                from += n;
+                column.iter().take(from).skip(from - n).any(|v| *v != 0.0)
+            });
+            assert_eq!(inside.count(), 1);
+        }
+        let next = &pairs.beyond.values;
+        if !next.is_empty() {
+            compare(next, &expected[k..k + next.len()]);
+        }
+        assert!(expected.get(k + next.len()).is_none_or(|l| *l >= pairs.beyond.clear_below));
+    }
+    let pairs = eigenpairs_within(&s, mass, 1e-4..0.02, &EigenOptions::default()).unwrap();
+    let within: Vec<f64> = expected.into_iter().filter(|l| (1e-4..0.02).contains(l)).collect();
+    assert_eq!(pairs.values.len(), within.len());
+    compare(&pairs.values, &within);
+    check(&s, mass, &pairs, 1e-8);
+}
+
+/// Eighty equal arms joined at a hub: every second eigenvalue is 79-fold, in one component.
+#[test]
+fn restarts_go_on_while_they_find_more() {
+    let (arms, length) = (80, 9);
+    let edges = (0..arms * length).map(|i| (i + 1, if i % length == 0 { 0 } else { i }));
+    let s = graph_laplacian(arms * length + 1, edges);
+    let ones = vec![1.0; arms * length + 1];
+    let pairs = smallest_eigenpairs(&s, Mass::Lumped(&ones), 60, &lanczos()).unwrap();
+    check(&s, Mass::Lumped(&ones), &pairs, 1e-8);
+    // An arm whose hub rests: a path pinned at one end.
+    let at = 2.0 - 2.0 * (std::f64::consts::PI / (2 * length + 1) as f64).cos();
+    compare(&pairs.values[1..], &vec![at; 59]);
+}

@@ -1,0 +1,396 @@
+//! Problems that fall apart: every component is solved on its own and the spectra are merged.
+//!
+//! A component takes part in the sorted merge up to its own share of the pairs, which Weyl's law guesses from its
+//! mass. With the last value of the merge known, an inertia count just above it tells which components have more
+//! pairs than are known of them, and how many. Components whose blocks of S and M are equal bit by bit are solved
+//! once. An eigenvalue that copies have in common is a multiple one of the whole, as large as there are copies, and
+//! hides from a Krylov space of the whole; in each of them it is an ordinary one.
+
+use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hasher};
+
+use ndarray::Array2;
+
+use crate::eigen::certificate::count_in_gap;
+use crate::eigen::problem::Problem;
+use crate::eigen::{Beyond, EigenError, EigenOptions, EigenPairs, EigenProgress, EigenWatch};
+use crate::eigen::{nullspace, solve};
+use crate::mass::Mass;
+use crate::matrix::{Rows, SparseMatrix};
+
+/// Components are counted this share above the last value of the merge: far enough for a count to be sure, near
+/// enough to compute few pairs that are not used.
+const MARGIN: f64 = 0.04;
+
+/// A component, or several that are equal.
+pub(crate) struct Part {
+    /// The rows of each copy in the whole, ascending.
+    copies: Vec<Vec<u32>>,
+    stiffness: SparseMatrix,
+    mass: PartMass,
+    /// What is known of its spectrum.
+    pairs: EigenPairs,
+}
+
+#[derive(PartialEq)]
+enum PartMass {
+    Lumped(Vec<f64>),
+    Consistent(SparseMatrix),
+}
+
+/// A pair of the merge.
+#[derive(Debug, Clone, Copy)]
+struct Chosen {
+    value: f64,
+    part: usize,
+    copy: usize,
+    index: usize,
+}
+
+/// The components of S and M together; `None` if there is only one.
+pub(crate) fn parts(stiffness: &SparseMatrix, mass: Mass<'_>) -> Option<Vec<Part>> {
+    let groups = groups(stiffness, mass);
+    if groups.len() < 2 {
+        return None;
+    }
+    let mut parts: Vec<Part> = vec![];
+    let mut known: HashMap<u64, Vec<usize>> = HashMap::new();
+    let mut places = vec![(0, 0); stiffness.rows()];
+    for (group, rows) in groups.iter().enumerate() {
+        for (local, &row) in rows.iter().enumerate() {
+            places[row as usize] = (group as u32, local as u32);
+        }
+    }
+    for rows in groups {
+        let part = Part::new(stiffness, mass, rows, &places);
+        let alike = known.entry(part.hash()).or_default();
+        let equal = |&&i: &&usize| {
+            let other: &Part = &parts[i];
+            other.stiffness == part.stiffness && other.mass == part.mass
+        };
+        match alike.iter().find(equal) {
+            Some(&i) => parts[i].copies.extend(part.copies),
+            None => {
+                alike.push(parts.len());
+                parts.push(part);
+            }
+        }
+    }
+    Some(parts)
+}
+
+/// The count smallest eigenpairs of all parts together.
+pub(crate) fn smallest(
+    mut parts: Vec<Part>,
+    rows: usize,
+    count: usize,
+    options: &EigenOptions,
+    watch: &mut EigenWatch<'_>,
+) -> Result<EigenPairs, EigenError> {
+    let total: f64 = parts.iter().map(|p| p.copies.len() as f64 * p.mass.view().total()).sum();
+    let share = |part: &Part, pairs: usize| {
+        (pairs as f64 * (part.mass.view().total() / total)).round() as usize
+    };
+    let constants: Vec<usize> = parts
+        .iter()
+        .map(|part| nullspace::constant_components(Rows::new(&part.stiffness)).0)
+        .collect();
+    let zeros: usize = parts.iter().zip(&constants).map(|(p, c)| p.copies.len() * c).sum();
+    for (part, constants) in parts.iter_mut().zip(constants) {
+        let wanted = constants + share(part, count.saturating_sub(zeros));
+        part.solve(wanted, count, options, watch)?;
+    }
+    loop {
+        match last_of_merge(&parts, count) {
+            // Too few are known: the part that may have the next one continues.
+            None => {
+                let known: usize = parts.iter().map(|p| p.copies.len() * p.known()).sum();
+                let open = parts.iter_mut().filter(|p| p.known() < p.stiffness.rows());
+                let lowest =
+                    |a: &&mut Part, b: &&mut Part| a.clear_below().total_cmp(&b.clear_below());
+                let Some(part) = open.min_by(lowest) else { break };
+                let wanted = part.known() + share(part, count - known).max(1);
+                part.solve(wanted, count, options, watch)?;
+            }
+            Some(last) => {
+                let mut complete = true;
+                for part in parts.iter_mut().filter(|p| !p.is_complete_to(last)) {
+                    complete = false;
+                    part.complete_to(last, count, options, watch)?;
+                }
+                if complete {
+                    break;
+                }
+            }
+        }
+    }
+    // Solved to the tolerance of an eigenvalue beyond the merge.
+    let limit = options.residual_limit(last_of_merge(&parts, count).unwrap_or(0.0));
+    let used = used(&parts, count);
+    for (part, used) in parts.iter_mut().zip(used) {
+        let residuals = &part.pairs.residuals;
+        if used < residuals.len() && residuals[..used].iter().any(|r| *r > limit) {
+            part.solve(used, count, options, watch)?;
+        }
+    }
+    // Known by value only. Solved again, values change by rounding, and so may the merge.
+    loop {
+        let mut complete = true;
+        let used = self::used(&parts, count);
+        for (part, used) in parts.iter_mut().zip(used) {
+            if used > part.pairs.values.len() {
+                complete = false;
+                part.solve(used, count, options, watch)?;
+            }
+        }
+        if complete {
+            break;
+        }
+    }
+    Ok(assemble(&parts, rows, count))
+}
+
+/// All pairs of all parts, in the caller's rows, ascending: the first `count` of them.
+pub(crate) fn assemble(parts: &[Part], rows: usize, count: usize) -> EigenPairs {
+    let mut merged = merge(parts, usize::MAX);
+    let clear_below = parts.iter().map(Part::clear_below).fold(f64::INFINITY, f64::min);
+    // Those known by value only come after all that are wanted.
+    let following = merged.split_off(count.min(merged.len()));
+    let mut vectors = Array2::zeros((rows, merged.len()));
+    for (j, chosen) in merged.iter().enumerate() {
+        let part = &parts[chosen.part];
+        for (local, &row) in part.copies[chosen.copy].iter().enumerate() {
+            vectors[[row as usize, j]] = part.pairs.vectors[[local, chosen.index]];
+        }
+    }
+    EigenPairs {
+        values: merged.iter().map(|c| c.value).collect(),
+        vectors,
+        residuals: merged.iter().map(|c| parts[c.part].pairs.residuals[c.index]).collect(),
+        certified: parts.iter().all(|p| p.pairs.certified),
+        beyond: Beyond {
+            values: following
+                .iter()
+                .map(|c| c.value)
+                .filter(|v| *v < clear_below || *v == 0.0)
+                .collect(),
+            clear_below,
+        },
+    }
+}
+
+/// The known values of all copies, ascending, in the order of the components where they are equal.
+fn merge(parts: &[Part], count: usize) -> Vec<Chosen> {
+    let mut all = vec![];
+    for (p, part) in parts.iter().enumerate() {
+        for copy in 0..part.copies.len() {
+            let values = part.pairs.values.iter().chain(&part.pairs.beyond.values).enumerate();
+            all.extend(values.map(|(index, &value)| Chosen { value, part: p, copy, index }));
+        }
+    }
+    let first_row = |c: &Chosen| parts[c.part].copies[c.copy][0];
+    all.sort_by(|a, b| {
+        let rows = || first_row(a).cmp(&first_row(b));
+        a.value.total_cmp(&b.value).then_with(rows).then(a.index.cmp(&b.index))
+    });
+    all.truncate(count);
+    all
+}
+
+/// How many of the first values of each part are among the `count` smallest.
+fn used(parts: &[Part], count: usize) -> Vec<usize> {
+    let mut used = vec![0; parts.len()];
+    for chosen in merge(parts, count) {
+        used[chosen.part] = used[chosen.part].max(chosen.index + 1);
+    }
+    used
+}
+
+/// The largest of the `count` smallest values known, if there are as many.
+fn last_of_merge(parts: &[Part], count: usize) -> Option<f64> {
+    let known = |part: &Part| {
+        let mut values = part.pairs.values.clone();
+        values.extend(&part.pairs.beyond.values);
+        std::iter::repeat_n(values, part.copies.len()).flatten().collect::<Vec<f64>>()
+    };
+    let mut values: Vec<f64> = parts.iter().flat_map(known).collect();
+    let index = count.checked_sub(1).filter(|i| *i < values.len())?;
+    Some(*values.select_nth_unstable_by(index, f64::total_cmp).1)
+}
+
+impl Part {
+    fn new(
+        stiffness: &SparseMatrix,
+        mass: Mass<'_>,
+        rows: Vec<u32>,
+        places: &[(u32, u32)],
+    ) -> Self {
+        let part_mass = match mass {
+            Mass::Lumped(d) => PartMass::Lumped(rows.iter().map(|&r| d[r as usize]).collect()),
+            Mass::Consistent(matrix) => PartMass::Consistent(block(matrix, &rows, places)),
+        };
+        Self {
+            stiffness: block(stiffness, &rows, places),
+            mass: part_mass,
+            pairs: EigenPairs::none(rows.len()),
+            copies: vec![rows],
+        }
+    }
+
+    /// The same for equal blocks.
+    fn hash(&self) -> u64 {
+        let mut hasher = DefaultHasher::new();
+        let mut add = |matrix: &SparseMatrix| {
+            let rows = Rows::new(matrix);
+            rows.columns.iter().for_each(|&c| hasher.write_u32(c));
+            rows.values.iter().for_each(|v| hasher.write_u64(v.to_bits()));
+        };
+        add(&self.stiffness);
+        if let PartMass::Consistent(matrix) = &self.mass {
+            add(matrix);
+        }
+        if let PartMass::Lumped(d) = &self.mass {
+            d.iter().for_each(|m| hasher.write_u64(m.to_bits()));
+        }
+        hasher.finish()
+    }
+
+    /// Its eigenpairs within an interval.
+    pub(crate) fn solve_within(
+        &mut self,
+        interval: std::ops::Range<f64>,
+        options: &EigenOptions,
+    ) -> Result<(), EigenError> {
+        self.pairs =
+            crate::eigen::within::connected(&self.stiffness, self.mass.view(), interval, options)?;
+        Ok(())
+    }
+
+    /// Pairs known of all copies.
+    pub(crate) fn pairs_of_all(&self) -> usize {
+        self.copies.len() * self.pairs.values.len()
+    }
+
+    /// Values known, with vectors or without.
+    fn known(&self) -> usize {
+        self.pairs.values.len() + self.pairs.beyond.values.len()
+    }
+
+    /// Values that are not known are not below.
+    fn clear_below(&self) -> f64 {
+        if self.known() == self.stiffness.rows() {
+            f64::INFINITY
+        } else {
+            self.pairs.beyond.clear_below
+        }
+    }
+
+    /// Zeros are counted from the start.
+    fn is_complete_to(&self, last: f64) -> bool {
+        last <= 0.0 || self.clear_below() > last
+    }
+
+    /// Its first pairs, `wanted` at least.
+    fn solve(
+        &mut self,
+        wanted: usize,
+        of_all: usize,
+        options: &EigenOptions,
+        watch: &mut EigenWatch<'_>,
+    ) -> Result<(), EigenError> {
+        let wanted = wanted.min(self.stiffness.rows());
+        let mut watch = |p: &EigenProgress| watch(&EigenProgress { wanted: of_all, ..*p });
+        let mass = self.mass.view();
+        self.pairs = solve::connected(&self.stiffness, mass, wanted, options, &mut watch)?;
+        Ok(())
+    }
+
+    /// Counts the values up to a little above the last of the merge, and finds those that are not known.
+    fn complete_to(
+        &mut self,
+        last: f64,
+        of_all: usize,
+        options: &EigenOptions,
+        watch: &mut EigenWatch<'_>,
+    ) -> Result<(), EigenError> {
+        fairing_watch::check();
+        let known = self.known();
+        let problem = Problem::new(&self.stiffness, self.mass.view())?;
+        let from = last / problem.unit;
+        let mut wanted = known + 1;
+        let sure = count_in_gap(&problem, from, from * (1.0 + MARGIN))
+            .ok()
+            .filter(|c| c.is_sure(problem.largest_strain(), c.shift - from));
+        if let Some(counted) = sure {
+            if counted.count == known {
+                self.pairs.beyond.clear_below = counted.shift * problem.unit;
+                return Ok(());
+            }
+            wanted = wanted.max(counted.count);
+        }
+        self.solve(wanted, of_all, options, watch)
+    }
+}
+
+impl PartMass {
+    fn view(&self) -> Mass<'_> {
+        match self {
+            Self::Lumped(d) => Mass::Lumped(d),
+            Self::Consistent(matrix) => Mass::Consistent(matrix),
+        }
+    }
+}
+
+/// The block of some rows, all in one group. `places`: the group of each row, and its place there.
+fn block(matrix: &SparseMatrix, keep: &[u32], places: &[(u32, u32)]) -> SparseMatrix {
+    let rows = Rows::new(matrix);
+    let (mut starts, mut columns, mut values) = (vec![0], vec![], vec![]);
+    for &row in keep {
+        let group = places[row as usize].0;
+        let (row_columns, row_values) = rows.row(row as usize);
+        for (&j, &value) in row_columns.iter().zip(row_values) {
+            if places[j as usize].0 == group {
+                columns.push(places[j as usize].1);
+                values.push(value);
+            }
+        }
+        starts.push(columns.len() as u32);
+    }
+    SparseMatrix::new((keep.len(), keep.len()), starts, columns, values)
+}
+
+/// The rows of each component of S and M together, ascending, in the order of their first rows.
+fn groups(stiffness: &SparseMatrix, mass: Mass<'_>) -> Vec<Vec<u32>> {
+    let s = Rows::new(stiffness);
+    let m = match mass {
+        Mass::Lumped(_) => None,
+        Mass::Consistent(matrix) => Some(Rows::new(matrix)),
+    };
+    let mut seen = vec![false; s.count()];
+    let mut groups = vec![];
+    for seed in 0..s.count() {
+        if seen[seed] {
+            continue;
+        }
+        seen[seed] = true;
+        let mut group = vec![seed as u32];
+        let mut next = 0;
+        while next < group.len() {
+            let row = group[next] as usize;
+            next += 1;
+            for (columns, values) in
+                std::iter::once(s.row(row)).chain(m.as_ref().map(|m| m.row(row)))
+            {
+                for (&j, &v) in columns.iter().zip(values) {
+                    if v != 0.0 && !seen[j as usize] {
+                        seen[j as usize] = true;
+                        group.push(j);
+                    }
+                }
+            }
+        }
+        group.sort_unstable();
+        groups.push(group);
+    }
+    groups
+}
