@@ -22,6 +22,8 @@ def loaded(path) -> pf.Mesh:
 @pytest.fixture(scope="module", params=CORPUS, ids=lambda p: p.stem)
 def mesh(request) -> pf.Mesh:
     mesh = loaded(request.param)
+    if 2 * mesh.info()["seam_vertices"] > mesh.n_vertices:
+        mesh, _ = mesh.weld()
     if mesh.n_faces > 60_000:
         pytest.skip("too large for the peers")
     return mesh
@@ -64,7 +66,9 @@ def test_gaussian_curvature_of_libigl(mesh: pf.Mesh) -> None:
     if not mesh.info()["manifold"]:
         pytest.skip("angle defects at edges of three faces are not comparable")
     V, F = arrays(sound(mesh))
-    c = mesh.curvature("cotangent")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", pf.FairingWarning)
+        c = mesh.curvature("cotangent")
     area = mesh.laplacian("cotangent", "mixed").mass.diagonal()
     # Theirs is 2π − Σθ at the boundary too; ours takes off π there, (e − f)π for e edges and f faces.
     n = mesh.n_vertices
@@ -121,10 +125,12 @@ def test_measures_of_trimesh(mesh: pf.Mesh) -> None:
     pytest.importorskip("trimesh")
     theirs, ours = mesh.to_trimesh(), mesh.info()
     assert ours["area"] == pytest.approx(theirs.area, rel=1e-12)
-    if ours["volume"] is not None:
+    # They take the faces as they are wound.
+    consistent = not ours["inconsistent_edges"]
+    if ours["volume"] is not None and consistent:
         assert ours["volume"] == pytest.approx(theirs.volume, rel=1e-6, abs=1e-9 * ours["area"] ** 1.5)
     assert ours["euler_characteristic"] == theirs.euler_number or not ours["manifold"]
-    if not ours["degenerate_faces"]:
+    if not ours["degenerate_faces"] and consistent:
         good = np.linalg.norm(theirs.face_normals, axis=1) > 0.5
         np.testing.assert_allclose(mesh.face_normals[good], theirs.face_normals[good], atol=1e-6)
 

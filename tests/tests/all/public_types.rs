@@ -77,6 +77,7 @@ all_shared!(
     fairing::sparse::CgSolution<Vec<f64>>,
     fairing::sparse::ChebyshevSeries,
     fairing::sparse::Cholesky,
+    fairing::sparse::GraphSystem,
     fairing::sparse::CholeskyError,
     fairing::sparse::ConjugateGradient<'static>,
     fairing::sparse::Count,

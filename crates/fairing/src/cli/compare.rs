@@ -1,14 +1,13 @@
 //! `fairing compare`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use fairing::evaluation::{ScoreOptions, Scores};
 use serde_json::{Map, Value, json};
 
 use super::exit::Failure;
-use super::files;
-use super::surface::say_orientation;
+use super::surface::{Reading, say_orientation};
 use super::{Context, print};
 
 const EXAMPLES: &str = "\
@@ -31,6 +30,8 @@ pub(crate) struct Compare {
     mesh: PathBuf,
     /// The mesh to compare it with
     reference: PathBuf,
+    #[command(flatten)]
+    reading: Reading,
     /// Print one JSON object: each score with value and unit, or the reason why there is none
     #[arg(long)]
     json: bool,
@@ -47,19 +48,24 @@ pub(crate) struct Compare {
 
 impl Compare {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
-        let mesh = files::read(context, &self.mesh)?;
-        files::say_report(context, &self.mesh, &mesh.report);
-        say_orientation(context, &self.mesh, &mesh.mesh);
-        let reference = files::read(context, &self.reference)?;
-        files::say_report(context, &self.reference, &reference.report);
-        say_orientation(context, &self.reference, &reference.mesh);
+        let read = |path: &Path| {
+            let (surface, _) = self.reading.read_any(context, path)?;
+            surface.say_seams(context, path);
+            say_orientation(context, path, surface.mesh());
+            Ok::<_, Failure>(surface)
+        };
+        let (mesh, reference) = (read(&self.mesh)?, read(&self.reference)?);
         let options = ScoreOptions {
             hausdorff_tolerance: self.hausdorff_tolerance,
             feature_angle: self.feature_angle,
         };
-        let scores = Scores::new(&mesh.mesh, &reference.mesh, &options)?;
+        let scores = Scores::new(mesh.mesh(), reference.mesh(), &options)?;
         match self.json {
-            true => print(format_args!("{:#}\n", as_json(&scores))),
+            true => {
+                let mut summary = as_json(&scores);
+                mesh.add_to(&mut summary);
+                print(format_args!("{summary:#}\n"))
+            }
             false => print(scores),
         }
     }

@@ -88,7 +88,11 @@ impl Denoise {
                 let result = automatic(surface.mesh())?;
                 context.note(summary(&result));
                 if result.uneven_vertices > 0 {
-                    context.note(format_args!("{} vertices are on parts whose faces are too uneven (a CAD tessellation?): these parts stay as they are", result.uneven_vertices));
+                    context.note(format_args!(
+                        "{} vertices are on parts whose faces are too uneven (a CAD tessellation?): \
+                         these parts stay as they are",
+                        result.uneven_vertices
+                    ));
                 }
                 if self.json {
                     let mut json = as_json(&result);

@@ -34,18 +34,32 @@ impl Reading {
         context: &Context,
         path: &Path,
     ) -> Result<(Surface, VertexFields), Failure> {
-        let file = files::read(context, path)?;
-        files::say_report(context, path, &file.report);
-        let seams = file.mesh.seam_vertices();
-        let (name, vertices) = (path.display(), file.mesh.vertex_count());
-        if !self.weld && file.mesh.is_unwelded() {
+        let (surface, fields) = self.read_any(context, path)?;
+        let mesh = surface.mesh();
+        if mesh.is_unwelded() {
             return Err(Failure::input(anyhow::anyhow!(
-                "{name}: {seams} of {vertices} vertices lie exactly where another one does: the \
-                 faces do not share their corners, so that none has neighbours; add --weld"
+                "{}: {} of {} vertices lie exactly where another one does: the faces do not share \
+                 their corners, so that none has neighbours; add --weld",
+                path.display(),
+                mesh.seam_vertices(),
+                mesh.vertex_count()
             )));
         }
+        surface.say_seams(context, path);
+        Ok((surface, fields))
+    }
+
+    /// Reads a mesh, with its fields.
+    pub(crate) fn read_any(
+        &self,
+        context: &Context,
+        path: &Path,
+    ) -> Result<(Surface, VertexFields), Failure> {
+        let file = files::read(context, path)?;
+        files::say_report(context, path, &file.report);
         let welded = self.weld.then(|| file.mesh.welded());
         if let Some(Welded { mesh, left_out, .. }) = &welded {
+            let name = path.display();
             context.note(format_args!("{name}: welded to {} vertices", mesh.vertex_count()));
             if !left_out.is_empty() {
                 context.note(format_args!(
@@ -53,11 +67,6 @@ impl Reading {
                     left_out.len()
                 ));
             }
-        } else if seams > 0 {
-            context.note(format_args!(
-                "{name}: {seams} boundary vertices lie exactly where another one does, as at seams \
-                 of texture coordinates; --weld joins them"
-            ));
         }
         Ok((Surface { own: file.mesh, welded }, file.fields))
     }
@@ -67,6 +76,18 @@ impl Surface {
     /// The mesh to compute on.
     pub(crate) fn mesh(&self) -> &TriMesh {
         self.welded.as_ref().map_or(&self.own, |welded| &welded.mesh)
+    }
+
+    /// Notes boundary vertices that lie on others.
+    pub(crate) fn say_seams(&self, context: &Context, path: &Path) {
+        let seams = self.mesh().seam_vertices();
+        if seams > 0 {
+            context.note(format_args!(
+                "{}: {seams} boundary vertices lie exactly where another one does, as at seams of \
+                 texture coordinates; --weld joins them",
+                path.display()
+            ));
+        }
     }
 
     /// What was done to the mesh before the computation, for machines.

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::cell::{Links, map_cells};
 use super::gaussian::undefined;
-use super::oriented::on_oriented;
+use super::oriented::{TwoSided, on_oriented, take};
 use super::status::{ScalarCurvature, Undefined, VertexStatus};
 use crate::area::LumpedArea;
 use crate::corners::check_faces;
@@ -217,6 +217,37 @@ fn umbrellas(mesh: &TriMesh, scaled: bool) -> Vec<AtVertex> {
         .with_min_len(2048)
         .map_init(Fan::default, umbrella)
         .collect()
+}
+
+impl TwoSided for MeanCurvature {
+    fn mean(&self) -> &[f64] {
+        &self.signed
+    }
+
+    fn taken(&self, vertices: &[u32]) -> Self {
+        Self {
+            vectors: take(&self.vectors, vertices),
+            signed: take(&self.signed, vertices),
+            status: take(&self.status, vertices),
+            boundary: take(&self.boundary, vertices),
+        }
+    }
+}
+
+impl TwoSided for (MeanCurvature, ScalarCurvature) {
+    fn mean(&self) -> &[f64] {
+        self.0.mean()
+    }
+
+    fn taken(&self, vertices: &[u32]) -> Self {
+        let gaussian = &self.1;
+        let gaussian = ScalarCurvature {
+            values: take(&gaussian.values, vertices),
+            status: take(&gaussian.status, vertices),
+            boundary: take(&gaussian.boundary, vertices),
+        };
+        (self.0.taken(vertices), gaussian)
+    }
 }
 
 #[cfg(test)]

@@ -3,8 +3,6 @@
 use fairing_mesh::TriMesh;
 
 use super::field::CurvatureField;
-use super::mean::MeanCurvature;
-use super::status::ScalarCurvature;
 
 /// Runs an estimator where neighbouring faces agree: on the [oriented](TriMesh::oriented) mesh, or,
 /// where parts are one-sided, on its [double cover](TriMesh::double_cover). At a vertex of a
@@ -38,7 +36,8 @@ pub(super) trait TwoSided {
     }
 }
 
-fn take<T: Copy>(values: &[T], vertices: &[u32]) -> Vec<T> {
+/// The values at these vertices.
+pub(super) fn take<T: Copy>(values: &[T], vertices: &[u32]) -> Vec<T> {
     vertices.iter().map(|&v| values[v as usize]).collect()
 }
 
@@ -58,37 +57,6 @@ impl TwoSided for CurvatureField {
             boundary: take(&self.boundary, vertices),
             too_thin: self.too_thin,
         }
-    }
-}
-
-impl TwoSided for MeanCurvature {
-    fn mean(&self) -> &[f64] {
-        &self.signed
-    }
-
-    fn taken(&self, vertices: &[u32]) -> Self {
-        Self {
-            vectors: take(&self.vectors, vertices),
-            signed: take(&self.signed, vertices),
-            status: take(&self.status, vertices),
-            boundary: take(&self.boundary, vertices),
-        }
-    }
-}
-
-impl TwoSided for (MeanCurvature, ScalarCurvature) {
-    fn mean(&self) -> &[f64] {
-        self.0.mean()
-    }
-
-    fn taken(&self, vertices: &[u32]) -> Self {
-        let gaussian = &self.1;
-        let gaussian = ScalarCurvature {
-            values: take(&gaussian.values, vertices),
-            status: take(&gaussian.status, vertices),
-            boundary: take(&gaussian.boundary, vertices),
-        };
-        (self.0.taken(vertices), gaussian)
     }
 }
 

@@ -46,7 +46,8 @@ const MOST_SOLVES: usize = 12;
 /// let values = vec![1.0, -1.0, -1.0, 2.0, -1.0, -1.0, 1.0];
 /// let s = SparseMatrix::new((3, 3), vec![0, 2, 5, 7], vec![0, 1, 0, 1, 2, 1, 2], values);
 /// let system = GraphSystem::new(&s, vec![0.0; 3], &[1.0; 3], &[true, false, true], None)?;
-/// assert_eq!(system.solve(&[0.0; 3], &[0.0, 0.0, 1.0])?, [0.0, 0.5, 1.0]);
+/// let x = system.solve(&[0.0; 3], &[0.0, 0.0, 1.0])?;
+/// assert!((x[1] - 0.5).abs() < 1e-15 && x[2] == 1.0);
 /// # Ok::<(), fairing_sparse::CholeskyError>(())
 /// ```
 #[derive(Debug, Clone)]

@@ -8,13 +8,14 @@
 
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hasher};
+use std::ops::{ControlFlow, Range};
 
 use ndarray::Array2;
 
 use crate::eigen::certificate::count_in_gap;
 use crate::eigen::problem::Problem;
 use crate::eigen::{Beyond, EigenError, EigenOptions, EigenPairs, EigenProgress, EigenWatch};
-use crate::eigen::{nullspace, solve};
+use crate::eigen::{nullspace, solve, within};
 use crate::mass::Mass;
 use crate::matrix::{Rows, SparseMatrix};
 
@@ -22,8 +23,91 @@ use crate::matrix::{Rows, SparseMatrix};
 /// enough to compute few pairs that are not used.
 const MARGIN: f64 = 0.04;
 
+/// The count smallest eigenpairs of S φ = λ M φ.
+///
+/// S must be symmetric positive semi-definite, M positive definite. Cost: one factorisation of S − σM, another
+/// one for the count, and about 2 to 3 k solves and orthogonalisations against as many vectors; beyond
+/// [`EigenOptions::slice`] pairs it grows like k.
+///
+/// # Errors
+///
+/// [`EigenError`]; among them a mass that is not positive, with its row, and [`EigenError::NotConverged`],
+/// which says how many pairs met the tolerance.
+///
+/// # Examples
+///
+/// ```
+/// use fairing_sparse::{EigenOptions, Mass, SparseMatrix, smallest_eigenpairs};
+/// // A path of two vertices: eigenvalues 0 and 2.
+/// let s = SparseMatrix::new((2, 2), vec![0, 2, 4], vec![0, 1, 0, 1], vec![1.0, -1.0, -1.0, 1.0]);
+/// let pairs = smallest_eigenpairs(&s, Mass::Lumped(&[1.0, 1.0]), 2, &EigenOptions::default())?;
+/// assert_eq!(pairs.values[0], 0.0);
+/// assert!((pairs.values[1] - 2.0).abs() < 1e-14);
+/// # Ok::<(), fairing_sparse::EigenError>(())
+/// ```
+pub fn smallest_eigenpairs(
+    stiffness: &SparseMatrix,
+    mass: Mass<'_>,
+    count: usize,
+    options: &EigenOptions,
+) -> Result<EigenPairs, EigenError> {
+    smallest_eigenpairs_with(stiffness, mass, count, options, &mut |_| ControlFlow::Continue(()))
+}
+
+/// [`smallest_eigenpairs`] with a watch, which sees the progress and may cancel.
+///
+/// # Errors
+///
+/// As [`smallest_eigenpairs`], and [`EigenError::Cancelled`].
+pub fn smallest_eigenpairs_with(
+    stiffness: &SparseMatrix,
+    mass: Mass<'_>,
+    count: usize,
+    options: &EigenOptions,
+    watch: &mut EigenWatch<'_>,
+) -> Result<EigenPairs, EigenError> {
+    let rows = stiffness.rows();
+    if count > rows {
+        return Err(EigenError::TooMany { wanted: count, rows });
+    }
+    mass.check(rows)?;
+    if count == 0 {
+        return Ok(EigenPairs::none(rows));
+    }
+    match parts(stiffness, mass) {
+        Some(parts) => smallest(parts, rows, count, options, watch),
+        None => solve::connected(stiffness, mass, count, options, watch),
+    }
+}
+
+/// All eigenpairs of S φ = λ M φ with λ in an interval, counted by inertia.
+///
+/// # Errors
+///
+/// As [`smallest_eigenpairs`](crate::smallest_eigenpairs), and [`EigenError::Interval`].
+pub fn eigenpairs_within(
+    stiffness: &SparseMatrix,
+    mass: Mass<'_>,
+    interval: Range<f64>,
+    options: &EigenOptions,
+) -> Result<EigenPairs, EigenError> {
+    let (from, to) = (interval.start, interval.end);
+    if !(from.is_finite() && to.is_finite() && from < to) {
+        return Err(EigenError::Interval { from, to });
+    }
+    mass.check(stiffness.rows())?;
+    let Some(mut parts) = self::parts(stiffness, mass) else {
+        return within::connected(stiffness, mass, interval, options);
+    };
+    for part in &mut parts {
+        part.solve_within(interval.clone(), options)?;
+    }
+    let count = parts.iter().map(Part::pairs_of_all).sum();
+    Ok(assemble(&parts, stiffness.rows(), count))
+}
+
 /// A component, or several that are equal.
-pub(crate) struct Part {
+struct Part {
     /// The rows of each copy in the whole, ascending.
     copies: Vec<Vec<u32>>,
     stiffness: SparseMatrix,
@@ -48,7 +132,7 @@ struct Chosen {
 }
 
 /// The components of S and M together; `None` if there is only one.
-pub(crate) fn parts(stiffness: &SparseMatrix, mass: Mass<'_>) -> Option<Vec<Part>> {
+fn parts(stiffness: &SparseMatrix, mass: Mass<'_>) -> Option<Vec<Part>> {
     let groups = groups(stiffness, mass);
     if groups.len() < 2 {
         return None;
@@ -80,7 +164,7 @@ pub(crate) fn parts(stiffness: &SparseMatrix, mass: Mass<'_>) -> Option<Vec<Part
 }
 
 /// The count smallest eigenpairs of all parts together.
-pub(crate) fn smallest(
+fn smallest(
     mut parts: Vec<Part>,
     rows: usize,
     count: usize,
@@ -151,7 +235,7 @@ pub(crate) fn smallest(
 }
 
 /// All pairs of all parts, in the caller's rows, ascending: the first `count` of them.
-pub(crate) fn assemble(parts: &[Part], rows: usize, count: usize) -> EigenPairs {
+fn assemble(parts: &[Part], rows: usize, count: usize) -> EigenPairs {
     let mut merged = merge(parts, usize::MAX);
     let clear_below = parts.iter().map(Part::clear_below).fold(f64::INFINITY, f64::min);
     // Those known by value only come after all that are wanted.
@@ -256,18 +340,17 @@ impl Part {
     }
 
     /// Its eigenpairs within an interval.
-    pub(crate) fn solve_within(
+    fn solve_within(
         &mut self,
-        interval: std::ops::Range<f64>,
+        interval: Range<f64>,
         options: &EigenOptions,
     ) -> Result<(), EigenError> {
-        self.pairs =
-            crate::eigen::within::connected(&self.stiffness, self.mass.view(), interval, options)?;
+        self.pairs = within::connected(&self.stiffness, self.mass.view(), interval, options)?;
         Ok(())
     }
 
     /// Pairs known of all copies.
-    pub(crate) fn pairs_of_all(&self) -> usize {
+    fn pairs_of_all(&self) -> usize {
         self.copies.len() * self.pairs.values.len()
     }
 

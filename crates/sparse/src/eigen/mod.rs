@@ -27,8 +27,7 @@ use ndarray::Array2;
 use crate::direct::cholesky::CholeskyError;
 use crate::mass::MassError;
 
-pub use solve::{smallest_eigenpairs, smallest_eigenpairs_with};
-pub use within::eigenpairs_within;
+pub use components::{eigenpairs_within, smallest_eigenpairs, smallest_eigenpairs_with};
 
 /// How to solve an eigenproblem.
 #[derive(Debug, Clone, PartialEq)]

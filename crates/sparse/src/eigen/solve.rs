@@ -1,7 +1,5 @@
 //! The smallest eigenpairs: dense for small problems, one Lanczos run for some pairs, slices for many.
 
-use std::ops::ControlFlow;
-
 use crate::direct::factor::LANES;
 use crate::eigen::basis::Block;
 use crate::eigen::lanczos::{self};
@@ -10,70 +8,11 @@ use crate::eigen::polish::{self};
 use crate::eigen::problem::Problem;
 use crate::eigen::projected::{Projected, ZERO};
 use crate::eigen::run::{Below, Found, Run};
-use crate::eigen::{
-    Count, EigenError, EigenOptions, EigenPairs, EigenWatch, components, dense, shift, slices,
-};
+use crate::eigen::{Count, EigenError, EigenOptions, EigenPairs, EigenWatch, dense, shift, slices};
 use crate::mass::Mass;
 use crate::matrix::SparseMatrix;
 
-/// The count smallest eigenpairs of S φ = λ M φ.
-///
-/// S must be symmetric positive semi-definite, M positive definite. Cost: one factorisation of S − σM, another
-/// one for the count, and about 2 to 3 k solves and orthogonalisations against as many vectors; beyond
-/// [`EigenOptions::slice`] pairs it grows like k.
-///
-/// # Errors
-///
-/// [`EigenError`]; among them a mass that is not positive, with its row, and [`EigenError::NotConverged`],
-/// which says how many pairs met the tolerance.
-///
-/// # Examples
-///
-/// ```
-/// use fairing_sparse::{EigenOptions, Mass, SparseMatrix, smallest_eigenpairs};
-/// // A path of two vertices: eigenvalues 0 and 2.
-/// let s = SparseMatrix::new((2, 2), vec![0, 2, 4], vec![0, 1, 0, 1], vec![1.0, -1.0, -1.0, 1.0]);
-/// let pairs = smallest_eigenpairs(&s, Mass::Lumped(&[1.0, 1.0]), 2, &EigenOptions::default())?;
-/// assert_eq!(pairs.values[0], 0.0);
-/// assert!((pairs.values[1] - 2.0).abs() < 1e-14);
-/// # Ok::<(), fairing_sparse::EigenError>(())
-/// ```
-pub fn smallest_eigenpairs(
-    stiffness: &SparseMatrix,
-    mass: Mass<'_>,
-    count: usize,
-    options: &EigenOptions,
-) -> Result<EigenPairs, EigenError> {
-    smallest_eigenpairs_with(stiffness, mass, count, options, &mut |_| ControlFlow::Continue(()))
-}
-
-/// [`smallest_eigenpairs`] with a watch, which sees the progress and may cancel.
-///
-/// # Errors
-///
-/// As [`smallest_eigenpairs`], and [`EigenError::Cancelled`].
-pub fn smallest_eigenpairs_with(
-    stiffness: &SparseMatrix,
-    mass: Mass<'_>,
-    count: usize,
-    options: &EigenOptions,
-    watch: &mut EigenWatch<'_>,
-) -> Result<EigenPairs, EigenError> {
-    let rows = stiffness.rows();
-    if count > rows {
-        return Err(EigenError::TooMany { wanted: count, rows });
-    }
-    mass.check(rows)?;
-    if count == 0 {
-        return Ok(EigenPairs::none(rows));
-    }
-    match components::parts(stiffness, mass) {
-        Some(parts) => components::smallest(parts, rows, count, options, watch),
-        None => connected(stiffness, mass, count, options, watch),
-    }
-}
-
-/// The same without a look for components.
+/// The count smallest eigenpairs, without a look for components.
 pub(crate) fn connected(
     stiffness: &SparseMatrix,
     mass: Mass<'_>,

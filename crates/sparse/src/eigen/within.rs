@@ -8,37 +8,11 @@ use crate::eigen::certificate::{Counted, count_in_gap};
 use crate::eigen::problem::Problem;
 use crate::eigen::run::Found;
 use crate::eigen::slices::Slices;
-use crate::eigen::{EigenError, EigenOptions, EigenPairs, components, solve};
+use crate::eigen::{EigenError, EigenOptions, EigenPairs, solve};
 use crate::mass::Mass;
 use crate::matrix::SparseMatrix;
 
-/// All eigenpairs of S φ = λ M φ with λ in an interval, counted by inertia.
-///
-/// # Errors
-///
-/// As [`smallest_eigenpairs`](crate::smallest_eigenpairs), and [`EigenError::Interval`].
-pub fn eigenpairs_within(
-    stiffness: &SparseMatrix,
-    mass: Mass<'_>,
-    interval: Range<f64>,
-    options: &EigenOptions,
-) -> Result<EigenPairs, EigenError> {
-    let (from, to) = (interval.start, interval.end);
-    if !(from.is_finite() && to.is_finite() && from < to) {
-        return Err(EigenError::Interval { from, to });
-    }
-    mass.check(stiffness.rows())?;
-    let Some(mut parts) = components::parts(stiffness, mass) else {
-        return connected(stiffness, mass, interval, options);
-    };
-    for part in &mut parts {
-        part.solve_within(interval.clone(), options)?;
-    }
-    let count = parts.iter().map(components::Part::pairs_of_all).sum();
-    Ok(components::assemble(&parts, stiffness.rows(), count))
-}
-
-/// The same without a look for components.
+/// All eigenpairs of an interval, without a look for components.
 pub(crate) fn connected(
     stiffness: &SparseMatrix,
     mass: Mass<'_>,
