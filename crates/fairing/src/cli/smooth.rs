@@ -19,7 +19,8 @@ use super::{Context, print};
 
 const HELP: &str = "\
 Which method?
-  Noise, and the size must stay     taubin (the default), or windowed-sinc: sharper
+  Noise, and the size must stay     taubin (the default), or windowed-sinc: sharper; both for
+                                    finely meshed shapes: large triangles and borders shrink
   The assignment's questions 5, 6   explicit --lambda L, implicit --lambda L
   Very smooth, in few steps         implicit --lambda 50 --iterations 3
   A physical amount of smoothing    low-pass --time T: exact heat diffusion, or --cutoff W

@@ -238,4 +238,31 @@ mod tests {
         assert!(Length::MeshUnits(-1.0).at_vertices(&mesh).is_err());
         assert!(Length::MeanEdges(f64::NAN).at_vertices(&mesh).is_err());
     }
+
+    /// Radii in mean edges are those of the component: another one, a thousand times as large, changes nothing.
+    #[test]
+    fn a_larger_component_changes_no_radius() {
+        use crate::curvature::Estimator;
+        let torus = fairing_shapes::torus(1.0, 0.4, 40, 16);
+        let n = torus.vertex_count();
+        let large = torus.positions().iter().map(|p| [1e3 * p[0] + 9e3, 1e3 * p[1], 1e3 * p[2]]);
+        let positions = torus.positions().iter().copied().chain(large).collect();
+        let other = torus.faces().iter().map(|face| face.map(|v| v + n as u32));
+        let faces = torus.faces().iter().copied().chain(other).collect();
+        let both = TriMesh::new(positions, faces).unwrap();
+        for (name, given) in [
+            ("normal-cycle", &[][..]),
+            ("corrected-ball", &[]),
+            ("jet3", &[("radius", "3")]),
+            ("quadric", &[("radius", "3")]),
+        ] {
+            let estimator = Estimator::with(name, given).unwrap();
+            let alone = estimator.estimate(&torus).unwrap();
+            let found = estimator.estimate(&both).unwrap();
+            for v in 0..n {
+                let (a, b) = (found.mean[v], alone.mean[v]);
+                assert!((a - b).abs() < 1e-9 * (1.0 + b.abs()), "{name}, {v}: {a} and {b}");
+            }
+        }
+    }
 }

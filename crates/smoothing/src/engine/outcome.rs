@@ -20,7 +20,7 @@ pub struct Smoothed {
 pub struct Report {
     /// Steps taken.
     pub iterations: usize,
-    /// Whether an observer ended the flow.
+    /// Whether the flow ended before its last step: an observer ended it, or the mesh had become a point.
     pub stopped: bool,
     /// For explicit methods, the largest step for which no mode grows: proven for uniform weights, measured for
     /// cotangents; in the unit of the factor of `L` (squared mesh units for cotangents). `None` for uniform λ ≤ 1,

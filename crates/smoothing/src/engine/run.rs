@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 
 use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::distance;
 use fairing_operators::{OperatorError, check_faces};
 
 use crate::engine::arrangement::Arrangement;
@@ -44,6 +45,16 @@ pub(crate) struct Run<'a, 'o> {
 pub(crate) struct StepNote {
     pub(crate) step_size: f64,
     pub(crate) residual: Option<f64>,
+}
+
+/// Whether nothing but rounding is left of a mesh that had this diagonal: further steps do not move it.
+fn is_point(mesh: &TriMesh, size: f64) -> bool {
+    let largest = |p: [f64; 3]| p.iter().fold(size, |most, x| most.max(x.abs()));
+    let limit = |p: [f64; 3]| 4.0 * f64::EPSILON * largest(p);
+    // Most meshes show by two corners that they are none.
+    let Some(&[a, b, _]) = mesh.faces().first() else { return false };
+    let [a, b] = [a, b].map(|v| mesh.positions()[v as usize]);
+    size > 0.0 && distance(a, b) <= limit(a) && mesh.diagonal() <= limit(a)
 }
 
 /// Refuses a mesh whose faces share no corners: without neighbours each face shrinks by itself.
@@ -103,6 +114,7 @@ impl<'a, 'o> Run<'a, 'o> {
     ) -> Result<Smoothed, FlowError> {
         let mut mesh = self.arrangement.mesh().clone();
         let mut next = mesh.positions().to_vec();
+        let size = mesh.diagonal();
         fairing_watch::stage("steps", self.iterations as u64);
         for iteration in 0..self.iterations {
             fairing_watch::advance(u64::from(iteration > 0));
@@ -138,7 +150,7 @@ impl<'a, 'o> Run<'a, 'o> {
                 }),
             };
             next = std::mem::replace(&mut mesh, after).into_positions();
-            if verdict.is_break() {
+            if verdict.is_break() || is_point(&mesh, size) {
                 self.report.stopped = true;
                 break;
             }

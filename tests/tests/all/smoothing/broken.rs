@@ -227,3 +227,17 @@ fn edges_without_length_are_named() {
     assert_eq!(error.failure, FlowFailure::NoLength { vertex: a, neighbor: b });
     assert_eq!((error.iteration, error.last_good.positions()), (1, mesh.positions()));
 }
+
+/// A sphere away from the origin shrinks to a point; steps that only move its rounding about are not taken.
+#[test]
+fn a_flow_that_has_become_a_point_stops() {
+    let sphere = shapes::icosphere(1);
+    let positions = sphere.positions().iter().map(|p| [p[0] + 3.0, p[1], p[2]]).collect();
+    let sphere = sphere.with_positions(positions).unwrap();
+    let options = Explicit { iterations: 100_000, ..Explicit::new(Diffusion::uniform(1.0)) };
+    let mut watch = |_: &fairing_smoothing::Step<'_>| ControlFlow::Continue(());
+    let found = explicit(&sphere, &options, Some(&mut watch)).unwrap();
+    assert!(found.report.stopped && found.report.iterations < 2000, "{}", found.report.iterations);
+    assert!(found.mesh.diagonal() < 1e-14);
+    assert!((found.mesh.positions()[0][0] - 3.0).abs() < 1e-12);
+}
