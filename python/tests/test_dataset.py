@@ -46,7 +46,7 @@ def corpus(tmp_path_factory) -> list[str]:
         if i % BROKEN == 7:
             path.write_text("v 0 0 0\nv 1 0\n")
         else:
-            path.write_bytes(kinds[i % len(kinds)].noise(0.05, seed=i).to_bytes(path.suffix[1:]))
+            path.write_bytes(kinds[i % len(kinds)].noise(0.05, kind="axes", seed=i).to_bytes(path.suffix[1:]))
         paths.append(str(path))
     return paths
 
@@ -205,7 +205,7 @@ def poison(mesh: pf.Mesh) -> dict[str, float]:
     return area(mesh)
 
 
-_POISON = pf.read_bytes(pf.shapes.icosphere(1).noise(0.05, seed=10).to_bytes("obj"), "a.obj")
+_POISON = pf.read_bytes(pf.shapes.icosphere(1).noise(0.05, kind="axes", seed=10).to_bytes("obj"), "a.obj")
 
 
 @pytest.mark.cluster
