@@ -7,7 +7,7 @@ use fairing_mesh::TriMesh;
 
 use crate::EvaluationError;
 
-/// Whether elements of the same number can be compared: the same number of
+/// Checks that elements of the same number can be compared: the same number of
 /// vertices, and faces with the same corners, however they are wound.
 ///
 /// # Errors

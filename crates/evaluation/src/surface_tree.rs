@@ -268,7 +268,7 @@ impl SurfaceTree {
         self.triangles.len()
     }
 
-    /// Whether the boxes of two trees of one frame overlap.
+    /// Returns true if the boxes of two trees of one frame overlap.
     pub(crate) fn may_meet(&self, other: &Self) -> bool {
         let bounds = |tree: &Self| {
             let top = tree.levels.last().and_then(|level| level.first()).unwrap_or(&Quad::EMPTY);

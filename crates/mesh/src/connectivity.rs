@@ -55,7 +55,7 @@ impl Connectivity {
         })
     }
 
-    /// Whether the two faces of each edge that has two run through it in
+    /// Returns true if the two faces of each edge that has two run through it in
     /// opposite directions; computed at the first call, without a topology
     /// where no two faces leave a vertex for the same neighbour.
     pub fn is_consistent(&self) -> bool {

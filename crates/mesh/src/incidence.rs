@@ -69,7 +69,7 @@ impl Incidence {
         &self.all_sides()[self.range(v)]
     }
 
-    /// Whether no two faces run from a vertex to the same neighbour.
+    /// Returns true if no two faces run from a vertex to the same neighbour.
     pub(crate) fn leaves_each_side_once(&self) -> bool {
         let all = self.all_sides();
         (0..self.offsets.len() - 1).into_par_iter().with_min_len(4096).all(|v| {

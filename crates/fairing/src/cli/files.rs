@@ -49,7 +49,7 @@ pub(crate) struct Overwrite {
     pub(crate) force: bool,
 }
 
-/// What a file is to hold, which its extension has to say.
+/// The content of an output file, which its extension must allow.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Content {
     /// A mesh, with fields where the format holds them.
@@ -124,7 +124,7 @@ pub(crate) fn read(context: &Context, path: &Path) -> Result<MeshFile, Failure> 
     io::read_with(path, &reading(context)).map_err(unreadable)
 }
 
-/// How every verb reads.
+/// Reading options shared by all verbs.
 pub(crate) fn reading(context: &Context) -> ReadOptions {
     match context.drop_broken {
         true => ReadOptions::dropping_broken(),

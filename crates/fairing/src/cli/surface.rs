@@ -11,7 +11,7 @@ use super::Context;
 use super::exit::Failure;
 use super::files;
 
-/// How a verb takes its mesh.
+/// Options for reading a mesh that needs its neighbours.
 #[derive(Args)]
 pub(crate) struct Reading {
     /// Join vertices at exactly equal positions for the computation, in files whose faces do not
@@ -90,7 +90,7 @@ impl Surface {
         }
     }
 
-    /// What was done to the mesh before the computation, for machines.
+    /// Adds the changes made to the mesh before the computation to a JSON summary.
     pub(crate) fn add_to(&self, summary: &mut Value) {
         let mesh = self.mesh();
         let entries = [
@@ -119,7 +119,7 @@ impl Surface {
         }
     }
 
-    /// How many vertices of the file each vertex stands for.
+    /// The number of vertices of the file that each vertex stands for.
     pub(crate) fn copies(&self) -> Vec<u32> {
         let mut copies = vec![0; self.mesh().vertex_count()];
         match &self.welded {

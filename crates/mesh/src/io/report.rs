@@ -34,12 +34,12 @@ pub struct ReadReport {
     /// The first of them, at most [`Self::NAMED`], numbered from 0 as in the
     /// file.
     pub first_left_out: Vec<usize>,
-    /// How many vertices have positions that are not finite. They are in no
+    /// The number of vertices whose positions are not finite. They are in no
     /// face, at the place of the first sound vertex.
     pub broken_vertices: usize,
     /// The first of them, at most [`Self::NAMED`].
     pub first_broken_vertices: Vec<usize>,
-    /// How many faces name such a vertex, or one that is not there, and are
+    /// The number of faces that name such a vertex, or one that is not there, and are
     /// left out.
     pub broken_faces: usize,
     /// The first of them, at most [`Self::NAMED`], numbered from 0 as in the
@@ -51,7 +51,7 @@ pub struct ReadReport {
 }
 
 impl ReadReport {
-    /// How many of the faces and vertices of each kind are named.
+    /// The number of faces and vertices of each kind that are named.
     pub const NAMED: usize = 8;
 
     /// How many faces are read: those of the file but the ones left out.

@@ -108,7 +108,7 @@ impl Orientation {
 struct Spread {
     parts: Vec<u32>,
     flipped: Vec<bool>,
-    /// Whether each part has met itself turned over.
+    /// True for each part that has met itself turned over.
     one_sided: Vec<bool>,
     queue: VecDeque<usize>,
 }

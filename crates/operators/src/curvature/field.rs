@@ -106,7 +106,7 @@ impl CurvatureField {
         self.status[v as usize].is_defined() && !self.boundary[v as usize]
     }
 
-    /// Whether each vertex has no value, so that the zero there means nothing: the flags for colours.
+    /// True at each vertex without a value, where the zero means nothing: the flags for colours.
     pub fn undefined(&self) -> Vec<bool> {
         self.status.iter().map(|status| !status.is_defined()).collect()
     }

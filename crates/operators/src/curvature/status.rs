@@ -87,7 +87,7 @@ impl ScalarCurvature {
         self.status[v].is_defined().then(|| self.values[v])
     }
 
-    /// Whether each vertex has no value, so that the zero there means nothing: the flags for colours.
+    /// True at each vertex without a value, where the zero means nothing: the flags for colours.
     pub fn undefined(&self) -> Vec<bool> {
         self.status.iter().map(|status| !status.is_defined()).collect()
     }

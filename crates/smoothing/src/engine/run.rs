@@ -47,7 +47,7 @@ pub(crate) struct StepNote {
     pub(crate) residual: Option<f64>,
 }
 
-/// Whether nothing but rounding is left of a mesh that had this diagonal: further steps do not move it.
+/// Returns true if nothing but rounding is left of a mesh that had this diagonal.
 fn is_point(mesh: &TriMesh, size: f64) -> bool {
     let largest = |p: [f64; 3]| p.iter().fold(size, |most, x| most.max(x.abs()));
     let limit = |p: [f64; 3]| 4.0 * f64::EPSILON * largest(p);

@@ -55,7 +55,7 @@ pub(crate) struct SizeKeeper {
     connectivity: Arc<Connectivity>,
 }
 
-/// What is kept, and how.
+/// The size that is kept.
 #[derive(Debug, Clone, Copy)]
 enum Size {
     /// The area, by scaling about the centroid of the surface.

@@ -24,7 +24,7 @@ pub struct Hc {
     pub beta: f64,
     /// The number of steps; 10 unless set.
     pub iterations: usize,
-    /// What happens where modes would grow; refused unless set.
+    /// The treatment of modes that would grow; refused unless set.
     pub stability: Stability,
     /// Vertices that may not move freely.
     pub constraints: Constraints,

@@ -112,7 +112,7 @@ struct Part {
     copies: Vec<Vec<u32>>,
     stiffness: SparseMatrix,
     mass: PartMass,
-    /// What is known of its spectrum.
+    /// The part of its spectrum that is known.
     pairs: EigenPairs,
 }
 
@@ -281,7 +281,7 @@ fn merge(parts: &[Part], count: usize) -> Vec<Chosen> {
     all
 }
 
-/// How many of the first values of each part are among the `count` smallest.
+/// The number of values of each part among the `count` smallest.
 fn used(parts: &[Part], count: usize) -> Vec<usize> {
     let mut used = vec![0; parts.len()];
     for chosen in merge(parts, count) {
