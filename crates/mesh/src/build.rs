@@ -12,6 +12,13 @@ pub enum BuildError {
         /// Its coordinates.
         position: [f64; 3],
     },
+    /// The longest side of the box around the vertices is neither zero nor within
+    /// [`EXTENTS`](crate::EXTENTS).
+    #[error("the mesh has an extent of {extent:e}, outside of 1e-30 to 1e30: rescale it")]
+    Extent {
+        /// The longest side, in mesh units.
+        extent: f64,
+    },
     /// A face names a vertex that does not exist.
     #[error("face {face} names vertex {index}, but there are {vertex_count} vertices")]
     IndexOutOfRange {

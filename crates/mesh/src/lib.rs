@@ -47,7 +47,6 @@ mod polygon;
 mod subdivide;
 mod topology;
 mod trimesh;
-mod unit_scale;
 #[doc(hidden)]
 pub mod vec3;
 mod weld;
@@ -66,5 +65,5 @@ pub use option_error::OptionError;
 pub use polygon::PolygonMesh;
 pub use subdivide::{subdivide_loop, subdivide_midpoint};
 pub use topology::{Components, Fan, Orientation, Topology};
-pub use trimesh::TriMesh;
+pub use trimesh::{EXTENTS, TriMesh};
 pub use weld::Welded;

@@ -1,6 +1,7 @@
 //! The triangle mesh.
 
 use std::fmt;
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use crate::build::BuildError;
@@ -9,8 +10,14 @@ use crate::incidence::Incidence;
 use crate::topology::Topology;
 use crate::vec3::{cross, distance, norm, sub};
 
+/// The extents that a mesh may have, in mesh units, besides zero: the longest side of the box around its vertices.
+///
+/// The formulas of this workspace take lengths to at most the eighth power, which neither overflows nor underflows
+/// there.
+pub const EXTENTS: RangeInclusive<f64> = 1e-30..=1e30;
+
 /// A triangle mesh, always valid: indices are in range, coordinates are
-/// finite, and no face repeats a corner.
+/// finite, their extent is zero or within [`EXTENTS`], and no face repeats a corner.
 ///
 /// Anything else is allowed: isolated vertices, faces of zero area, edges with
 /// three faces, inconsistent orientation. Cloning copies positions and shares
@@ -36,7 +43,7 @@ impl TriMesh {
         if u32::try_from(faces.len().saturating_mul(3)).is_err() {
             return Err(BuildError::TooLarge { what: "corners", count: faces.len() * 3 });
         }
-        check_finite(&positions)?;
+        check_positions(&positions)?;
         for (face, &corners) in faces.iter().enumerate() {
             let [a, b, c] = corners;
             if let Some(&index) = corners.iter().find(|&&i| i as usize >= count) {
@@ -127,8 +134,8 @@ impl TriMesh {
     ///
     /// # Errors
     ///
-    /// [`BuildError`] if there are too few or too many positions, or one is
-    /// not finite.
+    /// [`BuildError`] if there are too few or too many positions, one is
+    /// not finite, or their extent is out of range.
     pub fn with_positions(&self, positions: Vec<[f64; 3]>) -> Result<Self, BuildError> {
         if positions.len() != self.vertex_count() {
             return Err(BuildError::PositionCount {
@@ -136,18 +143,13 @@ impl TriMesh {
                 found: positions.len(),
             });
         }
-        check_finite(&positions)?;
+        check_positions(&positions)?;
         Ok(Self { positions, connectivity: Arc::clone(&self.connectivity) })
     }
 
     /// The positions, in mesh units, one per vertex.
     pub fn positions(&self) -> &[[f64; 3]] {
         &self.positions
-    }
-
-    /// The caller keeps them finite.
-    pub(crate) fn positions_mut(&mut self) -> &mut [[f64; 3]] {
-        &mut self.positions
     }
 
     /// The positions as an `n × 3` view, without a copy.
@@ -279,9 +281,46 @@ impl PartialEq for TriMesh {
     }
 }
 
-fn check_finite(positions: &[[f64; 3]]) -> Result<(), BuildError> {
+/// Checks that positions are finite, and that their extent is within [`EXTENTS`].
+pub(crate) fn check_positions(positions: &[[f64; 3]]) -> Result<(), BuildError> {
+    let extent = extent(positions);
+    if extent == 0.0 || EXTENTS.contains(&extent) {
+        return Ok(());
+    }
     match positions.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
-        None => Ok(()),
+        None => Err(BuildError::Extent { extent }),
         Some(v) => Err(BuildError::NonFinite { vertex: v as u32, position: positions[v] }),
     }
+}
+
+/// The longest side of the box around positions; 0 without any, NaN if one is not finite.
+fn extent(positions: &[[f64; 3]]) -> f64 {
+    // Twelve numbers at a time, without a branch, are compared by vector instructions.
+    const LANES: usize = 12;
+    let Some(first) = positions.first() else { return 0.0 };
+    let (mut low, mut high) = ([0; LANES].map(|_| f64::INFINITY), [f64::NEG_INFINITY; LANES]);
+    // Zero as long as all are finite, NaN after.
+    let mut finite = [0.0; LANES];
+    let mut add = |lane: usize, x: f64| {
+        low[lane] = if x < low[lane] { x } else { low[lane] };
+        high[lane] = if x > high[lane] { x } else { high[lane] };
+        finite[lane] += 0.0 * x;
+    };
+    let (blocks, rest) = positions.as_flattened().as_chunks::<LANES>();
+    for block in blocks {
+        for lane in 0..LANES {
+            add(lane, block[lane]);
+        }
+    }
+    for (i, &x) in first.iter().chain(rest).enumerate() {
+        add(i % 3, x);
+    }
+    let side = |k: usize| {
+        let ends = (k..LANES).step_by(3).map(|lane| (low[lane], high[lane]));
+        let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (l, h)| {
+            (low.min(l), high.max(h))
+        });
+        high - low
+    };
+    (0..3).map(side).fold(0.0, f64::max) + finite.iter().sum::<f64>()
 }

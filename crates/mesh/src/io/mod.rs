@@ -82,6 +82,7 @@ use std::path::Path;
 use crate::io::error::Fault;
 use crate::io::parsed::{Broken, Finished};
 use crate::polygon::Polygons;
+use crate::trimesh::check_positions;
 use crate::{PolygonMesh, TriMesh};
 
 /// A triangle mesh from a file, with the data that came along.
@@ -289,7 +290,10 @@ fn finished(named: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Resul
     if mark > 0 {
         parsed.notes.push("the byte-order mark at the beginning is ignored".to_owned());
     }
-    parsed.finish(format, compressed, options)
+    let finished = parsed.finish(format, compressed, options)?;
+    let sound = check_positions(&finished.positions);
+    sound.map_err(|error| Fault::whole(ReadProblem::Mesh(error)))?;
+    Ok(finished)
 }
 
 /// What follows the byte-order mark that some editors put before UTF-8 text. A
