@@ -59,6 +59,7 @@ mod parsed;
 mod ply;
 mod read;
 mod report;
+mod row;
 mod stl;
 mod surface;
 mod text;
@@ -68,13 +69,14 @@ mod write;
 
 pub use error::{Place, ReadError, ReadProblem, WriteError, WriteProblem};
 pub use fields::VertexFields;
-pub use format::{Format, Holds, NamedFormat};
+pub use format::{Format, NamedFormat};
 pub use options::{Encoding, FloatWidth, ReadOptions, Strictness, UnsupportedFields, WriteOptions};
 pub use read::{
     MeshFile, PolygonFile, read, read_bytes, read_from, read_polygons, read_polygons_from,
     read_polygons_with, read_with,
 };
 pub use report::{ReadReport, WriteReport};
+pub use row::Holds;
 #[cfg(feature = "files")]
 #[doc(hidden)]
 pub use whole::{check_writable, write_whole};

@@ -6,9 +6,9 @@
 //! `#` anywhere.
 
 use crate::io::error::{Fault, WriteProblem, unexpected};
-use crate::io::format::{Holds, Row};
 use crate::io::number::{put_float, put_integer, put_triple};
 use crate::io::parsed::{Broken, FaceList, Parsed, bytes_of_colors, check_finite};
+use crate::io::row::{Holds, Row};
 use crate::io::surface::{Encoded, Surface, face_lines, lines};
 use crate::io::text::{Cursor, normalized, shown};
 use crate::io::{VertexFields, WriteOptions};

@@ -11,9 +11,9 @@ use rayon::prelude::*;
 
 use crate::io::WriteOptions;
 use crate::io::error::{Fault, ReadProblem, WriteProblem};
-use crate::io::format::{Holds, Row};
 use crate::io::number::{put_integer, put_triple};
 use crate::io::parsed::{Broken, Parsed, bytes_of_colors, vertex_index};
+use crate::io::row::{Holds, Row};
 use crate::io::surface::{Encoded, Surface, lines};
 use crate::io::text::normalized;
 use crate::polygon::Polygons;

@@ -13,8 +13,8 @@ mod source;
 mod vertices;
 
 use crate::io::error::{Fault, unexpected};
-use crate::io::format::{Holds, Row};
 use crate::io::parsed::{Broken, Parsed};
+use crate::io::row::{Holds, Row};
 use crate::io::text::normalized;
 use faces::Limits;
 use header::{Body, Element, Header, Kind};

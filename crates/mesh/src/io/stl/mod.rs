@@ -4,9 +4,9 @@ mod ascii;
 mod binary;
 
 use crate::io::error::{Fault, WriteProblem};
-use crate::io::format::{Holds, Row};
 use crate::io::number::put_triple;
 use crate::io::parsed::{Broken, Parsed};
+use crate::io::row::{Holds, Row};
 use crate::io::surface::{Encoded, Surface, lines};
 use crate::io::{Encoding, WriteOptions};
 use crate::vec3::{cross, normalize, sub};
