@@ -17,7 +17,7 @@ use pyo3::types::{PyBytes, PyDict};
 
 use crate::arrays::{column, rows, triples, values, view};
 use crate::error::{Error, Result};
-use crate::options::choose;
+use crate::options::{choose, named};
 use crate::run::Call;
 
 /// A triangle mesh that never changes.
@@ -218,7 +218,7 @@ impl Mesh {
     ) -> PyResult<Bound<'py, PyBytes>> {
         let fields = fields(scalars, vectors, colors)?;
         let options = write_options(ascii, width)?;
-        let format = choose("format", format, &FORMATS)?;
+        let format: Format = named(format)?;
         let mesh = self.share();
         let bytes = call.run(py, move || Ok(io::to_bytes(format, &mesh, &fields, &options)?))?;
         Ok(PyBytes::new(py, &bytes))
@@ -231,9 +231,6 @@ const NORMAL_WEIGHTS: [(&str, NormalWeight); 4] = [
     ("sphere", NormalWeight::Sphere),
     ("uniform", NormalWeight::Uniform),
 ];
-
-const FORMATS: [(&str, Format); 4] =
-    [("obj", Format::Obj), ("ply", Format::Ply), ("off", Format::Off), ("stl", Format::Stl)];
 
 fn write_options(ascii: bool, width: &str) -> Result<WriteOptions> {
     let widths = [

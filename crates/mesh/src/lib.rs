@@ -52,7 +52,7 @@ pub mod vec3;
 mod weld;
 
 pub use algorithm::{Algorithm, Choice, Kind, Parameter, ParameterError, Values, WeightedVertex};
-pub use build::BuildError;
+pub use build::{BuildError, EXTENTS};
 pub use connectivity::Connectivity;
 pub use diagnosis::{Diagnosis, Tally};
 pub use incidence::Incidence;
@@ -65,5 +65,5 @@ pub use option_error::OptionError;
 pub use polygon::PolygonMesh;
 pub use subdivide::{subdivide_loop, subdivide_midpoint};
 pub use topology::{Components, Fan, Orientation, Topology};
-pub use trimesh::{EXTENTS, TriMesh};
+pub use trimesh::TriMesh;
 pub use weld::Welded;

@@ -4,9 +4,7 @@
 mod list;
 mod triangulate;
 
-use crate::build::BuildError;
-use crate::trimesh::TriMesh;
-use crate::trimesh::check_positions;
+use crate::build::{BuildError, check_positions};
 
 pub(crate) use list::repeats_a_corner;
 #[cfg(feature = "io")]
@@ -123,27 +121,6 @@ impl PolygonMesh {
         edges.sort_unstable();
         edges.dedup();
         edges.len()
-    }
-
-    /// Splits the polygons into triangles: n − 2 for n corners, in the order
-    /// of the polygons, all corners used, none added.
-    ///
-    /// - A triangle does not change.
-    /// - A convex polygon becomes the fan around its first corner: `(0, 1, 2)`,
-    ///   `(0, 2, 3)`, …
-    /// - Any other is cut ear by ear. An ear is a corner that turns like the
-    ///   polygon does and whose triangle holds no other corner; each time the
-    ///   ear with the best shape (area over the sum of squared sides) goes, the
-    ///   first of equal ones. Where no ear is left, as in polygons that cross
-    ///   themselves, the rest becomes a fan; so does a polygon of more than
-    ///   1024 corners that is not convex, since cutting takes quadratic time.
-    ///
-    /// Turning is judged along the area vector of the polygon,
-    /// `½ Σ pₖ × pₖ₊₁`; convex means that every corner turns by more than
-    /// rounding (10⁻¹⁰ of the product of its sides), so that straight corners,
-    /// around which a fan may have triangles without area, count as not convex.
-    pub fn triangulate(&self) -> TriMesh {
-        TriMesh::from_checked(self.positions.clone(), triangulate::triangles(self))
     }
 }
 

@@ -46,6 +46,7 @@ all_shared!(
     fairing::mesh::io::Encoding,
     fairing::mesh::io::FloatWidth,
     fairing::mesh::io::Format,
+    fairing::mesh::io::Holds,
     fairing::mesh::io::MeshFile,
     fairing::mesh::io::NamedFormat,
     fairing::mesh::io::Place,

@@ -10,15 +10,11 @@ const MAP: &str = "docs/architecture.md";
 /// Folders of the repository with which a path in the map begins.
 const ROOTS: [&str; 6] = ["crates/", "xtask/", "tests/", "docs/", "data/", "fuzz/"];
 
-/// The steps of each recipe under "How to add".
-const STEPS: usize = 5;
-
 fn read(root: &Path) -> Result<String> {
     fs::read_to_string(root.join(MAP)).with_context(|| format!("reading {MAP}"))
 }
 
-/// Paths that are not there, items that are not in the file named after them (`` `Item` in `path` ``), and recipes
-/// that have not [`STEPS`] steps.
+/// Paths that are not there, and items that are not in the file named after them (`` `Item` in `path` ``).
 pub(super) fn places(root: &Path) -> Result<Vec<String>> {
     let map = read(root)?;
     let mut broken = vec![];
@@ -43,21 +39,7 @@ pub(super) fn places(root: &Path) -> Result<Vec<String>> {
             }
         }
     }
-    broken.extend(recipes(&map));
     Ok(broken)
-}
-
-fn recipes(map: &str) -> Vec<String> {
-    let section = map.split("\n## ").find(|s| s.starts_with("How to add"));
-    let Some(section) = section else {
-        return vec![format!("{MAP} does not say how to add things")];
-    };
-    let recipes = section.split("\n### ").skip(1).map(|recipe| {
-        let steps = recipe.lines().filter(|l| l.starts_with(|c: char| c.is_ascii_digit())).count();
-        (recipe.lines().next().unwrap_or_default(), steps)
-    });
-    let wrong = recipes.filter(|(_, steps)| *steps != STEPS);
-    wrong.map(|(name, steps)| format!("{MAP}: {name} has {steps} steps, not {STEPS}")).collect()
 }
 
 /// Dependencies of the workspace that the map does not name.
@@ -85,16 +67,13 @@ mod tests {
         fs::create_dir_all(root.join("docs")).unwrap();
         fs::create_dir_all(root.join("crates/a")).unwrap();
         fs::write(root.join("crates/a/b.rs"), "pub fn present() {}").unwrap();
-        let steps = "1. x\n2. x\n3. x\n4. x\n5. x\n";
-        let check = |text: &str, recipe: &str| {
-            let text = format!("# Map\n\n{text}\n\n## How to add\n\n### A thing\n\n{recipe}");
+        let check = |text: &str| {
             fs::write(root.join(MAP), text).unwrap();
             places(root).unwrap()
         };
-        assert!(check("`present` in `crates/a/b.rs`, `crates/a`", steps).is_empty());
-        assert_eq!(check("`absent` in `crates/a/b.rs`", steps).len(), 1);
-        assert_eq!(check("see `crates/c.rs`", steps).len(), 1);
-        assert_eq!(check("", "1. x\n").len(), 1);
+        assert!(check("`present` in `crates/a/b.rs`, `crates/a`").is_empty());
+        assert_eq!(check("`absent` in `crates/a/b.rs`").len(), 1);
+        assert_eq!(check("see `crates/c.rs`").len(), 1);
         fs::write(root.join("Cargo.toml"), "[workspace.dependencies]\nfoo = \"1\"\nbar = \"1\"\n")
             .unwrap();
         fs::write(root.join(MAP), "# Map\n\n## Dependencies\n\n`foo` is for x.\n").unwrap();

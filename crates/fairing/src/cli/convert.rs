@@ -11,12 +11,12 @@ use super::Context;
 use super::exit::Failure;
 use super::files::{self, Content, Overwrite};
 
-/// Convert a mesh between OBJ, PLY, OFF and STL
+/// Convert a mesh to another format
 ///
-/// The file extensions decide the formats; add .gz for a compressed file. Vertices keep
-/// their order, isolated ones included, except in STL, which stores corners and
-/// no vertices. Polygons stay polygons, except in STL, which has triangles only.
-/// What cannot be kept is left out and named.
+/// The file extensions decide the formats (`fairing help` lists them); add .gz for a
+/// compressed file. Vertices keep their order, isolated ones included, except in STL,
+/// which stores corners and no vertices. Polygons stay polygons where the format holds
+/// them. Content that the format cannot hold is left out and named.
 #[derive(Args)]
 pub(crate) struct Convert {
     /// The mesh to read
@@ -28,10 +28,11 @@ pub(crate) struct Convert {
     /// Split polygons into triangles
     #[arg(long)]
     triangulate: bool,
-    /// Write PLY and STL as text instead of binary
+    /// Write text instead of binary, for formats that have both
     #[arg(long)]
     ascii: bool,
-    /// Write PLY's numbers with 32 bits (by default with as many as keep every number exact)
+    /// Write numbers of 32 bits, for formats that have several widths (by default as many
+    /// bits as keep every number exact)
     #[arg(long)]
     single: bool,
     /// Fail if something cannot be kept (faces that repeat a corner, properties that
@@ -67,7 +68,7 @@ impl Convert {
         if !self.strict {
             options.unsupported_fields = UnsupportedFields::Drop;
         }
-        if self.triangulate || format == Some(Format::Stl) {
+        if self.triangulate || format.is_some_and(|format| !format.holds().polygons) {
             return files::write(context, &self.output, &mesh.triangulate(), &fields, &options);
         }
         let report = io::write_polygons(&self.output, &mesh, &fields, &options);
@@ -77,17 +78,17 @@ impl Convert {
 
     /// Refuses options that the format would ignore.
     fn check(&self, format: Format) -> Result<(), Failure> {
-        let ignored = match format {
-            Format::Ply => None,
-            Format::Stl => self.single.then_some("--single"),
-            _ => [(self.ascii, "--ascii"), (self.single, "--single")]
-                .into_iter()
-                .find_map(|(given, name)| given.then_some(name)),
-        };
+        let holds = format.holds();
+        let ignored = [
+            (self.ascii && !holds.binary, "--ascii"),
+            (self.single && !holds.float_widths, "--single"),
+        ]
+        .into_iter()
+        .find_map(|(ignored, name)| ignored.then_some(name));
         match ignored {
             None => Ok(()),
             Some(option) => Err(Failure::usage(format_args!(
-                "{option} has no effect on {format} files, which have one form only; leave it out"
+                "{option} has no effect on {format} files; leave it out"
             ))),
         }
     }

@@ -73,9 +73,13 @@ impl Content {
         match (self, Format::from_path(path).map(|named| named.format)) {
             (Self::Png, _) => is("png"),
             (Self::Npz, _) => is("npz"),
-            (_, None) => Err(WriteProblem::UnknownExtension.to_string()),
-            (Self::Fields, Some(format)) if format != Format::Ply => {
-                Err(format!("{format} holds no fields; write PLY: .ply or .ply.gz"))
+            (_, None) => Err(WriteProblem::unknown_extension().to_string()),
+            (Self::Fields, Some(format)) if !format.holds().fields => {
+                let others = Format::ALL.into_iter().filter(|format| format.holds().fields);
+                let others: Vec<String> = others
+                    .map(|format| format!("{format} (.{0} or .{0}.gz)", format.extensions()[0]))
+                    .collect();
+                Err(format!("{format} holds no fields; write {}", others.join(" or ")))
             }
             _ => Ok(()),
         }

@@ -24,11 +24,16 @@ mod table;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use fairing::mesh::io::Format;
 
 use exit::Failure;
 
-const AFTER_HELP: &str = "\
-Formats: OBJ, PLY, OFF and STL, each also gzip-compressed (.gz); the file extension decides.
+/// The formats and the examples below the help of the program.
+fn after_help() -> String {
+    format!("Formats: {}{AFTER_FORMATS}", Format::ALL.map(Format::name).join(", "))
+}
+
+const AFTER_FORMATS: &str = ", each also gzip-compressed (.gz); the file extension decides.
 Vertices keep the order of the file, isolated ones included.
 
 Exit codes: 0 done; 1 the work failed; 2 wrong usage; 3 an input cannot be read;
@@ -41,7 +46,7 @@ Examples:
 
 /// Geometry processing on triangle meshes with the Laplacian.
 #[derive(Parser)]
-#[command(name = "fairing", version, about, after_help = AFTER_HELP, arg_required_else_help = true)]
+#[command(name = "fairing", version, about, after_help = after_help(), arg_required_else_help = true)]
 struct Cli {
     /// Use at most this many threads; results do not depend on it
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]

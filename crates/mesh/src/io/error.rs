@@ -5,8 +5,6 @@ use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::io::Format;
-
 /// Why a file cannot be read: which file, where in it, and what is wrong.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {at}{problem}", file.display())]
@@ -64,8 +62,10 @@ pub enum ReadProblem {
         content: String,
     },
     /// Neither the file extension nor the content is of a known format.
-    #[error("expected an OBJ, PLY, OFF or STL file, found {found}")]
+    #[error("expected one of the formats {}, found {found}", known.join(", "))]
     UnknownKind {
+        /// The names of the known formats.
+        known: Vec<&'static str>,
         /// How the content begins.
         found: String,
     },
@@ -185,21 +185,24 @@ pub enum WriteProblem {
     #[error("cannot be written: {0}")]
     Io(#[from] io::Error),
     /// The file extension is not that of a known format.
-    #[error("the file extension must be .obj, .ply, .off or .stl, optionally followed by .gz")]
-    UnknownExtension,
+    #[error("the file extension must be .{}, optionally followed by .gz", known.join(" or ."))]
+    UnknownExtension {
+        /// The usual file extension of each format.
+        known: Vec<&'static str>,
+    },
     /// The format has no place for these fields.
     #[error("{format} cannot hold {}; write PLY, or ask for fields to be dropped", fields.join(", "))]
     UnsupportedFields {
-        /// The format.
-        format: Format,
+        /// The name of the format.
+        format: &'static str,
         /// The fields it has no place for.
         fields: Vec<String>,
     },
     /// The format cannot hold the mesh itself.
     #[error("{format} cannot hold {what}")]
     UnsupportedMesh {
-        /// The format.
-        format: Format,
+        /// The name of the format.
+        format: &'static str,
         /// What it has no place for.
         what: String,
     },

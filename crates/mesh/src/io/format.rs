@@ -1,28 +1,54 @@
-//! The formats and their names.
+//! The table of formats: names, marks, parsers and encoders.
 
 use std::path::Path;
 
-/// A format of mesh files.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Format {
+use crate::io::error::{Fault, ReadProblem, WriteProblem};
+use crate::io::row::{Holds, Row};
+use crate::io::{obj, off, ply, stl};
+
+/// Makes the enum of formats from the table.
+macro_rules! formats {
+    ($($(#[$doc:meta])* $format:ident = $row:expr,)*) => {
+        /// A format of mesh files.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+        #[non_exhaustive]
+        pub enum Format {
+            $($(#[$doc])* $format,)*
+        }
+
+        impl Format {
+            /// All formats.
+            pub const ALL: [Self; [$(Self::$format),*].len()] = [$(Self::$format),*];
+
+            pub(crate) fn row(self) -> &'static Row {
+                match self {
+                    $(Self::$format => &$row,)*
+                }
+            }
+        }
+    };
+}
+
+// Content is compared with the last row first: OBJ is known by one word, binary STL by its size
+// alone, whatever it begins with.
+formats! {
     /// Wavefront OBJ, text.
-    Obj,
+    Obj = obj::FORMAT,
     /// PLY, the Stanford polygon format, text or binary.
-    Ply,
+    Ply = ply::FORMAT,
     /// OFF, the object file format of Geomview, text.
-    Off,
+    Off = off::FORMAT,
     /// STL of stereolithography, text or binary.
-    Stl,
+    Stl = stl::FORMAT,
 }
 
 /// The format of a file by its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub struct NamedFormat {
-    /// What the file extension says.
+    /// The format of the file extension.
     pub format: Format,
-    /// Whether the file is gzip-compressed: `.gz` follows.
+    /// True for a name that ends in `.gz`: the file is gzip-compressed.
     pub gzip: bool,
 }
 
@@ -31,21 +57,22 @@ crate::named!(Format, "format");
 crate::serde_by_name!(Format);
 
 impl Format {
-    /// All formats.
-    pub const ALL: [Self; 4] = [Self::Obj, Self::Ply, Self::Off, Self::Stl];
-
-    /// The name in messages: the file extension in capital letters.
+    /// The name in messages, in capital letters.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Obj => "OBJ",
-            Self::Ply => "PLY",
-            Self::Off => "OFF",
-            Self::Stl => "STL",
-        }
+        self.row().name
     }
 
-    /// The format that the file extension says, if it is a known one. Case does
-    /// not matter; `coff`, `noff` and `stoff` count as `off`.
+    /// The file extensions, in lower case and without a dot; the usual one is first.
+    pub fn extensions(self) -> &'static [&'static str] {
+        self.row().extensions
+    }
+
+    /// The content that files of this format hold.
+    pub fn holds(self) -> Holds {
+        self.row().holds
+    }
+
+    /// The format that the file extension says, if it is a known one, in any case.
     pub fn from_path(path: impl AsRef<Path>) -> Option<NamedFormat> {
         let path = path.as_ref();
         let name = path.file_name().map(|n| n.to_string_lossy().to_ascii_lowercase());
@@ -54,15 +81,71 @@ impl Format {
             Some(stem) => (stem, true),
             None => (&name[..], false),
         };
-        let format = match stem.rsplit_once('.')?.1 {
-            "obj" => Self::Obj,
-            "ply" => Self::Ply,
-            "off" | "coff" | "noff" | "stoff" => Self::Off,
-            "stl" => Self::Stl,
-            _ => return None,
-        };
+        let extension = stem.rsplit_once('.')?.1;
+        let format = Self::ALL.into_iter().find(|f| f.extensions().contains(&extension))?;
         Some(NamedFormat { format, gzip })
     }
+
+    /// The format that the content looks like.
+    pub(crate) fn from_content(bytes: &[u8]) -> Option<Self> {
+        Self::ALL.into_iter().rev().find(|format| (format.row().looks_like)(bytes))
+    }
+
+    /// Decides by content and name. The content decides where the name says
+    /// nothing; where the content is unclear (a damaged file, say) the name
+    /// does, and its parser finds the fault.
+    pub(crate) fn decide(named: Option<Self>, bytes: &[u8]) -> Result<Self, Fault> {
+        let other = |name: Self, content: &str| {
+            let (extension, content) = (name.to_string(), content.to_owned());
+            Err(Fault::whole(ReadProblem::OtherKind { extension, content }))
+        };
+        match (named, Self::from_content(bytes)) {
+            (Some(name), Some(content)) if name != content => other(name, content.name()),
+            (_, Some(content)) => Ok(content),
+            (Some(name), None) => match foreign_kind(bytes) {
+                Some(kind) => other(name, kind),
+                None => Ok(name),
+            },
+            (None, None) => {
+                let known = Self::ALL.map(Self::name).to_vec();
+                Err(Fault::whole(ReadProblem::UnknownKind { known, found: beginning(bytes) }))
+            }
+        }
+    }
+}
+
+impl WriteProblem {
+    /// [`UnknownExtension`](Self::UnknownExtension) with the file extensions of all formats.
+    pub fn unknown_extension() -> Self {
+        let known = Format::ALL.map(|format| format.extensions()[0]).to_vec();
+        Self::UnknownExtension { known }
+    }
+}
+
+/// Kinds of file that are often given a mesh's name by mistake.
+fn foreign_kind(bytes: &[u8]) -> Option<&'static str> {
+    const MAGIC: [(&[u8], &str); 13] = [
+        (b"\x89PNG", "a PNG image"),
+        (b"\xff\xd8\xff", "a JPEG image"),
+        (b"GIF8", "a GIF image"),
+        (b"%PDF", "a PDF document"),
+        (b"PK\x03\x04", "a ZIP archive"),
+        (b"\xfd7zXZ", "xz-compressed"),
+        (b"BZh", "bzip2-compressed"),
+        (b"\x28\xb5\x2f\xfd", "zstd-compressed"),
+        (b"glTF", "a glTF model"),
+        (b"\xff\xfe", "UTF-16 text"),
+        (b"\xfe\xff", "UTF-16 text"),
+        (b"<", "HTML or XML"),
+        (b"version https://git-lfs", "a Git LFS pointer"),
+    ];
+    MAGIC.iter().find(|(magic, _)| bytes.starts_with(magic)).map(|&(_, kind)| kind)
+}
+
+/// The first bytes, for an error message.
+fn beginning(bytes: &[u8]) -> String {
+    let end = bytes.iter().take(24).position(|&b| b == b'\n').unwrap_or(bytes.len().min(24));
+    format!("{:?}", String::from_utf8_lossy(&bytes[..end]))
 }
 
 #[cfg(test)]
@@ -85,10 +168,14 @@ mod tests {
     }
 
     #[test]
-    fn names_read_back_in_any_case() {
+    fn names_and_extensions_belong_to_one_format() {
         for format in Format::ALL {
             assert_eq!(format.to_string().parse(), Ok(format));
             assert_eq!(format.name().to_lowercase().parse(), Ok(format));
+            for extension in format.extensions() {
+                let named = Format::from_path(format!("a.{extension}")).unwrap();
+                assert_eq!((named.format, named.gzip), (format, false));
+            }
         }
         let error = "fbx".parse::<Format>().unwrap_err().to_string();
         assert!(error.contains("OBJ, PLY, OFF, STL"), "{error}");

@@ -1,4 +1,6 @@
-//! Decimal numbers from text, correctly rounded.
+//! Decimal numbers from text, correctly rounded, and to text.
+
+use std::io::Write as _;
 
 /// Powers of ten that `f64` holds exactly.
 const POWERS: [f64; 23] = [
@@ -161,6 +163,39 @@ pub(crate) fn integer(bytes: &[u8], start: usize) -> Option<(i64, usize)> {
     (1..=18).contains(&(at - first)).then_some((if negative { -value } else { value }, at))
 }
 
+/// Appends the shortest decimal that reads back as the same `f64`, in
+/// exponent notation where that is shorter to read (below 10⁻⁵ and from 10¹⁶).
+pub(crate) fn put_float(text: &mut Vec<u8>, x: f64) {
+    let plain = x == 0.0 || (1e-5..1e16).contains(&x.abs());
+    let written = if plain { write!(text, "{x}") } else { write!(text, "{x:e}") };
+    // A vector takes any number of bytes.
+    debug_assert!(written.is_ok());
+}
+
+/// Appends an integer.
+#[inline]
+pub(crate) fn put_integer(text: &mut Vec<u8>, mut n: u64) {
+    let mut digits = [0u8; 20];
+    let mut at = digits.len();
+    loop {
+        at -= 1;
+        digits[at] = b'0' + (n % 10) as u8;
+        n /= 10;
+        if n == 0 {
+            break;
+        }
+    }
+    text.extend_from_slice(&digits[at..]);
+}
+
+/// Appends three numbers with a space before each.
+pub(crate) fn put_triple(text: &mut Vec<u8>, numbers: [f64; 3]) {
+    for x in numbers {
+        text.push(b' ');
+        put_float(text, x);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -248,5 +283,20 @@ mod tests {
             let expected: f64 = text.parse().unwrap();
             prop_assert_eq!(parse(&text).unwrap().to_bits(), expected.to_bits(), "{}", text);
         }
+    }
+
+    #[test]
+    fn written_extremes_read_back() {
+        for x in [0.0, -0.0, 1.0, -0.1, 1e-5, 9e-6, 5e-324, f64::MAX, 1e16, 123456.789e3] {
+            let mut text = Vec::new();
+            put_float(&mut text, x);
+            let text = String::from_utf8(text).unwrap();
+            assert_eq!(text.parse::<f64>().unwrap().to_bits(), x.to_bits());
+            assert!(text.len() < 26, "{text}");
+        }
+        let mut text = Vec::new();
+        put_integer(&mut text, 0);
+        put_integer(&mut text, u64::MAX);
+        assert_eq!(text, b"018446744073709551615");
     }
 }

@@ -5,10 +5,29 @@
 //! and a line per face (count, indices, perhaps a colour). Comments begin with
 //! `#` anywhere.
 
-use crate::io::VertexFields;
-use crate::io::error::{Fault, unexpected};
-use crate::io::parsed::{Broken, FaceList, Parsed, check_finite};
+use crate::io::error::{Fault, WriteProblem, unexpected};
+use crate::io::number::{put_float, put_integer, put_triple};
+use crate::io::parsed::{Broken, FaceList, Parsed, bytes_of_colors, check_finite};
+use crate::io::row::{Holds, Row};
+use crate::io::surface::{Encoded, Surface, face_lines, lines};
 use crate::io::text::{Cursor, normalized, shown};
+use crate::io::{VertexFields, WriteOptions};
+
+pub(super) const FORMAT: Row = Row {
+    name: "OFF",
+    extensions: &["off", "coff", "noff", "stoff"],
+    looks_like,
+    parse,
+    encode,
+    holds: Holds {
+        polygons: true,
+        colors: true,
+        normals: true,
+        fields: false,
+        binary: false,
+        float_widths: false,
+    },
+};
 
 /// What the prefixes of the keyword announce.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -34,13 +53,14 @@ fn strip<'a>(bytes: &'a [u8], prefix: &[u8]) -> (bool, &'a [u8]) {
 }
 
 /// Whether the first token ends in `OFF`.
-pub(crate) fn looks_like(bytes: &[u8]) -> bool {
+fn looks_like(bytes: &[u8]) -> bool {
     let mut cursor = Cursor::new(bytes, 0, Some(b'#'));
-    cursor.token().is_some_and(|token| token.len() <= 8 && token.ends_with(b"OFF"))
+    let token = cursor.token().unwrap_or_default();
+    token.len() <= 8 && token.is_ascii() && token.ends_with(b"OFF")
 }
 
 /// Parses a file; the keyword may be missing where the name said OFF.
-pub(crate) fn parse(bytes: &[u8], broken: Broken) -> Result<Parsed, Fault> {
+fn parse(bytes: &[u8], broken: Broken) -> Result<Parsed, Fault> {
     let text = normalized(bytes);
     let mut cursor = Cursor::new(&text, 0, Some(b'#'));
     cursor.more();
@@ -217,19 +237,36 @@ fn parse_faces(
     Ok(())
 }
 
-/// Colours as bytes: from 0 to 1 if all are, alpha included, else from 0 to
-/// 255, else none.
-///
-/// Geomview tells the two apart by the spelling (`1` or `1.0`); writers do
-/// not keep to it, but no file mixes the ranges.
-pub(crate) fn bytes_of_colors(colors: &[[f64; 3]], largest_alpha: f64) -> Option<Vec<[u8; 3]>> {
-    let values = colors.as_flattened();
-    let largest = values.iter().copied().fold(largest_alpha, f64::max);
-    if values.iter().any(|c| !(0.0..=255.0).contains(c)) {
-        return None;
-    }
-    let scale = if largest <= 1.0 { 255.0 } else { 1.0 };
-    Some(colors.iter().map(|c| c.map(|x| (x * scale).round() as u8)).collect())
+/// `OFF`, with the prefix C for colours (red, green, blue and alpha from 0 to
+/// 255) and N for normals. The number of edges is written as 0: nobody reads
+/// it.
+fn encode(surface: Surface<'_>, _: &WriteOptions) -> Result<Encoded, WriteProblem> {
+    let colors = surface.fields.colors.as_deref();
+    let normals = surface.fields.vector("normal");
+    let color = if colors.is_some() { "C" } else { "" };
+    let normal = if normals.is_some() { "N" } else { "" };
+    let (vertices, faces) = (surface.positions.len(), surface.faces.len());
+    let mut pieces = vec![format!("{color}{normal}OFF\n{vertices} {faces} 0\n").into_bytes()];
+    pieces.extend(lines(vertices, 64, |v, text| {
+        let [x, y, z] = surface.positions[v];
+        put_float(text, x);
+        text.push(b' ');
+        put_float(text, y);
+        text.push(b' ');
+        put_float(text, z);
+        if let Some(normals) = normals {
+            put_triple(text, normals[v]);
+        }
+        if let Some(colors) = colors {
+            for c in colors[v].into_iter().chain([255]) {
+                text.push(b' ');
+                put_integer(text, u64::from(c));
+            }
+        }
+        text.push(b'\n');
+    }));
+    pieces.extend(face_lines(surface.faces));
+    Ok(Encoded { pieces, notes: vec![] })
 }
 
 #[cfg(test)]

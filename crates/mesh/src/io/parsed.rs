@@ -1,8 +1,8 @@
-//! From what a parser found to what a mesh may hold.
+//! Content of a file as parsers leave it.
 
-use crate::io::error::{Fault, ReadProblem, unexpected};
-use crate::io::{Format, ReadOptions, ReadReport, Strictness, VertexFields};
-use crate::polygon::{Distinct, Polygons};
+use crate::io::VertexFields;
+use crate::io::error::{ReadProblem, unexpected};
+use crate::polygon::Polygons;
 
 /// What a parser does with coordinates that are not finite and indices of vertices that are not
 /// there.
@@ -11,7 +11,7 @@ pub(crate) enum Broken {
     /// They are errors.
     #[default]
     Refused,
-    /// They stay for [`Parsed::finish`] to leave out, such an index as [`NO_VERTEX`].
+    /// They stay for `Parsed::finish` to leave out, such an index as [`NO_VERTEX`].
     Kept,
 }
 
@@ -30,142 +30,6 @@ pub(crate) struct Parsed {
     pub(crate) notes: Vec<String>,
     /// Content that a strict reader refuses to ignore.
     pub(crate) doubts: Vec<String>,
-}
-
-/// What a mesh may hold, with the report.
-pub(crate) struct Finished {
-    pub(crate) positions: Vec<[f64; 3]>,
-    pub(crate) polygons: Polygons,
-    pub(crate) fields: VertexFields,
-    pub(crate) report: ReadReport,
-}
-
-impl Parsed {
-    /// Reduces faces that repeat a corner to their distinct corners, leaves out
-    /// those with fewer than three and fields that are not finite, or refuses
-    /// to, and writes the report.
-    pub(crate) fn finish(
-        mut self,
-        format: Format,
-        compressed: bool,
-        options: &ReadOptions,
-    ) -> Result<Finished, Fault> {
-        let vertices = self.positions.len();
-        if vertices == 0 {
-            return Err(Fault::whole(ReadProblem::NoVertices));
-        }
-        check_size("vertices", vertices)?;
-        // Polygons of n corners become triangles of 3 (n − 2).
-        let corners = self.polygons.corner_count();
-        let split = if let Polygons::Mixed { .. } = self.polygons { 3 } else { 1 };
-        check_size("corners", split * corners)?;
-        self.leave_out_nonfinite_fields();
-        let file_faces = self.polygons.len();
-        let dropped = match options.strictness {
-            Strictness::DropBroken => self.drop_broken()?,
-            Strictness::Lenient | Strictness::Strict => Dropped::default(),
-        };
-        let Distinct { polygons, mut reduced, mut left_out } = self.polygons.without_repeating();
-        if !dropped.faces.is_empty() {
-            reduced.iter_mut().chain(&mut left_out).for_each(|face| *face = dropped.kept[*face]);
-        }
-        if options.strictness == Strictness::Strict {
-            if let Some(face) = reduced.first().into_iter().chain(left_out.first()).min() {
-                let problem = ReadProblem::Strict(format!(
-                    "face {face} repeats a corner ({} such faces)",
-                    reduced.len() + left_out.len()
-                ));
-                return Err(Fault::whole(problem));
-            }
-            if let Some(doubt) = self.doubts.first() {
-                return Err(Fault::whole(ReadProblem::Strict(doubt.clone())));
-            }
-        }
-        let larger = match &polygons {
-            Polygons::Triangles(_) => 0,
-            Polygons::Mixed { .. } => {
-                (0..polygons.len()).filter(|&f| polygons.face(f).len() > 3).count()
-            }
-        };
-        self.notes.append(&mut self.doubts);
-        let first = |all: &[usize]| all.iter().copied().take(ReadReport::NAMED).collect();
-        let report = ReadReport {
-            format,
-            compressed,
-            vertices,
-            file_faces,
-            polygons: larger,
-            reduced: reduced.len(),
-            first_reduced: first(&reduced),
-            left_out: left_out.len(),
-            first_left_out: first(&left_out),
-            broken_vertices: dropped.vertices.len(),
-            first_broken_vertices: first(&dropped.vertices),
-            broken_faces: dropped.faces.len(),
-            first_broken_faces: first(&dropped.faces),
-            notes: self.notes,
-        };
-        Ok(Finished { positions: self.positions, polygons, fields: self.fields, report })
-    }
-
-    /// Leaves out faces that name a vertex that is not finite or not there, and puts vertices that
-    /// are not finite where the first sound one is.
-    fn drop_broken(&mut self) -> Result<Dropped, Fault> {
-        let is_broken = |p: &[f64; 3]| p.iter().any(|x| !x.is_finite());
-        let count = self.positions.len();
-        let vertices: Vec<usize> = (0..count).filter(|&v| is_broken(&self.positions[v])).collect();
-        let Some(&sound) = self.positions.iter().find(|p| !is_broken(p)) else {
-            return Err(Fault::whole(ReadProblem::NoVertices));
-        };
-        let positions = &self.positions;
-        let is_sound = |v: u32| positions.get(v as usize).is_some_and(|p| !is_broken(p));
-        let sides: Vec<bool> = (0..self.polygons.len())
-            .map(|face| self.polygons.face(face).iter().all(|&v| is_sound(v)))
-            .collect();
-        let [kept, faces] = [true, false].map(|side| -> Vec<usize> {
-            (0..sides.len()).filter(|&face| sides[face] == side).collect()
-        });
-        if !faces.is_empty() {
-            let mut polygons = Polygons::with_capacity(kept.len());
-            kept.iter().for_each(|&face| polygons.push(self.polygons.face(face)));
-            self.polygons = polygons;
-        }
-        vertices.iter().for_each(|&v| self.positions[v] = sound);
-        Ok(Dropped { vertices, faces, kept })
-    }
-
-    fn leave_out_nonfinite_fields(&mut self) {
-        let doubts = &mut self.doubts;
-        let mut doubt = |name: &str, bad: Option<(usize, f64)>| {
-            if let Some((vertex, value)) = bad {
-                doubts.push(format!("field {name} is {value} at vertex {vertex}: left out"));
-            }
-            bad.is_none()
-        };
-        let bad = |x: f64| !x.is_finite();
-        self.fields.scalars.retain(|(name, values)| {
-            doubt(name, values.iter().position(|&x| bad(x)).map(|v| (v, values[v])))
-        });
-        self.fields.vectors.retain(|(name, values)| {
-            let at = values.as_flattened().iter().position(|&x| bad(x));
-            doubt(name, at.map(|i| (i / 3, values.as_flattened()[i])))
-        });
-    }
-}
-
-/// The broken vertices and faces, and the faces that are not, all numbered as in the file.
-#[derive(Default)]
-struct Dropped {
-    vertices: Vec<usize>,
-    faces: Vec<usize>,
-    kept: Vec<usize>,
-}
-
-fn check_size(what: &'static str, count: usize) -> Result<(), Fault> {
-    match u32::try_from(count) {
-        Ok(_) => Ok(()),
-        Err(_) => Err(Fault::whole(ReadProblem::TooLarge { what, count: count as u64 })),
-    }
 }
 
 /// Checks one index of a face against the number of vertices.
@@ -243,4 +107,19 @@ pub(crate) fn check_finite(
         Some(_) if broken == Broken::Kept => Ok(()),
         Some(&value) => Err(ReadProblem::NonFinite { vertex: vertex as u64, value }),
     }
+}
+
+/// Colours as bytes: from 0 to 1 if all are, alpha included, else from 0 to
+/// 255, else none.
+///
+/// Geomview tells the two apart by the spelling (`1` or `1.0`); writers do
+/// not keep to it, but no file mixes the ranges.
+pub(crate) fn bytes_of_colors(colors: &[[f64; 3]], largest_alpha: f64) -> Option<Vec<[u8; 3]>> {
+    let values = colors.as_flattened();
+    let largest = values.iter().copied().fold(largest_alpha, f64::max);
+    if values.iter().any(|c| !(0.0..=255.0).contains(c)) {
+        return None;
+    }
+    let scale = if largest <= 1.0 { 255.0 } else { 1.0 };
+    Some(colors.iter().map(|c| c.map(|x| (x * scale).round() as u8)).collect())
 }

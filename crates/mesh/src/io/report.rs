@@ -86,3 +86,19 @@ impl fmt::Display for ReadReport {
         self.notes.iter().try_for_each(|note| write!(f, "\n{note}"))
     }
 }
+
+/// What was written, and what was not.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct WriteReport {
+    /// The format.
+    pub format: Format,
+    /// The size of the file before compression.
+    pub bytes: usize,
+    /// The fields that were dropped because the options allow it.
+    pub dropped: Vec<String>,
+    /// What else the format could not hold: an order of vertices, isolated
+    /// ones, digits.
+    pub notes: Vec<String>,
+}

@@ -1,6 +1,7 @@
 //! Polygons split into triangles.
 
 use crate::polygon::PolygonMesh;
+use crate::trimesh::TriMesh;
 use crate::vec3::{add, cross, dot, norm, scale, sub};
 
 /// Larger polygons are not cut ear by ear.
@@ -9,7 +10,30 @@ const MOST_CORNERS: usize = 1024;
 /// The sine of a turn that rounding may produce in a straight line.
 const STRAIGHT: f64 = 1e-10;
 
-pub(super) fn triangles(mesh: &PolygonMesh) -> Vec<[u32; 3]> {
+impl PolygonMesh {
+    /// Splits the polygons into triangles: n − 2 for n corners, in the order
+    /// of the polygons, all corners used, none added.
+    ///
+    /// - A triangle does not change.
+    /// - A convex polygon becomes the fan around its first corner: `(0, 1, 2)`,
+    ///   `(0, 2, 3)`, …
+    /// - Any other is cut ear by ear. An ear is a corner that turns like the
+    ///   polygon does and whose triangle holds no other corner; each time the
+    ///   ear with the best shape (area over the sum of squared sides) goes, the
+    ///   first of equal ones. Where no ear is left, as in polygons that cross
+    ///   themselves, the rest becomes a fan; so does a polygon of more than
+    ///   1024 corners that is not convex, since cutting takes quadratic time.
+    ///
+    /// Turning is judged along the area vector of the polygon,
+    /// `½ Σ pₖ × pₖ₊₁`; convex means that every corner turns by more than
+    /// rounding (10⁻¹⁰ of the product of its sides), so that straight corners,
+    /// around which a fan may have triangles without area, count as not convex.
+    pub fn triangulate(&self) -> TriMesh {
+        TriMesh::from_checked(self.positions.clone(), triangles(self))
+    }
+}
+
+fn triangles(mesh: &PolygonMesh) -> Vec<[u32; 3]> {
     let count = mesh.polygons().map(|polygon| polygon.len() - 2).sum();
     let mut triangles = Vec::with_capacity(count);
     for polygon in mesh.polygons() {

@@ -9,24 +9,43 @@ mod scan;
 
 use rayon::prelude::*;
 
-use crate::io::error::{Fault, ReadProblem};
-use crate::io::off::bytes_of_colors;
-use crate::io::parsed::{Broken, Parsed, vertex_index};
+use crate::io::WriteOptions;
+use crate::io::error::{Fault, ReadProblem, WriteProblem};
+use crate::io::number::{put_integer, put_triple};
+use crate::io::parsed::{Broken, Parsed, bytes_of_colors, vertex_index};
+use crate::io::row::{Holds, Row};
+use crate::io::surface::{Encoded, Surface, lines};
 use crate::io::text::normalized;
 use crate::polygon::Polygons;
 use chunk::{Chunk, Counts};
+
+pub(super) const FORMAT: Row = Row {
+    name: "OBJ",
+    extensions: &["obj"],
+    looks_like,
+    parse,
+    encode,
+    holds: Holds {
+        polygons: true,
+        colors: true,
+        normals: false,
+        fields: false,
+        binary: false,
+        float_widths: false,
+    },
+};
 
 /// The size of the pieces that are parsed independently. It depends on
 /// nothing, so that neither do the results.
 const CHUNK: usize = 1 << 18;
 
 /// Whether the first statement is one of OBJ.
-pub(crate) fn looks_like(bytes: &[u8]) -> bool {
+fn looks_like(bytes: &[u8]) -> bool {
     scan::first_keyword(&normalized(&bytes[..bytes.len().min(1 << 16)]))
         .is_some_and(|keyword| scan::is_keyword(&keyword))
 }
 
-pub(crate) fn parse(bytes: &[u8], broken: Broken) -> Result<Parsed, Fault> {
+fn parse(bytes: &[u8], broken: Broken) -> Result<Parsed, Fault> {
     parse_in_chunks(bytes, CHUNK, broken)
 }
 
@@ -127,6 +146,29 @@ fn out_of_range(text: &[u8], chunks: &[Chunk], vertices: usize) -> Fault {
     }
     // The caller has seen an index out of range in one of the chunks.
     Fault::whole(ReadProblem::IndexOutOfRange { face: 0, index: -1, vertex_count: vertices as u64 })
+}
+
+/// `v x y z` or, with colours, `v x y z r g b` from 0 to 1; `f` with indices
+/// from 1.
+fn encode(surface: Surface<'_>, _: &WriteOptions) -> Result<Encoded, WriteProblem> {
+    let colors = surface.fields.colors.as_deref();
+    let mut pieces = lines(surface.positions.len(), 64, |v, text| {
+        text.push(b'v');
+        put_triple(text, surface.positions[v]);
+        if let Some(colors) = colors {
+            put_triple(text, colors[v].map(|c| f64::from(c) / 255.0));
+        }
+        text.push(b'\n');
+    });
+    pieces.extend(lines(surface.faces.len(), 26, |f, text| {
+        text.push(b'f');
+        for &v in surface.faces.face(f) {
+            text.push(b' ');
+            put_integer(text, u64::from(v) + 1);
+        }
+        text.push(b'\n');
+    }));
+    Ok(Encoded { pieces, notes: vec![] })
 }
 
 #[cfg(test)]

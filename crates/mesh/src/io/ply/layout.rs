@@ -1,4 +1,6 @@
-//! Which properties of a vertex belong together.
+//! Properties of a vertex that belong together.
+
+use crate::io::VertexFields;
 
 /// The name of a property, and whether it is a byte without sign.
 pub(crate) struct Column<'a> {
@@ -69,6 +71,18 @@ pub(crate) fn component_names(vector: &str) -> [String; 3] {
     } else {
         ["x", "y", "z"].map(|axis| format!("{vector}_{axis}"))
     }
+}
+
+/// The names of a PLY file's vertex properties in the order of the writer:
+/// position, scalars, vectors, colours.
+pub(crate) fn property_names(fields: &VertexFields) -> Vec<String> {
+    let mut names = ["x", "y", "z"].map(str::to_owned).to_vec();
+    names.extend(fields.scalars.iter().map(|(name, _)| name.clone()));
+    names.extend(fields.vectors.iter().flat_map(|(name, _)| component_names(name)));
+    if fields.colors.is_some() {
+        names.extend(["red", "green", "blue"].map(str::to_owned));
+    }
+    names
 }
 
 #[cfg(test)]

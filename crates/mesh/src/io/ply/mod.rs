@@ -5,6 +5,7 @@
 //! `vertex_indices` (or `vertex_index`) of the element `face`, or the strips
 //! of `tristrips`.
 
+mod encode;
 mod faces;
 mod header;
 pub(crate) mod layout;
@@ -13,12 +14,34 @@ mod vertices;
 
 use crate::io::error::{Fault, unexpected};
 use crate::io::parsed::{Broken, Parsed};
+use crate::io::row::{Holds, Row};
 use crate::io::text::normalized;
 use faces::Limits;
 use header::{Body, Element, Header, Kind};
 use source::{AsciiSource, BinarySource, Source};
 
-pub(crate) fn parse(bytes: &[u8], broken: Broken) -> Result<Parsed, Fault> {
+pub(super) const FORMAT: Row = Row {
+    name: "PLY",
+    extensions: &["ply"],
+    looks_like,
+    parse,
+    encode: encode::encode,
+    holds: Holds {
+        polygons: true,
+        colors: true,
+        normals: true,
+        fields: true,
+        binary: true,
+        float_widths: true,
+    },
+};
+
+/// Tells whether the first line begins with the word `ply`.
+fn looks_like(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"ply") && bytes.get(3).is_some_and(u8::is_ascii_whitespace)
+}
+
+fn parse(bytes: &[u8], broken: Broken) -> Result<Parsed, Fault> {
     let header = header::parse(bytes)?;
     match header.body {
         Body::Ascii => {

@@ -87,7 +87,7 @@ mod tests {
     #[test]
     fn a_header_that_begins_with_solid_is_still_binary() {
         let bytes = file(b"solid cube facet", 2, &TWO);
-        let parsed = crate::io::stl::parse(&bytes, Broken::Refused).unwrap();
+        let parsed = (crate::io::stl::FORMAT.parse)(&bytes, Broken::Refused).unwrap();
         assert_eq!(parsed.positions.len(), 4);
         assert_eq!(parsed.positions[3], [1.0, 1.0, f64::from(0.1f32)]);
         assert_eq!(parsed.polygons, Polygons::Triangles(vec![[0, 1, 2], [2, 1, 3]]));

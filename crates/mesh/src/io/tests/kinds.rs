@@ -1,4 +1,4 @@
-//! Which kind of file it is, and files that are none.
+//! Recognition of formats, and of files that are no mesh.
 
 use std::io::Write;
 
@@ -8,8 +8,10 @@ use flate2::write::GzEncoder;
 use crate::io::tests::{read, refusal, tetrahedron};
 use crate::io::{Format, ReadOptions, VertexFields, WriteOptions, to_bytes};
 
-const FORMATS: [(Format, &str); 4] =
-    [(Format::Obj, "obj"), (Format::Ply, "ply"), (Format::Off, "off"), (Format::Stl, "stl")];
+/// A file name with the usual file extension.
+fn name_of(format: Format) -> String {
+    format!("a.{}", format.extensions()[0])
+}
 
 fn bytes(format: Format, options: &WriteOptions) -> Vec<u8> {
     to_bytes(format, &tetrahedron(), &VertexFields::default(), options).unwrap()
@@ -23,7 +25,7 @@ fn packed(bytes: &[u8]) -> Vec<u8> {
 
 #[test]
 fn content_decides_where_the_name_is_silent() {
-    for (format, _) in FORMATS {
+    for format in Format::ALL {
         for options in [WriteOptions::default(), WriteOptions::ascii()] {
             let bytes = bytes(format, &options);
             for (bytes, compressed) in [(packed(&bytes), true), (bytes, false)] {
@@ -41,9 +43,9 @@ fn content_decides_where_the_name_is_silent() {
 #[test]
 fn a_byte_order_mark_is_no_content() {
     const MARK: &[u8] = b"\xef\xbb\xbf";
-    for (format, extension) in FORMATS {
+    for format in Format::ALL {
         let marked = [MARK, &bytes(format, &WriteOptions::ascii())].concat();
-        for name in ["", &format!("a.{extension}")] {
+        for name in ["", &name_of(format)] {
             for bytes in [marked.clone(), packed(&marked)] {
                 // A packed file has another file extension.
                 let name = if bytes == marked { name } else { "" };
@@ -68,16 +70,18 @@ fn a_byte_order_mark_is_no_content() {
     assert_eq!(byte(&moved), byte(&plain) + 3);
     // Nothing but the mark, and a mark before what is no mesh.
     assert!(!refusal("a.obj", MARK, &options).is_empty());
-    assert!(refusal("", b"\xef\xbb\xbfhello", &options).contains("expected an OBJ"));
+    assert!(
+        refusal("", b"\xef\xbb\xbfhello", &options).contains("expected one of the formats OBJ")
+    );
 }
 
 #[test]
 fn another_kind_than_the_ending_is_named() {
-    for (content, _) in FORMATS {
+    for content in Format::ALL {
         for options in [WriteOptions::default(), WriteOptions::ascii()] {
             let bytes = bytes(content, &options);
-            for (named, extension) in FORMATS.into_iter().filter(|&(named, _)| named != content) {
-                let message = refusal(&format!("a.{extension}"), &bytes, &ReadOptions::default());
+            for named in Format::ALL.into_iter().filter(|&named| named != content) {
+                let message = refusal(&name_of(named), &bytes, &ReadOptions::default());
                 let expected = format!("the name says {named}, but the content is {content}");
                 assert!(message.contains(&expected), "{message}");
             }
@@ -85,13 +89,13 @@ fn another_kind_than_the_ending_is_named() {
     }
     let message = refusal("a.obj.gz", b"v 0 0 0\n", &ReadOptions::default());
     assert!(message.contains("the name says gzip-compressed, but the content is not"), "{message}");
-    for (_, extension) in FORMATS {
-        let name = format!("a.{extension}");
-        let message = refusal(&name, b"\x89PNG\r\n\x1a\n and so on", &ReadOptions::default());
+    for format in Format::ALL {
+        let message =
+            refusal(&name_of(format), b"\x89PNG\r\n\x1a\n and so on", &ReadOptions::default());
         assert!(message.contains("but the content is a PNG image"), "{message}");
     }
     let message = refusal("a.png", b"\x89PNG\r\n\x1a\n", &ReadOptions::default());
-    assert!(message.contains("expected an OBJ, PLY, OFF or STL file"), "{message}");
+    assert!(message.contains("expected one of the formats OBJ, PLY, OFF, STL"), "{message}");
 }
 
 #[test]
@@ -103,10 +107,9 @@ fn gzip_under_a_plain_name_is_read() {
 
 #[test]
 fn empty_files_and_meshes_are_errors() {
-    for (_, extension) in FORMATS {
-        let name = format!("a.{extension}");
+    for format in Format::ALL {
         for bytes in [&b""[..], b" \n\t\r\n", &packed(b"")] {
-            let message = refusal(&name, bytes, &ReadOptions::default());
+            let message = refusal(&name_of(format), bytes, &ReadOptions::default());
             assert!(message.contains("the file is empty"), "{message}");
         }
     }

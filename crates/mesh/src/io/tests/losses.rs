@@ -200,7 +200,7 @@ fn a_failed_write_leaves_what_was_there() {
     assert!(matches!(write(&taken, &tetrahedron()).unwrap_err().problem, WriteProblem::Io(_)));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
     let unknown = write(folder.path().join("a.txt"), &tetrahedron()).unwrap_err();
-    assert!(matches!(unknown.problem, WriteProblem::UnknownExtension));
+    assert!(matches!(unknown.problem, WriteProblem::UnknownExtension { .. }));
 }
 
 #[cfg(unix)]

@@ -126,16 +126,19 @@ proptest! {
     }
 
     #[test]
-    fn text_formats_hold_mesh_and_colours((mesh, fields) in with_fields()) {
-        for format in [Format::Obj, Format::Off] {
+    fn every_format_gives_back_the_content_that_it_holds((mesh, fields) in with_fields()) {
+        for format in Format::ALL.into_iter().filter(|&format| format != Format::Stl) {
             let options = WriteOptions::default().dropping_fields();
             let bytes = to_bytes(format, &mesh, &fields, &options).unwrap();
             let file = read_bytes("", &bytes, &ReadOptions::strict()).unwrap();
             prop_assert_eq!(bits(file.mesh.positions()), bits(mesh.positions()));
             prop_assert_eq!(file.mesh.faces(), mesh.faces());
-            prop_assert_eq!(&file.fields.colors, &fields.colors);
-            let normals = fields.vector("normal").filter(|_| format == Format::Off);
-            prop_assert_eq!(file.fields.vector("normal").map(bits), normals.map(bits));
+            let holds = format.holds();
+            let mut held = fields.clone();
+            held.scalars.retain(|_| holds.fields);
+            held.vectors.retain(|(name, _)| holds.fields || holds.normals && name == "normal");
+            held.colors = held.colors.filter(|_| holds.colors);
+            assert_same_fields(&file.fields, &held);
         }
     }
 
@@ -159,8 +162,9 @@ proptest! {
     #[test]
     fn files_hold_polygons(mesh in polygons()) {
         let folder = tempfile::tempdir().unwrap();
-        for name in ["a.obj", "a.off", "a.ply", "a.obj.gz", "a.off.gz", "a.ply.gz"] {
-            let path = folder.path().join(name);
+        let formats = Format::ALL.into_iter().filter(|format| format.holds().polygons);
+        for name in formats.flat_map(|format| [format!("a.{format}"), format!("a.{format}.gz")]) {
+            let path = folder.path().join(&name);
             let fields = VertexFields::default();
             for options in [WriteOptions::default(), WriteOptions::ascii()] {
                 let report = write_polygons(&path, &mesh, &fields, &options).unwrap();

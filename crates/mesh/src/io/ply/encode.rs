@@ -3,9 +3,9 @@
 use rayon::prelude::*;
 
 use crate::io::error::WriteProblem;
-use crate::io::write::fields::property_names;
-use crate::io::write::number::{float, integer};
-use crate::io::write::surface::{Faces, Surface, face_lines, lines};
+use crate::io::number::{put_float, put_integer};
+use crate::io::ply::layout::property_names;
+use crate::io::surface::{Encoded, Faces, Surface, face_lines, lines};
 use crate::io::{Encoding, FloatWidth, VertexFields, WriteOptions};
 
 /// Values of one property group, with the width they are written in.
@@ -57,7 +57,7 @@ impl Column<'_> {
         let mut put = |x: f64, width| {
             // A rounded number is written with the digits that it has left.
             let x = if width == Width::Single { f64::from(x as f32) } else { x };
-            float(text, x);
+            put_float(text, x);
             text.push(b' ');
         };
         match self {
@@ -65,7 +65,7 @@ impl Column<'_> {
             Self::Vector(values, width) => values[vertex].into_iter().for_each(|x| put(x, width)),
             Self::Color(values) => {
                 for c in values[vertex] {
-                    integer(text, u64::from(c));
+                    put_integer(text, u64::from(c));
                     text.push(b' ');
                 }
             }
@@ -90,7 +90,7 @@ fn put_floats(values: &[f64], width: Width, bytes: &mut [u8]) {
 pub(super) fn encode(
     surface: Surface<'_>,
     options: &WriteOptions,
-) -> Result<Vec<Vec<u8>>, WriteProblem> {
+) -> Result<Encoded, WriteProblem> {
     let columns = columns(surface.positions, surface.fields, options.float_width)?;
     let short_lists = match surface.faces {
         Faces::Triangles(_) => true,
@@ -110,7 +110,7 @@ pub(super) fn encode(
         }
         Encoding::Binary => vec![header, rows(surface, &columns), face_rows(surface, short_lists)],
     };
-    Ok(pieces)
+    Ok(Encoded { pieces, notes: vec![] })
 }
 
 fn columns<'a>(
@@ -128,7 +128,7 @@ fn columns<'a>(
         FloatWidth::Single => match values.iter().find(|x| (**x as f32).is_infinite()) {
             None => Ok(Width::Single),
             Some(x) => Err(WriteProblem::UnsupportedMesh {
-                format: crate::io::Format::Ply,
+                format: "PLY",
                 what: format!("{x:e} in {name} as a 32-bit number"),
             }),
         },

@@ -2,27 +2,37 @@
 
 use rayon::prelude::*;
 
-use crate::PolygonMesh;
 use crate::io::VertexFields;
-use crate::io::write::number::integer;
+use crate::io::number::put_integer;
+use crate::{PolygonMesh, TriMesh};
 
 /// A mesh to write, with its fields.
 #[derive(Clone, Copy)]
-pub(super) struct Surface<'a> {
-    pub(super) positions: &'a [[f64; 3]],
-    pub(super) faces: Faces<'a>,
-    pub(super) fields: &'a VertexFields,
+pub(crate) struct Surface<'a> {
+    pub(crate) positions: &'a [[f64; 3]],
+    pub(crate) faces: Faces<'a>,
+    pub(crate) fields: &'a VertexFields,
+}
+
+impl<'a> Surface<'a> {
+    pub(crate) fn triangles(mesh: &'a TriMesh, fields: &'a VertexFields) -> Self {
+        Self { positions: mesh.positions(), faces: Faces::Triangles(mesh.faces()), fields }
+    }
+
+    pub(crate) fn polygons(mesh: &'a PolygonMesh, fields: &'a VertexFields) -> Self {
+        Self { positions: mesh.positions(), faces: Faces::Polygons(mesh), fields }
+    }
 }
 
 /// Triangles or polygons.
 #[derive(Clone, Copy)]
-pub(super) enum Faces<'a> {
+pub(crate) enum Faces<'a> {
     Triangles(&'a [[u32; 3]]),
     Polygons(&'a PolygonMesh),
 }
 
 impl<'a> Faces<'a> {
-    pub(super) fn len(self) -> usize {
+    pub(crate) fn len(self) -> usize {
         match self {
             Self::Triangles(faces) => faces.len(),
             Self::Polygons(mesh) => mesh.polygon_count(),
@@ -30,7 +40,7 @@ impl<'a> Faces<'a> {
     }
 
     #[inline]
-    pub(super) fn face(self, face: usize) -> &'a [u32] {
+    pub(crate) fn face(self, face: usize) -> &'a [u32] {
         match self {
             Self::Triangles(faces) => &faces[face],
             Self::Polygons(mesh) => mesh.polygon(face),
@@ -38,14 +48,20 @@ impl<'a> Faces<'a> {
     }
 }
 
+/// A file in pieces, one after another, with notes on the content that it does not hold.
+pub(crate) struct Encoded {
+    pub(crate) pieces: Vec<Vec<u8>>,
+    pub(crate) notes: Vec<String>,
+}
+
 /// A line for each face: the number of its corners and their vertices.
-pub(super) fn face_lines(faces: Faces<'_>) -> Vec<Vec<u8>> {
+pub(crate) fn face_lines(faces: Faces<'_>) -> Vec<Vec<u8>> {
     lines(faces.len(), 26, |f, text| {
         let face = faces.face(f);
-        integer(text, face.len() as u64);
+        put_integer(text, face.len() as u64);
         for &v in face {
             text.push(b' ');
-            integer(text, u64::from(v));
+            put_integer(text, u64::from(v));
         }
         text.push(b'\n');
     })
@@ -53,7 +69,7 @@ pub(super) fn face_lines(faces: Faces<'_>) -> Vec<Vec<u8>> {
 
 /// Text of many lines of about `per_line` bytes each, made in parallel; the
 /// result does not depend on the number of threads.
-pub(super) fn lines(
+pub(crate) fn lines(
     count: usize,
     per_line: usize,
     line: impl Fn(usize, &mut Vec<u8>) + Sync,

@@ -1,11 +1,26 @@
-//! What holds for any bytes whatsoever.
+#![no_main]
+
+use std::sync::LazyLock;
 
 use fairing_mesh::TriMesh;
 use fairing_mesh::io::{self, Format, ReadOptions, VertexFields, WriteOptions};
 
-/// Reading neither panics nor hangs; what is read is a valid mesh, and written
-/// as PLY it reads back as the same, fields included.
-pub fn check(name: &str, bytes: &[u8], options: &ReadOptions) {
+/// The name of the file, by the environment variable `NAME`; without one the content decides.
+static NAME: LazyLock<String> = LazyLock::new(|| std::env::var("NAME").unwrap_or_default());
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+    let mut options = ReadOptions::default();
+    options.max_unpacked_bytes = 1 << 20;
+    check(&NAME, bytes, &options);
+    if NAME.ends_with(".gz") {
+        // A sound header, which damaged and sound streams follow.
+        check(&NAME, &[&[0x1f, 0x8b, 8, 0, 0, 0, 0, 0, 0, 0xff], bytes].concat(), &options);
+    }
+});
+
+/// Any bytes are read without panic or hang; the mesh is valid, and written as PLY it reads back as
+/// the same, fields included.
+fn check(name: &str, bytes: &[u8], options: &ReadOptions) {
     let Ok(file) = io::read_bytes(name, bytes, options) else { return };
     let (positions, faces) = (file.mesh.positions().to_vec(), file.mesh.faces().to_vec());
     TriMesh::new(positions, faces).expect("what is read is valid");

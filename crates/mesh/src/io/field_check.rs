@@ -1,11 +1,11 @@
-//! Whether fields are sound, and whether a format holds them.
+//! Checks of fields before they are written.
 
 use crate::io::error::WriteProblem;
-use crate::io::ply::layout::{Column, Layout, component_names};
+use crate::io::ply::layout::{Column, Layout, property_names};
 use crate::io::{Format, VertexFields};
 
 /// Checks lengths, values and names.
-pub(super) fn check(fields: &VertexFields, vertices: usize) -> Result<(), WriteProblem> {
+pub(crate) fn check(fields: &VertexFields, vertices: usize) -> Result<(), WriteProblem> {
     for (name, values) in &fields.scalars {
         check_length(name, values.len(), vertices)?;
         check_finite(name, values, 1)?;
@@ -36,18 +36,6 @@ fn check_finite(name: &str, values: &[f64], per_vertex: usize) -> Result<(), Wri
             value: values[at],
         }),
     }
-}
-
-/// The names of a PLY file's vertex properties in the order of the writer:
-/// position, scalars, vectors, colours.
-pub(super) fn property_names(fields: &VertexFields) -> Vec<String> {
-    let mut names = ["x", "y", "z"].map(str::to_owned).to_vec();
-    names.extend(fields.scalars.iter().map(|(name, _)| name.clone()));
-    names.extend(fields.vectors.iter().flat_map(|(name, _)| component_names(name)));
-    if fields.colors.is_some() {
-        names.extend(["red", "green", "blue"].map(str::to_owned));
-    }
-    names
 }
 
 /// Checks that the names of the fields come back from the grouping that the
@@ -85,13 +73,14 @@ fn check_names(fields: &VertexFields) -> Result<(), WriteProblem> {
 }
 
 /// The fields that a format has no place for.
-pub(super) fn unsupported(format: Format, fields: &VertexFields) -> Vec<String> {
-    if format == Format::Ply {
+pub(crate) fn unsupported(format: Format, fields: &VertexFields) -> Vec<String> {
+    let holds = format.holds();
+    if holds.fields {
         return Vec::new();
     }
     let scalars = fields.scalars.iter().map(|(name, _)| name.clone());
     let vectors = fields.vectors.iter().map(|(name, _)| name.clone());
-    let vectors = vectors.filter(|name| format != Format::Off || name != "normal");
-    let colors = (format == Format::Stl && fields.colors.is_some()).then(|| "colours".to_owned());
+    let vectors = vectors.filter(|name| !holds.normals || name != "normal");
+    let colors = (!holds.colors && fields.colors.is_some()).then(|| "colours".to_owned());
     scalars.chain(vectors).chain(colors).collect()
 }

@@ -1,0 +1,246 @@
+//! Reading files, bytes and streams.
+
+use std::borrow::Cow;
+use std::io::Read;
+use std::path::Path;
+
+use crate::build::check_positions;
+use crate::io::error::Fault;
+use crate::io::finish::Finished;
+use crate::io::parsed::Broken;
+use crate::io::{
+    Format, ReadError, ReadOptions, ReadProblem, ReadReport, Strictness, VertexFields,
+};
+use crate::polygon::Polygons;
+use crate::{PolygonMesh, TriMesh};
+
+/// A triangle mesh from a file, with the data that came along.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct MeshFile {
+    /// The mesh, its polygons split into triangles.
+    pub mesh: TriMesh,
+    /// Fields and colours per vertex.
+    pub fields: VertexFields,
+    /// What was done besides reading.
+    pub report: ReadReport,
+}
+
+/// A polygon mesh from a file, with the data that came along.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct PolygonFile {
+    /// The mesh, with the polygons of the file.
+    pub mesh: PolygonMesh,
+    /// Fields and colours per vertex.
+    pub fields: VertexFields,
+    /// What was done besides reading.
+    pub report: ReadReport,
+}
+
+/// Reads a triangle mesh; polygons are split as in
+/// [`PolygonMesh::triangulate`].
+///
+/// # Errors
+///
+/// [`ReadError`] names the file, the place in it, what was expected and what
+/// was found.
+pub fn read(path: impl AsRef<Path>) -> Result<MeshFile, ReadError> {
+    read_with(path, &ReadOptions::default())
+}
+
+/// [`read`] with options.
+///
+/// # Errors
+///
+/// As for [`read`].
+pub fn read_with(path: impl AsRef<Path>, options: &ReadOptions) -> Result<MeshFile, ReadError> {
+    let path = path.as_ref();
+    let parse = |bytes: Vec<u8>| named_triangles(path, &bytes, options);
+    load(path).and_then(parse).map_err(|fault| fault.in_file(path))
+}
+
+/// Reads a mesh and keeps its polygons.
+///
+/// # Errors
+///
+/// As for [`read`].
+pub fn read_polygons(path: impl AsRef<Path>) -> Result<PolygonFile, ReadError> {
+    read_polygons_with(path, &ReadOptions::default())
+}
+
+/// [`read_polygons`] with options.
+///
+/// # Errors
+///
+/// As for [`read`].
+pub fn read_polygons_with(
+    path: impl AsRef<Path>,
+    options: &ReadOptions,
+) -> Result<PolygonFile, ReadError> {
+    let path = path.as_ref();
+    let parse = |bytes: Vec<u8>| {
+        let (format, bytes) = as_named(path, &bytes)?;
+        polygons(format, bytes, options)
+    };
+    load(path).and_then(parse).map_err(|fault| fault.in_file(path))
+}
+
+/// Reads a triangle mesh from the bytes of a file. Of `name`, which may be
+/// empty, the extension is used, and error messages contain it.
+///
+/// # Errors
+///
+/// As for [`read`].
+pub fn read_bytes(
+    name: impl AsRef<Path>,
+    bytes: &[u8],
+    options: &ReadOptions,
+) -> Result<MeshFile, ReadError> {
+    let name = name.as_ref();
+    named_triangles(name, bytes, options).map_err(|fault| fault.in_file(name))
+}
+
+fn named_triangles(name: &Path, bytes: &[u8], options: &ReadOptions) -> Result<MeshFile, Fault> {
+    let (format, bytes) = as_named(name, bytes)?;
+    triangles(format, bytes, options)
+}
+
+/// Reads a triangle mesh from a stream, to its end: a file, a response, an
+/// archive member, standard input. Gzip is recognised by its content.
+///
+/// Without a format, the content decides.
+///
+/// # Errors
+///
+/// As for [`read`]; the file in the error is empty.
+///
+/// # Examples
+///
+/// ```
+/// use fairing_mesh::io::{self, Format, ReadOptions};
+///
+/// let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+/// let file = io::read_from(text.as_bytes(), Some(Format::Obj), &ReadOptions::default())?;
+/// assert_eq!(file.mesh.face_count(), 1);
+/// # Ok::<(), io::ReadError>(())
+/// ```
+pub fn read_from(
+    stream: impl Read,
+    format: Option<Format>,
+    options: &ReadOptions,
+) -> Result<MeshFile, ReadError> {
+    drained(stream)
+        .and_then(|bytes| triangles(format, &bytes, options))
+        .map_err(|fault| fault.in_file(Path::new("")))
+}
+
+/// [`read_from`] for polygons, which it keeps.
+///
+/// # Errors
+///
+/// As for [`read_from`].
+pub fn read_polygons_from(
+    stream: impl Read,
+    format: Option<Format>,
+    options: &ReadOptions,
+) -> Result<PolygonFile, ReadError> {
+    drained(stream)
+        .and_then(|bytes| polygons(format, &bytes, options))
+        .map_err(|fault| fault.in_file(Path::new("")))
+}
+
+fn load(path: &Path) -> Result<Vec<u8>, Fault> {
+    std::fs::read(path).map_err(|error| Fault::whole(ReadProblem::Io(error)))
+}
+
+/// The format that the name says and the bytes of the file; an error if the name says that it is compressed and it is
+/// not.
+fn as_named<'a>(path: &Path, bytes: &'a [u8]) -> Result<(Option<Format>, &'a [u8]), Fault> {
+    let named = Format::from_path(path);
+    if named.is_some_and(|named| named.gzip) && !is_gzip(bytes) && !bytes.is_empty() {
+        return Err(Fault::whole(ReadProblem::OtherKind {
+            extension: "gzip-compressed".to_owned(),
+            content: "not".to_owned(),
+        }));
+    }
+    Ok((named.map(|named| named.format), bytes))
+}
+
+fn drained(mut stream: impl Read) -> Result<Vec<u8>, Fault> {
+    let mut bytes = Vec::new();
+    stream.read_to_end(&mut bytes).map_err(|error| Fault::whole(ReadProblem::Io(error)))?;
+    Ok(bytes)
+}
+
+fn polygons(
+    format: Option<Format>,
+    bytes: &[u8],
+    options: &ReadOptions,
+) -> Result<PolygonFile, Fault> {
+    let Finished { positions, polygons, fields, report } = finished(format, bytes, options)?;
+    let mesh = PolygonMesh::from_checked(positions, polygons);
+    Ok(PolygonFile { mesh, fields, report })
+}
+
+fn triangles(
+    format: Option<Format>,
+    bytes: &[u8],
+    options: &ReadOptions,
+) -> Result<MeshFile, Fault> {
+    let Finished { positions, polygons, fields, report } = finished(format, bytes, options)?;
+    let mesh = match polygons {
+        Polygons::Triangles(faces) => TriMesh::from_checked(positions, faces),
+        mixed => PolygonMesh::from_checked(positions, mixed).triangulate(),
+    };
+    Ok(MeshFile { mesh, fields, report })
+}
+
+fn finished(named: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Result<Finished, Fault> {
+    let compressed = is_gzip(bytes);
+    let bytes = if compressed { unpack(bytes, options)? } else { bytes.into() };
+    if bytes.iter().all(u8::is_ascii_whitespace) {
+        return Err(Fault::whole(ReadProblem::Empty));
+    }
+    let body = after_mark(&bytes);
+    let format = Format::decide(named, body)?;
+    let broken = match options.strictness {
+        Strictness::DropBroken => Broken::Kept,
+        Strictness::Lenient | Strictness::Strict => Broken::Refused,
+    };
+    let parsed = (format.row().parse)(body, broken);
+    let mark = bytes.len() - body.len();
+    let mut parsed = parsed.map_err(|fault| fault.moved(mark))?;
+    if mark > 0 {
+        parsed.notes.push("the byte-order mark at the beginning is ignored".to_owned());
+    }
+    let finished = parsed.finish(format, compressed, options)?;
+    let sound = check_positions(&finished.positions);
+    sound.map_err(|error| Fault::whole(ReadProblem::Mesh(error)))?;
+    Ok(finished)
+}
+
+/// The content after the byte-order mark that some editors put before UTF-8 text. The first three
+/// bytes of a binary STL are content, whatever they are.
+fn after_mark(bytes: &[u8]) -> &[u8] {
+    match bytes.strip_prefix(b"\xef\xbb\xbf") {
+        Some(body) if Format::from_content(bytes).is_none() => body,
+        _ => bytes,
+    }
+}
+
+/// Whether the bytes begin like a gzip member.
+fn is_gzip(bytes: &[u8]) -> bool {
+    bytes.starts_with(&[0x1f, 0x8b])
+}
+
+#[cfg(feature = "gzip")]
+fn unpack<'a>(bytes: &[u8], options: &ReadOptions) -> Result<Cow<'a, [u8]>, Fault> {
+    crate::io::gzip::unpack(bytes, options).map(Cow::Owned)
+}
+
+#[cfg(not(feature = "gzip"))]
+fn unpack<'a>(_: &[u8], _: &ReadOptions) -> Result<Cow<'a, [u8]>, Fault> {
+    let reason = "this program was built without the feature gzip";
+    Err(Fault::whole(ReadProblem::Compression(std::io::Error::other(reason))))
+}

@@ -1,0 +1,217 @@
+//! Writing: whole or not at all, and nothing lost in silence.
+
+use std::io::Write;
+use std::path::Path;
+
+use crate::io::error::{WriteError, WriteProblem};
+use crate::io::field_check;
+use crate::io::surface::{Encoded, Faces, Surface};
+use crate::io::{Format, UnsupportedFields, VertexFields, WriteOptions, WriteReport};
+use crate::{PolygonMesh, TriMesh};
+
+/// Writes a mesh in the format of the file extension: OBJ, PLY (binary), OFF or
+/// STL (binary), compressed if `.gz` follows.
+///
+/// The file appears whole under its name or not at all: it is written under a
+/// temporary name in the same folder and renamed. A file of that name is
+/// replaced; through a symbolic link, the file that it names is.
+///
+/// Coordinates are written as the shortest text that reads back as the same
+/// `f64`, in PLY as [`FloatWidth::Lossless`](crate::io::FloatWidth::Lossless)
+/// says; only STL rounds, to 32 bits, and forgets the numbering of vertices:
+/// the report says so.
+///
+/// # Errors
+///
+/// [`WriteError`] names the file and what keeps it from being written.
+#[cfg(feature = "files")]
+pub fn write(path: impl AsRef<Path>, mesh: &TriMesh) -> Result<WriteReport, WriteError> {
+    write_with_fields(path, mesh, &VertexFields::default(), &WriteOptions::default())
+}
+
+/// [`write()`] with fields per vertex and options.
+///
+/// PLY holds all fields. OBJ holds colours (after the coordinates, from 0 to
+/// 1), OFF colours and the vector field `normal`, STL nothing; a field that
+/// the format cannot hold is an error unless the options say otherwise.
+///
+/// # Errors
+///
+/// As for [`write()`]; a field of the wrong length, with a value that is not
+/// finite, or whose name would be read back as something else.
+#[cfg(feature = "files")]
+pub fn write_with_fields(
+    path: impl AsRef<Path>,
+    mesh: &TriMesh,
+    fields: &VertexFields,
+    options: &WriteOptions,
+) -> Result<WriteReport, WriteError> {
+    write_surface(path.as_ref(), Surface::triangles(mesh, fields), options)
+}
+
+/// [`write_with_fields`] for polygons. STL does not hold them.
+///
+/// # Errors
+///
+/// As for [`write_with_fields`].
+#[cfg(feature = "files")]
+pub fn write_polygons(
+    path: impl AsRef<Path>,
+    mesh: &PolygonMesh,
+    fields: &VertexFields,
+    options: &WriteOptions,
+) -> Result<WriteReport, WriteError> {
+    write_surface(path.as_ref(), Surface::polygons(mesh, fields), options)
+}
+
+#[cfg(feature = "files")]
+fn write_surface(
+    path: &Path,
+    surface: Surface<'_>,
+    options: &WriteOptions,
+) -> Result<WriteReport, WriteError> {
+    use flate2::{Compression, write::GzEncoder};
+
+    let attempt = || {
+        let named = Format::from_path(path).ok_or_else(WriteProblem::unknown_extension)?;
+        let (pieces, report) = encode(named.format, surface, options)?;
+        crate::io::write_whole(path, |file| {
+            if named.gzip {
+                let mut encoder = GzEncoder::new(file, Compression::default());
+                pieces.iter().try_for_each(|piece| encoder.write_all(piece))?;
+                encoder.finish().map(|_| ())
+            } else {
+                pieces.iter().try_for_each(|piece| file.write_all(piece))
+            }
+        })?;
+        Ok(report)
+    };
+    attempt().map_err(|problem| in_file(path, problem))
+}
+
+/// The bytes of an uncompressed file.
+///
+/// # Errors
+///
+/// As for writing a file; the file in the error is empty.
+pub fn to_bytes(
+    format: Format,
+    mesh: &TriMesh,
+    fields: &VertexFields,
+    options: &WriteOptions,
+) -> Result<Vec<u8>, WriteError> {
+    bytes(format, Surface::triangles(mesh, fields), options)
+}
+
+/// [`to_bytes`] for polygons. STL does not hold them.
+///
+/// # Errors
+///
+/// As for [`to_bytes`].
+pub fn polygons_to_bytes(
+    format: Format,
+    mesh: &PolygonMesh,
+    fields: &VertexFields,
+    options: &WriteOptions,
+) -> Result<Vec<u8>, WriteError> {
+    bytes(format, Surface::polygons(mesh, fields), options)
+}
+
+/// Writes the uncompressed bytes of a file to a stream.
+///
+/// Nothing is written if the format cannot hold the mesh or its fields. What a
+/// stream that fails has got by then stays there.
+///
+/// # Errors
+///
+/// As for writing a file; the file in the error is empty.
+///
+/// # Examples
+///
+/// ```
+/// use fairing_mesh::io::{self, Format};
+/// use fairing_mesh::TriMesh;
+///
+/// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+/// let mesh = TriMesh::new(corners, vec![[0, 1, 2]])?;
+/// let mut stream = Vec::new();
+/// io::write_to(&mut stream, Format::Off, &mesh, &Default::default(), &Default::default())?;
+/// assert!(stream.starts_with(b"OFF\n3 1 0\n"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn write_to(
+    stream: impl Write,
+    format: Format,
+    mesh: &TriMesh,
+    fields: &VertexFields,
+    options: &WriteOptions,
+) -> Result<WriteReport, WriteError> {
+    stream_out(stream, format, Surface::triangles(mesh, fields), options)
+}
+
+/// [`write_to`] for polygons. STL does not hold them.
+///
+/// # Errors
+///
+/// As for [`write_to`].
+pub fn write_polygons_to(
+    stream: impl Write,
+    format: Format,
+    mesh: &PolygonMesh,
+    fields: &VertexFields,
+    options: &WriteOptions,
+) -> Result<WriteReport, WriteError> {
+    stream_out(stream, format, Surface::polygons(mesh, fields), options)
+}
+
+fn stream_out(
+    mut stream: impl Write,
+    format: Format,
+    surface: Surface<'_>,
+    options: &WriteOptions,
+) -> Result<WriteReport, WriteError> {
+    let mut attempt = || {
+        let (pieces, report) = encode(format, surface, options)?;
+        pieces.iter().try_for_each(|piece| stream.write_all(piece))?;
+        stream.flush()?;
+        Ok(report)
+    };
+    attempt().map_err(|problem| in_file(Path::new(""), problem))
+}
+
+fn bytes(
+    format: Format,
+    surface: Surface<'_>,
+    options: &WriteOptions,
+) -> Result<Vec<u8>, WriteError> {
+    let (pieces, _) =
+        encode(format, surface, options).map_err(|problem| in_file(Path::new(""), problem))?;
+    Ok(pieces.concat())
+}
+
+fn in_file(file: &Path, problem: WriteProblem) -> WriteError {
+    WriteError { file: file.to_owned(), problem }
+}
+
+/// The bytes of a file, in pieces, with the report.
+fn encode(
+    format: Format,
+    surface: Surface<'_>,
+    options: &WriteOptions,
+) -> Result<(Vec<Vec<u8>>, WriteReport), WriteProblem> {
+    field_check::check(surface.fields, surface.positions.len())?;
+    let unsupported = field_check::unsupported(format, surface.fields);
+    if !unsupported.is_empty() && options.unsupported_fields == UnsupportedFields::Refuse {
+        let (format, fields) = (format.name(), unsupported);
+        return Err(WriteProblem::UnsupportedFields { format, fields });
+    }
+    if let Faces::Polygons(_) = surface.faces
+        && !format.holds().polygons
+    {
+        let what = "polygons: triangulate the mesh first".to_owned();
+        return Err(WriteProblem::UnsupportedMesh { format: format.name(), what });
+    }
+    let Encoded { pieces, notes } = (format.row().encode)(surface, options)?;
+    let bytes = pieces.iter().map(Vec::len).sum();
+    Ok((pieces, WriteReport { format, bytes, dropped: unsupported, notes }))
+}

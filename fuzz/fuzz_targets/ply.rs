@@ -1,7 +1,0 @@
-#![no_main]
-
-mod check;
-
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
-    check::check("file.ply", bytes, &fairing_mesh::io::ReadOptions::default());
-});
