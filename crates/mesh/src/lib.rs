@@ -32,7 +32,6 @@
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 
-mod algorithm;
 mod build;
 mod connectivity;
 mod diagnosis;
@@ -40,8 +39,6 @@ mod incidence;
 #[cfg(feature = "io")]
 pub mod io;
 mod measure;
-mod named;
-mod option_error;
 mod oriented;
 mod polygon;
 mod subdivide;
@@ -52,17 +49,13 @@ mod unit_scale;
 pub mod vec3;
 mod weld;
 
-pub use algorithm::{Algorithm, Choice, Kind, Parameter, ParameterError, Values, WeightedVertex};
 pub use build::BuildError;
 pub use connectivity::Connectivity;
 pub use diagnosis::{Diagnosis, Tally};
 pub use incidence::Incidence;
-pub use named::UnknownName;
 #[doc(hidden)]
-pub use named::by_name;
 #[cfg(feature = "ndarray")]
 pub use ndarray;
-pub use option_error::OptionError;
 pub use polygon::PolygonMesh;
 pub use subdivide::{subdivide_loop, subdivide_midpoint};
 pub use topology::{Components, Fan, Orientation, Topology};
