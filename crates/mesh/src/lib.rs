@@ -2,7 +2,7 @@
 //!
 //! [`TriMesh`] holds double-precision positions and `u32` faces and is always
 //! valid. Vertices, edges and faces are numbered from 0; vertices and faces
-//! keep the order of the file they came from.
+//! keep the order of their file.
 //!
 //! ```
 //! use fairing_mesh::TriMesh;
@@ -27,8 +27,8 @@
 //! - `io`: reading files and streams, writing to streams and memory.
 //! - `ndarray`: views of positions and faces as arrays.
 //!
-//! Work is spread over the current pool of threads of rayon; results do not
-//! depend on their number. `rayon::ThreadPool::install` chooses another pool.
+//! Functions run in parallel on rayon's current thread pool; results do not
+//! depend on the number of threads. `rayon::ThreadPool::install` selects another pool.
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 
