@@ -1,7 +1,8 @@
 //! What diffuses, and how far in one step.
 
-use fairing_mesh::{Choice, Parameter, ParameterError, TriMesh, Values};
+use fairing_mesh::TriMesh;
 use fairing_operators::{LaplacianKind, LumpedArea, Reason, choose};
+use fairing_parameters::{Choice, Parameter, ParameterError, Values};
 
 use crate::engine::error::FlowFailure;
 

@@ -32,13 +32,13 @@ pub enum Update {
     Both,
 }
 
-fairing_mesh::choices!(Update, "update of the operator",
+fairing_parameters::choices!(Update, "update of the operator",
     Never: "never", "The operator of the input";
     Mass: "mass", "Areas of the current mesh, stiffness of the input";
     Both: "both", "All of the current mesh";
 );
 #[cfg(feature = "serde")]
-fairing_mesh::serde_by_name!(Update);
+fairing_parameters::serde_by_name!(Update);
 
 /// Takes implicit steps of the factor `step` of `L`, which is updated before each of them; `diffusion` is of a
 /// [chosen](Diffusion::chosen) kind.

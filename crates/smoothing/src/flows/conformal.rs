@@ -2,8 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use fairing_mesh::{Algorithm, OptionError, Parameter, ParameterError, TriMesh, Values};
+use fairing_mesh::TriMesh;
 use fairing_operators::{LaplacianKind, LumpedArea};
+use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
 
 use crate::engine::constraints::Constraints;
 use crate::engine::diffusion::{Diffusion, OPERATOR, TIME, Time, operator_from_values};

@@ -1,6 +1,7 @@
 //! Implicit diffusion, backward Euler, and mean curvature flow.
 
-use fairing_mesh::{Algorithm, OptionError, Parameter, ParameterError, TriMesh, Values};
+use fairing_mesh::TriMesh;
+use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
 
 use crate::engine::assemble::assemble;
 use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};

@@ -2,8 +2,9 @@
 
 use std::ops::ControlFlow;
 
+use fairing_mesh::BuildError;
+use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::scale;
-use fairing_mesh::{BuildError, TriMesh};
 use fairing_operators::{LaplacianKind, LumpedArea};
 use fairing_shapes as shapes;
 use fairing_smoothing::{
