@@ -14,7 +14,7 @@ use super::DenoiseError;
 use super::conjugate_gradients::{by_rows, conjugate_gradients, solved};
 use super::faces::{FaceLists, FaceShapes, Hinges, mean_centroid_distance, unit_or_zero};
 use super::method::Method;
-use super::unit_scale::at_unit_scale;
+use super::oriented::on_oriented;
 use super::vertex_update::{VertexUpdate, update_vertices};
 
 /// Parameters of [`bilateral_normal`].
@@ -86,7 +86,7 @@ pub fn bilateral_normal(
     mesh: &TriMesh,
     options: &BilateralNormalOptions,
 ) -> Result<TriMesh, DenoiseError> {
-    at_unit_scale(mesh, |mesh| filter(mesh, options))
+    on_oriented(mesh, |mesh| filter(mesh, options))
 }
 
 fn filter(mesh: &TriMesh, options: &BilateralNormalOptions) -> Result<TriMesh, DenoiseError> {
@@ -185,7 +185,7 @@ pub fn bilateral_normal_global(
     mesh: &TriMesh,
     options: &BilateralNormalGlobalOptions,
 ) -> Result<TriMesh, DenoiseError> {
-    at_unit_scale(mesh, |mesh| filter_globally(mesh, options))
+    on_oriented(mesh, |mesh| filter_globally(mesh, options))
 }
 
 fn filter_globally(

@@ -1,5 +1,6 @@
 //! Why a mesh cannot be denoised.
 
+use fairing_mesh::BuildError;
 use fairing_parameters::OptionError;
 
 /// Why a mesh cannot be denoised.
@@ -41,10 +42,7 @@ pub enum DenoiseError {
         /// All vertices.
         vertices: usize,
     },
-    /// Coordinates grew beyond what a float can hold.
-    #[error("vertex {vertex} left the range of floating point numbers")]
-    NonFinite {
-        /// The vertex.
-        vertex: usize,
-    },
+    /// The positions reached do not make a mesh.
+    #[error(transparent)]
+    Build(#[from] BuildError),
 }

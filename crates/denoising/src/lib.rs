@@ -31,9 +31,8 @@ mod guided_normal;
 mod l0;
 mod method;
 mod non_iterative;
-mod rebuild;
+mod oriented;
 mod total_variation;
-mod unit_scale;
 mod vertex_update;
 
 pub use automatic::regression::training::{TrainingOptions, TrainingPair, train_normals};

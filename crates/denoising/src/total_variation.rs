@@ -11,7 +11,7 @@ use super::DenoiseError;
 use super::conjugate_gradients::{by_rows, conjugate_gradients, solved};
 use super::faces::{FaceShapes, Hinge, Hinges, unit_or_zero};
 use super::method::Method;
-use super::unit_scale::at_unit_scale;
+use super::oriented::on_oriented;
 use super::vertex_update::{VertexUpdate, update_vertices};
 
 /// How accurately the systems are solved. The solution of each is the first guess
@@ -90,7 +90,7 @@ pub fn total_variation(
     mesh: &TriMesh,
     options: &TotalVariationOptions,
 ) -> Result<TriMesh, DenoiseError> {
-    at_unit_scale(mesh, |mesh| filter(mesh, options))
+    on_oriented(mesh, |mesh| filter(mesh, options))
 }
 
 fn filter(mesh: &TriMesh, options: &TotalVariationOptions) -> Result<TriMesh, DenoiseError> {

@@ -3,14 +3,14 @@
 use std::fmt;
 use std::sync::Arc;
 
-use crate::build::BuildError;
+use crate::build::{BuildError, check_positions};
 use crate::connectivity::Connectivity;
 use crate::incidence::Incidence;
 use crate::topology::Topology;
 use crate::vec3::{cross, distance, norm, sub};
 
 /// A triangle mesh, always valid: indices are in range, coordinates are
-/// finite, and no face repeats a corner.
+/// finite, their extent is zero or within [`EXTENTS`](crate::EXTENTS), and no face repeats a corner.
 ///
 /// Anything else is allowed: isolated vertices, faces of zero area, edges with
 /// three faces, inconsistent orientation. Cloning copies positions and shares
@@ -36,7 +36,7 @@ impl TriMesh {
         if u32::try_from(faces.len().saturating_mul(3)).is_err() {
             return Err(BuildError::TooLarge { what: "corners", count: faces.len() * 3 });
         }
-        check_finite(&positions)?;
+        check_positions(&positions)?;
         for (face, &corners) in faces.iter().enumerate() {
             let [a, b, c] = corners;
             if let Some(&index) = corners.iter().find(|&&i| i as usize >= count) {
@@ -127,8 +127,8 @@ impl TriMesh {
     ///
     /// # Errors
     ///
-    /// [`BuildError`] if there are too few or too many positions, or one is
-    /// not finite.
+    /// [`BuildError`] if there are too few or too many positions, one is
+    /// not finite, or their extent is out of range.
     pub fn with_positions(&self, positions: Vec<[f64; 3]>) -> Result<Self, BuildError> {
         if positions.len() != self.vertex_count() {
             return Err(BuildError::PositionCount {
@@ -136,18 +136,13 @@ impl TriMesh {
                 found: positions.len(),
             });
         }
-        check_finite(&positions)?;
+        check_positions(&positions)?;
         Ok(Self { positions, connectivity: Arc::clone(&self.connectivity) })
     }
 
     /// The positions, in mesh units, one per vertex.
     pub fn positions(&self) -> &[[f64; 3]] {
         &self.positions
-    }
-
-    /// The caller keeps them finite.
-    pub(crate) fn positions_mut(&mut self) -> &mut [[f64; 3]] {
-        &mut self.positions
     }
 
     /// The positions as an `n × 3` view, without a copy.
@@ -276,12 +271,5 @@ impl fmt::Debug for TriMesh {
 impl PartialEq for TriMesh {
     fn eq(&self, other: &Self) -> bool {
         self.positions == other.positions && self.faces() == other.faces()
-    }
-}
-
-fn check_finite(positions: &[[f64; 3]]) -> Result<(), BuildError> {
-    match positions.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
-        None => Ok(()),
-        Some(v) => Err(BuildError::NonFinite { vertex: v as u32, position: positions[v] }),
     }
 }

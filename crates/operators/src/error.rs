@@ -85,18 +85,6 @@ pub enum OperatorError {
     },
 }
 
-impl OperatorError {
-    /// The error of a mesh that was divided by `unit`, in its own units.
-    pub(crate) fn times(self, unit: f64) -> Self {
-        match self {
-            Self::DegenerateFace { face, area, edge } => {
-                Self::DegenerateFace { face, area: area * unit * unit, edge: edge * unit }
-            }
-            other => other,
-        }
-    }
-}
-
 /// Which masses a Laplacian has that does not have all.
 fn masses_of(laplacian: LaplacianKind) -> &'static str {
     match laplacian {

@@ -14,7 +14,7 @@ mod flows;
 mod method;
 
 pub use engine::constraints::{Boundary, Constraints, SoftConstraint};
-pub use engine::diffusion::{Diffusion, Operator, Time};
+pub use engine::diffusion::{Diffusion, Time};
 pub use engine::error::{FlowError, FlowFailure};
 pub use engine::outcome::{Approach, Report, Smoothed};
 pub use engine::spectrum::largest_eigenvalue;
@@ -26,7 +26,7 @@ pub use flows::explicit::{Explicit, explicit};
 pub use flows::hc::{Hc, hc};
 pub use flows::implicit::{Implicit, Update, implicit};
 pub use flows::low_pass::{LowPass, Transfer, low_pass};
-pub use flows::region::{FairRegion, FairingWeights, fair_region};
+pub use flows::region::{FairRegion, fair_region};
 pub use flows::scale_dependent::{ScaleDependent, scale_dependent};
 pub use flows::taubin::{Taubin, taubin};
 pub use flows::windowed_sinc::{Window, WindowedSinc, windowed_sinc};

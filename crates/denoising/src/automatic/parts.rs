@@ -26,8 +26,7 @@ impl Part {
         let taken = whole.faces().iter().map(|face| face.map(|v| number[v as usize]));
         let faces = taken.filter(|face| face[0] != u32::MAX).collect();
         let positions = vertices.iter().map(|&v| whole.positions()[v as usize]).collect();
-        let mesh = TriMesh::new(positions, faces)
-            .map_err(|_| DenoiseError::NonFinite { vertex: usize::MAX })?;
+        let mesh = TriMesh::new(positions, faces)?;
         Ok(Self { mesh, vertices })
     }
 

@@ -5,7 +5,6 @@ use fairing_mesh::vec3::{add, cross, distance, dot, norm, scale, sub};
 use fairing_operators::{NoiseEstimate, noise_level};
 
 use crate::DenoiseError;
-use crate::rebuild::rebuild;
 
 /// How far a spike is from its neighbours, in noise levels: farther than impulses that the networks
 /// were trained on.
@@ -32,7 +31,7 @@ const ROUNDS: usize = 4;
 ///
 /// # Errors
 ///
-/// [`DenoiseError::NonFinite`] if coordinates overflow.
+/// [`DenoiseError::Build`] if coordinates overflow.
 pub(super) fn without_spikes(
     mesh: &TriMesh,
     level: NoiseEstimate,
@@ -54,7 +53,7 @@ pub(super) fn without_spikes(
             positions[v as usize] = sub(positions[v as usize], scale(up, height));
             farthest = farthest.max(height.abs());
         }
-        current = rebuild(&current, positions)?;
+        current = current.with_positions(positions)?;
         match noise_level(&current) {
             Some(next) => level = next,
             None => level.sigma = 0.0,

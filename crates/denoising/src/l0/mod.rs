@@ -12,8 +12,7 @@ use crate::DenoiseError;
 use crate::conjugate_gradients::{by_rows, conjugate_gradients};
 use crate::faces::{FaceShapes, Hinge, Hinges};
 use crate::method::Method;
-use crate::rebuild::rebuild;
-use crate::unit_scale::at_unit_scale;
+use crate::oriented::on_oriented;
 use system::System;
 
 /// How accurately the systems are solved. The solution of each is the first guess
@@ -99,11 +98,11 @@ impl Method for L0Options {
 /// # Errors
 ///
 /// [`DenoiseError::Option`] for a parameter that is not positive or a
-/// growth of at most 1; [`DenoiseError::NonFinite`] if coordinates overflow.
+/// growth of at most 1; [`DenoiseError::Build`] if coordinates overflow.
 ///
 /// Source: \[he2013\].
 pub fn l0(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> {
-    at_unit_scale(mesh, |mesh| filter(mesh, options))
+    on_oriented(mesh, |mesh| filter(mesh, options))
 }
 
 fn filter(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> {
@@ -159,7 +158,7 @@ fn filter(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> 
         beta *= options.growth;
         alpha *= 0.5;
     }
-    rebuild(mesh, positions.into_iter().map(|p| add(p, centre)).collect())
+    Ok(mesh.with_positions(positions.into_iter().map(|p| add(p, centre)).collect())?)
 }
 
 /// The regulariser's coefficients.

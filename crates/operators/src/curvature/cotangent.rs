@@ -59,13 +59,12 @@ pub fn cotangent_curvature(
 }
 
 fn estimate(mesh: &TriMesh, options: CotangentOptions) -> Result<CurvatureField, OperatorError> {
-    let (mesh, unit) = mesh.at_unit_scale();
     // The robust Laplacian has areas of its own.
-    let field = match choose(&mesh, LaplacianKind::Auto, MassKind::Barycentric)?.1 {
-        Reason::ThinFace { .. } => laplacian_curvature(&mesh, &Laplacian::auto(&mesh)?)?,
-        _ => CurvatureField::collect(map_cells(&mesh, options.area, at_cell), false),
+    let field = match choose(mesh, LaplacianKind::Auto, MassKind::Barycentric)?.1 {
+        Reason::ThinFace { .. } => laplacian_curvature(mesh, &Laplacian::auto(mesh)?)?,
+        _ => CurvatureField::collect(map_cells(mesh, options.area, at_cell), false),
     };
-    Ok(field.times(unit))
+    Ok(field)
 }
 
 fn at_cell(cell: &Cell) -> (Result<AtVertex, Undefined>, bool) {

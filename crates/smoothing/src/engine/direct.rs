@@ -269,8 +269,8 @@ mod tests {
         let mesh = fairing_shapes::icosphere(5);
         let fixed = vec![false; mesh.vertex_count()];
         let h2 = mesh.mean_edge_length().powi(2);
-        let laplacian =
-            crate::engine::assemble::cotangent(&mesh, Default::default(), &fixed).unwrap();
+        let diffusion = crate::Diffusion::cotangent(1.0).chosen(&mesh).unwrap().0;
+        let laplacian = crate::engine::assemble::assemble(&mesh, diffusion, &fixed).unwrap();
         let pays = |lambda: f64, solves| super::pays(&laplacian, lambda * h2, 1e-8, solves);
         assert!(!pays(1.0, 1) && !pays(0.1, 10));
         assert!(pays(100.0, 10) && pays(1e4, 1));

@@ -20,5 +20,4 @@ pub(crate) mod sliding;
 pub(crate) mod spectrum;
 pub(crate) mod stability;
 pub(crate) mod step;
-pub(crate) mod unit_scale;
 pub(crate) mod volume;

@@ -146,7 +146,6 @@ impl<'a, 'o> Run<'a, 'o> {
                     before: mesh.positions(),
                     mesh: &after,
                     residual: note.residual,
-                    unit: 1.0,
                 }),
             };
             next = std::mem::replace(&mut mesh, after).into_positions();

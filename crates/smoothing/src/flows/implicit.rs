@@ -10,7 +10,7 @@ use crate::engine::assemble::{Assembler, mass};
 use crate::engine::collapse::Collapse;
 use crate::engine::conjugate::{ImplicitSolver, Room, Solved};
 use crate::engine::constraints::{BOUNDARY, Constraints, Freedom, PIN, SOFT};
-use crate::engine::diffusion::{AREA, Diffusion, LAMBDA, OPERATOR, Operator, TIME, WEIGHTS};
+use crate::engine::diffusion::{AREA, Diffusion, LAMBDA, OPERATOR, TIME, WEIGHTS};
 use crate::engine::direct::{self, Direct};
 use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::flow::{Flow, FlowFn};
@@ -20,7 +20,6 @@ use crate::engine::response::Response;
 use crate::engine::run::{Frame, Run, StepNote};
 use crate::engine::series::expand;
 use crate::engine::step::{ITERATIONS, Observer};
-use crate::engine::unit_scale::{at_unit_scale, diffuses_in_mesh_units};
 use crate::engine::volume::{VOLUME, Volume};
 
 /// When the operator is taken at the current positions.
@@ -140,9 +139,7 @@ pub fn implicit(
     options: &Implicit,
     observer: Option<&mut Observer<'_>>,
 ) -> Result<Smoothed, FlowError> {
-    at_unit_scale(mesh, options, observer, |mesh, options, observer| {
-        implicit_with(mesh, options, false, observer)
-    })
+    implicit_with(mesh, options, false, observer)
 }
 
 impl Flow for Implicit {
@@ -208,8 +205,6 @@ impl Flow for Implicit {
     }
 }
 
-diffuses_in_mesh_units!(Implicit);
-
 /// [`implicit`], and each step ends with scaling to the area of the input if `keep_area`.
 pub(crate) fn implicit_with(
     mesh: &TriMesh,
@@ -218,6 +213,9 @@ pub(crate) fn implicit_with(
     observer: Option<&mut Observer<'_>>,
 ) -> Result<Smoothed, FlowError> {
     check(options).map_err(|failure| failure.before(mesh))?;
+    let (diffusion, too_thin) =
+        options.diffusion.chosen(mesh).map_err(|failure| failure.before(mesh))?;
+    let options = &Implicit { diffusion, ..options.clone() };
     let step = options.diffusion.factor(mesh);
     let frame = Frame {
         volume: options.volume,
@@ -225,6 +223,7 @@ pub(crate) fn implicit_with(
         ..Frame::new(&options.constraints, options.iterations)
     };
     let mut run = Run::new(mesh, &frame, observer)?;
+    run.report.too_thin = too_thin;
     let start = run.arrangement.mesh();
     let assembled =
         Assembler::new(start, options.diffusion, &run.freedom.fixed).and_then(|mut all| {
@@ -362,8 +361,10 @@ impl<'a> Stepper<'a> {
         freedom: &Freedom,
         thin: ThinFaces,
     ) -> Result<bool, FlowFailure> {
-        if self.options.update == Update::Mass {
-            self.laplacian.replace_mass(mass(mesh, operator(self.options))?);
+        if self.options.update == Update::Mass
+            && let Diffusion::Cotangent { kind, area, .. } = self.options.diffusion
+        {
+            self.laplacian.replace_mass(mass(mesh, kind, area)?);
         }
         let Some(assembler) = &mut self.assembler else { return Ok(false) };
         let faces = assembler.reassemble(mesh, &freedom.fixed, &mut self.laplacian, thin)?;
@@ -417,11 +418,4 @@ fn check(options: &Implicit) -> Result<(), FlowFailure> {
         });
     }
     Ok(())
-}
-
-fn operator(options: &Implicit) -> Operator {
-    match options.diffusion {
-        Diffusion::Cotangent { operator, .. } => operator,
-        Diffusion::Uniform { .. } => Operator::default(),
-    }
 }

@@ -1,10 +1,8 @@
 //! Meshes without a plain operator, and flows that end in a point.
 
 use super::*;
-use fairing_operators::LumpedArea;
-use fairing_smoothing::{
-    FairRegion, FairingWeights, LowPass, Operator, Transfer, Update, fair_region, low_pass,
-};
+use fairing_operators::{LaplacianKind, LumpedArea};
+use fairing_smoothing::{FairRegion, LowPass, Transfer, Update, fair_region, low_pass};
 
 /// A sphere with a fin on one of its edges, a face without area and an isolated vertex.
 fn broken() -> TriMesh {
@@ -26,31 +24,31 @@ fn broken() -> TriMesh {
 fn auto_takes_the_robust_operator_where_a_face_is_too_thin() {
     let sphere = fairing_shapes::icosphere(2);
     let n = sphere.face_count() as u32;
-    for (mesh, other, too_thin) in [
-        (broken(), Operator::Robust, true),
-        (sphere, Operator::Plain(LumpedArea::Barycentric), false),
-    ] {
+    for (mesh, other, too_thin) in
+        [(broken(), LaplacianKind::Robust, true), (sphere, LaplacianKind::Cotangent, false)]
+    {
         let named = fairing_operators::check_faces(&mesh).err().map(|error| match error {
             fairing_operators::OperatorError::DegenerateFace { face, .. } => face,
             error => panic!("{error}"),
         });
         assert!(named.is_some() == too_thin && named.is_none_or(|face| face >= n), "{named:?}");
-        let implicit_with = |operator, update| {
-            let step = Diffusion::cotangent(0.05).with_operator(operator);
+        let implicit_with = |kind, update| {
+            let step = Diffusion::cotangent(0.05).with_kind(kind);
             implicit(&mesh, &Implicit { update, ..Implicit::new(step) }, None)
         };
         let low_pass_with =
-            |operator| low_pass(&mesh, &LowPass { operator, ..LowPass::new(Transfer::Modes(12)) });
-        let region_with = |operator| {
-            let weights = FairingWeights::Cotangent(operator);
-            fair_region(&mesh, &FairRegion { weights, ..FairRegion::new(vec![3, 40]) })
-        };
+            |kind| low_pass(&mesh, &LowPass { kind, ..LowPass::new(Transfer::Modes(12)) });
+        let region_with =
+            |kind| fair_region(&mesh, &FairRegion { kind, ..FairRegion::new(vec![3, 40]) });
         let pairs = [
-            (implicit_with(Operator::Auto, Update::Never), implicit_with(other, Update::Never)),
-            (implicit_with(Operator::Auto, Update::Mass), implicit_with(other, Update::Mass)),
-            (implicit_with(Operator::Auto, Update::Both), implicit_with(other, Update::Both)),
-            (low_pass_with(Operator::Auto), low_pass_with(other)),
-            (region_with(Operator::Auto), region_with(other)),
+            (
+                implicit_with(LaplacianKind::Auto, Update::Never),
+                implicit_with(other, Update::Never),
+            ),
+            (implicit_with(LaplacianKind::Auto, Update::Mass), implicit_with(other, Update::Mass)),
+            (implicit_with(LaplacianKind::Auto, Update::Both), implicit_with(other, Update::Both)),
+            (low_pass_with(LaplacianKind::Auto), low_pass_with(other)),
+            (region_with(LaplacianKind::Auto), region_with(other)),
         ];
         for (found, expected) in pairs {
             let (found, expected) = (found.unwrap(), expected.unwrap());
@@ -64,21 +62,17 @@ fn auto_takes_the_robust_operator_where_a_face_is_too_thin() {
 #[test]
 fn broken_meshes_smooth_through_the_robust_operator() {
     let mesh = broken();
-    let plain = Operator::Plain(LumpedArea::Barycentric);
-    let step = Diffusion::cotangent(1.0).with_operator(plain);
+    let step = Diffusion::cotangent(1.0).with_kind(LaplacianKind::Cotangent);
     let error = implicit(&mesh, &Implicit::new(step), None).unwrap_err();
     assert!(matches!(error.failure, FlowFailure::Operator(_)));
     assert!(error.to_string().contains("robust") && error.to_string().contains("uniform"));
-    let robust = |lambda| Diffusion::cotangent(lambda).with_operator(Operator::Robust);
+    let robust = |lambda| Diffusion::cotangent(lambda).with_kind(LaplacianKind::Robust);
     let limit = stable_limit(&mesh, robust(1.0)).unwrap();
     assert!(limit > 0.0 && limit.is_finite());
     let time = Time::SquaredUnits(0.5 * limit);
-    let step = Diffusion::Cotangent { time, operator: Operator::Robust };
-    let weights = FairingWeights::Cotangent(Operator::Robust);
-    let heat = LowPass {
-        operator: Operator::Robust,
-        ..LowPass::new(Transfer::Heat(Time::SquaredUnits(0.01)))
-    };
+    let (kind, area) = (LaplacianKind::Robust, LumpedArea::Barycentric);
+    let step = Diffusion::Cotangent { time, kind, area };
+    let heat = LowPass { kind, ..LowPass::new(Transfer::Heat(Time::SquaredUnits(0.01))) };
     let results = [
         implicit(&mesh, &Implicit::new(robust(5.0)), None),
         implicit(&mesh, &Implicit { update: Update::Mass, ..Implicit::new(robust(0.2)) }, None),
@@ -86,11 +80,8 @@ fn broken_meshes_smooth_through_the_robust_operator() {
         implicit(&mesh, &Implicit::new(Diffusion::uniform(5.0)), None),
         explicit(&mesh, &Explicit::new(step), None),
         low_pass(&mesh, &heat),
-        low_pass(
-            &mesh,
-            &LowPass { operator: Operator::Robust, ..LowPass::new(Transfer::Modes(30)) },
-        ),
-        fair_region(&mesh, &FairRegion { weights, ..FairRegion::new(vec![0, 642, 643]) }),
+        low_pass(&mesh, &LowPass { kind, ..LowPass::new(Transfer::Modes(30)) }),
+        fair_region(&mesh, &FairRegion { kind, ..FairRegion::new(vec![0, 642, 643]) }),
     ];
     for (i, result) in results.into_iter().enumerate() {
         let smoothed = result.unwrap_or_else(|error| panic!("{i}: {error}")).mesh;
@@ -111,7 +102,7 @@ fn the_robust_operator_changes_nothing_on_good_meshes() {
             let options = Implicit { update, tolerance: 1e-12, ..Implicit::new(diffusion) };
             implicit(&mesh, &options, None).unwrap().mesh
         };
-        let apart = largest_distance(&run(plain), &run(plain.with_operator(Operator::Robust)));
+        let apart = largest_distance(&run(plain), &run(plain.with_kind(LaplacianKind::Robust)));
         assert!(apart < 1e-9, "{update:?}: {apart:e}");
     }
 }
@@ -125,7 +116,11 @@ fn mean_curvature_flow_says_when_a_surface_is_gone() {
     let options = Implicit {
         iterations: 100,
         update: Update::Both,
-        ..Implicit::new(Diffusion::Cotangent { time, operator: Operator::default() })
+        ..Implicit::new(Diffusion::Cotangent {
+            time,
+            kind: LaplacianKind::Auto,
+            area: LumpedArea::Barycentric,
+        })
     };
     let error = implicit(&sphere, &options, None).unwrap_err();
     let FlowFailure::Collapsed { vertex, area, before } = error.failure else {
@@ -174,7 +169,8 @@ fn a_neck_that_pinches_off_does_not_end_the_flow() {
         update: Update::Both,
         ..Implicit::new(Diffusion::Cotangent {
             time: Time::SquaredUnits(5e-4),
-            operator: Operator::default(),
+            kind: LaplacianKind::Auto,
+            area: LumpedArea::Barycentric,
         })
     };
     // Through the pinch: what is left of the neck are faces without area, the bells are as round as before.
@@ -205,8 +201,8 @@ fn regions_that_cannot_be_solved_are_refused() {
     });
     let mesh = TriMesh::new(positions, faces.collect()).unwrap();
     let region: Vec<u32> = (5 * rows..(n - 5) * rows).collect();
-    for weights in [FairingWeights::Uniform, FairingWeights::Cotangent(Operator::Auto)] {
-        let options = FairRegion { order: 4, weights, ..FairRegion::new(region.clone()) };
+    for kind in [LaplacianKind::Uniform, LaplacianKind::Auto] {
+        let options = FairRegion { order: 4, kind, ..FairRegion::new(region.clone()) };
         let error = fair_region(&mesh, &options).unwrap_err();
         let named =
             matches!(error.failure, FlowFailure::NotConverged { .. } | FlowFailure::NotFactored(_));

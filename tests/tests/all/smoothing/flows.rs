@@ -1,10 +1,11 @@
 //! The flows beyond plain diffusion.
 
 use super::*;
+use fairing_operators::{LaplacianKind, LumpedArea};
 use fairing_smoothing::{
-    ConformalizedMcf, FairRegion, FairingWeights, Hc, LowPass, ScaleDependent, Taubin, Transfer,
-    WindowedSinc, conformalized_mean_curvature_flow, fair_region, hc, low_pass, scale_dependent,
-    taubin, windowed_sinc,
+    ConformalizedMcf, FairRegion, Hc, LowPass, ScaleDependent, Taubin, Transfer, WindowedSinc,
+    conformalized_mean_curvature_flow, fair_region, hc, low_pass, scale_dependent, taubin,
+    windowed_sinc,
 };
 
 /// Pairs of steps multiply the modes −1 and −3/2 of the octahedron by `(1 − λk)(1 − μk)`.
@@ -135,16 +136,16 @@ fn faired_regions_reproduce_what_the_operator_annihilates() {
     }
     let rough = plane.with_positions(rough).unwrap();
     for order in 1..=3 {
-        for weights in [
-            FairingWeights::Uniform,
-            FairingWeights::Cotangent(fairing_smoothing::Operator::Plain(
-                fairing_operators::LumpedArea::Mixed,
-            )),
-        ] {
-            let options = FairRegion { order, weights, ..FairRegion::new(inside.clone()) };
+        for kind in [LaplacianKind::Uniform, LaplacianKind::Cotangent] {
+            let options = FairRegion {
+                order,
+                kind,
+                area: LumpedArea::Mixed,
+                ..FairRegion::new(inside.clone())
+            };
             let faired = fair_region(&rough, &options).unwrap().mesh;
             for (v, p) in faired.positions().iter().enumerate() {
-                assert!(p[2].abs() < 1e-9, "order {order}, {weights:?}: vertex {v} at {}", p[2]);
+                assert!(p[2].abs() < 1e-9, "order {order}, {kind:?}: vertex {v} at {}", p[2]);
             }
         }
     }

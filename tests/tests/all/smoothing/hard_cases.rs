@@ -1,9 +1,8 @@
 //! Coordinates of very different size, far from the origin, sheets without volume, pairs that amplify, wide regions.
 
 use super::*;
-use fairing_smoothing::{
-    FairRegion, FairingWeights, FlowError, Smoothed, Taubin, fair_region, taubin,
-};
+use fairing_operators::{LaplacianKind, LumpedArea};
+use fairing_smoothing::{FairRegion, FlowError, Smoothed, Taubin, fair_region, taubin};
 
 /// A patch with bumps of this height.
 fn bumps(height: f64) -> TriMesh {
@@ -59,7 +58,8 @@ fn small_components_are_solved_as_well_as_large_ones() {
             iterations: 2,
             ..Implicit::new(Diffusion::Cotangent {
                 time: Time::SquaredUnits(t),
-                operator: fairing_smoothing::Operator::default(),
+                kind: LaplacianKind::Auto,
+                area: LumpedArea::Barycentric,
             })
         };
         let run = |mesh: &TriMesh| {
@@ -171,8 +171,8 @@ fn wide_regions_of_a_flat_grid_stay() {
         .filter(|&v| inside(&grid.positions()[v as usize]))
         .collect();
     for order in 1..=4 {
-        let weights = FairingWeights::Uniform;
-        let options = FairRegion { order, weights, ..FairRegion::new(region.clone()) };
+        let kind = LaplacianKind::Uniform;
+        let options = FairRegion { order, kind, ..FairRegion::new(region.clone()) };
         let fair = fair_region(&grid, &options).unwrap().mesh;
         let off = largest_distance(&fair, &grid);
         // Rounding of coordinates of sixty.

@@ -19,7 +19,8 @@ fn a_sphere_shrinks_as_theory_has_it_with_second_order_in_space() {
             tolerance: 1e-11,
             ..Implicit::new(Diffusion::Cotangent {
                 time: Time::SquaredUnits(end / steps as f64),
-                operator: fairing_smoothing::Operator::default(),
+                kind: fairing_operators::LaplacianKind::Auto,
+                area: fairing_operators::LumpedArea::Barycentric,
             })
         };
         let shrunk = implicit(&sphere, &options, None).unwrap().mesh;
@@ -45,7 +46,8 @@ fn backward_euler_is_of_first_order_in_time() {
             tolerance: 1e-12,
             ..Implicit::new(Diffusion::Cotangent {
                 time: Time::SquaredUnits(0.1 / steps as f64),
-                operator: fairing_smoothing::Operator::default(),
+                kind: fairing_operators::LaplacianKind::Auto,
+                area: fairing_operators::LumpedArea::Barycentric,
             })
         };
         mean_radius(&implicit(&sphere, &options, None).unwrap().mesh)

@@ -96,7 +96,7 @@ fn an_observer_sees_every_step_and_can_stop() {
 }
 
 #[test]
-fn a_step_out_of_range_returns_the_last_good_mesh_and_the_vertex() {
+fn a_step_out_of_range_returns_the_last_good_mesh() {
     let mesh = shapes::icosphere(2);
     let mut bent = mesh.positions().to_vec();
     bent[9] = [1.5, 0.3, 0.1];
@@ -107,13 +107,12 @@ fn a_step_out_of_range_returns_the_last_good_mesh_and_the_vertex() {
         ..Explicit::new(Diffusion::uniform(10.0))
     };
     let error = explicit(&mesh, &options, None).unwrap_err();
-    assert!(error.iteration > 100 && error.iteration < 1000, "{}", error.iteration);
-    let FlowFailure::NonFinite { vertex, position } = error.failure else {
+    assert!(error.iteration > 10 && error.iteration < 100, "{}", error.iteration);
+    let FlowFailure::Mesh(fairing_mesh::BuildError::Extent { extent }) = error.failure else {
         panic!("{:?}", error.failure)
     };
-    assert!(position.iter().any(|x| !x.is_finite()));
-    assert!((vertex as usize) < mesh.vertex_count());
-    assert!(error.last_good.diagonal() > 1e100);
+    assert!(extent > 1e30);
+    assert!(error.last_good.diagonal() > 1e28);
 }
 
 #[test]
@@ -123,8 +122,7 @@ fn a_thin_face_is_named_as_in_the_file() {
     let [a, b, c] = faces[123].map(|v| v as usize);
     positions[c] = [0, 1, 2].map(|k| 0.5 * (positions[a][k] + positions[b][k]));
     let mesh = TriMesh::new(positions, faces).unwrap();
-    let plain = fairing_smoothing::Operator::Plain(fairing_operators::LumpedArea::Barycentric);
-    let step = Diffusion::cotangent(1.0).with_operator(plain);
+    let step = Diffusion::cotangent(1.0).with_kind(fairing_operators::LaplacianKind::Cotangent);
     let error = implicit(&mesh, &Implicit::new(step), None).unwrap_err();
     let expected = fairing_operators::cotan_stiffness(&mesh).unwrap_err();
     assert_eq!(error.failure, FlowFailure::Operator(expected));

@@ -205,7 +205,7 @@ impl<'a> Progress<'a> {
     ///
     /// # Errors
     ///
-    /// [`DenoiseError::NonFinite`] if coordinates overflow.
+    /// [`DenoiseError::Build`] if coordinates overflow.
     pub(crate) fn advance(&mut self, networks: &[Network]) -> Result<(), DenoiseError> {
         let state = self.state();
         let wide = wide_means(&state);
@@ -362,7 +362,7 @@ pub(crate) struct Regressed {
 ///
 /// # Errors
 ///
-/// [`DenoiseError::NonFinite`] if coordinates overflow.
+/// [`DenoiseError::Build`] if coordinates overflow.
 pub(crate) fn regress(
     mesh: &TriMesh,
     hinges: &Hinges,

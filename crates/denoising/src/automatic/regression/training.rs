@@ -72,17 +72,16 @@ struct Lesson {
 ///
 /// # Errors
 ///
-/// [`DenoiseError::NonFinite`] if coordinates overflow.
+/// [`DenoiseError::Build`] if coordinates overflow.
 pub fn train_normals(
     pairs: &[TrainingPair],
     options: &TrainingOptions,
     mut say: impl FnMut(String),
 ) -> Result<Vec<u8>, DenoiseError> {
-    let scaled: Vec<(TriMesh, TriMesh)> = pairs.iter().map(at_unit_scale).collect();
-    let parts: Vec<(Hinges, FaceLists)> =
-        scaled.iter().map(|(noisy, _)| (Hinges::new(noisy), FaceLists::rings(noisy))).collect();
+    let of_noisy = |pair: &TrainingPair| (Hinges::new(&pair.noisy), FaceLists::rings(&pair.noisy));
+    let parts: Vec<(Hinges, FaceLists)> = pairs.iter().map(of_noisy).collect();
     let mut all: Vec<(Progress<'_>, Vec<[f64; 3]>)> = vec![];
-    for ((noisy, truth), (hinges, rings)) in scaled.iter().zip(&parts) {
+    for (TrainingPair { noisy, truth, .. }, (hinges, rings)) in pairs.iter().zip(&parts) {
         let Some(level) = noise_level(noisy).filter(|l| l.sigma > 0.0) else { continue };
         let progress = Progress::new(noisy, hinges, rings, level);
         all.push((progress, FaceShapes::new(truth).normals));
@@ -108,13 +107,6 @@ pub fn train_normals(
         stages.push(networks);
     }
     Ok(Model { stages, seed: options.seed }.write())
-}
-
-/// Both meshes in the unit of the noisy one.
-fn at_unit_scale(pair: &TrainingPair) -> (TriMesh, TriMesh) {
-    let (noisy, _) = pair.noisy.at_unit_scale();
-    // Only directions are taken from the truth.
-    (noisy.into_owned(), pair.truth.clone())
 }
 
 /// Faces drawn from each pair.
