@@ -10,6 +10,10 @@ use fairing_parameters::Parameter;
 pub(crate) const ITERATIONS: Parameter =
     Parameter::count("iterations", "10", "The number of steps");
 
+/// The accuracy of the linear systems.
+pub(crate) const TOLERANCE: Parameter =
+    Parameter::number("tolerance", "", "The relative residual of the linear systems");
+
 /// Called after every step with what it did; `ControlFlow::Break` ends the flow there.
 ///
 /// # Examples

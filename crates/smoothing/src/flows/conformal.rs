@@ -6,13 +6,14 @@ use fairing_mesh::TriMesh;
 use fairing_operators::{LaplacianKind, LumpedArea};
 use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
 
+use crate::engine::constraints::Constraints;
 use crate::engine::diffusion::{Diffusion, OPERATOR, TIME, Time, operator_from_values};
 use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::Smoothed;
-use crate::engine::step::{ITERATIONS, Observer};
-use crate::engine::volume::Volume;
-use crate::flows::implicit::{Implicit, TOLERANCE, Update, implicit_with};
+use crate::engine::run::{Run, RunSettings};
+use crate::engine::step::{ITERATIONS, Observer, Step, TOLERANCE};
+use crate::engine::updated::{Update, advance_updated};
 
 /// Options of [`conformalized_mean_curvature_flow`].
 #[derive(Debug, Clone, PartialEq)]
@@ -85,20 +86,13 @@ pub fn conformalized_mean_curvature_flow(
         return Err(refuse(FlowFailure::Unsupported { reason }));
     }
     let area: f64 = (0..mesh.face_count()).map(|f| mesh.face_area(f)).sum();
-    let implicit = Implicit {
-        iterations: options.iterations,
-        update: Update::Mass,
-        tolerance: options.tolerance,
-        volume: Volume::Drifts,
-        ..Implicit::new(Diffusion::Cotangent {
-            time: Time::SquaredUnits(options.time * area),
-            kind: options.kind,
-            area: LumpedArea::Barycentric,
-        })
-    };
+    let step = options.time * area;
+    let (kind, areas) = (options.kind, LumpedArea::Barycentric);
+    let diffusion = Diffusion::Cotangent { time: Time::SquaredUnits(step), kind, area: areas };
+    let (diffusion, too_thin) = diffusion.chosen(mesh).map_err(refuse)?;
     let threshold = options.settled * area.sqrt();
     let mut observer = observer;
-    let mut watch = |step: &crate::engine::step::Step<'_>| {
+    let mut watch = |step: &Step<'_>| {
         if let Some(observe) = &mut observer
             && observe(step).is_break()
         {
@@ -109,7 +103,11 @@ pub fn conformalized_mean_curvature_flow(
             false => ControlFlow::Continue(()),
         }
     };
-    implicit_with(mesh, &implicit, true, Some(&mut watch))
+    let free = Constraints::default();
+    let settings = RunSettings { keep_area: true, ..RunSettings::new(&free, options.iterations) };
+    let mut run = Run::new(mesh, &settings, Some(&mut watch))?;
+    run.report.too_thin = too_thin;
+    advance_updated(run, diffusion, Update::Mass, step, options.tolerance)
 }
 
 impl Flow for ConformalizedMcf {
@@ -141,5 +139,8 @@ impl Flow for ConformalizedMcf {
 
 fn check(options: &ConformalizedMcf) -> Result<(), FlowFailure> {
     OptionError::require_not_negative("time", options.time)?;
+    let tolerance = options.tolerance;
+    let between = tolerance > 0.0 && tolerance < 1.0;
+    OptionError::require(between, "tolerance", tolerance, "above 0 and below 1")?;
     Ok(OptionError::require_not_negative("threshold for settling", options.settled)?)
 }

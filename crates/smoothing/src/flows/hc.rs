@@ -8,7 +8,7 @@ use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
 use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::Smoothed;
-use crate::engine::run::{Frame, Run, StepNote};
+use crate::engine::run::{Run, RunSettings, StepNote};
 use crate::engine::stability::{Stability, UNSTABLE, uniform_limit};
 use crate::engine::step::{ITERATIONS, Observer};
 
@@ -94,8 +94,8 @@ pub fn hc(
         OptionError::require_share(option, value)
             .map_err(|error| FlowFailure::from(error).before(mesh))?;
     }
-    let frame = Frame::new(&options.constraints, options.iterations);
-    let mut run = Run::new(mesh, &frame, observer)?;
+    let settings = RunSettings::new(&options.constraints, options.iterations);
+    let mut run = Run::new(mesh, &settings, observer)?;
     // From ½ on every mesh is stable: no need for its topology.
     if beta < 0.5 {
         let limit = returned_limit(alpha, 2.0 / uniform_limit(mesh));

@@ -10,11 +10,10 @@ use crate::engine::constraints::{BOUNDARY, Constraints, PIN};
 use crate::engine::diffusion::{AREA, OPERATOR, TIME, Time, chosen, operator_from_values};
 use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::flow::{Flow, FlowFn};
+use crate::engine::linear::advance;
 use crate::engine::outcome::{Approach, Report, Smoothed};
-use crate::engine::resolvent::Resolvent;
 use crate::engine::response::Response;
-use crate::engine::run::{Frame, Run};
-use crate::engine::series::expand;
+use crate::engine::run::{Run, RunSettings};
 
 /// What a filter does to the mode of eigenvalue ω of `S φ = ω M φ`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -97,14 +96,10 @@ pub fn low_pass(mesh: &TriMesh, options: &LowPass) -> Result<Smoothed, FlowError
     if let Transfer::Modes(k) = options.transfer {
         return smoothest(mesh, k, options).map_err(|failure| failure.before(mesh));
     }
-    let mut run = Run::new(mesh, &Frame::new(&options.constraints, 1), None)?;
+    let mut run = Run::new(mesh, &RunSettings::new(&options.constraints, 1), None)?;
     let (kind, too_thin) =
         chosen(mesh, options.kind, options.area).map_err(|failure| run.refuse(failure))?;
     run.report.too_thin = too_thin;
-    if !run.is_linear() {
-        let reason = "a low-pass filter supports free and pinned vertices only";
-        return Err(run.refuse(FlowFailure::Unsupported { reason }));
-    }
     let laplacian = cotangent(run.arrangement.mesh(), kind, options.area, &run.freedom.fixed)
         .map_err(|failure| run.refuse(failure))?;
     let response = match options.transfer {
@@ -114,25 +109,7 @@ pub fn low_pass(mesh: &TriMesh, options: &LowPass) -> Result<Smoothed, FlowError
         }
         Transfer::Modes(_) => Response::Heat { time: 0.0 },
     };
-    run.report.iterations = 1;
-    let x = run.arrangement.mesh().positions();
-    if let Some(series) = expand(laplacian.spectral_bound(), response) {
-        run.report.approach = Approach::Series { degree: series.degree() };
-        let x = series.apply(&laplacian, x);
-        return run.finish(x);
-    }
-    let Some(resolvent) = Resolvent::expand(response) else {
-        let reason = "the filter is neither a heat filter nor one of Butterworth";
-        return Err(run.refuse(FlowFailure::Unsupported { reason }));
-    };
-    match resolvent.apply(&laplacian, &run.freedom, x) {
-        Ok((x, residual)) => {
-            run.report.approach = Approach::Resolvent { degree: resolvent.degree() };
-            run.report.worst_residual = Some(residual);
-            run.finish(x)
-        }
-        Err(failure) => Err(run.refuse(failure)),
-    }
+    advance(run, &laplacian, laplacian.spectral_bound(), response, 0.0)
 }
 
 impl Flow for LowPass {

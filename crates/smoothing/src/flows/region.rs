@@ -172,7 +172,7 @@ fn from_outside(matrix: &SparseMatrix, region: &[u32], x: &[[f64; 3]]) -> Vec<[f
 }
 
 /// The most corrections of a solution; two are the rule.
-const MOST_CORRECTIONS: usize = 20;
+const MAX_CORRECTIONS: usize = 20;
 
 /// Corrections of this share of the extent are taken for rounding.
 const SETTLED: f64 = 4.0 * f64::EPSILON;
@@ -197,7 +197,7 @@ fn refine(
     let extent = (0..3).map(|k| (high[k] - low[k]).max(high[k].abs()).max(low[k].abs()));
     let extent = extent.fold(0.0, f64::max);
     let mut before = f64::INFINITY;
-    for iterations in 1..=MOST_CORRECTIONS {
+    for iterations in 1..=MAX_CORRECTIONS {
         let all = power.apply(x);
         let residual: Vec<[f64; 3]> = region.iter().map(|&v| all[v as usize].map(|y| -y)).collect();
         let mut largest = (0.0, 0u32);
@@ -215,7 +215,7 @@ fn refine(
         }
         // NaN does not contract.
         let contracts = size < 0.5 * before;
-        if !contracts || iterations == MOST_CORRECTIONS {
+        if !contracts || iterations == MAX_CORRECTIONS {
             return match size <= ACCEPTED {
                 true => Ok(()),
                 false => Err(FlowFailure::NotConverged { residual: size, iterations, vertex }),

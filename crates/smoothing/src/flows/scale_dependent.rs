@@ -10,7 +10,7 @@ use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
 use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::Smoothed;
-use crate::engine::run::{Frame, Run, StepNote};
+use crate::engine::run::{Run, RunSettings, StepNote};
 use crate::engine::step::{ITERATIONS, Observer};
 
 /// Options of [`scale_dependent`].
@@ -69,8 +69,8 @@ pub fn scale_dependent(
     let (stable, expected) = ((0.0..=1.0).contains(&fraction), "between 0 and 1, the stable limit");
     OptionError::require(stable, "fraction", fraction, expected)
         .map_err(|error| FlowFailure::from(error).before(mesh))?;
-    let frame = Frame::new(&options.constraints, options.iterations);
-    let run = Run::new(mesh, &frame, observer)?;
+    let settings = RunSettings::new(&options.constraints, options.iterations);
+    let run = Run::new(mesh, &settings, observer)?;
     let laplacian = uniform(run.arrangement.mesh(), &run.freedom.fixed);
     let connectivity = run.arrangement.mesh().connectivity().clone();
     let components = connectivity.topology().components();

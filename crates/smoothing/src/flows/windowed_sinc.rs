@@ -11,7 +11,7 @@ use crate::engine::constraints::{BOUNDARY, Constraints, PIN};
 use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::{Approach, Smoothed};
-use crate::engine::run::{Frame, Run};
+use crate::engine::run::{Run, RunSettings};
 
 /// How the Chebyshev series of the ideal filter is faded out. All are 1 at its beginning and small at its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -106,8 +106,8 @@ pub fn windowed_sinc(mesh: &TriMesh, options: &WindowedSinc) -> Result<Smoothed,
     let between = pass_band > 0.0 && pass_band < 2.0;
     OptionError::require(between, "pass band", pass_band, "above 0 and below 2")
         .map_err(|error| FlowFailure::from(error).before(mesh))?;
-    let frame = Frame::new(&options.constraints, 1);
-    let mut run = Run::new(mesh, &frame, None)?;
+    let settings = RunSettings::new(&options.constraints, 1);
+    let mut run = Run::new(mesh, &settings, None)?;
     if !run.is_linear() {
         let reason = "a windowed sinc filter supports free and pinned vertices only";
         return Err(run.refuse(FlowFailure::Unsupported { reason }));

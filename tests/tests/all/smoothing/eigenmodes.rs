@@ -113,7 +113,7 @@ fn lambda_two_diverges_on_every_mesh_and_can_be_had() {
     let open = shapes::plane(6, 6, shapes::Diagonals::Alternating);
     for mesh in [shapes::icosphere(2), shapes::torus(2.0, 0.7, 12, 8), open] {
         let options = Explicit {
-            iterations: 100,
+            iterations: 50,
             stability: Stability::Allow,
             ..Explicit::new(Diffusion::uniform(2.0))
         };
