@@ -1,23 +1,31 @@
-//! `cargo xtask` and the tests of the workspace share what they compile.
+//! `cargo xtask`, the programs that it starts and the tests share what they compile.
 //!
-//! Cargo turns on the features that the packages it builds ask for. Where `-p xtask` asks for fewer than the workspace,
-//! a dependency and all that depend on it are compiled twice.
+//! Cargo turns on the features that the packages it builds ask for. Where one build asks for fewer
+//! than another, a dependency and all that depend on it are compiled twice.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-use std::process::Command;
 
 use anyhow::{Context as _, Result, ensure};
+
+use crate::programs::cargo;
 
 /// Crates that need matrices but no factorisation: whoever depends on them does not compile the solver backend.
 const WITHOUT_SOLVERS: [&str; 4] =
     ["fairing-denoising", "fairing-evaluation", "fairing-operators", "fairing-shapes"];
 
-/// Packages that `cargo xtask` builds with other features than the tests of the workspace do.
+/// Packages that `cargo xtask`, or a program that it starts, builds with other features than the
+/// tests of the workspace do.
 pub(super) fn check(root: &Path) -> Result<Vec<String>> {
-    let own = tree(root, &["--package=xtask", "--edges=normal,build"])?;
-    let all = tree(root, &["--workspace", "--edges=normal,build,dev"])?;
-    Ok(differences(&own, &all))
+    let tests = tree(root, &["--workspace", "--edges=normal,build,dev"])?;
+    let mut found = vec![];
+    for (build, choice) in
+        [("xtask", "--package=xtask"), ("the programs that xtask starts", "--workspace")]
+    {
+        let own = tree(root, &[choice, "--edges=normal,build"])?;
+        found.extend(differences(build, &own, &tests));
+    }
+    Ok(found)
 }
 
 /// Crates that compile the solver backend without a need for it.
@@ -40,9 +48,9 @@ fn has_backend(tree: &str) -> bool {
 
 /// What `cargo tree` lists: a package and its features in each line.
 fn tree(root: &Path, choice: &[&str]) -> Result<String> {
-    let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    let mut cargo = cargo(root);
     cargo.args(["tree", "--locked", "--prefix=none", "--format={p}|{f}"]).args(choice);
-    let output = cargo.current_dir(root).output().context("asking cargo for features")?;
+    let output = cargo.output().context("asking cargo for features")?;
     ensure!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
@@ -60,7 +68,7 @@ fn features(tree: &str) -> BTreeMap<&str, BTreeSet<&str>> {
 }
 
 /// The packages in both lists that the first one builds with features that the second one does not.
-fn differences(own: &str, all: &str) -> Vec<String> {
+fn differences(build: &str, own: &str, all: &str) -> Vec<String> {
     let all = features(all);
     let mut found = vec![];
     for (package, sets) in features(own) {
@@ -68,8 +76,7 @@ fn differences(own: &str, all: &str) -> Vec<String> {
         for set in sets.difference(known) {
             let others: Vec<String> = known.iter().map(|set| format!("[{set}]")).collect();
             found.push(format!(
-                "{package} has the features [{set}] for xtask, {} for the tests: name it in xtask/Cargo.toml with \
-                 these",
+                "{package} has the features [{set}] for {build}, {} for the tests",
                 others.join(" and ")
             ));
         }
@@ -85,9 +92,10 @@ mod tests {
     fn other_features_are_found() {
         let all = "rand v0.10.0|std,sys_rng\nsyn v2.0.0|full\nsyn v2.0.0|\npyo3 v0.1.0|\n";
         assert!(
-            differences("rand v0.10.0|std,sys_rng (*)\nsyn v2.0.0|\nclap v4|x\n", all).is_empty()
+            differences("x", "rand v0.10.0|std,sys_rng (*)\nsyn v2.0.0|\nclap v4|x\n", all)
+                .is_empty()
         );
-        let found = differences("rand v0.10.0|std\nsyn v2.0.0|full (*)\n", all);
+        let found = differences("x", "rand v0.10.0|std\nsyn v2.0.0|full (*)\n", all);
         let [only] = &found[..] else { panic!("{found:?}") };
         assert!(only.contains("rand v0.10.0") && only.contains("[std,sys_rng]"), "{only}");
     }
