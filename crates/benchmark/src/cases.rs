@@ -31,7 +31,7 @@ impl Set {
     }
 }
 
-fairing_mesh::named!(Set, "set of families");
+fairing_parameters::named!(Set, "set of families");
 
 /// The set that a family is in; each has families of every kind.
 pub fn set_of(family: Family) -> Set {

@@ -3,8 +3,9 @@
 use std::f64::consts::LOG2_E;
 use std::sync::{Mutex, PoisonError};
 
+use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, distance, scale, sub};
-use fairing_mesh::{Algorithm, OptionError, Parameter, ParameterError, TriMesh, Values};
+use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
 use fairing_sparse::CgOptions;
 use fairing_sparse::passes::update;
 use rayon::prelude::*;

@@ -1,6 +1,7 @@
 //! The denoisers by name.
 
-use fairing_mesh::{Algorithm, ParameterError, TriMesh, Values};
+use fairing_mesh::TriMesh;
+use fairing_parameters::{Algorithm, ParameterError, Values};
 
 use super::method::Method;
 use super::{
@@ -135,13 +136,13 @@ impl Denoiser {
     }
 }
 
-fairing_mesh::named!(Denoiser, "denoiser");
+fairing_parameters::named!(Denoiser, "denoiser");
 #[cfg(feature = "serde")]
-fairing_mesh::serde_by_name!(Denoiser);
+fairing_parameters::serde_by_name!(Denoiser);
 
 #[cfg(test)]
 mod tests {
-    use fairing_mesh::Kind;
+    use fairing_parameters::Kind;
     use fairing_shapes as shapes;
 
     use super::*;

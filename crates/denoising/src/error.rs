@@ -1,6 +1,6 @@
 //! Why a mesh cannot be denoised.
 
-use fairing_mesh::OptionError;
+use fairing_parameters::OptionError;
 
 /// Why a mesh cannot be denoised.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -11,7 +11,7 @@ pub enum DenoiseError {
     Option(#[from] OptionError),
     /// A value fits no parameter of a denoiser.
     #[error(transparent)]
-    Parameter(#[from] fairing_mesh::ParameterError),
+    Parameter(#[from] fairing_parameters::ParameterError),
     /// A linear system was not solved to its tolerance.
     #[error(
         "the linear system of step {step} kept a relative residual of {residual:e} after {iterations} iterations"

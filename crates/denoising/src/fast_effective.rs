@@ -1,7 +1,8 @@
 //! Fast and effective feature-preserving denoising.
 
+use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, dot, scale};
-use fairing_mesh::{Algorithm, OptionError, Parameter, ParameterError, TriMesh, Values};
+use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
 use rayon::prelude::*;
 
 use super::DenoiseError;

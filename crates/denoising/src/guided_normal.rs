@@ -2,8 +2,9 @@
 
 use std::f64::consts::LOG2_E;
 
+use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, distance, scale};
-use fairing_mesh::{Algorithm, OptionError, Parameter, ParameterError, TriMesh, Values};
+use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
 use rayon::prelude::*;
 
 use super::DenoiseError;

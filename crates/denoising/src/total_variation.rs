@@ -1,7 +1,8 @@
 //! Total variation of the normal field.
 
+use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, distance, norm, scale, sub};
-use fairing_mesh::{Algorithm, OptionError, Parameter, ParameterError, TriMesh, Values};
+use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
 use fairing_sparse::CgOptions;
 use fairing_sparse::passes::update;
 use rayon::prelude::*;

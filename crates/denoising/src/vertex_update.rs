@@ -1,7 +1,8 @@
 //! Moving vertices until the faces have given normals.
 
+use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, cross, dot, norm, scale, sub};
-use fairing_mesh::{OptionError, TriMesh};
+use fairing_parameters::OptionError;
 use rayon::prelude::*;
 
 use super::DenoiseError;

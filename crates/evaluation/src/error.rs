@@ -1,7 +1,8 @@
 //! Why something cannot be evaluated.
 
-use fairing_mesh::{BuildError, OptionError};
+use fairing_mesh::BuildError;
 use fairing_operators::OperatorError;
+use fairing_parameters::OptionError;
 
 /// Why noise, a distance or a score is not defined.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -1,7 +1,8 @@
 //! Sharp edges, found and missed.
 
+use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{cross, dot, norm, normalize};
-use fairing_mesh::{OptionError, TriMesh};
+use fairing_parameters::OptionError;
 
 use crate::EvaluationError;
 use crate::correspondence::in_one_winding;

@@ -1,7 +1,8 @@
 //! The Hausdorff distance between surfaces, to a bound.
 
+use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, distance, scale};
-use fairing_mesh::{OptionError, TriMesh};
+use fairing_parameters::OptionError;
 use rayon::prelude::*;
 
 use crate::distance::{at_unit_scale, tree};

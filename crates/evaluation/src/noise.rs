@@ -1,8 +1,9 @@
 //! Seeded noise on vertices.
 
+use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, norm, scale};
-use fairing_mesh::{OptionError, TriMesh};
 use fairing_operators::vertex_normals;
+use fairing_parameters::OptionError;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -130,7 +131,7 @@ impl NoiseKind {
     }
 }
 
-fairing_mesh::named!(NoiseKind, "kind of noise");
+fairing_parameters::named!(NoiseKind, "kind of noise");
 
 /// The mesh with noise on its vertices; faces and topology are shared.
 ///

@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use fairing_mesh::{OptionError, TriMesh};
+use fairing_mesh::TriMesh;
+use fairing_parameters::OptionError;
 
 use crate::distance::{self, tree};
 use crate::hausdorff;

@@ -4,9 +4,10 @@ use fairing_denoising::DenoiseError;
 use fairing_evaluation::EvaluationError;
 #[cfg(feature = "figure")]
 use fairing_figure::{EncodeError, PlotError, RenderError, ScaleError};
+use fairing_mesh::BuildError;
 use fairing_mesh::io::{ReadError, ReadProblem, WriteError, WriteProblem};
-use fairing_mesh::{BuildError, OptionError, ParameterError, UnknownName};
 use fairing_operators::OperatorError;
+use fairing_parameters::{OptionError, ParameterError, UnknownName};
 use fairing_smoothing::{FlowError, FlowFailure};
 use fairing_sparse::{CgError, CholeskyError, EigenError, MassError, MatrixError};
 use fairing_spectral::{SpectralError, SpectrumFileError};

@@ -42,6 +42,7 @@ pub use fairing_evaluation as evaluation;
 pub use fairing_figure as figure;
 pub use fairing_mesh as mesh;
 pub use fairing_operators as operators;
+pub use fairing_parameters as parameters;
 pub use fairing_shapes as shapes;
 pub use fairing_smoothing as smoothing;
 pub use fairing_sparse as sparse;

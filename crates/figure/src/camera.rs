@@ -3,7 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
-use fairing_mesh::{TriMesh, UnknownName, by_name};
+use fairing_mesh::TriMesh;
+use fairing_parameters::{UnknownName, by_name};
 use glam::DVec3;
 
 use crate::error::RenderError;
@@ -115,7 +116,7 @@ impl FromStr for Viewpoint {
 }
 
 #[cfg(feature = "serde")]
-fairing_mesh::serde_by_name!(Viewpoint);
+fairing_parameters::serde_by_name!(Viewpoint);
 
 /// The axis that points upward in the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -60,9 +60,9 @@ impl ColorMap {
     }
 }
 
-fairing_mesh::named!(ColorMap, "colour map");
+fairing_parameters::named!(ColorMap, "colour map");
 #[cfg(feature = "serde")]
-fairing_mesh::serde_by_name!(ColorMap);
+fairing_parameters::serde_by_name!(ColorMap);
 
 /// Polar CIELAB (Msh) from blue (80, 1.08, −1.1) over the unsaturated point
 /// of magnitude 88 to red (80, 1.08, 0.5).

@@ -1,6 +1,6 @@
-//! Why positions and faces do not make a mesh.
+//! Errors of building a mesh.
 
-/// Why positions and faces cannot become a [`TriMesh`](crate::TriMesh).
+/// The reason why positions and faces are not a valid mesh.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BuildError {
@@ -22,8 +22,7 @@ pub enum BuildError {
         /// The number of vertices.
         vertex_count: usize,
     },
-    /// A face names one vertex twice, so that it has no area whatever the
-    /// positions.
+    /// A face names one vertex twice, so its area is zero for any positions.
     #[error("face {face} repeats a corner: vertices {}, {}, {}", corners[0], corners[1], corners[2])]
     RepeatedCorner {
         /// The offending face.
@@ -52,25 +51,25 @@ pub enum BuildError {
     TooLarge {
         /// `vertices` or `corners`.
         what: &'static str,
-        /// How many there are.
+        /// Their number.
         count: usize,
     },
-    /// Numbers in a row do not come in threes.
-    #[error("{count} {what} cannot be split into threes")]
+    /// The length of a flat list is not a multiple of three.
+    #[error("{count} {what} are not a multiple of three")]
     NotInThrees {
         /// `coordinates` or `indices`.
         what: &'static str,
-        /// How many there are.
+        /// Their number.
         count: usize,
     },
-    /// A face has a corner that is no 32-bit index, such as −1.
-    #[error("a corner of face {face} is no index")]
+    /// A corner of a face does not fit into `u32`, such as −1.
+    #[error("a corner of face {face} is not a 32-bit index")]
     NotAnIndex {
         /// The offending face.
         face: usize,
     },
-    /// New positions do not match the vertices of the mesh they are meant for.
-    #[error("{found} positions were given for a mesh of {expected} vertices")]
+    /// The number of new positions is not the number of vertices.
+    #[error("{found} positions for a mesh of {expected} vertices")]
     PositionCount {
         /// The number of vertices.
         expected: usize,

@@ -1,12 +1,12 @@
-//! Faces without positions, and what follows from them alone.
+//! Faces without positions, and everything derived from them alone.
 
 use std::sync::{Arc, OnceLock};
 
 use crate::incidence::Incidence;
 use crate::topology::Topology;
 
-/// The faces of a mesh, and all that is derived from them and not from the
-/// positions. Meshes that differ in positions only share one.
+/// The faces of a mesh and everything derived from faces alone. Meshes that
+/// differ in positions only share one `Connectivity`.
 #[derive(Debug)]
 pub struct Connectivity {
     vertex_count: usize,
@@ -17,7 +17,7 @@ pub struct Connectivity {
 }
 
 impl Connectivity {
-    /// The caller has checked indices and repeated corners.
+    /// Takes faces whose indices and corners have been checked.
     pub(crate) fn new(vertex_count: usize, faces: Vec<[u32; 3]>) -> Self {
         Self {
             vertex_count,
@@ -38,13 +38,12 @@ impl Connectivity {
         &self.faces
     }
 
-    /// The corners at each vertex; computed at the first call.
+    /// The corners at each vertex, computed on first use.
     pub fn incidence(&self) -> &Incidence {
         self.shared_incidence()
     }
 
-    /// Edges, neighbours, rings, boundary and the like; computed at the first
-    /// call.
+    /// Edges, neighbours, rings and boundary, computed on first use.
     pub fn topology(&self) -> &Topology {
         self.topology.get_or_init(|| {
             Topology::new(
@@ -55,9 +54,9 @@ impl Connectivity {
         })
     }
 
-    /// Returns true if the two faces of each edge that has two run through it in
-    /// opposite directions; computed at the first call, without a topology
-    /// where no two faces leave a vertex for the same neighbour.
+    /// Returns true if the two faces of every interior edge run through it in
+    /// opposite directions. Computed on first use, and without a topology
+    /// if no two faces leave a vertex for the same neighbour.
     pub fn is_consistent(&self) -> bool {
         *self.consistent.get_or_init(|| {
             (self.topology.get().is_none() && self.incidence().leaves_each_side_once())

@@ -1,18 +1,18 @@
-//! What there is to know about a mesh before trusting it with a computation.
+//! Topology, defects and measures of a mesh, to inspect before a computation.
 
 use rayon::prelude::*;
 
 use crate::TriMesh;
 use crate::vec3::{cross, distance, norm, sub};
 
-/// How many elements of a kind were found, and the lowest of them.
+/// The number of elements of one kind, and the first few.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Tally {
-    /// How many.
+    /// The number of elements.
     pub count: usize,
-    /// The first, numbered from 0.
+    /// The lowest element numbers, from 0.
     pub first: Option<u32>,
 }
 
@@ -32,26 +32,26 @@ impl Tally {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Diagnosis {
-    /// Vertices, isolated ones included.
+    /// The number of vertices, isolated ones included.
     pub vertices: usize,
-    /// Faces.
+    /// The number of faces.
     pub faces: usize,
-    /// Edges, each counted once.
+    /// The number of edges.
     pub edges: usize,
-    /// Parts connected by shared vertices; isolated vertices are none.
+    /// The number of parts connected by shared vertices, isolated vertices not counted.
     pub components: usize,
-    /// Loops of the boundary; holes that touch in a vertex count apart.
+    /// The number of boundary loops; holes that touch in a vertex are separate loops.
     pub boundary_loops: usize,
-    /// V − E + F without isolated vertices.
+    /// The Euler characteristic V − E + F, isolated vertices not counted.
     pub euler_characteristic: i64,
-    /// The sum over the components; `None` where not manifold or not
-    /// orientable, and without faces.
+    /// The genus, summed over the components; `None` if the mesh is not manifold,
+    /// not orientable, or without faces.
     pub genus: Option<u32>,
-    /// Every edge has at most two faces, every vertex one sheet of them.
+    /// True if every edge has at most two faces and every vertex one sheet of faces.
     pub manifold: bool,
-    /// There are faces, and no edge has exactly one.
+    /// True if there are faces and no edge has exactly one.
     pub closed: bool,
-    /// Flipping some faces orients all of them consistently.
+    /// True if flipping some faces would orient all of them consistently.
     pub orientable: bool,
     /// Vertices that no face uses.
     pub isolated_vertices: Tally,
@@ -69,12 +69,12 @@ pub struct Diagnosis {
     pub nonmanifold_edges: Tally,
     /// Vertices where sheets of faces touch.
     pub nonmanifold_vertices: Tally,
-    /// Edges whose two faces turn against each other.
+    /// Edges whose two faces disagree in orientation.
     pub inconsistent_edges: Tally,
-    /// The faces that would have to be turned so that neighbours agree
+    /// Faces to flip so that neighbours agree
     /// ([`TriMesh::turned_faces`]).
     pub turned_faces: Tally,
-    /// Boundary vertices at exactly the position of another one
+    /// Boundary vertices at exactly the position of another boundary vertex
     /// ([`TriMesh::seam_vertices`]).
     pub seam_vertices: usize,
     /// Lowest and highest corner of the bounding box; `None` without
@@ -82,30 +82,29 @@ pub struct Diagnosis {
     pub bounding_box: Option<[[f64; 3]; 2]>,
     /// Area, in squared mesh units.
     pub area: f64,
-    /// Enclosed volume in cubed mesh units, negative where the faces turn
+    /// Enclosed volume in cubed mesh units, negative if the surface is
     /// inside out; faces count as [oriented](TriMesh::oriented). `None` unless
     /// closed and orientable.
     pub volume: Option<f64>,
-    /// Shortest edge, in mesh units; zero without faces, as the next two.
+    /// Length of the shortest edge, in mesh units; zero without faces.
     pub shortest_edge: f64,
-    /// h: the mean over the sides of the faces.
+    /// h, the mean length of the sides of the faces; zero without faces.
     pub mean_edge: f64,
-    /// Longest edge.
+    /// Length of the longest edge; zero without faces.
     pub longest_edge: f64,
 }
 
 impl Diagnosis {
-    /// The height of a face over its longest edge, as a share of that edge,
-    /// up to which the face counts as degenerate. Rounded coordinates give
-    /// collinear corners heights of 1e-16 of their distance from the origin;
-    /// this leaves six digits for that distance.
+    /// The largest ratio of height to longest edge at which a face counts as degenerate.
+    /// Rounded coordinates give collinear corners heights of 1e-16 of their distance from
+    /// the origin, so this leaves six digits for that distance.
     pub const DEGENERATE: f64 = 1e-10;
 
-    /// The same share, below which a face that is not degenerate is a sliver:
-    /// its largest cotangent is beyond about 250.
+    /// The ratio of height to longest edge below which a face is a sliver, unless it is
+    /// degenerate: its largest cotangent exceeds about 250.
     pub const SLIVER: f64 = 2e-3;
 
-    /// Examines the mesh: linear but for two sorts.
+    /// Examines a mesh. Linear, apart from two sorts.
     pub fn new(mesh: &TriMesh) -> Self {
         let topology = mesh.topology();
         let thinness: Vec<f64> = (0..mesh.face_count())
@@ -152,8 +151,8 @@ impl Diagnosis {
         }
     }
 
-    /// Whether cotangents and areas exist everywhere and the usual theorems
-    /// apply: manifold, consistently oriented, nothing degenerate or isolated.
+    /// Returns true if the mesh is manifold and consistently oriented, without degenerate faces or
+    /// isolated vertices, so that cotangents and areas exist everywhere.
     pub fn is_clean(&self) -> bool {
         self.manifold
             && self.inconsistent_edges.count == 0
@@ -163,8 +162,8 @@ impl Diagnosis {
     }
 }
 
-/// Twice the area over the square of the longest edge: the height over that
-/// edge as a share of it; zero where all corners coincide.
+/// The ratio of height to longest edge: twice the area over the square of the longest edge. Zero
+/// if all corners coincide.
 fn height_ratio(mesh: &TriMesh, f: usize) -> f64 {
     let [a, b, c] = mesh.triangle(f);
     let (u, v) = (sub(b, a), sub(c, a));
@@ -224,7 +223,7 @@ mod tests {
         let d = Diagnosis::new(&TriMesh::new(positions, faces).unwrap());
         let at = |count, first| Tally { count, first: Some(first) };
         assert_eq!(d.isolated_vertices, at(1, 6));
-        // The last has two corners in one place.
+        // The last face has two corners at one position.
         assert_eq!(d.degenerate_faces, at(2, 1));
         assert_eq!(d.sliver_faces, at(1, 2));
         assert_eq!(d.duplicate_faces, at(1, 3));
@@ -234,7 +233,7 @@ mod tests {
         assert_eq!((d.longest_edge, d.shortest_edge), (2f64.sqrt(), 0.0));
     }
 
-    /// The shares do not depend on the unit of length.
+    /// The ratios do not depend on the unit of length.
     #[test]
     fn defects_do_not_depend_on_scale() {
         let flat = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 1.9e-3, 0.0], [0.5, -2.1e-3, 0.0]];

@@ -6,11 +6,11 @@ use rayon::prelude::*;
 
 /// The corners at each vertex, in compressed rows.
 ///
-/// Corner `c` is corner `c % 3` of face `c / 3`. Within a vertex corners
+/// Corner `c` is corner `c % 3` of face `c / 3`. The corners of a vertex
 /// ascend.
 ///
-/// Corners and sides are sorted at the first call that asks for them: writing
-/// all over an array costs more than the counting, and few ask for both.
+/// Corners and sides are each sorted on first use: scattered writes cost more
+/// than the counting, and few callers need both.
 #[derive(Debug)]
 pub struct Incidence {
     faces: Arc<Vec<[u32; 3]>>,
@@ -32,8 +32,8 @@ impl Incidence {
         Self { faces, offsets, corners: OnceLock::new(), sides: OnceLock::new() }
     }
 
-    /// A counting sort by vertex of what `of_face` says of the three corners
-    /// of a face: linear in faces.
+    /// Sorts values of corners by vertex; `of_face` gives those of the three corners
+    /// of a face. A counting sort, linear in faces.
     fn sorted<T: Copy + Default>(&self, of_face: impl Fn(u32, [u32; 3]) -> [T; 3]) -> Vec<T> {
         let mut next = self.offsets.clone();
         let mut sorted = vec![T::default(); 3 * self.faces.len()];
@@ -58,8 +58,7 @@ impl Incidence {
     }
 
     /// The next and the previous vertex in the face of each corner at vertex
-    /// `v`, in the order of [`Self::corners`]: what the faces say, without
-    /// going to look at them.
+    /// `v`, in the order of [`Self::corners`], so the face list need not be read.
     ///
     /// # Panics
     ///
@@ -92,8 +91,8 @@ impl Incidence {
         self.offsets[v as usize] as usize..self.offsets[v as usize + 1] as usize
     }
 
-    /// Where the corners of each vertex begin in [`Self::all_corners`]; one
-    /// entry more than there are vertices.
+    /// The start of each vertex's corners in [`Self::all_corners`]: one entry more
+    /// than there are vertices.
     #[inline]
     pub fn offsets(&self) -> &[u32] {
         &self.offsets

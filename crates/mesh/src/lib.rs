@@ -2,7 +2,7 @@
 //!
 //! [`TriMesh`] holds double-precision positions and `u32` faces and is always
 //! valid. Vertices, edges and faces are numbered from 0; vertices and faces
-//! keep the order of the file they came from.
+//! keep the order of their file.
 //!
 //! ```
 //! use fairing_mesh::TriMesh;
@@ -27,12 +27,11 @@
 //! - `io`: reading files and streams, writing to streams and memory.
 //! - `ndarray`: views of positions and faces as arrays.
 //!
-//! Work is spread over the current pool of threads of rayon; results do not
-//! depend on their number. `rayon::ThreadPool::install` chooses another pool.
+//! Functions run in parallel on rayon's current thread pool; results do not
+//! depend on the number of threads. `rayon::ThreadPool::install` selects another pool.
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 
-mod algorithm;
 mod build;
 mod connectivity;
 mod diagnosis;
@@ -40,8 +39,6 @@ mod incidence;
 #[cfg(feature = "io")]
 pub mod io;
 mod measure;
-mod named;
-mod option_error;
 mod oriented;
 mod polygon;
 mod subdivide;
@@ -52,17 +49,13 @@ mod unit_scale;
 pub mod vec3;
 mod weld;
 
-pub use algorithm::{Algorithm, Choice, Kind, Parameter, ParameterError, Values, WeightedVertex};
 pub use build::BuildError;
 pub use connectivity::Connectivity;
 pub use diagnosis::{Diagnosis, Tally};
 pub use incidence::Incidence;
-pub use named::UnknownName;
 #[doc(hidden)]
-pub use named::by_name;
 #[cfg(feature = "ndarray")]
 pub use ndarray;
-pub use option_error::OptionError;
 pub use polygon::PolygonMesh;
 pub use subdivide::{subdivide_loop, subdivide_midpoint};
 pub use topology::{Components, Fan, Orientation, Topology};

@@ -21,11 +21,11 @@ impl TriMesh {
     /// V = ⅙ Σ (a − o) · (b − a) × (c − a)
     /// ```
     ///
-    /// over the faces `abc`, with `o` the middle of the bounding box, so that
-    /// a body far from the origin loses no digits. Faces count as
-    /// [oriented](Self::oriented). Positive where they turn counter-clockwise
-    /// seen from outside. Meaningful for a closed surface without
-    /// [one-sided](Self::one_sided_faces) parts only: otherwise it depends on `o`.
+    /// over the faces `abc`, with `o` the centre of the bounding box, so that
+    /// a surface far from the origin loses no digits. Faces count as
+    /// [oriented](Self::oriented); the volume is positive if they turn
+    /// counter-clockwise seen from outside. Meaningful only for a closed surface
+    /// without [one-sided](Self::one_sided_faces) parts: otherwise it depends on `o`.
     pub fn signed_volume(&self) -> f64 {
         let Some([lo, hi]) = self.bounding_box() else { return 0.0 };
         let o = scale(add(lo, hi), 0.5);
@@ -36,13 +36,13 @@ impl TriMesh {
         })
     }
 
-    /// A bound of the rounding of [`signed_volume`](Self::signed_volume), in
-    /// cubed mesh units: a volume that is not larger cannot be told from none,
-    /// and has no ratio to another.
+    /// A bound on the rounding error of [`signed_volume`](Self::signed_volume), in
+    /// cubed mesh units. A volume below the bound cannot be distinguished from zero,
+    /// so ratios to it are meaningless.
     ///
-    /// With n the number of roundings that a term goes through in its products
-    /// and sums, it is `n ε Σ ‖a − o‖ ‖b − a‖ ‖c − a‖ / 6`. A closed sheet of
-    /// thickness τ and radius r has a volume for τ/r above some 10⁻¹².
+    /// The bound is `n ε Σ ‖a − o‖ ‖b − a‖ ‖c − a‖ / 6`, with n the number of
+    /// roundings of a term in its products and sums. The volume of a closed sheet of
+    /// thickness τ and radius r exceeds the bound for τ/r above about 10⁻¹².
     pub fn volume_rounding(&self) -> f64 {
         let Some([lo, hi]) = self.bounding_box() else { return 0.0 };
         let o = scale(add(lo, hi), 0.5);
@@ -50,7 +50,7 @@ impl TriMesh {
             let [a, b, c] = self.triangle(f);
             distance(a, o) * distance(a, b) * distance(a, c) / 6.0
         });
-        // Ten in a term, and those of the sums over a chunk and over chunks.
+        // Ten in a term, then one for each addition in a chunk and over chunks.
         let roundings = 10 + self.face_count().min(CHUNK) + self.face_count() / CHUNK;
         roundings as f64 * f64::EPSILON * terms
     }
@@ -66,7 +66,7 @@ impl TriMesh {
             .collect()
     }
 
-    /// The sum of a quantity over the faces, by parts of fixed size.
+    /// Sums a quantity over the faces, in chunks of fixed size.
     fn sum_over_faces(&self, quantity: impl Fn(usize) -> f64 + Sync) -> f64 {
         let count = self.face_count();
         let parts: Vec<f64> = (0..count.div_ceil(CHUNK))

@@ -1,18 +1,18 @@
-//! Meshes whose neighbouring faces agree in orientation.
+//! Consistent orientation of neighbouring faces.
 
 use std::borrow::Cow;
 
 use crate::TriMesh;
 
 impl TriMesh {
-    /// The mesh with the faces turned that disagree with their part: positions, order of faces
-    /// and first corners as they are.
+    /// The mesh with every face flipped that disagrees with its part. Positions, the order of
+    /// faces and the first corner of each face do not change.
     ///
-    /// Parts are those of [`Orientation`](crate::Orientation). A part takes the winding that most
-    /// of its area has, its lowest face's where both have as much. A part that is consistent stays
-    /// as it is, inside out too. A [one-sided](Self::one_sided_faces) part, which cannot be
-    /// oriented, disagrees along one cut. Borrowed, at the cost of a look at each corner, where
-    /// nothing has to be turned; linear.
+    /// Parts are those of [`Orientation`](crate::Orientation). A part takes the winding of most of
+    /// its area, or that of its lowest face if both windings have the same area. A consistent part
+    /// is never flipped, even inside out. A [one-sided](Self::one_sided_faces) part, which cannot
+    /// be oriented, disagrees along one cut. Linear; returns the mesh itself, borrowed, if no face
+    /// has to be flipped.
     ///
     /// # Examples
     ///
@@ -32,16 +32,16 @@ impl TriMesh {
         }
     }
 
-    /// The faces that [`oriented`](Self::oriented) turns, ascending; those of one-sided parts are
-    /// not among them.
+    /// The faces that [`oriented`](Self::oriented) flips, ascending, except those of one-sided
+    /// parts.
     pub fn turned_faces(&self) -> Vec<u32> {
         let Some(flips) = self.flips() else { return vec![] };
         let one_sided = self.topology().orientation().one_sided_faces();
         (0..flips.len() as u32).filter(|&f| flips[f as usize] && !one_sided[f as usize]).collect()
     }
 
-    /// The faces of parts that cannot be oriented, such as Möbius bands, ascending: normals,
-    /// signs of curvature and volumes are not defined there.
+    /// The faces of parts that cannot be oriented, such as Möbius bands, ascending. Normals, signs
+    /// of curvature and volumes are undefined there.
     pub fn one_sided_faces(&self) -> Vec<u32> {
         if self.connectivity().is_consistent() {
             return vec![];
@@ -50,13 +50,13 @@ impl TriMesh {
         (0..one_sided.len() as u32).filter(|&f| one_sided[f as usize]).collect()
     }
 
-    /// The mesh with its one-sided parts replaced by their orientable double covers, and the two
-    /// vertices of the cover above each vertex, the lower first; both are the vertex itself where
-    /// no face is one-sided. `None` without one-sided faces.
+    /// The mesh with each one-sided part replaced by its orientable double cover, and for each
+    /// vertex its two copies in the cover, the lower first; a vertex without one-sided faces is
+    /// both copies itself. `None` without one-sided faces.
     ///
-    /// The cover of a Möbius band is the untwisted band that follows it around twice: each face
-    /// and each vertex occurs once for each of its sides. Faces keep their numbers; the second
-    /// copies of one-sided faces come after all others. Neighbouring faces agree.
+    /// The cover of a Möbius band is the untwisted band that runs around it twice: each face and
+    /// each vertex occurs once for each of its sides. Faces keep their numbers; the second copies
+    /// of one-sided faces follow all others. Neighbouring faces agree.
     pub fn double_cover(&self) -> Option<(Self, Vec<[u32; 2]>)> {
         let one_sided = self.one_sided_faces();
         if one_sided.is_empty() {
@@ -67,7 +67,7 @@ impl TriMesh {
         let mut positions = self.positions().to_vec();
         let mut above: Vec<[u32; 2]> = (0..self.vertex_count() as u32).map(|v| [v; 2]).collect();
         let mut faces = oriented.faces().to_vec();
-        // Whether each corner of a one-sided face is on the second side of its vertex.
+        // True for a corner of a one-sided face on the second side of its vertex.
         let mut second = vec![false; 3 * faces.len()];
         for v in 0..self.vertex_count() as u32 {
             let corners = oriented.incidence().corners(v).iter().copied();
@@ -90,8 +90,8 @@ impl TriMesh {
         Some((Self::from_checked(positions, faces), above))
     }
 
-    /// Finds the corners at vertex `v` that are on the other side of the surface than the first
-    /// corner of their fan: across an edge where the faces disagree, sides change.
+    /// Marks the corners at vertex `v` that are not on the same side of the surface as the first
+    /// corner of their fan: sides change across an edge whose faces disagree.
     fn sides_of_corners(&self, v: u32, corners: &[u32], second: &mut [bool]) {
         let topology = self.topology();
         let at = |f: u32| corners.binary_search_by_key(&f, |&c| c / 3).ok();
@@ -117,7 +117,7 @@ impl TriMesh {
         debug_assert!(corners.iter().all(|&c| self.faces()[c as usize / 3][c as usize % 3] == v));
     }
 
-    /// The faces to flip; `None` where all agree.
+    /// The faces to flip; `None` if all agree.
     fn flips(&self) -> Option<Vec<bool>> {
         if self.connectivity().is_consistent() {
             return None;
@@ -126,7 +126,7 @@ impl TriMesh {
         flips.contains(&true).then_some(flips)
     }
 
-    /// The mesh with these faces turned over.
+    /// The mesh with these faces flipped.
     fn turned(&self, flips: &[bool]) -> Self {
         let turn =
             |(&[a, b, c], &flip): (&[u32; 3], &bool)| if flip { [a, c, b] } else { [a, b, c] };
@@ -139,7 +139,7 @@ impl TriMesh {
 mod tests {
     use super::*;
 
-    /// A band of `n` squares, each cut in two, twisted by half turns.
+    /// A band of `n` squares, each split into two triangles, with a number of half twists.
     fn band(n: u32, half_turns: u32) -> TriMesh {
         let at = |i: u32, j: u32| {
             let t = std::f64::consts::TAU * f64::from(i) / f64::from(n);
@@ -172,7 +172,7 @@ mod tests {
         let turned: Vec<u32> = (0..24).filter(|f| f % 3 == 1).collect();
         assert_eq!(few.turned_faces(), turned);
         assert!(few.oriented().topology().orientation().is_consistent());
-        // One large face outweighs many small ones, though it is the last.
+        // One large face outweighs many small ones, even as the last one.
         let corners = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -9.0, 0.0]];
         let large = TriMesh::new(corners, vec![[0, 2, 1], [1, 3, 0]]).unwrap();
         assert_eq!(large.turned_faces(), [] as [u32; 0]);
@@ -180,7 +180,7 @@ mod tests {
         assert_eq!(large.turned_faces(), [0]);
     }
 
-    /// Two faces with the same corners belong to the surface around them.
+    /// Two faces with the same corners join the surfaces around them.
     #[test]
     fn a_face_that_occurs_twice_joins_its_surroundings() {
         let corner = |k: usize, x: f64| std::array::from_fn(|i| if i == k { x } else { 0.0 });
@@ -197,7 +197,7 @@ mod tests {
         }
     }
 
-    /// Three sheets at an edge: nothing says how they belong together.
+    /// Three sheets at an edge are not joined: any pairing would be arbitrary.
     #[test]
     fn sheets_at_an_edge_stay_as_they_are() {
         let corners = (0..5).map(|i| [f64::from(i), f64::from(i * i), f64::from(i % 2)]).collect();

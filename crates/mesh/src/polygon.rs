@@ -13,12 +13,12 @@ pub(crate) use list::{Distinct, Polygons};
 /// A mesh whose faces have three corners or more, always valid: indices are in
 /// range, coordinates are finite, and no face repeats a corner.
 ///
-/// Faces are stored one after another, with the place where each begins.
+/// Faces are stored one after another, with the start of each.
 /// Vertices and faces keep the order of their source.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PolygonMesh {
     positions: Vec<[f64; 3]>,
-    /// One more than there are faces.
+    /// The start of each face in `corners`, and the end of the last.
     offsets: Vec<u32>,
     corners: Vec<u32>,
 }
@@ -67,7 +67,7 @@ impl PolygonMesh {
         Ok(Self { positions, offsets, corners })
     }
 
-    /// The caller has made the checks of [`Self::new`].
+    /// A mesh from parts that satisfy the checks of [`Self::new`].
     #[cfg(feature = "io")]
     pub(crate) fn from_checked(positions: Vec<[f64; 3]>, polygons: Polygons) -> Self {
         let (ends, corners): (Vec<u32>, _) = match polygons {

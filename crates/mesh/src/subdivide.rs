@@ -4,11 +4,11 @@ use crate::TriMesh;
 use crate::vec3::{add, scale};
 use crate::{BuildError, Topology};
 
-/// Cuts each face into four at the middles of its edges; the surface stays.
+/// Cuts each face into four at the midpoints of its edges; the surface does not change.
 ///
-/// Vertices: the old ones in their order, then one for each edge in the order
-/// of [`Topology::edges`]. Faces: the children of a face follow one another,
-/// the three corners first.
+/// Vertices: the old ones in their order, then the midpoints in the order
+/// of [`Topology::edges`]. Faces: four children for each face in turn, the three
+/// at its corners first.
 ///
 /// # Errors
 ///
@@ -23,18 +23,18 @@ pub fn subdivide_midpoint(mesh: &TriMesh) -> Result<TriMesh, BuildError> {
 /// One step of Loop's scheme, whose limit is smooth (C², and C¹ where other
 /// than six edges meet).
 ///
-/// Inside, a new vertex is ⅜ of the ends of its edge and ⅛ of the two corners
-/// opposite; an old one with n neighbours keeps 1 − nβ of itself and takes β
-/// of each, with
+/// In the interior, a new vertex is ⅜ of each end of its edge plus ⅛ of each
+/// opposite corner; an old vertex with n neighbours has the weight 1 − nβ, and
+/// each neighbour β, with
 ///
 /// ```text
 /// β = (⅝ − (⅜ + ¼ cos 2π/n)²) / n
 /// ```
 ///
-/// Edges that have other than two faces are creases: their middles and the
-/// weights ⅛, ¾, ⅛ along them; vertices where other than two creases meet
-/// stay. Numbering as in [`subdivide_midpoint`]. Source: \[loop1987\],
-/// boundary rules of \[hoppe1994\].
+/// Edges with one face or more than two are creases: new vertices are their
+/// midpoints, old vertices take the weights ⅛, ¾, ⅛ along the crease, and a vertex
+/// where other than two creases meet stays. Numbering as in [`subdivide_midpoint`].
+/// Source: \[loop1987\], boundary rules of \[hoppe1994\].
 ///
 /// # Errors
 ///
@@ -73,7 +73,7 @@ pub fn subdivide_loop(mesh: &TriMesh) -> Result<TriMesh, BuildError> {
     TriMesh::new(positions, quartered(mesh)?)
 }
 
-/// An old vertex away from creases; isolated ones stay.
+/// The new position of an old vertex away from creases; isolated vertices stay.
 fn smoothed(x: &[[f64; 3]], topology: &Topology, v: usize) -> [f64; 3] {
     let neighbors = topology.neighbors(v as u32);
     let n = neighbors.len() as f64;

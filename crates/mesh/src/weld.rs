@@ -1,12 +1,12 @@
-//! Vertices from corners at equal positions.
+//! Welding: one vertex for all corners at one position.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
 use crate::TriMesh;
 
-/// Makes one vertex of all corners at exactly one position, numbered in the
-/// order of first appearance. −0 and 0 are one; the first one seen is kept.
+/// Joins corners at exactly equal positions to one vertex, numbered in order of
+/// first appearance. −0 equals 0; the sign of the first appearance is kept.
 #[derive(Default)]
 pub(crate) struct Welder {
     positions: Vec<[f64; 3]>,
@@ -18,7 +18,7 @@ impl Welder {
         Self { positions: Vec::with_capacity(vertices), vertices: HashMap::with_capacity(vertices) }
     }
 
-    /// The vertex at a position; `None` if they outnumber `u32`.
+    /// The vertex at a position; `None` if there are more vertices than `u32` can number.
     pub(crate) fn vertex(&mut self, position: [f64; 3]) -> Option<u32> {
         // −0 + 0 = 0, and nothing else changes.
         match self.vertices.entry(position.map(|x| (x + 0.0).to_bits())) {
@@ -36,20 +36,20 @@ impl Welder {
     }
 }
 
-/// A mesh whose vertices at exactly equal positions are one, as [`TriMesh::welded`] makes it.
+/// The result of [`TriMesh::welded`]: a mesh without two vertices at one position.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Welded {
-    /// The welded mesh: vertices in the order of their first appearance, faces in their order.
+    /// The welded mesh: vertices in order of first appearance, faces in the original order.
     pub mesh: TriMesh,
-    /// The vertex of the welded mesh that each vertex has become.
+    /// The vertex of the welded mesh for each original vertex.
     pub vertices: Vec<u32>,
-    /// The faces with two corners in one place, ascending; the welded mesh does not have them.
+    /// The faces with two corners at one position, ascending; the welded mesh omits them.
     pub left_out: Vec<u32>,
 }
 
 impl Welded {
-    /// The values of each original vertex, from one for each vertex of the welded mesh.
+    /// Copies values of the welded vertices to the original vertices.
     ///
     /// # Panics
     ///
@@ -60,7 +60,7 @@ impl Welded {
 }
 
 impl TriMesh {
-    /// The mesh with all vertices at exactly equal positions (−0 = 0) made one. Nearly linear.
+    /// Joins all vertices at exactly equal positions (−0 = 0). Nearly linear.
     ///
     /// # Examples
     ///
@@ -78,7 +78,7 @@ impl TriMesh {
     /// ```
     pub fn welded(&self) -> Welded {
         let mut welder = Welder::with_capacity(self.vertex_count());
-        // No more vertices than before, so that none is missing.
+        // There are no more vertices than before, so `u32` can number them.
         let vertex = |&p: &[f64; 3]| welder.vertex(p).unwrap_or_default();
         let vertices: Vec<u32> = self.positions().iter().map(vertex).collect();
         let mut left_out = vec![];
@@ -95,8 +95,8 @@ impl TriMesh {
         Welded { mesh, vertices, left_out }
     }
 
-    /// The number of boundary vertices that lie exactly where another boundary vertex does: the
-    /// seams of texture coordinates and normals, or faces that share no corners at all.
+    /// The number of boundary vertices at exactly the position of another boundary vertex: seams
+    /// of texture coordinates or normals, or faces that share no corners at all.
     pub fn seam_vertices(&self) -> usize {
         let topology = self.topology();
         let mut at: HashMap<[u64; 3], usize> = HashMap::new();
@@ -108,18 +108,18 @@ impl TriMesh {
         at.values().filter(|count| **count > 1).sum()
     }
 
-    /// Whether most vertices of faces are [seams](Self::seam_vertices): the faces meet, but do not
-    /// share their corners, as in files whose every face has its own. What needs neighbours means
-    /// nothing on such a mesh; [`welded`](Self::welded) joins it.
+    /// Returns true if most vertices of faces are [seams](Self::seam_vertices): faces touch but do
+    /// not share vertices, as in files that store three corners for each face. Quantities that
+    /// depend on neighbours are meaningless on such a mesh; [`welded`](Self::welded) joins it.
     ///
-    /// A glance at the counts suffices for most meshes.
+    /// Constant time for most meshes: the counts of vertices and faces decide.
     pub fn is_unwelded(&self) -> bool {
         // A disc or an annulus of V vertices, b of them on the boundary, has at most 2 V − b faces.
         if self.face_count() < 2 || self.face_count() > self.vertex_count() * 3 / 2 {
             return false;
         }
         let used = self.vertex_count() - self.topology().isolated_vertices().count();
-        // Faces with their own corners in one place are no soup, but degenerate.
+        // Faces whose own corners coincide are degenerate, not unwelded.
         2 * self.seam_vertices() > used && 2 * self.welded().left_out.len() < self.face_count()
     }
 }
@@ -139,7 +139,7 @@ mod tests {
 
     #[test]
     fn a_seam_is_no_soup_and_a_soup_is() {
-        // A tube of 8 × 6 squares that is open along a seam.
+        // A tube of 8 × 6 squares, open along a seam.
         let at = |i: u32, j: u32| {
             let t = std::f64::consts::TAU * f64::from(i % 8) / 8.0;
             [t.cos(), t.sin(), f64::from(j)]

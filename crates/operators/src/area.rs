@@ -20,10 +20,10 @@ pub enum LumpedArea {
     Mixed,
 }
 
-fairing_mesh::choices!(LumpedArea, "area of a vertex",
+fairing_parameters::choices!(LumpedArea, "area of a vertex",
     Barycentric: "barycentric", "A third of the faces around";
     Voronoi: "voronoi", "Voronoi cells; negative at some obtuse angles, which flows refuse";
     Mixed: "mixed", "Voronoi cells, kept inside obtuse faces";
 );
 #[cfg(feature = "serde")]
-fairing_mesh::serde_by_name!(LumpedArea);
+fairing_parameters::serde_by_name!(LumpedArea);

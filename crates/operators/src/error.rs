@@ -1,7 +1,7 @@
 //! Why an operator cannot be assembled.
 
 use crate::laplacian::{LaplacianKind, MassKind};
-use fairing_mesh::OptionError;
+use fairing_parameters::OptionError;
 
 /// The least height of a face over its longest edge, relative to that edge, at
 /// which its cotangents are used.

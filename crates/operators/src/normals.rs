@@ -26,14 +26,14 @@ pub enum NormalWeight {
     Uniform,
 }
 
-fairing_mesh::choices!(NormalWeight, "weight of normals",
+fairing_parameters::choices!(NormalWeight, "weight of normals",
     Area: "area", "By area: robust and cheap";
     Angle: "angle", "By the angle at the vertex: however flat regions are triangulated";
     Sphere: "sphere", "By area over squared sides: exact on spheres";
     Uniform: "uniform", "All faces alike";
 );
 #[cfg(feature = "serde")]
-fairing_mesh::serde_by_name!(NormalWeight);
+fairing_parameters::serde_by_name!(NormalWeight);
 
 /// The unit normal of each face of the [oriented](TriMesh::oriented) mesh,
 /// outward for counter-clockwise faces; the zero vector for a face without area.

@@ -1,6 +1,7 @@
 //! All flows behind one type, for programs.
 
-use fairing_mesh::{Algorithm, ParameterError, TriMesh, UnknownName, Values};
+use fairing_mesh::TriMesh;
+use fairing_parameters::{Algorithm, ParameterError, UnknownName, Values};
 
 use crate::engine::error::FlowError;
 use crate::engine::flow::Flow;
@@ -245,7 +246,7 @@ mod tests {
     /// The defaults of the tables are those of the options, and each parameter of a table is read.
     #[test]
     fn tables_agree_with_the_options() {
-        use fairing_mesh::Kind;
+        use fairing_parameters::Kind;
         let mesh = shapes::icosphere(0);
         for algorithm in Method::algorithms() {
             for parameter in algorithm.parameters {

@@ -2,7 +2,8 @@
 
 use ndarray::{Array2, Axis, Slice};
 
-use fairing_mesh::{OptionError, TriMesh};
+use fairing_mesh::TriMesh;
+use fairing_parameters::OptionError;
 
 use crate::cluster::Split;
 use crate::error::SpectralError;

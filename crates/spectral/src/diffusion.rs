@@ -1,7 +1,7 @@
 //! Diffusion of heat on a mesh by implicit steps.
 
-use fairing_mesh::OptionError;
 use fairing_operators::{Laplacian, MassMatrix};
+use fairing_parameters::OptionError;
 use fairing_sparse::{GraphSystem, combine};
 
 use crate::error::SpectralError;

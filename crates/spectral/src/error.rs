@@ -3,8 +3,9 @@
 #[cfg(feature = "npz")]
 use std::path::PathBuf;
 
-use fairing_mesh::{BuildError, OptionError};
+use fairing_mesh::BuildError;
 use fairing_operators::{LaplacianKind, OperatorError};
+use fairing_parameters::OptionError;
 use fairing_sparse::{CholeskyError, EigenError};
 
 /// Why a spectrum, or something made from it, is not available.

@@ -1,8 +1,9 @@
 //! Geodesic distance by the heat method.
 
+use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::distance;
-use fairing_mesh::{OptionError, TriMesh};
 use fairing_operators::{Intrinsic, Laplacian, LaplacianKind, MassKind};
+use fairing_parameters::OptionError;
 use fairing_sparse::{
     Cholesky, GraphSystem, Mass, Ordering, SparseMatrix, SymbolicCholesky, combine,
 };

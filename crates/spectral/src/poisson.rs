@@ -1,7 +1,7 @@
 //! Poisson problems on a mesh.
 
-use fairing_mesh::OptionError;
 use fairing_operators::{Laplacian, OperatorError};
+use fairing_parameters::OptionError;
 use fairing_sparse::GraphSystem;
 
 use crate::error::SpectralError;

@@ -1,6 +1,6 @@
 //! Signatures of points and of shapes.
 
-use fairing_mesh::OptionError;
+use fairing_parameters::OptionError;
 use ndarray::{Array1, Array2};
 
 use crate::error::SpectralError;

@@ -5,7 +5,8 @@ use fairing_evaluation::{
     drift, feature_edges, flipped_faces, hausdorff, normal_error, observed_orders,
     self_intersections, surface_distance, vertex_displacement, vertex_distance,
 };
-use fairing_mesh::{OptionError, TriMesh, subdivide_midpoint};
+use fairing_mesh::{TriMesh, subdivide_midpoint};
+use fairing_parameters::OptionError;
 use fairing_shapes::{self as shapes, Diagonals};
 use proptest::prelude::*;
 

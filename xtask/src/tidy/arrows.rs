@@ -8,17 +8,25 @@ use super::packages::{self, Dependency, Package};
 
 /// For each library crate, the crates of ours that it may use. The façade,
 /// `xtask` and the tests may use everything.
-const ARROWS: [(&str, &[&str]); 13] = [
+const ARROWS: [(&str, &[&str]); 14] = [
     ("fairing-watch", &[]),
-    ("fairing-mesh", &["fairing-watch"]),
-    ("fairing-shapes", &["fairing-mesh"]),
+    ("fairing-parameters", &[]),
+    ("fairing-mesh", &["fairing-watch", "fairing-parameters"]),
+    ("fairing-shapes", &["fairing-parameters", "fairing-mesh"]),
     ("fairing-sparse", &["fairing-watch"]),
-    ("fairing-operators", &["fairing-watch", "fairing-mesh", "fairing-sparse"]),
-    ("fairing-spectral", &["fairing-mesh", "fairing-sparse", "fairing-operators"]),
+    (
+        "fairing-operators",
+        &["fairing-watch", "fairing-parameters", "fairing-mesh", "fairing-sparse"],
+    ),
+    (
+        "fairing-spectral",
+        &["fairing-parameters", "fairing-mesh", "fairing-sparse", "fairing-operators"],
+    ),
     (
         "fairing-smoothing",
         &[
             "fairing-watch",
+            "fairing-parameters",
             "fairing-mesh",
             "fairing-sparse",
             "fairing-operators",
@@ -27,14 +35,24 @@ const ARROWS: [(&str, &[&str]); 13] = [
     ),
     (
         "fairing-denoising",
-        &["fairing-watch", "fairing-mesh", "fairing-sparse", "fairing-operators"],
+        &[
+            "fairing-watch",
+            "fairing-parameters",
+            "fairing-mesh",
+            "fairing-sparse",
+            "fairing-operators",
+        ],
     ),
-    ("fairing-evaluation", &["fairing-watch", "fairing-mesh", "fairing-operators"]),
-    ("fairing-figure", &["fairing-watch", "fairing-mesh"]),
+    (
+        "fairing-evaluation",
+        &["fairing-watch", "fairing-parameters", "fairing-mesh", "fairing-operators"],
+    ),
+    ("fairing-figure", &["fairing-watch", "fairing-parameters", "fairing-mesh"]),
     ("fairing-results", &["fairing-mesh"]),
     (
         "fairing-experiments",
         &[
+            "fairing-parameters",
             "fairing-mesh",
             "fairing-sparse",
             "fairing-operators",

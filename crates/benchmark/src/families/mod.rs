@@ -75,7 +75,7 @@ impl Kind {
     }
 }
 
-fairing_mesh::named!(Kind, "kind of surface");
+fairing_parameters::named!(Kind, "kind of surface");
 
 /// How a surface is divided into triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -105,7 +105,7 @@ impl Triangulation {
     }
 }
 
-fairing_mesh::named!(Triangulation, "triangulation");
+fairing_parameters::named!(Triangulation, "triangulation");
 
 /// The length of edges, relative to the mean, at a point of a body about two
 /// across: from 0.56 to 1.78.
@@ -274,7 +274,7 @@ families! {
     Bowl Thin "bowl" fresh_smooth::bowl,
 }
 
-fairing_mesh::named!(Family, "family");
+fairing_parameters::named!(Family, "family");
 
 impl Family {
     /// A body with about this many faces (within a fifth, small ones being made of

@@ -83,7 +83,7 @@ impl RandomBody {
     }
 }
 
-fairing_mesh::named!(RandomBody, "kind of random body");
+fairing_parameters::named!(RandomBody, "kind of random body");
 
 fn facets(build: Build) -> TriMesh {
     let mut random = build.proportions();

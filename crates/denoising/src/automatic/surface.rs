@@ -48,7 +48,7 @@ impl FaceKind {
     }
 }
 
-fairing_mesh::named!(FaceKind, "kind of a face");
+fairing_parameters::named!(FaceKind, "kind of a face");
 
 /// The kind of each face, and whether the mesh has creases as long as two of its
 /// diagonals.

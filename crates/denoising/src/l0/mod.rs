@@ -2,8 +2,9 @@
 
 mod system;
 
+use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, cross, dot, norm, scale, sub};
-use fairing_mesh::{Algorithm, OptionError, Parameter, ParameterError, TriMesh, Values};
+use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
 use fairing_sparse::CgOptions;
 use rayon::prelude::*;
 

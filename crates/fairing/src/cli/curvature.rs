@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::Args;
+use fairing::mesh::TriMesh;
 use fairing::mesh::io::VertexFields;
-use fairing::mesh::{Algorithm, TriMesh};
 use fairing::operators::curvature::{CurvatureField, Estimator, VertexStatus, laplacian_curvature};
 use fairing::operators::{Laplacian, LaplacianKind, LumpedArea, MassKind, OperatorError};
+use fairing::parameters::Algorithm;
 use serde_json::{Value, json};
 
 use super::exit::Failure;

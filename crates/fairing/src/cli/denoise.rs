@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use fairing::denoising::{Automatic, DenoiseError, Denoiser, FaceKind, SurfaceKind, automatic};
-use fairing::mesh::{Algorithm, OptionError};
+use fairing::parameters::{Algorithm, OptionError};
 use serde_json::{Map, Value, json};
 
 use super::exit::Failure;

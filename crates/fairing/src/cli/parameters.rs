@@ -7,7 +7,7 @@ use std::marker::PhantomData;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, ValueParser};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
-use fairing::mesh::{Algorithm, Kind, Parameter};
+use fairing::parameters::{Algorithm, Kind, Parameter};
 
 use super::exit::Failure;
 use super::table::Table;

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use clap::Args;
-use fairing::mesh::{Algorithm, Kind};
+use fairing::parameters::{Algorithm, Kind};
 use fairing::smoothing::{Approach, FlowFailure, Method, Observer, Report, Smoothed, Step};
 use serde_json::{Value, json};
 

@@ -1,19 +1,19 @@
-//! Why a file cannot be read or written.
+//! Errors of reading and writing.
 
 use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Why a file cannot be read: which file, where in it, and what is wrong.
+/// A failure to read: the file, the place in it and the problem.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {at}{problem}", file.display())]
 #[non_exhaustive]
 pub struct ReadError {
-    /// The file, as it was named by the caller.
+    /// The file name as given by the caller.
     pub file: PathBuf,
-    /// Where in the file; in the decompressed bytes if the file is compressed.
+    /// The place in the file; in the decompressed content if the file is compressed.
     pub at: Place,
-    /// What is wrong.
+    /// The problem.
     pub problem: ReadProblem,
 }
 
@@ -39,25 +39,25 @@ impl fmt::Display for Place {
     }
 }
 
-/// What is wrong with a file.
+/// A problem of a file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReadProblem {
     /// The operating system cannot read it.
     #[error("cannot be read: {0}")]
     Io(#[from] io::Error),
-    /// The file has no content, or nothing but white space and comments.
+    /// The file has no content but white space.
     #[error("the file is empty")]
     Empty,
-    /// A sound file without a single vertex.
+    /// The file has no vertex.
     #[error("the file holds no vertices")]
     NoVertices,
-    /// The content is of another kind than the file extension says.
+    /// The content contradicts the file extension.
     #[error("the name says {extension}, but the content is {content}")]
     OtherKind {
-        /// What the file extension says.
+        /// The kind by file extension.
         extension: String,
-        /// What the content is.
+        /// The kind by content.
         content: String,
     },
     /// Neither the file extension nor the content is of a known format.
@@ -65,15 +65,15 @@ pub enum ReadProblem {
     UnknownKind {
         /// The names of the known formats.
         known: Vec<&'static str>,
-        /// How the content begins.
+        /// The beginning of the content.
         found: String,
     },
-    /// The format requires something else here.
+    /// The format requires other content here.
     #[error("expected {expected}, found {found}")]
     Unexpected {
-        /// What the format requires.
+        /// The content that the format requires.
         expected: String,
-        /// What is there.
+        /// The content found.
         found: String,
     },
     /// A coordinate is infinite or not a number.
@@ -91,7 +91,7 @@ pub enum ReadProblem {
     IndexOutOfRange {
         /// The face, from 0.
         face: u64,
-        /// The index it names, from 0 whatever the format counts from.
+        /// The index, counted from 0 in every format.
         index: i64,
         /// The number of vertices.
         vertex_count: u64,
@@ -101,13 +101,13 @@ pub enum ReadProblem {
     TooLarge {
         /// `vertices` or `corners`.
         what: &'static str,
-        /// How many there are.
+        /// Their number.
         count: u64,
     },
     /// The compressed data are damaged.
     #[error("cannot be decompressed: {0}")]
     Compression(io::Error),
-    /// Decompression yields more than [`ReadOptions`](super::ReadOptions) allows.
+    /// The decompressed content exceeds the limit of [`ReadOptions`](super::ReadOptions).
     #[error("{compressed} compressed bytes unpack to more than {limit} bytes, the limit")]
     Grows {
         /// The size of the file.
@@ -115,13 +115,13 @@ pub enum ReadProblem {
         /// The most bytes it may unpack to.
         limit: u64,
     },
-    /// Something a lenient reader leaves out and reports, and a strict one
+    /// Content that lenient reading leaves out and reports, and strict reading
     /// refuses.
     #[error("refused by strict reading: {0}")]
     Strict(String),
 }
 
-/// A problem and its place, before the file's name is known.
+/// A problem and its place, in a file not yet named.
 #[derive(Debug)]
 pub(crate) struct Fault {
     pub(crate) at: Place,
@@ -144,7 +144,7 @@ impl Fault {
         Self { at: Place::Byte(offset as u64), problem }
     }
 
-    /// The same problem, that many bytes further on; lines do not change.
+    /// Moves the place on by a number of bytes; a line number does not change.
     pub(crate) fn moved(mut self, bytes: usize) -> Self {
         if let Place::Byte(offset) = &mut self.at {
             *offset += bytes as u64;
@@ -157,23 +157,23 @@ impl Fault {
     }
 }
 
-/// Shorthand for the commonest problem.
+/// Shorthand for [`ReadProblem::Unexpected`].
 pub(crate) fn unexpected(expected: impl Into<String>, found: impl Into<String>) -> ReadProblem {
     ReadProblem::Unexpected { expected: expected.into(), found: found.into() }
 }
 
-/// Why a mesh cannot be written.
+/// A failure to write: the file and the problem.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {problem}", file.display())]
 #[non_exhaustive]
 pub struct WriteError {
-    /// The file that was to be written; it is left as it was.
+    /// The output file, which is left as it was.
     pub file: PathBuf,
-    /// What is wrong.
+    /// The problem.
     pub problem: WriteProblem,
 }
 
-/// What keeps a mesh from being written.
+/// A reason why a mesh cannot be written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum WriteProblem {
@@ -186,12 +186,12 @@ pub enum WriteProblem {
         /// The usual file extension of each format.
         known: Vec<&'static str>,
     },
-    /// The format has no place for these fields.
+    /// The format cannot hold these fields.
     #[error("{format} cannot hold {}; write PLY, or ask for fields to be dropped", fields.join(", "))]
     UnsupportedFields {
         /// The name of the format.
         format: &'static str,
-        /// The fields it has no place for.
+        /// The names of the fields.
         fields: Vec<String>,
     },
     /// The format cannot hold the mesh itself.
@@ -199,10 +199,10 @@ pub enum WriteProblem {
     UnsupportedMesh {
         /// The name of the format.
         format: &'static str,
-        /// What it has no place for.
+        /// The part of the mesh that the format cannot hold.
         what: String,
     },
-    /// A field has more or fewer values than there are vertices.
+    /// The number of values of a field is not the number of vertices.
     #[error("field {field} has {found} values for {expected} vertices")]
     FieldLength {
         /// The name of the field.
@@ -212,7 +212,7 @@ pub enum WriteProblem {
         /// The number of values.
         found: usize,
     },
-    /// A field holds an infinite value or one that is not a number.
+    /// A value of a field is infinite or not a number.
     #[error("field {field} is {value} at vertex {vertex}, which is not finite")]
     FieldNonFinite {
         /// The name of the field.
@@ -222,13 +222,13 @@ pub enum WriteProblem {
         /// The value.
         value: f64,
     },
-    /// The name of a field is empty, contains white space, or would be read back as
-    /// something else.
+    /// The name of a field is empty, contains white space, or would not be read back
+    /// as the same.
     #[error("field name {name:?}: {reason}")]
     FieldName {
         /// The name.
         name: String,
-        /// Why it will not do.
+        /// The rule that the name breaks.
         reason: &'static str,
     },
 }

@@ -38,9 +38,8 @@ fn check_finite(name: &str, values: &[f64], per_vertex: usize) -> Result<(), Wri
     }
 }
 
-/// Checks that the names of the fields come back from the grouping that the
-/// reader of PLY does. Other formats hold no names, but a mesh that cannot be
-/// written as PLY would be a surprise.
+/// Checks that the reader of PLY would group the names as they are. Other formats hold
+/// no names, but every mesh that can be written should fit into PLY.
 fn check_names(fields: &VertexFields) -> Result<(), WriteProblem> {
     let bad = |name: &str, reason| Err(WriteProblem::FieldName { name: name.to_owned(), reason });
     let names = property_names(fields);
@@ -72,7 +71,7 @@ fn check_names(fields: &VertexFields) -> Result<(), WriteProblem> {
     Ok(())
 }
 
-/// The fields that a format has no place for.
+/// The fields that a format cannot hold.
 pub(crate) fn unsupported(format: Format, fields: &VertexFields) -> Vec<String> {
     let holds = format.holds();
     if holds.fields {

@@ -1,7 +1,6 @@
-//! Data per vertex that travel with a mesh in its file.
+//! Vertex data stored with a mesh in its file.
 
-/// Named fields and colours, each with one value per vertex, in the order of
-/// the vertices.
+/// Named fields and colours with one value per vertex, in vertex order.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct VertexFields {
     /// Scalar fields by name, in the order of the file.
@@ -14,7 +13,7 @@ pub struct VertexFields {
 }
 
 impl VertexFields {
-    /// Whether there is nothing.
+    /// Returns true if there are neither fields nor colours.
     pub fn is_empty(&self) -> bool {
         self.scalars.is_empty() && self.vectors.is_empty() && self.colors.is_none()
     }

@@ -5,7 +5,7 @@ use crate::io::parsed::Parsed;
 use crate::io::{Format, ReadOptions, ReadReport, Strictness, VertexFields};
 use crate::polygon::{Distinct, Polygons};
 
-/// What a mesh may hold, with the report.
+/// The parts of a mesh, with the report.
 pub(crate) struct Finished {
     pub(crate) positions: Vec<[f64; 3]>,
     pub(crate) polygons: Polygons,
@@ -14,9 +14,8 @@ pub(crate) struct Finished {
 }
 
 impl Parsed {
-    /// Reduces faces that repeat a corner to their distinct corners, leaves out
-    /// those with fewer than three and fields that are not finite, or refuses
-    /// to, and writes the report.
+    /// Checks sizes, reduces faces that repeat a corner, leaves out faces without area and fields
+    /// that are not finite (strict reading refuses all three), and writes the report.
     pub(crate) fn finish(
         mut self,
         format: Format,
@@ -81,8 +80,8 @@ impl Parsed {
         Ok(Finished { positions: self.positions, polygons, fields: self.fields, report })
     }
 
-    /// Leaves out faces that name a vertex that is not finite or not there, and puts vertices that
-    /// are not finite where the first sound one is.
+    /// Leaves out faces with a vertex that is missing or not finite, and moves vertices that are
+    /// not finite to the first finite position.
     fn drop_broken(&mut self) -> Result<Dropped, Fault> {
         let is_broken = |p: &[f64; 3]| p.iter().any(|x| !x.is_finite());
         let count = self.positions.len();
@@ -126,7 +125,7 @@ impl Parsed {
     }
 }
 
-/// The broken vertices and faces, and the faces that are not, all numbered as in the file.
+/// Broken vertices and faces, and the faces kept, all numbered as in the file.
 #[derive(Default)]
 struct Dropped {
     vertices: Vec<usize>,

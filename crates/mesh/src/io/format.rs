@@ -52,9 +52,9 @@ pub struct NamedFormat {
     pub gzip: bool,
 }
 
-crate::named!(Format, "format");
+fairing_parameters::named!(Format, "format");
 #[cfg(feature = "serde")]
-crate::serde_by_name!(Format);
+fairing_parameters::serde_by_name!(Format);
 
 impl Format {
     /// The name in messages, in capital letters.

@@ -1,4 +1,4 @@
-//! Gzip, with a bound on what a file may unpack to.
+//! Gzip, with a bound on the decompressed size.
 
 use std::io::{ErrorKind, Read};
 
@@ -7,10 +7,10 @@ use flate2::read::MultiGzDecoder;
 use crate::io::ReadOptions;
 use crate::io::error::{Fault, ReadProblem};
 
-/// Unpacks all members of a gzip file.
+/// Decompresses all members of a gzip file.
 ///
-/// The output grows by what has been decoded, never by what the file
-/// promises, and stops at the limit of the options.
+/// Memory grows with the decoded bytes, never with a size that the file
+/// claims; decoding stops at the limit of the options.
 pub(crate) fn unpack(bytes: &[u8], options: &ReadOptions) -> Result<Vec<u8>, Fault> {
     const STEP: usize = 1 << 18;
     let by_ratio = (bytes.len() as u64)

@@ -2,28 +2,28 @@
 //!
 //! The order of vertices is kept exactly, isolated ones included; coordinates
 //! go from text to `f64` with correct rounding. Content and file extension decide the
-//! format together: a file of another kind than its name says is an error.
+//! format together: content that contradicts the name is an error.
 //!
-//! What is kept, and how the rest is treated:
+//! Rules for content that a mesh cannot hold:
 //!
-//! - Polygons are split by [`PolygonMesh::triangulate`]; the
-//!   [report](ReadReport) counts them. [`read_polygons`] keeps them.
+//! - Polygons are split by [`PolygonMesh::triangulate`](crate::PolygonMesh::triangulate)
+//!   and counted in the [report](ReadReport). [`read_polygons`] keeps them.
 //! - Faces that repeat a corner, common in exported quads, are reduced to
-//!   their distinct corners; those with fewer than three have no area and are
-//!   left out. The report says which. [Strict](Strictness::Strict) reading
-//!   refuses both.
-//! - A position that is not finite, or an index of a vertex that is not there,
-//!   is an error; [`ReadOptions::dropping_broken`] leaves out such faces.
-//! - STL has no vertices of its own: corners at exactly equal positions
-//!   (−0 = 0) become one vertex, in the order of first appearance.
-//! - Per-vertex properties of PLY, vertex colours of OBJ and OFF and vertex
-//!   normals of OFF are [`VertexFields`]. What else a file holds (texture
-//!   coordinates, face colours, cameras, …) is named in the report.
+//!   their distinct corners; faces with fewer than three of these have no area
+//!   and are left out. The report lists both; [strict](Strictness::Strict)
+//!   reading refuses them.
+//! - A position that is not finite or an index without a vertex is an error;
+//!   [`ReadOptions::dropping_broken`] leaves out the faces concerned.
+//! - STL stores corners, not vertices: corners at exactly equal positions
+//!   (−0 = 0) become one vertex, in order of first appearance.
+//! - Vertex properties of PLY, vertex colours of OBJ and OFF and vertex
+//!   normals of OFF become [`VertexFields`]. All other content (texture
+//!   coordinates, face colours, cameras, …) is ignored and named in the report.
 //!
-//! No count in a file is trusted: memory grows with the bytes that are really
-//! there, and compressed files are bounded by [`ReadOptions`].
+//! No count in a file is trusted: memory grows with the bytes present,
+//! and [`ReadOptions`] bounds the size of decompressed files.
 //!
-//! Features of the crate: `io` reads files and bytes and makes bytes, `gzip`
+//! Features of the crate: `io` reads files and bytes and encodes bytes, `gzip`
 //! reads compressed files, `files` (on by default) writes files.
 //!
 //! # Examples

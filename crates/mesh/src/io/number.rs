@@ -19,7 +19,7 @@ const POWERS_OF_FIVE: [u64; 28] = {
     powers
 };
 
-/// Whether a token ends before this byte.
+/// Returns true if a token ends before this byte.
 #[inline]
 pub(crate) fn is_delimiter(byte: u8) -> bool {
     matches!(byte, b' ' | b'\t' | b'\n' | b'\r' | b'\x0b' | b'\x0c')
@@ -31,10 +31,10 @@ pub(crate) fn token_end(bytes: &[u8], start: usize) -> usize {
     bytes[start..].iter().position(|&b| is_delimiter(b)).map_or(bytes.len(), |n| start + n)
 }
 
-/// The eight digits that begin here, as a number, if there are eight.
+/// The number of the next eight digits, if there are eight.
 ///
-/// All at once in one word: first the tens with the ones, then the hundreds,
-/// then the halves.
+/// Works on all digits in one word: joins pairs of digits, then pairs of
+/// these, then the halves.
 #[inline]
 fn eight_digits(bytes: &[u8]) -> Option<u64> {
     const ZEROS: u64 = 0x3030_3030_3030_3030;
@@ -52,8 +52,8 @@ fn eight_digits(bytes: &[u8]) -> Option<u64> {
     Some(upper.wrapping_add(lower) >> 32)
 }
 
-/// Appends the digits that begin at `at` to a number, modulo 2⁶⁴; returns it
-/// with the index of the first byte that is no digit.
+/// Appends the digits from `at` on to a number, modulo 2⁶⁴. Returns the number
+/// and the index of the first byte that is no digit.
 #[inline]
 fn digits(bytes: &[u8], mut at: usize, mut number: u64) -> (u64, usize) {
     while let Some(eight) = bytes.get(at..).and_then(eight_digits) {
@@ -72,8 +72,8 @@ fn digits(bytes: &[u8], mut at: usize, mut number: u64) -> (u64, usize) {
 ///
 /// The quotient by 5ᵏ < 2⁶³ is an integer of 65 bits or more once the mantissa
 /// fills 128 bits; with a lowest bit that remembers the remainder it rounds to
-/// 53 bits like the quotient itself. What is left is a power of two, and the
-/// result is far from the limits of `f64`.
+/// 53 bits like the quotient itself. The remaining factor is a power of two, and
+/// the result is far from the limits of `f64`.
 #[inline]
 fn quotient(mantissa: u64, k: usize) -> f64 {
     let shift = mantissa.leading_zeros();
@@ -84,15 +84,15 @@ fn quotient(mantissa: u64, k: usize) -> f64 {
     (whole | sticky) as f64 * f64::from_bits((1023 - 64 - u64::from(shift) - k as u64) << 52)
 }
 
-/// Reads the decimal number that begins at `start` and fills its token;
-/// returns it with the end of the token, or `None` if the token is no number.
+/// Reads the token at `start` as a decimal number. Returns the number and the end of
+/// the token, or `None` if the token is no number.
 ///
 /// The result is the `f64` nearest to the text, ties to even. With a mantissa
 /// below 2⁵³ and a power of ten up to 10²² both are exact, and one
 /// multiplication or division rounds correctly (Clinger's fast path); longer
-/// fractions go through an integer quotient, all else to the standard library.
-/// `inf` and `nan` are numbers here: the caller knows what to call them in an
-/// error.
+/// fractions go through an integer quotient, all other numbers through the
+/// standard library. `inf` and `nan` count as numbers, so that the caller can
+/// name the vertex in its error.
 #[inline]
 pub(crate) fn float(bytes: &[u8], start: usize) -> Option<(f64, usize)> {
     let byte = |at: usize| bytes.get(at).copied().unwrap_or(b' ');
@@ -146,9 +146,9 @@ fn by_the_standard_library(bytes: &[u8], start: usize) -> Option<(f64, usize)> {
     Some((value, end))
 }
 
-/// Reads the integer that begins at `start`; returns it with the index of the
-/// first byte that is no digit, or `None` if there are no digits or more than
-/// eighteen. The caller judges what follows.
+/// Reads the integer at `start`. Returns the integer and the index of the first byte
+/// that is no digit, or `None` if there are no digits or more than eighteen. The
+/// caller checks the byte that follows.
 #[inline]
 pub(crate) fn integer(bytes: &[u8], start: usize) -> Option<(i64, usize)> {
     let byte = |at: usize| bytes.get(at).copied().unwrap_or(b' ');
@@ -164,11 +164,11 @@ pub(crate) fn integer(bytes: &[u8], start: usize) -> Option<(i64, usize)> {
 }
 
 /// Appends the shortest decimal that reads back as the same `f64`, in
-/// exponent notation where that is shorter to read (below 10⁻⁵ and from 10¹⁶).
+/// exponent notation below 10⁻⁵ and from 10¹⁶.
 pub(crate) fn put_float(text: &mut Vec<u8>, x: f64) {
     let plain = x == 0.0 || (1e-5..1e16).contains(&x.abs());
     let written = if plain { write!(text, "{x}") } else { write!(text, "{x:e}") };
-    // A vector takes any number of bytes.
+    // Writing to a vector cannot fail.
     debug_assert!(written.is_ok());
 }
 

@@ -1,9 +1,9 @@
 //! OFF, the object file format of Geomview.
 //!
-//! `[ST][C][N]OFF`, the counts of vertices, faces and edges, then a line per
-//! vertex (position, normal, colour, texture coordinates, as the prefixes say)
-//! and a line per face (count, indices, perhaps a colour). Comments begin with
-//! `#` anywhere.
+//! The keyword `[ST][C][N]OFF`; the counts of vertices, faces and edges; a line per
+//! vertex (position, then normal, colour and texture coordinates if the prefixes
+//! announce them); and a line per face (count, indices, optional colour). Comments
+//! begin with `#` anywhere.
 
 use crate::io::error::{Fault, WriteProblem, unexpected};
 use crate::io::number::{put_float, put_integer, put_triple};
@@ -29,7 +29,7 @@ pub(super) const FORMAT: Row = Row {
     },
 };
 
-/// What the prefixes of the keyword announce.
+/// Vertex data announced by the prefixes of the keyword.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 struct Prefixes {
     texture: bool,
@@ -52,14 +52,14 @@ fn strip<'a>(bytes: &'a [u8], prefix: &[u8]) -> (bool, &'a [u8]) {
     bytes.strip_prefix(prefix).map_or((false, bytes), |rest| (true, rest))
 }
 
-/// Whether the first token ends in `OFF`.
+/// Returns true if the first token ends in `OFF`.
 fn looks_like(bytes: &[u8]) -> bool {
     let mut cursor = Cursor::new(bytes, 0, Some(b'#'));
     let token = cursor.token().unwrap_or_default();
     token.len() <= 8 && token.is_ascii() && token.ends_with(b"OFF")
 }
 
-/// Parses a file; the keyword may be missing where the name said OFF.
+/// Parses a file, with or without the keyword.
 fn parse(bytes: &[u8], broken: Broken) -> Result<Parsed, Fault> {
     let text = normalized(bytes);
     let mut cursor = Cursor::new(&text, 0, Some(b'#'));
@@ -81,8 +81,8 @@ fn parse(bytes: &[u8], broken: Broken) -> Result<Parsed, Fault> {
     };
     let vertex_count = cursor.count("the number of vertices")?;
     let face_count = cursor.count("the number of faces")?;
-    // Some writers leave out the number of edges, which is not used. It is on
-    // the line of the faces or on its own.
+    // Some writers omit the number of edges, which is not used. It is on the
+    // same line as the faces or on its own.
     let mut ahead = cursor.clone();
     if cursor.more_on_line() || (ahead.token().is_some() && !ahead.more_on_line()) {
         cursor.count("the number of edges")?;
@@ -103,7 +103,7 @@ struct VertexLines {
     normals: Vec<[f64; 3]>,
     colors: Vec<[f64; 3]>,
     largest_alpha: f64,
-    /// Lines with more numbers than the keyword says.
+    /// The number of lines with more numbers than the keyword announces.
     extra: usize,
 }
 
@@ -118,7 +118,7 @@ impl VertexLines {
             self.normals.push(triple(cursor, "a component of the normal")?);
         }
         if prefixes.color {
-            // Three or four numbers, then perhaps two of texture.
+            // Three or four numbers, then two of texture if announced.
             let (mut values, mut found) = ([0.0; 4], 0);
             while found < 4 && cursor.more_on_line() {
                 values[found] = cursor.float("a colour")?;
@@ -140,7 +140,8 @@ impl VertexLines {
     fn finish(self, prefixes: Prefixes, parsed: &mut Parsed) {
         if self.extra > 0 {
             let extra = self.extra;
-            let doubt = format!("{extra} vertex lines have more numbers than the keyword says");
+            let doubt =
+                format!("{extra} vertex lines have more numbers than the keyword announces");
             parsed.doubts.push(doubt);
         }
         if prefixes.texture {
@@ -167,8 +168,8 @@ fn parse_vertices(
     broken: Broken,
     parsed: &mut Parsed,
 ) -> Result<(), Fault> {
-    // A vertex takes six bytes or more: a count that lies reserves no more
-    // than the file could fill.
+    // A vertex takes six bytes or more, which bounds the memory that a false
+    // count reserves.
     let room = (cursor.remaining() / 6).min(usize::try_from(count).unwrap_or(usize::MAX));
     let mut lines =
         VertexLines { positions: Vec::with_capacity(room), broken, ..Default::default() };
@@ -183,7 +184,7 @@ fn parse_vertices(
     Ok(())
 }
 
-/// Three numbers on one line.
+/// Parses three numbers on one line.
 fn triple(cursor: &mut Cursor<'_>, what: &str) -> Result<[f64; 3], Fault> {
     let mut triple = [0.0; 3];
     for x in &mut triple {
@@ -237,9 +238,9 @@ fn parse_faces(
     Ok(())
 }
 
-/// `OFF`, with the prefix C for colours (red, green, blue and alpha from 0 to
-/// 255) and N for normals. The number of edges is written as 0: nobody reads
-/// it.
+/// Encodes with the prefixes C for colours (red, green, blue and alpha from 0 to
+/// 255) and N for normals. The number of edges is written as 0, since readers
+/// ignore it.
 fn encode(surface: Surface<'_>, _: &WriteOptions) -> Result<Encoded, WriteProblem> {
     let colors = surface.fields.colors.as_deref();
     let normals = surface.fields.vector("normal");

@@ -1,6 +1,6 @@
-//! Choices for reading and writing.
+//! Options for reading and writing.
 
-/// What to do with content that is sound but cannot be kept.
+/// The treatment of content that a mesh cannot hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
@@ -8,42 +8,42 @@ pub enum Strictness {
     /// Leave it out and report it.
     #[default]
     Lenient,
-    /// Refuse the file: faces that repeat a corner, weights of vertices that
-    /// are not 1, fields with values that are not finite.
+    /// Refuse the file, for example for faces that repeat a corner, vertex weights
+    /// other than 1, or fields with values that are not finite.
     Strict,
-    /// As [`Lenient`](Self::Lenient), and leave out what is broken, too, which
-    /// the others refuse: faces that name a vertex that is not there or whose
-    /// position is not finite. Such a vertex keeps its number, in no face and
-    /// at the place of the first sound vertex, so that the numbers of all
-    /// others, and the rows of fields, stay those of the file.
+    /// As [`Lenient`](Self::Lenient), and also leave out broken faces, which the
+    /// others refuse: faces with an index without a vertex, or with a vertex whose
+    /// position is not finite. Such a vertex keeps its number, so that the numbers
+    /// of all other vertices and the rows of fields stay those of the file; it
+    /// moves to the position of the first sound vertex and belongs to no face.
     DropBroken,
 }
 
-/// How to read.
+/// Options for reading.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct ReadOptions {
-    /// What to do with content that cannot be kept.
+    /// The treatment of content that a mesh cannot hold.
     pub strictness: Strictness,
-    /// The most bytes a compressed file may unpack to.
+    /// The largest decompressed size of a file, in bytes.
     pub max_unpacked_bytes: u64,
-    /// The most a compressed file may grow, as a multiple of its size, beyond
+    /// The largest ratio of decompressed to compressed size, beyond
     /// [`Self::FREE_UNPACKED_BYTES`]. Meshes seldom exceed 20; a deflate
     /// bomb reaches 1000.
     pub max_unpack_ratio: u64,
 }
 
 impl ReadOptions {
-    /// What any compressed file may unpack to, however small it is.
+    /// A decompressed size in bytes that is always allowed, even for a tiny file.
     pub const FREE_UNPACKED_BYTES: u64 = 16 << 20;
 
-    /// The default options, with broken vertices and faces left out.
+    /// The default options with [`Strictness::DropBroken`].
     pub fn dropping_broken() -> Self {
         Self { strictness: Strictness::DropBroken, ..Self::default() }
     }
 
-    /// The default options with strict reading.
+    /// The default options with [`Strictness::Strict`].
     pub fn strict() -> Self {
         Self { strictness: Strictness::Strict, ..Self::default() }
     }
@@ -59,7 +59,7 @@ impl Default for ReadOptions {
     }
 }
 
-/// How numbers and records are laid out in a PLY or STL file.
+/// The encoding of a format that has a binary and a text form.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
@@ -71,45 +71,45 @@ pub enum Encoding {
     Ascii,
 }
 
-/// How wide the floating-point properties of a PLY file are.
+/// The width of floating-point numbers in a format that has several.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum FloatWidth {
-    /// `float` where every value of the property group (positions, or one
-    /// field) is exactly a 32-bit number, `double` elsewhere: nothing is lost,
-    /// and data that came from 32 bits take no more room than before.
+    /// `float` if every value of the property group (the positions, or one field)
+    /// is exactly a 32-bit number, otherwise `double`. Lossless, and data that
+    /// came from 32 bits take no more space than before.
     #[default]
     Lossless,
-    /// `double` always.
+    /// Always `double`.
     Double,
-    /// `float` always, rounded to nearest.
+    /// Always `float`, rounded to nearest.
     Single,
 }
 
-/// What to do with fields that a format cannot hold.
+/// The treatment of fields that a format cannot hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum UnsupportedFields {
-    /// Write nothing and say so.
+    /// Fail, and write nothing.
     #[default]
     Refuse,
-    /// Leave them out; [`WriteReport`](super::WriteReport) names them.
+    /// Leave the fields out and name them in the [`WriteReport`](super::WriteReport).
     Drop,
 }
 
-/// How to write.
+/// Options for writing.
 #[derive(Debug, Clone, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct WriteOptions {
-    /// For PLY and STL; the other formats are text.
+    /// Used by formats with both encodings, [`Holds::binary`](super::Holds::binary).
     pub encoding: Encoding,
-    /// For PLY; other text is the shortest that reads back as the same `f64`,
-    /// and binary STL has 32 bits.
+    /// Used by formats with several widths, [`Holds::float_widths`](super::Holds::float_widths).
+    /// Other text is the shortest that reads back as the same `f64`; binary STL has 32 bits.
     pub float_width: FloatWidth,
-    /// For fields that the format cannot hold.
+    /// The treatment of fields that the format cannot hold.
     pub unsupported_fields: UnsupportedFields,
 }
 
@@ -126,7 +126,7 @@ impl WriteOptions {
         self
     }
 
-    /// These options with another width of PLY's floating-point properties.
+    /// These options with another width of floating-point numbers.
     #[must_use]
     pub fn with_float_width(mut self, width: FloatWidth) -> Self {
         self.float_width = width;

@@ -4,22 +4,21 @@ use crate::io::VertexFields;
 use crate::io::error::{ReadProblem, unexpected};
 use crate::polygon::Polygons;
 
-/// What a parser does with coordinates that are not finite and indices of vertices that are not
-/// there.
+/// The treatment of coordinates that are not finite and of indices without a vertex.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) enum Broken {
-    /// They are errors.
+    /// An error.
     #[default]
     Refused,
     /// They stay for `Parsed::finish` to leave out, such an index as [`NO_VERTEX`].
     Kept,
 }
 
-/// An index that is never that of a vertex, as there are fewer than that many.
+/// An index that no vertex has.
 pub(crate) const NO_VERTEX: u32 = u32::MAX;
 
-/// What a parser found. It has checked that faces have three corners or more
-/// and, unless told to keep what is [`Broken`], that coordinates are finite and
+/// The content of a file. Parsers have checked that faces have three corners or more
+/// and, unless broken faces are [kept](Broken::Kept), that coordinates are finite and
 /// indices in range.
 #[derive(Default)]
 pub(crate) struct Parsed {
@@ -28,7 +27,7 @@ pub(crate) struct Parsed {
     pub(crate) fields: VertexFields,
     /// Content that is ignored by design.
     pub(crate) notes: Vec<String>,
-    /// Content that a strict reader refuses to ignore.
+    /// Content that is ignored, and refused by strict reading.
     pub(crate) doubts: Vec<String>,
 }
 
@@ -51,34 +50,34 @@ pub(crate) fn vertex_index(
     }
 }
 
-/// The faces of a file, one after another, each a corner after another.
+/// A list of faces, built corner by corner.
 pub(crate) struct FaceList {
     vertex_count: usize,
     broken: Broken,
-    /// The faces that have ended.
+    /// The number of faces that have ended.
     ended: usize,
     corners: Vec<u32>,
     pub(crate) polygons: Polygons,
-    /// How many have one corner or two: points and segments, which are left
-    /// out.
+    /// The number of faces with one corner or two, points and segments, which are
+    /// left out.
     pub(crate) small: usize,
 }
 
 impl FaceList {
-    /// An empty list with room for that many faces.
+    /// An empty list with space for that many faces.
     pub(crate) fn with_capacity(faces: usize, vertex_count: usize, broken: Broken) -> Self {
         let polygons = Polygons::with_capacity(faces);
         Self { vertex_count, broken, ended: 0, corners: Vec::new(), polygons, small: 0 }
     }
 
-    /// The next corner of the face.
+    /// Adds the next corner of the face.
     #[inline]
     pub(crate) fn corner(&mut self, index: i64) -> Result<(), ReadProblem> {
         self.corners.push(vertex_index(index, self.ended, self.vertex_count, self.broken)?);
         Ok(())
     }
 
-    /// The end of the face; one without corners is a problem.
+    /// Ends the face; a face without corners is a problem.
     #[inline]
     pub(crate) fn end(&mut self) -> Result<(), ReadProblem> {
         match self.corners.len() {
@@ -109,11 +108,11 @@ pub(crate) fn check_finite(
     }
 }
 
-/// Colours as bytes: from 0 to 1 if all are, alpha included, else from 0 to
-/// 255, else none.
+/// Colours as bytes. Values count as from 0 to 1 if all are, alpha included,
+/// otherwise as from 0 to 255; `None` if one is outside.
 ///
-/// Geomview tells the two apart by the spelling (`1` or `1.0`); writers do
-/// not keep to it, but no file mixes the ranges.
+/// Geomview distinguishes the ranges by spelling (`1` or `1.0`), which writers do
+/// not respect, but no file mixes them.
 pub(crate) fn bytes_of_colors(colors: &[[f64; 3]], largest_alpha: f64) -> Option<Vec<[u8; 3]>> {
     let values = colors.as_flattened();
     let largest = values.iter().copied().fold(largest_alpha, f64::max);

@@ -13,7 +13,7 @@ use crate::io::{
 use crate::polygon::Polygons;
 use crate::{PolygonMesh, TriMesh};
 
-/// A triangle mesh from a file, with the data that came along.
+/// A triangle mesh from a file, with its fields.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct MeshFile {
@@ -21,11 +21,11 @@ pub struct MeshFile {
     pub mesh: TriMesh,
     /// Fields and colours per vertex.
     pub fields: VertexFields,
-    /// What was done besides reading.
+    /// The format, counts, and content that was changed or left out.
     pub report: ReadReport,
 }
 
-/// A polygon mesh from a file, with the data that came along.
+/// A polygon mesh from a file, with its fields.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct PolygonFile {
@@ -33,7 +33,7 @@ pub struct PolygonFile {
     pub mesh: PolygonMesh,
     /// Fields and colours per vertex.
     pub fields: VertexFields,
-    /// What was done besides reading.
+    /// The format, counts, and content that was changed or left out.
     pub report: ReadReport,
 }
 
@@ -42,8 +42,8 @@ pub struct PolygonFile {
 ///
 /// # Errors
 ///
-/// [`ReadError`] names the file, the place in it, what was expected and what
-/// was found.
+/// [`ReadError`] names the file, the line or byte, the expected content and the
+/// content found.
 pub fn read(path: impl AsRef<Path>) -> Result<MeshFile, ReadError> {
     read_with(path, &ReadOptions::default())
 }
@@ -59,7 +59,7 @@ pub fn read_with(path: impl AsRef<Path>, options: &ReadOptions) -> Result<MeshFi
     load(path).and_then(parse).map_err(|fault| fault.in_file(path))
 }
 
-/// Reads a mesh and keeps its polygons.
+/// Reads a polygon mesh.
 ///
 /// # Errors
 ///
@@ -85,8 +85,8 @@ pub fn read_polygons_with(
     load(path).and_then(parse).map_err(|fault| fault.in_file(path))
 }
 
-/// Reads a triangle mesh from the bytes of a file. Of `name`, which may be
-/// empty, the extension is used, and error messages contain it.
+/// Reads a triangle mesh from the bytes of a file. The extension of `name` counts as
+/// that of the file, and errors contain `name`; it may be empty.
 ///
 /// # Errors
 ///
@@ -105,14 +105,13 @@ fn named_triangles(name: &Path, bytes: &[u8], options: &ReadOptions) -> Result<M
     triangles(format, bytes, options)
 }
 
-/// Reads a triangle mesh from a stream, to its end: a file, a response, an
-/// archive member, standard input. Gzip is recognised by its content.
-///
-/// Without a format, the content decides.
+/// Reads a triangle mesh from a stream up to its end: a file, a response, an
+/// archive member, standard input. Gzip is recognised by content, and so is
+/// the format if none is given.
 ///
 /// # Errors
 ///
-/// As for [`read`]; the file in the error is empty.
+/// As for [`read`]; the file name in the error is empty.
 ///
 /// # Examples
 ///
@@ -134,7 +133,7 @@ pub fn read_from(
         .map_err(|fault| fault.in_file(Path::new("")))
 }
 
-/// [`read_from`] for polygons, which it keeps.
+/// [`read_from`] for polygons.
 ///
 /// # Errors
 ///
@@ -153,8 +152,8 @@ fn load(path: &Path) -> Result<Vec<u8>, Fault> {
     std::fs::read(path).map_err(|error| Fault::whole(ReadProblem::Io(error)))
 }
 
-/// The format that the name says and the bytes of the file; an error if the name says that it is compressed and it is
-/// not.
+/// The format by name and the bytes of the file. Fails if the name ends in `.gz` and the content is
+/// not compressed.
 fn as_named<'a>(path: &Path, bytes: &'a [u8]) -> Result<(Option<Format>, &'a [u8]), Fault> {
     let named = Format::from_path(path);
     if named.is_some_and(|named| named.gzip) && !is_gzip(bytes) && !bytes.is_empty() {
@@ -225,7 +224,7 @@ fn after_mark(bytes: &[u8]) -> &[u8] {
     }
 }
 
-/// Whether the bytes begin like a gzip member.
+/// Returns true if the bytes begin like a gzip member.
 fn is_gzip(bytes: &[u8]) -> bool {
     bytes.starts_with(&[0x1f, 0x8b])
 }

@@ -1,60 +1,60 @@
-//! What a reader did besides reading.
+//! Reports of reading and writing.
 
 use std::fmt;
 
 use crate::io::Format;
 
-/// What was read, and what was split, reduced, welded, left out or ignored on
-/// the way.
-/// Its `Display` says it in a few lines.
+/// A summary of a file and of the content that was split, reduced, welded, left
+/// out or ignored.
+///
+/// `Display` writes a few lines.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct ReadReport {
     /// The format of the content.
     pub format: Format,
-    /// Whether the file was compressed with gzip.
+    /// True if the file was compressed with gzip.
     pub compressed: bool,
-    /// Vertices in the mesh.
+    /// The number of vertices in the mesh.
     pub vertices: usize,
-    /// Faces in the file, of any size, those left out included.
+    /// The number of faces in the file, of any size, including faces left out.
     pub file_faces: usize,
-    /// Faces of more than three corners; [`read`](super::read) split them into
-    /// triangles.
+    /// The number of faces of more than three corners; [`read`](super::read) splits
+    /// them into triangles.
     pub polygons: usize,
-    /// How many faces repeat a corner and are kept with their distinct corners,
-    /// in the order in which they are first named.
+    /// The number of faces that repeat a corner and are reduced to their distinct
+    /// corners, in order of first appearance.
     pub reduced: usize,
-    /// The first of them, at most [`Self::NAMED`], numbered from 0 as in the
+    /// The first reduced faces, at most [`Self::NAMED`], numbered from 0 as in the
     /// file.
     pub first_reduced: Vec<usize>,
-    /// How many faces repeat a corner, have fewer than three distinct ones and
-    /// are left out.
+    /// The number of faces left out because they repeat a corner and have fewer
+    /// than three distinct ones.
     pub left_out: usize,
-    /// The first of them, at most [`Self::NAMED`], numbered from 0 as in the
+    /// The first of these, at most [`Self::NAMED`], numbered from 0 as in the
     /// file.
     pub first_left_out: Vec<usize>,
-    /// The number of vertices whose positions are not finite. They are in no
-    /// face, at the place of the first sound vertex.
+    /// The number of vertices whose positions are not finite. Such a vertex is at
+    /// the position of the first sound vertex and belongs to no face.
     pub broken_vertices: usize,
-    /// The first of them, at most [`Self::NAMED`].
+    /// The first broken vertices, at most [`Self::NAMED`].
     pub first_broken_vertices: Vec<usize>,
-    /// The number of faces that name such a vertex, or one that is not there, and are
-    /// left out.
+    /// The number of faces left out because they have a broken vertex or an index
+    /// without a vertex.
     pub broken_faces: usize,
-    /// The first of them, at most [`Self::NAMED`], numbered from 0 as in the
+    /// The first broken faces, at most [`Self::NAMED`], numbered from 0 as in the
     /// file.
     pub first_broken_faces: Vec<usize>,
-    /// Anything else: what the file holds and the mesh does not, one sentence
-    /// each.
+    /// Other content of the file that the mesh does not hold, one sentence each.
     pub notes: Vec<String>,
 }
 
 impl ReadReport {
-    /// The number of faces and vertices of each kind that are named.
+    /// The most faces or vertices of each kind that are listed.
     pub const NAMED: usize = 8;
 
-    /// How many faces are read: those of the file but the ones left out.
+    /// The number of faces read: all faces of the file except those left out.
     pub fn faces(&self) -> usize {
         self.file_faces - self.left_out - self.broken_faces
     }
@@ -77,17 +77,18 @@ impl fmt::Display for ReadReport {
         };
         let reduced = "faces repeat a corner and are reduced to their distinct corners";
         some(self.reduced, &self.first_reduced, reduced)?;
-        let left_out = "faces repeat a corner and are left out, having fewer than three";
+        let left_out =
+            "faces repeat a corner and are left out, with fewer than three distinct ones";
         some(self.left_out, &self.first_left_out, left_out)?;
-        let vertices = "vertices are not finite and stand in no face, where the first sound one is";
+        let vertices = "vertices are not finite: moved to the first sound vertex, in no face";
         some(self.broken_vertices, &self.first_broken_vertices, vertices)?;
-        let faces = "faces are left out, which name such vertices or some that are not there";
+        let faces = "faces are left out because they name a vertex that is missing or not finite";
         some(self.broken_faces, &self.first_broken_faces, faces)?;
         self.notes.iter().try_for_each(|note| write!(f, "\n{note}"))
     }
 }
 
-/// What was written, and what was not.
+/// A summary of a file that was written, and of the content that it does not hold.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -96,9 +97,9 @@ pub struct WriteReport {
     pub format: Format,
     /// The size of the file before compression.
     pub bytes: usize,
-    /// The fields that were dropped because the options allow it.
+    /// The fields left out, which [`UnsupportedFields::Drop`](super::UnsupportedFields) allows.
     pub dropped: Vec<String>,
-    /// What else the format could not hold: an order of vertices, isolated
-    /// ones, digits.
+    /// Other content that the format cannot hold: the order of vertices, isolated
+    /// vertices, digits.
     pub notes: Vec<String>,
 }

@@ -1,4 +1,4 @@
-//! A mesh to write, and its lines of text.
+//! Meshes to encode, and the text lines of their elements.
 
 use rayon::prelude::*;
 
@@ -6,7 +6,7 @@ use crate::io::VertexFields;
 use crate::io::number::put_integer;
 use crate::{PolygonMesh, TriMesh};
 
-/// A mesh to write, with its fields.
+/// A mesh to encode, with its fields.
 #[derive(Clone, Copy)]
 pub(crate) struct Surface<'a> {
     pub(crate) positions: &'a [[f64; 3]],
@@ -48,13 +48,13 @@ impl<'a> Faces<'a> {
     }
 }
 
-/// A file in pieces, one after another, with notes on the content that it does not hold.
+/// The consecutive pieces of a file, with notes on the content that it does not hold.
 pub(crate) struct Encoded {
     pub(crate) pieces: Vec<Vec<u8>>,
     pub(crate) notes: Vec<String>,
 }
 
-/// A line for each face: the number of its corners and their vertices.
+/// Lines of faces: the number of corners and their vertices.
 pub(crate) fn face_lines(faces: Faces<'_>) -> Vec<Vec<u8>> {
     lines(faces.len(), 26, |f, text| {
         let face = faces.face(f);
@@ -67,8 +67,8 @@ pub(crate) fn face_lines(faces: Faces<'_>) -> Vec<Vec<u8>> {
     })
 }
 
-/// Text of many lines of about `per_line` bytes each, made in parallel; the
-/// result does not depend on the number of threads.
+/// Formats many lines of about `per_line` bytes each, in parallel, in pieces that do not depend
+/// on the number of threads.
 pub(crate) fn lines(
     count: usize,
     per_line: usize,

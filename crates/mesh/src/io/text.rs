@@ -1,11 +1,11 @@
-//! A cursor over the tokens and lines of a text.
+//! A cursor over tokens and lines of text.
 
 use std::borrow::Cow;
 
 use crate::io::error::{Fault, ReadProblem, unexpected};
 use crate::io::number::{self, is_delimiter};
 
-/// The text, with `\n` where a lone `\r` ends the lines. (`\r\n` stays: `\r` counts as white space.)
+/// The text with `\n` in place of lone `\r` line ends. `\r\n` stays, since `\r` is white space.
 pub(crate) fn normalized(bytes: &[u8]) -> Cow<'_, [u8]> {
     let first = bytes.iter().position(|&b| b == b'\n' || b == b'\r');
     let lone = first.is_some_and(|at| bytes[at] == b'\r' && bytes.get(at + 1) != Some(&b'\n'));
@@ -16,8 +16,8 @@ pub(crate) fn normalized(bytes: &[u8]) -> Cow<'_, [u8]> {
     }
 }
 
-/// Reads tokens in order; white space separates them, `comment` (if any) runs to
-/// the end of its line.
+/// A reader of tokens separated by white space. A comment begins with the byte
+/// `comment`, if given, and runs to the end of its line.
 #[derive(Clone)]
 pub(crate) struct Cursor<'a> {
     text: &'a [u8],
@@ -30,7 +30,7 @@ impl<'a> Cursor<'a> {
         Self { text, at, comment }
     }
 
-    /// How many bytes are left, a bound for every count the text may claim.
+    /// The number of bytes left, a bound on any count in the text.
     pub(crate) fn remaining(&self) -> usize {
         self.text.len() - self.at
     }
@@ -75,12 +75,12 @@ impl<'a> Cursor<'a> {
         self.at += rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
     }
 
-    /// The token under the cursor, without moving.
+    /// The token at the cursor, which does not move.
     pub(crate) fn peek(&self) -> &'a [u8] {
         &self.text[self.at..number::token_end(self.text, self.at)]
     }
 
-    /// Takes the next token, on whatever line.
+    /// Takes the next token, on any line.
     pub(crate) fn token(&mut self) -> Option<&'a [u8]> {
         if !self.more() {
             return None;
@@ -90,7 +90,7 @@ impl<'a> Cursor<'a> {
         Some(token)
     }
 
-    /// The word under the cursor, for an error message.
+    /// The token at the cursor, for an error message.
     pub(crate) fn found(&self) -> String {
         match self.text.get(self.at) {
             None => "the end of the file".to_owned(),
@@ -99,7 +99,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// Takes the next token, on whatever line, as a number.
+    /// Takes the next token, on any line, as a number.
     #[inline]
     pub(crate) fn float(&mut self, what: &str) -> Result<f64, Fault> {
         if self.more()
@@ -111,7 +111,7 @@ impl<'a> Cursor<'a> {
         Err(self.fault(unexpected(what, self.found())))
     }
 
-    /// Takes the next token, on whatever line, as an integer.
+    /// Takes the next token, on any line, as an integer.
     #[inline]
     pub(crate) fn integer(&mut self, what: &str) -> Result<i64, Fault> {
         if self.more()
@@ -124,7 +124,7 @@ impl<'a> Cursor<'a> {
         Err(self.fault(unexpected(what, self.found())))
     }
 
-    /// Takes the next token, on whatever line, as a count.
+    /// Takes the next token, on any line, as a count.
     pub(crate) fn count(&mut self, what: &str) -> Result<u64, Fault> {
         let before = self.clone();
         let value = self.integer(what)?;
@@ -145,7 +145,7 @@ impl<'a> Cursor<'a> {
     }
 }
 
-/// A token for an error message: quoted, and cut where it is long.
+/// A token for an error message: quoted, and shortened if long.
 pub(crate) fn shown(token: &[u8]) -> String {
     let text = String::from_utf8_lossy(&token[..token.len().min(40)]);
     if token.len() > 40 { format!("{text:?}…") } else { format!("{text:?}") }

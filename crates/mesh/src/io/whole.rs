@@ -1,4 +1,4 @@
-//! Files that appear whole or not at all.
+//! Atomic writing of files.
 
 use std::fs::{self, File};
 use std::io;
@@ -7,14 +7,14 @@ use std::path::{Path, PathBuf};
 use tempfile::{Builder, NamedTempFile};
 
 /// Fills a new file under a temporary name in the folder of `path` and renames
-/// it to `path`. A file of that name is replaced; on an error it stays as it
-/// was and nothing is left behind. A symbolic link stays: the file that it
-/// names is made or replaced, by a rename in that file's folder.
+/// it to `path`. An existing file is replaced; after an error it is as it was, and
+/// no temporary file remains. If `path` is a symbolic link, its target is created
+/// or replaced and the link stays.
 ///
 /// # Errors
 ///
-/// What `fill` returns, or why the file cannot be made or renamed; a folder or
-/// a device at `path` is never replaced.
+/// The error of `fill`, or the reason why the file cannot be created or renamed. A
+/// folder or a device at `path` is never replaced.
 pub fn write_whole(
     path: impl AsRef<Path>,
     fill: impl FnOnce(&mut File) -> io::Result<()>,
@@ -26,8 +26,8 @@ pub fn write_whole(
     Ok(())
 }
 
-/// Whether [`write_whole`] could write to `path` as things are: tries to make a
-/// file in the folder, and removes it.
+/// Checks that [`write_whole`] can write to `path`: creates a temporary file in the
+/// folder and removes it.
 ///
 /// # Errors
 ///
@@ -50,18 +50,18 @@ fn beside(path: &Path) -> io::Result<NamedTempFile> {
     builder.prefix(".fairing-");
     #[cfg(unix)]
     {
-        // The permissions of any new file (the umask applies), not those of a
-        // secret one.
+        // The permissions of any new file (the umask applies); temporary files
+        // are private by default.
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
     builder.tempfile_in(folder)
 }
 
-/// The most links from one to the next, as of Linux.
+/// The longest chain of symbolic links, as in Linux.
 const MAX_LINKS: usize = 40;
 
-/// The file that `path` means, there or not: what its links lead to.
+/// The file at the end of the links of `path`, existing or not.
 fn target(path: &Path) -> io::Result<PathBuf> {
     let mut path = path.to_owned();
     for _ in 0..MAX_LINKS {

@@ -1,4 +1,4 @@
-//! Writing: whole or not at all, and nothing lost in silence.
+//! Writing files, bytes and streams; nothing is lost in silence.
 
 use std::io::Write;
 use std::path::Path;
@@ -9,21 +9,20 @@ use crate::io::surface::{Encoded, Faces, Surface};
 use crate::io::{Format, UnsupportedFields, VertexFields, WriteOptions, WriteReport};
 use crate::{PolygonMesh, TriMesh};
 
-/// Writes a mesh in the format of the file extension: OBJ, PLY (binary), OFF or
-/// STL (binary), compressed if `.gz` follows.
+/// Writes a mesh in the format of the file extension, binary if the format allows
+/// it, compressed if `.gz` follows.
 ///
-/// The file appears whole under its name or not at all: it is written under a
-/// temporary name in the same folder and renamed. A file of that name is
-/// replaced; through a symbolic link, the file that it names is.
+/// Atomic: the file is written under a temporary name in the same folder and
+/// renamed. An existing file is replaced; a symbolic link stays, and its target is
+/// replaced.
 ///
-/// Coordinates are written as the shortest text that reads back as the same
-/// `f64`, in PLY as [`FloatWidth::Lossless`](crate::io::FloatWidth::Lossless)
-/// says; only STL rounds, to 32 bits, and forgets the numbering of vertices:
-/// the report says so.
+/// Coordinates are lossless: the shortest text that reads back as the same `f64`, or
+/// [`FloatWidth::Lossless`](crate::io::FloatWidth::Lossless) in PLY. Only STL rounds,
+/// to 32 bits, and loses the numbering of vertices; the report mentions both.
 ///
 /// # Errors
 ///
-/// [`WriteError`] names the file and what keeps it from being written.
+/// [`WriteError`] names the file and the problem.
 #[cfg(feature = "files")]
 pub fn write(path: impl AsRef<Path>, mesh: &TriMesh) -> Result<WriteReport, WriteError> {
     write_with_fields(path, mesh, &VertexFields::default(), &WriteOptions::default())
@@ -31,14 +30,14 @@ pub fn write(path: impl AsRef<Path>, mesh: &TriMesh) -> Result<WriteReport, Writ
 
 /// [`write()`] with fields per vertex and options.
 ///
-/// PLY holds all fields. OBJ holds colours (after the coordinates, from 0 to
-/// 1), OFF colours and the vector field `normal`, STL nothing; a field that
-/// the format cannot hold is an error unless the options say otherwise.
+/// PLY holds all fields; OBJ colours (after the coordinates, from 0 to 1); OFF
+/// colours and the vector field `normal`; STL none. A field that the format cannot
+/// hold is an error unless the options drop it.
 ///
 /// # Errors
 ///
-/// As for [`write()`]; a field of the wrong length, with a value that is not
-/// finite, or whose name would be read back as something else.
+/// As for [`write()`], and for a field of the wrong length, with a value that is not
+/// finite, or with a name that would not be read back as the same.
 #[cfg(feature = "files")]
 pub fn write_with_fields(
     path: impl AsRef<Path>,
@@ -119,12 +118,12 @@ pub fn polygons_to_bytes(
 
 /// Writes the uncompressed bytes of a file to a stream.
 ///
-/// Nothing is written if the format cannot hold the mesh or its fields. What a
-/// stream that fails has got by then stays there.
+/// Nothing is written if the format cannot hold the mesh or its fields. If the
+/// stream fails, the bytes written before remain in it.
 ///
 /// # Errors
 ///
-/// As for writing a file; the file in the error is empty.
+/// As for writing a file; the file name in the error is empty.
 ///
 /// # Examples
 ///

@@ -1,14 +1,14 @@
-//! The faces of a file while it is being read.
+//! Lists of faces under construction.
 
 use rayon::prelude::*;
 
-/// Faces of any size. As long as all are triangles they are stored as such,
-/// so that the usual file needs neither offsets nor a conversion.
+/// Faces of any size. A list of triangles only is stored without offsets, so the
+/// usual file needs no conversion.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Polygons {
     Triangles(Vec<[u32; 3]>),
     Mixed {
-        /// Where each face ends in `corners`.
+        /// The end of each face in `corners`.
         ends: Vec<usize>,
         corners: Vec<u32>,
     },
@@ -101,8 +101,7 @@ impl Polygons {
         }
     }
 
-    /// Triangles that outgrew that form, such as polygons that were all left
-    /// out, become triangles again.
+    /// Returns to the form of triangles if no larger polygon is left.
     fn simplified(self) -> Self {
         match self {
             Self::Mixed { ends, corners }
@@ -117,7 +116,7 @@ impl Polygons {
     /// The faces that repeat a corner, ascending.
     fn repeating(&self) -> Vec<usize> {
         match self {
-            // Usually there is none, and a pass that only asks is the fastest.
+            // Usually there is none, and a pass that only tests is the fastest.
             Self::Triangles(faces) => faces
                 .par_chunks(1 << 15)
                 .enumerate()
@@ -135,9 +134,8 @@ impl Polygons {
         }
     }
 
-    /// Reduces faces that repeat a corner to their distinct corners, in the
-    /// order in which they are first named, and leaves out those with fewer
-    /// than three.
+    /// Reduces faces that repeat a corner to their distinct corners, in order of
+    /// first appearance, and drops faces with fewer than three.
     pub(crate) fn without_repeating(self) -> Distinct {
         let repeating = self.repeating();
         let mut distinct = Distinct { reduced: vec![], left_out: vec![], polygons: self };
@@ -166,19 +164,19 @@ impl Polygons {
     }
 }
 
-/// Faces that repeat no corner, and which faces were changed for it, ascending
-/// and numbered as before.
+/// Faces without repeated corners, and the changed faces, ascending and with
+/// their original numbers.
 #[derive(Debug)]
 pub(crate) struct Distinct {
     pub(crate) polygons: Polygons,
-    /// Repeated a corner, and have three distinct ones or more.
+    /// Faces that repeated a corner and have three or more distinct ones.
     pub(crate) reduced: Vec<usize>,
-    /// Has fewer than three distinct corners.
+    /// Faces with fewer than three distinct corners.
     pub(crate) left_out: Vec<usize>,
 }
 
-/// The distinct corners of a face in the order in which they are first named;
-/// n log n.
+/// The distinct corners of a face in order of first appearance, in
+/// O(n log n).
 fn keep_first_mentions(face: &[u32], corners: &mut Vec<u32>) {
     let mut order: Vec<usize> = (0..face.len()).collect();
     order.sort_unstable_by_key(|&k| (face[k], k));
@@ -188,8 +186,8 @@ fn keep_first_mentions(face: &[u32], corners: &mut Vec<u32>) {
     corners.extend(order.into_iter().map(|k| face[k]));
 }
 
-/// Whether a polygon names one vertex twice: quadratic for small ones, by
-/// sorting for large ones.
+/// Returns true if a polygon names one vertex twice. Compares all pairs of a small
+/// polygon and sorts a large one.
 pub(crate) fn repeats_a_corner(face: &[u32]) -> bool {
     if face.len() <= 16 {
         return face.iter().enumerate().any(|(k, v)| face[..k].contains(v));

@@ -4,30 +4,30 @@ use crate::polygon::PolygonMesh;
 use crate::trimesh::TriMesh;
 use crate::vec3::{add, cross, dot, norm, scale, sub};
 
-/// Larger polygons are not cut ear by ear.
-const MOST_CORNERS: usize = 1024;
+/// The largest polygon that is cut ear by ear.
+const MAX_CORNERS: usize = 1024;
 
 /// The sine of a turn that rounding may produce in a straight line.
 const STRAIGHT: f64 = 1e-10;
 
 impl PolygonMesh {
     /// Splits the polygons into triangles: n − 2 for n corners, in the order
-    /// of the polygons, all corners used, none added.
+    /// of the polygons, without new vertices.
     ///
-    /// - A triangle does not change.
+    /// - A triangle stays as it is.
     /// - A convex polygon becomes the fan around its first corner: `(0, 1, 2)`,
     ///   `(0, 2, 3)`, …
-    /// - Any other is cut ear by ear. An ear is a corner that turns like the
-    ///   polygon does and whose triangle holds no other corner; each time the
-    ///   ear with the best shape (area over the sum of squared sides) goes, the
-    ///   first of equal ones. Where no ear is left, as in polygons that cross
-    ///   themselves, the rest becomes a fan; so does a polygon of more than
-    ///   1024 corners that is not convex, since cutting takes quadratic time.
+    /// - Any other polygon is cut ear by ear. An ear is a convex corner whose
+    ///   triangle contains no other corner; each step cuts the ear of the best
+    ///   shape (area over the sum of squared sides), the first of equal ones.
+    ///   If no ear is left, as in polygons that cross themselves, the rest
+    ///   becomes a fan. So does a non-convex polygon of more than 1024 corners,
+    ///   because cutting takes quadratic time.
     ///
-    /// Turning is judged along the area vector of the polygon,
-    /// `½ Σ pₖ × pₖ₊₁`; convex means that every corner turns by more than
-    /// rounding (10⁻¹⁰ of the product of its sides), so that straight corners,
-    /// around which a fan may have triangles without area, count as not convex.
+    /// A corner is convex if it turns with the polygon, seen along the area vector
+    /// `½ Σ pₖ × pₖ₊₁`, by more than rounding (10⁻¹⁰ of the product of its
+    /// sides). Straight corners do not count as convex, since a fan around one
+    /// may have triangles without area.
     pub fn triangulate(&self) -> TriMesh {
         TriMesh::from_checked(self.positions.clone(), triangles(self))
     }
@@ -48,7 +48,7 @@ fn triangles(mesh: &PolygonMesh) -> Vec<[u32; 3]> {
     triangles
 }
 
-/// The triangles of one polygon, as numbers of its corners.
+/// The triangles of one polygon, by the numbers of its corners.
 fn split(points: &[[f64; 3]]) -> Vec<[usize; 3]> {
     let all: Vec<usize> = (0..points.len()).collect();
     let points = centered(points);
@@ -58,7 +58,7 @@ fn split(points: &[[f64; 3]]) -> Vec<[usize; 3]> {
         let [p, q, r] = [(k + n - 1) % n, k, (k + 1) % n].map(|k| points[k]);
         turn(p, q, r, normal) > 0.0
     };
-    if points.len() > MOST_CORNERS || all.iter().all(|&k| turns_left(k)) {
+    if points.len() > MAX_CORNERS || all.iter().all(|&k| turns_left(k)) {
         return fan(&all);
     }
     cut_ears(&points, normal)
@@ -69,7 +69,7 @@ fn fan(corners: &[usize]) -> Vec<[usize; 3]> {
 }
 
 /// The polygon moved and scaled into the unit cube, so that products neither
-/// overflow nor cancel because it is far away.
+/// overflow nor cancel far from the origin.
 fn centered(points: &[[f64; 3]]) -> Vec<[f64; 3]> {
     // Halved first: the difference of two finite numbers may be infinite.
     let halves: Vec<[f64; 3]> = points.iter().map(|&p| scale(p, 0.5)).collect();
@@ -87,8 +87,8 @@ fn area_vector(points: &[[f64; 3]]) -> [f64; 3] {
     points.iter().zip(next).fold([0.0; 3], |sum, (&p, &q)| add(sum, cross(p, q)))
 }
 
-/// How the path p, q, r turns at q about the normal: twice the area seen along
-/// it, or 0 if it is no more than rounding.
+/// The turn of the path p, q, r at q: twice the signed area seen along the normal,
+/// or 0 if it is no more than rounding.
 fn turn(p: [f64; 3], q: [f64; 3], r: [f64; 3], normal: [f64; 3]) -> f64 {
     let (a, b) = (sub(q, p), sub(r, q));
     let turn = dot(cross(a, b), normal);
@@ -110,8 +110,8 @@ fn cut_ears(points: &[[f64; 3]], normal: [f64; 3]) -> Vec<[usize; 3]> {
         triangles.push([rest[(best + n - 1) % n], rest[best], rest[(best + 1) % n]]);
         rest.remove(best);
         quality.remove(best);
-        // Only the neighbours' triangles have changed; a corner that stood in
-        // the way of another ear may be gone, though.
+        // Only the neighbours' triangles have changed, but the corner that is gone may have
+        // been inside another candidate.
         for k in 0..rest.len() {
             let neighbour = k == best % rest.len() || k == (best + rest.len() - 1) % rest.len();
             if neighbour || quality[k] <= 0.0 {

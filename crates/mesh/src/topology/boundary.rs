@@ -14,8 +14,8 @@ struct Node {
 }
 
 impl Topology {
-    /// A depth-first search over nodes, along the first side first: where
-    /// every node has two sides, that is the walk around the loop.
+    /// Searches nodes depth first, the first side first: if every node has two
+    /// sides, this is the walk around the loop.
     pub(super) fn find_boundary_loops(&self) -> Vec<Vec<u32>> {
         let (sides, nodes) = self.boundary_graph();
         let mut seen = vec![false; nodes.len()];

@@ -8,7 +8,7 @@ pub struct Components {
     labels: Vec<u32>,
 }
 
-/// The label of an isolated vertex while labels are plain numbers.
+/// The label of an isolated vertex.
 const NONE: u32 = u32::MAX;
 
 impl Components {

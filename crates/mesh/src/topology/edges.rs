@@ -12,7 +12,7 @@ const CHUNK: usize = 4096;
 #[derive(Debug)]
 pub(super) struct EdgeTables {
     pub(super) edges: Vec<[u32; 2]>,
-    /// Where the edges begin whose lower end is a given vertex.
+    /// The first edge whose lower end is a given vertex.
     lower_offsets: Vec<u32>,
     edge_face_offsets: Vec<u32>,
     edge_faces: Vec<u32>,
@@ -33,8 +33,8 @@ struct Piece {
 }
 
 impl EdgeTables {
-    /// Gathers, at each vertex, the other ends of the edges of its faces,
-    /// sorts that handful, and so meets the edges in lexicographic order.
+    /// Collects and sorts, for each vertex in turn, the other ends of its edges, which
+    /// gives the edges in lexicographic order.
     pub(super) fn new(vertex_count: usize, faces: &[[u32; 3]], incidence: &Incidence) -> Self {
         let pieces: Vec<Piece> = (0..vertex_count.div_ceil(CHUNK))
             .into_par_iter()
@@ -77,9 +77,8 @@ impl EdgeTables {
         self.edges[range].binary_search_by_key(&hi, |e| e[1]).ok().map(|i| first + i as u32)
     }
 
-    /// The edge between two vertices of one face, which always exists; halving
-    /// down to a linear search, since a vertex is mostly the lower end of about
-    /// three edges.
+    /// The edge between two vertices of one face, which always exists. Bisection ends in a
+    /// linear search, since a vertex is usually the lower end of about three edges.
     #[inline]
     fn find(&self, a: u32, b: u32) -> u32 {
         let [lo, hi] = [a.min(b), a.max(b)];
@@ -136,7 +135,7 @@ impl Piece {
     }
 }
 
-/// Running sums, beginning with 0. Corners fit `u32`, and so do these.
+/// Running sums from 0. Corners fit into `u32`, so the sums do as well.
 fn offsets<'a>(counts: impl Iterator<Item = &'a u32>) -> Vec<u32> {
     let mut sum = 0;
     let mut offsets = vec![0];

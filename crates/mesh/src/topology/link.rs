@@ -7,8 +7,8 @@ use super::components::find;
 
 impl Topology {
     /// Labels the neighbours of `v` by sheet: `labels[i]` belongs to
-    /// `neighbors(v)[i]`, two neighbours being in one sheet when faces at `v`
-    /// lead from one to the other. Returns the number of sheets.
+    /// `neighbors(v)[i]`, and two neighbours are in one sheet if faces at `v`
+    /// connect them. Returns the number of sheets.
     pub(super) fn label_sheets(&self, v: u32, labels: &mut Vec<u32>) -> u32 {
         let neighbors = self.neighbors(v);
         labels.clear();

@@ -1,9 +1,8 @@
-//! What the faces alone say about a mesh: edges, neighbours, rings, boundary,
-//! components, genus, orientation.
+//! Topology of the faces: edges, neighbours, rings, boundary, components,
+//! genus, orientation.
 //!
-//! Edges, neighbours and boundary flags are computed together when the
-//! topology is first asked for, in parallel and without a global sort; the
-//! rest follows when it is first asked for itself.
+//! Edges, neighbours and boundary flags are computed together, in parallel and
+//! without a global sort, when a topology is made; everything else on first use.
 
 mod boundary;
 mod components;
@@ -21,11 +20,11 @@ pub use ring::Fan;
 use crate::incidence::Incidence;
 use edges::EdgeTables;
 
-/// What follows from the faces of a mesh, shared between meshes that differ in
-/// positions only.
+/// Edges, neighbours, boundary, components and orientation of the faces of a mesh,
+/// shared between meshes that differ in positions only.
 ///
-/// Nothing is required of the faces: an edge may have any number of them, and
-/// neighbours may turn against each other.
+/// Any faces are allowed: an edge may have any number of them, and neighbours may
+/// disagree in orientation.
 #[derive(Debug)]
 pub struct Topology {
     vertex_count: usize,
@@ -87,7 +86,7 @@ impl Topology {
         self.tables.faces_of(e as usize)
     }
 
-    /// The edge between two vertices, in either order; `None` where no face
+    /// The edge between two vertices, in either order; `None` if no face
     /// joins them.
     ///
     /// # Panics
@@ -107,8 +106,8 @@ impl Topology {
         self.tables.neighbors_of(v as usize)
     }
 
-    /// Where the neighbours of each vertex begin in [`Self::all_neighbors`];
-    /// one entry more than there are vertices.
+    /// The start of each vertex's neighbours in [`Self::all_neighbors`]: one entry
+    /// more than there are vertices.
     pub fn neighbor_offsets(&self) -> &[u32] {
         &self.tables.neighbor_offsets
     }
@@ -118,7 +117,7 @@ impl Topology {
         &self.tables.neighbors
     }
 
-    /// Whether edge `e` has exactly one face.
+    /// Returns true if edge `e` has exactly one face.
     ///
     /// # Panics
     ///
@@ -128,7 +127,7 @@ impl Topology {
         self.edge_faces(e).len() == 1
     }
 
-    /// Whether vertex `v` ends a boundary edge. Isolated vertices do not.
+    /// Returns true if vertex `v` is the end of a boundary edge, which an isolated vertex is not.
     ///
     /// # Panics
     ///
@@ -138,7 +137,7 @@ impl Topology {
         self.boundary_vertices[v as usize]
     }
 
-    /// [`Self::is_boundary_vertex`] of every vertex.
+    /// [`Self::is_boundary_vertex`] for all vertices.
     pub fn boundary_vertices(&self) -> &[bool] {
         &self.boundary_vertices
     }
@@ -158,10 +157,9 @@ impl Topology {
         (0..self.vertex_count as u32).filter(|&v| self.incidence.corners(v).is_empty())
     }
 
-    /// The vertices whose faces fall apart without the vertex, ascending: two
-    /// sheets touch there. Faces that share an edge count as one sheet,
-    /// whatever the number of faces of the edge, so that the ends of a
-    /// non-manifold edge are not listed for that edge alone.
+    /// The vertices where two or more sheets of faces touch, ascending. Faces that
+    /// share an edge belong to one sheet, however many faces the edge has, so the
+    /// ends of a non-manifold edge are not listed for that edge alone.
     pub fn nonmanifold_vertices(&self) -> &[u32] {
         self.nonmanifold_vertices.get_or_init(|| self.find_nonmanifold_vertices())
     }
@@ -171,8 +169,8 @@ impl Topology {
     /// order of these edges.
     ///
     /// Loops are counted sheet by sheet: two holes that touch in a vertex are
-    /// two loops. Where non-manifold edges let other than two boundary edges
-    /// meet in one sheet there is no walk; the connected boundary edges then
+    /// two loops. If other than two boundary edges meet in one sheet, which takes
+    /// non-manifold edges, there is no walk; the connected boundary edges then
     /// make one entry, its vertices in the order of a depth-first search.
     pub fn boundary_loops(&self) -> &[Vec<u32>] {
         self.boundary_loops.get_or_init(|| self.find_boundary_loops())
@@ -183,22 +181,22 @@ impl Topology {
         self.components.get_or_init(|| Components::new(self.vertex_count, &self.faces))
     }
 
-    /// Whether neighbouring faces are oriented consistently, and whether they can be.
+    /// The orientation of neighbouring faces.
     pub fn orientation(&self) -> &Orientation {
         self.orientation.get_or_init(|| Orientation::new(&self.faces, &self.tables))
     }
 
-    /// Whether every edge has at most two faces and every vertex one sheet.
+    /// Returns true if every edge has at most two faces and every vertex one sheet.
     pub fn is_manifold(&self) -> bool {
         self.nonmanifold_edges().next().is_none() && self.nonmanifold_vertices().is_empty()
     }
 
-    /// Whether there are faces and no edge has exactly one.
+    /// Returns true if there are faces and no edge has exactly one.
     pub fn is_closed(&self) -> bool {
         !self.faces.is_empty() && self.boundary_edges().next().is_none()
     }
 
-    /// The Euler characteristic χ = V − E + F, isolated vertices left out.
+    /// The Euler characteristic χ = V − E + F, isolated vertices not counted.
     pub fn euler_characteristic(&self) -> i64 {
         let used = self.vertex_count - self.isolated_vertices().count();
         used as i64 - self.edges().len() as i64 + self.faces.len() as i64
@@ -210,8 +208,8 @@ impl Topology {
     /// g = (2 C − χ − b) / 2
     /// ```
     ///
-    /// for C components and b boundary loops. `None` where it is not defined:
-    /// without faces, and where the mesh is not manifold or not orientable.
+    /// for C components and b boundary loops. `None` without faces, or if the mesh is
+    /// not manifold or not orientable.
     pub fn genus(&self) -> Option<u32> {
         if self.faces.is_empty() || !self.is_manifold() || !self.orientation().is_orientable() {
             return None;

@@ -4,15 +4,15 @@ use std::collections::VecDeque;
 
 use super::edges::EdgeTables;
 
-/// Faces at an edge up to which those of an edge with more than two are compared: all pairs are.
+/// The most faces of a non-manifold edge that are compared, in all pairs.
 const MAX_SHEETS: usize = 8;
 
 /// Agreement in orientation of neighbouring faces.
 ///
-/// Faces on the two sides of an edge agree if they run through it in opposite directions. Parts of
-/// the mesh are connected by edges with exactly two faces. Where more faces meet, two parts are
-/// joined only if they must belong together: by two faces with the same corners, or where all
-/// faces at the edge have one of two third corners.
+/// Two faces at an edge agree if they run through it in opposite directions. Parts of
+/// the mesh are connected by edges with exactly two faces. At an edge with more faces, two parts
+/// are joined only if the pairing is unique: by two faces with the same corners, or if the faces
+/// at the edge have only two different third corners.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Orientation {
     inconsistent_edges: Vec<u32>,
@@ -22,7 +22,7 @@ pub struct Orientation {
 }
 
 impl Orientation {
-    /// Spreads a turning sense over edges with two faces, part by part; linear.
+    /// Propagates an orientation across edges with two faces, part by part. Linear.
     pub(super) fn new(faces: &[[u32; 3]], tables: &EdgeTables) -> Self {
         let inconsistent: Vec<bool> = (0..tables.edges.len())
             .map(|e| match *tables.faces_of(e) {
@@ -62,35 +62,35 @@ impl Orientation {
         Self { inconsistent_edges, flipped, one_sided, parts }
     }
 
-    /// The edges whose two faces both run along them in the same direction,
+    /// The edges whose two faces run along them in the same direction,
     /// ascending.
     pub fn inconsistent_edges(&self) -> &[u32] {
         &self.inconsistent_edges
     }
 
-    /// Whether all faces are oriented consistently as they are.
+    /// Returns true if all faces agree as they are.
     pub fn is_consistent(&self) -> bool {
         self.inconsistent_edges.is_empty()
     }
 
-    /// Whether flipping some faces orients all of them consistently.
+    /// Returns true if flipping some faces would make all faces agree.
     pub fn is_orientable(&self) -> bool {
         !self.one_sided.contains(&true)
     }
 
-    /// The faces to flip so that all turn as the lowest face of their
-    /// part; `None` where the mesh is not orientable.
+    /// The faces to flip so that all agree with the lowest face of their
+    /// part; `None` if the mesh is not orientable.
     pub fn flips(&self) -> Option<&[bool]> {
         self.is_orientable().then_some(&self.flipped[..])
     }
 
-    /// Each face of a part that cannot be oriented, such as a Möbius band.
+    /// True for each face of a part that cannot be oriented, such as a Möbius band.
     pub fn one_sided_faces(&self) -> &[bool] {
         &self.one_sided
     }
 
-    /// The flips that give each part the winding of most of its area. Flips of a part that cannot be
-    /// oriented leave disagreements along one cut only.
+    /// The faces to flip so that each part takes the winding of most of its area. In a part that
+    /// cannot be oriented, disagreements remain along one cut only.
     pub(crate) fn majority_flips(&self, area: impl Fn(usize) -> f64) -> Vec<bool> {
         let count = self.parts.iter().max().map_or(0, |&part| part as usize + 1);
         let mut kept = vec![0.0; count];
@@ -108,7 +108,7 @@ impl Orientation {
 struct Spread {
     parts: Vec<u32>,
     flipped: Vec<bool>,
-    /// True for each part that has met itself turned over.
+    /// True for each part that cannot be oriented.
     one_sided: Vec<bool>,
     queue: VecDeque<usize>,
 }
@@ -123,8 +123,8 @@ impl Spread {
         }
     }
 
-    /// Finds the part of a face, unless it is known. Breadth first: on a part that cannot be
-    /// oriented, disagreements stay along a short cut.
+    /// Finds the part of a face, unless it is known. Breadth first, so that disagreements in a
+    /// part that cannot be oriented stay along a short cut.
     fn from(&mut self, start: usize, tables: &EdgeTables, inconsistent: &[bool]) {
         if self.parts[start] != u32::MAX {
             return;
@@ -150,8 +150,8 @@ impl Spread {
     }
 }
 
-/// Parts that belong together across edges with more than two faces: a disjoint-set forest whose
-/// links say whether the part is turned against the one above.
+/// Parts joined across edges with more than two faces: a disjoint-set forest whose links store
+/// whether a part disagrees with its parent.
 struct Joined<'a> {
     above: Vec<(u32, bool)>,
     one_sided: &'a [bool],
@@ -162,7 +162,7 @@ impl<'a> Joined<'a> {
         Self { above: (0..one_sided.len() as u32).map(|part| (part, false)).collect(), one_sided }
     }
 
-    /// The lowest part of those joined with this one, and whether this one is turned against it.
+    /// The root of a part, which is the lowest part joined with it, and whether the two disagree.
     fn root(&mut self, part: u32) -> (u32, bool) {
         let (mut at, mut turned) = (part, false);
         while self.above[at as usize].0 != at {
@@ -173,7 +173,7 @@ impl<'a> Joined<'a> {
         (at, turned)
     }
 
-    /// Joins the parts at an edge with more than two faces, as far as it is plain how.
+    /// Joins the parts at an edge with more than two faces where the pairing is unique.
     fn join_at(
         &mut self,
         e: usize,
@@ -202,7 +202,8 @@ impl<'a> Joined<'a> {
                     continue;
                 }
                 let ((p, p_turned), (q, q_turned)) = (self.root(p), self.root(q));
-                // Two faces with the same corners turn alike, the two sides of an edge against each other.
+                // Two faces with the same corners turn the same way; the two sides of an edge run
+                // through it in opposite directions.
                 let disagree = (turns(f) == turns(g)) != same;
                 let (low, high) = (p.min(q), p.max(q));
                 if low != high {
@@ -213,7 +214,7 @@ impl<'a> Joined<'a> {
     }
 }
 
-/// Whether the face runs from the first end to the second.
+/// Returns true if the face runs from the first end of the edge to the second.
 fn turns_along(face: [u32; 3], [a, b]: [u32; 2]) -> bool {
     (0..3).any(|k| face[k] == a && face[(k + 1) % 3] == b)
 }

@@ -6,13 +6,13 @@ use super::Topology;
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Fan {
-    /// The other vertices in order, counter-clockwise seen from outside (in
-    /// the sense of the fan's lowest face where faces disagree). An open fan
-    /// has one more of them than of faces.
+    /// The neighbours in order, counter-clockwise seen from outside (as
+    /// the fan's lowest face turns, if faces disagree). An open fan has one more
+    /// vertex than faces.
     pub vertices: Vec<u32>,
     /// The faces in order: face `i` lies between vertices `i` and `i + 1`.
     pub faces: Vec<u32>,
-    /// Whether the last face meets the first.
+    /// True if the last face meets the first.
     pub closed: bool,
 }
 
@@ -20,8 +20,7 @@ impl Topology {
     /// The one-ring of vertex `v` as fans of faces, in the order of their
     /// lowest faces: one fan at a manifold vertex, closed inside and open on
     /// the boundary; several where sheets touch, none at an isolated vertex.
-    /// Edges with more than two faces end a fan, for no face is the next one
-    /// there.
+    /// An edge with more than two faces ends a fan, since no face is next there.
     ///
     /// A closed fan begins with its lowest face, an open one at its end.
     ///
@@ -61,9 +60,9 @@ impl Topology {
         fans
     }
 
-    /// Goes on around `v` from face `f` across the edge to `w`, until a
-    /// boundary, a non-manifold edge or the first face; says whether it was
-    /// the first face.
+    /// Continues around `v` from face `f` across the edge to `w`, up to a
+    /// boundary, a non-manifold edge or the first face; returns true for the
+    /// first face.
     fn walk(
         &self,
         v: u32,

@@ -1,4 +1,4 @@
-//! Diagnoses of sound bodies.
+//! Diagnoses of sound surfaces.
 
 use fairing_mesh::{Diagnosis, TriMesh};
 use fairing_shapes as shapes;

@@ -2,8 +2,8 @@
 
 use fairing_shapes as shapes;
 
-/// An inscribed polyhedron is short of the sphere by O(h²): each level
-/// divides the error by four.
+/// The volume of an inscribed polyhedron differs from that of the sphere by O(h²): each
+/// level divides the error by four.
 #[test]
 fn area_and_volume_of_a_sphere_converge() {
     let errors: Vec<[f64; 2]> = (2..=5)
@@ -21,8 +21,8 @@ fn area_and_volume_of_a_sphere_converge() {
     }
 }
 
-/// A sheet has no volume, though rounding gives it one; a plate of a
-/// millionth of its width has.
+/// The volume of a flat sheet is within rounding of zero; that of a plate a
+/// millionth as thick as wide is not.
 #[test]
 fn volumes_below_their_rounding_are_told_from_thin_bodies() {
     let mut plate = shapes::cube(6, shapes::Diagonals::Alternating);
@@ -42,7 +42,7 @@ fn volumes_below_their_rounding_are_told_from_thin_bodies() {
     }
 }
 
-/// Moving a body by 10⁷ of its size leaves 16 − 7 = 9 digits of each
+/// A surface moved by 10⁷ times its size has 16 − 7 = 9 digits left in each
 /// coordinate, and the volume must not lose more.
 #[test]
 fn volume_far_from_the_origin() {
@@ -52,8 +52,8 @@ fn volume_far_from_the_origin() {
     assert!((moved.signed_volume() - sphere.signed_volume()).abs() < 1e-7);
 }
 
-/// Sums over a chunk round once for each of its faces: a surface cut into 16 times as many faces has about 16 times
-/// the bound.
+/// Sums over a chunk round once per face, so the bound grows with the number of faces:
+/// about 16 times for 16 times as many.
 #[test]
 fn the_rounding_of_a_volume_grows_with_the_number_of_faces() {
     let bound = |n| shapes::cube(n, shapes::Diagonals::Regular).volume_rounding();
@@ -61,7 +61,7 @@ fn the_rounding_of_a_volume_grows_with_the_number_of_faces() {
     assert!((10.0..20.0).contains(&ratio), "{ratio}");
 }
 
-/// Sums of numbers of no common scale have the same bits on every number of threads.
+/// Sums of numbers of very different sizes are bitwise equal for every number of threads.
 #[test]
 fn measures_do_not_depend_on_threads() {
     let sphere = shapes::icosphere(7);

@@ -1,4 +1,4 @@
-//! The same files read by others.
+//! The same files read by other libraries.
 
 use std::io::{BufReader, Cursor};
 
@@ -14,8 +14,8 @@ fn read(name: &str, bytes: &[u8]) -> MeshFile {
     read_bytes(name, bytes, &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// tobj keeps the order where every vertex is used in order of appearance; it
-/// reads to 32 bits, so that equal means equal after rounding.
+/// tobj keeps the order of vertices only if faces use them in that order, and reads
+/// 32 bits, so positions are compared after rounding.
 #[test]
 fn tobj_reads_the_same() {
     for mesh in [
@@ -36,7 +36,7 @@ fn tobj_reads_the_same() {
                 .unwrap();
         let theirs = &models[0].mesh;
         assert_eq!(theirs.indices.len(), 3 * ours.face_count());
-        // It numbers vertices by first use: compare corner by corner.
+        // tobj numbers vertices by first use: compare corner by corner.
         for (corner, (&a, &b)) in theirs.indices.iter().zip(ours.faces().as_flattened()).enumerate()
         {
             for k in 0..3 {

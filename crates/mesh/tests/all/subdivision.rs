@@ -1,4 +1,4 @@
-//! Subdivision of shapes whose result is known.
+//! Subdivision of shapes with a known result.
 
 use fairing_mesh::vec3::distance;
 use fairing_mesh::{subdivide_loop, subdivide_midpoint};
@@ -10,13 +10,13 @@ fn midpoints_leave_the_surface() {
     let fine = subdivide_midpoint(&coarse).unwrap();
     assert_eq!(fine.face_count(), 4 * coarse.face_count());
     assert_eq!(fine.topology().genus(), Some(1));
-    // Sums of as many terms as there are faces, each rounded.
+    // One rounding per face.
     assert!((fine.area() / coarse.area() - 1.0).abs() < 1e-13);
     assert!((fine.signed_volume() / coarse.signed_volume() - 1.0).abs() < 1e-13);
 }
 
-/// The weights sum to one and reproduce a plane with its inner vertices, where
-/// the grid is regular: there Loop's scheme has linear precision.
+/// The weights sum to one, and on a regular grid Loop's scheme has linear precision: a
+/// plane and its inner vertices are reproduced.
 #[test]
 fn loop_keeps_a_regular_plane() {
     let plane = shapes::plane(6, 6, shapes::Diagonals::Regular);
@@ -27,8 +27,8 @@ fn loop_keeps_a_regular_plane() {
         if plane.topology().is_boundary_vertex(v as u32) {
             let corner = [x, y].iter().all(|&t| t == 0.0 || t == 1.0);
             let moved = distance(old[v], fine.positions()[v]);
-            // A corner moves ¼ of the way to the middle of its
-            // neighbours, √2 / 12 away.
+            // A corner moves by ¼ of the way to the midpoint of its
+            // neighbours, √2 / 12.
             let expected = if corner { 2f64.sqrt() / 48.0 } else { 0.0 };
             assert!((moved - expected).abs() < 1e-15);
         } else {

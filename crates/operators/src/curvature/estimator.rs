@@ -1,6 +1,7 @@
 //! All estimators in one type.
 
-use fairing_mesh::{Algorithm, Parameter, ParameterError, TriMesh, Values};
+use fairing_mesh::TriMesh;
+use fairing_parameters::{Algorithm, Parameter, ParameterError, Values};
 
 use super::corrected::{CorrectedOptions, corrected_curvature};
 use super::cotangent::{CotangentOptions, cotangent_curvature};
@@ -93,7 +94,7 @@ impl Estimator {
     /// use fairing_operators::curvature::Estimator;
     /// let wide = Estimator::with("jet3", &[("rings", "5")])?;
     /// assert_ne!(wide, Estimator::RECOMMENDED);
-    /// # Ok::<(), fairing_mesh::ParameterError>(())
+    /// # Ok::<(), fairing_parameters::ParameterError>(())
     /// ```
     pub fn with(name: &str, values: &[(&str, &str)]) -> Result<Self, ParameterError> {
         let mut estimator: Self = name.parse()?;
@@ -293,7 +294,7 @@ const fn jet(degree: JetDegree, rings: u32) -> Estimator {
     })
 }
 
-fairing_mesh::named!(Estimator, "estimator");
+fairing_parameters::named!(Estimator, "estimator");
 
 #[cfg(test)]
 mod tests {
@@ -313,7 +314,7 @@ mod tests {
     /// The defaults of the tables are those of [`Estimator::ALL`], and each parameter of a table is read.
     #[test]
     fn tables_agree_with_the_options() {
-        use fairing_mesh::Kind;
+        use fairing_parameters::Kind;
         for estimator in Estimator::ALL {
             for parameter in estimator.algorithm().parameters {
                 let name = format!("{estimator} --{}", parameter.name);

@@ -13,7 +13,8 @@
 //! neighbours, each in its own unit: long faces are fitted as well as round ones.
 //! Source: \[cazals2005\].
 
-use fairing_mesh::{OptionError, TriMesh};
+use fairing_mesh::TriMesh;
+use fairing_parameters::OptionError;
 
 use super::field::{AtVertex, CurvatureField};
 use super::fit::{HeightField, fit_each};

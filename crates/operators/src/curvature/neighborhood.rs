@@ -1,7 +1,8 @@
 //! Which vertices an estimator looks at.
 
 use fairing_mesh::vec3::distance;
-use fairing_mesh::{OptionError, Topology, TriMesh};
+use fairing_mesh::{Topology, TriMesh};
+use fairing_parameters::OptionError;
 
 use crate::error::OperatorError;
 

@@ -1,6 +1,7 @@
 //! Stiffness and mass that exist on any triangle soup.
 
-use fairing_mesh::{OptionError, TriMesh};
+use fairing_mesh::TriMesh;
+use fairing_parameters::OptionError;
 use fairing_sparse::SparseMatrix;
 
 use super::cover::{single, tufted};

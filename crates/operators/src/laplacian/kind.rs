@@ -124,12 +124,12 @@ impl From<LumpedArea> for MassKind {
     }
 }
 
-fairing_mesh::named!(LaplacianKind, "Laplacian");
-fairing_mesh::named!(MassKind, "mass");
+fairing_parameters::named!(LaplacianKind, "Laplacian");
+fairing_parameters::named!(MassKind, "mass");
 #[cfg(feature = "serde")]
-fairing_mesh::serde_by_name!(LaplacianKind);
+fairing_parameters::serde_by_name!(LaplacianKind);
 #[cfg(feature = "serde")]
-fairing_mesh::serde_by_name!(MassKind);
+fairing_parameters::serde_by_name!(MassKind);
 
 #[cfg(test)]
 mod tests {

@@ -1,6 +1,7 @@
 //! Which vertices may move, and how.
 
-use fairing_mesh::{OptionError, Parameter, ParameterError, TriMesh, Values};
+use fairing_mesh::TriMesh;
+use fairing_parameters::{OptionError, Parameter, ParameterError, Values};
 
 use crate::engine::arrangement::Arrangement;
 use crate::engine::error::FlowFailure;
@@ -19,13 +20,13 @@ pub enum Boundary {
     Sliding,
 }
 
-fairing_mesh::choices!(Boundary, "treatment of the boundary",
+fairing_parameters::choices!(Boundary, "treatment of the boundary",
     Free: "free", "It moves inward as its neighbours pull";
     Pinned: "pinned", "It stays";
     Sliding: "sliding", "It moves along its own curve";
 );
 #[cfg(feature = "serde")]
-fairing_mesh::serde_by_name!(Boundary);
+fairing_parameters::serde_by_name!(Boundary);
 
 /// The boundary.
 pub(crate) const BOUNDARY: Parameter = Parameter::choice(

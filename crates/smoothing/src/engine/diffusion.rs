@@ -1,7 +1,8 @@
 //! What diffuses, and how far in one step.
 
-use fairing_mesh::{Choice, Parameter, ParameterError, TriMesh, Values};
+use fairing_mesh::TriMesh;
 use fairing_operators::{LaplacianKind, LumpedArea, MassKind, OperatorError, Reason, choose};
+use fairing_parameters::{Choice, Parameter, ParameterError, Values};
 
 /// The Laplacian of a flow with the length of a step in its unit.
 ///

@@ -2,8 +2,9 @@
 
 use std::fmt;
 
-use fairing_mesh::{BuildError, OptionError, TriMesh};
+use fairing_mesh::{BuildError, TriMesh};
 use fairing_operators::OperatorError;
+use fairing_parameters::OptionError;
 use fairing_sparse::CholeskyError;
 use fairing_spectral::SpectralError;
 

@@ -1,6 +1,7 @@
 //! What a flow says of itself.
 
-use fairing_mesh::{Algorithm, ParameterError, TriMesh, Values};
+use fairing_mesh::TriMesh;
+use fairing_parameters::{Algorithm, ParameterError, Values};
 
 use crate::engine::error::FlowError;
 use crate::engine::outcome::Smoothed;

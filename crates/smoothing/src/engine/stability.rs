@@ -1,6 +1,7 @@
 //! How long an explicit step may be.
 
-use fairing_mesh::{Parameter, TriMesh};
+use fairing_mesh::TriMesh;
+use fairing_parameters::Parameter;
 
 use crate::engine::assemble::assemble;
 use crate::engine::diffusion::Diffusion;
@@ -19,13 +20,13 @@ pub enum Stability {
     Allow,
 }
 
-fairing_mesh::choices!(Stability, "treatment of unstable steps",
+fairing_parameters::choices!(Stability, "treatment of unstable steps",
     Refuse: "refuse", "They are an error";
     Warn: "warn", "They are taken, with a warning";
     Allow: "allow", "They are taken";
 );
 #[cfg(feature = "serde")]
-fairing_mesh::serde_by_name!(Stability);
+fairing_parameters::serde_by_name!(Stability);
 
 /// Steps that make modes grow.
 pub(crate) const UNSTABLE: Parameter = Parameter::choice(

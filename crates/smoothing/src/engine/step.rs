@@ -2,8 +2,9 @@
 
 use std::ops::ControlFlow;
 
+use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{dot, sub};
-use fairing_mesh::{Parameter, TriMesh};
+use fairing_parameters::Parameter;
 
 /// The number of steps. A flow that has it shows its steps to an observer.
 pub(crate) const ITERATIONS: Parameter =

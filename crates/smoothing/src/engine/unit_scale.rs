@@ -2,8 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use fairing_mesh::{OptionError, TriMesh};
+use fairing_mesh::TriMesh;
 use fairing_operators::{OperatorError, check_faces};
+use fairing_parameters::OptionError;
 
 use crate::engine::constraints::Constraints;
 use crate::engine::diffusion::{Diffusion, Operator, Time};

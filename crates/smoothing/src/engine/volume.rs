@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use fairing_mesh::vec3::{add, cross, dot, norm, scale, sub};
-use fairing_mesh::{Connectivity, Parameter, TriMesh};
+use fairing_mesh::{Connectivity, TriMesh};
+use fairing_parameters::Parameter;
 
 use crate::engine::constraints::Freedom;
 use crate::engine::error::FlowFailure;
@@ -22,13 +23,13 @@ pub enum Volume {
     Offset,
 }
 
-fairing_mesh::choices!(Volume, "treatment of the volume",
+fairing_parameters::choices!(Volume, "treatment of the volume",
     Drifts: "drift", "It goes where the flow takes it";
     Rescaled: "rescale", "Kept by scaling about the centroid in each step";
     Offset: "offset", "Kept by an offset along the normals in each step";
 );
 #[cfg(feature = "serde")]
-fairing_mesh::serde_by_name!(Volume);
+fairing_parameters::serde_by_name!(Volume);
 
 /// The volume.
 pub(crate) const VOLUME: Parameter = Parameter::choice(

@@ -2,7 +2,8 @@
 
 use std::ops::ControlFlow;
 
-use fairing_mesh::{Algorithm, OptionError, Parameter, ParameterError, TriMesh, Values};
+use fairing_mesh::TriMesh;
+use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
 
 use crate::engine::diffusion::{Diffusion, OPERATOR, Operator, TIME, Time};
 use crate::engine::error::{FlowError, FlowFailure};

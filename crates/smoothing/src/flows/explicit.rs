@@ -1,6 +1,7 @@
 //! Explicit diffusion, forward Euler.
 
-use fairing_mesh::{Algorithm, OptionError, ParameterError, TriMesh, Values};
+use fairing_mesh::TriMesh;
+use fairing_parameters::{Algorithm, OptionError, ParameterError, Values};
 use fairing_sparse::GraphLaplacian;
 
 use crate::engine::assemble::assemble;

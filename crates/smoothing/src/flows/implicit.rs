@@ -1,7 +1,8 @@
 //! Implicit diffusion, backward Euler, and mean curvature flow.
 
-use fairing_mesh::{Algorithm, OptionError, Parameter, ParameterError, TriMesh, Values};
+use fairing_mesh::TriMesh;
 use fairing_operators::ThinFaces;
+use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
 use fairing_sparse::GraphLaplacian;
 use fairing_sparse::passes::update;
 
@@ -35,13 +36,13 @@ pub enum Update {
     Both,
 }
 
-fairing_mesh::choices!(Update, "update of the operator",
+fairing_parameters::choices!(Update, "update of the operator",
     Never: "never", "The operator of the input";
     Mass: "mass", "Areas of the current mesh, stiffness of the input";
     Both: "both", "All of the current mesh";
 );
 #[cfg(feature = "serde")]
-fairing_mesh::serde_by_name!(Update);
+fairing_parameters::serde_by_name!(Update);
 
 /// The update.
 const UPDATE: Parameter =

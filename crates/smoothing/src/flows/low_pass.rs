@@ -1,7 +1,8 @@
 //! Spectral low-pass filters.
 
-use fairing_mesh::{Algorithm, OptionError, Parameter, ParameterError, TriMesh, Values};
+use fairing_mesh::TriMesh;
 use fairing_operators::{Laplacian, MassKind};
+use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
 use fairing_spectral::{Reconstruction, SpectrumOptions, reconstruct, spectrum};
 
 use crate::engine::assemble::cotangent;

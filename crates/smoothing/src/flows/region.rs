@@ -1,7 +1,8 @@
 //! Fairing of a region whose surroundings are fixed.
 
-use fairing_mesh::{Algorithm, OptionError, Parameter, ParameterError, TriMesh, Values};
+use fairing_mesh::TriMesh;
 use fairing_operators::{LaplacianKind, MassKind};
+use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
 use fairing_sparse::{
     Cholesky, LaplacianPower, SparseMatrix, multiply_points, principal_submatrix,
 };

@@ -1,9 +1,8 @@
 //! The scale-dependent umbrella.
 
 use fairing_mesh::vec3::distance;
-use fairing_mesh::{
-    Algorithm, Components, OptionError, Parameter, ParameterError, TriMesh, Values,
-};
+use fairing_mesh::{Components, TriMesh};
+use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
 use fairing_sparse::GraphLaplacian;
 
 use crate::engine::assemble::uniform;

@@ -1,6 +1,7 @@
 //! Taubin's λ|μ smoothing.
 
-use fairing_mesh::{Algorithm, OptionError, Parameter, ParameterError, TriMesh, Values};
+use fairing_mesh::TriMesh;
+use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
 
 use crate::engine::assemble::uniform;
 use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};

@@ -2,7 +2,8 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
-use fairing_mesh::{Algorithm, OptionError, Parameter, ParameterError, TriMesh, Values};
+use fairing_mesh::TriMesh;
+use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
 use fairing_sparse::ChebyshevSeries;
 
 use crate::engine::assemble::uniform;
@@ -25,13 +26,13 @@ pub enum Window {
     Blackman,
 }
 
-fairing_mesh::choices!(Window, "window",
+fairing_parameters::choices!(Window, "window",
     Hanning: "hanning", "No ripple to speak of, a wide transition";
     Hamming: "hamming", "A narrower transition, ripples below a hundredth";
     Blackman: "blackman", "The least ripple, the widest transition";
 );
 #[cfg(feature = "serde")]
-fairing_mesh::serde_by_name!(Window);
+fairing_parameters::serde_by_name!(Window);
 
 /// The pass band.
 pub(crate) const PASS_BAND: Parameter =

@@ -2,9 +2,10 @@
 
 use std::ops::ControlFlow;
 
+use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::scale;
-use fairing_mesh::{OptionError, TriMesh};
 use fairing_operators::LumpedArea;
+use fairing_parameters::OptionError;
 use fairing_shapes as shapes;
 use fairing_smoothing::{
     Boundary, ConformalizedMcf, Constraints, Diffusion, Explicit, FairRegion, FairingWeights,

@@ -1,4 +1,4 @@
-//! One piece of an OBJ file, parsed without knowing the others.
+//! One piece of an OBJ file, parsed independently of the others.
 
 use std::ops::Range;
 
@@ -9,26 +9,26 @@ use crate::io::parsed::{Broken, NO_VERTEX, check_finite};
 use crate::io::text::shown;
 use crate::polygon::Polygons;
 
-/// What a piece holds. Indices count from 0; a relative one (negative in the
-/// file) waits until the number of vertices before the piece is known.
+/// The content of a piece. Indices count from 0; relative ones (negative in the
+/// file) are resolved once the number of vertices before the piece is known.
 #[derive(Default)]
 pub(super) struct Chunk {
     pub(super) range: Range<usize>,
     pub(super) positions: Vec<[f64; 3]>,
     pub(super) colors: Vec<[f64; 3]>,
     pub(super) polygons: Polygons,
-    /// Corner, and index relative to the first vertex of the piece; resolved,
-    /// relative to that of the file.
+    /// Corners with relative indices, and the index from the first vertex of the
+    /// piece; from that of the file once resolved.
     relative: Vec<(usize, i64)>,
     pub(super) largest: i64,
     pub(super) smallest: i64,
     pub(super) counts: Counts,
     broken: Broken,
-    /// The first problem, and its byte.
+    /// The first problem and its byte.
     pub(super) fault: Option<(usize, ReadProblem)>,
 }
 
-/// Statements that are not kept.
+/// The number of ignored statements of each kind.
 #[derive(Debug, Default, Clone, Copy)]
 pub(super) struct Counts {
     groups: usize,
@@ -82,8 +82,8 @@ type Stop = (usize, ReadProblem);
 
 impl Chunk {
     pub(super) fn parse(text: &[u8], range: Range<usize>, broken: Broken) -> Self {
-        // Usual lines take thirty to forty bytes (v) and twenty (f); what is
-        // missing is added by growth.
+        // Usual lines take thirty to forty bytes (v) and twenty (f); the vectors
+        // grow if the guess is too low.
         let guess = range.len() / 48;
         let mut chunk = Self {
             positions: Vec::with_capacity(guess),
@@ -113,7 +113,7 @@ impl Chunk {
         Ok(())
     }
 
-    /// Every statement but the plainest `v` and `f`.
+    /// Parses any statement except `v` and `f` followed by a blank.
     fn other(&mut self, text: &[u8], at: usize, corners: &mut Vec<u32>) -> Result<usize, Stop> {
         let end = word_end(text, at);
         let mut word = &text[at..end];
@@ -231,8 +231,8 @@ impl Chunk {
         Ok(next_line(text, at))
     }
 
-    /// Turns relative indices into absolute ones, given the number of vertices
-    /// in the pieces before.
+    /// Makes relative indices absolute, given the number of vertices in the
+    /// pieces before.
     pub(super) fn resolve_relative(&mut self, vertices_before: usize) {
         for (corner, index) in &mut self.relative {
             *index += vertices_before as i64;
@@ -242,8 +242,7 @@ impl Chunk {
         }
     }
 
-    /// The index at a corner, beyond 32 bits and below 0 too where it is
-    /// relative.
+    /// The index at a corner; a relative one may be negative or exceed 32 bits.
     pub(super) fn index(&self, corner: usize, stored: u32) -> i64 {
         match self.relative.binary_search_by_key(&corner, |&(corner, _)| corner) {
             Ok(k) => self.relative[k].1,
@@ -252,8 +251,8 @@ impl Chunk {
     }
 }
 
-/// Three positive indices and the end of the line, which is what most lines
-/// hold; returns them from 0, with the start of the next line.
+/// Parses three positive indices up to the end of the line, the usual form of a
+/// face. Returns the indices, counted from 0, and the start of the next line.
 #[inline]
 fn plain_triangle(text: &[u8], at: usize) -> Option<([u32; 3], usize)> {
     let mut rest = &text[at..];

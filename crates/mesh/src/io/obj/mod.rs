@@ -1,7 +1,7 @@
-//! Wavefront OBJ: vertices and faces; the rest is counted and named.
+//! Wavefront OBJ: vertices and faces; other statements are counted and reported.
 //!
-//! `v` lines hold a position, perhaps a weight (`x y z w`, which only curves
-//! and surfaces use), or a colour (`x y z r g b`, a common extension), or a
+//! A `v` line holds a position, and optionally a weight (`x y z w`, which only
+//! curves and surfaces use), a colour (`x y z r g b`, a common extension) or a
 //! colour with alpha. Objects and groups share one list of vertices.
 
 mod chunk;
@@ -35,11 +35,11 @@ pub(super) const FORMAT: Row = Row {
     },
 };
 
-/// The size of the pieces that are parsed independently. It depends on
-/// nothing, so that neither do the results.
+/// The size of the pieces that are parsed independently; fixed, so that results
+/// do not depend on the number of threads.
 const CHUNK: usize = 1 << 18;
 
-/// Whether the first statement is one of OBJ.
+/// Returns true if the first word is a keyword of OBJ.
 fn looks_like(bytes: &[u8]) -> bool {
     scan::first_keyword(&normalized(&bytes[..bytes.len().min(1 << 16)]))
         .is_some_and(|keyword| scan::is_keyword(&keyword))
@@ -100,7 +100,7 @@ fn parse_in_chunks(bytes: &[u8], size: usize, broken: Broken) -> Result<Parsed, 
     Ok(parsed)
 }
 
-/// Colours are kept if every vertex has one.
+/// Keeps colours if every vertex has one.
 fn keep_colors(parsed: &mut Parsed, chunks: &[Chunk], counts: &Counts) {
     if counts.weighted > 0 {
         let doubt = format!("the weights of {} vertices are not 1, and ignored", counts.weighted);
@@ -125,8 +125,8 @@ fn keep_colors(parsed: &mut Parsed, chunks: &[Chunk], counts: &Counts) {
     }
 }
 
-/// Finds the first face with an index out of range, and its line. Only
-/// malformed files pay for the second look.
+/// Finds the first face with an index out of range, and its line. A second
+/// pass, for malformed files only.
 fn out_of_range(text: &[u8], chunks: &[Chunk], vertices: usize) -> Fault {
     let mut before = 0usize;
     for chunk in chunks {
@@ -144,7 +144,7 @@ fn out_of_range(text: &[u8], chunks: &[Chunk], vertices: usize) -> Fault {
         }
         before += chunk.polygons.len();
     }
-    // The caller has seen an index out of range in one of the chunks.
+    // Unreachable: the caller has found an index out of range in one of the chunks.
     Fault::whole(ReadProblem::IndexOutOfRange { face: 0, index: -1, vertex_count: vertices as u64 })
 }
 

@@ -1,4 +1,4 @@
-//! Statements of OBJ text, apart from what they mean.
+//! Lexical structure of OBJ: statements, comments and continued lines.
 
 use std::ops::Range;
 
@@ -54,7 +54,7 @@ pub(super) fn is_keyword(word: &[u8]) -> bool {
     KEYWORDS.contains(&word)
 }
 
-/// Moves over white space and continued line ends (`\` before the end of a line).
+/// Skips white space and continued line ends (`\` before the end of a line).
 #[inline]
 pub(super) fn skip_blanks(text: &[u8], mut at: usize) -> usize {
     loop {
@@ -70,19 +70,19 @@ pub(super) fn skip_blanks(text: &[u8], mut at: usize) -> usize {
     }
 }
 
-/// Whether a statement ends here: the end of a line, of the text, or a
+/// Returns true at the end of a statement: the end of a line or of the text, or a
 /// comment.
 #[inline]
 pub(super) fn ends(text: &[u8], at: usize) -> bool {
     matches!(text.get(at), None | Some(b'\n' | b'#'))
 }
 
-/// The start of the next line, whether this one is continued or not.
+/// The start of the next line, even if this line is continued.
 pub(super) fn next_line(text: &[u8], at: usize) -> usize {
     text[at..].iter().position(|&b| b == b'\n').map_or(text.len(), |n| at + n + 1)
 }
 
-/// The start of the next statement: lines that end in `\` go on.
+/// The start of the next statement; lines that end in `\` are continued.
 pub(super) fn next_statement(text: &[u8], at: usize) -> usize {
     let mut next = next_line(text, at);
     while is_continued(text, next) && next < text.len() {
@@ -91,13 +91,13 @@ pub(super) fn next_statement(text: &[u8], at: usize) -> usize {
     next
 }
 
-/// Whether the line that ends before `next` is continued at `next`.
+/// Returns true if the line that ends before `next` is continued there.
 fn is_continued(text: &[u8], next: usize) -> bool {
     let line = text[..next].strip_suffix(b"\n").unwrap_or(b"");
     line.strip_suffix(b"\r").unwrap_or(line).ends_with(b"\\")
 }
 
-/// Cuts the text between statements into pieces of about `size` bytes.
+/// Splits the text between statements into pieces of about `size` bytes.
 pub(super) fn split(text: &[u8], size: usize) -> Vec<Range<usize>> {
     let mut ranges = Vec::with_capacity(text.len() / size + 1);
     let mut start = 0;
@@ -115,7 +115,7 @@ pub(super) fn word_end(text: &[u8], at: usize) -> usize {
     text[at..].iter().position(ends).map_or(text.len(), |n| at + n)
 }
 
-/// The keyword of the first statement, comments and blank lines aside.
+/// The keyword of the first statement after comments and blank lines.
 pub(super) fn first_keyword(text: &[u8]) -> Option<Vec<u8>> {
     let mut at = 0;
     while at < text.len() {

@@ -1,4 +1,4 @@
-//! PLY, binary (little endian) or text.
+//! Encoding of PLY, binary (little endian) or text.
 
 use rayon::prelude::*;
 
@@ -8,7 +8,7 @@ use crate::io::ply::layout::property_names;
 use crate::io::surface::{Encoded, Faces, Surface, face_lines, lines};
 use crate::io::{Encoding, FloatWidth, VertexFields, WriteOptions};
 
-/// Values of one property group, with the width they are written in.
+/// The values of one property group and their width in the file.
 #[derive(Clone, Copy)]
 enum Column<'a> {
     Scalar(&'a [f64], Width),
@@ -35,7 +35,7 @@ impl Column<'_> {
         }
     }
 
-    /// Bytes per vertex.
+    /// The number of bytes per vertex.
     fn size(self) -> usize {
         self.components()
             * match self.type_name() {
@@ -55,7 +55,7 @@ impl Column<'_> {
 
     fn write(self, vertex: usize, text: &mut Vec<u8>) {
         let mut put = |x: f64, width| {
-            // A rounded number is written with the digits that it has left.
+            // The shortest decimal of the rounded number.
             let x = if width == Width::Single { f64::from(x as f32) } else { x };
             put_float(text, x);
             text.push(b' ');
@@ -164,7 +164,7 @@ fn header(
         }
     }
     let count = if short_lists { "uchar" } else { "uint" };
-    // Old readers know signed indices only.
+    // Old readers support signed indices only.
     let index = if i32::try_from(vertices).is_ok() { "int" } else { "uint" };
     text.push_str(&format!("element face {}\n", surface.faces.len()));
     text.push_str(&format!("property list {count} {index} vertex_indices\nend_header\n"));

@@ -9,17 +9,17 @@ use crate::io::ply::source::{Source, decode_integer};
 use crate::io::ply::vertices::list_length;
 use crate::polygon::Polygons;
 
-/// The names under which writers list the corners of a face.
+/// The usual names of the property that lists the corners of a face.
 pub(super) const INDICES: [&str; 2] = ["vertex_indices", "vertex_index"];
 
-/// The vertices that faces can name, and what becomes of faces that name others.
+/// The number of vertices, and the treatment of faces with other indices.
 #[derive(Clone, Copy)]
 pub(super) struct Limits {
     pub(super) vertex_count: usize,
     pub(super) broken: Broken,
 }
 
-/// Reads the element `face`, whose property number `list` lists the corners.
+/// Reads the element `face`; property number `list` lists the corners.
 pub(super) fn read(
     source: &mut impl Source,
     element: &Element,
@@ -67,7 +67,7 @@ pub(super) fn read(
     Ok(())
 }
 
-/// Adds faces to those of the other element, if there are both.
+/// Adds faces to those of the other element, if both exist.
 fn keep(parsed: &mut Parsed, polygons: Polygons) {
     if parsed.polygons.len() == 0 {
         parsed.polygons = polygons;
@@ -76,9 +76,9 @@ fn keep(parsed: &mut Parsed, polygons: Polygons) {
     }
 }
 
-/// All faces at once, with the bytes they take, if the body is binary, every
-/// face is a triangle and every index is in range; `None` leaves it to the
-/// reader of single values, which also knows what to say about errors.
+/// All faces at once and their size in bytes, if the body is binary, every face is a
+/// triangle and every index is in range. `None` leaves the faces to the reader of
+/// single values, which also reports errors.
 fn triangles_at_once(
     source: &impl Source,
     element: &Element,
@@ -126,10 +126,10 @@ fn triangles_at_once(
     sound.into_inner().then_some((faces, length))
 }
 
-/// Reads the element `tristrips`: each list is one strip or, with −1 between
-/// them, several. Triangle k of a strip has its first two corners swapped if
-/// k is odd, so that all turn the same way. Triangles that repeat a corner
-/// only join strips.
+/// Reads the element `tristrips`: each list is one strip, or several separated
+/// by −1. Triangle k of a strip has its first two corners swapped if k is odd, so
+/// that all turn the same way. Triangles that repeat a corner only join strips and
+/// are dropped.
 pub(super) fn read_strips(
     source: &mut impl Source,
     element: &Element,
@@ -152,7 +152,7 @@ pub(super) fn read_strips(
                 source.skip(item, length, &property.name)?;
                 continue;
             }
-            // The corners since the last restart, of which the last two count.
+            // The corners since the last restart; the last two are used.
             let mut since = 0usize;
             let [mut a, mut b] = [0u32; 2];
             for _ in 0..length {
@@ -182,7 +182,7 @@ pub(super) fn read_strips(
     Ok(())
 }
 
-/// The property that lists the corners, or why there is none.
+/// The property that lists the corners.
 pub(super) fn index_list(element: &Element, source: &impl Source) -> Result<usize, Fault> {
     let list = element.position_of(&INDICES).filter(
         |&p| matches!(element.properties[p].kind, Kind::List { item, .. } if item.is_integer()),

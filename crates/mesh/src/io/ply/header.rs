@@ -3,7 +3,7 @@
 use crate::io::error::{Fault, Place, ReadProblem, unexpected};
 use crate::io::text::shown;
 
-/// How the body is encoded.
+/// The encoding of the body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Body {
     Ascii,
@@ -39,7 +39,7 @@ impl Scalar {
         })
     }
 
-    /// Bytes in a binary body.
+    /// The number of bytes in a binary body.
     pub(super) fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -54,7 +54,7 @@ impl Scalar {
     }
 }
 
-/// What a property holds.
+/// The values of a property.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     Scalar(Scalar),
@@ -75,7 +75,7 @@ pub(super) struct Element {
 }
 
 impl Element {
-    /// The bytes of a row in a binary body, if no property is a list.
+    /// The number of bytes of a row in a binary body, if no property is a list.
     pub(super) fn stride(&self) -> Option<usize> {
         self.properties.iter().try_fold(0, |sum, property| match property.kind {
             Kind::Scalar(scalar) => Some(sum + scalar.size()),
@@ -87,29 +87,29 @@ impl Element {
         self.properties.iter().position(|property| names.contains(&&property.name[..]))
     }
 
-    /// The count as a bound for loops; a count that does not fit in memory
-    /// ends with the bytes of the file.
+    /// The count as a bound for loops. A count beyond memory is harmless, since the
+    /// bytes of the file end first.
     pub(super) fn rows(&self) -> usize {
         usize::try_from(self.count).unwrap_or(usize::MAX)
     }
 }
 
-/// More elements, or properties in one, are no mesh but an attempt to keep the
-/// checks of names busy, which compare each with all.
-const MOST_NAMES: usize = 4096;
+/// The most elements, or properties of an element. Names are checked pair by pair, so
+/// a hostile header with many more would take long.
+const MAX_NAMES: usize = 4096;
 
 #[derive(Debug)]
 pub(super) struct Header {
     pub(super) body: Body,
     pub(super) elements: Vec<Element>,
-    /// Where the body begins.
+    /// The start of the body.
     pub(super) length: usize,
-    /// Lines of the header.
+    /// The number of lines of the header.
     pub(super) lines: u64,
 }
 
-/// Yields the lines of a header, whichever of `\n`, `\r\n` and `\r` ends the
-/// first. (The first decides, because a binary body may begin with either.)
+/// An iterator over the lines of a header. The end of the first line (`\n`, `\r\n` or
+/// `\r`) holds for all, because a binary body may begin with either byte.
 struct Lines<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -201,14 +201,14 @@ fn add_element(elements: &mut Vec<Element>, name: &[u8], count: &[u8]) -> Result
     if elements.iter().any(|element| element.name == name) {
         return Err(unexpected("elements of different names", format!("a second {name}")));
     }
-    if elements.len() >= MOST_NAMES {
-        return Err(unexpected(format!("at most {MOST_NAMES} elements"), "more"));
+    if elements.len() >= MAX_NAMES {
+        return Err(unexpected(format!("at most {MAX_NAMES} elements"), "more"));
     }
     elements.push(Element { name, count, properties: Vec::new() });
     Ok(())
 }
 
-/// Adds a property to the last element; `found` is the line in messages.
+/// Adds a property to the last element; `found` gives the line for messages.
 fn add_property(
     elements: &mut [Element],
     words: &[&[u8]],
@@ -223,8 +223,8 @@ fn add_property(
         let found = format!("a second {}", property.name);
         return Err(unexpected("properties of different names", found));
     }
-    if element.properties.len() >= MOST_NAMES {
-        return Err(unexpected(format!("at most {MOST_NAMES} properties"), "more"));
+    if element.properties.len() >= MAX_NAMES {
+        return Err(unexpected(format!("at most {MAX_NAMES} properties"), "more"));
     }
     element.properties.push(property);
     Ok(())

@@ -1,8 +1,8 @@
-//! Properties of a vertex that belong together.
+//! Grouping of vertex properties into positions, colours, vectors and scalars.
 
 use crate::io::VertexFields;
 
-/// The name of a property, and whether it is a byte without sign.
+/// The name and type of a property.
 pub(crate) struct Column<'a> {
     pub(crate) name: &'a str,
     pub(crate) is_byte: bool,
@@ -20,9 +20,9 @@ pub(crate) struct Layout {
 impl Layout {
     /// Groups columns by name: `x`, `y`, `z`; `red`, `green`, `blue` if they
     /// are bytes; `nx`, `ny`, `nz` are the vector `normal`, and `name_x`,
-    /// `name_y`, `name_z` the vector `name`, if they stand together in this
-    /// order. All else are scalars. Readers and writers share it, so that
-    /// what is written is read back as the same.
+    /// `name_y`, `name_z` the vector `name`, if adjacent and in this order. All
+    /// others are scalars. Reader and writer share the rule, so that fields are
+    /// read back as they were written.
     pub(crate) fn new(columns: &[Column<'_>]) -> Self {
         let find = |name: &str| columns.iter().position(|column| column.name == name);
         let all = |names: [&str; 3]| {
@@ -52,7 +52,7 @@ impl Layout {
     }
 }
 
-/// The name of the vector whose three components come first, if they do.
+/// The name of the vector whose components are the first three columns, if they are one.
 fn vector_name(columns: &[Column<'_>]) -> Option<String> {
     let [x, y, z, ..] = columns else { return None };
     let names = [x.name, y.name, z.name];
@@ -73,7 +73,7 @@ pub(crate) fn component_names(vector: &str) -> [String; 3] {
     }
 }
 
-/// The names of a PLY file's vertex properties in the order of the writer:
+/// The names of the vertex properties of a PLY file, in the order of the encoder:
 /// position, scalars, vectors, colours.
 pub(crate) fn property_names(fields: &VertexFields) -> Vec<String> {
     let mut names = ["x", "y", "z"].map(str::to_owned).to_vec();

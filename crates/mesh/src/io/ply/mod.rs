@@ -1,9 +1,8 @@
 //! PLY, the Stanford polygon format: text, and binary of either byte order.
 //!
-//! Elements and properties may come in any order and of any type. Vertices
-//! keep their scalar properties as fields; faces are the lists
-//! `vertex_indices` (or `vertex_index`) of the element `face`, or the strips
-//! of `tristrips`.
+//! Elements and properties may have any order and any type. Scalar properties of
+//! vertices become fields; faces are the lists `vertex_indices` (or
+//! `vertex_index`) of the element `face`, or the strips of `tristrips`.
 
 mod encode;
 mod faces;
@@ -36,7 +35,7 @@ pub(super) const FORMAT: Row = Row {
     },
 };
 
-/// Tells whether the first line begins with the word `ply`.
+/// Returns true if the first word is `ply`.
 fn looks_like(bytes: &[u8]) -> bool {
     bytes.starts_with(b"ply") && bytes.get(3).is_some_and(u8::is_ascii_whitespace)
 }
@@ -64,8 +63,8 @@ fn read_body(mut source: impl Source, header: &Header, broken: Broken) -> Result
         let found = format!("elements {found:?}");
         return Err(source.fault(unexpected("an element vertex", found)));
     };
-    // Faces may come before vertices: their range is what the header says,
-    // and reading the vertices will prove it.
+    // Faces may precede vertices, so the header gives the range of indices;
+    // reading the vertices confirms it.
     let vertex_count = vertices.rows();
     let mut parsed = Parsed::default();
     let limits = Limits { vertex_count, broken };
@@ -92,7 +91,7 @@ fn read_body(mut source: impl Source, header: &Header, broken: Broken) -> Result
     Ok(parsed)
 }
 
-/// Passes over an element that a mesh has no place for.
+/// Skips an element that a mesh cannot hold.
 fn skip(source: &mut impl Source, element: &Element, parsed: &mut Parsed) -> Result<(), Fault> {
     if element.count > 0 {
         parsed.notes.push(format!("{} elements {} are ignored", element.count, element.name));

@@ -1,4 +1,4 @@
-//! Numbers from the body of a PLY file, text or binary.
+//! The body of a PLY file as a source of numbers, text or binary.
 
 use rayon::prelude::*;
 
@@ -6,28 +6,28 @@ use crate::io::error::{Fault, Place, ReadProblem, unexpected};
 use crate::io::ply::header::{Element, Scalar};
 use crate::io::text::Cursor;
 
-/// Where a reader of rows takes its numbers from.
+/// A source of the numbers of rows.
 pub(super) trait Source {
-    /// The next number.
+    /// Takes the next number.
     fn float(&mut self, scalar: Scalar, what: &str) -> Result<f64, Fault>;
 
-    /// The next number, which must be an integer.
+    /// Takes the next number, which must be an integer.
     fn integer(&mut self, scalar: Scalar, what: &str) -> Result<i64, Fault>;
 
-    /// Passes over `count` numbers.
+    /// Skips `count` numbers.
     fn skip(&mut self, scalar: Scalar, count: u64, what: &str) -> Result<(), Fault>;
 
-    /// Ends a row. What is left of a line of text belongs to no property; it
-    /// is passed over, and the rows where that happens are counted.
+    /// Ends a row. Values left on a line of text belong to no property: they are
+    /// skipped, and such rows are counted.
     fn end_row(&mut self);
 
-    /// How many rows were longer than the header says.
+    /// The number of rows that are longer than the header says.
     fn long_rows(&self) -> usize;
 
-    /// The bytes left: no more numbers than these can follow.
+    /// The number of bytes left, a bound on the number of values to come.
     fn remaining(&self) -> usize;
 
-    /// A problem with the number read last, or about to be read.
+    /// A problem at the last or the next number.
     fn fault(&self, problem: ReadProblem) -> Fault;
 
     /// Takes all rows of an element at once, if they are of one size.
@@ -36,7 +36,7 @@ pub(super) trait Source {
     /// Takes `length` bytes of rows, if the body is binary and has them.
     fn peek_rows(&self, stride: usize, count: usize) -> Option<Rows<'_>>;
 
-    /// Passes over bytes that [`Self::peek_rows`] has shown.
+    /// Skips bytes seen by [`Self::peek_rows`].
     fn advance(&mut self, bytes: usize);
 
     /// Fails unless the body ends here.
@@ -48,13 +48,12 @@ pub(super) struct Rows<'a> {
     pub(super) bytes: &'a [u8],
     pub(super) stride: usize,
     pub(super) big_endian: bool,
-    /// Where the first row begins in the file.
+    /// The start of the first row in the file.
     pub(super) start: usize,
 }
 
 impl Rows<'_> {
-    /// Decodes every row, in parallel; rows of a few thousand are one piece of
-    /// work.
+    /// Decodes all rows in parallel, some thousand rows at a time.
     pub(super) fn map<T: Copy + Default + Send>(
         &self,
         decode: impl Fn(&[u8]) -> T + Sync,
@@ -70,7 +69,7 @@ impl Rows<'_> {
     }
 }
 
-/// A text body. A row begins on a line of its own and may go on over several.
+/// A text body. A row begins on a line of its own and may span several lines.
 pub(super) struct AsciiSource<'a> {
     cursor: Cursor<'a>,
     last: Cursor<'a>,
@@ -79,7 +78,7 @@ pub(super) struct AsciiSource<'a> {
 }
 
 impl<'a> AsciiSource<'a> {
-    /// `body` follows a header of that many lines.
+    /// A source after a header of that many lines.
     pub(super) fn new(body: &'a [u8], header_lines: u64) -> Self {
         let cursor = Cursor::new(body, 0, None);
         Self { last: cursor.clone(), cursor, lines_before: header_lines, long_rows: 0 }
@@ -170,7 +169,7 @@ pub(super) struct BinarySource<'a> {
 }
 
 impl<'a> BinarySource<'a> {
-    /// The body begins at byte `at` of the file.
+    /// A source from byte `at` of the file on.
     pub(super) fn new(bytes: &'a [u8], at: usize, big_endian: bool) -> Self {
         Self { bytes, at, last: at, big_endian }
     }
@@ -187,7 +186,7 @@ impl<'a> BinarySource<'a> {
     }
 }
 
-/// Reads a number of any type at the start of `bytes`, which hold it.
+/// Reads a number of any type at the start of `bytes`.
 #[inline]
 pub(super) fn decode_float(scalar: Scalar, big_endian: bool, bytes: &[u8]) -> f64 {
     match scalar {
@@ -197,8 +196,8 @@ pub(super) fn decode_float(scalar: Scalar, big_endian: bool, bytes: &[u8]) -> f6
     }
 }
 
-/// Reads an integer of any type at the start of `bytes`, which hold it; a
-/// floating-point number is cut to its integer part.
+/// Reads an integer of any type at the start of `bytes`; a
+/// floating-point number is truncated.
 #[inline]
 pub(super) fn decode_integer(scalar: Scalar, big_endian: bool, bytes: &[u8]) -> i64 {
     let word = |size| word(bytes, size, big_endian);
@@ -279,7 +278,7 @@ impl Source for BinarySource<'_> {
     }
 
     fn finish(&mut self) -> Result<(), Fault> {
-        // Some writers end a binary file with a line end.
+        // Some writers end a binary file with a line break.
         let rest = &self.bytes[self.at..];
         if rest.iter().all(u8::is_ascii_whitespace) {
             return Ok(());

@@ -50,7 +50,7 @@ pub(super) fn read(
     Ok(())
 }
 
-/// Rows of one size: decodes positions and each field by itself, in parallel.
+/// Decodes rows of one size: positions and each field in turn, in parallel.
 fn from_rows(
     rows: &Rows<'_>,
     element: &Element,
@@ -89,8 +89,8 @@ fn from_rows(
     Ok((positions, fields))
 }
 
-/// Three columns as vectors. The usual case, three little-endian numbers of
-/// one type side by side, has a loop of its own, without branches.
+/// Three columns as vectors. The usual case, three adjacent little-endian numbers of
+/// one type, has its own branch-free loop.
 fn vectors(rows: &Rows<'_>, columns: [(usize, Scalar); 3]) -> Vec<[f64; 3]> {
     let [(offset, kind), ..] = columns;
     let side_by_side = [0, 1, 2].map(|k| (offset + k * kind.size(), kind)) == columns;
@@ -109,7 +109,7 @@ fn vectors(rows: &Rows<'_>, columns: [(usize, Scalar); 3]) -> Vec<[f64; 3]> {
     }
 }
 
-/// Text, or rows of changing size: one value after another.
+/// Reads text, or rows of varying size, value by value.
 fn value_by_value(
     source: &mut impl Source,
     element: &Element,
@@ -126,7 +126,7 @@ fn value_by_value(
         for property in &element.properties {
             match property.kind {
                 Kind::Scalar(scalar) => {
-                    // Three bytes that are colours must be bytes in text too.
+                    // Colours must be bytes in text as well.
                     let is_color = layout.colors.is_some_and(|ks| ks.contains(&column));
                     let value = if is_color {
                         source.integer(scalar, &property.name)? as f64

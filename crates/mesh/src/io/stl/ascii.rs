@@ -6,8 +6,8 @@ use crate::io::text::{Cursor, normalized};
 use crate::polygon::Polygons;
 use crate::weld::Welder;
 
-/// Whether the bytes begin with `solid` and the first word of a later line is
-/// `facet` or `endsolid`, or there is no later line.
+/// Returns true if the bytes begin with `solid`, and the next line with `facet` or
+/// `endsolid` unless there is none.
 pub(super) fn looks_like(bytes: &[u8]) -> bool {
     let head = &bytes[..bytes.len().min(4096)];
     let text = normalized(head);
@@ -15,7 +15,7 @@ pub(super) fn looks_like(bytes: &[u8]) -> bool {
     if !cursor.token().is_some_and(|token| token.eq_ignore_ascii_case(b"solid")) {
         return false;
     }
-    // The name of the solid is the rest of the line and may hold anything.
+    // The rest of the line is the name of the solid, which may be any text.
     cursor.skip_line();
     cursor.token().is_none_or(|token| {
         token.eq_ignore_ascii_case(b"facet") || token.eq_ignore_ascii_case(b"endsolid")
@@ -58,7 +58,7 @@ fn facet(
     }
     keyword(cursor, "facet")?;
     keyword(cursor, "normal")?;
-    // The normal is not used: writers leave it zero, or NaN.
+    // The normal is not used: some writers leave it zero or NaN.
     for _ in 0..3 {
         cursor.float("a component of the normal")?;
     }

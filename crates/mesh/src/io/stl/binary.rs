@@ -14,7 +14,7 @@ fn claimed(bytes: &[u8]) -> Option<u32> {
     Some(u32::from_le_bytes([count[0], count[1], count[2], count[3]]))
 }
 
-/// Whether the size of the file is what its header claims.
+/// Returns true if the size of the file matches the count in its header.
 pub(super) fn has_its_size(bytes: &[u8]) -> bool {
     claimed(bytes)
         .is_some_and(|count| bytes.len() as u64 == HEADER as u64 + RECORD as u64 * u64::from(count))
@@ -40,7 +40,7 @@ pub(super) fn parse(bytes: &[u8], broken: Broken) -> Result<Parsed, Fault> {
     let mut faces = Vec::with_capacity(body.len() / RECORD);
     let mut attributed = 0usize;
     for (face, record) in body.chunks_exact(RECORD).enumerate() {
-        // Three floats of normal come first; faces know their own.
+        // The normal comes first and is not used.
         let numbers = record[12..48].as_chunks::<4>().0;
         let mut corners = [0; 3];
         for (k, corner) in corners.iter_mut().enumerate() {

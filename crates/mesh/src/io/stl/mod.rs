@@ -27,14 +27,14 @@ pub(super) const FORMAT: Row = Row {
     },
 };
 
-/// Whether the bytes are STL: binary by their size, or text that begins with
-/// `solid` and goes on with a facet or the end of the solid.
+/// Returns true for binary STL, known by its size, and for text that begins with
+/// `solid` and a facet or the end of the solid.
 fn looks_like(bytes: &[u8]) -> bool {
     binary::has_its_size(bytes) || ascii::looks_like(bytes)
 }
 
-/// Parses a file. A binary one may begin with `solid` too, so that size and
-/// content decide.
+/// Parses a file. Size and content decide between binary and text, since the header
+/// of a binary file may begin with `solid` as well.
 fn parse(bytes: &[u8], broken: Broken) -> Result<Parsed, Fault> {
     if !binary::has_its_size(bytes) && ascii::looks_like(bytes) {
         ascii::parse(bytes, broken)
@@ -46,7 +46,7 @@ fn parse(bytes: &[u8], broken: Broken) -> Result<Parsed, Fault> {
 /// The beginning of a binary file: anything but `solid`.
 const HEADER: &[u8] = b"binary STL";
 
-/// Triangles with their unit normals (zero where a face has no area).
+/// Encodes triangles with their unit normals, or zero for a face without area.
 fn encode(surface: Surface<'_>, options: &WriteOptions) -> Result<Encoded, WriteProblem> {
     let not_held = |what| WriteProblem::UnsupportedMesh { format: FORMAT.name, what };
     let (encoding, faces) = (options.encoding, surface.faces);

@@ -2,9 +2,8 @@
 
 use crate::io::{ReadOptions, ReadProblem, read_bytes, read_polygons_from};
 
-/// Four corners of a square, a broken vertex that faces name, and one that none does. The first and
-/// the last face are sound, the last but one repeats a corner, the others name what is broken or not
-/// there.
+/// Four corners of a square, a broken vertex with faces, and one without. The first and the last
+/// face are sound, the last but one repeats a corner, the others have a broken or missing vertex.
 const FILES: [(&str, &str); 3] = [
     (
         "a.obj",
@@ -61,7 +60,7 @@ fn what_is_broken_is_an_error_or_left_out_with_its_count() {
     }
 }
 
-/// Binary files have readers of their own.
+/// Binary files take other paths than text.
 #[test]
 fn binary_files_lose_what_is_broken_too() {
     let header = |faces: usize, body: &str| {

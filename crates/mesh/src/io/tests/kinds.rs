@@ -38,8 +38,8 @@ fn content_decides_where_the_name_is_silent() {
     }
 }
 
-/// The mark is skipped in text and before the header of a binary PLY; places
-/// in errors are those of the file.
+/// The mark is skipped in text and before the header of a binary PLY; places in
+/// errors still count from the start of the file.
 #[test]
 fn a_byte_order_mark_is_no_content() {
     const MARK: &[u8] = b"\xef\xbb\xbf";

@@ -1,4 +1,4 @@
-//! What cannot be kept is said, and writing is whole or not at all.
+//! Reports of lost content, and atomic writing.
 
 use crate::io::tests::{read, refusal, tetrahedron};
 use crate::io::{ReadOptions, UnsupportedFields, VertexFields, WriteOptions};
@@ -78,7 +78,7 @@ fn binary_ply(header: &str, corners: &[&str], faces: &[&[u32]]) -> Vec<u8> {
     binary
 }
 
-/// Triangles have no corner to spare: welding leaves segments and points.
+/// A triangle that repeats a corner is a segment or a point.
 #[test]
 fn welded_triangles_that_repeat_a_corner_are_left_out() {
     let facet = |t: [&str; 3]| {
@@ -104,7 +104,9 @@ fn faces_with_fewer_than_three_distinct_corners_are_left_out_by_name() {
     assert_eq!((file.report.left_out, &file.report.first_left_out[..]), (2, &[1, 3][..]));
     let said = file.report.to_string();
     assert!(
-        said.contains("2 faces repeat a corner and are left out, having fewer than three: 1, 3"),
+        said.contains(
+            "2 faces repeat a corner and are left out, with fewer than three distinct ones: 1, 3"
+        ),
         "{said}"
     );
     let message = refusal("a.obj", text.as_bytes(), &ReadOptions::strict());

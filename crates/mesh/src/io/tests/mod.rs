@@ -14,7 +14,7 @@ fn read(name: &str, bytes: &[u8]) -> MeshFile {
     read_bytes(name, bytes, &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// What reading says about bytes that it must refuse.
+/// The error for bytes that reading must refuse.
 fn refusal(name: &str, bytes: &[u8], options: &ReadOptions) -> String {
     match read_bytes(name, bytes, options) {
         Ok(file) => panic!("{name} was read: {}", file.report),

@@ -1,4 +1,4 @@
-//! Damaged files neither panic nor yield a mesh that is not valid.
+//! Damaged files are refused or read as a valid mesh, without a panic.
 
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -122,8 +122,8 @@ proptest! {
     }
 }
 
-/// No prefix of a file that ends within its last face or vertex is read as a
-/// smaller mesh: counts tell. (OBJ has no counts.)
+/// A prefix of a file is an error, never a smaller mesh: counts reveal it. (OBJ has
+/// no counts.)
 #[test]
 fn truncated_files_are_errors() {
     let mesh = crate::io::tests::tetrahedron();

@@ -1,4 +1,4 @@
-//! What is written is read back, bit by bit.
+//! Round trips: files are read back as they were written, bit by bit.
 
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -87,7 +87,7 @@ fn assert_same_fields(a: &VertexFields, b: &VertexFields) {
     }
 }
 
-/// Vertices welded one by one, by comparing each corner with all before.
+/// Vertices welded one by one; each corner is compared with all before.
 fn welded(mesh: &TriMesh, round: impl Fn(f64) -> f64) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     let mut positions: Vec<[f64; 3]> = Vec::new();
     let faces = mesh.faces().iter().map(|face| {

@@ -6,7 +6,7 @@
 /// can show it next to the option that it names.
 ///
 /// ```
-/// use fairing_mesh::OptionError;
+/// use fairing_parameters::OptionError;
 ///
 /// let error = OptionError::require_positive("radius", -2.0).unwrap_err();
 /// assert_eq!(error.to_string(), "radius is -2, but must be positive and finite");

@@ -63,7 +63,6 @@ macro_rules! named {
 }
 
 /// Makes a type be serialized as its name, and deserialized from it.
-#[cfg(feature = "serde")]
 #[doc(hidden)]
 #[macro_export]
 macro_rules! serde_by_name {
