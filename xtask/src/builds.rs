@@ -59,12 +59,13 @@ pub(crate) fn run(root: &Path) -> Result<()> {
     println!("| Build | seconds | units | MB on disk |\n|---|--:|--:|--:|");
     let mut slowest = vec![];
     for build in &BUILDS {
-        let folder = tempfile::tempdir().context("making a folder for the build")?;
+        let folder = root.join("target/builds");
+        remove(&folder)?;
         let project = match build.dependency {
             None => root.to_path_buf(),
-            Some(dependency) => project(root, folder.path(), dependency)?,
+            Some(dependency) => project(root, &folder, dependency)?,
         };
-        let target = folder.path().join("target");
+        let target = folder.join("target");
         let mut cargo = cargo(&project);
         cargo.args(build.arguments).args(["--quiet", "--timings"]);
         cargo.env("CARGO_TARGET_DIR", &target);
@@ -75,6 +76,7 @@ pub(crate) fn run(root: &Path) -> Result<()> {
         let size = size(&target)? as f64 / 1e6;
         println!("| {} | {seconds:.0} | {} | {size:.0} |", build.name, units.len());
         slowest.push((build.name, units));
+        remove(&folder)?;
     }
     for (name, units) in slowest {
         let total: f64 = units.iter().map(|u| u.duration).sum();
@@ -84,6 +86,16 @@ pub(crate) fn run(root: &Path) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// Removes a folder, if it is there.
+fn remove(folder: &Path) -> Result<()> {
+    match folder.exists() {
+        true => {
+            fs::remove_dir_all(folder).with_context(|| format!("removing {}", folder.display()))
+        }
+        false => Ok(()),
+    }
 }
 
 /// A new project in a folder of its own that uses one crate, with the versions

@@ -2,22 +2,19 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context as _, Result};
 use clap::{Args, Parser, Subcommand};
 use fairing_benchmark::Set;
-
-use crate::{denoisers, speed};
 
 /// Measures denoisers on generated models with noise, tunes the published ones, trains ours, and times single tasks
 #[derive(Debug, Parser)]
 #[command(name = "benchmark", bin_name = "cargo xtask benchmark", version, about)]
 pub(crate) struct Cli {
     #[command(subcommand)]
-    command: Command,
+    pub(crate) command: Command,
 }
 
 #[derive(Debug, Subcommand)]
-enum Command {
+pub(crate) enum Command {
     /// List the cases
     List {
         #[command(flatten)]
@@ -106,91 +103,40 @@ pub(crate) struct Train {
 }
 
 #[derive(Debug, Args)]
-struct Bench {
+pub(crate) struct Bench {
     /// The task; `build` times builds from an empty target folder. Without a task, the tasks are listed
-    task: Option<String>,
+    pub(crate) task: Option<String>,
     /// The mesh
     #[arg(long = "in", value_name = "FILE")]
-    input: Option<PathBuf>,
+    pub(crate) input: Option<PathBuf>,
     /// Number of repetitions
     #[arg(long, default_value_t = 1)]
-    repeat: usize,
+    pub(crate) repeat: usize,
     /// Number of threads; all by default
     #[arg(long)]
-    threads: Option<usize>,
+    pub(crate) threads: Option<usize>,
     /// Print one JSON object on the last line
     #[arg(long)]
-    json: bool,
+    pub(crate) json: bool,
     /// Curvature estimator of the task principal
     #[arg(long, default_value = "quadric")]
-    estimator: String,
+    pub(crate) estimator: String,
     /// Number of eigenpairs
     #[arg(long, default_value_t = 15)]
-    k: usize,
+    pub(crate) k: usize,
     /// The step
     #[arg(long, default_value_t = 0.5)]
-    lambda: f64,
+    pub(crate) lambda: f64,
     /// The second, negative step of Taubin's method
     #[arg(long, default_value_t = -0.53, allow_negative_numbers = true)]
-    mu: f64,
+    pub(crate) mu: f64,
     /// Number of steps
     #[arg(long, default_value_t = 10)]
-    iters: usize,
+    pub(crate) iters: usize,
     /// Write the resulting mesh to this file
     #[arg(long, value_name = "FILE")]
-    out: Option<PathBuf>,
+    pub(crate) out: Option<PathBuf>,
     /// The mesh without noise
     #[arg(long, value_name = "FILE")]
-    reference: Option<PathBuf>,
-}
-
-impl Cli {
-    /// Runs the command.
-    ///
-    /// # Errors
-    ///
-    /// Any failure of the command.
-    pub(crate) fn run(self) -> Result<()> {
-        match self.command {
-            Command::List { choice } => {
-                denoisers::list(&choice);
-                Ok(())
-            }
-            Command::Tune(options) => denoisers::tune(options),
-            Command::Measure(options) => denoisers::measure(options),
-            Command::Train(options) => denoisers::train(&options),
-            Command::Bench(options) => options.run(),
-        }
-    }
-}
-
-impl Bench {
-    fn run(self) -> Result<()> {
-        let Some(task) = self.task else {
-            println!("{:<22} builds from an empty target folder", "build");
-            for task in speed::ALL {
-                println!("{:<22} {}", task.name(), task.about());
-            }
-            return Ok(());
-        };
-        let job = speed::Job {
-            input: self.input.context("missing input mesh: --in FILE")?,
-            out: self.out,
-            reference: self.reference,
-            estimator: self.estimator,
-            k: self.k,
-            lambda: self.lambda,
-            mu: self.mu,
-            iterations: self.iters,
-        };
-        let threads = rayon::ThreadPoolBuilder::new().num_threads(self.threads.unwrap_or(0));
-        threads.build_global().context("starting threads")?;
-        let result = speed::measure(&task, &job, self.repeat)?;
-        if self.json {
-            println!("{result}");
-        } else {
-            println!("{}", serde_json::to_string_pretty(&result)?);
-        }
-        Ok(())
-    }
+    pub(crate) reference: Option<PathBuf>,
 }

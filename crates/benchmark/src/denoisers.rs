@@ -35,10 +35,11 @@ fn meshes_folder() -> Option<PathBuf> {
 }
 
 /// Prints the set and the name of each case.
-pub(crate) fn list(choice: &Choice) {
+pub(crate) fn list(choice: &Choice) -> Result<()> {
     for case in choice.cases() {
         println!("{:<12} {}", case.set().to_string(), case.name());
     }
+    Ok(())
 }
 
 /// Trains the networks and writes their weights.

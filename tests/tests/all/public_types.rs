@@ -208,8 +208,6 @@ all_shared!(
     fairing::denoising::NonIterativeOptions,
     fairing::denoising::FaceKind,
     fairing::denoising::SurfaceKind,
-    fairing::denoising::TrainingOptions,
-    fairing::denoising::TrainingPair,
     fairing::denoising::TotalVariationOptions,
     fairing::denoising::VertexUpdate,
     // evaluation

@@ -112,7 +112,7 @@ pub(crate) fn run(root: &Path, whole_python: bool) -> Result<bool> {
     let mut tests = Tests::default();
     log.step("building the tests", || tests.build(root))?;
     log.cargo(root, &PROGRAMS)?;
-    log.step("tests", || tests.run())?;
+    log.step("tests", || tests.run(root))?;
     log.cargo(root, &EXAMPLES)?;
     if has_openblas() {
         log.cargo(root, &LAPACK)?;

@@ -59,15 +59,16 @@ impl Tests {
     }
 
     /// Runs every test program, also after one has failed; whether none has.
-    pub(super) fn run(&mut self) -> Result<bool> {
+    pub(super) fn run(&mut self, root: &Path) -> Result<bool> {
         let mut passed = true;
-        let times = tempfile::NamedTempFile::new().context("making a file for the times")?;
+        let times = root.join("target/test-times.txt");
+        std::fs::write(&times, "").context("making a file for the times")?;
         for program in &self.programs {
             println!("== {}", program.name);
             std::io::stdout().flush()?;
             let mut command = Command::new(&program.executable);
             command.current_dir(&program.folder).env("CARGO_MANIFEST_DIR", &program.folder);
-            command.env(TIMES, times.path());
+            command.env(TIMES, &times);
             // The standard test harness reports times only where unstable options
             // are allowed; nothing is compiled under this setting.
             let timed = ["-Zunstable-options", "--report-time"];
@@ -87,7 +88,7 @@ impl Tests {
             }
             passed &= child.wait()?.success();
         }
-        let written = std::fs::read_to_string(times.path()).unwrap_or_default();
+        let written = std::fs::read_to_string(&times).unwrap_or_default();
         self.times.extend(written.lines().filter_map(|line| {
             let (name, seconds) = line.rsplit_once(' ')?;
             Some((name.to_string(), seconds.parse().ok()?))

@@ -1,4 +1,4 @@
-//! `cargo xtask`, the programs that it starts and the tests share what they compile.
+//! The programs that `cargo xtask` starts and the tests share what they compile.
 //!
 //! Cargo turns on the features that the packages it builds ask for. Where one build asks for fewer
 //! than another, a dependency and all that depend on it are compiled twice.
@@ -14,18 +14,11 @@ use crate::programs::cargo;
 const WITHOUT_SOLVERS: [&str; 4] =
     ["fairing-denoising", "fairing-evaluation", "fairing-operators", "fairing-shapes"];
 
-/// Packages that `cargo xtask`, or a program that it starts, builds with other features than the
-/// tests of the workspace do.
+/// Packages with other features in the programs that `cargo xtask` starts than in the tests.
 pub(super) fn check(root: &Path) -> Result<Vec<String>> {
+    let programs = tree(root, &["--workspace", "--edges=normal,build"])?;
     let tests = tree(root, &["--workspace", "--edges=normal,build,dev"])?;
-    let mut found = vec![];
-    for (build, choice) in
-        [("xtask", "--package=xtask"), ("the programs that xtask starts", "--workspace")]
-    {
-        let own = tree(root, &[choice, "--edges=normal,build"])?;
-        found.extend(differences(build, &own, &tests));
-    }
-    Ok(found)
+    Ok(differences(&programs, &tests))
 }
 
 /// Crates that compile the solver backend without a need for it.
@@ -68,7 +61,7 @@ fn features(tree: &str) -> BTreeMap<&str, BTreeSet<&str>> {
 }
 
 /// The packages in both lists that the first one builds with features that the second one does not.
-fn differences(build: &str, own: &str, all: &str) -> Vec<String> {
+fn differences(own: &str, all: &str) -> Vec<String> {
     let all = features(all);
     let mut found = vec![];
     for (package, sets) in features(own) {
@@ -76,7 +69,7 @@ fn differences(build: &str, own: &str, all: &str) -> Vec<String> {
         for set in sets.difference(known) {
             let others: Vec<String> = known.iter().map(|set| format!("[{set}]")).collect();
             found.push(format!(
-                "{package} has the features [{set}] for {build}, {} for the tests",
+                "{package} has the features [{set}] in the programs, {} in the tests",
                 others.join(" and ")
             ));
         }
@@ -92,10 +85,9 @@ mod tests {
     fn other_features_are_found() {
         let all = "rand v0.10.0|std,sys_rng\nsyn v2.0.0|full\nsyn v2.0.0|\npyo3 v0.1.0|\n";
         assert!(
-            differences("x", "rand v0.10.0|std,sys_rng (*)\nsyn v2.0.0|\nclap v4|x\n", all)
-                .is_empty()
+            differences("rand v0.10.0|std,sys_rng (*)\nsyn v2.0.0|\nclap v4|x\n", all).is_empty()
         );
-        let found = differences("x", "rand v0.10.0|std\nsyn v2.0.0|full (*)\n", all);
+        let found = differences("rand v0.10.0|std\nsyn v2.0.0|full (*)\n", all);
         let [only] = &found[..] else { panic!("{found:?}") };
         assert!(only.contains("rand v0.10.0") && only.contains("[std,sys_rng]"), "{only}");
     }

@@ -4,6 +4,7 @@ mod arrows;
 mod circles;
 mod features;
 mod lints;
+mod manifest;
 mod map;
 mod packages;
 mod readme;

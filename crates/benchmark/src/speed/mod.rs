@@ -15,6 +15,8 @@ use serde_json::{Map, Value, json};
 
 pub(crate) use stopwatch::Stopwatch;
 
+use crate::cli::Bench;
+
 /// A task to be timed.
 pub(crate) trait Task: Sync {
     /// Its name on the command line.
@@ -133,6 +135,36 @@ pub(crate) const ALL: &[&dyn Task] = &[
     &spectra::Eigs,
     &spectra::Factor,
 ];
+
+/// Times the task, or lists the tasks, and prints the result.
+pub(crate) fn run(options: Bench) -> Result<()> {
+    let Some(task) = options.task else {
+        println!("{:<22} builds from an empty target folder", "build");
+        for task in ALL {
+            println!("{:<22} {}", task.name(), task.about());
+        }
+        return Ok(());
+    };
+    let job = Job {
+        input: options.input.context("missing input mesh: --in FILE")?,
+        out: options.out,
+        reference: options.reference,
+        estimator: options.estimator,
+        k: options.k,
+        lambda: options.lambda,
+        mu: options.mu,
+        iterations: options.iters,
+    };
+    let threads = rayon::ThreadPoolBuilder::new().num_threads(options.threads.unwrap_or(0));
+    threads.build_global().context("starting threads")?;
+    let result = measure(&task, &job, options.repeat)?;
+    if options.json {
+        println!("{result}");
+    } else {
+        println!("{}", serde_json::to_string_pretty(&result)?);
+    }
+    Ok(())
+}
 
 /// Runs a task and returns `{"runs": […], "fingerprint": {…}, "rss_mb": n}`.
 ///
