@@ -108,7 +108,7 @@ impl Automatic {
 ///    numbers such as the residuals of the fits over σ̂, and answers with a
 ///    positive weight for each. The new normal is the weighted mean, turned by at
 ///    most the spread of the candidates. The networks are trained on generated
-///    bodies (`cargo xtask train`) and part of this crate.
+///    bodies (`cargo xtask benchmark train`) and part of this crate.
 /// 3. Faces that lie in one plane, which ends at creases, get the normal of a plane
 ///    fitted to all their noisy vertices.
 /// 4. The surface follows the normals between the stages and at the end, and folds
@@ -160,6 +160,9 @@ pub fn automatic(mesh: &TriMesh) -> Result<Automatic, DenoiseError> {
         let mut positions = mesh.positions().to_vec();
         for mut group in groups {
             group.components.retain(|&part| !uneven[part as usize]);
+            if group.components.is_empty() {
+                continue;
+            }
             let part = Part::new(mesh, &group.components)?;
             let (moved, farthest) = denoise(&part.mesh, group.level)?;
             part.put_back(&moved, &mut positions);

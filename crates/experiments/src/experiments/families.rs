@@ -52,7 +52,7 @@ pub(super) fn add(context: &Context<'_>, outcome: &mut Outcome) -> Result<()> {
         pictures.push(picture);
     }
     if !current {
-        outcome.notes.push("The kept results on the test bed are not those of this denoiser, and are left out: `cargo xtask bed measure --accept` makes them.".into());
+        outcome.notes.push("The kept results on the test bed are not those of this denoiser, and are left out: `cargo xtask benchmark measure --accept` makes them.".into());
         return Ok(());
     }
     outcome.figures.push(ratios(&mine)?);
@@ -80,7 +80,7 @@ pub(super) fn add(context: &Context<'_>, outcome: &mut Outcome) -> Result<()> {
     }
     outcome.tables.extend([families, sets, lost]);
     outcome.notes.push(
-        "The tables of the test bed are those that `cargo xtask bed measure --accept` keeps; this run has measured the worst case of each set again.".into(),
+        "The tables of the test bed are those that `cargo xtask benchmark measure --accept` keeps; this run has measured the worst case of each set again.".into(),
     );
     Ok(())
 }
