@@ -10,8 +10,7 @@ use rayon::prelude::*;
 use super::DenoiseError;
 use super::faces::{Marks, unit_or_zero};
 use super::method::Method;
-use super::rebuild::rebuild;
-use super::unit_scale::at_unit_scale;
+use super::oriented::on_oriented;
 
 /// Parameters of [`bilateral`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,7 +81,7 @@ impl Method for BilateralOptions {
 ///
 /// Source: \[fleishman2003\].
 pub fn bilateral(mesh: &TriMesh, options: &BilateralOptions) -> Result<TriMesh, DenoiseError> {
-    at_unit_scale(mesh, |mesh| filter(mesh, options))
+    on_oriented(mesh, |mesh| filter(mesh, options))
 }
 
 fn filter(mesh: &TriMesh, options: &BilateralOptions) -> Result<TriMesh, DenoiseError> {
@@ -100,7 +99,7 @@ fn filter(mesh: &TriMesh, options: &BilateralOptions) -> Result<TriMesh, Denoise
                 |scratch, v| move_vertex(&current, v, spatial, options.range, scratch),
             )
             .collect();
-        current = rebuild(&current, positions)?;
+        current = current.with_positions(positions)?;
     }
     Ok(current)
 }

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::DenoiseError;
 use super::faces::{FaceLists, FaceShapes, unit_or_zero};
 use super::method::Method;
-use super::unit_scale::at_unit_scale;
+use super::oriented::on_oriented;
 use super::vertex_update::{VertexUpdate, update_vertices};
 
 /// Parameters of [`fast_effective`].
@@ -78,7 +78,7 @@ pub fn fast_effective(
     mesh: &TriMesh,
     options: &FastEffectiveOptions,
 ) -> Result<TriMesh, DenoiseError> {
-    at_unit_scale(mesh, |mesh| filter(mesh, options))
+    on_oriented(mesh, |mesh| filter(mesh, options))
 }
 
 fn filter(mesh: &TriMesh, options: &FastEffectiveOptions) -> Result<TriMesh, DenoiseError> {

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::DenoiseError;
 use super::faces::{FaceLists, FaceShapes, Hinges, NO_HINGE, mean_centroid_distance, unit_or_zero};
 use super::method::Method;
-use super::unit_scale::at_unit_scale;
+use super::oriented::on_oriented;
 use super::vertex_update::{VertexUpdate, update_vertices};
 
 /// Parameters of [`guided_normal`].
@@ -94,7 +94,7 @@ pub fn guided_normal(
     mesh: &TriMesh,
     options: &GuidedNormalOptions,
 ) -> Result<TriMesh, DenoiseError> {
-    at_unit_scale(mesh, |mesh| filter(mesh, options))
+    on_oriented(mesh, |mesh| filter(mesh, options))
 }
 
 fn filter(mesh: &TriMesh, options: &GuidedNormalOptions) -> Result<TriMesh, DenoiseError> {

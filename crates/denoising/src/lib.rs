@@ -22,7 +22,6 @@
 mod automatic;
 mod bilateral;
 mod bilateral_normal;
-mod conjugate_gradients;
 mod denoiser;
 mod error;
 mod faces;
@@ -32,9 +31,8 @@ mod l0;
 mod method;
 mod noise_level;
 mod non_iterative;
-mod rebuild;
+mod oriented;
 mod total_variation;
-mod unit_scale;
 mod vertex_update;
 
 #[doc(hidden)]

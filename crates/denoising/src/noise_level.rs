@@ -131,8 +131,7 @@ const ALIKE: f64 = 4.0;
 /// the first group; empty if all are.
 pub fn noisy_parts(mesh: &TriMesh) -> Vec<NoisyParts> {
     let oriented = mesh.oriented();
-    let (mesh, unit) = oriented.at_unit_scale();
-    let mesh = &*mesh;
+    let mesh = &*oriented;
     let residuals: Vec<[Option<f64>; FITS]> = (0..mesh.vertex_count() as u32)
         .into_par_iter()
         .map_init(Scratch::default, |scratch, v| leave_one_out(mesh, v, scratch))
@@ -142,7 +141,7 @@ pub fn noisy_parts(mesh: &TriMesh) -> Vec<NoisyParts> {
     for (v, residuals) in residuals.iter().enumerate() {
         if let Some(part) = components.label(v as u32) {
             for (sizes, residual) in of_part[part as usize].iter_mut().zip(residuals) {
-                sizes.extend(residual.map(|r| r.abs() * unit));
+                sizes.extend(residual.map(|r| r.abs()));
             }
         }
     }
@@ -175,7 +174,7 @@ pub fn noisy_parts(mesh: &TriMesh) -> Vec<NoisyParts> {
             let part = components.label(v);
             part.is_some_and(|part| group.components.binary_search(&part).is_ok())
         };
-        let sigma = group.level.sigma * group.level.two_ring_ratio / unit;
+        let sigma = group.level.sigma * group.level.two_ring_ratio;
         if sigma > 0.0 {
             group.level.correlation = correlation(mesh, &residuals, sigma, inside);
         }

@@ -10,8 +10,7 @@ use rayon::prelude::*;
 use super::DenoiseError;
 use super::faces::{FaceLists, FaceShapes, Marks};
 use super::method::Method;
-use super::rebuild::rebuild;
-use super::unit_scale::at_unit_scale;
+use super::oriented::on_oriented;
 
 /// Parameters of [`non_iterative`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -87,7 +86,7 @@ pub fn non_iterative(
     mesh: &TriMesh,
     options: &NonIterativeOptions,
 ) -> Result<TriMesh, DenoiseError> {
-    at_unit_scale(mesh, |mesh| filter(mesh, options))
+    on_oriented(mesh, |mesh| filter(mesh, options))
 }
 
 fn filter(mesh: &TriMesh, options: &NonIterativeOptions) -> Result<TriMesh, DenoiseError> {
@@ -154,5 +153,5 @@ fn average(
             },
         )
         .collect();
-    rebuild(mesh, positions)
+    Ok(mesh.with_positions(positions)?)
 }

@@ -6,8 +6,7 @@ use fairing_parameters::OptionError;
 use rayon::prelude::*;
 
 use super::DenoiseError;
-use super::rebuild::rebuild;
-use super::unit_scale::at_unit_scale;
+use super::oriented::on_oriented;
 
 /// How [`update_vertices`] moves vertices.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,7 +47,7 @@ impl Default for VertexUpdate {
 /// # Errors
 ///
 /// [`DenoiseError::Option`] if there is not one normal per face or the
-/// limit is not positive; [`DenoiseError::NonFinite`] if a normal is not
+/// limit is not positive; [`DenoiseError::Build`] if a normal is not
 /// finite.
 ///
 /// Source: \[sun2007\].
@@ -63,15 +62,14 @@ pub fn update_vertices(
     if let Some(limit) = options.limit {
         OptionError::require_positive("limit", limit)?;
     }
-    let limit = options.limit.map(|limit| limit / mesh.scale_unit());
-    at_unit_scale(mesh, |mesh| {
+    on_oriented(mesh, |mesh| {
         let start = mesh.positions();
         let mut positions = start.to_vec();
         for _ in 0..options.steps {
             fairing_watch::check();
-            positions = step(mesh, normals, start, &positions, limit);
+            positions = step(mesh, normals, start, &positions, options.limit);
         }
-        rebuild(mesh, positions)
+        Ok(mesh.with_positions(positions)?)
     })
 }
 

@@ -6,7 +6,6 @@ use fairing_operators::{LumpedArea, lumped_mass};
 
 use crate::EvaluationError;
 use crate::correspondence::in_one_winding;
-use crate::distance::at_unit_scale;
 
 /// The relative error of the pointwise mean curvature (cotangents over mixed
 /// areas) in the mean square over the surface of the reference,
@@ -29,7 +28,6 @@ pub fn curvature_error(
     reference: &TriMesh,
 ) -> Result<Option<f64>, EvaluationError> {
     let (mesh, reference) = in_one_winding(mesh, reference)?;
-    let (mesh, reference, _) = at_unit_scale(&mesh, &reference);
     let (mesh, reference) = (&*mesh, &*reference);
     let operator = MeanOperator::Cotangent(LumpedArea::Mixed);
     let (own, other) = (mean_curvature(mesh, operator)?, mean_curvature(reference, operator)?);

@@ -1,11 +1,9 @@
 //! Distances between surfaces.
 
-use std::borrow::Cow;
-
 use crate::correspondence::check_correspondence;
 use crate::{EvaluationError, SurfaceTree};
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{distance, power_of_two};
+use fairing_mesh::vec3::distance;
 
 /// Distances of the vertices of one mesh from the surface of another.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,18 +31,7 @@ pub struct SurfaceDistance {
     pub backward: VertexDistance,
 }
 
-impl VertexDistance {
-    fn times(self, unit: f64) -> Self {
-        let Self { mean, rms, max, farthest } = self;
-        Self { mean: mean * unit, rms: rms * unit, max: max * unit, farthest }
-    }
-}
-
 impl SurfaceDistance {
-    pub(crate) fn times(self, unit: f64) -> Self {
-        Self { forward: self.forward.times(unit), backward: self.backward.times(unit) }
-    }
-
     /// The larger of the two largest distances, in mesh units: a lower bound
     /// of the Hausdorff distance, which [`hausdorff`](crate::hausdorff) takes
     /// over whole faces.
@@ -69,8 +56,7 @@ pub fn vertex_distance(
     mesh: &TriMesh,
     reference: &TriMesh,
 ) -> Result<VertexDistance, EvaluationError> {
-    let (mesh, reference, unit) = at_unit_scale(mesh, reference);
-    Ok(summary(&mesh, &tree(&reference, "reference")?, "mesh")?.times(unit))
+    summary(mesh, &tree(reference, "reference")?, "mesh")
 }
 
 /// The distances of the vertices of either mesh from the surface of the
@@ -83,20 +69,8 @@ pub fn surface_distance(
     mesh: &TriMesh,
     reference: &TriMesh,
 ) -> Result<SurfaceDistance, EvaluationError> {
-    let (mesh, reference, unit) = at_unit_scale(mesh, reference);
-    let (own, other) = (tree(&mesh, "mesh")?, tree(&reference, "reference")?);
-    Ok(between(&mesh, &own, &reference, &other)?.times(unit))
-}
-
-/// Both divided by the same power of two, so that squares of lengths stay in
-/// the range of floats, and that power, in mesh units.
-pub(crate) fn at_unit_scale<'a>(
-    mesh: &'a TriMesh,
-    reference: &'a TriMesh,
-) -> (Cow<'a, TriMesh>, Cow<'a, TriMesh>, f64) {
-    // That of the larger mesh, which is 1 for an ordinary one beside a tiny one.
-    let unit = mesh.scale_unit().max(reference.scale_unit());
-    (mesh.divided_by(unit), reference.divided_by(unit), unit)
+    let (own, other) = (tree(mesh, "mesh")?, tree(reference, "reference")?);
+    between(mesh, &own, reference, &other)
 }
 
 /// [`surface_distance`] with trees that are there already.
@@ -174,14 +148,6 @@ pub fn vertex_displacement(
     }
     let pairs = || mesh.positions().iter().zip(reference.positions());
     let max = pairs().map(|(&p, &q)| distance(p, q)).fold(0.0, f64::max);
-    // In units of the largest, squares stay in the range of floats.
-    let unit = if max > 0.0 && max.is_finite() { power_of_two(max) } else { 1.0 };
-    let squares: f64 = pairs().map(|(&p, &q)| (distance(p, q) / unit).powi(2)).sum();
-    Ok(VertexDisplacement { rms: (squares / mesh.vertex_count() as f64).sqrt() * unit, max })
-}
-
-impl VertexDisplacement {
-    pub(crate) fn times(self, unit: f64) -> Self {
-        Self { rms: self.rms * unit, max: self.max * unit }
-    }
+    let squares: f64 = pairs().map(|(&p, &q)| distance(p, q).powi(2)).sum();
+    Ok(VertexDisplacement { rms: (squares / mesh.vertex_count() as f64).sqrt(), max })
 }

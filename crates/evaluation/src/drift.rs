@@ -8,7 +8,6 @@ use rayon::prelude::*;
 
 use crate::EvaluationError;
 use crate::correspondence::in_one_winding;
-use crate::distance::at_unit_scale;
 
 /// The relative changes of sizes, `x / x_reference − 1`: zero for the same,
 /// negative where the mesh shrank, unchanged when both are scaled.
@@ -33,7 +32,6 @@ pub fn drift(mesh: &TriMesh, reference: &TriMesh) -> Drift {
     // Of faces with the same corners the same ones are turned.
     let alike = in_one_winding(mesh, reference);
     let (mesh, reference) = alike.unwrap_or((Cow::Borrowed(mesh), Cow::Borrowed(reference)));
-    let (mesh, reference, _) = at_unit_scale(&mesh, &reference);
     let (mesh, reference) = (&*mesh, &*reference);
     let change = |new: f64, old: f64| Some(new / old - 1.0).filter(|x| x.is_finite());
     let solid =
@@ -58,7 +56,6 @@ pub fn drift(mesh: &TriMesh, reference: &TriMesh) -> Drift {
 /// [`EvaluationError::NoCorrespondence`] unless both have the same faces.
 pub fn flipped_faces(mesh: &TriMesh, reference: &TriMesh) -> Result<usize, EvaluationError> {
     let (mesh, reference) = in_one_winding(mesh, reference)?;
-    let (mesh, reference, _) = at_unit_scale(&mesh, &reference);
     let (mesh, reference) = (&*mesh, &*reference);
     Ok((0..mesh.face_count())
         .into_par_iter()

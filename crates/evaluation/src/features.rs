@@ -6,7 +6,6 @@ use fairing_parameters::OptionError;
 
 use crate::EvaluationError;
 use crate::correspondence::in_one_winding;
-use crate::distance::at_unit_scale;
 
 /// How well the sharp edges of a mesh are those of a reference.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,7 +50,6 @@ pub fn feature_edges(
     let (mesh, reference) = in_one_winding(mesh, reference)?;
     let between = degrees > 0.0 && degrees < 180.0;
     OptionError::require(between, "feature angle", degrees, "above 0 and below 180 degrees")?;
-    let (mesh, reference, _) = at_unit_scale(&mesh, &reference);
     let topology = mesh.topology();
     let mut edges = FeatureEdges { shared: 0, found: 0, expected: 0 };
     for e in 0..topology.edges().len() as u32 {

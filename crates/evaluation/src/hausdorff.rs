@@ -5,7 +5,7 @@ use fairing_mesh::vec3::{add, distance, scale};
 use fairing_parameters::OptionError;
 use rayon::prelude::*;
 
-use crate::distance::{at_unit_scale, tree};
+use crate::distance::tree;
 use crate::triangle::squared_distance;
 use crate::{EvaluationError, SurfaceTree};
 
@@ -59,17 +59,8 @@ pub struct Hausdorff {
 /// tolerance is positive and finite.
 pub fn hausdorff(a: &TriMesh, b: &TriMesh, tolerance: f64) -> Result<Hausdorff, EvaluationError> {
     OptionError::require_positive("tolerance", tolerance)?;
-    let (a, b, unit) = at_unit_scale(a, b);
-    let (own, other) = (tree(&a, "mesh")?, tree(&b, "reference")?);
-    // A tolerance beyond the range of floats is as good as its border.
-    let tolerance = (tolerance / unit).clamp(f64::MIN_POSITIVE, f64::MAX);
-    Ok(between(&a, &own, &b, &other, tolerance).times(unit))
-}
-
-impl Hausdorff {
-    pub(crate) fn times(self, unit: f64) -> Self {
-        Self { lower: self.lower * unit, upper: self.upper * unit }
-    }
+    let (own, other) = (tree(a, "mesh")?, tree(b, "reference")?);
+    Ok(between(a, &own, b, &other, tolerance))
 }
 
 /// [`hausdorff`] with trees that are there already.

@@ -25,8 +25,6 @@ const ALL_DIRECTIONS: [[f64; 3]; 3] = [[-1.0; 3], [1.0; 3], [1.0; 3]];
 /// F faces and few crossings, whatever the number of faces at a vertex, unless
 /// the boxes of faces without a common vertex overlap in many pairs.
 pub fn self_intersections(mesh: &TriMesh) -> usize {
-    let (mesh, _) = mesh.at_unit_scale();
-    let mesh = &*mesh;
     // Without faces there is nothing to cross.
     let Some(frame) = Frame::new(mesh).filter(|_| mesh.face_count() > 0) else { return 0 };
     let meets = |f: u32, g: u32| {

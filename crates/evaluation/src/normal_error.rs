@@ -6,7 +6,6 @@ use rayon::prelude::*;
 
 use crate::EvaluationError;
 use crate::correspondence::in_one_winding;
-use crate::distance::at_unit_scale;
 
 /// E_a: angles between the normals of matching faces, in degrees.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,7 +33,6 @@ pub struct NormalAngles {
 /// [`EvaluationError::NoFaces`] if none has a normal in both.
 pub fn normal_error(mesh: &TriMesh, reference: &TriMesh) -> Result<NormalAngles, EvaluationError> {
     let (mesh, reference) = in_one_winding(mesh, reference)?;
-    let (mesh, reference, _) = at_unit_scale(&mesh, &reference);
     let angles: Vec<Option<[f64; 2]>> = (0..mesh.face_count())
         .into_par_iter()
         .with_min_len(4096)

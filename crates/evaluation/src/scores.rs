@@ -118,8 +118,6 @@ impl Scores {
         options: &ScoreOptions,
     ) -> Result<Self, EvaluationError> {
         OptionError::require_positive("Hausdorff tolerance", options.hausdorff_tolerance)?;
-        let (mesh, reference, scale) = distance::at_unit_scale(mesh, reference);
-        let (mesh, reference) = (&*mesh, &*reference);
         let (own, other) = (tree(mesh, "mesh")?, tree(reference, "reference")?);
         let diagonal = reference.diagonal();
         // A reference of one point has no diagonal to take a share of.
@@ -131,11 +129,11 @@ impl Scores {
         let tolerance = options.hausdorff_tolerance * unit;
         let displacement = vertex_displacement(mesh, reference);
         Ok(Self {
-            diagonal: diagonal * scale,
+            diagonal,
             normals: normal_error(mesh, reference),
-            distance: distance::between(mesh, &own, reference, &other)?.times(scale),
-            hausdorff: hausdorff::between(mesh, &own, reference, &other, tolerance).times(scale),
-            displacement: displacement.map(|moved| moved.times(scale)),
+            distance: distance::between(mesh, &own, reference, &other)?,
+            hausdorff: hausdorff::between(mesh, &own, reference, &other, tolerance),
+            displacement,
             drift: drift(mesh, reference),
             flipped_faces: flipped_faces(mesh, reference),
             self_intersections: self_intersections(mesh),

@@ -51,8 +51,6 @@ pub struct SurfaceTree {
     /// The face of each of them.
     faces: Vec<u32>,
     frame: Frame,
-    /// Queries and triangles are divided by this power of two.
-    unit: f64,
 }
 
 /// Four boxes, by coordinate.
@@ -130,14 +128,12 @@ impl SurfaceTree {
     ///
     /// [`EvaluationError::NoFaces`].
     pub fn new(mesh: &TriMesh) -> Result<Self, EvaluationError> {
-        let (mesh, unit) = mesh.at_unit_scale();
-        let mesh = &*mesh;
         let frame = match Frame::new(mesh) {
             Some(frame) if mesh.face_count() > 0 => frame,
             _ => return Err(EvaluationError::NoFaces { which: "mesh" }),
         };
         let faces = (0..mesh.face_count() as u32).collect();
-        Ok(Self { unit, ..Self::of(faces, |f| mesh.triangle(f as usize), frame) })
+        Ok(Self::of(faces, |f| mesh.triangle(f as usize), frame))
     }
 
     /// The tree of some faces; empty without any.
@@ -191,12 +187,11 @@ impl SurfaceTree {
                 .collect();
             levels.push(above);
         }
-        Self { levels, triangles, faces, frame, unit: 1.0 }
+        Self { levels, triangles, faces, frame }
     }
 
     /// The closest point of the surface.
     pub fn closest(&self, p: [f64; 3]) -> Closest {
-        let p = self.to_unit(p);
         let (slot, d2) = self.search(p, 0, &mut vec![]);
         self.answer(p, slot, d2)
     }
@@ -205,7 +200,7 @@ impl SurfaceTree {
     pub fn closest_to_all(&self, points: &[[f64; 3]]) -> Vec<Closest> {
         let mut all = vec![Closest { distance: 0.0, face: 0, point: [0.0; 3] }; points.len()];
         for (i, slot, d2) in self.search_all(points) {
-            all[i as usize] = self.answer(self.to_unit(points[i as usize]), slot, d2);
+            all[i as usize] = self.answer(points[i as usize], slot, d2);
         }
         all
     }
@@ -214,24 +209,14 @@ impl SurfaceTree {
     pub fn distances(&self, points: &[[f64; 3]]) -> Vec<f64> {
         let mut all = vec![0.0; points.len()];
         for (i, _, d2) in self.search_all(points) {
-            all[i as usize] = d2.sqrt() * self.unit;
+            all[i as usize] = d2.sqrt();
         }
         all
     }
 
     fn answer(&self, p: [f64; 3], slot: u32, d2: f64) -> Closest {
         let point = closest_point(p, self.triangles[slot as usize]);
-        Closest {
-            distance: d2.sqrt() * self.unit,
-            face: self.faces[slot as usize],
-            point: scale(point, self.unit),
-        }
-    }
-
-    /// A point in the units of the triangles.
-    #[inline]
-    fn to_unit(&self, p: [f64; 3]) -> [f64; 3] {
-        scale(p, 1.0 / self.unit)
+        Closest { distance: d2.sqrt(), face: self.faces[slot as usize], point }
     }
 
     /// For each point its number, the closest triangle and the square of its
@@ -243,7 +228,7 @@ impl SurfaceTree {
             .par_iter()
             .with_min_len(4096)
             .enumerate()
-            .map(|(i, &p)| (hilbert(self.frame.to_tree(self.to_unit(p))), i as u32))
+            .map(|(i, &p)| (hilbert(self.frame.to_tree(p)), i as u32))
             .collect();
         order.par_sort_unstable();
         order
@@ -254,7 +239,7 @@ impl SurfaceTree {
                     .iter()
                     .map(|&(_, i)| {
                         let d2;
-                        let p = self.to_unit(points[i as usize]);
+                        let p = points[i as usize];
                         (slot, d2) = self.search(p, slot, &mut stack);
                         (i, slot, d2)
                     })

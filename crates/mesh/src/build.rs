@@ -1,5 +1,13 @@
 //! Errors of building a mesh.
 
+use std::ops::RangeInclusive;
+
+/// The extents that a mesh may have, in mesh units, besides zero: the longest side of the box around its vertices.
+///
+/// The formulas of this workspace take lengths to at most the eighth power, which neither overflows nor underflows
+/// there.
+pub const EXTENTS: RangeInclusive<f64> = 1e-30..=1e30;
+
 /// The reason why positions and faces are not a valid mesh.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -11,6 +19,13 @@ pub enum BuildError {
         vertex: u32,
         /// Its coordinates.
         position: [f64; 3],
+    },
+    /// The longest side of the box around the vertices is neither zero nor within
+    /// [`EXTENTS`](crate::EXTENTS).
+    #[error("the mesh has an extent of {extent:e}, outside of 1e-30 to 1e30: rescale it")]
+    Extent {
+        /// The longest side, in mesh units.
+        extent: f64,
     },
     /// A face names a vertex that does not exist.
     #[error("face {face} names vertex {index}, but there are {vertex_count} vertices")]
@@ -76,4 +91,48 @@ pub enum BuildError {
         /// The number of positions given.
         found: usize,
     },
+}
+
+/// Checks that positions are finite, and that their extent is within [`EXTENTS`].
+pub(crate) fn check_positions(positions: &[[f64; 3]]) -> Result<(), BuildError> {
+    let extent = extent(positions);
+    if extent == 0.0 || EXTENTS.contains(&extent) {
+        return Ok(());
+    }
+    match positions.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
+        None => Err(BuildError::Extent { extent }),
+        Some(v) => Err(BuildError::NonFinite { vertex: v as u32, position: positions[v] }),
+    }
+}
+
+/// The longest side of the box around positions; 0 without any, NaN if one is not finite.
+fn extent(positions: &[[f64; 3]]) -> f64 {
+    // Twelve numbers at a time, without a branch, are compared by vector instructions.
+    const LANES: usize = 12;
+    let Some(first) = positions.first() else { return 0.0 };
+    let (mut low, mut high) = ([0; LANES].map(|_| f64::INFINITY), [f64::NEG_INFINITY; LANES]);
+    // Zero as long as all are finite, NaN after.
+    let mut finite = [0.0; LANES];
+    let mut add = |lane: usize, x: f64| {
+        low[lane] = if x < low[lane] { x } else { low[lane] };
+        high[lane] = if x > high[lane] { x } else { high[lane] };
+        finite[lane] += 0.0 * x;
+    };
+    let (blocks, rest) = positions.as_flattened().as_chunks::<LANES>();
+    for block in blocks {
+        for lane in 0..LANES {
+            add(lane, block[lane]);
+        }
+    }
+    for (i, &x) in first.iter().chain(rest).enumerate() {
+        add(i % 3, x);
+    }
+    let side = |k: usize| {
+        let ends = (k..LANES).step_by(3).map(|lane| (low[lane], high[lane]));
+        let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (l, h)| {
+            (low.min(l), high.max(h))
+        });
+        high - low
+    };
+    (0..3).map(side).fold(0.0, f64::max) + finite.iter().sum::<f64>()
 }

@@ -44,12 +44,11 @@ mod polygon;
 mod subdivide;
 mod topology;
 mod trimesh;
-mod unit_scale;
 #[doc(hidden)]
 pub mod vec3;
 mod weld;
 
-pub use build::BuildError;
+pub use build::{BuildError, EXTENTS};
 pub use connectivity::Connectivity;
 pub use diagnosis::{Diagnosis, Tally};
 pub use incidence::Incidence;

@@ -4,7 +4,7 @@
 mod list;
 mod triangulate;
 
-use crate::build::BuildError;
+use crate::build::{BuildError, check_positions};
 
 pub(crate) use list::repeats_a_corner;
 #[cfg(feature = "io")]
@@ -38,9 +38,7 @@ impl PolygonMesh {
         if u32::try_from(vertex_count).is_err() {
             return Err(BuildError::TooLarge { what: "vertices", count: vertex_count });
         }
-        if let Some(v) = positions.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
-            return Err(BuildError::NonFinite { vertex: v as u32, position: positions[v] });
-        }
+        check_positions(&positions)?;
         let mut offsets = vec![0];
         let mut corners: Vec<u32> = Vec::new();
         for (number, face) in faces.into_iter().enumerate() {

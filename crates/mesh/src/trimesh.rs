@@ -3,14 +3,15 @@
 use std::fmt;
 use std::sync::Arc;
 
-use crate::build::BuildError;
+use glam::DVec3;
+
+use crate::build::{BuildError, check_positions};
 use crate::connectivity::Connectivity;
 use crate::incidence::Incidence;
 use crate::topology::Topology;
-use crate::vec3::{cross, distance, norm, sub};
 
 /// A triangle mesh, always valid: indices are in range, coordinates are
-/// finite, and no face repeats a corner.
+/// finite, their extent is zero or within [`EXTENTS`](crate::EXTENTS), and no face repeats a corner.
 ///
 /// Anything else is allowed: isolated vertices, faces of zero area, edges with
 /// three faces, inconsistent orientation. Cloning copies positions and shares
@@ -36,7 +37,7 @@ impl TriMesh {
         if u32::try_from(faces.len().saturating_mul(3)).is_err() {
             return Err(BuildError::TooLarge { what: "corners", count: faces.len() * 3 });
         }
-        check_finite(&positions)?;
+        check_positions(&positions)?;
         for (face, &corners) in faces.iter().enumerate() {
             let [a, b, c] = corners;
             if let Some(&index) = corners.iter().find(|&&i| i as usize >= count) {
@@ -127,8 +128,8 @@ impl TriMesh {
     ///
     /// # Errors
     ///
-    /// [`BuildError`] if there are too few or too many positions, or one is
-    /// not finite.
+    /// [`BuildError`] if there are too few or too many positions, one is
+    /// not finite, or their extent is out of range.
     pub fn with_positions(&self, positions: Vec<[f64; 3]>) -> Result<Self, BuildError> {
         if positions.len() != self.vertex_count() {
             return Err(BuildError::PositionCount {
@@ -136,18 +137,13 @@ impl TriMesh {
                 found: positions.len(),
             });
         }
-        check_finite(&positions)?;
+        check_positions(&positions)?;
         Ok(Self { positions, connectivity: Arc::clone(&self.connectivity) })
     }
 
     /// The positions, in mesh units, one per vertex.
     pub fn positions(&self) -> &[[f64; 3]] {
         &self.positions
-    }
-
-    /// The caller keeps them finite.
-    pub(crate) fn positions_mut(&mut self) -> &mut [[f64; 3]] {
-        &mut self.positions
     }
 
     /// The positions as an `n × 3` view, without a copy.
@@ -216,8 +212,8 @@ impl TriMesh {
     /// If there is no face `f`.
     #[inline]
     pub fn area_vector(&self, f: usize) -> [f64; 3] {
-        let [a, b, c] = self.triangle(f);
-        cross(sub(b, a), sub(c, a)).map(|x| 0.5 * x)
+        let [a, b, c] = self.triangle(f).map(DVec3::from);
+        (0.5 * (b - a).cross(c - a)).to_array()
     }
 
     /// The area of face `f`, in squared mesh units.
@@ -227,7 +223,7 @@ impl TriMesh {
     /// If there is no face `f`.
     #[inline]
     pub fn face_area(&self, f: usize) -> f64 {
-        norm(self.area_vector(f))
+        DVec3::from(self.area_vector(f)).length()
     }
 
     /// The mean length of the sides of the faces, in mesh units: an edge
@@ -238,8 +234,8 @@ impl TriMesh {
         }
         let sum: f64 = (0..self.face_count())
             .map(|f| {
-                let [a, b, c] = self.triangle(f);
-                distance(a, b) + distance(b, c) + distance(c, a)
+                let [a, b, c] = self.triangle(f).map(DVec3::from);
+                a.distance(b) + b.distance(c) + c.distance(a)
             })
             .sum();
         sum / (3 * self.face_count()) as f64
@@ -258,7 +254,7 @@ impl TriMesh {
 
     /// The length of the diagonal of the bounding box; zero without vertices.
     pub fn diagonal(&self) -> f64 {
-        self.bounding_box().map_or(0.0, |[lo, hi]| distance(lo, hi))
+        self.bounding_box().map_or(0.0, |[lo, hi]| DVec3::from(lo).distance(hi.into()))
     }
 }
 
@@ -276,12 +272,5 @@ impl fmt::Debug for TriMesh {
 impl PartialEq for TriMesh {
     fn eq(&self, other: &Self) -> bool {
         self.positions == other.positions && self.faces() == other.faces()
-    }
-}
-
-fn check_finite(positions: &[[f64; 3]]) -> Result<(), BuildError> {
-    match positions.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
-        None => Ok(()),
-        Some(v) => Err(BuildError::NonFinite { vertex: v as u32, position: positions[v] }),
     }
 }

@@ -130,8 +130,7 @@ pub(crate) fn map_sound_faces<T: Send>(
 ///
 /// [`OperatorError::DegenerateFace`] for the first face that is too thin.
 pub fn check_faces(mesh: &TriMesh) -> Result<(), OperatorError> {
-    let (mesh, unit) = mesh.at_unit_scale();
-    map_sound_faces(&mesh, |_| ()).map_err(|error| error.times(unit))?;
+    map_sound_faces(mesh, |_| ())?;
     Ok(())
 }
 

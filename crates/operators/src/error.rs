@@ -1,6 +1,6 @@
 //! Why an operator cannot be assembled.
 
-use crate::laplacian::{LaplacianKind, MassKind};
+use crate::kind::{LaplacianKind, MassKind};
 use fairing_parameters::OptionError;
 
 /// The least height of a face over its longest edge, relative to that edge, at
@@ -83,18 +83,6 @@ pub enum OperatorError {
         /// An upper bound of the number of entries.
         entries: usize,
     },
-}
-
-impl OperatorError {
-    /// The error of a mesh that was divided by `unit`, in its own units.
-    pub(crate) fn times(self, unit: f64) -> Self {
-        match self {
-            Self::DegenerateFace { face, area, edge } => {
-                Self::DegenerateFace { face, area: area * unit * unit, edge: edge * unit }
-            }
-            other => other,
-        }
-    }
 }
 
 /// Which masses a Laplacian has that does not have all.

@@ -31,21 +31,6 @@ use crate::error::OperatorError;
 ///
 /// Source: \[botsch2010\].
 pub fn gradient(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
-    let (scaled, unit) = mesh.at_unit_scale();
-    let mut gradient = gradient_in_range(&scaled).map_err(|error| error.times(unit))?;
-    multiply(gradient.data_mut(), 1.0 / unit);
-    Ok(gradient)
-}
-
-/// All times a power of two.
-fn multiply(values: &mut [f64], factor: f64) {
-    if factor != 1.0 {
-        values.iter_mut().for_each(|value| *value *= factor);
-    }
-}
-
-/// [`gradient`] where squares of areas are floats.
-fn gradient_in_range(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
     let hats = hat_gradients(mesh)?;
     let entries = 9 * mesh.face_count();
     if u32::try_from(entries).is_err() {
@@ -78,15 +63,13 @@ fn gradient_in_range(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
 ///
 /// Source: \[botsch2010\].
 pub fn divergence(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
-    let (mesh, unit) = mesh.at_unit_scale();
-    let mut weighted = gradient_in_range(&mesh).map_err(|error| error.times(unit))?;
+    let mut weighted = gradient(mesh)?;
     for (row, values) in weighted.data_mut().chunks_exact_mut(3).enumerate() {
         let area = mesh.face_area(row / 3);
         for value in values {
             *value *= -area;
         }
     }
-    multiply(weighted.data_mut(), unit);
     Ok(weighted.transpose_view().to_csr())
 }
 
@@ -102,11 +85,9 @@ pub fn divergence(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
 /// If there is not one value per vertex.
 pub fn face_gradients(mesh: &TriMesh, values: &[f64]) -> Result<Vec<[f64; 3]>, OperatorError> {
     assert_eq!(values.len(), mesh.vertex_count(), "one value per vertex");
-    let (scaled, unit) = mesh.at_unit_scale();
-    let hats = hat_gradients(&scaled).map_err(|error| error.times(unit))?;
+    let hats = hat_gradients(mesh)?;
     let on_face = |(face, hat): (&[u32; 3], &[[f64; 3]; 3])| {
-        let sum = (0..3).fold([0.0; 3], |sum, k| add(sum, scale(hat[k], values[face[k] as usize])));
-        if unit == 1.0 { sum } else { scale(sum, 1.0 / unit) }
+        (0..3).fold([0.0; 3], |sum, k| add(sum, scale(hat[k], values[face[k] as usize])))
     };
     Ok(mesh.faces().par_iter().zip(&hats).map(on_face).collect())
 }

@@ -38,9 +38,7 @@ fairing_parameters::serde_by_name!(NormalWeight);
 /// The unit normal of each face of the [oriented](TriMesh::oriented) mesh,
 /// outward for counter-clockwise faces; the zero vector for a face without area.
 pub fn face_normals(mesh: &TriMesh) -> Vec<[f64; 3]> {
-    let mesh = mesh.oriented();
-    let (mesh, _) = mesh.at_unit_scale();
-    let mesh = &*mesh;
+    let mesh = &*mesh.oriented();
     (0..mesh.face_count())
         .into_par_iter()
         .with_min_len(4096)
@@ -68,9 +66,7 @@ pub fn weighted_vertex_normals(mesh: &TriMesh, weight: NormalWeight) -> Vec<[f64
         normals.truncate(above.len());
         return normals;
     }
-    let mesh = mesh.oriented();
-    let (mesh, _) = mesh.at_unit_scale();
-    let mesh = &*mesh;
+    let mesh = &*mesh.oriented();
     let vectors: Vec<[f64; 3]> = (0..mesh.face_count())
         .into_par_iter()
         .with_min_len(4096)

@@ -59,13 +59,12 @@ pub(crate) fn on_pattern(
     mesh: &TriMesh,
     pattern: Option<&SparseMatrix>,
 ) -> Result<SparseMatrix, OperatorError> {
-    let (mesh, unit) = mesh.at_unit_scale();
-    let sums = SideSums::new(&mesh, Diagonal::MinusSum, |f| {
+    let sums = SideSums::new(mesh, Diagonal::MinusSum, |f| {
         let face = FaceCorners::new(mesh.triangle(f));
         if face.is_degenerate() {
             return Err(degenerate(f, &face));
         }
         Ok(face.half_cotangents().map(|half| -half))
     });
-    sums.map_err(|error| error.times(unit))?.matrix(pattern)
+    sums?.matrix(pattern)
 }

@@ -1,7 +1,7 @@
 //! Geodesic distance by the heat method.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::distance;
+use fairing_mesh::vec3::{distance, power_of_two};
 use fairing_operators::{Intrinsic, Laplacian, LaplacianKind, MassKind};
 use fairing_parameters::OptionError;
 use fairing_sparse::{
@@ -31,12 +31,10 @@ pub struct HeatGeodesics {
     /// The component of each vertex.
     component: Vec<u32>,
     used: Vec<bool>,
-    /// Distances are in this many mesh units: a power of two, 1 for meshes of ordinary size.
-    unit: f64,
 }
 
-/// Heat at the sources, 2⁹⁰⁰: it falls by a factor of about 2.6 in each edge length, and reaches twice as far as
-/// heat of 1 before it underflows.
+/// Heat at the sources, 2⁹⁰⁰: it falls by a factor of about 2.6 in each edge length, and
+/// reaches twice as far as heat of 1 before it underflows.
 const HEAT: i32 = 900;
 
 impl HeatGeodesics {
@@ -88,14 +86,10 @@ impl HeatGeodesics {
         if found != expected {
             return Err(SpectralError::Rows { found, expected });
         }
-        // At a size whose squares are floats.
-        let unit = mesh.scale_unit();
-        let mesh = &*mesh.divided_by(unit);
         let (corners, flat) = match (laplacian.kind(), laplacian.intrinsic()) {
             (_, Some(Intrinsic { faces, .. })) => {
                 let sides = faces.lengths.as_chunks::<3>().0.iter();
-                let sides = sides.map(|sides| sides.map(|side| side / unit));
-                let flat = sides.map(|sides| FlatFace::new(sides, faces.share)).collect();
+                let flat = sides.map(|&sides| FlatFace::new(sides, faces.share)).collect();
                 (faces.corners.clone(), flat)
             }
             (LaplacianKind::Cotangent, None) => {
@@ -105,12 +99,18 @@ impl HeatGeodesics {
             (kind, None) => return Err(SpectralError::Kind { kind }),
         };
         let (components, component) = components(mesh);
-        let times = match time {
-            Some(time) => vec![time / unit / unit; components],
-            None => mean_squares(mesh, components, &component),
-        };
         let mass = laplacian.positive_mass()?;
-        let mass: Vec<f64> = mass.lumped().iter().map(|m| m / unit / unit).collect();
+        // Masses and times in a unit that makes the mean mass about one, so that heat does not overflow. A power of
+        // four rounds nothing, not even in a root.
+        let mean = mass.lumped().iter().sum::<f64>() / mesh.vertex_count().max(1) as f64;
+        let unit = power_of_two(mean.sqrt()).powi(2);
+        let times = match time {
+            Some(time) => vec![time / unit; components],
+            None => {
+                mean_squares(mesh, components, &component).map(|square| square / unit).collect()
+            }
+        };
+        let mass: Vec<f64> = mass.lumped().iter().map(|m| m / unit).collect();
         let mut isolated = vec![false; mesh.vertex_count()];
         for &v in laplacian.isolated() {
             isolated[v as usize] = true;
@@ -123,7 +123,7 @@ impl HeatGeodesics {
         let poisson = GraphSystem::new(stiffness, none, &mass, &isolated, Some(&like))?;
         let used = isolated.iter().map(|isolated| !isolated).collect();
         let kind = laplacian.kind();
-        Ok(Self { kind, heat, poisson, corners, flat, components, component, used, unit })
+        Ok(Self { kind, heat, poisson, corners, flat, components, component, used })
     }
 
     /// The kind of the Laplacian that it was made with.
@@ -181,7 +181,7 @@ impl HeatGeodesics {
         }
         let distance = |(v, phi): (usize, &f64)| {
             let (sum, count) = at_sources[self.component[v] as usize];
-            is_reached(v).then(|| ((phi - sum / count) * self.unit).max(0.0))
+            is_reached(v).then(|| (phi - sum / count).max(0.0))
         };
         let mut distances: Vec<Option<f64>> = phi.iter().enumerate().map(distance).collect();
         for &v in &sources {
@@ -216,7 +216,7 @@ fn heat(
 }
 
 /// The square of the mean length of the sides of the faces of each component.
-fn mean_squares(mesh: &TriMesh, components: usize, component: &[u32]) -> Vec<f64> {
+fn mean_squares(mesh: &TriMesh, components: usize, component: &[u32]) -> impl Iterator<Item = f64> {
     let mut sums = vec![(0.0, 0.0); components];
     for (face, sides) in mesh.faces().iter().zip(sides(mesh)) {
         let (sum, count) = &mut sums[component[face[0] as usize] as usize];
@@ -225,7 +225,7 @@ fn mean_squares(mesh: &TriMesh, components: usize, component: &[u32]) -> Vec<f64
             *count += 1.0;
         }
     }
-    sums.iter().map(|(sum, count): &(f64, f64)| (sum / count.max(1.0)).powi(2)).collect()
+    sums.into_iter().map(|(sum, count): (f64, f64)| (sum / count.max(1.0)).powi(2))
 }
 
 /// How many components there are and which one each vertex is in; every vertex without faces is one of its own.

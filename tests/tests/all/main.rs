@@ -8,6 +8,7 @@ mod denoising;
 mod ellipsoid;
 mod evaluation;
 mod examples;
+mod extents;
 mod extremes;
 mod files;
 mod invariants;

@@ -4,8 +4,6 @@ mod fit;
 mod gradient;
 mod pairs;
 
-use std::borrow::Cow;
-
 use fairing_denoising::training::{Model, Network, Seen, State, advance, samples};
 use fairing_denoising::{DenoiseError, noise_level};
 use fairing_mesh::TriMesh;
@@ -56,16 +54,14 @@ impl Default for TrainingOptions {
 ///
 /// # Errors
 ///
-/// [`DenoiseError::NonFinite`] if coordinates overflow.
+/// [`DenoiseError::Build`] if coordinates overflow.
 pub fn train_normals(
     pairs: &[TrainingPair],
     options: &TrainingOptions,
     mut say: impl FnMut(String),
 ) -> Result<Vec<u8>, DenoiseError> {
-    let scaled: Vec<Cow<'_, TriMesh>> =
-        pairs.iter().map(|pair| pair.noisy.at_unit_scale().0).collect();
     let mut all: Vec<Course<'_>> = vec![];
-    for (noisy, TrainingPair { truth, .. }) in scaled.iter().zip(pairs) {
+    for TrainingPair { noisy, truth } in pairs {
         let Some(level) = noise_level(noisy).filter(|l| l.sigma > 0.0) else { continue };
         all.push(Course { state: State::new(noisy, level), normals: true_normals(truth) });
     }

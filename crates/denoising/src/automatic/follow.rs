@@ -6,7 +6,6 @@ use rayon::prelude::*;
 
 use crate::DenoiseError;
 use crate::faces::FaceLists;
-use crate::rebuild::rebuild;
 
 /// The least area of a face, as a share of the mean area around it.
 const LEAST_SHARE: f64 = 0.3;
@@ -72,7 +71,7 @@ impl<'a> Follow<'a> {
     ///
     /// # Errors
     ///
-    /// [`DenoiseError::NonFinite`] if coordinates overflow.
+    /// [`DenoiseError::Build`] if coordinates overflow.
     pub(super) fn run(
         &self,
         from: &[[f64; 3]],
@@ -84,7 +83,7 @@ impl<'a> Follow<'a> {
             fairing_watch::check();
             positions = self.step(&positions, normals);
         }
-        rebuild(self.noisy, positions)
+        Ok(self.noisy.with_positions(positions)?)
     }
 
     fn step(&self, x: &[[f64; 3]], normals: &[[f64; 3]]) -> Vec<[f64; 3]> {

@@ -25,8 +25,7 @@ use fairing_mesh::vec3::norm;
 use crate::DenoiseError;
 use crate::faces::Hinges;
 use crate::noise_level::{NoiseEstimate, noisy_parts};
-use crate::rebuild::rebuild;
-use crate::unit_scale::at_unit_scale;
+use crate::oriented::on_oriented;
 use correlation::variance_of_means;
 use model::Model;
 use offset::in_the_middle;
@@ -141,16 +140,15 @@ impl Automatic {
 /// # Errors
 ///
 /// [`DenoiseError::Unwelded`] for faces that do not share their corners;
-/// [`DenoiseError::NonFinite`] where numbers leave the range of floats;
+/// [`DenoiseError::Build`] where numbers leave the range of floats;
 /// [`DenoiseError::Model`] if the trained numbers were damaged in the build.
 ///
 /// Source of the regression of normals in stages: \[wang2016\].
 pub fn automatic(mesh: &TriMesh) -> Result<Automatic, DenoiseError> {
-    let unit = mesh.scale_unit();
     let mut noise = None;
     let mut limit = 0.0f64;
     let mut uneven_vertices = 0;
-    let moved = at_unit_scale(mesh, |mesh| {
+    let moved = on_oriented(mesh, |mesh| {
         let groups = noisy_parts(mesh);
         noise = groups.first().map(|group| group.level);
         let uneven = uneven_parts(mesh, &groups);
@@ -168,7 +166,7 @@ pub fn automatic(mesh: &TriMesh) -> Result<Automatic, DenoiseError> {
             part.put_back(&moved, &mut positions);
             limit = limit.max(farthest);
         }
-        rebuild(mesh, positions)
+        Ok(mesh.with_positions(positions)?)
     })?;
     let view = moved.oriented();
     let (faces, creased) = face_kinds(&view, &Hinges::new(&view));
@@ -178,12 +176,7 @@ pub fn automatic(mesh: &TriMesh) -> Result<Automatic, DenoiseError> {
         (true, true) => SurfaceKind::Creased,
         (true, false) => SurfaceKind::Smooth,
     };
-    let in_mesh_units = |mut noise: NoiseEstimate| {
-        noise.sigma *= unit;
-        noise
-    };
-    let noise = noise.map(in_mesh_units);
-    Ok(Automatic { mesh: moved, noise, kind, uneven_vertices, faces, limit: limit * unit })
+    Ok(Automatic { mesh: moved, noise, kind, uneven_vertices, faces, limit })
 }
 
 /// Denoises a mesh whose noise has one level; also the largest distance allowed, zero for a clean

@@ -6,7 +6,6 @@ use fairing_operators::NormalEquations;
 use rayon::prelude::*;
 
 use crate::DenoiseError;
-use crate::rebuild::rebuild;
 
 /// What pulls a corner towards its mean normal, as a share of what its faces ask for: where
 /// they are nearly parallel it must not slide along them.
@@ -26,7 +25,7 @@ const ROUNDS: usize = 3;
 ///
 /// # Errors
 ///
-/// [`DenoiseError::NonFinite`] if coordinates overflow.
+/// [`DenoiseError::Build`] if coordinates overflow.
 pub(super) fn in_the_middle(
     noisy: &TriMesh,
     mut mesh: TriMesh,
@@ -61,7 +60,7 @@ pub(super) fn in_the_middle(
                 if distance(moved, noisy.positions()[v]) > limit { x } else { moved }
             })
             .collect();
-        mesh = rebuild(&mesh, positions)?;
+        mesh = mesh.with_positions(positions)?;
     }
     Ok(mesh)
 }

@@ -32,9 +32,8 @@ impl<'a> Part<'a> {
         let taken = whole.faces().iter().map(|face| face.map(|v| number[v as usize]));
         let faces = taken.filter(|face| face[0] != u32::MAX).collect();
         let positions = vertices.iter().map(|&v| whole.positions()[v as usize]).collect();
-        let mesh = TriMesh::new(positions, faces)
-            .map_err(|_| DenoiseError::NonFinite { vertex: usize::MAX })?;
-        Ok(Self { mesh: Cow::Owned(mesh), vertices })
+        let mesh = Cow::Owned(TriMesh::new(positions, faces)?);
+        Ok(Self { mesh, vertices })
     }
 
     /// Writes the positions of a mesh with these vertices where they belong.

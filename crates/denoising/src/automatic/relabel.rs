@@ -26,7 +26,7 @@ const ROUNDS: usize = 4;
 ///
 /// # Errors
 ///
-/// [`DenoiseError::NonFinite`] if coordinates overflow.
+/// [`DenoiseError::Build`] if coordinates overflow.
 pub(super) fn relabel(
     mesh: &TriMesh,
     rings: &FaceLists,

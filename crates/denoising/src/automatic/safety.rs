@@ -6,7 +6,6 @@ use rayon::prelude::*;
 
 use super::follow::Follow;
 use crate::DenoiseError;
-use crate::rebuild::rebuild;
 
 /// Rounds of opening faces that oppose their normal, and of going back.
 const ROUNDS: usize = 4;
@@ -20,7 +19,7 @@ const STEPS: usize = 20;
 ///
 /// # Errors
 ///
-/// [`DenoiseError::NonFinite`] if coordinates overflow.
+/// [`DenoiseError::Build`] if coordinates overflow.
 pub(super) fn without_flips(
     noisy: &TriMesh,
     mut mesh: TriMesh,
@@ -51,7 +50,7 @@ pub(super) fn without_flips(
         for (v, _) in back.iter().enumerate().filter(|(_, back)| **back) {
             positions[v] = scale(add(positions[v], noisy.positions()[v]), 0.5);
         }
-        let next = rebuild(&mesh, positions)?;
+        let next = mesh.with_positions(positions)?;
         let count = opposing(&next, normals).len();
         if count >= fewest {
             break;

@@ -7,7 +7,6 @@ use fairing_mesh::vec3::{add, cross, distance, dot, norm, scale, sub};
 
 use crate::DenoiseError;
 use crate::noise_level::{NoiseEstimate, noise_level};
-use crate::rebuild::rebuild;
 
 /// How far a spike is from its neighbours, in noise levels: farther than impulses that the networks
 /// were trained on.
@@ -36,7 +35,7 @@ const ROUNDS: usize = 4;
 ///
 /// # Errors
 ///
-/// [`DenoiseError::NonFinite`] if coordinates overflow.
+/// [`DenoiseError::Build`] if coordinates overflow.
 pub(super) fn without_spikes(
     mesh: &TriMesh,
     mut level: NoiseEstimate,
@@ -60,7 +59,7 @@ pub(super) fn without_spikes(
             positions[v as usize] = sub(positions[v as usize], scale(up, height));
             farthest = farthest.max(height.abs());
         }
-        current = Cow::Owned(rebuild(&current, positions)?);
+        current = Cow::Owned(current.with_positions(positions)?);
         match noise_level(&current) {
             Some(next) => level = next,
             None => level.sigma = 0.0,

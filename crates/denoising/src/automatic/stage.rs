@@ -30,7 +30,7 @@ struct Answer {
 ///
 /// # Errors
 ///
-/// [`DenoiseError::NonFinite`] if coordinates overflow.
+/// [`DenoiseError::Build`] if coordinates overflow.
 pub fn advance(state: &mut State<'_>, networks: &[Network]) -> Result<(), DenoiseError> {
     let answers = answers(state, networks);
     let residuals: Vec<[f64; 2]> = answers.iter().filter_map(|a| a.residuals).collect();

@@ -127,7 +127,7 @@ impl<'a> State<'a> {
     ///
     /// # Errors
     ///
-    /// [`DenoiseError::NonFinite`] if coordinates overflow.
+    /// [`DenoiseError::Build`] if coordinates overflow.
     pub(super) fn follow(&mut self) -> Result<(), DenoiseError> {
         let noisy = self.mesh.positions();
         let surface = self.follower(f64::INFINITY).run(noisy, &self.normals, STEPS)?;

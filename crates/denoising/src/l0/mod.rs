@@ -5,15 +5,13 @@ mod system;
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, cross, dot, norm, scale, sub};
 use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
-use fairing_sparse::CgOptions;
+use fairing_sparse::{CgOptions, FieldOperator, conjugate_gradients, product_by_rows};
 use rayon::prelude::*;
 
 use crate::DenoiseError;
-use crate::conjugate_gradients::{by_rows, conjugate_gradients};
 use crate::faces::{FaceShapes, Hinge, Hinges};
 use crate::method::Method;
-use crate::rebuild::rebuild;
-use crate::unit_scale::at_unit_scale;
+use crate::oriented::on_oriented;
 use system::System;
 
 /// How accurately the systems are solved. The solution of each is the first guess
@@ -99,11 +97,11 @@ impl Method for L0Options {
 /// # Errors
 ///
 /// [`DenoiseError::Option`] for a parameter that is not positive or a
-/// growth of at most 1; [`DenoiseError::NonFinite`] if coordinates overflow.
+/// growth of at most 1; [`DenoiseError::Build`] if coordinates overflow.
 ///
 /// Source: \[he2013\].
 pub fn l0(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> {
-    at_unit_scale(mesh, |mesh| filter(mesh, options))
+    on_oriented(mesh, |mesh| filter(mesh, options))
 }
 
 fn filter(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> {
@@ -153,13 +151,14 @@ fn filter(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> 
         let b: Vec<[f64; 3]> =
             noisy.iter().zip(&b).map(|(p, d)| add(*p, scale(*d, beta))).collect();
         system.fill(&weights, beta, alpha);
-        let apply = |p: &[[f64; 3]], q: &mut [[f64; 3]]| by_rows(p, q, |v| system.row(v, p));
-        let diagonal = system.diagonal();
-        positions = conjugate_gradients(apply, &diagonal, &b, positions, &ACCURACY).0;
+        let operator = FieldOperator::new(&system.diagonal(), |p: &[[f64; 3]], q: &mut [_]| {
+            product_by_rows(p, q, |v| system.row(v, p))
+        });
+        positions = conjugate_gradients(&operator, &b, positions, &ACCURACY).0.x;
         beta *= options.growth;
         alpha *= 0.5;
     }
-    rebuild(mesh, positions.into_iter().map(|p| add(p, centre)).collect())
+    Ok(mesh.with_positions(positions.into_iter().map(|p| add(p, centre)).collect())?)
 }
 
 /// The regulariser's coefficients.

@@ -7,8 +7,9 @@ use fairing_evaluation::{
 use fairing_figure::{Axis, Figure, Legend, Panel as FigurePanel, Plot, Series, Up};
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::norm;
+use fairing_operators::{LaplacianKind, LumpedArea};
 use fairing_shapes as shapes;
-use fairing_smoothing::{Diffusion, Implicit, Method, Operator, Time, Update, implicit};
+use fairing_smoothing::{Diffusion, Implicit, Method, Time, Update, implicit};
 
 use super::conformal;
 use super::gallery::{Gallery, Look, VIEWPOINTS, plotted};
@@ -146,7 +147,8 @@ fn spheres(finest: u32) -> Result<Table> {
             tolerance: 1e-11,
             ..Implicit::new(Diffusion::Cotangent {
                 time: Time::SquaredUnits(END / count as f64),
-                operator: Operator::default(),
+                kind: LaplacianKind::Auto,
+                area: LumpedArea::Barycentric,
             })
         };
         let shrunk = implicit(&sphere, &options, None)?.mesh;

@@ -1,5 +1,6 @@
 //! Errors of reading and writing.
 
+use crate::build::BuildError;
 use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -96,6 +97,9 @@ pub enum ReadProblem {
         /// The number of vertices.
         vertex_count: u64,
     },
+    /// The positions do not make a mesh: their extent is out of range.
+    #[error(transparent)]
+    Mesh(BuildError),
     /// More vertices or corners than `u32` can number.
     #[error("{count} {what} are more than 32-bit indices can number")]
     TooLarge {

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::io::Read;
 use std::path::Path;
 
+use crate::build::check_positions;
 use crate::io::error::Fault;
 use crate::io::finish::Finished;
 use crate::io::parsed::Broken;
@@ -212,7 +213,10 @@ fn finished(named: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Resul
     if mark > 0 {
         parsed.notes.push("the byte-order mark at the beginning is ignored".to_owned());
     }
-    parsed.finish(format, compressed, options)
+    let finished = parsed.finish(format, compressed, options)?;
+    let sound = check_positions(&finished.positions);
+    sound.map_err(|error| Fault::whole(ReadProblem::Mesh(error)))?;
+    Ok(finished)
 }
 
 /// The content after the byte-order mark that some editors put before UTF-8 text. The first three

@@ -7,4 +7,3 @@ mod large;
 mod measures;
 mod oracles;
 mod subdivision;
-mod unit_scale;

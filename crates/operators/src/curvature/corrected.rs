@@ -146,8 +146,6 @@ pub fn corrected_curvature(
 
 fn estimate(mesh: &TriMesh, options: CorrectedOptions) -> Result<CurvatureField, OperatorError> {
     let radii = options.radius.map(|r| r.at_vertices(mesh)).transpose()?;
-    let (mesh, unit) = mesh.at_unit_scale();
-    let mesh = &*mesh;
     let normals = weighted_vertex_normals(mesh, options.normals);
     let topology = mesh.topology();
     let of_face = |f: usize| {
@@ -172,7 +170,7 @@ fn estimate(mesh: &TriMesh, options: CorrectedOptions) -> Result<CurvatureField,
                     sum = sum.plus(&measures[c as usize / 3], 1.0);
                 }
             }
-            Some(radii) => explorer.visit(mesh, topology, v, radii[v as usize] / unit, |part| {
+            Some(radii) => explorer.visit(mesh, topology, v, radii[v as usize], |part| {
                 if part.share > 0.0 {
                     sum = sum.plus(&measures[part.face as usize], part.share);
                 }
@@ -180,7 +178,7 @@ fn estimate(mesh: &TriMesh, options: CorrectedOptions) -> Result<CurvatureField,
         }
         sum.at(normal).ok_or(Undefined::NoArea)
     };
-    Ok(CurvatureField::at_each_vertex(mesh, at_vertex).times(unit))
+    Ok(CurvatureField::at_each_vertex(mesh, at_vertex))
 }
 
 #[cfg(test)]

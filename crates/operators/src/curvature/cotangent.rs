@@ -19,7 +19,8 @@ use super::oriented::on_oriented;
 use super::status::Undefined;
 use crate::area::LumpedArea;
 use crate::error::OperatorError;
-use crate::laplacian::{Laplacian, LaplacianKind, MassKind, Reason, choose};
+use crate::kind::{LaplacianKind, MassKind};
+use crate::laplacian::{Laplacian, Reason, choose};
 
 /// The area of [`cotangent_curvature`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,13 +60,12 @@ pub fn cotangent_curvature(
 }
 
 fn estimate(mesh: &TriMesh, options: CotangentOptions) -> Result<CurvatureField, OperatorError> {
-    let (mesh, unit) = mesh.at_unit_scale();
     // The robust Laplacian has areas of its own.
-    let field = match choose(&mesh, LaplacianKind::Auto, MassKind::Barycentric)?.1 {
-        Reason::ThinFace { .. } => laplacian_curvature(&mesh, &Laplacian::auto(&mesh)?)?,
-        _ => CurvatureField::collect(map_cells(&mesh, options.area, at_cell), false),
+    let field = match choose(mesh, LaplacianKind::Auto, MassKind::Barycentric)?.1 {
+        Reason::ThinFace { .. } => laplacian_curvature(mesh, &Laplacian::auto(mesh)?)?,
+        _ => CurvatureField::collect(map_cells(mesh, options.area, at_cell), false),
     };
-    Ok(field.times(unit))
+    Ok(field)
 }
 
 fn at_cell(cell: &Cell) -> (Result<AtVertex, Undefined>, bool) {

@@ -65,8 +65,6 @@ pub fn face_tensor_curvature(mesh: &TriMesh, options: FaceTensorOptions) -> Curv
 }
 
 fn estimate(mesh: &TriMesh, options: FaceTensorOptions) -> CurvatureField {
-    let (mesh, unit) = mesh.at_unit_scale();
-    let mesh = &*mesh;
     let normals = weighted_vertex_normals(mesh, options.normals);
     let tensors: Vec<Option<FaceTensor>> = (0..mesh.face_count())
         .into_par_iter()
@@ -107,7 +105,7 @@ fn estimate(mesh: &TriMesh, options: FaceTensorOptions) -> CurvatureField {
         .with_min_len(1024)
         .map(|v| (at_vertex(v), boundary[v as usize]))
         .collect();
-    CurvatureField::collect(found, true).times(unit)
+    CurvatureField::collect(found, true)
 }
 
 fn face_tensor(mesh: &TriMesh, normals: &[[f64; 3]], f: usize) -> Option<FaceTensor> {

@@ -134,32 +134,6 @@ impl CurvatureField {
             .collect()
     }
 
-    /// The field of a mesh that was divided by `unit`, in its own units.
-    /// Where the curvature is not a float there, it is undefined.
-    pub(crate) fn times(self, unit: f64) -> Self {
-        if unit == 1.0 {
-            return self;
-        }
-        let mut field = self;
-        let values = [&mut field.kappa1, &mut field.kappa2, &mut field.mean, &mut field.gaussian];
-        for (k, values) in values.into_iter().enumerate() {
-            let power = if k == 3 { 2 } else { 1 };
-            for value in values.iter_mut() {
-                (0..power).for_each(|_| *value /= unit);
-            }
-        }
-        for v in 0..field.len() {
-            let values = [field.kappa1[v], field.kappa2[v], field.mean[v], field.gaussian[v]];
-            if values.iter().any(|x| !x.is_finite()) {
-                field.status[v] = VertexStatus::Undefined(Undefined::IllConditioned);
-                (field.kappa1[v], field.kappa2[v]) = (0.0, 0.0);
-                (field.mean[v], field.gaussian[v]) = (0.0, 0.0);
-                field.directions.iter_mut().flatten().for_each(|d| d[v] = [0.0; 3]);
-            }
-        }
-        field
-    }
-
     /// Each vertex by itself, in parallel. `W` is memory that vertices share.
     pub(crate) fn at_each_vertex<W: Default>(
         mesh: &TriMesh,

@@ -176,11 +176,8 @@ where
     F: Fn(&HeightField<'_>) -> Option<AtVertex> + Sync,
 {
     let reach = neighborhood.reach(mesh)?;
-    let (mesh, unit) = mesh.at_unit_scale();
-    let mesh = &*mesh;
     let topology: &Topology = mesh.topology();
     let normals = vertex_normals(mesh);
-    let reach = reach.divided_by(unit);
     let at_vertex = |(explorer, points): &mut (Explorer, Vec<[f64; 3]>), v: u32| {
         if topology.neighbors(v).is_empty() {
             return Err(Undefined::Isolated);
@@ -196,7 +193,7 @@ where
         let field = HeightField::new(mesh, &explorer.found, normal, points);
         field.and_then(|field| fit(&field)).ok_or(Undefined::IllConditioned)
     };
-    Ok(CurvatureField::at_each_vertex(mesh, at_vertex).times(unit))
+    Ok(CurvatureField::at_each_vertex(mesh, at_vertex))
 }
 
 #[cfg(test)]

@@ -37,7 +37,6 @@ pub fn angle_defect(mesh: &TriMesh) -> Vec<f64> {
 
 /// The angle defect and the surroundings of each vertex, on any mesh.
 pub(crate) fn defects(mesh: &TriMesh) -> Vec<(f64, Links)> {
-    let (mesh, _) = mesh.at_unit_scale();
     let (positions, incidence) = (mesh.positions(), mesh.incidence());
     let defect = |fan: &mut Fan, v: u32| {
         let (sides, at) = (incidence.sides(v), positions[v as usize]);
@@ -74,14 +73,13 @@ pub fn gaussian_curvature(
     mesh: &TriMesh,
     area: LumpedArea,
 ) -> Result<ScalarCurvature, OperatorError> {
-    let (mesh, unit) = mesh.at_unit_scale();
-    let mass = lumped_mass(&mesh, area).map_err(|error| error.times(unit))?;
-    Ok(defects(&mesh)
+    let mass = lumped_mass(mesh, area)?;
+    Ok(defects(mesh)
         .into_iter()
         .zip(mass)
         .map(|((defect, links), mass)| {
             let pointwise = if mass > 0.0 { defect / mass } else { f64::INFINITY };
-            (pointwise / unit / unit, undefined(links), links.boundary)
+            (pointwise, undefined(links), links.boundary)
         })
         .collect())
 }

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::cell::{Links, map_cells};
 use super::gaussian::undefined;
 use super::oriented::{TwoSided, on_oriented, take};
-use super::status::{ScalarCurvature, Undefined, VertexStatus};
+use super::status::{ScalarCurvature, VertexStatus};
 use crate::area::LumpedArea;
 use crate::corners::check_faces;
 use crate::error::OperatorError;
@@ -68,21 +68,6 @@ impl MeanCurvature {
         all
     }
 
-    fn times(mut self, factor: f64) -> Self {
-        if factor == 1.0 {
-            return self;
-        }
-        for v in 0..self.signed.len() {
-            self.vectors[v] = scale(self.vectors[v], factor);
-            self.signed[v] *= factor;
-            if !self.vectors[v].iter().chain([&self.signed[v]]).all(|x| x.is_finite()) {
-                (self.vectors[v], self.signed[v]) = ([0.0; 3], 0.0);
-                self.status[v] = VertexStatus::Undefined(Undefined::IllConditioned);
-            }
-        }
-        self
-    }
-
     /// `H = ½ ‖Δx‖`, as the assignment asks for: without a sign, and with the
     /// tangential part of Δx.
     pub fn norms(&self) -> Vec<f64> {
@@ -122,18 +107,15 @@ fn mean_of_oriented(
     if let MeanOperator::Cotangent(_) = operator {
         check_faces(mesh)?;
     }
-    let (mesh, unit) = mesh.at_unit_scale();
     let found = match operator {
-        MeanOperator::Umbrella => umbrellas(&mesh, false),
-        MeanOperator::ScaledUmbrella => umbrellas(&mesh, true),
-        MeanOperator::Cotangent(area) => map_cells(&mesh, area, |cell| {
+        MeanOperator::Umbrella => umbrellas(mesh, false),
+        MeanOperator::ScaledUmbrella => umbrellas(mesh, true),
+        MeanOperator::Cotangent(area) => map_cells(mesh, area, |cell| {
             let vector = (cell.area > 0.0).then(|| scale(cell.laplacian, 1.0 / cell.area));
             AtVertex::new(vector, cell.normal, cell.links)
         }),
     };
-    // The umbrella is a length, the others one over a length.
-    let factor = if operator == MeanOperator::Umbrella { unit } else { 1.0 / unit };
-    Ok(MeanCurvature::from_vertices(found.into_iter()).times(factor))
+    Ok(MeanCurvature::from_vertices(found.into_iter()))
 }
 
 /// [`mean_curvature`] with [`MeanOperator::Cotangent`] and
@@ -156,17 +138,15 @@ fn both_of_oriented(
     area: LumpedArea,
 ) -> Result<(MeanCurvature, ScalarCurvature), OperatorError> {
     check_faces(mesh)?;
-    let (mesh, unit) = mesh.at_unit_scale();
-    let found = map_cells(&mesh, area, |cell| {
+    let found = map_cells(mesh, area, |cell| {
         let inverse = (cell.area > 0.0).then(|| 1.0 / cell.area);
         let vector = inverse.map(|inverse| scale(cell.laplacian, inverse));
         let gaussian = cell.defect() * inverse.unwrap_or(f64::INFINITY);
         (AtVertex::new(vector, cell.normal, cell.links), (gaussian, undefined(cell.links)))
     });
-    let gaussian =
-        found.iter().map(|(at, (k, reason))| (k / unit / unit, *reason, at.boundary)).collect();
+    let gaussian = found.iter().map(|(at, (k, reason))| (*k, *reason, at.boundary)).collect();
     let mean = MeanCurvature::from_vertices(found.into_iter().map(|(at, _)| at));
-    Ok((mean.times(1.0 / unit), gaussian))
+    Ok((mean, gaussian))
 }
 
 pub(super) struct AtVertex {

@@ -138,16 +138,6 @@ pub(crate) enum Reach {
     Radii(Vec<f64>),
 }
 
-impl Reach {
-    /// That in a mesh divided by `unit`.
-    pub(crate) fn divided_by(self, unit: f64) -> Self {
-        match self {
-            Self::Radii(radii) => Self::Radii(radii.iter().map(|r| r / unit).collect()),
-            rings => rings,
-        }
-    }
-}
-
 impl Neighborhood {
     pub(crate) fn reach(self, mesh: &TriMesh) -> Result<Reach, OperatorError> {
         Ok(match self {

@@ -57,8 +57,6 @@ pub fn normal_cycle_curvature(
 
 fn estimate(mesh: &TriMesh, options: NormalCycleOptions) -> Result<CurvatureField, OperatorError> {
     let radii = options.radius.at_vertices(mesh)?;
-    let (mesh, unit) = mesh.at_unit_scale();
-    let mesh = &*mesh;
     let topology = mesh.topology();
     let bending = edge_bending(mesh, topology);
     let areas: Vec<f64> = (0..mesh.face_count())
@@ -73,7 +71,7 @@ fn estimate(mesh: &TriMesh, options: NormalCycleOptions) -> Result<CurvatureFiel
         let normal = normalize(normal_sum(mesh, v)).ok_or(Undefined::NoArea)?;
         let mut sum = BendSum::new(normal);
         let mut area = 0.0;
-        explorer.visit(mesh, topology, v, radii[v as usize] / unit, |part| {
+        explorer.visit(mesh, topology, v, radii[v as usize], |part| {
             let f = part.face as usize;
             area += part.share * areas[f];
             for (k, &e) in topology.face_edges()[f].iter().enumerate() {
@@ -84,5 +82,5 @@ fn estimate(mesh: &TriMesh, options: NormalCycleOptions) -> Result<CurvatureFiel
         });
         sum.over(area)
     };
-    Ok(CurvatureField::at_each_vertex(mesh, at_vertex).times(unit))
+    Ok(CurvatureField::at_each_vertex(mesh, at_vertex))
 }

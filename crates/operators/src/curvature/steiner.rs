@@ -32,8 +32,6 @@ pub fn steiner_curvature(mesh: &TriMesh) -> CurvatureField {
 }
 
 fn estimate(mesh: &TriMesh) -> CurvatureField {
-    let (mesh, unit) = mesh.at_unit_scale();
-    let mesh = &*mesh;
     let topology = mesh.topology();
     let bending = edge_bending(mesh, topology);
     let at_vertex = |_: &mut (), v: u32| {
@@ -56,7 +54,7 @@ fn estimate(mesh: &TriMesh) -> CurvatureField {
         }
         sum.over(area)
     };
-    CurvatureField::at_each_vertex(mesh, at_vertex).times(unit)
+    CurvatureField::at_each_vertex(mesh, at_vertex)
 }
 
 #[cfg(test)]

@@ -109,8 +109,6 @@ pub fn robust_laplacian(
     options: RobustOptions,
 ) -> Result<RobustLaplacian, OperatorError> {
     OptionError::require_not_negative("mollification", options.mollify)?;
-    let (mesh, unit) = mesh.at_unit_scale();
-    let mesh = &*mesh;
     let (mut triangles, share) = match options.cover {
         Cover::Tufted => (tufted(mesh), 0.5),
         Cover::Single => (single(mesh)?, 1.0),
@@ -129,7 +127,7 @@ pub fn robust_laplacian(
         return Err(OperatorError::DegenerateFace {
             face,
             area: 0.0,
-            edge: longest_of(&triangles, t) * unit,
+            edge: longest_of(&triangles, t),
         });
     }
     let (mut flips, mut stuck) = (0, 0);
@@ -137,13 +135,9 @@ pub fn robust_laplacian(
         let done = triangles.flip_to_delaunay();
         (flips, stuck) = (done.count, done.stuck);
     }
-    let (stiffness, mut mass) = assemble(mesh.vertex_count(), &triangles, share)?;
-    let mut lengths = triangles.length;
-    if unit != 1.0 {
-        mass.iter_mut().for_each(|m| *m = *m * unit * unit);
-        lengths.iter_mut().for_each(|l| *l *= unit);
-    }
-    let (added_length, mollified) = (done.added * unit, done.triangles);
+    let (stiffness, mass) = assemble(mesh.vertex_count(), &triangles, share)?;
+    let lengths = triangles.length;
+    let (added_length, mollified) = (done.added, done.triangles);
     let faces = IntrinsicFaces { corners: triangles.start, lengths, share };
     Ok(RobustLaplacian { stiffness, mass, added_length, mollified, flips, stuck, faces })
 }

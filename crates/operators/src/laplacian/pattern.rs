@@ -57,8 +57,7 @@ type FaceTerms = [f64; 4];
 /// The weights are those of [`cotan_stiffness`](crate::cotan_stiffness) with
 /// the other sign, `½ (cot α + cot β)`, the masses positive as by
 /// [`Laplacian::positive_mass`](super::Laplacian::positive_mass). Columns of a
-/// row come in the order in which its faces name them. For meshes
-/// [at unit scale](TriMesh::at_unit_scale).
+/// row come in the order in which its faces name them.
 #[derive(Debug, Clone)]
 pub struct CotangentPattern {
     area: LumpedArea,

@@ -78,7 +78,7 @@ fn slab_order(mesh: &TriMesh) -> Vec<u32> {
     let longest = (0..3).fold(0, |l, d| if side[d] > side[l] { d } else { l });
     let others = [(longest + 1) % 3, (longest + 2) % 3];
     let share = 1.0 / side[longest].max(f64::MIN_POSITIVE);
-    let slabs = (mesh.vertex_count() as f64).sqrt().min(MOST_SLABS);
+    let slabs = (mesh.vertex_count() as f64).sqrt().min(MAX_SLABS);
     let key = |p: &[f64; 3]| {
         let slab = ((p[longest] - low[longest]) * share * slabs) as u64;
         let [a, b] = others.map(|d| spread(((p[d] - low[d]) * share * CELLS) as u64));
@@ -92,7 +92,7 @@ fn slab_order(mesh: &TriMesh) -> Vec<u32> {
 }
 
 /// The most slabs: twelve bits of a key.
-const MOST_SLABS: f64 = 4095.0;
+const MAX_SLABS: f64 = 4095.0;
 
 /// The cells of the Morton curve along the longest side: ten bits for each direction.
 const CELLS: f64 = 1023.0;

@@ -2,15 +2,15 @@
 
 use fairing_mesh::TriMesh;
 use fairing_operators::{
-    CotangentPattern, LaplacianKind, MassKind, ThinFaces, positive_lumped_mass,
+    CotangentPattern, LaplacianKind, LumpedArea, MassKind, ThinFaces, positive_lumped_mass,
 };
 use fairing_sparse::{GraphLaplacian, SparseMatrix};
 
-use crate::engine::diffusion::{Diffusion, Operator};
+use crate::engine::diffusion::Diffusion;
 use crate::engine::error::FlowFailure;
 use crate::engine::neighbors;
 
-/// Assembles `L` at the positions of `mesh`; vertices for which `fixed` is true have zero rows.
+/// Assembles `L` of a [chosen](Diffusion::chosen) kind at the positions of `mesh`; vertices for which `fixed` is true have zero rows.
 pub(crate) fn assemble(
     mesh: &TriMesh,
     diffusion: Diffusion,
@@ -18,7 +18,7 @@ pub(crate) fn assemble(
 ) -> Result<GraphLaplacian, FlowFailure> {
     match diffusion {
         Diffusion::Uniform { .. } => Ok(uniform(mesh, fixed)),
-        Diffusion::Cotangent { operator, .. } => cotangent(mesh, operator, fixed),
+        Diffusion::Cotangent { kind, area, .. } => cotangent(mesh, kind, area, fixed),
     }
 }
 
@@ -27,20 +27,18 @@ pub(crate) fn uniform(mesh: &TriMesh, fixed: &[bool]) -> GraphLaplacian {
     neighbors::uniform(mesh.vertex_count(), mesh.faces(), fixed)
 }
 
-/// `L` for cotangents.
+/// `L` for cotangents, of a chosen kind.
 pub(crate) fn cotangent(
     mesh: &TriMesh,
-    operator: Operator,
+    kind: LaplacianKind,
+    area: LumpedArea,
     fixed: &[bool],
 ) -> Result<GraphLaplacian, FlowFailure> {
-    match operator {
-        Operator::Auto => cotangent(mesh, operator.on(mesh)?.0, fixed),
-        Operator::Plain(area) => on_pattern(&mut CotangentPattern::new(mesh, area, fixed)?, mesh),
-        Operator::Robust => {
-            let (stiffness, mass) = operators(mesh, operator.kinds())?;
-            Ok(GraphLaplacian::weighted(&stiffness, mass, fixed))
-        }
+    if kind == LaplacianKind::Cotangent {
+        return on_pattern(&mut CotangentPattern::new(mesh, area, fixed)?, mesh);
     }
+    let (stiffness, mass) = operators(mesh, (kind, area.into()))?;
+    Ok(GraphLaplacian::weighted(&stiffness, mass, fixed))
 }
 
 /// `L` for the cotangents of a pattern.
@@ -68,7 +66,7 @@ impl Assembler {
         fixed: &[bool],
     ) -> Result<Self, FlowFailure> {
         Ok(match diffusion {
-            Diffusion::Cotangent { operator: Operator::Plain(area), .. } => {
+            Diffusion::Cotangent { kind: LaplacianKind::Cotangent, area, .. } => {
                 Self::Pattern(CotangentPattern::new(mesh, area, fixed)?)
             }
             other => Self::Whole(other),
@@ -106,11 +104,15 @@ impl Assembler {
     }
 }
 
-/// The positive masses of the operator.
-pub(crate) fn mass(mesh: &TriMesh, operator: Operator) -> Result<Vec<f64>, FlowFailure> {
-    match operator {
-        Operator::Plain(area) => Ok(positive_lumped_mass(mesh, area)?),
-        Operator::Auto | Operator::Robust => Ok(operators(mesh, operator.kinds())?.1),
+/// The positive masses of a chosen kind.
+pub(crate) fn mass(
+    mesh: &TriMesh,
+    kind: LaplacianKind,
+    area: LumpedArea,
+) -> Result<Vec<f64>, FlowFailure> {
+    match kind {
+        LaplacianKind::Cotangent => Ok(positive_lumped_mass(mesh, area)?),
+        kind => Ok(operators(mesh, (kind, area.into()))?.1),
     }
 }
 

@@ -2,8 +2,8 @@
 
 use std::borrow::Cow;
 
-use fairing_sparse::passes::{CHUNK, sum, update, update_both};
-use fairing_sparse::{CgRoom, CgSystem, GraphLaplacian, Padded, descend};
+use fairing_sparse::parallel::{CHUNK, sum, update, update_both};
+use fairing_sparse::{CgSystem, CgWorkspace, GraphLaplacian, Padded, descend};
 use rayon::prelude::*;
 
 use crate::engine::constraints::Freedom;
@@ -27,7 +27,7 @@ pub(crate) struct ImplicitSolver<'a> {
     pub(crate) parts: &'a Parts,
     pub(crate) step: f64,
     pub(crate) tolerance: f64,
-    pub(crate) most_iterations: usize,
+    pub(crate) max_iterations: usize,
 }
 
 /// What a solve took and reached.
@@ -39,14 +39,14 @@ pub(crate) struct Solved {
 
 /// Memory that the steps of a run share: clearing it in every step would take longer than an iteration.
 #[derive(Default)]
-pub(crate) struct Room {
+pub(crate) struct Workspace {
     d: Vec<Padded>,
-    cg: CgRoom<4>,
+    cg: CgWorkspace<4>,
     inverse: Vec<f64>,
 }
 
 /// Times that conjugate gradients begin again where the measured residual is larger than that of the recurrence.
-const MOST_RESTARTS: usize = 3;
+const MAX_RESTARTS: usize = 3;
 
 impl<'a> ImplicitSolver<'a> {
     /// `guess` holds a first guess of `d` and receives the solution.
@@ -55,24 +55,24 @@ impl<'a> ImplicitSolver<'a> {
         x: &[Point],
         freedom: &Freedom,
         guess: &mut [Point],
-        room: &mut Room,
+        room: &mut Workspace,
     ) -> Result<Solved, FlowFailure> {
         let centres = self.parts.centres(self.laplacian.mass(), x, freedom);
         room.d.resize(x.len(), [0.0; 4]);
         room.cg.resize(x.len());
-        let Room { d, cg, inverse } = room;
+        let Workspace { d, cg, inverse } = room;
         let system = System::new(*self, x, freedom, &centres, inverse);
         system.begin(guess, d, &mut cg.p);
-        let (mut iterations, most) = (0, self.most_iterations);
+        let (mut iterations, most) = (0, self.max_iterations);
         let done = |squares: &Padded| [root(squares) <= self.tolerance; 4];
-        for restart in 0..=MOST_RESTARTS {
+        for restart in 0..=MAX_RESTARTS {
             let squares = system.residual(d, &cg.p, &mut cg.r);
             if restart > 0 && root(&squares) <= self.tolerance {
                 system.end(d, guess);
                 let residual = system.gauge.reported_in_units(&cg.r, &squares);
                 return Ok(Solved { iterations, residual });
             }
-            if restart < MOST_RESTARTS {
+            if restart < MAX_RESTARTS {
                 descend(&system, d, cg, done, &mut iterations, most)
                     .map_err(|_| system.not_converged(iterations, &cg.r))?;
                 system.settle(d, &mut cg.p);

@@ -1,8 +1,10 @@
 //! What diffuses, and how far in one step.
 
 use fairing_mesh::TriMesh;
-use fairing_operators::{LaplacianKind, LumpedArea, MassKind, OperatorError, Reason, choose};
+use fairing_operators::{LaplacianKind, LumpedArea, Reason, choose};
 use fairing_parameters::{Choice, Parameter, ParameterError, Values};
+
+use crate::engine::error::FlowFailure;
 
 /// The Laplacian of a flow with the length of a step in its unit.
 ///
@@ -22,53 +24,28 @@ pub enum Diffusion {
     Cotangent {
         /// The time of one step.
         time: Time,
-        /// How `S` and `M` are made.
-        operator: Operator,
+        /// How `S` is made; every kind but uniform. [`LaplacianKind::Auto`] takes the robust Laplacian where a face
+        /// of the input is too thin for cotangents, which [`Report::too_thin`](crate::Report::too_thin) then names.
+        kind: LaplacianKind,
+        /// The areas `M`, which must be positive: [`LumpedArea::Voronoi`] does not promise that, and the robust
+        /// Laplacian has barycentric ones only.
+        area: LumpedArea,
     },
 }
 
-/// How the stiffness `S` and the areas `M` of cotangent weights are made.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
-pub enum Operator {
-    /// [`LaplacianKind::Auto`]: cotangents over barycentric areas; the robust operator where a face
-    /// of the input is too thin for cotangents, which [`Report::too_thin`](crate::Report::too_thin)
-    /// then names.
-    #[default]
-    Auto,
-    /// Cotangents of the faces as they are, over these areas. Faces without area are refused, obtuse ones can give
-    /// negative weights. Areas must be positive, which [`LumpedArea::Voronoi`] does not promise.
-    Plain(LumpedArea),
-    /// Of the intrinsic Delaunay triangulation of the tufted cover: exists on every mesh that has an edge of some
-    /// length, with faces without area and edges of many faces too, and has no negative weight; the same as
-    /// `Plain(Barycentric)` on closed Delaunay meshes. See [`fairing_operators::intrinsic`]. Takes several times as
-    /// long to assemble.
-    /// Source: \[sharp2020\].
-    Robust,
-}
-
-impl Operator {
-    /// The operator for a mesh, never [`Operator::Auto`], and the first face too thin for
-    /// cotangents where auto takes the robust operator.
-    pub(crate) fn on(self, mesh: &TriMesh) -> Result<(Self, Option<u32>), OperatorError> {
-        if self != Self::Auto {
-            return Ok((self, None));
-        }
-        let (kind, mass) = self.kinds();
-        Ok(match choose(mesh, kind, mass)?.1 {
-            Reason::ThinFace { face, .. } => (Self::Robust, Some(face)),
-            _ => (Self::Plain(LumpedArea::Barycentric), None),
-        })
-    }
-
-    /// The kinds of stiffness and mass.
-    pub(crate) fn kinds(self) -> (LaplacianKind, MassKind) {
-        match self {
-            Self::Auto => (LaplacianKind::Auto, MassKind::Barycentric),
-            Self::Plain(area) => (LaplacianKind::Cotangent, area.into()),
-            Self::Robust => (LaplacianKind::Robust, MassKind::Barycentric),
-        }
+/// The Laplacian that `kind` stands for on `mesh`, cotangent or robust, and the first face too thin for
+/// cotangents if that decided.
+pub(crate) fn chosen(
+    mesh: &TriMesh,
+    kind: LaplacianKind,
+    area: LumpedArea,
+) -> Result<(LaplacianKind, Option<u32>), FlowFailure> {
+    match choose(mesh, kind, area.into())? {
+        (LaplacianKind::Uniform, _) => Err(FlowFailure::Unsupported {
+            reason: "a diffusion by cotangents has no uniform weights: take those of the graph",
+        }),
+        (kind, Reason::ThinFace { face, .. }) => Ok((kind, Some(face))),
+        (kind, _) => Ok((kind, None)),
     }
 }
 
@@ -115,19 +92,21 @@ pub(crate) const LAMBDA: Parameter = Parameter::number(
 pub(crate) const TIME: Parameter =
     Parameter::number("time", "", "The step of cotangents").unit("squared units of the file");
 
-impl Operator {
-    /// From [`OPERATOR`] and [`AREA`].
-    pub(crate) fn from_values(values: &Values<'_>) -> Result<Self, ParameterError> {
-        let area = values.get(AREA.name)?.unwrap_or(LumpedArea::Barycentric);
-        let barycentric = area == LumpedArea::Barycentric;
-        match values.text(OPERATOR.name) {
-            Some("robust") if barycentric => Ok(Self::Robust),
-            Some("robust") => Err(values
-                .refuse(AREA.name, "barycentric with operator robust, which has no other areas")),
-            Some("auto") | None if barycentric => Ok(Self::Auto),
-            _ => Ok(Self::Plain(area)),
-        }
+/// The Laplacian and the areas of [`OPERATOR`] and [`AREA`].
+pub(crate) fn operator_from_values(
+    values: &Values<'_>,
+) -> Result<(LaplacianKind, LumpedArea), ParameterError> {
+    let area = values.get(AREA.name)?.unwrap_or(LumpedArea::Barycentric);
+    let kind = match values.text(OPERATOR.name) {
+        Some("robust") => LaplacianKind::Robust,
+        Some("cotangent") => LaplacianKind::Cotangent,
+        _ => LaplacianKind::Auto,
+    };
+    if kind == LaplacianKind::Robust && area != LumpedArea::Barycentric {
+        let expected = "barycentric with operator robust, which has no other areas";
+        return Err(values.refuse(AREA.name, expected));
     }
+    Ok((kind, area))
 }
 
 /// Refuses parameters of cotangents, which uniform weights would ignore.
@@ -169,7 +148,8 @@ impl Diffusion {
             Some(time) => Time::SquaredUnits(time),
             None => Time::SquaredEdges(values.get(LAMBDA.name)?.unwrap_or(lambda)),
         };
-        Ok(Self::Cotangent { time, operator: Operator::from_values(values)? })
+        let (kind, area) = operator_from_values(values)?;
+        Ok(Self::Cotangent { time, kind, area })
     }
 }
 
@@ -208,25 +188,30 @@ impl Diffusion {
         Self::Uniform { lambda }
     }
 
-    /// Cotangent weights over barycentric areas ([`Operator::Auto`]), with steps of `lambda` h².
+    /// Cotangent weights ([`LaplacianKind::Auto`]) over barycentric areas, with steps of `lambda` h².
     pub fn cotangent(lambda: f64) -> Self {
-        Self::Cotangent { time: Time::SquaredEdges(lambda), operator: Operator::default() }
+        let (kind, area) = (LaplacianKind::Auto, LumpedArea::Barycentric);
+        Self::Cotangent { time: Time::SquaredEdges(lambda), kind, area }
     }
 
-    /// The same steps with another operator; nothing changes for uniform weights.
+    /// The same steps with another Laplacian; nothing changes for uniform weights.
     #[must_use]
-    pub fn with_operator(self, operator: Operator) -> Self {
+    pub fn with_kind(self, kind: LaplacianKind) -> Self {
         match self {
             Self::Uniform { .. } => self,
-            Self::Cotangent { time, .. } => Self::Cotangent { time, operator },
+            Self::Cotangent { time, area, .. } => Self::Cotangent { time, kind, area },
         }
     }
 
-    /// The operator of cotangents.
-    pub(crate) fn operator_mut(&mut self) -> Option<&mut Operator> {
+    /// The diffusion with the Laplacian that its kind stands for on `mesh`, and the first face too thin for
+    /// cotangents if that decided.
+    pub(crate) fn chosen(self, mesh: &TriMesh) -> Result<(Self, Option<u32>), FlowFailure> {
         match self {
-            Self::Uniform { .. } => None,
-            Self::Cotangent { operator, .. } => Some(operator),
+            Self::Uniform { .. } => Ok((self, None)),
+            Self::Cotangent { kind, area, .. } => {
+                let (kind, too_thin) = chosen(mesh, kind, area)?;
+                Ok((self.with_kind(kind), too_thin))
+            }
         }
     }
 

@@ -13,7 +13,7 @@ use crate::engine::parts::{Gauge, Parts, larger};
 type Point = [f64; 3];
 
 /// Solves with refinement: the residual of a solution is solved for again. One is the rule, two are rare.
-const MOST_SOLVES: usize = 6;
+const MAX_SOLVES: usize = 6;
 
 /// What a step changes at most, as a share of positions: conjugate gradients begin that close to the solution.
 const CHANGE: f64 = 0.01;
@@ -31,12 +31,18 @@ const LONG: f64 = 100.0;
 /// The condition is `κ = 1 + t ω` for the largest eigenvalue ω of `−L`, about 7.4/h² with cotangents on even meshes. A
 /// factor of a frozen operator serves all steps; an operator that is assembled again needs one for each. So λ decides: short steps
 /// are iterated, long ones factored, and those of frozen operators sooner.
-pub(crate) fn pays(laplacian: &GraphLaplacian, step: f64, tolerance: f64, solves: usize) -> bool {
+pub(crate) fn pays(
+    laplacian: &GraphLaplacian,
+    step: f64,
+    bound: f64,
+    tolerance: f64,
+    solves: usize,
+) -> bool {
     let work = Workload {
         rows: laplacian.len(),
         entries: laplacian.entries(),
         factor_entries: None,
-        condition: 1.0 + step * laplacian.spectral_bound(),
+        condition: 1.0 + step * bound,
         tolerance: (tolerance / CHANGE).min(1.0),
         solves,
     };
@@ -123,7 +129,7 @@ impl Direct {
             if residual <= solver.tolerance && iterations > 0 {
                 break gauge.reported(&r);
             }
-            if iterations == MOST_SOLVES || !residual.is_finite() {
+            if iterations == MAX_SOLVES || !residual.is_finite() {
                 return Err(not_converged(gauge.reported(&r), iterations, &r));
             }
             grounded.correct(parts, mass, freedom, &mut r, &mut u);
@@ -269,9 +275,10 @@ mod tests {
         let mesh = fairing_shapes::icosphere(5);
         let fixed = vec![false; mesh.vertex_count()];
         let h2 = mesh.mean_edge_length().powi(2);
-        let laplacian =
-            crate::engine::assemble::cotangent(&mesh, Default::default(), &fixed).unwrap();
-        let pays = |lambda: f64, solves| super::pays(&laplacian, lambda * h2, 1e-8, solves);
+        let diffusion = crate::Diffusion::cotangent(1.0).chosen(&mesh).unwrap().0;
+        let laplacian = crate::engine::assemble::assemble(&mesh, diffusion, &fixed).unwrap();
+        let bound = laplacian.spectral_bound();
+        let pays = |lambda: f64, n| super::pays(&laplacian, lambda * h2, bound, 1e-8, n);
         assert!(!pays(1.0, 1) && !pays(0.1, 10));
         assert!(pays(100.0, 10) && pays(1e4, 1));
     }

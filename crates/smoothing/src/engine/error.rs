@@ -99,8 +99,8 @@ pub enum FlowFailure {
         /// Where it would go.
         position: [f64; 3],
     },
-    /// The operator of a step cannot be assembled. [`Operator::Robust`](crate::Operator::Robust) and uniform weights
-    /// are defined on meshes where the plain operator is not.
+    /// The operator of a step cannot be assembled. [`LaplacianKind::Robust`](fairing_operators::LaplacianKind::Robust)
+    /// and uniform weights are defined on meshes where the plain operator is not.
     #[error(
         "the operator cannot be assembled; use the robust operator or uniform weights for such a mesh"
     )]

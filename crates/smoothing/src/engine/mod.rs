@@ -2,13 +2,14 @@
 
 pub(crate) mod arrangement;
 pub(crate) mod assemble;
-pub(crate) mod collapse;
 pub(crate) mod conjugate;
 pub(crate) mod constraints;
 pub(crate) mod diffusion;
 pub(crate) mod direct;
 pub(crate) mod error;
 pub(crate) mod flow;
+pub(crate) mod implicit_steps;
+pub(crate) mod linear;
 pub(crate) mod neighbors;
 pub(crate) mod outcome;
 pub(crate) mod parts;
@@ -20,5 +21,5 @@ pub(crate) mod sliding;
 pub(crate) mod spectrum;
 pub(crate) mod stability;
 pub(crate) mod step;
-pub(crate) mod unit_scale;
+pub(crate) mod updated;
 pub(crate) mod volume;

@@ -28,8 +28,8 @@ pub struct Report {
     pub stable_limit: Option<f64>,
     /// Whether steps beyond the stable limit were taken.
     pub unstable: bool,
-    /// The first face of the input that is too thin for cotangents, for which [`Operator::Auto`](crate::Operator::Auto)
-    /// took the robust operator.
+    /// The first face of the input that is too thin for cotangents, for which
+    /// [`LaplacianKind::Auto`](fairing_operators::LaplacianKind::Auto) took the robust Laplacian.
     pub too_thin: Option<u32>,
     /// The faces that became degenerate on the way, whose sides were lengthened: for flows that assemble their operator
     /// again in each step. A face counts once.

@@ -81,7 +81,7 @@ impl Resolvent {
     ) -> Result<(Vec<Point>, f64), FlowFailure> {
         let parts = &Parts::new(laplacian, freedom);
         let (step, tolerance) = (self.step, RESIDUAL);
-        let solver = ImplicitSolver { laplacian, parts, step, tolerance, most_iterations: 0 };
+        let solver = ImplicitSolver { laplacian, parts, step, tolerance, max_iterations: 0 };
         let mut direct = Direct::default();
         let mut worst = 0.0f64;
         // About the centre of each part, which no filter moves.

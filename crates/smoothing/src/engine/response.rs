@@ -39,6 +39,15 @@ impl Response {
         }
     }
 
+    /// The number of steps that the run takes; a filter is one.
+    pub(crate) fn steps(self) -> usize {
+        match self {
+            Self::Explicit { steps, .. } | Self::Implicit { steps, .. } => steps,
+            Self::Pairs { pairs, .. } => 2 * pairs,
+            Self::Heat { .. } | Self::Butterworth { .. } => 1,
+        }
+    }
+
     /// The degree, if it is a polynomial.
     pub(crate) fn degree(self) -> Option<usize> {
         match self {

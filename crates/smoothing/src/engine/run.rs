@@ -14,7 +14,7 @@ use crate::engine::step::{Observer, Step};
 use crate::engine::volume::{SizeKeeper, Volume};
 
 /// What all flows are told in the same way.
-pub(crate) struct Frame<'a> {
+pub(crate) struct RunSettings<'a> {
     pub(crate) constraints: &'a Constraints,
     pub(crate) volume: Volume,
     pub(crate) iterations: usize,
@@ -22,7 +22,7 @@ pub(crate) struct Frame<'a> {
     pub(crate) keep_area: bool,
 }
 
-impl<'a> Frame<'a> {
+impl<'a> RunSettings<'a> {
     /// Volume and area go where the flow takes them.
     pub(crate) fn new(constraints: &'a Constraints, iterations: usize) -> Self {
         Self { constraints, volume: Volume::Drifts, iterations, keep_area: false }
@@ -70,7 +70,7 @@ impl<'a, 'o> Run<'a, 'o> {
     /// Arranges the mesh and its constraints. Whoever is observed works in the order of the file.
     pub(crate) fn new(
         input: &'a TriMesh,
-        frame: &Frame<'_>,
+        settings: &RunSettings<'_>,
         observer: Option<&'a mut Observer<'o>>,
     ) -> Result<Self, FlowError> {
         let prepare = || -> Result<_, FlowFailure> {
@@ -79,9 +79,9 @@ impl<'a, 'o> Run<'a, 'o> {
                 Some(_) => Arrangement::as_given(input),
                 None => Arrangement::in_slabs(input)?,
             };
-            let freedom = Freedom::new(&arrangement, frame.constraints)?;
+            let freedom = Freedom::new(&arrangement, settings.constraints)?;
             let keeper =
-                SizeKeeper::new(arrangement.mesh(), frame.volume, frame.keep_area, &freedom)?;
+                SizeKeeper::new(arrangement.mesh(), settings.volume, settings.keep_area, &freedom)?;
             Ok((arrangement, freedom, keeper))
         };
         let (arrangement, freedom, keeper) = prepare().map_err(|failure| failure.before(input))?;
@@ -91,7 +91,7 @@ impl<'a, 'o> Run<'a, 'o> {
             freedom,
             keeper,
             observer,
-            iterations: frame.iterations,
+            iterations: settings.iterations,
             report: Report::default(),
         })
     }
@@ -146,7 +146,6 @@ impl<'a, 'o> Run<'a, 'o> {
                     before: mesh.positions(),
                     mesh: &after,
                     residual: note.residual,
-                    unit: 1.0,
                 }),
             };
             next = std::mem::replace(&mut mesh, after).into_positions();

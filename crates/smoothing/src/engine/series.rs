@@ -27,10 +27,10 @@ pub(crate) const TOLERANCE: f64 = 1e-10;
 const SAMPLED: f64 = 1e-12;
 
 /// The most samples.
-const MOST_SAMPLES: usize = 4096;
+const MAX_SAMPLES: usize = 4096;
 
 /// The largest degree.
-const MOST_DEGREE: usize = 2048;
+const MAX_DEGREE: usize = 2048;
 
 /// Where `|g|` is larger, cancellation is no longer harmless: an unstable flow.
 const LARGEST: f64 = 4.0;
@@ -67,6 +67,11 @@ impl Chain {
         }
     }
 
+    /// A run as one series, if it has one.
+    pub(crate) fn one(bound: f64, of: Response) -> Option<Self> {
+        expand(bound, of).map(|series| Self { links: vec![(series, 1)] })
+    }
+
     /// The products with `L` that an evaluation takes.
     pub(crate) fn products(&self) -> usize {
         self.links.iter().map(|(series, times)| series.degree().saturating_mul(*times)).sum()
@@ -86,13 +91,13 @@ impl Chain {
 
 /// Expands a response on `[−bound, 0]`; `None` where it takes more than two thousand terms, or where it is so large that
 /// cancellation is not harmless (an unstable flow).
-pub(crate) fn expand(bound: f64, of: Response) -> Option<ChebyshevSeries> {
+fn expand(bound: f64, of: Response) -> Option<ChebyshevSeries> {
     if of.ln_largest(bound) > libm::log(LARGEST) {
         return None;
     }
     let samples = samples(bound, of)?;
     let series = ChebyshevSeries::interpolate(bound, samples, TOLERANCE, |mu| of.at(mu))?;
-    (series.degree() <= MOST_DEGREE).then_some(series)
+    (series.degree() <= MAX_DEGREE).then_some(series)
 }
 
 /// The number of Chebyshev points whose polynomial is within [`SAMPLED`] of a response on the interval: one more than
@@ -106,7 +111,7 @@ fn samples(bound: f64, of: Response) -> Option<usize> {
     });
     // NaN never counts.
     let least = by_bound.fold(exact, f64::min).max(2.0);
-    (least <= MOST_SAMPLES as f64).then_some(least as usize)
+    (least <= MAX_SAMPLES as f64).then_some(least as usize)
 }
 
 #[cfg(test)]

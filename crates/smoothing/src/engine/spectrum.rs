@@ -5,7 +5,6 @@ use fairing_mesh::TriMesh;
 use crate::engine::assemble::assemble;
 use crate::engine::diffusion::Diffusion;
 use crate::engine::error::FlowFailure;
-use crate::engine::unit_scale::{InMeshUnits, times};
 
 /// Lanczos steps; the eigenvalue is then known to many digits unless crowded by its neighbours.
 const STEPS: usize = 200;
@@ -32,9 +31,6 @@ const STEPS: usize = 200;
 /// # Ok::<(), fairing_smoothing::FlowFailure>(())
 /// ```
 pub fn largest_eigenvalue(mesh: &TriMesh, diffusion: Diffusion) -> Result<f64, FlowFailure> {
-    let (scaled, unit) = mesh.at_unit_scale();
-    let laplacian = assemble(&scaled, diffusion, &vec![false; mesh.vertex_count()])
-        .map_err(|failure| times(failure, unit, mesh))?;
-    let largest = laplacian.largest_eigenvalue(STEPS);
-    Ok(if diffusion.is_timed() { largest / unit / unit } else { largest })
+    let diffusion = diffusion.chosen(mesh)?.0;
+    Ok(assemble(mesh, diffusion, &vec![false; mesh.vertex_count()])?.largest_eigenvalue(STEPS))
 }

@@ -6,7 +6,6 @@ use fairing_parameters::Parameter;
 use crate::engine::assemble::assemble;
 use crate::engine::diffusion::Diffusion;
 use crate::engine::error::FlowFailure;
-use crate::engine::unit_scale::times;
 
 /// What happens to an explicit step beyond its stable limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -58,10 +57,8 @@ pub fn stable_limit(mesh: &TriMesh, diffusion: Diffusion) -> Result<f64, FlowFai
         Diffusion::Uniform { .. } => Ok(uniform_limit(mesh)),
         Diffusion::Cotangent { .. } => {
             let fixed = vec![false; mesh.vertex_count()];
-            let (scaled, unit) = mesh.at_unit_scale();
-            let laplacian = assemble(&scaled, diffusion, &fixed)
-                .map_err(|failure| times(failure, unit, mesh))?;
-            Ok(measured_limit(laplacian.spectral_bound()) * unit * unit)
+            let laplacian = assemble(mesh, diffusion.chosen(mesh)?.0, &fixed)?;
+            Ok(measured_limit(laplacian.spectral_bound()))
         }
     }
 }

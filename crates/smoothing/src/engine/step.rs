@@ -10,6 +10,10 @@ use fairing_parameters::Parameter;
 pub(crate) const ITERATIONS: Parameter =
     Parameter::count("iterations", "10", "The number of steps");
 
+/// The accuracy of the linear systems.
+pub(crate) const TOLERANCE: Parameter =
+    Parameter::number("tolerance", "", "The relative residual of the linear systems");
+
 /// Called after every step with what it did; `ControlFlow::Break` ends the flow there.
 ///
 /// # Examples
@@ -40,8 +44,6 @@ pub struct Step<'a> {
     pub(crate) before: &'a [[f64; 3]],
     pub(crate) mesh: &'a TriMesh,
     pub(crate) residual: Option<f64>,
-    /// The power of two in which squares of lengths are numbers; 1 for ordinary sizes.
-    pub(crate) unit: f64,
 }
 
 impl Step<'_> {
@@ -72,26 +74,25 @@ impl Step<'_> {
 
     /// The largest distance that a vertex moved in this step, in mesh units. Computed when called.
     pub fn largest_displacement(&self) -> f64 {
-        self.unit * self.squared_displacements().fold(0.0, f64::max).sqrt()
+        self.squared_displacements().fold(0.0, f64::max).sqrt()
     }
 
     /// The root mean square of the distances that vertices moved in this step, in mesh units. Computed when called.
     pub fn rms_displacement(&self) -> f64 {
         let n = self.before.len().max(1) as f64;
-        self.unit * (self.squared_displacements().sum::<f64>() / n).sqrt()
+        (self.squared_displacements().sum::<f64>() / n).sqrt()
     }
 
     /// The signed volume `⅙ Σ a · (b × c)`, in cubed mesh units, of the
     /// [oriented](TriMesh::oriented) mesh with the middle of its bounding box as origin; the volume inside where the
     /// mesh is closed. Computed when called.
     pub fn volume(&self) -> f64 {
-        self.mesh.divided_by(self.unit).signed_volume() * self.unit * self.unit * self.unit
+        self.mesh.signed_volume()
     }
 
     /// The area, in squared mesh units: the energy that cotangent flows descend. Computed when called.
     pub fn area(&self) -> f64 {
-        let mesh = self.mesh.divided_by(self.unit);
-        (0..mesh.face_count()).map(|f| mesh.face_area(f)).sum::<f64>() * self.unit * self.unit
+        (0..self.mesh.face_count()).map(|f| self.mesh.face_area(f)).sum()
     }
 
     /// Half the sum of squared edge lengths, in squared mesh units: the energy that uniform flows descend.
@@ -101,11 +102,11 @@ impl Step<'_> {
         let edges = self.mesh.topology().edges().iter();
         let sum = edges
             .map(|&[a, b]| {
-                let d = sub(x[a as usize], x[b as usize]).map(|d| d / self.unit);
+                let d = sub(x[a as usize], x[b as usize]);
                 dot(d, d)
             })
             .sum::<f64>();
-        0.5 * sum * self.unit * self.unit
+        0.5 * sum
     }
 
     /// The largest relative residual of the linear systems of this step; `None` for explicit steps.
@@ -113,10 +114,9 @@ impl Step<'_> {
         self.residual
     }
 
-    /// In squares of the unit.
     fn squared_displacements(&self) -> impl Iterator<Item = f64> + '_ {
         self.before.iter().zip(self.positions()).map(|(&a, &b)| {
-            let d = sub(b, a).map(|d| d / self.unit);
+            let d = sub(b, a);
             dot(d, d)
         })
     }

@@ -40,7 +40,7 @@ pub(crate) const VOLUME: Parameter = Parameter::choice(
 );
 
 /// Newton steps for the offset distance; volume is a cubic in it, and the loss of one step is small.
-const MOST_STEPS: usize = 20;
+const MAX_STEPS: usize = 20;
 
 /// The error of the volume at which they end, relative to the volume.
 const TOLERANCE: f64 = 1e-13;
@@ -151,7 +151,7 @@ fn offset(
         *n = if freedom.fixed[i] || length == 0.0 { [0.0; 3] } else { scale(*n, 1.0 / length) };
     }
     let mut missing = target - signed_volume(faces, x);
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         if missing.abs() <= TOLERANCE * target.abs() {
             break;
         }

@@ -3,16 +3,17 @@
 use std::ops::ControlFlow;
 
 use fairing_mesh::TriMesh;
+use fairing_operators::{LaplacianKind, LumpedArea};
 use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
 
-use crate::engine::diffusion::{Diffusion, OPERATOR, Operator, TIME, Time};
+use crate::engine::constraints::Constraints;
+use crate::engine::diffusion::{Diffusion, OPERATOR, TIME, Time, operator_from_values};
 use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::Smoothed;
-use crate::engine::step::{ITERATIONS, Observer};
-use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
-use crate::engine::volume::Volume;
-use crate::flows::implicit::{Implicit, TOLERANCE, Update, implicit_with};
+use crate::engine::run::{Run, RunSettings};
+use crate::engine::step::{ITERATIONS, Observer, Step, TOLERANCE};
+use crate::engine::updated::{Update, advance_updated};
 
 /// Options of [`conformalized_mean_curvature_flow`].
 #[derive(Debug, Clone, PartialEq)]
@@ -27,8 +28,8 @@ pub struct ConformalizedMcf {
     pub settled: f64,
     /// The relative residual of the linear systems; 1e-10 unless set.
     pub tolerance: f64,
-    /// How the operator is made; [`Operator::Auto`] unless set.
-    pub operator: Operator,
+    /// The Laplacian of cotangents; [`LaplacianKind::Auto`] unless set.
+    pub kind: LaplacianKind,
 }
 
 impl Default for ConformalizedMcf {
@@ -38,7 +39,7 @@ impl Default for ConformalizedMcf {
             iterations: 100,
             settled: 1e-6,
             tolerance: 1e-10,
-            operator: Operator::default(),
+            kind: LaplacianKind::Auto,
         }
     }
 }
@@ -77,7 +78,36 @@ pub fn conformalized_mean_curvature_flow(
     options: &ConformalizedMcf,
     observer: Option<&mut Observer<'_>>,
 ) -> Result<Smoothed, FlowError> {
-    at_unit_scale(mesh, options, observer, flow)
+    let refuse = |failure: FlowFailure| failure.before(mesh);
+    check(options).map_err(refuse)?;
+    let topology = mesh.topology();
+    if !topology.is_closed() || topology.components().count() != 1 {
+        let reason = "the area can only be kept on a closed mesh of one component";
+        return Err(refuse(FlowFailure::Unsupported { reason }));
+    }
+    let area: f64 = (0..mesh.face_count()).map(|f| mesh.face_area(f)).sum();
+    let step = options.time * area;
+    let (kind, areas) = (options.kind, LumpedArea::Barycentric);
+    let diffusion = Diffusion::Cotangent { time: Time::SquaredUnits(step), kind, area: areas };
+    let (diffusion, too_thin) = diffusion.chosen(mesh).map_err(refuse)?;
+    let threshold = options.settled * area.sqrt();
+    let mut observer = observer;
+    let mut watch = |step: &Step<'_>| {
+        if let Some(observe) = &mut observer
+            && observe(step).is_break()
+        {
+            return ControlFlow::Break(());
+        }
+        match step.largest_displacement() <= threshold {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
+    };
+    let free = Constraints::default();
+    let settings = RunSettings { keep_area: true, ..RunSettings::new(&free, options.iterations) };
+    let mut run = Run::new(mesh, &settings, Some(&mut watch))?;
+    run.report.too_thin = too_thin;
+    advance_updated(run, diffusion, Update::Mass, step, options.tolerance)
 }
 
 impl Flow for ConformalizedMcf {
@@ -98,7 +128,7 @@ impl Flow for ConformalizedMcf {
     const RUN: FlowFn<Self> = conformalized_mean_curvature_flow;
 
     fn with(values: &Values<'_>, _: &[[f64; 3]]) -> Result<Self, ParameterError> {
-        let mut options = Self { operator: Operator::from_values(values)?, ..Self::default() };
+        let mut options = Self { kind: operator_from_values(values)?.0, ..Self::default() };
         values.read(TIME.name, &mut options.time)?;
         values.read(ITERATIONS.name, &mut options.iterations)?;
         values.read(TOLERANCE.name, &mut options.tolerance)?;
@@ -107,61 +137,10 @@ impl Flow for ConformalizedMcf {
     }
 }
 
-/// Times are fractions of the area.
-impl InMeshUnits for ConformalizedMcf {
-    fn divided_by(&self, _: f64) -> Result<Self, FlowFailure> {
-        Ok(self.clone())
-    }
-
-    fn is_timed(&self) -> bool {
-        true
-    }
-
-    fn operator_mut(&mut self) -> Option<&mut Operator> {
-        Some(&mut self.operator)
-    }
-}
-
 fn check(options: &ConformalizedMcf) -> Result<(), FlowFailure> {
     OptionError::require_not_negative("time", options.time)?;
+    let tolerance = options.tolerance;
+    let between = tolerance > 0.0 && tolerance < 1.0;
+    OptionError::require(between, "tolerance", tolerance, "above 0 and below 1")?;
     Ok(OptionError::require_not_negative("threshold for settling", options.settled)?)
-}
-
-fn flow(
-    mesh: &TriMesh,
-    options: &ConformalizedMcf,
-    observer: Option<&mut Observer<'_>>,
-) -> Result<Smoothed, FlowError> {
-    let refuse = |failure: FlowFailure| failure.before(mesh);
-    check(options).map_err(refuse)?;
-    let topology = mesh.topology();
-    if !topology.is_closed() || topology.components().count() != 1 {
-        let reason = "the area can only be kept on a closed mesh of one component";
-        return Err(refuse(FlowFailure::Unsupported { reason }));
-    }
-    let area: f64 = (0..mesh.face_count()).map(|f| mesh.face_area(f)).sum();
-    let implicit = Implicit {
-        iterations: options.iterations,
-        update: Update::Mass,
-        tolerance: options.tolerance,
-        volume: Volume::Drifts,
-        ..Implicit::new(Diffusion::Cotangent {
-            time: Time::SquaredUnits(options.time * area),
-            operator: options.operator,
-        })
-    };
-    let threshold = options.settled * area.sqrt();
-    let mut observer = observer;
-    let mut watch = |step: &crate::engine::step::Step<'_>| {
-        if let Some(observe) = &mut observer
-            && observe(step).is_break()
-        {
-            return ControlFlow::Break(());
-        }
-        match step.largest_displacement() <= threshold {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
-        }
-    };
-    implicit_with(mesh, &implicit, true, Some(&mut watch))
 }

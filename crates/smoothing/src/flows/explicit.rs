@@ -2,20 +2,18 @@
 
 use fairing_mesh::TriMesh;
 use fairing_parameters::{Algorithm, OptionError, ParameterError, Values};
-use fairing_sparse::GraphLaplacian;
 
 use crate::engine::assemble::assemble;
 use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
 use crate::engine::diffusion::{AREA, Diffusion, LAMBDA, OPERATOR, TIME, WEIGHTS};
 use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::flow::{Flow, FlowFn};
-use crate::engine::outcome::{Approach, Smoothed};
+use crate::engine::linear::advance;
+use crate::engine::outcome::Smoothed;
 use crate::engine::response::Response;
-use crate::engine::run::{Frame, Run, StepNote};
-use crate::engine::series::Chain;
+use crate::engine::run::{Run, RunSettings};
 use crate::engine::stability::{Stability, UNSTABLE, measured_limit, uniform_limit};
 use crate::engine::step::{ITERATIONS, Observer};
-use crate::engine::unit_scale::{at_unit_scale, diffuses_in_mesh_units};
 use crate::engine::volume::{VOLUME, Volume};
 
 /// Options of [`explicit`].
@@ -83,7 +81,33 @@ pub fn explicit(
     options: &Explicit,
     observer: Option<&mut Observer<'_>>,
 ) -> Result<Smoothed, FlowError> {
-    at_unit_scale(mesh, options, observer, flow)
+    let step = options.diffusion.factor(mesh);
+    OptionError::require_not_negative("step", options.diffusion.value())
+        .map_err(|error| FlowFailure::from(error).before(mesh))?;
+    let settings = RunSettings {
+        volume: options.volume,
+        ..RunSettings::new(&options.constraints, options.iterations)
+    };
+    let mut run = Run::new(mesh, &settings, observer)?;
+    let (diffusion, too_thin) =
+        options.diffusion.chosen(mesh).map_err(|failure| run.refuse(failure))?;
+    run.report.too_thin = too_thin;
+    let laplacian = assemble(run.arrangement.mesh(), diffusion, &run.freedom.fixed)
+        .map_err(|failure| run.refuse(failure))?;
+    let bound = laplacian.spectral_bound();
+    // Uniform steps up to 1 are stable on every mesh: no need for its topology.
+    let limit = match options.diffusion {
+        Diffusion::Uniform { lambda } => (lambda > 1.0).then(|| uniform_limit(mesh)),
+        Diffusion::Cotangent { .. } => Some(measured_limit(bound)),
+    };
+    run.report.stable_limit = limit;
+    if let Some(limit) = limit.filter(|&limit| step > limit) {
+        run.report.unstable = true;
+        if options.stability == Stability::Refuse {
+            return Err(run.refuse(FlowFailure::Unstable { step, limit }));
+        }
+    }
+    advance(run, &laplacian, bound, Response::Explicit { step, steps: options.iterations }, 0.0)
 }
 
 impl Flow for Explicit {
@@ -116,71 +140,4 @@ impl Flow for Explicit {
         values.read(UNSTABLE.name, &mut options.stability)?;
         Ok(options)
     }
-}
-
-diffuses_in_mesh_units!(Explicit);
-
-fn flow(
-    mesh: &TriMesh,
-    options: &Explicit,
-    observer: Option<&mut Observer<'_>>,
-) -> Result<Smoothed, FlowError> {
-    let step = options.diffusion.factor(mesh);
-    OptionError::require_not_negative("step", options.diffusion.value())
-        .map_err(|error| FlowFailure::from(error).before(mesh))?;
-    let frame =
-        Frame { volume: options.volume, ..Frame::new(&options.constraints, options.iterations) };
-    let mut run = Run::new(mesh, &frame, observer)?;
-    let laplacian = assemble(run.arrangement.mesh(), options.diffusion, &run.freedom.fixed)
-        .map_err(|failure| run.refuse(failure))?;
-    let bound = laplacian.spectral_bound();
-    // Uniform steps up to 1 are stable on every mesh: no need for its topology.
-    let limit = match options.diffusion {
-        Diffusion::Uniform { lambda } => (lambda > 1.0).then(|| uniform_limit(mesh)),
-        Diffusion::Cotangent { .. } => Some(measured_limit(bound)),
-    };
-    run.report.stable_limit = limit;
-    if let Some(limit) = limit.filter(|&limit| step > limit) {
-        run.report.unstable = true;
-        if options.stability == Stability::Refuse {
-            return Err(run.refuse(FlowFailure::Unstable { step, limit }));
-        }
-    }
-    let k = options.iterations;
-    if run.is_linear() && k > 1 {
-        // A product of a series costs a third less than a step.
-        let most = k.saturating_add(k / 2);
-        if let Some(chain) = Chain::expand(bound, Response::Explicit { step, steps: k }, most) {
-            run.report.approach = Approach::Series { degree: chain.products() };
-            run.report.iterations = k;
-            let x = chain.apply(&laplacian, run.arrangement.mesh().positions());
-            return run.finish(x);
-        }
-    }
-    run.iterate(|_, mesh, freedom, next| {
-        explicit_step(&laplacian, step, mesh, freedom, next);
-        Ok(StepNote { step_size: step, residual: None })
-    })
-}
-
-/// `next ← x + λ P L x`, drawn towards soft targets.
-pub(crate) fn explicit_step(
-    laplacian: &GraphLaplacian,
-    step: f64,
-    mesh: &TriMesh,
-    freedom: &crate::engine::constraints::Freedom,
-    next: &mut [[f64; 3]],
-) {
-    if freedom.is_linear() {
-        laplacian.sweep(mesh.positions(), next, |_, l, x, _| {
-            [x[0] + step * l[0], x[1] + step * l[1], x[2] + step * l[2]]
-        });
-        return;
-    }
-    laplacian.sweep(mesh.positions(), next, |i, l, x, _| {
-        let (w, target) = freedom.pull(i);
-        let d = [0, 1, 2].map(|k| (step * l[k] + w * (target[k] - x[k])) / (1.0 + w));
-        let d = freedom.project(i, d);
-        [x[0] + d[0], x[1] + d[1], x[2] + d[2]]
-    });
 }

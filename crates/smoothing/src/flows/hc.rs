@@ -8,10 +8,9 @@ use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
 use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::Smoothed;
-use crate::engine::run::{Frame, Run, StepNote};
+use crate::engine::run::{Run, RunSettings, StepNote};
 use crate::engine::stability::{Stability, UNSTABLE, uniform_limit};
 use crate::engine::step::{ITERATIONS, Observer};
-use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
 
 /// Options of [`hc`].
 #[derive(Debug, Clone, PartialEq)]
@@ -90,60 +89,13 @@ pub fn hc(
     options: &Hc,
     observer: Option<&mut Observer<'_>>,
 ) -> Result<Smoothed, FlowError> {
-    at_unit_scale(mesh, options, observer, flow)
-}
-
-impl Flow for Hc {
-    const ALGORITHMS: &'static [Algorithm] = &[Algorithm::new(
-        "hc",
-        "uniform steps that give back what they took; keeps the size roughly",
-        &["vollmer1999"],
-        &[
-            Parameter::number("alpha", "0", "How much differences are taken to the input (0 to 1)"),
-            Parameter::number(
-                "beta",
-                "0.5",
-                "How much of its own difference a vertex is given back (0 to 1)",
-            ),
-            ITERATIONS,
-            BOUNDARY,
-            PIN,
-            SOFT,
-            UNSTABLE.about("What happens where beta is so small that modes grow"),
-        ],
-    )];
-
-    const RUN: FlowFn<Self> = hc;
-
-    fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError> {
-        let constraints = Constraints::from_values(values, positions)?;
-        let mut options = Self { constraints, ..Self::default() };
-        values.read("alpha", &mut options.alpha)?;
-        values.read("beta", &mut options.beta)?;
-        values.read(ITERATIONS.name, &mut options.iterations)?;
-        values.read(UNSTABLE.name, &mut options.stability)?;
-        Ok(options)
-    }
-}
-
-impl InMeshUnits for Hc {
-    fn divided_by(&self, unit: f64) -> Result<Self, FlowFailure> {
-        Ok(Self { constraints: self.constraints.divided_by(unit)?, ..*self })
-    }
-}
-
-fn flow(
-    mesh: &TriMesh,
-    options: &Hc,
-    observer: Option<&mut Observer<'_>>,
-) -> Result<Smoothed, FlowError> {
     let Hc { alpha, beta, .. } = *options;
     for (option, value) in [("alpha", alpha), ("beta", beta)] {
         OptionError::require_share(option, value)
             .map_err(|error| FlowFailure::from(error).before(mesh))?;
     }
-    let frame = Frame::new(&options.constraints, options.iterations);
-    let mut run = Run::new(mesh, &frame, observer)?;
+    let settings = RunSettings::new(&options.constraints, options.iterations);
+    let mut run = Run::new(mesh, &settings, observer)?;
     // From ½ on every mesh is stable: no need for its topology.
     if beta < 0.5 {
         let limit = returned_limit(alpha, 2.0 / uniform_limit(mesh));
@@ -177,6 +129,39 @@ fn flow(
         });
         Ok(StepNote { step_size: 1.0, residual: None })
     })
+}
+
+impl Flow for Hc {
+    const ALGORITHMS: &'static [Algorithm] = &[Algorithm::new(
+        "hc",
+        "uniform steps that give back what they took; keeps the size roughly",
+        &["vollmer1999"],
+        &[
+            Parameter::number("alpha", "0", "How much differences are taken to the input (0 to 1)"),
+            Parameter::number(
+                "beta",
+                "0.5",
+                "How much of its own difference a vertex is given back (0 to 1)",
+            ),
+            ITERATIONS,
+            BOUNDARY,
+            PIN,
+            SOFT,
+            UNSTABLE.about("What happens where beta is so small that modes grow"),
+        ],
+    )];
+
+    const RUN: FlowFn<Self> = hc;
+
+    fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError> {
+        let constraints = Constraints::from_values(values, positions)?;
+        let mut options = Self { constraints, ..Self::default() };
+        values.read("alpha", &mut options.alpha)?;
+        values.read("beta", &mut options.beta)?;
+        values.read(ITERATIONS.name, &mut options.iterations)?;
+        values.read(UNSTABLE.name, &mut options.stability)?;
+        Ok(options)
+    }
 }
 
 /// The largest `1 − β` for which no mode of eigenvalues down to `−bound` grows.

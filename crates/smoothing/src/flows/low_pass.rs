@@ -1,21 +1,19 @@
 //! Spectral low-pass filters.
 
 use fairing_mesh::TriMesh;
-use fairing_operators::{Laplacian, MassKind};
+use fairing_operators::{Laplacian, LaplacianKind, LumpedArea};
 use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
 use fairing_spectral::{Reconstruction, SpectrumOptions, reconstruct, spectrum};
 
 use crate::engine::assemble::cotangent;
 use crate::engine::constraints::{BOUNDARY, Constraints, PIN};
-use crate::engine::diffusion::{AREA, OPERATOR, Operator, TIME, Time};
+use crate::engine::diffusion::{AREA, OPERATOR, TIME, Time, chosen, operator_from_values};
 use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::flow::{Flow, FlowFn};
+use crate::engine::linear::advance;
 use crate::engine::outcome::{Approach, Report, Smoothed};
-use crate::engine::resolvent::Resolvent;
 use crate::engine::response::Response;
-use crate::engine::run::{Frame, Run};
-use crate::engine::series::expand;
-use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
+use crate::engine::run::{Run, RunSettings};
 
 /// What a filter does to the mode of eigenvalue ω of `S φ = ω M φ`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,8 +42,10 @@ pub enum Transfer {
 pub struct LowPass {
     /// What happens to each mode.
     pub transfer: Transfer,
-    /// How the Laplacian is made.
-    pub operator: Operator,
+    /// The Laplacian of cotangents; every kind but uniform.
+    pub kind: LaplacianKind,
+    /// The areas of the vertices.
+    pub area: LumpedArea,
     /// Free and pinned vertices.
     pub constraints: Constraints,
 }
@@ -53,7 +53,12 @@ pub struct LowPass {
 impl LowPass {
     /// A filter over barycentric areas, without fixed vertices.
     pub fn new(transfer: Transfer) -> Self {
-        Self { transfer, operator: Operator::default(), constraints: Constraints::default() }
+        Self {
+            transfer,
+            kind: LaplacianKind::Auto,
+            area: LumpedArea::Barycentric,
+            constraints: Constraints::default(),
+        }
     }
 }
 
@@ -87,7 +92,24 @@ impl LowPass {
 ///
 /// Source: \[vallet2008\].
 pub fn low_pass(mesh: &TriMesh, options: &LowPass) -> Result<Smoothed, FlowError> {
-    at_unit_scale(mesh, options, None, |mesh, options, _| filter(mesh, options))
+    check(options).map_err(|failure| failure.before(mesh))?;
+    if let Transfer::Modes(k) = options.transfer {
+        return smoothest(mesh, k, options).map_err(|failure| failure.before(mesh));
+    }
+    let mut run = Run::new(mesh, &RunSettings::new(&options.constraints, 1), None)?;
+    let (kind, too_thin) =
+        chosen(mesh, options.kind, options.area).map_err(|failure| run.refuse(failure))?;
+    run.report.too_thin = too_thin;
+    let laplacian = cotangent(run.arrangement.mesh(), kind, options.area, &run.freedom.fixed)
+        .map_err(|failure| run.refuse(failure))?;
+    let response = match options.transfer {
+        Transfer::Butterworth { cutoff, order } => Response::Butterworth { cutoff, order },
+        Transfer::Heat(time) => {
+            Response::Heat { time: time.in_squared_units(mesh.mean_edge_length()) }
+        }
+        Transfer::Modes(_) => Response::Heat { time: 0.0 },
+    };
+    advance(run, &laplacian, laplacian.spectral_bound(), response, 0.0)
 }
 
 impl Flow for LowPass {
@@ -139,78 +161,15 @@ impl Flow for LowPass {
                 None => Time::SquaredEdges(5.0),
             }),
         };
-        let operator = Operator::from_values(values)?;
-        Ok(Self { transfer, operator, constraints: Constraints::from_values(values, positions)? })
-    }
-}
-
-impl InMeshUnits for LowPass {
-    fn divided_by(&self, unit: f64) -> Result<Self, FlowFailure> {
-        let transfer = match self.transfer {
-            Transfer::Heat(time) => Transfer::Heat(time.divided_by(unit)?),
-            Transfer::Butterworth { cutoff, order } => {
-                let at_unit = cutoff * unit * unit;
-                // Beyond every eigenvalue of a mesh of unit scale, all but the constants is cut off, or nothing.
-                let at_unit = match cutoff > 0.0 && cutoff.is_finite() {
-                    true => at_unit.clamp(1e-150, 1e150),
-                    false => cutoff,
-                };
-                Transfer::Butterworth { cutoff: at_unit, order }
-            }
-            Transfer::Modes(k) => Transfer::Modes(k),
-        };
-        Ok(Self { transfer, constraints: self.constraints.divided_by(unit)?, ..*self })
-    }
-
-    fn operator_mut(&mut self) -> Option<&mut Operator> {
-        Some(&mut self.operator)
-    }
-}
-
-fn filter(mesh: &TriMesh, options: &LowPass) -> Result<Smoothed, FlowError> {
-    check(options).map_err(|failure| failure.before(mesh))?;
-    if let Transfer::Modes(k) = options.transfer {
-        return smoothest(mesh, k, options).map_err(|failure| failure.before(mesh));
-    }
-    let mut run = Run::new(mesh, &Frame::new(&options.constraints, 1), None)?;
-    if !run.is_linear() {
-        let reason = "a low-pass filter supports free and pinned vertices only";
-        return Err(run.refuse(FlowFailure::Unsupported { reason }));
-    }
-    let laplacian = cotangent(run.arrangement.mesh(), options.operator, &run.freedom.fixed)
-        .map_err(|failure| run.refuse(failure))?;
-    let response = match options.transfer {
-        Transfer::Butterworth { cutoff, order } => Response::Butterworth { cutoff, order },
-        Transfer::Heat(time) => {
-            Response::Heat { time: time.in_squared_units(mesh.mean_edge_length()) }
-        }
-        Transfer::Modes(_) => Response::Heat { time: 0.0 },
-    };
-    run.report.iterations = 1;
-    let x = run.arrangement.mesh().positions();
-    if let Some(series) = expand(laplacian.spectral_bound(), response) {
-        run.report.approach = Approach::Series { degree: series.degree() };
-        let x = series.apply(&laplacian, x);
-        return run.finish(x);
-    }
-    let Some(resolvent) = Resolvent::expand(response) else {
-        let reason = "the filter is neither a heat filter nor one of Butterworth";
-        return Err(run.refuse(FlowFailure::Unsupported { reason }));
-    };
-    match resolvent.apply(&laplacian, &run.freedom, x) {
-        Ok((x, residual)) => {
-            run.report.approach = Approach::Resolvent { degree: resolvent.degree() };
-            run.report.worst_residual = Some(residual);
-            run.finish(x)
-        }
-        Err(failure) => Err(run.refuse(failure)),
+        let (kind, area) = operator_from_values(values)?;
+        let constraints = Constraints::from_values(values, positions)?;
+        Ok(Self { transfer, kind, area, constraints })
     }
 }
 
 /// The mesh from its `k` smoothest modes.
 fn smoothest(mesh: &TriMesh, k: usize, options: &LowPass) -> Result<Smoothed, FlowFailure> {
-    let (kind, mass) = options.operator.kinds();
-    if mass == MassKind::Voronoi {
+    if options.area == LumpedArea::Voronoi {
         let reason = "modes are orthonormal over barycentric or mixed areas, none negative";
         return Err(FlowFailure::Unsupported { reason });
     }
@@ -218,12 +177,16 @@ fn smoothest(mesh: &TriMesh, k: usize, options: &LowPass) -> Result<Smoothed, Fl
         let reason = "a projection on modes knows no constraints";
         return Err(FlowFailure::Unsupported { reason });
     }
-    let laplacian = Laplacian::new(mesh, kind, mass)?;
+    let (kind, too_thin) = chosen(mesh, options.kind, options.area)?;
+    let laplacian = Laplacian::new(mesh, kind, options.area.into())?;
     let Reconstruction { mesh, split, .. } = spectrum(&laplacian, k, &SpectrumOptions::default())
         .and_then(|modes| reconstruct(mesh, &modes, k))
         .map_err(|error| FlowFailure::Modes(Box::new(error)))?;
     let approach = Approach::Modes { count: k };
-    Ok(Smoothed { mesh, report: Report { iterations: 1, approach, split, ..Report::default() } })
+    Ok(Smoothed {
+        mesh,
+        report: Report { iterations: 1, approach, split, too_thin, ..Report::default() },
+    })
 }
 
 fn check(options: &LowPass) -> Result<(), FlowFailure> {

@@ -1,31 +1,21 @@
 //! Fairing of a region whose surroundings are fixed.
 
 use fairing_mesh::TriMesh;
-use fairing_operators::{LaplacianKind, MassKind};
+use fairing_operators::{LaplacianKind, LumpedArea, MassKind};
 use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
 use fairing_sparse::{
     Cholesky, LaplacianPower, SparseMatrix, multiply_points, principal_submatrix,
 };
 
 use crate::engine::assemble::operators;
-use crate::engine::diffusion::{AREA, OPERATOR, Operator, WEIGHTS, refuse_with_uniform};
+use crate::engine::diffusion::{
+    AREA, OPERATOR, WEIGHTS, chosen, operator_from_values, refuse_with_uniform,
+};
 use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::{Approach, Report, Smoothed};
 use crate::engine::parts::larger;
 use crate::engine::run::refuse_unwelded;
-use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
-
-/// The weights of [`fair_region`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
-pub enum FairingWeights {
-    /// Every edge counts the same: evens out the spacing as well.
-    Uniform,
-    /// Cotangents of the input: keeps the spacing.
-    Cotangent(Operator),
-}
 
 /// Options of [`fair_region`].
 #[derive(Debug, Clone, PartialEq)]
@@ -37,15 +27,16 @@ pub struct FairRegion {
     /// k in `Δᵏ x = 0`: 1 a soap film (meets its rim at an angle), 2 a thin plate (the rim is smooth), 3 least
     /// variation of curvature (curvature is continuous at the rim). At most 4.
     pub order: u32,
-    /// The weights of the Laplacian.
-    pub weights: FairingWeights,
+    /// The Laplacian: cotangents of the input keep the spacing of the vertices, uniform weights even it out.
+    pub kind: LaplacianKind,
+    /// The areas of cotangents.
+    pub area: LumpedArea,
 }
 
 impl FairRegion {
     /// A thin plate over `region`, cotangent weights over barycentric areas.
     pub fn new(region: Vec<u32>) -> Self {
-        let weights = FairingWeights::Cotangent(Operator::default());
-        Self { region, order: 2, weights }
+        Self { region, order: 2, kind: LaplacianKind::Auto, area: LumpedArea::Barycentric }
     }
 }
 
@@ -83,7 +74,10 @@ impl FairRegion {
 ///
 /// Source: \[botsch2004\].
 pub fn fair_region(mesh: &TriMesh, options: &FairRegion) -> Result<Smoothed, FlowError> {
-    at_unit_scale(mesh, options, None, |mesh, options, _| fair(mesh, options))
+    let (solved, too_thin) = solve(mesh, options).map_err(|failure| failure.before(mesh))?;
+    let approach = Approach::Cholesky { factorisations: 1 };
+    let report = Report { iterations: 1, approach, too_thin, ..Report::default() };
+    Ok(Smoothed { mesh: solved, report })
 }
 
 impl Flow for FairRegion {
@@ -113,48 +107,34 @@ impl Flow for FairRegion {
     fn with(values: &Values<'_>, _: &[[f64; 3]]) -> Result<Self, ParameterError> {
         let mut options = Self::new(values.vertices("vertices"));
         values.read("order", &mut options.order)?;
-        options.weights = match values.text(WEIGHTS.name) {
+        (options.kind, options.area) = match values.text(WEIGHTS.name) {
             Some("uniform") => {
                 refuse_with_uniform(values, &[OPERATOR, AREA])?;
-                FairingWeights::Uniform
+                (LaplacianKind::Uniform, options.area)
             }
-            _ => FairingWeights::Cotangent(Operator::from_values(values)?),
+            _ => operator_from_values(values)?,
         };
         Ok(options)
     }
 }
 
-impl InMeshUnits for FairRegion {
-    fn divided_by(&self, _: f64) -> Result<Self, FlowFailure> {
-        Ok(self.clone())
-    }
-
-    fn operator_mut(&mut self) -> Option<&mut Operator> {
-        match &mut self.weights {
-            FairingWeights::Uniform => None,
-            FairingWeights::Cotangent(operator) => Some(operator),
-        }
-    }
-}
-
-fn fair(mesh: &TriMesh, options: &FairRegion) -> Result<Smoothed, FlowError> {
-    let solved = solve(mesh, options).map_err(|failure| failure.before(mesh))?;
-    let approach = Approach::Cholesky { factorisations: 1 };
-    Ok(Smoothed { mesh: solved, report: Report { iterations: 1, approach, ..Report::default() } })
-}
-
-fn solve(mesh: &TriMesh, options: &FairRegion) -> Result<TriMesh, FlowFailure> {
+/// The faired mesh, and the first face too thin for cotangents if that decided their kind.
+fn solve(mesh: &TriMesh, options: &FairRegion) -> Result<(TriMesh, Option<u32>), FlowFailure> {
     let between = (1..=4).contains(&options.order);
     OptionError::require(between, "order", f64::from(options.order), "between 1 and 4")?;
     refuse_unwelded(mesh)?;
     let region = vertices(mesh, &options.region)?;
     if region.is_empty() {
-        return Ok(mesh.clone());
+        return Ok((mesh.clone(), None));
     }
-    let (stiffness, mass) = match options.weights {
-        FairingWeights::Uniform => operators(mesh, (LaplacianKind::Uniform, MassKind::Degree))?,
-        FairingWeights::Cotangent(operator) => operators(mesh, operator.kinds())?,
+    let (kinds, too_thin) = match options.kind {
+        LaplacianKind::Uniform => ((LaplacianKind::Uniform, MassKind::Degree), None),
+        kind => {
+            let (kind, too_thin) = chosen(mesh, kind, options.area)?;
+            ((kind, options.area.into()), too_thin)
+        }
     };
+    let (stiffness, mass) = operators(mesh, kinds)?;
     let power = LaplacianPower::new(&stiffness, &mass, options.order);
     let matrix = power.matrix();
     let right = from_outside(&matrix, &region, mesh.positions());
@@ -165,7 +145,7 @@ fn solve(mesh: &TriMesh, options: &FairRegion) -> Result<TriMesh, FlowFailure> {
         positions[v as usize] = p;
     }
     refine(&factor, &power, mesh.faces(), &region, &mut positions)?;
-    Ok(mesh.with_positions(positions)?)
+    Ok((mesh.with_positions(positions)?, too_thin))
 }
 
 /// The vertices of a region, ascending, each once. Isolated ones, whose rows are empty, stay where they are.
@@ -192,7 +172,7 @@ fn from_outside(matrix: &SparseMatrix, region: &[u32], x: &[[f64; 3]]) -> Vec<[f
 }
 
 /// The most corrections of a solution; two are the rule.
-const MOST_CORRECTIONS: usize = 20;
+const MAX_CORRECTIONS: usize = 20;
 
 /// Corrections of this share of the extent are taken for rounding.
 const SETTLED: f64 = 4.0 * f64::EPSILON;
@@ -217,7 +197,7 @@ fn refine(
     let extent = (0..3).map(|k| (high[k] - low[k]).max(high[k].abs()).max(low[k].abs()));
     let extent = extent.fold(0.0, f64::max);
     let mut before = f64::INFINITY;
-    for iterations in 1..=MOST_CORRECTIONS {
+    for iterations in 1..=MAX_CORRECTIONS {
         let all = power.apply(x);
         let residual: Vec<[f64; 3]> = region.iter().map(|&v| all[v as usize].map(|y| -y)).collect();
         let mut largest = (0.0, 0u32);
@@ -235,7 +215,7 @@ fn refine(
         }
         // NaN does not contract.
         let contracts = size < 0.5 * before;
-        if !contracts || iterations == MOST_CORRECTIONS {
+        if !contracts || iterations == MAX_CORRECTIONS {
             return match size <= ACCEPTED {
                 true => Ok(()),
                 false => Err(FlowFailure::NotConverged { residual: size, iterations, vertex }),

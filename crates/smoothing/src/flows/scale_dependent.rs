@@ -10,9 +10,8 @@ use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
 use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::Smoothed;
-use crate::engine::run::{Frame, Run, StepNote};
+use crate::engine::run::{Run, RunSettings, StepNote};
 use crate::engine::step::{ITERATIONS, Observer};
-use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
 
 /// Options of [`scale_dependent`].
 #[derive(Debug, Clone, PartialEq)]
@@ -66,60 +65,12 @@ pub fn scale_dependent(
     options: &ScaleDependent,
     observer: Option<&mut Observer<'_>>,
 ) -> Result<Smoothed, FlowError> {
-    at_unit_scale(mesh, options, observer, flow)
-}
-
-impl Flow for ScaleDependent {
-    const ALGORITHMS: &'static [Algorithm] = &[Algorithm::new(
-        "scale-dependent",
-        "uniform steps that respect edge lengths; for uneven meshes",
-        &["fujiwara1995", "desbrun1999"],
-        &[
-            Parameter::number(
-                "fraction",
-                "0.5",
-                "The fraction of the largest stable step (0 to 1)",
-            ),
-            ITERATIONS,
-            BOUNDARY,
-            PIN,
-            SOFT,
-        ],
-    )];
-
-    const RUN: FlowFn<Self> = scale_dependent;
-
-    fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError> {
-        let constraints = Constraints::from_values(values, positions)?;
-        let mut options = Self { constraints, ..Self::default() };
-        values.read("fraction", &mut options.fraction)?;
-        values.read(ITERATIONS.name, &mut options.iterations)?;
-        Ok(options)
-    }
-}
-
-/// Fractions of the limit; the steps that follow from them are times.
-impl InMeshUnits for ScaleDependent {
-    fn divided_by(&self, unit: f64) -> Result<Self, FlowFailure> {
-        Ok(Self { constraints: self.constraints.divided_by(unit)?, ..*self })
-    }
-
-    fn is_timed(&self) -> bool {
-        true
-    }
-}
-
-fn flow(
-    mesh: &TriMesh,
-    options: &ScaleDependent,
-    observer: Option<&mut Observer<'_>>,
-) -> Result<Smoothed, FlowError> {
     let fraction = options.fraction;
     let (stable, expected) = ((0.0..=1.0).contains(&fraction), "between 0 and 1, the stable limit");
     OptionError::require(stable, "fraction", fraction, expected)
         .map_err(|error| FlowFailure::from(error).before(mesh))?;
-    let frame = Frame::new(&options.constraints, options.iterations);
-    let run = Run::new(mesh, &frame, observer)?;
+    let settings = RunSettings::new(&options.constraints, options.iterations);
+    let run = Run::new(mesh, &settings, observer)?;
     let laplacian = uniform(run.arrangement.mesh(), &run.freedom.fixed);
     let connectivity = run.arrangement.mesh().connectivity().clone();
     let components = connectivity.topology().components();
@@ -151,6 +102,35 @@ fn flow(
         });
         Ok(StepNote { step_size: step_at(largest), residual: None })
     })
+}
+
+impl Flow for ScaleDependent {
+    const ALGORITHMS: &'static [Algorithm] = &[Algorithm::new(
+        "scale-dependent",
+        "uniform steps that respect edge lengths; for uneven meshes",
+        &["fujiwara1995", "desbrun1999"],
+        &[
+            Parameter::number(
+                "fraction",
+                "0.5",
+                "The fraction of the largest stable step (0 to 1)",
+            ),
+            ITERATIONS,
+            BOUNDARY,
+            PIN,
+            SOFT,
+        ],
+    )];
+
+    const RUN: FlowFn<Self> = scale_dependent;
+
+    fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError> {
+        let constraints = Constraints::from_values(values, positions)?;
+        let mut options = Self { constraints, ..Self::default() };
+        values.read("fraction", &mut options.fraction)?;
+        values.read(ITERATIONS.name, &mut options.iterations)?;
+        Ok(options)
+    }
 }
 
 /// The largest `(2/Eᵢ) Σ 1/|eᵢⱼ|` of each component: eigenvalues of `−L` are at most twice that, by Gershgorin's

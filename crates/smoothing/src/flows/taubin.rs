@@ -8,14 +8,12 @@ use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
 use crate::engine::diffusion::LAMBDA;
 use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::flow::{Flow, FlowFn};
-use crate::engine::outcome::{Approach, Smoothed};
+use crate::engine::linear::advance;
+use crate::engine::outcome::Smoothed;
 use crate::engine::response::Response;
-use crate::engine::run::{Frame, Run, StepNote};
-use crate::engine::series::Chain;
+use crate::engine::run::{Run, RunSettings};
 use crate::engine::stability::{Stability, UNSTABLE};
 use crate::engine::step::{ITERATIONS, Observer};
-use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
-use crate::flows::explicit::explicit_step;
 use crate::flows::windowed_sinc::PASS_BAND;
 
 /// Options of [`taubin`].
@@ -37,7 +35,7 @@ pub struct Taubin {
 }
 
 /// The most by which a mode may grow over all pairs.
-const MOST_GROWTH: f64 = 2.0;
+const MAX_GROWTH: f64 = 2.0;
 
 impl Taubin {
     /// λ and the pass band; ten pairs.
@@ -106,7 +104,22 @@ pub fn taubin(
     options: &Taubin,
     observer: Option<&mut Observer<'_>>,
 ) -> Result<Smoothed, FlowError> {
-    at_unit_scale(mesh, options, observer, flow)
+    check(options).map_err(|failure| failure.before(mesh))?;
+    let (lambda, mu) = (options.lambda, options.mu());
+    let settings = RunSettings::new(&options.constraints, 2 * options.pairs);
+    let mut run = Run::new(mesh, &settings, observer)?;
+    let of = Response::Pairs { shrink: lambda, grow: mu, pairs: options.pairs };
+    if of.ln_largest(2.0) > libm::log(MAX_GROWTH) {
+        run.report.unstable = true;
+        if options.stability == Stability::Refuse {
+            let one = Response::Pairs { shrink: lambda, grow: mu, pairs: 1 };
+            let gain = libm::exp(one.ln_largest(2.0));
+            return Err(run.refuse(FlowFailure::Amplified { gain, pairs: options.pairs }));
+        }
+    }
+    let laplacian = uniform(run.arrangement.mesh(), &run.freedom.fixed);
+    // The spectrum of uniform weights reaches to 2.
+    advance(run, &laplacian, 2.0, of, 0.0)
 }
 
 impl Flow for Taubin {
@@ -140,47 +153,6 @@ impl Flow for Taubin {
         values.read(UNSTABLE.name, &mut options.stability)?;
         Ok(options)
     }
-}
-
-impl InMeshUnits for Taubin {
-    fn divided_by(&self, unit: f64) -> Result<Self, FlowFailure> {
-        Ok(Self { constraints: self.constraints.divided_by(unit)?, ..*self })
-    }
-}
-
-fn flow(
-    mesh: &TriMesh,
-    options: &Taubin,
-    observer: Option<&mut Observer<'_>>,
-) -> Result<Smoothed, FlowError> {
-    check(options).map_err(|failure| failure.before(mesh))?;
-    let (lambda, mu) = (options.lambda, options.mu());
-    let frame = Frame::new(&options.constraints, 2 * options.pairs);
-    let mut run = Run::new(mesh, &frame, observer)?;
-    let of = Response::Pairs { shrink: lambda, grow: mu, pairs: options.pairs };
-    if of.ln_largest(2.0) > libm::log(MOST_GROWTH) {
-        run.report.unstable = true;
-        if options.stability == Stability::Refuse {
-            let one = Response::Pairs { shrink: lambda, grow: mu, pairs: 1 };
-            let gain = libm::exp(one.ln_largest(2.0));
-            return Err(run.refuse(FlowFailure::Amplified { gain, pairs: options.pairs }));
-        }
-    }
-    let laplacian = uniform(run.arrangement.mesh(), &run.freedom.fixed);
-    if run.is_linear() && options.pairs > 1 {
-        // A product of a series costs a third less than a step.
-        if let Some(chain) = Chain::expand(2.0, of, options.pairs.saturating_mul(3)) {
-            run.report.approach = Approach::Series { degree: chain.products() };
-            run.report.iterations = 2 * options.pairs;
-            let x = chain.apply(&laplacian, run.arrangement.mesh().positions());
-            return run.finish(x);
-        }
-    }
-    run.iterate(|iteration, mesh, freedom, next| {
-        let step = if iteration % 2 == 0 { lambda } else { mu };
-        explicit_step(&laplacian, step, mesh, freedom, next);
-        Ok(StepNote { step_size: step, residual: None })
-    })
 }
 
 fn check(options: &Taubin) -> Result<(), FlowFailure> {

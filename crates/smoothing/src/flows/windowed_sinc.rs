@@ -11,8 +11,7 @@ use crate::engine::constraints::{BOUNDARY, Constraints, PIN};
 use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::{Approach, Smoothed};
-use crate::engine::run::{Frame, Run};
-use crate::engine::unit_scale::{InMeshUnits, at_unit_scale};
+use crate::engine::run::{Run, RunSettings};
 
 /// How the Chebyshev series of the ideal filter is faded out. All are 1 at its beginning and small at its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -103,7 +102,22 @@ impl Default for WindowedSinc {
 ///
 /// Source: \[taubin1996\].
 pub fn windowed_sinc(mesh: &TriMesh, options: &WindowedSinc) -> Result<Smoothed, FlowError> {
-    at_unit_scale(mesh, options, None, |mesh, options, _| filter(mesh, options))
+    let WindowedSinc { pass_band, degree, window, .. } = *options;
+    let between = pass_band > 0.0 && pass_band < 2.0;
+    OptionError::require(between, "pass band", pass_band, "above 0 and below 2")
+        .map_err(|error| FlowFailure::from(error).before(mesh))?;
+    let settings = RunSettings::new(&options.constraints, 1);
+    let mut run = Run::new(mesh, &settings, None)?;
+    if !run.is_linear() {
+        let reason = "a windowed sinc filter supports free and pinned vertices only";
+        return Err(run.refuse(FlowFailure::Unsupported { reason }));
+    }
+    let laplacian = uniform(run.arrangement.mesh(), &run.freedom.fixed);
+    let series = ChebyshevSeries::new(2.0, coefficients(pass_band, degree, window));
+    run.report.approach = Approach::Series { degree };
+    run.report.iterations = 1;
+    let x = series.apply(&laplacian, run.arrangement.mesh().positions());
+    run.finish(x)
 }
 
 impl Flow for WindowedSinc {
@@ -130,31 +144,6 @@ impl Flow for WindowedSinc {
         values.read("window", &mut options.window)?;
         Ok(options)
     }
-}
-
-impl InMeshUnits for WindowedSinc {
-    fn divided_by(&self, unit: f64) -> Result<Self, FlowFailure> {
-        Ok(Self { constraints: self.constraints.divided_by(unit)?, ..*self })
-    }
-}
-
-fn filter(mesh: &TriMesh, options: &WindowedSinc) -> Result<Smoothed, FlowError> {
-    let WindowedSinc { pass_band, degree, window, .. } = *options;
-    let between = pass_band > 0.0 && pass_band < 2.0;
-    OptionError::require(between, "pass band", pass_band, "above 0 and below 2")
-        .map_err(|error| FlowFailure::from(error).before(mesh))?;
-    let frame = Frame::new(&options.constraints, 1);
-    let mut run = Run::new(mesh, &frame, None)?;
-    if !run.is_linear() {
-        let reason = "a windowed sinc filter supports free and pinned vertices only";
-        return Err(run.refuse(FlowFailure::Unsupported { reason }));
-    }
-    let laplacian = uniform(run.arrangement.mesh(), &run.freedom.fixed);
-    let series = ChebyshevSeries::new(2.0, coefficients(pass_band, degree, window));
-    run.report.approach = Approach::Series { degree };
-    run.report.iterations = 1;
-    let x = series.apply(&laplacian, run.arrangement.mesh().positions());
-    run.finish(x)
 }
 
 /// The windowed coefficients in `Tⱼ(1 + μ)`, which sum to one: the value at μ = 0.

@@ -1,10 +1,8 @@
 //! Meshes without a plain operator, and flows that end in a point.
 
 use super::*;
-use fairing_operators::LumpedArea;
-use fairing_smoothing::{
-    FairRegion, FairingWeights, LowPass, Operator, Transfer, Update, fair_region, low_pass,
-};
+use fairing_operators::{LaplacianKind, LumpedArea};
+use fairing_smoothing::{FairRegion, LowPass, Transfer, Update, fair_region, low_pass};
 
 /// A sphere with a fin on one of its edges, a face without area and an isolated vertex.
 fn broken() -> TriMesh {
@@ -21,36 +19,37 @@ fn broken() -> TriMesh {
     TriMesh::new(positions, faces).unwrap()
 }
 
-/// Auto is the robust operator on a mesh with a thin face, which the report names; the plain one on others.
+/// Auto is the robust operator on a mesh with a thin face, which the report names, and the plain
+/// operator on others.
 #[test]
 fn auto_takes_the_robust_operator_where_a_face_is_too_thin() {
     let sphere = fairing_shapes::icosphere(2);
     let n = sphere.face_count() as u32;
-    for (mesh, other, too_thin) in [
-        (broken(), Operator::Robust, true),
-        (sphere, Operator::Plain(LumpedArea::Barycentric), false),
-    ] {
+    for (mesh, other, too_thin) in
+        [(broken(), LaplacianKind::Robust, true), (sphere, LaplacianKind::Cotangent, false)]
+    {
         let named = fairing_operators::check_faces(&mesh).err().map(|error| match error {
             fairing_operators::OperatorError::DegenerateFace { face, .. } => face,
             error => panic!("{error}"),
         });
         assert!(named.is_some() == too_thin && named.is_none_or(|face| face >= n), "{named:?}");
-        let implicit_with = |operator, update| {
-            let step = Diffusion::cotangent(0.05).with_operator(operator);
+        let implicit_with = |kind, update| {
+            let step = Diffusion::cotangent(0.05).with_kind(kind);
             implicit(&mesh, &Implicit { update, ..Implicit::new(step) }, None)
         };
         let low_pass_with =
-            |operator| low_pass(&mesh, &LowPass { operator, ..LowPass::new(Transfer::Modes(12)) });
-        let region_with = |operator| {
-            let weights = FairingWeights::Cotangent(operator);
-            fair_region(&mesh, &FairRegion { weights, ..FairRegion::new(vec![3, 40]) })
-        };
+            |kind| low_pass(&mesh, &LowPass { kind, ..LowPass::new(Transfer::Modes(12)) });
+        let region_with =
+            |kind| fair_region(&mesh, &FairRegion { kind, ..FairRegion::new(vec![3, 40]) });
         let pairs = [
-            (implicit_with(Operator::Auto, Update::Never), implicit_with(other, Update::Never)),
-            (implicit_with(Operator::Auto, Update::Mass), implicit_with(other, Update::Mass)),
-            (implicit_with(Operator::Auto, Update::Both), implicit_with(other, Update::Both)),
-            (low_pass_with(Operator::Auto), low_pass_with(other)),
-            (region_with(Operator::Auto), region_with(other)),
+            (
+                implicit_with(LaplacianKind::Auto, Update::Never),
+                implicit_with(other, Update::Never),
+            ),
+            (implicit_with(LaplacianKind::Auto, Update::Mass), implicit_with(other, Update::Mass)),
+            (implicit_with(LaplacianKind::Auto, Update::Both), implicit_with(other, Update::Both)),
+            (low_pass_with(LaplacianKind::Auto), low_pass_with(other)),
+            (region_with(LaplacianKind::Auto), region_with(other)),
         ];
         for (found, expected) in pairs {
             let (found, expected) = (found.unwrap(), expected.unwrap());
@@ -60,25 +59,22 @@ fn auto_takes_the_robust_operator_where_a_face_is_too_thin() {
     }
 }
 
-/// The plain operator refuses and its message says what serves; the robust one and uniform weights smooth.
+/// The plain operator is refused with a message that names the alternatives; the robust operator
+/// and uniform weights smooth.
 #[test]
 fn broken_meshes_smooth_through_the_robust_operator() {
     let mesh = broken();
-    let plain = Operator::Plain(LumpedArea::Barycentric);
-    let step = Diffusion::cotangent(1.0).with_operator(plain);
+    let step = Diffusion::cotangent(1.0).with_kind(LaplacianKind::Cotangent);
     let error = implicit(&mesh, &Implicit::new(step), None).unwrap_err();
     assert!(matches!(error.failure, FlowFailure::Operator(_)));
     assert!(error.to_string().contains("robust") && error.to_string().contains("uniform"));
-    let robust = |lambda| Diffusion::cotangent(lambda).with_operator(Operator::Robust);
+    let robust = |lambda| Diffusion::cotangent(lambda).with_kind(LaplacianKind::Robust);
     let limit = stable_limit(&mesh, robust(1.0)).unwrap();
     assert!(limit > 0.0 && limit.is_finite());
     let time = Time::SquaredUnits(0.5 * limit);
-    let step = Diffusion::Cotangent { time, operator: Operator::Robust };
-    let weights = FairingWeights::Cotangent(Operator::Robust);
-    let heat = LowPass {
-        operator: Operator::Robust,
-        ..LowPass::new(Transfer::Heat(Time::SquaredUnits(0.01)))
-    };
+    let (kind, area) = (LaplacianKind::Robust, LumpedArea::Barycentric);
+    let step = Diffusion::Cotangent { time, kind, area };
+    let heat = LowPass { kind, ..LowPass::new(Transfer::Heat(Time::SquaredUnits(0.01))) };
     let results = [
         implicit(&mesh, &Implicit::new(robust(5.0)), None),
         implicit(&mesh, &Implicit { update: Update::Mass, ..Implicit::new(robust(0.2)) }, None),
@@ -86,11 +82,8 @@ fn broken_meshes_smooth_through_the_robust_operator() {
         implicit(&mesh, &Implicit::new(Diffusion::uniform(5.0)), None),
         explicit(&mesh, &Explicit::new(step), None),
         low_pass(&mesh, &heat),
-        low_pass(
-            &mesh,
-            &LowPass { operator: Operator::Robust, ..LowPass::new(Transfer::Modes(30)) },
-        ),
-        fair_region(&mesh, &FairRegion { weights, ..FairRegion::new(vec![0, 642, 643]) }),
+        low_pass(&mesh, &LowPass { kind, ..LowPass::new(Transfer::Modes(30)) }),
+        fair_region(&mesh, &FairRegion { kind, ..FairRegion::new(vec![0, 642, 643]) }),
     ];
     for (i, result) in results.into_iter().enumerate() {
         let smoothed = result.unwrap_or_else(|error| panic!("{i}: {error}")).mesh;
@@ -104,20 +97,20 @@ fn broken_meshes_smooth_through_the_robust_operator() {
 #[test]
 fn the_robust_operator_changes_nothing_on_good_meshes() {
     let mesh = shapes::icosphere(3);
-    // Ten steps short of the moment when the sphere is gone.
+    // Ten steps before the sphere vanishes.
     let plain = Diffusion::cotangent(0.5);
     for update in [Update::Never, Update::Mass, Update::Both] {
         let run = |diffusion| {
             let options = Implicit { update, tolerance: 1e-12, ..Implicit::new(diffusion) };
             implicit(&mesh, &options, None).unwrap().mesh
         };
-        let apart = largest_distance(&run(plain), &run(plain.with_operator(Operator::Robust)));
+        let apart = largest_distance(&run(plain), &run(plain.with_kind(LaplacianKind::Robust)));
         assert!(apart < 1e-9, "{update:?}: {apart:e}");
     }
 }
 
-/// A unit sphere is gone at t = ¼. Steps of a hundredth lag behind, but not by much; what is returned is the mesh
-/// before.
+/// A unit sphere vanishes at t = ¼, and slightly later with steps of a hundredth. The result is the
+/// last mesh before.
 #[test]
 fn mean_curvature_flow_says_when_a_surface_is_gone() {
     let sphere = shapes::icosphere(3);
@@ -125,7 +118,11 @@ fn mean_curvature_flow_says_when_a_surface_is_gone() {
     let options = Implicit {
         iterations: 100,
         update: Update::Both,
-        ..Implicit::new(Diffusion::Cotangent { time, operator: Operator::default() })
+        ..Implicit::new(Diffusion::Cotangent {
+            time,
+            kind: LaplacianKind::Auto,
+            area: LumpedArea::Barycentric,
+        })
     };
     let error = implicit(&sphere, &options, None).unwrap_err();
     let FlowFailure::Collapsed { vertex, area, before } = error.failure else {
@@ -135,11 +132,11 @@ fn mean_curvature_flow_says_when_a_surface_is_gone() {
     assert!((vertex as usize) < sphere.vertex_count() && area < 0.01 * before);
     let left = error.last_good.area() / sphere.area();
     assert!(left > 1e-4 && left < 0.1, "{left}");
-    // Short of that moment nothing is wrong.
+    // Until shortly before, the flow succeeds.
     assert!(implicit(&sphere, &Implicit { iterations: 20, ..options }, None).is_ok());
 }
 
-/// A dumbbell pinches at its neck long before its bells are gone, and the flow goes on.
+/// A dumbbell pinches at its neck long before its bells vanish, and the flow continues.
 #[test]
 fn a_neck_that_pinches_off_does_not_end_the_flow() {
     // A cylinder with a waist, closed by two points.
@@ -174,24 +171,25 @@ fn a_neck_that_pinches_off_does_not_end_the_flow() {
         update: Update::Both,
         ..Implicit::new(Diffusion::Cotangent {
             time: Time::SquaredUnits(5e-4),
-            operator: Operator::default(),
+            kind: LaplacianKind::Auto,
+            area: LumpedArea::Barycentric,
         })
     };
-    // Through the pinch: what is left of the neck are faces without area, the bells are as round as before.
+    // After the pinch: the neck has become faces without area, the bells are as round as before.
     let flow = |iterations| implicit(&dumbbell, &Implicit { iterations, ..options.clone() }, None);
     let early = flow(3).unwrap();
     assert_eq!(early.report.degenerate_faces, 0);
     let late = flow(250).unwrap();
     assert!(late.report.degenerate_faces > 0);
     assert!(late.mesh.area() > 0.1 * dumbbell.area());
-    // Until they are gone as well.
+    // Up to the time at which the bells vanish as well.
     let error = flow(2000).unwrap_err();
     assert!(matches!(error.failure, FlowFailure::Collapsed { .. }), "{:?}", error.failure);
     assert!(error.last_good.area() < 0.1 * dumbbell.area(), "step {}", error.iteration);
 }
 
-/// On a long strip of free borders Δ⁴ has a condition beyond what double precision solves: no result is better than one
-/// that corrections still change by a fifth of the mesh.
+/// On a long strip with free boundaries the condition of Δ⁴ exceeds double precision: an error is
+/// better than a result that corrections still change by a fifth of the mesh.
 #[test]
 fn regions_that_cannot_be_solved_are_refused() {
     let (rows, n) = (6, 500u32);
@@ -205,8 +203,8 @@ fn regions_that_cannot_be_solved_are_refused() {
     });
     let mesh = TriMesh::new(positions, faces.collect()).unwrap();
     let region: Vec<u32> = (5 * rows..(n - 5) * rows).collect();
-    for weights in [FairingWeights::Uniform, FairingWeights::Cotangent(Operator::Auto)] {
-        let options = FairRegion { order: 4, weights, ..FairRegion::new(region.clone()) };
+    for kind in [LaplacianKind::Uniform, LaplacianKind::Auto] {
+        let options = FairRegion { order: 4, kind, ..FairRegion::new(region.clone()) };
         let error = fair_region(&mesh, &options).unwrap_err();
         let named =
             matches!(error.failure, FlowFailure::NotConverged { .. } | FlowFailure::NotFactored(_));
@@ -214,7 +212,8 @@ fn regions_that_cannot_be_solved_are_refused() {
     }
 }
 
-/// Weights that divide by edge lengths are not defined where neighbours coincide: the edge is named.
+/// Weights that divide by edge lengths are undefined at coincident neighbours: the error names the
+/// edge.
 #[test]
 fn edges_without_length_are_named() {
     let sphere = fairing_shapes::icosphere(1);
@@ -228,7 +227,8 @@ fn edges_without_length_are_named() {
     assert_eq!((error.iteration, error.last_good.positions()), (1, mesh.positions()));
 }
 
-/// A sphere away from the origin shrinks to a point; steps that only move its rounding about are not taken.
+/// A sphere away from the origin shrinks to a point; steps that only move rounding errors are not
+/// taken.
 #[test]
 fn a_flow_that_has_become_a_point_stops() {
     let sphere = shapes::icosphere(1);

@@ -1,21 +1,20 @@
-//! Flows at sizes whose areas and volumes leave the range of numbers.
+//! Flows at every extent that a mesh may have.
 
 use std::ops::ControlFlow;
 
+use fairing_mesh::BuildError;
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::scale;
-use fairing_operators::LumpedArea;
-use fairing_parameters::OptionError;
+use fairing_operators::{LaplacianKind, LumpedArea};
 use fairing_shapes as shapes;
 use fairing_smoothing::{
-    Boundary, ConformalizedMcf, Constraints, Diffusion, Explicit, FairRegion, FairingWeights,
-    FlowError, FlowFailure, Hc, Implicit, LowPass, Method, Operator, ScaleDependent,
-    SoftConstraint, Stability, Taubin, Time, Transfer, Update, Volume, WindowedSinc, explicit,
-    largest_eigenvalue, low_pass, stable_limit,
+    Boundary, ConformalizedMcf, Constraints, Diffusion, Explicit, FairRegion, FlowError,
+    FlowFailure, Hc, Implicit, LowPass, Method, ScaleDependent, SoftConstraint, Stability, Taubin,
+    Time, Transfer, Update, Volume, WindowedSinc, explicit, largest_eigenvalue, stable_limit,
 };
 
-/// Areas are numbers at all of these, their squares at a few. Even, so that roots of areas scale exactly.
-const EXPONENTS: [i32; 6] = [-500, -300, -90, 90, 300, 500];
+/// Powers of two from one end of the range of extents, less what flows shrink, to the other. Even, so that roots of areas scale exactly.
+const EXPONENTS: [i32; 4] = [-90, -40, 40, 98];
 
 fn power(exponent: i32) -> f64 {
     2f64.powi(exponent)
@@ -29,7 +28,7 @@ fn body() -> TriMesh {
     shapes::bumpy_sphere(2, 0.15, 4.0)
 }
 
-/// A square with some relief; its border has corners.
+/// A square with some relief; its boundary has corners.
 fn patch() -> TriMesh {
     let flat = shapes::irregular_plane(0.15, 3);
     let relief = |[x, y, _]: [f64; 3]| [x, y, 0.05 * (7.0 * x).sin() * (5.0 * y).cos()];
@@ -49,7 +48,8 @@ fn constraints(boundary: Boundary, soft: f64, unit: f64) -> Constraints {
 fn flows(unit: f64) -> Vec<(bool, Method)> {
     let cotangent = |time: f64| Diffusion::Cotangent {
         time: Time::SquaredUnits(time * unit * unit),
-        operator: Operator::Plain(LumpedArea::Mixed),
+        kind: LaplacianKind::Cotangent,
+        area: LumpedArea::Mixed,
     };
     let soft = |boundary| constraints(boundary, 0.7, unit);
     let pinned = |boundary| constraints(boundary, 0.0, unit);
@@ -66,15 +66,15 @@ fn flows(unit: f64) -> Vec<(bool, Method)> {
         Method::Implicit(Implicit { iterations: 3, ..options })
     };
     let free = Constraints::default;
-    let robust = Diffusion::cotangent(2.0).with_operator(Operator::Robust);
-    let region = |order, weights| {
-        Method::FairRegion(FairRegion { region: (20..40).collect(), order, weights })
+    let robust = Diffusion::cotangent(2.0).with_kind(LaplacianKind::Robust);
+    let region = |order, kind| {
+        Method::FairRegion(FairRegion { order, kind, ..FairRegion::new((20..40).collect()) })
     };
     let closed = vec![
         explicit(Diffusion::uniform(0.5), free(), Volume::Rescaled),
         explicit(cotangent(1e-4), pinned(Boundary::Free), Volume::Drifts),
         implicit(Diffusion::uniform(5.0), pinned(Boundary::Free), Update::Never, Volume::Offset),
-        implicit(Diffusion::uniform(1e9), free(), Update::Never, Volume::Drifts),
+        implicit(Diffusion::uniform(50.0), free(), Update::Never, Volume::Drifts),
         implicit(cotangent(0.01), soft(Boundary::Free), Update::Never, Volume::Drifts),
         implicit(cotangent(0.01), pinned(Boundary::Free), Update::Both, Volume::Drifts),
         implicit(robust, free(), Update::Both, Volume::Drifts),
@@ -85,8 +85,8 @@ fn flows(unit: f64) -> Vec<(bool, Method)> {
         Method::LowPass(LowPass::new(Transfer::Modes(9))),
         butterworth(40.0, 2),
         butterworth(0.5, 3),
-        region(2, FairingWeights::Cotangent(Operator::default())),
-        region(3, FairingWeights::Uniform),
+        region(2, LaplacianKind::Auto),
+        region(3, LaplacianKind::Uniform),
     ];
     let open = vec![
         explicit(Diffusion::uniform(0.5), soft(Boundary::Sliding), Volume::Drifts),
@@ -108,8 +108,8 @@ fn flows(unit: f64) -> Vec<(bool, Method)> {
     closed.into_iter().map(of(true)).chain(open.into_iter().map(of(false))).collect()
 }
 
-/// A power of two changes no bit of a flow, of what an observer sees and of the report; vertices that stay do so to
-/// the last bit.
+/// A power of two changes no bit of a flow, of the observed meshes and of the report; fixed
+/// vertices stay to the last bit.
 #[test]
 fn flows_do_not_depend_on_the_size() {
     let meshes = [patch(), body()];
@@ -162,7 +162,7 @@ fn flows_do_not_depend_on_the_size() {
     }
 }
 
-/// Limits, errors and the last good mesh are in the units of the mesh.
+/// Limits, errors and the last good mesh are in mesh units.
 #[test]
 fn limits_and_errors_are_in_mesh_units() {
     let mesh = body();
@@ -189,50 +189,21 @@ fn limits_and_errors_are_in_mesh_units() {
         assert_eq!(there.last_good.positions(), other.positions());
         let steps = Explicit { stability: Stability::Allow, iterations: 2000, ..far.clone() };
         let error = explicit(&other, &steps, None).unwrap_err();
-        assert!(matches!(error.failure, FlowFailure::NonFinite { .. }), "{error}");
-        assert!(error.iteration > 1 && error.last_good.positions() != other.positions());
+        assert!(matches!(error.failure, FlowFailure::Mesh(BuildError::Extent { .. })), "{error}");
+        assert!(error.iteration >= 1, "{error}");
         // A face without area is named with its size in mesh units.
         let mut flat = other.positions().to_vec();
         let [a, b, c] = other.faces()[11].map(|v| v as usize);
         flat[c] = [0, 1, 2].map(|k| 0.5 * flat[a][k] + 0.5 * flat[b][k]);
         let flat = other.with_positions(flat).unwrap();
-        let plain = Operator::Plain(LumpedArea::Barycentric);
-        let step = Diffusion::cotangent(0.1).with_operator(plain);
+        let step = Diffusion::cotangent(0.1).with_kind(LaplacianKind::Cotangent);
         let error = explicit(&flat, &Explicit::new(step), None).unwrap_err();
         let expected = fairing_operators::cotan_stiffness(&flat).unwrap_err();
         assert_eq!(error.failure, FlowFailure::Operator(expected));
     }
 }
 
-/// Options that are no number over the size of the mesh are refused by the value that was given, or have their limit.
-#[test]
-fn options_beyond_all_sizes() {
-    let small = scaled(&body(), power(-500));
-    let step = |t| {
-        let time = Time::SquaredUnits(t);
-        Diffusion::Cotangent { time, operator: Operator::default() }
-    };
-    let error = explicit(&small, &Explicit::new(step(1e10)), None).unwrap_err();
-    let FlowFailure::Option(OptionError { value, .. }) = error.failure else { panic!("{error}") };
-    assert_eq!(value, 1e10);
-    let target = SoftConstraint { vertex: 0, target: [0.0, 1e200, 0.0], weight: 1.0 };
-    let constraints = Constraints { soft: vec![target], ..Constraints::default() };
-    let options = Explicit { constraints, ..Explicit::new(Diffusion::uniform(0.5)) };
-    let error = explicit(&small, &options, None).unwrap_err();
-    let FlowFailure::Option(OptionError { value, .. }) = error.failure else { panic!("{error}") };
-    assert_eq!(value, 1e200);
-    for (exponent, kept) in [(-500, false), (500, true)] {
-        let mesh = scaled(&body(), power(exponent));
-        let cutoff = power(100 * exponent.signum());
-        let filter = LowPass::new(Transfer::Butterworth { cutoff, order: 2 });
-        let after = low_pass(&mesh, &filter).unwrap().mesh;
-        let moved = super::largest_distance(&after, &mesh) / power(exponent);
-        assert_eq!(moved < 1e-9, kept, "{exponent} {moved:e}");
-        assert!(kept || moved > 0.5, "{exponent} {moved:e}");
-    }
-}
-
-/// A vertex without faces stays, and nothing else depends on where it is.
+/// A vertex without faces stays, and its position affects nothing else.
 #[test]
 fn far_vertices_without_faces_change_nothing() {
     let mesh = body();
@@ -247,7 +218,7 @@ fn far_vertices_without_faces_change_nothing() {
         }
         let volume = format!("{method:?}").contains("volume: Rescaled");
         let near = method.run(&with(0.0), None).unwrap().mesh;
-        for far in [1e30, 1e300] {
+        for far in [1e10, 1e29] {
             let given = with(far);
             let after = method.run(&given, None).unwrap_or_else(|e| panic!("{method:?}: {e}")).mesh;
             let n = mesh.vertex_count();

@@ -12,10 +12,12 @@ use crate::{PolygonMesh, TriMesh};
 
 /// Numbers of every size, zeros of both signs and 32-bit numbers among them.
 fn number() -> impl Strategy<Value = f64> {
+    // Far from the ends of the extents of a mesh.
+    let of_a_mesh = |x: &f64| x.abs() < 1e29;
     prop_oneof![
-        any::<f64>().prop_filter("finite", |x| x.is_finite()),
+        any::<f64>().prop_filter("not too large", of_a_mesh),
         -1e3..1e3,
-        any::<f32>().prop_filter("finite", |x| x.is_finite()).prop_map(f64::from),
+        any::<f32>().prop_map(f64::from).prop_filter("not too large", of_a_mesh),
         (-9i32..9).prop_map(f64::from),
         Just(-0.0),
     ]
@@ -26,11 +28,12 @@ fn point() -> impl Strategy<Value = [f64; 3]> {
 }
 
 fn triangles() -> impl Strategy<Value = TriMesh> {
-    (vec(point(), 3..20), vec(any::<[Index; 3]>(), 0..20)).prop_map(|(positions, faces)| {
+    let parts = (vec(point(), 3..20), vec(any::<[Index; 3]>(), 0..20));
+    parts.prop_filter_map("an extent of a mesh", |(positions, faces)| {
         let n = positions.len();
         let faces = faces.iter().map(|face| face.each_ref().map(|k| k.index(n) as u32));
         let faces = faces.filter(|&[a, b, c]| a != b && b != c && c != a).collect();
-        TriMesh::new(positions, faces).unwrap()
+        TriMesh::new(positions, faces).ok()
     })
 }
 
@@ -38,7 +41,9 @@ fn polygons() -> impl Strategy<Value = PolygonMesh> {
     vec(point(), 3..20).prop_flat_map(|positions| {
         let all: Vec<u32> = (0..positions.len() as u32).collect();
         vec(subsequence(all, 3..=positions.len()).prop_shuffle(), 0..10)
-            .prop_map(move |faces| PolygonMesh::new(positions.clone(), faces).unwrap())
+            .prop_filter_map("an extent of a mesh", move |faces| {
+                PolygonMesh::new(positions.clone(), faces).ok()
+            })
     })
 }
 

@@ -1,0 +1,28 @@
+//! Denoising of a mesh whose faces agree in orientation.
+
+use std::borrow::Cow;
+
+use fairing_mesh::TriMesh;
+
+use super::DenoiseError;
+
+/// Denoises the [oriented](TriMesh::oriented) mesh and gives the result the faces of the input.
+///
+/// # Errors
+///
+/// [`DenoiseError::Unwelded`] for a mesh whose faces share no corners, and those of `denoise`.
+pub(crate) fn on_oriented(
+    mesh: &TriMesh,
+    denoise: impl FnOnce(&TriMesh) -> Result<TriMesh, DenoiseError>,
+) -> Result<TriMesh, DenoiseError> {
+    if mesh.is_unwelded() {
+        let (vertices, seams) = (mesh.vertex_count(), mesh.seam_vertices());
+        return Err(DenoiseError::Unwelded { seams, vertices });
+    }
+    let oriented = mesh.oriented();
+    let denoised = denoise(&oriented)?;
+    match oriented {
+        Cow::Borrowed(_) => Ok(denoised),
+        Cow::Owned(_) => Ok(mesh.with_positions(denoised.into_positions())?),
+    }
+}
