@@ -74,7 +74,7 @@ all_shared!(
     fairing::sparse::Beyond,
     fairing::sparse::CgError,
     fairing::sparse::CgOptions,
-    fairing::sparse::CgRoom<3>,
+    fairing::sparse::CgWorkspace<3>,
     fairing::sparse::CgSolution<Vec<f64>>,
     fairing::sparse::ChebyshevSeries,
     fairing::sparse::Cholesky,
