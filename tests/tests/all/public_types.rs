@@ -86,7 +86,6 @@ all_shared!(
     fairing::sparse::EigenError,
     fairing::sparse::EigenOptions,
     fairing::sparse::EigenPairs,
-    fairing::sparse::EigenProgress,
     fairing::sparse::GraphLaplacian,
     fairing::sparse::GraphNumbers<'static>,
     fairing::sparse::Inertia,
@@ -159,7 +158,6 @@ all_shared!(
     // spectral
     fairing::spectral::Compressed,
     fairing::spectral::Filtered,
-    fairing::spectral::GraphWeights,
     fairing::spectral::HeatDiffusion,
     fairing::spectral::HeatGeodesics,
     fairing::spectral::Poisson<'static>,
