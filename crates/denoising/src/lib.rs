@@ -29,14 +29,13 @@ mod faces;
 mod fast_effective;
 mod guided_normal;
 mod l0;
-mod method;
 mod non_iterative;
 mod oriented;
 mod total_variation;
 mod vertex_update;
 
 pub use automatic::regression::training::{TrainingOptions, TrainingPair, train_normals};
-pub use automatic::{Automatic, FaceKind, SurfaceKind, automatic};
+pub use automatic::{Automatic, AutomaticOptions, FaceKind, SurfaceKind, automatic};
 pub use bilateral::{BilateralOptions, bilateral};
 pub use bilateral_normal::{
     BilateralNormalGlobalOptions, BilateralNormalOptions, bilateral_normal, bilateral_normal_global,

@@ -121,7 +121,7 @@ fn denoisers_survive_soups() {
             soup.with_positions(moved).unwrap(),
         ];
         for (i, mesh) in placed.iter().enumerate() {
-            for denoiser in Denoiser::ALL {
+            for denoiser in Denoiser::all() {
                 match denoiser.denoise(mesh) {
                     Ok(found) => {
                         assert_eq!(found.faces(), mesh.faces(), "{denoiser} {seed} {i}");
@@ -167,7 +167,7 @@ fn denoisers_do_not_depend_on_the_frame() {
         }
     };
     let renumbered = |[a, b, c]: [u32; 3]| [b, c, a].map(|v| place(v as usize) as u32);
-    for denoiser in Denoiser::ALL {
+    for denoiser in Denoiser::all() {
         let plain = denoiser.denoise(&input).unwrap();
         for case in 0..5 {
             let size = [1.0, 1e-8, 1e8, 1.0, 1.0][case];

@@ -212,7 +212,7 @@ const INPUTS: &[Input] = &[
 
 /// The noisy input, then every denoiser.
 fn methods() -> impl Iterator<Item = Method> {
-    std::iter::once(Method::Nothing).chain(Denoiser::ALL.map(Method::Denoiser))
+    std::iter::once(Method::Nothing).chain(Denoiser::all().map(Method::Denoiser))
 }
 
 /// A name that fits below a group of bars.
@@ -284,7 +284,7 @@ fn best(scores: &Table) -> Result<Table> {
         let rows = scores.only(&[("mesh", name.clone())])?;
         let angle = |method: &str| rows.value(&[("method", method.into())], "E_a");
         let mut published = (f64::INFINITY, "");
-        for denoiser in Denoiser::ALL.into_iter().filter(|d| *d != Denoiser::Automatic) {
+        for denoiser in Denoiser::all().into_iter().filter(|d| *d != Denoiser::Automatic) {
             let found = angle(denoiser.name())?;
             if found < published.0 {
                 published = (found, denoiser.name());
@@ -340,7 +340,7 @@ fn averages(scores: &Table, levels: &[f64]) -> Result<Picture> {
 fn view(body: &Body, level: f64, restored: &[TriMesh]) -> Result<View> {
     let truth = &body.truth;
     let (noisy, results) = restored.split_first().context("no noisy mesh")?;
-    let names: Vec<&str> = Denoiser::ALL.iter().map(|d| d.name()).collect();
+    let names: Vec<&str> = Denoiser::all().iter().map(|d| d.name()).collect();
     let facts = |panel: Panel, meshes: &[TriMesh]| -> Result<Panel> {
         let mut columns = [vec![], vec![], vec![]];
         for mesh in meshes {
