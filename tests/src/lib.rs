@@ -1,4 +1,4 @@
-//! What the tests of the workspace share; the tests are in `tests/tests`.
+//! Code shared by the tests in `tests/tests`.
 
 use std::io::Write as _;
 use std::path::PathBuf;
@@ -7,8 +7,8 @@ use std::time::Instant;
 
 use serde_json::Value;
 
-/// Builds the program `fairing`, with the features that the tests have built its
-/// crates with, and says where it is.
+/// Builds the program `fairing` with the features with which the tests have built its crates, and
+/// returns its path.
 ///
 /// # Panics
 ///
@@ -16,7 +16,7 @@ use serde_json::Value;
 pub fn program() -> PathBuf {
     let mut build = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     build.args(["build", "--quiet", "--workspace", "--bins", "--message-format=json"]);
-    // It is part of what cargo tells builds apart by.
+    // Cargo distinguishes builds by this variable.
     let output = build.env_remove("RUSTC_BOOTSTRAP").output().expect("cargo runs");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let messages = String::from_utf8_lossy(&output.stdout);
@@ -28,8 +28,8 @@ pub fn program() -> PathBuf {
     executable.expect("cargo names the program")
 }
 
-/// Runs a test of a harness of its own. Where `FAIRING_TEST_TIMES` names a
-/// file, its name and its seconds are added there as a line.
+/// Runs a test of a custom harness. If `FAIRING_TEST_TIMES` names a file, adds a line with the name
+/// and the seconds.
 pub fn timed<T>(name: &str, test: impl FnOnce() -> T) -> T {
     let start = Instant::now();
     let result = test();

@@ -22,7 +22,6 @@
 mod automatic;
 mod bilateral;
 mod bilateral_normal;
-mod conjugate_gradients;
 mod denoiser;
 mod error;
 mod faces;

@@ -1,9 +1,9 @@
 //! Topology, defects and measures of a mesh, to inspect before a computation.
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::TriMesh;
-use crate::vec3::{cross, distance, norm, sub};
 
 /// The number of elements of one kind, and the first few.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -165,16 +165,16 @@ impl Diagnosis {
 /// The ratio of height to longest edge: twice the area over the square of the longest edge. Zero
 /// if all corners coincide.
 fn height_ratio(mesh: &TriMesh, f: usize) -> f64 {
-    let [a, b, c] = mesh.triangle(f);
-    let (u, v) = (sub(b, a), sub(c, a));
+    let [a, b, c] = mesh.triangle(f).map(DVec3::from);
+    let (u, v) = (b - a, c - a);
     // In units of the largest difference, nothing under- or overflows.
-    let unit = u.iter().chain(&v).fold(0.0f64, |m, x| m.max(x.abs()));
+    let unit = u.abs().max_element().max(v.abs().max_element());
     if unit == 0.0 {
         return 0.0;
     }
-    let (u, v) = (u.map(|x| x / unit), v.map(|x| x / unit));
-    let longest = norm(u).max(norm(v)).max(distance(u, v));
-    norm(cross(u, v)) / (longest * longest)
+    let (u, v) = (u / unit, v / unit);
+    let longest = u.length().max(v.length()).max(u.distance(v));
+    u.cross(v).length() / (longest * longest)
 }
 
 fn duplicate_faces(mesh: &TriMesh) -> Tally {

@@ -1,9 +1,9 @@
 //! Area, volume and the lengths of edges.
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::TriMesh;
-use crate::vec3::{add, cross, distance, dot, scale, sub};
 
 /// Elements per partial sum; fixed, so that sums do not depend on the number
 /// of threads.
@@ -27,12 +27,13 @@ impl TriMesh {
     /// counter-clockwise seen from outside. Meaningful only for a closed surface
     /// without [one-sided](Self::one_sided_faces) parts: otherwise it depends on `o`.
     pub fn signed_volume(&self) -> f64 {
-        let Some([lo, hi]) = self.bounding_box() else { return 0.0 };
-        let o = scale(add(lo, hi), 0.5);
+        let Some(corners) = self.bounding_box() else { return 0.0 };
+        let [lo, hi] = corners.map(DVec3::from);
+        let o = 0.5 * (lo + hi);
         let mesh = self.oriented();
         mesh.sum_over_faces(|f| {
-            let [a, b, c] = mesh.triangle(f);
-            dot(sub(a, o), cross(sub(b, a), sub(c, a))) / 6.0
+            let [a, b, c] = mesh.triangle(f).map(DVec3::from);
+            (a - o).dot((b - a).cross(c - a)) / 6.0
         })
     }
 
@@ -44,11 +45,12 @@ impl TriMesh {
     /// roundings of a term in its products and sums. The volume of a closed sheet of
     /// thickness τ and radius r exceeds the bound for τ/r above about 10⁻¹².
     pub fn volume_rounding(&self) -> f64 {
-        let Some([lo, hi]) = self.bounding_box() else { return 0.0 };
-        let o = scale(add(lo, hi), 0.5);
+        let Some(corners) = self.bounding_box() else { return 0.0 };
+        let [lo, hi] = corners.map(DVec3::from);
+        let o = 0.5 * (lo + hi);
         let terms = self.sum_over_faces(|f| {
-            let [a, b, c] = self.triangle(f);
-            distance(a, o) * distance(a, b) * distance(a, c) / 6.0
+            let [a, b, c] = self.triangle(f).map(DVec3::from);
+            a.distance(o) * a.distance(b) * a.distance(c) / 6.0
         });
         // Ten in a term, then one for each addition in a chunk and over chunks.
         let roundings = 10 + self.face_count().min(CHUNK) + self.face_count() / CHUNK;
@@ -62,7 +64,10 @@ impl TriMesh {
         edges
             .par_iter()
             .with_min_len(CHUNK)
-            .map(|&[a, b]| distance(positions[a as usize], positions[b as usize]))
+            .map(|ends| {
+                let [a, b] = ends.map(|v| DVec3::from(positions[v as usize]));
+                a.distance(b)
+            })
             .collect()
     }
 

@@ -1,7 +1,8 @@
 //! Subdivision: each face cut into four.
 
+use glam::DVec3;
+
 use crate::TriMesh;
-use crate::vec3::{add, scale};
 use crate::{BuildError, Topology};
 
 /// Cuts each face into four at the midpoints of its edges; the surface does not change.
@@ -16,7 +17,7 @@ use crate::{BuildError, Topology};
 pub fn subdivide_midpoint(mesh: &TriMesh) -> Result<TriMesh, BuildError> {
     let x = mesh.positions();
     let mut positions = x.to_vec();
-    positions.extend(mesh.topology().edges().iter().map(|e| middle(x, *e)));
+    positions.extend(mesh.topology().edges().iter().map(|e| middle(x, *e).to_array()));
     TriMesh::new(positions, quartered(mesh)?)
 }
 
@@ -52,7 +53,7 @@ pub fn subdivide_loop(mesh: &TriMesh) -> Result<TriMesh, BuildError> {
     let mut positions: Vec<[f64; 3]> = (0..mesh.vertex_count())
         .map(|v| match creases[v][..] {
             [] => smoothed(x, topology, v),
-            [a, b] => add(scale(x[v], 0.75), scale(middle(x, [a, b]), 0.25)),
+            [a, b] => (0.75 * DVec3::from(x[v]) + 0.25 * middle(x, [a, b])).to_array(),
             _ => x[v],
         })
         .collect();
@@ -65,9 +66,9 @@ pub fn subdivide_loop(mesh: &TriMesh) -> Result<TriMesh, BuildError> {
                     // The face is one of the edge's, so the edge one of its.
                     mesh.faces()[f as usize][place.unwrap_or(0)]
                 });
-                add(scale(middle(x, ends), 0.75), scale(middle(x, opposite), 0.25))
+                (0.75 * middle(x, ends) + 0.25 * middle(x, opposite)).to_array()
             }
-            _ => middle(x, ends),
+            _ => middle(x, ends).to_array(),
         }
     }));
     TriMesh::new(positions, quartered(mesh)?)
@@ -82,8 +83,8 @@ fn smoothed(x: &[[f64; 3]], topology: &Topology, v: usize) -> [f64; 3] {
     }
     let c = 0.375 + 0.25 * libm::cos(std::f64::consts::TAU / n);
     let beta = (0.625 - c * c) / n;
-    let sum = neighbors.iter().fold([0.0; 3], |s, &w| add(s, x[w as usize]));
-    add(scale(x[v], 1.0 - n * beta), scale(sum, beta))
+    let sum: DVec3 = neighbors.iter().map(|&w| DVec3::from(x[w as usize])).sum();
+    ((1.0 - n * beta) * DVec3::from(x[v]) + beta * sum).to_array()
 }
 
 /// The faces of `mesh`, each cut into four; vertex `V + e` is on edge `e`.
@@ -101,8 +102,9 @@ pub(crate) fn quartered(mesh: &TriMesh) -> Result<Vec<[u32; 3]>, BuildError> {
     Ok(faces)
 }
 
-fn middle(x: &[[f64; 3]], [a, b]: [u32; 2]) -> [f64; 3] {
-    scale(add(x[a as usize], x[b as usize]), 0.5)
+fn middle(x: &[[f64; 3]], ends: [u32; 2]) -> DVec3 {
+    let [a, b] = ends.map(|v| DVec3::from(x[v as usize]));
+    0.5 * (a + b)
 }
 
 #[cfg(test)]

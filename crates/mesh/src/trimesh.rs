@@ -3,11 +3,12 @@
 use std::fmt;
 use std::sync::Arc;
 
+use glam::DVec3;
+
 use crate::build::{BuildError, check_positions};
 use crate::connectivity::Connectivity;
 use crate::incidence::Incidence;
 use crate::topology::Topology;
-use crate::vec3::{cross, distance, norm, sub};
 
 /// A triangle mesh, always valid: indices are in range, coordinates are
 /// finite, their extent is zero or within [`EXTENTS`](crate::EXTENTS), and no face repeats a corner.
@@ -211,8 +212,8 @@ impl TriMesh {
     /// If there is no face `f`.
     #[inline]
     pub fn area_vector(&self, f: usize) -> [f64; 3] {
-        let [a, b, c] = self.triangle(f);
-        cross(sub(b, a), sub(c, a)).map(|x| 0.5 * x)
+        let [a, b, c] = self.triangle(f).map(DVec3::from);
+        (0.5 * (b - a).cross(c - a)).to_array()
     }
 
     /// The area of face `f`, in squared mesh units.
@@ -222,7 +223,7 @@ impl TriMesh {
     /// If there is no face `f`.
     #[inline]
     pub fn face_area(&self, f: usize) -> f64 {
-        norm(self.area_vector(f))
+        DVec3::from(self.area_vector(f)).length()
     }
 
     /// The mean length of the sides of the faces, in mesh units: an edge
@@ -233,8 +234,8 @@ impl TriMesh {
         }
         let sum: f64 = (0..self.face_count())
             .map(|f| {
-                let [a, b, c] = self.triangle(f);
-                distance(a, b) + distance(b, c) + distance(c, a)
+                let [a, b, c] = self.triangle(f).map(DVec3::from);
+                a.distance(b) + b.distance(c) + c.distance(a)
             })
             .sum();
         sum / (3 * self.face_count()) as f64
@@ -253,7 +254,7 @@ impl TriMesh {
 
     /// The length of the diagonal of the bounding box; zero without vertices.
     pub fn diagonal(&self) -> f64 {
-        self.bounding_box().map_or(0.0, |[lo, hi]| distance(lo, hi))
+        self.bounding_box().map_or(0.0, |[lo, hi]| DVec3::from(lo).distance(hi.into()))
     }
 }
 

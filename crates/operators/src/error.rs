@@ -1,6 +1,6 @@
 //! Why an operator cannot be assembled.
 
-use crate::laplacian::{LaplacianKind, MassKind};
+use crate::kind::{LaplacianKind, MassKind};
 use fairing_parameters::OptionError;
 
 /// The least height of a face over its longest edge, relative to that edge, at

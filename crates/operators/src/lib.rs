@@ -20,6 +20,7 @@ mod error;
 mod fan;
 mod gradient;
 pub mod intrinsic;
+mod kind;
 mod laplacian;
 mod mass;
 mod noise_level;
@@ -37,9 +38,10 @@ pub use corners::check_faces;
 pub use error::{MIN_HEIGHT_RATIO, OperatorError};
 pub use fairing_sparse::SparseMatrix;
 pub use gradient::{divergence, face_gradients, gradient};
+pub use kind::{LaplacianKind, MassKind};
 pub use laplacian::{
-    CotangentPattern, Intrinsic, Laplacian, LaplacianKind, MassKind, MassMatrix, Reason,
-    Restricted, ThinFaces, choose, positive_lumped_mass,
+    CotangentPattern, Intrinsic, Laplacian, MassMatrix, Reason, Restricted, ThinFaces, choose,
+    positive_lumped_mass,
 };
 pub use mass::{consistent_mass, lumped_mass};
 pub use noise_level::{NoiseEstimate, NoisyParts, noise_level, noisy_parts};

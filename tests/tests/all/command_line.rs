@@ -1,4 +1,4 @@
-//! The `fairing` program, as a person or a script meets it.
+//! The `fairing` program as users and scripts run it.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -13,7 +13,7 @@ use fairing_smoothing::{Diffusion, Implicit, implicit};
 use fairing_spectral::{SpectrumOptions, spectrum};
 use serde_json::{Value, json};
 
-/// Built once for all tests.
+/// The program, built once for all tests.
 fn program() -> &'static Path {
     static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
     PROGRAM.get_or_init(fairing_tests::program)
@@ -24,7 +24,7 @@ pub(crate) fn fairing(folder: &Path, line: &str) -> Output {
     output.expect("the program runs")
 }
 
-/// Runs a line that must succeed and gives its standard output.
+/// Runs a command that must succeed; returns its standard output.
 pub(crate) fn run(folder: &Path, line: &str) -> String {
     let output = fairing(folder, line);
     let error = String::from_utf8_lossy(&output.stderr);
@@ -32,7 +32,7 @@ pub(crate) fn run(folder: &Path, line: &str) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// Runs a line that must fail with an exit code, and gives its message.
+/// Runs a command that must fail with an exit code; returns its message.
 pub(crate) fn refuse(folder: &Path, line: &str, code: i32) -> String {
     let output = fairing(folder, line);
     let error = String::from_utf8(output.stderr).unwrap();
@@ -97,7 +97,7 @@ fn convert_goes_round_all_formats_without_loss() {
     assert_eq!(io::read(folder.path().join("d.ply")).unwrap().mesh, original);
 }
 
-/// Faces of the file, triangles and edges, as `info` counts them.
+/// The numbers of faces of the file, triangles and edges in the output of `info`.
 #[test]
 fn polygons_stay_polygons_until_triangles_are_asked_for() {
     let folder = folder_with_torus();
@@ -193,8 +193,7 @@ fn render_draws_the_field_that_is_asked_for() {
 fn curvature_of_a_sphere_is_written_as_vertex_properties() {
     let folder = tempfile::tempdir().unwrap();
     io::write(folder.path().join("sphere.ply"), &shapes::icosphere(3)).unwrap();
-    // All are right to the square of their reach: one ring of h = 0.15, or
-    // three.
+    // The error of each estimator is the square of its reach: one ring of h = 0.15, or three.
     for (name, tolerance) in [("cotangent", 0.03), ("corrected", 0.03), ("jet3", 0.2)] {
         let line = format!("curvature sphere.ply -o {name}.ply --estimator {name} --json");
         let summary: Value = serde_json::from_str(&run(folder.path(), &line)).unwrap();
@@ -221,11 +220,11 @@ fn compare_scores_a_mesh_against_a_reference() {
     let own = scores("compare torus.ply torus.ply --json");
     let noisy = scores("compare noisy.ply torus.ply --json");
     for name in ["normal_mean", "distance_mean", "hausdorff_lower", "displacement_rms"] {
-        // The closest point of a face to its own corner is off by rounding.
+        // The distance from a corner to its own face is rounded.
         assert!(own[name]["value"].as_f64().unwrap() < 1e-15, "{name}");
         assert!(noisy[name]["value"].as_f64().unwrap() > 1e-3, "{name}");
     }
-    // Other faces: what compares element by element is absent, and says why.
+    // Different faces: element-wise scores are absent, with the reason.
     io::write(folder.path().join("sphere.ply"), &shapes::icosphere(2)).unwrap();
     let other = scores("compare sphere.ply torus.ply --json");
     assert_eq!(other["normal_mean"]["value"], Value::Null);
@@ -236,7 +235,7 @@ fn compare_scores_a_mesh_against_a_reference() {
 #[test]
 fn denoise_says_what_it_found() {
     let folder = tempfile::tempdir().unwrap();
-    // With fewer sides the tube is a prism.
+    // With fewer sides the tube is a prism, which the estimators see.
     io::write(folder.path().join("torus.ply"), &shapes::torus(3.0, 1.0, 72, 30)).unwrap();
     run(folder.path(), "noise torus.ply -o noisy.ply --sigma 0.05");
     let line = "denoise noisy.ply -o clean.ply --json";
@@ -280,7 +279,7 @@ fn smooth_refuses_what_does_not_fit_and_writes_nothing() {
     run(folder.path(), "smooth torus.ply -o x.ply --method explicit --lambda 2 --unstable allow");
 }
 
-/// Options that would have no effect together are refused with both names, before anything is read or written.
+/// Options that exclude each other are refused with both names, before anything is read or written.
 #[test]
 fn options_that_would_be_ignored_are_errors() {
     let folder = folder_with_torus();
@@ -325,7 +324,7 @@ fn options_that_would_be_ignored_are_errors() {
     assert_eq!(files(folder.path()), ["torus.ply"]);
 }
 
-/// The flags of denoisers and estimators are those of their tables, and have an effect.
+/// Denoisers and estimators have the flags of their tables, and each flag has an effect.
 #[test]
 fn parameters_of_denoisers_and_estimators_are_flags() {
     let folder = folder_with_torus();
@@ -354,8 +353,8 @@ fn parameters_of_denoisers_and_estimators_are_flags() {
     assert!(said.contains("rings is \"17\", but must be between 1 and 16"), "{said}");
 }
 
-/// A pyramid whose sides are quads that name a corner twice, with a face of two
-/// corners beside it: the same number of faces wherever one is said, and no hole.
+/// A pyramid whose sides are quads that name a corner twice, beside a face with two corners. All
+/// outputs give the same number of faces, and no hole.
 #[test]
 fn faces_are_counted_alike_and_reduced_ones_are_kept() {
     let folder = tempfile::tempdir().unwrap();
@@ -385,13 +384,13 @@ fn faces_are_counted_alike_and_reduced_ones_are_kept() {
     assert!(String::from_utf8(said).unwrap().contains("5 vertices, 5 faces"));
     let refused = refuse(folder.path(), "convert pyramid.obj b.obj --strict", 3);
     assert!(refused.contains("face 1 repeats a corner (5 such faces)"), "{refused}");
-    // Scores that need the same faces say how many triangles there are.
+    // Scores that require the same faces give the number of triangles.
     io::write(folder.path().join("ico.ply"), &shapes::icosphere(1)).unwrap();
     let scores = run(folder.path(), "compare pyramid.obj ico.ply --json");
     assert!(scores.contains("6 and 80 triangles"), "{scores}");
 }
 
-/// The robust operator takes over with a word, which names the face.
+/// The robust operator replaces cotangents with a note that names the face.
 #[test]
 fn curvature_says_that_it_uses_the_robust_operator() {
     let folder = tempfile::tempdir().unwrap();
@@ -416,8 +415,8 @@ fn curvature_says_that_it_uses_the_robust_operator() {
     assert_eq!(good["too_thin_face"], Value::Null);
 }
 
-/// Eigenvalues, curvature and flows of auto are those of `Laplacian::auto`, bit by bit, on meshes
-/// with edges that are not Delaunay and on one with a face too thin for cotangents.
+/// Eigenvalues, curvature and flows with auto are bitwise those of `Laplacian::auto`, on meshes
+/// with non-Delaunay edges and on one with a face too thin for cotangents.
 #[test]
 fn auto_is_the_same_in_the_program_and_in_the_library() {
     let folder = tempfile::tempdir().unwrap();
@@ -457,7 +456,7 @@ fn auto_is_the_same_in_the_program_and_in_the_library() {
     }
 }
 
-/// The commands under the methods of the report run as they stand, and write what they name.
+/// The commands under the methods of the report run as printed and write the files they name.
 #[test]
 fn commands_of_the_report_run() {
     let truth = shapes::bumpy_sphere(2, 0.1, 3.0);

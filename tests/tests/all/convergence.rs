@@ -17,12 +17,12 @@ use fairing_shapes as shapes;
 const TORUS: Torus = Torus { major: 3.0, minor: 1.0 };
 const ELLIPSOID: Ellipsoid = Ellipsoid { a: 1.0, b: 1.5, c: 2.0 };
 
-/// Jitter of at most this part of the least height of the faces around.
+/// The largest jitter, as a fraction of the least height of the adjacent faces.
 const JITTER: f64 = 0.3;
 
 type Exact = fn([f64; 3]) -> PointCurvature;
 
-/// A surface with exact curvature, and a mesh of each refinement.
+/// A surface with exact curvature, and a mesh for each refinement.
 struct Case {
     name: &'static str,
     exact: Exact,
@@ -68,7 +68,7 @@ const JITTERED: [Case; 3] = [
     },
 ];
 
-/// Mean edge lengths and largest errors of H and K of each refinement.
+/// Mean edge lengths and largest errors of H and K for each refinement.
 fn largest_errors(case: &Case, levels: &[u32], estimator: &Estimator) -> [Vec<f64>; 3] {
     let (mut h, mut mean, mut gaussian) = (vec![], vec![], vec![]);
     for &level in levels {
@@ -93,8 +93,8 @@ fn energy(s: &SparseMatrix, u: &[f64]) -> f64 {
     image.iter().zip(u).map(|(a, b)| a * b).sum()
 }
 
-/// On the unit sphere Δ(xy) = −6xy, so its Rayleigh quotient tends to 6.
-/// (Plain x will not do: symmetry makes it exact at every level.)
+/// On the unit sphere Δ(xy) = −6xy, so its Rayleigh quotient tends to 6. (Plain x is no test:
+/// symmetry makes it exact at every level.)
 #[test]
 fn rayleigh_quotient_converges_quadratically() {
     let masses: [fn(&TriMesh, &[f64]) -> f64; 4] = [
@@ -123,12 +123,11 @@ fn square(mass: &[f64], u: &[f64]) -> f64 {
     mass.iter().zip(u).map(|(m, u)| m * u * u).sum()
 }
 
-/// The Dirichlet energy of z on the jittered ellipsoid: irregular meshes do
-/// not disturb integrals.
+/// The Dirichlet energy of z on the jittered ellipsoid: integrals converge on irregular meshes.
 #[test]
 fn dirichlet_energy_converges_on_irregular_meshes() {
-    // ∫ |∇z|² = ∫ 1 − n_z²; in the chart, by the midpoint rule, which is of
-    // spectral accuracy for the periodic direction and fine in the other.
+    // ∫ |∇z|² = ∫ 1 − n_z², by the midpoint rule in the chart, which is spectrally accurate in the
+    // periodic direction and accurate enough in the other.
     let (nu, nv) = (400, 400);
     let mut exact = 0.0;
     for i in 0..nu {
@@ -154,8 +153,7 @@ fn dirichlet_energy_converges_on_irregular_meshes() {
     }
 }
 
-/// H and K with mixed areas on the icosphere are second order, in the root
-/// mean square.
+/// H and K with mixed areas on the icosphere are second order in the root mean square.
 #[test]
 fn plain_curvature_converges_on_the_icosphere() {
     let (mut h, mut mean, mut gaussian) = (vec![], vec![], vec![]);
@@ -173,8 +171,8 @@ fn plain_curvature_converges_on_the_icosphere() {
     }
 }
 
-/// For points of a unit sphere (xⱼ − xᵢ)·xᵢ = −½ ‖xⱼ − xᵢ‖², so that the
-/// scaled umbrella is exact along the true normal, on any mesh of it.
+/// For points on a unit sphere (xⱼ − xᵢ)·xᵢ = −½ ‖xⱼ − xᵢ‖², so the scaled umbrella is exact along
+/// the true normal on any mesh.
 #[test]
 fn the_scaled_umbrella_is_exact_on_a_sphere() {
     let mesh = (JITTERED[0].mesh)(2);
@@ -184,8 +182,8 @@ fn the_scaled_umbrella_is_exact_on_a_sphere() {
     }
 }
 
-/// What the plain estimators are known for: jitter keeps them from converging
-/// pointwise. If this fails, the convergence of the jets says nothing.
+/// The known weakness of the plain estimators: jitter prevents pointwise convergence. If this
+/// fails, the convergence of the jets proves nothing.
 #[test]
 fn plain_curvature_does_not_converge_on_jittered_meshes() {
     let plain: Estimator = "cotangent".parse().unwrap();
@@ -198,8 +196,8 @@ fn plain_curvature_does_not_converge_on_jittered_meshes() {
     }
 }
 
-/// The bar: H and K of order at least 1.7 in the maximum norm on jittered
-/// sphere, torus and ellipsoid.
+/// The required order: H and K of order at least 1.7 in the maximum norm on jittered sphere, torus
+/// and ellipsoid.
 #[test]
 fn cubic_jets_converge_in_the_maximum_norm() {
     let jets = Estimator::Jet(JetOptions::default());
@@ -213,8 +211,8 @@ fn cubic_jets_converge_in_the_maximum_norm() {
     }
 }
 
-/// Every estimator is right about a fine regular torus, sign and order of the
-/// two curvatures included.
+/// Every estimator is accurate on a fine regular torus, including the signs and the order of the
+/// two curvatures.
 #[test]
 fn every_estimator_knows_the_torus() {
     let mesh = shapes::torus(3.0, 1.0, 120, 60);
@@ -224,8 +222,8 @@ fn every_estimator_knows_the_torus() {
             let exact = TORUS.curvature(p).unwrap();
             let found = [field.kappa1[v], field.kappa2[v]];
             for k in 0..2 {
-                // The tensors of one ring keep a bias of several per cent: the
-                // directions of the edges are not evenly spread.
+                // The tensors of one ring have a bias of several per cent, since the directions of
+                // the edges are not evenly distributed.
                 let gap = (found[k] - exact.values[k]).abs();
                 assert!(gap < 0.12, "{estimator} {v} {found:?} {:?}", exact.values);
             }
@@ -240,10 +238,9 @@ fn every_estimator_knows_the_torus() {
     }
 }
 
-/// Corrected measures of the faces of a 20 × 20 torus (R = 3, r = 1) with the
-/// true normals at its vertices: the range of principal curvatures that the
-/// documentation of DGtal prints, to all its digits
-/// (`curvature-measures-icnc-XY-3d torus 20 20 0`).
+/// Corrected measures of the faces of a 20 × 20 torus (R = 3, r = 1) with the true normals at its
+/// vertices: the range of principal curvatures printed in the documentation of DGtal, to all its
+/// digits (`curvature-measures-icnc-XY-3d torus 20 20 0`).
 #[test]
 fn corrected_measures_agree_with_dgtal() {
     let mesh = shapes::torus(3.0, 1.0, 20, 20);
@@ -266,7 +263,7 @@ fn corrected_measures_agree_with_dgtal() {
     }
 }
 
-/// On a sphere with its own normals the measures are exact on any triangle.
+/// On a sphere with its exact normals the measures are exact for any triangle.
 #[test]
 fn corrected_measures_are_exact_on_a_sphere() {
     let mesh = shapes::jittered(&shapes::icosphere(1), 0.4, 5, shapes::onto_sphere);
@@ -281,17 +278,17 @@ fn corrected_measures_are_exact_on_a_sphere() {
     }
 }
 
-/// A cylinder tells H from K and one direction from the other.
+/// A cylinder distinguishes H from K and one direction from the other.
 #[test]
 fn every_estimator_knows_the_cylinder() {
     let mesh = shapes::cylinder(2.0, 4.0, 120, 40, shapes::Ends::Open);
     for estimator in Estimator::all() {
         let field: CurvatureField = estimator.estimate(&mesh).unwrap();
         assert_eq!(field.boundary.iter().filter(|&&b| b).count(), 240);
-        // Which edges a ball cuts is a matter of chance, to a few per cent.
+        // The edges that a ball cuts vary at random, by a few per cent.
         let tolerance = if estimator.name() == "normal-cycle" { 0.04 } else { 0.01 };
         for (v, p) in mesh.positions().iter().enumerate() {
-            // Four rings from the border and more.
+            // At least four rings from the boundary.
             if (p[2] - 2.0).abs() > 1.2 {
                 continue;
             }

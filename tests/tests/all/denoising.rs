@@ -1,7 +1,7 @@
 //! Denoisers on generated meshes with seeded noise.
 
 use fairing_denoising::{
-    Denoiser, FaceKind, SurfaceKind, VertexUpdate, automatic, update_vertices,
+    Denoiser, FaceKind, GuidedNormalOptions, SurfaceKind, VertexUpdate, automatic, update_vertices,
 };
 use fairing_evaluation::{
     NoiseKind, NoiseLevel, SurfaceTree, add_noise, drift, flipped_faces, normal_error,
@@ -18,8 +18,8 @@ fn error(mesh: &TriMesh, truth: &TriMesh) -> f64 {
     normal_error(mesh, truth).unwrap().mean
 }
 
-/// A body with creases: closer than guided filtering, the best published method
-/// there, within a sixth of the noise, and within all guards.
+/// A shape with creases: closer than guided filtering, the best published method on it, within a
+/// sixth of the noise, and within all limits.
 #[test]
 fn automatic_restores_a_block_with_creases() {
     let block = shapes::cad_block(0.1);
@@ -29,7 +29,10 @@ fn automatic_restores_a_block_with_creases() {
         assert_eq!(result.kind, SurfaceKind::Creased, "{share}");
         let (before, after) = (error(&input, &block), error(&result.mesh, &block));
         assert!(after < 0.15 * before, "{share}: {before} to {after}");
-        let guided = error(&Denoiser::GuidedNormal.denoise(&input).unwrap(), &block);
+        let guided = error(
+            &Denoiser::GuidedNormal(GuidedNormalOptions::DEFAULT).denoise(&input).unwrap(),
+            &block,
+        );
         assert!(after < guided, "{share}: guided {guided}, automatic {after}");
         let flipped = |m: &TriMesh| flipped_faces(m, &block).unwrap();
         assert!(flipped(&result.mesh) <= flipped(&input).max(5), "{share}");
@@ -41,8 +44,8 @@ fn automatic_restores_a_block_with_creases() {
     }
 }
 
-/// The limit is the distance from the input, not the length of a step: normals that no
-/// mesh has push the vertices for as many steps as there are.
+/// The limit is the distance from the input, not the length of a step: normals that no mesh has
+/// push the vertices in every step.
 #[test]
 fn vertices_stay_within_the_limit_of_the_input() {
     let sphere = shapes::icosphere(2);
@@ -58,8 +61,8 @@ fn vertices_stay_within_the_limit_of_the_input() {
     assert!(found > 0.0499 && found < 0.05 * (1.0 + 1e-12), "{found}");
 }
 
-/// Noise that moves vertices within the surface folds faces over each other; they
-/// open, and less is left of the noise than any published method leaves.
+/// Noise within the surface folds faces over each other. The folds open, and less noise remains
+/// than with any published method.
 #[test]
 fn automatic_opens_folds() {
     let block = shapes::cad_block(0.1);
@@ -79,9 +82,9 @@ fn automatic_opens_folds() {
     }
 }
 
-/// Never worse than the noisy mesh, in normals or in positions; no faces flipped
-/// where none were; the volume stays within half a per cent. Bodies, open sheets
-/// and thin ones, under every kind of noise at a low and at a high level.
+/// Never worse than the noisy mesh, in normals or in positions; no faces flipped unless some were;
+/// the volume stays within half a per cent. Closed, open and thin shapes, under every kind of noise
+/// at a low and a high level.
 #[test]
 fn automatic_never_does_harm() {
     let surfaces = [
@@ -116,7 +119,7 @@ fn automatic_never_does_harm() {
     }
 }
 
-/// Without noise nothing moves, to the last bit; a noisy sheet comes out flat.
+/// Without noise nothing moves, to the last bit; a noisy sheet becomes flat.
 #[test]
 fn automatic_keeps_planes_and_clean_meshes() {
     for clean in [
@@ -143,13 +146,13 @@ fn automatic_smooths_a_sphere_and_a_torus() {
         let result = automatic(&input).unwrap();
         let (before, after) = (error(&input, &truth), error(&result.mesh, &truth));
         assert!(after < 0.2 * before, "{before} to {after}");
-        // A flow that reaches this much smoothness shrinks both by per cents.
+        // A flow that smooths this much shrinks both by several per cent.
         assert!(drift(&result.mesh, &truth).volume.unwrap().abs() < 0.005);
     }
 }
 
-/// Each removes noise of 0.3 h from the block; what the published tables show
-/// at that level is a half for vertex filters and far less for normal filters.
+/// Every method removes noise of 0.3 h from the block. Published tables at this level leave half
+/// for vertex filters, and far less for normal filters.
 #[test]
 fn every_denoiser_helps() {
     let block = shapes::cad_block(0.15);
@@ -161,9 +164,9 @@ fn every_denoiser_helps() {
     }
 }
 
-/// Scaling and moving the input scales and moves the output. Rounding grows
-/// through thresholds on noisy normals, so a few faces may decide otherwise:
-/// the bound is on the mean distance. (A power of two scales without rounding.)
+/// Scaling and moving the input scales and moves the output. Thresholds on noisy normals amplify
+/// rounding, so a few faces may be decided differently: the bound is on the mean distance. (A power
+/// of two scales without rounding.)
 #[test]
 fn denoisers_move_with_the_mesh() {
     let input = noisy(&shapes::cad_block(0.2), 0.3);
@@ -187,8 +190,8 @@ fn denoisers_move_with_the_mesh() {
     }
 }
 
-/// Renumbering vertices and faces, and turning the corners of a face, renumbers
-/// the output; sums in another order round otherwise, as above.
+/// Renumbering vertices and faces, and rotating the corners of a face, renumbers the output. Sums
+/// in another order round differently, as above.
 #[test]
 fn denoisers_do_not_depend_on_the_numbering() {
     let input = noisy(&shapes::cad_block(0.2), 0.3);
@@ -230,8 +233,8 @@ fn denoisers_do_not_depend_on_the_threads() {
     assert!(one.positions() == three.positions());
 }
 
-/// Bad input gives a mesh with finite positions or a clear error, never a
-/// panic. `TriMesh` itself refuses coordinates that are not finite.
+/// Bad input gives a mesh with finite positions or a clear error, never a panic. `TriMesh` itself
+/// refuses coordinates that are not finite.
 #[test]
 fn denoisers_survive_bad_input() {
     let open = noisy(&shapes::jittered_plane(20, 15, 0.2, 3), 0.2);
@@ -258,8 +261,8 @@ fn denoisers_survive_bad_input() {
     }
 }
 
-/// Impulses far above the noise level: the median ignores them, and so does
-/// the system, whose weights then span many orders.
+/// Impulses far above the noise level: the median ignores them, and the system is solved although
+/// its weights then span many orders of magnitude.
 #[test]
 fn impulses_on_a_smooth_body() {
     let sphere = shapes::icosphere(4);
@@ -273,8 +276,8 @@ fn impulses_on_a_smooth_body() {
     assert!(after < 0.3 * before, "{before} to {after}");
 }
 
-/// Where every face agrees with its normal, no step makes one oppose it, even
-/// with normals that ask for a crumpled surface.
+/// If every face agrees with its normal, no step makes a face oppose it, even for normals of a
+/// crumpled surface.
 #[test]
 fn vertex_updates_do_not_flip_faces() {
     let plane = shapes::jittered_plane(20, 20, 0.2, 8);
@@ -298,13 +301,13 @@ fn vertex_updates_do_not_flip_faces() {
     for normals in [&truth, &tilted] {
         let before = opposing(&input, normals);
         let after = opposing(&update_vertices(&input, normals, &update).unwrap(), normals);
-        // Two vertices that move at once may still turn a face between them.
+        // Two vertices that move at once may still flip a face between them.
         assert!(after <= before + plane.face_count() / 100, "{before} to {after}");
     }
 }
 
-/// Under noise far above an edge length faces are needles by chance, but no longer than the noise: that is no
-/// tessellation, which would be left alone.
+/// Under noise far above an edge length, faces are needles by chance, but no longer than the noise.
+/// This is not a tessellation, which would be left alone.
 #[test]
 fn noise_does_not_make_a_mesh_uneven() {
     for mesh in [shapes::icosphere(3), shapes::cad_block(0.25)] {

@@ -1,6 +1,5 @@
-//! Every numbered formula of `docs/ellipsoid.md`, against derivatives by
-//! automatic differentiation of the parametrisation; and the closed forms of
-//! the other surfaces likewise.
+//! Every numbered formula of `docs/ellipsoid.md`, compared with automatic differentiation of the
+//! parametrisation; the closed forms of the other surfaces likewise.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::{Add, Mul};
@@ -101,7 +100,7 @@ fn jet(p: [Dual; 3]) -> SurfaceJet {
     }
 }
 
-/// The parametrisation, written down once more.
+/// The parametrisation, independent of the library.
 fn differentiate(e: &Ellipsoid, u: f64, v: f64) -> SurfaceJet {
     let (u, v) = Dual::parameters(u, v);
     jet([e.a * (u.cos() * v.sin()), e.b * (u.sin() * v.sin()), e.c * v.cos()])
@@ -114,7 +113,7 @@ const ELLIPSOIDS: [Ellipsoid; 4] = [
     Ellipsoid { a: 1.3, b: 1.3, c: 1.3 },
 ];
 
-/// Points all over the chart, poles left out.
+/// Points over the whole chart except the poles.
 fn chart() -> Vec<(f64, f64)> {
     let us = (0..12).map(|i| 0.11 + f64::from(i) * PI / 6.0);
     us.flat_map(|u| (1..12).map(move |j| (u, f64::from(j) * PI / 12.0))).collect()
@@ -128,8 +127,8 @@ fn everywhere(check: impl Fn(&Ellipsoid, f64, f64, &SurfaceJet)) {
     }
 }
 
-/// Closed forms and automatic derivatives differ by rounding alone: a dozen
-/// operations on numbers of order ten.
+/// Closed forms and automatic derivatives differ by rounding only: a dozen operations on numbers of
+/// order ten.
 #[track_caller]
 fn close(a: f64, b: f64) {
     assert!((a - b).abs() <= 1e-13 * (1.0 + a.abs().max(b.abs())), "{a} {b}");
@@ -142,7 +141,7 @@ fn close3(a: [f64; 3], b: [f64; 3]) {
     }
 }
 
-/// The inward unit normal, told by the centre.
+/// The inward unit normal; the centre decides the sign.
 fn inward(jet: &SurfaceJet) -> [f64; 3] {
     let n = normalize(cross(jet.du, jet.dv)).unwrap();
     if dot(n, jet.point) < 0.0 { n } else { scale(n, -1.0) }
@@ -233,7 +232,7 @@ fn formula_9_normal_curvature_in_any_direction() {
     });
 }
 
-/// Against the level set, which knows no chart.
+/// Comparison with the level set, which needs no chart.
 #[test]
 fn formulas_10_and_11_gaussian_and_mean() {
     everywhere(|e, u, v, d| {
@@ -296,7 +295,7 @@ fn formulas_15_and_16_at_the_poles() {
             close(e.mean_curvature(0.3, v), pole.mean());
             close(pole.gaussian(), (c / (a * b)).powi(2));
         }
-        // First-order small in v² from the limit.
+        // The distance from the limit is of first order in v².
         let v = 1e-6;
         for (u, _) in chart() {
             let [l, m, n] = e.second_form(u, v);
@@ -321,7 +320,7 @@ fn principal_directions() {
         close(p.values[0] * p.values[1], e.gaussian_curvature(u, v));
         for k in 0..2 {
             close(norm(p.directions[k]), 1.0);
-            // At an umbilic the value does not depend on the direction.
+            // At an umbilic the value is the same in every direction.
             close(forms.normal_curvature(p.parameters[k]).unwrap(), p.values[k]);
         }
         close3(cross(p.directions[0], p.directions[1]), forms.normal);

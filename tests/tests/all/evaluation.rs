@@ -1,4 +1,4 @@
-//! Distances, drift and scores where the answers are known.
+//! Distances, drift and scores with known answers.
 
 use fairing_evaluation::{
     EvaluationError, NoiseKind, NoiseLevel, ScoreOptions, Scores, add_noise, curvature_error,
@@ -14,10 +14,10 @@ fn mapped(mesh: &TriMesh, f: impl Fn([f64; 3]) -> [f64; 3]) -> TriMesh {
     mesh.with_positions(mesh.positions().iter().map(|&p| f(p)).collect()).unwrap()
 }
 
-/// Spheres of radius 1 and 1.1 around one centre. Vertices of the inner one
-/// are closest to a face above them: 0.1 less what a chord falls short of its
-/// arc; vertices of the outer one to a vertex or face below: 0.1 and a little.
-/// Both tend to 0.1 with the square of the edge length.
+/// Spheres of radius 1 and 1.1 around one centre. A vertex of the inner sphere is closest to a face
+/// above it, at 0.1 minus the sagitta of a chord; a vertex of the outer sphere is closest to a
+/// vertex or face below it, at slightly more than 0.1. Both tend to 0.1 with the square of the edge
+/// length.
 #[test]
 fn concentric_spheres() {
     let (mut h, mut error) = (vec![], vec![]);
@@ -41,8 +41,8 @@ fn concentric_spheres() {
     }
 }
 
-/// A cube moved along x by t < ½: the far side is t away all over, corners
-/// included; no point is farther.
+/// A cube moved along x by t < ½: every point of the far side, corners included, is at distance t,
+/// and no point is farther.
 #[test]
 fn translated_cubes() {
     let cube = shapes::cube(4, Diagonals::Alternating);
@@ -62,9 +62,9 @@ fn translated_cubes() {
     }
 }
 
-/// Where vertices say little: an equilateral triangle against three small ones
-/// that touch its corners from outside. All of its corners are at distance
-/// zero; its middle is farthest, a circumradius from the corners.
+/// Vertices alone are not enough: an equilateral triangle against three small ones that touch its
+/// corners from outside. All of its corners are at distance zero; its centre is farthest, a
+/// circumradius from the corners.
 #[test]
 fn hausdorff_finds_the_inside_of_faces() {
     let corners = [0.0f64, 1.0, 2.0].map(|k| {
@@ -88,7 +88,7 @@ fn hausdorff_finds_the_inside_of_faces() {
     }
 }
 
-/// Distance is symmetric under swapping, invariant under motions, and scales.
+/// Distance is symmetric, invariant under motions, and scales.
 #[test]
 fn hausdorff_is_a_distance() {
     let a = shapes::bumpy_sphere(3, 0.1, 4.0);
@@ -101,7 +101,7 @@ fn hausdorff_is_a_distance() {
     let twice = hausdorff(&turned(&a), &turned(&b), 2.0 * tolerance).unwrap();
     assert!((twice.lower - 2.0 * ab.lower).abs() <= 2.0 * tolerance);
     assert!(ab.lower >= surface_distance(&a, &b).unwrap().max());
-    // Middles of sides are rounded.
+    // Midpoints of sides are rounded.
     assert!(hausdorff(&a, &a, tolerance).unwrap().lower < 1e-15);
 }
 
@@ -123,8 +123,8 @@ fn a_known_angle() {
     assert_eq!(curvature_error(&over, &plane).unwrap(), None);
 }
 
-/// Gaussian noise along the normals of a sphere of radius 1: vertices are off
-/// by σ in the mean square, and the surface a little less.
+/// Gaussian noise along the normals of a sphere of radius 1: the root mean square distance is σ at
+/// the vertices, and slightly less over the surface.
 #[test]
 fn known_noise() {
     let sphere = shapes::icosphere(5);
@@ -141,17 +141,17 @@ fn known_noise() {
     }
 }
 
-/// A cube has the edges of a cube: 12 · n sharp ones. Rounding it by a sphere
-/// loses them, folding a plane makes new ones.
+/// A cube has 12 · n sharp edges. Rounding it to a sphere loses them, folding a plane creates new
+/// ones.
 #[test]
 fn features() {
     let cube = shapes::cube(6, Diagonals::Regular);
     let same = feature_edges(&cube, &cube, 30.0).unwrap();
     assert_eq!((same.shared, same.found, same.expected), (72, 72, 72));
     assert_eq!((same.precision(), same.recall()), (Some(1.0), Some(1.0)));
-    // Edges that turn by the angle itself are sharp.
+    // Edges at exactly the threshold angle are sharp.
     assert_eq!(feature_edges(&cube, &cube, 90.0).unwrap(), same);
-    // The bound of the rounding of a volume is some thousand roundings of its terms.
+    // The bound on the rounding of a volume is some thousand roundings of its terms.
     let sphere = shapes::icosphere(3);
     assert!(sphere.volume_rounding() < 1e-11 * sphere.signed_volume());
     let ball = mapped(&cube, shapes::onto_sphere);
@@ -164,8 +164,7 @@ fn features() {
     );
 }
 
-/// The curvature of an inscribed sphere is 1 but for O(h²); of a sphere blown
-/// up by 1 %, 1/1.01.
+/// The curvature of an inscribed sphere is 1 up to O(h²), and 1/1.01 for a sphere scaled by 1.01.
 #[test]
 fn curvature_of_a_blown_up_sphere() {
     let sphere = shapes::icosphere(4);
@@ -182,7 +181,7 @@ fn scores_of_the_same_mesh() {
         match (score.name, score.value) {
             ("psnr", Err(reason)) => assert_eq!(reason, "no vertex moved"),
             ("feature_precision" | "feature_recall", value) => assert_eq!(value, Ok(1.0)),
-            // Points inside of faces are rounded.
+            // Points inside faces are rounded.
             ("hausdorff_lower", value) => assert!(value.unwrap() < 1e-15),
             ("hausdorff_upper", value) => assert!(value.unwrap() <= 1e-4),
             (name, value) => assert_eq!(value, Ok(0.0), "{name}"),
@@ -190,8 +189,8 @@ fn scores_of_the_same_mesh() {
     }
 }
 
-/// Meshes of different faces have distances and drift; what needs matching
-/// elements is absent and says why.
+/// Meshes with different faces have distances and drift; scores that need matching elements are
+/// absent, with the reason.
 #[test]
 fn scores_of_different_faces() {
     let (coarse, fine) = (shapes::icosphere(2), shapes::icosphere(3));
@@ -236,7 +235,7 @@ fn nothing_to_compare() {
     }
 }
 
-/// Heavy noise makes faces cross and flip; none does.
+/// Heavy noise makes faces cross and flip; without noise none does.
 #[test]
 fn crossings_come_with_noise() {
     let sphere = shapes::icosphere(4);
@@ -255,8 +254,7 @@ fn crossings_come_with_noise() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
-    /// Moving both meshes, renumbering or scaling them changes no score by
-    /// more than rounding.
+    /// Moving both meshes, renumbering them or scaling them changes no score by more than rounding.
     #[test]
     fn scores_do_not_depend_on_the_frame(seed in 0u64..1000, size in -3i32..4, shift in -4.0..4.0) {
         let clean = shapes::cube(4, Diagonals::Alternating);

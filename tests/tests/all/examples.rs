@@ -41,7 +41,7 @@ mod report;
 #[path = "../../../crates/fairing/examples/signature.rs"]
 mod signature;
 
-/// The name of a file in a folder, with a mesh in it if there is one.
+/// The name of a file in a folder, with a mesh in it if given.
 fn file(folder: &Path, name: &str, mesh: Option<&TriMesh>) -> String {
     let path = folder.join(name);
     if let Some(mesh) = mesh {
@@ -60,7 +60,7 @@ fn examples_do_what_they_say() {
     let plane = at("plane.ply", Some(&patch));
     let (modes, out) = (at("modes.npz", None), at("out.ply", None));
 
-    // A sphere of radius 1: cubic jets are exact to a few per cent at this size.
+    // A sphere of radius 1: cubic jets are accurate to a few per cent at this size.
     let field = mean_curvature::run(&sphere).unwrap();
     assert!(field.mean.iter().all(|h| (h - 1.0).abs() < 0.05), "{:?}", field.mean);
 
@@ -81,7 +81,7 @@ fn examples_do_what_they_say() {
     let scores = denoise_and_compare::run(&at("noisy.ply", Some(&noisy)), &sphere).unwrap();
     assert!(scores.displacement.unwrap().rms > 0.0);
 
-    // On the square of side s the largest u is 0.0737 s², to the error of such a coarse mesh.
+    // On the square of side s the largest u is 0.0737 s², up to the error of such a coarse mesh.
     let [low, high] = patch.bounding_box().unwrap();
     let (u, energy) = poisson::run(&plane).unwrap();
     let largest = u.iter().fold(0.0, |m: f64, u| m.max(*u)) / (high[0] - low[0]).powi(2);
@@ -89,7 +89,7 @@ fn examples_do_what_they_say() {
 
     let distance = heat_distance::run(&sphere, 3).unwrap();
     let farthest = distance.iter().map(|d| d.unwrap()).fold(0.0, f64::max);
-    // Half of the circumference, to the error of the heat method on 162 vertices.
+    // Half of the circumference, up to the error of the heat method on 162 vertices.
     let error = farthest - std::f64::consts::PI;
     assert!(distance[3] == Some(0.0) && error.abs() < 0.3, "{farthest}");
 
@@ -107,7 +107,7 @@ fn examples_do_what_they_say() {
     assert!(picture::run(&sphere, 80, 60).unwrap().starts_with(b"\x89PNG"));
 }
 
-/// What the report shows of each section runs, and returns numbers.
+/// The code shown in each section of the report runs and returns numbers.
 #[test]
 fn the_lines_of_the_report_run() {
     let numbers = report::run(&shapes::bumpy_sphere(2, 0.1, 3.0)).unwrap();

@@ -39,7 +39,8 @@ fn lines() -> Vec<String> {
         }
         name => format!("smooth noisy.ply -o out.ply --method {name}"),
     });
-    let denoise = Denoiser::all().map(|d| format!("denoise noisy.ply -o out.ply --method {d}"));
+    let denoise =
+        Denoiser::all().into_iter().map(|d| format!("denoise noisy.ply -o out.ply --method {d}"));
     let others = [
         "noise one.ply -o out.ply --sigma 0.2 --kind axes",
         "reconstruct noisy.ply -k 9 -o out.ply",

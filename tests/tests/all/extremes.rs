@@ -1,6 +1,5 @@
-//! Sizes, shapes and mixtures at which formulas that are right on paper fail:
-//! all that follows from the shape alone must not depend on its size, on what
-//! else is in the mesh, or on the frame.
+//! Sizes, shapes and mixtures of parts at which formulas that are right on paper fail. Properties
+//! of shape must not depend on its size, on the rest of the mesh or on the frame.
 
 use fairing_denoising::{Denoiser, SurfaceKind, automatic};
 use fairing_evaluation::{

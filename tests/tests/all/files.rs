@@ -1,4 +1,4 @@
-//! Files of the program: what is checked before the work, links, broken meshes, values that are not there.
+//! Files of the program: checks before the work, links, broken meshes, undefined values.
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ fn folder_with_torus() -> tempfile::TempDir {
     folder
 }
 
-/// The verbs that write, each with an output that its extension allows.
+/// The verbs that write, each with a valid output.
 const WRITERS: [(&str, &str); 8] = [
     ("convert torus.ply", "a.obj"),
     ("curvature torus.ply -o", "a.ply"),
@@ -26,7 +26,7 @@ const WRITERS: [(&str, &str); 8] = [
     ("render torus.ply --size 40x30 -o", "a.png"),
 ];
 
-/// The input is not there: whoever looks at the output first does not notice.
+/// The input does not exist, so a verb that checks its output first fails for the output.
 #[test]
 fn outputs_are_checked_before_anything_is_read() {
     let folder = folder_with_torus();
@@ -60,7 +60,7 @@ fn outputs_are_checked_before_anything_is_read() {
     assert!(io::read(place.join("curved.ply.gz")).unwrap().fields.scalar("mean").is_some());
 }
 
-/// A link is written through by every verb, and stays.
+/// Every verb writes through a link, and the link stays.
 #[cfg(unix)]
 #[test]
 fn links_are_written_through() {
@@ -81,7 +81,7 @@ fn links_are_written_through() {
     assert_eq!(left, 6, "one of each kind, and nothing else");
 }
 
-/// A torus with a vertex that is not finite and no face has, and one that a face has.
+/// A torus with two vertices that are not finite, one of them without faces.
 #[test]
 fn broken_meshes_are_read_by_every_verb_on_request() {
     let folder = folder_with_torus();
@@ -113,7 +113,7 @@ fn broken_meshes_are_read_by_every_verb_on_request() {
         let line = format!("compare {file}.obj {file}.obj --drop-broken --json");
         run(place, &line);
     }
-    // Numbers stay those of the file, and the box that of what is sound.
+    // Numbers are those of the file, and the bounding box that of the sound vertices.
     run(place, "--quiet convert used.obj sound.ply --drop-broken");
     let [sound, torus] =
         ["sound.ply", "torus.ply"].map(|name| io::read(place.join(name)).unwrap().mesh);
@@ -123,7 +123,8 @@ fn broken_meshes_are_read_by_every_verb_on_request() {
     refuse(place, "convert used.obj b.ply --drop-broken --strict", 2);
 }
 
-/// Half of the vertices of an open strip have no curvature, and one of no face; they have no part in the colours.
+/// Half of the vertices of an open strip and an isolated vertex have no curvature; they do not
+/// affect the colours.
 #[test]
 fn undefined_values_are_grey_and_said() {
     let folder = folder_with_torus();
@@ -144,7 +145,7 @@ fn undefined_values_are_grey_and_said() {
     for field in ["mean", "gaussian", "kappa2", "direction1"] {
         let [all, plain] = ["curved.ply", "plain.ply"].map(|file| drawn(file, field));
         assert!(all.status.success());
-        // A vector has the length 1 or none.
+        // The length of a vector is 1 or 0.
         assert_eq!(all.stdout, plain.stdout, "{field}: the same range as without them");
         let said = String::from_utf8(all.stderr).unwrap();
         assert!(said.contains("undefined at 4 of 292 vertices"), "{said}");
@@ -152,7 +153,7 @@ fn undefined_values_are_grey_and_said() {
     }
     let flags = String::from_utf8(drawn("curved.ply", "defined").stdout).unwrap();
     assert!(flags.contains("defined"), "{flags}");
-    // Nothing but triangles of their own: nothing is defined.
+    // Separate triangles only: no vertex has curvature.
     let soup = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 5 5\nv 6 5 5\nv 5 6 5\nf 1 2 3\nf 4 5 6\n";
     std::fs::write(place.join("soup.obj"), soup).unwrap();
     let said = fairing(place, "curvature soup.obj -o soup.ply --estimator jet3");

@@ -1,4 +1,4 @@
-//! What must hold on every mesh: sums, scaling, relabelling, rigid motion.
+//! Invariants of every mesh: sums, scaling, relabelling, rigid motion.
 
 use std::f64::consts::TAU;
 
@@ -13,8 +13,8 @@ use fairing_operators::{
 use fairing_shapes as shapes;
 use proptest::prelude::*;
 
-/// Sphere, torus, open cylinder, Möbius band, flower, block: closed, with
-/// handles, open, one-sided, irregular, sharp; each deformed at random.
+/// Sphere, torus, open cylinder, Möbius band, flower, block: closed, with handles, open, one-sided,
+/// irregular, sharp; each randomly deformed.
 fn meshes() -> impl Strategy<Value = TriMesh> {
     (0..6usize, 0.0..0.12f64, any::<u64>()).prop_map(|(kind, amount, seed)| {
         let mesh = match kind {
@@ -25,7 +25,7 @@ fn meshes() -> impl Strategy<Value = TriMesh> {
             4 => shapes::flower(0.2, 3),
             _ => shapes::cad_block(0.25),
         };
-        // A smooth deformation, so that no face collapses.
+        // A smooth deformation, so no face collapses.
         let phase = (seed % 1000) as f64;
         let positions = mesh
             .positions()
@@ -53,7 +53,7 @@ fn axes() -> impl Strategy<Value = [f64; 3]> {
     prop::array::uniform3(-1.0..1.0f64).prop_filter_map("a direction", normalize)
 }
 
-/// The largest entry of the difference, over the largest entry.
+/// The largest entry of the difference, relative to the largest entry.
 fn gap(a: &SparseMatrix, b: &SparseMatrix) -> f64 {
     assert_eq!((a.indptr(), a.indices()), (b.indptr(), b.indices()));
     let largest = a.data().iter().fold(0.0, |m: f64, x| m.max(x.abs()));
@@ -100,7 +100,7 @@ proptest! {
         prop_assert!(largest_row_sum(&random_walk_laplacian(&mesh).unwrap()) < 1e-14);
     }
 
-    /// ∫ ∇x·∇x + ∇y·∇y + ∇z·∇z = 2 area: each tangent direction once.
+    /// ∫ ∇x·∇x + ∇y·∇y + ∇z·∇z = 2 area: each tangent direction contributes once.
     #[test]
     fn the_energy_of_the_positions_is_twice_the_area(mesh in meshes()) {
         let s = cotan_stiffness(&mesh).unwrap();
@@ -142,7 +142,7 @@ proptest! {
             let size = a.kappa1.iter().chain(&a.kappa2).fold(0.0, |m: f64, k| m.max(k.abs()));
             prop_assert_eq!(&a.status, &b.status);
             for v in 0..a.len() {
-                // Normal equations square the condition of a fit.
+                // Normal equations square the condition number of a fit.
                 prop_assert!((a.kappa1[v] - factor * b.kappa1[v]).abs() < 1e-6 * size, "{estimator}");
                 prop_assert!((a.gaussian[v] - factor * factor * b.gaussian[v]).abs() < 1e-6 * size * size);
             }
@@ -171,7 +171,7 @@ proptest! {
         }
     }
 
-    /// Vertices and faces in another order: the same values in that order.
+    /// Permuted vertices and faces give the permuted values.
     #[test]
     fn relabelling_relabels(mesh in meshes(), seed in any::<u64>()) {
         let n = mesh.vertex_count();
@@ -204,8 +204,8 @@ proptest! {
         }
     }
 
-    /// Turning all faces around turns all signs but that of K, and none where there are none: from either side of a
-    /// one-sided part H is not negative.
+    /// Flipping all faces changes all signs except that of K, and none on a one-sided part, where H
+    /// is not negative from either side.
     #[test]
     fn the_inside_out_mesh_bends_the_other_way(mesh in meshes()) {
         let faces = mesh.faces().iter().map(|&[a, b, c]| [a, c, b]).collect();
@@ -224,7 +224,7 @@ proptest! {
         }
     }
 
-    /// The intrinsic operators keep what the plain ones have, and gain signs.
+    /// The intrinsic operators keep the properties of the plain ones and add a sign condition.
     #[test]
     fn robust_operators_are_sound(mesh in meshes()) {
         let robust = robust_laplacian(&mesh, RobustOptions::default()).unwrap();
@@ -240,7 +240,7 @@ proptest! {
     }
 }
 
-/// The same to the last bit, whatever the number of threads.
+/// Bitwise equal results for any number of threads.
 #[test]
 fn threads_do_not_matter() {
     let mesh = shapes::jittered(&shapes::icosphere(5), 0.3, 1, shapes::onto_sphere);

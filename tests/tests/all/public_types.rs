@@ -1,14 +1,14 @@
-//! What holds of every public type.
+//! Properties of every public type.
 
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// Implemented for what threads can share and pass on.
+/// A trait of all types that threads can share and send.
 trait Shared: Send + Sync {}
 
 impl<T: Send + Sync> Shared for T {}
 
-/// Compiles only if all of them are.
+/// Compiles only if all the types are `Send` and `Sync`.
 macro_rules! all_shared {
     ($($type:ty),* $(,)?) => {
         fn names() -> Vec<&'static str> {
@@ -28,7 +28,7 @@ all_shared!(
     fairing::parameters::Parameter,
     fairing::parameters::OptionError,
     fairing::parameters::ParameterError,
-    fairing::parameters::Values<'static>,
+    fairing::parameters::Values,
     fairing::parameters::WeightedVertex,
     fairing::mesh::BuildError,
     fairing::mesh::Components,
@@ -74,7 +74,7 @@ all_shared!(
     fairing::sparse::Beyond,
     fairing::sparse::CgError,
     fairing::sparse::CgOptions,
-    fairing::sparse::CgRoom<3>,
+    fairing::sparse::CgWorkspace<3>,
     fairing::sparse::CgSolution<Vec<f64>>,
     fairing::sparse::ChebyshevSeries,
     fairing::sparse::Cholesky,
@@ -269,7 +269,7 @@ all_shared!(
     fairing::ErrorKind,
 );
 
-/// The names of the structs and enums that begin a line of a file.
+/// The names of the structs and enums that are declared at the top level of a file.
 fn public_types(folder: &Path, found: &mut BTreeSet<String>) {
     for entry in folder.read_dir().unwrap() {
         let path = entry.unwrap().path();
@@ -286,7 +286,7 @@ fn public_types(folder: &Path, found: &mut BTreeSet<String>) {
     }
 }
 
-/// A type that is not in the list above is not checked to be `Send` and `Sync`.
+/// Every public type is in the list above and therefore checked to be `Send` and `Sync`.
 #[test]
 fn every_public_type_is_send_and_sync() {
     let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates");

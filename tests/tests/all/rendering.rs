@@ -1,4 +1,4 @@
-//! The page and the Markdown, made again from the files of a report alone.
+//! The page and the Markdown, rendered again from the files of a report alone.
 
 use std::path::Path;
 
@@ -15,7 +15,7 @@ use fairing_results::view::{Panel, Slider, View};
 use fairing_shapes as shapes;
 use xtask::reproduce::{Plan, reproduce};
 
-/// Has something of everything that a report can show.
+/// A record with every kind of content that a report can show.
 struct Shown;
 
 impl Experiment for Shown {
@@ -90,7 +90,7 @@ fn report(out: &Path, form: Form) -> Results {
 
 const PAGES: [&str; 2] = ["report.html", "report.md"];
 
-/// Nothing that the pages show is anywhere but in the folder of the report.
+/// All content of the pages comes from the folder of the report.
 #[test]
 fn a_report_is_made_again_from_its_files() {
     let folder = tempfile::tempdir().unwrap();
@@ -113,13 +113,13 @@ fn a_report_is_made_again_from_its_files() {
             assert!(text.contains("By looking."));
         }
         assert!(page.contains("<mfrac>") && markdown.contains(r"\frac{1}{r}"));
-        // The data of the view are in the page or in a file, not in both.
+        // The data of the view are either in the page or in a file.
         let source = "data-source=\"shown/turning.view.js\"";
         assert_eq!(page.contains(source), form == Form::Small);
     }
 }
 
-/// What only serves to make the report is gone once it is made.
+/// Temporary files are gone once the report is written.
 #[test]
 fn a_report_holds_what_it_names() {
     let folder = tempfile::tempdir().unwrap();
@@ -131,14 +131,14 @@ fn a_report_holds_what_it_names() {
             .map(|entry| entry.unwrap().file_name().into_string().unwrap())
             .collect();
         names.sort();
-        // The page of a whole report has the small form of what is printed in the place of a view.
+        // The page of a whole report has a small form of what is printed in place of a view.
         let small: &[&str] = if form == Form::Whole { &["sphere-small.png"] } else { &[] };
         let expected = [&["radii.csv"], small, &["sphere.png", "turning.view.js"]].concat();
         assert_eq!(names, expected, "{form:?}");
     }
 }
 
-/// Reference values are results without words: there is no page in them.
+/// Reference values are results without prose or pages.
 #[test]
 fn numbers_alone_are_no_report() {
     let folder = tempfile::tempdir().unwrap();
@@ -153,7 +153,7 @@ fn numbers_alone_are_no_report() {
     assert_eq!(std::fs::read(out.join("report.html")).unwrap(), page);
 }
 
-/// A page that cannot be made leaves the earlier one as it is.
+/// A page that cannot be rendered leaves the earlier one unchanged.
 #[test]
 fn a_view_without_data_is_named() {
     let folder = tempfile::tempdir().unwrap();
@@ -172,7 +172,7 @@ fn a_view_without_data_is_named() {
     }
 }
 
-/// What TeX shows, commands replaced by what they stand for.
+/// The text that TeX shows, with commands replaced by their symbols.
 fn written(tex: &str) -> String {
     let mut text = String::new();
     let mut rest = tex;
@@ -217,8 +217,8 @@ fn shown(mathml: &str) -> String {
     text.replace("&lt;", "<").replace("&nbsp;", " ")
 }
 
-/// Letters, digits, and the signs that every formula writes as themselves,
-/// sorted. Minus and spaces have several forms.
+/// Letters, digits, and the signs that are written as themselves in every formula, sorted. Minus
+/// and spaces have several forms.
 fn symbols(text: &str) -> Vec<char> {
     let kept = |c: &char| c.is_alphanumeric() || "∑∈≥∂<=+(),".contains(*c);
     let mut symbols: Vec<char> = text.chars().filter(kept).collect();
@@ -226,8 +226,8 @@ fn symbols(text: &str) -> Vec<char> {
     symbols
 }
 
-/// Every formula is converted whole: no command is unknown, and each number and
-/// letter of the TeX is in the MathML as often as it is written.
+/// Every formula is converted completely: no command is unknown, and each number and letter of the
+/// TeX occurs in the MathML as often as in the source.
 #[test]
 fn formulas_lose_nothing() {
     let cards = experiments::ALL.iter().map(|e| e.card());

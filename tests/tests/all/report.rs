@@ -21,7 +21,7 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// A plan whose report and whose kept experiments lie in folders of its own.
+/// A plan with its own folders for the report and for finished experiments.
 fn plan(out: &Path, only: &[&str]) -> Plan {
     Plan {
         cache: out.with_extension("cache"),
@@ -39,7 +39,7 @@ fn text<'a>(value: &'a Value, key: &str) -> &'a str {
     value[key].as_str().unwrap_or_else(|| panic!("{key} of {value}"))
 }
 
-/// The published shape of `results.json`, and that every file it names exists.
+/// `results.json` has the published schema, and every file it names exists.
 #[test]
 fn results_follow_the_schema() {
     let folder = tempfile::tempdir().unwrap();
@@ -88,8 +88,8 @@ fn results_follow_the_schema() {
     }
 }
 
-/// The report that is committed has the same numbers, no meshes, narrower
-/// pictures, and a page that shows them from their files.
+/// The committed report has the same numbers, no meshes, narrower pictures, and a page that loads
+/// them from files.
 #[test]
 fn a_small_report_says_the_same() {
     let folder = tempfile::tempdir().unwrap();
@@ -138,7 +138,7 @@ fn a_second_run_returns_the_same() {
     assert_eq!(differences(&first, &second, false), []);
 }
 
-/// An experiment made for these tests: fails, panics, cannot tell, or succeeds.
+/// An experiment for these tests: fails, panics, cannot decide, or succeeds.
 struct Sample(&'static str);
 
 impl Experiment for Sample {
@@ -191,7 +191,8 @@ fn a_failing_experiment_is_reported_and_the_others_run() {
     assert!(report.contains("vertex 7 is missing") && report.contains("It draws."));
 }
 
-/// What the numbers do not decide is said to be undecided, in both reports and in `results.json`.
+/// Claims that the numbers do not decide are called undecided, in both reports and in
+/// `results.json`.
 #[test]
 fn an_undecided_claim_is_shown_as_such() {
     let folder = tempfile::tempdir().unwrap();
@@ -220,7 +221,7 @@ fn a_folder_that_holds_something_else_is_left_alone() {
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
 }
 
-/// Counts its runs, and draws from the clock, so that a second run would show.
+/// An experiment that counts its runs and reads the clock, so a second run would show.
 struct Counted(AtomicUsize);
 
 impl Experiment for Counted {
@@ -256,7 +257,7 @@ fn finished_experiments_are_reused_until_asked_for_afresh() {
     assert_eq!(run(false, true), 2.0, "and kept again");
 }
 
-/// Shows a mesh that is called a part, of another size in each instance.
+/// An experiment that shows a mesh called a part, with another size in each instance.
 struct Shown(&'static str, TriMesh);
 
 impl Experiment for Shown {
@@ -271,7 +272,7 @@ impl Experiment for Shown {
     }
 }
 
-/// Sizes of quick runs differ from one experiment to another, as those of `--meshes` can.
+/// Sizes of quick runs differ between experiments, as those of `--meshes` can.
 #[test]
 fn meshes_that_share_a_name_are_both_in_the_report() {
     let folder = tempfile::tempdir().unwrap();
@@ -287,8 +288,8 @@ fn meshes_that_share_a_name_are_both_in_the_report() {
     }
 }
 
-/// The forms of the command, one after another into one folder and over one folder of kept
-/// experiments: whole runs, with every experiment, are those of `cargo xtask test`.
+/// The forms of the command, one after another, into one folder and over one folder of kept
+/// experiments. Whole runs, with every experiment, are part of `cargo xtask test`.
 #[test]
 fn every_form_runs_to_its_end() {
     let folder = tempfile::tempdir().unwrap();
@@ -330,7 +331,7 @@ fn every_form_runs_to_its_end() {
     }
     let absent = Plan { meshes: Some(place("absent")), ..all(&["q2"]) };
     assert!(reproduce(experiments::ALL, &absent).unwrap_err().to_string().contains("absent"));
-    // What is kept and has lost a file is made again.
+    // A kept experiment that has lost a file runs again.
     let lost = all(&["q1"]).cache.join("q1-quick/files");
     let view = std::fs::read_dir(&lost).unwrap().map(|entry| entry.unwrap().path());
     std::fs::remove_file(
@@ -340,7 +341,7 @@ fn every_form_runs_to_its_end() {
     ended(&all(&["q1"]));
 }
 
-/// A link to the folder of a report stays a link, and its target has the new report.
+/// A link to the folder of a report stays a link, and its target gets the new report.
 #[cfg(unix)]
 #[test]
 fn a_link_to_a_report_stays() {
@@ -352,7 +353,7 @@ fn a_link_to_a_report_stays() {
     assert!(link.is_symlink() && real.join("second").is_dir() && !real.join("first").exists());
 }
 
-/// The earlier report gives way as a whole, and nothing else is left beside it.
+/// The earlier report is replaced as a whole, and no other folder remains beside it.
 #[test]
 fn an_earlier_report_is_replaced() {
     let folder = tempfile::tempdir().unwrap();
@@ -365,8 +366,7 @@ fn an_earlier_report_is_replaced() {
     assert!(names.iter().all(|n| n == "report" || n == "report.cache"), "{names:?}");
 }
 
-/// Folders of runs that were killed long ago go; one that may still be written
-/// stays.
+/// Folders of runs that were killed long ago are removed; one that may still be written stays.
 #[test]
 fn what_killed_runs_left_is_removed() {
     let folder = tempfile::tempdir().unwrap();
@@ -389,8 +389,7 @@ fn an_unknown_experiment_is_named() {
     assert!(error.to_string().contains("q99"), "{error}");
 }
 
-/// The committed meshes are those of the manifest, and what the generators
-/// make today.
+/// The committed meshes are those of the manifest and those of today's generators.
 #[test]
 fn data_is_as_its_manifest_says() {
     assert_eq!(xtask::data::check(&root().join("data")).unwrap(), Vec::<String>::new());

@@ -1,4 +1,4 @@
-//! Bad places: a defined answer or a reason, never NaN and never a crash.
+//! Defective places have a defined answer or a reason, never NaN and never a crash.
 
 use fairing_mesh::TriMesh;
 use fairing_operators::curvature::{
@@ -56,7 +56,7 @@ fn one_triangle_is_flat_or_too_small() {
     }
 }
 
-/// Neighbours on a line through the vertex determine no quadric.
+/// Neighbours on a line through the vertex do not determine a quadric.
 #[test]
 fn a_strip_of_needles_is_not_determined() {
     let positions: Vec<_> =
@@ -71,7 +71,7 @@ fn a_strip_of_needles_is_not_determined() {
     }
 }
 
-/// Collapsed, collinear, doubled, turned and pinched faces in one soup.
+/// Collapsed, collinear, doubled, flipped and pinched faces in one mesh.
 #[test]
 fn a_soup_of_everything() {
     let mut sphere = shapes::icosphere(3);
@@ -89,8 +89,8 @@ fn a_soup_of_everything() {
         check(&field, &sphere, estimator.name());
         let defined = field.status.iter().filter(|s| s.is_defined()).count();
         assert!(defined > 600, "{estimator} {defined}");
-        // Far from the damage, beyond four rings of it, the sphere is what it
-        // was, up to the error of fits this wide.
+        // More than four rings from the damage the sphere is unchanged, up to the error of fits
+        // this wide.
         let ones = field.mean.iter().filter(|h| (**h - 1.0).abs() < 0.1).count();
         assert!(ones > 300, "{estimator} {ones}");
     }

@@ -30,14 +30,14 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, from_value, json, to_value};
 
-/// The value as JSON, after the value has been read back from it.
+/// The value as JSON, after a round trip.
 fn json_of<T: Serialize + DeserializeOwned + PartialEq + Debug>(value: &T) -> Value {
     let text = serde_json::to_string(value).unwrap();
     assert_eq!(serde_json::from_str::<T>(&text).unwrap(), *value, "{text}");
     to_value(value).unwrap()
 }
 
-/// Options go through JSON, each may be left out, and what is no option is refused.
+/// Options survive JSON, each may be omitted, and unknown options are refused.
 fn check_options<T: Serialize + DeserializeOwned + PartialEq + Debug + Default>() {
     let all = json_of(&T::default());
     assert_eq!(from_value::<T>(json!({})).unwrap(), T::default());
@@ -95,7 +95,7 @@ fn methods_come_back_with_all_their_options() {
     assert!(missing.to_string().contains("kind"), "{missing}");
 }
 
-/// What has a name is written as its name.
+/// Named choices are written as their names.
 #[test]
 fn choices_are_their_names() {
     fn names<T: Serialize + DeserializeOwned + PartialEq + Debug + ToString>(all: &[T]) {

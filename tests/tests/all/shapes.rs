@@ -26,8 +26,8 @@ fn directions(mesh: &TriMesh) -> BTreeSet<[i64; 3]> {
     (0..mesh.face_count()).map(rounded).collect()
 }
 
-/// A face across a crease of a body with plane sides would have a normal of its
-/// own: there are no more of them than sides. The star has 60; rounding may split each.
+/// A face across a crease of a body with plane sides would have a normal of its own, so there are
+/// no more normals than sides. The star has 60; rounding may split each.
 #[test]
 fn no_face_of_a_planar_family_spans_a_crease() {
     let planar = Family::ALL.iter().filter(|f| f.kind() == Kind::Planar);
@@ -38,9 +38,8 @@ fn no_face_of_a_planar_family_spans_a_crease() {
     }
 }
 
-/// All three corners of each face lie on the same cylinder or end, whose
-/// normal the face has up to what a chord leaves: half the turn over the face, and the
-/// height of the arc over the height of the face.
+/// All three corners of each face lie on one cylinder or end. The face has its normal up to the
+/// error of a chord: half the turn over the face, and the sagitta over the height of the face.
 #[test]
 fn faces_of_the_joint_lie_on_its_cylinders() {
     for k in 0..4 {
@@ -67,7 +66,8 @@ fn faces_of_the_joint_lie_on_its_cylinders() {
                 / (0..3).map(|k| distance(t[k], t[(k + 1) % 3])).fold(0.0, f64::max);
             let agrees = |normal: [f64; 3]| {
                 let out = normalize(normal).unwrap();
-                // Where the normal has no component, the corners have none beside the axis.
+                // Where the normal has no component, neither have the corners except along the
+                // axis.
                 let beside =
                     |p: [f64; 3]| [0, 1, 2].map(|k| if normal[k] == 0.0 { 0.0 } else { p[k] });
                 let turn =
@@ -82,8 +82,8 @@ fn faces_of_the_joint_lie_on_its_cylinders() {
     }
 }
 
-/// The shortest edge of a graded mesh is far below its longest, as its density
-/// varies by ten; faces of the anisotropic cylinders of a gear are stretched.
+/// The shortest edge of a graded mesh is far below its longest, as its density varies by ten; faces
+/// of the anisotropic cylinders of a gear are stretched.
 #[test]
 fn triangulations_are_what_they_say() {
     let spread = |triangulation| {

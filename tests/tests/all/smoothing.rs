@@ -1,4 +1,4 @@
-//! Flows against what theory says of them.
+//! Flows compared with theory.
 
 use std::ops::ControlFlow;
 
@@ -21,7 +21,8 @@ mod sizes;
 mod solvers;
 mod spectra;
 
-/// The octahedron at other positions; its uniform Laplacian has the eigenvalues 0, −1 (three times) and −3/2 (twice).
+/// The octahedron at other positions. Its uniform Laplacian has the eigenvalues 0, −1 (three times)
+/// and −3/2 (twice).
 fn octahedron(positions: Vec<[f64; 3]>) -> TriMesh {
     shapes::octahedron().with_positions(positions).unwrap()
 }

@@ -1,4 +1,4 @@
-//! Spectra against analytic ones, and the transform against itself.
+//! Spectra compared with analytic ones, and round trips of the transform.
 
 use fairing_evaluation::observed_orders;
 use fairing_mesh::TriMesh;
@@ -23,7 +23,8 @@ fn scaled(mesh: &TriMesh, s: f64) -> TriMesh {
     mesh.with_positions(mesh.positions().iter().map(|p| p.map(|x| s * x)).collect()).unwrap()
 }
 
-/// The unit sphere has ℓ(ℓ + 1), 2ℓ + 1 times. Means over ℓ = 2 and 3 (ℓ = 1 is favoured by symmetry).
+/// The unit sphere has the eigenvalues ℓ(ℓ + 1), 2ℓ + 1 times. Means over ℓ = 2 and 3 (symmetry
+/// favours ℓ = 1).
 #[test]
 fn sphere_eigenvalues_converge_quadratically() {
     for mass in [MassKind::Barycentric, MassKind::Mixed, MassKind::Consistent] {
@@ -63,7 +64,8 @@ fn all_modes_give_the_mesh_back() {
     assert!((energy - all.area()).abs() < 1e-12 * energy);
 }
 
-/// Random-walk modes are orthonormal in D: with it all modes are exact, with a plain transpose they are not.
+/// Random-walk modes are orthonormal in D: with D all modes reconstruct exactly, with a plain
+/// transpose they do not.
 #[test]
 fn the_mass_cannot_be_left_out() {
     let mesh = shapes::torus(2.0, 0.7, 13, 9);
@@ -113,7 +115,7 @@ fn truncation_errors_are_known_beforehand() {
         let measured = (square / found.area()).sqrt();
         assert!((measured - errors[k]).abs() < 1e-9, "{k}: {measured} {}", errors[k]);
     }
-    // The low pass up to λ₂₀ keeps what 20 modes keep, whatever the rest.
+    // The low pass up to λ₂₀ keeps exactly the first 20 modes.
     let cutoff = 0.5 * (found.values[19] + found.values[20]);
     let filtered =
         found.filter(positions(&mesh), ideal_low_pass(cutoff), Rest::Dropped).unwrap().field;
@@ -123,7 +125,7 @@ fn truncation_errors_are_known_beforehand() {
     assert!((&identity - &positions(&mesh)).iter().all(|d| d.abs() < 1e-12));
 }
 
-/// Tiny and huge meshes: eigenvalues go with the square, ShapeDNA does not change.
+/// Tiny and huge meshes: eigenvalues scale with the inverse square, ShapeDNA is invariant.
 #[test]
 fn scaling_is_as_documented() {
     let mesh = shapes::icosphere(3);
@@ -183,7 +185,7 @@ fn signatures_integrate_to_their_traces() {
     }
     let wave = wave_kernel_signature(&found, 10).unwrap();
     assert!(wave.columns().into_iter().all(|c| (integral(c) - 1.0).abs() < 1e-9));
-    // Ten energies d apart, σ = 7 d, the first and the last 2 σ inside of ln λ₁ and ln λ_last.
+    // Ten energies at distance d, σ = 7 d, the first and the last 2 σ inside ln λ₁ and ln λ_last.
     let (low, high) = (found.values[1].ln(), found.values[39].ln());
     let d = (high - low) / (9.0 + 28.0);
     for (j, column) in wave.columns().into_iter().enumerate() {
@@ -204,7 +206,7 @@ fn signatures_integrate_to_their_traces() {
     );
 }
 
-/// Distance from a pole of the unit sphere is the angle; the heat method is of first order.
+/// The distance from a pole of the unit sphere is the angle; the heat method is of first order.
 #[test]
 fn heat_distance_approaches_the_angle() {
     let mut errors = vec![];
@@ -238,7 +240,7 @@ fn heat_is_conserved_and_spreads() {
     assert!((heat(&later) - heat(&start)).abs() < 1e-10 * heat(&start));
     let mean = heat(&start) / found.area();
     assert!(later.iter().all(|u| (u - mean).abs() < 1e-3 * mean));
-    // Without time nothing moves, up to the rounding of √m · √m.
+    // At time zero nothing moves, up to the rounding of √m · √m.
     let still =
         HeatDiffusion::new(&Laplacian::auto(&mesh).unwrap(), 0.0).unwrap().step(&start).unwrap();
     assert!(still.iter().zip(&start).all(|(a, b)| (a - b).abs() < 1e-15));
@@ -258,7 +260,8 @@ fn compression_knows_its_error() {
     assert!(small.bits() < 64.0 * 90.0);
 }
 
-/// Where no coefficient is small, rounding leaves the precision that was asked for, up to chance among 90 of them.
+/// If no coefficient is small, rounding keeps the requested precision, up to chance among 90
+/// coefficients.
 #[test]
 fn compression_meets_its_precision() {
     let torus = shapes::torus(1.0, 0.4, 40, 20);
@@ -305,7 +308,8 @@ fn files_give_the_same_spectrum_back() {
     ));
 }
 
-/// Pinned on its border, the unit square has π²(i² + j²) for i, j ≥ 1; free, for i, j ≥ 0.
+/// With a fixed boundary the unit square has π²(i² + j²) for i, j ≥ 1; with a free one, for i, j ≥
+/// 0.
 #[test]
 fn square_eigenvalues_with_both_boundaries() {
     let n = 40;
@@ -336,7 +340,8 @@ fn square_eigenvalues_with_both_boundaries() {
             .collect();
         exact.sort_by(f64::total_cmp);
         for (found, exact) in found.values.iter().zip(&exact) {
-            // The five-point stencil errs by λ h²/12 (i⁴ + j⁴)/(i² + j²): 0.5 % at most here.
+            // The error of the five-point stencil is λ h²/12 (i⁴ + j⁴)/(i² + j²): at most 0.5 %
+            // here.
             assert!((found - exact).abs() <= 0.006 * exact, "{boundary}: {found} {exact}");
         }
     }

@@ -1,4 +1,4 @@
-//! `fairing spectrum` and `fairing reconstruct` on everything that is not a nice closed mesh.
+//! `fairing spectrum` and `fairing reconstruct` on difficult meshes.
 
 use std::path::Path;
 
@@ -18,7 +18,7 @@ fn scaled(mesh: &TriMesh, s: f64) -> TriMesh {
     mesh.with_positions(mesh.positions().iter().map(|p| p.map(|x| s * x)).collect()).unwrap()
 }
 
-/// A mesh and a copy of it beside, as two components.
+/// A mesh and its shifted copy, as two components.
 fn twice(mesh: &TriMesh) -> TriMesh {
     let n = mesh.vertex_count() as u32;
     let mut points = mesh.positions().to_vec();
@@ -28,7 +28,7 @@ fn twice(mesh: &TriMesh) -> TriMesh {
     TriMesh::new(points, faces).unwrap()
 }
 
-/// A sphere with a face whose corners lie on a line, glued to one of its edges.
+/// A sphere with a collinear face glued to one of its edges.
 fn with_a_needle() -> TriMesh {
     let sphere = shapes::icosphere(2);
     let mut points = sphere.positions().to_vec();
@@ -48,7 +48,8 @@ fn values(found: &Value, key: &str) -> Vec<f64> {
     found[key].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
 }
 
-/// What numpy sees: `modes` (n × k), orthonormal in `mass`, with `values` and `residuals`.
+/// The arrays that numpy reads: `modes` (n × k), orthonormal in `mass`, with `values` and
+/// `residuals`.
 #[test]
 fn npz_holds_the_documented_arrays() {
     let folder = tempfile::tempdir().unwrap();
@@ -66,7 +67,7 @@ fn npz_holds_the_documented_arrays() {
     assert!((&gram - &Array2::<f64>::eye(9)).iter().all(|d| d.abs() < 1e-9));
     assert_eq!(found["certified"], true);
     assert_eq!(found["operator"], "cotangent");
-    // Nothing is overwritten unasked.
+    // Nothing is overwritten without --force.
     refuse(folder.path(), "spectrum sphere.ply -k 9 -o modes.npz", 4);
 }
 
@@ -83,7 +84,7 @@ fn too_many_modes_are_refused_with_both_numbers() {
     assert_eq!(values(&all, "eigenvalues").len(), 42);
 }
 
-/// Every component has a zero of its own, and each eigenvalue of one comes twice.
+/// Every component has its own zero eigenvalue, and each eigenvalue of one occurs twice.
 #[test]
 fn components_have_a_zero_each() {
     let folder = tempfile::tempdir().unwrap();
@@ -98,7 +99,8 @@ fn components_have_a_zero_each() {
     }
 }
 
-/// Free, a disc has the constant; pinned, its least eigenvalue is that of the membrane.
+/// A free disc has a constant mode; with a fixed boundary its least eigenvalue is that of the
+/// membrane.
 #[test]
 fn boundaries_are_free_or_pinned() {
     let folder = tempfile::tempdir().unwrap();
@@ -125,8 +127,8 @@ fn boundaries_are_free_or_pinned() {
     assert!((least / exact - 1.0).abs() < 0.005, "{least}");
 }
 
-/// Micrometres and kilometres, dense (162 vertices) and sparse (642): eigenvalues go with the
-/// square.
+/// Micrometres and kilometres, dense (162 vertices) and sparse (642): eigenvalues scale with the
+/// inverse square.
 #[test]
 fn units_of_the_file_do_not_matter() {
     let folder = tempfile::tempdir().unwrap();
@@ -150,8 +152,8 @@ fn units_of_the_file_do_not_matter() {
     }
 }
 
-/// A face without area: the robust operator takes over and says so; asked for cotangents, the
-/// program refuses.
+/// A face without area: the robust operator replaces cotangents with a note; an explicit request
+/// for cotangents is refused.
 #[test]
 fn faces_without_area_get_the_robust_operator() {
     let folder = tempfile::tempdir().unwrap();
@@ -161,7 +163,7 @@ fn faces_without_area_get_the_robust_operator() {
     assert!(output.status.success() && said.contains("robust operator"), "{said}");
     let found: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!((&found["operator"], &found["certified"]), (&"robust".into(), &true.into()));
-    // The needle hangs on a sphere: three eigenvalues near 2.
+    // The needle is attached to a sphere: three eigenvalues near 2.
     let sphere = values(&found, "eigenvalues");
     assert!(sphere[1..4].iter().all(|l| (l - 2.0).abs() < 0.2), "{sphere:?}");
     let error = refuse(folder.path(), "spectrum needle.ply -k 5 --operator cotangent", 1);
@@ -172,12 +174,12 @@ fn faces_without_area_get_the_robust_operator() {
     assert!(back.positions().iter().flatten().all(|x| x.is_finite()));
 }
 
-/// Auto is the same in every verb: cotangents where every face has them, the robust operator
-/// elsewhere, with a word that names the face.
+/// Auto is the same in every verb: cotangents if every face has them, otherwise the robust operator
+/// with a note that names the face.
 #[test]
 fn auto_is_the_same_in_every_verb() {
     let folder = tempfile::tempdir().unwrap();
-    // Slivers with negative weights: x is sheared by four times y. One of them without area.
+    // Slivers with negative weights: x is sheared by four times y. One of them has no area.
     let sphere = shapes::icosphere(2);
     let mut p: Vec<_> =
         sphere.positions().iter().map(|p| [p[0] + 4.0 * p[1], p[1], p[2]]).collect();
@@ -218,7 +220,7 @@ fn auto_is_the_same_in_every_verb() {
     assert_eq!(found["operator"], "robust");
     let found = spectrum(folder.path(), "spectrum sheared.ply -k 4 --mass mixed --json");
     assert_eq!(found["operator"], "cotangent");
-    // What is asked for counts: the values differ.
+    // The explicit request counts: the values differ.
     let mean = |operator: &str| {
         let line =
             format!("curvature sheared.ply --estimator cotangent --operator {operator} --json");
@@ -227,7 +229,7 @@ fn auto_is_the_same_in_every_verb() {
     };
     assert_eq!(mean("auto"), mean("cotangent"));
     assert!(mean("auto") != mean("robust"));
-    // Only barycentric areas have a robust operator.
+    // The robust operator has barycentric areas only.
     let line = "smooth flat.ply -o no.ply --method implicit --weights cotangent --area mixed";
     assert!(refuse(folder.path(), line, 1).contains("face 0 is degenerate"));
     let error = refuse(folder.path(), "curvature round.ply --operator robust", 2);
@@ -248,7 +250,7 @@ fn masses_are_chosen_or_refused() {
     assert!(refuse(folder.path(), line, 1).contains("barycentric"));
 }
 
-/// No modes at all are wrong usage, and nothing is read or written for them.
+/// Zero modes are wrong usage; nothing is read or written.
 #[test]
 fn no_modes_are_wrong_usage() {
     let folder = tempfile::tempdir().unwrap();
@@ -258,7 +260,7 @@ fn no_modes_are_wrong_usage() {
     }
 }
 
-/// A sphere has 1, 3 and 5 modes that belong together: 6 of them split a cluster, 4 and 9 do not.
+/// A sphere has clusters of 1, 3 and 5 modes: 6 modes split a cluster, 4 and 9 do not.
 #[test]
 fn a_split_cluster_is_warned_of() {
     let folder = tempfile::tempdir().unwrap();
@@ -276,7 +278,7 @@ fn a_split_cluster_is_warned_of() {
     }
     let found = spectrum(folder.path(), "spectrum sphere.ply -k 6 --json");
     assert_eq!((&found["gap_below"], &found["gap_above"]), (&4.into(), &9.into()));
-    // The low-pass flow keeps modes too.
+    // The low-pass flow truncates to modes as well.
     let flow = "smooth sphere.ply -o out.obj --force --method low-pass";
     for (k, below, above) in [(6, 4, 9), (2, 1, 4), (9, 9, 9)] {
         let output = fairing(folder.path(), &format!("{flow} --modes {k} --json"));
@@ -293,7 +295,8 @@ fn a_split_cluster_is_warned_of() {
     assert!(found["gap_below"].is_null() && found["gap_above"].is_null());
 }
 
-/// Beside a huge eigenvalue, or with masses that leave more to rounding, a reader is told which bound residuals meet.
+/// With a huge eigenvalue, or masses that increase rounding, the output states the bound that the
+/// residuals meet.
 #[test]
 fn residuals_above_the_usual_bound_are_named() {
     let folder = tempfile::tempdir().unwrap();
@@ -303,7 +306,7 @@ fn residuals_above_the_usual_bound_are_named() {
     let said = String::from_utf8(quiet.stderr).unwrap();
     assert!(said.contains("certified") && !said.contains("residual"), "{said}");
 
-    // Weights of 10⁹ at two vertices so close to each other.
+    // Weights of 10⁹ at two vertices very close to each other.
     let sheet = shapes::plane(10, 10, shapes::Diagonals::Regular);
     let mut points = sheet.positions().to_vec();
     points[60] = std::array::from_fn(|i| points[59][i] + 1e-9 * (points[60][i] - points[59][i]));
@@ -313,7 +316,7 @@ fn residuals_above_the_usual_bound_are_named() {
     assert!(said.contains("above 1e-8 of their eigenvalue"), "{said}");
     assert!(said.contains("what rounding leaves"), "{said}");
 
-    // Faces without area: the largest eigenvalue of the robust operator is 10¹⁰ of the others.
+    // Faces without area: the largest eigenvalue of the robust operator is 10¹⁰ times the others.
     let points = vec![[0.0; 3], [0.0; 3], [1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]];
     let faces = vec![[0, 1, 2], [1, 3, 2], [2, 3, 4]];
     save(folder.path(), "flat.ply", &TriMesh::new(points, faces).unwrap());

@@ -1,4 +1,5 @@
-//! Ordinary ugly files through the program: faces wound both ways, corners that are not shared.
+//! Common defects of files through the program: inconsistent windings and vertices that are not
+//! shared.
 
 use std::path::Path;
 
@@ -10,7 +11,7 @@ use serde_json::Value;
 
 use crate::command_line::{fairing, refuse, run};
 
-/// The mesh with three faces in ten turned over.
+/// The mesh with three faces in ten flipped.
 fn with_turned_faces(mesh: &TriMesh) -> TriMesh {
     let turned = |(f, &[a, b, c]): (usize, &[u32; 3])| {
         if (f * 7) % 10 < 3 { [b, a, c] } else { [a, b, c] }
@@ -19,7 +20,7 @@ fn with_turned_faces(mesh: &TriMesh) -> TriMesh {
     TriMesh::new(mesh.positions().to_vec(), faces).unwrap()
 }
 
-/// The faces of the mesh, each with corners of its own.
+/// The mesh with separate corners for every face.
 fn soup(mesh: &TriMesh) -> TriMesh {
     let corners = mesh.faces().as_flattened().iter().map(|&v| mesh.positions()[v as usize]);
     let faces = (0..mesh.face_count() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
@@ -98,8 +99,8 @@ fn a_moebius_band_has_curvature_but_no_volume() {
     assert!(denoised.status.success());
 }
 
-/// Every verb that needs neighbours names --weld; with it the result has the vertices of the file, at the places
-/// that the welded mesh gives them.
+/// Every verb that needs neighbours suggests --weld. With it the result has the vertices of the
+/// file, at the positions of the welded mesh.
 #[test]
 fn faces_with_corners_of_their_own_are_welded_on_request() {
     let folder = tempfile::tempdir().unwrap();
@@ -126,7 +127,7 @@ fn faces_with_corners_of_their_own_are_welded_on_request() {
         let found = io::read(folder.path().join("out.ply")).unwrap();
         assert_eq!(found.mesh.faces(), own.faces());
         let expected = on("whole.obj").replace("out.ply", "expected.ply");
-        // The vertex of the file that is number 5 of the welded mesh.
+        // The vertex of the file that is vertex 5 of the welded mesh.
         let five = own.welded().vertices[5];
         run(
             folder.path(),
@@ -144,7 +145,7 @@ fn faces_with_corners_of_their_own_are_welded_on_request() {
         }
         std::fs::remove_file(folder.path().join("out.ply")).unwrap();
     }
-    // Modes of joined vertices are equal, and orthonormal in the mass that they share.
+    // Modes at welded vertices are equal, and orthonormal in the mass that they share.
     let modes = fairing_spectral::Spectrum::load(folder.path().join("out.npz")).unwrap();
     assert_eq!(modes.vertex_count(), own.vertex_count());
     let gram = modes.transform(modes.modes.view()).unwrap();
@@ -156,7 +157,7 @@ fn faces_with_corners_of_their_own_are_welded_on_request() {
 #[test]
 fn seams_are_named_and_stay_closed_when_welded() {
     let folder = tempfile::tempdir().unwrap();
-    // A torus that is open along a seam.
+    // A torus cut open along a seam.
     let torus = shapes::torus(3.0, 1.0, 40, 16);
     let mut positions = torus.positions().to_vec();
     let mut copies = std::collections::HashMap::new();

@@ -1,4 +1,4 @@
-//! A headless Chromium, spoken to through pipes in the DevTools protocol.
+//! A headless Chromium, controlled through pipes by the DevTools protocol.
 
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::{Path, PathBuf};
@@ -9,10 +9,10 @@ use std::time::{Duration, Instant};
 use anyhow::{Context as _, Result, anyhow, bail};
 use serde_json::{Value, json};
 
-/// How long one answer may take: WebGL runs in software here.
+/// The longest wait for one answer: WebGL runs in software here.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// The browser, if there is one on this machine.
+/// The browser, if this machine has one.
 pub(crate) fn find() -> Option<PathBuf> {
     let folders = std::env::var_os("PATH")?;
     let names = ["chromium", "chromium-browser", "google-chrome"];
@@ -31,7 +31,7 @@ pub(crate) struct Chrome {
     next: u64,
     /// Errors on the console, uncaught exceptions and failed loads.
     pub(crate) complaints: Vec<String>,
-    /// Every address that was asked for.
+    /// Every requested address.
     pub(crate) requests: Vec<String>,
     _profile: tempfile::TempDir,
 }
@@ -39,8 +39,8 @@ pub(crate) struct Chrome {
 impl Chrome {
     pub(crate) fn start(program: &Path) -> Result<Self> {
         let profile = tempfile::tempdir()?;
-        // The protocol uses the descriptors 3 and 4: the shell hands it our
-        // ends of standard input and output.
+        // The protocol uses the descriptors 3 and 4: the shell connects them to our ends of
+        // standard input and output.
         let mut child = Command::new("sh")
             .args(["-c", "exec \"$0\" \"$@\" 3<&0 4>&1 >/dev/null 2>&1 </dev/null"])
             .arg(program)
@@ -89,7 +89,7 @@ impl Chrome {
         })
     }
 
-    /// Leaves the tab that is open for a new one, which knows nothing of it.
+    /// Replaces the open tab by a new one with no shared state.
     pub(crate) fn new_tab(&mut self) -> Result<()> {
         self.session = None;
         if let Some(old) = self.target.take() {
@@ -152,7 +152,7 @@ impl Chrome {
         }
     }
 
-    /// Opens a page and waits until it says that it is ready.
+    /// Opens a page and waits until it reports that it is ready.
     pub(crate) fn open(&mut self, url: &str) -> Result<()> {
         self.call("Page.navigate", json!({"url": url}))?;
         let until = Instant::now() + PATIENCE;
@@ -177,8 +177,8 @@ impl Chrome {
         }
     }
 
-    /// Waits until an expression has a value that is wanted, and returns it; the last one
-    /// when patience ends.
+    /// Waits until an expression has an accepted value, and returns it; after a time limit, the
+    /// last value.
     pub(crate) fn until(
         &mut self,
         expression: &str,
@@ -194,13 +194,13 @@ impl Chrome {
         }
     }
 
-    /// A number, where one is expected.
+    /// The value of an expression that must be a number.
     pub(crate) fn number(&mut self, expression: &str) -> Result<f64> {
         let value = self.run(expression)?;
         value.as_f64().with_context(|| format!("{expression} is {value}"))
     }
 
-    /// Presses and releases the mouse, having moved from one place to another.
+    /// Drags the mouse from one place to another.
     pub(crate) fn drag(&mut self, from: [f64; 2], to: [f64; 2]) -> Result<()> {
         let mut mouse = |kind: &str, [x, y]: [f64; 2], buttons: u8| {
             let button = if kind == "mouseMoved" && buttons == 0 { "none" } else { "left" };
@@ -221,8 +221,7 @@ impl Chrome {
         Ok(())
     }
 
-    /// Keeps a picture of the tab in the folder that `FAIRING_SCREENSHOTS`
-    /// names, for people to look at.
+    /// Saves a picture of the tab in the folder `FAIRING_SCREENSHOTS`, for visual inspection.
     pub(crate) fn picture(&mut self, name: &str) -> Result<()> {
         let Some(folder) = std::env::var_os("FAIRING_SCREENSHOTS") else { return Ok(()) };
         let answer = self.call("Page.captureScreenshot", json!({"format": "png"}))?;
@@ -235,7 +234,7 @@ impl Chrome {
 
 impl Drop for Chrome {
     fn drop(&mut self) {
-        // It may have ended by itself.
+        // The process may have ended by itself.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

@@ -1,4 +1,4 @@
-//! The committed report, as a person who has cloned the repository opens it.
+//! The committed report as opened from a clone of the repository.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -23,7 +23,7 @@ pub(crate) fn trials() -> Vec<(&'static str, Test)> {
     ]
 }
 
-/// Where it is; there need not be one.
+/// The committed page, if there is one.
 pub(crate) fn page() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/report/report.html")
 }
@@ -33,7 +33,7 @@ fn open(chrome: &mut Chrome, page: &Path) -> Result<()> {
     chrome.open(&format!("file://{}", page.display()))
 }
 
-/// No error, no request to anywhere, and every picture is there and described.
+/// No error and no request; every picture exists and has a description.
 fn loads(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page)?;
     let missing = chrome.run(
@@ -62,7 +62,7 @@ fn loads(chrome: &mut Chrome, page: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Looks at the pixels of all canvases, and moves each slider to its end.
+/// Digests of the pixels of all canvases, after each slider has moved to its end.
 fn draws(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page)?;
     let ids = chrome.run("[...document.querySelectorAll('figure.view')].map((f) => f.id)")?;
@@ -77,7 +77,7 @@ fn draws(chrome: &mut Chrome, page: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Opens a view; says what is wrong with it.
+/// Opens a view; returns its problems.
 const LOOK: &str = "async (id) => {
   const view = fairing.views.get(id);
   await view.open();
@@ -112,7 +112,7 @@ const LOOK: &str = "async (id) => {
   return '';
 }";
 
-/// Paper shows views that nobody has opened.
+/// Printing includes views that were never opened.
 fn prints(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page)?;
     chrome.run(
@@ -124,7 +124,7 @@ fn prints(chrome: &mut Chrome, page: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Folded as it is opened, and as wide as the text: nothing has to be moved to the side.
+/// Folds are closed at first, and nothing is wider than the text.
 fn height(chrome: &mut Chrome, page: &Path) -> Result<()> {
     const SCREEN: [f64; 2] = [1300.0, 900.0];
     let [width, height] = SCREEN;
@@ -144,7 +144,8 @@ fn height(chrome: &mut Chrome, page: &Path) -> Result<()> {
     Ok(())
 }
 
-/// From 1 on without a gap, in the order of the page. A caption says more than a title.
+/// Figures are numbered from 1 without a gap, in the order of the page. A caption is more than a
+/// title.
 fn numbered(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page)?;
     let found = chrome.run(
@@ -159,8 +160,8 @@ fn numbered(chrome: &mut Chrome, page: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Every row of the table of claims has a link; it leads to a view or a playground in the state that it names, or to a
-/// figure, unfolded and marked, with the line that it names.
+/// Every row of the table of claims has a link to a view or a playground in the state that the link
+/// names, or to a figure, which is unfolded and marked with its line.
 fn claims(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page)?;
     let links = chrome.run(
@@ -179,7 +180,7 @@ fn claims(chrome: &mut Chrome, page: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Follows a link; says what is wrong with where it leads.
+/// Follows a link; returns the problems at its target.
 const SEE: &str = "async (href) => {
   const link = [...document.querySelectorAll('.claim a.shown')].find((a) => a.getAttribute('href') === href);
   if (!link) return 'the claim itself has no link';
@@ -206,7 +207,7 @@ const SEE: &str = "async (href) => {
   return k && Number(view.sum.toText()) !== Number(k) ? `k = ${view.sum.toText()}` : '';
 }";
 
-/// Ids are letters, digits and dashes, each once. No caption begins with what to do.
+/// Ids are unique and consist of letters, digits and dashes. No caption begins with an instruction.
 fn plain(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page)?;
     let found = chrome.run(

@@ -1,4 +1,4 @@
-//! Smoothing by the page itself, compared with the solvers of the library.
+//! Smoothing in the page, compared with the solvers of the library.
 
 use std::path::Path;
 
@@ -20,7 +20,7 @@ pub(crate) fn trials() -> Vec<(&'static str, Test)> {
     ]
 }
 
-/// What the library computes.
+/// The mesh computed by the library.
 fn smoothed(flow: &str, lambda: f64, count: usize) -> Result<Vec<[f64; 3]>> {
     let (diffusion, mesh) = (Diffusion::uniform(lambda), scene::noisy());
     let smoothed = match flow {
@@ -34,8 +34,8 @@ fn smoothed(flow: &str, lambda: f64, count: usize) -> Result<Vec<[f64; 3]>> {
     Ok(smoothed.mesh.into_positions())
 }
 
-/// Both solve the same equations in double precision, the page to a relative
-/// residual of 10⁻¹³; the report promises 10⁻⁶ of the mesh's radius, 1.
+/// Both solve the same equations in double precision, the page to a relative residual of 10⁻¹³; the
+/// report promises 10⁻⁶ of the radius of the mesh, 1.
 fn agrees(chrome: &mut Chrome, page: &Path) -> Result<()> {
     report::open(chrome, page)?;
     for (flow, method, lambda, count) in [
@@ -43,7 +43,7 @@ fn agrees(chrome: &mut Chrome, page: &Path) -> Result<()> {
         ("implicit", "smooth", 5.0, 10),
         ("implicit", "smooth", 1000.0, 50),
         ("explicit", "explicit", 0.5, 20),
-        // Beyond the limit: the noise grows, and all digits with it.
+        // Beyond the limit the noise grows, and so do all differences.
         ("explicit", "explicit", 1.5, 5),
     ] {
         let found = chrome.run(&format!(
@@ -72,15 +72,15 @@ fn agrees(chrome: &mut Chrome, page: &Path) -> Result<()> {
     Ok(())
 }
 
-/// The digests of the panels of the view that are seen, with their titles.
+/// The digests of the visible panels of the view, with their titles.
 const SEEN: &str =
     "() => fairing.views.get('q5-flow').shown.filter((s) => !s.panel.hidden).map((s) => {
   const d = s.target.getImageData(0, 0, s.canvas.width, s.canvas.height).data;
   return [s.title.textContent, d.reduce((sum, x, i) => (sum * 31 + x * (i % 7)) % 1000000007, 7)];
 })";
 
-/// The input stays where it is, explicit and implicit steps are side by side, and the words say on which side of the
-/// limit λ is.
+/// The input stays visible, explicit and implicit steps are side by side, and a text compares λ
+/// with the limit.
 fn compares(chrome: &mut Chrome, page: &Path) -> Result<()> {
     report::open(chrome, page)?;
     let set = |exponent: f64| {
@@ -116,7 +116,7 @@ fn compares(chrome: &mut Chrome, page: &Path) -> Result<()> {
     chrome.picture("beyond")
 }
 
-/// Waits until the address says that λ = 10 is shown after ten steps.
+/// Waits until the address contains λ = 10 after ten steps.
 const ADDRESS: &str = "async () => {
   for (let i = 0; i < 400; i++) {
     const state = new URLSearchParams(location.hash.slice(1)).get('q5-flow');
@@ -151,7 +151,7 @@ fn shows(chrome: &mut Chrome, page: &Path) -> Result<()> {
     let live = chrome.run("fairing.views.get('q5-flow').live.on")?;
     ensure!(live == true, "the result is not shown");
     chrome.picture("live")?;
-    // The address brings it back, and the other slider puts it away.
+    // The address restores the state, and the other slider leaves it.
     let address = chrome.run(&format!("({ADDRESS})()"))?;
     ensure!(address != "", "the address does not hold the live result");
     chrome.call("Page.navigate", json!({"url": "about:blank"}))?;

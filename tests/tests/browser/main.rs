@@ -1,7 +1,7 @@
-//! The report's page in a real browser.
+//! The page of the report in a real browser.
 //!
-//! Needs Chromium on the path; where there is none, each test is listed by
-//! name as ignored. `FAIRING_SCREENSHOTS=FOLDER` keeps what was seen.
+//! Needs Chromium on the path; otherwise each test is listed by name as ignored.
+//! `FAIRING_SCREENSHOTS=FOLDER` saves screenshots.
 
 mod chrome;
 mod committed;
@@ -20,13 +20,13 @@ use libtest_mimic::{Arguments, Failed, Trial};
 
 use chrome::Chrome;
 
-/// A test that is given a browser and the path of a page.
+/// A test that takes a browser and the path of a page.
 type Test = fn(&mut Chrome, &Path) -> Result<()>;
 
 fn main() {
     let browser = chrome::find();
     let mut arguments = Arguments::from_args();
-    // One browser serves all tests, each in a tab of its own.
+    // One browser serves all tests, each in its own tab.
     arguments.test_threads = Some(1);
     let shared: Arc<Mutex<Option<Session>>> = Arc::default();
     let trial = |name: String, page: Page, test: Test| {
@@ -53,21 +53,21 @@ fn main() {
     });
     let trials = made.chain(small).chain(committed).collect();
     let conclusion = libtest_mimic::run(&arguments, trials);
-    // Leaving the process would skip closing the browser.
+    // Exiting the process would skip closing the browser.
     drop(shared.lock().map(|mut session| session.take()));
     conclusion.exit();
 }
 
 /// A page to open.
 enum Page {
-    /// That of [`scene`].
+    /// The page of [`scene`].
     Made(Form),
-    /// One that may be there.
+    /// The committed page, which may be absent.
     File(PathBuf),
 }
 
-/// The browser and the folder of the pages of [`scene`], made by the first
-/// test that needs them.
+/// The browser, and the folder of the pages of [`scene`], created by the first test that needs
+/// them.
 struct Session {
     chrome: Chrome,
     folder: tempfile::TempDir,
@@ -94,7 +94,7 @@ fn run(program: &Path, shared: &Mutex<Option<Session>>, page: &Page, test: Test)
     test(&mut session.chrome, &page)
 }
 
-/// Where the report of [`scene`] in this form is.
+/// The report of [`scene`] in this form.
 fn place(folder: &Path, form: Form) -> PathBuf {
     folder.join(format!("{form:?}"))
 }

@@ -1,4 +1,4 @@
-//! The page around the views: paper, formulas, colour bars, sizes, keys, and how fast it draws.
+//! The page around the views: printing, formulas, colour bars, sizes, keys, and drawing speed.
 
 use std::path::Path;
 
@@ -34,7 +34,7 @@ fn open(chrome: &mut Chrome, page: &Path) -> Result<()> {
     chrome.open(&format!("file://{}", page.display()))
 }
 
-/// As soon as the page is there: nothing has to be opened first. Tables are not cut.
+/// Printing needs no opened views, and tables are not cut.
 fn prints(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page)?;
     chrome.call("Emulation.setEmulatedMedia", json!({"media": "print"}))?;
@@ -52,7 +52,7 @@ fn prints(chrome: &mut Chrome, page: &Path) -> Result<()> {
     chrome.picture("paper")
 }
 
-/// Each line of a fold says what is in it.
+/// The line of each fold describes its content.
 fn folds(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page)?;
     let found = chrome.run(
@@ -80,7 +80,8 @@ fn folds(chrome: &mut Chrome, page: &Path) -> Result<()> {
     Ok(())
 }
 
-/// By the style alone, and where a browser does not know it, by the event before printing; the screen is as before.
+/// Printing unfolds by style alone or, in browsers without support for it, by the event before
+/// printing; the screen does not change.
 fn unfolds(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page)?;
     let hidden = "(() => {
@@ -104,7 +105,7 @@ fn unfolds(chrome: &mut Chrome, page: &Path) -> Result<()> {
     Ok(())
 }
 
-/// The one that the view names, though the page computes it.
+/// The view names the mesh, though the page computes it.
 fn colours(chrome: &mut Chrome, page: &Path) -> Result<()> {
     report::open(chrome, page)?;
     let field = chrome.run(
@@ -116,7 +117,7 @@ fn colours(chrome: &mut Chrome, page: &Path) -> Result<()> {
     Ok(())
 }
 
-/// A formula that is too wide is moved inside its own box, and nothing of it is lost.
+/// A formula that is too wide scrolls inside its own box, and no part of it is lost.
 fn formulas(chrome: &mut Chrome, page: &Path) -> Result<()> {
     telephone(chrome)?;
     open(chrome, page)?;
@@ -136,9 +137,9 @@ fn formulas(chrome: &mut Chrome, page: &Path) -> Result<()> {
     ensure!(found[2].as_f64().is_some_and(|part| part <= 1.01), "parentheses stick out: {found}");
     let text = found[3].as_str().unwrap_or_default();
     ensure!(text.contains('φ') && text.contains('δ') && text.contains('κ'), "{text}");
-    // No bar to scroll up and down, and nothing that it would show.
+    // No vertical scroll bar, and no hidden overflow.
     ensure!(found[6] == "hidden" && found[7].as_f64().is_some_and(|over| over <= 1.0), "{found}");
-    // Parts that do not fit beside one another are below one another.
+    // Parts that do not fit side by side are stacked.
     ensure!(found[5].as_u64() > Some(1) && found[4].as_u64() > Some(1), "{found}");
     Ok(())
 }
@@ -157,13 +158,13 @@ fn opens(chrome: &mut Chrome, page: &Path) -> Result<()> {
     Ok(())
 }
 
-/// 390 pixels wide.
+/// A width of 390 pixels.
 fn telephone(chrome: &mut Chrome) -> Result<()> {
     let screen = json!({"width": 390, "height": 800, "deviceScaleFactor": 1, "mobile": true});
     chrome.call("Emulation.setDeviceMetricsOverride", screen).map(drop)
 }
 
-/// The table may be moved to the side; what is said of it is read without.
+/// A wide table scrolls; its caption does not.
 fn captions(chrome: &mut Chrome, page: &Path) -> Result<()> {
     telephone(chrome)?;
     open(chrome, page)?;
@@ -180,7 +181,7 @@ fn captions(chrome: &mut Chrome, page: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Two plots side by side are one above the other, in full width; a wider screen has them as they were.
+/// Two plots side by side are stacked in full width; on a wider screen they are side by side.
 fn stacks(chrome: &mut Chrome, page: &Path) -> Result<()> {
     telephone(chrome)?;
     open(chrome, page)?;
@@ -200,7 +201,7 @@ fn stacks(chrome: &mut Chrome, page: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Also where a panel is narrow: no word of a bar is drawn smaller than it is written.
+/// No text of a colour bar is drawn smaller than its size, even in a narrow panel.
 fn words(chrome: &mut Chrome, page: &Path) -> Result<()> {
     telephone(chrome)?;
     report::open(chrome, page)?;
@@ -213,7 +214,7 @@ fn words(chrome: &mut Chrome, page: &Path) -> Result<()> {
     Ok(())
 }
 
-/// A field of three values has three ticks, and the colour of each is on the bar around its tick.
+/// A field of three values has three ticks, and the bar has the colour of each around its tick.
 fn bars(chrome: &mut Chrome, page: &Path) -> Result<()> {
     report::open(chrome, page)?;
     let found = chrome.run(
@@ -280,8 +281,8 @@ fn follows(chrome: &mut Chrome, page: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Milliseconds of the quickest of some frames: two panels of 35 thousand faces, at rest and moving. Other programs take
-/// time from some frames, so that many are drawn until one is as quick as is wanted.
+/// The milliseconds of the fastest of several frames: two panels of 35 thousand faces, at rest and
+/// moving. Other programs slow some frames, so frames are drawn until one is fast enough.
 const FRAMES: &str = "() => {
   const [m, n] = [132, 132];
   const points = new Float32Array(4 * m * n);
@@ -320,8 +321,8 @@ const FRAMES: &str = "() => {
   return [least(1, 0, 12), least(0.5, 30, 300), ...coarse()];
 }";
 
-/// A moving picture takes at most 33 ms in software, and a third of the time of one at rest: it has a quarter of the
-/// pixels, a sixth of the faces, and no smoothing of edges.
+/// A moving picture takes at most 33 ms in software, and a third of the time of one at rest: it has
+/// a quarter of the pixels, a sixth of the faces, and no antialiasing.
 fn fast(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page)?;
     let found = chrome.run(&format!("({FRAMES})()"))?;

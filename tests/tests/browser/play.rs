@@ -1,4 +1,4 @@
-//! Playgrounds and what views compute, compared with the library.
+//! Playgrounds and computations of views, compared with the library.
 
 use std::path::Path;
 use std::time::Duration;
@@ -36,7 +36,7 @@ pub(crate) fn trials() -> Vec<(&'static str, Test)> {
     ]
 }
 
-/// Opens the page and this view or playground.
+/// Opens the page at this view or playground.
 fn open(chrome: &mut Chrome, page: &Path, id: &str) -> Result<()> {
     chrome.open(&format!("file://{}", page.display()))?;
     chrome.run(&format!("fairing.views.get('{id}').figure.scrollIntoView()"))?;
@@ -56,14 +56,14 @@ fn mesh(value: &Value) -> Result<TriMesh> {
     Ok(TriMesh::new(positions.as_chunks().0.to_vec(), faces.as_chunks().0.to_vec())?)
 }
 
-/// The greatest difference, over the greatest of the expected values.
+/// The largest difference, relative to the largest expected value.
 fn gap(found: &[f64], expected: &[f64]) -> f64 {
     let most = expected.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
     let off = found.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     if found.len() == expected.len() { off / most } else { f64::INFINITY }
 }
 
-/// Our curvature is that of the closed forms, the original report's what its coefficients give.
+/// Our curvature is that of the closed forms, the original report's that of its coefficients.
 #[expect(clippy::disallowed_methods, reason = "tests do not need the same bits")]
 fn ellipsoid(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page, "play-ellipsoid")?;
@@ -102,7 +102,8 @@ fn ellipsoid(chrome: &mut Chrome, page: &Path) -> Result<()> {
     chrome.picture("ellipsoid")
 }
 
-/// The page multiplies modes; the library takes steps. The mesh attains the bound of closed meshes, −3/2.
+/// The page multiplies modes, the library takes steps. The mesh attains the bound of closed meshes,
+/// −3/2.
 fn diffusion(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page, "play-diffusion")?;
     let input = chrome.run(
@@ -138,7 +139,7 @@ fn diffusion(chrome: &mut Chrome, page: &Path) -> Result<()> {
     chrome.picture("diffusion")
 }
 
-/// The page's curvature is the library's, and noise hurts K more than H.
+/// The curvature of the page equals that of the library, and noise affects K more than H.
 fn noise(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page, "play-noise")?;
     for (surface, euler) in [("torus", 0.0), ("sphere", 2.0)] {
@@ -153,7 +154,7 @@ fn noise(chrome: &mut Chrome, page: &Path) -> Result<()> {
         let noisy = mesh(&found)?;
         let mean = mean_curvature(&noisy, MeanOperator::Cotangent(LumpedArea::Mixed))?.signed;
         let gaussian = gaussian_curvature(&noisy, LumpedArea::Mixed)?.values;
-        // Angles by atan2 here and there, sums in another order.
+        // Angles by atan2 in both, sums in another order.
         for (k, expected) in [(2, mean), (3, gaussian)] {
             let off = gap(&numbers(&found[k]), &expected);
             ensure!(off < 1e-9, "{surface}, field {k}: off by {off:e}");
@@ -173,8 +174,8 @@ fn noise(chrome: &mut Chrome, page: &Path) -> Result<()> {
     chrome.picture("noise")
 }
 
-/// Both methods and all scores are those of the library, for the same noise: positions to 10⁻⁹ of the size of the part,
-/// angles to 10⁻⁶ degrees, volumes to 10⁻⁹ per cent, creases to one.
+/// Both methods and all scores equal those of the library for the same noise: positions to 10⁻⁹ of
+/// the size of the part, angles to 10⁻⁶ degrees, volumes to 10⁻⁹ per cent, creases to one.
 fn denoising(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page, "play-denoising")?;
     for (sigma, steps, rounds) in [(0.0, 0, 20), (0.2, 8, 20), (0.45, 3, 7)] {
@@ -221,10 +222,10 @@ fn denoising(chrome: &mut Chrome, page: &Path) -> Result<()> {
             let words = found[3][k].as_str().unwrap_or_default();
             ensure!(["E_a", "volume", "creases kept"].iter().all(|w| words.contains(w)), "{words}");
         }
-        // A tenth of that where nothing else runs.
+        // A tenth of this on an idle machine.
         ensure!(found[4].as_f64().is_some_and(|ms| ms < 2000.0), "{} ms", found[4]);
     }
-    // It begins where the filter keeps creases that diffusion does not.
+    // At first the filter keeps creases that diffusion does not.
     chrome.run("fairing.views.get('play-denoising').fromText('0.2~8~20')")?;
     let kept = chrome.run("fairing.views.get('play-denoising').found.map((s) => s.creases)")?;
     let kept = numbers(&kept);
@@ -232,7 +233,7 @@ fn denoising(chrome: &mut Chrome, page: &Path) -> Result<()> {
     chrome.picture("denoising")
 }
 
-/// Whole numbers of modes give the projection, and between them the next mode comes in part.
+/// An integer number of modes gives the projection; in between, the next mode is weighted.
 fn modes(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page, "q5-sum")?;
     let (ball, modes) = scene::modes()?;
@@ -260,7 +261,7 @@ fn modes(chrome: &mut Chrome, page: &Path) -> Result<()> {
     chrome.picture("modes")
 }
 
-/// The numbers under a panel are those of the combination that is shown.
+/// The numbers under a panel are those of its current state.
 fn facts(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page, "q5-grid")?;
     for (k, expected) in scene::FACTS.into_iter().enumerate() {
@@ -279,7 +280,7 @@ fn facts(chrome: &mut Chrome, page: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Displacement, the distance off the truth and mean curvature, computed from positions.
+/// Displacement, distance from the truth and mean curvature, computed from positions.
 fn derived(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page, "q5-flow")?;
     let found = chrome.run(
@@ -324,7 +325,8 @@ fn derived(chrome: &mut Chrome, page: &Path) -> Result<()> {
     chrome.picture("derived")
 }
 
-/// A field with exact values can be coloured by its error, and a click says all three.
+/// A field with exact values can be coloured by its error, and a click shows the value, the exact
+/// value and the error.
 fn exact(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page, "q5-sum")?;
     let found = chrome.run(
@@ -370,7 +372,7 @@ fn claims(chrome: &mut Chrome, page: &Path) -> Result<()> {
     Ok(())
 }
 
-/// The pointer over a point says its values and moves the slider of the view; so do arrow keys.
+/// Hovering over a point shows its values and moves the slider of the view; so do the arrow keys.
 fn points(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page, "q5-flow")?;
     let place = "(() => {
@@ -386,11 +388,11 @@ fn points(chrome: &mut Chrome, page: &Path) -> Result<()> {
     let state = "[fairing.views.get('q5-flow').state.stops[0],
        document.querySelector('svg.figure + .tip')?.textContent ?? '', document.querySelectorAll('.pointed').length]";
     let mut found = Value::Null;
-    // What opens above it may move the plot away from the pointer.
+    // Folds that open above may move the plot away from the pointer.
     for _ in 0..50 {
         let place = chrome.run(place)?;
         let [x, y] = [0, 1].map(|k| place[k].as_f64().unwrap_or(0.0));
-        // A click would go to the view.
+        // A click would open the view.
         let pointed = json!({"type": "mouseMoved", "x": x, "y": y, "button": "none", "buttons": 0});
         chrome.call("Input.dispatchMouseEvent", pointed)?;
         std::thread::sleep(Duration::from_millis(50));
@@ -408,7 +410,7 @@ fn points(chrome: &mut Chrome, page: &Path) -> Result<()> {
     chrome.picture("pointed")
 }
 
-/// Plots and numbers are there without WebGL, and sliders move by keys.
+/// Plots and numbers work without WebGL, and sliders move by keys.
 fn plain(chrome: &mut Chrome, page: &Path) -> Result<()> {
     let script = "const before = HTMLCanvasElement.prototype.getContext;
       HTMLCanvasElement.prototype.getContext = function (kind) { return kind === '2d' ? before.apply(this, arguments) : null; };";

@@ -1,4 +1,4 @@
-//! What a person does with the page.
+//! Interaction with the page.
 
 use std::path::Path;
 
@@ -25,7 +25,7 @@ pub(crate) fn trials() -> Vec<(&'static str, Test)> {
     ]
 }
 
-/// Those of a page whose views keep their data in files.
+/// Tests of a page whose views keep their data in files.
 pub(crate) fn small_trials() -> Vec<(&'static str, Test)> {
     vec![
         ("every_view_draws", draws),
@@ -34,7 +34,7 @@ pub(crate) fn small_trials() -> Vec<(&'static str, Test)> {
     ]
 }
 
-/// One file for each view, each read once.
+/// Each view has one file, which is read once.
 fn reads(chrome: &mut Chrome, page: &Path) -> Result<()> {
     open(chrome, page)?;
     ensure!(chrome.complaints.is_empty(), "{:?}", chrome.complaints);
@@ -55,7 +55,7 @@ pub(crate) fn open(chrome: &mut Chrome, page: &Path) -> Result<()> {
     Ok(())
 }
 
-/// The share of pixels that are drawn, and a digest of all, for one canvas.
+/// The fraction of pixels that are drawn, and a digest of all, for one canvas.
 fn picture(chrome: &mut Chrome, canvas: usize) -> Result<(f64, f64)> {
     let value = chrome.run(&format!(
         "(() => {{
@@ -72,13 +72,13 @@ fn picture(chrome: &mut Chrome, canvas: usize) -> Result<(f64, f64)> {
     Ok((value[0].as_f64().unwrap_or(0.0), value[1].as_f64().unwrap_or(0.0)))
 }
 
-/// Lets the pictures that were asked for be drawn.
+/// Waits until the requested pictures are drawn.
 fn settle(chrome: &mut Chrome) -> Result<()> {
     chrome.run("new Promise((go) => requestAnimationFrame(() => requestAnimationFrame(go)))")?;
     Ok(())
 }
 
-/// The middle of a canvas, in pixels of the window, once what is near has been opened.
+/// The centre of a canvas in pixels of the window, once the folds around it are open.
 fn middle(chrome: &mut Chrome, canvas: usize) -> Result<[f64; 2]> {
     let place = chrome.run(&format!(
         "(async () => {{
@@ -193,7 +193,7 @@ fn picks(chrome: &mut Chrome, page: &Path) -> Result<()> {
     let words = chrome.run("document.querySelector('#q5-flow .picked').textContent")?;
     let words = words.as_str().unwrap_or_default();
     ensure!(words.starts_with("Vertex ") && words.contains("displacement"), "{words}");
-    // The vertex must be the one that is seen nearest to the middle.
+    // The vertex must be the one closest to the centre on the screen.
     let off = chrome.number(
         "(() => {
            const v = fairing.views.get('q5-flow');
@@ -204,7 +204,7 @@ fn picks(chrome: &mut Chrome, page: &Path) -> Result<()> {
     )?;
     ensure!(off < 0.05, "the picked vertex is {off} of the height away");
     chrome.picture("picked")?;
-    // Nothing is there to be picked in the corner.
+    // There is nothing to pick in the corner.
     let nothing = chrome.number(
         "(() => { const v = fairing.views.get('q5-flow'); return v.pick(v.shown[0], 0.01, 0.01); })()",
     )?;
@@ -225,7 +225,7 @@ fn chooses(chrome: &mut Chrome, page: &Path) -> Result<()> {
         "{range: [0, 0.01]}",
         "{field: -1}",
     ] {
-        // Without values, the stop must differ for anything to show.
+        // Without values, only another stop changes the picture.
         chrome.run(&format!("fairing.views.get('q5-flow').change({{stops: [2], ...{change}}})"))?;
         let now = picture(chrome, 1)?.1;
         ensure!(now != last, "{change} changes nothing");
@@ -258,7 +258,7 @@ fn remembers(chrome: &mut Chrome, page: &Path) -> Result<()> {
     for canvas in 0..2 {
         ensure!(picture(chrome, canvas)?.1 == before[canvas].1, "panel {canvas} came back changed");
     }
-    // An address from anywhere must not break the page.
+    // An invalid address must not break the page.
     chrome.run("location.hash = '#q5-flow=!!!9e9!x!NaN~1!!-7&nobody=1'; 0")?;
     settle(chrome)?;
     ensure!(chrome.complaints.is_empty(), "{:?}", chrome.complaints);

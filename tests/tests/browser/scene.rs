@@ -1,4 +1,4 @@
-//! A report with views of every kind, small enough to be drawn in no time.
+//! A report with views of every kind, small enough to be drawn quickly.
 
 use std::path::Path;
 
@@ -25,12 +25,12 @@ pub(crate) fn noisy() -> TriMesh {
     mesh.with_positions(positions.collect()).expect("finite positions")
 }
 
-/// The same without noise.
+/// The same mesh without noise.
 pub(crate) fn truth() -> TriMesh {
     shapes::bumpy_sphere(4, 0.15, 3.0)
 }
 
-/// A formula that is wider than a telephone.
+/// A formula wider than a telephone.
 const FORMULA: &str = r"\kappa_n = \frac{L\,du^2 + 2M\,du\,dv + N\,dv^2}{E\,du^2 + 2F\,du\,dv + G\,dv^2} = a\left(\frac{\cos^2\theta}{b^2} + \frac{\sin^2\theta}{c^2}\right), \qquad \varphi_i^T M \varphi_j = \delta_{ij}, \qquad \varphi_i^T S \varphi_j = \lambda_i \delta_{ij}";
 
 /// Half way to the mean of the neighbours.
@@ -83,11 +83,10 @@ fn flow() -> View {
     }
 }
 
-/// The values of a field that has no others.
+/// The values of a field without others.
 pub(crate) const FEW: [f64; 3] = [0.0, 382.0, 763.0];
 
-/// An open surface with values that are undefined at its border, far from the
-/// origin.
+/// An open surface with undefined values at its boundary, far from the origin.
 fn open() -> View {
     let flower = shapes::flower(0.12, 1);
     let topology = flower.topology();
@@ -115,7 +114,7 @@ fn open() -> View {
 pub(crate) const WIDTHS: [f64; 2] = [1.0, 1.5];
 pub(crate) const HEIGHTS: [f64; 3] = [0.5, 1.0, 2.0];
 
-/// What is said of each of them.
+/// The captions of these ellipsoids.
 pub(crate) const FACTS: [Option<f64>; 6] =
     [Some(1.5), Some(2.0), None, Some(0.25), Some(12.0), Some(3.0)];
 
@@ -142,7 +141,7 @@ fn grid() -> View {
     }
 }
 
-/// By how much estimates are off in the view of modes.
+/// The error of the estimates in the view of modes.
 pub(crate) const SLOPE: f64 = 0.25;
 
 /// A ball and its smoothest modes.
@@ -179,7 +178,7 @@ fn sum() -> Result<View> {
     })
 }
 
-/// A plot whose points stand for the stops of the view of flows.
+/// A plot whose points are the stops of the view of flows.
 fn curve(folder: &Path) -> Result<FigureFile> {
     let points = (1..6).map(|k| [f64::from(k), 1.0 / f64::from(k + 1)]).collect();
     let plot = Plot {
@@ -205,7 +204,7 @@ fn curve(folder: &Path) -> Result<FigureFile> {
     })
 }
 
-/// A record of playgrounds alone.
+/// A record with playgrounds only.
 fn playful(id: &str) -> Record {
     Record {
         id: id.into(),
@@ -253,7 +252,7 @@ fn flows(folder: &Path) -> Result<Record> {
     })
 }
 
-/// A table that is wider than a telephone.
+/// A table wider than a telephone.
 fn wide() -> Table {
     let names = ["normal error", "surface error", "displacement", "largest displacement", "volume"];
     let columns = names.map(|name| (name, Unit::EdgeLengths));
@@ -264,7 +263,7 @@ fn wide() -> Table {
     table
 }
 
-/// Makes the report in this folder.
+/// Writes the report into this folder.
 pub(crate) fn publish(folder: &Path, form: Form) -> Result<()> {
     let mesh = noisy();
     let camera = fairing_figure::Camera::fit(
@@ -300,7 +299,7 @@ pub(crate) fn publish(folder: &Path, form: Form) -> Result<()> {
     Ok(())
 }
 
-/// Writes the data of a view, as the runner does.
+/// Writes the data of a view as the runner does.
 fn keep(view: &View, folder: &Path) -> Result<ViewFile> {
     let data = format!("{}.view", view.id);
     std::fs::write(folder.join(&data), view.to_bytes()?)?;

@@ -11,13 +11,13 @@ use libtest_mimic::Failed;
 
 use crate::Test;
 
-/// Tests of this area.
+/// The tests of this area.
 pub(crate) fn trials() -> Vec<(&'static str, Test)> {
     vec![("automatic_meets_its_bars", bars), ("automatic_tells_creases", kinds)]
 }
 
-/// Noisy, original, the bar for the mean normal error in degrees, and what
-/// guided filtering, tuned, leaves of vertex distance over the diagonal.
+/// Noisy mesh, original, the bound on the mean normal error in degrees, and the vertex distance
+/// over the diagonal of tuned guided filtering.
 const PAIRS: [(&str, &str, f64, f64); 6] = [
     ("denoising/Fandisk0.3_noisy.obj", "denoising/Fandisk0.3_original.obj", 1.5, 6.35e-4),
     ("denoising/Fandisk0.7_noisy.obj", "denoising/Fandisk0.3_original.obj", 3.2, 1.38e-3),
@@ -37,7 +37,7 @@ fn bars(folder: &Path) -> Result<(), Failed> {
     for (noisy, original, bar, far) in PAIRS {
         let (input, truth) = (read(noisy)?, read(original)?);
         let result = automatic(&input)?;
-        // The pair's faces are the same; positions carry the comparison over.
+        // Both meshes of the pair have the same faces, so vertices correspond.
         let truth = input.with_positions(truth.positions().to_vec())?;
         let mean = normal_error(&result.mesh, &truth)?.mean;
         assert!(mean <= bar, "{noisy}: {mean}°, bar {bar}°");
@@ -52,9 +52,9 @@ fn bars(folder: &Path) -> Result<(), Failed> {
     Ok(())
 }
 
-/// What real surfaces are, at little and at much noise: machine parts with fillets,
-/// smooth bodies with thin limbs, scans. A result has creases where the truth has them:
-/// the share of the area beside a crease is that of the truth, up to 7 % of the whole.
+/// Real surfaces under little and much noise: machine parts with fillets, smooth models with thin
+/// limbs, scans. Results have the creases of the truth: the fractions of the area beside a crease
+/// differ by at most 7 % of the whole.
 fn kinds(folder: &Path) -> Result<(), Failed> {
     let surfaces = [
         "reference/fandisk.off",

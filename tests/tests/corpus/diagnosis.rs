@@ -1,5 +1,5 @@
-//! What the diagnosis says of every file of the corpus, against the figures of
-//! its manifest, which were computed by other means.
+//! The diagnosis of every file of the corpus, compared with the figures of its manifest, which were
+//! computed by other means.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use libtest_mimic::Failed;
 
 use crate::Test;
 
-/// Tests of this area.
+/// The tests of this area.
 pub(crate) fn trials() -> Vec<(&'static str, Test)> {
     vec![
         ("topology_and_defects", topology_and_defects),
@@ -16,7 +16,7 @@ pub(crate) fn trials() -> Vec<(&'static str, Test)> {
     ]
 }
 
-/// Whether a file is manifold.
+/// Manifoldness of a file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Manifold {
     Yes,

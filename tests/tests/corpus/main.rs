@@ -1,8 +1,7 @@
 //! Tests on real meshes, which are not part of the repository.
 //!
-//! `FAIRING_MESHES` names the folder that holds them. Without it every test is
-//! listed by name as ignored. An area adds a module with a function
-//! `trials() -> Vec<(&'static str, Test)>` and a line below.
+//! `FAIRING_MESHES` names their folder. Without it every test is listed by name as ignored. An area
+//! is a module with a function `trials() -> Vec<(&'static str, Test)>` and a line below.
 
 mod denoising;
 mod diagnosis;
@@ -14,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 use libtest_mimic::{Arguments, Failed, Trial};
 
-/// A test that is given the folder of meshes.
+/// A test that takes the folder of meshes.
 type Test = fn(&Path) -> Result<(), Failed>;
 
 fn main() {

@@ -12,7 +12,7 @@ use libtest_mimic::Failed;
 
 use crate::Test;
 
-/// Tests of this area.
+/// The tests of this area.
 pub(crate) fn trials() -> Vec<(&'static str, Test)> {
     vec![
         ("gauss_bonnet_holds_on_every_file", gauss_bonnet),
@@ -58,7 +58,7 @@ fn gauss_bonnet(folder: &Path) -> Result<(), Failed> {
     each(folder, |mesh| {
         let total: f64 = angle_defect(mesh).iter().sum();
         let expected = std::f64::consts::TAU * mesh.topology().euler_characteristic() as f64;
-        // Some roundings of 2π for each vertex, not all of one sign.
+        // Several roundings of 2π for each vertex, not all of one sign.
         let allowed = 1e-14 * (1000.0 + mesh.vertex_count() as f64);
         require((total - expected).abs() < allowed, || format!("{total} is not {expected}"))
     })
@@ -151,7 +151,7 @@ fn polygons(folder: &Path) -> Result<(), Failed> {
         let area: f64 = found.lumped_mass.iter().sum();
         let triangles = mesh.triangulate();
         let expected: f64 = (0..triangles.face_count()).map(|f| triangles.face_area(f)).sum();
-        // Polygons that are not flat have another surface, by a little.
+        // Polygons that are not flat have a slightly different surface.
         if (area / expected - 1.0).abs() > 2e-2 {
             return Err(format!("{name}: area {area}, triangulated {expected}").into());
         }

@@ -1,4 +1,4 @@
-//! Every file of the corpus reads with the vertices and faces of its manifest.
+//! Every file of the corpus is read with the vertices and faces of its manifest.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use libtest_mimic::Failed;
 
 use crate::Test;
 
-/// Tests of this area.
+/// The tests of this area.
 pub(crate) fn trials() -> Vec<(&'static str, Test)> {
     vec![
         ("vertex_and_face_counts", counts),
@@ -124,7 +124,7 @@ fn strict(folder: &Path) -> Result<(), Failed> {
     assert_eq!(options.strictness, Strictness::Strict);
     for (file, ..) in FILES {
         let read = io::read_with(folder.join(file), &options);
-        // Its faces have six values more than its header says.
+        // The faces of this file have six values more than its header says.
         let refused = file == "standard/fuze_ascii.ply";
         match read {
             Ok(_) if refused => return Err(failed(file, "was read")),
@@ -135,8 +135,8 @@ fn strict(folder: &Path) -> Result<(), Failed> {
     Ok(())
 }
 
-/// Coordinates like (500000, 4649776, 100) differ from the original mesh by
-/// the move alone, up to the rounding of a `f64` near 4.6 million (5e-10).
+/// Coordinates like (500000, 4649776, 100) differ from the original mesh by the translation only,
+/// up to the rounding of an `f64` near 4.6 million (5e-10).
 fn precision(folder: &Path) -> Result<(), Failed> {
     let moved = io::read(folder.join("derived/fandisk_utm.obj"))?.mesh;
     let original = io::read(folder.join("reference/fandisk.off"))?.mesh;
@@ -152,8 +152,8 @@ fn precision(folder: &Path) -> Result<(), Failed> {
     Ok(())
 }
 
-/// Polygons, positions, fields and colours come back bit by bit from PLY in
-/// both encodings and from a compressed OBJ and OFF as far as they hold them.
+/// Polygons, positions, fields and colours survive a round trip bit by bit, in PLY of both
+/// encodings and, as far as the formats hold them, in compressed OBJ and OFF.
 fn round_trips(folder: &Path) -> Result<(), Failed> {
     let out = tempfile::tempdir()?;
     for (file, vertices, ..) in FILES.into_iter().filter(|&(_, vertices, ..)| vertices < 10_000) {

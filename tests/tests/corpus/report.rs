@@ -9,12 +9,12 @@ use xtask::reproduce::{Plan, reproduce};
 
 use crate::Test;
 
-/// Tests of this area.
+/// The tests of this area.
 pub(crate) fn trials() -> Vec<(&'static str, Test)> {
     vec![("all_or_some_of_the_meshes_make_a_report", forms)]
 }
 
-/// Questions 5 and 7 have the same part from files of their own, which quick runs coarsen.
+/// Questions 5 and 7 read the same part from different files, which quick runs coarsen.
 fn forms(meshes: &Path) -> Result<(), Failed> {
     let folder = tempfile::tempdir()?;
     let some = folder.path().join("some");

@@ -1,7 +1,7 @@
-//! What is run, and what is promised of it.
+//! The runs of the program, and the agreement promised for each.
 
-/// A run of the program. `OUT` in its line is the file that it writes; without
-/// it, its standard output counts.
+/// A run of the program. `OUT` in its arguments is the output file; without it, standard output is
+/// compared.
 #[derive(Debug)]
 pub(crate) struct Case {
     pub(crate) name: String,
@@ -11,28 +11,27 @@ pub(crate) struct Case {
     pub(crate) promise: Promise,
 }
 
-/// How results on two processors compare.
+/// The agreement of results on two processors.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Promise {
-    /// The same bits: sums, products, quotients, square roots and functions of
-    /// the crate `libm` in a fixed order, whatever does not factorise.
+    /// Equal bits: sums, products, quotients, square roots and functions of the crate `libm` in a
+    /// fixed order, in every verb without a factorisation.
     SameBits,
-    /// Near by this much, relative to the largest value.
+    /// Equal up to this tolerance, relative to the largest value.
     Near(f64),
 }
 
-/// A direct solution of a system of condition κ is off by ε κ times a modest
-/// number, taken as 100. Of I − λL with eigenvalues of L in [−2, 0]: κ = 1 + 2λ.
+/// The error of a direct solution of a system with condition number κ is ε κ times a modest factor,
+/// taken as 100. For I − λL with eigenvalues of L in [−2, 0], κ = 1 + 2λ.
 const fn direct(lambda: f64) -> Promise {
     Promise::Near(100.0 * f64::EPSILON * (1.0 + 2.0 * lambda))
 }
 
-/// An eigenvalue is within its residual, which is printed (`near` reads it).
+/// The error of an eigenvalue is at most its residual, which is printed (`near` reads it).
 const EIGENVALUES: Promise = Promise::Near(0.0);
 
-/// Kept modes turn by an angle of residual over gap. Residuals are at most 1e-9
-/// of the largest eigenvalue, and behind mode 4 of a sphere there is a gap from
-/// 2 to 6.
+/// Kept modes rotate by an angle of residual over gap. Residuals are at most 1e-9 of the largest
+/// eigenvalue, and after mode 4 of a sphere there is a gap from 2 to 6.
 const PROJECTION: Promise = Promise::Near(1e-8);
 
 use Promise::SameBits;
@@ -41,7 +40,7 @@ fn case(name: &str, line: &str, output: &'static str, promise: Promise) -> Case 
     Case { name: name.to_owned(), line: line.to_owned(), output, promise }
 }
 
-/// Denoisers, and flows with their defaults, that keep every bit.
+/// Denoisers, and flows at their defaults, with equal bits.
 const DENOISERS: [&str; 7] = [
     "bilateral",
     "non-iterative",
@@ -64,7 +63,7 @@ const ESTIMATORS: [&str; 8] = [
 ];
 const NOISES: [&str; 5] = ["uniform", "axes", "direction", "normal", "impulsive"];
 
-/// Every verb, and every method that takes a way of its own.
+/// Every verb, and every method with a code path of its own.
 pub(crate) fn cases() -> Vec<Case> {
     let mut all = vec![
         case("info", "info in.ply --json", "json", SameBits),
@@ -81,7 +80,7 @@ pub(crate) fn cases() -> Vec<Case> {
         let line = format!("noise in.ply --sigma 0.3 --kind {kind}");
         mesh(&format!("noise_{kind}"), &line, SameBits);
     }
-    // Some numbers in the tail, which take a way of their own.
+    // Some numbers in the tail, which have a separate code path.
     mesh("noise_tail", "noise fine.ply --sigma 0.3 --kind axes", SameBits);
     for method in FLOWS {
         mesh(method, &format!("smooth in.ply --method {method}"), SameBits);

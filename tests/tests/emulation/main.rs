@@ -1,9 +1,8 @@
-//! The `fairing` program on other processors, which `qemu-x86_64` emulates.
+//! The `fairing` program on other processors, emulated by `qemu-x86_64`.
 //!
-//! What is promised, and why, is in `docs/conventions.md`, section Processors.
-//! Where the emulator is not on the path, each test is listed by name as
-//! ignored. It knows no AVX-512: a machine that has it compares the others with
-//! itself.
+//! The guarantees are in `docs/conventions.md`, section Processors. If the emulator is not on the
+//! path, each test is listed by name as ignored. The emulator has no AVX-512: a machine that has it
+//! compares the others with itself.
 
 mod cases;
 mod near;
@@ -22,7 +21,7 @@ use cases::{Case, Promise, cases};
 
 const EMULATOR: &str = "qemu-x86_64";
 
-/// SSE4.2, neither AVX nor fused multiply-add; AVX2 with it.
+/// SSE4.2 without AVX and fused multiply-add; AVX2 with fused multiply-add.
 const PROCESSORS: [&str; 2] = ["Nehalem", "Haswell"];
 
 fn main() {
@@ -54,7 +53,7 @@ fn main() {
     libtest_mimic::run(&Arguments::from_args(), all).exit();
 }
 
-/// The program and a folder with the meshes that all cases read.
+/// The program, and a folder with the meshes of all cases.
 struct Session {
     program: PathBuf,
     folder: tempfile::TempDir,
@@ -63,7 +62,8 @@ struct Session {
 impl Session {
     fn new() -> Result<Self> {
         let folder = tempfile::tempdir()?;
-        // Emulation is slow: only what takes another way on large meshes gets the large one.
+        // Emulation is slow: only methods with another code path for large meshes get the large
+        // one.
         for (level, prefix) in [(2, ""), (3, "large-")] {
             let truth = shapes::bumpy_sphere(level, 0.12, 4.0);
             let noise = NoiseLevel::EdgeLengths(0.2);
@@ -76,11 +76,11 @@ impl Session {
         Ok(Self { program: fairing_tests::program(), folder })
     }
 
-    /// Runs the case here and there, and compares what comes out.
+    /// Runs the case on both processors and compares the outputs.
     fn check(&self, emulator: &Path, processor: &str, case: &Case) -> Result<()> {
         let emulated = [emulator.as_os_str(), "-cpu".as_ref(), processor.as_ref()];
         let there = self.run(&emulated, processor, case)?;
-        // Two processors are compared at once; each has a copy of its own.
+        // Two processors are compared at once; each has its own copy.
         let here = self.run(&[], &format!("native-{}", processor), case)?;
         match case.promise {
             Promise::SameBits => same(&here, &there),
@@ -88,7 +88,7 @@ impl Session {
         }
     }
 
-    /// What a case writes: its file, or its standard output.
+    /// The output of a case: its file, or its standard output.
     fn run(&self, emulator: &[&std::ffi::OsStr], name: &str, case: &Case) -> Result<Vec<u8>> {
         let file = format!("{}-{name}.{}", case.name, case.output);
         let mut words: Vec<&std::ffi::OsStr> = emulator.to_vec();
@@ -100,7 +100,7 @@ impl Session {
             .current_dir(self.folder.path())
             .output()
             .context("starting the program")?;
-        // The emulator warns of features that it leaves out.
+        // The emulator warns of unsupported features.
         let error = String::from_utf8_lossy(&output.stderr);
         ensure!(output.status.success(), "{line} on {name}: {error}");
         match case.line.contains("OUT") {

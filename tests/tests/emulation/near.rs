@@ -1,11 +1,10 @@
-//! Whether two outputs agree within a tolerance.
+//! Comparison of two outputs within a tolerance.
 
 use anyhow::{Context as _, Result, bail, ensure};
 use fairing_mesh::io;
 use serde_json::Value;
 
-/// Compares two outputs of this kind; the tolerance is relative to the largest
-/// value of each field.
+/// Compares two outputs of this kind; the tolerance is relative to the largest value of each field.
 pub(crate) fn check(kind: &str, here: &[u8], there: &[u8], tolerance: f64) -> Result<()> {
     match kind {
         "ply" => meshes(here, there, tolerance),
@@ -48,8 +47,8 @@ fn fields(name: &str, a: &[f64], b: &[f64], tolerance: f64) -> Result<()> {
     Ok(())
 }
 
-/// Each within the sum of the residuals, and of the rounding of the matrix,
-/// which is relative to its largest eigenvalue; 1e4 bounds it for these meshes.
+/// Eigenvalues agree within the sum of their residuals and the rounding of the matrix, which is
+/// relative to its largest eigenvalue; 1e4 bounds it for these meshes.
 fn eigenvalues(a: &Value, b: &Value) -> Result<()> {
     let numbers = |v: &Value, key: &str| -> Result<Vec<f64>> {
         let array = v[key].as_array().with_context(|| format!("no {key}"))?;
@@ -68,7 +67,7 @@ fn eigenvalues(a: &Value, b: &Value) -> Result<()> {
     Ok(())
 }
 
-/// The comparisons themselves: each passes what it should, and nothing more.
+/// The comparisons themselves: each accepts exactly the outputs that it should.
 pub(crate) fn self_test() -> Result<()> {
     ensure!(fields("f", &[1.0, -2.0], &[1.0, -2.0 + 1e-13], 1e-12).is_ok(), "within");
     ensure!(fields("f", &[1.0, -2.0], &[1.0, -2.0 + 1e-11], 1e-12).is_err(), "beyond");

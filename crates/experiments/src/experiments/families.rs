@@ -2,7 +2,7 @@
 //! worst cases, and what is still lost.
 
 use anyhow::{Context as _, Result};
-use fairing_denoising::Denoiser;
+use fairing_denoising::{AutomaticOptions, Denoiser};
 use fairing_figure::{Axis, Figure, Legend, Panel as FigurePanel, Plot, Series};
 use fairing_mesh::TriMesh;
 
@@ -222,7 +222,7 @@ fn lost_table() -> Table {
 fn again(case: &Case, published: &Published) -> Result<(Found, Picture)> {
     let (truth, noisy) = case.meshes()?;
     let name = case.name();
-    let denoise = bed::denoiser(Denoiser::Automatic.name())?;
+    let denoise = bed::denoiser(Denoiser::Automatic(AutomaticOptions::DEFAULT).name())?;
     let (now, ours) = found(&name, &truth, &noisy, published, |mesh| Ok(denoise(mesh)?))?;
     let entry = published.best(&name).context("a case without published results")?;
     let method = Method::named(&entry.method)?;

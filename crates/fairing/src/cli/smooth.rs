@@ -181,7 +181,7 @@ impl Smooth {
     fn check(&self) -> Result<(), Failure> {
         let algorithm = self.parameters.check(&self.method)?;
         let of_steps = [(self.until.is_some(), "until"), (self.last_good, "last-good")];
-        match of_steps.into_iter().find(|(given, _)| *given && !takes_steps(algorithm)) {
+        match of_steps.into_iter().find(|(given, _)| *given && !takes_steps(&algorithm)) {
             Some((_, flag)) => Err(foreign::<Flows>(&self.method, flag, takes_steps)),
             None => Ok(()),
         }

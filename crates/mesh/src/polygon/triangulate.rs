@@ -1,8 +1,9 @@
 //! Polygons split into triangles.
 
+use glam::DVec3;
+
 use crate::polygon::PolygonMesh;
 use crate::trimesh::TriMesh;
-use crate::vec3::{add, cross, dot, norm, scale, sub};
 
 /// The largest polygon that is cut ear by ear.
 const MAX_CORNERS: usize = 1024;
@@ -41,7 +42,8 @@ fn triangles(mesh: &PolygonMesh) -> Vec<[u32; 3]> {
             triangles.push([a, b, c]);
             continue;
         }
-        let points: Vec<[f64; 3]> = polygon.iter().map(|&v| mesh.positions()[v as usize]).collect();
+        let points: Vec<DVec3> =
+            polygon.iter().map(|&v| mesh.positions()[v as usize].into()).collect();
         let split = split(&points);
         triangles.extend(split.into_iter().map(|triangle| triangle.map(|k| polygon[k])));
     }
@@ -49,7 +51,7 @@ fn triangles(mesh: &PolygonMesh) -> Vec<[u32; 3]> {
 }
 
 /// The triangles of one polygon, by the numbers of its corners.
-fn split(points: &[[f64; 3]]) -> Vec<[usize; 3]> {
+fn split(points: &[DVec3]) -> Vec<[usize; 3]> {
     let all: Vec<usize> = (0..points.len()).collect();
     let points = centered(points);
     let normal = area_vector(&points);
@@ -70,33 +72,33 @@ fn fan(corners: &[usize]) -> Vec<[usize; 3]> {
 
 /// The polygon moved and scaled into the unit cube, so that products neither
 /// overflow nor cancel far from the origin.
-fn centered(points: &[[f64; 3]]) -> Vec<[f64; 3]> {
+fn centered(points: &[DVec3]) -> Vec<DVec3> {
     // Halved first: the difference of two finite numbers may be infinite.
-    let halves: Vec<[f64; 3]> = points.iter().map(|&p| scale(p, 0.5)).collect();
-    let moved: Vec<[f64; 3]> = halves.iter().map(|&p| sub(p, halves[0])).collect();
-    let largest = moved.as_flattened().iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    let halves: Vec<DVec3> = points.iter().map(|&p| 0.5 * p).collect();
+    let moved: Vec<DVec3> = halves.iter().map(|&p| p - halves[0]).collect();
+    let largest = moved.iter().fold(0.0_f64, |m, p| m.max(p.abs().max_element()));
     if largest == 0.0 {
         return moved;
     }
-    moved.into_iter().map(|p| p.map(|x| x / largest)).collect()
+    moved.into_iter().map(|p| p / largest).collect()
 }
 
 /// Twice the area vector, `Σ pₖ × pₖ₊₁`.
-fn area_vector(points: &[[f64; 3]]) -> [f64; 3] {
+fn area_vector(points: &[DVec3]) -> DVec3 {
     let next = points.iter().cycle().skip(1);
-    points.iter().zip(next).fold([0.0; 3], |sum, (&p, &q)| add(sum, cross(p, q)))
+    points.iter().zip(next).map(|(&p, &q)| p.cross(q)).sum()
 }
 
 /// The turn of the path p, q, r at q: twice the signed area seen along the normal,
 /// or 0 if it is no more than rounding.
-fn turn(p: [f64; 3], q: [f64; 3], r: [f64; 3], normal: [f64; 3]) -> f64 {
-    let (a, b) = (sub(q, p), sub(r, q));
-    let turn = dot(cross(a, b), normal);
-    if turn.abs() > STRAIGHT * norm(a) * norm(b) * norm(normal) { turn } else { 0.0 }
+fn turn(p: DVec3, q: DVec3, r: DVec3, normal: DVec3) -> f64 {
+    let (a, b) = (q - p, r - q);
+    let turn = a.cross(b).dot(normal);
+    if turn.abs() > STRAIGHT * a.length() * b.length() * normal.length() { turn } else { 0.0 }
 }
 
 /// Cuts ears until three corners are left.
-fn cut_ears(points: &[[f64; 3]], normal: [f64; 3]) -> Vec<[usize; 3]> {
+fn cut_ears(points: &[DVec3], normal: DVec3) -> Vec<[usize; 3]> {
     let mut rest: Vec<usize> = (0..points.len()).collect();
     let mut triangles = Vec::with_capacity(points.len() - 2);
     let mut quality: Vec<f64> = (0..rest.len()).map(|k| ear(points, &rest, k, normal)).collect();
@@ -125,7 +127,7 @@ fn cut_ears(points: &[[f64; 3]], normal: [f64; 3]) -> Vec<[usize; 3]> {
 
 /// The shape of the ear at a corner: area over the sum of squared sides, or 0
 /// if the corner is no ear.
-fn ear(points: &[[f64; 3]], rest: &[usize], k: usize, normal: [f64; 3]) -> f64 {
+fn ear(points: &[DVec3], rest: &[usize], k: usize, normal: DVec3) -> f64 {
     let n = rest.len();
     let corners = [(k + n - 1) % n, k, (k + 1) % n];
     let [p, q, r] = corners.map(|k| points[rest[k]]);
@@ -133,8 +135,8 @@ fn ear(points: &[[f64; 3]], rest: &[usize], k: usize, normal: [f64; 3]) -> f64 {
     if area <= 0.0 {
         return 0.0;
     }
-    let side = |a: [f64; 3], b: [f64; 3], x: [f64; 3]| dot(cross(sub(b, a), sub(x, a)), normal);
-    let inside = |x: [f64; 3]| {
+    let side = |a: DVec3, b: DVec3, x: DVec3| (b - a).cross(x - a).dot(normal);
+    let inside = |x: DVec3| {
         x != p
             && x != q
             && x != r
@@ -145,7 +147,7 @@ fn ear(points: &[[f64; 3]], rest: &[usize], k: usize, normal: [f64; 3]) -> f64 {
     if (0..n).any(|j| !corners.contains(&j) && inside(points[rest[j]])) {
         return 0.0;
     }
-    let squared = |a: [f64; 3], b: [f64; 3]| dot(sub(b, a), sub(b, a));
+    let squared = |a: DVec3, b: DVec3| (b - a).dot(b - a);
     area / (squared(p, q) + squared(q, r) + squared(r, p))
 }
 

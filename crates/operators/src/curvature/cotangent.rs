@@ -19,7 +19,8 @@ use super::oriented::on_oriented;
 use super::status::Undefined;
 use crate::area::LumpedArea;
 use crate::error::OperatorError;
-use crate::laplacian::{Laplacian, LaplacianKind, MassKind, Reason, choose};
+use crate::kind::{LaplacianKind, MassKind};
+use crate::laplacian::{Laplacian, Reason, choose};
 
 fairing_parameters::options! {
     /// Options of [`cotangent_curvature`].

@@ -5,9 +5,9 @@ use std::fmt;
 use fairing_mesh::TriMesh;
 use fairing_sparse::SparseMatrix;
 
-use super::kind::{LaplacianKind, MassKind};
 use crate::corners::check_faces;
 use crate::error::OperatorError;
+use crate::kind::{LaplacianKind, MassKind};
 use crate::stiffness::cotan_stiffness;
 
 /// Weights below zero by more than this share of the diagonal are negative;

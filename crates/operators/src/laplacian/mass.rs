@@ -5,10 +5,9 @@ use std::borrow::Cow;
 use fairing_mesh::TriMesh;
 use fairing_sparse::{Mass, SparseMatrix};
 
-use super::kind::MassKind;
-use super::{Laplacian, LaplacianKind};
 use crate::area::LumpedArea;
 use crate::error::OperatorError;
+use crate::kind::{LaplacianKind, MassKind};
 use crate::mass::{consistent_on_pattern, lumped_mass};
 use crate::uniform::degrees;
 
@@ -40,6 +39,39 @@ impl MassMatrix {
             }
         }
     }
+
+    /// The mass with the mean of all masses at the vertices `isolated`, which
+    /// ascend (1 where all are zero).
+    ///
+    /// # Errors
+    ///
+    /// [`OperatorError::Mass`] for the first other vertex whose mass is not
+    /// positive.
+    pub(super) fn positive(&self, isolated: &[u32]) -> Result<Cow<'_, Self>, OperatorError> {
+        let mut skipped = isolated.iter().peekable();
+        for (v, mass) in self.as_mass().diagonal().into_iter().enumerate() {
+            let vertex = v as u32;
+            if skipped.next_if_eq(&&vertex).is_none() {
+                positive(vertex, mass)?;
+            }
+        }
+        if isolated.is_empty() {
+            return Ok(Cow::Borrowed(self));
+        }
+        let mean = mean(&self.lumped());
+        let mut filled = self.clone();
+        for &v in isolated {
+            match &mut filled {
+                Self::Lumped(diagonal) => diagonal[v as usize] = mean,
+                Self::Consistent(matrix) => {
+                    if let Some(m) = matrix.get_mut(v as usize, v as usize) {
+                        *m = mean;
+                    }
+                }
+            }
+        }
+        Ok(Cow::Owned(filled))
+    }
 }
 
 /// The mass of a mesh, for all kinds of Laplacian but the robust one; on the
@@ -66,66 +98,19 @@ pub(super) fn assemble(
     })
 }
 
-/// That there is no such mass for such a Laplacian.
+/// The error of a Laplacian that does not have such a mass.
 pub(super) fn refused(laplacian: LaplacianKind, mass: MassKind) -> OperatorError {
     OperatorError::NoSuchMass { laplacian, mass }
 }
 
-impl Laplacian {
-    /// The mass with a positive number at isolated vertices too: the mean of
-    /// the masses of all vertices (1 where all are zero).
-    ///
-    /// The rule for isolated vertices: their rows of the stiffness and
-    /// their masses are zero, so that they add nothing to an area, an integral
-    /// or a mode. A system `M + tS` needs a positive number in their rows, and
-    /// any number will do: nothing else has an entry there, so that the value
-    /// does not change. The mean does not worsen the condition of the system.
-    ///
-    /// # Errors
-    ///
-    /// [`OperatorError::Mass`] for the first vertex with faces whose mass is
-    /// not positive.
-    pub fn positive_mass(&self) -> Result<Cow<'_, MassMatrix>, OperatorError> {
-        self.check_mass()?;
-        if self.isolated.is_empty() {
-            return Ok(Cow::Borrowed(&self.mass));
-        }
-        let mean = mean(&self.mass.lumped());
-        let mut mass = self.mass.clone();
-        for &v in &self.isolated {
-            match &mut mass {
-                MassMatrix::Lumped(diagonal) => diagonal[v as usize] = mean,
-                MassMatrix::Consistent(matrix) => {
-                    if let Some(m) = matrix.get_mut(v as usize, v as usize) {
-                        *m = mean;
-                    }
-                }
-            }
-        }
-        Ok(Cow::Owned(mass))
-    }
-
-    /// Whether the mass of each vertex with faces is positive.
-    fn check_mass(&self) -> Result<(), OperatorError> {
-        let mut isolated = self.isolated.iter().peekable();
-        for (v, mass) in self.mass.as_mass().diagonal().into_iter().enumerate() {
-            let vertex = v as u32;
-            if isolated.next_if_eq(&&vertex).is_none() {
-                positive(vertex, mass)?;
-            }
-        }
-        Ok(())
-    }
-}
-
-/// What an isolated vertex has for its mass: the mean, or 1 where all are zero.
+/// The mass that an isolated vertex gets: the mean, or 1 where all are zero.
 fn mean(mass: &[f64]) -> f64 {
     let mean = mass.iter().sum::<f64>() / mass.len() as f64;
     if mean > 0.0 { mean } else { 1.0 }
 }
 
-/// [`lumped_mass`], with a positive number at isolated vertices too: what
-/// [`Laplacian::positive_mass`] is, without a stiffness.
+/// [`Laplacian::positive_mass`](crate::Laplacian::positive_mass) without a
+/// stiffness: [`lumped_mass`], with a positive number at isolated vertices too.
 ///
 /// # Errors
 ///

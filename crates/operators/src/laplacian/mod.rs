@@ -15,24 +15,25 @@
 //! there, and [`Laplacian::restricted`] leaves such vertices out.
 
 mod choice;
-mod kind;
 mod mass;
 mod pattern;
 mod refill;
 mod restricted;
+
+use std::borrow::Cow;
 
 use fairing_mesh::{PolygonMesh, TriMesh};
 use fairing_sparse::{SparseMatrix, combine, multiply};
 
 use crate::error::OperatorError;
 use crate::intrinsic::{IntrinsicFaces, RobustLaplacian, RobustOptions, robust_laplacian};
+use crate::kind::{LaplacianKind, MassKind};
 use crate::polygon::{PolygonLaplacian, polygon_laplacian};
 use crate::stiffness;
 use crate::uniform::combinatorial_laplacian;
 
 use choice::Choice;
 pub use choice::{Reason, choose};
-pub use kind::{LaplacianKind, MassKind};
 pub use mass::{MassMatrix, positive_lumped_mass};
 pub use pattern::{CotangentPattern, ThinFaces};
 pub use restricted::Restricted;
@@ -259,6 +260,23 @@ impl Laplacian {
     /// M; zero at isolated vertices.
     pub fn mass(&self) -> &MassMatrix {
         &self.mass
+    }
+
+    /// The mass with a positive number at isolated vertices too: the mean of
+    /// the masses of all vertices (1 where all are zero).
+    ///
+    /// The rule for isolated vertices: their rows of the stiffness and
+    /// their masses are zero, so that they add nothing to an area, an integral
+    /// or a mode. A system `M + tS` needs a positive number in their rows, and
+    /// any number will do: nothing else has an entry there, so that the value
+    /// does not change. The mean does not worsen the condition of the system.
+    ///
+    /// # Errors
+    ///
+    /// [`OperatorError::Mass`] for the first vertex with faces whose mass is
+    /// not positive.
+    pub fn positive_mass(&self) -> Result<Cow<'_, MassMatrix>, OperatorError> {
+        self.mass.positive(&self.isolated)
     }
 
     /// The vertices without faces, ascending.

@@ -2,8 +2,9 @@
 
 use fairing_mesh::TriMesh;
 
-use super::{Laplacian, LaplacianKind, mass};
+use super::{Laplacian, mass};
 use crate::error::OperatorError;
+use crate::kind::LaplacianKind;
 
 impl Laplacian {
     /// Replaces stiffness and mass by those at the positions of `mesh`, which

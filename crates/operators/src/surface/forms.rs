@@ -2,7 +2,7 @@
 
 use fairing_mesh::vec3::{add, cross, dot, norm, scale};
 
-use super::{ChartNormal, SurfaceJet};
+use super::jet::{ChartNormal, SurfaceJet};
 use crate::symmetric::Symmetric2;
 
 /// How small `sin` of the angle between ∂p/∂u and ∂p/∂v, or the length of one

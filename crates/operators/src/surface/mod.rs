@@ -12,6 +12,7 @@ mod forms;
 mod graph;
 mod helicoid;
 mod implicit;
+mod jet;
 mod sphere;
 mod torus;
 
@@ -21,36 +22,9 @@ pub use forms::{FundamentalForms, PrincipalDirections, SurfaceError};
 pub use graph::WavyGraph;
 pub use helicoid::Helicoid;
 pub use implicit::{ImplicitSurface, PointCurvature};
+pub use jet::{ChartNormal, SurfaceJet};
 pub use sphere::Sphere;
 pub use torus::Torus;
-
-/// A point of a parametric surface with its derivatives to second order, in
-/// mesh units per unit of the parameters.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SurfaceJet {
-    /// p
-    pub point: [f64; 3],
-    /// ∂p/∂u
-    pub du: [f64; 3],
-    /// ∂p/∂v
-    pub dv: [f64; 3],
-    /// ∂²p/∂u²
-    pub duu: [f64; 3],
-    /// ∂²p/∂u∂v
-    pub duv: [f64; 3],
-    /// ∂²p/∂v²
-    pub dvv: [f64; 3],
-}
-
-/// Which side of the surface `∂p/∂u × ∂p/∂v` points to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum ChartNormal {
-    /// Outward; also for surfaces without an inside, where this side is called
-    /// the outer one.
-    Outward,
-    /// Inward.
-    Inward,
-}
 
 /// A surface `p(u, v)` with two continuous derivatives.
 pub trait ParametricSurface {

@@ -1,4 +1,4 @@
-//! Boundaries, pinned vertices, soft constraints.
+//! Boundaries, fixed vertices, soft constraints.
 
 use super::*;
 
@@ -55,7 +55,7 @@ fn a_free_border_moves_inward_and_a_pinned_one_not_at_all() {
         for v in boundary_of(&mesh) {
             assert_eq!(pinned.positions()[v], mesh.positions()[v], "{name}, vertex {v}");
         }
-        // In a plane the coordinates are harmonic: cotangents move nothing inside.
+        // In a plane the coordinates are harmonic: cotangents move nothing in the interior.
         let moved = largest_distance(&pinned, &mesh);
         match name.contains("uniform") {
             true => assert!(moved > 1e-3, "{name}: {moved:e}"),
@@ -64,7 +64,8 @@ fn a_free_border_moves_inward_and_a_pinned_one_not_at_all() {
     }
 }
 
-/// The border of a straight square patch with uneven points: they slide, stay on the square, corners stay.
+/// The boundary of a square patch with uneven vertices: they slide along the square, and its
+/// corners stay.
 #[test]
 fn a_sliding_border_keeps_its_curve_and_evens_out() {
     let plane = shapes::plane(8, 8, shapes::Diagonals::Alternating);
@@ -123,7 +124,7 @@ fn pinned_sets_stay_and_soft_constraints_pull() {
         assert!(left < last, "weight {weight}: {left} left, {last} with a smaller weight");
         last = left;
     }
-    // A thousand to one in each of ten steps.
+    // A ratio of a thousand to one in each of ten steps.
     assert!(last < 0.05, "{last}");
 }
 
@@ -136,7 +137,7 @@ fn constraints_on_vertices_that_are_not_there_are_errors() {
     assert_eq!(error.failure, FlowFailure::NoSuchVertex { vertex: 42, vertex_count: 42 });
 }
 
-/// Of two soft constraints for one vertex the later counts, as is documented.
+/// The later of two soft constraints for one vertex counts, as documented.
 #[test]
 fn the_later_of_two_soft_constraints_counts() {
     let mesh = patch();

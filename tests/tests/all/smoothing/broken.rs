@@ -19,7 +19,8 @@ fn broken() -> TriMesh {
     TriMesh::new(positions, faces).unwrap()
 }
 
-/// Auto is the robust operator on a mesh with a thin face, which the report names; the plain one on others.
+/// Auto is the robust operator on a mesh with a thin face, which the report names, and the plain
+/// operator on others.
 #[test]
 fn auto_takes_the_robust_operator_where_a_face_is_too_thin() {
     let sphere = fairing_shapes::icosphere(2);
@@ -58,7 +59,8 @@ fn auto_takes_the_robust_operator_where_a_face_is_too_thin() {
     }
 }
 
-/// The plain operator refuses and its message says what serves; the robust one and uniform weights smooth.
+/// The plain operator is refused with a message that names the alternatives; the robust operator
+/// and uniform weights smooth.
 #[test]
 fn broken_meshes_smooth_through_the_robust_operator() {
     let mesh = broken();
@@ -95,7 +97,7 @@ fn broken_meshes_smooth_through_the_robust_operator() {
 #[test]
 fn the_robust_operator_changes_nothing_on_good_meshes() {
     let mesh = shapes::icosphere(3);
-    // Ten steps short of the moment when the sphere is gone.
+    // Ten steps before the sphere vanishes.
     let plain = Diffusion::cotangent(0.5);
     for update in [Update::Never, Update::Mass, Update::Both] {
         let run = |diffusion| {
@@ -107,8 +109,8 @@ fn the_robust_operator_changes_nothing_on_good_meshes() {
     }
 }
 
-/// A unit sphere is gone at t = ¼. Steps of a hundredth lag behind, but not by much; what is returned is the mesh
-/// before.
+/// A unit sphere vanishes at t = ¼, and slightly later with steps of a hundredth. The result is the
+/// last mesh before.
 #[test]
 fn mean_curvature_flow_says_when_a_surface_is_gone() {
     let sphere = shapes::icosphere(3);
@@ -130,11 +132,11 @@ fn mean_curvature_flow_says_when_a_surface_is_gone() {
     assert!((vertex as usize) < sphere.vertex_count() && area < 0.01 * before);
     let left = error.last_good.area() / sphere.area();
     assert!(left > 1e-4 && left < 0.1, "{left}");
-    // Short of that moment nothing is wrong.
+    // Until shortly before, the flow succeeds.
     assert!(implicit(&sphere, &Implicit { iterations: 20, ..options }, None).is_ok());
 }
 
-/// A dumbbell pinches at its neck long before its bells are gone, and the flow goes on.
+/// A dumbbell pinches at its neck long before its bells vanish, and the flow continues.
 #[test]
 fn a_neck_that_pinches_off_does_not_end_the_flow() {
     // A cylinder with a waist, closed by two points.
@@ -173,21 +175,21 @@ fn a_neck_that_pinches_off_does_not_end_the_flow() {
             area: LumpedArea::Barycentric,
         })
     };
-    // Through the pinch: what is left of the neck are faces without area, the bells are as round as before.
+    // After the pinch: the neck has become faces without area, the bells are as round as before.
     let flow = |iterations| implicit(&dumbbell, &Implicit { iterations, ..options.clone() }, None);
     let early = flow(3).unwrap();
     assert_eq!(early.report.degenerate_faces, 0);
     let late = flow(250).unwrap();
     assert!(late.report.degenerate_faces > 0);
     assert!(late.mesh.area() > 0.1 * dumbbell.area());
-    // Until they are gone as well.
+    // Up to the time at which the bells vanish as well.
     let error = flow(2000).unwrap_err();
     assert!(matches!(error.failure, FlowFailure::Collapsed { .. }), "{:?}", error.failure);
     assert!(error.last_good.area() < 0.1 * dumbbell.area(), "step {}", error.iteration);
 }
 
-/// On a long strip of free borders Δ⁴ has a condition beyond what double precision solves: no result is better than one
-/// that corrections still change by a fifth of the mesh.
+/// On a long strip with free boundaries the condition of Δ⁴ exceeds double precision: an error is
+/// better than a result that corrections still change by a fifth of the mesh.
 #[test]
 fn regions_that_cannot_be_solved_are_refused() {
     let (rows, n) = (6, 500u32);
@@ -210,7 +212,8 @@ fn regions_that_cannot_be_solved_are_refused() {
     }
 }
 
-/// Weights that divide by edge lengths are not defined where neighbours coincide: the edge is named.
+/// Weights that divide by edge lengths are undefined at coincident neighbours: the error names the
+/// edge.
 #[test]
 fn edges_without_length_are_named() {
     let sphere = fairing_shapes::icosphere(1);
@@ -224,7 +227,8 @@ fn edges_without_length_are_named() {
     assert_eq!((error.iteration, error.last_good.positions()), (1, mesh.positions()));
 }
 
-/// A sphere away from the origin shrinks to a point; steps that only move its rounding about are not taken.
+/// A sphere away from the origin shrinks to a point; steps that only move rounding errors are not
+/// taken.
 #[test]
 fn a_flow_that_has_become_a_point_stops() {
     let sphere = shapes::icosphere(1);

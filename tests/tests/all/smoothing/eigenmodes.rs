@@ -1,12 +1,14 @@
-//! Modes are multiplied by exactly the factors of theory.
+//! Modes are multiplied by exactly their theoretical factors.
 
 use super::*;
 
-/// x is −1 on one pole of an axis, +1 on the other (μ = −1); two poles against two others is μ = −3/2.
+/// x is −1 at one pole of an axis and +1 at the other (μ = −1); two poles against two others have μ
+/// = −3/2.
 const ODD: [f64; 6] = [1.0, -1.0, 0.0, 0.0, 0.0, 0.0];
 const EVEN: [f64; 6] = [1.0, 1.0, -1.0, -1.0, 0.0, 0.0];
 
-/// An octahedron whose coordinates are two modes and a constant: no geometry, but what a flow sees.
+/// An octahedron whose coordinates are two modes and a constant: not a geometry, but valid input of
+/// a flow.
 fn modes() -> TriMesh {
     octahedron((0..6).map(|v| [ODD[v], EVEN[v], 7.0]).collect())
 }
@@ -24,7 +26,7 @@ fn explicit_steps_multiply_by_one_plus_lambda_mu() {
     for lambda in [0.01, 0.05, 0.5, 1.0, 4.0 / 3.0] {
         let options = Explicit { iterations: 3, ..Explicit::new(Diffusion::uniform(lambda)) };
         let [odd, even] = factors(&mesh, &explicit(&mesh, &options, None).unwrap().mesh);
-        // A few roundings of numbers about one; 1e-10 where the run is a series.
+        // A few roundings of numbers near one; 1e-10 if the run is a series.
         assert!((odd - (1.0 - lambda).powi(3)).abs() < 2e-10, "λ = {lambda}: {odd}");
         assert!((even - (1.0 - 1.5 * lambda).powi(3)).abs() < 2e-10, "λ = {lambda}: {even}");
     }
@@ -41,7 +43,7 @@ fn implicit_steps_divide_by_one_minus_lambda_mu() {
     }
 }
 
-/// The series of an unobserved run and the steps of an observed one are two ways to the same mesh.
+/// The series of an unobserved run and the steps of an observed one give the same mesh.
 #[test]
 fn a_series_and_its_steps_agree() {
     let mesh = shapes::bumpy_sphere(4, 0.2, 5.0);
@@ -75,18 +77,18 @@ fn the_octahedron_attains_the_bound_and_four_thirds_is_stable() {
         explicit(&mesh, &options, None)
     };
     let [_, even] = factors(&mesh, &run(4.0 / 3.0).unwrap().mesh);
-    // |1 − (4/3)(3/2)| = 1: after two hundred alternating steps the mode is where it was.
+    // |1 − (4/3)(3/2)| = 1: after two hundred alternating steps the mode has its first value.
     assert!((even - 1.0).abs() < 1e-12, "{even}");
     let error = run(1.34).unwrap_err();
     assert!(matches!(error.failure, FlowFailure::Unstable { limit, .. } if limit == 4.0 / 3.0));
     assert_eq!(*error.last_good, mesh);
 }
 
-/// Two triangles at an edge have μ = −5/3: between 8/7, where open meshes are safe, and the 4/3 of closed ones there
-/// are steps under which a mesh grows.
+/// Two triangles at an edge have μ = −5/3: steps between 8/7, which is safe for open meshes, and
+/// 4/3, the bound for closed ones, can make a mesh grow.
 #[test]
 fn open_meshes_have_a_lower_limit() {
-    // The mode is 1 on the outer corners and −2/3 on the inner ones.
+    // The mode is 1 at the outer corners and −2/3 at the inner ones.
     let x = [1.0, -2.0 / 3.0, -2.0 / 3.0, 1.0].map(|z| [z, 0.0, 0.0]);
     let pair = TriMesh::new(x.to_vec(), vec![[0, 1, 2], [3, 2, 1]]).unwrap();
     let run = |lambda, stability| {
@@ -103,7 +105,7 @@ fn open_meshes_have_a_lower_limit() {
     {
         let factor: f64 = 1.0 - lambda * 5.0 / 3.0;
         let found = smoothed.mesh.positions()[0][0];
-        // Twenty-one products of numbers about one; 1e-10 where the run is a series.
+        // Twenty-one products of numbers near one; 1e-10 if the run is a series.
         assert!((found - factor.powi(21)).abs() < 2e-10, "λ = {lambda}: {found}");
     }
 }
@@ -121,12 +123,12 @@ fn lambda_two_diverges_on_every_mesh_and_can_be_had() {
         let smoothed = explicit(&noisy, &options, None).unwrap();
         assert!(smoothed.report.unstable);
         let growth = smoothed.mesh.diagonal() / mesh.diagonal();
-        // |1 + 2μ| with |μ| ≥ n/(n − 1): a long way above one on these meshes.
+        // |1 + 2μ| with |μ| ≥ n/(n − 1): far above one on these meshes.
         assert!(growth > 1e3, "{growth}");
     }
 }
 
-/// Something of every mode: positions moved by a fixed pattern of a hundredth of the diagonal.
+/// Positions with a part of every mode: moved by a fixed pattern of a hundredth of the diagonal.
 fn shaken(mesh: &TriMesh) -> TriMesh {
     let size = 0.01 * mesh.diagonal();
     let moved = mesh.positions().iter().enumerate().map(|(v, p)| {

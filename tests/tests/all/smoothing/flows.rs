@@ -1,4 +1,4 @@
-//! The flows beyond plain diffusion.
+//! Flows other than plain diffusion.
 
 use super::*;
 use fairing_operators::{LaplacianKind, LumpedArea};
@@ -31,7 +31,7 @@ fn taubin_pairs_multiply_modes_by_their_transfer() {
     }
 }
 
-/// Sizes of spheres: the plain flow shrinks, the others are made not to.
+/// Sizes of spheres: the plain flow shrinks a sphere, the others do not.
 #[test]
 fn flows_that_keep_the_size_keep_it_better_than_diffusion() {
     let mesh = shapes::bumpy_sphere(4, 0.03, 40.0);
@@ -59,7 +59,8 @@ fn conformal_flow_of_genus_zero_ends_in_a_sphere() {
     let smoothed = conformalized_mean_curvature_flow(&bumpy, &options, None).unwrap();
     assert!(smoothed.report.stopped, "not settled after {}", smoothed.report.iterations);
     let round = |mesh: &TriMesh| {
-        // The centroid of the surface: of a sphere, its centre, however its points are spread.
+        // The centroid of the surface, which for a sphere is its centre for any distribution of
+        // vertices.
         let total: f64 = (0..mesh.face_count()).map(|f| mesh.face_area(f)).sum();
         let mut centre = [0.0; 3];
         for f in 0..mesh.face_count() {
@@ -74,14 +75,15 @@ fn conformal_flow_of_genus_zero_ends_in_a_sphere() {
         (radii.iter().map(|r| (r / mean - 1.0).abs()).fold(0.0, f64::max), total)
     };
     let ((before, area), (after, kept)) = (round(&bumpy), round(&smoothed.mesh));
-    // Round to the error of the discrete operator on the triangles of the bumps.
+    // Round up to the error of the discrete operator on the triangles of the bumps.
     assert!(before > 0.15 && after < 0.02, "{before} became {after}");
     assert!((kept / area - 1.0).abs() < 1e-10, "{area} became {kept}");
 }
 
 #[test]
 fn the_scale_dependent_umbrella_respects_uneven_edges() {
-    // A plane with columns in a geometric progression: uniform weights slide vertices, these hardly do.
+    // A plane with columns in a geometric progression: uniform weights slide vertices, these hardly
+    // do.
     let plane = shapes::plane(10, 10, shapes::Diagonals::Alternating);
     let uneven = plane.positions().iter().map(|p| [p[0] * p[0], p[1], p[2]]);
     let mesh = plane.with_positions(uneven.collect()).unwrap();
@@ -96,7 +98,8 @@ fn the_scale_dependent_umbrella_respects_uneven_edges() {
     assert!(a < 0.5 * b, "{a} against {b}");
 }
 
-/// Heat diffusion multiplies the coordinates of a unit sphere, modes of ω = 2, by exp(−2t); second order in h.
+/// Heat diffusion multiplies the coordinates of a unit sphere, modes of ω = 2, by exp(−2t), up to
+/// second order in h.
 #[test]
 fn the_heat_filter_scales_spheres_as_theory_has_it() {
     let (mut h, mut error) = (vec![], vec![]);
@@ -108,18 +111,19 @@ fn the_heat_filter_scales_spheres_as_theory_has_it() {
         error.push((radius - (-0.6f64).exp()).abs());
     }
     for order in fairing_evaluation::observed_orders(&h, &error) {
-        // Two, by theory; on the coarse levels errors of higher order, of opposite sign, make it look like more.
+        // The theoretical order is two; on coarse levels errors of higher order and opposite sign
+        // raise it.
         assert!((1.9..3.0).contains(&order), "{order}, {error:?}");
     }
 }
 
-/// A rough region of a plane becomes the plane, whatever the order; a region that nothing holds is refused.
+/// A rough region of a plane becomes plane for every order; an unconstrained region is refused.
 #[test]
 fn faired_regions_reproduce_what_the_operator_annihilates() {
     let plane = shapes::plane(12, 12, shapes::Diagonals::Alternating);
     let boundary = plane.topology().boundary_vertices().to_vec();
     let n = plane.vertex_count() as u32;
-    // Three rings stay, so that every order has its boundary values.
+    // Three rings are fixed, so every order has its boundary values.
     let near = |v: u32, rings: u32| -> bool {
         let topology = plane.topology();
         let mut front = vec![v];
@@ -149,15 +153,16 @@ fn faired_regions_reproduce_what_the_operator_annihilates() {
             }
         }
     }
-    // Nothing holds a region that is the whole mesh.
+    // A region that is the whole mesh has no constraint.
     let grid = shapes::plane(14, 14, shapes::Diagonals::Alternating);
     let all: Vec<u32> = (0..grid.vertex_count() as u32).collect();
     let error = fair_region(&grid, &FairRegion::new(all)).unwrap_err();
     assert!(matches!(error.failure, FlowFailure::NotFactored(_)), "{:?}", error.failure);
 }
 
-/// On a mode of eigenvalue μ the method of Vollmer is a recurrence of numbers: with p = (1 + μ) q and b = p − (αo +
-/// (1 − α) q), the differences of the neighbours have the mean (1 + μ) b, and a vertex takes back βb + (1 − β)(1 + μ) b.
+/// On a mode of eigenvalue μ the method of Vollmer is a scalar recurrence: with p = (1 + μ) q and b
+/// = p − (αo + (1 − α) q), the differences of the neighbours have the mean (1 + μ) b, and a vertex
+/// takes back βb + (1 − β)(1 + μ) b.
 #[test]
 fn hc_treats_modes_as_its_recurrence_has_it() {
     // x and y are modes of the octahedron with μ = −1 and −3/2.
@@ -173,13 +178,13 @@ fn hc_treats_modes_as_its_recurrence_has_it() {
                 let b = p - (alpha + (1.0 - alpha) * q);
                 q = p - (beta * b + (1.0 - beta) * (1.0 + mu) * b);
             }
-            // A few roundings of numbers about one.
+            // A few roundings of numbers near one.
             assert!((found[k] - q).abs() < 1e-13, "α = {alpha}, β = {beta}: {} not {q}", found[k]);
         }
     }
 }
 
-/// A step ends at the mean, by weight, of where it would lead and of the target.
+/// A step ends at the weighted mean of its unconstrained end and the target.
 #[test]
 fn soft_constraints_of_hc_are_weighted_means() {
     let mesh = shapes::bumpy_sphere(2, 0.2, 5.0);
@@ -194,8 +199,8 @@ fn soft_constraints_of_hc_are_weighted_means() {
     }
 }
 
-/// On the octahedron every edge has the length √2, so that a vertex of four edges has the rate 2/(4√2) · 4/√2 = 1: the
-/// limit is a step of 1, twice as large a mesh has four times that.
+/// On the octahedron every edge has the length √2, so a vertex of four edges has the rate 2/(4√2) ·
+/// 4/√2 = 1. The limit is a step of 1, and four times that for a mesh twice as large.
 #[test]
 fn scale_dependent_steps_are_a_fraction_of_the_limit() {
     for size in [1.0, 2.0] {

@@ -1,4 +1,5 @@
-//! Coordinates of very different size, far from the origin, sheets without volume, pairs that amplify, wide regions.
+//! Coordinates of very different size, far from the origin, sheets without volume, pairs that
+//! amplify, wide regions.
 
 use super::*;
 use fairing_operators::{LaplacianKind, LumpedArea};
@@ -14,8 +15,8 @@ fn bumps(height: f64) -> TriMesh {
     plane.with_positions(bumpy.collect()).unwrap()
 }
 
-/// Steps with uniform weights are linear in each coordinate: bumps of a ten-billionth of the width are smoothed as bumps
-/// of a tenth are, by conjugate gradients and factored.
+/// Steps with uniform weights are linear in each coordinate: bumps of a ten-billionth of the width
+/// are smoothed as bumps of a tenth are, by conjugate gradients and by a factorisation.
 #[test]
 fn low_bumps_are_smoothed_as_high_ones() {
     for lambda in [10.0, 1e5] {
@@ -38,7 +39,7 @@ fn low_bumps_are_smoothed_as_high_ones() {
     }
 }
 
-/// A small component beside one a million times as large is solved as if it were alone.
+/// A small component beside one a million times as large is solved as if alone.
 #[test]
 fn small_components_are_solved_as_well_as_large_ones() {
     let large = shapes::bumpy_sphere(2, 0.2, 5.0);
@@ -52,7 +53,7 @@ fn small_components_are_solved_as_well_as_large_ones() {
     let both = TriMesh::new(positions, faces).unwrap();
     let small = both.positions()[n..].to_vec();
     let alone = TriMesh::new(small, large.faces().to_vec()).unwrap();
-    // Times that suit the small one leave the large one as it is.
+    // Times suitable for the small component leave the large one unchanged.
     for t in [1e-14, 1e-11] {
         let options = Implicit {
             iterations: 2,
@@ -68,19 +69,20 @@ fn small_components_are_solved_as_well_as_large_ones() {
         };
         let (a, b) = (run(&both), run(&alone));
         for (p, q) in a.positions()[n..].iter().zip(b.positions()) {
-            // Rounding of a coordinate of three, and the tolerance.
+            // Rounding of a coordinate near three, and the tolerance.
             assert!(distance(*p, *q) < 1e-14 + 1e-6 * size, "t = {t:e}: {p:?}, {q:?}");
         }
         assert!(largest_distance(&alone, &b) > 1e-3 * size);
     }
 }
 
-/// A billion from the origin, flows do what they do about it, to the rounding of coordinates there.
+/// A billion from the origin, flows give the same result as at the origin, up to the rounding of
+/// coordinates there.
 #[test]
 fn flows_far_from_the_origin() {
     let mesh = shapes::bumpy_sphere(2, 0.2, 5.0);
     let by = [1e9, -1e9, 5e8];
-    // On the grid of numbers near a billion, so that both meshes have the same shape.
+    // Coordinates on the grid of floats near a billion, so both meshes have the same shape.
     let x = mesh.positions().iter().map(|p| [0, 1, 2].map(|k| (p[k] + by[k]) - by[k])).collect();
     let here = mesh.with_positions(x).unwrap();
     let moved = |m: &TriMesh| {
@@ -101,7 +103,7 @@ fn flows_far_from_the_origin() {
     };
     for volume in [Volume::Drifts, Volume::Rescaled, Volume::Offset] {
         for lambda in [3.0, 1e4] {
-            // Long steps leave next to a point, of which no volume can be restored.
+            // Long steps leave nearly a point, whose volume cannot be restored.
             if lambda > 10.0 && volume != Volume::Drifts {
                 continue;
             }
@@ -114,7 +116,7 @@ fn flows_far_from_the_origin() {
     }
 }
 
-/// A sheet glued to its mirror image has no volume to keep, whatever rounding says.
+/// A sheet glued to its mirror image has no volume to preserve, whatever the rounding.
 #[test]
 fn a_doubled_sheet_has_no_volume() {
     let plane = shapes::plane(9, 9, shapes::Diagonals::Alternating);
@@ -138,7 +140,7 @@ fn a_doubled_sheet_has_no_volume() {
     }
 }
 
-/// A pass band of 1.9 amplifies modes by 5.5 in each pair: refused, unless allowed; then said.
+/// A pass band of 1.9 amplifies modes by 5.5 in each pair: refused by default, reported if allowed.
 #[test]
 fn pairs_that_amplify_are_refused() {
     let sphere = shapes::icosphere(3);
@@ -158,8 +160,8 @@ fn pairs_that_amplify_are_refused() {
     }
 }
 
-/// A flat grid solves its own equations exactly, of every order and however wide the region is: conditions of 1e4 to
-/// 1e16 here.
+/// A flat grid solves its own equations exactly, for every order and any width of the region:
+/// condition numbers of 1e4 to 1e16 here.
 #[test]
 fn wide_regions_of_a_flat_grid_stay() {
     let cells = 60u32;
@@ -175,12 +177,12 @@ fn wide_regions_of_a_flat_grid_stay() {
         let options = FairRegion { order, kind, ..FairRegion::new(region.clone()) };
         let fair = fair_region(&grid, &options).unwrap().mesh;
         let off = largest_distance(&fair, &grid);
-        // Rounding of coordinates of sixty.
+        // Rounding of coordinates near sixty.
         assert!(off < 1e-12, "order {order}: {off:e}");
     }
 }
 
-/// Neither the order of vertices nor a turn nor the scale changes what a flow does.
+/// Renumbering, rotation and scaling commute with every flow.
 #[test]
 fn flows_commute_with_order_turn_and_scale() {
     let mesh = shapes::bumpy_sphere(2, 0.2, 5.0);
@@ -202,7 +204,7 @@ fn flows_commute_with_order_turn_and_scale() {
                 continue;
             }
             let (a, b) = (method.run(&mesh, None), method.run(&image(&mesh), None));
-            // Ten steps of mean curvature flow are more than a coarse sphere lasts.
+            // A coarse sphere does not survive ten steps of mean curvature flow.
             let (Ok(a), Ok(b)) = (a, b) else {
                 assert_eq!(method.name(), "mean-curvature");
                 continue;

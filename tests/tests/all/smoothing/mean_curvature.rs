@@ -1,11 +1,12 @@
-//! Mean curvature flow of spheres, and what limits of implicit steps look like.
+//! Mean curvature flow of spheres, and limits of implicit steps.
 
 use super::*;
 use fairing_evaluation::observed_orders;
 use fairing_smoothing::Update;
 
-/// Under mean curvature flow `∂x/∂t = Δx = −2Hn` a sphere keeps its shape and `r(t) = √(r₀² − 4t)`. Halving the
-/// edge length quarters the error of space; quartering the step as well does so for the error of time.
+/// Under mean curvature flow `∂x/∂t = Δx = −2Hn` a sphere stays a sphere and `r(t) = √(r₀² − 4t)`.
+/// Halving the edge length quarters the error in space; quartering the step as well quarters the
+/// error in time.
 #[test]
 fn a_sphere_shrinks_as_theory_has_it_with_second_order_in_space() {
     let end = 0.1;
@@ -29,13 +30,13 @@ fn a_sphere_shrinks_as_theory_has_it_with_second_order_in_space() {
         error.push((mean_radius(&shrunk) - exact).abs());
     }
     for order in observed_orders(&h, &error) {
-        // Two, by theory; the coarsest level has ten time steps only.
+        // The theoretical order is two; the coarsest level has only ten time steps.
         assert!((1.8..2.2).contains(&order), "{order}, {error:?}");
     }
 }
 
-/// The same sphere at one resolution: backward Euler is of first order in time. The error of space is taken off
-/// by comparing with a run of much shorter steps.
+/// The same sphere at one resolution: backward Euler is of first order in time. Comparison with a
+/// run of much shorter steps removes the error in space.
 #[test]
 fn backward_euler_is_of_first_order_in_time() {
     let sphere = shapes::icosphere(3);
@@ -57,12 +58,12 @@ fn backward_euler_is_of_first_order_in_time() {
     let h: Vec<f64> = steps.iter().map(|&s| 1.0 / s as f64).collect();
     let error: Vec<f64> = steps.iter().map(|&s| (radius(s) - limit).abs()).collect();
     for order in observed_orders(&h, &error) {
-        // One, by theory; the reference itself is 1/64 of the error of ten steps away from the limit.
+        // The theoretical order is one; the reference itself has 1/64 of the error of ten steps.
         assert!((0.9..1.1).contains(&order), "{order}, {error:?}");
     }
 }
 
-/// λ → ∞ collapses a mesh to its centroid weighted by degree: all modes but the constant go.
+/// λ → ∞ collapses a mesh to its centroid weighted by degree: only the constant mode remains.
 #[test]
 fn an_endless_uniform_step_collapses_to_the_centroid_by_degree() {
     let mesh = shapes::bumpy_sphere(2, 0.3, 4.0);
@@ -80,18 +81,18 @@ fn an_endless_uniform_step_collapses_to_the_centroid_by_degree() {
     }
     for &p in collapsed.positions() {
         let off = norm(sub(p, centre.map(|c| c / total)));
-        // The smoothest mode has μ ≈ −0.02, so that 5e-7 of it is left; rounding is 1e-16 times 1e8.
+        // The smoothest mode has μ ≈ −0.02, so 5e-7 of it remains; rounding is 1e-16 times 1e8.
         assert!(off < 2e-6 * mesh.diagonal(), "{off:e}");
     }
 }
 
-/// A noisy open patch, on which some faces degenerate after a few steps while the surface is in good shape: the flow
-/// goes on and counts them. Where none does, none is counted.
+/// A noisy open patch where some faces degenerate after a few steps while the surface stays sound:
+/// the flow continues and counts them. If none degenerates, the count is zero.
 #[test]
 fn faces_that_degenerate_do_not_end_the_flow() {
     let plane = shapes::plane(24, 24, shapes::Diagonals::Alternating);
     let noisy = plane.positions().iter().enumerate().map(|(v, p)| {
-        // Numbers without a pattern, in [−1, 1].
+        // Irregular numbers in [−1, 1].
         let noise = |k: usize| (((3 * v + k) as f64 * 12.9898).sin() * 43_758.545_3).fract();
         [0, 1, 2].map(|k| 24.0 * p[k] + 0.7 * noise(k))
     });
@@ -108,7 +109,8 @@ fn faces_that_degenerate_do_not_end_the_flow() {
     assert_eq!(implicit(&mesh, &short, None).unwrap().report.degenerate_faces, 0);
 }
 
-/// A vertex that is drawn onto the line through two fixed neighbours keeps faces flat in every step: each counts once, however many steps.
+/// A vertex drawn onto the line through two fixed neighbours keeps faces flat in every step: each
+/// face counts once for any number of steps.
 #[test]
 fn a_face_that_stays_degenerate_counts_once() {
     let mesh = shapes::plane(6, 6, shapes::Diagonals::Alternating);
@@ -121,7 +123,7 @@ fn a_face_that_stays_degenerate_counts_once() {
     let [v, a, b] = mesh.faces()[middle];
     let p = mesh.positions();
     let target = [0, 1, 2].map(|k| 0.5 * (p[a as usize][k] + p[b as usize][k]));
-    // Within 10⁻¹³ of the line, where 10⁻¹⁰ is too thin.
+    // Within 10⁻¹³ of the line; a face is too thin below 10⁻¹⁰.
     let soft = vec![SoftConstraint { vertex: v, target, weight: 1e13 }];
     let pinned = vec![a, b];
     let constraints = Constraints { boundary: Boundary::Pinned, pinned, soft };

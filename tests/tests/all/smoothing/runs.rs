@@ -17,7 +17,7 @@ fn volume_is_kept_when_asked_for() {
     assert!(volume(&drifted) < 0.9 * before);
 }
 
-/// The origin means nothing: a mesh elsewhere is smoothed and rescaled alike.
+/// The origin is arbitrary: a translated mesh is smoothed and rescaled alike.
 #[test]
 fn rescaling_is_about_the_centroid() {
     let mesh = shapes::bumpy_sphere(3, 0.2, 5.0);
@@ -28,7 +28,7 @@ fn rescaling_is_about_the_centroid() {
     };
     let options = Implicit { volume: Volume::Rescaled, ..Implicit::new(Diffusion::uniform(5.0)) };
     let run = |m: &TriMesh| implicit(m, &options, None).unwrap().mesh;
-    // The tolerance of the solver, on coordinates of twenty.
+    // The tolerance of the solver, on coordinates near twenty.
     assert!(largest_distance(&run(&moved(&mesh)), &moved(&run(&mesh))) < 1e-6);
 }
 
@@ -53,8 +53,8 @@ fn volume_of_an_open_mesh_cannot_be_kept() {
     assert!(matches!(error.failure, FlowFailure::Volume { .. }));
 }
 
-/// For a sphere of radius r, `V/V₀ ≈ exp(−3nλh²/(2r²))`: one step moves a vertex by λ times a quarter of the
-/// squared edge length over r.
+/// For a sphere of radius r, `V/V₀ ≈ exp(−3nλh²/(2r²))`: one step moves a vertex by λ times a
+/// quarter of the squared edge length over r.
 #[test]
 fn a_sphere_loses_volume_as_predicted() {
     let mesh = shapes::icosphere(4);
@@ -62,7 +62,8 @@ fn a_sphere_loses_volume_as_predicted() {
     let options = Explicit { iterations: 50, ..Explicit::new(Diffusion::uniform(0.5)) };
     let ratio = volume(&explicit(&mesh, &options, None).unwrap().mesh) / volume(&mesh);
     let predicted = (-3.0 * 50.0 * 0.5 * h * h / 2.0f64).exp();
-    // Edge lengths of an icosphere vary by a sixth about their mean, and so do squared ones by h².
+    // Edge lengths of an icosphere vary by a sixth about their mean, and so do their squares about
+    // h².
     assert!((ratio.ln() / predicted.ln() - 1.0).abs() < 0.03, "{ratio} against {predicted}");
 }
 
@@ -127,7 +128,7 @@ fn a_thin_face_is_named_as_in_the_file() {
     let expected = fairing_operators::cotan_stiffness(&mesh).unwrap_err();
     assert_eq!(error.failure, FlowFailure::Operator(expected));
     assert_eq!(*error.last_good, mesh);
-    // Uniform weights do not care.
+    // Uniform weights are not affected.
     assert!(implicit(&mesh, &Implicit::new(Diffusion::uniform(1.0)), None).is_ok());
 }
 
@@ -165,7 +166,7 @@ fn isolated_vertices_and_empty_meshes_are_no_trouble() {
     }
 }
 
-/// Of a closed sheet rounding alone is the volume, which nothing can be scaled to.
+/// The volume of a closed sheet is rounding only, so nothing can be scaled to it.
 #[test]
 fn a_volume_of_rounding_cannot_be_kept() {
     let sheet = shapes::jittered_plane(6, 6, 0.2, 1);

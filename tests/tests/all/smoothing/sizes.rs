@@ -28,7 +28,7 @@ fn body() -> TriMesh {
     shapes::bumpy_sphere(2, 0.15, 4.0)
 }
 
-/// A square with some relief; its border has corners.
+/// A square with some relief; its boundary has corners.
 fn patch() -> TriMesh {
     let flat = shapes::irregular_plane(0.15, 3);
     let relief = |[x, y, _]: [f64; 3]| [x, y, 0.05 * (7.0 * x).sin() * (5.0 * y).cos()];
@@ -108,8 +108,8 @@ fn flows(unit: f64) -> Vec<(bool, Method)> {
     closed.into_iter().map(of(true)).chain(open.into_iter().map(of(false))).collect()
 }
 
-/// A power of two changes no bit of a flow, of what an observer sees and of the report; vertices that stay do so to
-/// the last bit.
+/// A power of two changes no bit of a flow, of the observed meshes and of the report; fixed
+/// vertices stay to the last bit.
 #[test]
 fn flows_do_not_depend_on_the_size() {
     let meshes = [patch(), body()];
@@ -162,7 +162,7 @@ fn flows_do_not_depend_on_the_size() {
     }
 }
 
-/// Limits, errors and the last good mesh are in the units of the mesh.
+/// Limits, errors and the last good mesh are in mesh units.
 #[test]
 fn limits_and_errors_are_in_mesh_units() {
     let mesh = body();
@@ -203,7 +203,7 @@ fn limits_and_errors_are_in_mesh_units() {
     }
 }
 
-/// A vertex without faces stays, and nothing else depends on where it is.
+/// A vertex without faces stays, and its position affects nothing else.
 #[test]
 fn far_vertices_without_faces_change_nothing() {
     let mesh = body();

@@ -1,4 +1,4 @@
-//! Linear systems: what they are, and that every way to solve them leads to the same mesh.
+//! Linear systems: their equations, and agreement of all solvers.
 
 use super::*;
 use fairing_operators::{LumpedArea, cotan_stiffness, lumped_mass};
@@ -8,8 +8,9 @@ fn watched(mesh: &TriMesh, options: &Implicit) -> Smoothed {
     implicit(mesh, options, Some(&mut |_| ControlFlow::Continue(()))).unwrap()
 }
 
-/// One step with soft and pinned vertices satisfies `M(1 + w) x' + t S x' = M (x + w c)` in every row that moves,
-/// assembled here from the operators alone; by conjugate gradients for small λ, factored for large.
+/// One step with soft and fixed vertices satisfies `M(1 + w) x' + t S x' = M (x + w c)` in every
+/// free row, assembled here from the operators alone; by conjugate gradients for small λ, by a
+/// factorisation for large λ.
 #[test]
 fn a_constrained_step_solves_its_system() {
     let mesh = shapes::bumpy_sphere(3, 0.2, 5.0);
@@ -51,7 +52,8 @@ fn a_constrained_step_solves_its_system() {
     }
 }
 
-/// Series, conjugate gradients and factors of a frozen operator, and of one assembled again, agree.
+/// Series, conjugate gradients and factorisations of a frozen operator, and of a reassembled one,
+/// agree.
 #[test]
 fn factors_and_iterations_agree() {
     let mesh = shapes::bumpy_sphere(4, 0.2, 5.0);
@@ -69,8 +71,8 @@ fn factors_and_iterations_agree() {
     }
 }
 
-/// Mean curvature flow over a pinned square frame, whose limit is flat: long steps are factored again each time, and
-/// go where many iterations go.
+/// Mean curvature flow over a fixed square frame, whose limit is flat: a few long steps, factorised
+/// anew each time, agree with the limit of many iterations.
 #[test]
 fn long_steps_of_mean_curvature_flow_are_factored() {
     let plane = shapes::plane(40, 40, shapes::Diagonals::Alternating);
@@ -89,13 +91,14 @@ fn long_steps_of_mean_curvature_flow_are_factored() {
     let short = flow(0.2, 2);
     assert!(matches!(short.report.approach, Approach::ConjugateGradients { .. }));
     for p in long.mesh.positions() {
-        // The tilted plane through the frame; six steps of λ = 2000 h² leave 10⁻⁴ of the dome each or less.
+        // The tilted plane through the frame; each of six steps of λ = 2000 h² leaves at most 10⁻⁴
+        // of the dome.
         assert!((p[2] - 0.1 * p[0]).abs() < 1e-3, "{p:?}");
     }
 }
 
-/// With a condition beyond one over the tolerance the residual ends at rounding, which is no failure: the patch has
-/// become a point all the same.
+/// With a condition number above one over the tolerance the residual stagnates at rounding, which
+/// is no failure: the patch has still become a point.
 #[test]
 fn endless_steps_end_at_rounding() {
     let plane = shapes::plane(60, 45, shapes::Diagonals::Alternating);
@@ -106,14 +109,15 @@ fn endless_steps_end_at_rounding() {
         let options = Implicit { iterations: 1, ..Implicit::new(Diffusion::uniform(lambda)) };
         let smoothed = implicit(&mesh, &options, None).unwrap();
         assert!(matches!(smoothed.report.approach, Approach::Cholesky { .. }));
-        // The smoothest mode of the patch has |μ| ≈ 10⁻³; rounding relative to the distance of the origin is 10⁻¹⁶ λ.
+        // The smoothest mode of the patch has |μ| ≈ 10⁻³; rounding relative to the distance from
+        // the origin is 10⁻¹⁶ λ.
         let left = smoothed.mesh.diagonal() / mesh.diagonal();
         assert!(left < 3e3 / lambda + 1e-14 * lambda, "λ = {lambda}: {left:e}");
     }
 }
 
-/// All modes give the mesh back; the first four of a sphere, a constant and the coordinates, nearly a sphere; and
-/// the projection does nothing to what it has projected.
+/// All modes reconstruct the mesh; the first four modes of a sphere, a constant and the
+/// coordinates, give nearly a sphere; and the projection is idempotent.
 #[test]
 fn modes_are_a_projection() {
     let mesh = shapes::bumpy_sphere(2, 0.1, 5.0);
@@ -124,14 +128,14 @@ fn modes_are_a_projection() {
     assert!(largest_distance(&all.mesh, &mesh) < 1e-9);
     let sphere = modes(&shapes::icosphere(3), 4).unwrap().mesh;
     for p in sphere.positions() {
-        // By symmetry the coordinates of an icosphere are modes to the error of the areas.
+        // By symmetry the coordinates of an icosphere are modes up to the error of the areas.
         assert!((norm(*p) - 1.0).abs() < 0.01, "{}", norm(*p));
     }
     let error = modes(&mesh, n + 1).unwrap_err();
     assert!(matches!(error.failure, FlowFailure::Modes(_)), "{:?}", error.failure);
 }
 
-/// Rescaling happens about the centroid of the volume: wherever the mesh lies, the same happens to it.
+/// Rescaling is about the centroid of the volume, so it commutes with translation.
 #[test]
 fn flows_commute_with_translation() {
     let mesh = shapes::bumpy_sphere(3, 0.2, 5.0);
@@ -145,7 +149,7 @@ fn flows_commute_with_translation() {
             let options = Implicit { volume, tolerance: 1e-12, ..Implicit::new(diffusion) };
             let here = moved(&implicit(&mesh, &options, None).unwrap().mesh);
             let there = implicit(&moved(&mesh), &options, None).unwrap().mesh;
-            // Rounding of coordinates about 40, and the tolerance of 1e-10 of series.
+            // Rounding of coordinates near 40, and the tolerance of 1e-10 of series.
             let apart = largest_distance(&here, &there);
             assert!(apart < 1e-9, "{volume:?}, {diffusion:?}: {apart:e}");
         }

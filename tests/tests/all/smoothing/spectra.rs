@@ -1,21 +1,23 @@
-//! Every linear flow against its factors on the modes, for parameters from far too small to far too large.
+//! Every linear flow compared with its factors on the modes, for parameters from far too small to
+//! far too large.
 //!
-//! The reference knows neither series nor solvers: a dense eigendecomposition of `M⁻¹S`, by Jacobi's rotations, on
-//! meshes of some forty vertices in three components, with each mode multiplied by what the flow does to it. What the
-//! eigenvalue zero is multiplied by, 1, must leave the centroid of every component in its place.
+//! The reference uses neither series nor solvers: a dense eigendecomposition of `M⁻¹S`, by Jacobi
+//! rotations, on meshes of about forty vertices in three components, with each mode multiplied by
+//! its factor. The factor of the eigenvalue zero is 1, which must leave the centroid of every
+//! component in place.
 
 use super::*;
 use fairing_operators::{LumpedArea, combinatorial_laplacian, cotan_stiffness, lumped_mass};
 use fairing_smoothing::{LowPass, Taubin, Transfer, low_pass, taubin};
 
-/// The modes of `M⁻¹S` on the vertices that move.
+/// The modes of `M⁻¹S` on the free vertices.
 struct Modes {
-    /// One per mode.
+    /// One eigenvalue per mode.
     omega: Vec<f64>,
     /// Rows are modes, orthonormal in the inner product of `M`.
     phi: Vec<Vec<f64>>,
     mass: Vec<f64>,
-    /// What a flow of infinite length leads to: the harmonic function of the fixed vertices.
+    /// The limit of an infinitely long flow: the harmonic function of the fixed vertices.
     limit: Vec<[f64; 3]>,
 }
 
@@ -67,7 +69,7 @@ impl Modes {
         let (mut omega, vectors) = jacobi(free.iter().map(scaled).collect());
         let largest = omega.iter().copied().fold(0.0, f64::max);
         for omega in &mut omega {
-            // Constants of the components, to rounding.
+            // Constants on the components, to rounding.
             if *omega < 1e-12 * largest {
                 *omega = 0.0;
             }
@@ -86,7 +88,8 @@ impl Modes {
         for &i in fixed {
             limit[i] = mesh.positions()[i];
         }
-        // S_ff x = −S_fh x_h, mode by mode; constants of components without fixed vertices see nothing of it.
+        // S_ff x = −S_fh x_h, mode by mode; constants on components without fixed vertices do not
+        // contribute.
         let mut harmonic = limit.clone();
         for (omega, row) in omega.iter().zip(&phi).filter(|(omega, _)| **omega > 0.0) {
             for k in 0..3 {
@@ -145,7 +148,7 @@ fn three_parts() -> TriMesh {
     TriMesh::new(positions, faces).unwrap()
 }
 
-/// The largest distance, of each vertex relative to the size of its component.
+/// The largest distance, relative to the size of the component of each vertex.
 fn apart(mesh: &TriMesh, found: &TriMesh, expected: &[[f64; 3]]) -> f64 {
     let small = mesh.vertex_count() - 4;
     found
@@ -159,7 +162,7 @@ fn apart(mesh: &TriMesh, found: &TriMesh, expected: &[[f64; 3]]) -> f64 {
 
 const LAMBDAS: [f64; 9] = [1e-3, 0.5, 5.0, 300.0, 1e4, 1e6, 1e9, 1e12, 1e15];
 
-/// Implicit runs, computed at once and step by step, with and without fixed vertices.
+/// Implicit runs, at once and step by step, with and without fixed vertices.
 #[test]
 fn implicit_runs_of_any_length() {
     let mesh = three_parts();
@@ -180,8 +183,8 @@ fn implicit_runs_of_any_length() {
                 let options =
                     Implicit { iterations: steps, constraints, ..Implicit::new(diffusion) };
                 let at_once = implicit(&mesh, &options, None).unwrap();
-                // Series to 2.1e-10 in a norm that weighs small vertices less; solves to 1e-8 in each of the steps
-                // until the modes are gone.
+                // Series to 2.1e-10 in a norm that weighs small vertices less; solves to 1e-8 in
+                // each of the steps until the modes vanish.
                 let off = apart(&mesh, &at_once.mesh, &expected);
                 let what =
                     format!("uniform {uniform}, fixed {fixed:?}, λ = {lambda:e}, {steps} steps");
@@ -210,7 +213,8 @@ fn explicit_runs_of_any_length() {
             let options =
                 Explicit { iterations: steps, ..Explicit::new(Diffusion::uniform(lambda)) };
             let found = explicit(&mesh, &options, None).unwrap();
-            // The tolerance of a series for each of the links of a chain, which no longer add up once modes are gone.
+            // The tolerance of a series for each link of a chain; errors stop adding up once the
+            // modes vanish.
             let off = apart(&mesh, &found.mesh, &expected);
             assert!(off < 1e-8, "λ = {lambda}, {steps} steps: {off:e}, {:?}", found.report);
         }
@@ -225,7 +229,8 @@ fn explicit_runs_of_any_length() {
     }
 }
 
-/// Heat and Butterworth filters from wider than the spectrum to far narrower than its smallest eigenvalue.
+/// Heat and Butterworth filters from wider than the spectrum to far narrower than its smallest
+/// eigenvalue.
 #[test]
 fn filters_of_any_width() {
     let mesh = three_parts();

@@ -3,13 +3,14 @@
 mod ascii;
 mod binary;
 
+use glam::DVec3;
+
 use crate::io::error::{Fault, WriteProblem};
 use crate::io::number::put_triple;
 use crate::io::parsed::{Broken, Parsed};
 use crate::io::row::{Holds, Row};
 use crate::io::surface::{Encoded, Surface, lines};
 use crate::io::{Encoding, WriteOptions};
-use crate::vec3::{cross, normalize, sub};
 
 pub(super) const FORMAT: Row = Row {
     name: "STL",
@@ -55,8 +56,10 @@ fn encode(surface: Surface<'_>, options: &WriteOptions) -> Result<Encoded, Write
         let face = faces.face(f);
         [face[0], face[1], face[2]].map(|v| surface.positions[v as usize])
     };
-    let normal =
-        |[a, b, c]: [[f64; 3]; 3]| normalize(cross(sub(b, a), sub(c, a))).unwrap_or_default();
+    let normal = |corners: [[f64; 3]; 3]| {
+        let [a, b, c] = corners.map(DVec3::from);
+        (b - a).cross(c - a).normalize_or_zero().to_array()
+    };
     if encoding == Encoding::Ascii {
         let mut pieces = vec![b"solid\n".to_vec()];
         pieces.extend(lines(faces.len(), 256, |f, text| {

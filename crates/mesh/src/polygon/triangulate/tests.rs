@@ -10,8 +10,8 @@ fn triangulated(points: &[[f64; 3]]) -> TriMesh {
     PolygonMesh::new(points.to_vec(), [corners]).unwrap().triangulate()
 }
 
-fn area_of(points: &[[f64; 3]]) -> f64 {
-    norm(area_vector(points)) / 2.0
+fn area_of(points: &[DVec3]) -> f64 {
+    area_vector(points).length() / 2.0
 }
 
 #[test]
@@ -117,15 +117,16 @@ proptest! {
         points.rotate_left(start % n);
         let mesh = triangulated(&points);
         prop_assert_eq!(mesh.face_count(), n - 2);
+        let points: Vec<DVec3> = points.into_iter().map(DVec3::from).collect();
         let normal = area_vector(&centered(&points));
         let total: f64 = (0..n - 2).map(|f| mesh.face_area(f)).sum();
         for f in 0..n - 2 {
             // Triangles of nearly straight corners may lie at rounding.
-            let turned = dot(mesh.area_vector(f), normal) / norm(normal);
+            let turned = DVec3::from(mesh.area_vector(f)).dot(normal) / normal.length();
             prop_assert!(turned > -1e-9 * total, "{} of {}", turned, total);
         }
         // Coordinates of 1e4 carry the area of 1 to about 1e-11.
-        let local: Vec<[f64; 3]> = points.iter().map(|&p| sub(p, points[0])).collect();
+        let local: Vec<DVec3> = points.iter().map(|&p| p - points[0]).collect();
         prop_assert!((total - area_of(&local)).abs() < 1e-8 * total);
     }
 }

@@ -49,7 +49,7 @@ impl<T: Sum, const N: usize> Sum for [T; N] {
 /// # Examples
 ///
 /// ```
-/// use fairing_sparse::passes::update;
+/// use fairing_sparse::parallel::update;
 /// let mut y = vec![[1.0], [2.0], [3.0]];
 /// let squares: f64 = update(&mut y, |_, [y]| ([2.0 * y], y * y));
 /// assert_eq!((squares, y[2]), (14.0, [6.0]));

@@ -1,8 +1,8 @@
-//! Which Laplacian, and which mass, by name.
+//! Names of Laplacians and masses.
 
 use crate::area::LumpedArea;
 
-/// Which stiffness a [`Laplacian`](super::Laplacian) has.
+/// Which stiffness a [`Laplacian`](crate::Laplacian) has.
 ///
 /// Written as its name (`Display`), and read from it (`FromStr`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -61,7 +61,7 @@ impl LaplacianKind {
     }
 }
 
-/// Which mass a [`Laplacian`](super::Laplacian) has.
+/// Which mass a [`Laplacian`](crate::Laplacian) has.
 ///
 /// Written as its name (`Display`), and read from it (`FromStr`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]

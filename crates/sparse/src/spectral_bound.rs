@@ -8,7 +8,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::graph_laplacian::GraphLaplacian;
-use crate::passes;
+use crate::parallel;
 
 /// Steps; the largest eigenvalue is then known to about one percent.
 const STEPS: usize = 20;
@@ -45,7 +45,7 @@ fn tridiagonal(laplacian: &GraphLaplacian, steps: usize) -> (Vec<f64>, Vec<f64>)
     let mut v: Vec<[f64; 1]> =
         (0..laplacian.len()).map(|_| [random.random::<f64>() - 0.5]).collect();
     let mut before = vec![[0.0; 1]; v.len()];
-    let square: f64 = passes::sum(v.len(), |i| mass[i] * v[i][0] * v[i][0]);
+    let square: f64 = parallel::sum(v.len(), |i| mass[i] * v[i][0] * v[i][0]);
     let (mut alpha, mut beta) = (Vec::new(), Vec::new());
     let mut norm = square.sqrt();
     for _ in 0..steps {
@@ -61,11 +61,11 @@ fn tridiagonal(laplacian: &GraphLaplacian, steps: usize) -> (Vec<f64>, Vec<f64>)
             ([w], mass[i] * w * p[0] * scale)
         });
         let q = &v;
-        let square: f64 = passes::update(&mut before, |i, [w]| {
+        let square: f64 = parallel::update(&mut before, |i, [w]| {
             let w = w - diagonal * q[i][0] * scale;
             ([w], mass[i] * w * w)
         });
-        passes::update(&mut v, |_, [p]| ([p * scale], ()));
+        parallel::update(&mut v, |_, [p]| ([p * scale], ()));
         std::mem::swap(&mut v, &mut before);
         alpha.push(diagonal);
         norm = square.sqrt();
