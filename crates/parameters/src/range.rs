@@ -66,11 +66,6 @@ impl Range {
         value.is_finite() && above && below
     }
 
-    /// Whether both ends are numbers.
-    pub fn is_bounded(&self) -> bool {
-        self.low != Unbounded && self.high != Unbounded
-    }
-
     /// Refuses a number outside the range.
     ///
     /// # Errors

@@ -7,7 +7,7 @@ use std::marker::PhantomData;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
-use fairing::parameters::{Algorithm, Family, Kind, Parameter, Value};
+use fairing::parameters::{Algorithm, Family, Kind, Parameter, Range, Value};
 
 use super::exit::Failure;
 use super::table::Table;
@@ -115,9 +115,10 @@ fn help(same: &Shared) -> (String, String) {
             "" => parameter.about.to_owned(),
             unit => format!("{}, in {unit}", parameter.about),
         };
-        let about = match parameter.range.is_bounded() {
-            true => format!("{about}, {}", parameter.range),
-            false => about,
+        let plain = [Range::FINITE, Range::POSITIVE, Range::NOT_NEGATIVE];
+        let about = match plain.contains(&parameter.range) {
+            true => about,
+            false => format!("{about}, {}", parameter.range),
         };
         let taker = match &parameter.default {
             Some(default) if !alone => format!("{algorithm} ({default})"),
