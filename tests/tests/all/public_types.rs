@@ -66,10 +66,6 @@ all_shared!(
     fairing::shapes::Diagonals,
     fairing::shapes::Ends,
     fairing::shapes::HelicoidOptions,
-    fairing::shapes::families::Family,
-    fairing::shapes::families::Kind,
-    fairing::shapes::families::RandomBody,
-    fairing::shapes::families::Triangulation,
     // sparse
     fairing::sparse::Beyond,
     fairing::sparse::CgError,
@@ -86,7 +82,6 @@ all_shared!(
     fairing::sparse::EigenError,
     fairing::sparse::EigenOptions,
     fairing::sparse::EigenPairs,
-    fairing::sparse::EigenProgress,
     fairing::sparse::GraphLaplacian,
     fairing::sparse::GraphNumbers<'static>,
     fairing::sparse::Inertia,
@@ -112,8 +107,6 @@ all_shared!(
     fairing::operators::LumpedArea,
     fairing::operators::MassKind,
     fairing::operators::MassMatrix,
-    fairing::operators::NoiseEstimate,
-    fairing::operators::NoisyParts,
     fairing::operators::ThinFaces,
     fairing::operators::NormalEquations<3>,
     fairing::operators::NormalFactor<3>,
@@ -159,7 +152,6 @@ all_shared!(
     // spectral
     fairing::spectral::Compressed,
     fairing::spectral::Filtered,
-    fairing::spectral::GraphWeights,
     fairing::spectral::HeatDiffusion,
     fairing::spectral::HeatGeodesics,
     fairing::spectral::Poisson<'static>,
@@ -198,6 +190,8 @@ all_shared!(
     fairing::smoothing::Window,
     fairing::smoothing::WindowedSinc,
     // denoising
+    fairing::denoising::NoiseEstimate,
+    fairing::denoising::NoisyParts,
     fairing::denoising::Automatic,
     fairing::denoising::BilateralNormalGlobalOptions,
     fairing::denoising::BilateralNormalOptions,
@@ -210,8 +204,6 @@ all_shared!(
     fairing::denoising::NonIterativeOptions,
     fairing::denoising::FaceKind,
     fairing::denoising::SurfaceKind,
-    fairing::denoising::TrainingOptions,
-    fairing::denoising::TrainingPair,
     fairing::denoising::TotalVariationOptions,
     fairing::denoising::VertexUpdate,
     // evaluation

@@ -6,12 +6,12 @@ use clap::Args;
 use fairing::denoising::{Automatic, AutomaticOptions, Denoiser, FaceKind, SurfaceKind, automatic};
 use serde_json::{Map, Value, json};
 
+use super::Context;
 use super::exit::Failure;
 use super::files::{self, Content, MaybeOutput};
 use super::parameters::{Parameters, list, names};
 use super::surface::{Reading, say_orientation};
 use super::table::number;
-use super::{Context, print};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -57,7 +57,7 @@ pub(crate) struct Denoise {
 impl Denoise {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
         if self.list {
-            return print(list::<Denoiser>());
+            return context.print(list::<Denoiser>());
         }
         let (input, output) = (self.input.as_ref(), self.output.given());
         let (Some(input), Some(output)) = (input, output) else {
@@ -88,7 +88,7 @@ impl Denoise {
                 if self.json {
                     let mut json = as_json(&result);
                     surface.add_to(&mut json);
-                    print(format_args!("{json:#}\n"))?;
+                    context.print(format_args!("{json:#}\n"))?;
                 }
                 result.mesh
             }
