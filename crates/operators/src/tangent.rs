@@ -8,7 +8,7 @@ use fairing_mesh::vec3::{cross, dot, scale};
 /// Without a branch on the smallest coordinate and without a root.
 /// Source: \[duff2017\].
 #[inline]
-pub(crate) fn tangent_frame(normal: [f64; 3]) -> [[f64; 3]; 2] {
+pub fn tangent_frame(normal: [f64; 3]) -> [[f64; 3]; 2] {
     let [x, y, z] = normal;
     let sign = 1.0f64.copysign(z);
     let a = -1.0 / (sign + z);

@@ -66,10 +66,6 @@ all_shared!(
     fairing::shapes::Diagonals,
     fairing::shapes::Ends,
     fairing::shapes::HelicoidOptions,
-    fairing::shapes::families::Family,
-    fairing::shapes::families::Kind,
-    fairing::shapes::families::RandomBody,
-    fairing::shapes::families::Triangulation,
     // sparse
     fairing::sparse::Beyond,
     fairing::sparse::CgError,
@@ -112,8 +108,6 @@ all_shared!(
     fairing::operators::LumpedArea,
     fairing::operators::MassKind,
     fairing::operators::MassMatrix,
-    fairing::operators::NoiseEstimate,
-    fairing::operators::NoisyParts,
     fairing::operators::ThinFaces,
     fairing::operators::NormalEquations<3>,
     fairing::operators::NormalFactor<3>,
@@ -197,6 +191,8 @@ all_shared!(
     fairing::smoothing::Window,
     fairing::smoothing::WindowedSinc,
     // denoising
+    fairing::denoising::NoiseEstimate,
+    fairing::denoising::NoisyParts,
     fairing::denoising::Automatic,
     fairing::denoising::BilateralNormalGlobalOptions,
     fairing::denoising::BilateralNormalOptions,
@@ -209,8 +205,6 @@ all_shared!(
     fairing::denoising::NonIterativeOptions,
     fairing::denoising::FaceKind,
     fairing::denoising::SurfaceKind,
-    fairing::denoising::TrainingOptions,
-    fairing::denoising::TrainingPair,
     fairing::denoising::TotalVariationOptions,
     fairing::denoising::VertexUpdate,
     // evaluation
