@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
+use fairing_denoising::noise_level;
 use fairing_mesh::TriMesh;
 use fairing_operators::curvature::{CurvatureField, Estimator, laplacian_curvature};
 use fairing_operators::{
-    Laplacian, LaplacianKind, MassKind, MassMatrix, Reason, divergence, gradient, noise_level,
+    Laplacian, LaplacianKind, MassKind, MassMatrix, Reason, divergence, gradient,
 };
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;

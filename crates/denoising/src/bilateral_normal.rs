@@ -6,12 +6,11 @@ use std::sync::{Mutex, PoisonError};
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, distance, scale, sub};
 use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
-use fairing_sparse::CgOptions;
-use fairing_sparse::passes::update;
+use fairing_sparse::parallel::update;
+use fairing_sparse::{CgOptions, FieldOperator, conjugate_gradients, product_by_rows};
 use rayon::prelude::*;
 
-use super::DenoiseError;
-use super::conjugate_gradients::{by_rows, conjugate_gradients, solved};
+use super::error::{DenoiseError, solved};
 use super::faces::{FaceLists, FaceShapes, Hinges, mean_centroid_distance, unit_or_zero};
 use super::method::Method;
 use super::oriented::on_oriented;
@@ -211,7 +210,7 @@ fn filter_globally(
             let mean = rows.forward(f).fold([0.0; 3], |s, (g, w)| add(s, scale(x[g], w)));
             (scale(sub(x[f], mean), areas[f]), ())
         });
-        by_rows(x, product, |f| {
+        product_by_rows(x, product, |f| {
             let spread = rows.backward(f).fold([0.0; 3], |s, (g, w)| add(s, scale(defects[g], w)));
             let d = defects[f];
             [0, 1, 2].map(|k| smooth * (d[k] - spread[k]) + keep * areas[f] * x[f][k])
@@ -228,7 +227,8 @@ fn filter_globally(
         .collect();
     let b: Vec<[f64; 3]> = noisy.iter().zip(&areas).map(|(n, a)| scale(*n, keep * a)).collect();
     let accuracy = CgOptions { tolerance: 1e-6, max_iterations: 5000, measure: true };
-    let found = conjugate_gradients(apply, &diagonal, &b, noisy.clone(), &accuracy);
+    let operator = FieldOperator::new(&diagonal, apply);
+    let (found, _) = conjugate_gradients(&operator, &b, noisy.clone(), &accuracy);
     let normals = solved(found, &accuracy, 0)?;
     let normals: Vec<[f64; 3]> = normals.into_iter().map(unit_or_zero).collect();
     update_vertices(mesh, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })

@@ -2,6 +2,7 @@
 
 use fairing_mesh::BuildError;
 use fairing_parameters::OptionError;
+use fairing_sparse::{CgOptions, CgSolution};
 
 /// Why a mesh cannot be denoised.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -45,4 +46,18 @@ pub enum DenoiseError {
     /// The positions reached do not make a mesh.
     #[error(transparent)]
     Build(#[from] BuildError),
+}
+
+/// The solution of the linear system of outer step `step`, unless its residual is above ten times the tolerance.
+pub(crate) fn solved(
+    solution: CgSolution<Vec<[f64; 3]>>,
+    options: &CgOptions,
+    step: usize,
+) -> Result<Vec<[f64; 3]>, DenoiseError> {
+    // Coordinates are measured together: each of the three residuals is that of all.
+    let residual = solution.residuals[0];
+    if residual <= 10.0 * options.tolerance {
+        return Ok(solution.x);
+    }
+    Err(DenoiseError::NotSolved { step, iterations: solution.iterations, residual })
 }

@@ -3,12 +3,11 @@
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, distance, norm, scale, sub};
 use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
-use fairing_sparse::CgOptions;
-use fairing_sparse::passes::update;
+use fairing_sparse::parallel::update;
+use fairing_sparse::{CgOptions, FieldOperator, conjugate_gradients, product_by_rows};
 use rayon::prelude::*;
 
-use super::DenoiseError;
-use super::conjugate_gradients::{by_rows, conjugate_gradients, solved};
+use super::error::{DenoiseError, solved};
 use super::faces::{FaceShapes, Hinge, Hinges, unit_or_zero};
 use super::method::Method;
 use super::oriented::on_oriented;
@@ -108,9 +107,10 @@ fn filter(mesh: &TriMesh, options: &TotalVariationOptions) -> Result<TriMesh, De
         fairing_watch::advance(1);
         problem.shrink(&normals, &mut wanted, step == 0);
         problem.right_hand_side(&wanted, &mut b);
-        let apply =
-            |x: &[[f64; 3]], product: &mut [[f64; 3]]| by_rows(x, product, |f| problem.row(x, f));
-        let found = conjugate_gradients(apply, &diagonal, &b, normals, &ACCURACY);
+        let operator = FieldOperator::new(&diagonal, |x: &[[f64; 3]], product: &mut [_]| {
+            product_by_rows(x, product, |f| problem.row(x, f))
+        });
+        let (found, _) = conjugate_gradients(&operator, &b, normals, &ACCURACY);
         normals = solved(found, &ACCURACY, step)?;
     }
     let normals: Vec<[f64; 3]> = normals.into_par_iter().map(unit_or_zero).collect();

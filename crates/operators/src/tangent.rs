@@ -8,7 +8,7 @@ use glam::DVec3;
 /// Without a branch on the smallest coordinate and without a root.
 /// Source: \[duff2017\].
 #[inline]
-pub(crate) fn tangent_frame(normal: DVec3) -> [DVec3; 2] {
+pub fn tangent_frame(normal: DVec3) -> [DVec3; 2] {
     let DVec3 { x, y, z } = normal;
     let sign = 1.0f64.copysign(z);
     let a = -1.0 / (sign + z);

@@ -175,7 +175,7 @@ mod tests {
     fn results_do_not_depend_on_the_number_of_threads() {
         // More vertices than one unit of parallel work holds.
         let mesh = shapes::bumpy_sphere(5, 0.1, 7.0);
-        assert!(mesh.vertex_count() > 2 * fairing_sparse::passes::CHUNK);
+        assert!(mesh.vertex_count() > 2 * fairing_sparse::parallel::CHUNK);
         for method in Method::defaults() {
             let run = |threads: usize| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

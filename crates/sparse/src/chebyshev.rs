@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::clenshaw::Clenshaw;
 use crate::graph_laplacian::{GraphLaplacian, Padded};
-use crate::passes::CHUNK;
+use crate::parallel::CHUNK;
 
 /// `g(μ) = Σ cₖ Tₖ(1 + 2μ/b)` on the interval `[−b, 0]`.
 ///

@@ -5,14 +5,14 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use crate::matrix::SparseMatrix;
-use crate::passes::{self, CHUNK, Sum};
+use crate::parallel::{self, CHUNK, Sum};
 
 /// `L = −M⁻¹S` for a symmetric `S` with zero row sums and a positive diagonal `M`: negative semi-definite in the inner
 /// product of `M` where `S` is positive semi-definite.
 ///
 /// Rows of `S` act on differences, `−(Sx)ᵢ = Σⱼ wⱼ (xⱼ − xᵢ)`, so that constants vanish exactly. Unit weights need no
 /// values, which halves the memory traffic of a product. The products come fused with whatever is done with them, in
-/// one pass over the rows; sums are those of [`passes`], which do not depend on the number of threads.
+/// one pass over the rows; sums are those of [`parallel`](crate::parallel), which do not depend on the number of threads.
 ///
 /// Rows may be zero, for values that stay as they are: [`is_still`](Self::is_still).
 ///
@@ -254,7 +254,7 @@ impl GraphLaplacian {
         F: Fn(usize, [f64; N], [f64; N], [f64; N]) -> [f64; N] + Sync,
     {
         assert_eq!((x.len(), y.len()), (self.len(), self.len()), "sizes of the operands");
-        passes::update(y, |i, y| {
+        parallel::update(y, |i, y| {
             let (a, w) = (x[i], self.inverse[i]);
             let mut l = self.weighted_sum(i, x);
             for k in 0..N {
@@ -279,7 +279,7 @@ impl GraphLaplacian {
         F: Fn(usize, [f64; N], [f64; N], [f64; N]) -> ([f64; N], S) + Sync,
     {
         assert_eq!((x.len(), y.len()), (self.len(), self.len()), "sizes of the operands");
-        passes::update(y, |i, y| {
+        parallel::update(y, |i, y| {
             let a = x[i];
             let mut s = self.weighted_sum(i, x);
             if self.is_uniform() {

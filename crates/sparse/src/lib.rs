@@ -13,27 +13,28 @@
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 
-mod cg;
 mod chebyshev;
 mod clenshaw;
-mod conjugate_gradient;
+mod conjugate_gradients;
 #[cfg(feature = "solvers")]
 mod direct;
 mod double;
 #[cfg(feature = "solvers")]
 mod eigen;
-mod extent;
 mod graph_laplacian;
 mod laplacian_power;
 mod mass;
 mod matrix;
-pub mod passes;
+pub mod parallel;
 mod product;
 mod simd;
+mod spectral_bound;
 
-pub use cg::{CgError, CgOptions, CgRoom, CgSolution, CgSystem, conjugate_gradients, descend};
 pub use chebyshev::ChebyshevSeries;
-pub use conjugate_gradient::ConjugateGradient;
+pub use conjugate_gradients::{
+    CgError, CgOptions, CgSolution, CgSystem, CgWorkspace, ConjugateGradient, FieldOperator,
+    conjugate_gradients, descend, product_by_rows,
+};
 #[cfg(feature = "solvers")]
 pub use direct::{
     Cholesky, CholeskyError, GraphSystem, Inertia, Ldlt, Ordering, SolverChoice, SymbolicCholesky,
@@ -41,8 +42,8 @@ pub use direct::{
 };
 #[cfg(feature = "solvers")]
 pub use eigen::{
-    Beyond, Count, DenseSolver, EigenError, EigenOptions, EigenPairs, EigenProgress, EigenWatch,
-    eigenpairs_within, smallest_eigenpairs, smallest_eigenpairs_with,
+    Beyond, Count, DenseSolver, EigenError, EigenOptions, EigenPairs, eigenpairs_within,
+    smallest_eigenpairs,
 };
 pub use graph_laplacian::{GraphLaplacian, GraphNumbers, Padded};
 pub use laplacian_power::LaplacianPower;

@@ -1,7 +1,7 @@
 //! Sizes, shapes and mixtures of parts at which formulas that are right on paper fail. Properties
 //! of shape must not depend on its size, on the rest of the mesh or on the frame.
 
-use fairing_denoising::{Denoiser, SurfaceKind, automatic};
+use fairing_denoising::{Denoiser, SurfaceKind, automatic, noise_level, noisy_parts};
 use fairing_evaluation::{
     NoiseKind, NoiseLevel, ScoreOptions, Scores, SurfaceTree, add_noise, drift, feature_edges,
     flipped_faces, hausdorff, normal_error, self_intersections, surface_distance,
@@ -15,8 +15,7 @@ use fairing_operators::curvature::{
 };
 use fairing_operators::intrinsic::{Cover, RobustOptions, robust_laplacian};
 use fairing_operators::{
-    LumpedArea, NormalWeight, cotan_stiffness, gradient, lumped_mass, noise_level, noisy_parts,
-    weighted_vertex_normals,
+    LumpedArea, NormalWeight, cotan_stiffness, gradient, lumped_mass, weighted_vertex_normals,
 };
 use fairing_shapes as shapes;
 use rand::{RngExt, SeedableRng};

@@ -17,7 +17,6 @@ mod rendering;
 mod report;
 mod robustness;
 mod serialized;
-mod shapes;
 mod sizes;
 mod smoothing;
 mod spectra;

@@ -5,7 +5,7 @@ use std::fmt::Debug;
 use fairing::denoising::{
     BilateralNormalGlobalOptions, BilateralNormalOptions, BilateralOptions, Denoiser,
     FastEffectiveOptions, GuidedNormalOptions, L0Options, NonIterativeOptions,
-    TotalVariationOptions,
+    TotalVariationOptions, noise_level,
 };
 use fairing::evaluation::{
     Drift, Hausdorff, NoiseKind, NoiseLevel, NormalAngles, ScoreOptions, Scores, add_noise,
@@ -18,7 +18,7 @@ use fairing::mesh::Diagnosis;
 use fairing::mesh::io::{self, Format, ReadOptions, VertexFields, WriteOptions};
 use fairing::operators::curvature::{Estimator, MeanOperator, mean_curvature};
 use fairing::operators::intrinsic::RobustOptions;
-use fairing::operators::{Laplacian, LaplacianKind, LumpedArea, MassKind, noise_level};
+use fairing::operators::{Laplacian, LaplacianKind, LumpedArea, MassKind};
 use fairing::smoothing::{
     Boundary, Constraints, Diffusion, Implicit, LowPass, Method, Time, Transfer, Volume, Window,
     implicit,

@@ -8,11 +8,11 @@ use super::packages::{self, Dependency, Package};
 
 /// For each library crate, the crates of ours that it may use. The façade,
 /// `xtask` and the tests may use everything.
-const ARROWS: [(&str, &[&str]); 14] = [
+const ARROWS: [(&str, &[&str]); 16] = [
     ("fairing-watch", &[]),
     ("fairing-parameters", &[]),
     ("fairing-mesh", &["fairing-watch", "fairing-parameters"]),
-    ("fairing-shapes", &["fairing-parameters", "fairing-mesh"]),
+    ("fairing-shapes", &["fairing-mesh"]),
     ("fairing-sparse", &["fairing-watch"]),
     (
         "fairing-operators",
@@ -50,9 +50,22 @@ const ARROWS: [(&str, &[&str]); 14] = [
     ("fairing-figure", &["fairing-watch", "fairing-parameters", "fairing-mesh"]),
     ("fairing-results", &["fairing-mesh"]),
     (
-        "fairing-experiments",
+        "fairing-benchmark",
         &[
             "fairing-parameters",
+            "fairing-mesh",
+            "fairing-sparse",
+            "fairing-operators",
+            "fairing-shapes",
+            "fairing-smoothing",
+            "fairing-denoising",
+            "fairing-evaluation",
+        ],
+    ),
+    (
+        "fairing-experiments",
+        &[
+            "fairing-benchmark",
             "fairing-mesh",
             "fairing-sparse",
             "fairing-operators",
@@ -66,6 +79,16 @@ const ARROWS: [(&str, &[&str]); 14] = [
         ],
     ),
     ("fairing-report", &["fairing-mesh", "fairing-figure", "fairing-results"]),
+    (
+        "fairing-reproduce",
+        &[
+            "fairing-mesh",
+            "fairing-shapes",
+            "fairing-results",
+            "fairing-experiments",
+            "fairing-report",
+        ],
+    ),
 ];
 
 /// Crates that see everything.

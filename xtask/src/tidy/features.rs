@@ -1,23 +1,24 @@
-//! `cargo xtask` and the tests of the workspace share what they compile.
+//! The programs that `cargo xtask` starts and the tests share what they compile.
 //!
-//! Cargo turns on the features that the packages it builds ask for. Where `-p xtask` asks for fewer than the workspace,
-//! a dependency and all that depend on it are compiled twice.
+//! Cargo turns on the features that the packages it builds ask for. Where one build asks for fewer
+//! than another, a dependency and all that depend on it are compiled twice.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-use std::process::Command;
 
 use anyhow::{Context as _, Result, ensure};
+
+use crate::programs::cargo;
 
 /// Crates that need matrices but no factorisation: whoever depends on them does not compile the solver backend.
 const WITHOUT_SOLVERS: [&str; 4] =
     ["fairing-denoising", "fairing-evaluation", "fairing-operators", "fairing-shapes"];
 
-/// Packages that `cargo xtask` builds with other features than the tests of the workspace do.
+/// Packages with other features in the programs that `cargo xtask` starts than in the tests.
 pub(super) fn check(root: &Path) -> Result<Vec<String>> {
-    let own = tree(root, &["--package=xtask", "--edges=normal,build"])?;
-    let all = tree(root, &["--workspace", "--edges=normal,build,dev"])?;
-    Ok(differences(&own, &all))
+    let programs = tree(root, &["--workspace", "--edges=normal,build"])?;
+    let tests = tree(root, &["--workspace", "--edges=normal,build,dev"])?;
+    Ok(differences(&programs, &tests))
 }
 
 /// Crates that compile the solver backend without a need for it.
@@ -40,9 +41,9 @@ fn has_backend(tree: &str) -> bool {
 
 /// What `cargo tree` lists: a package and its features in each line.
 fn tree(root: &Path, choice: &[&str]) -> Result<String> {
-    let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    let mut cargo = cargo(root);
     cargo.args(["tree", "--locked", "--prefix=none", "--format={p}|{f}"]).args(choice);
-    let output = cargo.current_dir(root).output().context("asking cargo for features")?;
+    let output = cargo.output().context("asking cargo for features")?;
     ensure!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
@@ -68,8 +69,7 @@ fn differences(own: &str, all: &str) -> Vec<String> {
         for set in sets.difference(known) {
             let others: Vec<String> = known.iter().map(|set| format!("[{set}]")).collect();
             found.push(format!(
-                "{package} has the features [{set}] for xtask, {} for the tests: name it in xtask/Cargo.toml with \
-                 these",
+                "{package} has the features [{set}] in the programs, {} in the tests",
                 others.join(" and ")
             ));
         }

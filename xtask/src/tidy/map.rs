@@ -5,6 +5,8 @@ use std::path::Path;
 
 use anyhow::{Context as _, Result};
 
+use super::manifest::entries;
+
 const MAP: &str = "docs/architecture.md";
 
 /// Folders of the repository with which a path in the map begins.
@@ -45,13 +47,11 @@ pub(super) fn places(root: &Path) -> Result<Vec<String>> {
 /// Dependencies of the workspace that the map does not name.
 pub(super) fn dependencies(root: &Path) -> Result<Vec<String>> {
     let manifest = fs::read_to_string(root.join("Cargo.toml")).context("reading Cargo.toml")?;
-    let manifest: toml::Table = manifest.parse().context("Cargo.toml is not TOML")?;
-    let listed = &manifest["workspace"]["dependencies"];
-    let listed = listed.as_table().context("Cargo.toml has no workspace dependencies")?;
     let map = read(root)?;
     let section = map.split("\n## ").find(|s| s.starts_with("Dependencies"));
     let section = section.with_context(|| format!("{MAP} has no section on dependencies"))?;
-    let foreign = listed.iter().filter(|(_, entry)| entry.get("path").is_none());
+    let foreign =
+        entries(&manifest, "workspace.dependencies").filter(|(_, value)| !value.contains("path ="));
     let missing = foreign.filter(|(name, _)| !section.contains(&format!("`{name}`")));
     Ok(missing.map(|(name, _)| format!("{MAP} does not say what {name} is for")).collect())
 }

@@ -5,7 +5,8 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use crate::reference::REPORT;
+/// The folder of the committed report, from the root.
+const REPORT: &str = "docs/report";
 
 /// The most that the report may add to a clone, in bytes.
 const MOST: u64 = 9_000_000;

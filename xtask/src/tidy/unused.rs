@@ -21,11 +21,7 @@ pub(super) fn check(root: &Path) -> Result<Vec<String>> {
             append(&folder.join(more), &mut all)?;
         }
         let script = fs::read_to_string(folder.join("build.rs")).unwrap_or_default();
-        let notes = package.metadata.unwrap_or_default();
         for dependency in package.dependencies {
-            if notes.for_their_features.contains(&dependency.name) {
-                continue;
-            }
             let text = match dependency.kind.as_deref() {
                 Some("dev") => &all,
                 Some("build") => &script,

@@ -5,11 +5,10 @@ mod system;
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, cross, dot, norm, scale, sub};
 use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
-use fairing_sparse::CgOptions;
+use fairing_sparse::{CgOptions, FieldOperator, conjugate_gradients, product_by_rows};
 use rayon::prelude::*;
 
 use crate::DenoiseError;
-use crate::conjugate_gradients::{by_rows, conjugate_gradients};
 use crate::faces::{FaceShapes, Hinge, Hinges};
 use crate::method::Method;
 use crate::oriented::on_oriented;
@@ -152,9 +151,10 @@ fn filter(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> 
         let b: Vec<[f64; 3]> =
             noisy.iter().zip(&b).map(|(p, d)| add(*p, scale(*d, beta))).collect();
         system.fill(&weights, beta, alpha);
-        let apply = |p: &[[f64; 3]], q: &mut [[f64; 3]]| by_rows(p, q, |v| system.row(v, p));
-        let diagonal = system.diagonal();
-        positions = conjugate_gradients(apply, &diagonal, &b, positions, &ACCURACY).0;
+        let operator = FieldOperator::new(&system.diagonal(), |p: &[[f64; 3]], q: &mut [_]| {
+            product_by_rows(p, q, |v| system.row(v, p))
+        });
+        positions = conjugate_gradients(&operator, &b, positions, &ACCURACY).0.x;
         beta *= options.growth;
         alpha *= 0.5;
     }

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use fairing::mesh::TriMesh;
-use fairing::operators::{Laplacian, LaplacianKind, MassKind, MassMatrix};
-use fairing::spectral::{self, EigenOptions, SpectralError, SpectrumOptions, Split};
+use fairing::operators::{LaplacianKind, MassKind, MassMatrix};
+use fairing::spectral::{self, EigenOptions, SpectrumOptions, Split};
 use serde_json::json;
 
 use super::exit::Failure;
@@ -156,34 +156,13 @@ fn mass(name: MassName) -> MassKind {
     }
 }
 
-/// Computes modes, with a bar on a terminal.
-pub(crate) fn compute(
-    context: &Context,
-    laplacian: &Laplacian,
-    k: usize,
-    options: &SpectrumOptions,
-) -> Result<spectral::Spectrum, SpectralError> {
-    let bar = if context.quiet {
-        indicatif::ProgressBar::hidden()
-    } else {
-        // Draws to the error stream, and only where that is a terminal.
-        indicatif::ProgressBar::new(k as u64)
-    };
-    let result = spectral::spectrum_with(laplacian, k, options, &mut |progress| {
-        bar.set_position(progress.converged as u64);
-        std::ops::ControlFlow::Continue(())
-    });
-    bar.finish_and_clear();
-    result
-}
-
 impl Spectrum {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
         self.overwrite.check_given(self.output.as_deref(), Content::Npz)?;
         let (surface, _) = self.reading.read(context, &self.input)?;
         let (kind, mesh) = (&self.kind, surface.mesh());
         let laplacian = operator::assemble(context, mesh, kind.operator, mass(kind.mass))?;
-        let modes = compute(context, &laplacian, self.k, &kind.options(mesh))?;
+        let modes = spectral::spectrum(&laplacian, self.k, &kind.options(mesh))?;
         if let Some(output) = &self.output {
             on_file(&modes, &surface)?.save(output).map_err(Failure::output)?;
         }

@@ -108,12 +108,12 @@ impl<'a> HeightField<'a> {
 
 /// The axes along which points of a plane spread most and least, and how far.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct PrincipalAxes {
+pub struct PrincipalAxes {
     /// The first axis; the second is its quarter turn.
-    pub(crate) direction: [f64; 2],
+    pub direction: [f64; 2],
     /// √2 times the root mean square along each, which is one for points on a
     /// unit circle.
-    pub(crate) units: [f64; 2],
+    pub units: [f64; 2],
 }
 
 impl PrincipalAxes {
@@ -121,7 +121,7 @@ impl PrincipalAxes {
     /// the first: the points are on a line as far as second derivatives can
     /// tell.
     #[inline]
-    pub(crate) fn new(points: impl ExactSizeIterator<Item = [f64; 2]> + Clone) -> Option<Self> {
+    pub fn new(points: impl ExactSizeIterator<Item = [f64; 2]> + Clone) -> Option<Self> {
         let count = points.len() as f64;
         let mut moments = Symmetric2::default();
         for [x, y] in points.clone() {
@@ -141,7 +141,7 @@ impl PrincipalAxes {
 
     /// The coordinates of a point along the axes, each in its unit.
     #[inline]
-    pub(crate) fn coordinates(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+    pub fn coordinates(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let ([c, s], [a, b]) = (self.direction, self.units);
         [(c * x + s * y) / a, (c * y - s * x) / b]
     }

@@ -2,8 +2,8 @@
 
 use std::borrow::Cow;
 
-use fairing_sparse::passes::{CHUNK, sum, update, update_both};
-use fairing_sparse::{CgRoom, CgSystem, GraphLaplacian, Padded, descend};
+use fairing_sparse::parallel::{CHUNK, sum, update, update_both};
+use fairing_sparse::{CgSystem, CgWorkspace, GraphLaplacian, Padded, descend};
 use rayon::prelude::*;
 
 use crate::engine::constraints::Freedom;
@@ -41,7 +41,7 @@ pub(crate) struct Solved {
 #[derive(Default)]
 pub(crate) struct Workspace {
     d: Vec<Padded>,
-    cg: CgRoom<4>,
+    cg: CgWorkspace<4>,
     inverse: Vec<f64>,
 }
 

@@ -1,7 +1,7 @@
 //! Implicit steps one after another: `(M + λS) x' = M x`, by conjugate gradients or a factorisation.
 
 use fairing_sparse::GraphLaplacian;
-use fairing_sparse::passes::update;
+use fairing_sparse::parallel::update;
 
 use crate::engine::conjugate::{ImplicitSolver, Solved, Workspace};
 use crate::engine::constraints::Freedom;

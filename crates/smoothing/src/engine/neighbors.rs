@@ -1,7 +1,7 @@
 //! The graph of the edges of a mesh.
 
 use fairing_sparse::GraphLaplacian;
-use fairing_sparse::passes::CHUNK;
+use fairing_sparse::parallel::CHUNK;
 use rayon::prelude::*;
 
 /// `L` for uniform weights, `(Lx)ᵢ = mean over neighbours xⱼ − xᵢ`: `S = D − A`, `M = D`. Vertices for which `fixed` is

@@ -5,7 +5,7 @@
 //! smallest as they are. So residuals are measured for each coordinate of each part, against its own right-hand side,
 //! but never below what rounding leaves of it.
 
-use fairing_sparse::passes::CHUNK;
+use fairing_sparse::parallel::CHUNK;
 use fairing_sparse::{GraphLaplacian, Padded};
 use rayon::prelude::*;
 

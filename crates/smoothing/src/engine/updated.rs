@@ -8,7 +8,7 @@ use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{cross, norm, sub};
 use fairing_operators::ThinFaces;
 use fairing_sparse::GraphLaplacian;
-use fairing_sparse::passes::CHUNK;
+use fairing_sparse::parallel::CHUNK;
 use rayon::prelude::*;
 
 use crate::engine::assemble::{Assembler, mass};

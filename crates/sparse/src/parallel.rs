@@ -1,0 +1,150 @@
+//! Passes over rows in parallel, with sums that do not depend on the number of threads.
+//!
+//! Rows are cut into fixed chunks of [`CHUNK`]. Each chunk is summed from front to back, and the sums of the chunks
+//! are added in order, whichever thread computed them.
+
+use rayon::prelude::*;
+
+/// Rows of one chunk: large enough to hide scheduling, small enough to balance.
+pub const CHUNK: usize = 4096;
+
+/// What a pass adds up: nothing, a number, or an array of what can be added up.
+pub trait Sum: Copy + Send {
+    /// The sum of nothing.
+    const ZERO: Self;
+
+    /// Adds a term.
+    fn add(&mut self, term: Self);
+}
+
+impl Sum for () {
+    const ZERO: Self = ();
+
+    #[inline(always)]
+    fn add(&mut self, (): Self) {}
+}
+
+impl Sum for f64 {
+    const ZERO: Self = 0.0;
+
+    #[inline(always)]
+    fn add(&mut self, term: Self) {
+        *self += term;
+    }
+}
+
+impl<T: Sum, const N: usize> Sum for [T; N] {
+    const ZERO: Self = [T::ZERO; N];
+
+    #[inline(always)]
+    fn add(&mut self, term: Self) {
+        for (sum, term) in self.iter_mut().zip(term) {
+            sum.add(term);
+        }
+    }
+}
+
+/// `yᵢ ← f(i, yᵢ)` for every row; the sum of what `f` returns beside the new value.
+///
+/// # Examples
+///
+/// ```
+/// use fairing_sparse::parallel::update;
+/// let mut y = vec![[1.0], [2.0], [3.0]];
+/// let squares: f64 = update(&mut y, |_, [y]| ([2.0 * y], y * y));
+/// assert_eq!((squares, y[2]), (14.0, [6.0]));
+/// ```
+pub fn update<T, S, F>(y: &mut [T], f: F) -> S
+where
+    T: Copy + Send,
+    S: Sum,
+    F: Fn(usize, T) -> (T, S) + Sync,
+{
+    let chunk = |first: usize, y: &mut [T]| {
+        let mut sum = S::ZERO;
+        for (k, y) in y.iter_mut().enumerate() {
+            let (value, term) = f(first + k, *y);
+            *y = value;
+            sum.add(term);
+        }
+        sum
+    };
+    if y.len() <= CHUNK {
+        return chunk(0, y);
+    }
+    let chunks = y.par_chunks_mut(CHUNK).enumerate();
+    total(&chunks.map(|(c, y)| chunk(c * CHUNK, y)).collect::<Vec<S>>())
+}
+
+/// Calls `f(i, aᵢ, bᵢ)` for every row of two arrays of one length.
+#[inline]
+pub fn update_both<A, B, F>(a: &mut [A], b: &mut [B], f: F)
+where
+    A: Send,
+    B: Send,
+    F: Fn(usize, &mut A, &mut B) + Sync,
+{
+    let chunk = |first: usize, a: &mut [A], b: &mut [B]| {
+        for (k, (a, b)) in a.iter_mut().zip(b).enumerate() {
+            f(first + k, a, b);
+        }
+    };
+    if a.len() <= CHUNK {
+        return chunk(0, a, b);
+    }
+    let chunks = a.par_chunks_mut(CHUNK).zip(b.par_chunks_mut(CHUNK)).enumerate();
+    chunks.for_each(|(c, (a, b))| chunk(c * CHUNK, a, b));
+}
+
+/// `Σᵢ f(i)` over `count` rows.
+pub fn sum<S: Sum>(count: usize, f: impl Fn(usize) -> S + Sync) -> S {
+    let chunk = |c: usize| {
+        let mut sum = S::ZERO;
+        for i in c * CHUNK..count.min((c + 1) * CHUNK) {
+            sum.add(f(i));
+        }
+        sum
+    };
+    if count <= CHUNK {
+        return chunk(0);
+    }
+    total(&(0..count.div_ceil(CHUNK)).into_par_iter().map(chunk).collect::<Vec<S>>())
+}
+
+fn total<S: Sum>(parts: &[S]) -> S {
+    let mut total = S::ZERO;
+    for &part in parts {
+        total.add(part);
+    }
+    total
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// More rows than a chunk, a number that is no multiple of one: every row counts once and knows its number, and the
+    /// sums have the same bits on any number of threads.
+    #[test]
+    fn passes_visit_every_row_once() {
+        for n in [0, 1, CHUNK, 2 * CHUNK + 17, 20 * CHUNK + 17] {
+            let run = |threads: usize| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                pool.install(|| {
+                    let mut y: Vec<f64> = (0..n).map(|i| 1.0 / (1 + i) as f64).collect();
+                    let mut z = vec![0.0; n];
+                    let sums: [f64; 2] = update(&mut y, |i, y| (y * y, [y, i as f64]));
+                    update_both(&mut y, &mut z, |i, y, z| *z = *y + i as f64);
+                    (sum(n, |i| [z[i], 1.0]), sums, z)
+                })
+            };
+            let (totals, sums, z) = run(1);
+            assert_eq!(sums[1], (n * n.saturating_sub(1) / 2) as f64);
+            assert_eq!(totals[1], n as f64);
+            assert!((0..n).all(|i| z[i] == (1.0 / (1 + i) as f64).powi(2) + i as f64));
+            for threads in [2, 3, 8] {
+                assert_eq!(run(threads), (totals, sums, z.clone()), "{n} {threads}");
+            }
+        }
+    }
+}

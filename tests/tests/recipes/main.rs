@@ -1,0 +1,90 @@
+//! Recipes under "How to add" in `docs/architecture.md`, carried out in a copy of the workspace.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Text to insert into a file before a line.
+struct Edit {
+    path: &'static str,
+    before: &'static str,
+    line: &'static str,
+}
+
+/// Adds a file and edits others; the crate must then compile.
+struct Addition {
+    /// The heading of the recipe.
+    recipe: &'static str,
+    package: &'static str,
+    file: (&'static str, &'static str),
+    edits: &'static [Edit],
+}
+
+const FORMAT: Addition = Addition {
+    recipe: "A file format",
+    package: "fairing-mesh",
+    file: ("crates/mesh/src/io/dummy.rs", include_str!("format.rs")),
+    edits: &[
+        Edit { path: "crates/mesh/src/io/mod.rs", before: "mod error;", line: "mod dummy;" },
+        Edit {
+            path: "crates/mesh/src/io/format.rs",
+            before: "}\n\n/// The format of a file by its name.",
+            line: "    /// Three coordinates per corner.\n    Dummy = crate::io::dummy::FORMAT,",
+        },
+    ],
+};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// The numbered steps of a recipe.
+fn steps(heading: &str) -> String {
+    let map = fs::read_to_string(root().join("docs/architecture.md")).unwrap();
+    let section = map.split("\n### ").find(|section| section.starts_with(heading));
+    let section = section.unwrap_or_else(|| panic!("no recipe {heading:?}"));
+    let steps = section.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_digit()));
+    steps.collect::<Vec<_>>().join("\n")
+}
+
+/// Copies the manifests and the code under version control.
+fn copy_to(folder: &Path) {
+    let list = ["ls-files", "-z", "Cargo.toml", "Cargo.lock", "crates", "python", "tests", "xtask"];
+    let output = Command::new("git").args(list).current_dir(root()).output().unwrap();
+    let paths = String::from_utf8(output.stdout).unwrap();
+    for path in paths.split('\0').filter(|path| !path.is_empty()) {
+        let target = folder.join(path);
+        fs::create_dir_all(target.parent().unwrap()).unwrap();
+        // A file that is deleted but not yet committed is no part of the copy.
+        if root().join(path).exists() {
+            fs::copy(root().join(path), target).unwrap();
+        }
+    }
+}
+
+fn carry_out(addition: &Addition) {
+    let Addition { recipe, package, file: (path, text), edits } = addition;
+    let steps = steps(recipe);
+    let folder = tempfile::tempdir().unwrap();
+    copy_to(folder.path());
+    let home = Path::new(path).parent().unwrap().to_str().unwrap();
+    assert!(steps.contains(&format!("`{home}`")), "{recipe} does not name {home}");
+    fs::write(folder.path().join(path), text).unwrap();
+    for Edit { path, before, line } in *edits {
+        assert!(steps.contains(&format!("`{path}`")), "{recipe} does not name {path}");
+        let file = folder.path().join(path);
+        let text = fs::read_to_string(&file).unwrap();
+        assert_eq!(text.matches(before).count(), 1, "{before:?} in {path}");
+        fs::write(&file, text.replace(before, &format!("{line}\n{before}"))).unwrap();
+    }
+    let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    cargo.args(["check", "--quiet", "--offline", "--package", package, "--target-dir"]);
+    cargo.arg(root().join("target/recipes")).env("RUSTFLAGS", "-D warnings");
+    let output = cargo.current_dir(folder.path()).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[test]
+fn a_format_is_one_file_and_two_lines() {
+    carry_out(&FORMAT);
+}
