@@ -11,13 +11,13 @@ use fairing::operators::{Laplacian, LaplacianKind, LumpedArea, MassKind, Operato
 use fairing::parameters::Algorithm;
 use serde_json::{Value, json};
 
+use super::Context;
 use super::exit::Failure;
 use super::files::{self, Content, Overwrite};
 use super::operator::{self, say_too_thin};
 use super::parameters::{Family, Parameters, foreign, list, names};
 use super::surface::{Reading, Surface, say_orientation};
 use super::table::{Table, number};
-use super::{Context, print};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -83,7 +83,7 @@ impl Family for Estimators {
 impl Curvature {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
         if self.list {
-            return print(list::<Estimators>());
+            return context.print(list::<Estimators>());
         }
         let Some(input) = &self.input else {
             return Err(Failure::usage("no mesh is given"));
@@ -113,7 +113,7 @@ impl Curvature {
                 "interior": summary(&field),
             });
             surface.add_to(&mut summary);
-            return print(format_args!("{summary:#}\n"));
+            return context.print(format_args!("{summary:#}\n"));
         }
         let mut table = Table::new();
         table.row(["interior", "least", "median", "greatest"].map(str::to_owned));
@@ -123,7 +123,7 @@ impl Curvature {
                 spread.unwrap_or_else(|| ["-", "-", "-"].map(str::to_owned));
             table.row([name.to_owned(), least, median, greatest]);
         }
-        print(table)?;
+        context.print(table)?;
         if undefined > 0 {
             let reasons: Vec<String> =
                 reasons.iter().map(|(reason, count)| format!("{reason}: {count}")).collect();

@@ -7,12 +7,12 @@ use fairing::denoising::{Automatic, DenoiseError, Denoiser, FaceKind, SurfaceKin
 use fairing::parameters::{Algorithm, OptionError};
 use serde_json::{Map, Value, json};
 
+use super::Context;
 use super::exit::Failure;
 use super::files::{self, Content, MaybeOutput};
 use super::parameters::{Family, Parameters, list, names};
 use super::surface::{Reading, say_orientation};
 use super::table::number;
-use super::{Context, print};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -67,7 +67,7 @@ impl Family for Denoisers {
 impl Denoise {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
         if self.list {
-            return print(list::<Denoisers>());
+            return context.print(list::<Denoisers>());
         }
         let (input, output) = (self.input.as_ref(), self.output.given());
         let (Some(input), Some(output)) = (input, output) else {
@@ -97,7 +97,7 @@ impl Denoise {
                 if self.json {
                     let mut json = as_json(&result);
                     surface.add_to(&mut json);
-                    print(format_args!("{json:#}\n"))?;
+                    context.print(format_args!("{json:#}\n"))?;
                 }
                 result.mesh
             }

@@ -8,6 +8,7 @@ use fairing::parameters::{Algorithm, Kind};
 use fairing::smoothing::{Approach, FlowFailure, Method, Observer, Report, Smoothed, Step};
 use serde_json::{Value, json};
 
+use super::Context;
 use super::exit::Failure;
 use super::files::{self, Content, MaybeOutput};
 use super::operator::say_too_thin;
@@ -15,7 +16,6 @@ use super::parameters::{Family, Parameters, foreign, list, names};
 use super::spectrum::warn_of_split;
 use super::surface::{Reading, Surface, say_orientation};
 use super::table::{Table, number};
-use super::{Context, print};
 
 const HELP: &str = "\
 Which method?
@@ -102,7 +102,7 @@ fn takes_steps(algorithm: &Algorithm) -> bool {
 impl Smooth {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
         if self.list {
-            return print(list::<Flows>());
+            return context.print(list::<Flows>());
         }
         let (Some(input), Some(output)) = (&self.input, self.output.given()) else {
             return Err(Failure::usage("which mesh, and where to?"));
@@ -213,7 +213,7 @@ impl Smooth {
         if self.json {
             let mut summary = json(method, report, [volume, area], farthest);
             surface.add_to(&mut summary);
-            return print(format_args!("{summary:#}\n"));
+            return context.print(format_args!("{summary:#}\n"));
         }
         let mut table = Table::new();
         let percent = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{} %", number(x)));

@@ -8,12 +8,12 @@ use fairing::operators::{LaplacianKind, MassKind, MassMatrix};
 use fairing::spectral::{self, EigenOptions, SpectrumOptions, Split};
 use serde_json::json;
 
+use super::Context;
 use super::exit::Failure;
 use super::files::{Content, Overwrite};
 use super::operator;
 use super::surface::{Reading, Surface};
 use super::table::{Table, number};
-use super::{Context, print};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -177,14 +177,14 @@ impl Spectrum {
                 "certified": modes.certified,
                 "operator": laplacian.kind().name(),
             });
-            return print(format_args!("{summary:#}\n"));
+            return context.print(format_args!("{summary:#}\n"));
         }
         let mut table = Table::new();
         table.row(["mode", "eigenvalue", "residual"].map(str::to_owned));
         for (i, (value, residual)) in modes.values.iter().zip(&modes.residuals).enumerate() {
             table.row([i.to_string(), number(*value), number(*residual)]);
         }
-        print(table)?;
+        context.print(table)?;
         if modes.certified {
             context.note("certified: no smaller eigenvalue was missed");
         }
