@@ -7,8 +7,7 @@ use fairing::denoising::{Automatic, DenoiseError, Denoiser, FaceKind, SurfaceKin
 use fairing::parameters::{Algorithm, OptionError};
 use serde_json::{Map, Value, json};
 
-use super::Context;
-use super::exit::Failure;
+use super::context::{Context, Failure};
 use super::files::{self, Content, MaybeOutput};
 use super::parameters::{Family, Parameters, list, names};
 use super::surface::{Reading, say_orientation};

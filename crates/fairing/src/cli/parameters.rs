@@ -9,7 +9,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, ValueParser};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use fairing::parameters::{Algorithm, Kind, Parameter};
 
-use super::exit::Failure;
+use super::context::Failure;
 use super::table::Table;
 
 /// Algorithms among which a verb chooses.
