@@ -164,7 +164,7 @@ pub fn add_noise(
     let sigma = level.in_mesh_units(mesh);
     OptionError::require_not_negative("noise level in mesh units", sigma)?;
     if let NoiseKind::Impulsive { share } = kind {
-        OptionError::require_share("share of impulses", share)?;
+        OptionError::require_fraction("share of impulses", share)?;
     }
     if let NoiseKind::Correlated { reach } = kind {
         let between = (0.1..=8.0).contains(&reach);

@@ -28,7 +28,7 @@ all_shared!(
     fairing::parameters::Parameter,
     fairing::parameters::OptionError,
     fairing::parameters::ParameterError,
-    fairing::parameters::Values<'static>,
+    fairing::parameters::Values,
     fairing::parameters::WeightedVertex,
     fairing::mesh::BuildError,
     fairing::mesh::Components,

@@ -5,7 +5,7 @@ use anyhow::{Context as _, Result};
 use fairing_benchmark::{
     Case, Found, Method, Published, Set, cases, committed, denoiser, found, summary,
 };
-use fairing_denoising::Denoiser;
+use fairing_denoising::{AutomaticOptions, Denoiser};
 use fairing_figure::{Axis, Figure, Legend, Panel as FigurePanel, Plot, Series};
 use fairing_mesh::TriMesh;
 
@@ -224,7 +224,7 @@ fn lost_table() -> Table {
 fn again(case: &Case, published: &Published) -> Result<(Found, Picture)> {
     let (truth, noisy) = case.meshes()?;
     let name = case.name();
-    let denoise = denoiser(Denoiser::Automatic.name())?;
+    let denoise = denoiser(Denoiser::Automatic(AutomaticOptions::DEFAULT).name())?;
     let (now, ours) = found(&name, &truth, &noisy, published, |mesh| Ok(denoise(mesh)?))?;
     let entry = published.best(&name).context("a case without published results")?;
     let method = Method::named(&entry.method)?;

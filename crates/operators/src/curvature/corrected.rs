@@ -18,6 +18,7 @@
 
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, cross, dot, normalize, scale, sub};
+use fairing_parameters::{Options, Range};
 use rayon::prelude::*;
 
 use super::ball::BallExplorer;
@@ -108,23 +109,25 @@ impl CorrectedMeasures {
     }
 }
 
-/// The normals and the scale of [`corrected_curvature`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct CorrectedOptions {
-    /// How the normals at the vertices are made.
-    pub normals: NormalWeight,
-    /// The radius of the ball about the vertex; `None` for the faces at the
-    /// vertex.
-    pub radius: Option<Length>,
-}
-
-/// The faces at the vertex, with normals exact on spheres.
-impl Default for CorrectedOptions {
-    fn default() -> Self {
-        Self { normals: NormalWeight::Sphere, radius: None }
+fairing_parameters::options! {
+    /// Options of [`corrected_curvature`].
+    ///
+    /// Without a radius the measures are summed over the faces at the vertex.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+    pub struct CorrectedOptions {
+        /// The weights of face normals in the normals of vertices.
+        pub normals: NormalWeight = NormalWeight::Sphere;
+        /// The radius of the ball about each vertex.
+        pub radius: Option<Length> = None, in Range::POSITIVE, unit "mean edge lengths";
     }
+    "corrected": "principal curvatures of smooth shapes at the cost of one ring", ["lachaud2020"],
+        with Self::DEFAULT,
+        if |corrected| corrected.radius.is_none();
+    "corrected-ball": "smooth shapes with uneven or noisy triangles, at a chosen scale", ["lachaud2020"],
+        with Self { radius: Some(Length::MeanEdges(2.0)), ..Self::DEFAULT },
+        if |corrected| corrected.radius.is_some();
 }
 
 /// Curvature by corrected measures at each vertex; H and K have measures of
@@ -136,11 +139,12 @@ impl Default for CorrectedOptions {
 ///
 /// # Errors
 ///
-/// [`OperatorError::Option`] for a radius that is negative or not finite.
+/// [`OperatorError::Option`] for a radius that is not positive.
 pub fn corrected_curvature(
     mesh: &TriMesh,
     options: CorrectedOptions,
 ) -> Result<CurvatureField, OperatorError> {
+    options.check()?;
     on_oriented(mesh, |mesh| estimate(mesh, options))
 }
 

@@ -22,20 +22,17 @@ use crate::error::OperatorError;
 use crate::kind::{LaplacianKind, MassKind};
 use crate::laplacian::{Laplacian, Reason, choose};
 
-/// The area of [`cotangent_curvature`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct CotangentOptions {
-    /// What the integrated values are divided by.
-    pub area: LumpedArea,
-}
-
-/// The mixed area.
-impl Default for CotangentOptions {
-    fn default() -> Self {
-        Self { area: LumpedArea::Mixed }
+fairing_parameters::options! {
+    /// Options of [`cotangent_curvature`].
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+    pub struct CotangentOptions {
+        /// The areas of vertices, by which integrated values are divided.
+        pub area: LumpedArea = LumpedArea::Mixed;
     }
+    "cotangent": "H and K of regular meshes, and integrals on any: the cheapest; no directions",
+        ["meyer2003", "pinkall1993"];
 }
 
 /// H and K by cotangents and angle defects, and the principal values that

@@ -28,20 +28,16 @@ use crate::normals::{NormalWeight, weighted_vertex_normals};
 use crate::symmetric::Symmetric2;
 use crate::tangent::{tangent_frame, turn_between};
 
-/// The normals of [`face_tensor_curvature`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct FaceTensorOptions {
-    /// How the normals at the vertices are made.
-    pub normals: NormalWeight,
-}
-
-/// Normals exact on spheres, as the source recommends.
-impl Default for FaceTensorOptions {
-    fn default() -> Self {
-        Self { normals: NormalWeight::Sphere }
+fairing_parameters::options! {
+    /// Options of [`face_tensor_curvature`].
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+    pub struct FaceTensorOptions {
+        /// The weights of face normals in the normals of vertices.
+        pub normals: NormalWeight = NormalWeight::Sphere;
     }
+    "face-tensor": "shading and line drawing: smooth and cheap; close to corrected", ["rusinkiewicz2004"];
 }
 
 /// A form in the plane of a face.

@@ -13,6 +13,7 @@
 
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{normalize, sub};
+use fairing_parameters::{Options, Range};
 use rayon::prelude::*;
 
 use super::ball::BallExplorer;
@@ -23,35 +24,34 @@ use super::oriented::on_oriented;
 use super::status::Undefined;
 use crate::error::OperatorError;
 
-/// The scale of [`normal_cycle_curvature`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct NormalCycleOptions {
-    /// The radius of the ball. Larger ones average out noise and features
-    /// alike.
-    pub radius: Length,
-}
-
-/// Two mean edge lengths of the component.
-impl Default for NormalCycleOptions {
-    fn default() -> Self {
-        Self { radius: Length::MeanEdges(2.0) }
+fairing_parameters::options! {
+    /// Options of [`normal_cycle_curvature`].
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+    pub struct NormalCycleOptions {
+        /// The radius of the ball about each vertex.
+        pub radius: Length = Length::MeanEdges(2.0), in Range::POSITIVE, unit "mean edge lengths";
     }
+    "normal-cycle": "curvature at a chosen scale, averaged over a ball; steady under noise",
+        ["cohensteiner2003"];
 }
 
 /// Principal curvatures from the normal cycle over a ball about each vertex.
+///
+/// Larger balls average out noise and features alike.
 ///
 /// Undefined at isolated vertices and where the ball contains no area or
 /// there is no normal. Cost: linear in the faces in a ball, per vertex.
 ///
 /// # Errors
 ///
-/// [`OperatorError::Option`] for a radius that is negative or not finite.
+/// [`OperatorError::Option`] for a radius that is not positive.
 pub fn normal_cycle_curvature(
     mesh: &TriMesh,
     options: NormalCycleOptions,
 ) -> Result<CurvatureField, OperatorError> {
+    options.check()?;
     on_oriented(mesh, |mesh| estimate(mesh, options))
 }
 

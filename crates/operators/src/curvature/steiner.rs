@@ -22,6 +22,15 @@ use super::field::CurvatureField;
 use super::oriented::on_oriented;
 use super::status::Undefined;
 
+fairing_parameters::options! {
+    /// The estimator [`steiner_curvature`] has no options.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+    pub struct SteinerOptions {}
+    "steiner": "bending at creases, from dihedral angles; any mesh, however broken", ["sullivan2008"];
+}
+
 /// Principal curvatures from dihedral angles.
 ///
 /// Undefined at isolated vertices and where the faces have no area or no
