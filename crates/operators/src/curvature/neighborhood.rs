@@ -2,11 +2,11 @@
 
 use std::ops::Bound;
 
-use fairing_mesh::vec3::distance;
 use fairing_mesh::{Topology, TriMesh};
 use fairing_parameters::{
     Field, Kind, OptionError, Parameter, ParameterError, Range, Value, Values,
 };
+use glam::DVec3;
 
 use crate::error::OperatorError;
 
@@ -49,8 +49,8 @@ impl Length {
         let mut sums = vec![(0.0, 0usize); components.count()];
         for (f, face) in mesh.faces().iter().enumerate() {
             if let Some(c) = component(face[0]) {
-                let [a, b, third] = mesh.triangle(f);
-                sums[c].0 += distance(a, b) + distance(b, third) + distance(third, a);
+                let [a, b, third] = mesh.triangle(f).map(DVec3::from);
+                sums[c].0 += a.distance(b) + b.distance(third) + third.distance(a);
                 sums[c].1 += 3;
             }
         }
@@ -176,11 +176,10 @@ impl Explorer {
             }
             Reach::Radii(radii) => {
                 let radius = radii[v as usize];
-                let (positions, centre) = (mesh.positions(), mesh.positions()[v as usize]);
+                let at = |w: u32| DVec3::from(mesh.positions()[w as usize]);
+                let centre = at(v);
                 while start < self.found.len() {
-                    start = self.grow(topology, start, |w| {
-                        distance(positions[w as usize], centre) <= radius
-                    });
+                    start = self.grow(topology, start, |w| at(w).distance(centre) <= radius);
                 }
                 // Those turned away lie next to any of the others.
                 start = 0;
