@@ -6,8 +6,7 @@ use clap::Args;
 use fairing::evaluation::{ScoreOptions, Scores};
 use serde_json::{Map, Value, json};
 
-use super::Context;
-use super::exit::Failure;
+use super::context::{Context, Failure};
 use super::surface::{Reading, say_orientation};
 
 const EXAMPLES: &str = "\

@@ -11,8 +11,7 @@ use fairing::operators::{Laplacian, LaplacianKind, LumpedArea, MassKind, Operato
 use fairing::parameters::Algorithm;
 use serde_json::{Value, json};
 
-use super::Context;
-use super::exit::Failure;
+use super::context::{Context, Failure};
 use super::files::{self, Content, Overwrite};
 use super::operator::{self, say_too_thin};
 use super::parameters::{Parameters, foreign, list, names};

@@ -6,8 +6,7 @@ use clap::Args;
 use fairing::denoising::{Automatic, AutomaticOptions, Denoiser, FaceKind, SurfaceKind, automatic};
 use serde_json::{Map, Value, json};
 
-use super::Context;
-use super::exit::Failure;
+use super::context::{Context, Failure};
 use super::files::{self, Content, MaybeOutput};
 use super::parameters::{Parameters, list, names};
 use super::surface::{Reading, say_orientation};

@@ -11,8 +11,7 @@ use fairing::mesh::io::{
 };
 use fairing::watch;
 
-use super::Context;
-use super::exit::Failure;
+use super::context::{Context, Failure};
 
 /// Where a result goes.
 #[derive(Args)]

@@ -7,8 +7,7 @@ use fairing::mesh::io::{self, PolygonFile, ReadReport};
 use fairing::mesh::{Diagnosis, PolygonMesh, Tally};
 use serde_json::{Value, json};
 
-use super::Context;
-use super::exit::Failure;
+use super::context::{Context, Failure};
 use super::files;
 use super::table::{Table, number};
 

@@ -5,10 +5,10 @@
 
 mod compare;
 mod completions;
+mod context;
 mod convert;
 mod curvature;
 mod denoise;
-mod exit;
 mod files;
 mod info;
 mod noise;
@@ -22,15 +22,13 @@ mod spectrum;
 mod surface;
 mod table;
 
-use std::fmt::Display;
-use std::io::{Write, stdout};
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use fairing::mesh::io::Format;
 use indicatif::ProgressBar;
 
-use exit::Failure;
+use context::{Context, Failure};
 
 /// The formats and the examples below the help of the program.
 fn after_help() -> String {
@@ -82,34 +80,6 @@ enum Verb {
     Completions(completions::Completions),
 }
 
-/// Options that all verbs share.
-struct Context {
-    /// Print only results and errors.
-    quiet: bool,
-    /// Leave out broken vertices and faces of files.
-    drop_broken: bool,
-    /// Progress of the verb, hidden at first.
-    bar: ProgressBar,
-}
-
-impl Context {
-    /// Prints a note for the user to the error stream.
-    fn note(&self, text: impl Display) {
-        if !self.quiet {
-            self.bar.suspend(|| eprintln!("{text}"));
-        }
-    }
-
-    /// Prints a result to the standard output.
-    fn print(&self, text: impl Display) -> Result<(), Failure> {
-        self.bar.suspend(|| {
-            let mut out = stdout().lock();
-            write!(out, "{text}")?;
-            Ok(out.flush()?)
-        })
-    }
-}
-
 impl Verb {
     fn run(&self, context: &Context) -> Result<(), Failure> {
         match self {
@@ -123,7 +93,7 @@ impl Verb {
             Self::Denoise(verb) => verb.run(context),
             Self::Compare(verb) => verb.run(context),
             Self::Render(verb) => verb.run(context),
-            Self::Completions(verb) => verb.run(context),
+            Self::Completions(verb) => verb.run(context, &mut Cli::command()),
         }
     }
 }

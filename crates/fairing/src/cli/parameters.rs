@@ -9,7 +9,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use fairing::parameters::{Algorithm, Family, Kind, Parameter, Range, Value};
 
-use super::exit::Failure;
+use super::context::Failure;
 use super::table::Table;
 
 /// Values given to the parameters of a family, each with the name of its parameter.

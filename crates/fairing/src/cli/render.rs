@@ -11,8 +11,7 @@ use fairing::figure::{
 use fairing::mesh::TriMesh;
 use fairing::mesh::io::VertexFields;
 
-use super::Context;
-use super::exit::Failure;
+use super::context::{Context, Failure};
 use super::files::{self, Content, Output};
 use super::surface::say_orientation;
 use super::table::number;

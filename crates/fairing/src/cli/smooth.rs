@@ -8,8 +8,7 @@ use fairing::parameters::{Algorithm, Family, Kind};
 use fairing::smoothing::{Approach, FlowFailure, Method, Observer, Report, Smoothed, Step};
 use serde_json::{Value, json};
 
-use super::Context;
-use super::exit::Failure;
+use super::context::{Context, Failure};
 use super::files::{self, Content, MaybeOutput};
 use super::operator::say_too_thin;
 use super::parameters::{Parameters, foreign, list, names};
