@@ -160,7 +160,7 @@ impl Direct {
         let (laplacian, parts, t) = (solver.laplacian, solver.parts, solver.step);
         let mut ground = vec![0.0; laplacian.len()];
         if t * laplacian.gershgorin() > LONG {
-            for v in parts.representatives().filter(|&v| !laplacian.is_still(v)) {
+            for v in parts.representatives().filter(|&v| !laplacian.is_fixed(v)) {
                 ground[v] = t * laplacian.diagonal()[v];
             }
         }
@@ -250,7 +250,7 @@ fn system(
             false => {
                 let neighbors = laplacian.stiffness_row(i);
                 row.extend(neighbors.filter(|&(j, _)| !freedom.fixed[j as usize]));
-                let s = if laplacian.is_still(i) { 0.0 } else { laplacian.diagonal()[i] };
+                let s = if laplacian.is_fixed(i) { 0.0 } else { laplacian.diagonal()[i] };
                 laplacian.mass()[i] * (1.0 + freedom.pull(i).0) + step * s + ground[i]
             }
         };

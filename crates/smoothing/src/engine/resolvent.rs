@@ -110,7 +110,7 @@ impl Resolvent {
         }
         for (i, p) in last.iter_mut().enumerate() {
             let centre = centres[parts.part(i)];
-            *p = match laplacian.is_still(i) {
+            *p = match laplacian.is_fixed(i) {
                 true => x[i],
                 false => [0, 1, 2].map(|k| p[k] + centre[k]),
             };
