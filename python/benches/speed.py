@@ -1,6 +1,6 @@
 """The table of docs/python.md: each call beside the Rust bench and other packages, best of several.
 
-python speed.py MESH.obj [path of xtask built with --release] [--without-peers]
+python speed.py MESH.obj [path of benchmark built with --release] [--without-peers]
 """
 
 from __future__ import annotations

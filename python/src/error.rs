@@ -165,7 +165,7 @@ impl From<FlowError> for Error {
 impl From<DenoiseError> for Error {
     fn from(error: DenoiseError) -> Self {
         match error {
-            DenoiseError::Option(_) | DenoiseError::Parameter(_) => Self::Option(chain(&error)),
+            DenoiseError::Option(_) => Self::Option(chain(&error)),
             _ => Self::Computation(chain(&error)),
         }
     }

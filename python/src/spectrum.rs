@@ -240,15 +240,7 @@ fn spectrum(
         let mut options =
             if dirichlet { SpectrumOptions::dirichlet(&mesh) } else { SpectrumOptions::default() };
         options.fixed.extend(fixed);
-        let watch = fairing_watch::current();
-        watch.stage("modes", k as u64);
-        let mut done = 0;
-        let found = spectral::spectrum_with(&laplacian, k, &options, &mut |progress| {
-            let now = progress.converged as u64;
-            watch.advance(now.saturating_sub(done));
-            done = done.max(now);
-            std::ops::ControlFlow::Continue(())
-        })?;
+        let found = spectral::spectrum(&laplacian, k, &options)?;
         Ok((found, laplacian.kind().name(), note))
     })?;
     Ok((found.into(), taken, note))

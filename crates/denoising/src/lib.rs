@@ -28,14 +28,15 @@ mod faces;
 mod fast_effective;
 mod guided_normal;
 mod l0;
-mod method;
+mod noise_level;
 mod non_iterative;
 mod oriented;
 mod total_variation;
 mod vertex_update;
 
-pub use automatic::regression::training::{TrainingOptions, TrainingPair, train_normals};
-pub use automatic::{Automatic, FaceKind, SurfaceKind, automatic};
+#[doc(hidden)]
+pub use automatic::training;
+pub use automatic::{Automatic, AutomaticOptions, FaceKind, SurfaceKind, automatic};
 pub use bilateral::{BilateralOptions, bilateral};
 pub use bilateral_normal::{
     BilateralNormalGlobalOptions, BilateralNormalOptions, bilateral_normal, bilateral_normal_global,
@@ -45,6 +46,7 @@ pub use error::DenoiseError;
 pub use fast_effective::{FastEffectiveOptions, fast_effective};
 pub use guided_normal::{GuidedNormalOptions, guided_normal};
 pub use l0::{L0Options, l0};
+pub use noise_level::{NoiseEstimate, NoisyParts, noise_level, noisy_parts};
 pub use non_iterative::{NonIterativeOptions, non_iterative};
 pub use total_variation::{TotalVariationOptions, total_variation};
 pub use vertex_update::{VertexUpdate, update_vertices};

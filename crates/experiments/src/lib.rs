@@ -5,7 +5,6 @@
 //! measures, and how it judges its claims from its own tables. How a report
 //! looks is no matter of this crate.
 
-pub mod bed;
 pub mod experiment;
 pub mod experiments;
 pub mod inputs;

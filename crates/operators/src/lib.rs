@@ -23,7 +23,6 @@ pub mod intrinsic;
 mod kind;
 mod laplacian;
 mod mass;
-mod noise_level;
 mod normal_equations;
 mod normals;
 mod polygon;
@@ -35,6 +34,8 @@ mod uniform;
 
 pub use area::LumpedArea;
 pub use corners::check_faces;
+#[doc(hidden)]
+pub use curvature::PrincipalAxes;
 pub use error::{MIN_HEIGHT_RATIO, OperatorError};
 pub use fairing_sparse::SparseMatrix;
 pub use gradient::{divergence, face_gradients, gradient};
@@ -44,10 +45,11 @@ pub use laplacian::{
     positive_lumped_mass,
 };
 pub use mass::{consistent_mass, lumped_mass};
-pub use noise_level::{NoiseEstimate, NoisyParts, noise_level, noisy_parts};
 #[doc(hidden)]
 pub use normal_equations::{NormalEquations, NormalFactor};
 pub use normals::{NormalWeight, face_normals, vertex_normals, weighted_vertex_normals};
 pub use polygon::{PolygonLaplacian, polygon_laplacian};
 pub use stiffness::cotan_stiffness;
+#[doc(hidden)]
+pub use tangent::tangent_frame;
 pub use uniform::{combinatorial_laplacian, random_walk_laplacian};

@@ -23,11 +23,7 @@ const ROUNDS: usize = 12;
 /// the surface and put back onto it by Newton's method. Vertices and faces
 /// follow the cells: z slowest, then y, x. Sources: \[gibson1998\],
 /// \[latecki1997\].
-pub(super) fn implicit(
-    field: impl Fn([f64; 3]) -> f64 + Sync,
-    half: f64,
-    resolution: usize,
-) -> TriMesh {
+pub fn implicit(field: impl Fn([f64; 3]) -> f64 + Sync, half: f64, resolution: usize) -> TriMesh {
     let grid = Grid { n: resolution, half, cell: 2.0 * half / resolution as f64 };
     let nodes = (resolution + 1).pow(3);
     let values: Vec<f64> =
@@ -191,8 +187,9 @@ fn relaxed(mesh: &TriMesh, field: &(impl Fn([f64; 3]) -> f64 + Sync), cell: f64)
     made(x, mesh.faces().to_vec())
 }
 
-/// Newton's method along the gradient, no step longer than half a cell.
-pub(super) fn onto(field: &impl Fn([f64; 3]) -> f64, mut p: [f64; 3], cell: f64) -> [f64; 3] {
+/// A point of the surface `field` = 0 near `p`: Newton's method along the gradient, no step longer
+/// than half a cell.
+pub fn onto(field: &impl Fn([f64; 3]) -> f64, mut p: [f64; 3], cell: f64) -> [f64; 3] {
     for _ in 0..12 {
         let (f, g) = (field(p), gradient(field, p));
         let step = scale(g, f / dot(g, g).max(1e-12));

@@ -5,30 +5,38 @@ use std::f64::consts::{PI, TAU};
 /// A piece of an outline in the plane: a straight line or an arc, with the
 /// material on its left.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Piece {
+pub enum Piece {
+    /// A straight line.
     Line {
+        /// Its start.
         from: [f64; 2],
+        /// Its end.
         to: [f64; 2],
     },
-    /// From angle `start` over `sweep`, negative clockwise.
+    /// An arc; clockwise if `sweep` is negative.
     Arc {
+        /// The centre of the circle.
         centre: [f64; 2],
+        /// The radius of the circle.
         radius: f64,
+        /// The angle of the first point from the x axis, in radians.
         start: f64,
+        /// The angle from the first to the last point, in radians.
         sweep: f64,
     },
 }
 
 impl Piece {
-    pub(super) fn length(self) -> f64 {
+    /// The length.
+    pub fn length(self) -> f64 {
         match self {
             Self::Line { from, to } => libm::hypot(to[0] - from[0], to[1] - from[1]),
             Self::Arc { radius, sweep, .. } => radius * sweep.abs(),
         }
     }
 
-    /// The point at a share `t` of the length.
-    pub(super) fn at(self, t: f64) -> [f64; 2] {
+    /// The point at the fraction `t` of the length.
+    pub fn at(self, t: f64) -> [f64; 2] {
         match self {
             Self::Line { from, to } => [0, 1].map(|k| from[k] + t * (to[k] - from[k])),
             Self::Arc { centre, radius, start, sweep } => {
@@ -38,9 +46,9 @@ impl Piece {
         }
     }
 
-    /// The share of the length at the point of the piece closest to `p`, for
-    /// `p` near the piece. Arcs sweep less than a turn.
-    pub(super) fn share(self, p: [f64; 2]) -> f64 {
+    /// The fraction of the length at the point of the piece closest to `p`, for `p` near the
+    /// piece. Arcs sweep less than a turn.
+    pub fn fraction(self, p: [f64; 2]) -> f64 {
         match self {
             Self::Line { from, to } => {
                 let d = [to[0] - from[0], to[1] - from[1]];
@@ -61,20 +69,20 @@ impl Piece {
     }
 
     /// Whether it is straight.
-    pub(super) fn is_straight(self) -> bool {
+    pub fn is_straight(self) -> bool {
         matches!(self, Self::Line { .. })
     }
 }
 
 /// The straight pieces of a closed polygon.
-pub(super) fn polygon(corners: &[[f64; 2]]) -> Vec<Piece> {
+pub fn polygon(corners: &[[f64; 2]]) -> Vec<Piece> {
     let n = corners.len();
     (0..n).map(|i| Piece::Line { from: corners[i], to: corners[(i + 1) % n] }).collect()
 }
 
 /// The polygon with each corner rounded by an arc of its radius that touches
 /// both sides; a radius of zero leaves it sharp.
-pub(super) fn rounded(corners: &[([f64; 2], f64)]) -> Vec<Piece> {
+pub fn rounded(corners: &[([f64; 2], f64)]) -> Vec<Piece> {
     let n = corners.len();
     // Where the arc of each corner begins and ends, and the arc.
     let arcs: Vec<_> = (0..n)
@@ -112,7 +120,7 @@ pub(super) fn rounded(corners: &[([f64; 2], f64)]) -> Vec<Piece> {
 }
 
 /// A circle of `pieces` arcs, counter-clockwise, or clockwise as the outline of a hole.
-pub(super) fn circle(centre: [f64; 2], radius: f64, pieces: u32, hole: bool) -> Vec<Piece> {
+pub fn circle(centre: [f64; 2], radius: f64, pieces: u32, hole: bool) -> Vec<Piece> {
     let sweep = if hole { -TAU } else { TAU } / f64::from(pieces);
     let arc = |i| Piece::Arc { centre, radius, start: f64::from(i) * sweep, sweep };
     (0..pieces).map(arc).collect()

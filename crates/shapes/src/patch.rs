@@ -5,16 +5,17 @@ use rand_chacha::ChaCha8Rng;
 use super::delaunay::{delaunay, scatter};
 
 /// Triangles of a region: its border points come first, as they were given.
-pub(super) struct Patch {
+pub struct Patch {
     /// The points inside, numbered after the border.
-    pub(super) inner: Vec<[f64; 2]>,
-    pub(super) faces: Vec<[u32; 3]>,
+    pub inner: Vec<[f64; 2]>,
+    /// The triangles, counter-clockwise.
+    pub faces: Vec<[u32; 3]>,
 }
 
 /// Fills the region with these borders (the outer one counter-clockwise, holes
 /// clockwise; neighbours about `spacing` apart) with a triangular lattice,
 /// which a few rounds of averaging fit to the border.
-pub(super) fn fill(borders: &[Vec<[f64; 2]>], spacing: f64) -> Patch {
+pub fn fill(borders: &[Vec<[f64; 2]>], spacing: f64) -> Patch {
     let mut region = Region::new(borders, 1e-9 * spacing * spacing);
     let [low, high] = region.bounds();
     let rows = ((high[1] - low[1]) / (spacing * 0.75f64.sqrt())).round().max(1.0);
@@ -31,9 +32,9 @@ pub(super) fn fill(borders: &[Vec<[f64; 2]>], spacing: f64) -> Patch {
     region.averaged(4)
 }
 
-/// Fills the region with points at random, neighbours about `size` apart
+/// Fills the region with random points, neighbours about `size` apart
 /// where they are, and averages them `rounds` times.
-pub(super) fn fill_scattered(
+pub fn fill_scattered(
     borders: &[Vec<[f64; 2]>],
     size: impl Fn([f64; 2]) -> f64,
     rounds: usize,
@@ -187,7 +188,8 @@ fn left_of_crossing(p: [f64; 2], [a, b]: [[f64; 2]; 2]) -> bool {
     (a[1] > p[1]) != (b[1] > p[1]) && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
 }
 
-pub(super) fn distance_to(p: [f64; 2], [a, b]: [[f64; 2]; 2]) -> f64 {
+/// The distance of a point from a segment.
+pub fn distance_to(p: [f64; 2], [a, b]: [[f64; 2]; 2]) -> f64 {
     let (d, q) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
     let t = ((q[0] * d[0] + q[1] * d[1]) / (d[0] * d[0] + d[1] * d[1])).clamp(0.0, 1.0);
     libm::hypot(q[0] - t * d[0], q[1] - t * d[1])

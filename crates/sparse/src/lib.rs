@@ -44,8 +44,8 @@ pub use direct::{
 };
 #[cfg(feature = "solvers")]
 pub use eigen::{
-    Beyond, Count, DenseSolver, EigenError, EigenOptions, EigenPairs, EigenProgress, EigenWatch,
-    eigenpairs_within, smallest_eigenpairs, smallest_eigenpairs_with,
+    Beyond, Count, DenseSolver, EigenError, EigenOptions, EigenPairs, eigenpairs_within,
+    smallest_eigenpairs,
 };
 pub use graph_laplacian::{GraphLaplacian, GraphNumbers, Padded};
 pub use laplacian_power::LaplacianPower;

@@ -1,10 +1,8 @@
 //! Computing spectra of meshes and of their graphs.
 
-use std::ops::ControlFlow;
-
 use fairing_mesh::TriMesh;
 use fairing_operators::{Laplacian, LaplacianKind, MassKind};
-use fairing_sparse::{EigenOptions, EigenWatch, smallest_eigenpairs_with};
+use fairing_sparse::{EigenOptions, smallest_eigenpairs};
 use ndarray::Array2;
 
 use crate::error::SpectralError;
@@ -27,28 +25,6 @@ impl SpectrumOptions {
         let boundary = mesh.topology().boundary_vertices();
         let fixed = (0..boundary.len() as u32).filter(|&v| boundary[v as usize]).collect();
         Self { fixed, eigen: EigenOptions::default() }
-    }
-}
-
-/// Which graph Laplacian: both ignore the shape of the faces.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
-#[non_exhaustive]
-pub enum GraphWeights {
-    /// (D − A) φ = λ φ.
-    Combinatorial,
-    /// (D − A) φ = λ D φ, that is −L φ = λ φ with the random walk L = D⁻¹A − I. Modes are orthonormal in D:
-    /// a plain transpose does not invert them.
-    RandomWalk,
-}
-
-impl GraphWeights {
-    fn mass(self) -> MassKind {
-        match self {
-            Self::Combinatorial => MassKind::Unit,
-            Self::RandomWalk => MassKind::Degree,
-        }
     }
 }
 
@@ -81,27 +57,13 @@ pub fn spectrum(
     k: usize,
     options: &SpectrumOptions,
 ) -> Result<Spectrum, SpectralError> {
-    spectrum_with(laplacian, k, options, &mut |_| ControlFlow::Continue(()))
-}
-
-/// [`spectrum`] with a watch, which sees the progress and may cancel.
-///
-/// # Errors
-///
-/// As [`spectrum`].
-pub fn spectrum_with(
-    laplacian: &Laplacian,
-    k: usize,
-    options: &SpectrumOptions,
-    watch: &mut EigenWatch<'_>,
-) -> Result<Spectrum, SpectralError> {
     let part = laplacian.restricted(&options.fixed)?;
     let (n, kept) = (laplacian.vertex_count(), part.free());
     if k > kept.len() {
         return Err(SpectralError::TooManyModes { wanted: k, available: kept.len() });
     }
     let mass = part.mass().as_mass();
-    let pairs = smallest_eigenpairs_with(part.stiffness(), mass, k, &options.eigen, watch)?;
+    let pairs = smallest_eigenpairs(part.stiffness(), mass, k, &options.eigen)?;
     let modes = if kept.len() == n {
         pairs.vectors
     } else {
@@ -123,15 +85,18 @@ pub fn spectrum_with(
 
 /// The k smoothest modes of the graph of the edges, for comparison with those of the surface.
 ///
+/// (D − A) φ = λ M φ with [`MassKind::Unit`], or with [`MassKind::Degree`] −L φ = λ φ for the random walk
+/// L = D⁻¹A − I, whose modes are orthonormal in D: a plain transpose does not invert them.
+///
 /// # Errors
 ///
 /// As [`spectrum`].
 pub fn graph_spectrum(
     mesh: &TriMesh,
     k: usize,
-    weights: GraphWeights,
+    mass: MassKind,
     options: &EigenOptions,
 ) -> Result<Spectrum, SpectralError> {
-    let laplacian = Laplacian::new(mesh, LaplacianKind::Uniform, weights.mass())?;
+    let laplacian = Laplacian::new(mesh, LaplacianKind::Uniform, mass)?;
     spectrum(&laplacian, k, &SpectrumOptions { fixed: vec![], eigen: options.clone() })
 }

@@ -27,13 +27,13 @@ mod spectrum;
 
 pub use cluster::Split;
 pub use compression::{Compressed, compress};
-pub use compute::{GraphWeights, SpectrumOptions, graph_spectrum, spectrum, spectrum_with};
+pub use compute::{SpectrumOptions, graph_spectrum, spectrum};
 pub use diffusion::HeatDiffusion;
 pub use error::SpectralError;
 #[cfg(feature = "npz")]
 pub use error::SpectrumFileError;
 pub use fairing_operators::MassMatrix;
-pub use fairing_sparse::{Beyond, Count, EigenOptions, EigenProgress};
+pub use fairing_sparse::{Beyond, Count, EigenOptions};
 pub use filter::{Filtered, Rest, ideal_band_pass, ideal_high_pass, ideal_low_pass};
 pub use geodesic::HeatGeodesics;
 pub use poisson::Poisson;

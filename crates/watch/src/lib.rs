@@ -158,6 +158,14 @@ impl Handle {
         self.check();
     }
 
+    /// Raises the parts done to `done` if fewer were; then as [`check`](Self::check).
+    pub fn reach(&self, done: u64) {
+        if let Some(Watch(shared)) = &self.0 {
+            shared.done.fetch_max(done, Ordering::Relaxed);
+        }
+        self.check();
+    }
+
     /// Counts parts of the stage as done; then as [`check`](Self::check).
     #[inline]
     pub fn advance(&self, parts: u64) {
@@ -185,6 +193,11 @@ pub fn check() {
 /// [`Handle::stage`] of the work of this thread.
 pub fn stage(name: &'static str, of: u64) {
     current().stage(name, of);
+}
+
+/// [`Handle::reach`] of the work of this thread.
+pub fn reach(done: u64) {
+    current().reach(done);
 }
 
 /// [`Handle::advance`] of the work of this thread.

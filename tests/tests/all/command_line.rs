@@ -14,7 +14,7 @@ use fairing_spectral::{SpectrumOptions, spectrum};
 use serde_json::{Value, json};
 
 /// The program, built once for all tests.
-fn program() -> &'static Path {
+pub(crate) fn program() -> &'static Path {
     static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
     PROGRAM.get_or_init(fairing_tests::program)
 }
@@ -48,7 +48,7 @@ fn folder_with_torus() -> tempfile::TempDir {
     folder
 }
 
-fn files(folder: &Path) -> Vec<String> {
+pub(crate) fn files(folder: &Path) -> Vec<String> {
     let mut names: Vec<String> = std::fs::read_dir(folder)
         .unwrap()
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())

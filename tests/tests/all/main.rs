@@ -11,13 +11,14 @@ mod examples;
 mod extents;
 mod extremes;
 mod files;
+#[cfg(target_os = "linux")]
+mod interrupts;
 mod invariants;
 mod public_types;
 mod rendering;
 mod report;
 mod robustness;
 mod serialized;
-mod shapes;
 mod sizes;
 mod smoothing;
 mod spectra;

@@ -7,13 +7,13 @@ use fairing_experiments::experiments;
 use fairing_experiments::outcome::{Outcome, Picture};
 use fairing_figure::{Camera, Colors, RenderOptions, Up, Viewpoint, render};
 use fairing_report::mathml;
+use fairing_reproduce::{Plan, reproduce};
 use fairing_results::results::{Form, Results};
 use fairing_results::row;
 use fairing_results::table::{Table, Tables, Unit};
 use fairing_results::verdict::{Judgement, Verdict};
 use fairing_results::view::{Panel, Slider, View};
 use fairing_shapes as shapes;
-use xtask::reproduce::{Plan, reproduce};
 
 /// A record with every kind of content that a report can show.
 struct Shown;
@@ -144,8 +144,8 @@ fn numbers_alone_are_no_report() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("report");
     let results = report(&out, Form::Whole);
-    xtask::reference::accept(folder.path(), &results).unwrap();
-    let bare = xtask::reference::path(folder.path(), true);
+    fairing_reproduce::reference::accept(folder.path(), &results).unwrap();
+    let bare = fairing_reproduce::reference::path(folder.path(), true);
     std::fs::copy(bare, out.join("results.json")).unwrap();
     let page = std::fs::read(out.join("report.html")).unwrap();
     let error = fairing_report::render(&out).unwrap_err().to_string();

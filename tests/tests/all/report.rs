@@ -7,6 +7,7 @@ use fairing_experiments::experiment::{Card, Context, Experiment};
 use fairing_experiments::experiments;
 use fairing_experiments::outcome::Outcome;
 use fairing_mesh::TriMesh;
+use fairing_reproduce::{Plan, reproduce};
 use fairing_results::compare::differences;
 use fairing_results::results::{Form, Results};
 use fairing_results::row;
@@ -15,7 +16,6 @@ use fairing_results::verdict::{Judgement, Verdict};
 use fairing_results::view::{Panel, View};
 use fairing_shapes as shapes;
 use serde_json::Value;
-use xtask::reproduce::{Plan, reproduce};
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
@@ -387,10 +387,4 @@ fn an_unknown_experiment_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let error = reproduce(experiments::ALL, &plan(folder.path(), &["q99"])).unwrap_err();
     assert!(error.to_string().contains("q99"), "{error}");
-}
-
-/// The committed meshes are those of the manifest and those of today's generators.
-#[test]
-fn data_is_as_its_manifest_says() {
-    assert_eq!(xtask::data::check(&root().join("data")).unwrap(), Vec::<String>::new());
 }

@@ -5,7 +5,7 @@ use std::fmt::Debug;
 use fairing::denoising::{
     BilateralNormalGlobalOptions, BilateralNormalOptions, BilateralOptions, Denoiser,
     FastEffectiveOptions, GuidedNormalOptions, L0Options, NonIterativeOptions,
-    TotalVariationOptions,
+    TotalVariationOptions, noise_level,
 };
 use fairing::evaluation::{
     Drift, Hausdorff, NoiseKind, NoiseLevel, NormalAngles, ScoreOptions, Scores, add_noise,
@@ -18,7 +18,7 @@ use fairing::mesh::Diagnosis;
 use fairing::mesh::io::{self, Format, ReadOptions, VertexFields, WriteOptions};
 use fairing::operators::curvature::{Estimator, MeanOperator, mean_curvature};
 use fairing::operators::intrinsic::RobustOptions;
-use fairing::operators::{Laplacian, LaplacianKind, LumpedArea, MassKind, noise_level};
+use fairing::operators::{Laplacian, LaplacianKind, LumpedArea, MassKind};
 use fairing::smoothing::{
     Boundary, Constraints, Diffusion, Implicit, LowPass, Method, Time, Transfer, Volume, Window,
     implicit,
@@ -76,8 +76,11 @@ fn methods_come_back_with_all_their_options() {
     for method in Method::defaults() {
         json_of(&method);
     }
-    for estimator in Estimator::ALL {
+    for estimator in Estimator::all() {
         json_of(&estimator);
+    }
+    for denoiser in Denoiser::all() {
+        json_of(&denoiser);
     }
     for options in [ScaleOptions::ASSIGNMENT, ScaleOptions::SIGNED, ScaleOptions::MAGNITUDE] {
         json_of(&options);
@@ -101,7 +104,6 @@ fn choices_are_their_names() {
         }
         assert!(from_value::<T>(json!("no such name")).is_err());
     }
-    names(&Denoiser::ALL);
     names(&LaplacianKind::ALL);
     names(&MassKind::ALL);
     names(&LumpedArea::ALL);

@@ -5,7 +5,7 @@ use fairing_mesh::TriMesh;
 use fairing_operators::{Laplacian, LaplacianKind, MassKind};
 use fairing_shapes as shapes;
 use fairing_spectral::{
-    GraphWeights, HeatDiffusion, HeatGeodesics, Rest, SpectralError, Spectrum, SpectrumFileError,
+    HeatDiffusion, HeatGeodesics, Rest, SpectralError, Spectrum, SpectrumFileError,
     SpectrumOptions, compress, global_point_signature, graph_spectrum, heat_kernel_signature,
     heat_kernel_times, ideal_low_pass, reconstruct, shape_dna, spectrum, wave_kernel_signature,
 };
@@ -80,13 +80,9 @@ fn the_mass_cannot_be_left_out() {
                 .collect(),
         )
         .unwrap();
-    let walk = graph_spectrum(
-        &ellipsoid,
-        ellipsoid.vertex_count(),
-        GraphWeights::RandomWalk,
-        &options.eigen,
-    )
-    .unwrap();
+    let walk =
+        graph_spectrum(&ellipsoid, ellipsoid.vertex_count(), MassKind::Degree, &options.eigen)
+            .unwrap();
     for found in [spectrum(&Laplacian::cotangent(&mesh).unwrap(), n, &options).unwrap(), walk] {
         let field = Array2::from_shape_fn((found.vertex_count(), 1), |(i, _)| (i % 5) as f64);
         let exact = found.inverse(found.transform(field.view()).unwrap().view()).unwrap();

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use fairing_experiments::experiments;
+use fairing_reproduce::{Plan, reproduce};
 use fairing_results::results::Form;
 use libtest_mimic::Failed;
-use xtask::reproduce::{Plan, reproduce};
 
 use crate::Test;
 

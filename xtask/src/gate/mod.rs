@@ -1,6 +1,6 @@
 //! The test command: everything that guards a merge.
 
-mod programs;
+mod tests;
 mod wasm;
 
 use std::path::Path;
@@ -9,10 +9,13 @@ use std::time::Instant;
 
 use anyhow::{Context as _, Result};
 
-use crate::meshes::meshes_folder;
+use crate::programs::{Program, cargo};
 use crate::python::Extent;
-use crate::{python, reference, tidy};
-use programs::Programs;
+use crate::{python, tidy};
+use tests::Tests;
+
+/// The reference values of quick runs, from the root.
+const REFERENCE: &str = "docs/reference/quick.json";
 
 /// A step that runs cargo.
 struct Step {
@@ -90,20 +93,13 @@ impl Log {
     }
 }
 
-/// The cargo that runs us, in the root of the repository.
-fn cargo(root: &Path) -> Command {
-    let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    cargo.current_dir(root);
-    cargo
-}
-
 /// Runs all steps, also after one has failed; whether none has. Ends with how
 /// long each took, the slowest tests, and what was skipped and why.
 ///
 /// # Errors
 ///
 /// If cargo cannot be run or the tree cannot be read.
-pub fn run(root: &Path, whole_python: bool) -> Result<bool> {
+pub(crate) fn run(root: &Path, whole_python: bool) -> Result<bool> {
     let mut log = Log::default();
     log.step("tidy", || tidy::run(root))?;
     log.cargo(root, &FORMAT)?;
@@ -113,15 +109,15 @@ pub fn run(root: &Path, whole_python: bool) -> Result<bool> {
     if wasm::is_installed() {
         log.step("libraries for WebAssembly", || wasm::compiles(root))?;
     }
-    let mut tests = Programs::default();
+    let mut tests = Tests::default();
     log.step("building the tests", || tests.build(root))?;
     log.cargo(root, &PROGRAMS)?;
-    log.step("tests", || tests.run())?;
+    log.step("tests", || tests.run(root))?;
     log.cargo(root, &EXAMPLES)?;
     if has_openblas() {
         log.cargo(root, &LAPACK)?;
     }
-    if reference::path(root, true).is_file() {
+    if root.join(REFERENCE).is_file() {
         log.step("reference values", || reproduces(root, &["--quick", "--check"]))?;
         log.step("a second report, from what the first has kept", || {
             reproduces(root, &["--quick"])
@@ -160,8 +156,7 @@ pub fn run(root: &Path, whole_python: bool) -> Result<bool> {
 fn reproduces(root: &Path, options: &[&str]) -> Result<bool> {
     let out = root.join("target/quick-report");
     println!("== cargo xtask reproduce {} --out {}", options.join(" "), out.display());
-    let program = std::env::current_exe().context("finding our own program")?;
-    let mut reproduce = Command::new(program);
+    let mut reproduce = Program::Reproduce.command()?;
     // The generated meshes, which the reference values are of.
     reproduce.env_remove("FAIRING_MESHES").current_dir(root);
     reproduce.arg("reproduce").args(options).arg("--out").arg(&out);
@@ -171,10 +166,10 @@ fn reproduces(root: &Path, options: &[&str]) -> Result<bool> {
 /// Tests that need what is not here.
 fn skipped(root: &Path) -> Vec<(&'static str, &'static str)> {
     let mut skipped = vec![];
-    if !reference::path(root, true).is_file() {
+    if !root.join(REFERENCE).is_file() {
         skipped.push(("reference values", "none yet: cargo xtask reproduce --quick --accept"));
     }
-    if meshes_folder().is_none() {
+    if std::env::var_os("FAIRING_MESHES").is_none_or(|name| name.is_empty()) {
         skipped.push(("corpus: every test", "FAIRING_MESHES names no folder of meshes"));
     }
     if !has_openblas() {

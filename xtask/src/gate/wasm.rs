@@ -5,17 +5,19 @@ use std::process::Command;
 
 use anyhow::{Context as _, Result};
 
-use super::cargo;
+use crate::programs::cargo;
 
 const TARGET: &str = "wasm32-unknown-unknown";
 
 /// Crates that draw or are programs. All others are libraries for anywhere.
-const EXCLUDED: [&str; 8] = [
+const EXCLUDED: [&str; 10] = [
     "fairing",
     "fairing-figure",
     "pyfairing",
+    "fairing-benchmark",
     "fairing-experiments",
     "fairing-report",
+    "fairing-reproduce",
     "fairing-results",
     "fairing-tests",
     "xtask",

@@ -1,4 +1,4 @@
-//! Which crate may use which.
+//! Dependencies allowed between crates.
 
 use std::path::Path;
 
@@ -6,13 +6,13 @@ use anyhow::Result;
 
 use super::packages::{self, Dependency, Package};
 
-/// For each library crate, the crates of ours that it may use. The façade,
-/// `xtask` and the tests may use everything.
-const ARROWS: [(&str, &[&str]); 14] = [
+/// For each library crate, the crates of the workspace on which it may depend. The façade, the
+/// programs and the tests may depend on all.
+const ARROWS: [(&str, &[&str]); 16] = [
     ("fairing-watch", &[]),
     ("fairing-parameters", &[]),
     ("fairing-mesh", &["fairing-watch", "fairing-parameters"]),
-    ("fairing-shapes", &["fairing-parameters", "fairing-mesh"]),
+    ("fairing-shapes", &["fairing-mesh"]),
     ("fairing-sparse", &["fairing-watch"]),
     (
         "fairing-operators",
@@ -50,9 +50,22 @@ const ARROWS: [(&str, &[&str]); 14] = [
     ("fairing-figure", &["fairing-watch", "fairing-parameters", "fairing-mesh"]),
     ("fairing-results", &["fairing-mesh"]),
     (
-        "fairing-experiments",
+        "fairing-benchmark",
         &[
             "fairing-parameters",
+            "fairing-mesh",
+            "fairing-sparse",
+            "fairing-operators",
+            "fairing-shapes",
+            "fairing-smoothing",
+            "fairing-denoising",
+            "fairing-evaluation",
+        ],
+    ),
+    (
+        "fairing-experiments",
+        &[
+            "fairing-benchmark",
             "fairing-mesh",
             "fairing-sparse",
             "fairing-operators",
@@ -66,12 +79,22 @@ const ARROWS: [(&str, &[&str]); 14] = [
         ],
     ),
     ("fairing-report", &["fairing-mesh", "fairing-figure", "fairing-results"]),
+    (
+        "fairing-reproduce",
+        &[
+            "fairing-mesh",
+            "fairing-shapes",
+            "fairing-results",
+            "fairing-experiments",
+            "fairing-report",
+        ],
+    ),
 ];
 
-/// Crates that see everything.
+/// Crates that may depend on all others.
 const FREE: [&str; 4] = ["fairing", "pyfairing", "xtask", "fairing-tests"];
 
-/// Dependencies that no arrow allows. What only tests of a crate use is free.
+/// Finds dependencies without an arrow. Those of tests only are free.
 pub(super) fn check(root: &Path) -> Result<Vec<String>> {
     let packages = packages::read(root)?;
     let ours: Vec<&str> = packages.iter().map(|p| p.name.as_str()).collect();

@@ -1,26 +1,28 @@
-//! `cargo xtask` and the tests of the workspace share what they compile.
+//! The programs that `cargo xtask` starts and the tests share one build.
 //!
-//! Cargo turns on the features that the packages it builds ask for. Where `-p xtask` asks for fewer than the workspace,
-//! a dependency and all that depend on it are compiled twice.
+//! Cargo unifies the features requested by the packages of one build. If one build requests fewer
+//! than another, a dependency and everything that depends on it are compiled twice.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-use std::process::Command;
 
 use anyhow::{Context as _, Result, ensure};
 
-/// Crates that need matrices but no factorisation: whoever depends on them does not compile the solver backend.
+use crate::programs::cargo;
+
+/// Crates that need matrices but no factorisation, and must not compile the solver backend.
 const WITHOUT_SOLVERS: [&str; 4] =
     ["fairing-denoising", "fairing-evaluation", "fairing-operators", "fairing-shapes"];
 
-/// Packages that `cargo xtask` builds with other features than the tests of the workspace do.
+/// Finds packages that have other features in the programs started by `cargo xtask` than in the
+/// tests.
 pub(super) fn check(root: &Path) -> Result<Vec<String>> {
-    let own = tree(root, &["--package=xtask", "--edges=normal,build"])?;
-    let all = tree(root, &["--workspace", "--edges=normal,build,dev"])?;
-    Ok(differences(&own, &all))
+    let programs = tree(root, &["--workspace", "--edges=normal,build"])?;
+    let tests = tree(root, &["--workspace", "--edges=normal,build,dev"])?;
+    Ok(differences(&programs, &tests))
 }
 
-/// Crates that compile the solver backend without a need for it.
+/// Finds crates that compile the solver backend without need.
 pub(super) fn solvers(root: &Path) -> Result<Vec<String>> {
     let mut found = vec![];
     for package in WITHOUT_SOLVERS {
@@ -33,21 +35,21 @@ pub(super) fn solvers(root: &Path) -> Result<Vec<String>> {
     Ok(found)
 }
 
-/// Whether the solver backend is in a list of packages.
+/// Returns true if the solver backend is in a list of packages.
 fn has_backend(tree: &str) -> bool {
     features(tree).keys().any(|package| package.starts_with("faer "))
 }
 
-/// What `cargo tree` lists: a package and its features in each line.
+/// The output of `cargo tree`: a package and its features in each line.
 fn tree(root: &Path, choice: &[&str]) -> Result<String> {
-    let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    let mut cargo = cargo(root);
     cargo.args(["tree", "--locked", "--prefix=none", "--format={p}|{f}"]).args(choice);
-    let output = cargo.current_dir(root).output().context("asking cargo for features")?;
+    let output = cargo.output().context("asking cargo for features")?;
     ensure!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// The features of each package: several sets, where a build script needs others than the program.
+/// The features of each package; several sets if build scripts and programs need different ones.
 fn features(tree: &str) -> BTreeMap<&str, BTreeSet<&str>> {
     let mut features: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
     for line in tree.lines() {
@@ -59,7 +61,7 @@ fn features(tree: &str) -> BTreeMap<&str, BTreeSet<&str>> {
     features
 }
 
-/// The packages in both lists that the first one builds with features that the second one does not.
+/// Finds packages in both lists with features in the first that the second does not have.
 fn differences(own: &str, all: &str) -> Vec<String> {
     let all = features(all);
     let mut found = vec![];
@@ -68,8 +70,7 @@ fn differences(own: &str, all: &str) -> Vec<String> {
         for set in sets.difference(known) {
             let others: Vec<String> = known.iter().map(|set| format!("[{set}]")).collect();
             found.push(format!(
-                "{package} has the features [{set}] for xtask, {} for the tests: name it in xtask/Cargo.toml with \
-                 these",
+                "{package} has the features [{set}] in the programs, {} in the tests",
                 others.join(" and ")
             ));
         }

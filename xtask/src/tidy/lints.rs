@@ -1,45 +1,39 @@
-//! Every crate has the lints of the workspace, among them that on the length of functions.
+//! Every crate has the lints of the workspace, including the one on the length of functions.
 
 use std::fs;
 use std::path::Path;
 
 use anyhow::{Context as _, Result};
-use toml::Table;
 
+use super::manifest::entries;
 use super::packages;
 
-/// Lints of the workspace that a crate does not have.
+/// Finds lints of the workspace that a crate lacks.
 pub(super) fn check(root: &Path) -> Result<Vec<String>> {
-    let workspace = manifest(&root.join("Cargo.toml"))?;
-    let Some(wanted) = table(&workspace, &["workspace", "lints", "clippy"]) else {
+    let workspace = read(&root.join("Cargo.toml"))?;
+    let wanted: Vec<&str> =
+        entries(&workspace, "workspace.lints.clippy").map(|(name, _)| name).collect();
+    if wanted.is_empty() {
         return Ok(vec!["Cargo.toml has no workspace.lints.clippy".into()]);
-    };
+    }
     let mut found = vec![];
     for package in packages::read(root)? {
-        let manifest = manifest(&package.manifest_path)?;
-        found.extend(
-            missing(&manifest, wanted).map(|lint| format!("{} without {lint}", package.name)),
-        );
+        let manifest = read(&package.manifest_path)?;
+        let missing = missing(&manifest, &wanted);
+        found.extend(missing.map(|lint| format!("{} without {lint}", package.name)));
     }
     Ok(found)
 }
 
-fn manifest(path: &Path) -> Result<Table> {
-    let text = fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))?;
-    text.parse().with_context(|| format!("reading {}", path.display()))
-}
-
-fn table<'a>(from: &'a Table, path: &[&str]) -> Option<&'a Table> {
-    path.iter().try_fold(from, |table, name| table.get(*name)?.as_table())
+fn read(path: &Path) -> Result<String> {
+    fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))
 }
 
 /// The lints that a manifest neither inherits nor lists.
-fn missing<'a>(manifest: &'a Table, wanted: &'a Table) -> impl Iterator<Item = &'a str> {
-    let lints = table(manifest, &["lints"]);
-    let inherits = lints.is_some_and(|lints| lints.get("workspace") == Some(&true.into()));
-    let own = table(manifest, &["lints", "clippy"]);
-    let has = move |name: &str| inherits || own.is_some_and(|own| own.contains_key(name));
-    wanted.keys().map(String::as_str).filter(move |name| !has(name))
+fn missing<'a>(manifest: &'a str, wanted: &'a [&str]) -> impl Iterator<Item = &'a str> {
+    let inherits = entries(manifest, "lints").any(|entry| entry == ("workspace", "true"));
+    let has = move |name: &str| inherits || entries(manifest, "lints.clippy").any(|e| e.0 == name);
+    wanted.iter().copied().filter(move |name| !has(name))
 }
 
 #[cfg(test)]
@@ -48,8 +42,7 @@ mod tests {
 
     #[test]
     fn lints_are_inherited_or_listed() {
-        let wanted: Table = "all = 1\ntoo_many_lines = 1\n".parse().unwrap();
-        let found = |manifest: &str| missing(&manifest.parse().unwrap(), &wanted).count();
+        let found = |manifest: &str| missing(manifest, &["all", "too_many_lines"]).count();
         assert_eq!(found("[lints]\nworkspace = true\n"), 0);
         assert_eq!(found("[lints.clippy]\nall = 1\ntoo_many_lines = 1\n"), 0);
         assert_eq!(found("[lints.clippy]\nall = 1\n"), 1);

@@ -1,9 +1,10 @@
-//! Holds the tree against its own rules.
+//! Checks of the tree against its own rules.
 
 mod arrows;
 mod circles;
 mod features;
 mod lints;
+mod manifest;
 mod map;
 mod packages;
 mod readme;
@@ -16,16 +17,7 @@ use std::path::Path;
 
 use anyhow::Result;
 
-/// A rule and what breaks it.
-#[derive(Debug)]
-pub struct Finding {
-    /// The rule, in a few words.
-    pub rule: &'static str,
-    /// Where and how it is broken.
-    pub what: String,
-}
-
-/// A check of the tree: what breaks the rule, one line each.
+/// A check of the tree: returns one line for each violation.
 type Check = fn(&Path) -> Result<Vec<String>>;
 
 /// The rules.
@@ -47,31 +39,21 @@ const RULES: [(&str, Check); 15] = [
     ("the README's commands and example exist", readme::check),
 ];
 
-/// Everything that breaks a rule.
+/// Checks the tree and prints violations; returns true if there are none.
 ///
 /// # Errors
 ///
 /// If the tree cannot be read.
-pub fn findings(root: &Path) -> Result<Vec<Finding>> {
-    let mut found = vec![];
+pub(crate) fn run(root: &Path) -> Result<bool> {
+    let mut holds = true;
     for (rule, check) in RULES {
-        found.extend(check(root)?.into_iter().map(|what| Finding { rule, what }));
+        for what in check(root)? {
+            eprintln!("tidy: {what} (rule: {rule})");
+            holds = false;
+        }
     }
-    Ok(found)
-}
-
-/// Checks the tree and prints what breaks a rule; whether nothing does.
-///
-/// # Errors
-///
-/// If the tree cannot be read.
-pub fn run(root: &Path) -> Result<bool> {
-    let found = findings(root)?;
-    for Finding { rule, what } in &found {
-        eprintln!("tidy: {what} (rule: {rule})");
-    }
-    if found.is_empty() {
+    if holds {
         println!("tidy: {} rules hold", RULES.len());
     }
-    Ok(found.is_empty())
+    Ok(holds)
 }

@@ -1,31 +1,41 @@
 //! Denoising without parameters.
 
+mod correlation;
+mod features;
+mod fits;
 mod follow;
+mod model;
+mod network;
 mod offset;
 mod parts;
 mod planes;
-pub(crate) mod regression;
 mod relabel;
 mod safety;
 mod spikes;
+mod stage;
+mod state;
 mod surface;
+pub mod training;
 mod uneven;
+mod wide;
 
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::norm;
-use fairing_operators::{NoiseEstimate, NoisyParts, noisy_parts};
 
-use super::faces::{FaceLists, Hinges};
-use super::oriented::on_oriented;
 use crate::DenoiseError;
-use follow::Follow;
+use crate::faces::Hinges;
+use crate::noise_level::{NoiseEstimate, noisy_parts};
+use crate::oriented::on_oriented;
+use correlation::variance_of_means;
+use model::Model;
 use offset::in_the_middle;
 use parts::Part;
-use regression::model::Model;
-use regression::{FAR, regress};
+use planes::{Evidence, flatten};
 use relabel::relabel;
 use safety::without_flips;
 use spikes::without_spikes;
+use stage::{advance, blocks};
+use state::State;
 use surface::face_kinds;
 use uneven::uneven_parts;
 
@@ -84,6 +94,15 @@ impl Automatic {
     }
 }
 
+fairing_parameters::options! {
+    /// [`automatic`] has no options.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+    pub struct AutomaticOptions {}
+    "automatic": "all estimated from the mesh; creases kept where there are any", [];
+}
+
 /// Denoises without parameters: noise level and kind of surface are estimated from
 /// the mesh.
 ///
@@ -97,7 +116,7 @@ impl Automatic {
 ///    numbers such as the residuals of the fits over σ̂, and answers with a
 ///    positive weight for each. The new normal is the weighted mean, turned by at
 ///    most the spread of the candidates. The networks are trained on generated
-///    bodies (`cargo xtask train`) and part of this crate.
+///    bodies (`cargo xtask benchmark train`) and part of this crate.
 /// 3. Faces that lie in one plane, which ends at creases, get the normal of a plane
 ///    fitted to all their noisy vertices.
 /// 4. The surface follows the normals between the stages and at the end, and folds
@@ -145,29 +164,18 @@ pub fn automatic(mesh: &TriMesh) -> Result<Automatic, DenoiseError> {
         let parts = mesh.topology().components();
         let is_uneven = |v: &u32| parts.label(*v).is_some_and(|part| uneven[part as usize]);
         uneven_vertices = (0..mesh.vertex_count() as u32).filter(is_uneven).count();
-        match &groups[..] {
-            [] => Ok(mesh.clone()),
-            [NoisyParts { level, .. }] if uneven_vertices == 0 => {
-                let (moved, far) = denoise_alike(mesh, *level)?;
-                limit = far;
-                Ok(moved)
+        let mut positions = mesh.positions().to_vec();
+        for mut group in groups {
+            group.components.retain(|&part| !uneven[part as usize]);
+            if group.components.is_empty() {
+                continue;
             }
-            groups => {
-                let mut positions = mesh.positions().to_vec();
-                for group in groups {
-                    let mut components = group.components.clone();
-                    components.retain(|&part| !uneven[part as usize]);
-                    if components.is_empty() {
-                        continue;
-                    }
-                    let part = Part::new(mesh, &components)?;
-                    let (moved, far) = denoise_alike(&part.mesh, group.level)?;
-                    part.put_back(&moved, &mut positions);
-                    limit = limit.max(far);
-                }
-                Ok(mesh.with_positions(positions)?)
-            }
+            let part = Part::new(mesh, &group.components)?;
+            let (moved, farthest) = denoise(&part.mesh, group.level)?;
+            part.put_back(&moved, &mut positions);
+            limit = limit.max(farthest);
         }
+        Ok(mesh.with_positions(positions)?)
     })?;
     let view = moved.oriented();
     let (faces, creased) = face_kinds(&view, &Hinges::new(&view));
@@ -180,34 +188,40 @@ pub fn automatic(mesh: &TriMesh) -> Result<Automatic, DenoiseError> {
     Ok(Automatic { mesh: moved, noise, kind, uneven_vertices, faces, limit })
 }
 
-/// Denoises a mesh whose noise has one level; also the largest distance allowed,
-/// zero where nothing was to be done.
-fn denoise_alike(mesh: &TriMesh, level: NoiseEstimate) -> Result<(TriMesh, f64), DenoiseError> {
-    if level.sigma <= LEAST_NOISE * mesh.mean_edge_length() {
+/// Denoises a mesh whose noise has one level; also the largest distance allowed, zero for a clean
+/// mesh.
+fn denoise(mesh: &TriMesh, level: NoiseEstimate) -> Result<(TriMesh, f64), DenoiseError> {
+    if is_clean(mesh, level) {
         return Ok((mesh.clone(), 0.0));
     }
-    if level.is_impulsive()
-        && let Some((mesh, level, farthest)) = without_spikes(mesh, level)?
-    {
-        if level.sigma <= LEAST_NOISE * mesh.mean_edge_length() {
-            return Ok((mesh, farthest));
-        }
-        let (moved, limit) = denoise_even(&mesh, level)?;
-        return Ok((moved, limit + farthest));
+    // Impulses are put into the planes of their neighbours.
+    let (mesh, level, farthest) = without_spikes(mesh, level)?;
+    if is_clean(&mesh, level) {
+        return Ok((mesh.into_owned(), farthest));
     }
-    denoise_even(mesh, level)
+    // Normals in stages; after each the surface follows them.
+    let model = Model::released().ok_or(DenoiseError::Model)?;
+    fairing_watch::stage("normals", (model.stages.len() * blocks(mesh.face_count())) as u64);
+    let mut state = State::new(&mesh, level);
+    for networks in &model.stages {
+        advance(&mut state, networks)?;
+    }
+    // Faces that lie in one plane take its normal.
+    let variance = variance_of_means(&state);
+    let evidence = Evidence::new(&mesh, &state.hinges, &state.trust, variance);
+    flatten(&evidence, &mut state.normals);
+    // Faces on the wrong side of a crease change sides, and the surface follows to the end.
+    fairing_watch::stage("positions", 0);
+    let follow = state.follower(state.limit);
+    let normals = relabel(&mesh, &state.rings, state.normals, &follow)?;
+    let surface = follow.run(mesh.positions(), &normals, STEPS)?;
+    // Noise lies on both sides of the surface, and no face opposes its normal.
+    let surface = in_the_middle(&mesh, surface, &normals, state.limit)?;
+    let surface = without_flips(&mesh, surface, &normals, &follow)?;
+    Ok((surface, state.limit + farthest))
 }
 
-/// Denoises a mesh whose noise has one level and no spikes.
-fn denoise_even(mesh: &TriMesh, level: NoiseEstimate) -> Result<(TriMesh, f64), DenoiseError> {
-    let model = Model::released().ok_or(DenoiseError::Model)?;
-    let hinges = Hinges::new(mesh);
-    let rings = FaceLists::rings(mesh);
-    let found = regress(mesh, &hinges, &rings, level, model)?;
-    let follow = Follow::new(mesh, &rings, found.limit / FAR, found.limit);
-    fairing_watch::stage("positions", 0);
-    let normals = relabel(mesh, &rings, found.normals, &follow)?;
-    let moved = follow.run(mesh.positions(), &normals, STEPS)?;
-    let moved = in_the_middle(mesh, moved, &normals, found.limit)?;
-    Ok((without_flips(mesh, moved, &normals, &follow)?, found.limit))
+/// Whether the noise of a mesh is rounding.
+fn is_clean(mesh: &TriMesh, level: NoiseEstimate) -> bool {
+    level.sigma <= LEAST_NOISE * mesh.mean_edge_length()
 }

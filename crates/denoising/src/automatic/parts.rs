@@ -1,20 +1,26 @@
 //! Some of the connected parts of a mesh as a mesh of its own.
 
+use std::borrow::Cow;
+
 use fairing_mesh::TriMesh;
 
 use crate::DenoiseError;
 
 /// A mesh of some of the parts, with vertices and faces in their order.
-pub(super) struct Part {
-    pub(super) mesh: TriMesh,
+pub(super) struct Part<'a> {
+    pub(super) mesh: Cow<'a, TriMesh>,
     /// The vertex of the whole mesh that each vertex is.
     vertices: Vec<u32>,
 }
 
-impl Part {
-    /// The parts of these numbers, ascending.
-    pub(super) fn new(whole: &TriMesh, components: &[u32]) -> Result<Self, DenoiseError> {
+impl<'a> Part<'a> {
+    /// The parts of these numbers, ascending; the whole mesh if these are all.
+    pub(super) fn new(whole: &'a TriMesh, components: &[u32]) -> Result<Self, DenoiseError> {
         let parts = whole.topology().components();
+        if components.len() == parts.count() {
+            let vertices = (0..whole.vertex_count() as u32).collect();
+            return Ok(Self { mesh: Cow::Borrowed(whole), vertices });
+        }
         let mut number = vec![u32::MAX; whole.vertex_count()];
         let mut vertices = vec![];
         for v in 0..whole.vertex_count() as u32 {
@@ -26,7 +32,7 @@ impl Part {
         let taken = whole.faces().iter().map(|face| face.map(|v| number[v as usize]));
         let faces = taken.filter(|face| face[0] != u32::MAX).collect();
         let positions = vertices.iter().map(|&v| whole.positions()[v as usize]).collect();
-        let mesh = TriMesh::new(positions, faces)?;
+        let mesh = Cow::Owned(TriMesh::new(positions, faces)?);
         Ok(Self { mesh, vertices })
     }
 

@@ -3,8 +3,7 @@
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, distance, dot, norm, scale, sub};
 
-use super::regression::features::tangents;
-use super::regression::fits::{LocalFit, moments};
+use super::fits::{LocalFit, moments, tangents};
 use crate::faces::{Hinges, Marks, unit_or_zero};
 
 /// Faces whose normals differ by more are not joined: 20°.

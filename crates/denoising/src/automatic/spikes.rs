@@ -1,10 +1,12 @@
 //! Vertices far from everything around them.
 
+use std::borrow::Cow;
+
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, cross, distance, dot, norm, scale, sub};
-use fairing_operators::{NoiseEstimate, noise_level};
 
 use crate::DenoiseError;
+use crate::noise_level::{NoiseEstimate, noise_level};
 
 /// How far a spike is from its neighbours, in noise levels: farther than impulses that the networks
 /// were trained on.
@@ -17,34 +19,38 @@ const STEEP: f64 = 0.25;
 const ALONE: f64 = 1.0 / 3.0;
 
 /// The least share of vertices that are spikes: fewer may be tips.
-const LEAST_SHARE: f64 = 0.01;
+const LEAST_FRACTION: f64 = 0.01;
 
 /// Rounds; spikes beside others, and smaller ones, come out in later ones.
 const ROUNDS: usize = 4;
 
-/// The mesh with its spikes at the height of their neighbours, its noise level then, and how far a
-/// spike was moved at most; `None` where spikes are no more than tips.
+/// The mesh with its spikes at the height of their neighbours, its noise level then, and the
+/// largest distance of a spike from there. The mesh itself unless its noise is impulsive and
+/// spikes are more than tips.
 ///
-/// A spike is a vertex whose height over the plane of its neighbours is above [`FAR`] noise levels, above a quarter of their
-/// distance, and above three times the height of each neighbour on the same side: along creases and on curved surfaces
-/// neighbours are as high. Without noise nothing is one.
+/// A spike is a vertex whose height over the plane of its neighbours is above [`FAR`] noise
+/// levels, above a quarter of their distance, and above three times the height of each neighbour
+/// on the same side: along creases and on curved surfaces neighbours are as high. Without noise
+/// there are no spikes.
 ///
 /// # Errors
 ///
 /// [`DenoiseError::Build`] if coordinates overflow.
 pub(super) fn without_spikes(
     mesh: &TriMesh,
-    level: NoiseEstimate,
-) -> Result<Option<(TriMesh, NoiseEstimate, f64)>, DenoiseError> {
-    let (mut found, mut farthest) = (None, 0.0f64);
-    let (mut current, mut level) = (mesh.clone(), level);
-    for _ in 0..ROUNDS {
+    mut level: NoiseEstimate,
+) -> Result<(Cow<'_, TriMesh>, NoiseEstimate, f64), DenoiseError> {
+    let (mut current, mut farthest) = (Cow::Borrowed(mesh), 0.0f64);
+    if !level.is_impulsive() {
+        return Ok((current, level, farthest));
+    }
+    for round in 0..ROUNDS {
         let heights = heights(&current);
         let spikes: Vec<u32> = (0..current.vertex_count() as u32)
             .filter(|&v| is_spike(&current, &heights, v, FAR * level.sigma))
             .collect();
-        let share = spikes.len() as f64 / current.vertex_count().max(1) as f64;
-        if spikes.is_empty() || (found.is_none() && share < LEAST_SHARE) {
+        let fraction = spikes.len() as f64 / current.vertex_count().max(1) as f64;
+        if spikes.is_empty() || (round == 0 && fraction < LEAST_FRACTION) {
             break;
         }
         let mut positions = current.positions().to_vec();
@@ -53,17 +59,16 @@ pub(super) fn without_spikes(
             positions[v as usize] = sub(positions[v as usize], scale(up, height));
             farthest = farthest.max(height.abs());
         }
-        current = current.with_positions(positions)?;
+        current = Cow::Owned(current.with_positions(positions)?);
         match noise_level(&current) {
             Some(next) => level = next,
             None => level.sigma = 0.0,
         }
-        found = Some((current.clone(), level));
         if level.sigma <= 0.0 {
             break;
         }
     }
-    Ok(found.map(|(mesh, level)| (mesh, level, farthest)))
+    Ok((current, level, farthest))
 }
 
 /// A vertex over its neighbours.
@@ -137,7 +142,7 @@ mod tests {
         }
         let input = noisy.with_positions(positions).unwrap();
         let level = noise_level(&input).unwrap();
-        let (found, after, farthest) = without_spikes(&input, level).unwrap().unwrap();
+        let (found, after, farthest) = without_spikes(&input, level).unwrap();
         assert!(after.sigma < 0.5 * level.sigma + 0.05 * h, "{} {}", after.sigma, level.sigma);
         assert!((2.5 * h..4.0 * h).contains(&farthest), "{} h", farthest / h);
         let (mut back, mut all) = (0, 0);
@@ -160,8 +165,10 @@ mod tests {
         for truth in [cube, block] {
             for amount in [0.001, 0.02, 0.2] {
                 let noisy = shapes::jittered(&truth, amount, 3, |p| p);
-                if let Some(level) = noise_level(&noisy) {
-                    assert!(without_spikes(&noisy, level).unwrap().is_none(), "{amount}");
+                if let Some(mut level) = noise_level(&noisy) {
+                    level.tail_ratio = 2.0;
+                    let (found, ..) = without_spikes(&noisy, level).unwrap();
+                    assert!(matches!(found, Cow::Borrowed(_)), "{amount}");
                 }
             }
         }

@@ -2,7 +2,8 @@
 
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::distance;
-use fairing_operators::NoisyParts;
+
+use crate::noise_level::NoisyParts;
 
 /// The normals of a denoised mesh are off by some 3°, one part in 20: so much of its length is the far end of a face off.
 const LEVER: f64 = 20.0;
@@ -46,10 +47,10 @@ pub(super) fn uneven_parts(mesh: &TriMesh, groups: &[NoisyParts]) -> Vec<bool> {
 
 #[cfg(test)]
 mod tests {
-    use fairing_operators::noisy_parts;
     use fairing_shapes as shapes;
 
     use super::*;
+    use crate::noise_level::noisy_parts;
 
     /// A tube around the z axis whose sides go from end to end.
     fn tessellated_tube(sides: u32) -> TriMesh {

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use anyhow::{Context as _, Result};
-use fairing_denoising::Denoiser;
+use fairing_denoising::{AutomaticOptions, Denoiser};
 use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise, drift, feature_edges, normal_error};
 use fairing_figure::{Axis, Figure, Legend, Panel as FigurePanel, Plot, Series, Up};
 use fairing_mesh::TriMesh;
@@ -212,19 +212,19 @@ const INPUTS: &[Input] = &[
 
 /// The noisy input, then every denoiser.
 fn methods() -> impl Iterator<Item = Method> {
-    std::iter::once(Method::Nothing).chain(Denoiser::ALL.map(Method::Denoiser))
+    std::iter::once(Method::Nothing).chain(Denoiser::all().into_iter().map(Method::Denoiser))
 }
 
 /// A name that fits below a group of bars.
 fn short_name(method: Method) -> &'static str {
     match method {
         Method::Nothing => "noisy",
-        Method::Denoiser(Denoiser::NonIterative) => "non-\niterative",
-        Method::Denoiser(Denoiser::FastEffective) => "fast,\neffective",
-        Method::Denoiser(Denoiser::BilateralNormal) => "bilateral\nnormal",
-        Method::Denoiser(Denoiser::BilateralNormalGlobal) => "bilateral\nnormal,\nglobal",
-        Method::Denoiser(Denoiser::TotalVariation) => "total\nvariation",
-        Method::Denoiser(Denoiser::GuidedNormal) => "guided\nnormal",
+        Method::Denoiser(Denoiser::NonIterative(_)) => "non-\niterative",
+        Method::Denoiser(Denoiser::FastEffective(_)) => "fast,\neffective",
+        Method::Denoiser(Denoiser::BilateralNormal(_)) => "bilateral\nnormal",
+        Method::Denoiser(Denoiser::BilateralNormalGlobal(_)) => "bilateral\nnormal,\nglobal",
+        Method::Denoiser(Denoiser::TotalVariation(_)) => "total\nvariation",
+        Method::Denoiser(Denoiser::GuidedNormal(_)) => "guided\nnormal",
         other => other.name(),
     }
 }
@@ -276,7 +276,7 @@ fn best(scores: &Table) -> Result<Table> {
     for column in ["noisy", "best E_a", "its E_a", "automatic"] {
         table = table.tolerance(column, Some(Tolerance { relative: 0.02, absolute: 1e-3 }));
     }
-    let own = Denoiser::Automatic.name();
+    let own = Denoiser::Automatic(AutomaticOptions::DEFAULT).name();
     let mesh = scores.index("mesh")?;
     let mut names: Vec<_> = scores.rows.iter().map(|row| row[mesh].clone()).collect();
     names.dedup();
@@ -284,7 +284,8 @@ fn best(scores: &Table) -> Result<Table> {
         let rows = scores.only(&[("mesh", name.clone())])?;
         let angle = |method: &str| rows.value(&[("method", method.into())], "E_a");
         let mut published = (f64::INFINITY, "");
-        for denoiser in Denoiser::ALL.into_iter().filter(|d| *d != Denoiser::Automatic) {
+        for denoiser in Denoiser::all().into_iter().filter(|d| !matches!(d, Denoiser::Automatic(_)))
+        {
             let found = angle(denoiser.name())?;
             if found < published.0 {
                 published = (found, denoiser.name());
@@ -340,7 +341,7 @@ fn averages(scores: &Table, levels: &[f64]) -> Result<Picture> {
 fn view(body: &Body, level: f64, restored: &[TriMesh]) -> Result<View> {
     let truth = &body.truth;
     let (noisy, results) = restored.split_first().context("no noisy mesh")?;
-    let names: Vec<&str> = Denoiser::ALL.iter().map(|d| d.name()).collect();
+    let names: Vec<&str> = Denoiser::all().iter().map(|d| d.name()).collect();
     let facts = |panel: Panel, meshes: &[TriMesh]| -> Result<Panel> {
         let mut columns = [vec![], vec![], vec![]];
         for mesh in meshes {
@@ -354,7 +355,9 @@ fn view(body: &Body, level: f64, restored: &[TriMesh]) -> Result<View> {
         Ok(panel.with_fact("creases kept", "%", creases))
     };
     let moving = Panel::moving("result", truth, results.iter().map(|mesh| mesh.positions()));
-    let own = names.iter().position(|name| *name == Denoiser::Automatic.name());
+    let own = names
+        .iter()
+        .position(|name| *name == Denoiser::Automatic(AutomaticOptions::DEFAULT).name());
     Ok(View {
         id: format!("{}-view", body.name),
         mesh: body.name.into(),

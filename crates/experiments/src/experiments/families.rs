@@ -2,13 +2,15 @@
 //! worst cases, and what is still lost.
 
 use anyhow::{Context as _, Result};
-use fairing_denoising::Denoiser;
+use fairing_benchmark::{
+    Case, Found, Method, Published, Set, cases, committed, denoiser, found, summary,
+};
+use fairing_denoising::{AutomaticOptions, Denoiser};
 use fairing_figure::{Axis, Figure, Legend, Panel as FigurePanel, Plot, Series};
 use fairing_mesh::TriMesh;
 
 use super::gallery::{VIEWPOINTS, plotted};
 use super::grid::{Grid, Row};
-use crate::bed::{self, Case, Found, Method, Published, Set, cases, committed, found, summary};
 use crate::experiment::Context;
 use crate::outcome::{Outcome, Picture};
 use crate::row;
@@ -50,7 +52,7 @@ pub(super) fn add(context: &Context<'_>, outcome: &mut Outcome) -> Result<()> {
         pictures.push(picture);
     }
     if !current {
-        outcome.notes.push("The kept results on the test bed are not those of this denoiser, and are left out: `cargo xtask bed measure --accept` makes them.".into());
+        outcome.notes.push("The kept results on the test bed are not those of this denoiser, and are left out: `cargo xtask benchmark measure --accept` makes them.".into());
         return Ok(());
     }
     outcome.figures.push(ratios(&mine)?);
@@ -78,7 +80,7 @@ pub(super) fn add(context: &Context<'_>, outcome: &mut Outcome) -> Result<()> {
     }
     outcome.tables.extend([families, sets, lost]);
     outcome.notes.push(
-        "The tables of the test bed are those that `cargo xtask bed measure --accept` keeps; this run has measured the worst case of each set again.".into(),
+        "The tables of the test bed are those that `cargo xtask benchmark measure --accept` keeps; this run has measured the worst case of each set again.".into(),
     );
     Ok(())
 }
@@ -222,7 +224,7 @@ fn lost_table() -> Table {
 fn again(case: &Case, published: &Published) -> Result<(Found, Picture)> {
     let (truth, noisy) = case.meshes()?;
     let name = case.name();
-    let denoise = bed::denoiser(Denoiser::Automatic.name())?;
+    let denoise = denoiser(Denoiser::Automatic(AutomaticOptions::DEFAULT).name())?;
     let (now, ours) = found(&name, &truth, &noisy, published, |mesh| Ok(denoise(mesh)?))?;
     let entry = published.best(&name).context("a case without published results")?;
     let method = Method::named(&entry.method)?;

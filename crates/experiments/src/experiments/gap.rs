@@ -48,7 +48,7 @@ mod tests {
     use fairing_mesh::TriMesh;
     use fairing_operators::Laplacian;
     use fairing_shapes as shapes;
-    use fairing_spectral::{EigenOptions, GraphWeights, SpectrumOptions, graph_spectrum, spectrum};
+    use fairing_spectral::{EigenOptions, SpectrumOptions, graph_spectrum, spectrum};
 
     use super::*;
 
@@ -80,7 +80,7 @@ mod tests {
         let other = TriMesh::new(positions, faces).unwrap();
         let mesh = mesh.with_positions(old).unwrap();
         let solve = |mesh: &TriMesh, k| {
-            graph_spectrum(mesh, k, GraphWeights::RandomWalk, &EigenOptions::default())
+            graph_spectrum(mesh, k, fairing_operators::MassKind::Degree, &EigenOptions::default())
         };
         let [a, b] = [&mesh, &other].map(|m| modes(n, 12, |k| solve(m, k)).unwrap());
         let kept = next(&a, 12).unwrap();

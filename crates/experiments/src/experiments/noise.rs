@@ -52,7 +52,7 @@ impl Experiment for Noise {
                 let mesh = surface.mesh(level, Sampling::Regular, 0);
                 mesh.topology();
                 let clean: Vec<CurvatureField> =
-                    Estimator::ALL.iter().map(|e| e.estimate(&mesh)).collect::<Result<_, _>>()?;
+                    Estimator::all().iter().map(|e| e.estimate(&mesh)).collect::<Result<_, _>>()?;
                 for sigma in LEVELS {
                     let seeds: Vec<u64> = (0..seeds)
                         .map(|s| context.seed(&format!("{} {level} {sigma} {s}", surface.name())))
@@ -163,7 +163,7 @@ fn totals_table() -> Table {
 
 /// A row for each estimator.
 fn push(changes: &mut Table, surface: TestSurface, vertices: usize, sigma: f64, runs: &[Run]) {
-    for (i, estimator) in Estimator::ALL.iter().enumerate() {
+    for (i, estimator) in Estimator::all().iter().enumerate() {
         let all: Vec<&Change> = runs.iter().map(|run| &run.changes[i]).collect();
         let [h, k] = changes_over(&all);
         let ranks = |j: usize| -> Option<f64> {
@@ -192,7 +192,7 @@ fn gap_of_the_total(mesh: &TriMesh) -> f64 {
 
 /// All estimators on one noisy mesh.
 struct Run {
-    /// In the order of [`Estimator::ALL`].
+    /// In the order of [`Estimator::all()`].
     changes: Vec<Change>,
     gap_of_the_total: f64,
 }
@@ -212,7 +212,7 @@ impl Run {
             anyhow::Ok(Change::between(clean, &e.estimate(&noisy)?, ranked))
         };
         Ok(Self {
-            changes: Estimator::ALL.iter().zip(clean).map(change).collect::<Result<_>>()?,
+            changes: Estimator::all().iter().zip(clean).map(change).collect::<Result<_>>()?,
             gap_of_the_total: gap_of_the_total(&noisy),
         })
     }
@@ -356,7 +356,7 @@ mod tests {
     #[test]
     fn a_ring_of_a_torus_shares_its_rank() {
         let mesh = TestSurface::Torus.mesh(1, Sampling::Regular, 0);
-        for estimator in Estimator::ALL {
+        for estimator in Estimator::all() {
             let field = estimator.estimate(&mesh).unwrap();
             for (values, name) in [(&field.mean, "H"), (&field.gaussian, "K")] {
                 let mut rings = HashMap::new();

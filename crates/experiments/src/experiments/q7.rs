@@ -1,7 +1,10 @@
 //! Question 7: denoising under growing noise.
 
 use anyhow::{Context as _, Result};
-use fairing_denoising::Denoiser;
+use fairing_denoising::{
+    AutomaticOptions, BilateralNormalGlobalOptions, BilateralNormalOptions, BilateralOptions,
+    Denoiser, FastEffectiveOptions, GuidedNormalOptions, L0Options, TotalVariationOptions,
+};
 use fairing_evaluation::NoiseLevel;
 use fairing_shapes as shapes;
 
@@ -56,14 +59,17 @@ const METHODS: [(Method, bool); 15] = [
     (Method::ReportImplicit, true),
     (Method::Taubin, true),
     (Method::Spectral, true),
-    (Method::Denoiser(Denoiser::Bilateral), false),
-    (Method::Denoiser(Denoiser::FastEffective), true),
-    (Method::Denoiser(Denoiser::BilateralNormal), true),
-    (Method::Denoiser(Denoiser::BilateralNormalGlobal), true),
-    (Method::Denoiser(Denoiser::L0), false),
-    (Method::Denoiser(Denoiser::TotalVariation), false),
-    (Method::Denoiser(Denoiser::GuidedNormal), false),
-    (Method::Denoiser(Denoiser::Automatic), false),
+    (Method::Denoiser(Denoiser::Bilateral(BilateralOptions::DEFAULT)), false),
+    (Method::Denoiser(Denoiser::FastEffective(FastEffectiveOptions::DEFAULT)), true),
+    (Method::Denoiser(Denoiser::BilateralNormal(BilateralNormalOptions::DEFAULT)), true),
+    (
+        Method::Denoiser(Denoiser::BilateralNormalGlobal(BilateralNormalGlobalOptions::DEFAULT)),
+        true,
+    ),
+    (Method::Denoiser(Denoiser::L0(L0Options::DEFAULT)), false),
+    (Method::Denoiser(Denoiser::TotalVariation(TotalVariationOptions::DEFAULT)), false),
+    (Method::Denoiser(Denoiser::GuidedNormal(GuidedNormalOptions::DEFAULT)), false),
+    (Method::Denoiser(Denoiser::Automatic(AutomaticOptions::DEFAULT)), false),
 ];
 
 impl Experiment for GrowingNoise {

@@ -10,13 +10,13 @@ use fairing_evaluation::{
 };
 use fairing_mesh::TriMesh;
 use fairing_smoothing::{Diffusion, Explicit, Implicit, Taubin, explicit, implicit, taubin};
-use fairing_spectral::{EigenOptions, GraphWeights, Spectrum, graph_spectrum, reconstruct};
+use fairing_spectral::{EigenOptions, Spectrum, graph_spectrum, reconstruct};
 use rayon::prelude::*;
 
 use super::gap;
 
 /// A method, with the same parameters at every level of noise.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Method {
     /// The noisy mesh as it is, for comparison.
     Nothing,
@@ -131,7 +131,7 @@ impl Body {
         let wanted = (n / MODES).max(4);
         let options = EigenOptions::default();
         let spectrum = gap::modes(n, wanted, |k| {
-            graph_spectrum(&self.truth, k, GraphWeights::RandomWalk, &options)
+            graph_spectrum(&self.truth, k, fairing_operators::MassKind::Degree, &options)
         })?;
         let modes = gap::next(&spectrum, wanted).context("modes without a gap")?;
         let kept = Kept { wanted, modes, gap: gap::behind(&spectrum, modes) };

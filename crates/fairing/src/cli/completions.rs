@@ -3,7 +3,7 @@
 use clap::{Args, CommandFactory};
 
 use super::exit::Failure;
-use super::{Cli, Context, print};
+use super::{Cli, Context};
 
 /// Print a completion script for a shell
 ///
@@ -15,10 +15,10 @@ pub(crate) struct Completions {
 }
 
 impl Completions {
-    pub(crate) fn run(&self, _: &Context) -> Result<(), Failure> {
+    pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
         // Into memory first: the generator panics when a pipe closes.
         let mut script = Vec::new();
         clap_complete::generate(self.shell, &mut Cli::command(), "fairing", &mut script);
-        print(String::from_utf8_lossy(&script))
+        context.print(String::from_utf8_lossy(&script))
     }
 }

@@ -14,6 +14,7 @@ mod info;
 mod noise;
 mod operator;
 mod parameters;
+mod progress;
 mod reconstruct;
 mod render;
 mod smooth;
@@ -21,10 +22,13 @@ mod spectrum;
 mod surface;
 mod table;
 
+use std::fmt::Display;
+use std::io::{Write, stdout};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use fairing::mesh::io::Format;
+use indicatif::ProgressBar;
 
 use exit::Failure;
 
@@ -37,7 +41,8 @@ const AFTER_FORMATS: &str = ", each also gzip-compressed (.gz); the file extensi
 Vertices keep the order of the file, isolated ones included.
 
 Exit codes: 0 done; 1 the work failed; 2 wrong usage; 3 an input cannot be read;
-4 an output cannot be written (it exists and --force is not given, for one).
+4 an output cannot be written (it exists and --force is not given, for one);
+130 interrupted by Ctrl-C.
 
 Examples:
   fairing info bunny.ply
@@ -83,14 +88,25 @@ struct Context {
     quiet: bool,
     /// Leave out broken vertices and faces of files.
     drop_broken: bool,
+    /// Progress of the verb, hidden at first.
+    bar: ProgressBar,
 }
 
 impl Context {
     /// Prints a note for the user to the error stream.
-    fn note(&self, text: impl std::fmt::Display) {
+    fn note(&self, text: impl Display) {
         if !self.quiet {
-            eprintln!("{text}");
+            self.bar.suspend(|| eprintln!("{text}"));
         }
+    }
+
+    /// Prints a result to the standard output.
+    fn print(&self, text: impl Display) -> Result<(), Failure> {
+        self.bar.suspend(|| {
+            let mut out = stdout().lock();
+            write!(out, "{text}")?;
+            Ok(out.flush()?)
+        })
     }
 }
 
@@ -112,14 +128,6 @@ impl Verb {
     }
 }
 
-/// Prints a result to the standard output.
-fn print(text: impl std::fmt::Display) -> Result<(), Failure> {
-    use std::io::Write;
-    let mut out = std::io::stdout().lock();
-    write!(out, "{text}")?;
-    Ok(out.flush()?)
-}
-
 /// Parses the arguments, runs the verb and turns a failure into its exit code.
 pub(crate) fn main() -> ExitCode {
     let cli = Cli::parse();
@@ -130,7 +138,9 @@ pub(crate) fn main() -> ExitCode {
             return ExitCode::from(1);
         }
     }
-    match cli.verb.run(&Context { quiet: cli.quiet, drop_broken: cli.drop_broken }) {
+    let (quiet, drop_broken) = (cli.quiet, cli.drop_broken);
+    let context = Context { quiet, drop_broken, bar: ProgressBar::hidden() };
+    match progress::run(&context, || cli.verb.run(&context)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),
     }

@@ -51,7 +51,7 @@ impl Reconstruct {
         let mesh = surface.mesh();
         let laplacian = operator::assemble(context, mesh, self.operator, MassKind::Barycentric)?;
         let options = SpectrumOptions::default();
-        let modes = spectrum::compute(context, &laplacian, self.k, &options)?;
+        let modes = fairing::spectral::spectrum(&laplacian, self.k, &options)?;
         spectrum::warn_of_split(context, modes.split(self.k), self.k, "-k");
         let rebuilt = reconstruct(mesh, &modes, self.k)?.mesh;
         let errors = reconstruction_errors(mesh, &modes)?;

@@ -4,16 +4,16 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use fairing::mesh::TriMesh;
-use fairing::operators::{Laplacian, LaplacianKind, MassKind, MassMatrix};
-use fairing::spectral::{self, EigenOptions, SpectralError, SpectrumOptions, Split};
+use fairing::operators::{LaplacianKind, MassKind, MassMatrix};
+use fairing::spectral::{self, EigenOptions, SpectrumOptions, Split};
 use serde_json::json;
 
+use super::Context;
 use super::exit::Failure;
 use super::files::{Content, Overwrite};
 use super::operator;
 use super::surface::{Reading, Surface};
 use super::table::{Table, number};
-use super::{Context, print};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -156,34 +156,13 @@ fn mass(name: MassName) -> MassKind {
     }
 }
 
-/// Computes modes, with a bar on a terminal.
-pub(crate) fn compute(
-    context: &Context,
-    laplacian: &Laplacian,
-    k: usize,
-    options: &SpectrumOptions,
-) -> Result<spectral::Spectrum, SpectralError> {
-    let bar = if context.quiet {
-        indicatif::ProgressBar::hidden()
-    } else {
-        // Draws to the error stream, and only where that is a terminal.
-        indicatif::ProgressBar::new(k as u64)
-    };
-    let result = spectral::spectrum_with(laplacian, k, options, &mut |progress| {
-        bar.set_position(progress.converged as u64);
-        std::ops::ControlFlow::Continue(())
-    });
-    bar.finish_and_clear();
-    result
-}
-
 impl Spectrum {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
         self.overwrite.check_given(self.output.as_deref(), Content::Npz)?;
         let (surface, _) = self.reading.read(context, &self.input)?;
         let (kind, mesh) = (&self.kind, surface.mesh());
         let laplacian = operator::assemble(context, mesh, kind.operator, mass(kind.mass))?;
-        let modes = compute(context, &laplacian, self.k, &kind.options(mesh))?;
+        let modes = spectral::spectrum(&laplacian, self.k, &kind.options(mesh))?;
         if let Some(output) = &self.output {
             on_file(&modes, &surface)?.save(output).map_err(Failure::output)?;
         }
@@ -198,14 +177,14 @@ impl Spectrum {
                 "certified": modes.certified,
                 "operator": laplacian.kind().name(),
             });
-            return print(format_args!("{summary:#}\n"));
+            return context.print(format_args!("{summary:#}\n"));
         }
         let mut table = Table::new();
         table.row(["mode", "eigenvalue", "residual"].map(str::to_owned));
         for (i, (value, residual)) in modes.values.iter().zip(&modes.residuals).enumerate() {
             table.row([i.to_string(), number(*value), number(*residual)]);
         }
-        print(table)?;
+        context.print(table)?;
         if modes.certified {
             context.note("certified: no smaller eigenvalue was missed");
         }

@@ -41,7 +41,8 @@ pub use cotangent::{CotangentOptions, cotangent_curvature};
 pub use estimator::Estimator;
 pub use face_tensor::{FaceTensorOptions, face_tensor_curvature};
 pub use field::CurvatureField;
-pub(crate) use fit::PrincipalAxes;
+#[doc(hidden)]
+pub use fit::PrincipalAxes;
 pub use from_laplacian::{laplacian_curvature, laplacian_mean_curvature};
 pub use gaussian::{angle_defect, gaussian_curvature};
 pub use jet::{JetDegree, JetOptions, JetWeight, jet_curvature};
@@ -51,4 +52,4 @@ pub use normal_cycle::{NormalCycleOptions, normal_cycle_curvature};
 pub use principal::principal_values;
 pub use quadric::{QuadricOptions, quadric_curvature};
 pub use status::{ScalarCurvature, Undefined, VertexStatus};
-pub use steiner::steiner_curvature;
+pub use steiner::{SteinerOptions, steiner_curvature};

@@ -8,13 +8,13 @@
 
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hasher};
-use std::ops::{ControlFlow, Range};
+use std::ops::Range;
 
 use ndarray::Array2;
 
 use crate::eigen::certificate::count_in_gap;
 use crate::eigen::problem::Problem;
-use crate::eigen::{Beyond, EigenError, EigenOptions, EigenPairs, EigenProgress, EigenWatch};
+use crate::eigen::{Beyond, EigenError, EigenOptions, EigenPairs};
 use crate::eigen::{nullspace, solve, within};
 use crate::mass::Mass;
 use crate::matrix::{Rows, SparseMatrix};
@@ -51,21 +51,6 @@ pub fn smallest_eigenpairs(
     count: usize,
     options: &EigenOptions,
 ) -> Result<EigenPairs, EigenError> {
-    smallest_eigenpairs_with(stiffness, mass, count, options, &mut |_| ControlFlow::Continue(()))
-}
-
-/// [`smallest_eigenpairs`] with a watch, which sees the progress and may cancel.
-///
-/// # Errors
-///
-/// As [`smallest_eigenpairs`], and [`EigenError::Cancelled`].
-pub fn smallest_eigenpairs_with(
-    stiffness: &SparseMatrix,
-    mass: Mass<'_>,
-    count: usize,
-    options: &EigenOptions,
-    watch: &mut EigenWatch<'_>,
-) -> Result<EigenPairs, EigenError> {
     let rows = stiffness.rows();
     if count > rows {
         return Err(EigenError::TooMany { wanted: count, rows });
@@ -74,9 +59,10 @@ pub fn smallest_eigenpairs_with(
     if count == 0 {
         return Ok(EigenPairs::none(rows));
     }
+    fairing_watch::stage("modes", count as u64);
     match parts(stiffness, mass) {
-        Some(parts) => smallest(parts, rows, count, options, watch),
-        None => solve::connected(stiffness, mass, count, options, watch),
+        Some(parts) => smallest(parts, rows, count, options),
+        None => solve::connected(stiffness, mass, count, options),
     }
 }
 
@@ -169,7 +155,6 @@ fn smallest(
     rows: usize,
     count: usize,
     options: &EigenOptions,
-    watch: &mut EigenWatch<'_>,
 ) -> Result<EigenPairs, EigenError> {
     let total: f64 = parts.iter().map(|p| p.copies.len() as f64 * p.mass.view().total()).sum();
     let share = |part: &Part, pairs: usize| {
@@ -182,7 +167,7 @@ fn smallest(
     let zeros: usize = parts.iter().zip(&constants).map(|(p, c)| p.copies.len() * c).sum();
     for (part, constants) in parts.iter_mut().zip(constants) {
         let wanted = constants + share(part, count.saturating_sub(zeros));
-        part.solve(wanted, count, options, watch)?;
+        part.solve(wanted, options)?;
     }
     loop {
         match last_of_merge(&parts, count) {
@@ -194,13 +179,13 @@ fn smallest(
                     |a: &&mut Part, b: &&mut Part| a.clear_below().total_cmp(&b.clear_below());
                 let Some(part) = open.min_by(lowest) else { break };
                 let wanted = part.known() + share(part, count - known).max(1);
-                part.solve(wanted, count, options, watch)?;
+                part.solve(wanted, options)?;
             }
             Some(last) => {
                 let mut complete = true;
                 for part in parts.iter_mut().filter(|p| !p.is_complete_to(last)) {
                     complete = false;
-                    part.complete_to(last, count, options, watch)?;
+                    part.complete_to(last, options)?;
                 }
                 if complete {
                     break;
@@ -214,7 +199,7 @@ fn smallest(
     for (part, used) in parts.iter_mut().zip(used) {
         let residuals = &part.pairs.residuals;
         if used < residuals.len() && residuals[..used].iter().any(|r| *r > limit) {
-            part.solve(used, count, options, watch)?;
+            part.solve(used, options)?;
         }
     }
     // Known by value only. Solved again, values change by rounding, and so may the merge.
@@ -224,7 +209,7 @@ fn smallest(
         for (part, used) in parts.iter_mut().zip(used) {
             if used > part.pairs.values.len() {
                 complete = false;
-                part.solve(used, count, options, watch)?;
+                part.solve(used, options)?;
             }
         }
         if complete {
@@ -374,28 +359,15 @@ impl Part {
     }
 
     /// Its first pairs, `wanted` at least.
-    fn solve(
-        &mut self,
-        wanted: usize,
-        of_all: usize,
-        options: &EigenOptions,
-        watch: &mut EigenWatch<'_>,
-    ) -> Result<(), EigenError> {
+    fn solve(&mut self, wanted: usize, options: &EigenOptions) -> Result<(), EigenError> {
         let wanted = wanted.min(self.stiffness.rows());
-        let mut watch = |p: &EigenProgress| watch(&EigenProgress { wanted: of_all, ..*p });
         let mass = self.mass.view();
-        self.pairs = solve::connected(&self.stiffness, mass, wanted, options, &mut watch)?;
+        self.pairs = solve::connected(&self.stiffness, mass, wanted, options)?;
         Ok(())
     }
 
     /// Counts the values up to a little above the last of the merge, and finds those that are not known.
-    fn complete_to(
-        &mut self,
-        last: f64,
-        of_all: usize,
-        options: &EigenOptions,
-        watch: &mut EigenWatch<'_>,
-    ) -> Result<(), EigenError> {
+    fn complete_to(&mut self, last: f64, options: &EigenOptions) -> Result<(), EigenError> {
         fairing_watch::check();
         let known = self.known();
         let problem = Problem::new(&self.stiffness, self.mass.view())?;
@@ -411,7 +383,7 @@ impl Part {
             }
             wanted = wanted.max(counted.count);
         }
-        self.solve(wanted, of_all, options, watch)
+        self.solve(wanted, options)
     }
 }
 

@@ -20,14 +20,12 @@ mod slices;
 mod solve;
 mod within;
 
-use std::ops::ControlFlow;
-
 use ndarray::Array2;
 
 use crate::direct::cholesky::CholeskyError;
 use crate::mass::MassError;
 
-pub use components::{eigenpairs_within, smallest_eigenpairs, smallest_eigenpairs_with};
+pub use components::{eigenpairs_within, smallest_eigenpairs};
 
 /// How to solve an eigenproblem.
 #[derive(Debug, Clone, PartialEq)]
@@ -158,21 +156,6 @@ impl EigenPairs {
     }
 }
 
-/// How far a computation has come.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub struct EigenProgress {
-    /// Eigenpairs that meet the tolerance.
-    pub converged: usize,
-    /// Eigenpairs wanted.
-    pub wanted: usize,
-    /// Blocks of eight vectors spent.
-    pub blocks: usize,
-}
-
-/// Called from time to time; [`ControlFlow::Break`] cancels.
-pub type EigenWatch<'a> = dyn FnMut(&EigenProgress) -> ControlFlow<()> + 'a;
-
 /// Why there are no eigenpairs.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -232,13 +215,5 @@ pub enum EigenError {
         from: f64,
         /// Upper end.
         to: f64,
-    },
-    /// The watch asked to stop.
-    #[error("cancelled with {converged} of {wanted} eigenpairs converged")]
-    Cancelled {
-        /// Pairs that met the tolerance.
-        converged: usize,
-        /// Pairs wanted.
-        wanted: usize,
     },
 }

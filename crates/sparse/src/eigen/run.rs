@@ -12,9 +12,7 @@ use crate::eigen::operator::ShiftInvert;
 use crate::eigen::polish::{self, lanes_of};
 use crate::eigen::problem::Problem;
 use crate::eigen::projected::Ritz;
-use crate::eigen::{
-    Beyond, Count, EigenError, EigenOptions, EigenPairs, EigenProgress, EigenWatch,
-};
+use crate::eigen::{Beyond, Count, EigenError, EigenOptions, EigenPairs};
 /// How much larger than the tolerance a measured residual may be: eigenvalues of a multiple group are measured
 /// with the residual of their neighbours.
 pub(super) const SLACK: f64 = 10.0;
@@ -180,13 +178,12 @@ impl Found {
 }
 
 /// A Lanczos run towards some number of pairs.
-pub(crate) struct Run<'a, 'w> {
+pub(crate) struct Run<'a> {
     pub(crate) lanczos: Lanczos<'a>,
     problem: &'a Problem,
     pub(crate) wanted: usize,
     pub(crate) blocks: usize,
     options: &'a EigenOptions,
-    watch: &'a mut EigenWatch<'w>,
     cap: usize,
     next_check: usize,
     /// Looks at the basis since all wanted pairs were within reach of a step of inverse iteration.
@@ -223,13 +220,12 @@ pub(crate) enum Below {
     TooFar(f64),
 }
 
-impl<'a, 'w> Run<'a, 'w> {
+impl<'a> Run<'a> {
     pub(crate) fn new(
         operator: &'a ShiftInvert<'a>,
         locked: &'a [Block],
         wanted: usize,
         options: &'a EigenOptions,
-        watch: &'a mut EigenWatch<'w>,
     ) -> Self {
         let rows = operator.problem.rows();
         let lanczos = Lanczos::new(operator, locked, ChaCha8Rng::seed_from_u64(options.seed));
@@ -241,7 +237,6 @@ impl<'a, 'w> Run<'a, 'w> {
             wanted,
             blocks: 0,
             options,
-            watch,
             cap,
             next_check: wanted + wanted / 3 + 5 * LANES,
             waited: 0,
@@ -279,12 +274,10 @@ impl<'a, 'w> Run<'a, 'w> {
         self.lanczos.ritz().map_err(|_| EigenError::Dense { rows: self.lanczos.len() })
     }
 
-    /// Tells the watch, and whether to go on.
+    /// Reports progress, and fails if the run has taken too many blocks.
     pub(crate) fn report(&mut self, converged: usize) -> Result<(), EigenError> {
         let (wanted, blocks) = (self.wanted, self.blocks);
-        if (self.watch)(&EigenProgress { converged, wanted, blocks }).is_break() {
-            return Err(EigenError::Cancelled { converged, wanted });
-        }
+        fairing_watch::reach(converged as u64);
         if blocks > self.options.max_blocks {
             return Err(EigenError::NotConverged { converged, wanted, blocks });
         }

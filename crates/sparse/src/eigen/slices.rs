@@ -11,7 +11,7 @@ use crate::eigen::operator::ShiftInvert;
 use crate::eigen::polish;
 use crate::eigen::problem::Problem;
 use crate::eigen::run::{Found, RANDOM_RESTARTS, Run};
-use crate::eigen::{EigenError, EigenOptions, EigenWatch};
+use crate::eigen::{EigenError, EigenOptions};
 
 /// Blocks of the previous window that a new one stays orthogonal to.
 const LOCKED_BLOCKS: usize = 6;
@@ -27,14 +27,13 @@ pub(crate) fn continue_upwards(
     shift: f64,
     wanted: usize,
     options: &EigenOptions,
-    watch: &mut EigenWatch<'_>,
 ) -> Result<(), EigenError> {
     let counted = found.lambdas.len();
     // The spacing of the upper half of what is known, times the number wanted in a window.
     let half = counted / 2;
     let spacing = (shift - found.lambdas[half]) / (counted - half) as f64;
     let mut slices = Slices { problem, from: shift, counted, options };
-    slices.up_to(found, None, wanted, spacing * options.slice as f64, watch)
+    slices.up_to(found, None, wanted, spacing * options.slice as f64)
 }
 
 pub(crate) struct Slices<'a> {
@@ -54,7 +53,6 @@ impl Slices<'_> {
         end: Option<f64>,
         wanted: usize,
         mut width: f64,
-        watch: &mut EigenWatch<'_>,
     ) -> Result<(), EigenError> {
         let plan = self.options.slice;
         while self.counted < wanted {
@@ -78,7 +76,7 @@ impl Slices<'_> {
             let Counted { count, shift, .. } = next;
             let inside = count.saturating_sub(self.counted);
             if inside > 0 {
-                self.window(found, next, inside, watch)?;
+                self.window(found, next, inside)?;
             }
             found.clear_below = shift;
             // The next window by the density of this one, between half and double its width.
@@ -91,21 +89,15 @@ impl Slices<'_> {
     }
 
     /// All `inside` pairs between `self.from` and the place of the next count.
-    fn window(
-        &self,
-        found: &mut Found,
-        next: Counted,
-        inside: usize,
-        watch: &mut EigenWatch<'_>,
-    ) -> Result<(), EigenError> {
+    fn window(&self, found: &mut Found, next: Counted, inside: usize) -> Result<(), EigenError> {
         let (problem, to) = (self.problem, next.shift);
         let sigma = 0.5 * (self.from + to) + 1e-3 * (to - self.from);
         let (mut operator, ..) = ShiftInvert::among(problem, sigma)
             .map_err(|source| EigenError::Factor { shift: sigma * problem.unit, source })?;
-        let mut here = self.run(&operator, found, next, inside, watch)?;
+        let mut here = self.run(&operator, found, next, inside)?;
         if here.is_strained(problem, self.options.tolerance) {
             operator = operator.exact();
-            here = self.run(&operator, found, next, inside, watch)?;
+            here = self.run(&operator, found, next, inside)?;
         }
         found.certified &= here.certified;
         found.append(&here.lambdas, &here.blocks);
@@ -119,7 +111,6 @@ impl Slices<'_> {
         found: &Found,
         next: Counted,
         inside: usize,
-        watch: &mut EigenWatch<'_>,
     ) -> Result<Found, EigenError> {
         let (problem, to, sigma) = (self.problem, next.shift, operator.sigma);
         let known = found.blocks.len();
@@ -128,7 +119,7 @@ impl Slices<'_> {
         if known > LOCKED_BLOCKS && (1..=LANES).contains(&problem.constants.0) {
             locked.push(found.blocks[0].clone());
         }
-        let mut run = Run::new(operator, &locked, inside, self.options, watch);
+        let mut run = Run::new(operator, &locked, inside, self.options);
         let goal = self.options.tolerance * to;
         let (mut random_restarts, mut most) = (0, 0);
         let mut stalled = 0;

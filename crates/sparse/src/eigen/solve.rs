@@ -8,7 +8,7 @@ use crate::eigen::polish::{self};
 use crate::eigen::problem::Problem;
 use crate::eigen::projected::{Projected, ZERO};
 use crate::eigen::run::{Below, Found, Run};
-use crate::eigen::{Count, EigenError, EigenOptions, EigenPairs, EigenWatch, dense, shift, slices};
+use crate::eigen::{Count, EigenError, EigenOptions, EigenPairs, dense, shift, slices};
 use crate::mass::Mass;
 use crate::matrix::SparseMatrix;
 
@@ -18,7 +18,6 @@ pub(crate) fn connected(
     mass: Mass<'_>,
     count: usize,
     options: &EigenOptions,
-    watch: &mut EigenWatch<'_>,
 ) -> Result<EigenPairs, EigenError> {
     let rows = stiffness.rows();
     if count == 0 {
@@ -33,10 +32,10 @@ pub(crate) fn connected(
     if constants < count {
         let wanted = count - constants;
         let first = wanted.min(options.slice);
-        let shift = run_from_below(&problem, &mut found, first, options, watch)?;
+        let shift = run_from_below(&problem, &mut found, first, options)?;
         found.clear_below = shift;
         if wanted > first {
-            slices::continue_upwards(&problem, &mut found, shift, count, options, watch)?;
+            slices::continue_upwards(&problem, &mut found, shift, count, options)?;
         }
     }
     found.finish(&problem, 0, count, options.tolerance)
@@ -140,14 +139,13 @@ fn run_from_below(
     found: &mut Found,
     wanted: usize,
     options: &EigenOptions,
-    watch: &mut EigenWatch<'_>,
 ) -> Result<f64, EigenError> {
     let constants = found.lambdas.len();
     let locked: Vec<Block> = if constants <= LANES { found.blocks.clone() } else { vec![] };
     let mut operator = shift::for_smallest(problem, constants + wanted)?;
     let mut exact = false;
     loop {
-        let mut run = Run::new(&operator, &locked, wanted, options, watch);
+        let mut run = Run::new(&operator, &locked, wanted, options);
         let (lambdas, vectors, counted) = match run.until_counted(constants)? {
             Below::Counted(lambdas, vectors, counted) => (lambdas, vectors, counted),
             // At least ten thousand times nearer each time.

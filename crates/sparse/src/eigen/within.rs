@@ -1,6 +1,6 @@
 //! All eigenpairs of an interval.
 
-use std::ops::{ControlFlow, Range};
+use std::ops::Range;
 
 use ndarray::{Axis, Slice};
 
@@ -31,8 +31,7 @@ pub(crate) fn connected(
     let (lower, upper) = (below(from)?, below(to)?);
     let (first, last) = (lower.count, upper.count);
     if first == 0 || stiffness.rows() <= options.dense_rows {
-        let mut watch = |_: &_| ControlFlow::Continue(());
-        let mut pairs = solve::connected(stiffness, mass, last, options, &mut watch)?;
+        let mut pairs = solve::connected(stiffness, mass, last, options)?;
         let vectors = pairs.vectors.slice_axis(Axis(1), Slice::from(first..)).to_owned();
         pairs.values.drain(..first);
         pairs.residuals.drain(..first);
@@ -41,10 +40,9 @@ pub(crate) fn connected(
     let mut found =
         Found { lambdas: vec![], blocks: vec![], certified: true, clear_below: upper.shift };
     let mut slices = Slices { problem: &problem, from: lower.shift, counted: first, options };
-    let mut watch = |_: &_| ControlFlow::Continue(());
     let width = upper.shift - lower.shift;
     let guess = width * options.slice as f64 / (last - first).max(1) as f64;
-    slices.up_to(&mut found, Some(upper.shift), last, guess, &mut watch)?;
+    slices.up_to(&mut found, Some(upper.shift), last, guess)?;
     let count = found.lambdas.len();
     found.finish(&problem, 0, count, options.tolerance)
 }

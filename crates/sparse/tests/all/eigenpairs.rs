@@ -1,10 +1,8 @@
 //! Eigenpairs against known spectra; pairs are always checked with S φ = λ M φ itself.
 
-use std::ops::ControlFlow;
-
 use fairing_sparse::{
     Count, EigenError, EigenOptions, EigenPairs, Mass, MassError, SparseMatrix, eigenpairs_within,
-    multiply_block, smallest_eigenpairs, smallest_eigenpairs_with,
+    multiply_block, smallest_eigenpairs,
 };
 use ndarray::Array2;
 
@@ -227,13 +225,21 @@ fn failures_are_errors() {
         smallest_eigenpairs(&negative, lumped, 3, &lanczos()),
         Err(EigenError::Factor { .. })
     ));
-    let mut calls = 0;
-    let stopped = smallest_eigenpairs_with(&s, lumped, 40, &lanczos(), &mut |_| {
-        calls += 1;
-        ControlFlow::Break(())
-    });
-    assert!(matches!(stopped, Err(EigenError::Cancelled { wanted: 39, .. })));
-    assert_eq!(calls, 1);
+}
+
+/// A cancelled watch ends the computation; a finished one has reached all pairs.
+#[test]
+fn watches_see_and_end_the_computation() {
+    let s = grid(60, 50);
+    let ones = vec![1.0; s.rows()];
+    let find = || smallest_eigenpairs(&s, Mass::Lumped(&ones), 40, &lanczos());
+    let watch = fairing_watch::Watch::new();
+    assert!(watch.run(find).unwrap().is_ok());
+    let progress = watch.progress();
+    assert_eq!((progress.stage, progress.of), ("modes", 40));
+    assert!(progress.done >= 39, "{progress:?}");
+    watch.cancel();
+    assert!(watch.run(find).is_err());
 }
 
 /// Same bits on one thread and on four, another seed gives other bits and the same spectrum.

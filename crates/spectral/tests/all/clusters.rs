@@ -4,9 +4,8 @@ use fairing_mesh::TriMesh;
 use fairing_operators::Laplacian;
 use fairing_shapes as shapes;
 use fairing_spectral::{
-    Beyond, EigenOptions, GraphWeights, Rest, Spectrum, SpectrumOptions, Split, compress,
-    graph_spectrum, heat_kernel_times, ideal_band_pass, ideal_high_pass, ideal_low_pass,
-    reconstruct, spectrum,
+    Beyond, EigenOptions, Rest, Spectrum, SpectrumOptions, Split, compress, graph_spectrum,
+    heat_kernel_times, ideal_band_pass, ideal_high_pass, ideal_low_pass, reconstruct, spectrum,
 };
 use ndarray::ArrayView2;
 
@@ -66,7 +65,7 @@ fn only_splits_depend_on_the_basis() {
     let shuffled = other.with_positions(shuffled).unwrap();
     let walk = |mesh: &TriMesh, seed| {
         let options = EigenOptions { seed, ..Default::default() };
-        graph_spectrum(mesh, 40, GraphWeights::RandomWalk, &options).unwrap()
+        graph_spectrum(mesh, 40, fairing_operators::MassKind::Degree, &options).unwrap()
     };
     let (a, b, c) = (walk(&mesh, 0), walk(&mesh, 1), walk(&other, 0));
     assert_eq!(a.clusters(), b.clusters());

@@ -1,7 +1,7 @@
 //! The assignment's levels in model units, and what they mean over the size of the faces.
 
 use anyhow::{Context as _, Result};
-use fairing_denoising::Denoiser;
+use fairing_denoising::{AutomaticOptions, Denoiser};
 use fairing_evaluation::NoiseLevel;
 use fairing_shapes as shapes;
 
@@ -26,7 +26,7 @@ const COMPARED: [Method; 6] = [
     Method::OF_THE_REPORT[2],
     Method::OF_THE_REPORT[3],
     Method::Taubin,
-    Method::Denoiser(Denoiser::Automatic),
+    Method::Denoiser(Denoiser::Automatic(AutomaticOptions::DEFAULT)),
 ];
 
 /// Whether a shape is kept.
@@ -283,7 +283,13 @@ mod tests {
             for (method, angle) in Method::OF_THE_REPORT.into_iter().zip(angles[k]) {
                 model.push(row![sigma, sigma, method.name(), angle, -1.0]);
             }
-            model.push(row![sigma, sigma, Method::Denoiser(Denoiser::Automatic).name(), 1.0, 0.0]);
+            model.push(row![
+                sigma,
+                sigma,
+                Method::Denoiser(Denoiser::Automatic(AutomaticOptions::DEFAULT)).name(),
+                1.0,
+                0.0
+            ]);
             for (h, kept) in [1.0, 0.1].into_iter().zip(kept[k]) {
                 resolution.push(row![h, sigma, sigma / h, kept]);
             }

@@ -1,0 +1,194 @@
+//! The cases, and their division into three sets.
+
+use crate::families::{Family, Triangulation};
+use anyhow::Result;
+use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
+use fairing_mesh::TriMesh;
+
+/// A set of families.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Set {
+    /// Those that constants may be chosen on.
+    Development,
+    /// Those that are only reported.
+    Unseen,
+    /// Those on which no result was known when the weights of the networks were trained and the
+    /// constants chosen.
+    Fresh,
+}
+
+impl Set {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Development, Self::Unseen, Self::Fresh];
+
+    /// The name on the command line and in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Development => "development",
+            Self::Unseen => "unseen",
+            Self::Fresh => "fresh",
+        }
+    }
+}
+
+fairing_parameters::named!(Set, "set of families");
+
+/// The set that a family is in; each has families of every kind.
+pub fn set_of(family: Family) -> Set {
+    match family {
+        Family::Stairs
+        | Family::Frame
+        | Family::Prism
+        | Family::Gear
+        | Family::Turned
+        | Family::Bosses
+        | Family::Blob
+        | Family::Periodic
+        | Family::Relief
+        | Family::Weave
+        | Family::Sheet
+        | Family::Cloth => Set::Development,
+        Family::Crystal
+        | Family::Star
+        | Family::Bracket
+        | Family::Grooves
+        | Family::Joint
+        | Family::Lobes
+        | Family::Knot
+        | Family::Minimal
+        | Family::Strokes
+        | Family::Pores
+        | Family::Channel
+        | Family::Shell => Set::Unseen,
+        Family::House
+        | Family::Tower
+        | Family::Bolt
+        | Family::Cushion
+        | Family::Vase
+        | Family::Pretzel
+        | Family::Fluted
+        | Family::Tyre
+        | Family::Ruffle
+        | Family::Bowl => Set::Fresh,
+    }
+}
+
+/// A body with noise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Case {
+    /// What the body is.
+    pub family: Family,
+    /// How it is divided into triangles.
+    pub triangulation: Triangulation,
+    /// About how many faces it has.
+    pub faces: usize,
+    /// How vertices move.
+    pub noise: NoiseKind,
+    /// How far, in mean edge lengths.
+    pub level: f64,
+    /// Decides on the proportions of the body, its triangulation and its noise.
+    pub seed: u64,
+}
+
+impl Case {
+    /// Its name in tables: family, triangulation, noise and level, and the number
+    /// of faces of large ones.
+    pub fn name(&self) -> String {
+        let Self { family, triangulation, faces, noise, level, .. } = self;
+        let size = match faces {
+            0..FACES => unreachable!("no case has fewer faces than {FACES}"),
+            &FACES => String::new(),
+            more => format!(" {}k", more / 1000),
+        };
+        format!("{family} {triangulation} {noise} {level}{size}")
+    }
+
+    /// The set that its family is in.
+    pub fn set(&self) -> Set {
+        set_of(self.family)
+    }
+
+    /// The truth, and the noisy mesh with the same faces.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`add_noise`], none of which a case can cause.
+    pub fn meshes(&self) -> Result<(TriMesh, TriMesh)> {
+        let truth = self.family.mesh(self.faces, self.triangulation, self.seed);
+        let level = NoiseLevel::EdgeLengths(self.level);
+        let noisy = add_noise(&truth, self.noise, level, self.seed)?;
+        Ok((truth, noisy))
+    }
+}
+
+/// The number of faces of most cases.
+const FACES: usize = 4000;
+
+/// How each family is tested: triangulation and noise, with the levels that
+/// families take in turn.
+const PLAN: [(Triangulation, NoiseKind, &[f64]); 7] = [
+    (Triangulation::Regular, NoiseKind::GaussianAlongNormals, &[0.3, 0.7, 0.2, 0.5, 0.3, 0.1]),
+    (Triangulation::Irregular, NoiseKind::GaussianPerAxis, &[0.2, 0.1, 0.3, 0.05]),
+    (Triangulation::Anisotropic, NoiseKind::GaussianAlongNormals, &[0.1, 0.2, 0.05, 0.15]),
+    (Triangulation::Graded, NoiseKind::GaussianAlongNormals, &[0.2, 0.1, 0.3, 0.15]),
+    (Triangulation::Irregular, NoiseKind::Correlated { reach: 2.0 }, &[0.2, 0.1, 0.3, 0.15]),
+    (Triangulation::Regular, NoiseKind::Impulsive { share: 0.25 }, &[0.5, 0.3, 0.7, 0.4]),
+    (Triangulation::Irregular, NoiseKind::Varying, &[0.2, 0.3, 0.1, 0.4]),
+];
+
+/// Larger bodies: family, triangulation, noise, level.
+const LARGE: [(Family, Triangulation, NoiseKind, f64); 3] = [
+    (Family::Gear, Triangulation::Regular, NoiseKind::GaussianAlongNormals, 0.2),
+    (Family::Bracket, Triangulation::Irregular, NoiseKind::GaussianPerAxis, 0.15),
+    (Family::Knot, Triangulation::Regular, NoiseKind::GaussianAlongNormals, 0.3),
+];
+
+/// All cases, set by set and family by family, the large ones last.
+pub fn cases() -> Vec<Case> {
+    let mut cases = vec![];
+    for set in Set::ALL {
+        let families = Family::ALL.iter().copied().filter(|f| set_of(*f) == set);
+        for (i, family) in families.enumerate() {
+            for (k, (triangulation, noise, levels)) in PLAN.into_iter().enumerate() {
+                let seed = 100 * (family as u64 + 1) + k as u64;
+                let level = levels[(i + k) % levels.len()];
+                cases.push(Case { family, triangulation, faces: FACES, noise, level, seed });
+            }
+        }
+    }
+    for (k, (family, triangulation, noise, level)) in LARGE.into_iter().enumerate() {
+        let seed = 10_000 + k as u64;
+        cases.push(Case { family, triangulation, faces: 20_000, noise, level, seed });
+    }
+    cases
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use crate::families::Kind;
+
+    use super::*;
+
+    #[test]
+    fn every_set_has_every_kind_and_names_are_unique() {
+        let all = cases();
+        assert_eq!(all.len(), 241);
+        let names: BTreeSet<String> = all.iter().map(Case::name).collect();
+        assert_eq!(names.len(), all.len());
+        for set in Set::ALL {
+            for kind in Kind::ALL {
+                let mine = all.iter().filter(|c| c.set() == set && c.family.kind() == kind);
+                let families: BTreeSet<Family> = mine.map(|c| c.family).collect();
+                assert!(families.len() >= 2, "{set} {kind}: {families:?}");
+            }
+            for &triangulation in &Triangulation::ALL {
+                assert!(all.iter().any(|c| c.set() == set && c.triangulation == triangulation));
+            }
+        }
+        for family in Family::ALL {
+            assert!(all.iter().filter(|c| c.family == *family).count() >= 7, "{family}");
+        }
+    }
+}

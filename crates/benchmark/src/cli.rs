@@ -1,0 +1,142 @@
+//! The commands and their options.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+use fairing_benchmark::Set;
+
+/// Measures denoisers on generated models with noise, tunes the published ones, trains ours, and times single tasks
+#[derive(Debug, Parser)]
+#[command(name = "benchmark", bin_name = "cargo xtask benchmark", version, about)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// List the cases
+    List {
+        #[command(flatten)]
+        choice: Choice,
+    },
+    /// Search the best parameters of every published method on every case, with the truth
+    ///
+    /// The results go into docs/reference/published.csv; cases that are already there are skipped.
+    Tune(Tune),
+    /// Run a denoiser with its defaults on every case, and compare it with the published methods
+    Measure(Measure),
+    /// Train the networks of the automatic denoiser on generated models, and write their weights
+    Train(Train),
+    /// Time one task inside the process; `cargo xtask bench` does the same
+    #[command(bin_name = "cargo xtask bench")]
+    Bench(Bench),
+}
+
+/// The cases to take.
+#[derive(Debug, Args)]
+pub(crate) struct Choice {
+    /// Only one set of families: development, unseen or fresh
+    #[arg(long, value_name = "SET")]
+    pub(crate) set: Option<Set>,
+    /// Only cases whose name contains one of these texts
+    #[arg(long, value_name = "TEXTS", value_delimiter = ',')]
+    pub(crate) filter: Vec<String>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Tune {
+    #[command(flatten)]
+    pub(crate) choice: Choice,
+    /// Only these methods
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub(crate) methods: Vec<String>,
+    /// Folder with the pairs of the literature, to tune on them too; FAIRING_MESHES does the same
+    #[arg(long, value_name = "DIR")]
+    pub(crate) meshes: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Measure {
+    #[command(flatten)]
+    pub(crate) choice: Choice,
+    /// The denoiser
+    #[arg(long, value_name = "NAME", default_value = "automatic")]
+    pub(crate) denoiser: String,
+    /// Write a line for each case into this CSV file
+    #[arg(long, value_name = "FILE")]
+    pub(crate) csv: Option<PathBuf>,
+    /// Keep the results of the automatic denoiser on all cases in docs/reference/automatic.csv, for the experiment "denoisers"
+    #[arg(long, conflicts_with_all = ["set", "filter", "denoiser", "csv"])]
+    pub(crate) accept: bool,
+    /// Write the true, noisy and denoised meshes into this folder
+    #[arg(long, value_name = "DIR")]
+    pub(crate) keep: Option<PathBuf>,
+    /// Folder with the pairs of the literature, to measure on them too; FAIRING_MESHES does the same
+    #[arg(long, value_name = "DIR")]
+    pub(crate) meshes: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Train {
+    /// Stages in a row
+    #[arg(long, default_value_t = 4)]
+    pub(crate) stages: usize,
+    /// Networks of each stage
+    #[arg(long, default_value_t = 2)]
+    pub(crate) members: usize,
+    /// Models of each family
+    #[arg(long, default_value_t = 26)]
+    pub(crate) models: u64,
+    /// Faces drawn from each model for each stage
+    #[arg(long, default_value_t = 1200)]
+    pub(crate) faces: usize,
+    /// Passes over these faces
+    #[arg(long, default_value_t = 16)]
+    pub(crate) epochs: usize,
+    /// The seed of all draws
+    #[arg(long, default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// The file of weights; by default the one that the denoiser is built with
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Bench {
+    /// The task; `build` times builds from an empty target folder. Without a task, the tasks are listed
+    pub(crate) task: Option<String>,
+    /// The mesh
+    #[arg(long = "in", value_name = "FILE")]
+    pub(crate) input: Option<PathBuf>,
+    /// Number of repetitions
+    #[arg(long, default_value_t = 1)]
+    pub(crate) repeat: usize,
+    /// Number of threads; all by default
+    #[arg(long)]
+    pub(crate) threads: Option<usize>,
+    /// Print one JSON object on the last line
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Curvature estimator of the task principal
+    #[arg(long, default_value = "quadric")]
+    pub(crate) estimator: String,
+    /// Number of eigenpairs
+    #[arg(long, default_value_t = 15)]
+    pub(crate) k: usize,
+    /// The step
+    #[arg(long, default_value_t = 0.5)]
+    pub(crate) lambda: f64,
+    /// The second, negative step of Taubin's method
+    #[arg(long, default_value_t = -0.53, allow_negative_numbers = true)]
+    pub(crate) mu: f64,
+    /// Number of steps
+    #[arg(long, default_value_t = 10)]
+    pub(crate) iters: usize,
+    /// Write the resulting mesh to this file
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: Option<PathBuf>,
+    /// The mesh without noise
+    #[arg(long, value_name = "FILE")]
+    pub(crate) reference: Option<PathBuf>,
+}

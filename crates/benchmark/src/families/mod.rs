@@ -1,0 +1,323 @@
+//! Families of bodies to test denoisers on: of every kind of surface, in
+//! every kind of triangulation, each from a seed and a number of faces.
+//!
+//! The meshes are the truth: where a surface has a crease, the crease is a line
+//! of mesh edges, and vertices lie on the surface to rounding. A seed decides
+//! on the proportions of a body (how many teeth a gear has) as well as on what
+//! is random in its triangulation.
+//!
+//! ```
+//! use fairing_benchmark::families::{Family, Triangulation};
+//!
+//! let gear = Family::Gear.mesh(4000, Triangulation::Irregular, 7);
+//! assert!((3600..4400).contains(&gear.face_count()));
+//! assert!(gear.topology().is_closed());
+//! ```
+
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{cross, norm, scale};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+mod bodies;
+mod curved;
+mod detailed;
+mod extrude;
+mod fresh_creased;
+mod fresh_smooth;
+mod planar;
+mod polyhedron;
+mod random;
+mod random_smooth;
+mod revolve;
+mod sheets;
+mod smooth;
+mod solid;
+#[cfg(test)]
+mod surfaces;
+#[cfg(test)]
+mod tests;
+mod tube;
+mod warp;
+
+pub use random::RandomBody;
+pub use warp::warped;
+
+/// What a family is like.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Kind {
+    /// Planes that meet in creases.
+    Planar,
+    /// Planes, cylinders, cones, spheres and tori that meet in creases.
+    Curved,
+    /// Smooth everywhere.
+    Smooth,
+    /// Smooth with details a few edges wide.
+    Detailed,
+    /// Thin or open.
+    Thin,
+}
+
+impl Kind {
+    /// All kinds.
+    pub const ALL: [Self; 5] =
+        [Self::Planar, Self::Curved, Self::Smooth, Self::Detailed, Self::Thin];
+
+    /// The name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Planar => "planar",
+            Self::Curved => "curved",
+            Self::Smooth => "smooth",
+            Self::Detailed => "detailed",
+            Self::Thin => "thin",
+        }
+    }
+}
+
+fairing_parameters::named!(Kind, "kind of surface");
+
+/// How a surface is divided into triangles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Triangulation {
+    /// Nearly equal triangles.
+    Regular,
+    /// Delaunay triangles of points at random.
+    Irregular,
+    /// Triangles stretched by about three, as exports of CAD programs have them.
+    Anisotropic,
+    /// Density that varies by ten over the body.
+    Graded,
+}
+
+impl Triangulation {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Regular, Self::Irregular, Self::Anisotropic, Self::Graded];
+
+    /// The name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Regular => "regular",
+            Self::Irregular => "irregular",
+            Self::Anisotropic => "anisotropic",
+            Self::Graded => "graded",
+        }
+    }
+}
+
+fairing_parameters::named!(Triangulation, "triangulation");
+
+/// The length of edges, relative to the mean, at a point of a body about two
+/// across: from 0.56 to 1.78.
+fn grading([x, y, z]: [f64; 3]) -> f64 {
+    libm::exp(0.576 * libm::sin(1.7 * (x + 0.6 * y + 0.4 * z) + 0.3))
+}
+
+/// What a family makes a mesh from.
+#[derive(Debug, Clone, Copy)]
+struct Build {
+    spacing: f64,
+    triangulation: Triangulation,
+    seed: u64,
+}
+
+impl Build {
+    /// The numbers that decide on proportions.
+    fn proportions(self) -> Proportions {
+        Proportions(ChaCha8Rng::seed_from_u64(self.seed))
+    }
+}
+
+/// Random proportions.
+struct Proportions(ChaCha8Rng);
+
+impl Proportions {
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        self.0.random_range(low..high)
+    }
+
+    fn count(&mut self, low: u32, high: u32) -> u32 {
+        self.0.random_range(low..=high)
+    }
+
+    /// A unit vector, all directions equally likely.
+    fn direction(&mut self) -> [f64; 3] {
+        let z = self.between(-1.0, 1.0);
+        let (s, c) = libm::sincos(self.between(0.0, std::f64::consts::TAU));
+        let r = (1.0 - z * z).sqrt();
+        [r * c, r * s, z]
+    }
+
+    /// Evenly in the logarithm; `low` if the interval is empty.
+    fn log_between(&mut self, low: f64, high: f64) -> f64 {
+        low * libm::pow((high / low).max(1.0), self.between(0.0, 1.0))
+    }
+
+    /// Three unit vectors at right angles.
+    fn axes(&mut self) -> [[f64; 3]; 3] {
+        loop {
+            let x = self.direction();
+            let y = cross(x, self.direction());
+            if norm(y) > 0.1 {
+                let y = scale(y, 1.0 / norm(y));
+                return [x, y, cross(x, y)];
+            }
+        }
+    }
+}
+
+/// The families, with their kind, name and generator.
+macro_rules! families {
+    ($($(#[$doc:meta])* $family:ident $kind:ident $name:literal $make:path,)*) => {
+        /// A family of bodies, about two across.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        pub enum Family {
+            $($(#[$doc])* $family,)*
+        }
+
+        impl Family {
+            /// All families. Those of a kind are together, but for the ten last ones, which are
+            /// together in turn.
+            pub const ALL: &'static [Self] = &[$(Self::$family),*];
+
+            /// The name in tables.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Self::$family => $name,)*
+                }
+            }
+
+            /// What its bodies are like.
+            pub fn kind(self) -> Kind {
+                match self {
+                    $(Self::$family => Kind::$kind,)*
+                }
+            }
+
+            fn make(self, build: Build) -> TriMesh {
+                match self {
+                    $(Self::$family => $make(build),)*
+                }
+            }
+        }
+    };
+}
+
+families! {
+    /// A staircase with a slanted side.
+    Stairs Planar "stairs" planar::stairs,
+    /// A frame: chamfered corners, a turned window, a slanted top.
+    Frame Planar "frame" planar::frame,
+    /// The common part of half spaces at random.
+    Crystal Planar "crystal" planar::crystal,
+    /// A dodecahedron with a pyramid on each face.
+    Star Planar "star" planar::star,
+    /// A prism of many sides under a flat roof: creases of 15° to 30°.
+    Prism Planar "prism" planar::prism,
+    /// A gear wheel.
+    Gear Curved "gear" curved::gear,
+    /// A turned part: cylinders, a cone, a fillet, a rounded end.
+    Turned Curved "turned" curved::turned,
+    /// A plate with a cone, a frustum, a dome and a countersink.
+    Bosses Curved "bosses" curved::bosses,
+    /// A bracket with fillets of many radii, and a hole.
+    Bracket Curved "bracket" curved::bracket,
+    /// A sphere with grooves.
+    Grooves Curved "grooves" curved::grooves,
+    /// Two cylinders that meet at right angles.
+    Joint Curved "joint" curved::joint,
+    /// A column of arcs that meet in creases of 15° to 30°.
+    Lobes Curved "lobes" curved::lobes,
+    /// Balls that run into each other.
+    Blob Smooth "blob" smooth::blob,
+    /// A part of a triply periodic surface.
+    Periodic Smooth "periodic" smooth::periodic,
+    /// A tube around a trefoil knot.
+    Knot Smooth "knot" smooth::knot,
+    /// Minimal surfaces: a patch of Enneper's or of Scherk's.
+    Minimal Smooth "minimal" smooth::minimal,
+    /// A sphere with waves of several lengths.
+    Relief Detailed "relief" detailed::relief,
+    /// A woven ring.
+    Weave Detailed "weave" detailed::weave,
+    /// A plate with strokes as those of letters.
+    Strokes Detailed "strokes" detailed::strokes,
+    /// A ball with pores.
+    Pores Detailed "pores" detailed::pores,
+    /// A bent sheet less than two edges thick.
+    Sheet Thin "sheet" sheets::sheet,
+    /// A piece of cloth with a hole.
+    Cloth Thin "cloth" sheets::cloth,
+    /// A bent profile of sheet metal.
+    Channel Thin "channel" sheets::channel,
+    /// An open shell with a jagged border.
+    Shell Thin "shell" sheets::shell,
+    /// A house: roofs of slopes of 12° and more that meet in valleys, and a chimney.
+    House Planar "house" fresh_creased::house,
+    /// A tower of turned storeys, whose triangles fold inwards and outwards.
+    Tower Planar "tower" fresh_creased::tower,
+    /// A bolt: a hexagonal head that a cone chamfers, a shank with a fillet and a groove.
+    Bolt Curved "bolt" fresh_creased::bolt,
+    /// A cube with spherical sides, one of them hollow.
+    Cushion Curved "cushion" fresh_creased::cushion,
+    /// A vase with lobes that wind around it.
+    Vase Smooth "vase" fresh_smooth::vase,
+    /// A plate with two or three holes, round everywhere.
+    Pretzel Smooth "pretzel" fresh_smooth::pretzel,
+    /// A fluted column with mouldings.
+    Fluted Detailed "fluted" fresh_smooth::fluted,
+    /// A tyre with a tread.
+    Tyre Detailed "tyre" fresh_smooth::tyre,
+    /// A flat ring with a ruffled border.
+    Ruffle Thin "ruffle" fresh_smooth::ruffle,
+    /// A bowl about an edge thick.
+    Bowl Thin "bowl" fresh_smooth::bowl,
+}
+
+fairing_parameters::named!(Family, "family");
+
+impl Family {
+    /// A body with about this many faces (within a fifth, small ones being made of
+    /// few curves), oriented outwards or
+    /// upwards.
+    ///
+    /// # Panics
+    ///
+    /// Unless `faces` is from 2000 to 100 thousand: coarser triangles miss the
+    /// details.
+    pub fn mesh(self, faces: usize, triangulation: Triangulation, seed: u64) -> TriMesh {
+        sized(|build| self.make(build), faces, triangulation, seed)
+    }
+}
+
+/// What `make` makes with about this many faces.
+fn sized(
+    make: impl Fn(Build) -> TriMesh,
+    faces: usize,
+    triangulation: Triangulation,
+    seed: u64,
+) -> TriMesh {
+    assert!((2000..=100_000).contains(&faces), "{faces} faces are not in 2000..=100000");
+    let build = |spacing| make(Build { spacing, triangulation, seed });
+    // A coarse mesh shows how many faces there are to a spacing.
+    let coarse = 0.12;
+    let mut spacing = coarse * (build(coarse).face_count() as f64 / faces as f64).sqrt();
+    let mut mesh = build(spacing);
+    for _ in 0..3 {
+        let share = mesh.face_count() as f64 / faces as f64;
+        if (share - 1.0).abs() < 0.08 {
+            break;
+        }
+        spacing *= share.sqrt();
+        mesh = build(spacing);
+    }
+    mesh
+}
+
+/// A mesh from positions and faces that the construction of a model guarantees.
+fn made(positions: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> TriMesh {
+    match TriMesh::new(positions, faces) {
+        Ok(mesh) => mesh,
+        Err(error) => panic!("a family gives no mesh: {error}"),
+    }
+}

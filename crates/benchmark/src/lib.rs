@@ -1,0 +1,31 @@
+//! Measures denoisers on families of models with noise, tunes published ones and trains ours; and
+//! times tasks for comparison with other libraries.
+//!
+//! The benchmark of denoisers is a set of [`cases`]: generated models with noise, each with its
+//! truth, and the best that published methods reach on them.
+//!
+//! Families of models, not cases, are divided into three sets. What is chosen
+//! by looking at results (constants, weights, candidates) is chosen on
+//! [`Set::Development`]; the others are only reported. On [`Set::Fresh`] no
+//! result was known when anything was chosen.
+//!
+//! Every case is made from seeds, the same on every processor.
+
+#![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
+
+mod cases;
+pub mod families;
+mod measure;
+mod pairs;
+mod published;
+mod table;
+mod training;
+mod tune;
+
+pub use cases::{Case, Set, cases, set_of};
+pub use measure::{Found, Summary, committed, found, summary, written};
+pub use pairs::{PAIR_NAMES, Pair, pairs};
+pub use published::{Method, Setting, denoiser};
+pub use table::{Entry, Published};
+pub use training::{TrainingOptions, TrainingPair, train_normals, training_pairs};
+pub use tune::tuned;

@@ -1,0 +1,127 @@
+//! Noisy meshes with their truth to train on: models of the development set, random models, and
+//! shapes of no set.
+
+use anyhow::Result;
+use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
+use fairing_mesh::TriMesh;
+use fairing_shapes as shapes;
+use rayon::prelude::*;
+
+use super::TrainingPair;
+use crate::cases::{Set, set_of};
+use crate::families::{Family, RandomBody, Triangulation, warped};
+
+/// The kinds of noise, and the largest level of each.
+const NOISE: [(NoiseKind, f64); 10] = [
+    (NoiseKind::GaussianAlongNormals, 0.8),
+    (NoiseKind::GaussianPerAxis, 0.35),
+    (NoiseKind::GaussianAlongNormals, 0.4),
+    (NoiseKind::Correlated { reach: 2.0 }, 0.35),
+    (NoiseKind::Impulsive { share: 0.25 }, 0.8),
+    (NoiseKind::Varying, 0.45),
+    (NoiseKind::Correlated { reach: 1.5 }, 0.4),
+    (NoiseKind::GaussianAlongDirections, 0.5),
+    (NoiseKind::Impulsive { share: 0.6 }, 0.6),
+    (NoiseKind::Correlated { reach: 3.0 }, 0.3),
+];
+
+/// The share of bodies that are warped.
+const WARPED: f64 = 0.5;
+
+/// Seeds that no case of the test bed has.
+const SEEDS: u64 = 1_000_000;
+
+/// Bodies of the families of the development set, bodies at random, and shapes that are in
+/// no set, with noise.
+pub fn training_pairs(bodies: u64) -> Result<Vec<TrainingPair>> {
+    let families = Family::ALL.iter().copied().filter(|f| set_of(*f) == Set::Development);
+    let mut jobs: Vec<(Body, u64)> = vec![];
+    for (i, family) in families.enumerate() {
+        for k in 0..bodies {
+            let seed = SEEDS + 1000 * i as u64 + k;
+            jobs.push((Body::Family(family), seed));
+        }
+    }
+    for shape in 0..SHAPES {
+        for k in 0..bodies / 2 {
+            jobs.push((Body::Shape(shape), SEEDS + 1000 * (50 + shape as u64) + k));
+        }
+    }
+    for (i, &body) in RandomBody::ALL.iter().enumerate() {
+        for k in 0..bodies * 3 / 2 {
+            jobs.push((Body::Random(body), SEEDS + 100_000 * (i as u64 + 1) + k));
+        }
+    }
+    jobs.into_par_iter().map(|(body, seed)| body.pair(seed)).collect()
+}
+
+/// What a pair is made of.
+#[derive(Clone, Copy)]
+enum Body {
+    Family(Family),
+    Random(RandomBody),
+    Shape(usize),
+}
+
+/// The number of shapes outside of the families.
+const SHAPES: usize = 6;
+
+impl Body {
+    fn pair(self, seed: u64) -> Result<TrainingPair> {
+        let draw = |salt: u64| unit(seed.wrapping_mul(31).wrapping_add(salt));
+        let triangulation = Triangulation::ALL[(seed % 4) as usize];
+        let (kind, most) = NOISE[((seed / 4 + seed) % 10) as usize];
+        let most: f64 = match (self, triangulation) {
+            (Self::Shape(_), _) => most,
+            (_, Triangulation::Anisotropic) => most.min(0.3),
+            (_, Triangulation::Graded) => most.min(0.4),
+            _ => most,
+        };
+        let level = 0.04 + (most - 0.04) * draw(1);
+        let faces = [2200, 3000, 4000, 9000, 16_000][(5.0 * draw(2)) as usize];
+        let truth = match self {
+            Self::Family(family) => family.mesh(faces, triangulation, seed),
+            Self::Random(body) => body.mesh(faces, triangulation, seed),
+            Self::Shape(k) => shape(k, [draw(2), draw(4)], seed),
+        };
+        let truth = if draw(3) < WARPED { warped(&truth, seed)? } else { truth };
+        let noisy = add_noise(&truth, kind, NoiseLevel::EdgeLengths(level), seed)?;
+        Ok(TrainingPair { noisy, truth })
+    }
+}
+
+/// One of the shapes, in a size that `t` from 0 to 1 decides on.
+fn shape(k: usize, [t, u]: [f64; 2], seed: u64) -> TriMesh {
+    // Sides of a tube, from a few to many.
+    let sides = 9 + (36.0 * t) as u32;
+    match k {
+        0 => shapes::cad_block(0.08 + 0.08 * t),
+        1 => shapes::creature(48 + (30.0 * t) as u32),
+        2 => shapes::bumpy_sphere(4, 0.05 + 0.1 * t, 4.0 + 4.0 * u),
+        3 => {
+            let minor = 0.1 + 0.5 * u;
+            let around = f64::from(sides) / minor;
+            shapes::torus(1.0, minor, around.clamp(40.0, 200.0) as u32, sides)
+        }
+        4 => shapes::irregular_plane(0.025 + 0.01 * t, seed),
+        _ => {
+            let radius = 0.15 + 0.85 * u;
+            let along = 2.0 / (std::f64::consts::TAU * radius / f64::from(sides));
+            shapes::cylinder(
+                radius,
+                2.0,
+                sides,
+                along.clamp(8.0, 80.0) as u32,
+                shapes::Ends::Closed,
+            )
+        }
+    }
+}
+
+/// Uniform in [0, 1), by a hash (splitmix64).
+fn unit(index: u64) -> f64 {
+    let mut x = index.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    ((x ^ (x >> 31)) >> 11) as f64 / 9_007_199_254_740_992.0
+}

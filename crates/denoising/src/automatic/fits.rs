@@ -1,0 +1,231 @@
+//! Planes and quadrics fitted to weighted points.
+
+use fairing_mesh::vec3::{add, cross, scale, sub};
+use fairing_operators::NormalEquations;
+
+use crate::faces::unit_or_zero;
+
+/// The monomials of degrees 0 to 4 in x and y, the heights z times those of
+/// degrees 0 to 2, and z²: what weighted fits of planes and quadrics need.
+const MOMENTS: usize = 22;
+
+/// Where the monomials of a degree begin.
+const DEGREES: [usize; 5] = [0, 1, 3, 6, 10];
+
+/// The powers of x and y of the unknowns of a quadric; the first three are those
+/// of a plane.
+const POWERS: [[usize; 2]; 6] = [[0, 0], [1, 0], [0, 1], [2, 0], [1, 1], [0, 2]];
+
+/// Sums of weighted moments.
+#[derive(Clone, Copy)]
+pub(super) struct LocalFit([f64; MOMENTS]);
+
+impl LocalFit {
+    pub(super) const EMPTY: Self = Self([0.0; MOMENTS]);
+
+    /// Adds a weighted point.
+    #[inline(always)]
+    pub(super) fn add(&mut self, point: &[f64; MOMENTS], w: f64) {
+        self.0.iter_mut().zip(point).for_each(|(x, p)| *x += w * p);
+    }
+
+    /// The normal equations of the first `N` unknowns.
+    fn equations<const N: usize>(&self) -> NormalEquations<N> {
+        let (mut matrix, mut rhs) = ([[0.0; N]; N], [0.0; N]);
+        for i in 0..N {
+            for j in 0..=i {
+                let [x, y] = [0, 1].map(|k| POWERS[i][k] + POWERS[j][k]);
+                matrix[i][j] = self.0[DEGREES[x + y] + y];
+            }
+            rhs[i] = self.0[15 + i];
+        }
+        NormalEquations::from_sums(matrix, rhs)
+    }
+
+    /// The sum of squared residuals of the fit with `N` unknowns.
+    pub(super) fn squares<const N: usize>(&self) -> Option<f64> {
+        let equations = self.equations::<N>();
+        let solution = equations.factor()?.solve(equations.rhs());
+        Some(self.residual(&solution, equations.rhs()).powi(2) * self.0[0])
+    }
+
+    /// The root mean square residual of a solution.
+    fn residual(&self, solution: &[f64], rhs: &[f64]) -> f64 {
+        let explained: f64 = solution.iter().zip(rhs).map(|(c, r)| c * r).sum();
+        ((self.0[MOMENTS - 1] - explained).max(0.0) / self.0[0]).sqrt()
+    }
+}
+
+/// The moments of a point.
+#[inline(always)]
+pub(super) fn moments([x, y, z]: [f64; 3]) -> [f64; MOMENTS] {
+    let (xx, xy, yy) = (x * x, x * y, y * y);
+    [
+        1.0,
+        x,
+        y,
+        xx,
+        xy,
+        yy,
+        xx * x,
+        xx * y,
+        x * yy,
+        yy * y,
+        xx * xx,
+        xx * xy,
+        xx * yy,
+        xy * yy,
+        yy * yy,
+        z,
+        x * z,
+        y * z,
+        xx * z,
+        xy * z,
+        yy * z,
+        z * z,
+    ]
+}
+
+/// What a fit says.
+pub(super) struct Reading {
+    /// The normal of the plane, and that of the quadric at the origin.
+    pub(super) normals: [[f64; 3]; 2],
+    /// What the normal of a flat face with its corners on the quadric is more than that of the quadric at
+    /// the origin.
+    pub(super) turn: [f64; 3],
+    /// log₂ of the residual over σ, of the plane's residual over the quadric's, and of the slope's deviation.
+    pub(super) numbers: [f64; 3],
+    /// The height at the origin.
+    pub(super) height: f64,
+}
+
+/// Reads a fit: n and the axes are those of its points; the corners are those of the face at the
+/// origin, along both axes.
+pub(super) fn read_fit(
+    fit: &LocalFit,
+    n: [f64; 3],
+    axes: [[f64; 3]; 2],
+    corners: [[f64; 2]; 3],
+    sigma: f64,
+) -> Reading {
+    let normal = |x: f64, y: f64| unit_or_zero(sub(n, add(scale(axes[0], x), scale(axes[1], y))));
+    let equations = fit.equations::<3>();
+    let Some(plane) = equations.factor() else {
+        return Reading { normals: [n; 2], turn: [0.0; 3], numbers: [0.0, 0.0, 3.0], height: 0.0 };
+    };
+    let p = plane.solve(equations.rhs());
+    let coarse = fit.residual(&p, equations.rhs());
+    let flat = normal(p[1], p[2]);
+    let equations = fit.equations::<6>();
+    let (curved, facet, fine, variance, height) = match equations.factor() {
+        Some(quadric) => {
+            let c = quadric.solve(equations.rhs());
+            let slopes = [[0.0, 1.0, 0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0, 0.0, 0.0]];
+            let variance: f64 = slopes.iter().map(|s| quadric.variance(s)).sum();
+            let [x, y] = facet_slope([2.0 * c[3], c[4], 2.0 * c[5]], corners);
+            let facet = normal(c[1] + x, c[2] + y);
+            (normal(c[1], c[2]), facet, fit.residual(&c, equations.rhs()), variance, c[0])
+        }
+        None => {
+            let slopes = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+            (flat, flat, coarse, slopes.iter().map(|s| plane.variance(s)).sum(), p[0])
+        }
+    };
+    let tiny = 1e-3 * sigma + 1e-12;
+    let numbers = [
+        log2((fine + tiny) / (sigma + tiny)),
+        log2((coarse + tiny) / (fine + tiny)),
+        log2(sigma * variance.sqrt() + 1e-4),
+    ];
+    Reading { normals: [flat, curved], turn: sub(facet, curved), numbers, height }
+}
+
+/// The slope of the plane through three points of `z = ½ pᵀ H p`, H given by its entries xx, xy
+/// and yy; the corners are the points' p. It is zero for equilateral triangles around the origin if H is a multiple of
+/// the unit matrix, and linear in H times the size otherwise. A sliver whose slope exceeds what the
+/// gradient of z changes by from the origin to a corner gets that much.
+fn facet_slope([xx, xy, yy]: [f64; 3], corners: [[f64; 2]; 3]) -> [f64; 2] {
+    let z = corners.map(|[x, y]| 0.5 * (xx * x * x + 2.0 * xy * x * y + yy * y * y));
+    let side =
+        |k: usize| [corners[k][0] - corners[0][0], corners[k][1] - corners[0][1], z[k] - z[0]];
+    let (u, v) = (side(1), side(2));
+    let area = u[0] * v[1] - u[1] * v[0];
+    let rise = [u[2] * v[1] - u[1] * v[2], u[0] * v[2] - u[2] * v[0]];
+    let far = corners.map(|[x, y]| x * x + y * y).into_iter().fold(0.0, f64::max);
+    let most = ((xx * xx + 2.0 * xy * xy + yy * yy) * far).sqrt() * area.abs();
+    let length = (rise[0] * rise[0] + rise[1] * rise[1]).sqrt();
+    // Of a face without area both are zero.
+    if length <= most && area != 0.0 {
+        rise.map(|r| r / area)
+    } else if length > 0.0 && area != 0.0 {
+        rise.map(|r| r / length * (most / area))
+    } else {
+        [0.0; 2]
+    }
+}
+
+/// The logarithm to base 2, from −40 to 40.
+pub(super) fn log2(x: f64) -> f64 {
+    libm::log2(x.clamp(1e-12, 1e12))
+}
+
+/// Two unit vectors across `n`.
+pub(super) fn tangents(n: [f64; 3]) -> [[f64; 3]; 2] {
+    let axis = if n[0].abs() < 0.6 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
+    let first = unit_or_zero(cross(n, axis));
+    [first, cross(n, first)]
+}
+
+#[cfg(test)]
+mod tests {
+    use fairing_mesh::vec3::distance;
+
+    use super::*;
+
+    const AXES: [[f64; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    const UP: [f64; 3] = [0.0, 0.0, 1.0];
+
+    fn height([x, y]: [f64; 2]) -> f64 {
+        0.3 + 0.2 * x - 0.1 * y + 0.15 * x * x + 0.25 * x * y - 0.05 * y * y
+    }
+
+    /// The reading of a quadric known at 25 points.
+    fn read(corners: [[f64; 2]; 3]) -> Reading {
+        let mut fit = LocalFit::EMPTY;
+        for i in 0..25u8 {
+            let [x, y] = [i / 5, i % 5].map(|k| 0.4 * f64::from(k) - 0.7);
+            fit.add(&moments([x, y, height([x, y])]), 1.0);
+        }
+        read_fit(&fit, UP, AXES, corners, 0.1)
+    }
+
+    /// The normal of the quadric with the turn is that of the flat triangle whose corners are on it.
+    #[test]
+    fn the_turn_leads_to_the_flat_face() {
+        // Around the origin, as a face is around its centroid.
+        let corners = [[-0.4, -0.3], [0.5, -0.1], [-0.1, 0.4]];
+        let found = read(corners);
+        assert!((found.height - 0.3).abs() < 1e-12);
+        let [a, b, c] = corners.map(|p| [p[0], p[1], height(p)]);
+        let flat = unit_or_zero(cross(sub(b, a), sub(c, a)));
+        let turned = unit_or_zero(add(found.normals[1], found.turn));
+        assert!(distance(turned, flat) < 1e-12, "{turned:?}, {flat:?}");
+        // Without it: the distance from the centre of the circle to the centroid, times the curvature.
+        assert!(distance(found.normals[1], flat) > 0.03);
+    }
+
+    /// Zero for an equilateral triangle of a sphere; no more than the gradient changes for a sliver; zero without area.
+    #[test]
+    fn turns_are_bounded() {
+        let equilateral = [0.0, 1.0, 2.0].map(|k: f64| {
+            let (sin, cos) = libm::sincos(k * std::f64::consts::TAU / 3.0);
+            [cos, sin]
+        });
+        let [x, y] = facet_slope([2.0, 0.0, 2.0], equilateral);
+        assert!(x.abs() < 1e-15 && y.abs() < 1e-15);
+        let sliver = [[-1.0, 0.0], [1.0, 0.0], [0.0, 1e-6]];
+        let [x, y] = facet_slope([2.0, 0.0, 2.0], sliver);
+        assert!((x * x + y * y - 8.0).abs() < 1e-9, "{x}, {y}");
+        assert_eq!(facet_slope([2.0, 1.0, 3.0], [[-1.0, 0.0], [0.5, 0.0], [0.5, 0.0]]), [0.0; 2]);
+    }
+}

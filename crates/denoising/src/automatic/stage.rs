@@ -1,0 +1,147 @@
+//! A stage: networks weigh the candidates for each normal, and the surface follows.
+
+use fairing_mesh::vec3::{add, scale};
+use rayon::prelude::*;
+
+use super::features::{Gatherer, Seen};
+use super::network::{Network, Parts, Trace, combine};
+use super::state::{QUANTILES, State};
+use super::wide::wide_means;
+use crate::DenoiseError;
+use crate::faces::unit_or_zero;
+
+/// Faces that are treated together.
+const BLOCK: usize = 1024;
+
+/// The number of blocks of a stage.
+pub(super) fn blocks(face_count: usize) -> usize {
+    face_count.div_ceil(BLOCK)
+}
+
+/// The estimate of a stage at a face.
+struct Answer {
+    normal: [f64; 3],
+    anchor: [f64; 3],
+    /// As in [`Seen`]; `None` without a normal.
+    residuals: Option<[f64; 2]>,
+}
+
+/// Replaces each normal by the mean of the answers of the networks, and lets the surface follow.
+///
+/// # Errors
+///
+/// [`DenoiseError::Build`] if coordinates overflow.
+pub fn advance(state: &mut State<'_>, networks: &[Network]) -> Result<(), DenoiseError> {
+    let answers = answers(state, networks);
+    let residuals: Vec<[f64; 2]> = answers.iter().filter_map(|a| a.residuals).collect();
+    (state.normals, state.anchors) = answers.into_iter().map(|a| (a.normal, a.anchor)).unzip();
+    let sigma = state.sigma;
+    state.follow()?;
+    state.quantiles = quantiles(&residuals).map_or([0.0; QUANTILES], |quantiles| {
+        quantiles.map(|q| q + libm::log2(sigma / state.sigma))
+    });
+    Ok(())
+}
+
+fn answers(state: &State<'_>, networks: &[Network]) -> Vec<Answer> {
+    let wide = wide_means(state);
+    let parts: Vec<Parts<'_>> = networks.iter().map(Network::parts).collect();
+    let watch = fairing_watch::current();
+    let count = state.normals.len();
+    (0..blocks(count))
+        .into_par_iter()
+        .map_init(
+            || (Gatherer::new(state, &wide), Trace::default()),
+            |(gatherer, trace), block| {
+                watch.advance(1);
+                (block * BLOCK..((block + 1) * BLOCK).min(count))
+                    .map(|f| match gatherer.sample(f) {
+                        Some(seen) => answer(&seen, &parts, trace),
+                        None => Answer {
+                            normal: [0.0; 3],
+                            anchor: state.current.centroids[f],
+                            residuals: None,
+                        },
+                    })
+                    .collect::<Vec<_>>()
+            },
+        )
+        .flatten_iter()
+        .collect()
+}
+
+/// The direction of the mean of the unit vectors that the networks answer with.
+fn answer(seen: &Seen, networks: &[Parts<'_>], trace: &mut Trace) -> Answer {
+    let mut sum = [0.0; 3];
+    for parts in networks {
+        parts.run(&seen.sample, trace);
+        let (mean, _) = combine(&seen.sample, &trace.outputs);
+        sum = add(sum, unit_or_zero(mean.map(f64::from)));
+    }
+    let ([a, b, c], [x, y, z]) = (seen.frame, sum);
+    let sum = add(add(scale(a, x), scale(b, y)), scale(c, z));
+    Answer { normal: unit_or_zero(sum), anchor: seen.anchor, residuals: Some(seen.residuals) }
+}
+
+/// The inputs of the networks at some faces; `None` for a face without a normal.
+pub fn samples(state: &State<'_>, faces: &[u32]) -> Vec<Option<Seen>> {
+    let wide = wide_means(state);
+    faces
+        .par_chunks(BLOCK)
+        .map_init(
+            || Gatherer::new(state, &wide),
+            |gatherer, block| {
+                block.iter().map(|&f| gatherer.sample(f as usize)).collect::<Vec<_>>()
+            },
+        )
+        .flatten_iter()
+        .collect()
+}
+
+/// The first decile and the median of both numbers.
+fn quantiles(residuals: &[[f64; 2]]) -> Option<[f64; QUANTILES]> {
+    let mut found = [0.0; QUANTILES];
+    for (k, slots) in found.chunks_exact_mut(2).enumerate() {
+        let mut numbers: Vec<f64> = residuals.iter().map(|r| r[k]).collect();
+        for (slot, divisor) in slots.iter_mut().zip([10, 2]) {
+            let at = numbers.len() / divisor;
+            if numbers.is_empty() {
+                return None;
+            }
+            *slot = *numbers.select_nth_unstable_by(at, f64::total_cmp).1;
+        }
+    }
+    Some(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use fairing_mesh::vec3::{distance, dot};
+    use fairing_shapes as shapes;
+
+    use super::*;
+    use crate::faces::FaceShapes;
+    use crate::noise_level;
+
+    /// Faces of a torus are right triangles in pairs: their normals differ from those of the smooth surface at their centroids by 2°,
+    /// to one side and to the other. A mean of normals does not see that; as a candidate it is turned.
+    #[test]
+    fn means_are_turned_to_flat_faces() {
+        let truth = shapes::torus(1.0, 0.4, 75, 30);
+        let noisy = shapes::jittered(&truth, 1e-4, 3, |p| p);
+        let state = State::new(&noisy, noise_level(&noisy).unwrap());
+        let wanted = FaceShapes::new(&truth).normals;
+        let faces: Vec<u32> = (0..noisy.face_count() as u32).collect();
+        // The mean over the smallest neighbourhood, whatever the normals in it.
+        let plain = super::super::state::RANGES - 1;
+        let sum: f64 = (samples(&state, &faces).iter().zip(&wanted))
+            .map(|(seen, &t)| {
+                let seen = seen.as_ref().unwrap();
+                let found = unit_or_zero(seen.sample.candidate(plain).map(f64::from));
+                distance(found, seen.frame.map(|e| dot(e, t)))
+            })
+            .sum();
+        let mean = (sum / faces.len() as f64).to_degrees();
+        assert!(mean < 0.5, "{mean}");
+    }
+}

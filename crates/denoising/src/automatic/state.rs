@@ -1,0 +1,233 @@
+//! The state of the denoiser: normals, and the surface that follows them.
+
+use std::borrow::Cow;
+
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{add, distance, dot, scale};
+use rayon::prelude::*;
+
+use super::follow::Follow;
+use crate::faces::{FaceLists, FaceShapes, Hinges, unit_or_zero};
+use crate::{DenoiseError, NoiseEstimate};
+
+/// Vertex steps between stages.
+const STEPS: usize = 15;
+
+/// The scale of the Cauchy weights of positions, in noise levels.
+const TRUST: f64 = 3.0;
+
+/// The largest displacement of a vertex, in standard deviations: noise moves one Gaussian vertex
+/// in two million further.
+const FAR: f64 = 5.0;
+
+/// The number of scales of differences between normals; the last is infinite.
+pub(super) const RANGES: usize = 4;
+
+/// The number of quantiles of the residuals of local fits.
+pub(super) const QUANTILES: usize = 4;
+
+/// A mesh between two stages.
+pub struct State<'a> {
+    /// The noisy mesh.
+    pub(super) mesh: &'a TriMesh,
+    pub(super) hinges: Hinges,
+    pub(super) rings: FaceLists,
+    /// The noise of the mesh, estimated before the first stage.
+    pub(super) level: NoiseEstimate,
+    /// The mean edge length of the mesh.
+    pub(super) h: f64,
+    /// The faces of the noisy mesh.
+    pub(super) noisy: FaceShapes,
+    /// The present normal of each face; zero for a face without one.
+    pub(super) normals: Vec<[f64; 3]>,
+    /// A point of the surface at each face, from a local fit.
+    pub(super) anchors: Vec<[f64; 3]>,
+    /// The surface that has followed the present normals; the noisy mesh before the first stage.
+    pub(super) surface: Cow<'a, TriMesh>,
+    /// The faces of the surface.
+    pub(super) current: FaceShapes,
+    /// The longest side of each face of the surface.
+    pub(super) longest: Vec<f64>,
+    /// The local scale of each face: the side of an equilateral triangle of the mean area around
+    /// the face.
+    pub(super) scales: Vec<f64>,
+    /// The noise level: the estimate, or the median displacement if that is larger.
+    pub(super) sigma: f64,
+    /// The median displacement over the estimate; one before the first stage.
+    pub(super) excess: f64,
+    /// The variance of positions across the surface, weighted by the trust in them.
+    pub(super) variance: f64,
+    /// The largest displacement of a vertex: five standard deviations.
+    pub(super) limit: f64,
+    /// The weight of the position of each vertex.
+    pub(super) vertex_trust: Vec<f64>,
+    /// The weight of the position of each face.
+    pub(super) trust: Vec<f64>,
+    /// The finite scales of differences between normals.
+    pub(super) ranges: [f64; RANGES - 1],
+    /// log₂ of quantiles over all faces of the residuals of local fits over σ; zero before the
+    /// first stage. Correlated noise has no face with small ones; details leave some.
+    pub(super) quantiles: [f64; QUANTILES],
+}
+
+impl<'a> State<'a> {
+    /// The state before the first stage: normals are the means of the noisy area vectors around
+    /// each face.
+    pub fn new(mesh: &'a TriMesh, level: NoiseEstimate) -> Self {
+        let rings = FaceLists::rings(mesh);
+        let noisy = FaceShapes::new(mesh);
+        let vector = |f: usize| scale(noisy.normals[f], noisy.areas[f]);
+        let normals = (0..mesh.face_count())
+            .into_par_iter()
+            .map(|f| {
+                let ring = rings.row(f).iter().map(|&g| vector(g as usize));
+                unit_or_zero(ring.fold(vector(f), add))
+            })
+            .collect();
+        let mut state = Self {
+            mesh,
+            hinges: Hinges::new(mesh),
+            level,
+            h: mesh.mean_edge_length(),
+            normals,
+            anchors: mean_centroids(&noisy.centroids, &rings),
+            surface: Cow::Borrowed(mesh),
+            current: noisy.clone(),
+            longest: longest_sides(mesh),
+            scales: vec![],
+            sigma: level.sigma,
+            excess: 1.0,
+            variance: level.sigma * level.sigma,
+            limit: FAR * level.sigma,
+            vertex_trust: vec![1.0; mesh.vertex_count()],
+            trust: vec![1.0; mesh.face_count()],
+            ranges: [0.0; 3],
+            quantiles: [0.0; QUANTILES],
+            rings,
+            noisy,
+        };
+        state.set_scales();
+        state.set_ranges(2.0);
+        state
+    }
+
+    /// The present normal of each face; zero for a face without one.
+    pub fn normals(&self) -> &[[f64; 3]] {
+        &self.normals
+    }
+
+    /// The way of vertices to the present normals, none further than `limit` from its noisy
+    /// position.
+    pub(super) fn follower(&self, limit: f64) -> Follow<'a> {
+        Follow::new(self.mesh, &self.rings, self.limit / FAR, limit)
+    }
+
+    /// The surface follows the normals; the noise level, the trust in positions and the scales
+    /// are those that its distance from the noisy mesh shows.
+    ///
+    /// # Errors
+    ///
+    /// [`DenoiseError::Build`] if coordinates overflow.
+    pub(super) fn follow(&mut self) -> Result<(), DenoiseError> {
+        let noisy = self.mesh.positions();
+        let surface = self.follower(f64::INFINITY).run(noisy, &self.normals, STEPS)?;
+        let moved: Vec<f64> =
+            noisy.iter().zip(surface.positions()).map(|(&p, &x)| distance(p, x)).collect();
+        let usual = median(moved.clone());
+        self.excess = usual / self.level.sigma;
+        self.sigma = self.level.sigma.max(usual);
+        let scale = 1.0 / (TRUST * self.sigma);
+        let trust: Vec<f64> = moved.iter().map(|d| 1.0 / (1.0 + (scale * d).powi(2))).collect();
+        let squares: f64 = moved.iter().zip(&trust).map(|(d, t)| t * d * d).sum();
+        self.variance = squares / trust.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+        self.limit = FAR * self.sigma.max(root_mean_square(&moved));
+        self.trust = (self.mesh.faces().iter())
+            .map(|face| face.iter().map(|&v| trust[v as usize]).sum::<f64>() / 3.0)
+            .collect();
+        self.vertex_trust = trust;
+        self.current = FaceShapes::new(&surface);
+        self.longest = longest_sides(&surface);
+        self.surface = Cow::Owned(surface);
+        self.set_scales();
+        self.set_ranges(0.6);
+        Ok(())
+    }
+
+    /// The local scale of each face.
+    fn set_scales(&mut self) {
+        let (areas, rings, h) = (&self.current.areas, &self.rings, self.h);
+        self.scales = (0..areas.len())
+            .into_par_iter()
+            .map(|f| {
+                let row = rings.row(f);
+                let sum: f64 = areas[f] + row.iter().map(|&g| areas[g as usize]).sum::<f64>();
+                // The side of an equilateral triangle of this area.
+                let side = (sum / (row.len() + 1) as f64 * (4.0 / 3.0f64.sqrt())).sqrt();
+                side.clamp(0.02 * h, 50.0 * h)
+            })
+            .collect();
+    }
+
+    /// Differences between normals that count: from what noise of `factor` σ̂/h
+    /// makes to that of a crease.
+    fn set_ranges(&mut self, factor: f64) {
+        let low = (factor * self.sigma / self.h).clamp(0.02, 0.3);
+        self.ranges = [low, (low * 0.5).sqrt(), 0.5];
+    }
+
+    /// The weight of a normal that differs by `apart`, in one of the ranges.
+    pub(super) fn similarity(&self, apart: [f64; 3], range: usize) -> f64 {
+        similarities(dot(apart, apart), self.factors())[range]
+    }
+
+    pub(super) fn factors(&self) -> [f64; RANGES - 1] {
+        self.ranges.map(|r| 0.25 / (r * r))
+    }
+}
+
+/// The weights of a normal at a squared distance, for each range: close to
+/// Gaussians, with tails of an eighth power; the last is one.
+#[inline(always)]
+pub(super) fn similarities(square: f64, factors: [f64; RANGES - 1]) -> [f64; RANGES] {
+    let mut weights = [1.0; RANGES];
+    for (w, factor) in weights.iter_mut().zip(factors) {
+        let q = 1.0 / (1.0 + factor * square);
+        *w = (q * q) * (q * q);
+    }
+    weights
+}
+
+/// The mean centroid around each face.
+fn mean_centroids(centroids: &[[f64; 3]], rings: &FaceLists) -> Vec<[f64; 3]> {
+    (0..centroids.len())
+        .into_par_iter()
+        .map(|f| {
+            let row = rings.row(f);
+            let sum = row.iter().fold(centroids[f], |s, &g| add(s, centroids[g as usize]));
+            scale(sum, 1.0 / (row.len() + 1) as f64)
+        })
+        .collect()
+}
+
+/// The longest side of each face.
+fn longest_sides(mesh: &TriMesh) -> Vec<f64> {
+    (0..mesh.face_count())
+        .map(|f| {
+            let [a, b, c] = mesh.triangle(f);
+            distance(a, b).max(distance(b, c)).max(distance(c, a))
+        })
+        .collect()
+}
+
+/// The median; zero without numbers.
+fn median(mut numbers: Vec<f64>) -> f64 {
+    let middle = numbers.len() / 2;
+    if numbers.is_empty() {
+        return 0.0;
+    }
+    *numbers.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+fn root_mean_square(numbers: &[f64]) -> f64 {
+    (numbers.iter().map(|x| x * x).sum::<f64>() / numbers.len().max(1) as f64).sqrt()
+}

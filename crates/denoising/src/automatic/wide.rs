@@ -1,0 +1,209 @@
+//! Means of noisy normals over wide regions that end at creases.
+
+use fairing_mesh::vec3::{add, scale, sub};
+use rayon::prelude::*;
+
+use super::features::{WIDE, WIDE_RANGES};
+use super::state::State;
+use crate::faces::unit_or_zero;
+
+/// For each diffusion: the range of differences between normals, the strength t, and the steps.
+const DIFFUSIONS: [(usize, f64, usize); 4] =
+    [(0, 30.0, 24), (1, 30.0, 24), (0, 300.0, 64), (1, 300.0, 64)];
+
+/// The first of the diffusions that are also sharpened.
+const SHARPENED_FROM: usize = 2;
+
+const _: () = {
+    assert!(WIDE == 2 * DIFFUSIONS.len() - SHARPENED_FROM);
+    let mut k = 0;
+    while k < DIFFUSIONS.len() {
+        assert!(WIDE_RANGES[k] == DIFFUSIONS[k].0);
+        let sharpened = k + WIDE - DIFFUSIONS.len();
+        assert!(k < SHARPENED_FROM || WIDE_RANGES[sharpened] == DIFFUSIONS[k].0);
+        k += 1;
+    }
+};
+
+/// Faces that a thread takes at least: a step takes little time.
+const AT_LEAST: usize = 2048;
+
+/// The least mass of a face, in mean areas: what keeps the system definite.
+const LEAST_MASS: f64 = 1e-6;
+
+/// The wide means at every face; zero where they cancel out.
+///
+/// Each diffusion is close to the solution x of `(M + t L) x = M n`: n the noisy normals, M the
+/// areas times the trust in positions, L the Laplacian of the graph of faces whose weights are
+/// the mean area of both faces times the similarity of their present normals. A mean reaches
+/// `√t` faces far, less across a crease. The widest are also sharpened: x and the diffusion
+/// of n − x, so that what varies slowly is kept to the second order in t.
+pub(crate) fn wide_means(state: &State<'_>) -> [Vec<[f64; 3]>; WIDE] {
+    let units = |x: &[[f64; 3]]| x.par_iter().map(|&x| unit_or_zero(x)).collect::<Vec<_>>();
+    let (mut plain, mut sharpened) = (vec![], vec![]);
+    for (k, (range, strength, steps)) in DIFFUSIONS.into_iter().enumerate() {
+        let diffusion = Diffusion::new(state, range, strength);
+        let mut x = state.normals.to_vec();
+        diffusion.solve(&mut x, steps);
+        plain.push(units(&x));
+        if k >= SHARPENED_FROM {
+            diffusion.sharpen(&mut x, steps);
+            sharpened.push(units(&x));
+        }
+    }
+    plain.append(&mut sharpened);
+    let mut all = plain.into_iter();
+    std::array::from_fn(|_| all.next().unwrap_or_default())
+}
+
+/// The system of one diffusion.
+struct Diffusion {
+    strength: f64,
+    masses: Vec<f64>,
+    /// The right-hand side.
+    target: Vec<[f64; 3]>,
+    /// The face across each side, and t times the weight.
+    rows: Vec<[(u32, f64); 3]>,
+    /// One over the diagonal.
+    inverse: Vec<f64>,
+}
+
+impl Diffusion {
+    fn new(state: &State<'_>, range: usize, strength: f64) -> Self {
+        let (noisy, areas) = (&state.noisy, &state.current.areas);
+        let count = areas.len();
+        let least = LEAST_MASS * areas.iter().sum::<f64>() / count.max(1) as f64;
+        let masses: Vec<f64> = areas
+            .iter()
+            .zip(&state.trust)
+            .map(|(a, t)| (a * t).max(least).max(f64::MIN_POSITIVE))
+            .collect();
+        let weights: Vec<f64> = (state.hinges.all.par_iter())
+            .map(|hinge| {
+                let [f, g] = hinge.faces.map(|f| f as usize);
+                let (m, n) = (state.normals[f], state.normals[g]);
+                if m == [0.0; 3] || n == [0.0; 3] {
+                    return 0.0;
+                }
+                let similarity = state.similarity(sub(m, n), range);
+                0.5 * strength * (areas[f] + areas[g]) * similarity
+            })
+            .collect();
+        let rows: Vec<[(u32, f64); 3]> = (0..count)
+            .into_par_iter()
+            .map(|f| {
+                let (sides, beside) = (state.hinges.of_face[f], state.hinges.beside[f]);
+                [0, 1, 2].map(|k| match weights.get(sides[k] as usize) {
+                    Some(&weight) => (beside[k], weight),
+                    None => (f as u32, 0.0),
+                })
+            })
+            .collect();
+        let inverse: Vec<f64> = (masses.iter().zip(&rows))
+            .map(|(m, row)| 1.0 / (m + row.iter().map(|(_, w)| w).sum::<f64>()))
+            .collect();
+        let target = (0..count)
+            .into_par_iter()
+            .map(|f| scale(noisy.normals[f], noisy.areas[f] * state.trust[f]))
+            .collect();
+        Self { strength, masses, target, rows, inverse }
+    }
+
+    /// Adds the diffusion of what x leaves of the noisy normals.
+    fn sharpen(mut self, x: &mut Vec<[f64; 3]>, steps: usize) {
+        (self.target.par_iter_mut().zip(&self.masses).zip(&*x))
+            .for_each(|((target, m), x)| *target = sub(scale(*target, 2.0), scale(*x, *m)));
+        self.solve(x, steps);
+    }
+
+    /// Chebyshev's iteration from x, in a fixed number of steps, so that nothing depends on
+    /// rounding.
+    fn solve(&self, x: &mut Vec<[f64; 3]>, steps: usize) {
+        // Scaled by the diagonal, eigenvalues are below 2. Those of faces of usual mass are above
+        // the lower end; the iteration does not increase parts below it.
+        let low = 1.0 / (1.0 + 3.0 * self.strength);
+        let (middle, half) = (0.5 * (2.0 + low), 0.5 * (2.0 - low));
+        let mut step = vec![[0.0; 3]; x.len()];
+        let mut next = step.clone();
+        let mut rho = half / middle;
+        for k in 0..steps {
+            let (turn, gain) = if k == 0 {
+                (0.0, 1.0 / middle)
+            } else {
+                let smaller = 1.0 / (2.0 * middle / half - rho);
+                let found = (smaller * rho, 2.0 * smaller / half);
+                rho = smaller;
+                found
+            };
+            let both = step.par_iter_mut().zip(&mut next).enumerate().with_min_len(AT_LEAST);
+            both.for_each(|(f, (step, next))| {
+                let mut residual = sub(self.target[f], scale(x[f], self.masses[f]));
+                for &(g, w) in &self.rows[f] {
+                    residual = add(residual, scale(sub(x[g as usize], x[f]), w));
+                }
+                *step = add(scale(*step, turn), scale(residual, gain * self.inverse[f]));
+                *next = add(x[f], *step);
+            });
+            std::mem::swap(x, &mut next);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use fairing_mesh::vec3::{distance, norm};
+    use fairing_shapes as shapes;
+
+    use super::*;
+    use crate::faces::FaceShapes;
+    use crate::noise_level;
+
+    /// A jittered cube: the wide means see each side as a plane, up to its borders, and the steps
+    /// leave a tenth of the distance to the exact solution.
+    #[test]
+    fn wide_means_end_at_creases_and_solve_their_system() {
+        let truth = shapes::cube(24, shapes::Diagonals::Alternating);
+        let noisy = shapes::jittered(&truth, 0.1, 3, |p| p);
+        let state = State::new(&noisy, noise_level(&noisy).unwrap());
+        let wanted = FaceShapes::new(&truth).normals;
+        let far = |normals: &[[f64; 3]], to: &[[f64; 3]]| -> f64 {
+            let sum: f64 = normals.iter().zip(to).map(|(&a, &b)| distance(a, b)).sum();
+            sum / to.len() as f64
+        };
+        let start = far(&state.normals, &wanted);
+        let all = wide_means(&state);
+        for (k, (range, strength, steps)) in DIFFUSIONS.into_iter().enumerate() {
+            let solved = |steps| {
+                let mut x = state.normals.to_vec();
+                Diffusion::new(&state, range, strength).solve(&mut x, steps);
+                x.into_iter().map(unit_or_zero).collect::<Vec<_>>()
+            };
+            let found = solved(steps);
+            assert!(found.iter().all(|&n| (norm(n) - 1.0).abs() < 1e-12));
+            assert_eq!(found, all[k]);
+            let exact = solved(3000);
+            let (left, begun) = (far(&found, &exact), far(&state.normals, &exact));
+            assert!(left < 0.1 * begun, "{strength}: {left} of {begun}");
+            let error = far(&found, &wanted);
+            assert!(error < 0.7 * start, "{strength}: {error} of {start}");
+        }
+    }
+
+    /// On a sphere with wide bumps the widest means leave 1 / (1 + x) of a bump of t times its eigenvalue = x, sharpened ones
+    /// 1 − (x / (1 + x))²: the error is x / (1 + x) times as large, less than 0.9 for x below 9.
+    #[test]
+    fn sharpened_means_keep_what_is_curved() {
+        let truth = shapes::bumpy_sphere(4, 0.1, 2.0);
+        let noisy = shapes::jittered(&truth, 0.01, 3, |p| p);
+        let state = State::new(&noisy, noise_level(&noisy).unwrap());
+        let all = wide_means(&state);
+        let wanted = FaceShapes::new(&truth).normals;
+        let far = |normals: &[[f64; 3]]| -> f64 {
+            normals.iter().zip(&wanted).map(|(&a, &b)| distance(a, b)).sum()
+        };
+        for k in SHARPENED_FROM..DIFFUSIONS.len() {
+            let (plain, sharpened) = (far(&all[k]), far(&all[k + WIDE - DIFFUSIONS.len()]));
+            assert!(sharpened < 0.9 * plain, "{k}: {sharpened} of {plain}");
+        }
+    }
+}

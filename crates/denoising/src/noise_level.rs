@@ -1,0 +1,501 @@
+//! The noise level of a mesh, estimated without a ground truth.
+
+use fairing_mesh::TriMesh;
+use fairing_mesh::vec3::{add, dot, norm, normalize, scale, sub};
+use rayon::prelude::*;
+
+use fairing_operators::{NormalEquations, PrincipalAxes, tangent_frame};
+
+/// A tail ratio above this tells impulsive from Gaussian noise: Gaussian
+/// residuals give 1 by construction, and 1.15 is beyond what curvature and
+/// creases do to it on clean shapes.
+const IMPULSIVE_TAIL: f64 = 1.15;
+
+/// The 90th percentile of |x| over its median, for Gaussian x.
+const GAUSSIAN_TAIL: f64 = 2.4387;
+
+/// The 10th percentile of |x| over its median, for Gaussian x.
+const GAUSSIAN_LOW: f64 = 0.186_31;
+
+/// Residuals count in correlations up to this many standard deviations.
+const CLIP: f64 = 3.0;
+
+/// The median of |x| is this share of the standard deviation of Gaussian x.
+const GAUSSIAN_MEDIAN: f64 = 0.674_489_75;
+
+/// The fits of a vertex: a quadric to its two-ring, a quadric to the [`NEAREST`] of it, and a
+/// paraboloid of revolution to its one-ring.
+const FITS: usize = 3;
+
+/// Fits to fewer points see less of the surface, and stray more.
+const NEAREST: usize = 10;
+
+/// Squared distances that differ by less, relatively, are the same: whether both points are taken must not depend on
+/// rounding.
+const ALIKE_FAR: f64 = 1e-9;
+
+/// A fit counts where it has residuals at this share of the vertices that have a quadric to their two-ring.
+const ENOUGH: f64 = 0.5;
+
+/// A fit counts where its level is more than this share of that over two-rings. A smaller one says that most vertices
+/// lie on it exactly: on planes with few impulses that is so for one-rings, and no two-ring is without one.
+const EXACT: f64 = 1e-3;
+
+/// What [`noise_level`] finds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct NoiseEstimate {
+    /// The standard deviation of the displacement of a vertex along the
+    /// normal, in mesh units.
+    pub sigma: f64,
+    /// The ratio of the 90th percentile to the median of the residuals'
+    /// absolute values, over that of a Gaussian: 1 for Gaussian noise, more
+    /// where a share of the vertices is moved further than the rest.
+    pub tail_ratio: f64,
+    /// The ratio of the 10th percentile to the median of the residuals' absolute
+    /// values, over that of a Gaussian: less than 1 where the level varies over the surface, or
+    /// where details that a quadric misses are taken for noise.
+    pub low_ratio: f64,
+    /// The correlation of residuals across edges, from −1 to 1; residuals beyond three σ̂ count as
+    /// three. Independent noise gives about −0.27, since each residual is in the fits of its
+    /// neighbours. Noise that is correlated over two edges gives about 0.05 more. Zero where `sigma` is.
+    pub correlation: f64,
+    /// The level that the fits to two-rings find, over `sigma`: at least 1, 1 where `sigma` is zero, and close to it where the surface is
+    /// smooth over two rings and the noise is independent. More where creases and details are as dense as two-rings, or
+    /// the noise is correlated.
+    pub two_ring_ratio: f64,
+    /// The number of vertices that the estimate is made from.
+    pub samples: usize,
+}
+
+impl NoiseEstimate {
+    /// Whether the tails are those of impulsive noise: a tail ratio above 1.15.
+    pub fn is_impulsive(&self) -> bool {
+        self.tail_ratio > IMPULSIVE_TAIL
+    }
+}
+
+/// Connected parts of a mesh with noise of about the same level.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct NoisyParts {
+    /// The noise of all of them together.
+    pub level: NoiseEstimate,
+    /// The numbers of the parts, as [`Topology::components`] counts them,
+    /// ascending.
+    ///
+    /// [`Topology::components`]: fairing_mesh::Topology::components
+    pub components: Vec<u32>,
+}
+
+/// Estimates the standard deviation of the noise along the normal, and whether
+/// its tails are heavy, where there is most of it: that of the first of the
+/// [`noisy_parts`].
+///
+/// A surface is fitted to the neighbours of each vertex without the vertex, as
+/// a height field over the plane of the two-ring's area vector. With the leverage
+/// ℓ, the variance of the fit at the vertex over σ², the vertex's own residual
+/// r has the variance σ² (1 + ℓ) where the surface is as the fit on that scale, so
+///
+/// ```text
+/// σ̂ = 1.4826 · median |r| / √(1 + ℓ)
+/// ```
+///
+/// This is done with three fits, and the least of the three is the result, since what a fit misses can only add to
+/// the noise: a quadric to the two-ring, a quadric to the ten vertices of it that are nearest (more where several are as far as the tenth), and
+/// a + bx + cy + d(x² + y²) to the one-ring. Nearer points see fewer creases and details, above all on stretched triangles.
+/// A level below a thousandth of that over two-rings does not count: most vertices lie on that fit exactly, and the noise is elsewhere.
+/// The other numbers of a [`NoiseEstimate`] are of the residuals over two-rings.
+///
+/// The median is hardly changed by the vertices near creases. On Gaussian noise σ̂ is a
+/// few percent high; on a clean mesh it is what the fits miss, not zero.
+/// A connected part that is clean does not lower the level of another one.
+/// Scales with the mesh. `None` if no vertex has a two-ring that determines a
+/// quadric (at least eight neighbours in general position). Linear cost.
+pub fn noise_level(mesh: &TriMesh) -> Option<NoiseEstimate> {
+    noisy_parts(mesh).first().map(|parts| parts.level)
+}
+
+/// The levels of a part within this factor of each other count as the same:
+/// estimates from a few dozen vertices differ by as much as two.
+const ALIKE: f64 = 4.0;
+
+/// The connected parts of a mesh, put together where their noise is about the
+/// same, those with most of it first.
+///
+/// The part with the largest `n σ̂²`, n the number of its vertices, is taken with
+/// all parts whose level is at least a quarter and at most four times its own,
+/// and so on with what is left. Parts that are too small for an estimate are in
+/// the first group; empty if all are.
+pub fn noisy_parts(mesh: &TriMesh) -> Vec<NoisyParts> {
+    let oriented = mesh.oriented();
+    let mesh = &*oriented;
+    let residuals: Vec<[Option<f64>; FITS]> = (0..mesh.vertex_count() as u32)
+        .into_par_iter()
+        .map_init(Scratch::default, |scratch, v| leave_one_out(mesh, v, scratch))
+        .collect();
+    let components = mesh.topology().components();
+    let mut of_part = vec![Sizes::default(); components.count()];
+    for (v, residuals) in residuals.iter().enumerate() {
+        if let Some(part) = components.label(v as u32) {
+            for (sizes, residual) in of_part[part as usize].iter_mut().zip(residuals) {
+                sizes.extend(residual.map(|r| r.abs()));
+            }
+        }
+    }
+    let mut unmeasured = vec![];
+    let mut left: Vec<(u32, Sizes, NoiseEstimate)> = vec![];
+    for (part, mut sizes) in of_part.into_iter().enumerate() {
+        match level_of(&mut sizes) {
+            Some(level) => left.push((part as u32, sizes, level)),
+            None => unmeasured.push(part as u32),
+        }
+    }
+    let mut groups: Vec<NoisyParts> = vec![];
+    while let Some(first) = most_noise(&left) {
+        let sigma = left[first].2.sigma;
+        let alike =
+            |level: &NoiseEstimate| level.sigma * ALIKE >= sigma && level.sigma <= ALIKE * sigma;
+        let (group, rest): (Vec<_>, Vec<_>) = left.into_iter().partition(|(.., l)| alike(l));
+        left = rest;
+        let mut components: Vec<u32> = group.iter().map(|(part, ..)| *part).collect();
+        components.append(&mut unmeasured);
+        components.sort_unstable();
+        let mut sizes = Sizes::default();
+        for (_, part, _) in group {
+            sizes.iter_mut().zip(part).for_each(|(all, part)| all.extend(part));
+        }
+        groups.extend(level_of(&mut sizes).map(|level| NoisyParts { level, components }));
+    }
+    for group in &mut groups {
+        let inside = |v: u32| {
+            let part = components.label(v);
+            part.is_some_and(|part| group.components.binary_search(&part).is_ok())
+        };
+        let sigma = group.level.sigma * group.level.two_ring_ratio;
+        if sigma > 0.0 {
+            group.level.correlation = correlation(mesh, &residuals, sigma, inside);
+        }
+    }
+    groups
+}
+
+/// The absolute values of the residuals of each fit.
+type Sizes = [Vec<f64>; FITS];
+
+/// The correlation across edges of the residuals over two-rings of the vertices that are `inside`; zero if there is
+/// none.
+fn correlation(
+    mesh: &TriMesh,
+    residuals: &[[Option<f64>; FITS]],
+    sigma: f64,
+    inside: impl Fn(u32) -> bool,
+) -> f64 {
+    let clipped: Vec<Option<f64>> = (0u32..)
+        .zip(residuals)
+        .map(|(v, r)| r[0].filter(|_| inside(v)).map(|r| (r / sigma).clamp(-CLIP, CLIP)))
+        .collect();
+    let (mut products, mut squares) = (0.0, 0.0);
+    for &[a, b, c] in mesh.faces() {
+        for (v, w) in [(a, b), (b, c), (c, a)] {
+            if let (Some(x), Some(y)) = (clipped[v as usize], clipped[w as usize]) {
+                products += x * y;
+                squares += 0.5 * (x * x + y * y);
+            }
+        }
+    }
+    if squares > 0.0 { products / squares } else { 0.0 }
+}
+
+/// Which part has the largest `n σ̂²`; the first of equal ones.
+fn most_noise(parts: &[(u32, Sizes, NoiseEstimate)]) -> Option<usize> {
+    let amount = |i: usize| (parts[i].2.samples as f64).sqrt() * parts[i].2.sigma;
+    (0..parts.len()).reduce(|best, i| if amount(i) > amount(best) { i } else { best })
+}
+
+/// The level of the residuals, which it sorts.
+fn level_of(sizes: &mut Sizes) -> Option<NoiseEstimate> {
+    sizes.iter_mut().for_each(|sizes| sizes.sort_unstable_by(f64::total_cmp));
+    let [two_ring, ..] = &*sizes;
+    let (median, low, high) =
+        (median(two_ring)?, two_ring[two_ring.len() / 10], two_ring[two_ring.len() * 9 / 10]);
+    let over_gaussian =
+        |size: f64, gaussian: f64| if median > 0.0 { size / median / gaussian } else { 1.0 };
+    let enough = ENOUGH * two_ring.len() as f64;
+    let counted = sizes.iter().filter(|sizes| sizes.len() as f64 >= enough);
+    let levels = counted.filter_map(|sizes| self::median(sizes));
+    let least = levels.filter(|&level| level > EXACT * median).fold(median, f64::min);
+    Some(NoiseEstimate {
+        sigma: least / GAUSSIAN_MEDIAN,
+        tail_ratio: over_gaussian(high, GAUSSIAN_TAIL),
+        low_ratio: over_gaussian(low, GAUSSIAN_LOW),
+        correlation: 0.0,
+        two_ring_ratio: if least > 0.0 { median / least } else { 1.0 },
+        samples: two_ring.len(),
+    })
+}
+
+/// The middle of ascending values; the mean of both where there are two.
+fn median(sorted: &[f64]) -> Option<f64> {
+    let n = sorted.len();
+    Some(0.5 * sorted.get(n.checked_sub(1)? / 2)? + 0.5 * sorted[n / 2])
+}
+
+/// Faces of a neighbour that a fit takes, spread over them where there are more:
+/// each of n neighbours of a vertex would have all the others.
+const HUB: usize = 256;
+
+/// What the fits of one vertex are made from, kept from one to the next.
+#[derive(Default)]
+struct Scratch {
+    one_ring: Vec<u32>,
+    ring: Vec<u32>,
+    points: Vec<[f64; 3]>,
+    squares: Vec<f64>,
+}
+
+/// The residuals of vertex `v` from the fits to its neighbours, each standardised
+/// to the variance of the noise.
+fn leave_one_out(mesh: &TriMesh, v: u32, scratch: &mut Scratch) -> [Option<f64>; FITS] {
+    two_ring_residuals(mesh, v, scratch).unwrap_or_default()
+}
+
+/// `None` where the two-ring determines no quadric.
+fn two_ring_residuals(
+    mesh: &TriMesh,
+    v: u32,
+    Scratch { one_ring, ring, points, squares }: &mut Scratch,
+) -> Option<[Option<f64>; FITS]> {
+    let (incidence, faces) = (mesh.incidence(), mesh.faces());
+    one_ring.clear();
+    for &c in incidence.corners(v) {
+        one_ring.extend_from_slice(&faces[c as usize / 3]);
+    }
+    one_ring.sort_unstable();
+    one_ring.dedup();
+    ring.clear();
+    let mut area = [0.0; 3];
+    for &w in &*one_ring {
+        let corners = incidence.corners(w);
+        let stride = if w == v { 1 } else { 1 + corners.len().saturating_sub(1) / HUB };
+        for &c in corners.iter().step_by(stride) {
+            area = add(area, mesh.area_vector(c as usize / 3));
+            ring.extend_from_slice(&faces[c as usize / 3]);
+        }
+    }
+    ring.sort_unstable();
+    ring.dedup();
+    if ring.len() < 9 {
+        return None;
+    }
+    let origin = mesh.positions()[v as usize];
+    let offset = |w: &u32| sub(mesh.positions()[*w as usize], origin);
+    let radius = ring.iter().map(|w| norm(offset(w))).fold(0.0, f64::max);
+    let normal = normalize(area)?;
+    let [e1, e2] = tangent_frame(normal.into()).map(Into::into);
+    if radius.is_nan() || radius <= 0.0 {
+        return None;
+    }
+    let flat = |w: &u32| {
+        let d = scale(offset(w), 1.0 / radius);
+        [dot(d, e1), dot(d, e2), dot(d, normal)]
+    };
+    points.clear();
+    points.extend(ring.iter().filter(|&&w| w != v).map(flat));
+    let two_ring = quadric_residual(points)?;
+    if points.len() > NEAREST {
+        let square = |p: &[f64; 3]| dot(*p, *p);
+        squares.clear();
+        squares.extend(points.iter().map(square));
+        let (_, tenth, _) = squares.select_nth_unstable_by(NEAREST - 1, f64::total_cmp);
+        let far = *tenth * (1.0 + ALIKE_FAR);
+        points.retain(|p| square(p) <= far);
+    }
+    let nearest = quadric_residual(points);
+    points.clear();
+    points.extend(one_ring.iter().filter(|&&w| w != v).map(flat));
+    let residual = |r: f64| Some(r * radius).filter(|r| r.is_finite());
+    Some([
+        residual(two_ring),
+        nearest.and_then(residual),
+        round_residual(points).and_then(residual),
+    ])
+}
+
+/// The standardised residual at the origin from a quadric through the points.
+fn quadric_residual(points: &[[f64; 3]]) -> Option<f64> {
+    let axes = PrincipalAxes::new(points.iter().map(|p| [p[0], p[1]]))?;
+    residual(points, |p| {
+        let [x, y] = axes.coordinates(p);
+        [1.0, x, y, x * x, x * y, y * y]
+    })
+}
+
+/// The standardised residual at the origin from a + bx + cy + d(x² + y²) through the points, five at least.
+fn round_residual(points: &[[f64; 3]]) -> Option<f64> {
+    if points.len() < 5 {
+        return None;
+    }
+    residual(points, |[x, y]| [1.0, x, y, x * x + y * y])
+}
+
+fn residual<const N: usize>(
+    points: &[[f64; 3]],
+    basis: impl Fn([f64; 2]) -> [f64; N],
+) -> Option<f64> {
+    let mut equations = NormalEquations::<N>::default();
+    for &[x, y, z] in points {
+        equations.add(&basis([x, y]), z, 1.0);
+    }
+    let factor = equations.factor()?;
+    let leverage = factor.variance(&basis([0.0; 2]));
+    Some(-factor.solve(equations.rhs())[0] / (1.0 + leverage).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    use super::*;
+
+    /// A bumpy grid of 60 × 60 squares, each vertex raised by `noise`.
+    fn grid(mut noise: impl FnMut() -> f64) -> TriMesh {
+        let n = 60u32;
+        let positions = (0..n * n)
+            .map(|i| {
+                let (x, y) = ((i % n) as f64, (i / n) as f64);
+                [x, y, 3.0 * (0.1 * x).sin() * (0.07 * y).cos() + noise()]
+            })
+            .collect();
+        let mut faces = vec![];
+        for (i, j) in (0..n - 1).flat_map(|j| (0..n - 1).map(move |i| (i, j))) {
+            let a = j * n + i;
+            faces.extend([[a, a + 1, a + n + 1], [a, a + n + 1, a + n]]);
+        }
+        TriMesh::new(positions, faces).unwrap()
+    }
+
+    /// Twelve uniform numbers sum to a variance of one.
+    fn gaussian(rng: &mut ChaCha8Rng) -> f64 {
+        (0..12).map(|_| rng.random::<f64>()).sum::<f64>() - 6.0
+    }
+
+    /// The median of 3600 residuals has a standard error of 2 %; the fit's
+    /// neighbours are correlated, and the bias is known to reach 8 %.
+    #[test]
+    fn gaussian_noise_is_measured() {
+        for sigma in [0.03, 0.1, 0.3] {
+            let mut rng = ChaCha8Rng::seed_from_u64(7);
+            let level = noise_level(&grid(|| sigma * gaussian(&mut rng))).unwrap();
+            assert!((0.94..1.1).contains(&(level.sigma / sigma)), "{sigma}: {level:?}");
+            assert!(!level.is_impulsive(), "{level:?}");
+        }
+    }
+
+    /// A pleated grid with a crease at every third row: two-rings always meet one, one-rings on the planes between do not.
+    #[test]
+    fn creases_within_two_rings_are_not_noise() {
+        let mut rng = ChaCha8Rng::seed_from_u64(9);
+        let mut k = 0;
+        let pleated = grid(|| {
+            let (x, y) = (f64::from(k % 60), f64::from(k / 60));
+            k += 1;
+            // What the grid adds.
+            let bumps = 3.0 * (0.1 * x).sin() * (0.07 * y).cos();
+            (x % 6.0 - 3.0).abs() - bumps + 0.03 * gaussian(&mut rng)
+        });
+        let level = noise_level(&pleated).unwrap();
+        assert!((0.024..0.036).contains(&level.sigma), "{level:?}");
+        assert!(level.two_ring_ratio > 2.0, "{level:?}");
+    }
+
+    /// Independent noise correlates as the fits make it; means over neighbours correlate more, and so do
+    /// waves that a quadric misses. A level that varies leaves more small residuals.
+    #[test]
+    fn correlated_and_varying_noise_are_told() {
+        let mut rng = ChaCha8Rng::seed_from_u64(5);
+        let independent = noise_level(&grid(|| 0.1 * gaussian(&mut rng))).unwrap();
+        assert!((-0.4..-0.1).contains(&independent.correlation), "{independent:?}");
+        assert!((0.85..1.15).contains(&independent.low_ratio), "{independent:?}");
+        let white: Vec<f64> = (0..62 * 62).map(|_| gaussian(&mut rng)).collect();
+        let mut k = 0;
+        // Means over three by three vertices.
+        let correlated = noise_level(&grid(|| {
+            let corner = k / 60 * 62 + k % 60;
+            k += 1;
+            let rows = [0, 62, 124].map(|row| white[corner + row..corner + row + 3].iter().sum());
+            rows.iter().sum::<f64>() / 30.0
+        }))
+        .unwrap();
+        assert!(correlated.correlation > independent.correlation + 0.03, "{correlated:?}");
+        let mut k = 0;
+        let varying = noise_level(&grid(|| {
+            k += 1;
+            if k % 3600 < 2400 { 0.1 * gaussian(&mut rng) } else { 0.01 * gaussian(&mut rng) }
+        }))
+        .unwrap();
+        assert!(varying.low_ratio < 0.85, "{varying:?}");
+    }
+
+    /// Of an even number of residuals the level is that of the mean of the two in the middle.
+    #[test]
+    fn the_median_of_an_even_number_lies_between() {
+        assert_eq!(median(&[1.0, 2.0, 4.0, 9.0]), Some(3.0));
+        assert_eq!(
+            (median(&[1.0, 2.0, 9.0]), median(&[7.0]), median(&[])),
+            (Some(2.0), Some(7.0), None)
+        );
+        let level = level_of(&mut [vec![9.0, 2.0, 1.0, 4.0], vec![], vec![]]).unwrap();
+        assert_eq!((level.sigma, level.samples), (3.0 / GAUSSIAN_MEDIAN, 4));
+        assert_eq!(level.tail_ratio, 3.0 / GAUSSIAN_TAIL);
+        assert!(level_of(&mut Sizes::default()).is_none());
+        // Another fit counts if it is less, and has residuals at half of the vertices or more.
+        let with =
+            |other: Vec<f64>| level_of(&mut [vec![9.0, 2.0, 1.0, 4.0], other, vec![]]).unwrap();
+        assert_eq!(with(vec![2.0, 1.0]).two_ring_ratio, 2.0);
+        assert_eq!(with(vec![2.0, 1.0]).sigma, 1.5 / GAUSSIAN_MEDIAN);
+        assert_eq!((with(vec![1.0]), with(vec![5.0, 5.0])), (level, level));
+        // One that passes through most vertices does not.
+        assert_eq!(with(vec![0.0, 1e-12, 1e-9]), level);
+    }
+
+    #[test]
+    fn impulses_are_told_from_gaussian_noise() {
+        let mut rng = ChaCha8Rng::seed_from_u64(8);
+        let spikes = grid(|| {
+            let hit = rng.random::<f64>() < 0.25;
+            let noise = gaussian(&mut rng);
+            if hit { noise } else { 0.05 * noise }
+        });
+        assert!(noise_level(&spikes).unwrap().is_impulsive());
+    }
+
+    #[test]
+    fn too_few_neighbours_give_no_level() {
+        let triangle =
+            TriMesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], vec![[0, 1, 2]]);
+        assert!(noise_level(&triangle.unwrap()).is_none());
+        let flat = TriMesh::new(vec![[0.0; 3]; 3], vec![[0, 1, 2]]).unwrap();
+        assert!(noise_level(&flat).is_none());
+    }
+
+    /// Seven points around a vertex are hardly more than the six unknowns of a
+    /// fit: what is left of them says nothing about noise.
+    #[test]
+    fn few_neighbours_measure_nothing() {
+        let mut positions = vec![[0.1, 0.0, 1.0], [0.0, 0.05, -1.1]];
+        positions.extend((0..6).map(|i| {
+            let (s, c) = (f64::from(i) * 1.05).sin_cos();
+            [c, s, 0.1 * (3.1 * f64::from(i)).sin()]
+        }));
+        let faces = (0..6).flat_map(|i| {
+            let (a, b) = (2 + i, 2 + (i + 1) % 6);
+            [[0, a, b], [1, b, a]]
+        });
+        let mesh = TriMesh::new(positions, faces.collect()).unwrap();
+        assert_eq!(noise_level(&mesh), None);
+    }
+}
