@@ -249,7 +249,7 @@ mod tests {
             (strip(60, 400, true, 7001), false),
         ] {
             let n = laplacian.len();
-            assert_eq!(laplacian.reach() < n / 4, local);
+            assert_eq!(laplacian.bandwidth() < n / 4, local);
             let x: Vec<Padded> =
                 (0..n).map(|i| [(i % 60) as f64, (i / 60) as f64, (i % 7) as f64, 0.0]).collect();
             for terms in [1, 2, 7, 40] {

@@ -19,7 +19,7 @@ pub enum MatrixError {
     Offsets {
         /// The first offset that is wrong.
         place: usize,
-        /// Its value; `None` if it is missing.
+        /// Its value; 0 if it is missing.
         found: u32,
     },
     /// There are more or fewer values than columns.

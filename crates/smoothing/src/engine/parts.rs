@@ -277,7 +277,7 @@ mod tests {
     use crate::engine::arrangement::Arrangement;
     use crate::engine::assemble::uniform;
     use crate::engine::constraints::{Constraints, SoftConstraint};
-    
+
     /// Three tetrahedra of sizes 1, 2 and 1/8 apart from each other, and masses without a pattern.
     fn three() -> (TriMesh, Vec<f64>) {
         let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];

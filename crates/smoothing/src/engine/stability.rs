@@ -89,7 +89,8 @@ const LANCZOS_STEPS: usize = 200;
 /// ```
 pub fn largest_eigenvalue(mesh: &TriMesh, diffusion: Diffusion) -> Result<f64, FlowFailure> {
     let diffusion = diffusion.chosen(mesh)?.0;
-    Ok(assemble(mesh, diffusion, &vec![false; mesh.vertex_count()])?.largest_eigenvalue(LANCZOS_STEPS))
+    Ok(assemble(mesh, diffusion, &vec![false; mesh.vertex_count()])?
+        .largest_eigenvalue(LANCZOS_STEPS))
 }
 
 /// The limit for uniform weights, from the topology alone.

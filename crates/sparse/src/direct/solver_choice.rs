@@ -126,7 +126,7 @@ impl SolverChoice {
     ///     tolerance: 1e-10,
     ///     solves: 1,
     /// };
-    /// // A factorisation does not pay for one short step of a flow, but for a long one or for many.
+    /// // A factorisation pays for one long step of a flow, or for many, but not for one short step.
     /// assert_eq!(SolverChoice::choose(&step), SolverChoice::Iterative);
     /// let long = Workload { condition: 6000.0, ..step };
     /// assert_eq!(SolverChoice::choose(&long), SolverChoice::Direct);
