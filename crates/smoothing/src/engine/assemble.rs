@@ -1,4 +1,4 @@
-//! The Laplacian of a mesh for a kind of diffusion.
+//! Assembly of the Laplacian of a mesh for a kind of diffusion.
 
 use fairing_mesh::TriMesh;
 use fairing_operators::{
@@ -11,7 +11,8 @@ use rayon::prelude::*;
 use crate::engine::diffusion::Diffusion;
 use crate::engine::error::FlowFailure;
 
-/// Assembles `L` of a [chosen](Diffusion::chosen) kind at the positions of `mesh`; vertices for which `fixed` is true have zero rows.
+/// Assembles `L` of a [chosen](Diffusion::chosen) kind at the positions of `mesh`. Rows of `fixed`
+/// vertices are zero.
 pub(crate) fn assemble(
     mesh: &TriMesh,
     diffusion: Diffusion,
@@ -30,7 +31,7 @@ pub(crate) fn uniform(mesh: &TriMesh, fixed: &[bool]) -> GraphLaplacian {
     GraphLaplacian::uniform(offsets, columns)
 }
 
-/// `L` for cotangents, of a chosen kind.
+/// `L` for cotangent weights of a chosen kind.
 pub(crate) fn cotangent(
     mesh: &TriMesh,
     kind: LaplacianKind,
@@ -44,7 +45,7 @@ pub(crate) fn cotangent(
     Ok(GraphLaplacian::weighted(&stiffness, mass, fixed))
 }
 
-/// `L` for the cotangents of a pattern.
+/// `L` for cotangent weights on a given pattern.
 fn on_pattern(
     pattern: &mut CotangentPattern,
     mesh: &TriMesh,
@@ -54,11 +55,11 @@ fn on_pattern(
     Ok(laplacian)
 }
 
-/// Takes the operator again as positions change.
+/// Reassembles the operator as positions change.
 pub(crate) enum Assembler {
-    /// On the pattern of the faces.
+    /// New values on the fixed pattern of the faces.
     Pattern(CotangentPattern),
-    /// From the beginning: intrinsic edges change with the positions.
+    /// A new operator each time, since intrinsic edges change with the positions.
     Whole(Diffusion),
 }
 
@@ -88,8 +89,8 @@ impl Assembler {
         }
     }
 
-    /// Replaces `laplacian`, which [`Self::assemble`] made of the same faces, by that at other positions. Returns the
-    /// faces that are widened; the robust operator knows none.
+    /// Replaces `laplacian`, as returned by [`Self::assemble`], by the operator at the positions of
+    /// `mesh`. Returns the thin faces that were widened; the robust operator widens none.
     pub(crate) fn reassemble(
         &mut self,
         mesh: &TriMesh,
@@ -107,7 +108,7 @@ impl Assembler {
     }
 }
 
-/// The positive masses of a chosen kind.
+/// The lumped mass of a chosen kind, positive at every vertex.
 pub(crate) fn mass(
     mesh: &TriMesh,
     kind: LaplacianKind,
@@ -119,7 +120,7 @@ pub(crate) fn mass(
     }
 }
 
-/// The stiffness of a kind, and the positive masses of a kind.
+/// The stiffness and the positive lumped mass of the given kinds.
 pub(crate) fn operators(
     mesh: &TriMesh,
     (kind, mass): (LaplacianKind, MassKind),
@@ -129,11 +130,12 @@ pub(crate) fn operators(
     Ok((laplacian.into_parts().0, mass))
 }
 
-/// Vertices with more faces sort their neighbours to find repetitions: searching is quadratic.
+/// Vertices with more faces sort their neighbours to remove duplicates, since a linear search is
+/// quadratic.
 const MANY_FACES: usize = 64;
 
-/// The neighbours of every vertex along edges of faces, each once, in compressed rows; `[v]` for an isolated or
-/// fixed vertex `v`.
+/// The distinct neighbours of every vertex in compressed rows; `[v]` for an isolated or fixed
+/// vertex `v`.
 fn neighbor_lists(n: usize, faces: &[[u32; 3]], fixed: &[bool]) -> (Vec<u32>, Vec<u32>) {
     let mut start = vec![0u32; n + 1];
     for &v in faces.as_flattened() {
