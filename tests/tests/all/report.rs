@@ -302,9 +302,9 @@ fn every_form_runs_to_its_end() {
         }
         let read = Results::read(&plan.out.join("results.json")).unwrap();
         assert_eq!(differences(&read, &results, false), []);
-        let page = std::fs::read(plan.out.join("report.html")).unwrap();
+        let page = std::fs::read(plan.out.join("report.md")).unwrap();
         fairing_report::render(&plan.out).unwrap();
-        assert_eq!(page, std::fs::read(plan.out.join("report.html")).unwrap());
+        assert_eq!(page, std::fs::read(plan.out.join("report.md")).unwrap());
         results
     };
     let first = ended(&all(&["q2"]));
