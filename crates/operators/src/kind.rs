@@ -1,6 +1,7 @@
 //! Names of Laplacians and masses.
 
 use crate::area::LumpedArea;
+use fairing_parameters::{Choice, Field, Kind, Parameter, ParameterError, Value, Values};
 
 /// Which stiffness a [`Laplacian`](crate::Laplacian) has.
 ///
@@ -125,6 +126,29 @@ impl From<LumpedArea> for MassKind {
 }
 
 fairing_parameters::named!(LaplacianKind, "Laplacian");
+
+impl LaplacianKind {
+    /// The kinds that a program offers where weights come from cotangents.
+    pub const CHOICES: &'static [Choice] = &[
+        Choice::new("auto", "Cotangents, or robust where a face of the input is too thin for them"),
+        Choice::new("cotangent", "The cotangents of the faces"),
+        Choice::new("robust", "Those of the intrinsic Delaunay triangulation, which any mesh has"),
+    ];
+}
+
+/// The kinds of cotangents.
+impl Field for LaplacianKind {
+    fn parameters(&self, field: Parameter) -> Vec<Parameter> {
+        let default = Some(Value::from(self.name()));
+        vec![Parameter { kind: Kind::Choice(Self::CHOICES), default, ..field }]
+    }
+
+    fn read(&mut self, name: &'static str, values: &Values) -> Result<(), ParameterError> {
+        *self = values.choice(name).unwrap_or(*self);
+        Ok(())
+    }
+}
+
 fairing_parameters::named!(MassKind, "mass");
 #[cfg(feature = "serde")]
 fairing_parameters::serde_by_name!(LaplacianKind);

@@ -12,7 +12,6 @@ mod algorithm;
 mod family;
 mod field;
 mod named;
-pub mod old;
 mod options;
 mod range;
 mod value;

@@ -8,19 +8,8 @@ use super::Context;
 
 /// The parser of `--operator`.
 pub(crate) fn kinds() -> impl TypedValueParser<Value = LaplacianKind> {
-    let kinds = [
-        (
-            LaplacianKind::Auto,
-            "cotangent, or robust where a face is too thin for cotangents; with another mass than \
-             barycentric, always cotangent",
-        ),
-        (LaplacianKind::Cotangent, "The cotangents of the faces"),
-        (
-            LaplacianKind::Robust,
-            "Those of the intrinsic Delaunay triangulation, which any mesh has",
-        ),
-    ];
-    let names = kinds.map(|(kind, about)| PossibleValue::new(kind.name()).help(about));
+    let kinds = LaplacianKind::CHOICES.iter();
+    let names = kinds.map(|kind| PossibleValue::new(kind.name).help(kind.about));
     PossibleValuesParser::new(names).try_map(|name| name.parse::<LaplacianKind>())
 }
 
