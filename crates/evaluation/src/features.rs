@@ -1,13 +1,13 @@
 //! Sharp edges, found and missed.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{cross, dot, norm, normalize};
 use fairing_parameters::OptionError;
+use glam::DVec3;
 
 use crate::EvaluationError;
 use crate::correspondence::in_one_winding;
 
-/// How well the sharp edges of a mesh are those of a reference.
+/// Counts of sharp edges that a mesh shares with a reference.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -34,9 +34,9 @@ impl FeatureEdges {
     }
 }
 
-/// Compares the edges whose two faces turn by at least `degrees`, edge by
-/// edge. Boundary and non-manifold edges have no dihedral angle and count
-/// nowhere, nor do edges of a face without area.
+/// Compares, edge by edge, the edges with a dihedral angle of at least
+/// `degrees`. Boundary edges, non-manifold edges and edges of a face without
+/// area have no dihedral angle and are not counted.
 ///
 /// # Errors
 ///
@@ -56,8 +56,9 @@ pub fn feature_edges(
         let [f, g] = *topology.edge_faces(e) else { continue };
         let sharp = |mesh: &TriMesh| {
             // Unit vectors: products of areas are fourth powers of lengths.
-            let [m, n] = [f, g].map(|f| normalize(mesh.area_vector(f as usize)));
-            let turn = |(m, n)| libm::atan2(norm(cross(m, n)), dot(m, n)).to_degrees();
+            let [m, n] = [f, g].map(|f| DVec3::from(mesh.area_vector(f as usize)).try_normalize());
+            let turn =
+                |(m, n): (DVec3, DVec3)| libm::atan2(m.cross(n).length(), m.dot(n)).to_degrees();
             m.zip(n).map(turn).is_some_and(|angle| angle >= degrees)
         };
         let (found, expected) = (sharp(&mesh), sharp(&reference));

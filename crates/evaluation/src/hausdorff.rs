@@ -1,23 +1,23 @@
-//! The Hausdorff distance between surfaces, to a bound.
+//! The Hausdorff distance between surfaces, within a tolerance.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, distance, scale};
 use fairing_parameters::OptionError;
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::distance::tree;
 use crate::triangle::squared_distance;
 use crate::{EvaluationError, SurfaceTree};
 
-/// The smallest tolerance, in largest coordinates: the midpoint of two points is
-/// off by half a rounding of each coordinate, and distances are by a few.
+/// The smallest tolerance, relative to the largest coordinate: midpoints are off
+/// by half a rounding of each coordinate, distances by a few.
 const FINEST: f64 = 8.0 * f64::EPSILON;
 
-/// Parts that the faces of a surface are cut into before their tolerance grows:
-/// seconds of work.
+/// The number of parts of all faces beyond which the tolerance grows: seconds of
+/// work.
 const MOST_PARTS: usize = 1 << 20;
 
-/// Parts of a face that are allowed in any case: of a million faces, a side is a
+/// The number of parts allowed for every face: with a million faces, a side is a
 /// few tolerances of 1e-4 diagonals.
 const LEAST_PARTS: usize = 256;
 
@@ -26,10 +26,9 @@ const LEAST_PARTS: usize = 256;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Hausdorff {
-    /// The distance is at least this: that of a point of one surface from the
-    /// other.
+    /// A lower bound: the distance of a point of one surface from the other.
     pub lower: f64,
-    /// The distance is at most this.
+    /// An upper bound.
     pub upper: f64,
 }
 
@@ -63,7 +62,7 @@ pub fn hausdorff(a: &TriMesh, b: &TriMesh, tolerance: f64) -> Result<Hausdorff, 
     Ok(between(a, &own, b, &other, tolerance))
 }
 
-/// [`hausdorff`] with trees that are there already.
+/// [`hausdorff`] with given trees.
 pub(crate) fn between(
     a: &TriMesh,
     own: &SurfaceTree,
@@ -84,7 +83,7 @@ pub(crate) fn between(
 /// the distances of the corners.
 #[derive(Clone, Copy)]
 struct Part {
-    corners: [[f64; 3]; 3],
+    corners: [DVec3; 3],
     distances: [f64; 3],
     near: [u32; 3],
 }
@@ -109,7 +108,7 @@ fn one_sided(
             watch.advance(1);
             let ids = mesh.faces()[f];
             let part = Part {
-                corners: mesh.triangle(f),
+                corners: mesh.triangle(f).map(DVec3::from),
                 distances: ids.map(|v| closest[v as usize].distance),
                 near: ids.map(|v| closest[v as usize].face),
             };
@@ -160,10 +159,10 @@ fn cut(
         let mut bound = bound(&part, other);
         if bound > *lower + tolerance {
             let [a, b, c] = part.corners;
-            let centre = scale(add(a, add(b, c)), 1.0 / 3.0);
-            let found = surface.closest(centre);
+            let centre = (a + (b + c)) * (1.0 / 3.0);
+            let found = surface.closest(centre.to_array());
             *lower = lower.max(found.distance);
-            let reach = part.corners.map(|p| distance(p, centre)).into_iter().fold(0.0, f64::max);
+            let reach = part.corners.map(|p| p.distance(centre)).into_iter().fold(0.0, f64::max);
             let over_face = farthest_corner(&part, other.triangle(found.face as usize));
             bound = bound.min(over_face).min(found.distance + reach);
         }
@@ -176,8 +175,8 @@ fn cut(
             return None;
         }
         let [a, b, c] = part.corners;
-        let middles = [(b, c), (c, a), (a, b)].map(|(p, q)| scale(add(p, q), 0.5));
-        let found = middles.map(|p| surface.closest(p));
+        let middles = [(b, c), (c, a), (a, b)].map(|(p, q)| 0.5 * (p + q));
+        let found = middles.map(|p| surface.closest(p.to_array()));
         for f in found {
             *lower = lower.max(f.distance);
         }
@@ -210,11 +209,12 @@ fn bound(part: &Part, other: &TriMesh) -> f64 {
 /// The largest distance of a corner from a triangle: by convexity, of all
 /// points of the part.
 fn farthest_corner(part: &Part, triangle: [[f64; 3]; 3]) -> f64 {
+    let triangle = triangle.map(DVec3::from);
     part.corners.iter().map(|&p| squared_distance(p, triangle)).fold(0.0, f64::max).sqrt()
 }
 
-fn longest_side([a, b, c]: [[f64; 3]; 3]) -> f64 {
-    distance(a, b).max(distance(b, c)).max(distance(c, a))
+fn longest_side([a, b, c]: [DVec3; 3]) -> f64 {
+    a.distance(b).max(b.distance(c)).max(c.distance(a))
 }
 
 #[cfg(test)]
@@ -253,6 +253,7 @@ mod tests {
             let corners = a.triangle(f);
             let closest = corners.map(|p| surface.closest(p));
             let distances = closest.map(|c| c.distance);
+            let corners = corners.map(DVec3::from);
             let part = Part { corners, distances, near: closest.map(|c| c.face) };
             let rough = refine(part, &b, &surface, 0.0, 1e-3, usize::MAX);
             let fine = refine(part, &b, &surface, 0.0, 1e-15, 3000);

@@ -3,7 +3,7 @@
 use crate::area::LumpedArea;
 use fairing_parameters::{Choice, Field, Kind, Parameter, ParameterError, Value, Values};
 
-/// Which stiffness a [`Laplacian`](crate::Laplacian) has.
+/// The kind of stiffness of a [`Laplacian`](crate::Laplacian).
 ///
 /// Written as its name (`Display`), and read from it (`FromStr`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -62,7 +62,7 @@ impl LaplacianKind {
     }
 }
 
-/// Which mass a [`Laplacian`](crate::Laplacian) has.
+/// The kind of mass of a [`Laplacian`](crate::Laplacian).
 ///
 /// Written as its name (`Display`), and read from it (`FromStr`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -130,9 +130,13 @@ fairing_parameters::named!(LaplacianKind, "Laplacian");
 impl LaplacianKind {
     /// The kinds that a program offers where weights come from cotangents.
     pub const CHOICES: &'static [Choice] = &[
-        Choice::new("auto", "Cotangents, or robust where a face of the input is too thin for them"),
-        Choice::new("cotangent", "The cotangents of the faces"),
-        Choice::new("robust", "Those of the intrinsic Delaunay triangulation, which any mesh has"),
+        Choice::new(
+            "auto",
+            "Cotangents, or robust if a face is too thin for cotangents; always cotangent unless \
+             the areas are barycentric",
+        ),
+        Choice::new("cotangent", "Cotangents of the faces"),
+        Choice::new("robust", "Cotangents of the intrinsic Delaunay triangulation, for any mesh"),
     ];
 }
 

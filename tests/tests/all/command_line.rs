@@ -467,10 +467,11 @@ fn commands_of_the_report_run() {
     };
     let noisy = truth.positions().iter().enumerate().map(moved).collect();
     let noisy = truth.with_positions(noisy).unwrap();
-    for section in fairing_report::commands::sections() {
+    for experiment in fairing_experiments::experiments::ALL {
         let folder = tempfile::tempdir().unwrap();
-        let commands = fairing_report::commands::for_section(section).unwrap();
-        assert!(!commands.is_empty(), "{section}");
+        let card = experiment.card();
+        let commands = &card.section.commands;
+        assert!(!commands.is_empty(), "{}", card.id);
         let mut made: Vec<&str> = vec![];
         for command in commands {
             let line = command.split('#').next().unwrap_or_default().trim();

@@ -82,6 +82,7 @@ all_shared!(
     fairing::sparse::EigenError,
     fairing::sparse::EigenOptions,
     fairing::sparse::EigenPairs,
+    fairing::sparse::FieldOperator<fn(&[[f64; 3]], &mut [[f64; 3]]) -> [f64; 3]>,
     fairing::sparse::GraphLaplacian,
     fairing::sparse::GraphNumbers<'static>,
     fairing::sparse::Inertia,

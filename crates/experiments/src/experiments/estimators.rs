@@ -18,8 +18,9 @@ use super::surfaces::TestSurface;
 use crate::experiment::{Card, Context, Experiment};
 use crate::outcome::{Outcome, Picture};
 use crate::row;
+use crate::section::{Act, Section};
 use crate::table::{Cell, Table, Tables, Tolerance, Unit, brief, short};
-use crate::verdict::{Judgement, Verdict};
+use crate::verdict::{Judgement, Shown, Verdict};
 
 pub(super) struct Estimators;
 
@@ -29,6 +30,20 @@ const BAR: f64 = 1.7;
 /// Errors below this are rounding, and not drawn.
 const ROUNDING: f64 = 1e-8;
 
+/// The place and the words of the section.
+fn section() -> Section {
+    Section::new(
+        Act::Curvature,
+        "Cotangents and angle defects look one edge far. What do estimators gain that fit a surface \
+                to more neighbours?",
+    )
+    .commands(&["fairing curvature --list  # all of them, with their parameters", "fairing curvature mesh.ply -o curved.ply --estimator jet3"])
+    .edge_lengths_of("each mesh")
+    .notation(&["h", "\\varepsilon"])
+    .shows(&["torus-view", "largest-mean"], &[])
+    .names(&[("largest-gaussian", "the largest error of K"), ("errors", "errors under refinement"), ("orders", "orders of convergence"), ("times", "time of each estimator")])
+}
+
 impl Experiment for Estimators {
     fn card(&self) -> Card {
         Card {
@@ -37,6 +52,7 @@ impl Experiment for Estimators {
             question: "Which estimator converges on real meshes, and when should each be used?",
             method: "Every estimator is run on surfaces of known curvature, over a series of refinements. One whose largest error converges can be trusted at every vertex.\n\nThe surfaces are a sphere, a torus, an ellipsoid, and a wavy graph with a border. Their meshes are regular, jittered along the surface, or irregular, with edges flipped as well. H, K, both principal curvatures and their directions are compared with the exact values at inner vertices, in the root mean square and in the largest error.".into(),
             formulas: vec![r"\text{order} = \frac{\log(\varepsilon_1 / \varepsilon_2)}{\log(h_1 / h_2)}".into()],
+            section: section(),
             inputs: &[],
             parameters: Estimator::all().iter().map(|e| (e.name(), e.description().into())).collect(),
         }
@@ -134,7 +150,7 @@ impl Experiment for Estimators {
             false => format!("Only fitted polynomials of higher degree do: {}.", reaching.join(" and ")),
         })
         .ours()
-        .shown("figure-estimators-largest-mean", best);
+        .shown(Shown::line("estimators", "largest-mean", best));
         // The best one first: tables of claims show it.
         worst.sort_by(|a, b| b.1.total_cmp(&a.1));
         for (name, order) in worst {

@@ -15,7 +15,7 @@ use crate::experiment::Context;
 use crate::outcome::{Outcome, Picture};
 use crate::row;
 use crate::table::{Cell, Table, Tables, Unit, brief};
-use crate::verdict::{Judgement, Verdict};
+use crate::verdict::{Judgement, Shown, Verdict};
 
 /// The largest ratio that is wanted on families that nothing was chosen on.
 const BAR: f64 = 1.1;
@@ -304,7 +304,7 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Option<Judgement>> {
     )
     .finding(finding)
     .ours()
-    .shown("figure-denoisers-ratios", Set::Fresh.name())
+    .shown(Shown::line("denoisers", "ratios", Set::Fresh.name()))
     .number("median ratio, fresh", fresh.median, Unit::One)
     .number("median ratio, unseen", unseen.median, Unit::One)
     .number("worst ratio", unseen.worst.max(fresh.worst), Unit::One);

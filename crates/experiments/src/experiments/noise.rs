@@ -13,8 +13,9 @@ use super::surfaces::{Sampling, TestSurface};
 use crate::experiment::{Card, Context, Experiment};
 use crate::outcome::{Outcome, Picture};
 use crate::row;
+use crate::section::{Act, Section};
 use crate::table::{Table, Tables, Tolerance, Unit, brief};
-use crate::verdict::{Judgement, Verdict};
+use crate::verdict::{Judgement, Shown, Verdict};
 
 pub(super) struct Noise;
 
@@ -22,6 +23,26 @@ pub(super) struct Noise;
 const LEVELS: [f64; 4] = [0.01, 0.03, 0.1, 0.3];
 
 const SURFACES: [TestSurface; 2] = [TestSurface::Sphere, TestSurface::Torus];
+
+/// The place and the words of the section.
+fn section() -> Section {
+    Section::new(
+        Act::Curvature,
+        "So far the vertices were on the surface. Measured meshes are noisy, and the two curvatures do \
+                not suffer alike.",
+    )
+    .commands(&["fairing noise mesh.ply -o noisy.ply --sigma 0.1 --kind axes --seed 2021  # σ in mean edge lengths", "fairing curvature noisy.ply -o curved.ply --estimator cotangent --area mixed"])
+    .edge_lengths_of("the mesh without noise")
+    .shows(&["changes"], &[])
+    .names(&[("changes", "changes of H and K under noise"), ("totals", "the sum of all angle defects")])
+    .playground(
+        "noise",
+        "K breaks before H as the noise grows, and the sum of all angle defects never moves. Both surfaces show \
+            the error of the estimate in the same colours, over the root mean square of the exact curvature. Drag the \
+            noise; a click shows exact value, estimate and error at a vertex.",
+        "A torus or a sphere twice, with noise, coloured by the errors of its mean and of its Gaussian curvature.",
+    )
+}
 
 impl Experiment for Noise {
     fn card(&self) -> Card {
@@ -31,6 +52,7 @@ impl Experiment for Noise {
             question: "Is mean curvature disturbed by noise, and Gaussian curvature not?",
             method: "Gaussian noise of growing size is added to every coordinate of a sphere and a torus. The change of H is compared with that of K, each against the same estimator on the clean mesh and over the root mean square of its own clean values.\n\nThe meshes have several resolutions, and the noise several seeds. Also measured are the rank correlation of noisy and clean values on the torus (on a sphere all clean values are equal), and the distance of the sum of all angle defects from 2πχ.".into(),
             formulas: vec![],
+            section: section(),
             inputs: &[],
             parameters: vec![
                 ("σ / h", LEVELS.map(|l| l.to_string()).join(", ")),
@@ -113,7 +135,7 @@ impl Experiment for Noise {
                 "Noise changes K {} times as much as H in the median. Only the total of K, 2πχ, stays the same.",
                 brief(middle)
             ))
-            .shown("play-noise", "0.1~14~torus~error")
+            .shown(Shown::playground("noise", &[&0.1, &14, &"torus", &"error"]))
             .number("median change of K over H", middle, Unit::One)
             .number("least change of K over H", low, Unit::One)
             .number("median over all estimators", all_middle, Unit::One)

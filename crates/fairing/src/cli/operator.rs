@@ -1,10 +1,10 @@
-//! The option `--operator`, the same in every verb that takes a Laplacian.
+//! The options `--operator` and `--mass` of all verbs that take a Laplacian.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use fairing::mesh::TriMesh;
 use fairing::operators::{Laplacian, LaplacianKind, MassKind, OperatorError, Reason};
 
-use super::Context;
+use super::context::Context;
 
 /// The parser of `--operator`.
 pub(crate) fn kinds() -> impl TypedValueParser<Value = LaplacianKind> {
@@ -13,7 +13,13 @@ pub(crate) fn kinds() -> impl TypedValueParser<Value = LaplacianKind> {
     PossibleValuesParser::new(names).try_map(|name| name.parse::<LaplacianKind>())
 }
 
-/// The Laplacian, with a note where a face is too thin for cotangents.
+/// The parser of `--mass`.
+pub(crate) fn masses() -> impl TypedValueParser<Value = MassKind> {
+    let masses = [MassKind::Barycentric, MassKind::Mixed, MassKind::Consistent];
+    PossibleValuesParser::new(masses.map(MassKind::name)).try_map(|name| name.parse::<MassKind>())
+}
+
+/// The Laplacian, with a note if a face is too thin for cotangents.
 pub(crate) fn assemble(
     context: &Context,
     mesh: &TriMesh,
@@ -27,7 +33,7 @@ pub(crate) fn assemble(
     Ok(laplacian)
 }
 
-/// Says that auto took the robust operator, and why.
+/// Notes that `auto` chose the robust operator, and the face that caused it.
 pub(crate) fn say_too_thin(context: &Context, face: u32) {
     context.note(format_args!("face {face} is too thin for cotangents; using the robust operator"));
 }

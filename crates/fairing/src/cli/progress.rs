@@ -9,7 +9,7 @@ use fairing::mesh::io::discard_unfinished;
 use fairing::watch::{Progress, Watch};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use super::Context;
+use super::context::Context;
 
 /// Runs shorter than this show no progress.
 const DELAY: Duration = Duration::from_millis(500);

@@ -1,4 +1,4 @@
-//! Meshes that verbs compute on: read, welded on request, with their neighbours known.
+//! Input meshes of verbs: read, and welded on request.
 
 use std::path::Path;
 
@@ -8,20 +8,19 @@ use fairing::mesh::{TriMesh, Welded};
 use fairing::parameters::{self, WeightedVertex};
 use serde_json::{Value, json};
 
-use super::Context;
-use super::exit::Failure;
+use super::context::{Context, Failure};
 use super::files;
 
-/// Options for reading a mesh that needs its neighbours.
+/// Options for reading a mesh.
 #[derive(Args)]
 pub(crate) struct Reading {
-    /// Join vertices at exactly equal positions for the computation, in files whose faces do not
-    /// share their corners or that have seams; the result has the vertices of the file
+    /// Join vertices at exactly equal positions during the computation, for files with seams or
+    /// whose faces do not share corners; the output has the vertices of the file
     #[arg(long)]
     weld: bool,
 }
 
-/// A mesh to compute on, and the way back to the vertices of its file.
+/// A mesh to compute on, and the map back to the vertices of its file.
 pub(crate) struct Surface {
     /// The mesh of the file.
     pub(crate) own: TriMesh,
@@ -29,7 +28,7 @@ pub(crate) struct Surface {
 }
 
 impl Reading {
-    /// Reads a mesh whose faces have neighbours, with its fields.
+    /// Reads a mesh with its fields; refuses one whose faces share no corners.
     pub(crate) fn read(
         &self,
         context: &Context,
@@ -79,7 +78,7 @@ impl Surface {
         self.welded.as_ref().map_or(&self.own, |welded| &welded.mesh)
     }
 
-    /// Notes boundary vertices that lie on others.
+    /// Notes boundary vertices that coincide with others.
     pub(crate) fn say_seams(&self, context: &Context, path: &Path) {
         let seams = self.mesh().seam_vertices();
         if seams > 0 {
@@ -104,7 +103,7 @@ impl Surface {
         }
     }
 
-    /// A value for each vertex of the file, from one for each vertex computed on.
+    /// Values at the vertices of the file, from values at the vertices computed on.
     pub(crate) fn spread<T: Clone>(&self, values: Vec<T>) -> Vec<T> {
         match &self.welded {
             None => values,
@@ -112,7 +111,7 @@ impl Surface {
         }
     }
 
-    /// The vertices and faces of the file at the positions of a result.
+    /// The mesh of the file with the positions of a result.
     pub(crate) fn own(&self, moved: TriMesh) -> Result<TriMesh, Failure> {
         match &self.welded {
             None => Ok(moved),
@@ -120,7 +119,7 @@ impl Surface {
         }
     }
 
-    /// The number of vertices of the file that each vertex stands for.
+    /// The number of file vertices that each vertex stands for.
     pub(crate) fn copies(&self) -> Vec<u32> {
         let mut copies = vec![0; self.mesh().vertex_count()];
         match &self.welded {
@@ -149,7 +148,7 @@ impl Surface {
     }
 }
 
-/// Notes how faces that disagree in orientation are taken, for verbs whose results depend on it.
+/// Notes inconsistently oriented faces, for verbs whose results depend on orientation.
 pub(crate) fn say_orientation(context: &Context, path: &Path, mesh: &TriMesh) {
     let (turned, one_sided) = (mesh.turned_faces(), mesh.one_sided_faces());
     let (name, faces) = (path.display(), mesh.face_count());

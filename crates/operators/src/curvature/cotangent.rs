@@ -9,7 +9,6 @@
 //! Sources: \[meyer2003\], \[pinkall1993\].
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{dot, norm};
 
 use super::cell::{Cell, map_cells};
 use super::field::{AtVertex, CurvatureField};
@@ -42,8 +41,8 @@ fairing_parameters::options! {
 /// [`laplacian_curvature`] of the [robust](Laplacian::robust) kind, and
 /// [`CurvatureField::too_thin`] names the face; the rest of the mesh changes
 /// where the intrinsic Delaunay triangulation differs from it, and next to such
-/// faces, whose sides are lengthened. Undefined at isolated vertices, and where there is no positive area or
-/// no normal. Linear cost.
+/// faces, whose sides are lengthened. Undefined at isolated vertices, and where
+/// the area is not positive or the normals cancel. Linear cost.
 ///
 /// # Errors
 ///
@@ -66,9 +65,9 @@ fn estimate(mesh: &TriMesh, options: CotangentOptions) -> Result<CurvatureField,
 }
 
 fn at_cell(cell: &Cell) -> (Result<AtVertex, Undefined>, bool) {
-    let length = norm(cell.normal);
+    let length = cell.normal.length();
     let found = if cell.area > 0.0 && length > 0.0 {
-        let mean = -0.5 * dot(cell.laplacian, cell.normal) / (cell.area * length);
+        let mean = -0.5 * cell.laplacian.dot(cell.normal) / (cell.area * length);
         Ok(AtVertex::from_mean_and_gaussian(mean, cell.defect() / cell.area))
     } else {
         Err(undefined(cell.links))

@@ -1,12 +1,12 @@
-//! Which vertices an estimator looks at.
+//! The neighbourhood of a vertex that an estimator uses.
 
 use std::ops::Bound;
 
-use fairing_mesh::vec3::distance;
 use fairing_mesh::{Topology, TriMesh};
 use fairing_parameters::{
     Field, Kind, OptionError, Parameter, ParameterError, Range, Value, Values,
 };
+use glam::DVec3;
 
 use crate::error::OperatorError;
 
@@ -49,8 +49,8 @@ impl Length {
         let mut sums = vec![(0.0, 0usize); components.count()];
         for (f, face) in mesh.faces().iter().enumerate() {
             if let Some(c) = component(face[0]) {
-                let [a, b, third] = mesh.triangle(f);
-                sums[c].0 += distance(a, b) + distance(b, third) + distance(third, a);
+                let [a, b, third] = mesh.triangle(f).map(DVec3::from);
+                sums[c].0 += a.distance(b) + b.distance(third) + third.distance(a);
                 sums[c].1 += 3;
             }
         }
@@ -176,11 +176,10 @@ impl Explorer {
             }
             Reach::Radii(radii) => {
                 let radius = radii[v as usize];
-                let (positions, centre) = (mesh.positions(), mesh.positions()[v as usize]);
+                let at = |w: u32| DVec3::from(mesh.positions()[w as usize]);
+                let centre = at(v);
                 while start < self.found.len() {
-                    start = self.grow(topology, start, |w| {
-                        distance(positions[w as usize], centre) <= radius
-                    });
+                    start = self.grow(topology, start, |w| at(w).distance(centre) <= radius);
                 }
                 // Those turned away lie next to any of the others.
                 start = 0;
@@ -311,7 +310,8 @@ mod tests {
         assert!(Length::MeanEdges(f64::NAN).at_vertices(&mesh).is_err());
     }
 
-    /// Radii in mean edges are those of the component: another one, a thousand times as large, changes nothing.
+    /// Radii in mean edges are those of the component: another one, a thousand times as large,
+    /// changes nothing.
     #[test]
     fn a_larger_component_changes_no_radius() {
         use crate::curvature::Estimator;

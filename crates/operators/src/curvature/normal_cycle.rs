@@ -12,7 +12,6 @@
 //! Source: \[cohensteiner2003\].
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{normalize, sub};
 use fairing_parameters::{Options, Range};
 use rayon::prelude::*;
 
@@ -68,14 +67,14 @@ fn estimate(mesh: &TriMesh, options: NormalCycleOptions) -> Result<CurvatureFiel
         if mesh.incidence().corners(v).is_empty() {
             return Err(Undefined::Isolated);
         }
-        let normal = normalize(normal_sum(mesh, v)).ok_or(Undefined::NoArea)?;
+        let normal = normal_sum(mesh, v).try_normalize().ok_or(Undefined::NoArea)?;
         let mut sum = BendSum::new(normal);
         let mut area = 0.0;
         explorer.visit(mesh, topology, v, radii[v as usize], |part| {
             let f = part.face as usize;
             area += part.share * areas[f];
             for (k, &e) in topology.face_edges()[f].iter().enumerate() {
-                let edge = sub(part.triangle[(k + 2) % 3], part.triangle[(k + 1) % 3]);
+                let edge = part.triangle[(k + 2) % 3] - part.triangle[(k + 1) % 3];
                 // An edge inside comes from both of its faces.
                 sum.add(edge, 0.5 * part.sides[k] * bending[e as usize]);
             }

@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::distance;
 use fairing_operators::{OperatorError, check_faces};
+use glam::DVec3;
 
 use crate::engine::arrangement::Arrangement;
 use crate::engine::constraints::{Constraints, Freedom};
@@ -54,7 +54,7 @@ fn is_point(mesh: &TriMesh, size: f64) -> bool {
     // Most meshes show by two corners that they are none.
     let Some(&[a, b, _]) = mesh.faces().first() else { return false };
     let [a, b] = [a, b].map(|v| mesh.positions()[v as usize]);
-    size > 0.0 && distance(a, b) <= limit(a) && mesh.diagonal() <= limit(a)
+    size > 0.0 && DVec3::from(a).distance(b.into()) <= limit(a) && mesh.diagonal() <= limit(a)
 }
 
 /// Refuses a mesh whose faces share no corners: without neighbours each face shrinks by itself.

@@ -1,7 +1,7 @@
 //! Boundary vertices that slide along the boundary curve of the input.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, distance, dot, normalize, scale, sub};
+use glam::DVec3;
 
 /// Turns sharper than this are corners, which stay: cos 45°.
 const CORNER: f64 = std::f64::consts::FRAC_1_SQRT_2;
@@ -19,7 +19,7 @@ pub(crate) struct Sliding {
 /// A closed polygon: the boundary loop as it was at the beginning.
 #[derive(Debug, Clone)]
 struct Curve {
-    points: Vec<[f64; 3]>,
+    points: Vec<DVec3>,
 }
 
 #[derive(Debug, Clone)]
@@ -29,7 +29,7 @@ struct Bead {
     /// The segment it lies on, from point `segment` to the next.
     segment: u32,
     /// The direction in which it may move in this step; of length one, or zero.
-    tangent: [f64; 3],
+    tangent: DVec3,
 }
 
 impl Sliding {
@@ -47,20 +47,21 @@ impl Sliding {
         }
         let mut sliding = Self { curves: Vec::new(), beads: Vec::new(), bead_of: vec![0; x.len()] };
         for ring in topology.boundary_loops() {
-            let points: Vec<[f64; 3]> = ring.iter().map(|&v| x[v as usize]).collect();
+            let points: Vec<DVec3> = ring.iter().map(|&v| x[v as usize].into()).collect();
             let curve = sliding.curves.len() as u32;
             for (k, &vertex) in ring.iter().enumerate() {
                 let v = vertex as usize;
                 let before = points[(k + ring.len() - 1) % ring.len()];
                 let after = points[(k + 1) % ring.len()];
-                let straight = normalize(sub(points[k], before))
-                    .zip(normalize(sub(after, points[k])))
-                    .is_some_and(|(a, b)| dot(a, b) > CORNER);
+                let straight = (points[k] - before)
+                    .try_normalize()
+                    .zip((after - points[k]).try_normalize())
+                    .is_some_and(|(a, b)| a.dot(b) > CORNER);
                 if fixed[v] || !straight {
                     fixed[v] = true;
                     continue;
                 }
-                sliding.beads.push(Bead { vertex, curve, segment: k as u32, tangent: [0.0; 3] });
+                sliding.beads.push(Bead { vertex, curve, segment: k as u32, tangent: DVec3::ZERO });
                 sliding.bead_of[v] = sliding.beads.len() as u32;
             }
             sliding.curves.push(Curve { points });
@@ -79,7 +80,7 @@ impl Sliding {
             0 => d,
             bead => {
                 let t = self.beads[bead as usize - 1].tangent;
-                scale(t, dot(t, d))
+                (t.dot(d.into()) * t).to_array()
             }
         }
     }
@@ -92,17 +93,17 @@ impl Sliding {
             let n = points.len();
             let s = bead.segment as usize;
             let [a, b] = [points[s], points[(s + 1) % n]];
-            let here = x[bead.vertex as usize];
-            let along = sub(b, a);
-            let near = 1e-6 * distance(a, b);
-            let sum = if distance(here, a) <= near {
-                add(unit(along), unit(sub(a, points[(s + n - 1) % n])))
-            } else if distance(here, b) <= near {
-                add(unit(along), unit(sub(points[(s + 2) % n], b)))
+            let here = DVec3::from(x[bead.vertex as usize]);
+            let along = b - a;
+            let near = 1e-6 * a.distance(b);
+            let sum = if here.distance(a) <= near {
+                along.normalize_or_zero() + (a - points[(s + n - 1) % n]).normalize_or_zero()
+            } else if here.distance(b) <= near {
+                along.normalize_or_zero() + (points[(s + 2) % n] - b).normalize_or_zero()
             } else {
                 along
             };
-            bead.tangent = unit(sum);
+            bead.tangent = sum.normalize_or_zero();
         }
     }
 
@@ -111,7 +112,7 @@ impl Sliding {
     pub(crate) fn retract(&mut self, x: &mut [[f64; 3]]) {
         for bead in &mut self.beads {
             let points = &self.curves[bead.curve as usize].points;
-            let p = x[bead.vertex as usize];
+            let p = DVec3::from(x[bead.vertex as usize]);
             let mut best = nearest(points, bead.segment as usize, p);
             let mut best_segment = bead.segment as usize;
             for direction in [1, points.len() - 1] {
@@ -121,7 +122,7 @@ impl Sliding {
                 for _ in 1..points.len() {
                     segment = (segment + direction) % points.len();
                     let candidate = nearest(points, segment, p);
-                    if distance(candidate, p) < distance(best, p) {
+                    if candidate.distance(p) < best.distance(p) {
                         (best, best_segment, patience) = (candidate, segment, 2);
                     } else {
                         patience -= 1;
@@ -131,27 +132,22 @@ impl Sliding {
                     }
                 }
             }
-            x[bead.vertex as usize] = best;
+            x[bead.vertex as usize] = best.to_array();
             bead.segment = best_segment as u32;
         }
     }
 }
 
-/// The direction of `a`; zero for zero.
-fn unit(a: [f64; 3]) -> [f64; 3] {
-    normalize(a).unwrap_or([0.0; 3])
-}
-
 /// The point of a segment nearest to `p`.
-fn nearest(points: &[[f64; 3]], segment: usize, p: [f64; 3]) -> [f64; 3] {
+fn nearest(points: &[DVec3], segment: usize, p: DVec3) -> DVec3 {
     let [a, b] = [points[segment], points[(segment + 1) % points.len()]];
-    let along = sub(b, a);
-    let square = dot(along, along);
+    let along = b - a;
+    let square = along.dot(along);
     if square == 0.0 {
         return a;
     }
-    let t = (dot(sub(p, a), along) / square).clamp(0.0, 1.0);
-    add(a, scale(along, t))
+    let t = ((p - a).dot(along) / square).clamp(0.0, 1.0);
+    a + t * along
 }
 
 #[cfg(test)]
@@ -177,7 +173,8 @@ mod tests {
         for i in 0..n {
             let [x, y, _] = at(i);
             let along = sliding.project(i as usize, [x - 2.0 * y, y + 2.0 * x, 1.0]);
-            assert!(distance(along, [-2.0 * y, 2.0 * x, 0.0]) < 1e-14, "{i}: {along:?}");
+            let expected = DVec3::new(-2.0 * y, 2.0 * x, 0.0);
+            assert!(expected.distance(along.into()) < 1e-14, "{i}: {along:?}");
         }
     }
 

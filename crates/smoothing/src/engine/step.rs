@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{dot, sub};
+use glam::DVec3;
 
 /// Called after every step with what it did; `ControlFlow::Break` ends the flow there.
 ///
@@ -92,10 +92,7 @@ impl Step<'_> {
         let x = self.mesh.positions();
         let edges = self.mesh.topology().edges().iter();
         let sum = edges
-            .map(|&[a, b]| {
-                let d = sub(x[a as usize], x[b as usize]);
-                dot(d, d)
-            })
+            .map(|&[a, b]| DVec3::from(x[a as usize]).distance_squared(x[b as usize].into()))
             .sum::<f64>();
         0.5 * sum
     }
@@ -106,9 +103,7 @@ impl Step<'_> {
     }
 
     fn squared_displacements(&self) -> impl Iterator<Item = f64> + '_ {
-        self.before.iter().zip(self.positions()).map(|(&a, &b)| {
-            let d = sub(b, a);
-            dot(d, d)
-        })
+        let pairs = self.before.iter().zip(self.positions());
+        pairs.map(|(&a, &b)| DVec3::from(b).distance_squared(a.into()))
     }
 }

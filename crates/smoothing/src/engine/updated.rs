@@ -5,10 +5,10 @@
 //! the input shows it. A neck that pinches off, or faces that degenerate here and there, do not end a flow.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{cross, norm, sub};
 use fairing_operators::ThinFaces;
 use fairing_sparse::GraphLaplacian;
 use fairing_sparse::parallel::CHUNK;
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::engine::assemble::{Assembler, mass};
@@ -202,7 +202,7 @@ impl Updated {
 /// The area of each face.
 fn areas<'a>(faces: &'a [[u32; 3]], x: &'a [[f64; 3]]) -> impl Iterator<Item = f64> + 'a {
     faces.iter().map(|face| {
-        let [a, b, c] = face.map(|v| x[v as usize]);
-        0.5 * norm(cross(sub(b, a), sub(c, a)))
+        let [a, b, c] = face.map(|v| DVec3::from(x[v as usize]));
+        0.5 * (b - a).cross(c - a).length()
     })
 }

@@ -1,9 +1,9 @@
 //! The scale-dependent umbrella.
 
-use fairing_mesh::vec3::distance;
 use fairing_mesh::{Components, TriMesh};
 use fairing_parameters::{Options, Range};
 use fairing_sparse::GraphLaplacian;
+use glam::DVec3;
 
 use crate::engine::assemble::uniform;
 use crate::engine::constraints::Constraints;
@@ -78,7 +78,7 @@ pub fn scale_dependent(
             let mut sum = [0.0; 3];
             let mut around = 0.0;
             for &j in neighbors {
-                let length = distance(x[i], x[j as usize]);
+                let length = DVec3::from(x[i]).distance(x[j as usize].into());
                 if length > 0.0 {
                     around += length;
                     for k in 0..3 {
@@ -114,7 +114,7 @@ fn largest_rates(
             if j as usize == i {
                 continue;
             }
-            let length = distance(x[i], x[j as usize]);
+            let length = DVec3::from(x[i]).distance(x[j as usize].into());
             if length == 0.0 {
                 return Err(FlowFailure::NoLength { vertex: i as u32, neighbor: j });
             }
@@ -149,7 +149,7 @@ mod tests {
             let both = TriMesh::new(positions, faces).unwrap();
             let both = scale_dependent(&both, &ScaleDependent::default(), None).unwrap().mesh;
             for (&p, &q) in alone.positions().iter().zip(both.positions()) {
-                assert!(distance(p, q) < 1e-12, "{p:?} {q:?}");
+                assert!(DVec3::from(p).distance(q.into()) < 1e-12, "{p:?} {q:?}");
             }
         }
     }

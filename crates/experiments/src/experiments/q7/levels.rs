@@ -10,7 +10,7 @@ use crate::experiment::Context;
 use crate::experiments::restoring::{Body, Method, Trials};
 use crate::row;
 use crate::table::{Cell, Table, Tables, Tolerance, Unit, brief};
-use crate::verdict::{Judgement, Verdict};
+use crate::verdict::{Judgement, Shown, Verdict, ViewState};
 
 /// Spacings of the block: a factor of eight in h.
 const SPACINGS: [f64; 5] = [0.3, 0.178, 0.106, 0.063, 0.0375];
@@ -235,7 +235,7 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
                 "What counts is the noise over the edge length: these levels are {} edge lengths of the machine part.",
                 list(&levels.iter().map(|l| l.share).collect::<Vec<_>>())
             ))
-            .shown("q7-levels-view", "!2~3!normal error")
+            .shown(Shown::view("q7", "levels-view", &ViewState { stops: vec![2, 3], field: "normal error".into(), ..ViewState::default() }))
             .number("the levels over h, lowest", levels[0].share, Unit::EdgeLengths)
             .number("highest", levels[2].share, Unit::EdgeLengths);
     for (level, sigma) in levels.iter().zip(ASSIGNMENT) {
