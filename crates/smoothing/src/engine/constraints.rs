@@ -1,52 +1,35 @@
-//! Which vertices may move, and how.
+//! Constraints on the movement of vertices.
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::old::{Parameter, Values};
-use fairing_parameters::{OptionError, ParameterError};
+use fairing_parameters::{
+    Field, Kind, OptionError, Parameter, ParameterError, Values, WeightedVertex,
+};
 
 use crate::engine::arrangement::Arrangement;
 use crate::engine::error::FlowFailure;
 use crate::engine::sliding::Sliding;
 
-/// What happens at the boundary of an open mesh.
+/// Treatment of the boundary of an open mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Boundary {
-    /// Boundary vertices move like all others. Their neighbours lie on one side only, so the border moves inward.
+    /// Boundary vertices move like all others. Their neighbours lie on one side only, so the
+    /// boundary shrinks.
     #[default]
     Free,
-    /// Boundary vertices stay where they are.
+    /// Boundary vertices are fixed.
     Pinned,
-    /// Boundary vertices move along the boundary curve of the input and never leave it; corners, where the curve
-    /// turns by more than 45°, and vertices where boundary curves meet stay.
+    /// Boundary vertices slide along the boundary curve of the input; corners, where the curve
+    /// turns by more than 45°, and vertices where boundary curves meet are fixed.
     Sliding,
 }
 
 fairing_parameters::choices!(Boundary, "treatment of the boundary",
-    Free: "free", "It moves inward as its neighbours pull";
-    Pinned: "pinned", "It stays";
-    Sliding: "sliding", "It moves along its own curve";
+    Free: "free", "Not constrained: the boundary shrinks";
+    Pinned: "pinned", "Boundary vertices are fixed";
+    Sliding: "sliding", "Boundary vertices slide along the boundary curve";
 );
 #[cfg(feature = "serde")]
 fairing_parameters::serde_by_name!(Boundary);
-
-/// The boundary.
-pub(crate) const BOUNDARY: Parameter = Parameter::choice(
-    "boundary",
-    Boundary::CHOICES,
-    "free",
-    "What happens at the boundary of an open mesh",
-);
-
-/// Pinned vertices.
-pub(crate) const PIN: Parameter =
-    Parameter::vertices("pin", "Vertices that stay, as numbers from 0 joined by commas");
-
-/// Soft constraints.
-pub(crate) const SOFT: Parameter = Parameter::weighted(
-    "soft",
-    "Vertices drawn to where they are, or to a point, joined by commas; a weight of 1 ends a step half-way between \
-     the flow and the point",
-);
 
 /// A vertex drawn towards a target.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,56 +38,66 @@ pub(crate) const SOFT: Parameter = Parameter::weighted(
 pub struct SoftConstraint {
     /// The vertex.
     pub vertex: u32,
-    /// Where to, in mesh units.
-    pub target: [f64; 3],
-    /// How strongly, dimensionless: a step ends at the weighted mean of where the flow alone would lead (weight 1)
-    /// and the target (this weight), within the linear system for implicit methods.
+    /// The target position, in mesh units; the position in the input if `None`.
+    pub target: Option<[f64; 3]>,
+    /// The weight of the target, dimensionless: a step ends at the weighted mean of the
+    /// unconstrained result (weight 1) and the target (this weight); implicit methods include it in
+    /// the linear system.
     pub weight: f64,
 }
 
-/// What a flow has to respect. The default is nothing.
+/// Constraints of a flow; none by default.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct Constraints {
-    /// The boundary of the mesh.
+    /// Treatment of the boundary.
     pub boundary: Boundary,
-    /// Vertices that do not move, on the boundary or not.
+    /// Fixed vertices, on the boundary or in the interior.
     pub pinned: Vec<u32>,
-    /// Vertices drawn towards targets; of two for one vertex the later counts.
+    /// Vertices drawn towards targets; the last constraint of a vertex counts.
     pub soft: Vec<SoftConstraint>,
 }
 
+const BOUNDARY: &str = "boundary";
+const PIN: &str = "pin";
+pub(crate) const SOFT: &str = "soft";
+
+impl Field for Constraints {
+    fn parameters(&self, _: Parameter) -> Vec<Parameter> {
+        let about = "The treatment of the boundary of an open mesh";
+        let boundary = Parameter::new(BOUNDARY, Kind::Choice(Boundary::CHOICES), about);
+        let about = "Fixed vertices: numbers from 0, separated by commas";
+        let pin = Parameter::new(PIN, Kind::Vertices, about);
+        let about = "Vertices drawn to their input positions or to given points, separated by \
+                     commas; a weight of 1 ends a step half-way between the flow and the point";
+        let soft = Parameter::new(SOFT, Kind::Weighted, about);
+        [self.boundary.parameters(boundary), vec![pin, soft]].concat()
+    }
+
+    fn read(&mut self, _: &'static str, values: &Values) -> Result<(), ParameterError> {
+        self.boundary.read(BOUNDARY, values)?;
+        self.pinned.extend_from_slice(values.vertices(PIN));
+        let soft = values.weighted(SOFT).iter();
+        self.soft.extend(soft.map(|&WeightedVertex { vertex, weight, target }| SoftConstraint {
+            vertex,
+            target,
+            weight,
+        }));
+        Ok(())
+    }
+}
+
 impl Constraints {
-    /// A rule for the boundary, and no other constraint.
+    /// No constraints.
+    pub const NONE: Self = Self { boundary: Boundary::Free, pinned: Vec::new(), soft: Vec::new() };
+
+    /// A treatment of the boundary without further constraints.
     pub fn boundary(boundary: Boundary) -> Self {
-        Self { boundary, ..Self::default() }
+        Self { boundary, ..Self::NONE }
     }
 
-    /// From [`BOUNDARY`], [`PIN`] and [`SOFT`]; vertices without a target are drawn to their positions.
-    pub(crate) fn from_values(
-        values: &Values<'_>,
-        positions: &[[f64; 3]],
-    ) -> Result<Self, ParameterError> {
-        let soft = values.weighted(SOFT.name).into_iter().map(|soft| {
-            let target = soft.target.or_else(|| positions.get(soft.vertex as usize).copied());
-            let (vertex, weight) = (soft.vertex, soft.weight);
-            target.map(|target| SoftConstraint { vertex, target, weight }).ok_or_else(|| {
-                let n = positions.len();
-                values.refuse(
-                    SOFT.name,
-                    format!("of vertices that exist: vertex {vertex} of {n} does not"),
-                )
-            })
-        });
-        Ok(Self {
-            boundary: values.get(BOUNDARY.name)?.unwrap_or_default(),
-            pinned: values.vertices(PIN.name),
-            soft: soft.collect::<Result<_, _>>()?,
-        })
-    }
-
-    /// Whether nothing is constrained.
+    /// Returns true if nothing is constrained.
     pub fn is_free(&self) -> bool {
         *self == Self::default()
     }
@@ -112,11 +105,11 @@ impl Constraints {
 
 /// Constraints in the order of an arrangement.
 pub(crate) struct Freedom {
-    /// Vertices that stay.
+    /// True for fixed vertices.
     pub(crate) fixed: Vec<bool>,
-    /// Weight and target for each vertex, if there are any.
+    /// Weight and target of each vertex, if there are soft constraints.
     pub(crate) soft: Option<(Vec<f64>, Vec<[f64; 3]>)>,
-    /// Boundary curves to slide along.
+    /// Boundary curves with sliding vertices.
     pub(crate) sliding: Option<Sliding>,
 }
 
@@ -148,31 +141,34 @@ impl Freedom {
             .filter(|sliding| !sliding.is_empty());
         let mut soft = None;
         if !constraints.soft.is_empty() {
-            let (mut weights, mut targets) = (vec![0.0; n], vec![[0.0; 3]; n]);
+            let (mut weights, mut targets) = (vec![0.0; n], vec![Some([0.0; 3]); n]);
             for constraint in &constraints.soft {
                 let v = check(constraint.vertex)?;
                 OptionError::require_not_negative(
                     "weight of a soft constraint",
                     constraint.weight,
                 )?;
-                for x in constraint.target {
+                for x in constraint.target.into_iter().flatten() {
                     let option = "target of a soft constraint";
                     OptionError::require(x.is_finite(), option, x, "finite")?;
                 }
                 weights[v] = constraint.weight;
                 targets[v] = constraint.target;
             }
-            soft = Some((arrangement.arrange(&weights), arrangement.arrange(&targets)));
+            let targets = arrangement.arrange(&targets);
+            let targets = targets.iter().zip(mesh.positions()).map(|(t, &own)| t.unwrap_or(own));
+            soft = Some((arrangement.arrange(&weights), targets.collect()));
         }
         Ok(Self { fixed, soft, sliding })
     }
 
-    /// Whether every vertex is either fixed or moves freely, so that a step is linear in the positions.
+    /// Returns true if every vertex is either fixed or free, so that a step is linear in the
+    /// positions.
     pub(crate) fn is_linear(&self) -> bool {
         self.soft.is_none() && self.sliding.is_none()
     }
 
-    /// Weight and target of the soft constraint at vertex `i`; weight zero if there is none.
+    /// Weight and target of the soft constraint at vertex `i`; weight 0 if there is none.
     #[inline(always)]
     pub(crate) fn pull(&self, i: usize) -> (f64, [f64; 3]) {
         match &self.soft {
@@ -181,7 +177,7 @@ impl Freedom {
         }
     }
 
-    /// The part of a displacement of vertex `i` that is allowed at the positions the tangents were taken at.
+    /// The component of a displacement of vertex `i` that the constraints allow.
     #[inline(always)]
     pub(crate) fn project(&self, i: usize, d: [f64; 3]) -> [f64; 3] {
         if self.fixed[i] {
@@ -193,14 +189,14 @@ impl Freedom {
         }
     }
 
-    /// Takes the tangents of the boundary curves at the positions.
+    /// Updates the tangents of the boundary curves at the positions of `mesh`.
     pub(crate) fn begin_step(&mut self, mesh: &TriMesh) {
         if let Some(sliding) = &mut self.sliding {
             sliding.take_tangents(mesh.positions());
         }
     }
 
-    /// Puts sliding vertices back on their curves after a step along the tangents.
+    /// Returns sliding vertices to their curves after a step along the tangents.
     pub(crate) fn end_step(&mut self, positions: &mut [[f64; 3]]) {
         if let Some(sliding) = &mut self.sliding {
             sliding.retract(positions);

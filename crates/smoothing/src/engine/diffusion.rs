@@ -1,41 +1,45 @@
-//! What diffuses, and how far in one step.
+//! The Laplacian of a flow and the length of its steps.
 
 use fairing_mesh::TriMesh;
 use fairing_operators::{LaplacianKind, LumpedArea, Reason, choose};
-use fairing_parameters::old::{Parameter, Values};
-use fairing_parameters::{Choice, ParameterError};
+use fairing_parameters::{
+    Choice, Field, Kind, OptionError, Parameter, ParameterError, Range, Value, Values,
+};
 
 use crate::engine::error::FlowFailure;
 
-/// The Laplacian of a flow with the length of a step in its unit.
+/// The Laplacian of a flow and the length of a step.
 ///
-/// The unit belongs to the weights: with uniform weights λ is a dimensionless fraction of the way to the mean of
-/// the neighbours; with cotangents a step is a diffusion time, an area.
+/// The unit of a step depends on the weights: for uniform weights λ is a dimensionless fraction of
+/// the way to the mean of the neighbours; for cotangent weights a step is a diffusion time, an
+/// area.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Diffusion {
-    /// `L = D⁻¹A − I`: every neighbour counts the same. Defined on every mesh, broken ones included; moves
-    /// vertices within the surface as well, towards even spacing.
+    /// `L = D⁻¹A − I`: equal weights. Defined on every mesh, including non-manifold and degenerate
+    /// ones; also moves vertices within the surface, towards even spacing.
     Uniform {
         /// λ, dimensionless.
         lambda: f64,
     },
-    /// `L = −M⁻¹S` with cotangent weights: the Laplace–Beltrami operator, which moves vertices along the normal.
+    /// `L = −M⁻¹S` with cotangent weights: the Laplace–Beltrami operator, which moves vertices
+    /// along the normal.
     Cotangent {
         /// The time of one step.
         time: Time,
-        /// How `S` is made; every kind but uniform. [`LaplacianKind::Auto`] takes the robust Laplacian where a face
-        /// of the input is too thin for cotangents, which [`Report::too_thin`](crate::Report::too_thin) then names.
+        /// The kind of `S`, any except uniform. [`LaplacianKind::Auto`] takes the robust Laplacian
+        /// if a face of the input is too thin for cotangents;
+        /// [`Report::too_thin`](crate::Report::too_thin) then names this face.
         kind: LaplacianKind,
-        /// The areas `M`, which must be positive: [`LumpedArea::Voronoi`] does not promise that, and the robust
-        /// Laplacian has barycentric ones only.
+        /// The vertex areas `M`, which must be positive: those of [`LumpedArea::Voronoi`] may not
+        /// be, and the robust Laplacian supports barycentric areas only.
         area: LumpedArea,
     },
 }
 
-/// The Laplacian that `kind` stands for on `mesh`, cotangent or robust, and the first face too thin for
-/// cotangents if that decided.
+/// The kind chosen for `mesh`, cotangent or robust, and the first face too thin for cotangents if
+/// that decided.
 pub(crate) fn chosen(
     mesh: &TriMesh,
     kind: LaplacianKind,
@@ -50,107 +54,108 @@ pub(crate) fn chosen(
     }
 }
 
-/// The area of vertices.
-pub(crate) const AREA: Parameter = Parameter::choice(
-    "area",
-    LumpedArea::CHOICES,
-    "barycentric",
-    "The areas of vertices for cotangents",
-);
+pub(crate) const WEIGHTS: &str = "weights";
+pub(crate) const LAMBDA: &str = "lambda";
+pub(crate) const TIME: &str = "time";
+pub(crate) const AREA: &str = "area";
+pub(crate) const OPERATOR: &str = "operator";
 
-/// The operator.
-pub(crate) const OPERATOR: Parameter = Parameter::choice(
-    "operator",
-    &[
-        Choice::new("auto", "Cotangents, or robust where a face of the input is too thin for them"),
-        Choice::new("cotangent", "The cotangents of the faces"),
-        Choice::new("robust", "Those of the intrinsic Delaunay triangulation, which any mesh has"),
-    ],
-    "auto",
-    "How cotangents are made; auto with another area than barycentric means cotangent",
-);
-
-/// The weights.
-pub(crate) const WEIGHTS: Parameter = Parameter::choice(
-    "weights",
-    &[
-        Choice::new("uniform", "Every neighbour counts the same"),
+/// The weights of the Laplacian.
+pub(crate) fn weights(default: &str) -> Parameter {
+    const CHOICES: &[Choice] = &[
+        Choice::new("uniform", "Equal weights"),
         Choice::new("cotangent", "The Laplace–Beltrami operator"),
-    ],
-    "uniform",
-    "The weights of the Laplacian",
-);
-
-/// The step in the unit of the weights.
-pub(crate) const LAMBDA: Parameter = Parameter::number(
-    "lambda",
-    "",
-    "The step: dimensionless, or in squared mean edge lengths for cotangents",
-)
-.excludes(&["time"]);
-
-/// The step as a time.
-pub(crate) const TIME: Parameter =
-    Parameter::number("time", "", "The step of cotangents").unit("squared units of the file");
-
-/// The Laplacian and the areas of [`OPERATOR`] and [`AREA`].
-pub(crate) fn operator_from_values(
-    values: &Values<'_>,
-) -> Result<(LaplacianKind, LumpedArea), ParameterError> {
-    let area = values.get(AREA.name)?.unwrap_or(LumpedArea::Barycentric);
-    let kind = match values.text(OPERATOR.name) {
-        Some("robust") => LaplacianKind::Robust,
-        Some("cotangent") => LaplacianKind::Cotangent,
-        _ => LaplacianKind::Auto,
-    };
-    if kind == LaplacianKind::Robust && area != LumpedArea::Barycentric {
-        let expected = "barycentric with operator robust, which has no other areas";
-        return Err(values.refuse(AREA.name, expected));
+    ];
+    let about = "The weights of the Laplacian";
+    Parameter {
+        default: Some(default.into()),
+        ..Parameter::new(WEIGHTS, Kind::Choice(CHOICES), about)
     }
-    Ok((kind, area))
 }
 
-/// Refuses parameters of cotangents, which uniform weights would ignore.
+/// Refuses parameters of cotangent weights, which uniform weights would ignore.
 pub(crate) fn refuse_with_uniform(
-    values: &Values<'_>,
-    parameters: &[Parameter],
+    values: &Values,
+    parameters: &[&'static str],
 ) -> Result<(), ParameterError> {
-    match parameters.iter().find(|parameter| values.text(parameter.name).is_some()) {
+    match parameters.iter().find(|parameter| values.get(parameter).is_some()) {
         None => Ok(()),
         Some(parameter) => {
             let expected = "left out with weights uniform: it is a parameter of cotangents";
-            Err(values.refuse(parameter.name, expected))
+            Err(values.refuse(parameter, expected))
         }
     }
 }
 
-impl Diffusion {
-    /// From [`WEIGHTS`] and the parameters of [`cotangents`](Self::cotangents): a time means cotangents. Without
-    /// either, the step is that of the weights.
-    pub(crate) fn from_values(
-        values: &Values<'_>,
-        uniform: f64,
-        cotangent: f64,
-    ) -> Result<Self, ParameterError> {
-        let timed = values.text(TIME.name).is_some();
-        match values.text(WEIGHTS.name) {
-            Some("cotangent") => Self::cotangents(values, cotangent),
-            None if timed => Self::cotangents(values, cotangent),
-            _ => {
-                refuse_with_uniform(values, &[TIME, OPERATOR, AREA])?;
-                Ok(Self::uniform(values.get(LAMBDA.name)?.unwrap_or(uniform)))
+/// Refuses areas that the robust Laplacian does not support.
+pub(crate) fn check_areas(
+    kind: LaplacianKind,
+    area: LumpedArea,
+    values: &Values,
+) -> Result<(), ParameterError> {
+    if kind == LaplacianKind::Robust && area != LumpedArea::Barycentric {
+        let expected = "barycentric with operator robust, which supports no other areas";
+        return Err(values.refuse(AREA, expected));
+    }
+    Ok(())
+}
+
+/// A time implies cotangent weights. Other weights keep the number of the default step.
+impl Field for Diffusion {
+    fn parameters(&self, _: Parameter) -> Vec<Parameter> {
+        let (name, step, kind, area) = match *self {
+            Self::Uniform { lambda } => {
+                ("uniform", Some(lambda), LaplacianKind::Auto, LumpedArea::Barycentric)
             }
-        }
+            Self::Cotangent { time: Time::SquaredEdges(lambda), kind, area } => {
+                ("cotangent", Some(lambda), kind, area)
+            }
+            Self::Cotangent { kind, area, .. } => ("cotangent", None, kind, area),
+        };
+        let about = "The step: dimensionless, or in squared mean edge lengths for cotangents";
+        let lambda = Parameter {
+            range: Range::NOT_NEGATIVE,
+            default: step.map(Value::Number),
+            excludes: &[TIME],
+            ..Parameter::new(LAMBDA, Kind::Number, about)
+        };
+        let time = Parameter {
+            unit: "squared units of the file",
+            range: Range::NOT_NEGATIVE,
+            ..Parameter::new(TIME, Kind::Number, "The step for cotangents, as a diffusion time")
+        };
+        let choice = |name, about| Parameter::new(name, Kind::Number, about);
+        let areas = area.parameters(choice(AREA, "The areas of vertices for cotangents"));
+        let about = "The kind of cotangent Laplacian; auto means cotangent for areas other than \
+                     barycentric";
+        let kinds = kind.parameters(choice(OPERATOR, about));
+        [vec![weights(name), lambda, time], areas, kinds].concat()
     }
 
-    /// From [`LAMBDA`], [`TIME`], [`OPERATOR`] and [`AREA`].
-    pub(crate) fn cotangents(values: &Values<'_>, lambda: f64) -> Result<Self, ParameterError> {
-        let time = match values.get(TIME.name)? {
-            Some(time) => Time::SquaredUnits(time),
-            None => Time::SquaredEdges(values.get(LAMBDA.name)?.unwrap_or(lambda)),
+    fn read(&mut self, _: &'static str, values: &Values) -> Result<(), ParameterError> {
+        let (lambda, time) = (values.number(LAMBDA), values.number(TIME));
+        let by_cotangents = match values.text(WEIGHTS) {
+            Some(weights) => weights == "cotangent",
+            None => time.is_some() || matches!(self, Self::Cotangent { .. }),
         };
-        let (kind, area) = operator_from_values(values)?;
-        Ok(Self::Cotangent { time, kind, area })
+        if !by_cotangents {
+            refuse_with_uniform(values, &[TIME, OPERATOR, AREA])?;
+            *self = Self::uniform(lambda.unwrap_or(self.value()));
+            return Ok(());
+        }
+        let kind = values.choice(OPERATOR).unwrap_or(LaplacianKind::Auto);
+        let area = values.choice(AREA).unwrap_or(LumpedArea::Barycentric);
+        check_areas(kind, area, values)?;
+        let time = match time {
+            Some(time) => Time::SquaredUnits(time),
+            None => Time::SquaredEdges(lambda.unwrap_or(self.value())),
+        };
+        *self = Self::Cotangent { time, kind, area };
+        Ok(())
+    }
+
+    fn check(&self, _: &'static str, _: Range) -> Result<(), OptionError> {
+        Range::NOT_NEGATIVE.check("step", self.value())
     }
 }
 
@@ -159,10 +164,11 @@ impl Diffusion {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Time {
-    /// In squared mesh units.
+    /// A time in squared mesh units.
     SquaredUnits(f64),
-    /// In h², the square of the mean edge length of the input: the same number does the same, relative to the
-    /// resolution, at every scale. h counts an edge once for each of its faces.
+    /// A time in h², the square of the mean edge length of the input: equal numbers have equal
+    /// effects relative to the resolution at every scale. h counts an edge once for each of its
+    /// faces.
     SquaredEdges(f64),
 }
 
@@ -175,7 +181,7 @@ impl Time {
         }
     }
 
-    /// The number, in whatever unit.
+    /// The number without its unit.
     pub(crate) fn value(self) -> f64 {
         match self {
             Self::SquaredUnits(t) | Self::SquaredEdges(t) => t,
@@ -185,17 +191,18 @@ impl Time {
 
 impl Diffusion {
     /// Uniform weights with the dimensionless step `lambda`.
-    pub fn uniform(lambda: f64) -> Self {
+    pub const fn uniform(lambda: f64) -> Self {
         Self::Uniform { lambda }
     }
 
-    /// Cotangent weights ([`LaplacianKind::Auto`]) over barycentric areas, with steps of `lambda` h².
-    pub fn cotangent(lambda: f64) -> Self {
+    /// Cotangent weights ([`LaplacianKind::Auto`]) and barycentric areas, with steps of `lambda`
+    /// h².
+    pub const fn cotangent(lambda: f64) -> Self {
         let (kind, area) = (LaplacianKind::Auto, LumpedArea::Barycentric);
         Self::Cotangent { time: Time::SquaredEdges(lambda), kind, area }
     }
 
-    /// The same steps with another Laplacian; nothing changes for uniform weights.
+    /// The same steps with another Laplacian; uniform weights are unchanged.
     #[must_use]
     pub fn with_kind(self, kind: LaplacianKind) -> Self {
         match self {
@@ -204,8 +211,8 @@ impl Diffusion {
         }
     }
 
-    /// The diffusion with the Laplacian that its kind stands for on `mesh`, and the first face too thin for
-    /// cotangents if that decided.
+    /// The diffusion with the kind chosen for `mesh`, and the first face too thin for cotangents if
+    /// that decided.
     pub(crate) fn chosen(self, mesh: &TriMesh) -> Result<(Self, Option<u32>), FlowFailure> {
         match self {
             Self::Uniform { .. } => Ok((self, None)),
@@ -216,7 +223,7 @@ impl Diffusion {
         }
     }
 
-    /// The number of the step, in whatever unit.
+    /// The step without its unit.
     pub(crate) fn value(self) -> f64 {
         match self {
             Self::Uniform { lambda } => lambda,

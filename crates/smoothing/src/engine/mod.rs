@@ -1,4 +1,5 @@
-//! What flows share: kernels over positions, solvers, constraints, the loop over steps, and errors.
+//! Parts common to all flows: kernels over positions, solvers, constraints, the loop over steps,
+//! and errors.
 
 pub(crate) mod arrangement;
 pub(crate) mod assemble;
@@ -7,7 +8,6 @@ pub(crate) mod constraints;
 pub(crate) mod diffusion;
 pub(crate) mod direct;
 pub(crate) mod error;
-pub(crate) mod flow;
 pub(crate) mod implicit_steps;
 pub(crate) mod linear;
 pub(crate) mod outcome;

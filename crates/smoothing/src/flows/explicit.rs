@@ -1,67 +1,74 @@
 //! Explicit diffusion, forward Euler.
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::old::{Algorithm, Values};
-use fairing_parameters::{OptionError, ParameterError};
+use fairing_parameters::Options;
 
 use crate::engine::assemble::assemble;
-use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
-use crate::engine::diffusion::{AREA, Diffusion, LAMBDA, OPERATOR, TIME, WEIGHTS};
+use crate::engine::constraints::Constraints;
+use crate::engine::diffusion::{Diffusion, LAMBDA, TIME, Time};
 use crate::engine::error::{FlowError, FlowFailure};
-use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::linear::advance;
 use crate::engine::outcome::Smoothed;
 use crate::engine::response::Response;
 use crate::engine::run::{Run, RunSettings};
-use crate::engine::stability::{Stability, UNSTABLE, measured_limit, uniform_limit};
-use crate::engine::step::{ITERATIONS, Observer};
-use crate::engine::volume::{VOLUME, Volume};
+use crate::engine::stability::{Stability, measured_limit, uniform_limit};
+use crate::engine::step::Observer;
+use crate::engine::volume::Volume;
 
-/// Options of [`explicit`].
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
-pub struct Explicit {
-    /// The Laplacian and the length of a step.
-    pub diffusion: Diffusion,
-    /// The number of steps; 10 unless set.
-    pub iterations: usize,
-    /// What happens to a step beyond the stable limit; refused unless set.
-    pub stability: Stability,
-    /// Vertices that may not move freely.
-    pub constraints: Constraints,
-    /// What happens to the volume.
-    pub volume: Volume,
+fairing_parameters::options! {
+    /// Options of [`explicit`].
+    #[derive(Debug, Clone, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+    pub struct Explicit {
+        /// The Laplacian and the length of a step.
+        pub diffusion: Diffusion = Diffusion::uniform(0.5);
+        /// The number of steps.
+        pub iterations: usize = 10;
+        /// Constraints of the vertices.
+        pub constraints: Constraints = Constraints::NONE;
+        /// The treatment of the volume of a closed mesh.
+        pub volume: Volume = Volume::Drifts;
+        /// The treatment of steps beyond the stable limit.
+        pub stability: Stability = Stability::Refuse, name "unstable";
+    }
+    "explicit": "small steps x + λLx; the assignment's flow; stable up to λ = 4/3 on closed meshes",
+        ["taubin1995", "desbrun1999"];
+    then |options, values| {
+        // The default for uniform weights is beyond the stable limit for cotangents.
+        let given = values.number(LAMBDA).or(values.number(TIME)).is_some();
+        if let Diffusion::Cotangent { time, .. } = &mut options.diffusion && !given {
+            *time = Time::SquaredEdges(0.1);
+        }
+        Ok(())
+    };
 }
 
 impl Explicit {
-    /// Ten free steps.
+    /// Ten steps without constraints.
     pub fn new(diffusion: Diffusion) -> Self {
-        Self {
-            diffusion,
-            iterations: 10,
-            stability: Stability::default(),
-            constraints: Constraints::default(),
-            volume: Volume::default(),
-        }
+        Self { diffusion, ..Self::DEFAULT }
     }
 }
 
-/// Smooths by explicit diffusion steps `x ← x + λ L x`, with `L` taken at the input.
+/// Smooths by explicit diffusion steps `x ← x + λ L x`, with the operator of the input.
 ///
-/// A mode of eigenvalue μ of `L` is multiplied by `1 + λμ` in each step. With uniform weights the eigenvalues lie
-/// in [−3/2, 0] on closed triangle meshes and in [−7/4, 0] on open ones, so that every λ up to 4/3 and 8/7 is
-/// stable; λ = 2 diverges on every mesh. With cotangents the limit is 2/ω for the largest eigenvalue ω of `M⁻¹S`,
-/// about 0.27 h² on even meshes and much less where triangles are thin: there take [`implicit`](crate::implicit).
-/// The limit is checked before the first step.
+/// A mode of eigenvalue μ of `L` is multiplied by `1 + λμ` in each step. With uniform weights the
+/// eigenvalues lie in [−3/2, 0] on closed triangle meshes and in [−7/4, 0] on open ones, so λ is
+/// stable up to 4/3 and 8/7, respectively; λ = 2 diverges on every mesh. With cotangent weights the
+/// limit is 2/ω for the largest eigenvalue ω of `M⁻¹S`, about 0.27 h² on even meshes and much less
+/// where triangles are thin; for these prefer [`implicit`](crate::implicit). The limit is checked
+/// before the first step.
 ///
-/// A soft constraint of weight w and target c ends each step at `(x + λLx + wc)/(1 + w)`. Cost: linear in vertices
-/// and steps; unobserved stable runs of n steps, for many, take about 7√n products with L.
+/// With a soft constraint of weight w and target c each step ends at `(x + λLx + wc)/(1 + w)`.
+/// Cost: linear in vertices and steps; an unobserved stable run of many steps n takes about 7√n
+/// products with L.
 ///
 /// # Errors
 ///
-/// [`FlowError`] with the last good mesh: for options out of range, for a step beyond the stable limit if such
-/// are refused, for faces too thin for cotangents, and for the first vertex that would leave the range of numbers.
+/// [`FlowError`] with the last good mesh, if an option is out of range, if the step is beyond the
+/// stable limit and unstable steps are refused, if a face is too thin for cotangents, or if a
+/// position is not finite.
 ///
 /// # Examples
 ///
@@ -83,8 +90,7 @@ pub fn explicit(
     observer: Option<&mut Observer<'_>>,
 ) -> Result<Smoothed, FlowError> {
     let step = options.diffusion.factor(mesh);
-    OptionError::require_not_negative("step", options.diffusion.value())
-        .map_err(|error| FlowFailure::from(error).before(mesh))?;
+    options.check().map_err(|error| FlowFailure::from(error).before(mesh))?;
     let settings = RunSettings {
         volume: options.volume,
         ..RunSettings::new(&options.constraints, options.iterations)
@@ -96,7 +102,7 @@ pub fn explicit(
     let laplacian = assemble(run.arrangement.mesh(), diffusion, &run.freedom.fixed)
         .map_err(|failure| run.refuse(failure))?;
     let bound = laplacian.spectral_bound();
-    // Uniform steps up to 1 are stable on every mesh: no need for its topology.
+    // Uniform steps up to 1 are stable on every mesh, so its topology is not needed.
     let limit = match options.diffusion {
         Diffusion::Uniform { lambda } => (lambda > 1.0).then(|| uniform_limit(mesh)),
         Diffusion::Cotangent { .. } => Some(measured_limit(bound)),
@@ -109,36 +115,4 @@ pub fn explicit(
         }
     }
     advance(run, &laplacian, bound, Response::Explicit { step, steps: options.iterations }, 0.0)
-}
-
-impl Flow for Explicit {
-    const ALGORITHMS: &'static [Algorithm] = &[Algorithm::new(
-        "explicit",
-        "small steps x + λLx; the assignment's flow; stable up to λ = 4/3 (closed)",
-        &["taubin1995", "desbrun1999"],
-        &[
-            WEIGHTS,
-            LAMBDA.default("0.5"),
-            TIME,
-            ITERATIONS,
-            AREA,
-            OPERATOR,
-            BOUNDARY,
-            PIN,
-            SOFT,
-            VOLUME,
-            UNSTABLE,
-        ],
-    )];
-
-    const RUN: FlowFn<Self> = explicit;
-
-    fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError> {
-        let mut options = Self::new(Diffusion::from_values(values, 0.5, 0.1)?);
-        options.constraints = Constraints::from_values(values, positions)?;
-        values.read(ITERATIONS.name, &mut options.iterations)?;
-        values.read(VOLUME.name, &mut options.volume)?;
-        values.read(UNSTABLE.name, &mut options.stability)?;
-        Ok(options)
-    }
 }

@@ -1,59 +1,56 @@
 //! Implicit diffusion, backward Euler, and mean curvature flow.
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::old::{Algorithm, Parameter, Values};
-use fairing_parameters::{OptionError, ParameterError};
+use fairing_parameters::{Options, Range};
 
 use crate::engine::assemble::assemble;
-use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
-use crate::engine::diffusion::{AREA, Diffusion, LAMBDA, OPERATOR, TIME, WEIGHTS};
+use crate::engine::constraints::Constraints;
+use crate::engine::diffusion::Diffusion;
 use crate::engine::error::{FlowError, FlowFailure};
-use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::linear::advance;
 use crate::engine::outcome::Smoothed;
 use crate::engine::response::Response;
 use crate::engine::run::{Run, RunSettings};
-use crate::engine::step::{ITERATIONS, Observer, TOLERANCE};
+use crate::engine::step::Observer;
 use crate::engine::updated::{Update, advance_updated};
-use crate::engine::volume::{VOLUME, Volume};
+use crate::engine::volume::Volume;
 
-/// The update.
-const UPDATE: Parameter =
-    Parameter::choice("update", Update::CHOICES, "never", "When the operator is assembled again");
-
-/// Options of [`implicit`].
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
-pub struct Implicit {
-    /// The Laplacian and the length of a step.
-    pub diffusion: Diffusion,
-    /// The number of steps; 10 unless set.
-    pub iterations: usize,
-    /// When the operator is assembled again; cotangents only, since uniform weights do not depend on positions.
-    pub update: Update,
-    /// The relative residual of the linear systems; 1e-8 unless set.
-    pub tolerance: f64,
-    /// Vertices that may not move freely.
-    pub constraints: Constraints,
-    /// What happens to the volume.
-    pub volume: Volume,
+fairing_parameters::options! {
+    /// Options of [`implicit`].
+    #[derive(Debug, Clone, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+    pub struct Implicit {
+        /// The Laplacian and the length of a step.
+        pub diffusion: Diffusion = Diffusion::uniform(5.0);
+        /// The number of steps.
+        pub iterations: usize = 10;
+        /// Constraints of the vertices.
+        pub constraints: Constraints = Constraints::NONE;
+        /// The treatment of the volume of a closed mesh.
+        pub volume: Volume = Volume::Drifts;
+        /// The part of the operator that follows the moving mesh; cotangents only.
+        pub update: Update = Update::Never;
+        /// The relative residual of the linear systems.
+        pub tolerance: f64 = 1e-8, in Range::above(0.0).below(1.0);
+    }
+    "implicit": "steps (I − λL)x' = x of any length; always stable, always shrinks", ["desbrun1999"],
+        with Self::DEFAULT,
+        if |options| options.update != Update::Both;
+    "mean-curvature": "implicit steps with an updated operator: motion by mean curvature",
+        ["desbrun1999"],
+        without ["weights", "update"],
+        with Self::mean_curvature_flow(1.0),
+        if |options| options.update == Update::Both;
 }
 
 impl Implicit {
-    /// Ten free steps with the operator of the input.
+    /// Ten steps with the operator of the input, without constraints.
     pub fn new(diffusion: Diffusion) -> Self {
-        Self {
-            diffusion,
-            iterations: 10,
-            update: Update::default(),
-            tolerance: 1e-8,
-            constraints: Constraints::default(),
-            volume: Volume::default(),
-        }
+        Self { diffusion, ..Self::DEFAULT }
     }
 
-    /// Mean curvature flow: the operator is assembled again in each step of `lambda` h².
+    /// Mean curvature flow: steps of `lambda` h², each with an updated operator.
     pub fn mean_curvature_flow(lambda: f64) -> Self {
         Self { update: Update::Both, ..Self::new(Diffusion::cotangent(lambda)) }
     }
@@ -61,28 +58,30 @@ impl Implicit {
 
 /// Smooths by implicit diffusion steps `(I − λL) x' = x`.
 ///
-/// A mode of eigenvalue μ ≤ 0 of `L` is multiplied by `1/(1 − λμ)`: no λ is unstable, and none converges to the
-/// shape, since all modes but the constant shrink in every step (λ → ∞ collapses each component to its centroid,
-/// weighted by degree or area). Each step solves the symmetric system `(M + λS) x' = M x`: with uniform weights
-/// `D − λ(A − D)`, with cotangents `M + tS`, positive definite as long as the areas are positive.
+/// A mode of eigenvalue μ ≤ 0 of `L` is multiplied by `1/(1 − λμ)`: every λ is stable, and every
+/// step shrinks all modes but the constants (λ → ∞ collapses each component to its centroid,
+/// weighted by degree or area). Each step solves the symmetric system `(M + λS) x' = M x`:
+/// `D − λ(A − D)` for uniform weights, `M + tS` for cotangents, positive definite if all areas are
+/// positive.
 ///
-/// Unobserved free or pinned runs of a frozen operator are computed at once by a Chebyshev series; other runs step by
-/// step, by conjugate gradients or, where the system is ill conditioned and steps are many, by a Cholesky
-/// factorisation. The report says which.
+/// Unobserved runs of a constant operator with free and pinned vertices are computed at once by a
+/// Chebyshev series; all others step by step, by conjugate gradients or, if the system is
+/// ill-conditioned and steps are many, by a Cholesky factorisation. The report names the method.
 ///
-/// Boundaries are natural: a free border moves inward, by what its neighbours on one side pull. A soft constraint
-/// of weight w and target c adds `M w` on the left and `M w c` on the right; sliding vertices are moved along the
-/// tangents of their curves within the system, then put back on the curve.
+/// Boundaries are natural: a free boundary shrinks. A soft constraint of weight w and target c adds
+/// `M w` on the left and `M w c` on the right; sliding vertices move along the tangents of their
+/// curves within the system and are then returned to the curve.
 ///
 /// # Errors
 ///
-/// [`FlowError`] with the last good mesh: for options out of range, for faces of the input too thin for cotangents,
-/// [`FlowFailure::Collapsed`] where an updated flow has shrunk the mesh to almost nothing, and for a system not solved
-/// to the tolerance.
+/// [`FlowError`] with the last good mesh, if an option is out of range, if a face of the input is
+/// too thin for cotangents, if a system is not solved to the tolerance, and
+/// [`FlowFailure::Collapsed`] if a flow with an updated operator has shrunk the mesh to almost
+/// nothing.
 ///
-/// Faces that become degenerate while the operator is assembled again in each step do not end the flow: their cotangents and
-/// areas are those of a triangle whose sides are longer by a hundred-thousandth of the longest. The report says how
-/// many there were.
+/// Faces that become degenerate during a flow with an updated operator do not end it: their
+/// cotangents and areas are those of a triangle with sides longer by a hundred-thousandth of the
+/// longest. The report counts them.
 ///
 /// # Examples
 ///
@@ -122,78 +121,12 @@ pub fn implicit(
     advance(run, &laplacian, laplacian.spectral_bound(), response, options.tolerance)
 }
 
-impl Flow for Implicit {
-    const ALGORITHMS: &'static [Algorithm] = &[
-        Algorithm::new(
-            "implicit",
-            "steps of any length (I − λL)x' = x; never unstable, always shrinks",
-            &["desbrun1999"],
-            &[
-                WEIGHTS,
-                LAMBDA.default("5"),
-                TIME,
-                ITERATIONS,
-                AREA,
-                OPERATOR,
-                BOUNDARY,
-                PIN,
-                SOFT,
-                VOLUME,
-                UPDATE,
-                TOLERANCE.default("1e-8"),
-            ],
-        ),
-        Algorithm::new(
-            "mean-curvature",
-            "implicit steps, operator assembled again each time: motion by curvature",
-            &["desbrun1999"],
-            &[
-                LAMBDA.default("1"),
-                TIME,
-                ITERATIONS,
-                AREA,
-                OPERATOR,
-                BOUNDARY,
-                PIN,
-                SOFT,
-                VOLUME,
-                TOLERANCE.default("1e-8"),
-            ],
-        ),
-    ];
-
-    const RUN: FlowFn<Self> = implicit;
-
-    fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError> {
-        let mut options = match values.algorithm().name {
-            "mean-curvature" => {
-                Self { update: Update::Both, ..Self::new(Diffusion::cotangents(values, 1.0)?) }
-            }
-            _ => Self::new(Diffusion::from_values(values, 5.0, 5.0)?),
-        };
-        options.constraints = Constraints::from_values(values, positions)?;
-        values.read(ITERATIONS.name, &mut options.iterations)?;
-        values.read(VOLUME.name, &mut options.volume)?;
-        values.read(UPDATE.name, &mut options.update)?;
-        values.read(TOLERANCE.name, &mut options.tolerance)?;
-        Ok(options)
-    }
-
-    /// Mean curvature flow if the operator is updated.
-    fn algorithm(&self) -> &'static Algorithm {
-        &Self::ALGORITHMS[usize::from(self.update == Update::Both)]
-    }
-}
-
 fn check(options: &Implicit) -> Result<(), FlowFailure> {
-    OptionError::require_not_negative("step", options.diffusion.value())?;
-    let tolerance = options.tolerance;
-    let between = tolerance > 0.0 && tolerance < 1.0;
-    OptionError::require(between, "tolerance", tolerance, "above 0 and below 1")?;
+    options.check()?;
     let uniform = matches!(options.diffusion, Diffusion::Uniform { .. });
     if uniform && options.update != Update::Never {
         return Err(FlowFailure::Unsupported {
-            reason: "uniform weights do not depend on positions: there is nothing to update",
+            reason: "uniform weights do not depend on positions, so there is nothing to update",
         });
     }
     Ok(())

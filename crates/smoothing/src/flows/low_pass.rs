@@ -1,81 +1,157 @@
 //! Spectral low-pass filters.
 
+use std::ops::Bound;
+
 use fairing_mesh::TriMesh;
 use fairing_operators::{Laplacian, LaplacianKind, LumpedArea};
-use fairing_parameters::old::{Algorithm, Parameter, Values};
-use fairing_parameters::{OptionError, ParameterError};
+use fairing_parameters::{
+    Field, Kind, OptionError, Options, Parameter, ParameterError, Range, Value, Values,
+};
 use fairing_spectral::{Reconstruction, SpectrumOptions, reconstruct, spectrum};
 
 use crate::engine::assemble::cotangent;
-use crate::engine::constraints::{BOUNDARY, Constraints, PIN};
-use crate::engine::diffusion::{AREA, OPERATOR, TIME, Time, chosen, operator_from_values};
+use crate::engine::constraints::{Constraints, SOFT};
+use crate::engine::diffusion::{TIME, Time, check_areas, chosen};
 use crate::engine::error::{FlowError, FlowFailure};
-use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::linear::advance;
 use crate::engine::outcome::{Approach, Report, Smoothed};
 use crate::engine::response::Response;
 use crate::engine::run::{Run, RunSettings};
 
-/// What a filter does to the mode of eigenvalue ω of `S φ = ω M φ`.
+/// The transfer function of a filter: the factor of the mode of eigenvalue ω of `S φ = ω M φ`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Transfer {
-    /// `exp(−ωt)`: exact diffusion for the time t, the limit of infinitely many small steps.
+    /// `exp(−ωt)`: exact diffusion over the time t, the limit of infinitely many small steps.
     Heat(Time),
-    /// `1/(1 + (ω/ω₀)^order)`: flat up to ω₀, where it is ½, then falling with this order.
+    /// `1/(1 + (ω/ω₀)^order)`: flat up to ω₀, ½ at ω₀, decaying with this order beyond.
     Butterworth {
-        /// ω₀, in one over squared mesh units. Features of size w (half a wavelength) have ω ≈ (π/w)².
+        /// ω₀, in one over squared mesh units. Features of size w (half a wavelength) have ω ≈
+        /// (π/w)².
         cutoff: f64,
-        /// How steeply it falls; 1 to 16.
+        /// The order of decay, 1 to 16.
         order: u32,
     },
-    /// 1 for the k smallest eigenvalues, 0 beyond: the ideal low-pass, a projection on the k smoothest modes, which
-    /// are computed. Where k splits a cluster of equal or nearly equal eigenvalues, which of their modes are kept is
-    /// arbitrary, and [`Report::split`] says so. Supports neither constraints nor Voronoi areas.
+    /// 1 for the k smallest eigenvalues, 0 beyond: the ideal low-pass filter, a projection on the k
+    /// smoothest modes, which are computed. If k splits a cluster of nearly equal eigenvalues, the
+    /// choice among their modes is arbitrary, and [`Report::split`] says so. Supports neither
+    /// constraints nor Voronoi areas.
     Modes(usize),
 }
 
-/// Options of [`low_pass`].
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
-pub struct LowPass {
-    /// What happens to each mode.
-    pub transfer: Transfer,
-    /// The Laplacian of cotangents; every kind but uniform.
-    pub kind: LaplacianKind,
-    /// The areas of the vertices.
-    pub area: LumpedArea,
-    /// Free and pinned vertices.
-    pub constraints: Constraints,
-}
+const CUTOFF: &str = "cutoff";
+const ORDER: &str = "order";
+const MODES: &str = "modes";
+const ORDERS: Range = Range::new(Bound::Included(1.0), Bound::Included(16.0));
 
-impl LowPass {
-    /// A filter over barycentric areas, without fixed vertices.
-    pub fn new(transfer: Transfer) -> Self {
-        Self {
-            transfer,
-            kind: LaplacianKind::Auto,
-            area: LumpedArea::Barycentric,
-            constraints: Constraints::default(),
+impl Field for Transfer {
+    fn parameters(&self, _: Parameter) -> Vec<Parameter> {
+        vec![
+            Parameter {
+                unit: "squared units of the file",
+                range: Range::NOT_NEGATIVE,
+                ..Parameter::new(TIME, Kind::Number, "The diffusion time")
+            },
+            Parameter {
+                unit: "units of the file",
+                range: Range::POSITIVE,
+                excludes: &[TIME],
+                ..Parameter::new(
+                    CUTOFF,
+                    Kind::Number,
+                    "The wavelength at which a Butterworth filter halves",
+                )
+            },
+            Parameter {
+                range: ORDERS,
+                default: Some(Value::Count(BUTTERWORTH_ORDER as usize)),
+                ..Parameter::new(ORDER, Kind::Count, "The steepness of a Butterworth filter")
+            },
+            Parameter {
+                excludes: &[TIME, CUTOFF],
+                ..Parameter::new(MODES, Kind::Count, "The number of smoothest modes to project on")
+            },
+        ]
+    }
+
+    fn read(&mut self, _: &'static str, values: &Values) -> Result<(), ParameterError> {
+        if values.get(ORDER).is_some() && values.get(CUTOFF).is_none() {
+            let expected = "left out without cutoff: it is the steepness of a Butterworth filter";
+            return Err(values.refuse(ORDER, expected));
+        }
+        if let Some(time) = values.number(TIME) {
+            *self = Self::Heat(Time::SquaredUnits(time));
+        }
+        if let Some(wavelength) = values.number(CUTOFF) {
+            let cutoff = (2.0 * std::f64::consts::PI / wavelength).powi(2);
+            let order = values.count(ORDER).map_or(BUTTERWORTH_ORDER, |order| order as u32);
+            // Outside the spectrum of every mesh, yet powers neither overflow nor underflow.
+            *self = Self::Butterworth { cutoff: cutoff.clamp(1e-150, 1e150), order };
+        }
+        if let Some(modes) = values.count(MODES) {
+            *self = Self::Modes(modes);
+        }
+        Ok(())
+    }
+
+    fn check(&self, _: &'static str, _: Range) -> Result<(), OptionError> {
+        match *self {
+            Self::Heat(time) => Range::NOT_NEGATIVE.check(TIME, time.value()),
+            Self::Butterworth { cutoff, order } => {
+                Range::POSITIVE.check(CUTOFF, cutoff)?;
+                ORDERS.check(ORDER, f64::from(order))
+            }
+            // The spectrum checks the number of modes.
+            Self::Modes(_) => Ok(()),
         }
     }
 }
 
-/// Smooths by one filter of the spectrum of the cotangent Laplacian, `x' = g(M⁻¹S) x`, without computing the
-/// spectrum unless the filter is [`Transfer::Modes`].
+/// The default order of a Butterworth filter.
+const BUTTERWORTH_ORDER: u32 = 2;
+
+fairing_parameters::options! {
+    /// Options of [`low_pass`].
+    #[derive(Debug, Clone, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+    pub struct LowPass {
+        /// The factor of each mode.
+        pub transfer: Transfer = Transfer::Heat(Time::SquaredEdges(5.0));
+        /// The areas of vertices for cotangents.
+        pub area: LumpedArea = LumpedArea::Barycentric;
+        /// The kind of cotangent Laplacian; auto means cotangent for areas other than barycentric.
+        pub kind: LaplacianKind = LaplacianKind::Auto, name "operator";
+        /// Constraints of the vertices.
+        pub constraints: Constraints = Constraints::NONE;
+    }
+    "low-pass": "a heat or Butterworth filter of the cotangent spectrum, in physical units",
+        ["vallet2008"],
+        without [SOFT];
+    then |options, values| check_areas(options.kind, options.area, values);
+}
+
+impl LowPass {
+    /// A filter with barycentric areas, without constraints.
+    pub fn new(transfer: Transfer) -> Self {
+        Self { transfer, ..Self::DEFAULT }
+    }
+}
+
+/// Smooths by a filter of the spectrum of the cotangent Laplacian, `x' = g(M⁻¹S) x`. The spectrum
+/// is computed only for [`Transfer::Modes`].
 ///
-/// In terms of the modes, `x' = Σ g(ωᵢ) φᵢ (φᵢᵀ M x)`; what is computed is the Chebyshev series of g up to an error of
-/// 2.1e-10, whose degree grows with the square root of how many times the cut-off is below the roughest mode. Where it
-/// would exceed two thousand products, the series is one in the resolvent `(I − τL)⁻¹` instead, of degree 25 for heat
-/// and 30 to 250 for Butterworth filters, with one factorisation. The centroid of each component, weighted by area,
-/// stays where it is.
+/// In terms of the modes, `x' = Σ g(ωᵢ) φᵢ (φᵢᵀ M x)`. Computed is the Chebyshev series of g up to
+/// an error of 2.1e-10; its degree grows with the square root of the ratio of the largest
+/// eigenvalue to the cut-off. If it would exceed two thousand products, a series in the resolvent
+/// `(I − τL)⁻¹` is used instead, of degree 25 for heat and 30 to 250 for Butterworth filters, with
+/// one factorisation. The area-weighted centroid of each component is preserved.
 ///
 /// # Errors
 ///
-/// [`FlowError`] for options out of range, constraints that are not linear, faces too thin for cotangents, and systems
-/// that cannot be factored.
+/// [`FlowError`] if an option is out of range, if a constraint is not linear, if a face is too thin
+/// for cotangents, or if a system cannot be factored.
 ///
 /// # Examples
 ///
@@ -83,9 +159,10 @@ impl LowPass {
 /// use fairing_shapes as shapes;
 /// use fairing_smoothing::{LowPass, Time, Transfer, low_pass};
 ///
-/// // Coordinates of the unit sphere are modes of ω = 2: diffusion for a time t scales it by exp(−2t).
+/// // On the unit sphere coordinates are modes of ω = 2: heat flow scales them by exp(−2t).
 /// let sphere = shapes::icosphere(4);
-/// let smoothed = low_pass(&sphere, &LowPass::new(Transfer::Heat(Time::SquaredUnits(0.1))))?;
+/// let heat = LowPass::new(Transfer::Heat(Time::SquaredUnits(0.1)));
+/// let smoothed = low_pass(&sphere, &heat)?;
 /// let radius = smoothed.mesh.positions()[0].iter().map(|x| x * x).sum::<f64>().sqrt();
 /// assert!((radius - (-0.2f64).exp()).abs() < 1e-3);
 /// # Ok::<(), fairing_smoothing::FlowError>(())
@@ -93,7 +170,7 @@ impl LowPass {
 ///
 /// Source: \[vallet2008\].
 pub fn low_pass(mesh: &TriMesh, options: &LowPass) -> Result<Smoothed, FlowError> {
-    check(options).map_err(|failure| failure.before(mesh))?;
+    options.check().map_err(|error| FlowFailure::from(error).before(mesh))?;
     if let Transfer::Modes(k) = options.transfer {
         return smoothest(mesh, k, options).map_err(|failure| failure.before(mesh));
     }
@@ -113,69 +190,14 @@ pub fn low_pass(mesh: &TriMesh, options: &LowPass) -> Result<Smoothed, FlowError
     advance(run, &laplacian, laplacian.spectral_bound(), response, 0.0)
 }
 
-impl Flow for LowPass {
-    const ALGORITHMS: &'static [Algorithm] = &[Algorithm::new(
-        "low-pass",
-        "heat or Butterworth filter of the cotangent spectrum, in physical units",
-        &["vallet2008"],
-        &[
-            TIME.about("The diffusion time"),
-            Parameter::number("cutoff", "", "Where a Butterworth filter halves: a wavelength")
-                .unit("units of the file")
-                .excludes(&["time"]),
-            Parameter::count("order", "2", "How steeply a Butterworth filter falls"),
-            Parameter::count(
-                "modes",
-                "",
-                "How many of the smoothest modes are kept, and nothing else",
-            )
-            .excludes(&["time", "cutoff"]),
-            AREA,
-            OPERATOR,
-            BOUNDARY,
-            PIN,
-        ],
-    )];
-
-    const RUN: FlowFn<Self> = |mesh, options, _| low_pass(mesh, options);
-
-    fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError> {
-        let mut steepness = 2;
-        values.read("order", &mut steepness)?;
-        if values.text("order").is_some() && values.text("cutoff").is_none() {
-            let expected = "left out without cutoff: it is how steeply a Butterworth filter falls";
-            return Err(values.refuse("order", expected));
-        }
-        let transfer = match (values.get("modes")?, values.get::<f64>("cutoff")?) {
-            (Some(modes), _) => Transfer::Modes(modes),
-            (None, Some(wavelength)) => {
-                if !(wavelength > 0.0 && wavelength.is_finite()) {
-                    return Err(values.refuse("cutoff", "positive and finite"));
-                }
-                let cutoff = (2.0 * std::f64::consts::PI / wavelength).powi(2);
-                // Beyond every mesh, with room for the powers of a filter.
-                let cutoff = cutoff.clamp(1e-150, 1e150);
-                Transfer::Butterworth { cutoff, order: steepness }
-            }
-            (None, None) => Transfer::Heat(match values.get(TIME.name)? {
-                Some(time) => Time::SquaredUnits(time),
-                None => Time::SquaredEdges(5.0),
-            }),
-        };
-        let (kind, area) = operator_from_values(values)?;
-        let constraints = Constraints::from_values(values, positions)?;
-        Ok(Self { transfer, kind, area, constraints })
-    }
-}
-
-/// The mesh from its `k` smoothest modes.
+/// Reconstructs the mesh from its `k` smoothest modes.
 fn smoothest(mesh: &TriMesh, k: usize, options: &LowPass) -> Result<Smoothed, FlowFailure> {
     if options.area == LumpedArea::Voronoi {
-        let reason = "modes are orthonormal over barycentric or mixed areas, none negative";
+        let reason = "modes need positive areas, barycentric or mixed";
         return Err(FlowFailure::Unsupported { reason });
     }
     if !options.constraints.is_free() {
-        let reason = "a projection on modes knows no constraints";
+        let reason = "a projection on modes supports no constraints";
         return Err(FlowFailure::Unsupported { reason });
     }
     let (kind, too_thin) = chosen(mesh, options.kind, options.area)?;
@@ -188,18 +210,4 @@ fn smoothest(mesh: &TriMesh, k: usize, options: &LowPass) -> Result<Smoothed, Fl
         mesh,
         report: Report { iterations: 1, approach, split, too_thin, ..Report::default() },
     })
-}
-
-fn check(options: &LowPass) -> Result<(), FlowFailure> {
-    match options.transfer {
-        Transfer::Heat(time) => OptionError::require_not_negative("time", time.value())?,
-        Transfer::Butterworth { cutoff, order } => {
-            OptionError::require_positive("cut-off", cutoff)?;
-            let between = (1..=16).contains(&order);
-            OptionError::require(between, "order", f64::from(order), "between 1 and 16")?;
-        }
-        // The spectrum says how many there are.
-        Transfer::Modes(_) => {}
-    }
-    Ok(())
 }

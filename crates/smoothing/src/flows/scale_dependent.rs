@@ -1,53 +1,51 @@
-//! The scale-dependent umbrella.
+//! The scale-dependent umbrella operator.
 
 use fairing_mesh::{Components, TriMesh};
-use fairing_parameters::old::{Algorithm, Parameter, Values};
-use fairing_parameters::{OptionError, ParameterError};
+use fairing_parameters::{Options, Range};
 use fairing_sparse::GraphLaplacian;
 use glam::DVec3;
 
 use crate::engine::assemble::uniform;
-use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
+use crate::engine::constraints::Constraints;
 use crate::engine::error::{FlowError, FlowFailure};
-use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::Smoothed;
 use crate::engine::run::{Run, RunSettings, StepNote};
-use crate::engine::step::{ITERATIONS, Observer};
+use crate::engine::step::Observer;
 
-/// Options of [`scale_dependent`].
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct ScaleDependent {
-    /// The fraction of the stable limit of each step, in (0, 1]; ½ unless set.
-    pub fraction: f64,
-    /// The number of steps; 10 unless set.
-    pub iterations: usize,
-    /// Vertices that may not move freely.
-    pub constraints: Constraints,
-}
-
-impl Default for ScaleDependent {
-    fn default() -> Self {
-        Self { fraction: 0.5, iterations: 10, constraints: Constraints::default() }
+fairing_parameters::options! {
+    /// Options of [`scale_dependent`].
+    #[derive(Debug, Clone, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+    pub struct ScaleDependent {
+        /// The fraction of the largest stable step.
+        pub fraction: f64 = 0.5, in Range::FRACTION;
+        /// The number of steps.
+        pub iterations: usize = 10;
+        /// Constraints of the vertices.
+        pub constraints: Constraints = Constraints::NONE;
     }
+    "scale-dependent": "explicit steps weighted by inverse edge lengths; for uneven meshes",
+        ["fujiwara1995", "desbrun1999"];
 }
 
-/// Smooths by explicit steps of the scale-dependent umbrella, with weights that follow the edge lengths of the
-/// current mesh.
+/// Smooths by explicit steps with the scale-dependent umbrella operator, whose weights are the
+/// inverse edge lengths of the current mesh.
 ///
 /// ```text
 /// (Lx)ᵢ = (2/Eᵢ) Σⱼ (xⱼ − xᵢ)/|eᵢⱼ|,    Eᵢ = Σⱼ |eᵢⱼ|
 /// ```
 ///
-/// Unlike the umbrella with uniform weights it hardly moves vertices within the surface where edges have different
-/// lengths, and unlike cotangents it cannot have negative weights. It scales as 1/length², so a step is a time;
-/// the largest stable one is the reciprocal of the largest `(2/Eᵢ) Σ 1/|eᵢⱼ|` of a component, computed again in each
-/// step, so that no step can be unstable. Components thus flow as each would alone; the report has the smallest step.
+/// Unlike uniform weights it hardly moves vertices within the surface where edges have different
+/// lengths, and unlike cotangents its weights are never negative. It scales as 1/length², so a step
+/// is a time. The largest stable step is the reciprocal of the largest `(2/Eᵢ) Σ 1/|eᵢⱼ|` of a
+/// component, computed for each step, so that no step is unstable. Each component flows as it would
+/// alone; observers see the smallest step.
 ///
 /// # Errors
 ///
-/// [`FlowError`] for options out of range, and where neighbours coincide: [`FlowFailure::NoLength`].
+/// [`FlowError`] if an option is out of range; [`FlowFailure::NoLength`] if two neighbours
+/// coincide.
 ///
 /// # Examples
 ///
@@ -67,9 +65,7 @@ pub fn scale_dependent(
     observer: Option<&mut Observer<'_>>,
 ) -> Result<Smoothed, FlowError> {
     let fraction = options.fraction;
-    let (stable, expected) = ((0.0..=1.0).contains(&fraction), "between 0 and 1, the stable limit");
-    OptionError::require(stable, "fraction", fraction, expected)
-        .map_err(|error| FlowFailure::from(error).before(mesh))?;
+    options.check().map_err(|error| FlowFailure::from(error).before(mesh))?;
     let settings = RunSettings::new(&options.constraints, options.iterations);
     let run = Run::new(mesh, &settings, observer)?;
     let laplacian = uniform(run.arrangement.mesh(), &run.freedom.fixed);
@@ -105,37 +101,8 @@ pub fn scale_dependent(
     })
 }
 
-impl Flow for ScaleDependent {
-    const ALGORITHMS: &'static [Algorithm] = &[Algorithm::new(
-        "scale-dependent",
-        "uniform steps that respect edge lengths; for uneven meshes",
-        &["fujiwara1995", "desbrun1999"],
-        &[
-            Parameter::number(
-                "fraction",
-                "0.5",
-                "The fraction of the largest stable step (0 to 1)",
-            ),
-            ITERATIONS,
-            BOUNDARY,
-            PIN,
-            SOFT,
-        ],
-    )];
-
-    const RUN: FlowFn<Self> = scale_dependent;
-
-    fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError> {
-        let constraints = Constraints::from_values(values, positions)?;
-        let mut options = Self { constraints, ..Self::default() };
-        values.read("fraction", &mut options.fraction)?;
-        values.read(ITERATIONS.name, &mut options.iterations)?;
-        Ok(options)
-    }
-}
-
-/// The largest `(2/Eᵢ) Σ 1/|eᵢⱼ|` of each component: eigenvalues of `−L` are at most twice that, by Gershgorin's
-/// circles.
+/// The largest `(2/Eᵢ) Σ 1/|eᵢⱼ|` of each component; by Gershgorin's circles, eigenvalues of `−L`
+/// are at most twice as large.
 fn largest_rates(
     laplacian: &GraphLaplacian,
     components: &Components,
@@ -170,7 +137,7 @@ mod tests {
 
     use super::*;
 
-    /// A second component a thousand times smaller or larger leaves the first as it would be alone.
+    /// A second component a thousand times smaller or larger does not change the flow of the first.
     #[test]
     fn components_flow_apart() {
         let ball = shapes::bumpy_sphere(2, 0.2, 5.0);

@@ -3,23 +3,22 @@
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::old::{Algorithm, Parameter, Values};
-use fairing_parameters::{OptionError, ParameterError};
+use fairing_parameters::{Options, Range};
 use fairing_sparse::ChebyshevSeries;
 
 use crate::engine::assemble::uniform;
-use crate::engine::constraints::{BOUNDARY, Constraints, PIN};
+use crate::engine::constraints::{Constraints, SOFT};
 use crate::engine::error::{FlowError, FlowFailure};
-use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::{Approach, Smoothed};
 use crate::engine::run::{Run, RunSettings};
 
-/// How the Chebyshev series of the ideal filter is faded out. All are 1 at its beginning and small at its end.
+/// Windows that taper the Chebyshev series of the ideal filter, from 1 at its first term to nearly
+/// 0 at its last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Window {
     /// `0.5 + 0.5 cos`: almost no ripple, a wide transition.
     Hanning,
-    /// `0.54 + 0.46 cos`: a narrower transition, ripples below a hundredth. What VTK takes.
+    /// `0.54 + 0.46 cos`: a narrower transition, ripples below a hundredth; the window of VTK.
     #[default]
     Hamming,
     /// `0.42 + 0.5 cos + 0.08 cos 2`: the least ripple, the widest transition.
@@ -27,16 +26,12 @@ pub enum Window {
 }
 
 fairing_parameters::choices!(Window, "window",
-    Hanning: "hanning", "No ripple to speak of, a wide transition";
+    Hanning: "hanning", "Almost no ripple, a wide transition";
     Hamming: "hamming", "A narrower transition, ripples below a hundredth";
     Blackman: "blackman", "The least ripple, the widest transition";
 );
 #[cfg(feature = "serde")]
 fairing_parameters::serde_by_name!(Window);
-
-/// The pass band.
-pub(crate) const PASS_BAND: Parameter =
-    Parameter::number("pass-band", "0.1", "Modes with -eigenvalue below this are kept (0 to 2)");
 
 impl Window {
     /// The factor of term `k` of a series that ends with term `degree`.
@@ -50,44 +45,38 @@ impl Window {
     }
 }
 
-/// Options of [`windowed_sinc`].
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct WindowedSinc {
-    /// Modes of eigenvalue −k are kept for k below this and removed above; dimensionless, in (0, 2).
-    pub pass_band: f64,
-    /// The degree of the filter: products with the Laplacian. The transition is about 4/degree wide.
-    pub degree: usize,
-    /// How the series is faded out.
-    pub window: Window,
-    /// Vertices that may not move freely; soft constraints and sliding are for stepping flows.
-    pub constraints: Constraints,
-}
-
-/// A pass band of 0.1 and degree 20.
-impl Default for WindowedSinc {
-    fn default() -> Self {
-        Self {
-            pass_band: 0.1,
-            degree: 20,
-            window: Window::default(),
-            constraints: Constraints::default(),
-        }
+fairing_parameters::options! {
+    /// Options of [`windowed_sinc`].
+    #[derive(Debug, Clone, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+    pub struct WindowedSinc {
+        /// The pass band: modes with a smaller −eigenvalue are preserved (0 to 2).
+        pub pass_band: f64 = 0.1, in Range::above(0.0).below(2.0);
+        /// The degree of the filter.
+        pub degree: usize = 20;
+        /// The window that tapers the series.
+        pub window: Window = Window::Hamming;
+        /// Constraints of the vertices.
+        pub constraints: Constraints = Constraints::NONE;
     }
+    "windowed-sinc": "a sharper low-pass filter than taubin; preserves the size of finely meshed shapes best",
+        ["taubin1996"],
+        without [SOFT];
 }
 
-/// Smooths by one low-pass filter with uniform weights: the Chebyshev series of the step function at the pass
-/// band, faded out by a window.
+/// Smooths by one low-pass filter with uniform weights: the Chebyshev series of the step function
+/// at the pass band, tapered by a window.
 ///
-/// With k = 1 − cos θ on the spectrum of `−L`, the ideal filter is 1 for θ below `θ₀ = arccos(1 − pass band)`, and
-/// has the coefficients `θ₀/π` and `2 sin(jθ₀)/(jπ)`. They are multiplied by the window and scaled so that
-/// constants are kept exactly. No mode grows beyond the ripple of the window, and low ones are hardly touched: less
-/// shrinkage than λ|μ at the same number of products.
+/// With k = 1 − cos θ on the spectrum of `−L`, the ideal filter is 1 for θ below
+/// `θ₀ = arccos(1 − pass band)` and has the coefficients `θ₀/π` and `2 sin(jθ₀)/(jπ)`. They are
+/// multiplied by the window and scaled so that constants are preserved exactly. No mode grows by
+/// more than the ripple of the window, and low modes hardly change: less shrinkage than λ|μ
+/// smoothing for the same number of products.
 ///
 /// # Errors
 ///
-/// [`FlowError`] for options out of range, and for constraints that are not linear.
+/// [`FlowError`] if an option is out of range or a constraint is not linear.
 ///
 /// # Examples
 ///
@@ -104,9 +93,7 @@ impl Default for WindowedSinc {
 /// Source: \[taubin1996\].
 pub fn windowed_sinc(mesh: &TriMesh, options: &WindowedSinc) -> Result<Smoothed, FlowError> {
     let WindowedSinc { pass_band, degree, window, .. } = *options;
-    let between = pass_band > 0.0 && pass_band < 2.0;
-    OptionError::require(between, "pass band", pass_band, "above 0 and below 2")
-        .map_err(|error| FlowFailure::from(error).before(mesh))?;
+    options.check().map_err(|error| FlowFailure::from(error).before(mesh))?;
     let settings = RunSettings::new(&options.constraints, 1);
     let mut run = Run::new(mesh, &settings, None)?;
     if !run.is_linear() {
@@ -121,35 +108,9 @@ pub fn windowed_sinc(mesh: &TriMesh, options: &WindowedSinc) -> Result<Smoothed,
     run.finish(x)
 }
 
-impl Flow for WindowedSinc {
-    const ALGORITHMS: &'static [Algorithm] = &[Algorithm::new(
-        "windowed-sinc",
-        "a sharper low-pass filter than taubin; keeps the size of finely meshed shapes best",
-        &["taubin1996"],
-        &[
-            PASS_BAND,
-            Parameter::count("degree", "20", "The degree of the filter"),
-            Parameter::choice("window", Window::CHOICES, "hamming", "How the series is faded out"),
-            BOUNDARY,
-            PIN,
-        ],
-    )];
-
-    const RUN: FlowFn<Self> = |mesh, options, _| windowed_sinc(mesh, options);
-
-    fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError> {
-        let constraints = Constraints::from_values(values, positions)?;
-        let mut options = Self { constraints, ..Self::default() };
-        values.read(PASS_BAND.name, &mut options.pass_band)?;
-        values.read("degree", &mut options.degree)?;
-        values.read("window", &mut options.window)?;
-        Ok(options)
-    }
-}
-
-/// The windowed coefficients in `Tⱼ(1 + μ)`, which sum to one: the value at μ = 0.
+/// The windowed coefficients of `Tⱼ(1 + μ)`; their sum, the value at μ = 0, is one.
 fn coefficients(pass_band: f64, degree: usize, window: Window) -> Vec<f64> {
-    // arccos(1 − pass band) of bands whose difference from 1 rounds to 1, too.
+    // arccos(1 − pass band), accurate also for bands with 1 − pass band = 1 in floating point.
     let edge = 2.0 * libm::asin(FRAC_1_SQRT_2 * pass_band.sqrt());
     let mut c: Vec<f64> = (0..=degree)
         .map(|j| {
@@ -176,7 +137,7 @@ mod tests {
         c.iter().enumerate().map(|(j, c)| c * (j as f64 * angle).cos()).sum()
     }
 
-    /// As narrow as numbers allow, the filter is that of the window alone.
+    /// For the narrowest bands the filter tends to that of the window alone.
     #[test]
     fn narrow_bands_have_a_limit() {
         let limit = coefficients(1e-12, 20, Window::Hamming);
