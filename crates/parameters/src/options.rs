@@ -1,8 +1,10 @@
 //! Options structs whose fields are parameters.
 
 use crate::algorithm::{Algorithm, Parameter};
+use crate::error::ParameterError;
 use crate::range::OptionError;
-use crate::value::{ParameterError, Value, Values};
+use crate::value::Value;
+use crate::values::Values;
 
 /// Options of an algorithm, as [`options!`](crate::options) declares them.
 pub trait Options: Sized + 'static {

@@ -3,20 +3,20 @@
 use fairing_mesh::TriMesh;
 use glam::DVec3;
 
-/// Turns sharper than this are corners, which stay: cos 45°.
+/// The cosine of 45°: vertices at sharper turns are corners and fixed.
 const CORNER: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-/// The boundary curves of a mesh and where the vertices that slide on them are.
+/// The boundary curves of a mesh and the locations of the vertices sliding on them.
 #[derive(Debug, Clone)]
 pub(crate) struct Sliding {
     curves: Vec<Curve>,
-    /// Vertices that slide.
+    /// The sliding vertices.
     beads: Vec<Bead>,
-    /// The bead of each vertex, plus one; zero for vertices that do not slide.
+    /// The index of the bead of each vertex plus one; zero for vertices that do not slide.
     bead_of: Vec<u32>,
 }
 
-/// A closed polygon: the boundary loop as it was at the beginning.
+/// A closed polygon: a boundary loop of the input.
 #[derive(Debug, Clone)]
 struct Curve {
     points: Vec<DVec3>,
@@ -26,14 +26,15 @@ struct Curve {
 struct Bead {
     vertex: u32,
     curve: u32,
-    /// The segment it lies on, from point `segment` to the next.
+    /// The segment that holds the vertex, from point `segment` to the next.
     segment: u32,
-    /// The direction in which it may move in this step; of length one, or zero.
+    /// The direction of movement in this step, of length one or zero.
     tangent: DVec3,
 }
 
 impl Sliding {
-    /// Curves from the boundary loops of `mesh`; marks corners and vertices where loops meet as fixed.
+    /// Creates curves from the boundary loops of `mesh`; marks corners and vertices where loops
+    /// meet as `fixed`.
     pub(crate) fn new(mesh: &TriMesh, fixed: &mut [bool]) -> Self {
         let topology = mesh.topology();
         let x = mesh.positions();
@@ -42,7 +43,7 @@ impl Sliding {
             visits[v as usize] += 1;
         }
         for (v, &boundary) in topology.boundary_vertices().iter().enumerate() {
-            // Zero visits: the loop through the vertex is not a simple curve.
+            // Zero visits: the loop through the vertex is not simple.
             fixed[v] |= boundary && visits[v] != 1;
         }
         let mut sliding = Self { curves: Vec::new(), beads: Vec::new(), bead_of: vec![0; x.len()] };
@@ -73,7 +74,7 @@ impl Sliding {
         self.beads.is_empty()
     }
 
-    /// The part of `d` along the tangent for a vertex that slides; all of it for another.
+    /// The component of `d` along the tangent for a sliding vertex; `d` for any other.
     #[inline]
     pub(crate) fn project(&self, i: usize, d: [f64; 3]) -> [f64; 3] {
         match self.bead_of[i] {
@@ -85,8 +86,8 @@ impl Sliding {
         }
     }
 
-    /// Sets the tangent of each bead: the direction of its segment, or at a point of the curve the mean of the two
-    /// that meet there.
+    /// Sets the tangent of each bead: the direction of its segment, or, at a point of the curve,
+    /// the mean direction of the two segments that meet there.
     pub(crate) fn take_tangents(&mut self, x: &[[f64; 3]]) {
         for bead in &mut self.beads {
             let points = &self.curves[bead.curve as usize].points;
@@ -107,8 +108,8 @@ impl Sliding {
         }
     }
 
-    /// Moves each bead to the nearest point of its curve, searched from its segment outward as far as the distance
-    /// shrinks, so that it cannot jump to another part of the curve.
+    /// Moves each bead to the nearest point of its curve, searching outward from its segment while
+    /// the distance decreases, so that it cannot jump to another part of the curve.
     pub(crate) fn retract(&mut self, x: &mut [[f64; 3]]) {
         for bead in &mut self.beads {
             let points = &self.curves[bead.curve as usize].points;
@@ -117,7 +118,7 @@ impl Sliding {
             let mut best_segment = bead.segment as usize;
             for direction in [1, points.len() - 1] {
                 let mut segment = bead.segment as usize;
-                // One segment of no progress is passed over: a bead may sit at the end of its own.
+                // One segment without progress is skipped: a bead may sit at the end of its own.
                 let mut patience = 2;
                 for _ in 1..points.len() {
                     segment = (segment + direction) % points.len();
@@ -154,7 +155,7 @@ fn nearest(points: &[DVec3], segment: usize, p: DVec3) -> DVec3 {
 mod tests {
     use super::*;
 
-    /// On a regular polygon a vertex moves at right angles to its radius, not along one of its sides.
+    /// A vertex of a regular polygon moves perpendicular to its radius, not along one of its sides.
     #[test]
     fn tangents_at_corners_are_the_mean_of_both_sides() {
         let n = 12;
@@ -178,9 +179,9 @@ mod tests {
         }
     }
 
-    /// A vertex slides past a segment without length, where two vertices of the border coincide.
+    /// A vertex slides past a segment of zero length, where two boundary vertices coincide.
     #[test]
-    fn a_segment_without_length_stops_nothing() {
+    fn vertices_slide_past_segments_of_zero_length() {
         let mut positions: Vec<[f64; 3]> =
             [0.0, 1.0, 1.0, 2.0, 3.0, 4.0].map(|x| [x, 0.0, 0.0]).into();
         positions.extend([[4.0, 3.0, 0.0], [0.0, 3.0, 0.0]]);
@@ -188,7 +189,8 @@ mod tests {
         let mesh = TriMesh::new(positions, faces).unwrap();
         let mut fixed = vec![false; 8];
         let mut sliding = Sliding::new(&mesh, &mut fixed);
-        // Vertex 3 lies between others on a line. It goes from x = 2 to the doubled point at 1, and on from there.
+        // Vertex 3 lies between others on a line. It moves from x = 2 to the doubled point at 1 and
+        // beyond.
         assert!(!fixed[3]);
         let mut x = mesh.positions().to_vec();
         for to in [1.0, 0.5] {
