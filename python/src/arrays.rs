@@ -49,8 +49,9 @@ pub(crate) fn view<'py, T: Element>(
     array: ArrayView2<'_, T>,
     owner: Bound<'py, PyAny>,
 ) -> Bound<'py, PyArray2<T>> {
-    // SAFETY: the caller passes an array inside of `owner`, a frozen object, which the view keeps alive; nothing
-    // moves or writes it, since the object has no method that does, and the view is not writeable.
+    // SAFETY: the caller passes an array inside of `owner`, a frozen object, which the view keeps
+    // alive; nothing moves or writes it, since the object has no method that does, and the view is
+    // not writeable.
     let view = unsafe { PyArray2::borrow_from_array(&array, owner) };
     view.readwrite().make_nonwriteable();
     view

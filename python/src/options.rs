@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 
-/// The value of a name, or an error that lists the names.
+/// The value of a name. The error lists all names.
 pub(crate) fn choose<T: Copy>(option: &str, name: &str, all: &[(&str, T)]) -> Result<T> {
     all.iter().find(|(known, _)| *known == name).map(|(_, value)| *value).ok_or_else(|| {
         let names: Vec<&str> = all.iter().map(|(known, _)| *known).collect();
@@ -10,7 +10,7 @@ pub(crate) fn choose<T: Copy>(option: &str, name: &str, all: &[(&str, T)]) -> Re
     })
 }
 
-/// What a crate reads from its own names.
+/// Parses a name of a crate.
 pub(crate) fn named<T: std::str::FromStr>(name: &str) -> Result<T>
 where
     T::Err: std::fmt::Display,
