@@ -40,15 +40,16 @@ impl<'py> FromPyObject<'_, 'py> for Call {
     }
 }
 
-/// The process that first used the global pool: the pool's threads do not exist in forked processes.
+/// The process that first used the global pool: the pool's threads do not exist in forked
+/// processes.
 static HOME: OnceLock<u32> = OnceLock::new();
 
 impl Call {
     /// Runs the work on its own thread and waits for it.
     ///
-    /// The calling thread handles signals meanwhile. An exception of a signal handler or of the progress
-    /// callback cancels the work and is raised; work that does not end at once is abandoned and ends at
-    /// its next check.
+    /// The calling thread handles signals meanwhile. An exception of a signal handler or of the
+    /// progress callback cancels the work and is raised; work that does not end at once is
+    /// abandoned and ends at its next check.
     pub(crate) fn run<T: Send + 'static>(
         self,
         py: Python<'_>,
@@ -127,8 +128,7 @@ fn tell(py: Python<'_>, callback: &Py<PyAny>, now: Progress) -> PyResult<()> {
 type Last = Box<dyn FnOnce() + Send>;
 type Job = Box<dyn FnOnce() -> Last + Send>;
 
-/// The process, and its threads that wait for work: the memory that a thread has used serves it
-/// again.
+/// The process and its idle threads: a thread reuses the memory of its earlier work.
 static IDLE: Mutex<(u32, Vec<Sender<Job>>)> = Mutex::new((0, vec![]));
 
 /// Runs the job on an idle thread, or else on a new one.

@@ -35,7 +35,7 @@ fn approach(approach: Approach) -> String {
     }
 }
 
-/// The exception of a flow: for a bad option, or with the step and the last good mesh.
+/// The exception of a flow: an option error, or a flow error with the step and the last good mesh.
 fn exception(py: Python<'_>, error: FlowError) -> PyErr {
     let text = chain(&error);
     if let FlowFailure::Option(_)

@@ -1,4 +1,4 @@
-//! The tables that the help of the program is made of, for docstrings.
+//! The tables behind the help of the program, for docstrings.
 
 use fairing_denoising::Denoiser;
 use fairing_figure::ColorMap;
@@ -8,7 +8,7 @@ use fairing_smoothing::Method;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// Each table: a name and what it is for.
+/// Rows of a table: a name and its use.
 #[pyfunction]
 fn tables(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let dict = PyDict::new(py);
