@@ -297,8 +297,6 @@ class Moving(Base):
             return self._of(self._core.subdivide(scheme, call))
 
 
-def _soft(vertex: int, weight: float, target: npt.ArrayLike | None = None) -> str:
-    entry = [str(_arrays.whole(vertex, "a vertex of soft")), repr(float(weight))]
-    if target is not None:
-        entry += [repr(float(x)) for x in _arrays.field(target, 3, "a target of soft")]
-    return ":".join(entry)
+def _soft(vertex: int, weight: float, target: npt.ArrayLike | None = None) -> tuple[int, float, list[float] | None]:
+    point = None if target is None else _arrays.field(target, 3, "a target of soft").tolist()
+    return _arrays.whole(vertex, "a vertex of soft"), float(weight), point

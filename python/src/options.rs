@@ -1,5 +1,8 @@
 //! Options by name.
 
+use fairing_parameters::{Value, WeightedVertex};
+use pyo3::prelude::*;
+
 use crate::error::{Error, Result};
 
 /// The value of a name. The error lists all names.
@@ -16,4 +19,34 @@ where
     T::Err: std::fmt::Display,
 {
     name.parse().map_err(Error::option)
+}
+
+/// A value of a parameter: a number, a name, vertices, or vertices with weights.
+#[derive(Debug, Clone, FromPyObject)]
+pub(crate) enum Given {
+    Text(String),
+    Count(usize),
+    Number(f64),
+    Vertices(Vec<u32>),
+    Weighted(Vec<(u32, f64, Option<[f64; 3]>)>),
+}
+
+impl From<Given> for Value {
+    fn from(given: Given) -> Self {
+        match given {
+            Given::Text(text) => Self::Text(text),
+            Given::Count(count) => Self::Count(count),
+            Given::Number(number) => Self::Number(number),
+            Given::Vertices(vertices) => Self::Vertices(vertices),
+            Given::Weighted(vertices) => {
+                let weighted = vertices.into_iter();
+                let weighted = weighted.map(|(vertex, weight, target)| WeightedVertex {
+                    vertex,
+                    weight,
+                    target,
+                });
+                Self::Weighted(weighted.collect())
+            }
+        }
+    }
 }

@@ -4,6 +4,7 @@ use fairing_denoising::Denoiser;
 use fairing_figure::ColorMap;
 use fairing_operators::curvature::Estimator;
 use fairing_operators::{LaplacianKind, MassKind};
+use fairing_parameters::Family;
 use fairing_smoothing::Method;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -13,7 +14,7 @@ use pyo3::types::PyDict;
 fn tables(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let dict = PyDict::new(py);
     let estimators: Vec<_> = Estimator::all().iter().map(|e| (e.name(), e.description())).collect();
-    let methods: Vec<_> = Method::defaults().iter().map(|m| (m.name(), m.description())).collect();
+    let methods: Vec<_> = Method::all().iter().map(|m| (m.name(), m.description())).collect();
     let denoisers: Vec<_> = Denoiser::all().iter().map(|d| (d.name(), d.description())).collect();
     dict.set_item("estimators", estimators)?;
     dict.set_item("recommended_estimator", Estimator::RECOMMENDED.name())?;

@@ -13,7 +13,6 @@ mod error;
 mod family;
 mod field;
 mod named;
-pub mod old;
 mod options;
 mod range;
 mod value;
