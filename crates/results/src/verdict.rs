@@ -74,6 +74,24 @@ pub struct ViewState {
     pub modes: Option<usize>,
 }
 
+impl ViewState {
+    /// Sliders at these stops.
+    pub fn at(stops: &[usize]) -> Self {
+        Self { stops: stops.to_vec(), ..Self::default() }
+    }
+
+    /// The state with the colours of this field.
+    #[must_use]
+    pub fn field(self, name: &str) -> Self {
+        Self { field: name.into(), ..self }
+    }
+
+    /// The sum of this number of modes.
+    pub fn modes(count: usize) -> Self {
+        Self { modes: Some(count), ..Self::default() }
+    }
+}
+
 impl Shown {
     /// A figure.
     pub fn figure(experiment: &str, figure: &str) -> Self {

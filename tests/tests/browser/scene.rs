@@ -235,11 +235,7 @@ fn flows(folder: &Path) -> Result<Record> {
         formulas: vec![FORMULA.into()],
         claims: vec![
             Judgement::new("5a", "λ = 0.05 is best.", Verdict::Qualified, "It depends.")
-                .shown(Shown::view(
-                    "q5",
-                    "flow",
-                    &ViewState { stops: vec![4], field: "displacement".into(), modes: None },
-                ))
+                .shown(Shown::view("q5", "flow", &ViewState::at(&[4]).field("displacement")))
                 .number("normal error", 3.25, Unit::Degrees),
         ],
         figures: vec![

@@ -115,7 +115,7 @@ fn timed_line(line: &str) -> Option<(&str, f64)> {
 }
 
 #[cfg(test)]
-mod tests {
+mod checks {
     use super::*;
 
     #[test]

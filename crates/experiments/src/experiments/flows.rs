@@ -117,7 +117,7 @@ impl Experiment for Flows {
             )
             .finding(format!("No vertex ends farther from the sphere than {} of its radius.", brief(worst)))
             .ours()
-            .shown(Shown::view("flows", conformal::VIEW, &ViewState { stops: vec![conformal::STOPS.len() - 1], ..ViewState::default() }))
+            .shown(Shown::view("flows", conformal::VIEW, &ViewState::at(&[conformal::STOPS.len() - 1])))
             .number("farthest off the sphere", worst, Unit::Relative),
             Judgement::new(
                 "volume",
@@ -131,7 +131,7 @@ impl Experiment for Flows {
             )
             .finding(format!("They change the volume by at most {} %, diffusion by {} %.", brief(lost), brief(plain)))
             .ours()
-            .shown(Shown::view("flows", "methods-view", &ViewState { stops: vec![stop("taubin")], field: "distance off the truth".into(), ..ViewState::default() }))
+            .shown(Shown::view("flows", "methods-view", &ViewState::at(&[stop("taubin")]).field("distance off the truth")))
             .number("largest change of the three", lost, Unit::Percent)
             .number("change by implicit diffusion", plain, Unit::Percent),
         ])

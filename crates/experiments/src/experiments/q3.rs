@@ -183,7 +183,7 @@ impl Experiment for CotangentCurvature {
                 if clean { "are zero".to_string() } else { format!("reach {}/h", brief(inside)) },
                 brief(border)
             ))
-            .shown(Shown::view("q3", "torus-view", &ViewState { field: "error of mean curvature".into(), ..ViewState::default() }))
+            .shown(Shown::view("q3", "torus-view", &ViewState::at(&[]).field("error of mean curvature")))
             .number("largest ratio of errors, cotangent to uniform", worst, Unit::One)
             .number("highest order of cotangents on jittered meshes", mean, Unit::Order)
             .number("cotangent inside planes", inside, Unit::One)

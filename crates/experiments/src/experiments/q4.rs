@@ -141,7 +141,7 @@ impl Experiment for Reconstruction {
                     brief(steps.iter().copied().fold(f64::INFINITY, f64::min)),
                     brief(steps.iter().copied().fold(0.0, f64::max)),
                 ))
-                .shown(Shown::view("q4", mode_sums::VIEW, &ViewState { modes: Some(ks[1] as usize), ..ViewState::default() }))
+                .shown(Shown::view("q4", mode_sums::VIEW, &ViewState::modes(ks[1] as usize)))
                 .number(&format!("error at {} over error at {}", ks[1], ks[0]), steps[0], Unit::One)
                 .number("error of the last stop", last, Unit::Diagonals),
             Judgement::new(

@@ -180,13 +180,11 @@ fn stability(tables: Tables<'_>) -> Result<Judgement> {
         brief(best[0].min(best[1])),
         brief(best[0].max(best[1])),
     );
+    let state = ViewState::at(&[4, 1]).field("displacement");
+    let moved = Shown::view("q6", "machine-part-view", &state);
     Ok(Judgement::new("6a", claim, verdict, reason)
         .finding(finding)
-        .shown(Shown::view(
-            "q6",
-            "machine-part-view",
-            &ViewState { stops: vec![4, 1], field: "displacement".into(), ..ViewState::default() },
-        ))
+        .shown(moved)
         .number(&format!("volume of the machine part at λ = {MOVED}"), volume, Unit::Percent)
         .number("largest growth", growth, Unit::One)
         .number(&format!("border of the patch at λ = {MOVED}"), border, Unit::EdgeLengths)

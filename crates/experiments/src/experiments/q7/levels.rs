@@ -235,7 +235,7 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
                 "What counts is the noise over the edge length: these levels are {} edge lengths of the machine part.",
                 list(&levels.iter().map(|l| l.share).collect::<Vec<_>>())
             ))
-            .shown(Shown::view("q7", "levels-view", &ViewState { stops: vec![2, 3], field: "normal error".into(), ..ViewState::default() }))
+            .shown(Shown::view("q7", "levels-view", &ViewState::at(&[2, 3]).field("normal error")))
             .number("the levels over h, lowest", levels[0].share, Unit::EdgeLengths)
             .number("highest", levels[2].share, Unit::EdgeLengths);
     for (level, sigma) in levels.iter().zip(ASSIGNMENT) {
