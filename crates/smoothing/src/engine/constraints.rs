@@ -23,9 +23,9 @@ pub enum Boundary {
 }
 
 fairing_parameters::choices!(Boundary, "treatment of the boundary",
-    Free: "free", "It moves inward as its neighbours pull";
-    Pinned: "pinned", "It stays";
-    Sliding: "sliding", "It moves along its own curve";
+    Free: "free", "Moves like the rest, so the border shrinks inward";
+    Pinned: "pinned", "Fixed";
+    Sliding: "sliding", "Slides along the boundary curve";
 );
 #[cfg(feature = "serde")]
 fairing_parameters::serde_by_name!(Boundary);
@@ -65,10 +65,10 @@ impl Field for Constraints {
     fn parameters(&self, _: Parameter) -> Vec<Parameter> {
         let about = "The treatment of the boundary of an open mesh";
         let boundary = Parameter::new(BOUNDARY, Kind::Choice(Boundary::CHOICES), about);
-        let about = "Vertices that stay, as numbers from 0 joined by commas";
+        let about = "Fixed vertices: comma-separated numbers, from 0";
         let pin = Parameter::new(PIN, Kind::Vertices, about);
-        let about = "Vertices drawn to where they are, or to a point, joined by commas; a weight \
-                     of 1 ends a step half-way between the flow and the point";
+        let about = "Vertices drawn to their positions, or to a point; with weight 1 a step ends \
+                     half-way between flow and point";
         let soft = Parameter::new(SOFT, Kind::Weighted, about);
         [self.boundary.parameters(boundary), vec![pin, soft]].concat()
     }

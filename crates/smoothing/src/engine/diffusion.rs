@@ -109,7 +109,7 @@ impl Field for Diffusion {
             }
             Self::Cotangent { kind, area, .. } => ("cotangent", None, kind, area),
         };
-        let about = "The step: dimensionless, or in squared mean edge lengths for cotangents";
+        let about = "The step λ: dimensionless for uniform weights, in squared mean edge lengths for cotangent";
         let lambda = Parameter {
             range: Range::NOT_NEGATIVE,
             default: step.map(Value::Number),
@@ -119,12 +119,11 @@ impl Field for Diffusion {
         let time = Parameter {
             unit: "squared units of the file",
             range: Range::NOT_NEGATIVE,
-            ..Parameter::new(TIME, Kind::Number, "The step of cotangents")
+            ..Parameter::new(TIME, Kind::Number, "The step of cotangent weights")
         };
         let choice = |name, about| Parameter::new(name, Kind::Number, about);
-        let areas = area.parameters(choice(AREA, "The areas of vertices for cotangents"));
-        let about = "The Laplacian of cotangents; auto means cotangent with other areas than \
-                     barycentric";
+        let areas = area.parameters(choice(AREA, "The vertex areas of the cotangent Laplacian"));
+        let about = "The construction of cotangent weights";
         let kinds = kind.parameters(choice(OPERATOR, about));
         [vec![weights(name), lambda, time], areas, kinds].concat()
     }

@@ -19,9 +19,9 @@ pub enum Stability {
 }
 
 fairing_parameters::choices!(Stability, "treatment of unstable steps",
-    Refuse: "refuse", "They are an error";
-    Warn: "warn", "They are taken, with a warning";
-    Allow: "allow", "They are taken";
+    Refuse: "refuse", "Exit with an error";
+    Warn: "warn", "Take them and warn";
+    Allow: "allow", "Take them silently";
 );
 #[cfg(feature = "serde")]
 fairing_parameters::serde_by_name!(Stability);

@@ -23,9 +23,9 @@ pub enum Volume {
 }
 
 fairing_parameters::choices!(Volume, "treatment of the volume",
-    Drifts: "drift", "It goes where the flow takes it";
-    Rescaled: "rescale", "Kept by scaling about the centroid in each step";
-    Offset: "offset", "Kept by an offset along the normals in each step";
+    Drifts: "drift", "Not constrained";
+    Rescaled: "rescale", "Restored after each step by scaling about the centroid";
+    Offset: "offset", "Restored after each step by an offset along the normals";
 );
 #[cfg(feature = "serde")]
 fairing_parameters::serde_by_name!(Volume);

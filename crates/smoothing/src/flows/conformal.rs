@@ -24,14 +24,14 @@ fairing_parameters::options! {
         pub time: f64 = 0.01, in Range::NOT_NEGATIVE;
         /// The largest number of steps.
         pub iterations: usize = 100;
-        /// The Laplacian of cotangents; auto means cotangent with other areas than barycentric.
+        /// The construction of cotangent weights.
         pub kind: LaplacianKind = LaplacianKind::Auto, name "operator";
         /// The relative residual of the linear systems.
         pub tolerance: f64 = 1e-10, in Range::above(0.0).below(1.0);
-        /// Ends when no vertex moves by more than this.
+        /// The largest displacement in a step at which the flow ends.
         pub settled: f64 = 1e-6, in Range::NOT_NEGATIVE, unit "roots of the area";
     }
-    "conformal": "mean curvature flow that keeps angles; takes genus 0 to the sphere", ["kazhdan2012"];
+    "conformal": "mean curvature flow that preserves angles; turns genus 0 into a sphere", ["kazhdan2012"];
 }
 
 /// Flows a closed mesh towards a conformal image: mean curvature flow with the stiffness of the input and the mass

@@ -32,7 +32,7 @@ fairing_parameters::options! {
         /// The treatment of steps beyond the stable limit.
         pub stability: Stability = Stability::Refuse, name "unstable";
     }
-    "explicit": "small steps x + λLx; the assignment's flow; stable up to λ = 4/3 (closed)",
+    "explicit": "small steps x + λLx; the assignment's flow; stable up to λ = 4/3 on closed meshes",
         ["taubin1995", "desbrun1999"];
     then |options, values| {
         // The default of uniform weights is beyond the stable limit of cotangents.

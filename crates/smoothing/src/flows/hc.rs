@@ -17,18 +17,18 @@ fairing_parameters::options! {
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
     pub struct Hc {
-        /// The weight of the input in the differences, the rest being that of the step before.
+        /// The weight of the input in the differences; the rest is the weight of the previous step.
         pub alpha: f64 = 0.0, in Range::FRACTION;
-        /// The part of its own difference that a vertex is given back.
+        /// The fraction of its own difference that each vertex moves back by.
         pub beta: f64 = 0.5, in Range::FRACTION;
         /// The number of steps.
         pub iterations: usize = 10;
         /// Constraints of the vertices.
         pub constraints: Constraints = Constraints::NONE;
-        /// The treatment of a beta so small that modes grow.
+        /// The treatment of values of beta so small that modes grow.
         pub stability: Stability = Stability::Refuse, name "unstable";
     }
-    "hc": "uniform steps that give back what they took; keeps the size roughly", ["vollmer1999"];
+    "hc": "uniform steps, each partly undone to limit shrinkage; roughly keeps the size", ["vollmer1999"];
 }
 
 const LARGE_ENOUGH: &str = "so large that no mode grows, as every beta from 0.5 is: \

@@ -29,7 +29,7 @@ fairing_parameters::options! {
         pub constraints: Constraints = Constraints::NONE;
         /// The treatment of the volume of a closed mesh.
         pub volume: Volume = Volume::Drifts;
-        /// The times at which the operator is assembled again; cotangents only.
+        /// The part of the operator reassembled in each step; cotangent weights only.
         pub update: Update = Update::Never;
         /// The relative residual of the linear systems.
         pub tolerance: f64 = 1e-8, in Range::above(0.0).below(1.0);
@@ -37,7 +37,7 @@ fairing_parameters::options! {
     "implicit": "steps of any length (I − λL)x' = x; never unstable, always shrinks", ["desbrun1999"],
         with Self::DEFAULT,
         if |options| options.update != Update::Both;
-    "mean-curvature": "implicit steps, operator assembled again each time: motion by curvature",
+    "mean-curvature": "implicit steps with the operator reassembled in each: motion by mean curvature",
         ["desbrun1999"],
         without ["weights", "update"],
         with Self::mean_curvature_flow(1.0),

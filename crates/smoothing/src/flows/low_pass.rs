@@ -58,7 +58,7 @@ impl Field for Transfer {
                 ..Parameter::new(
                     CUTOFF,
                     Kind::Number,
-                    "The wavelength at which a Butterworth filter halves",
+                    "The wavelength that a Butterworth filter halves",
                 )
             },
             Parameter {
@@ -71,7 +71,7 @@ impl Field for Transfer {
                 ..Parameter::new(
                     MODES,
                     Kind::Count,
-                    "The number of smoothest modes that are kept, and nothing else",
+                    "The number of smoothest modes to keep, all others removed",
                 )
             },
         ]
@@ -121,14 +121,14 @@ fairing_parameters::options! {
     pub struct LowPass {
         /// The factor of each mode.
         pub transfer: Transfer = Transfer::Heat(Time::SquaredEdges(5.0));
-        /// The areas of vertices for cotangents.
+        /// The vertex areas of the cotangent Laplacian.
         pub area: LumpedArea = LumpedArea::Barycentric;
-        /// The Laplacian of cotangents; auto means cotangent with other areas than barycentric.
+        /// The construction of cotangent weights.
         pub kind: LaplacianKind = LaplacianKind::Auto, name "operator";
         /// Constraints of the vertices.
         pub constraints: Constraints = Constraints::NONE;
     }
-    "low-pass": "heat or Butterworth filter of the cotangent spectrum, in physical units",
+    "low-pass": "heat or Butterworth filter of the cotangent spectrum, in units of the file",
         ["vallet2008"],
         without [SOFT];
     then |options, values| check_areas(options.kind, options.area, values);

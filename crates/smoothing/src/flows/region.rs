@@ -22,16 +22,16 @@ fairing_parameters::options! {
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
     pub struct FairRegion {
-        /// The vertices to replace, as numbers from 0 joined by commas.
+        /// The vertices to replace: comma-separated numbers, from 0.
         pub region: Vec<u32> = Vec::new(), name "vertices", required true;
-        /// 1 soap film, 2 thin plate, 3 least variation of curvature.
+        /// The order of smoothness: 1 soap film, 2 thin plate, 3 minimal variation of curvature.
         pub order: u32 = 2, in 1.0..=4.0;
-        /// The areas of vertices for cotangents.
+        /// The vertex areas of the cotangent Laplacian.
         pub area: LumpedArea = LumpedArea::Barycentric;
-        /// The Laplacian of cotangents; auto means cotangent with other areas than barycentric.
+        /// The construction of cotangent weights.
         pub kind: LaplacianKind = LaplacianKind::Auto, name "operator";
     }
-    "region": "replaces some vertices by the fairest surface through their surroundings", ["botsch2004"];
+    "region": "replaces a region by the smoothest surface that fits the surrounding mesh", ["botsch2004"];
     also [weights("cotangent")];
     then |options, values| {
         if values.text(WEIGHTS) == Some("uniform") {

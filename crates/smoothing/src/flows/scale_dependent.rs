@@ -25,7 +25,7 @@ fairing_parameters::options! {
         /// Constraints of the vertices.
         pub constraints: Constraints = Constraints::NONE;
     }
-    "scale-dependent": "uniform steps that respect edge lengths; for uneven meshes",
+    "scale-dependent": "explicit steps weighted by edge lengths; for uneven meshes",
         ["fujiwara1995", "desbrun1999"];
 }
 

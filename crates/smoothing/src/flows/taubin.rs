@@ -21,9 +21,9 @@ fairing_parameters::options! {
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
     pub struct Taubin {
-        /// The shrinking step.
+        /// The shrinking step λ.
         pub lambda: f64 = 0.5, in Range::POSITIVE;
-        /// Modes with −eigenvalue below this are kept (0 to 2).
+        /// Modes with an eigenvalue of −L below this are kept.
         pub pass_band: f64 = 0.1, in Range::POSITIVE, excludes ["mu"];
         /// The number of pairs of steps.
         pub pairs: usize = 10, name "iterations";
@@ -32,9 +32,9 @@ fairing_parameters::options! {
         /// The treatment of pairs that amplify a mode by more than two.
         pub stability: Stability = Stability::Refuse, name "unstable";
     }
-    "taubin": "a shrinking and a growing step in turn: removes noise, keeps the size of finely meshed shapes",
+    "taubin": "alternate shrinking and growing steps: removes noise, keeps the size of fine meshes",
         ["taubin1995"];
-    also [Parameter::new(MU, Kind::Number, "The growing step, below -lambda")];
+    also [Parameter::new(MU, Kind::Number, "The growing step μ, below −λ")];
     then |options, values| {
         if let Some(mu) = values.number(MU) {
             options.pass_band = Self::from_steps(options.lambda, mu).pass_band;

@@ -25,9 +25,9 @@ pub enum Window {
 }
 
 fairing_parameters::choices!(Window, "window",
-    Hanning: "hanning", "No ripple to speak of, a wide transition";
-    Hamming: "hamming", "A narrower transition, ripples below a hundredth";
-    Blackman: "blackman", "The least ripple, the widest transition";
+    Hanning: "hanning", "Almost no ripple, a wide transition";
+    Hamming: "hamming", "A narrower transition, ripple below 1 %";
+    Blackman: "blackman", "Least ripple, widest transition";
 );
 #[cfg(feature = "serde")]
 fairing_parameters::serde_by_name!(Window);
@@ -50,7 +50,7 @@ fairing_parameters::options! {
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
     pub struct WindowedSinc {
-        /// Modes with −eigenvalue below this are kept (0 to 2).
+        /// Modes with an eigenvalue of −L below this are kept.
         pub pass_band: f64 = 0.1, in Range::above(0.0).below(2.0);
         /// The degree of the filter.
         pub degree: usize = 20;
@@ -59,7 +59,7 @@ fairing_parameters::options! {
         /// Constraints of the vertices.
         pub constraints: Constraints = Constraints::NONE;
     }
-    "windowed-sinc": "a sharper low-pass filter than taubin; keeps the size of finely meshed shapes best",
+    "windowed-sinc": "a sharper low-pass filter than taubin; best at keeping the size of fine meshes",
         ["taubin1996"],
         without [SOFT];
 }
