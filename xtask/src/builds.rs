@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use crate::programs::cargo;
 
-/// How many of the slowest units are named.
+/// The number of slowest units that are listed.
 const NAMED: usize = 12;
 
 /// A build and what it is called.

@@ -19,7 +19,7 @@ struct Task {
     run: Run,
 }
 
-/// How a task runs.
+/// The way a task runs.
 enum Run {
     /// Here, without options; `false` if a check failed.
     Here(fn(&Path) -> Result<bool>),

@@ -5,14 +5,14 @@ use std::process::Command;
 
 use anyhow::{Context as _, Result, ensure};
 
-/// What builds the wheel.
+/// Packages that build the wheel.
 const BUILD: [&str; 1] = ["maturin>=1.9,<2"];
-/// What the tests need.
+/// Packages required by the tests.
 const TESTS: [&str; 4] = ["numpy", "scipy", "pytest", "hypothesis"];
-/// What single tests need, and are skipped without.
+/// Packages required by single tests, which are skipped without them.
 const PEERS: [&str; 7] =
     ["tqdm", "trimesh", "meshio", "libigl", "robust_laplacian", "potpourri3d", "lapy"];
-/// The same, for slow tests and those of data sets, notebooks and types.
+/// Packages for slow tests and tests of data sets, notebooks and types, likewise.
 const MORE: [&str; 10] = [
     "mypy",
     // With its Node.js from the package index.
@@ -27,20 +27,20 @@ const MORE: [&str; 10] = [
     "fsspec",
 ];
 
-/// Which tests of the package to run.
+/// The tests of the package to run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Extent {
-    /// What is quick, on the library that the workspace has built.
+    /// The quick tests, on the library built in the workspace.
     Quick,
     /// Everything, on the wheel that users install.
     Whole,
 }
 
-/// How the tests went.
+/// The result of the tests.
 #[derive(Debug)]
 pub(crate) struct Tested {
     pub(crate) passed: bool,
-    /// What was not tested, and why.
+    /// Skipped tests, each with the reason.
     pub(crate) skipped: Vec<(String, String)>,
 }
 

@@ -3,9 +3,9 @@
 mod system;
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, cross, dot, norm, scale, sub};
 use fairing_parameters::{Options, Range};
 use fairing_sparse::{CgOptions, FieldOperator, conjugate_gradients, product_by_rows};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::DenoiseError;
@@ -79,8 +79,8 @@ fn filter(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> 
         .all
         .iter()
         .map(|h| {
-            let [a, b] = h.faces.map(|f| normals[f as usize]);
-            libm::atan2(norm(cross(a, b)), dot(a, b))
+            let [a, b] = h.faces.map(|f| DVec3::from(normals[f as usize]));
+            libm::atan2(a.cross(b).length(), a.dot(b))
         })
         .sum::<f64>()
         / hinges.all.len() as f64;
@@ -90,9 +90,10 @@ fn filter(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> 
     let stencils = Stencils::new(mesh, &hinges);
     // Both operators leave out translations; far from the origin the tolerance
     // of the systems would be larger than the mesh.
-    let sum = mesh.positions().iter().fold([0.0; 3], |s, &p| add(s, p));
-    let centre = scale(sum, 1.0 / mesh.vertex_count() as f64);
-    let noisy: Vec<[f64; 3]> = mesh.positions().iter().map(|&p| sub(p, centre)).collect();
+    let sum: DVec3 = mesh.positions().iter().copied().map(DVec3::from).sum();
+    let centre = sum * (1.0 / mesh.vertex_count() as f64);
+    let noisy: Vec<[f64; 3]> =
+        mesh.positions().iter().map(|&p| (DVec3::from(p) - centre).to_array()).collect();
     let mut positions = noisy.clone();
     let mut system = System::new(&stencils);
     let mut beta = 1e-3;
@@ -101,18 +102,18 @@ fn filter(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> 
     fairing_watch::stage("rounds", rounds as u64);
     while beta < options.last_beta {
         let weights = stencils.edge_operators(&positions);
-        let delta: Vec<[f64; 3]> = stencils
+        let delta: Vec<DVec3> = stencils
             .corners
             .par_iter()
             .zip(&weights)
             .map(|(corners, w)| {
                 let bend = combine(corners, w, &positions);
-                if dot(bend, bend) <= lambda / beta { [0.0; 3] } else { bend }
+                if bend.dot(bend) <= lambda / beta { DVec3::ZERO } else { bend }
             })
             .collect();
         let b = stencils.transpose(&weights, &delta);
         let b: Vec<[f64; 3]> =
-            noisy.iter().zip(&b).map(|(p, d)| add(*p, scale(*d, beta))).collect();
+            noisy.iter().zip(&b).map(|(&p, d)| (DVec3::from(p) + beta * d).to_array()).collect();
         system.fill(&weights, beta, alpha);
         let operator = FieldOperator::new(&system.diagonal(), |p: &[[f64; 3]], q: &mut [_]| {
             product_by_rows(p, q, |v| system.row(v, p))
@@ -122,7 +123,8 @@ fn filter(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> 
         alpha *= 0.5;
         fairing_watch::advance(1);
     }
-    Ok(mesh.with_positions(positions.into_iter().map(|p| add(p, centre)).collect())?)
+    let moved = positions.into_iter().map(|p| (DVec3::from(p) + centre).to_array());
+    Ok(mesh.with_positions(moved.collect())?)
 }
 
 /// The regulariser's coefficients.
@@ -180,17 +182,17 @@ impl Stencils {
         self.corners
             .par_iter()
             .map(|corners| {
-                let [p1, p2, p3, p4] = corners.map(|v| positions[v as usize]);
-                let edge = sub(p3, p1);
-                let area = |p| 0.5 * norm(cross(sub(p, p1), edge));
+                let [p1, p2, p3, p4] = corners.map(|v| DVec3::from(positions[v as usize]));
+                let edge = p3 - p1;
+                let area = |p: DVec3| 0.5 * (p - p1).cross(edge).length();
                 let (a2, a4) = (area(p2), area(p4));
-                let scale = dot(edge, edge) * (a2 + a4);
+                let scale = edge.dot(edge) * (a2 + a4);
                 if scale.is_nan() || scale <= f64::MIN_POSITIVE {
                     return [0.0; 4];
                 }
                 // Where the feet of p₂ and p₄ lie along the edge, from p₃.
-                let (t2, t4) = (dot(sub(p3, p2), edge), dot(sub(p3, p4), edge));
-                let (s2, s4) = (dot(sub(p2, p1), edge), dot(sub(p4, p1), edge));
+                let (t2, t4) = ((p3 - p2).dot(edge), (p3 - p4).dot(edge));
+                let (s2, s4) = ((p2 - p1).dot(edge), (p4 - p1).dot(edge));
                 [
                     -(a4 * t2 + a2 * t4) / scale,
                     a4 / (a2 + a4),
@@ -202,17 +204,15 @@ impl Stencils {
     }
 
     /// `Dᵀ values`.
-    fn transpose(&self, weights: &[[f64; 4]], values: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    fn transpose(&self, weights: &[[f64; 4]], values: &[DVec3]) -> Vec<DVec3> {
         (0..self.offsets.len() - 1)
             .into_par_iter()
-            .map(|v| {
-                self.at(v).fold([0.0; 3], |sum, (e, k)| add(sum, scale(values[e], weights[e][k])))
-            })
+            .map(|v| self.at(v).map(|(e, k)| weights[e][k] * values[e]).sum())
             .collect()
     }
 }
 
 /// `Σ w x` over four corners.
-fn combine(corners: &[u32; 4], weights: &[f64; 4], x: &[[f64; 3]]) -> [f64; 3] {
-    (0..4).fold([0.0; 3], |sum, k| add(sum, scale(x[corners[k] as usize], weights[k])))
+fn combine(corners: &[u32; 4], weights: &[f64; 4], x: &[[f64; 3]]) -> DVec3 {
+    (0..4).map(|k| weights[k] * DVec3::from(x[corners[k] as usize])).sum()
 }
