@@ -24,15 +24,9 @@ pub enum Boundary {
 }
 
 fairing_parameters::choices!(Boundary, "treatment of the boundary",
-<<<<<<< HEAD
-    Free: "free", "Moves like the rest, so the border shrinks inward";
-    Pinned: "pinned", "Fixed";
-    Sliding: "sliding", "Slides along the boundary curve";
-=======
     Free: "free", "Not constrained: the boundary shrinks";
     Pinned: "pinned", "Boundary vertices are fixed";
     Sliding: "sliding", "Boundary vertices slide along the boundary curve";
->>>>>>> next
 );
 #[cfg(feature = "serde")]
 fairing_parameters::serde_by_name!(Boundary);
@@ -73,17 +67,10 @@ impl Field for Constraints {
     fn parameters(&self, _: Parameter) -> Vec<Parameter> {
         let about = "The treatment of the boundary of an open mesh";
         let boundary = Parameter::new(BOUNDARY, Kind::Choice(Boundary::CHOICES), about);
-<<<<<<< HEAD
-        let about = "Fixed vertices: comma-separated numbers, from 0";
-        let pin = Parameter::new(PIN, Kind::Vertices, about);
-        let about = "Vertices drawn to their positions, or to a point; with weight 1 a step ends \
-                     half-way between flow and point";
-=======
         let about = "Fixed vertices: numbers from 0, separated by commas";
         let pin = Parameter::new(PIN, Kind::Vertices, about);
         let about = "Vertices drawn to their input positions or to given points, separated by \
                      commas; a weight of 1 ends a step half-way between the flow and the point";
->>>>>>> next
         let soft = Parameter::new(SOFT, Kind::Weighted, about);
         [self.boundary.parameters(boundary), vec![pin, soft]].concat()
     }

@@ -122,20 +122,12 @@ impl Field for Diffusion {
         let time = Parameter {
             unit: "squared units of the file",
             range: Range::NOT_NEGATIVE,
-<<<<<<< HEAD
-            ..Parameter::new(TIME, Kind::Number, "The step of cotangent weights")
-        };
-        let choice = |name, about| Parameter::new(name, Kind::Number, about);
-        let areas = area.parameters(choice(AREA, "The vertex areas of the cotangent Laplacian"));
-        let about = "The construction of cotangent weights";
-=======
             ..Parameter::new(TIME, Kind::Number, "The step for cotangents, as a diffusion time")
         };
         let choice = |name, about| Parameter::new(name, Kind::Number, about);
         let areas = area.parameters(choice(AREA, "The areas of vertices for cotangents"));
         let about = "The kind of cotangent Laplacian; auto means cotangent for areas other than \
                      barycentric";
->>>>>>> next
         let kinds = kind.parameters(choice(OPERATOR, about));
         [vec![weights(name), lambda, time], areas, kinds].concat()
     }

@@ -19,15 +19,9 @@ pub enum Stability {
 }
 
 fairing_parameters::choices!(Stability, "treatment of unstable steps",
-<<<<<<< HEAD
-    Refuse: "refuse", "Exit with an error";
-    Warn: "warn", "Take them and warn";
-    Allow: "allow", "Take them silently";
-=======
     Refuse: "refuse", "An error";
     Warn: "warn", "Taken, with a warning";
     Allow: "allow", "Taken without a warning";
->>>>>>> next
 );
 #[cfg(feature = "serde")]
 fairing_parameters::serde_by_name!(Stability);

@@ -24,13 +24,8 @@ pub enum Volume {
 
 fairing_parameters::choices!(Volume, "treatment of the volume",
     Drifts: "drift", "Not constrained";
-<<<<<<< HEAD
-    Rescaled: "rescale", "Restored after each step by scaling about the centroid";
-    Offset: "offset", "Restored after each step by an offset along the normals";
-=======
     Rescaled: "rescale", "Preserved by scaling about the centroid after each step";
     Offset: "offset", "Preserved by an offset along the normals after each step";
->>>>>>> next
 );
 #[cfg(feature = "serde")]
 fairing_parameters::serde_by_name!(Volume);

@@ -24,16 +24,6 @@ fairing_parameters::options! {
         pub time: f64 = 0.01, in Range::NOT_NEGATIVE;
         /// The largest number of steps.
         pub iterations: usize = 100;
-<<<<<<< HEAD
-        /// The construction of cotangent weights.
-        pub kind: LaplacianKind = LaplacianKind::Auto, name "operator";
-        /// The relative residual of the linear systems.
-        pub tolerance: f64 = 1e-10, in Range::above(0.0).below(1.0);
-        /// The largest displacement in a step at which the flow ends.
-        pub settled: f64 = 1e-6, in Range::NOT_NEGATIVE, unit "roots of the area";
-    }
-    "conformal": "mean curvature flow that preserves angles; turns genus 0 into a sphere", ["kazhdan2012"];
-=======
         /// The kind of cotangent Laplacian.
         pub kind: LaplacianKind = LaplacianKind::Auto, name "operator";
         /// The relative residual of the linear systems.
@@ -42,7 +32,6 @@ fairing_parameters::options! {
         pub settled: f64 = 1e-6, in Range::NOT_NEGATIVE, unit "roots of the area";
     }
     "conformal": "mean curvature flow that preserves angles; genus 0 flows to a sphere", ["kazhdan2012"];
->>>>>>> next
 }
 
 /// Evolves a closed mesh by conformalised mean curvature flow, with the stiffness of the input and

@@ -17,16 +17,10 @@ fairing_parameters::options! {
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
     pub struct Hc {
-<<<<<<< HEAD
-        /// The weight of the input in the differences; the rest is the weight of the previous step.
-        pub alpha: f64 = 0.0, in Range::FRACTION;
-        /// The fraction of its own difference that each vertex moves back by.
-=======
         /// The weight of the input positions, against the previous step, in the differences.
         pub alpha: f64 = 0.0, in Range::FRACTION;
         /// The weight of a vertex's own difference, against the mean of its neighbours', in the
         /// correction.
->>>>>>> next
         pub beta: f64 = 0.5, in Range::FRACTION;
         /// The number of steps.
         pub iterations: usize = 10;
@@ -35,11 +29,7 @@ fairing_parameters::options! {
         /// The treatment of values of beta so small that modes grow.
         pub stability: Stability = Stability::Refuse, name "unstable";
     }
-<<<<<<< HEAD
-    "hc": "uniform steps, each partly undone to limit shrinkage; roughly keeps the size", ["vollmer1999"];
-=======
     "hc": "uniform steps, each followed by a correction; roughly preserves size", ["vollmer1999"];
->>>>>>> next
 }
 
 const LARGE_ENOUGH: &str = "so large that no mode grows, as every beta of at least 0.5 is: \

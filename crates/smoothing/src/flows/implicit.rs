@@ -29,11 +29,7 @@ fairing_parameters::options! {
         pub constraints: Constraints = Constraints::NONE;
         /// The treatment of the volume of a closed mesh.
         pub volume: Volume = Volume::Drifts;
-<<<<<<< HEAD
-        /// The part of the operator reassembled in each step; cotangent weights only.
-=======
         /// The part of the operator that follows the moving mesh; cotangents only.
->>>>>>> next
         pub update: Update = Update::Never;
         /// The relative residual of the linear systems.
         pub tolerance: f64 = 1e-8, in Range::above(0.0).below(1.0);
@@ -41,11 +37,7 @@ fairing_parameters::options! {
     "implicit": "steps (I − λL)x' = x of any length; always stable, always shrinks", ["desbrun1999"],
         with Self::DEFAULT,
         if |options| options.update != Update::Both;
-<<<<<<< HEAD
-    "mean-curvature": "implicit steps with the operator reassembled in each: motion by mean curvature",
-=======
     "mean-curvature": "implicit steps with an updated operator: motion by mean curvature",
->>>>>>> next
         ["desbrun1999"],
         without ["weights", "update"],
         with Self::mean_curvature_flow(1.0),

@@ -70,15 +70,7 @@ impl Field for Transfer {
             },
             Parameter {
                 excludes: &[TIME, CUTOFF],
-<<<<<<< HEAD
-                ..Parameter::new(
-                    MODES,
-                    Kind::Count,
-                    "The number of smoothest modes to keep, all others removed",
-                )
-=======
                 ..Parameter::new(MODES, Kind::Count, "The number of smoothest modes to project on")
->>>>>>> next
             },
         ]
     }
@@ -127,22 +119,14 @@ fairing_parameters::options! {
     pub struct LowPass {
         /// The factor of each mode.
         pub transfer: Transfer = Transfer::Heat(Time::SquaredEdges(5.0));
-        /// The vertex areas of the cotangent Laplacian.
+        /// The areas of vertices for cotangents.
         pub area: LumpedArea = LumpedArea::Barycentric;
-<<<<<<< HEAD
-        /// The construction of cotangent weights.
-=======
         /// The kind of cotangent Laplacian; auto means cotangent for areas other than barycentric.
->>>>>>> next
         pub kind: LaplacianKind = LaplacianKind::Auto, name "operator";
         /// Constraints of the vertices.
         pub constraints: Constraints = Constraints::NONE;
     }
-<<<<<<< HEAD
-    "low-pass": "heat or Butterworth filter of the cotangent spectrum, in units of the file",
-=======
     "low-pass": "a heat or Butterworth filter of the cotangent spectrum, in physical units",
->>>>>>> next
         ["vallet2008"],
         without [SOFT];
     then |options, values| check_areas(options.kind, options.area, values);

@@ -22,29 +22,16 @@ fairing_parameters::options! {
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
     pub struct FairRegion {
-<<<<<<< HEAD
-        /// The vertices to replace: comma-separated numbers, from 0.
-        pub region: Vec<u32> = Vec::new(), name "vertices", required true;
-        /// The order of smoothness: 1 soap film, 2 thin plate, 3 minimal variation of curvature.
-=======
         /// The vertices to replace: numbers from 0, separated by commas.
         pub region: Vec<u32> = Vec::new(), name "vertices", required true;
         /// The order of the energy: 1 membrane, 2 thin plate, 3 minimum variation of curvature.
->>>>>>> next
         pub order: u32 = 2, in 1.0..=4.0;
-        /// The vertex areas of the cotangent Laplacian.
+        /// The areas of vertices for cotangents.
         pub area: LumpedArea = LumpedArea::Barycentric;
-<<<<<<< HEAD
-        /// The construction of cotangent weights.
-        pub kind: LaplacianKind = LaplacianKind::Auto, name "operator";
-    }
-    "region": "replaces a region by the smoothest surface that fits the surrounding mesh", ["botsch2004"];
-=======
         /// The kind of cotangent Laplacian; auto means cotangent for areas other than barycentric.
         pub kind: LaplacianKind = LaplacianKind::Auto, name "operator";
     }
     "region": "replaces a region by the smoothest surface that fits its surroundings", ["botsch2004"];
->>>>>>> next
     also [weights("cotangent")];
     then |options, values| {
         if values.text(WEIGHTS) == Some("uniform") {

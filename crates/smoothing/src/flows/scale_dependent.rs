@@ -25,11 +25,7 @@ fairing_parameters::options! {
         /// Constraints of the vertices.
         pub constraints: Constraints = Constraints::NONE;
     }
-<<<<<<< HEAD
-    "scale-dependent": "explicit steps weighted by edge lengths; for uneven meshes",
-=======
     "scale-dependent": "explicit steps weighted by inverse edge lengths; for uneven meshes",
->>>>>>> next
         ["fujiwara1995", "desbrun1999"];
 }
 

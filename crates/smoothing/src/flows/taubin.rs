@@ -23,11 +23,7 @@ fairing_parameters::options! {
     pub struct Taubin {
         /// The shrinking step λ.
         pub lambda: f64 = 0.5, in Range::POSITIVE;
-<<<<<<< HEAD
-        /// Modes with an eigenvalue of −L below this are kept.
-=======
         /// The pass band: modes with a smaller −eigenvalue are preserved (0 to 2).
->>>>>>> next
         pub pass_band: f64 = 0.1, in Range::POSITIVE, excludes ["mu"];
         /// The number of pairs of steps.
         pub pairs: usize = 10, name "iterations";
@@ -36,11 +32,7 @@ fairing_parameters::options! {
         /// The treatment of pairs that amplify a mode by more than two.
         pub stability: Stability = Stability::Refuse, name "unstable";
     }
-<<<<<<< HEAD
-    "taubin": "alternate shrinking and growing steps: removes noise, keeps the size of fine meshes",
-=======
     "taubin": "alternating shrinking and growing steps: removes noise, preserves the size of finely meshed shapes",
->>>>>>> next
         ["taubin1995"];
     also [Parameter::new(MU, Kind::Number, "The growing step μ, below −λ")];
     then |options, values| {

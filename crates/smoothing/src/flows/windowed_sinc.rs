@@ -27,13 +27,8 @@ pub enum Window {
 
 fairing_parameters::choices!(Window, "window",
     Hanning: "hanning", "Almost no ripple, a wide transition";
-<<<<<<< HEAD
-    Hamming: "hamming", "A narrower transition, ripple below 1 %";
-    Blackman: "blackman", "Least ripple, widest transition";
-=======
     Hamming: "hamming", "A narrower transition, ripples below a hundredth";
     Blackman: "blackman", "The least ripple, the widest transition";
->>>>>>> next
 );
 #[cfg(feature = "serde")]
 fairing_parameters::serde_by_name!(Window);
@@ -56,11 +51,7 @@ fairing_parameters::options! {
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
     pub struct WindowedSinc {
-<<<<<<< HEAD
-        /// Modes with an eigenvalue of −L below this are kept.
-=======
         /// The pass band: modes with a smaller −eigenvalue are preserved (0 to 2).
->>>>>>> next
         pub pass_band: f64 = 0.1, in Range::above(0.0).below(2.0);
         /// The degree of the filter.
         pub degree: usize = 20;
@@ -69,11 +60,7 @@ fairing_parameters::options! {
         /// Constraints of the vertices.
         pub constraints: Constraints = Constraints::NONE;
     }
-<<<<<<< HEAD
-    "windowed-sinc": "a sharper low-pass filter than taubin; best at keeping the size of fine meshes",
-=======
     "windowed-sinc": "a sharper low-pass filter than taubin; preserves the size of finely meshed shapes best",
->>>>>>> next
         ["taubin1996"],
         without [SOFT];
 }
