@@ -20,7 +20,7 @@ const GAUSSIAN_LOW: f64 = 0.186_31;
 /// Residuals count in correlations up to this many standard deviations.
 const CLIP: f64 = 3.0;
 
-/// The median of |x| is this share of the standard deviation of Gaussian x.
+/// The median of |x| is this fraction of the standard deviation of Gaussian x.
 const GAUSSIAN_MEDIAN: f64 = 0.674_489_75;
 
 /// The fits of a vertex: a quadric to its two-ring, a quadric to the [`NEAREST`] of it, and a
@@ -34,10 +34,10 @@ const NEAREST: usize = 10;
 /// rounding.
 const ALIKE_FAR: f64 = 1e-9;
 
-/// A fit counts where it has residuals at this share of the vertices that have a quadric to their two-ring.
+/// A fit counts where it has residuals at this fraction of the vertices that have a quadric to their two-ring.
 const ENOUGH: f64 = 0.5;
 
-/// A fit counts where its level is more than this share of that over two-rings. A smaller one says that most vertices
+/// A fit counts where its level is more than this fraction of that over two-rings. A smaller one says that most vertices
 /// lie on it exactly: on planes with few impulses that is so for one-rings, and no two-ring is without one.
 const EXACT: f64 = 1e-3;
 
@@ -51,7 +51,7 @@ pub struct NoiseEstimate {
     pub sigma: f64,
     /// The ratio of the 90th percentile to the median of the residuals'
     /// absolute values, over that of a Gaussian: 1 for Gaussian noise, more
-    /// where a share of the vertices is moved further than the rest.
+    /// where a fraction of the vertices is moved further than the rest.
     pub tail_ratio: f64,
     /// The ratio of the 10th percentile to the median of the residuals' absolute
     /// values, over that of a Gaussian: less than 1 where the level varies over the surface, or

@@ -1,7 +1,7 @@
 //! An animal with limbs, in the place of scanned figures.
 
 use super::implicit::implicit;
-use super::made;
+use super::made::made;
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, distance, dot, scale, sub};
 

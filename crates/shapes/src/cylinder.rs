@@ -3,7 +3,8 @@
 use std::f64::consts::TAU;
 
 use super::grid::{Diagonals, grid_faces};
-use super::{made, rings};
+use super::made::made;
+use super::rings;
 use fairing_mesh::TriMesh;
 
 /// Whether a cylinder has lids.

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::made;
+use super::made::made;
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, distance, dot, norm, scale, sub};
 

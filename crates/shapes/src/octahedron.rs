@@ -2,7 +2,7 @@
 
 use fairing_mesh::TriMesh;
 
-use crate::made;
+use super::made::made;
 
 /// The regular octahedron with vertices at distance 1 along the axes: +x, −x, +y, −y, +z, −z, in this order.
 ///

@@ -42,7 +42,7 @@ pub fn fill_scattered(
 ) -> Patch {
     // Points thrown so that none is closer than r to another are 1.25 r apart
     // in the mean.
-    const SHARE: f64 = 0.8;
+    const FRACTION: f64 = 0.8;
     let mut region = Region::new(borders, 0.0);
     let [low, high] = region.bounds();
     let mut smallest = f64::INFINITY;
@@ -65,8 +65,8 @@ pub fn fill_scattered(
     };
     let square = [low[0].min(low[1]), high[0].max(high[1])];
     let mut points = region.points.clone();
-    let spacing = |p| SHARE * size(p);
-    scatter(&mut points, square, SHARE * smallest, spacing, inside, rng);
+    let spacing = |p| FRACTION * size(p);
+    scatter(&mut points, square, FRACTION * smallest, spacing, inside, rng);
     region.points = points;
     region.averaged(rounds)
 }

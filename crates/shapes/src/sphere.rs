@@ -3,7 +3,8 @@
 use std::f64::consts::{PI, TAU};
 
 use super::grid::{Diagonals, grid_faces};
-use super::{icosphere, made};
+use super::icosphere::icosphere;
+use super::made::made;
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::scale;
 

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::{Context as _, Result};
 
-use crate::TASKS;
+use crate::tasks::TASKS;
 
 /// Tasks in the README that do not exist, links that lead nowhere, and Rust examples that no doc
 /// test compiles.
@@ -32,7 +32,7 @@ fn unknown_tasks(text: &str) -> Vec<String> {
         let end = rest.find(|c: char| !c.is_ascii_lowercase()).unwrap_or(rest.len());
         Some(&rest[..end]).filter(|name| !name.is_empty())
     });
-    let unknown = names.filter(|name| TASKS.iter().all(|task| task.name != *name));
+    let unknown = names.filter(|name| TASKS.iter().all(|task| task.0 != *name));
     unknown.map(|name| format!("there is no `cargo xtask {name}`")).collect()
 }
 

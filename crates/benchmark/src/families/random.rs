@@ -5,18 +5,18 @@ use std::f64::consts::TAU;
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::scale;
 
+use super::build::{Build, Proportions, Triangulation, sized};
 use super::polyhedron::{Polyhedron, polyhedron};
 use super::random_smooth;
 use super::sheets::bent;
 use super::solid::Solid;
-use super::{Build, Proportions, Triangulation, sized};
 use fairing_shapes::icosphere;
 use fairing_shapes::outline::polygon;
 
 /// A kind of body that only its seed decides on. Families are like parts that people make; these
 /// are like nothing in particular.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum RandomBody {
+pub enum RandomModel {
     /// A terrain of plane triangles at random slopes: creases of all angles, convex and concave,
     /// that meet in corners. It has a border.
     Facets,
@@ -36,7 +36,7 @@ pub enum RandomBody {
     Labyrinth,
 }
 
-impl RandomBody {
+impl RandomModel {
     /// All kinds.
     pub const ALL: [Self; 8] = [
         Self::Facets,
@@ -83,7 +83,7 @@ impl RandomBody {
     }
 }
 
-fairing_parameters::named!(RandomBody, "kind of random body");
+fairing_parameters::named!(RandomModel, "kind of random model");
 
 fn facets(build: Build) -> TriMesh {
     let mut random = build.proportions();

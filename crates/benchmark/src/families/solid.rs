@@ -5,8 +5,8 @@ use fairing_mesh::vec3::{cross, distance, dot, norm, scale, sub};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::Triangulation;
-use super::made;
+use super::build::Triangulation;
+use super::build::made;
 use fairing_shapes::outline::Piece;
 use fairing_shapes::patch::{Patch, fill, fill_scattered};
 
@@ -84,14 +84,17 @@ pub(super) fn joined(curves: &[&[u32]]) -> Curve {
 
 impl Solid {
     /// An empty solid, whose edges are to be about `spacing` long.
-    pub(super) fn new(build: super::Build) -> Self {
-        let super::Build { spacing, triangulation, seed, .. } = build;
+    pub(super) fn new(build: super::build::Build) -> Self {
+        let super::build::Build { spacing, triangulation, seed, .. } = build;
         let rng = ChaCha8Rng::seed_from_u64(seed);
         Self { spacing, triangulation, rng, positions: vec![], faces: vec![], stretch: None }
     }
 
     /// The same, for a sheet that is built in the plane z = 0 and then bent by `map`.
-    pub(super) fn flat(build: super::Build, map: impl Fn([f64; 2]) -> [f64; 3] + 'static) -> Self {
+    pub(super) fn flat(
+        build: super::build::Build,
+        map: impl Fn([f64; 2]) -> [f64; 3] + 'static,
+    ) -> Self {
         let stretch = move |[x, y, _]: [f64; 3]| {
             const STEP: f64 = 1e-4;
             let p = map([x, y]);
@@ -120,7 +123,7 @@ impl Solid {
     /// The length of edges near a point.
     fn size(&self, p: [f64; 3]) -> f64 {
         let size = match self.triangulation {
-            Triangulation::Graded => self.spacing * super::grading(p),
+            Triangulation::Graded => self.spacing * super::build::grading(p),
             _ => self.spacing,
         };
         self.stretch.as_ref().map_or(size, |stretch| size / stretch(p))
@@ -176,8 +179,8 @@ impl Solid {
             while counts[k + 1] < wanted {
                 k += 1;
             }
-            let share = (wanted - counts[k]) / (counts[k + 1] - counts[k]);
-            let p = at((k as f64 + share) / PARTS as f64);
+            let fraction = (wanted - counts[k]) / (counts[k + 1] - counts[k]);
+            let p = at((k as f64 + fraction) / PARTS as f64);
             curve.push(self.corner(p));
         }
         curve.push(to);

@@ -7,12 +7,12 @@ use fairing_mesh::{BuildError, TriMesh};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use super::Proportions;
+use super::build::Proportions;
 
 /// The largest factor of a stretch; its inverse is the least.
 const STRETCH: f64 = 2.0;
 
-/// The share of meshes that get a relief.
+/// The fraction of meshes that get a relief.
 const RELIEF: f64 = 1.0 / 3.0;
 
 /// The mesh, stretched along three directions at random and sheared a few times along waves, and

@@ -4,7 +4,8 @@ use anyhow::{Context as _, Result};
 use fairing_evaluation::{NormalAngles, SurfaceDistance, normal_error, surface_distance};
 use fairing_mesh::{TriMesh, io};
 
-use super::{Fingerprint, Job, Stopwatch, Task, Work, fingerprint, forgetful};
+use super::stopwatch::Stopwatch;
+use super::task::{Fingerprint, Job, Task, Work, fingerprint, forgetful};
 
 /// Distances between vertices and surfaces both ways, and the angles between
 /// matching faces; the trees are built again each time.

@@ -7,8 +7,8 @@ use rayon::prelude::*;
 use crate::DenoiseError;
 use crate::faces::FaceLists;
 
-/// The least area of a face, as a share of the mean area around it.
-const LEAST_SHARE: f64 = 0.3;
+/// The least area of a face, as a fraction of the mean area around it.
+const LEAST_FRACTION: f64 = 0.3;
 
 /// The least area of a face, in noise levels times its longest side: what noise
 /// can take away.
@@ -49,7 +49,7 @@ impl<'a> Follow<'a> {
                 let [a, b, c] = noisy.triangle(f);
                 let longest = distance(a, b).max(distance(b, c)).max(distance(c, a));
                 let mean = sum / (row.len() + 1) as f64;
-                (LEAST_SHARE * mean).min(LEAST_NOISE * sigma * longest)
+                (LEAST_FRACTION * mean).min(LEAST_NOISE * sigma * longest)
             })
             .collect();
         Self { noisy, least, limit }

@@ -41,7 +41,7 @@ use uneven::uneven_parts;
 
 pub use surface::FaceKind;
 
-/// Noise below this share of the mean edge length is rounding.
+/// Noise below this fraction of the mean edge length is rounding.
 const LEAST_NOISE: f64 = 1e-7;
 
 /// Vertex steps of the result.
@@ -83,8 +83,8 @@ pub struct Automatic {
 }
 
 impl Automatic {
-    /// The share of the area that is of a kind, from 0 to 1; 0 without area.
-    pub fn share(&self, kind: FaceKind) -> f64 {
+    /// The fraction of the area that is of a kind, from 0 to 1; 0 without area.
+    pub fn fraction(&self, kind: FaceKind) -> f64 {
         let area = |wanted: &dyn Fn(FaceKind) -> bool| -> f64 {
             let faces = self.faces.iter().enumerate().filter(|(_, k)| wanted(**k));
             faces.map(|(f, _)| norm(self.mesh.area_vector(f))).sum()

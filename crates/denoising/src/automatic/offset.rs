@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::DenoiseError;
 
-/// What pulls a corner towards its mean normal, as a share of what its faces ask for: where
+/// What pulls a corner towards its mean normal, as a fraction of what its faces ask for: where
 /// they are nearly parallel it must not slide along them.
 const STIFFNESS: f64 = 0.01;
 
@@ -99,9 +99,9 @@ fn part_volumes(mesh: &TriMesh, noisy: &TriMesh) -> Vec<f64> {
 fn vertex_areas(mesh: &TriMesh, normals: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let mut areas = vec![[0.0; 3]; mesh.vertex_count()];
     for (f, face) in mesh.faces().iter().enumerate() {
-        let share = scale(normals[f], norm(mesh.area_vector(f)) / 3.0);
+        let third = scale(normals[f], norm(mesh.area_vector(f)) / 3.0);
         for &v in face {
-            areas[v as usize] = add(areas[v as usize], share);
+            areas[v as usize] = add(areas[v as usize], third);
         }
     }
     areas

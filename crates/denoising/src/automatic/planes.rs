@@ -12,20 +12,20 @@ const APART: f64 = 0.35;
 /// A plane has at least this many vertices.
 const LEAST_WEIGHT: f64 = 12.0;
 
-/// The share of a region's border with other regions that must be creases.
+/// The fraction of a region's border with other regions that must be creases.
 const CREASED: f64 = 0.95;
 
-/// The share of a region's border with other regions that must be with large ones.
+/// The fraction of a region's border with other regions that must be with large ones.
 const KNOWN: f64 = 0.5;
 
-/// The share of the turn from one plane to the next that one hinge makes.
+/// The fraction of the turn from one plane to the next that one hinge makes.
 const AT_ONCE: f64 = 0.25;
 
 /// The same, of the turn in the direction from one plane to the next, where the border is looked at from twice as
 /// far: errors of normals do not add to it. Shallow creases need many faces to be told from a curved surface.
 const MOSTLY: f64 = 0.5;
 
-/// The largest share of the variation of normals that may be linear in position.
+/// The largest fraction of the variation of normals that may be linear in position.
 const TURNING: f64 = 0.7;
 
 /// What rounding adds to a mean square of distances, over the square of half the diagonal of a part.
@@ -326,7 +326,7 @@ impl Regions {
             .collect()
     }
 
-    /// The share of the variation of the present normals over a region that is linear in position: close
+    /// The fraction of the variation of the present normals over a region that is linear in position: close
     /// to one on a curved surface, small where only errors are left.
     fn turning(&self, evidence: &Evidence<'_>, normals: &[[f64; 3]], r: usize) -> Option<f64> {
         let sums = &self.sums[r];

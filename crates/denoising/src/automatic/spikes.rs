@@ -12,13 +12,13 @@ use crate::noise_level::{NoiseEstimate, noise_level};
 /// were trained on.
 const FAR: f64 = 15.0;
 
-/// The least height of a spike, as a share of the mean distance of its neighbours: less can be curvature.
+/// The least height of a spike, as a fraction of the mean distance of its neighbours: less can be curvature.
 const STEEP: f64 = 0.25;
 
-/// The height of a spike's highest neighbour on the same side, as a share of its own.
+/// The height of a spike's highest neighbour on the same side, as a fraction of its own.
 const ALONE: f64 = 1.0 / 3.0;
 
-/// The least share of vertices that are spikes: fewer may be tips.
+/// The least fraction of vertices that are spikes: fewer may be tips.
 const LEAST_FRACTION: f64 = 0.01;
 
 /// Rounds; spikes beside others, and smaller ones, come out in later ones.

@@ -8,8 +8,8 @@ use crate::noise_level::NoisyParts;
 /// The normals of a denoised mesh are off by some 3°, one part in 20: so much of its length is the far end of a face off.
 const LEVER: f64 = 20.0;
 
-/// The share of uneven vertices from which on a part is.
-const SHARE: f64 = 0.1;
+/// The least fraction of uneven vertices in an uneven part.
+const FRACTION: f64 = 0.1;
 
 /// The connected parts with faces so long that their normals harm more than the noise does, of parts with noise of
 /// one level each.
@@ -42,7 +42,7 @@ pub(super) fn uneven_parts(mesh: &TriMesh, groups: &[NoisyParts]) -> Vec<bool> {
             *uneven += usize::from(side > LEVER * low.max(noise[part as usize]));
         }
     }
-    counts.into_iter().map(|[all, uneven]| uneven as f64 > SHARE * all as f64).collect()
+    counts.into_iter().map(|[all, uneven]| uneven as f64 > FRACTION * all as f64).collect()
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::{FOLD, Stencils};
+use super::stencils::{FOLD, Stencils};
 
 /// `I + β DᵀD + α RᵀR` by rows, with a fixed pattern: all corners of the
 /// hinges at a vertex.
@@ -89,8 +89,9 @@ impl System {
 mod tests {
     use fairing_shapes as shapes;
 
-    use super::super::{Hinges, combine};
+    use super::super::stencils::combine;
     use super::*;
+    use crate::faces::Hinges;
     use fairing_mesh::vec3::{add, scale};
 
     /// Against the sum over hinges, also where two faces share all their corners.

@@ -4,8 +4,8 @@ use std::f64::consts::{PI, TAU};
 
 use fairing_mesh::TriMesh;
 
-use super::made;
-use super::{Build, Triangulation};
+use super::build::made;
+use super::build::{Build, Triangulation};
 use fairing_shapes::implicit::{implicit, onto};
 use fairing_shapes::jittered;
 
