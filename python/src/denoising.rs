@@ -3,8 +3,8 @@
 use fairing_denoising::{Denoiser, SurfaceKind, automatic};
 use pyo3::prelude::*;
 
+use crate::error::Error;
 use crate::mesh::Mesh;
-use crate::options::named;
 use crate::run::Call;
 
 /// The mesh; for the automatic method σ, where it was measured, and the kind of surface.
@@ -15,10 +15,10 @@ fn denoise(
     method: &str,
     call: Call,
 ) -> PyResult<(Mesh, Option<f64>, Option<&'static str>, usize)> {
-    let method: Denoiser = named(method)?;
+    let method = Denoiser::by_name(method).map_err(Error::option)?;
     let mesh = mesh.share();
     let (mesh, sigma, kind, uneven) = call.run(py, move || {
-        if method != Denoiser::Automatic {
+        if !matches!(method, Denoiser::Automatic(_)) {
             return Ok((method.denoise(&mesh)?, None, None, 0));
         }
         let found = automatic(&mesh)?;

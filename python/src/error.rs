@@ -1,4 +1,4 @@
-//! One error for all crates.
+//! One error for all crates, and the exceptions of Python.
 
 use fairing_denoising::DenoiseError;
 use fairing_evaluation::EvaluationError;
@@ -6,10 +6,9 @@ use fairing_figure::{EncodeError, RenderError, ScaleError};
 use fairing_mesh::BuildError;
 use fairing_mesh::io::{ReadError, ReadProblem, WriteError, WriteProblem};
 use fairing_operators::OperatorError;
-use fairing_smoothing::{FlowError, FlowFailure};
 use fairing_spectral::{SpectralError, SpectrumFileError};
 use pyo3::create_exception;
-use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 
 create_exception!(
@@ -55,7 +54,6 @@ pub(crate) enum Error {
     Mesh(String),
     Option(String),
     Computation(String),
-    Flow(Box<FlowError>),
     Os { path: String, error: std::io::Error },
     Internal(String),
 }
@@ -66,6 +64,42 @@ impl Error {
     pub(crate) fn option(text: impl std::fmt::Display) -> Self {
         Self::Option(text.to_string())
     }
+}
+
+impl From<Error> for PyErr {
+    fn from(error: Error) -> Self {
+        match error {
+            Error::Mesh(text) => MeshError::new_err(text),
+            Error::Option(text) => OptionError::new_err(text),
+            Error::Computation(text) => ComputationError::new_err(text),
+            Error::Internal(text) => InternalError::new_err(text),
+            Error::Os { path, error } => match number_of(&error) {
+                // With errno and a name Python picks the subclass, such as FileNotFoundError.
+                Some(number) => {
+                    let text = error.to_string();
+                    let text = text.split(" (os error").next().unwrap_or_default().to_owned();
+                    PyOSError::new_err((number, text, path))
+                }
+                None => PyOSError::new_err(format!("{path}: {error}")),
+            },
+        }
+    }
+}
+
+/// The number of an error of the system, also where another error is about it.
+fn number_of(error: &std::io::Error) -> Option<i32> {
+    let mut inner: Option<&(dyn std::error::Error + 'static)> = Some(error);
+    while let Some(one) = inner {
+        let number = one.downcast_ref().and_then(std::io::Error::raw_os_error);
+        if number.is_some() {
+            return number;
+        }
+        inner = one.source().or_else(|| {
+            let outer: Option<&std::io::Error> = one.downcast_ref();
+            outer?.get_ref().map(|e| e as &(dyn std::error::Error + 'static))
+        });
+    }
+    (error.kind() == std::io::ErrorKind::NotFound).then_some(2)
 }
 
 /// The message with those of its sources.
@@ -149,23 +183,10 @@ impl From<SpectrumFileError> for Error {
     }
 }
 
-impl From<FlowError> for Error {
-    fn from(error: FlowError) -> Self {
-        match &error.failure {
-            FlowFailure::Option(_)
-            | FlowFailure::Unsupported { .. }
-            | FlowFailure::Unstable { .. }
-            | FlowFailure::Amplified { .. }
-            | FlowFailure::NoSuchVertex { .. } => Self::Option(chain(&error)),
-            _ => Self::Flow(Box::new(error)),
-        }
-    }
-}
-
 impl From<DenoiseError> for Error {
     fn from(error: DenoiseError) -> Self {
         match error {
-            DenoiseError::Option(_) | DenoiseError::Parameter(_) => Self::Option(chain(&error)),
+            DenoiseError::Option(_) => Self::Option(chain(&error)),
             _ => Self::Computation(chain(&error)),
         }
     }

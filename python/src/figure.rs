@@ -125,11 +125,7 @@ fn render_mesh<'py>(
             None => (given, None),
         };
         let colors = colors.as_deref().map_or(Colors::CLAY, Colors::PerVertex);
-        fairing_watch::stage("light", 2);
-        let occlusion = Occlusion::bake(&mesh);
-        fairing_watch::advance(1);
-        let image = render(&mesh, colors, Some(&occlusion), &camera, &options)?;
-        fairing_watch::advance(1);
+        let image = render(&mesh, colors, Some(&Occlusion::bake(&mesh)), &camera, &options)?;
         Ok((image, range))
     })?;
     let (width, height) = (image.width() as usize, image.height() as usize);

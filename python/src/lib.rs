@@ -13,7 +13,6 @@ mod heat;
 mod mesh;
 mod operators;
 mod options;
-mod raise;
 mod run;
 mod shapes;
 mod smoothing;

@@ -8,6 +8,7 @@ use fairing_operators::curvature::{CurvatureField, Estimator, laplacian_curvatur
 use fairing_operators::{
     Laplacian, LaplacianKind, MassKind, MassMatrix, Reason, divergence, gradient,
 };
+use fairing_parameters::Value;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -95,12 +96,10 @@ fn divergence_of<'py>(py: Python<'py>, mesh: &Mesh, call: Call) -> PyResult<Csr<
 }
 
 /// The estimator with the reach that is asked for.
-fn with_reach(name: &str, radius: Option<f64>, rings: Option<u32>) -> Result<Estimator> {
-    // As the shortest text that reads back as the same number.
-    let given =
-        [("radius", radius.map(|r| r.to_string())), ("rings", rings.map(|n| n.to_string()))];
-    let given: Vec<(&str, &str)> =
-        given.iter().filter_map(|(name, text)| Some((*name, text.as_deref()?))).collect();
+fn with_reach(name: &str, radius: Option<f64>, rings: Option<usize>) -> Result<Estimator> {
+    let radius = radius.map(|radius| ("radius", Value::from(radius)));
+    let rings = rings.map(|rings| ("rings", Value::from(rings)));
+    let given: Vec<(&str, Value)> = radius.into_iter().chain(rings).collect();
     Estimator::with(name, &given).map_err(Error::option)
 }
 
@@ -124,7 +123,7 @@ fn curvature<'py>(
     mesh: &Mesh,
     estimator: &str,
     radius: Option<f64>,
-    rings: Option<u32>,
+    rings: Option<usize>,
     kind: Option<&str>,
     call: Call,
 ) -> PyResult<Bound<'py, PyDict>> {

@@ -1,10 +1,10 @@
 //! Smoothing.
 
-use fairing_smoothing::{Approach, Method, Report, Smoothed};
+use fairing_smoothing::{Approach, FlowError, FlowFailure, Method, Report, Smoothed};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::error::Error;
+use crate::error::{Error, FlowError_, chain};
 use crate::mesh::Mesh;
 use crate::run::Call;
 
@@ -35,6 +35,29 @@ fn approach(approach: Approach) -> String {
     }
 }
 
+/// The exception of a flow: for a bad option, or with the step and the last good mesh.
+fn exception(py: Python<'_>, error: FlowError) -> PyErr {
+    let text = chain(&error);
+    if let FlowFailure::Option(_)
+    | FlowFailure::Unsupported { .. }
+    | FlowFailure::Unstable { .. }
+    | FlowFailure::Amplified { .. }
+    | FlowFailure::NoSuchVertex { .. } = error.failure
+    {
+        return Error::Option(text).into();
+    }
+    let exception = FlowError_::new_err(text);
+    let value = exception.value(py);
+    let set = || -> PyResult<()> {
+        value.setattr("iteration", error.iteration)?;
+        value.setattr("last_good", Bound::new(py, Mesh::from(*error.last_good))?)
+    };
+    match set() {
+        Ok(()) => exception,
+        Err(other) => other,
+    }
+}
+
 /// The mesh, and how it came about. The values are text, as on the command line.
 #[pyfunction]
 fn smooth<'py>(
@@ -47,7 +70,8 @@ fn smooth<'py>(
     let mesh = mesh.share();
     let given: Vec<(&str, &str)> = given.iter().map(|(n, v)| (n.as_str(), v.as_str())).collect();
     let method = Method::with(method, &given, &mesh).map_err(Error::option)?;
-    let Smoothed { mesh, report, .. } = call.run(py, move || Ok(method.run(&mesh, None)?))?;
+    let result = call.run(py, move || Ok(method.run(&mesh, None)))?;
+    let Smoothed { mesh, report, .. } = result.map_err(|error| exception(py, error))?;
     Ok((mesh.into(), report_dict(py, &report)?))
 }
 

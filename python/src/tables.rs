@@ -12,9 +12,9 @@ use pyo3::types::PyDict;
 #[pyfunction]
 fn tables(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let dict = PyDict::new(py);
-    let estimators: Vec<_> = Estimator::ALL.iter().map(|e| (e.name(), e.description())).collect();
+    let estimators: Vec<_> = Estimator::all().iter().map(|e| (e.name(), e.description())).collect();
     let methods: Vec<_> = Method::defaults().iter().map(|m| (m.name(), m.description())).collect();
-    let denoisers: Vec<_> = Denoiser::ALL.iter().map(|d| (d.name(), d.description())).collect();
+    let denoisers: Vec<_> = Denoiser::all().iter().map(|d| (d.name(), d.description())).collect();
     dict.set_item("estimators", estimators)?;
     dict.set_item("recommended_estimator", Estimator::RECOMMENDED.name())?;
     dict.set_item("methods", methods)?;

@@ -47,7 +47,7 @@ impl Method {
     /// All published methods, in the order of their publication.
     pub const ALL: [Self; 8] = [
         Self {
-            denoiser: Denoiser::Bilateral,
+            denoiser: Denoiser::Bilateral(BilateralOptions::DEFAULT),
             axes: &[
                 axis("iterations", COUNTS, 2),
                 axis("range", &[0.5, 0.7, 1.0, 1.5, 2.5, 5.0], 2),
@@ -61,7 +61,7 @@ impl Method {
             },
         },
         Self {
-            denoiser: Denoiser::NonIterative,
+            denoiser: Denoiser::NonIterative(NonIterativeOptions::DEFAULT),
             axes: &[
                 axis("influence", &[0.1, 0.2, 0.3, 0.5, 0.8, 1.5], 3),
                 axis("spatial", &[0.7, 1.0, 1.5, 2.0, 3.0, 4.0], 3),
@@ -73,7 +73,7 @@ impl Method {
             },
         },
         Self {
-            denoiser: Denoiser::FastEffective,
+            denoiser: Denoiser::FastEffective(FastEffectiveOptions::DEFAULT),
             axes: &[
                 axis("threshold", &[-0.5, 0.0, 0.3, 0.5, 0.65, 0.8, 0.9], 3),
                 axis("iterations", COUNTS, 6),
@@ -87,7 +87,7 @@ impl Method {
             },
         },
         Self {
-            denoiser: Denoiser::BilateralNormal,
+            denoiser: Denoiser::BilateralNormal(BilateralNormalOptions::DEFAULT),
             axes: &[
                 axis("iterations", COUNTS, 6),
                 axis("range", &[0.2, 0.3, 0.45, 0.6, 0.8, 1.1, 1.6], 2),
@@ -104,7 +104,7 @@ impl Method {
             },
         },
         Self {
-            denoiser: Denoiser::BilateralNormalGlobal,
+            denoiser: Denoiser::BilateralNormalGlobal(BilateralNormalGlobalOptions::DEFAULT),
             axes: &[
                 axis("fidelity", &[0.001, 0.003, 0.01, 0.03, 0.1, 0.3], 2),
                 axis("range", &[0.2, 0.3, 0.45, 0.6, 0.8, 1.1, 1.6], 2),
@@ -120,7 +120,7 @@ impl Method {
             },
         },
         Self {
-            denoiser: Denoiser::L0,
+            denoiser: Denoiser::L0(L0Options::DEFAULT),
             axes: &[
                 axis("sparsity", &[0.5, 1.5, 5.0, 15.0, 40.0, 100.0], 3),
                 axis("regularity", &[0.3, 1.0, 3.0], 1),
@@ -133,7 +133,7 @@ impl Method {
             },
         },
         Self {
-            denoiser: Denoiser::TotalVariation,
+            denoiser: Denoiser::TotalVariation(TotalVariationOptions::DEFAULT),
             axes: &[
                 axis("weight", &[0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 1.0, 1.5, 2.5], 5),
                 axis("steps", STEPS, 2),
@@ -147,7 +147,7 @@ impl Method {
             },
         },
         Self {
-            denoiser: Denoiser::GuidedNormal,
+            denoiser: Denoiser::GuidedNormal(GuidedNormalOptions::DEFAULT),
             axes: &[
                 axis("range", &[0.15, 0.2, 0.25, 0.3, 0.35, 0.45, 0.6, 0.9], 4),
                 axis("iterations", COUNTS, 6),
@@ -274,7 +274,8 @@ mod tests {
             let ours = method.run(&mesh, &method.defaults()).unwrap();
             assert_eq!(ours, method.denoiser.denoise(&mesh).unwrap(), "{}", method.denoiser);
         }
-        let published = Denoiser::ALL.into_iter().filter(|d| *d != Denoiser::Automatic);
+        let published =
+            Denoiser::all().into_iter().filter(|d| !matches!(d, Denoiser::Automatic(_)));
         assert!(published.eq(Method::ALL.iter().map(|m| m.denoiser)));
     }
 

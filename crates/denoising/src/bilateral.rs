@@ -4,63 +4,27 @@ use std::f64::consts::LOG2_E;
 
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, distance, dot, scale, sub};
-use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
+use fairing_parameters::{Options, Range};
 use rayon::prelude::*;
 
 use super::DenoiseError;
 use super::faces::{Marks, unit_or_zero};
-use super::method::Method;
 use super::oriented::on_oriented;
 
-/// Parameters of [`bilateral`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct BilateralOptions {
-    /// The spatial scale σ_c, in mean edge lengths; neighbours within 2 σ_c
-    /// are seen.
-    pub spatial: f64,
-    /// The scale σ_s of heights over the tangent plane, as a multiple of their
-    /// standard deviation in each neighbourhood.
-    pub range: f64,
-    /// Iterations.
-    pub iterations: usize,
-}
-
-impl Default for BilateralOptions {
-    /// σ_c 1, σ_s 1, three iterations.
-    fn default() -> Self {
-        Self { spatial: 1.0, range: 1.0, iterations: 3 }
+fairing_parameters::options! {
+    /// Options of [`bilateral`].
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+    pub struct BilateralOptions {
+        /// The spatial scale; neighbours within twice as much are seen.
+        pub spatial: f64 = 1.0, in Range::POSITIVE, unit "mean edge lengths";
+        /// The scale of heights over the tangent plane.
+        pub range: f64 = 1.0, in Range::POSITIVE, unit "standard deviations of the neighbourhood";
+        /// The number of iterations.
+        pub iterations: usize = 3;
     }
-}
-
-impl Method for BilateralOptions {
-    const ALGORITHM: &'static Algorithm = &Algorithm::new(
-        "bilateral",
-        "bilateral filter of vertices (Fleishman et al. 2003)",
-        &["fleishman2003"],
-        &[
-            Parameter::number(
-                "spatial",
-                "1",
-                "The spatial scale; neighbours within twice as much are seen",
-            )
-            .unit("mean edge lengths"),
-            Parameter::number("range", "1", "The scale of heights over the tangent plane")
-                .unit("standard deviations of the neighbourhood"),
-            Parameter::count("iterations", "3", "The number of iterations"),
-        ],
-    );
-
-    fn read(&mut self, values: &Values<'_>) -> Result<(), ParameterError> {
-        values.read("spatial", &mut self.spatial)?;
-        values.read("range", &mut self.range)?;
-        values.read("iterations", &mut self.iterations)
-    }
-
-    fn run(&self, mesh: &TriMesh) -> Result<TriMesh, DenoiseError> {
-        bilateral(mesh, self)
-    }
+    "bilateral": "bilateral filter of vertices (Fleishman et al. 2003)", ["fleishman2003"];
 }
 
 /// Denoises by moving each vertex along its normal by a bilateral average.
@@ -85,8 +49,7 @@ pub fn bilateral(mesh: &TriMesh, options: &BilateralOptions) -> Result<TriMesh, 
 }
 
 fn filter(mesh: &TriMesh, options: &BilateralOptions) -> Result<TriMesh, DenoiseError> {
-    OptionError::require_positive("spatial", options.spatial)?;
-    OptionError::require_positive("range", options.range)?;
+    options.check()?;
     let mut current = mesh.clone();
     fairing_watch::stage("rounds", options.iterations as u64);
     for _ in 0..options.iterations {

@@ -5,63 +5,32 @@ use std::sync::{Mutex, PoisonError};
 
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, distance, scale, sub};
-use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
+use fairing_parameters::{Options, Range};
 use fairing_sparse::parallel::update;
 use fairing_sparse::{CgOptions, FieldOperator, conjugate_gradients, product_by_rows};
 use rayon::prelude::*;
 
 use super::error::{DenoiseError, solved};
 use super::faces::{FaceLists, FaceShapes, Hinges, mean_centroid_distance, unit_or_zero};
-use super::method::Method;
 use super::oriented::on_oriented;
 use super::vertex_update::{VertexUpdate, update_vertices};
 
-/// Parameters of [`bilateral_normal`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct BilateralNormalOptions {
-    /// The spatial scale σ_c, in mean distances of neighbouring centroids.
-    pub spatial: f64,
-    /// The scale σ_s of differences between unit normals; no unit.
-    pub range: f64,
-    /// Rounds of filtering normals, all before the vertices move.
-    pub iterations: usize,
-    /// Vertex steps at the end.
-    pub vertex_steps: usize,
-}
-
-impl Default for BilateralNormalOptions {
-    /// σ_c 1, σ_s 0.45, 20 rounds, 10 vertex steps.
-    fn default() -> Self {
-        Self { spatial: 1.0, range: 0.45, iterations: 20, vertex_steps: 10 }
+fairing_parameters::options! {
+    /// Options of [`bilateral_normal`].
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+    pub struct BilateralNormalOptions {
+        /// The spatial scale.
+        pub spatial: f64 = 1.0, in Range::POSITIVE, unit "mean distances of neighbouring centroids";
+        /// The scale of differences between unit normals.
+        pub range: f64 = 0.45, in Range::POSITIVE;
+        /// Rounds of filtering normals.
+        pub iterations: usize = 20;
+        /// Vertex steps at the end.
+        pub vertex_steps: usize = 10;
     }
-}
-
-impl Method for BilateralNormalOptions {
-    const ALGORITHM: &'static Algorithm = &Algorithm::new(
-        "bilateral-normal",
-        "bilateral filter of normals, repeated (Zheng et al. 2011)",
-        &["zheng2011"],
-        &[
-            Parameter::number("spatial", "1", "The spatial scale")
-                .unit("mean distances of neighbouring centroids"),
-            Parameter::number("range", "0.45", "The scale of differences between unit normals"),
-            Parameter::count("iterations", "20", "Rounds of filtering normals"),
-            Parameter::count("vertex-steps", "10", "Vertex steps at the end"),
-        ],
-    );
-
-    fn read(&mut self, values: &Values<'_>) -> Result<(), ParameterError> {
-        values.read("spatial", &mut self.spatial)?;
-        values.read("range", &mut self.range)?;
-        values.read("iterations", &mut self.iterations)?;
-        values.read("vertex-steps", &mut self.vertex_steps)
-    }
-
-    fn run(&self, mesh: &TriMesh) -> Result<TriMesh, DenoiseError> {
-        bilateral_normal(mesh, self)
-    }
+    "bilateral-normal": "bilateral filter of normals, repeated (Zheng et al. 2011)", ["zheng2011"];
 }
 
 /// Denoises by repeated bilateral filtering of face normals.
@@ -89,8 +58,7 @@ pub fn bilateral_normal(
 }
 
 fn filter(mesh: &TriMesh, options: &BilateralNormalOptions) -> Result<TriMesh, DenoiseError> {
-    OptionError::require_positive("spatial", options.spatial)?;
-    OptionError::require_positive("range", options.range)?;
+    options.check()?;
     let weights = Weights::new(mesh, options.spatial, options.range);
     let mut normals = weights.shapes.normals.clone();
     fairing_watch::stage("rounds", options.iterations as u64);
@@ -109,56 +77,23 @@ fn filter(mesh: &TriMesh, options: &BilateralNormalOptions) -> Result<TriMesh, D
     update_vertices(mesh, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })
 }
 
-/// Parameters of [`bilateral_normal_global`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct BilateralNormalGlobalOptions {
-    /// The spatial scale σ_c, in mean distances of neighbouring centroids.
-    pub spatial: f64,
-    /// The scale σ_s of differences between unit normals; no unit.
-    pub range: f64,
-    /// The share λ of fidelity to the noisy normals, above 0 and at most 1.
-    pub fidelity: f64,
-    /// Vertex steps at the end.
-    pub vertex_steps: usize,
-}
-
-impl Default for BilateralNormalGlobalOptions {
-    /// σ_c 1, σ_s 0.45, λ 0.01, 10 vertex steps.
-    fn default() -> Self {
-        Self { spatial: 1.0, range: 0.45, fidelity: 0.01, vertex_steps: 10 }
+fairing_parameters::options! {
+    /// Options of [`bilateral_normal_global`].
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+    pub struct BilateralNormalGlobalOptions {
+        /// The spatial scale.
+        pub spatial: f64 = 1.0, in Range::POSITIVE, unit "mean distances of neighbouring centroids";
+        /// The scale of differences between unit normals.
+        pub range: f64 = 0.45, in Range::POSITIVE;
+        /// The fraction of fidelity to the noisy normals.
+        pub fidelity: f64 = 0.01, in Range::above(0.0).up_to(1.0);
+        /// Vertex steps at the end.
+        pub vertex_steps: usize = 10;
     }
-}
-
-impl Method for BilateralNormalGlobalOptions {
-    const ALGORITHM: &'static Algorithm = &Algorithm::new(
-        "bilateral-normal-global",
-        "bilateral filter of normals, one system (Zheng et al. 2011)",
-        &["zheng2011"],
-        &[
-            Parameter::number("spatial", "1", "The spatial scale")
-                .unit("mean distances of neighbouring centroids"),
-            Parameter::number("range", "0.45", "The scale of differences between unit normals"),
-            Parameter::number(
-                "fidelity",
-                "0.01",
-                "The share of fidelity to the noisy normals, above 0 and at most 1",
-            ),
-            Parameter::count("vertex-steps", "10", "Vertex steps at the end"),
-        ],
-    );
-
-    fn read(&mut self, values: &Values<'_>) -> Result<(), ParameterError> {
-        values.read("spatial", &mut self.spatial)?;
-        values.read("range", &mut self.range)?;
-        values.read("fidelity", &mut self.fidelity)?;
-        values.read("vertex-steps", &mut self.vertex_steps)
-    }
-
-    fn run(&self, mesh: &TriMesh) -> Result<TriMesh, DenoiseError> {
-        bilateral_normal_global(mesh, self)
-    }
+    "bilateral-normal-global": "bilateral filter of normals, one system (Zheng et al. 2011)",
+        ["zheng2011"];
 }
 
 /// Denoises by one linear system in the face normals.
@@ -191,10 +126,7 @@ fn filter_globally(
     mesh: &TriMesh,
     options: &BilateralNormalGlobalOptions,
 ) -> Result<TriMesh, DenoiseError> {
-    OptionError::require_positive("spatial", options.spatial)?;
-    OptionError::require_positive("range", options.range)?;
-    OptionError::require_positive("fidelity", options.fidelity)?;
-    OptionError::require_share("fidelity", options.fidelity)?;
+    options.check()?;
     let weights = Weights::new(mesh, options.spatial, options.range);
     let noisy = &weights.shapes.normals;
     let count = noisy.len();

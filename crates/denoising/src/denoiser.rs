@@ -1,183 +1,95 @@
-//! The denoisers by name.
+//! All denoisers in one type.
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::{Algorithm, ParameterError, Values};
 
-use super::method::Method;
-use super::{
+use crate::automatic::{AutomaticOptions, automatic};
+use crate::{
     BilateralNormalGlobalOptions, BilateralNormalOptions, BilateralOptions, DenoiseError,
     FastEffectiveOptions, GuidedNormalOptions, L0Options, NonIterativeOptions,
-    TotalVariationOptions, automatic,
+    TotalVariationOptions, bilateral, bilateral_normal, bilateral_normal_global, fast_effective,
+    guided_normal, l0, non_iterative, total_variation,
 };
 
-/// The automatic denoiser has no options.
-#[derive(Default)]
-struct NoOptions;
-
-impl Method for NoOptions {
-    const ALGORITHM: &'static Algorithm = &Algorithm::new(
-        "automatic",
-        "all estimated from the mesh; creases kept where there are any",
-        &[],
-        &[],
-    );
-
-    fn read(&mut self, _: &Values<'_>) -> Result<(), ParameterError> {
-        Ok(())
+fairing_parameters::algorithms! {
+    /// A denoiser, with its options.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use fairing_denoising::Denoiser;
+    /// let noisy = fairing_shapes::jittered(&fairing_shapes::icosphere(2), 0.1, 7, |p| p);
+    /// let guided = Denoiser::by_name("guided-normal")?;
+    /// for parameter in guided.algorithm().parameters {
+    ///     println!("{}: {}, {}", parameter.name, parameter.about, parameter.default_text());
+    /// }
+    /// let strong = Denoiser::with("guided-normal", &[("iterations", "30")])?;
+    /// assert_ne!(strong.denoise(&noisy)?, guided.denoise(&noisy)?);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+    #[non_exhaustive]
+    pub enum Denoiser("denoiser") {
+        /// [`automatic`]
+        Automatic(AutomaticOptions) => |mesh, _| Ok(automatic(mesh)?.mesh),
+        /// [`bilateral`]
+        Bilateral(BilateralOptions) => bilateral,
+        /// [`non_iterative`]
+        NonIterative(NonIterativeOptions) => non_iterative,
+        /// [`fast_effective`]
+        FastEffective(FastEffectiveOptions) => fast_effective,
+        /// [`bilateral_normal`]
+        BilateralNormal(BilateralNormalOptions) => bilateral_normal,
+        /// [`bilateral_normal_global`]
+        BilateralNormalGlobal(BilateralNormalGlobalOptions) => bilateral_normal_global,
+        /// [`l0`]
+        L0(L0Options) => l0,
+        /// [`total_variation`]
+        TotalVariation(TotalVariationOptions) => total_variation,
+        /// [`guided_normal`]
+        GuidedNormal(GuidedNormalOptions) => guided_normal,
     }
 
-    fn run(&self, mesh: &TriMesh) -> Result<TriMesh, DenoiseError> {
-        Ok(automatic(mesh)?.mesh)
-    }
-}
-
-/// Makes [`Denoiser`] of the types of options; each line adds a denoiser.
-macro_rules! denoisers {
-    ($($(#[$doc:meta])* $name:ident: $options:ty;)*) => {
-        /// A denoiser by name.
-        ///
-        /// Written as its name (`Display`), and read from it (`FromStr`).
-        ///
-        /// # Examples
-        ///
-        /// ```
-        /// use fairing_denoising::Denoiser;
-        /// let noisy = fairing_shapes::jittered(&fairing_shapes::icosphere(2), 0.1, 7, |p| p);
-        /// for parameter in Denoiser::GuidedNormal.algorithm().parameters {
-        ///     println!("{}: {}, {}", parameter.name, parameter.about, parameter.default);
-        /// }
-        /// let strong = Denoiser::GuidedNormal.denoise_with(&noisy, &[("iterations", "30")])?;
-        /// assert_ne!(strong, Denoiser::GuidedNormal.denoise(&noisy)?);
-        /// # Ok::<(), fairing_denoising::DenoiseError>(())
-        /// ```
-        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-        #[non_exhaustive]
-        pub enum Denoiser {
-            $($(#[$doc])* $name,)*
-        }
-
-        impl Denoiser {
-            /// All denoisers: ours, then the others in the order they were published.
-            pub const ALL: [Self; [$(stringify!($name)),*].len()] = [$(Self::$name),*];
-
-            /// Its name, description, sources and parameters.
-            pub fn algorithm(self) -> &'static Algorithm {
-                match self {
-                    $(Self::$name => <$options>::ALGORITHM,)*
-                }
-            }
-
-            fn run(self, mesh: &TriMesh, values: &Values<'_>) -> Result<TriMesh, DenoiseError> {
-                match self {
-                    $(Self::$name => {
-                        let mut options = <$options>::default();
-                        options.read(values)?;
-                        options.run(mesh)
-                    })*
-                }
-            }
-        }
-    };
-}
-
-denoisers! {
-    /// [`automatic`].
-    Automatic: NoOptions;
-    /// [`bilateral`](crate::bilateral).
-    Bilateral: BilateralOptions;
-    /// [`non_iterative`](crate::non_iterative).
-    NonIterative: NonIterativeOptions;
-    /// [`fast_effective`](crate::fast_effective).
-    FastEffective: FastEffectiveOptions;
-    /// [`bilateral_normal`](crate::bilateral_normal).
-    BilateralNormal: BilateralNormalOptions;
-    /// [`bilateral_normal_global`](crate::bilateral_normal_global).
-    BilateralNormalGlobal: BilateralNormalGlobalOptions;
-    /// [`l0`](crate::l0).
-    L0: L0Options;
-    /// [`total_variation`](crate::total_variation).
-    TotalVariation: TotalVariationOptions;
-    /// [`guided_normal`](crate::guided_normal).
-    GuidedNormal: GuidedNormalOptions;
-}
-
-impl Denoiser {
-    /// The name on the command line and in reports.
-    pub fn name(self) -> &'static str {
-        self.algorithm().name
-    }
-
-    /// What it does, in a line, with its source.
-    pub fn description(self) -> &'static str {
-        self.algorithm().description
-    }
-
-    /// Denoises with the default options; the result has the same faces.
+    /// Denoises a mesh; the result has the same faces.
     ///
     /// # Errors
     ///
-    /// Those of the function of the same name.
-    pub fn denoise(self, mesh: &TriMesh) -> Result<TriMesh, DenoiseError> {
-        self.run(mesh, &Values::none(self.algorithm()))
-    }
-
-    /// Denoises with values for some of the [parameters](Algorithm::parameters) of the denoiser.
-    ///
-    /// # Errors
-    ///
-    /// [`DenoiseError::Parameter`] for a parameter that it does not have and a value that does not fit; those of the
-    /// function of the same name.
-    pub fn denoise_with(
-        self,
-        mesh: &TriMesh,
-        values: &[(&str, &str)],
-    ) -> Result<TriMesh, DenoiseError> {
-        self.run(mesh, &Values::new(self.algorithm(), values)?)
-    }
+    /// Those of the function of the denoiser.
+    pub fn denoise(mesh: &TriMesh) -> Result<TriMesh, DenoiseError>;
 }
-
-fairing_parameters::named!(Denoiser, "denoiser");
-#[cfg(feature = "serde")]
-fairing_parameters::serde_by_name!(Denoiser);
 
 #[cfg(test)]
 mod tests {
-    use fairing_parameters::Kind;
-    use fairing_shapes as shapes;
-
     use super::*;
 
     #[test]
     fn names_are_read_back() {
-        for denoiser in Denoiser::ALL {
+        for denoiser in Denoiser::all() {
             assert_eq!(denoiser.name().parse(), Ok(denoiser));
         }
         let error = "laplace".parse::<Denoiser>().unwrap_err().to_string();
         assert!(error.contains("laplace") && error.contains("guided-normal"), "{error}");
     }
 
-    /// The defaults of the tables are those of the options, and each parameter of a table is read.
     #[test]
-    fn tables_agree_with_the_options() {
-        let block = shapes::cad_block(0.3);
-        let noisy = shapes::jittered(&block, 0.1, 3, |p| p);
-        for denoiser in Denoiser::ALL {
-            let without = denoiser.denoise(&noisy).unwrap();
-            for parameter in denoiser.algorithm().parameters {
-                let name = format!("{denoiser} --{}", parameter.name);
-                let with = |value| denoiser.denoise_with(&noisy, &[(parameter.name, value)]);
-                assert_eq!(with(parameter.default).unwrap(), without, "{name}");
-                let other = match parameter.kind {
-                    Kind::Count => "1",
-                    // A mean edge on a coarse block has few neighbours within half of it.
-                    _ if parameter.name == "spatial" => "3",
-                    _ => "0.73",
-                };
-                // Read, if it changes the result or is refused by its range.
-                assert_ne!(with(other).ok(), Some(without.clone()), "{name}");
-            }
-            let error = denoiser.denoise_with(&noisy, &[("lambda", "1")]).unwrap_err();
-            assert!(error.to_string().contains("no parameter \"lambda\""), "{error}");
+    fn parameters_are_read_within_their_ranges() {
+        let few = Denoiser::with("guided-normal", &[("vertex-steps", "3"), ("range", "0.4")]);
+        let expected = GuidedNormalOptions { vertex_steps: 3, range: 0.4, ..Default::default() };
+        assert_eq!(few, Ok(Denoiser::GuidedNormal(expected)));
+        for (name, given, said) in [
+            ("l0", ("lambda", "1"), "no parameter \"lambda\""),
+            ("l0", ("growth", "1"), "growth is 1, but must be above 1"),
+            ("l0", ("last-beta", "-1"), "last-beta is -1, but must be positive"),
+            ("bilateral-normal-global", ("fidelity", "2"), "above 0 and at most 1"),
+            ("fast-effective", ("threshold", "1"), "at least -1 and below 1"),
+        ] {
+            let error = Denoiser::with(name, &[given]).unwrap_err().to_string();
+            assert!(error.contains(said), "{error}");
         }
+        let mesh = fairing_shapes::icosphere(0);
+        let error = crate::l0(&mesh, &crate::L0Options { last_beta: 0.0, ..Default::default() });
+        let error = error.unwrap_err().to_string();
+        assert_eq!(error, "last-beta is 0, but must be positive and finite");
     }
 }

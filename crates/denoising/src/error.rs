@@ -11,9 +11,6 @@ pub enum DenoiseError {
     /// An option is outside the range where the method is defined.
     #[error(transparent)]
     Option(#[from] OptionError),
-    /// A value fits no parameter of a denoiser.
-    #[error(transparent)]
-    Parameter(#[from] fairing_parameters::ParameterError),
     /// A linear system was not solved to its tolerance.
     #[error(
         "the linear system of step {step} kept a relative residual of {residual:e} after {iterations} iterations"

@@ -2,61 +2,28 @@
 
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, dot, scale};
-use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
+use fairing_parameters::Options;
 use rayon::prelude::*;
 
 use super::DenoiseError;
 use super::faces::{FaceLists, FaceShapes, unit_or_zero};
-use super::method::Method;
 use super::oriented::on_oriented;
 use super::vertex_update::{VertexUpdate, update_vertices};
 
-/// Parameters of [`fast_effective`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct FastEffectiveOptions {
-    /// The threshold T on the cosine between normals, from −1 to below 1:
-    /// faces that differ by more have no weight.
-    pub threshold: f64,
-    /// Rounds of filtering normals, all before the vertices move.
-    pub iterations: usize,
-    /// Vertex steps at the end.
-    pub vertex_steps: usize,
-}
-
-impl Default for FastEffectiveOptions {
-    /// T 0.5, 20 rounds, 50 vertex steps.
-    fn default() -> Self {
-        Self { threshold: 0.5, iterations: 20, vertex_steps: 50 }
+fairing_parameters::options! {
+    /// Options of [`fast_effective`].
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+    pub struct FastEffectiveOptions {
+        /// The least cosine between normals that see each other.
+        pub threshold: f64 = 0.5, in -1.0..1.0;
+        /// Rounds of filtering normals.
+        pub iterations: usize = 20;
+        /// Vertex steps at the end.
+        pub vertex_steps: usize = 50;
     }
-}
-
-impl Method for FastEffectiveOptions {
-    const ALGORITHM: &'static Algorithm = &Algorithm::new(
-        "fast-effective",
-        "weighted averages of normals, cut off (Sun et al. 2007)",
-        &["sun2007"],
-        &[
-            Parameter::number(
-                "threshold",
-                "0.5",
-                "The least cosine between normals that see each other",
-            ),
-            Parameter::count("iterations", "20", "Rounds of filtering normals"),
-            Parameter::count("vertex-steps", "50", "Vertex steps at the end"),
-        ],
-    );
-
-    fn read(&mut self, values: &Values<'_>) -> Result<(), ParameterError> {
-        values.read("threshold", &mut self.threshold)?;
-        values.read("iterations", &mut self.iterations)?;
-        values.read("vertex-steps", &mut self.vertex_steps)
-    }
-
-    fn run(&self, mesh: &TriMesh) -> Result<TriMesh, DenoiseError> {
-        fast_effective(mesh, self)
-    }
+    "fast-effective": "weighted averages of normals, cut off (Sun et al. 2007)", ["sun2007"];
 }
 
 /// Denoises by weighted averages of face normals with a cut-off.
@@ -82,9 +49,8 @@ pub fn fast_effective(
 }
 
 fn filter(mesh: &TriMesh, options: &FastEffectiveOptions) -> Result<TriMesh, DenoiseError> {
+    options.check()?;
     let threshold = options.threshold;
-    let between = (-1.0..1.0).contains(&threshold);
-    OptionError::require(between, "threshold", threshold, "at least −1 and below 1")?;
     let rings = FaceLists::rings(mesh);
     let mut normals = FaceShapes::new(mesh).normals;
     fairing_watch::stage("rounds", options.iterations as u64);

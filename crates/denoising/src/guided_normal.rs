@@ -4,67 +4,35 @@ use std::f64::consts::LOG2_E;
 
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, distance, scale};
-use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
+use fairing_parameters::{Options, Range};
 use rayon::prelude::*;
 
 use super::DenoiseError;
 use super::faces::{FaceLists, FaceShapes, Hinges, NO_HINGE, mean_centroid_distance, unit_or_zero};
-use super::method::Method;
 use super::oriented::on_oriented;
 use super::vertex_update::{VertexUpdate, update_vertices};
 
-/// Parameters of [`guided_normal`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct GuidedNormalOptions {
-    /// The radius of the neighbourhood, in mean distances of neighbouring
-    /// centroids.
-    pub radius: f64,
-    /// The spatial scale σ_s, in mean distances of neighbouring centroids.
-    pub spatial: f64,
-    /// The scale σ_r of differences between unit normals; no unit.
-    pub range: f64,
-    /// Rounds of filtering normals and moving vertices.
-    pub iterations: usize,
-    /// Vertex steps in each round.
-    pub vertex_steps: usize,
-}
-
-impl Default for GuidedNormalOptions {
-    /// The authors' choice: radius 2, σ_s 1, σ_r 0.35, 20 rounds of 10 steps.
-    fn default() -> Self {
-        Self { radius: 2.0, spatial: 1.0, range: 0.35, iterations: 20, vertex_steps: 10 }
+fairing_parameters::options! {
+    /// Options of [`guided_normal`].
+    ///
+    /// The defaults are those of the source.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+    pub struct GuidedNormalOptions {
+        /// The radius of the neighbourhood.
+        pub radius: f64 = 2.0, in Range::POSITIVE, unit "mean distances of neighbouring centroids";
+        /// The spatial scale.
+        pub spatial: f64 = 1.0, in Range::POSITIVE, unit "mean distances of neighbouring centroids";
+        /// The scale of differences between unit normals.
+        pub range: f64 = 0.35, in Range::POSITIVE;
+        /// Rounds of filtering normals and moving vertices.
+        pub iterations: usize = 20;
+        /// Vertex steps in each round.
+        pub vertex_steps: usize = 10;
     }
-}
-
-impl Method for GuidedNormalOptions {
-    const ALGORITHM: &'static Algorithm = &Algorithm::new(
-        "guided-normal",
-        "bilateral filter of normals guided by patches (Zhang et al. 2015)",
-        &["zhang2015"],
-        &[
-            Parameter::number("radius", "2", "The radius of the neighbourhood")
-                .unit("mean distances of neighbouring centroids"),
-            Parameter::number("spatial", "1", "The spatial scale")
-                .unit("mean distances of neighbouring centroids"),
-            Parameter::number("range", "0.35", "The scale of differences between unit normals"),
-            Parameter::count("iterations", "20", "Rounds of filtering normals and moving vertices"),
-            Parameter::count("vertex-steps", "10", "Vertex steps in each round"),
-        ],
-    );
-
-    fn read(&mut self, values: &Values<'_>) -> Result<(), ParameterError> {
-        values.read("radius", &mut self.radius)?;
-        values.read("spatial", &mut self.spatial)?;
-        values.read("range", &mut self.range)?;
-        values.read("iterations", &mut self.iterations)?;
-        values.read("vertex-steps", &mut self.vertex_steps)
-    }
-
-    fn run(&self, mesh: &TriMesh) -> Result<TriMesh, DenoiseError> {
-        guided_normal(mesh, self)
-    }
+    "guided-normal": "bilateral filter of normals guided by patches (Zhang et al. 2015)",
+        ["zhang2015"];
 }
 
 /// Denoises by a joint bilateral filter of face normals, guided by the most
@@ -98,9 +66,7 @@ pub fn guided_normal(
 }
 
 fn filter(mesh: &TriMesh, options: &GuidedNormalOptions) -> Result<TriMesh, DenoiseError> {
-    OptionError::require_positive("radius", options.radius)?;
-    OptionError::require_positive("spatial", options.spatial)?;
-    OptionError::require_positive("range", options.range)?;
+    options.check()?;
     let hinges = Hinges::new(mesh);
     let rings = FaceLists::rings(mesh);
     let shapes = FaceShapes::new(mesh);

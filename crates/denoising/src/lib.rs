@@ -28,7 +28,6 @@ mod faces;
 mod fast_effective;
 mod guided_normal;
 mod l0;
-mod method;
 mod noise_level;
 mod non_iterative;
 mod oriented;
@@ -37,7 +36,7 @@ mod vertex_update;
 
 #[doc(hidden)]
 pub use automatic::training;
-pub use automatic::{Automatic, FaceKind, SurfaceKind, automatic};
+pub use automatic::{Automatic, AutomaticOptions, FaceKind, SurfaceKind, automatic};
 pub use bilateral::{BilateralOptions, bilateral};
 pub use bilateral_normal::{
     BilateralNormalGlobalOptions, BilateralNormalOptions, bilateral_normal, bilateral_normal_global,

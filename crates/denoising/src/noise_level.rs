@@ -294,7 +294,7 @@ fn two_ring_residuals(
     let offset = |w: &u32| sub(mesh.positions()[*w as usize], origin);
     let radius = ring.iter().map(|w| norm(offset(w))).fold(0.0, f64::max);
     let normal = normalize(area)?;
-    let [e1, e2] = tangent_frame(normal);
+    let [e1, e2] = tangent_frame(normal.into()).map(Into::into);
     if radius.is_nan() || radius <= 0.0 {
         return None;
     }

@@ -4,63 +4,25 @@ use std::f64::consts::LOG2_E;
 
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, distance, dot, scale, sub};
-use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
+use fairing_parameters::{Options, Range};
 use rayon::prelude::*;
 
 use super::DenoiseError;
 use super::faces::{FaceLists, FaceShapes, Marks};
-use super::method::Method;
 use super::oriented::on_oriented;
 
-/// Parameters of [`non_iterative`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct NonIterativeOptions {
-    /// The spatial scale σ_f, in mean edge lengths; faces within 2 σ_f are
-    /// seen.
-    pub spatial: f64,
-    /// The scale σ_g of the distance between a vertex and its prediction, in
-    /// mean edge lengths.
-    pub influence: f64,
-}
-
-impl Default for NonIterativeOptions {
-    /// σ_f 2, σ_g 0.5.
-    fn default() -> Self {
-        Self { spatial: 2.0, influence: 0.5 }
+fairing_parameters::options! {
+    /// Options of [`non_iterative`].
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+    pub struct NonIterativeOptions {
+        /// The spatial scale; faces within twice as much are seen.
+        pub spatial: f64 = 2.0, in Range::POSITIVE, unit "mean edge lengths";
+        /// The scale of the distance between a vertex and its prediction.
+        pub influence: f64 = 0.5, in Range::POSITIVE, unit "mean edge lengths";
     }
-}
-
-impl Method for NonIterativeOptions {
-    const ALGORITHM: &'static Algorithm = &Algorithm::new(
-        "non-iterative",
-        "robust averages of predictions by faces (Jones et al. 2003)",
-        &["jones2003"],
-        &[
-            Parameter::number(
-                "spatial",
-                "2",
-                "The spatial scale; faces within twice as much are seen",
-            )
-            .unit("mean edge lengths"),
-            Parameter::number(
-                "influence",
-                "0.5",
-                "The scale of the distance between a vertex and its prediction",
-            )
-            .unit("mean edge lengths"),
-        ],
-    );
-
-    fn read(&mut self, values: &Values<'_>) -> Result<(), ParameterError> {
-        values.read("spatial", &mut self.spatial)?;
-        values.read("influence", &mut self.influence)
-    }
-
-    fn run(&self, mesh: &TriMesh) -> Result<TriMesh, DenoiseError> {
-        non_iterative(mesh, self)
-    }
+    "non-iterative": "robust averages of predictions by faces (Jones et al. 2003)", ["jones2003"];
 }
 
 /// Denoises in one pass: robust averages of the predictions that nearby faces
@@ -90,8 +52,7 @@ pub fn non_iterative(
 }
 
 fn filter(mesh: &TriMesh, options: &NonIterativeOptions) -> Result<TriMesh, DenoiseError> {
-    OptionError::require_positive("spatial", options.spatial)?;
-    OptionError::require_positive("influence", options.influence)?;
+    options.check()?;
     let h = mesh.mean_edge_length();
     let (spatial, influence) = (options.spatial * h, options.influence * h);
     let shapes = FaceShapes::new(mesh);

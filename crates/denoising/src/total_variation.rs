@@ -2,14 +2,13 @@
 
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, distance, norm, scale, sub};
-use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
+use fairing_parameters::{Options, Range};
 use fairing_sparse::parallel::update;
 use fairing_sparse::{CgOptions, FieldOperator, conjugate_gradients, product_by_rows};
 use rayon::prelude::*;
 
 use super::error::{DenoiseError, solved};
 use super::faces::{FaceShapes, Hinge, Hinges, unit_or_zero};
-use super::method::Method;
 use super::oriented::on_oriented;
 use super::vertex_update::{VertexUpdate, update_vertices};
 
@@ -17,50 +16,23 @@ use super::vertex_update::{VertexUpdate, update_vertices};
 /// of the next, which begins by measuring the residual.
 const ACCURACY: CgOptions = CgOptions { tolerance: 1e-5, max_iterations: 1000, measure: false };
 
-/// Parameters of [`total_variation`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct TotalVariationOptions {
-    /// The weight of the variation against fidelity, in mean edge lengths: a
-    /// jump of one across an edge costs as much as an error of one over a strip
-    /// of this width beside it.
-    pub weight: f64,
-    /// Steps of the alternating direction method.
-    pub iterations: usize,
-    /// Vertex steps at the end.
-    pub vertex_steps: usize,
-}
-
-impl Default for TotalVariationOptions {
-    /// Weight 0.7, 40 iterations, 20 vertex steps.
-    fn default() -> Self {
-        Self { weight: 0.7, iterations: 40, vertex_steps: 20 }
+fairing_parameters::options! {
+    /// Options of [`total_variation`].
+    ///
+    /// A jump of one across an edge costs as much as an error of one over a strip beside it, as wide
+    /// as the weight.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+    pub struct TotalVariationOptions {
+        /// The weight of the variation against fidelity.
+        pub weight: f64 = 0.7, in Range::POSITIVE, unit "mean edge lengths";
+        /// Steps of the alternating direction method.
+        pub iterations: usize = 40;
+        /// Vertex steps at the end.
+        pub vertex_steps: usize = 20;
     }
-}
-
-impl Method for TotalVariationOptions {
-    const ALGORITHM: &'static Algorithm = &Algorithm::new(
-        "total-variation",
-        "total variation of normals (Zhang et al. 2015)",
-        &["zhang2015variational"],
-        &[
-            Parameter::number("weight", "0.7", "The weight of the variation against fidelity")
-                .unit("mean edge lengths"),
-            Parameter::count("iterations", "40", "Steps of the alternating direction method"),
-            Parameter::count("vertex-steps", "20", "Vertex steps at the end"),
-        ],
-    );
-
-    fn read(&mut self, values: &Values<'_>) -> Result<(), ParameterError> {
-        values.read("weight", &mut self.weight)?;
-        values.read("iterations", &mut self.iterations)?;
-        values.read("vertex-steps", &mut self.vertex_steps)
-    }
-
-    fn run(&self, mesh: &TriMesh) -> Result<TriMesh, DenoiseError> {
-        total_variation(mesh, self)
-    }
+    "total-variation": "total variation of normals (Zhang et al. 2015)", ["zhang2015variational"];
 }
 
 /// Denoises by total variation of face normals.
@@ -93,7 +65,7 @@ pub fn total_variation(
 }
 
 fn filter(mesh: &TriMesh, options: &TotalVariationOptions) -> Result<TriMesh, DenoiseError> {
-    OptionError::require_positive("weight", options.weight)?;
+    options.check()?;
     if mesh.mean_edge_length() <= 0.0 {
         return Ok(mesh.clone());
     }

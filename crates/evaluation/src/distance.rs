@@ -3,7 +3,7 @@
 use crate::correspondence::check_correspondence;
 use crate::{EvaluationError, SurfaceTree};
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::distance;
+use glam::DVec3;
 
 /// Distances of the vertices of one mesh from the surface of another.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -147,7 +147,8 @@ pub fn vertex_displacement(
         return Err(EvaluationError::NoVertices { which: "mesh" });
     }
     let pairs = || mesh.positions().iter().zip(reference.positions());
-    let max = pairs().map(|(&p, &q)| distance(p, q)).fold(0.0, f64::max);
-    let squares: f64 = pairs().map(|(&p, &q)| distance(p, q).powi(2)).sum();
+    let distances = || pairs().map(|(&p, &q)| DVec3::from(p).distance(q.into()));
+    let max = distances().fold(0.0, f64::max);
+    let squares: f64 = distances().map(|d| d.powi(2)).sum();
     Ok(VertexDisplacement { rms: (squares / mesh.vertex_count() as f64).sqrt(), max })
 }

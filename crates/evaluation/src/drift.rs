@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{dot, normalize};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::EvaluationError;
@@ -62,8 +62,9 @@ pub fn flipped_faces(mesh: &TriMesh, reference: &TriMesh) -> Result<usize, Evalu
         .with_min_len(4096)
         .filter(|&f| {
             // Unit vectors, whose product does not underflow.
-            let [m, n] = [mesh, reference].map(|mesh| normalize(mesh.area_vector(f)));
-            m.zip(n).is_some_and(|(m, n)| dot(m, n) < 0.0)
+            let [m, n] =
+                [mesh, reference].map(|mesh| DVec3::from(mesh.area_vector(f)).try_normalize());
+            m.zip(n).is_some_and(|(m, n)| m.dot(n) < 0.0)
         })
         .count())
 }

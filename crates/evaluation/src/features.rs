@@ -1,8 +1,8 @@
 //! Sharp edges, found and missed.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{cross, dot, norm, normalize};
 use fairing_parameters::OptionError;
+use glam::DVec3;
 
 use crate::EvaluationError;
 use crate::correspondence::in_one_winding;
@@ -56,8 +56,9 @@ pub fn feature_edges(
         let [f, g] = *topology.edge_faces(e) else { continue };
         let sharp = |mesh: &TriMesh| {
             // Unit vectors: products of areas are fourth powers of lengths.
-            let [m, n] = [f, g].map(|f| normalize(mesh.area_vector(f as usize)));
-            let turn = |(m, n)| libm::atan2(norm(cross(m, n)), dot(m, n)).to_degrees();
+            let [m, n] = [f, g].map(|f| DVec3::from(mesh.area_vector(f as usize)).try_normalize());
+            let turn =
+                |(m, n): (DVec3, DVec3)| libm::atan2(m.cross(n).length(), m.dot(n)).to_degrees();
             m.zip(n).map(turn).is_some_and(|angle| angle >= degrees)
         };
         let (found, expected) = (sharp(&mesh), sharp(&reference));

@@ -1,8 +1,8 @@
 //! The Hausdorff distance between surfaces, to a bound.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, distance, scale};
 use fairing_parameters::OptionError;
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::distance::tree;
@@ -84,7 +84,7 @@ pub(crate) fn between(
 /// the distances of the corners.
 #[derive(Clone, Copy)]
 struct Part {
-    corners: [[f64; 3]; 3],
+    corners: [DVec3; 3],
     distances: [f64; 3],
     near: [u32; 3],
 }
@@ -109,7 +109,7 @@ fn one_sided(
             watch.advance(1);
             let ids = mesh.faces()[f];
             let part = Part {
-                corners: mesh.triangle(f),
+                corners: mesh.triangle(f).map(DVec3::from),
                 distances: ids.map(|v| closest[v as usize].distance),
                 near: ids.map(|v| closest[v as usize].face),
             };
@@ -160,10 +160,10 @@ fn cut(
         let mut bound = bound(&part, other);
         if bound > *lower + tolerance {
             let [a, b, c] = part.corners;
-            let centre = scale(add(a, add(b, c)), 1.0 / 3.0);
-            let found = surface.closest(centre);
+            let centre = (a + (b + c)) * (1.0 / 3.0);
+            let found = surface.closest(centre.to_array());
             *lower = lower.max(found.distance);
-            let reach = part.corners.map(|p| distance(p, centre)).into_iter().fold(0.0, f64::max);
+            let reach = part.corners.map(|p| p.distance(centre)).into_iter().fold(0.0, f64::max);
             let over_face = farthest_corner(&part, other.triangle(found.face as usize));
             bound = bound.min(over_face).min(found.distance + reach);
         }
@@ -176,8 +176,8 @@ fn cut(
             return None;
         }
         let [a, b, c] = part.corners;
-        let middles = [(b, c), (c, a), (a, b)].map(|(p, q)| scale(add(p, q), 0.5));
-        let found = middles.map(|p| surface.closest(p));
+        let middles = [(b, c), (c, a), (a, b)].map(|(p, q)| 0.5 * (p + q));
+        let found = middles.map(|p| surface.closest(p.to_array()));
         for f in found {
             *lower = lower.max(f.distance);
         }
@@ -210,11 +210,12 @@ fn bound(part: &Part, other: &TriMesh) -> f64 {
 /// The largest distance of a corner from a triangle: by convexity, of all
 /// points of the part.
 fn farthest_corner(part: &Part, triangle: [[f64; 3]; 3]) -> f64 {
+    let triangle = triangle.map(DVec3::from);
     part.corners.iter().map(|&p| squared_distance(p, triangle)).fold(0.0, f64::max).sqrt()
 }
 
-fn longest_side([a, b, c]: [[f64; 3]; 3]) -> f64 {
-    distance(a, b).max(distance(b, c)).max(distance(c, a))
+fn longest_side([a, b, c]: [DVec3; 3]) -> f64 {
+    a.distance(b).max(b.distance(c)).max(c.distance(a))
 }
 
 #[cfg(test)]
@@ -253,6 +254,7 @@ mod tests {
             let corners = a.triangle(f);
             let closest = corners.map(|p| surface.closest(p));
             let distances = closest.map(|c| c.distance);
+            let corners = corners.map(DVec3::from);
             let part = Part { corners, distances, near: closest.map(|c| c.face) };
             let rough = refine(part, &b, &surface, 0.0, 1e-3, usize::MAX);
             let fine = refine(part, &b, &surface, 0.0, 1e-15, 3000);

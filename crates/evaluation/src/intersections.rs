@@ -1,7 +1,7 @@
 //! Self-intersections.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, dot, normalize, scale, sub};
+use glam::DVec3;
 use robust::{Coord3D, orient3d};
 
 use crate::surface_tree::{Frame, SurfaceTree};
@@ -11,7 +11,7 @@ use crate::surface_tree::{Frame, SurfaceTree};
 const HUB: usize = 1000;
 
 /// A triangle whose box has all directions.
-const ALL_DIRECTIONS: [[f64; 3]; 3] = [[-1.0; 3], [1.0; 3], [1.0; 3]];
+const ALL_DIRECTIONS: [DVec3; 3] = [DVec3::NEG_ONE, DVec3::ONE, DVec3::ONE];
 
 /// The pairs of faces of a mesh that pass through each other.
 ///
@@ -32,8 +32,9 @@ pub fn self_intersections(mesh: &TriMesh) -> usize {
         crosses(mesh, f, g) || crosses(mesh, g, f)
     };
     let groups = by_hub(mesh);
-    let tree =
-        |faces: &Vec<u32>| SurfaceTree::of(faces.clone(), |f| mesh.triangle(f as usize), frame);
+    let tree = |faces: &Vec<u32>| {
+        SurfaceTree::of(faces.clone(), |f| mesh.triangle(f as usize).map(DVec3::from), frame)
+    };
     let trees: Vec<SurfaceTree> = groups.iter().map(|(_, faces)| tree(faces)).collect();
     let mut count = 0;
     for (i, (hub, faces)) in groups.iter().enumerate() {
@@ -80,17 +81,17 @@ fn by_hub(mesh: &TriMesh) -> Vec<(Option<u32>, Vec<u32>)> {
 /// an arc of the unit sphere, between its ends and where its tangents there
 /// meet. Two faces that cross, and have only that corner in common, do so in a
 /// direction of both.
-fn arc(mesh: &TriMesh, corner: u32, face: u32) -> [[f64; 3]; 3] {
-    let at = |v: u32| mesh.positions()[v as usize];
+fn arc(mesh: &TriMesh, corner: u32, face: u32) -> [DVec3; 3] {
+    let at = |v: u32| DVec3::from(mesh.positions()[v as usize]);
     let [p, q] = match mesh.faces()[face as usize] {
         [a, b, c] if a == corner => [b, c],
         [a, b, c] if b == corner => [c, a],
         [a, b, _] => [a, b],
     };
-    let direction = |v: u32| normalize(sub(at(v), at(corner)));
+    let direction = |v: u32| (at(v) - at(corner)).try_normalize();
     match (direction(p), direction(q)) {
         // Up to a right angle, which leaves the tangents' meeting within √2.
-        (Some(u), Some(v)) if dot(u, v) >= 0.0 => [u, v, scale(add(u, v), 1.0 / (1.0 + dot(u, v)))],
+        (Some(u), Some(v)) if u.dot(v) >= 0.0 => [u, v, (u + v) * (1.0 / (1.0 + u.dot(v)))],
         _ => ALL_DIRECTIONS,
     }
 }
@@ -154,15 +155,15 @@ mod tests {
         let both = mesh(&positions, &faces);
         let meets = |f: usize, g: usize| {
             let cuts = |s: [[f64; 3]; 3], t: [[f64; 3]; 3]| {
-                use fairing_mesh::vec3::{add, cross, dot, scale, sub};
-                let normal = cross(sub(t[1], t[0]), sub(t[2], t[0]));
+                let (s, t) = (s.map(DVec3::from), t.map(DVec3::from));
+                let normal = (t[1] - t[0]).cross(t[2] - t[0]);
                 (0..3).any(|k| {
                     let (p, q) = (s[k], s[(k + 1) % 3]);
-                    let (x, y) = (dot(sub(p, t[0]), normal), dot(sub(q, t[0]), normal));
-                    let at = add(p, scale(sub(q, p), x / (x - y)));
+                    let (x, y) = ((p - t[0]).dot(normal), (q - t[0]).dot(normal));
+                    let at = p + (q - p) * (x / (x - y));
                     let inside = (0..3).all(|i| {
                         let (u, v) = (t[i], t[(i + 1) % 3]);
-                        dot(cross(sub(v, u), sub(at, u)), normal) > 0.0
+                        (v - u).cross(at - u).dot(normal) > 0.0
                     });
                     x * y < 0.0 && inside
                 })
@@ -211,7 +212,7 @@ mod tests {
             .collect();
         let body = shapes::icosphere(1);
         faces.extend(body.faces().iter().map(|f| f.map(|v| v + 1500)));
-        positions.extend(body.positions().iter().map(|&p| scale(p, 0.5)));
+        positions.extend(body.positions().iter().map(|p| p.map(|x| 0.5 * x)));
         let star = mesh(&positions, &faces);
         let pairs = (0..faces.len()).flat_map(|f| (0..f).map(move |g| (f, g)));
         let expected = pairs

@@ -1,9 +1,9 @@
 //! Seeded noise on vertices.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, norm, scale};
 use fairing_operators::vertex_normals;
 use fairing_parameters::OptionError;
+use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -164,7 +164,7 @@ pub fn add_noise(
     let sigma = level.in_mesh_units(mesh);
     OptionError::require_not_negative("noise level in mesh units", sigma)?;
     if let NoiseKind::Impulsive { share } = kind {
-        OptionError::require_share("share of impulses", share)?;
+        OptionError::require_fraction("share of impulses", share)?;
     }
     if let NoiseKind::Correlated { reach } = kind {
         let between = (0.1..=8.0).contains(&reach);
@@ -178,29 +178,30 @@ pub fn add_noise(
         _ => (0..mesh.vertex_count()).map(|_| in_space(kind, &mut rng)).collect(),
     };
     let positions = mesh.positions().iter().zip(displacements);
-    let positions = positions.map(|(&p, unit)| add(p, scale(unit, sigma))).collect();
+    let positions =
+        positions.map(|(&p, unit)| (DVec3::from(p) + sigma * unit).to_array()).collect();
     mesh.with_positions(positions).map_err(EvaluationError::Positions)
 }
 
 /// A displacement for σ = 1 that does not follow the surface.
-fn in_space(kind: NoiseKind, rng: &mut ChaCha8Rng) -> [f64; 3] {
+fn in_space(kind: NoiseKind, rng: &mut ChaCha8Rng) -> DVec3 {
     match kind {
-        NoiseKind::GaussianPerAxis => std::array::from_fn(|_| standard_normal(rng)),
-        NoiseKind::UniformPerAxis => std::array::from_fn(|_| rng.random_range(-1.0..=1.0)),
+        NoiseKind::GaussianPerAxis => std::array::from_fn(|_| standard_normal(rng)).into(),
+        NoiseKind::UniformPerAxis => std::array::from_fn(|_| rng.random_range(-1.0..=1.0)).into(),
         NoiseKind::Impulsive { share } => {
             let moved = rng.random::<f64>() < share;
             let direction = direction(rng);
-            scale(direction, if moved { standard_normal(rng) } else { 0.0 })
+            (if moved { standard_normal(rng) } else { 0.0 }) * direction
         }
         _ => {
             let direction = direction(rng);
-            scale(direction, standard_normal(rng))
+            standard_normal(rng) * direction
         }
     }
 }
 
 /// The displacements for σ = 1 of a noise along the normals.
-fn along_normals(mesh: &TriMesh, kind: NoiseKind, rng: &mut ChaCha8Rng) -> Vec<[f64; 3]> {
+fn along_normals(mesh: &TriMesh, kind: NoiseKind, rng: &mut ChaCha8Rng) -> Vec<DVec3> {
     let normals = vertex_normals(mesh);
     let mut heights: Vec<f64> = normals.iter().map(|_| standard_normal(rng)).collect();
     match kind {
@@ -212,7 +213,7 @@ fn along_normals(mesh: &TriMesh, kind: NoiseKind, rng: &mut ChaCha8Rng) -> Vec<[
         }
         _ => {}
     }
-    normals.iter().zip(heights).map(|(&n, height)| scale(n, height)).collect()
+    normals.iter().zip(heights).map(|(&n, height)| height * DVec3::from(n)).collect()
 }
 
 /// The level of varying noise at a point, for σ = 1.
@@ -273,18 +274,17 @@ fn correlated(mesh: &TriMesh, heights: &[f64], reach: f64) -> Vec<f64> {
 
 /// A unit vector, all directions equally likely: by the area of the sphere
 /// between two heights, which depends on their difference only.
-fn direction(rng: &mut ChaCha8Rng) -> [f64; 3] {
+fn direction(rng: &mut ChaCha8Rng) -> DVec3 {
     let z: f64 = rng.random_range(-1.0..=1.0);
     let (s, c) = libm::sincos(rng.random_range(0.0..std::f64::consts::TAU));
     let r = (1.0 - z * z).sqrt();
-    let d = [r * c, r * s, z];
-    debug_assert!((norm(d) - 1.0).abs() < 1e-12);
+    let d = DVec3::new(r * c, r * s, z);
+    debug_assert!((d.length() - 1.0).abs() < 1e-12);
     d
 }
 
 #[cfg(test)]
 mod tests {
-    use fairing_mesh::vec3::{dot, sub};
     use fairing_shapes as shapes;
 
     use super::*;
@@ -299,10 +299,15 @@ mod tests {
         assert!("white".parse::<NoiseKind>().unwrap_err().to_string().contains("axes, direction"));
     }
 
-    fn displacements(kind: NoiseKind, level: NoiseLevel, seed: u64) -> Vec<[f64; 3]> {
+    fn displacements(kind: NoiseKind, level: NoiseLevel, seed: u64) -> Vec<DVec3> {
         let sphere = shapes::icosphere(5);
         let noisy = add_noise(&sphere, kind, level, seed).unwrap();
-        noisy.positions().iter().zip(sphere.positions()).map(|(&p, &q)| sub(p, q)).collect()
+        noisy
+            .positions()
+            .iter()
+            .zip(sphere.positions())
+            .map(|(&p, &q)| DVec3::from(p) - DVec3::from(q))
+            .collect()
     }
 
     /// 10242 vertices: the variance of a Gaussian is known to √(2/n) = 1.4 %,
@@ -315,7 +320,7 @@ mod tests {
         let sigma = 0.01;
         for (kind, expected) in KINDS.into_iter().zip([1.0, 3.0, 1.0, 1.0, 0.25, 1.0, 1.21]) {
             let d = displacements(kind, NoiseLevel::Model(sigma), 1);
-            let square = d.iter().map(|&x| dot(x, x)).sum::<f64>() / d.len() as f64;
+            let square = d.iter().map(|&x| x.dot(x)).sum::<f64>() / d.len() as f64;
             let ratio = square / (sigma * sigma) / expected;
             assert!((ratio - 1.0).abs() < 0.16, "{kind:?}: {ratio}");
             let independent = match kind {
@@ -335,9 +340,10 @@ mod tests {
         let level = NoiseLevel::EdgeLengths(0.1);
         let noisy = add_noise(&sphere, NoiseKind::GaussianAlongNormals, level, 3).unwrap();
         for (&p, &q) in noisy.positions().iter().zip(sphere.positions()) {
-            let d = sub(p, q);
+            let q = DVec3::from(q);
+            let d = DVec3::from(p) - q;
             // Area-weighted normals of an icosphere are off by O(h²).
-            assert!(dot(d, q).abs() >= 0.999 * norm(d), "{d:?} at {q:?}");
+            assert!(d.dot(q).abs() >= 0.999 * d.length(), "{d:?} at {q:?}");
         }
     }
 
@@ -393,7 +399,7 @@ mod tests {
         let spread = |near: f64| {
             let at = sphere.positions().iter().zip(noisy.positions()).filter_map(|(&p, &q)| {
                 let sum = p[0] + p[1] + p[2];
-                ((sum - near).abs() < 0.2).then(|| norm(sub(q, p)).powi(2))
+                ((sum - near).abs() < 0.2).then(|| DVec3::from(q).distance(p.into()).powi(2))
             });
             let (sum, count) = at.fold((0.0, 0), |(s, n), x| (s + x, n + 1));
             (sum / f64::from(count)).sqrt()
@@ -405,7 +411,7 @@ mod tests {
     #[test]
     fn impulses_move_their_share() {
         let d = displacements(NoiseKind::Impulsive { share: 0.25 }, NoiseLevel::Model(1.0), 9);
-        let moved = d.iter().filter(|&&x| x != [0.0; 3]).count() as f64 / d.len() as f64;
+        let moved = d.iter().filter(|&&x| x != DVec3::ZERO).count() as f64 / d.len() as f64;
         // Four standard errors of a share of ¼ among 10242.
         assert!((moved - 0.25).abs() < 0.018, "{moved}");
     }
@@ -419,7 +425,7 @@ mod tests {
             let b = displacements(kind, NoiseLevel::Model(1.0), 5);
             for (x, y) in a.iter().zip(&b) {
                 // Differences of numbers up to 5, rounded.
-                assert!(norm(sub(scale(*x, 2.0), *y)) < 1e-14);
+                assert!((2.0 * *x - *y).length() < 1e-14);
             }
         }
     }

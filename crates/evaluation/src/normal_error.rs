@@ -1,7 +1,7 @@
 //! The angle between the normals of matching faces.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{cross, dot, norm, normalize};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::EvaluationError;
@@ -37,10 +37,10 @@ pub fn normal_error(mesh: &TriMesh, reference: &TriMesh) -> Result<NormalAngles,
         .into_par_iter()
         .with_min_len(4096)
         .map(|f| {
-            let area = reference.area_vector(f);
+            let [own, area] = [&mesh, &reference].map(|mesh| DVec3::from(mesh.area_vector(f)));
             // Unit vectors: products of areas are fourth powers of lengths.
-            let (m, n) = (normalize(mesh.area_vector(f))?, normalize(area)?);
-            Some([libm::atan2(norm(cross(m, n)), dot(m, n)).to_degrees(), norm(area)])
+            let (m, n) = (own.try_normalize()?, area.try_normalize()?);
+            Some([libm::atan2(m.cross(n).length(), m.dot(n)).to_degrees(), area.length()])
         })
         .collect();
     let (mut sum, mut weighted, mut area, mut count) = (0.0, 0.0, 0.0, 0usize);

@@ -11,8 +11,7 @@
 //! times as long to build and longer to answer.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, scale, sub};
-use glam::Vec4;
+use glam::{DVec3, Vec4};
 use rayon::prelude::*;
 
 use crate::EvaluationError;
@@ -47,7 +46,7 @@ pub struct SurfaceTree {
     /// `4i + 3` of the level below.
     levels: Vec<Vec<Quad>>,
     /// Corners along the curve.
-    triangles: Vec<[[f64; 3]; 3]>,
+    triangles: Vec<[DVec3; 3]>,
     /// The face of each of them.
     faces: Vec<u32>,
     frame: Frame,
@@ -94,18 +93,18 @@ struct Query {
 /// Mesh units to units of the tree, where the mesh fills [−1, 1].
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Frame {
-    centre: [f64; 3],
+    centre: DVec3,
     scale: f64,
 }
 
 impl Frame {
     /// Half of the coordinates themselves.
-    pub(crate) const HALF: Self = Self { centre: [0.0; 3], scale: 0.5 };
+    pub(crate) const HALF: Self = Self { centre: DVec3::ZERO, scale: 0.5 };
 
     pub(crate) fn new(mesh: &TriMesh) -> Option<Self> {
-        let [lo, hi] = mesh.bounding_box()?;
-        let extent = (0..3).map(|k| 0.5 * hi[k] - 0.5 * lo[k]).fold(0.0, f64::max);
-        let centre = add(scale(lo, 0.5), scale(hi, 0.5));
+        let [lo, hi] = mesh.bounding_box()?.map(DVec3::from);
+        let extent = (0.5 * hi - 0.5 * lo).max_element();
+        let centre = 0.5 * lo + 0.5 * hi;
         // Coinciding vertices, or so close that the inverse overflows.
         let inverse = 1.0 / extent;
         Some(Self { centre, scale: if inverse.is_finite() { inverse } else { 1.0 } })
@@ -113,8 +112,8 @@ impl Frame {
 
     /// Rounded to single precision: off by at most [`ROUNDOFF`] × its size.
     #[inline]
-    fn to_tree(self, p: [f64; 3]) -> [f32; 3] {
-        scale(sub(p, self.centre), self.scale).map(|x| x as f32)
+    fn to_tree(self, p: DVec3) -> [f32; 3] {
+        (self.scale * (p - self.centre)).as_vec3().to_array()
     }
 }
 
@@ -133,13 +132,13 @@ impl SurfaceTree {
             _ => return Err(EvaluationError::NoFaces { which: "mesh" }),
         };
         let faces = (0..mesh.face_count() as u32).collect();
-        Ok(Self::of(faces, |f| mesh.triangle(f as usize), frame))
+        Ok(Self::of(faces, |f| mesh.triangle(f as usize).map(DVec3::from), frame))
     }
 
     /// The tree of some faces; empty without any.
     pub(crate) fn of(
         faces: Vec<u32>,
-        triangle: impl Fn(u32) -> [[f64; 3]; 3] + Sync,
+        triangle: impl Fn(u32) -> [DVec3; 3] + Sync,
         frame: Frame,
     ) -> Self {
         let mut order: Vec<(u64, u32)> = faces
@@ -147,13 +146,13 @@ impl SurfaceTree {
             .with_min_len(4096)
             .map(|f| {
                 let [a, b, c] = triangle(f);
-                let middle = add(scale(a, 1.0 / 3.0), scale(add(b, c), 1.0 / 3.0));
+                let middle = a * (1.0 / 3.0) + (b + c) * (1.0 / 3.0);
                 (hilbert(frame.to_tree(middle)), f)
             })
             .collect();
         order.par_sort_unstable();
         let faces: Vec<u32> = order.par_iter().with_min_len(4096).map(|o| o.1).collect();
-        let triangles: Vec<[[f64; 3]; 3]> =
+        let triangles: Vec<[DVec3; 3]> =
             faces.par_iter().with_min_len(4096).map(|&f| triangle(f)).collect();
 
         let mut levels: Vec<Vec<Quad>> = vec![
@@ -192,6 +191,7 @@ impl SurfaceTree {
 
     /// The closest point of the surface.
     pub fn closest(&self, p: [f64; 3]) -> Closest {
+        let p = DVec3::from(p);
         let (slot, d2) = self.search(p, 0, &mut vec![]);
         self.answer(p, slot, d2)
     }
@@ -200,7 +200,7 @@ impl SurfaceTree {
     pub fn closest_to_all(&self, points: &[[f64; 3]]) -> Vec<Closest> {
         let mut all = vec![Closest { distance: 0.0, face: 0, point: [0.0; 3] }; points.len()];
         for (i, slot, d2) in self.search_all(points) {
-            all[i as usize] = self.answer(points[i as usize], slot, d2);
+            all[i as usize] = self.answer(points[i as usize].into(), slot, d2);
         }
         all
     }
@@ -214,8 +214,8 @@ impl SurfaceTree {
         all
     }
 
-    fn answer(&self, p: [f64; 3], slot: u32, d2: f64) -> Closest {
-        let point = closest_point(p, self.triangles[slot as usize]);
+    fn answer(&self, p: DVec3, slot: u32, d2: f64) -> Closest {
+        let point = closest_point(p, self.triangles[slot as usize]).to_array();
         Closest { distance: d2.sqrt(), face: self.faces[slot as usize], point }
     }
 
@@ -228,7 +228,7 @@ impl SurfaceTree {
             .par_iter()
             .with_min_len(4096)
             .enumerate()
-            .map(|(i, &p)| (hilbert(self.frame.to_tree(p)), i as u32))
+            .map(|(i, &p)| (hilbert(self.frame.to_tree(p.into())), i as u32))
             .collect();
         order.par_sort_unstable();
         order
@@ -239,7 +239,7 @@ impl SurfaceTree {
                     .iter()
                     .map(|&(_, i)| {
                         let d2;
-                        let p = points[i as usize];
+                        let p = points[i as usize].into();
                         (slot, d2) = self.search(p, slot, &mut stack);
                         (i, slot, d2)
                     })
@@ -315,7 +315,7 @@ impl SurfaceTree {
 
     /// The closest triangle, beginning with a hint, and the square of its
     /// distance.
-    fn search(&self, p: [f64; 3], hint: u32, stack: &mut Vec<Pending>) -> (u32, f64) {
+    fn search(&self, p: DVec3, hint: u32, stack: &mut Vec<Pending>) -> (u32, f64) {
         let q = self.frame.to_tree(p);
         let size = q.iter().fold(1.0f32, |s, x| s + x.abs());
         let query = Query { place: q.map(Vec4::splat), margin: Vec4::splat(4.0 * ROUNDOFF * size) };
@@ -397,14 +397,14 @@ mod tests {
                 let distances = tree.distances(&points);
                 for (i, &p) in points.iter().enumerate() {
                     let least = (0..mesh.face_count())
-                        .map(|f| squared_distance(p, mesh.triangle(f)))
+                        .map(|f| squared_distance(p.into(), mesh.triangle(f).map(DVec3::from)))
                         .fold(f64::INFINITY, f64::min);
                     assert_eq!(all[i].distance, least.sqrt());
                     assert_eq!(distances[i], least.sqrt());
                     assert_eq!(tree.closest(p).distance, least.sqrt());
-                    let face = mesh.triangle(all[i].face as usize);
-                    assert_eq!(squared_distance(p, face), least);
-                    assert_eq!(all[i].point, closest_point(p, face));
+                    let face = mesh.triangle(all[i].face as usize).map(DVec3::from);
+                    assert_eq!(squared_distance(p.into(), face), least);
+                    assert_eq!(all[i].point, closest_point(p.into(), face).to_array());
                 }
             }
         }

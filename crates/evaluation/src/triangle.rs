@@ -1,6 +1,6 @@
 //! Points and triangles.
 
-use fairing_mesh::vec3::{add, dot, scale, sub};
+use glam::DVec3;
 
 /// Twice the area over the square of the longest side, squared, below which a
 /// triangle is thin. Differences of products of dot products lose that share of
@@ -12,44 +12,44 @@ const THIN: f64 = 1e-3;
 /// longest side and of the distance, whatever the shape of the triangle. Source:
 /// \[ericson2004\], section 5.1.5.
 #[inline]
-pub(crate) fn closest_point(p: [f64; 3], [a, b, c]: [[f64; 3]; 3]) -> [f64; 3] {
-    let (ab, ac, ap) = (sub(b, a), sub(c, a), sub(p, a));
-    let (d1, d2) = (dot(ab, ap), dot(ac, ap));
+pub(crate) fn closest_point(p: DVec3, [a, b, c]: [DVec3; 3]) -> DVec3 {
+    let (ab, ac, ap) = (b - a, c - a, p - a);
+    let (d1, d2) = (ab.dot(ap), ac.dot(ap));
     if d1 <= 0.0 && d2 <= 0.0 {
         return a;
     }
-    let (square_b, square_c, inner) = (dot(ab, ab), dot(ac, ac), dot(ab, ac));
+    let (square_b, square_c, inner) = (ab.dot(ab), ac.dot(ac), ab.dot(ac));
     let longest = square_b.max(square_c).max(square_b + square_c - 2.0 * inner);
     // Not so for NaN either, which lengths that overflow give.
     let wide = square_b * square_c - inner * inner > THIN * longest * longest;
     if !wide {
         return closest_in_thin(p, [a, b, c]);
     }
-    let bp = sub(p, b);
-    let (d3, d4) = (dot(ab, bp), dot(ac, bp));
+    let bp = p - b;
+    let (d3, d4) = (ab.dot(bp), ac.dot(bp));
     if d3 >= 0.0 && d4 <= d3 {
         return b;
     }
-    let cp = sub(p, c);
-    let (d5, d6) = (dot(ab, cp), dot(ac, cp));
+    let cp = p - c;
+    let (d5, d6) = (ab.dot(cp), ac.dot(cp));
     if d6 >= 0.0 && d5 <= d6 {
         return c;
     }
     let vc = d1 * d4 - d3 * d2;
     if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        return add(a, scale(ab, d1 / (d1 - d3)));
+        return a + ab * (d1 / (d1 - d3));
     }
     let vb = d5 * d2 - d1 * d6;
     if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        return add(a, scale(ac, d2 / (d2 - d6)));
+        return a + ac * (d2 / (d2 - d6));
     }
     let va = d3 * d6 - d5 * d4;
     let (along, against) = (d4 - d3, d5 - d6);
     if va <= 0.0 && along >= 0.0 && against >= 0.0 {
-        return add(b, scale(sub(c, b), along / (along + against)));
+        return b + (c - b) * (along / (along + against));
     }
     let sum = va + vb + vc;
-    add(a, add(scale(ab, vb / sum), scale(ac, vc / sum)))
+    a + (ab * (vb / sum) + ac * (vc / sum))
 }
 
 /// The closest of the closest points of the sides and the foot of `p`, where it
@@ -62,10 +62,10 @@ pub(crate) fn closest_point(p: [f64; 3], [a, b, c]: [[f64; 3]; 3]) -> [f64; 3] {
 /// a point of the triangle, and its distance never below that of the triangle
 /// by more than rounding.
 #[cold]
-fn closest_in_thin(p: [f64; 3], corners: [[f64; 3]; 3]) -> [f64; 3] {
+fn closest_in_thin(p: DVec3, corners: [DVec3; 3]) -> DVec3 {
     let square = |k: usize| {
-        let d = sub(corners[(k + 2) % 3], corners[(k + 1) % 3]);
-        dot(d, d)
+        let d = corners[(k + 2) % 3] - corners[(k + 1) % 3];
+        d.dot(d)
     };
     // The apex is opposite the longest side, the origin its nearer end.
     let apex = (1..3).fold(0, |best, k| if square(k) > square(best) { k } else { best });
@@ -74,54 +74,53 @@ fn closest_in_thin(p: [f64; 3], corners: [[f64; 3]; 3]) -> [f64; 3] {
     let (a, b, c) = (corners[origin], corners[end], corners[apex]);
 
     let mut best = (f64::INFINITY, a);
-    let mut offer = |q: [f64; 3]| {
-        let r = sub(p, q);
-        if dot(r, r) < best.0 {
-            best = (dot(r, r), q);
+    let mut offer = |q: DVec3| {
+        let r = p - q;
+        if r.dot(r) < best.0 {
+            best = (r.dot(r), q);
         }
     };
     for (u, v) in [(a, b), (b, c), (c, a)] {
         offer(closest_on_side(p, u, v));
     }
-    let (ab, ac, ap) = (sub(b, a), sub(c, a), sub(p, a));
-    let length = dot(ab, ab);
+    let (ab, ac, ap) = (b - a, c - a, p - a);
+    let length = ab.dot(ab);
     if length > 0.0 {
-        let (along_c, along_p) = (dot(ac, ab) / length, dot(ap, ab) / length);
-        let (across_c, rest) = (sub(ac, scale(ab, along_c)), sub(ap, scale(ab, along_p)));
-        let weight_c = dot(rest, across_c) / dot(across_c, across_c);
+        let (along_c, along_p) = (ac.dot(ab) / length, ap.dot(ab) / length);
+        let (across_c, rest) = (ac - along_c * ab, ap - along_p * ab);
+        let weight_c = rest.dot(across_c) / across_c.dot(across_c);
         let weight_b = along_p - weight_c * along_c;
         // Not so for NaN, which triangles without height give.
         if weight_b >= 0.0 && weight_c >= 0.0 && weight_b + weight_c <= 1.0 {
-            offer(add(a, add(scale(ab, weight_b), scale(ac, weight_c))));
+            offer(a + (weight_b * ab + weight_c * ac));
         }
     }
     best.1
 }
 
 /// The closest point of the side `uv`.
-fn closest_on_side(p: [f64; 3], u: [f64; 3], v: [f64; 3]) -> [f64; 3] {
-    let d = sub(v, u);
-    let square = dot(d, d);
-    let t = if square > 0.0 { dot(sub(p, u), d) / square } else { 0.0 };
+fn closest_on_side(p: DVec3, u: DVec3, v: DVec3) -> DVec3 {
+    let d = v - u;
+    let square = d.dot(d);
+    let t = if square > 0.0 { (p - u).dot(d) / square } else { 0.0 };
     if t <= 0.0 {
         u
     } else if t >= 1.0 {
         v
     } else {
-        add(u, scale(d, t))
+        u + t * d
     }
 }
 
 /// The square of the distance between a point and a triangle.
 #[inline]
-pub(crate) fn squared_distance(p: [f64; 3], triangle: [[f64; 3]; 3]) -> f64 {
-    let d = sub(p, closest_point(p, triangle));
-    dot(d, d)
+pub(crate) fn squared_distance(p: DVec3, triangle: [DVec3; 3]) -> f64 {
+    let d = p - closest_point(p, triangle);
+    d.dot(d)
 }
 
 #[cfg(test)]
 mod tests {
-    use fairing_mesh::vec3::{cross, distance};
     use proptest::prelude::*;
 
     use super::*;
@@ -131,8 +130,8 @@ mod tests {
         prop_oneof![Just(0.0), Just(1.0), Just(-0.5), -2.0..2.0]
     }
 
-    fn point() -> impl Strategy<Value = [f64; 3]> {
-        [coordinate(), coordinate(), coordinate()]
+    fn point() -> impl Strategy<Value = DVec3> {
+        [coordinate(), coordinate(), coordinate()].prop_map(DVec3::from)
     }
 
     proptest! {
@@ -143,7 +142,7 @@ mod tests {
             let q = closest_point(p, t);
             for corner in t {
                 // Products of numbers up to 4, three digits lost to thinness.
-                prop_assert!(dot(sub(p, q), sub(corner, q)) < 1e-11, "{q:?} for {corner:?}");
+                prop_assert!((p - q).dot(corner - q) < 1e-11, "{q:?} for {corner:?}");
             }
         }
 
@@ -151,7 +150,7 @@ mod tests {
         #[test]
         fn the_point_is_in_the_triangle(p in point(), t in [point(), point(), point()]) {
             let q = closest_point(p, t);
-            let area = |a, b, c| { let n = cross(sub(b, a), sub(c, a)); dot(n, n).sqrt() };
+            let area = |a: DVec3, b: DVec3, c: DVec3| { let n = (b - a).cross(c - a); n.dot(n).sqrt() };
             let [a, b, c] = t;
             let parts = area(q, b, c) + area(a, q, c) + area(a, b, q);
             prop_assert!((parts - area(a, b, c)).abs() < 1e-7, "{q:?}");
@@ -209,8 +208,8 @@ mod tests {
 
     /// The distance by the plane where the foot is inside, by the sides elsewhere,
     /// in 32 digits: exact to a double for heights down to 1e-12.
-    fn precise_distance(p: [f64; 3], corners: [[f64; 3]; 3]) -> f64 {
-        let exact = |x: [f64; 3]| x.map(|x| Double(x, 0.0));
+    fn precise_distance(p: DVec3, corners: [DVec3; 3]) -> f64 {
+        let exact = |x: DVec3| x.to_array().map(|x| Double(x, 0.0));
         let (p, [a, b, c]) = (exact(p), corners.map(exact));
         let n = normal(minus(b, a), minus(c, a));
         let inside = [(a, b), (b, c), (c, a)]
@@ -251,15 +250,16 @@ mod tests {
             let axes = [
                 [w * w + x * x - y * y - z * z, 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)],
                 [2.0 * (x * y - w * z), w * w - x * x + y * y - z * z, 2.0 * (y * z + w * x)],
-            ].map(|axis| scale(axis, 1.0 / square));
-            let at = |s: f64, t: f64| add(moved, add(scale(axes[0], s), scale(axes[1], t)));
+            ].map(|axis| DVec3::from(axis) * (1.0 / square));
+            let moved = DVec3::from(moved);
+            let at = |s: f64, t: f64| moved + (s * axes[0] + t * axes[1]);
             let height = libm::exp10(exponent);
             let triangle = [at(0.0, 0.0), at(1.0, 0.0), at(apex, height)];
             let order = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]][order];
             let t = order.map(|k| triangle[k]);
             let [s, across] = weights;
             let near = at(s * (1.0 - across) + across * apex, across * height);
-            let p = add(near, scale(off.1, libm::exp10(off.0)));
+            let p = near + libm::exp10(off.0) * DVec3::from(off.1);
             let found = squared_distance(p, t).sqrt();
             let exact = precise_distance(p, t);
             // Coordinates up to 2 and points up to 17 away; wide triangles lose
@@ -271,7 +271,7 @@ mod tests {
 
     #[test]
     fn each_region() {
-        let t = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
+        let t = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]].map(DVec3::from);
         for (p, q) in [
             ([0.5, 0.5, 3.0], [0.5, 0.5, 0.0]),
             ([-1.0, -1.0, 1.0], [0.0, 0.0, 0.0]),
@@ -281,7 +281,7 @@ mod tests {
             ([-1.0, 1.0, 1.0], [0.0, 1.0, 0.0]),
             ([2.0, 2.0, 1.0], [1.0, 1.0, 0.0]),
         ] {
-            assert!(distance(closest_point(p, t), q) < 1e-15, "{p:?}");
+            assert!(closest_point(p.into(), t).distance(q.into()) < 1e-15, "{p:?}");
         }
     }
 }

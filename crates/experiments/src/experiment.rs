@@ -7,6 +7,7 @@ use sha2::{Digest, Sha256};
 use crate::inputs::{Input, Inputs};
 use crate::outcome::Outcome;
 use crate::progress::Progress;
+use crate::section::Section;
 use crate::table::Tables;
 use crate::verdict::Judgement;
 
@@ -51,6 +52,8 @@ pub struct Card {
     pub method: String,
     /// The formulas behind the method, in TeX, without dollars.
     pub formulas: Vec<String>,
+    /// Its place in the article and the words around it.
+    pub section: Section,
     /// The meshes it loads, those without a stand-in where they are found;
     /// shapes that it makes itself are not listed.
     pub inputs: &'static [Input],

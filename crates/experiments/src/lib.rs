@@ -15,4 +15,4 @@ pub mod runner;
 
 mod palette;
 
-use fairing_results::{results, row, table, verdict, view};
+use fairing_results::{results, row, section, table, verdict, view};

@@ -137,7 +137,7 @@ fn compared(mesh: &TriMesh) -> Answer<f64> {
     let (noisy, truth) = (mesh, mesh);
     let mut least = f64::INFINITY;
     // [denoisers]
-    for denoiser in Denoiser::ALL {
+    for denoiser in Denoiser::all() {
         let restored = denoiser.denoise(noisy)?;
         least = least.min(normal_error(&restored, truth)?.mean); // E_a in degrees
     }

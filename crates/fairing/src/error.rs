@@ -141,9 +141,7 @@ impl Error {
             Self::SpectrumFile(SpectrumFileError::Io { .. }) => ErrorKind::Io,
             Self::SpectrumFile(_) => ErrorKind::Input,
             Self::Flow(error) => flow_kind(&error.failure),
-            Self::Denoise(DenoiseError::Option(_) | DenoiseError::Parameter(_)) => {
-                ErrorKind::Option
-            }
+            Self::Denoise(DenoiseError::Option(_)) => ErrorKind::Option,
             Self::Evaluation(error) => evaluation_kind(error),
             #[cfg(feature = "figure")]
             Self::Scale(_) => ErrorKind::Option,

@@ -65,19 +65,22 @@ impl Occlusion {
         let tree = Tree::new(mesh, &points);
         let rays = (RAY_BUDGET / points.len()).clamp(16, 64);
         let directions = hemisphere(rays);
+        let closed = is_closed(mesh);
+        let sides = if closed { 1 } else { 2 };
         let watch = fairing_watch::current();
+        watch.stage("light", sides * points.len() as u64);
         let bake = |side: f32| {
             let values: Vec<f32> = (0..points.len())
                 .into_par_iter()
                 .map(|v| {
-                    watch.check();
+                    watch.advance(1);
                     tree.visibility(points[v], normals[v] * side, v, &directions)
                 })
                 .collect();
             average(mesh, &values)
         };
         let front = bake(1.0);
-        let back = (!is_closed(mesh)).then(|| bake(-1.0));
+        let back = (!closed).then(|| bake(-1.0));
         Self { front, back }
     }
 

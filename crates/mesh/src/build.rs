@@ -2,10 +2,11 @@
 
 use std::ops::RangeInclusive;
 
-/// The extents that a mesh may have, in mesh units, besides zero: the longest side of the box around its vertices.
+/// The range of the extent of a mesh in mesh units: the longest side of the bounding box, unless it
+/// is zero.
 ///
-/// The formulas of this workspace take lengths to at most the eighth power, which neither overflows nor underflows
-/// there.
+/// Formulas of this workspace take lengths to at most the eighth power, which neither overflows nor
+/// underflows in this range.
 pub const EXTENTS: RangeInclusive<f64> = 1e-30..=1e30;
 
 /// The reason why positions and faces are not a valid mesh.

@@ -10,12 +10,11 @@ use crate::connectivity::Connectivity;
 use crate::incidence::Incidence;
 use crate::topology::Topology;
 
-/// A triangle mesh, always valid: indices are in range, coordinates are
-/// finite, their extent is zero or within [`EXTENTS`](crate::EXTENTS), and no face repeats a corner.
+/// A triangle mesh, always valid: indices are in range, coordinates are finite, their extent is
+/// zero or within [`EXTENTS`](crate::EXTENTS), and no face repeats a corner.
 ///
-/// Anything else is allowed: isolated vertices, faces of zero area, edges with
-/// three faces, inconsistent orientation. Cloning copies positions and shares
-/// faces and topology.
+/// All else is allowed: isolated vertices, faces of zero area, edges with three faces, inconsistent
+/// orientation. Cloning copies positions and shares faces and topology.
 #[derive(Clone)]
 pub struct TriMesh {
     positions: Vec<[f64; 3]>,
@@ -50,8 +49,7 @@ impl TriMesh {
         Ok(Self { positions, connectivity: Arc::new(Connectivity::new(count, faces)) })
     }
 
-    /// A mesh from numbers in a row: three coordinates for each vertex, three
-    /// indices for each face.
+    /// A mesh from flat lists: three coordinates for each vertex, three indices for each face.
     ///
     /// # Errors
     ///
@@ -78,7 +76,7 @@ impl TriMesh {
         Self::new(points.to_vec(), corners.to_vec())
     }
 
-    /// A mesh from arrays of other types of numbers, such as `f32` and `i64`.
+    /// A mesh from arrays of other number types, such as `f32` and `i64`.
     ///
     /// # Errors
     ///
@@ -111,20 +109,19 @@ impl TriMesh {
         Self::new(positions.iter().map(|p| p.map(Into::into)).collect(), faces?)
     }
 
-    /// Positions and faces.
+    /// Splits the mesh into positions and faces.
     pub fn into_parts(self) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
         let faces = self.faces().to_vec();
         (self.positions, faces)
     }
 
-    /// The caller has made the checks of [`Self::new`].
+    /// A mesh from parts that satisfy the checks of [`Self::new`].
     pub(crate) fn from_checked(positions: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> Self {
         let connectivity = Arc::new(Connectivity::new(positions.len(), faces));
         Self { positions, connectivity }
     }
 
-    /// The same faces with other positions; topology is shared, not computed
-    /// again.
+    /// The same faces with other positions; topology is shared, not recomputed.
     ///
     /// # Errors
     ///
@@ -158,7 +155,7 @@ impl TriMesh {
         ndarray::ArrayView2::from(self.faces())
     }
 
-    /// Gives the positions away.
+    /// Takes the positions out of the mesh.
     pub fn into_positions(self) -> Vec<[f64; 3]> {
         self.positions
     }
@@ -178,8 +175,8 @@ impl TriMesh {
         self.faces().len()
     }
 
-    /// Faces and what follows from them, shared between meshes that differ in
-    /// positions only.
+    /// The faces and everything derived from them, shared between meshes that differ in positions
+    /// only.
     pub fn connectivity(&self) -> &Arc<Connectivity> {
         &self.connectivity
     }
@@ -189,7 +186,7 @@ impl TriMesh {
         self.connectivity.incidence()
     }
 
-    /// Edges, neighbours, rings, boundary and the like.
+    /// Edges, neighbours, rings and boundary.
     pub fn topology(&self) -> &Topology {
         self.connectivity.topology()
     }
@@ -204,8 +201,8 @@ impl TriMesh {
         self.faces()[f].map(|v| self.positions[v as usize])
     }
 
-    /// The area vector of face `f`, `½ (b − a) × (c − a)`: along the outward
-    /// normal, as long as the face is large (squared mesh units).
+    /// The area vector of face `f`, `½ (b − a) × (c − a)`: along the outward normal, with the area
+    /// as its length (squared mesh units).
     ///
     /// # Panics
     ///
@@ -226,8 +223,8 @@ impl TriMesh {
         DVec3::from(self.area_vector(f)).length()
     }
 
-    /// The mean length of the sides of the faces, in mesh units: an edge
-    /// counts once for each of its faces. Zero for a mesh without faces.
+    /// The mean length of the sides of the faces, in mesh units: an edge counts once for each of
+    /// its faces. Zero without faces.
     pub fn mean_edge_length(&self) -> f64 {
         if self.face_count() == 0 {
             return 0.0;
@@ -258,7 +255,7 @@ impl TriMesh {
     }
 }
 
-/// The counts only: an error message cannot show millions of coordinates.
+/// Counts only, since an error message cannot show millions of coordinates.
 impl fmt::Debug for TriMesh {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("TriMesh")
@@ -268,7 +265,7 @@ impl fmt::Debug for TriMesh {
     }
 }
 
-/// Two meshes are equal when positions and faces are.
+/// Meshes are equal if positions and faces are.
 impl PartialEq for TriMesh {
     fn eq(&self, other: &Self) -> bool {
         self.positions == other.positions && self.faces() == other.faces()

@@ -36,9 +36,8 @@ pub fn norm(a: [f64; 3]) -> f64 {
     dot(a, a).sqrt()
 }
 
-/// The largest power of two that is a normal number and at most `x`; the
-/// smallest normal number where none is. Multiplying and dividing by it rounds
-/// nothing.
+/// The largest power of two that is a normal number and at most `x`, or the smallest normal number.
+/// Multiplication and division by it do not round.
 ///
 /// `x` must be positive and finite.
 #[inline]
@@ -53,7 +52,7 @@ pub fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     norm(sub(a, b))
 }
 
-/// The direction of `a`, or `None` where its square is zero, subnormal or not finite.
+/// The direction of `a`, or `None` if its square is zero, subnormal or not finite.
 #[inline]
 pub fn normalize(a: [f64; 3]) -> Option<[f64; 3]> {
     let square = dot(a, a);

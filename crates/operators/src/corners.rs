@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{cross, dot, norm, sub};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::error::{MIN_HEIGHT_RATIO, OperatorError};
@@ -24,18 +24,19 @@ pub(crate) struct FaceCorners {
 
 impl FaceCorners {
     #[inline]
-    pub(crate) fn new([a, b, c]: [[f64; 3]; 3]) -> Self {
-        let (ab, bc, ca) = (sub(b, a), sub(c, b), sub(a, c));
-        Self { dots: [-dot(ab, ca), -dot(bc, ab), -dot(ca, bc)], twice_area: norm(cross(ab, ca)) }
+    pub(crate) fn new(triangle: [[f64; 3]; 3]) -> Self {
+        let [a, b, c] = triangle.map(DVec3::from);
+        let (ab, bc, ca) = (b - a, c - b, a - c);
+        Self { dots: [-ab.dot(ca), -bc.dot(ab), -ca.dot(bc)], twice_area: ab.cross(ca).length() }
     }
 
     /// The face of two sides that leave corner 0, the next one first, and the
     /// cross product of the sides.
     #[inline]
-    pub(crate) fn from_sides(next: [f64; 3], previous: [f64; 3]) -> (Self, [f64; 3]) {
-        let (across, normal) = (sub(previous, next), cross(next, previous));
-        let dots = [dot(next, previous), -dot(next, across), dot(previous, across)];
-        (Self { dots, twice_area: norm(normal) }, normal)
+    pub(crate) fn from_sides(next: DVec3, previous: DVec3) -> (Self, DVec3) {
+        let (across, normal) = (previous - next, next.cross(previous));
+        let dots = [next.dot(previous), -next.dot(across), previous.dot(across)];
+        (Self { dots, twice_area: normal.length() }, normal)
     }
 
     /// cot θₖ; not finite where the face has no area.

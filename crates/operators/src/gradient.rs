@@ -10,8 +10,8 @@
 //! of face areas, each three times, `S = Gᵀ A G`. Source: \[botsch2010\].
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, cross, norm, scale, sub};
 use fairing_sparse::SparseMatrix;
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::corners::map_sound_faces;
@@ -86,22 +86,23 @@ pub fn divergence(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
 pub fn face_gradients(mesh: &TriMesh, values: &[f64]) -> Result<Vec<[f64; 3]>, OperatorError> {
     assert_eq!(values.len(), mesh.vertex_count(), "one value per vertex");
     let hats = hat_gradients(mesh)?;
-    let on_face = |(face, hat): (&[u32; 3], &[[f64; 3]; 3])| {
-        (0..3).fold([0.0; 3], |sum, k| add(sum, scale(hat[k], values[face[k] as usize])))
+    let on_face = |(face, hat): (&[u32; 3], &[DVec3; 3])| {
+        let sum: DVec3 = (0..3).map(|k| values[face[k] as usize] * hat[k]).sum();
+        sum.to_array()
     };
     Ok(mesh.faces().par_iter().zip(&hats).map(on_face).collect())
 }
 
 /// The gradients of the three hat functions of each face.
-fn hat_gradients(mesh: &TriMesh) -> Result<Vec<[[f64; 3]; 3]>, OperatorError> {
+fn hat_gradients(mesh: &TriMesh) -> Result<Vec<[DVec3; 3]>, OperatorError> {
     map_sound_faces(mesh, |_| ())?;
     let hats = |f: usize| {
-        let [a, b, c] = mesh.triangle(f);
-        let normal = cross(sub(b, a), sub(c, a));
+        let [a, b, c] = mesh.triangle(f).map(DVec3::from);
+        let normal = (b - a).cross(c - a);
         // A unit normal: squares of areas are fourth powers of lengths.
-        let length = norm(normal);
-        let unit = scale(normal, 1.0 / length);
-        let hat = |from, to| scale(cross(unit, sub(to, from)), 1.0 / length);
+        let length = normal.length();
+        let unit = normal * (1.0 / length);
+        let hat = |from: DVec3, to: DVec3| unit.cross(to - from) * (1.0 / length);
         [hat(b, c), hat(c, a), hat(a, b)]
     };
     Ok((0..mesh.face_count()).into_par_iter().map(hats).collect())
@@ -138,9 +139,9 @@ mod tests {
             let u: Vec<f64> = mesh.positions().iter().map(|p| p[axis]).collect();
             let by_matrix = &g * &ndarray::Array1::from(u.clone());
             for (f, found) in face_gradients(&mesh, &u).unwrap().into_iter().enumerate() {
-                let area = mesh.area_vector(f);
-                let unit = scale(area, 1.0 / mesh.face_area(f));
-                let mut expected = scale(unit, -unit[axis]);
+                let area = DVec3::from(mesh.area_vector(f));
+                let unit = area * (1.0 / mesh.face_area(f));
+                let mut expected = -unit[axis] * unit;
                 expected[axis] += 1.0;
                 for a in 0..3 {
                     assert!((found[a] - expected[a]).abs() < 1e-14);

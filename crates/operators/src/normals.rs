@@ -1,7 +1,7 @@
 //! Normals of faces and vertices.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, normalize, scale};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::corners::FaceCorners;
@@ -42,7 +42,7 @@ pub fn face_normals(mesh: &TriMesh) -> Vec<[f64; 3]> {
     (0..mesh.face_count())
         .into_par_iter()
         .with_min_len(4096)
-        .map(|f| face_normal(mesh, f))
+        .map(|f| face_normal(mesh, f).to_array())
         .collect()
 }
 
@@ -67,40 +67,43 @@ pub fn weighted_vertex_normals(mesh: &TriMesh, weight: NormalWeight) -> Vec<[f64
         return normals;
     }
     let mesh = &*mesh.oriented();
-    let vectors: Vec<[f64; 3]> = (0..mesh.face_count())
+    let vectors: Vec<DVec3> = (0..mesh.face_count())
         .into_par_iter()
         .with_min_len(4096)
         .map(|f| match weight {
-            NormalWeight::Area | NormalWeight::Sphere => mesh.area_vector(f),
+            NormalWeight::Area | NormalWeight::Sphere => mesh.area_vector(f).into(),
             NormalWeight::Angle | NormalWeight::Uniform => face_normal(mesh, f),
         })
         .collect();
     let incidence = mesh.incidence();
     let at_vertex = |v: u32| {
-        let sum = incidence.corners(v).iter().fold([0.0; 3], |sum, &c| {
-            let f = c as usize / 3;
-            let share = match weight {
-                NormalWeight::Area | NormalWeight::Uniform => vectors[f],
-                NormalWeight::Sphere => {
-                    let sides = FaceCorners::new(mesh.triangle(f)).squared_sides();
-                    let k = c as usize % 3;
-                    let squares = sides[(k + 1) % 3] * sides[(k + 2) % 3];
-                    if squares > 0.0 { scale(vectors[f], 1.0 / squares) } else { [0.0; 3] }
+        let sum: DVec3 = incidence
+            .corners(v)
+            .iter()
+            .map(|&c| {
+                let f = c as usize / 3;
+                match weight {
+                    NormalWeight::Area | NormalWeight::Uniform => vectors[f],
+                    NormalWeight::Sphere => {
+                        let sides = FaceCorners::new(mesh.triangle(f)).squared_sides();
+                        let k = c as usize % 3;
+                        let squares = sides[(k + 1) % 3] * sides[(k + 2) % 3];
+                        if squares > 0.0 { vectors[f] * (1.0 / squares) } else { DVec3::ZERO }
+                    }
+                    NormalWeight::Angle => {
+                        let (x, y) = FaceCorners::new(mesh.triangle(f)).turn(c as usize % 3);
+                        libm::atan2(y, x) * vectors[f]
+                    }
                 }
-                NormalWeight::Angle => {
-                    let (x, y) = FaceCorners::new(mesh.triangle(f)).turn(c as usize % 3);
-                    scale(vectors[f], libm::atan2(y, x))
-                }
-            };
-            add(sum, share)
-        });
-        normalize(sum).unwrap_or_default()
+            })
+            .sum();
+        sum.normalize_or_zero().to_array()
     };
     (0..mesh.vertex_count() as u32).into_par_iter().with_min_len(4096).map(at_vertex).collect()
 }
 
-fn face_normal(mesh: &TriMesh, f: usize) -> [f64; 3] {
-    normalize(mesh.area_vector(f)).unwrap_or_default()
+fn face_normal(mesh: &TriMesh, f: usize) -> DVec3 {
+    DVec3::from(mesh.area_vector(f)).normalize_or_zero()
 }
 
 #[cfg(test)]

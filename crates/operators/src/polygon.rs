@@ -15,8 +15,9 @@
 //! convex. Source: \[bunge2020\].
 
 use fairing_mesh::PolygonMesh;
-use fairing_mesh::vec3::{add, cross, dot, norm, power_of_two, scale, sub};
+use fairing_mesh::vec3::power_of_two;
 use fairing_sparse::SparseMatrix;
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::assembly::sum_entries;
@@ -51,13 +52,8 @@ pub struct PolygonLaplacian {
 ///
 /// Source: \[bunge2020\].
 pub fn polygon_laplacian(mesh: &PolygonMesh) -> Result<PolygonLaplacian, OperatorError> {
-    let local: Vec<Option<Local>> = (0..mesh.polygon_count())
-        .into_par_iter()
-        .map(|f| {
-            let corners = mesh.polygon(f).iter().map(|&v| mesh.positions()[v as usize]);
-            Local::new(&corners.collect::<Vec<_>>())
-        })
-        .collect();
+    let local: Vec<Option<Local>> =
+        (0..mesh.polygon_count()).into_par_iter().map(|f| Local::new(&corners(mesh, f))).collect();
     let (mut stiffness, mut mass) = (vec![], vec![]);
     for (f, local) in local.iter().enumerate() {
         let polygon = mesh.polygon(f);
@@ -76,15 +72,20 @@ pub fn polygon_laplacian(mesh: &PolygonMesh) -> Result<PolygonLaplacian, Operato
     Ok(PolygonLaplacian { stiffness: sum_entries(n, &stiffness)?, mass, lumped_mass })
 }
 
+/// The corners of a polygon.
+fn corners(mesh: &PolygonMesh, f: usize) -> Vec<DVec3> {
+    mesh.polygon(f).iter().map(|&v| mesh.positions()[v as usize].into()).collect()
+}
+
 fn degenerate(mesh: &PolygonMesh, f: usize) -> OperatorError {
-    let corners: Vec<_> = mesh.polygon(f).iter().map(|&v| mesh.positions()[v as usize]).collect();
-    let edges = (0..corners.len()).map(|i| norm(sub(corners[(i + 1) % corners.len()], corners[i])));
-    let twice = corners
-        .windows(2)
-        .fold([0.0; 3], |sum, w| add(sum, cross(sub(w[0], corners[0]), sub(w[1], corners[0]))));
+    let corners = corners(mesh, f);
+    let edges =
+        (0..corners.len()).map(|i| (corners[(i + 1) % corners.len()] - corners[i]).length());
+    let twice: DVec3 =
+        corners.windows(2).map(|w| (w[0] - corners[0]).cross(w[1] - corners[0])).sum();
     OperatorError::DegenerateFace {
         face: f as u32,
-        area: 0.5 * norm(twice),
+        area: 0.5 * twice.length(),
         edge: edges.fold(0.0, f64::max),
     }
 }
@@ -97,25 +98,24 @@ struct Local {
 
 impl Local {
     /// `None` where a triangle of the fan is too thin.
-    fn new(corners: &[[f64; 3]]) -> Option<Self> {
+    fn new(corners: &[DVec3]) -> Option<Self> {
         let k = corners.len();
         // About the mean of the corners, for precision far from the origin.
-        let mean = scale(corners.iter().fold([0.0; 3], |sum, &p| add(sum, p)), 1.0 / k as f64);
+        let mean = corners.iter().sum::<DVec3>() * (1.0 / k as f64);
         // At a size whose fourth powers are floats, by a power of two, which
         // rounds nothing.
-        let reach =
-            corners.iter().flat_map(|&p| sub(p, mean)).fold(0.0, |m: f64, x| m.max(x.abs()));
+        let reach = corners.iter().fold(0.0, |m: f64, &p| m.max((p - mean).abs().max_element()));
         let unit = if reach > 0.0 { power_of_two(reach) } else { 1.0 };
-        let x: Vec<[f64; 3]> = corners.iter().map(|&p| sub(p, mean).map(|x| x / unit)).collect();
+        let x: Vec<DVec3> = corners.iter().map(|&p| (p - mean) / unit).collect();
         let weights = affine_weights(&x, least_squared_areas(&x)?)?;
-        let centre = x.iter().zip(&weights).fold([0.0; 3], |sum, (&p, &w)| add(sum, scale(p, w)));
+        let centre: DVec3 = x.iter().zip(&weights).map(|(&p, &w)| w * p).sum();
 
         // The fan on k + 1 vertices, the virtual one last.
         let m = k + 1;
         let (mut s, mut a) = (vec![0.0; m * m], vec![0.0; m * m]);
         for i in 0..k {
             let triangle = [i, (i + 1) % k, k];
-            let face = FaceCorners::new([x[i], x[(i + 1) % k], centre]);
+            let face = FaceCorners::new([x[i], x[(i + 1) % k], centre].map(Into::into));
             if face.is_degenerate() {
                 return None;
             }
@@ -153,17 +153,17 @@ impl Local {
 ///
 /// (a − p) × (b − p) = a × b + d × p with d = b − a, so that
 /// Σ (‖d‖² I − d dᵀ) p = Σ d × (a × b).
-fn least_squared_areas(x: &[[f64; 3]]) -> Option<[f64; 3]> {
-    let (mut matrix, mut rhs) = ([[0.0; 3]; 3], [0.0; 3]);
+fn least_squared_areas(x: &[DVec3]) -> Option<DVec3> {
+    let (mut matrix, mut rhs) = ([[0.0; 3]; 3], DVec3::ZERO);
     for (i, &a) in x.iter().enumerate() {
         let b = x[(i + 1) % x.len()];
-        let d = sub(b, a);
-        rhs = add(rhs, cross(d, cross(a, b)));
+        let d = b - a;
+        rhs += d.cross(a.cross(b));
         for r in 0..3 {
             for c in 0..3 {
                 matrix[r][c] -= d[r] * d[c];
             }
-            matrix[r][r] += dot(d, d);
+            matrix[r][r] += d.dot(d);
         }
     }
     solve_on_range(matrix, rhs)
@@ -171,7 +171,7 @@ fn least_squared_areas(x: &[[f64; 3]]) -> Option<[f64; 3]> {
 
 /// The weights of least norm with Σ w = 1 and Σ w x = p, for x about their
 /// mean: `1/k + xᵢ · (Σ x xᵀ)⁺ p`.
-fn affine_weights(x: &[[f64; 3]], p: [f64; 3]) -> Option<Vec<f64>> {
+fn affine_weights(x: &[DVec3], p: DVec3) -> Option<Vec<f64>> {
     let mut matrix = [[0.0; 3]; 3];
     for q in x {
         for r in 0..3 {
@@ -182,13 +182,13 @@ fn affine_weights(x: &[[f64; 3]], p: [f64; 3]) -> Option<Vec<f64>> {
     }
     let y = solve_on_range(matrix, p)?;
     let even = 1.0 / x.len() as f64;
-    Some(x.iter().map(|&q| even + dot(q, y)).collect())
+    Some(x.iter().map(|&q| even + q.dot(y)).collect())
 }
 
 /// The solution of least norm of a symmetric positive semi-definite system
 /// whose right-hand side lies in its range, by Jacobi rotations; eigenvalues
 /// below 10⁻¹² of the largest count as zero. `None` for the zero matrix.
-fn solve_on_range(mut a: [[f64; 3]; 3], b: [f64; 3]) -> Option<[f64; 3]> {
+fn solve_on_range(mut a: [[f64; 3]; 3], b: DVec3) -> Option<DVec3> {
     let mut v = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     // Quadratically convergent: a handful of sweeps is more than enough.
     for _ in 0..10 {
@@ -215,11 +215,11 @@ fn solve_on_range(mut a: [[f64; 3]; 3], b: [f64; 3]) -> Option<[f64; 3]> {
     if largest.is_nan() || largest <= 0.0 {
         return None;
     }
-    let mut x = [0.0; 3];
+    let mut x = DVec3::ZERO;
     for k in 0..3 {
         if a[k][k] > 1e-12 * largest {
-            let axis = [v[0][k], v[1][k], v[2][k]];
-            x = add(x, scale(axis, dot(axis, b) / a[k][k]));
+            let axis = DVec3::new(v[0][k], v[1][k], v[2][k]);
+            x += axis * (axis.dot(b) / a[k][k]);
         }
     }
     Some(x)
@@ -293,28 +293,27 @@ mod tests {
     /// differences give its minimum exactly, and far from the mean.
     #[test]
     fn the_virtual_vertex_minimises_squared_areas() {
-        let corners = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.5], [5.0, 1.0, 0.0], [0.0, 3.0, 1.0]];
-        let areas = |p: [f64; 3]| -> [f64; 4] {
-            std::array::from_fn(|i| {
-                0.5 * norm(cross(sub(corners[i], p), sub(corners[(i + 1) % 4], p)))
-            })
+        let positions = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.5], [5.0, 1.0, 0.0], [0.0, 3.0, 1.0]];
+        let corners = positions.map(DVec3::from);
+        let areas = |p: DVec3| -> [f64; 4] {
+            std::array::from_fn(|i| 0.5 * (corners[i] - p).cross(corners[(i + 1) % 4] - p).length())
         };
-        let squares = |p: [f64; 3]| areas(p).map(|a| a * a).iter().sum::<f64>();
+        let squares = |p: DVec3| areas(p).map(|a| a * a).iter().sum::<f64>();
         let at = |steps: &[usize]| {
-            let mut p = [0.0; 3];
+            let mut p = DVec3::ZERO;
             steps.iter().for_each(|&axis| p[axis] += 1.0);
             squares(p)
         };
         let second = |i, j| at(&[i, j]) - at(&[i]) - at(&[j]) + at(&[]);
         let hessian = [0, 1, 2].map(|i| [0, 1, 2].map(|j| second(i, j)));
         let downhill = [0, 1, 2].map(|i| at(&[]) - at(&[i]) + 0.5 * hessian[i][i]);
-        let lowest = solve_on_range(hessian, downhill).unwrap();
-        let mean = scale(corners.iter().fold([0.0; 3], |sum, &p| add(sum, p)), 0.25);
+        let lowest = solve_on_range(hessian, downhill.into()).unwrap();
+        let mean = 0.25 * corners.iter().sum::<DVec3>();
         assert!(squares(mean) > 1.05 * squares(lowest));
 
-        let found = polygon_laplacian(&polygons(corners.to_vec(), &[&[0, 1, 2, 3]])).unwrap();
+        let found = polygon_laplacian(&polygons(positions.to_vec(), &[&[0, 1, 2, 3]])).unwrap();
         let area: f64 = areas(lowest).iter().sum();
-        let coordinate = |axis| corners.iter().map(|p: &[f64; 3]| p[axis]).collect::<Vec<_>>();
+        let coordinate = |axis| corners.iter().map(|p| p[axis]).collect::<Vec<_>>();
         let twice: f64 = (0..3).map(|axis| energy(&found.stiffness, &coordinate(axis))).sum();
         assert!((twice - 2.0 * area).abs() < 1e-12, "{twice} {area}");
         assert!((found.lumped_mass.iter().sum::<f64>() - area).abs() < 1e-12);

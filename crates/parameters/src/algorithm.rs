@@ -1,62 +1,73 @@
-//! What programs know of an algorithm: its name, its parameters, and their values as text.
+//! Algorithms and their parameters, as programs list them.
 
-use crate::named::UnknownName;
+use crate::range::Range;
+use crate::value::Value;
 
-/// An algorithm by name, with its parameters.
-///
-/// Flows, denoisers and estimators of curvature have one each, beside their options. Programs make their flags,
-/// lists and tables from it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// An algorithm by name, with its parameters: the table from which programs make flags, lists and
+/// documentation.
+#[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Algorithm {
     /// The name on the command line and in tables.
     pub name: &'static str,
-    /// When to take it, in a line.
+    /// One-line summary of when to use it.
     pub description: &'static str,
-    /// The keys of its sources in `docs/bibliography.bib`; none where it is new.
+    /// Keys of its sources in `docs/bibliography.bib`; empty if it is new.
     pub sources: &'static [&'static str],
     /// Its parameters, in the order in which they are listed.
-    pub parameters: &'static [Parameter],
+    pub parameters: Vec<Parameter>,
 }
 
 impl Algorithm {
-    /// An algorithm.
-    pub const fn new(
-        name: &'static str,
-        description: &'static str,
-        sources: &'static [&'static str],
-        parameters: &'static [Parameter],
-    ) -> Self {
-        Self { name, description, sources, parameters }
-    }
-
-    /// The parameter of that name, if it has it.
-    pub fn parameter(&self, name: &str) -> Option<&'static Parameter> {
+    /// The parameter of that name, if there is one.
+    pub fn parameter(&self, name: &str) -> Option<&Parameter> {
         self.parameters.iter().find(|parameter| parameter.name == name)
     }
 }
 
 /// A parameter of an [`Algorithm`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Parameter {
     /// The name on the command line: lower case, words joined by hyphens.
     pub name: &'static str,
-    /// What it says, as the beginning of a sentence without full stop.
+    /// One sentence without full stop.
     pub about: &'static str,
-    /// Its unit; empty where it is dimensionless or not a number.
+    /// The unit; empty if the parameter is dimensionless or no number.
     pub unit: &'static str,
-    /// The value that it has unless it is set, as text; empty where that depends on other parameters, or is nothing.
-    pub default: &'static str,
-    /// Which values there are.
+    /// The accepted values.
     pub kind: Kind,
-    /// The parameters that cannot be given together with it.
+    /// The accepted numbers of [`Kind::Number`] and [`Kind::Count`].
+    pub range: Range,
+    /// The value unless it is set; `None` if it follows from other parameters, or is nothing.
+    pub default: Option<Value>,
+    /// Parameters that cannot be given together with this one.
     pub excludes: &'static [&'static str],
-    /// Whether the algorithm does nothing without it.
+    /// Whether the algorithm needs a value.
     pub required: bool,
 }
 
-/// The values of a [`Parameter`].
+impl Parameter {
+    /// A parameter without unit, range and default.
+    pub const fn new(name: &'static str, kind: Kind, about: &'static str) -> Self {
+        Self {
+            name,
+            about,
+            unit: "",
+            kind,
+            range: Range::FINITE,
+            default: None,
+            excludes: &[],
+            required: false,
+        }
+    }
+
+    /// The default as text; empty if there is none.
+    pub fn default_text(&self) -> String {
+        self.default.as_ref().map(Value::to_string).unwrap_or_default()
+    }
+}
+
+/// The kind of the values of a [`Parameter`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Kind {
@@ -64,22 +75,21 @@ pub enum Kind {
     Number,
     /// A whole number, zero or more.
     Count,
-    /// One of some names.
+    /// One of several names.
     Choice(&'static [Choice]),
-    /// Vertices as numbers from 0, joined by commas.
+    /// Vertices, as numbers from 0.
     Vertices,
-    /// Vertices with a weight and, where they are not drawn to where they are, a point:
-    /// `VERTEX:WEIGHT` or `VERTEX:WEIGHT:X:Y:Z`, joined by commas.
+    /// Vertices with a weight and, unless they are drawn to their own positions, a target.
     Weighted,
 }
 
-/// A value that has a name.
+/// A value with a name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Choice {
     /// The name.
     pub name: &'static str,
-    /// What it means, in a line.
+    /// Its meaning, in one line.
     pub about: &'static str,
 }
 
@@ -87,378 +97,5 @@ impl Choice {
     /// A choice.
     pub const fn new(name: &'static str, about: &'static str) -> Self {
         Self { name, about }
-    }
-}
-
-impl Kind {
-    /// Whether the text is a value of this kind.
-    ///
-    /// # Errors
-    ///
-    /// What the text must be, if it is not.
-    pub fn check(self, text: &str) -> Result<(), String> {
-        let each = |is: fn(&str) -> bool| text.split(',').all(is);
-        let (good, expected) = match self {
-            Self::Number => (text.parse::<f64>().is_ok(), "a number"),
-            Self::Count => (text.parse::<usize>().is_ok(), "a whole number, zero or more"),
-            Self::Vertices => {
-                (each(|v| v.parse::<u32>().is_ok()), "numbers of vertices, joined by commas")
-            }
-            Self::Weighted => (
-                each(|v| WeightedVertex::from_text(v).is_some()),
-                "VERTEX:WEIGHT or VERTEX:WEIGHT:X:Y:Z, joined by commas",
-            ),
-            Self::Choice(choices) => {
-                let names: Vec<&str> = choices.iter().map(|choice| choice.name).collect();
-                return match names.contains(&text) {
-                    true => Ok(()),
-                    false => Err(format!("one of {}", names.join(", "))),
-                };
-            }
-        };
-        if good { Ok(()) } else { Err(expected.to_owned()) }
-    }
-}
-
-impl Parameter {
-    const fn new(
-        name: &'static str,
-        kind: Kind,
-        default: &'static str,
-        about: &'static str,
-    ) -> Self {
-        Self { name, about, unit: "", default, kind, excludes: &[], required: false }
-    }
-
-    /// A number.
-    pub const fn number(name: &'static str, default: &'static str, about: &'static str) -> Self {
-        Self::new(name, Kind::Number, default, about)
-    }
-
-    /// A whole number.
-    pub const fn count(name: &'static str, default: &'static str, about: &'static str) -> Self {
-        Self::new(name, Kind::Count, default, about)
-    }
-
-    /// One of some names.
-    pub const fn choice(
-        name: &'static str,
-        choices: &'static [Choice],
-        default: &'static str,
-        about: &'static str,
-    ) -> Self {
-        Self::new(name, Kind::Choice(choices), default, about)
-    }
-
-    /// Vertices.
-    pub const fn vertices(name: &'static str, about: &'static str) -> Self {
-        Self::new(name, Kind::Vertices, "", about)
-    }
-
-    /// Vertices with weights.
-    pub const fn weighted(name: &'static str, about: &'static str) -> Self {
-        Self::new(name, Kind::Weighted, "", about)
-    }
-
-    /// The same with a unit.
-    #[must_use]
-    pub const fn unit(self, unit: &'static str) -> Self {
-        Self { unit, ..self }
-    }
-
-    /// The same with another default.
-    #[must_use]
-    pub const fn default(self, default: &'static str) -> Self {
-        Self { default, ..self }
-    }
-
-    /// The same with another explanation.
-    #[must_use]
-    pub const fn about(self, about: &'static str) -> Self {
-        Self { about, ..self }
-    }
-
-    /// The same, which cannot be given together with these.
-    #[must_use]
-    pub const fn excludes(self, excludes: &'static [&'static str]) -> Self {
-        Self { excludes, ..self }
-    }
-
-    /// The same, without which there is nothing to do.
-    #[must_use]
-    pub const fn required(self) -> Self {
-        Self { required: true, ..self }
-    }
-}
-
-/// A vertex with a weight, and a point unless it is where the vertex is.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub struct WeightedVertex {
-    /// The vertex.
-    pub vertex: u32,
-    /// Its weight.
-    pub weight: f64,
-    /// The point, if it is not that of the vertex.
-    pub target: Option<[f64; 3]>,
-}
-
-impl WeightedVertex {
-    fn from_text(text: &str) -> Option<Self> {
-        let mut parts = text.split(':');
-        let vertex = parts.next()?.parse().ok()?;
-        let numbers: Vec<f64> = parts.map(|x| x.parse().ok()).collect::<Option<_>>()?;
-        match numbers[..] {
-            [weight] => Some(Self { vertex, weight, target: None }),
-            [weight, x, y, z] => Some(Self { vertex, weight, target: Some([x, y, z]) }),
-            _ => None,
-        }
-    }
-}
-
-/// Why values do not fit the parameters of an algorithm.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ParameterError {
-    /// There is no algorithm of that name.
-    #[error(transparent)]
-    UnknownName(#[from] UnknownName),
-    /// The algorithm has no parameter of that name.
-    #[error("{algorithm} has no parameter {name:?}; it has {}", known.join(", "))]
-    Unknown {
-        /// The algorithm.
-        algorithm: &'static str,
-        /// The name that was given.
-        name: String,
-        /// The names of its parameters.
-        known: Vec<&'static str>,
-    },
-    /// A value is none of the parameter.
-    #[error("{parameter} is {value:?}, but must be {expected}")]
-    Value {
-        /// The parameter.
-        parameter: &'static str,
-        /// The value that was given.
-        value: String,
-        /// What it must be.
-        expected: String,
-    },
-    /// Two parameters were given of which only one can be, or one was given twice.
-    #[error("give {first} or {second}, not both")]
-    Excluded {
-        /// One of them.
-        first: &'static str,
-        /// The other.
-        second: &'static str,
-    },
-    /// Without this parameter there is nothing to do.
-    #[error("{algorithm} needs {parameter}: {about}")]
-    Missing {
-        /// The algorithm.
-        algorithm: &'static str,
-        /// The parameter.
-        parameter: &'static str,
-        /// What it says.
-        about: &'static str,
-    },
-}
-
-/// Values of some parameters of an algorithm, each of its kind. The others keep their defaults.
-///
-/// All values are known before options are made from them, so that their order does not matter.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Values<'a> {
-    algorithm: &'static Algorithm,
-    given: Vec<(&'static Parameter, &'a str)>,
-}
-
-impl<'a> Values<'a> {
-    /// No values: all defaults.
-    pub fn none(algorithm: &'static Algorithm) -> Self {
-        Self { algorithm, given: Vec::new() }
-    }
-
-    /// These values, each with the name of its parameter.
-    ///
-    /// # Errors
-    ///
-    /// [`ParameterError`] for a name that the algorithm does not have, a value of another kind, parameters that
-    /// exclude each other, one that is given twice, and one that is required and not given.
-    pub fn new(
-        algorithm: &'static Algorithm,
-        values: &[(&str, &'a str)],
-    ) -> Result<Self, ParameterError> {
-        let mut given: Vec<(&'static Parameter, &'a str)> = Vec::with_capacity(values.len());
-        for &(name, value) in values {
-            let parameter = algorithm.parameter(name).ok_or_else(|| ParameterError::Unknown {
-                algorithm: algorithm.name,
-                name: name.to_owned(),
-                known: algorithm.parameters.iter().map(|parameter| parameter.name).collect(),
-            })?;
-            parameter.kind.check(value).map_err(|expected| parameter.refuse(value, expected))?;
-            let excluded = given.iter().find(|(other, _)| {
-                other.name == name
-                    || parameter.excludes.contains(&other.name)
-                    || other.excludes.contains(&name)
-            });
-            if let Some((other, _)) = excluded {
-                return Err(ParameterError::Excluded { first: other.name, second: parameter.name });
-            }
-            given.push((parameter, value));
-        }
-        let values = Self { algorithm, given };
-        let mut required = algorithm.parameters.iter().filter(|parameter| parameter.required);
-        match required.find(|parameter| values.text(parameter.name).is_none()) {
-            None => Ok(values),
-            Some(&Parameter { name: parameter, about, .. }) => {
-                Err(ParameterError::Missing { algorithm: algorithm.name, parameter, about })
-            }
-        }
-    }
-
-    /// The algorithm.
-    pub fn algorithm(&self) -> &'static Algorithm {
-        self.algorithm
-    }
-
-    /// The value of that parameter as text, if it is given.
-    pub fn text(&self, name: &str) -> Option<&'a str> {
-        self.given.iter().find(|(parameter, _)| parameter.name == name).map(|(_, value)| *value)
-    }
-
-    /// The value of that parameter, if it is given.
-    ///
-    /// # Errors
-    ///
-    /// [`ParameterError::Value`] where the type does not hold it, such as a count beyond its range.
-    pub fn get<T: std::str::FromStr>(&self, name: &str) -> Result<Option<T>, ParameterError> {
-        let given = self.given.iter().find(|(parameter, _)| parameter.name == name);
-        let Some((parameter, value)) = given else { return Ok(None) };
-        let read = value.parse().map(Some);
-        read.map_err(|_| parameter.refuse(value, "within the range of its type".to_owned()))
-    }
-
-    /// Puts the value of that parameter into an option; leaves the option as it is where none is given.
-    ///
-    /// # Errors
-    ///
-    /// As [`get`](Self::get).
-    pub fn read<T: std::str::FromStr>(
-        &self,
-        name: &str,
-        option: &mut T,
-    ) -> Result<(), ParameterError> {
-        if let Some(value) = self.get(name)? {
-            *option = value;
-        }
-        Ok(())
-    }
-
-    /// The vertices of that parameter; none where it is not given.
-    pub fn vertices(&self, name: &str) -> Vec<u32> {
-        let given = self.text(name).into_iter().flat_map(|text| text.split(','));
-        given.filter_map(|vertex| vertex.parse().ok()).collect()
-    }
-
-    /// The vertices with weights of that parameter; none where it is not given.
-    pub fn weighted(&self, name: &str) -> Vec<WeightedVertex> {
-        let given = self.text(name).into_iter().flat_map(|text| text.split(','));
-        given.filter_map(WeightedVertex::from_text).collect()
-    }
-
-    /// The error for the value of that parameter, which must be as `expected` says.
-    pub fn refuse(&self, name: &'static str, expected: impl Into<String>) -> ParameterError {
-        let value = self.text(name).unwrap_or_default().to_owned();
-        ParameterError::Value { parameter: name, value, expected: expected.into() }
-    }
-}
-
-impl Parameter {
-    fn refuse(&self, value: &str, expected: String) -> ParameterError {
-        ParameterError::Value { parameter: self.name, value: value.to_owned(), expected }
-    }
-}
-
-/// Gives an enum without fields the constants `ALL` and `CHOICES` and the method `name`, and has it written as its
-/// name and read from it.
-#[doc(hidden)]
-#[macro_export]
-macro_rules! choices {
-    ($type:ty, $what:literal, $($variant:ident: $name:literal, $about:literal;)*) => {
-        impl $type {
-            /// All of them.
-            pub const ALL: [Self; [$($name),*].len()] = [$(Self::$variant),*];
-
-            /// Their names, and what they mean.
-            pub const CHOICES: &'static [$crate::Choice] = &[$($crate::Choice::new($name, $about)),*];
-
-            /// The name on the command line and in tables.
-            pub fn name(self) -> &'static str {
-                match self {
-                    $(Self::$variant => $name),*
-                }
-            }
-        }
-
-        $crate::named!($type, $what);
-    };
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    static FLOW: Algorithm = Algorithm::new(
-        "flow",
-        "a flow",
-        &[],
-        &[
-            Parameter::number("lambda", "0.5", "The step").excludes(&["time"]),
-            Parameter::number("time", "", "The time"),
-            Parameter::count("order", "2", "The order"),
-            Parameter::choice("area", &[Choice::new("mixed", "")], "mixed", "The area"),
-            Parameter::weighted("soft", "Soft vertices"),
-            Parameter::vertices("vertices", "The region").required(),
-        ],
-    );
-
-    #[test]
-    fn values_are_read() {
-        let given = [("vertices", "3,0"), ("order", "4"), ("soft", "7:0.5,8:2:1:-2:3e-1")];
-        let values = Values::new(&FLOW, &given).unwrap();
-        assert_eq!(values.vertices("vertices"), [3, 0]);
-        let (mut order, mut lambda) = (2u32, 0.5);
-        values.read("order", &mut order).unwrap();
-        values.read("lambda", &mut lambda).unwrap();
-        assert_eq!((order, lambda), (4, 0.5));
-        let [here, there] = values.weighted("soft")[..] else { panic!("two vertices") };
-        assert_eq!((here.vertex, here.weight, here.target), (7, 0.5, None));
-        assert_eq!((there.vertex, there.target), (8, Some([1.0, -2.0, 0.3])));
-        let mut small = 0u8;
-        let large = Values::new(&FLOW, &[("vertices", "1"), ("order", "256")]).unwrap();
-        let error = large.read("order", &mut small).unwrap_err().to_string();
-        assert!(error.contains("order is \"256\""), "{error}");
-    }
-
-    #[test]
-    fn what_does_not_fit_is_an_error() {
-        for (given, said) in [
-            (&[("mu", "1")][..], "flow has no parameter \"mu\"; it has lambda, time"),
-            (&[("lambda", "x")], "lambda is \"x\", but must be a number"),
-            (&[("order", "-1")], "order is \"-1\", but must be a whole number"),
-            (&[("area", "round")], "area is \"round\", but must be one of mixed"),
-            (&[("vertices", "1,,2")], "vertices is \"1,,2\""),
-            (&[("vertices", "")], "vertices is \"\""),
-            (&[("lambda", "1"), ("time", "1")], "give lambda or time, not both"),
-            (&[("time", "1"), ("lambda", "1")], "give time or lambda, not both"),
-            (&[("order", "1"), ("order", "2")], "give order or order"),
-            (&[("order", "1")], "flow needs vertices: The region"),
-        ] {
-            let error = Values::new(&FLOW, given).unwrap_err().to_string();
-            assert!(error.contains(said), "{error}");
-        }
-        for text in ["", "7", "-1:2", "7:2:1", "7:2:1:2", "7:2:1:2:3:4", "7:x"] {
-            assert!(Kind::Weighted.check(text).is_err(), "{text}");
-        }
     }
 }

@@ -87,3 +87,45 @@ macro_rules! serde_by_name {
         }
     };
 }
+
+/// Gives an enum without fields the constants `ALL` and `CHOICES` and the method `name`, writes it
+/// as its name and reads it from its name, and makes it a parameter of options.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! choices {
+    ($type:ty, $what:literal, $($variant:ident: $name:literal, $about:literal;)*) => {
+        impl $type {
+            /// All of them.
+            pub const ALL: [Self; [$($name),*].len()] = [$(Self::$variant),*];
+
+            /// Their names, and what they mean.
+            pub const CHOICES: &'static [$crate::Choice] = &[$($crate::Choice::new($name, $about)),*];
+
+            /// The name on the command line and in tables.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $name),*
+                }
+            }
+        }
+
+        $crate::named!($type, $what);
+
+        impl $crate::Field for $type {
+            fn parameters(&self, field: $crate::Parameter) -> Vec<$crate::Parameter> {
+                let kind = $crate::Kind::Choice(Self::CHOICES);
+                let default = Some($crate::Value::from(self.name()));
+                vec![$crate::Parameter { kind, default, ..field }]
+            }
+
+            fn read(
+                &mut self,
+                name: &'static str,
+                values: &$crate::Values,
+            ) -> Result<(), $crate::ParameterError> {
+                *self = values.choice(name).unwrap_or(*self);
+                Ok(())
+            }
+        }
+    };
+}

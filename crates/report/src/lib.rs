@@ -6,15 +6,13 @@
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 
-pub mod commands;
 pub mod mathml;
 
 mod layout;
-mod letters;
 mod markdown;
+mod notation;
 mod numbers;
 mod page;
-mod play;
 mod publish;
 mod render;
 mod snippets;

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::{commands, letters, numbers, play, snippets, story, thumbnail};
+use crate::{notation, numbers, snippets, story, thumbnail};
 
 use fairing_results::results::{Form, MeshCard, Record, Results};
 use fairing_results::table::{Column, Table, Unit};
@@ -26,16 +26,16 @@ pub(crate) fn report(results: &Results) -> String {
         found.map_or(1, |(_, number)| *number)
     };
     for act in &story::ACTS {
-        let own = act.sections(results);
-        if !own.is_empty() {
+        let mut own = act.sections(results).peekable();
+        if own.peek().is_some() {
             let _ = write!(text, "\n# {}\n\n{}\n", act.title, act.about);
         }
-        for (record, bridge) in own {
-            text += &section(record, number(record), bridge, results.form);
+        for record in own {
+            text += &section(record, number(record), results.form);
         }
     }
     for record in story::others(results) {
-        text += &section(record, number(record), "", results.form);
+        text += &section(record, number(record), results.form);
     }
     let rules = story::rules(results);
     if !rules.is_empty() {
@@ -47,10 +47,10 @@ pub(crate) fn report(results: &Results) -> String {
     text
 }
 
-fn section(record: &Record, first: usize, bridge: &str, form: Form) -> String {
+fn section(record: &Record, first: usize, form: Form) -> String {
     let mut text = format!("\n## {}\n", heading(record));
-    if !bridge.is_empty() {
-        let _ = write!(text, "\n{bridge}\n");
+    if !record.section.bridge.is_empty() {
+        let _ = write!(text, "\n{}\n", record.section.bridge);
     }
     let _ = write!(text, "\n**Question.** {}\n", record.question);
     if let Some(error) = &record.error {
@@ -61,14 +61,15 @@ fn section(record: &Record, first: usize, bridge: &str, form: Form) -> String {
     for formula in &record.formulas {
         let _ = write!(text, "\n$${formula}$$\n");
     }
-    if let Some(reference) = letters::reference(&record.id) {
+    if let Some(reference) = notation::reference(record) {
         let _ = write!(text, "\n{reference}\n");
     }
     if let Some(lines) = snippets::for_section(&record.id) {
         let _ = write!(text, "\n```rust\n{lines}\n```\n");
     }
-    if let Some(lines) = commands::for_section(&record.id) {
-        let _ = write!(text, "\n```sh\n{}\n```\n", lines.join("\n"));
+    let commands = &record.section.commands;
+    if !commands.is_empty() {
+        let _ = write!(text, "\n```sh\n{}\n```\n", commands.join("\n"));
     }
     text + &body(record, first, form)
 }
@@ -253,7 +254,7 @@ fn body(record: &Record, first: usize, form: Form) -> String {
             claim.id, claim.claim, claim.verdict, claim.reason
         );
     }
-    for play in play::for_section(&record.id) {
+    if let Some(play) = &record.section.playground {
         let number = numbered(&play.id());
         let _ = write!(text, "\n*{number}In the page, to play with.* {}\n", play.caption);
     }

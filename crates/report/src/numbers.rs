@@ -1,12 +1,12 @@
 //! The numbers of figures: playgrounds, views, plots and pictures, in the order of the page.
 
-use crate::play::Play;
-use crate::{layout, play, story};
+use crate::{layout, story};
 use fairing_results::results::{FigureFile, Record, Results, ViewFile};
+use fairing_results::section::Playground;
 
 /// Something with a number.
 pub(crate) enum Item<'a> {
-    Play(&'a Play),
+    Play(&'a Playground),
     /// With its place among the views.
     View(usize, &'a ViewFile),
     Picture(&'a FigureFile),
@@ -49,7 +49,7 @@ pub(crate) fn place(record: &Record, id: &str) -> Option<usize> {
 
 /// The numbered parts of a section in their order, and how many of them are seen at once.
 pub(crate) fn parts(record: &Record) -> (Vec<Item<'_>>, usize) {
-    let mut all: Vec<Item<'_>> = play::for_section(&record.id).map(Item::Play).collect();
+    let mut all: Vec<Item<'_>> = record.section.playground.iter().map(Item::Play).collect();
     all.extend(record.views.iter().enumerate().map(|(k, view)| Item::View(k, view)));
     let pictures = |plots: bool| {
         let own = record.figures.iter().filter(|f| !is_paper(record, f));

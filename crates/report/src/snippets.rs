@@ -11,19 +11,3 @@ pub(crate) fn for_section(section: &str) -> Option<String> {
     let indent = lines.iter().map(indentation).min().unwrap_or(0);
     Some(lines.iter().map(|line| &line[indent..]).collect::<Vec<_>>().join("\n"))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::story;
-
-    /// Each section of the article has between two and six lines.
-    #[test]
-    fn every_section_has_a_snippet() {
-        for section in story::ACTS.iter().flat_map(story::Act::ids) {
-            let lines = for_section(section).unwrap_or_default().lines().count();
-            assert!((2..=6).contains(&lines), "{section}: {lines} lines");
-        }
-        assert_eq!(for_section("nothing"), None);
-    }
-}

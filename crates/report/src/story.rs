@@ -2,6 +2,7 @@
 //! the rules at the end. No number is written here: those come from the results.
 
 use fairing_results::results::{Record, Results};
+use fairing_results::section;
 use fairing_results::verdict::Verdict;
 
 /// The title of the report.
@@ -18,87 +19,30 @@ pub(crate) struct Act {
     pub(crate) title: &'static str,
     /// What it is about, in a sentence or two.
     pub(crate) about: &'static str,
-    /// Its experiments in order, each with the bridge that leads to it.
-    sections: &'static [(&'static str, &'static str)],
+    act: section::Act,
 }
 
 pub(crate) const ACTS: [Act; 3] = [
     Act {
+        act: section::Act::Curvature,
         id: "act-curvature",
         title: "I. Measuring curvature",
         about: "A mesh has corners where the surface has curvature. This part asks which sums over corners converge to \
             the curvature of the surface, and what noise does to them.",
-        sections: &[
-            (
-                "q1",
-                "The simplest Laplacian averages neighbours and knows nothing of angles. We begin with what it \
-                makes of curvature, because every later section mends one of its faults.",
-            ),
-            (
-                "q2",
-                "To say how wrong an estimate is, one needs a surface whose curvature is known. The ellipsoid has \
-                formulas for everything, and the original report has one of them wrong.",
-            ),
-            (
-                "q3",
-                "Uniform weights mistake the shape of triangles for the shape of the surface. Cotangents weigh \
-                edges by angles; do they mend that?",
-            ),
-            (
-                "noise",
-                "So far the vertices were on the surface. Measured meshes are noisy, and the two curvatures do \
-                not suffer alike.",
-            ),
-            (
-                "estimators",
-                "Cotangents and angle defects look one edge far. What do estimators gain that fit a surface \
-                to more neighbours?",
-            ),
-        ],
     },
     Act {
+        act: section::Act::Spectrum,
         id: "act-spectrum",
         title: "II. A shape as a spectrum",
         about: "The eigenvectors of the Laplacian are the waves of a surface, from smooth to rough. This part takes a \
             shape apart into them and puts it together again.",
-        sections: &[(
-            "q4",
-            "The same matrix that gave curvature has eigenvectors, and they are a basis for any \
-            function on the mesh, its positions included. How many does a shape need?",
-        )],
     },
     Act {
+        act: section::Act::Diffusion,
         id: "act-diffusion",
         title: "III. Diffusion and denoising",
         about: "Diffusion damps rough waves more than smooth ones: it removes noise, and in the end the shape. This \
             part asks how far one can go, and what to do instead.",
-        sections: &[
-            (
-                "q5",
-                "In the basis of the last part a step of diffusion multiplies each mode by a number. Explicit steps \
-                do so by 1 + λμ, and that number can leave the interval from −1 to 1.",
-            ),
-            (
-                "q6",
-                "Implicit steps divide instead of multiplying, and no step is too long. Whether long steps are \
-                useful is another question.",
-            ),
-            (
-                "flows",
-                "Diffusion with uniform weights is one flow of many. Those with cotangents have a limit that \
-                can be computed, and some give the volume back.",
-            ),
-            (
-                "q7",
-                "Now noise is added on purpose, so that the error is known. When does smoothing bring a shape \
-                closer to the truth?",
-            ),
-            (
-                "denoisers",
-                "Flows smooth creases as well as noise. Denoisers filter normals instead of positions; this \
-                last section compares them on the meshes of the literature.",
-            ),
-        ],
     },
 ];
 
@@ -138,30 +82,21 @@ pub(crate) fn lessons(results: &Results) -> String {
 }
 
 impl Act {
-    /// The ids of its experiments.
-    #[cfg(test)]
-    pub(crate) fn ids(&self) -> impl Iterator<Item = &'static str> {
-        self.sections.iter().map(|(id, _)| *id)
-    }
-
-    /// The experiments of this act that were run, each with its bridge.
-    pub(crate) fn sections<'a>(&self, results: &'a Results) -> Vec<(&'a Record, &'static str)> {
-        let find = |id: &str| results.experiments.iter().find(|r| r.id == id);
-        self.sections.iter().filter_map(|(id, bridge)| Some((find(id)?, *bridge))).collect()
+    /// The experiments of this act that were run.
+    pub(crate) fn sections<'a>(&self, results: &'a Results) -> impl Iterator<Item = &'a Record> {
+        let act = self.act;
+        results.experiments.iter().filter(move |record| record.section.act == Some(act))
     }
 }
 
-/// Experiments that no act names, in their order.
-pub(crate) fn others(results: &Results) -> Vec<&Record> {
-    let named =
-        |id: &str| ACTS.iter().any(|act| act.sections.iter().any(|(known, _)| *known == id));
-    results.experiments.iter().filter(|r| !named(&r.id)).collect()
+/// Experiments that belong to no act, in their order.
+pub(crate) fn others(results: &Results) -> impl Iterator<Item = &Record> {
+    results.experiments.iter().filter(|record| record.section.act.is_none())
 }
 
 /// The experiments in the order of the article.
 pub(crate) fn in_order(results: &Results) -> Vec<&Record> {
-    let acts = ACTS.iter().flat_map(|act| act.sections(results)).map(|(record, _)| record);
-    acts.chain(others(results)).collect()
+    ACTS.iter().flat_map(|act| act.sections(results)).chain(others(results)).collect()
 }
 
 /// A rule for the student, the claim that it rests on, and the verdicts under which it follows.

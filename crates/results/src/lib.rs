@@ -8,6 +8,7 @@ pub mod compare;
 pub mod json;
 pub mod provenance;
 pub mod results;
+pub mod section;
 pub mod table;
 pub mod verdict;
 pub mod view;

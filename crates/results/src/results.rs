@@ -7,6 +7,7 @@ use anyhow::{Context as _, Result};
 use serde::{Deserialize, Serialize};
 
 use crate::provenance::Provenance;
+use crate::section::Section;
 use crate::table::Table;
 use crate::verdict::{Judgement, Verdict};
 
@@ -49,6 +50,9 @@ pub struct Record {
     /// The formulas behind the method, in TeX, without dollars.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub formulas: Vec<String>,
+    /// Its place in the article and the words around it.
+    #[serde(default)]
+    pub section: Section,
     /// Why there are no results, if it failed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,

@@ -54,13 +54,54 @@ impl fmt::Display for Deciding {
     }
 }
 
-/// A view or a playground of the page in one of its states.
+/// A figure, a view or a playground of the page, and its state.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Shown {
     /// Its id on the page.
     pub id: String,
     /// The state, as the page has it in its address.
     pub state: String,
+}
+
+/// The state of a view, as far as it differs from that at the beginning.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct ViewState {
+    /// The stop of each slider.
+    pub stops: Vec<usize>,
+    /// The name of the field that is shown.
+    pub field: String,
+    /// The number of modes of a view that sums modes.
+    pub modes: Option<usize>,
+}
+
+impl Shown {
+    /// A figure.
+    pub fn figure(experiment: &str, figure: &str) -> Self {
+        Self { id: format!("figure-{experiment}-{figure}"), state: String::new() }
+    }
+
+    /// A figure with the line of this name marked.
+    pub fn line(experiment: &str, figure: &str, line: &str) -> Self {
+        Self { state: line.into(), ..Self::figure(experiment, figure) }
+    }
+
+    /// A view in a state.
+    pub fn view(experiment: &str, view: &str, state: &ViewState) -> Self {
+        let stops: Vec<String> = state.stops.iter().map(usize::to_string).collect();
+        // Camera, stops, field, map, range, switches, vertex, live flow and sum: what is empty is as at the beginning.
+        let mut parts = vec![String::new(), stops.join("~"), state.field.clone()];
+        if let Some(modes) = state.modes {
+            parts.resize(8, String::new());
+            parts.push(modes.to_string());
+        }
+        Self { id: format!("{experiment}-{view}"), state: parts.join("!") }
+    }
+
+    /// A playground with these values of its controls.
+    pub fn playground(kind: &str, values: &[&dyn std::fmt::Display]) -> Self {
+        let values: Vec<String> = values.iter().map(ToString::to_string).collect();
+        Self { id: format!("play-{kind}"), state: values.join("~") }
+    }
 }
 
 /// A verdict on one claim, with what decided it.
@@ -109,8 +150,8 @@ impl Judgement {
 
     /// Says where the page shows what decided.
     #[must_use]
-    pub fn shown(self, id: &str, state: &str) -> Self {
-        Self { shown: Some(Shown { id: id.into(), state: state.into() }), ..self }
+    pub fn shown(self, shown: Shown) -> Self {
+        Self { shown: Some(shown), ..self }
     }
 
     /// Adds a deciding number.

@@ -1,7 +1,8 @@
 //! All flows behind one type, for programs.
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::{Algorithm, ParameterError, UnknownName, Values};
+use fairing_parameters::old::{Algorithm, Values};
+use fairing_parameters::{ParameterError, UnknownName};
 
 use crate::engine::error::FlowError;
 use crate::engine::flow::Flow;
@@ -246,7 +247,7 @@ mod tests {
     /// The defaults of the tables are those of the options, and each parameter of a table is read.
     #[test]
     fn tables_agree_with_the_options() {
-        use fairing_parameters::Kind;
+        use fairing_parameters::old::Kind;
         let mesh = shapes::icosphere(0);
         for algorithm in Method::algorithms() {
             for parameter in algorithm.parameters {

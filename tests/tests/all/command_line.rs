@@ -14,7 +14,7 @@ use fairing_spectral::{SpectrumOptions, spectrum};
 use serde_json::{Value, json};
 
 /// The program, built once for all tests.
-fn program() -> &'static Path {
+pub(crate) fn program() -> &'static Path {
     static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
     PROGRAM.get_or_init(fairing_tests::program)
 }
@@ -48,7 +48,7 @@ fn folder_with_torus() -> tempfile::TempDir {
     folder
 }
 
-fn files(folder: &Path) -> Vec<String> {
+pub(crate) fn files(folder: &Path) -> Vec<String> {
     let mut names: Vec<String> = std::fs::read_dir(folder)
         .unwrap()
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())
@@ -467,10 +467,11 @@ fn commands_of_the_report_run() {
     };
     let noisy = truth.positions().iter().enumerate().map(moved).collect();
     let noisy = truth.with_positions(noisy).unwrap();
-    for section in fairing_report::commands::sections() {
+    for experiment in fairing_experiments::experiments::ALL {
         let folder = tempfile::tempdir().unwrap();
-        let commands = fairing_report::commands::for_section(section).unwrap();
-        assert!(!commands.is_empty(), "{section}");
+        let card = experiment.card();
+        let commands = &card.section.commands;
+        assert!(!commands.is_empty(), "{}", card.id);
         let mut made: Vec<&str> = vec![];
         for command in commands {
             let line = command.split('#').next().unwrap_or_default().trim();

@@ -216,7 +216,7 @@ fn cubic_jets_converge_in_the_maximum_norm() {
 #[test]
 fn every_estimator_knows_the_torus() {
     let mesh = shapes::torus(3.0, 1.0, 120, 60);
-    for estimator in Estimator::ALL {
+    for estimator in Estimator::all() {
         let field = estimator.estimate(&mesh).unwrap();
         for (v, &p) in mesh.positions().iter().enumerate() {
             let exact = TORUS.curvature(p).unwrap();
@@ -282,7 +282,7 @@ fn corrected_measures_are_exact_on_a_sphere() {
 #[test]
 fn every_estimator_knows_the_cylinder() {
     let mesh = shapes::cylinder(2.0, 4.0, 120, 40, shapes::Ends::Open);
-    for estimator in Estimator::ALL {
+    for estimator in Estimator::all() {
         let field: CurvatureField = estimator.estimate(&mesh).unwrap();
         assert_eq!(field.boundary.iter().filter(|&&b| b).count(), 240);
         // The edges that a ball cuts vary at random, by a few per cent.

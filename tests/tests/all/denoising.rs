@@ -1,7 +1,7 @@
 //! Denoisers on generated meshes with seeded noise.
 
 use fairing_denoising::{
-    Denoiser, FaceKind, SurfaceKind, VertexUpdate, automatic, update_vertices,
+    Denoiser, FaceKind, GuidedNormalOptions, SurfaceKind, VertexUpdate, automatic, update_vertices,
 };
 use fairing_evaluation::{
     NoiseKind, NoiseLevel, SurfaceTree, add_noise, drift, flipped_faces, normal_error,
@@ -29,7 +29,10 @@ fn automatic_restores_a_block_with_creases() {
         assert_eq!(result.kind, SurfaceKind::Creased, "{share}");
         let (before, after) = (error(&input, &block), error(&result.mesh, &block));
         assert!(after < 0.15 * before, "{share}: {before} to {after}");
-        let guided = error(&Denoiser::GuidedNormal.denoise(&input).unwrap(), &block);
+        let guided = error(
+            &Denoiser::GuidedNormal(GuidedNormalOptions::DEFAULT).denoise(&input).unwrap(),
+            &block,
+        );
         assert!(after < guided, "{share}: guided {guided}, automatic {after}");
         let flipped = |m: &TriMesh| flipped_faces(m, &block).unwrap();
         assert!(flipped(&result.mesh) <= flipped(&input).max(5), "{share}");
@@ -155,7 +158,7 @@ fn every_denoiser_helps() {
     let block = shapes::cad_block(0.15);
     let input = noisy(&block, 0.3);
     let before = error(&input, &block);
-    for denoiser in Denoiser::ALL {
+    for denoiser in Denoiser::all() {
         let after = error(&denoiser.denoise(&input).unwrap(), &block);
         assert!(after < 0.75 * before, "{denoiser}: {before} to {after}");
     }
@@ -175,7 +178,7 @@ fn denoisers_move_with_the_mesh() {
     for (motion, size) in motions.into_iter().zip([8.0, 1000.0]) {
         let moved = input.positions().iter().map(|&p| motion(p)).collect();
         let moved = input.with_positions(moved).unwrap();
-        for denoiser in Denoiser::ALL {
+        for denoiser in Denoiser::all() {
             let plain = denoiser.denoise(&input).unwrap();
             let other = denoiser.denoise(&moved).unwrap();
             let total: f64 = (plain.positions().iter().zip(other.positions()))
@@ -202,7 +205,7 @@ fn denoisers_do_not_depend_on_the_numbering() {
     let renumbered = |[a, b, c]: [u32; 3]| [b, c, a].map(|v| new(v as usize) as u32);
     let faces = input.faces().iter().rev().map(|f| renumbered(*f)).collect();
     let other = TriMesh::new(positions, faces).unwrap();
-    for denoiser in Denoiser::ALL {
+    for denoiser in Denoiser::all() {
         let (a, b) = (denoiser.denoise(&input).unwrap(), denoiser.denoise(&other).unwrap());
         let total: f64 =
             (0..n).map(|v| distance(a.positions()[v], b.positions()[new(v)]) / h).sum();
@@ -219,7 +222,7 @@ fn denoisers_do_not_depend_on_the_threads() {
     let input = noisy(&shapes::cad_block(0.2), 0.4);
     let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     let (single, several) = (pool(1), pool(3));
-    for denoiser in Denoiser::ALL {
+    for denoiser in Denoiser::all() {
         let one = single.install(|| denoiser.denoise(&input).unwrap());
         let three = several.install(|| denoiser.denoise(&input).unwrap());
         assert!(one.positions() == three.positions(), "{denoiser}");
@@ -249,7 +252,7 @@ fn denoisers_survive_bad_input() {
     let points = TriMesh::new(vec![[1.0, 2.0, 3.0]; 3], vec![]);
     let meshes = [fan, degenerate, needle, empty, points].map(Result::unwrap);
     for (k, mesh) in meshes.iter().chain([&open, &lost]).enumerate() {
-        for denoiser in Denoiser::ALL {
+        for denoiser in Denoiser::all() {
             match denoiser.denoise(mesh) {
                 Ok(out) => assert_eq!(out.vertex_count(), mesh.vertex_count(), "{k} {denoiser}"),
                 Err(error) => assert!(!error.to_string().is_empty(), "{k} {denoiser}"),

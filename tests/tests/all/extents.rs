@@ -39,7 +39,8 @@ fn lines() -> Vec<String> {
         }
         name => format!("smooth noisy.ply -o out.ply --method {name}"),
     });
-    let denoise = Denoiser::ALL.map(|d| format!("denoise noisy.ply -o out.ply --method {d}"));
+    let denoise =
+        Denoiser::all().into_iter().map(|d| format!("denoise noisy.ply -o out.ply --method {d}"));
     let others = [
         "noise one.ply -o out.ply --sigma 0.2 --kind axes",
         "reconstruct noisy.ply -k 9 -o out.ply",
@@ -96,7 +97,7 @@ fn verbs_that_make_a_mesh_do_so_at_both_ends() {
 #[test]
 fn verbs_that_measure_do_so_at_both_ends() {
     let folder = tempfile::tempdir().unwrap();
-    let mut lines: Vec<String> = Estimator::ALL
+    let mut lines: Vec<String> = Estimator::all()
         .iter()
         .map(|e| format!("curvature one.ply --estimator {e} --json"))
         .collect();

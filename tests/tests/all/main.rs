@@ -11,6 +11,8 @@ mod examples;
 mod extents;
 mod extremes;
 mod files;
+#[cfg(target_os = "linux")]
+mod interrupts;
 mod invariants;
 mod public_types;
 mod rendering;

@@ -26,6 +26,7 @@ impl Experiment for Shown {
             question: "What is there to see?",
             method: "By looking.\n\nTwice.".into(),
             formulas: vec![r"H = \frac{1}{r}".into()],
+            section: fairing_results::section::Section::default(),
             inputs: &[],
             parameters: vec![("radius", "1".into())],
         }

@@ -149,6 +149,7 @@ impl Experiment for Sample {
             question: "Does it run?",
             method: "By running.".into(),
             formulas: vec![],
+            section: fairing_results::section::Section::default(),
             inputs: &[],
             parameters: vec![],
         }

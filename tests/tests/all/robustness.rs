@@ -28,7 +28,7 @@ fn mesh(positions: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> TriMesh {
 fn nothing_and_points_alone() {
     for positions in [vec![], vec![[1.0, 2.0, 3.0]; 4]] {
         let mesh = mesh(positions, vec![]);
-        for estimator in Estimator::ALL {
+        for estimator in Estimator::all() {
             let field = estimator.estimate(&mesh).unwrap();
             check(&field, &mesh, estimator.name());
             let isolated = VertexStatus::Undefined(Undefined::Isolated);
@@ -40,7 +40,7 @@ fn nothing_and_points_alone() {
 #[test]
 fn one_triangle_is_flat_or_too_small() {
     let mesh = mesh(vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [5.0; 3]], vec![[0, 1, 2]]);
-    for estimator in Estimator::ALL {
+    for estimator in Estimator::all() {
         let field = estimator.estimate(&mesh).unwrap();
         check(&field, &mesh, estimator.name());
         assert_eq!(field.boundary, [true, true, true, false]);
@@ -84,7 +84,7 @@ fn a_soup_of_everything() {
     faces.extend([[a, c, b], [5, 80, n + 2]]);
     sphere = mesh(positions, faces);
     assert!(matches!(cotan_stiffness(&sphere), Err(OperatorError::DegenerateFace { .. })));
-    for estimator in Estimator::ALL {
+    for estimator in Estimator::all() {
         let field = estimator.estimate(&sphere).unwrap();
         check(&field, &sphere, estimator.name());
         let defined = field.status.iter().filter(|s| s.is_defined()).count();

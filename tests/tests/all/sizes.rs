@@ -1,6 +1,6 @@
 //! Operators and denoisers at every size, on random meshes, and in other frames.
 
-use fairing_denoising::{Denoiser, VertexUpdate, update_vertices};
+use fairing_denoising::{AutomaticOptions, Denoiser, VertexUpdate, update_vertices};
 use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
 use fairing_mesh::vec3::{add, distance, scale};
 use fairing_mesh::{PolygonMesh, TriMesh};
@@ -121,7 +121,7 @@ fn denoisers_survive_soups() {
             soup.with_positions(moved).unwrap(),
         ];
         for (i, mesh) in placed.iter().enumerate() {
-            for denoiser in Denoiser::ALL {
+            for denoiser in Denoiser::all() {
                 match denoiser.denoise(mesh) {
                     Ok(found) => {
                         assert_eq!(found.faces(), mesh.faces(), "{denoiser} {seed} {i}");
@@ -167,7 +167,7 @@ fn denoisers_do_not_depend_on_the_frame() {
         }
     };
     let renumbered = |[a, b, c]: [u32; 3]| [b, c, a].map(|v| place(v as usize) as u32);
-    for denoiser in Denoiser::ALL {
+    for denoiser in Denoiser::all() {
         let plain = denoiser.denoise(&input).unwrap();
         for case in 0..5 {
             let size = [1.0, 1e-8, 1e8, 1.0, 1.0][case];
@@ -182,7 +182,11 @@ fn denoisers_do_not_depend_on_the_frame() {
                 image(&plain, case).iter().zip(found.positions()).map(off).fold(0.0, f64::max);
             // Coordinates near 3e5 are rounded to 6e-11, a billionth of h. The network of the
             // automatic denoiser computes in single precision, 6e-8, over four stages.
-            let limit = if denoiser == Denoiser::Automatic { 1e-5 } else { 1e-6 };
+            let limit = if denoiser == Denoiser::Automatic(AutomaticOptions::DEFAULT) {
+                1e-5
+            } else {
+                1e-6
+            };
             assert!(worst < limit, "{denoiser}, case {case}: {worst:e} h");
         }
     }

@@ -8,8 +8,9 @@ use fairing_mesh::TriMesh;
 use fairing_results::provenance::Provenance;
 use fairing_results::results::{FigureFile, Form, PlotLink, Record, Results, ViewFile};
 use fairing_results::row;
+use fairing_results::section::Section;
 use fairing_results::table::{Table, Unit};
-use fairing_results::verdict::{Judgement, Verdict};
+use fairing_results::verdict::{Judgement, Shown, Verdict, ViewState};
 use fairing_results::view::{Modes, Panel, Slider, View};
 use fairing_shapes as shapes;
 use fairing_spectral::SpectrumOptions;
@@ -204,10 +205,17 @@ fn curve(folder: &Path) -> Result<FigureFile> {
     })
 }
 
+/// The section of an experiment.
+fn section(id: &str) -> Section {
+    let mut cards = fairing_experiments::experiments::ALL.iter().map(|e| e.card());
+    cards.find(|card| card.id == id).map(|card| card.section).unwrap_or_default()
+}
+
 /// A record with playgrounds only.
 fn playful(id: &str) -> Record {
     Record {
         id: id.into(),
+        section: section(id),
         title: "To play with".into(),
         question: "What happens?".into(),
         method: "By hand.".into(),
@@ -220,13 +228,18 @@ fn playful(id: &str) -> Record {
 fn flows(folder: &Path) -> Result<Record> {
     Ok(Record {
         id: "q5".into(),
+        section: section("q5"),
         title: "Explicit smoothing".into(),
         question: "What does λ do?".into(),
         method: "By steps.".into(),
         formulas: vec![FORMULA.into()],
         claims: vec![
             Judgement::new("5a", "λ = 0.05 is best.", Verdict::Qualified, "It depends.")
-                .shown("q5-flow", "!4!displacement")
+                .shown(Shown::view(
+                    "q5",
+                    "flow",
+                    &ViewState { stops: vec![4], field: "displacement".into(), modes: None },
+                ))
                 .number("normal error", 3.25, Unit::Degrees),
         ],
         figures: vec![

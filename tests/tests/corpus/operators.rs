@@ -66,7 +66,7 @@ fn gauss_bonnet(folder: &Path) -> Result<(), Failed> {
 
 fn estimators(folder: &Path) -> Result<(), Failed> {
     each(folder, |mesh| {
-        for estimator in Estimator::ALL {
+        for estimator in Estimator::all() {
             let field = match estimator.estimate(mesh) {
                 Ok(field) => field,
                 Err(OperatorError::NoLength) if mesh.diagonal() == 0.0 => continue,

@@ -1,4 +1,4 @@
-//! Which crate may use which.
+//! Dependencies allowed between crates.
 
 use std::path::Path;
 
@@ -6,8 +6,8 @@ use anyhow::Result;
 
 use super::packages::{self, Dependency, Package};
 
-/// For each library crate, the crates of ours that it may use. The façade,
-/// `xtask` and the tests may use everything.
+/// For each library crate, the crates of the workspace on which it may depend. The façade, the
+/// programs and the tests may depend on all.
 const ARROWS: [(&str, &[&str]); 16] = [
     ("fairing-watch", &[]),
     ("fairing-parameters", &[]),
@@ -91,10 +91,10 @@ const ARROWS: [(&str, &[&str]); 16] = [
     ),
 ];
 
-/// Crates that see everything.
+/// Crates that may depend on all others.
 const FREE: [&str; 4] = ["fairing", "pyfairing", "xtask", "fairing-tests"];
 
-/// Dependencies that no arrow allows. What only tests of a crate use is free.
+/// Finds dependencies without an arrow. Those of tests only are free.
 pub(super) fn check(root: &Path) -> Result<Vec<String>> {
     let packages = packages::read(root)?;
     let ours: Vec<&str> = packages.iter().map(|p| p.name.as_str()).collect();

@@ -1,7 +1,7 @@
-//! The programs that `cargo xtask` starts and the tests share what they compile.
+//! The programs that `cargo xtask` starts and the tests share one build.
 //!
-//! Cargo turns on the features that the packages it builds ask for. Where one build asks for fewer
-//! than another, a dependency and all that depend on it are compiled twice.
+//! Cargo unifies the features requested by the packages of one build. If one build requests fewer
+//! than another, a dependency and everything that depends on it are compiled twice.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -10,18 +10,19 @@ use anyhow::{Context as _, Result, ensure};
 
 use crate::programs::cargo;
 
-/// Crates that need matrices but no factorisation: whoever depends on them does not compile the solver backend.
+/// Crates that need matrices but no factorisation, and must not compile the solver backend.
 const WITHOUT_SOLVERS: [&str; 4] =
     ["fairing-denoising", "fairing-evaluation", "fairing-operators", "fairing-shapes"];
 
-/// Packages with other features in the programs that `cargo xtask` starts than in the tests.
+/// Finds packages that have other features in the programs started by `cargo xtask` than in the
+/// tests.
 pub(super) fn check(root: &Path) -> Result<Vec<String>> {
     let programs = tree(root, &["--workspace", "--edges=normal,build"])?;
     let tests = tree(root, &["--workspace", "--edges=normal,build,dev"])?;
     Ok(differences(&programs, &tests))
 }
 
-/// Crates that compile the solver backend without a need for it.
+/// Finds crates that compile the solver backend without need.
 pub(super) fn solvers(root: &Path) -> Result<Vec<String>> {
     let mut found = vec![];
     for package in WITHOUT_SOLVERS {
@@ -34,12 +35,12 @@ pub(super) fn solvers(root: &Path) -> Result<Vec<String>> {
     Ok(found)
 }
 
-/// Whether the solver backend is in a list of packages.
+/// Returns true if the solver backend is in a list of packages.
 fn has_backend(tree: &str) -> bool {
     features(tree).keys().any(|package| package.starts_with("faer "))
 }
 
-/// What `cargo tree` lists: a package and its features in each line.
+/// The output of `cargo tree`: a package and its features in each line.
 fn tree(root: &Path, choice: &[&str]) -> Result<String> {
     let mut cargo = cargo(root);
     cargo.args(["tree", "--locked", "--prefix=none", "--format={p}|{f}"]).args(choice);
@@ -48,7 +49,7 @@ fn tree(root: &Path, choice: &[&str]) -> Result<String> {
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// The features of each package: several sets, where a build script needs others than the program.
+/// The features of each package; several sets if build scripts and programs need different ones.
 fn features(tree: &str) -> BTreeMap<&str, BTreeSet<&str>> {
     let mut features: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
     for line in tree.lines() {
@@ -60,7 +61,7 @@ fn features(tree: &str) -> BTreeMap<&str, BTreeSet<&str>> {
     features
 }
 
-/// The packages in both lists that the first one builds with features that the second one does not.
+/// Finds packages in both lists with features in the first that the second does not have.
 fn differences(own: &str, all: &str) -> Vec<String> {
     let all = features(all);
     let mut found = vec![];

@@ -1,4 +1,4 @@
-//! Every crate has the lints of the workspace, among them that on the length of functions.
+//! Every crate has the lints of the workspace, including the one on the length of functions.
 
 use std::fs;
 use std::path::Path;
@@ -8,7 +8,7 @@ use anyhow::{Context as _, Result};
 use super::manifest::entries;
 use super::packages;
 
-/// Lints of the workspace that a crate does not have.
+/// Finds lints of the workspace that a crate lacks.
 pub(super) fn check(root: &Path) -> Result<Vec<String>> {
     let workspace = read(&root.join("Cargo.toml"))?;
     let wanted: Vec<&str> =

@@ -1,4 +1,4 @@
-//! Sections of a manifest, whose entries have a line each.
+//! Sections of a manifest with one entry per line.
 
 /// The names and values in a section such as `lints.clippy`.
 pub(super) fn entries<'a>(

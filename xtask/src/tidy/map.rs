@@ -1,4 +1,4 @@
-//! `docs/architecture.md` as a map: what it names exists, and it names every dependency.
+//! Consistency of `docs/architecture.md`: named places exist, and all dependencies are named.
 
 use std::fs;
 use std::path::Path;
@@ -9,18 +9,19 @@ use super::manifest::entries;
 
 const MAP: &str = "docs/architecture.md";
 
-/// Folders of the repository with which a path in the map begins.
+/// Top-level folders; a path in the map begins with one of them.
 const ROOTS: [&str; 6] = ["crates/", "xtask/", "tests/", "docs/", "data/", "fuzz/"];
 
 fn read(root: &Path) -> Result<String> {
     fs::read_to_string(root.join(MAP)).with_context(|| format!("reading {MAP}"))
 }
 
-/// Paths that are not there, and items that are not in the file named after them (`` `Item` in `path` ``).
+/// Finds paths that do not exist, and items that are not in the file named after them (`` `Item` in
+/// `path` ``).
 pub(super) fn places(root: &Path) -> Result<Vec<String>> {
     let map = read(root)?;
     let mut broken = vec![];
-    // Pieces between backticks are at odd places.
+    // Pieces between backticks have odd numbers.
     let pieces: Vec<&str> = map.split('`').collect();
     for (i, path) in pieces.iter().enumerate().skip(1).step_by(2) {
         let named = ROOTS.iter().any(|folder| path.starts_with(folder));
@@ -44,7 +45,7 @@ pub(super) fn places(root: &Path) -> Result<Vec<String>> {
     Ok(broken)
 }
 
-/// Dependencies of the workspace that the map does not name.
+/// Finds dependencies of the workspace that the map does not name.
 pub(super) fn dependencies(root: &Path) -> Result<Vec<String>> {
     let manifest = fs::read_to_string(root.join("Cargo.toml")).context("reading Cargo.toml")?;
     let map = read(root)?;

@@ -1,4 +1,4 @@
-//! Holds the tree against its own rules.
+//! Checks of the tree against its own rules.
 
 mod arrows;
 mod circles;
@@ -17,7 +17,7 @@ use std::path::Path;
 
 use anyhow::Result;
 
-/// A check of the tree: what breaks the rule, one line each.
+/// A check of the tree: returns one line for each violation.
 type Check = fn(&Path) -> Result<Vec<String>>;
 
 /// The rules.
@@ -39,7 +39,7 @@ const RULES: [(&str, Check); 15] = [
     ("the README's commands and example exist", readme::check),
 ];
 
-/// Checks the tree and prints what breaks a rule; whether nothing does.
+/// Checks the tree and prints violations; returns true if there are none.
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! The packages of the workspace, as cargo knows them.
+//! The packages of the workspace according to cargo.
 
 use std::path::{Path, PathBuf};
 
@@ -18,9 +18,9 @@ pub(super) struct Package {
 #[derive(Debug)]
 pub(super) struct Dependency {
     pub(super) name: String,
-    /// The name that the sources use, if it is another.
+    /// The name in the sources, if different.
     pub(super) rename: Option<String>,
-    /// `dev`, `build`, or nothing.
+    /// `dev`, `build` or absent.
     pub(super) kind: Option<String>,
 }
 

@@ -1,4 +1,4 @@
-//! The README holds what it promises.
+//! Consistency of the README with the repository.
 
 use std::fs;
 use std::path::Path;
@@ -7,8 +7,8 @@ use anyhow::{Context as _, Result};
 
 use crate::tasks::TASKS;
 
-/// Tasks in the README that do not exist, links that lead nowhere, and Rust examples that no doc
-/// test compiles.
+/// Finds tasks in the README that do not exist, broken links, and Rust examples that no doc test
+/// compiles.
 pub(super) fn check(root: &Path) -> Result<Vec<String>> {
     let path = root.join("README.md");
     if !path.exists() {
@@ -17,8 +17,7 @@ pub(super) fn check(root: &Path) -> Result<Vec<String>> {
     let text = fs::read_to_string(path).context("reading README.md")?;
     let mut broken = unknown_tasks(&text);
     broken.extend(broken_links(root, &text));
-    // The tests include the README in their documentation, so that its examples
-    // are doc tests.
+    // The tests include the README in their documentation, which makes its examples doc tests.
     let tests = fs::read_to_string(root.join("tests/src/lib.rs"))?;
     if text.contains("```rust") && !tests.contains("README.md") {
         broken.push("the tests do not run the README's example as a doc test".into());
@@ -26,7 +25,7 @@ pub(super) fn check(root: &Path) -> Result<Vec<String>> {
     Ok(broken)
 }
 
-/// `cargo xtask NAME` where there is no such task.
+/// Finds `cargo xtask NAME` without a task of that name.
 fn unknown_tasks(text: &str) -> Vec<String> {
     let names = text.split("cargo xtask ").skip(1).filter_map(|rest| {
         let end = rest.find(|c: char| !c.is_ascii_lowercase()).unwrap_or(rest.len());
@@ -36,7 +35,7 @@ fn unknown_tasks(text: &str) -> Vec<String> {
     unknown.map(|name| format!("there is no `cargo xtask {name}`")).collect()
 }
 
-/// Relative links and pictures that lead nowhere.
+/// Finds relative links and pictures without a target.
 fn broken_links(root: &Path, text: &str) -> Vec<String> {
     let targets = text.match_indices("](").filter_map(|(at, _)| text[at + 2..].split(')').next());
     let relative = targets.filter(|t| !t.contains("://") && !t.starts_with('#') && !t.is_empty());
@@ -53,8 +52,9 @@ mod tests {
 
     #[test]
     fn tasks_must_exist() {
-        assert!(unknown_tasks("`cargo xtask reproduce --quick --only q1`").is_empty());
-        assert_eq!(unknown_tasks("`cargo xtask reprodce`").len(), 1);
-        assert_eq!(unknown_tasks("    cargo xtask tity\n").len(), 1);
+        let unknown = |text: &str| unknown_tasks(text).len();
+        assert_eq!(unknown("`cargo xtask reproduce --quick --only q1`"), 0);
+        assert_eq!(unknown("`cargo xtask reprodce`"), 1);
+        assert_eq!(unknown("    cargo xtask tity\n"), 1);
     }
 }

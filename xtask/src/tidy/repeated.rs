@@ -1,4 +1,4 @@
-//! Passages that stand twice.
+//! Repeated passages of code.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -8,15 +8,15 @@ use anyhow::Result;
 
 use super::sources::{in_report, texts};
 
-/// This many equal lines are a passage.
+/// The number of equal lines that make a passage.
 const PASSAGE: usize = 10;
 
-/// A line, folded, and its number.
+/// A line with folded white space, and its number.
 type Line<'a> = (usize, Vec<&'a str>);
 
-/// Places that repeat [`PASSAGE`] lines of code of another place, or more.
+/// Finds passages of [`PASSAGE`] or more lines of code that occur twice.
 ///
-/// Empty lines, comments, lines without a letter or digit, and lines that only name what is used do not count, and white
+/// Empty lines, comments, lines without a letter or digit, and `use` lines do not count, and white
 /// space is folded. Passages that differ in a name are not found.
 pub(super) fn check(root: &Path) -> Result<Vec<String>> {
     let texts = texts(root)?;
@@ -72,7 +72,7 @@ mod tests {
 
     use super::*;
 
-    /// What `check` says of two files, `b.rs` after `a.rs`.
+    /// The result of `check` for two files, `b.rs` after `a.rs`.
     fn found(a: &str, b: &str) -> Vec<String> {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("a.rs"), a).unwrap();
@@ -92,7 +92,7 @@ mod tests {
         assert_eq!(found(&a, &b), ["b.rs:4 repeats a.rs:1"]);
     }
 
-    /// Comments, empty lines and brackets are not lines of a passage, but do not break one either.
+    /// Comments, empty lines and brackets neither count nor break a passage.
     #[test]
     fn what_does_not_count_neither_makes_a_passage_nor_breaks_one() {
         let nine = format!("{}}}\n\n// The end.\nuse a;\n", passage(9, ""));

@@ -8,14 +8,14 @@ use anyhow::Result;
 /// The folder of the committed report, from the root.
 const REPORT: &str = "docs/report";
 
-/// The most that the report may add to a clone, in bytes.
-const MOST: u64 = 9_000_000;
+/// The largest size of the report in a clone, in bytes.
+const MAX_BYTES: u64 = 9_000_000;
 
-/// A report that is larger than [`MOST`].
+/// Finds a report larger than [`MAX_BYTES`].
 pub(super) fn check(root: &Path) -> Result<Vec<String>> {
     let folder = root.join(REPORT);
     let bytes = if folder.is_dir() { size(&folder)? } else { 0 };
-    let large = bytes >= MOST;
+    let large = bytes >= MAX_BYTES;
     Ok(if large { vec![format!("{REPORT} has {bytes} bytes")] } else { vec![] })
 }
 

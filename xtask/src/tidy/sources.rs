@@ -6,10 +6,10 @@ use std::process::Command;
 
 use anyhow::{Context as _, Result, ensure};
 
-/// The most lines a file of code may have.
-const LONGEST: usize = 600;
+/// The most lines of a file of code.
+const MAX_LINES: usize = 600;
 
-/// Files longer than [`LONGEST`].
+/// Finds files longer than [`MAX_LINES`].
 pub(super) fn lengths(root: &Path) -> Result<Vec<String>> {
     let mut broken = vec![];
     for (path, text) in texts(root)? {
@@ -17,16 +17,16 @@ pub(super) fn lengths(root: &Path) -> Result<Vec<String>> {
             .extension()
             .is_some_and(|e| ["rs", "js", "css", "html", "py", "sh"].iter().any(|k| e == *k));
         let lines = text.lines().count();
-        if code && !in_report(&path) && lines > LONGEST {
+        if code && !in_report(&path) && lines > MAX_LINES {
             broken.push(format!("{} has {lines} lines", path.display()));
         }
     }
     Ok(broken)
 }
 
-/// Lines that name a home folder or a temporary folder of one machine.
+/// Finds lines that name a home folder or a temporary folder of one machine.
 pub(super) fn machine_paths(root: &Path) -> Result<Vec<String>> {
-    // Put together here, so that this file does not break its own rule.
+    // Built from parts, so that this file does not break the rule.
     let folders = ["home", "Users", "root", "work", "mnt"].map(|f| format!("/{f}/"));
     let mut broken = vec![];
     for (path, text) in texts(root)? {
@@ -45,13 +45,13 @@ pub(super) fn machine_paths(root: &Path) -> Result<Vec<String>> {
     Ok(broken)
 }
 
-/// Whether a path begins here, rather than goes on: the rest of `a/b` is relative.
+/// Returns true if a path begins here; the rest of `a/b` is relative.
 fn stands_alone(line: &str, at: usize) -> bool {
     let before = line[..at].chars().next_back();
     before.is_none_or(|c| !(c.is_alphanumeric() || "./_-~}".contains(c)))
 }
 
-/// Modules whose names say nothing.
+/// Finds modules with meaningless names.
 pub(super) fn names(root: &Path) -> Result<Vec<String>> {
     let vague = ["utils", "util", "common", "helpers", "helper", "misc"];
     let named = |p: &PathBuf| {
@@ -62,7 +62,7 @@ pub(super) fn names(root: &Path) -> Result<Vec<String>> {
     Ok(files(root)?.into_iter().filter(named).map(|p| p.display().to_string()).collect())
 }
 
-/// Code outside `crates/sparse` that uses the solver backend.
+/// Finds code outside `crates/sparse` that uses the solver backend.
 pub(super) fn backend(root: &Path) -> Result<Vec<String>> {
     let mut broken = vec![];
     for (path, text) in texts(root)? {
@@ -72,7 +72,7 @@ pub(super) fn backend(root: &Path) -> Result<Vec<String>> {
             let line = line.trim_start();
             !line.starts_with("//") && (line.contains("use faer") || line.contains("faer::"))
         };
-        // This file and the oracle in the tests say the name to look for it.
+        // This file and the oracle of the tests name the backend to look for it.
         if foreign
             && !path.starts_with("xtask/src/tidy")
             && !path.starts_with("tests")
@@ -84,12 +84,13 @@ pub(super) fn backend(root: &Path) -> Result<Vec<String>> {
     Ok(broken)
 }
 
-/// The committed report is generated; rules on code do not apply.
+/// Returns true for files of the committed report, which are generated and exempt from rules on
+/// code.
 pub(super) fn in_report(path: &Path) -> bool {
     path.starts_with("docs/report")
 }
 
-/// The files under version control and those about to be, relative to the root.
+/// The files under version control and untracked files that are not ignored, relative to the root.
 fn files(root: &Path) -> Result<Vec<PathBuf>> {
     let arguments = ["ls-files", "--cached", "--others", "--exclude-standard", "-z"];
     let output =
@@ -100,7 +101,7 @@ fn files(root: &Path) -> Result<Vec<PathBuf>> {
     Ok(paths.filter(|p| root.join(p).is_file()).collect())
 }
 
-/// The files that hold text, and their text.
+/// All text files, with their content.
 pub(super) fn texts(root: &Path) -> Result<Vec<(PathBuf, String)>> {
     let mut texts = vec![];
     for path in files(root)? {

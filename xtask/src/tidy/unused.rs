@@ -1,4 +1,4 @@
-//! Dependencies that nothing uses.
+//! Unused dependencies.
 
 use std::fs;
 use std::path::Path;
@@ -7,9 +7,9 @@ use anyhow::{Context as _, Result};
 
 use super::packages;
 
-/// Dependencies whose name is in no source file of their package: in `src` for
-/// those of the library and the programs, in tests, examples and benches too
-/// for those of the tests, in `build.rs` for those of the build script.
+/// Finds dependencies that no source file of their package names: `src` counts for dependencies of
+/// the library and the programs; tests, examples and benches also for dev-dependencies; `build.rs`
+/// for build dependencies.
 pub(super) fn check(root: &Path) -> Result<Vec<String>> {
     let mut unused = vec![];
     for package in packages::read(root)? {
@@ -36,7 +36,7 @@ pub(super) fn check(root: &Path) -> Result<Vec<String>> {
     Ok(unused)
 }
 
-/// Adds the text of all Rust files below a folder, if it is there.
+/// Appends the text of all Rust files below a folder, if it exists.
 fn append(folder: &Path, text: &mut String) -> Result<()> {
     let Ok(entries) = fs::read_dir(folder) else { return Ok(()) };
     for entry in entries {
@@ -51,7 +51,7 @@ fn append(folder: &Path, text: &mut String) -> Result<()> {
     Ok(())
 }
 
-/// Whether the text holds the name as a word of its own.
+/// Returns true if the text contains the name as a separate word.
 fn mentions(text: &str, name: &str) -> bool {
     let word = |c: char| c.is_alphanumeric() || c == '_';
     text.match_indices(name)

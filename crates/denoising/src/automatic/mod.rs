@@ -94,6 +94,15 @@ impl Automatic {
     }
 }
 
+fairing_parameters::options! {
+    /// [`automatic`] has no options.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+    pub struct AutomaticOptions {}
+    "automatic": "all estimated from the mesh; creases kept where there are any", [];
+}
+
 /// Denoises without parameters: noise level and kind of surface are estimated from
 /// the mesh.
 ///

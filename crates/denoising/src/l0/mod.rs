@@ -5,13 +5,12 @@ mod system;
 
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, cross, dot, norm, scale, sub};
-use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
+use fairing_parameters::{Options, Range};
 use fairing_sparse::{CgOptions, FieldOperator, conjugate_gradients, product_by_rows};
 use rayon::prelude::*;
 
 use crate::DenoiseError;
 use crate::faces::{FaceShapes, Hinges};
-use crate::method::Method;
 use crate::oriented::on_oriented;
 use stencils::{Stencils, combine};
 use system::System;
@@ -20,61 +19,26 @@ use system::System;
 /// of the next, which begins by measuring the residual.
 const ACCURACY: CgOptions = CgOptions { tolerance: 1e-4, max_iterations: 200, measure: false };
 
-/// Parameters of [`l0`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct L0Options {
-    /// The weight λ of a bent edge, as a multiple of 0.02 γ h², where γ is the
-    /// mean angle between neighbouring normals and h the mean edge length.
-    pub sparsity: f64,
-    /// The first weight α of the regulariser against folds, as a multiple of
-    /// 0.1 γ; halved after each step.
-    pub regularity: f64,
-    /// The factor on β after each step, above 1.
-    pub growth: f64,
-    /// β runs from 10⁻³ to this.
-    pub last_beta: f64,
-}
-
-impl Default for L0Options {
-    /// Sparsity 15, regularity 1, growth √2, β up to 10³: the source's choice
-    /// but for the sparsity, whose source value 1 leaves most of the noise of
-    /// 0.3 h. γ takes unsigned angles: the mean of signed ones is near zero.
-    fn default() -> Self {
-        Self { sparsity: 15.0, regularity: 1.0, growth: std::f64::consts::SQRT_2, last_beta: 1e3 }
+fairing_parameters::options! {
+    /// Options of [`l0`].
+    ///
+    /// The defaults are those of the source but for the sparsity, whose source value 1 leaves most of
+    /// the noise of 0.3 h. γ is the mean of unsigned angles: that of signed ones is near zero.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+    pub struct L0Options {
+        /// The weight of a bent edge.
+        pub sparsity: f64 = 15.0, in Range::POSITIVE,
+            unit "0.02 γ h², with the mean angle γ between normals and the mean edge length h";
+        /// The first weight against folds, halved after each step.
+        pub regularity: f64 = 1.0, in Range::POSITIVE, unit "0.1 γ";
+        /// The factor on the penalty after each step.
+        pub growth: f64 = std::f64::consts::SQRT_2, in Range::above(1.0);
+        /// The last penalty; it begins with 0.001.
+        pub last_beta: f64 = 1e3, in Range::POSITIVE;
     }
-}
-
-impl Method for L0Options {
-    const ALGORITHM: &'static Algorithm = &Algorithm::new(
-        "l0",
-        "as few bent edges as possible (He and Schaefer 2013)",
-        &["he2013"],
-        &[
-            Parameter::number("sparsity", "15", "The weight of a bent edge").unit(
-                "0.02 γ h², with the mean angle γ between normals and the mean edge length h",
-            ),
-            Parameter::number("regularity", "1", "The first weight against folds").unit("0.1 γ"),
-            Parameter::number(
-                "growth",
-                "1.4142135623730951",
-                "The factor on the penalty after each step, above 1",
-            ),
-            Parameter::number("last-beta", "1000", "The last penalty; it begins with 0.001"),
-        ],
-    );
-
-    fn read(&mut self, values: &Values<'_>) -> Result<(), ParameterError> {
-        values.read("sparsity", &mut self.sparsity)?;
-        values.read("regularity", &mut self.regularity)?;
-        values.read("growth", &mut self.growth)?;
-        values.read("last-beta", &mut self.last_beta)
-    }
-
-    fn run(&self, mesh: &TriMesh) -> Result<TriMesh, DenoiseError> {
-        l0(mesh, self)
-    }
+    "l0": "as few bent edges as possible (He and Schaefer 2013)", ["he2013"];
 }
 
 /// Denoises by making as few edges as possible bent.
@@ -107,10 +71,7 @@ pub fn l0(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> 
 }
 
 fn filter(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> {
-    OptionError::require_positive("sparsity", options.sparsity)?;
-    OptionError::require_positive("regularity", options.regularity)?;
-    OptionError::require_positive("last_beta", options.last_beta)?;
-    OptionError::require(options.growth > 1.0, "growth", options.growth, "above 1")?;
+    options.check()?;
     let hinges = Hinges::new(mesh);
     if hinges.all.is_empty() {
         return Ok(mesh.clone());

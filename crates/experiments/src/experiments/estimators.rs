@@ -18,8 +18,9 @@ use super::surfaces::TestSurface;
 use crate::experiment::{Card, Context, Experiment};
 use crate::outcome::{Outcome, Picture};
 use crate::row;
+use crate::section::{Act, Section};
 use crate::table::{Cell, Table, Tables, Tolerance, Unit, brief, short};
-use crate::verdict::{Judgement, Verdict};
+use crate::verdict::{Judgement, Shown, Verdict};
 
 pub(super) struct Estimators;
 
@@ -29,6 +30,20 @@ const BAR: f64 = 1.7;
 /// Errors below this are rounding, and not drawn.
 const ROUNDING: f64 = 1e-8;
 
+/// The place and the words of the section.
+fn section() -> Section {
+    Section::new(
+        Act::Curvature,
+        "Cotangents and angle defects look one edge far. What do estimators gain that fit a surface \
+                to more neighbours?",
+    )
+    .commands(&["fairing curvature --list  # all of them, with their parameters", "fairing curvature mesh.ply -o curved.ply --estimator jet3"])
+    .edge_lengths_of("each mesh")
+    .notation(&["h", "\\varepsilon"])
+    .shows(&["torus-view", "largest-mean"], &[])
+    .names(&[("largest-gaussian", "the largest error of K"), ("errors", "errors under refinement"), ("orders", "orders of convergence"), ("times", "time of each estimator")])
+}
+
 impl Experiment for Estimators {
     fn card(&self) -> Card {
         Card {
@@ -37,8 +52,9 @@ impl Experiment for Estimators {
             question: "Which estimator converges on real meshes, and when should each be used?",
             method: "Every estimator is run on surfaces of known curvature, over a series of refinements. One whose largest error converges can be trusted at every vertex.\n\nThe surfaces are a sphere, a torus, an ellipsoid, and a wavy graph with a border. Their meshes are regular, jittered along the surface, or irregular, with edges flipped as well. H, K, both principal curvatures and their directions are compared with the exact values at inner vertices, in the root mean square and in the largest error.".into(),
             formulas: vec![r"\text{order} = \frac{\log(\varepsilon_1 / \varepsilon_2)}{\log(h_1 / h_2)}".into()],
+            section: section(),
             inputs: &[],
-            parameters: Estimator::ALL.map(|e| (e.name(), e.description().into())).to_vec(),
+            parameters: Estimator::all().iter().map(|e| (e.name(), e.description().into())).collect(),
         }
     }
 
@@ -67,7 +83,7 @@ impl Experiment for Estimators {
                 for refinement in found {
                     refinement.push(&mut errors, sample, layout);
                 }
-                for i in 0..Estimator::ALL.len() {
+                for i in 0..Estimator::all().len() {
                     orders.push(order_row(sample, layout, i, found)?);
                 }
             }
@@ -84,7 +100,7 @@ impl Experiment for Estimators {
     fn judge(&self, tables: Tables<'_>) -> Result<Vec<Judgement>> {
         let orders = tables.get("orders")?;
         let mut worst = vec![];
-        for estimator in Estimator::ALL {
+        for estimator in Estimator::all() {
             let mut least = f64::INFINITY;
             for surface in ["sphere", "torus", "ellipsoid"] {
                 let rows = orders.only(&[
@@ -134,7 +150,7 @@ impl Experiment for Estimators {
             false => format!("Only fitted polynomials of higher degree do: {}.", reaching.join(" and ")),
         })
         .ours()
-        .shown("figure-estimators-largest-mean", best);
+        .shown(Shown::line("estimators", "largest-mean", best));
         // The best one first: tables of claims show it.
         worst.sort_by(|a, b| b.1.total_cmp(&a.1));
         for (name, order) in worst {
@@ -161,7 +177,7 @@ fn exact_values(sample: Sample, mesh: &TriMesh) -> Result<Vec<Option<PointCurvat
 struct Refinement {
     vertices: usize,
     h: f64,
-    /// In the order of [`Estimator::ALL`].
+    /// In the order of [`Estimator::all()`].
     studies: Vec<Study>,
 }
 
@@ -173,13 +189,13 @@ impl Refinement {
         Ok(Self {
             vertices: mesh.vertex_count(),
             h: mesh.mean_edge_length(),
-            studies: Estimator::ALL.iter().map(study).collect::<Result<_>>()?,
+            studies: Estimator::all().iter().map(study).collect::<Result<_>>()?,
         })
     }
 
     /// Adds a row for each estimator.
     fn push(&self, errors: &mut Table, sample: Sample, layout: Layout) {
-        for (estimator, study) in Estimator::ALL.iter().zip(&self.studies) {
+        for (estimator, study) in Estimator::all().iter().zip(&self.studies) {
             let mut row = vec![
                 Cell::from(sample.name()),
                 Cell::from(layout.name()),
@@ -309,7 +325,7 @@ fn order_row(
     found: &[Refinement],
 ) -> Result<Vec<Cell>> {
     let [from, _, to] = found.last_chunk::<3>().context("three refinements at least")?;
-    let name = Estimator::ALL[estimator].name();
+    let name = Estimator::all()[estimator].name();
     let mut row = vec![sample.name().into(), layout.name().into(), Cell::from(name)];
     for i in 0..MEASURES.len() {
         let [e, f] = [from, to].map(|r| r.studies[estimator].errors[i]);
@@ -331,7 +347,7 @@ fn times(level: u32, context: &Context<'_>) -> Result<Table> {
     let mesh = torus.mesh(level, Layout::Jittered, context.seed("times"));
     mesh.topology();
     let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
-    for estimator in Estimator::ALL {
+    for estimator in Estimator::all() {
         let mut least = f64::INFINITY;
         for _ in 0..3 {
             let start = Instant::now();
@@ -355,7 +371,7 @@ fn plot(errors: &Table, column: &str, what: &str) -> Result<Picture> {
             ..Plot::default()
         };
         let mut lines = vec![];
-        for estimator in Estimator::ALL {
+        for estimator in Estimator::all() {
             let rows = errors.only(&[
                 ("surface", sample.name().into()),
                 ("sampling", Layout::Jittered.name().into()),

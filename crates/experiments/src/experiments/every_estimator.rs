@@ -17,7 +17,7 @@ pub(super) struct EveryEstimator {
     mesh: TriMesh,
     /// Exact H and K at the vertices.
     exact: [Vec<f64>; 2],
-    /// In the order of [`Estimator::ALL`].
+    /// In the order of [`Estimator::all()`].
     fields: Vec<CurvatureField>,
     /// The place of the estimator that the others are compared with, and that of the recommended one.
     shown: [usize; 2],
@@ -32,13 +32,13 @@ impl EveryEstimator {
             mesh.positions().iter().map(|&p| sample.exact(p)).collect();
         let exact = exact.context("a vertex off the torus")?;
         let place = |name: &str| {
-            let found = Estimator::ALL.iter().position(|e| e.name() == name);
+            let found = Estimator::all().iter().position(|e| e.name() == name);
             found.with_context(|| format!("there is no estimator {name}"))
         };
         Ok(Self {
             exact: [PointCurvature::mean, PointCurvature::gaussian]
                 .map(|of| exact.iter().map(of).collect()),
-            fields: Estimator::ALL.iter().map(|e| e.estimate(&mesh)).collect::<Result<_, _>>()?,
+            fields: Estimator::all().iter().map(|e| e.estimate(&mesh)).collect::<Result<_, _>>()?,
             shown: [place(baseline)?, place(Estimator::RECOMMENDED.name())?],
             mesh,
         })
@@ -50,7 +50,7 @@ impl EveryEstimator {
             let field = &self.fields[i];
             let errors = field.mean.iter().zip(&self.exact[0]).map(|(x, y)| x - y).collect();
             let status = (field.status.clone(), field.boundary.clone());
-            (Estimator::ALL[i].name(), ScalarCurvature::new(errors, status.0, status.1))
+            (Estimator::all()[i].name(), ScalarCurvature::new(errors, status.0, status.1))
         });
         gallery::errors(
             "torus",
@@ -68,7 +68,7 @@ impl EveryEstimator {
     /// One estimator beside that of a slider.
     pub(super) fn view(&self) -> View {
         let [baseline, chosen] = self.shown;
-        let name = Estimator::ALL[baseline].name();
+        let name = Estimator::all()[baseline].name();
         View {
             id: "torus-view".into(),
             mesh: "fine jittered torus".into(),
@@ -78,7 +78,7 @@ impl EveryEstimator {
             alt: "A torus twice, to turn, coloured by the error of curvature, with a slider over estimators.".into(),
             fallback: "torus".into(),
             z_up: true,
-            sliders: vec![Slider::new("estimator", Estimator::ALL.map(|e| e.name()))],
+            sliders: vec![Slider::new("estimator", Estimator::all().iter().map(Estimator::name))],
             start: vec![chosen],
             color: Some("error of mean curvature".into()),
             panels: vec![

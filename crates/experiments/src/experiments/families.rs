@@ -5,7 +5,7 @@ use anyhow::{Context as _, Result};
 use fairing_benchmark::{
     Case, Found, Method, Published, Set, cases, committed, denoiser, found, summary,
 };
-use fairing_denoising::Denoiser;
+use fairing_denoising::{AutomaticOptions, Denoiser};
 use fairing_figure::{Axis, Figure, Legend, Panel as FigurePanel, Plot, Series};
 use fairing_mesh::TriMesh;
 
@@ -15,7 +15,7 @@ use crate::experiment::Context;
 use crate::outcome::{Outcome, Picture};
 use crate::row;
 use crate::table::{Cell, Table, Tables, Unit, brief};
-use crate::verdict::{Judgement, Verdict};
+use crate::verdict::{Judgement, Shown, Verdict};
 
 /// The largest ratio that is wanted on families that nothing was chosen on.
 const BAR: f64 = 1.1;
@@ -224,7 +224,7 @@ fn lost_table() -> Table {
 fn again(case: &Case, published: &Published) -> Result<(Found, Picture)> {
     let (truth, noisy) = case.meshes()?;
     let name = case.name();
-    let denoise = denoiser(Denoiser::Automatic.name())?;
+    let denoise = denoiser(Denoiser::Automatic(AutomaticOptions::DEFAULT).name())?;
     let (now, ours) = found(&name, &truth, &noisy, published, |mesh| Ok(denoise(mesh)?))?;
     let entry = published.best(&name).context("a case without published results")?;
     let method = Method::named(&entry.method)?;
@@ -304,7 +304,7 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Option<Judgement>> {
     )
     .finding(finding)
     .ours()
-    .shown("figure-denoisers-ratios", Set::Fresh.name())
+    .shown(Shown::line("denoisers", "ratios", Set::Fresh.name()))
     .number("median ratio, fresh", fresh.median, Unit::One)
     .number("median ratio, unseen", unseen.median, Unit::One)
     .number("worst ratio", unseen.worst.max(fresh.worst), Unit::One);

@@ -17,8 +17,9 @@ use super::refinement::second_order;
 use crate::experiment::{Card, Context, Experiment};
 use crate::outcome::{Outcome, Picture};
 use crate::row;
+use crate::section::{Act, Section};
 use crate::table::{Table, Tables, Unit, brief};
-use crate::verdict::{Judgement, Verdict};
+use crate::verdict::{Judgement, Shown, Verdict, ViewState};
 use crate::view::{Panel, Slider, View};
 
 pub(super) struct Flows;
@@ -32,6 +33,20 @@ const SIGMA: f64 = 0.2;
 /// A shape this close to its best sphere is round: the error of the discrete operator on coarse meshes.
 const ROUND: f64 = 0.02;
 
+/// The place and the words of the section.
+fn section() -> Section {
+    Section::new(
+        Act::Diffusion,
+        "Diffusion with uniform weights is one flow of many. Those with cotangents have a limit that \
+                can be computed, and some give the volume back.",
+    )
+    .commands(&["fairing smooth noisy.ply -o shrunk.ply --method implicit --weights cotangent --lambda 1", "fairing smooth noisy.ply -o kept.ply --method taubin  # keeps the volume", "fairing compare kept.ply truth.ply"])
+    .edge_lengths_of("each sphere without noise")
+    .notation(&["x", "X", "H", "K", "n", "\\Delta", "t", "r"])
+    .shows(&["methods-view"], &["spheres"])
+    .names(&[("radius", "the radius of a shrinking sphere"), ("conformal-view", "a bumpy sphere that becomes round"), ("methods", "scores of all methods"), ("conformal", "conformalised flow"), ("spheres", "mean curvature flow of the sphere")])
+}
+
 impl Experiment for Flows {
     fn card(&self) -> Card {
         Card {
@@ -40,6 +55,7 @@ impl Experiment for Flows {
             question: "Do the flows converge to what they discretise, and which of them removes noise at what price?",
             method: "Mean curvature flow of the unit sphere, with the operator rebuilt in each step, is compared with r(t) = √(1 − 4t). Conformalised mean curvature flow runs on bumpy spheres until it settles. Every method of the library then runs with its default options on one noisy mesh whose truth is known.\n\nThe time steps of the first flow are in proportion to h², so that its error should fall with the square of h. After the second one we measure how far vertices are from the best sphere about the centroid.".into(),
             formulas: FORMULAS.map(String::from).to_vec(),
+            section: section(),
             inputs: &[],
             parameters: vec![
                 ("time of the spheres", END.to_string()),
@@ -90,7 +106,7 @@ impl Experiment for Flows {
             )
             .finding(format!("The observed orders are {least:.2} to {most:.2}."))
             .ours()
-            .shown("figure-flows-radius", "unit sphere")
+            .shown(Shown::line("flows", "radius", "unit sphere"))
             .number("least order", least, Unit::Order)
             .number("greatest order", most, Unit::Order),
             Judgement::new(
@@ -101,7 +117,7 @@ impl Experiment for Flows {
             )
             .finding(format!("No vertex ends farther from the sphere than {} of its radius.", brief(worst)))
             .ours()
-            .shown(&format!("flows-{}", conformal::VIEW), &format!("!{}!", conformal::STOPS.len() - 1))
+            .shown(Shown::view("flows", conformal::VIEW, &ViewState { stops: vec![conformal::STOPS.len() - 1], ..ViewState::default() }))
             .number("farthest off the sphere", worst, Unit::Relative),
             Judgement::new(
                 "volume",
@@ -115,7 +131,7 @@ impl Experiment for Flows {
             )
             .finding(format!("They change the volume by at most {} %, diffusion by {} %.", brief(lost), brief(plain)))
             .ours()
-            .shown("flows-methods-view", &format!("!{}!distance off the truth", stop("taubin")))
+            .shown(Shown::view("flows", "methods-view", &ViewState { stops: vec![stop("taubin")], field: "distance off the truth".into(), ..ViewState::default() }))
             .number("largest change of the three", lost, Unit::Percent)
             .number("change by implicit diffusion", plain, Unit::Percent),
         ])

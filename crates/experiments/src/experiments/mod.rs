@@ -32,17 +32,17 @@ mod statistics;
 mod surfaces;
 mod torus;
 
-/// The table of contents: the seven questions, then what goes beyond.
+/// The experiments in the order of the article.
 pub const ALL: &[&dyn Experiment] = &[
     &q1::UniformCurvature,
     &q2::EllipsoidForms,
     &q3::CotangentCurvature,
+    &noise::Noise,
+    &estimators::Estimators,
     &q4::Reconstruction,
     &q5::ExplicitFlow,
     &q6::ImplicitFlow,
+    &flows::Flows,
     &q7::GrowingNoise,
     &denoisers::Denoisers,
-    &estimators::Estimators,
-    &noise::Noise,
-    &flows::Flows,
 ];

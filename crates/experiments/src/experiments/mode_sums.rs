@@ -1,6 +1,6 @@
 //! A mesh whose modes the page sums itself.
 
-use anyhow::{Context as _, Result, ensure};
+use anyhow::{Result, ensure};
 use fairing_operators::Laplacian;
 use fairing_shapes as shapes;
 use fairing_spectral::{SpectrumOptions, spectrum};
@@ -10,7 +10,7 @@ use crate::experiment::Context;
 use crate::view::{Modes, Panel, View};
 
 /// The view on the page.
-pub(super) const VIEW: &str = "q4-modes-view";
+pub(super) const VIEW: &str = "modes-view";
 
 /// Its modes: enough for limbs, and few enough for a page.
 const COUNT: [usize; 2] = [80, 24];
@@ -26,9 +26,8 @@ pub(super) fn view(context: &Context<'_>) -> Result<View> {
     let coefficients = (0..count).map(|i| [0, 1, 2].map(|d| c[[i, d]])).collect();
     let vectors = (0..count).map(|i| modes.modes.column(i).to_vec()).collect();
     let summed = Modes { values: modes.values.clone(), coefficients, vectors };
-    let id = VIEW.split_once('-').context("an id of a view without an experiment")?.1;
     Ok(View {
-        id: id.into(),
+        id: VIEW.into(),
         mesh: "creature".into(),
         caption: format!(
             "The creature grows out of its smoothest modes, trunk first, then limbs. Drag k: the sum is computed in the page. The colours are the mode that is being added; it has up to {count} of {} modes. The plot shows how much of the shape is in each mode.",

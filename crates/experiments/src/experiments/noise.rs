@@ -13,8 +13,9 @@ use super::surfaces::{Sampling, TestSurface};
 use crate::experiment::{Card, Context, Experiment};
 use crate::outcome::{Outcome, Picture};
 use crate::row;
+use crate::section::{Act, Section};
 use crate::table::{Table, Tables, Tolerance, Unit, brief};
-use crate::verdict::{Judgement, Verdict};
+use crate::verdict::{Judgement, Shown, Verdict};
 
 pub(super) struct Noise;
 
@@ -22,6 +23,26 @@ pub(super) struct Noise;
 const LEVELS: [f64; 4] = [0.01, 0.03, 0.1, 0.3];
 
 const SURFACES: [TestSurface; 2] = [TestSurface::Sphere, TestSurface::Torus];
+
+/// The place and the words of the section.
+fn section() -> Section {
+    Section::new(
+        Act::Curvature,
+        "So far the vertices were on the surface. Measured meshes are noisy, and the two curvatures do \
+                not suffer alike.",
+    )
+    .commands(&["fairing noise mesh.ply -o noisy.ply --sigma 0.1 --kind axes --seed 2021  # σ in mean edge lengths", "fairing curvature noisy.ply -o curved.ply --estimator cotangent --area mixed"])
+    .edge_lengths_of("the mesh without noise")
+    .shows(&["changes"], &[])
+    .names(&[("changes", "changes of H and K under noise"), ("totals", "the sum of all angle defects")])
+    .playground(
+        "noise",
+        "K breaks before H as the noise grows, and the sum of all angle defects never moves. Both surfaces show \
+            the error of the estimate in the same colours, over the root mean square of the exact curvature. Drag the \
+            noise; a click shows exact value, estimate and error at a vertex.",
+        "A torus or a sphere twice, with noise, coloured by the errors of its mean and of its Gaussian curvature.",
+    )
+}
 
 impl Experiment for Noise {
     fn card(&self) -> Card {
@@ -31,6 +52,7 @@ impl Experiment for Noise {
             question: "Is mean curvature disturbed by noise, and Gaussian curvature not?",
             method: "Gaussian noise of growing size is added to every coordinate of a sphere and a torus. The change of H is compared with that of K, each against the same estimator on the clean mesh and over the root mean square of its own clean values.\n\nThe meshes have several resolutions, and the noise several seeds. Also measured are the rank correlation of noisy and clean values on the torus (on a sphere all clean values are equal), and the distance of the sum of all angle defects from 2πχ.".into(),
             formulas: vec![],
+            section: section(),
             inputs: &[],
             parameters: vec![
                 ("σ / h", LEVELS.map(|l| l.to_string()).join(", ")),
@@ -52,7 +74,7 @@ impl Experiment for Noise {
                 let mesh = surface.mesh(level, Sampling::Regular, 0);
                 mesh.topology();
                 let clean: Vec<CurvatureField> =
-                    Estimator::ALL.iter().map(|e| e.estimate(&mesh)).collect::<Result<_, _>>()?;
+                    Estimator::all().iter().map(|e| e.estimate(&mesh)).collect::<Result<_, _>>()?;
                 for sigma in LEVELS {
                     let seeds: Vec<u64> = (0..seeds)
                         .map(|s| context.seed(&format!("{} {level} {sigma} {s}", surface.name())))
@@ -113,7 +135,7 @@ impl Experiment for Noise {
                 "Noise changes K {} times as much as H in the median. Only the total of K, 2πχ, stays the same.",
                 brief(middle)
             ))
-            .shown("play-noise", "0.1~14~torus~error")
+            .shown(Shown::playground("noise", &[&0.1, &14, &"torus", &"error"]))
             .number("median change of K over H", middle, Unit::One)
             .number("least change of K over H", low, Unit::One)
             .number("median over all estimators", all_middle, Unit::One)
@@ -163,7 +185,7 @@ fn totals_table() -> Table {
 
 /// A row for each estimator.
 fn push(changes: &mut Table, surface: TestSurface, vertices: usize, sigma: f64, runs: &[Run]) {
-    for (i, estimator) in Estimator::ALL.iter().enumerate() {
+    for (i, estimator) in Estimator::all().iter().enumerate() {
         let all: Vec<&Change> = runs.iter().map(|run| &run.changes[i]).collect();
         let [h, k] = changes_over(&all);
         let ranks = |j: usize| -> Option<f64> {
@@ -192,7 +214,7 @@ fn gap_of_the_total(mesh: &TriMesh) -> f64 {
 
 /// All estimators on one noisy mesh.
 struct Run {
-    /// In the order of [`Estimator::ALL`].
+    /// In the order of [`Estimator::all()`].
     changes: Vec<Change>,
     gap_of_the_total: f64,
 }
@@ -212,7 +234,7 @@ impl Run {
             anyhow::Ok(Change::between(clean, &e.estimate(&noisy)?, ranked))
         };
         Ok(Self {
-            changes: Estimator::ALL.iter().zip(clean).map(change).collect::<Result<_>>()?,
+            changes: Estimator::all().iter().zip(clean).map(change).collect::<Result<_>>()?,
             gap_of_the_total: gap_of_the_total(&noisy),
         })
     }
@@ -356,7 +378,7 @@ mod tests {
     #[test]
     fn a_ring_of_a_torus_shares_its_rank() {
         let mesh = TestSurface::Torus.mesh(1, Sampling::Regular, 0);
-        for estimator in Estimator::ALL {
+        for estimator in Estimator::all() {
             let field = estimator.estimate(&mesh).unwrap();
             for (values, name) in [(&field.mean, "H"), (&field.gaussian, "K")] {
                 let mut rings = HashMap::new();

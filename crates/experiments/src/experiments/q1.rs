@@ -15,6 +15,7 @@ use super::surfaces::{Sampling, TestSurface};
 use crate::experiment::{Card, Context, Experiment};
 use crate::inputs::Input;
 use crate::outcome::{MeshOutput, Outcome, Picture};
+use crate::section::{Act, Section};
 use crate::table::{Table, brief};
 use crate::view::{Panel, View};
 
@@ -54,6 +55,21 @@ fn umbrella(mesh: &TriMesh) -> Result<ScalarCurvature> {
     Ok(ScalarCurvature::new(mean.norms(), mean.status, mean.boundary))
 }
 
+/// The place and the words of the section.
+fn section() -> Section {
+    Section::new(
+        Act::Curvature,
+        "The simplest Laplacian averages neighbours and knows nothing of angles. We begin with what it \
+                makes of curvature, because every later section mends one of its faults.",
+    )
+    .commands(&["fairing smooth mesh.ply -o moved.ply --method explicit --lambda 1 --iterations 1  # each vertex moves by Δx", "fairing curvature mesh.ply -o curved.ply --estimator cotangent --area barycentric  # angle defect over area", "fairing render curved.ply -o gaussian.png --field gaussian --map coolwarm"])
+    .edge_lengths_of("each mesh")
+    .notation(&["x", "X", "i", "j", "d", "T", "A", "\\alpha", "\\beta", "H", "K"])
+    .shows(&["flower-view", "convergence"], &[])
+    .opens_with("flower-signed")
+    .names(&[("plane-view", "the plane"), ("flower", "the flower in equalised colours"), ("plane", "the plane in equalised colours"), ("fields", "spread of the fields"), ("analytic", "errors under refinement"), ("orders", "orders of convergence")])
+}
+
 impl Experiment for UniformCurvature {
     fn card(&self) -> Card {
         Card {
@@ -62,6 +78,7 @@ impl Experiment for UniformCurvature {
             question: "What do the mean curvature of the uniform Laplacian and the Gaussian curvature of the angle defect look like, and do they approximate the curvature of the continuous surface?",
             method: "Mean curvature is half the length of the uniform Laplacian of the positions: H = ‖Δx‖/2, where (Δx)ᵢ is the vector from xᵢ to the average of its neighbours. That is a length, not a curvature; the scaled form divides it by a quarter of the mean squared edge length at the vertex and takes the sign from the normal. Gaussian curvature is the angle defect over the barycentric area, a third of the faces around the vertex.\n\nBoth are shown on the two meshes of the assignment: in its colours (normalised and histogram equalised, from blue for low to red for high) and in diverging colours about zero. Both are then compared with the exact curvature of closed surfaces, on regular meshes and on meshes whose vertices are moved at random along the surface.".into(),
             formulas: FORMULAS.map(String::from).to_vec(),
+            section: section(),
             inputs: &[Input::Flower, Input::Plane],
             parameters: [("area of a vertex", "barycentric".into())]
                 .into_iter()

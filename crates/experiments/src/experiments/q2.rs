@@ -14,8 +14,9 @@ use super::gallery::plotted;
 use crate::experiment::{Card, Context, Experiment};
 use crate::outcome::{Outcome, Picture};
 use crate::row;
+use crate::section::{Act, Section};
 use crate::table::{Table, Tables, Tolerance, Unit};
-use crate::verdict::{Judgement, Verdict};
+use crate::verdict::{Judgement, Shown, Verdict};
 
 /// Half axes under study; the first is a sphere, on which the original report's
 /// answer looks right.
@@ -34,6 +35,27 @@ const STEP: f64 = 1e-3;
 
 pub(super) struct EllipsoidForms;
 
+/// The place and the words of the section.
+fn section() -> Section {
+    Section::new(
+        Act::Curvature,
+        "To say how wrong an estimate is, one needs a surface whose curvature is known. The ellipsoid has \
+                formulas for everything, and the original report has one of them wrong.",
+    )
+    .commands(&["fairing curvature ellipsoid.ply -o curved.ply --estimator jet3  # κ₁, κ₂ and directions of a mesh", "fairing curvature ellipsoid.ply --estimator cotangent --area mixed"])
+    .edge_lengths_of("each mesh")
+    .notation(&["d", "\\kappa", "n", "a", "b", "c", "u", "v", "E", "F", "G", "e", "f", "g", "\\theta"])
+    .shows(&[], &["forms"])
+    .names(&[("directions", "normal curvature in every direction"), ("meshes", "curvature of fine meshes at (a, 0, 0)")])
+    .playground(
+        "ellipsoid",
+        "The blue circle hugs the ellipsoid at (a, 0, 0); the red one of the original report does not, unless the \
+            three axes are equal and the direction is y. The section along the normal shows both at scale, the plot \
+            all directions. Drag a, b, c and the direction.",
+        "An ellipsoid with two circles at the end of its first axis: one fits the surface, one does not.",
+    )
+}
+
 impl Experiment for EllipsoidForms {
     fn card(&self) -> Card {
         Card {
@@ -42,6 +64,7 @@ impl Experiment for EllipsoidForms {
             question: "What are the fundamental forms of p(u,v) = (a cos u sin v, b sin u sin v, c cos v), and what is the normal curvature at (a, 0, 0) in every tangent direction?",
             method: "The forms follow from the derivatives of p; the coefficients are computed three times: from closed forms derived by hand, from the derivatives, and from central differences of p, independent of any derivation. The normal m points inward here, so that curvature is positive where the surface bends like a sphere. The coefficients of the second form are e, f and g, which the original report calls L, M and N.\n\nAt (a, 0, 0), u = 0 and v = π/2: du runs along +y and dv along −z. A tangent at the angle θ from +y towards +z is du = cos θ / b, dv = −sin θ / c. The same curvatures are then read off fine meshes with discrete operators, which use nothing of p but positions.".into(),
             formulas: FORMULAS.map(String::from).to_vec(),
+            section: section(),
             inputs: &[],
             parameters: vec![("half axes (a, b, c)", AXES.map(axes_name).join(", "))],
         }
@@ -87,7 +110,7 @@ impl Experiment for EllipsoidForms {
                 reason,
             )
             .finding(format!("Along y the normal curvature is a/b² in size; −1/c is right on {right} of {} ellipsoids, the sphere.", ours.len()))
-            .shown("play-ellipsoid", "2~1~0.7~0")
+            .shown(Shown::playground("ellipsoid", &[&2, &1, &0.7, &0]))
             .number("largest error of |−1/c|", error, Unit::Relative)
             .number("gap between closed form and differences", check, Unit::Relative)
             .number(

@@ -15,8 +15,9 @@ use crate::experiment::{Card, Context, Experiment};
 use crate::inputs::Input;
 use crate::outcome::{MeshOutput, Outcome, Picture};
 use crate::row;
+use crate::section::{Act, Section};
 use crate::table::{Cell, Table, Tables, Unit, brief};
-use crate::verdict::{Judgement, Verdict};
+use crate::verdict::{Judgement, Shown, Verdict, ViewState};
 use crate::view::{Panel, View};
 
 pub(super) struct CotangentCurvature;
@@ -53,6 +54,20 @@ const CONVERGES: f64 = 0.5;
 /// What counts as zero on a plane, as a multiple of 1 / mean edge length.
 const ZERO: f64 = 1e-9;
 
+/// The place and the words of the section.
+fn section() -> Section {
+    Section::new(
+        Act::Curvature,
+        "Uniform weights mistake the shape of triangles for the shape of the surface. Cotangents weigh \
+                edges by angles; do they mend that?",
+    )
+    .commands(&["fairing curvature mesh.ply -o curved.ply --estimator cotangent --area mixed", "fairing render curved.ply -o mean.png --field mean --map coolwarm"])
+    .edge_lengths_of("each mesh")
+    .notation(&["x", "X", "i", "j", "A", "\\alpha", "\\beta", "H", "K", "n", "\\Delta", "M", "S"])
+    .shows(&["torus-view", "convergence"], &[])
+    .names(&[("flower-view", "the flower"), ("plane-view", "the plane"), ("flower", "the flower in equalised colours"), ("plane", "the plane in equalised colours"), ("fields", "spread of the fields"), ("analytic", "errors under refinement"), ("orders", "orders of convergence"), ("planes", "what is left on planes")])
+}
+
 impl Experiment for CotangentCurvature {
     fn card(&self) -> Card {
         Card {
@@ -61,6 +76,7 @@ impl Experiment for CotangentCurvature {
             question: "Does the discrete Laplace–Beltrami operator with cotangent weights improve the estimate of mean curvature?",
             method: "The cotangent stiffness S applied to the positions, over the mixed area of each vertex, gives the mean curvature vector: Δx = −M⁻¹Sx = −2Hn. The sign of H comes from the normal.\n\nBoth meshes of the assignment are shown. The error is then compared with that of the uniform operator scaled by edge lengths (see q1), on surfaces whose curvature is known. Planes come last: their curvature is zero, so whatever an operator returns there is an error. They are regular, jittered and irregular, and vertices inside and on the boundary are counted apart.".into(),
             formulas: FORMULAS.map(String::from).to_vec(),
+            section: section(),
             inputs: &[Input::Flower, Input::Plane],
             parameters: [("area of a vertex", "mixed (Voronoi where no angle is obtuse)".into())]
                 .into_iter()
@@ -167,7 +183,7 @@ impl Experiment for CotangentCurvature {
                 if clean { "are zero".to_string() } else { format!("reach {}/h", brief(inside)) },
                 brief(border)
             ))
-            .shown("q3-torus-view", "!!error of mean curvature")
+            .shown(Shown::view("q3", "torus-view", &ViewState { field: "error of mean curvature".into(), ..ViewState::default() }))
             .number("largest ratio of errors, cotangent to uniform", worst, Unit::One)
             .number("highest order of cotangents on jittered meshes", mean, Unit::Order)
             .number("cotangent inside planes", inside, Unit::One)

@@ -12,8 +12,9 @@ use super::statistics::least;
 use crate::experiment::{Card, Context, Experiment};
 use crate::outcome::Outcome;
 use crate::row;
+use crate::section::{Act, Section};
 use crate::table::{Table, Tables, Tolerance, Unit, brief};
-use crate::verdict::{Judgement, Verdict};
+use crate::verdict::{Judgement, Shown, Verdict};
 
 pub(super) struct ExplicitFlow;
 
@@ -32,6 +33,28 @@ const STRONG: f64 = LAMBDAS[2];
 /// The best of the report.
 const CLAIMED: f64 = 0.05;
 
+/// The place and the words of the section.
+fn section() -> Section {
+    Section::new(
+        Act::Diffusion,
+        "In the basis of the last part a step of diffusion multiplies each mode by a number. Explicit steps \
+                do so by 1 + λμ, and that number can leave the interval from −1 to 1.",
+    )
+    .commands(&["fairing smooth noisy.ply -o smooth.ply --method explicit --lambda 0.05 --iterations 50", "fairing compare smooth.ply truth.ply"])
+    .edge_lengths_of("the mesh without noise, the truth")
+    .notation(&["x", "X", "L", "D", "W", "I", "\\mu", "\\lambda", "s"])
+    .shows(&["sweep"], &[])
+    .names(&[("patch-view", "the patch"), ("machine-part-view", "the machine part"), ("cube-view", "the cube"), ("flows", "scores of the four steps"), ("sweep", "errors over λ"), ("best", "the best λ of a block"), ("spectra", "the smallest eigenvalues and the stable limit")])
+    .playground(
+        "diffusion",
+        "Beyond λ = 4/3 explicit steps amplify the roughest mode; implicit steps of the same diffusion time stay \
+            calm. This mesh has a mode of μ = −3/2, the least that a closed mesh can have. Below: the factor of one \
+            step, and the size of each mode before and after. Drag λ through 4/3.",
+        "A noisy ball three times: as it is, after explicit steps and after implicit steps, with the factors and \
+            the spectrum as plots.",
+    )
+}
+
 impl Experiment for ExplicitFlow {
     fn card(&self) -> Card {
         Card {
@@ -44,6 +67,7 @@ impl Experiment for ExplicitFlow {
                 models::FEATURE
             ),
             formulas: FORMULAS.map(String::from).to_vec(),
+            section: section(),
             inputs: over_lambda::INPUTS,
             parameters: over_lambda::parameters(&LAMBDAS, ITERATIONS),
         }
@@ -124,7 +148,7 @@ impl Experiment for ExplicitFlow {
                 brief(highest),
                 if deforms { "every mesh" } else { "some meshes" }
             ))
-            .shown("play-diffusion", "2~5")
+            .shown(Shown::playground("diffusion", &[&2, &5]))
             .number(&format!("least growth in {ITERATIONS} steps of λ = {DIVERGENT}"), growth, Unit::One)
             .number("best of the four on the patch", favourites[0], Unit::One)
             .number("best of the four on the machine part", favourites[2], Unit::One)

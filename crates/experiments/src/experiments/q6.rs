@@ -14,8 +14,9 @@ use super::over_lambda::{self, OverLambda, SWEPT};
 use crate::experiment::{Card, Context, Experiment};
 use crate::outcome::{Outcome, Picture};
 use crate::row;
+use crate::section::{Act, Section};
 use crate::table::{Cell, Table, Tables, Tolerance, Unit, brief};
-use crate::verdict::{Judgement, Verdict};
+use crate::verdict::{Judgement, Shown, Verdict, ViewState};
 
 pub(super) struct ImplicitFlow;
 
@@ -52,6 +53,20 @@ const ROUNDING: f64 = 1e-9;
 /// An RMS displacement below this, in mean edge lengths, is none that one could see.
 const INVISIBLE: f64 = 0.05;
 
+/// The place and the words of the section.
+fn section() -> Section {
+    Section::new(
+        Act::Diffusion,
+        "Implicit steps divide instead of multiplying, and no step is too long. Whether long steps are \
+                useful is another question.",
+    )
+    .commands(&["fairing smooth noisy.ply -o smooth.ply --method implicit --lambda 5 --iterations 10", "fairing compare smooth.ply truth.ply"])
+    .edge_lengths_of("the mesh without noise, the truth")
+    .notation(&["x", "X", "L", "D", "W", "I", "\\mu", "\\lambda", "s"])
+    .shows(&["machine-part-view", "sweep"], &[])
+    .names(&[("patch-view", "the patch"), ("cube-view", "the cube"), ("patch-iterations", "the patch at equal diffusion time"), ("machine-part-iterations", "the machine part at equal diffusion time"), ("flows", "scores of the six steps"), ("sweep", "errors over λ"), ("iterations", "numbers of steps and diffusion time"), ("limit", "collapse to a point"), ("spheres", "volume of spheres"), ("cost", "cost")])
+}
+
 impl Experiment for ImplicitFlow {
     fn card(&self) -> Card {
         let [few, many] = COMPARED;
@@ -64,6 +79,7 @@ impl Experiment for ImplicitFlow {
                 LAMBDAS.len()
             ),
             formulas: FORMULAS.map(String::from).to_vec(),
+            section: section(),
             inputs: over_lambda::INPUTS,
             parameters: over_lambda::parameters(&LAMBDAS, ITERATIONS),
         }
@@ -166,7 +182,11 @@ fn stability(tables: Tables<'_>) -> Result<Judgement> {
     );
     Ok(Judgement::new("6a", claim, verdict, reason)
         .finding(finding)
-        .shown("q6-machine-part-view", "!4~1!displacement")
+        .shown(Shown::view(
+            "q6",
+            "machine-part-view",
+            &ViewState { stops: vec![4, 1], field: "displacement".into(), ..ViewState::default() },
+        ))
         .number(&format!("volume of the machine part at λ = {MOVED}"), volume, Unit::Percent)
         .number("largest growth", growth, Unit::One)
         .number(&format!("border of the patch at λ = {MOVED}"), border, Unit::EdgeLengths)
@@ -220,7 +240,7 @@ fn convergence(tables: Tables<'_>) -> Result<Judgement> {
     );
     Ok(Judgement::new("6b", claim, verdict, reason)
         .finding(finding)
-        .shown("play-diffusion", "0.5~50")
+        .shown(Shown::playground("diffusion", &[&0.5, &50]))
         .number(
             &format!("movement from {few} to {many} implicit steps, at least"),
             least,

@@ -1,7 +1,10 @@
 //! Question 7: denoising under growing noise.
 
 use anyhow::{Context as _, Result};
-use fairing_denoising::Denoiser;
+use fairing_denoising::{
+    AutomaticOptions, BilateralNormalGlobalOptions, BilateralNormalOptions, BilateralOptions,
+    Denoiser, FastEffectiveOptions, GuidedNormalOptions, L0Options, TotalVariationOptions,
+};
 use fairing_evaluation::NoiseLevel;
 use fairing_shapes as shapes;
 
@@ -12,6 +15,7 @@ use crate::experiment::{Card, Context, Experiment};
 use crate::inputs::Input;
 use crate::outcome::Outcome;
 use crate::row;
+use crate::section::{Act, Section};
 use crate::table::{Cell, Table, Tables, Tolerance, Unit};
 use crate::verdict::Judgement;
 
@@ -56,15 +60,32 @@ const METHODS: [(Method, bool); 15] = [
     (Method::ReportImplicit, true),
     (Method::Taubin, true),
     (Method::Spectral, true),
-    (Method::Denoiser(Denoiser::Bilateral), false),
-    (Method::Denoiser(Denoiser::FastEffective), true),
-    (Method::Denoiser(Denoiser::BilateralNormal), true),
-    (Method::Denoiser(Denoiser::BilateralNormalGlobal), true),
-    (Method::Denoiser(Denoiser::L0), false),
-    (Method::Denoiser(Denoiser::TotalVariation), false),
-    (Method::Denoiser(Denoiser::GuidedNormal), false),
-    (Method::Denoiser(Denoiser::Automatic), false),
+    (Method::Denoiser(Denoiser::Bilateral(BilateralOptions::DEFAULT)), false),
+    (Method::Denoiser(Denoiser::FastEffective(FastEffectiveOptions::DEFAULT)), true),
+    (Method::Denoiser(Denoiser::BilateralNormal(BilateralNormalOptions::DEFAULT)), true),
+    (
+        Method::Denoiser(Denoiser::BilateralNormalGlobal(BilateralNormalGlobalOptions::DEFAULT)),
+        true,
+    ),
+    (Method::Denoiser(Denoiser::L0(L0Options::DEFAULT)), false),
+    (Method::Denoiser(Denoiser::TotalVariation(TotalVariationOptions::DEFAULT)), false),
+    (Method::Denoiser(Denoiser::GuidedNormal(GuidedNormalOptions::DEFAULT)), false),
+    (Method::Denoiser(Denoiser::Automatic(AutomaticOptions::DEFAULT)), false),
 ];
+
+/// The place and the words of the section.
+fn section() -> Section {
+    Section::new(
+        Act::Diffusion,
+        "Now noise is added on purpose, so that the error is known. When does smoothing bring a shape \
+                closer to the truth?",
+    )
+    .commands(&["fairing noise truth.ply -o noisy.ply --sigma 0.3 --kind axes", "fairing smooth noisy.ply -o smooth.ply --method explicit --lambda 0.5 --iterations 10", "fairing compare smooth.ply truth.ply"])
+    .edge_lengths_of("the mesh without noise, the truth")
+    .notation(&["T", "n", "E_a", "E_v"])
+    .shows(&["levels-view", "normals"], &[])
+    .names(&[("scan-view", "the creature"), ("distances", "distances over the noise"), ("model", "the machine part under the assignment's noise"), ("limits", "where each method helps"), ("resolution", "one block with faces of five sizes"), ("modes", "modes of the spectral method"), ("sweep", "three meshes under noise")])
+}
 
 impl Experiment for GrowingNoise {
     fn card(&self) -> Card {
@@ -82,6 +103,7 @@ impl Experiment for GrowingNoise {
                 2.0 * KEPT
             ),
             formulas: FORMULAS.map(String::from).to_vec(),
+            section: section(),
             inputs: &[Input::Fandisk, Input::Scan],
             parameters: vec![
                 ("explicit", format!("uniform, {EXPLICIT}; {REPORT_EXPLICIT}")),

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use super::gap;
 
 /// A method, with the same parameters at every level of noise.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Method {
     /// The noisy mesh as it is, for comparison.
     Nothing,

@@ -162,6 +162,7 @@ fn measure(
         question: card.question.into(),
         method: card.method,
         formulas: card.formulas,
+        section: card.section,
         inputs: card.inputs.iter().filter_map(|&i| inputs.source(i).cloned()).collect(),
         parameters: card
             .parameters

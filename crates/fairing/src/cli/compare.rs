@@ -6,9 +6,8 @@ use clap::Args;
 use fairing::evaluation::{ScoreOptions, Scores};
 use serde_json::{Map, Value, json};
 
-use super::exit::Failure;
+use super::context::{Context, Failure};
 use super::surface::{Reading, say_orientation};
-use super::{Context, print};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -64,9 +63,9 @@ impl Compare {
             true => {
                 let mut summary = as_json(&scores);
                 mesh.add_to(&mut summary);
-                print(format_args!("{summary:#}\n"))
+                context.print(format_args!("{summary:#}\n"))
             }
-            false => print(scores),
+            false => context.print(scores),
         }
     }
 }

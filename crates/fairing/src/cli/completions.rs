@@ -1,9 +1,8 @@
 //! `fairing completions`.
 
-use clap::{Args, CommandFactory};
+use clap::{Args, Command};
 
-use super::exit::Failure;
-use super::{Cli, Context, print};
+use super::context::{Context, Failure};
 
 /// Print a completion script for a shell
 ///
@@ -15,10 +14,10 @@ pub(crate) struct Completions {
 }
 
 impl Completions {
-    pub(crate) fn run(&self, _: &Context) -> Result<(), Failure> {
+    pub(crate) fn run(&self, context: &Context, command: &mut Command) -> Result<(), Failure> {
         // Into memory first: the generator panics when a pipe closes.
         let mut script = Vec::new();
-        clap_complete::generate(self.shell, &mut Cli::command(), "fairing", &mut script);
-        print(String::from_utf8_lossy(&script))
+        clap_complete::generate(self.shell, command, "fairing", &mut script);
+        context.print(String::from_utf8_lossy(&script))
     }
 }

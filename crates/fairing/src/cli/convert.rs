@@ -7,8 +7,7 @@ use fairing::mesh::io::{
     self, Encoding, FloatWidth, Format, PolygonFile, ReadOptions, UnsupportedFields, WriteOptions,
 };
 
-use super::Context;
-use super::exit::Failure;
+use super::context::{Context, Failure};
 use super::files::{self, Content, Overwrite};
 
 /// Convert a mesh to another format

@@ -11,13 +11,12 @@ use fairing::operators::{Laplacian, LaplacianKind, LumpedArea, MassKind, Operato
 use fairing::parameters::Algorithm;
 use serde_json::{Value, json};
 
-use super::exit::Failure;
+use super::context::{Context, Failure};
 use super::files::{self, Content, Overwrite};
 use super::operator::{self, say_too_thin};
-use super::parameters::{Family, Parameters, foreign, list, names};
+use super::parameters::{Parameters, foreign, list, names};
 use super::surface::{Reading, Surface, say_orientation};
 use super::table::{Table, number};
-use super::{Context, print};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -51,12 +50,12 @@ pub(crate) struct Curvature {
     #[arg(
         long,
         value_name = "NAME",
-        value_parser = names::<Estimators>(),
+        value_parser = names::<Estimator>(),
         default_value = Estimator::RECOMMENDED.name(),
     )]
     estimator: String,
     #[command(flatten)]
-    parameters: Parameters<Estimators>,
+    parameters: Parameters<Estimator>,
     /// The Laplacian of the estimator cotangent, over barycentric areas unless --area is
     /// given; without it, cotangents over mixed areas, or robust where a face is too thin
     #[arg(long, value_parser = operator::kinds())]
@@ -69,21 +68,10 @@ pub(crate) struct Curvature {
     list: bool,
 }
 
-/// The estimators of [`Curvature`].
-struct Estimators;
-
-impl Family for Estimators {
-    const WHAT: &'static str = "estimator";
-
-    fn algorithms() -> Vec<&'static Algorithm> {
-        Estimator::ALL.iter().map(Estimator::algorithm).collect()
-    }
-}
-
 impl Curvature {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
         if self.list {
-            return print(list::<Estimators>());
+            return context.print(list::<Estimator>());
         }
         let Some(input) = &self.input else {
             return Err(Failure::usage("no mesh is given"));
@@ -113,7 +101,7 @@ impl Curvature {
                 "interior": summary(&field),
             });
             surface.add_to(&mut summary);
-            return print(format_args!("{summary:#}\n"));
+            return context.print(format_args!("{summary:#}\n"));
         }
         let mut table = Table::new();
         table.row(["interior", "least", "median", "greatest"].map(str::to_owned));
@@ -123,7 +111,7 @@ impl Curvature {
                 spread.unwrap_or_else(|| ["-", "-", "-"].map(str::to_owned));
             table.row([name.to_owned(), least, median, greatest]);
         }
-        print(table)?;
+        context.print(table)?;
         if undefined > 0 {
             let reasons: Vec<String> =
                 reasons.iter().map(|(reason, count)| format!("{reason}: {count}")).collect();
@@ -142,7 +130,7 @@ impl Curvature {
     fn estimator(&self) -> Result<Estimator, Failure> {
         let name = &self.estimator;
         self.parameters.check(name)?;
-        let estimator = Estimator::with(name, &self.parameters.given()).map_err(Failure::usage)?;
+        let estimator = Estimator::with(name, self.parameters.given()).map_err(Failure::usage)?;
         match (self.operator, estimator) {
             (None, _) => Ok(estimator),
             (Some(LaplacianKind::Robust), Estimator::Cotangent(_))
@@ -155,7 +143,7 @@ impl Curvature {
             (Some(_), Estimator::Cotangent(_)) => Ok(estimator),
             (Some(_), _) => {
                 let takes = |algorithm: &Algorithm| algorithm.parameter("area").is_some();
-                Err(foreign::<Estimators>(name, "operator", takes))
+                Err(foreign::<Estimator>(name, "operator", takes))
             }
         }
     }

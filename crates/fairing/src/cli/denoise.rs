@@ -3,22 +3,22 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use fairing::denoising::{Automatic, DenoiseError, Denoiser, FaceKind, SurfaceKind, automatic};
-use fairing::parameters::{Algorithm, OptionError};
+use fairing::denoising::{Automatic, AutomaticOptions, Denoiser, FaceKind, SurfaceKind, automatic};
 use serde_json::{Map, Value, json};
 
-use super::exit::Failure;
+use super::context::{Context, Failure};
 use super::files::{self, Content, MaybeOutput};
-use super::parameters::{Family, Parameters, list, names};
+use super::parameters::{Parameters, list, names};
 use super::surface::{Reading, say_orientation};
 use super::table::number;
-use super::{Context, print};
 
 const EXAMPLES: &str = "\
 Examples:
   fairing denoise scan.ply -o clean.ply
   fairing denoise part.obj -o clean.obj --json
   fairing denoise part.obj -o clean.obj --method guided-normal --iterations 30";
+
+const AUTOMATIC: Denoiser = Denoiser::Automatic(AutomaticOptions::DEFAULT);
 
 /// Remove noise from a mesh and keep its creases
 ///
@@ -38,12 +38,12 @@ pub(crate) struct Denoise {
     #[arg(
         long,
         value_name = "NAME",
-        value_parser = names::<Denoisers>(),
-        default_value = Denoiser::Automatic.name(),
+        value_parser = names::<Denoiser>(),
+        default_value = AUTOMATIC.name(),
     )]
     method: String,
     #[command(flatten)]
-    parameters: Parameters<Denoisers>,
+    parameters: Parameters<Denoiser>,
     /// List the denoisers, what each does, and their parameters
     #[arg(long, exclusive = true)]
     list: bool,
@@ -53,21 +53,10 @@ pub(crate) struct Denoise {
     json: bool,
 }
 
-/// The methods of [`Denoise`].
-struct Denoisers;
-
-impl Family for Denoisers {
-    const WHAT: &'static str = "method";
-
-    fn algorithms() -> Vec<&'static Algorithm> {
-        Denoiser::ALL.iter().map(|denoiser| denoiser.algorithm()).collect()
-    }
-}
-
 impl Denoise {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
         if self.list {
-            return print(list::<Denoisers>());
+            return context.print(list::<Denoiser>());
         }
         let (input, output) = (self.input.as_ref(), self.output.given());
         let (Some(input), Some(output)) = (input, output) else {
@@ -75,8 +64,9 @@ impl Denoise {
         };
         output.check(Content::Mesh)?;
         self.parameters.check(&self.method)?;
-        let denoiser: Denoiser = self.method.parse().map_err(Failure::usage)?;
-        if self.json && denoiser != Denoiser::Automatic {
+        let denoiser = Denoiser::with(&self.method, self.parameters.given());
+        let denoiser = denoiser.map_err(Failure::usage)?;
+        if self.json && denoiser != AUTOMATIC {
             return Err(Failure::usage(format_args!(
                 "--json says what the method automatic found; {denoiser} looks for nothing"
             )));
@@ -84,7 +74,7 @@ impl Denoise {
         let (surface, fields) = self.reading.read(context, input)?;
         say_orientation(context, input, surface.mesh());
         let mesh = match denoiser {
-            Denoiser::Automatic => {
+            AUTOMATIC => {
                 let result = automatic(surface.mesh())?;
                 context.note(summary(&result));
                 if result.uneven_vertices > 0 {
@@ -97,19 +87,11 @@ impl Denoise {
                 if self.json {
                     let mut json = as_json(&result);
                     surface.add_to(&mut json);
-                    print(format_args!("{json:#}\n"))?;
+                    context.print(format_args!("{json:#}\n"))?;
                 }
                 result.mesh
             }
-            other => match other.denoise_with(surface.mesh(), &self.parameters.given()) {
-                Err(DenoiseError::Option(OptionError { option, value, expected, .. })) => {
-                    let option = option.replace('_', "-");
-                    let said = format_args!("--{option} is {value}, but must be {expected}");
-                    return Err(Failure::usage(said));
-                }
-                Err(DenoiseError::Parameter(error)) => return Err(Failure::usage(error)),
-                other => other?,
-            },
+            other => other.denoise(surface.mesh())?,
         };
         files::write_moved(context, &output, &surface.own(mesh)?, fields)
     }

@@ -9,9 +9,9 @@ use fairing::mesh::io::{
     self, Format, MeshFile, ReadError, ReadOptions, ReadProblem, ReadReport, VertexFields,
     WriteOptions, WriteProblem, WriteReport,
 };
+use fairing::watch;
 
-use super::Context;
-use super::exit::Failure;
+use super::context::{Context, Failure};
 
 /// Where a result goes.
 #[derive(Args)]
@@ -125,7 +125,9 @@ impl Output {
 
 /// Reads a mesh with its fields.
 pub(crate) fn read(context: &Context, path: &Path) -> Result<MeshFile, Failure> {
-    io::read_with(path, &reading(context)).map_err(unreadable)
+    let file = io::read_with(path, &reading(context)).map_err(unreadable)?;
+    watch::stage("preparing", 0);
+    Ok(file)
 }
 
 /// Reading options shared by all verbs.

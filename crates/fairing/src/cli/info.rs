@@ -7,10 +7,9 @@ use fairing::mesh::io::{self, PolygonFile, ReadReport};
 use fairing::mesh::{Diagnosis, PolygonMesh, Tally};
 use serde_json::{Value, json};
 
-use super::exit::Failure;
+use super::context::{Context, Failure};
 use super::files;
 use super::table::{Table, number};
-use super::{Context, print};
 
 /// Describe a mesh: counts, topology, defects and measures
 ///
@@ -36,14 +35,15 @@ impl Info {
         names.extend(fields.vectors.iter().map(|(name, _)| &name[..]));
         names.extend(fields.colors.is_some().then_some("colors"));
         if self.json {
-            return print(format_args!("{:#}\n", as_json(&mesh, &diagnosis, &report, &names)));
+            return context
+                .print(format_args!("{:#}\n", as_json(&mesh, &diagnosis, &report, &names)));
         }
         let mut text = format!("{}\n", report);
         text += &as_table(&mesh, &diagnosis).to_string();
         if !names.is_empty() {
             text += &format!("fields: {}\n", names.join(", "));
         }
-        print(text)
+        context.print(text)
     }
 }
 

@@ -5,15 +5,16 @@
 
 mod compare;
 mod completions;
+mod context;
 mod convert;
 mod curvature;
 mod denoise;
-mod exit;
 mod files;
 mod info;
 mod noise;
 mod operator;
 mod parameters;
+mod progress;
 mod reconstruct;
 mod render;
 mod smooth;
@@ -23,10 +24,11 @@ mod table;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use fairing::mesh::io::Format;
+use indicatif::ProgressBar;
 
-use exit::Failure;
+use context::{Context, Failure};
 
 /// The formats and the examples below the help of the program.
 fn after_help() -> String {
@@ -37,7 +39,8 @@ const AFTER_FORMATS: &str = ", each also gzip-compressed (.gz); the file extensi
 Vertices keep the order of the file, isolated ones included.
 
 Exit codes: 0 done; 1 the work failed; 2 wrong usage; 3 an input cannot be read;
-4 an output cannot be written (it exists and --force is not given, for one).
+4 an output cannot be written (it exists and --force is not given, for one);
+130 interrupted by Ctrl-C.
 
 Examples:
   fairing info bunny.ply
@@ -77,23 +80,6 @@ enum Verb {
     Completions(completions::Completions),
 }
 
-/// Options that all verbs share.
-struct Context {
-    /// Print only results and errors.
-    quiet: bool,
-    /// Leave out broken vertices and faces of files.
-    drop_broken: bool,
-}
-
-impl Context {
-    /// Prints a note for the user to the error stream.
-    fn note(&self, text: impl std::fmt::Display) {
-        if !self.quiet {
-            eprintln!("{text}");
-        }
-    }
-}
-
 impl Verb {
     fn run(&self, context: &Context) -> Result<(), Failure> {
         match self {
@@ -107,17 +93,9 @@ impl Verb {
             Self::Denoise(verb) => verb.run(context),
             Self::Compare(verb) => verb.run(context),
             Self::Render(verb) => verb.run(context),
-            Self::Completions(verb) => verb.run(context),
+            Self::Completions(verb) => verb.run(context, &mut Cli::command()),
         }
     }
-}
-
-/// Prints a result to the standard output.
-fn print(text: impl std::fmt::Display) -> Result<(), Failure> {
-    use std::io::Write;
-    let mut out = std::io::stdout().lock();
-    write!(out, "{text}")?;
-    Ok(out.flush()?)
 }
 
 /// Parses the arguments, runs the verb and turns a failure into its exit code.
@@ -130,7 +108,9 @@ pub(crate) fn main() -> ExitCode {
             return ExitCode::from(1);
         }
     }
-    match cli.verb.run(&Context { quiet: cli.quiet, drop_broken: cli.drop_broken }) {
+    let (quiet, drop_broken) = (cli.quiet, cli.drop_broken);
+    let context = Context { quiet, drop_broken, bar: ProgressBar::hidden() };
+    match progress::run(&context, || cli.verb.run(&context)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),
     }

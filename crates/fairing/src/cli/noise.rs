@@ -6,8 +6,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use fairing::evaluation::{NoiseKind, NoiseLevel, add_noise};
 
-use super::Context;
-use super::exit::Failure;
+use super::context::{Context, Failure};
 use super::files::{self, Content, Output};
 use super::surface::{Reading, say_orientation};
 use super::table::number;

@@ -1,10 +1,10 @@
-//! The option `--operator`, the same in every verb that takes a Laplacian.
+//! The options `--operator` and `--mass` of all verbs that take a Laplacian.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use fairing::mesh::TriMesh;
 use fairing::operators::{Laplacian, LaplacianKind, MassKind, OperatorError, Reason};
 
-use super::Context;
+use super::context::Context;
 
 /// The parser of `--operator`.
 pub(crate) fn kinds() -> impl TypedValueParser<Value = LaplacianKind> {
@@ -22,6 +22,12 @@ pub(crate) fn kinds() -> impl TypedValueParser<Value = LaplacianKind> {
     ];
     let names = kinds.map(|(kind, about)| PossibleValue::new(kind.name()).help(about));
     PossibleValuesParser::new(names).try_map(|name| name.parse::<LaplacianKind>())
+}
+
+/// The parser of `--mass`.
+pub(crate) fn masses() -> impl TypedValueParser<Value = MassKind> {
+    let masses = [MassKind::Barycentric, MassKind::Mixed, MassKind::Consistent];
+    PossibleValuesParser::new(masses.map(MassKind::name)).try_map(|name| name.parse::<MassKind>())
 }
 
 /// The Laplacian, with a note where a face is too thin for cotangents.

@@ -5,41 +5,32 @@
 
 use std::marker::PhantomData;
 
-use clap::builder::{PossibleValue, PossibleValuesParser, ValueParser};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
-use fairing::parameters::{Algorithm, Kind, Parameter};
+use fairing::parameters::{Algorithm, Family, Kind, Parameter, Range, Value};
 
-use super::exit::Failure;
+use super::context::Failure;
 use super::table::Table;
 
-/// Algorithms among which a verb chooses.
-pub(crate) trait Family {
-    /// What they are called.
-    const WHAT: &'static str;
-
-    /// The algorithms, in the order in which they are listed.
-    fn algorithms() -> Vec<&'static Algorithm>;
-}
-
-/// The values that are given to the parameters of a family, each with the name of its parameter.
+/// Values given to the parameters of a family, each with the name of its parameter.
 pub(crate) struct Parameters<F> {
-    given: Vec<(&'static str, String)>,
+    given: Vec<(&'static str, Value)>,
     family: PhantomData<F>,
 }
 
 impl<F: Family> Parameters<F> {
     /// The values, with the names of their parameters.
-    pub(crate) fn given(&self) -> Vec<(&str, &str)> {
-        self.given.iter().map(|(name, value)| (*name, value.as_str())).collect()
+    pub(crate) fn given(&self) -> &[(&'static str, Value)] {
+        &self.given
     }
 
     /// The value of a parameter, if it is given.
-    pub(crate) fn get(&self, name: &str) -> Option<&str> {
-        self.given.iter().find(|(given, _)| *given == name).map(|(_, value)| value.as_str())
+    pub(crate) fn get(&self, name: &str) -> Option<&Value> {
+        self.given.iter().find(|(given, _)| *given == name).map(|(_, value)| value)
     }
 
     /// The algorithm of that name, which has all parameters that are given and is given all that it needs.
-    pub(crate) fn check(&self, name: &str) -> Result<&'static Algorithm, Failure> {
+    pub(crate) fn check(&self, name: &str) -> Result<Algorithm, Failure> {
         let what = F::WHAT;
         let mut all = F::algorithms().into_iter();
         let algorithm = all.find(|algorithm| algorithm.name == name);
@@ -49,12 +40,12 @@ impl<F: Family> Parameters<F> {
             return Err(foreign::<F>(name, flag, |algorithm| algorithm.parameter(flag).is_some()));
         }
         let mut needed = algorithm.parameters.iter().filter(|parameter| parameter.required);
-        match needed.find(|parameter| self.get(parameter.name).is_none()) {
-            Some(Parameter { name: flag, about, .. }) => {
-                Err(Failure::usage(format_args!("the {what} {name} needs --{flag}: {about}")))
-            }
-            None => Ok(algorithm),
+        if let Some(Parameter { name: flag, about, .. }) =
+            needed.find(|parameter| self.get(parameter.name).is_none())
+        {
+            return Err(Failure::usage(format_args!("the {what} {name} needs --{flag}: {about}")));
         }
+        Ok(algorithm)
     }
 }
 
@@ -78,9 +69,9 @@ pub(crate) fn list<F: Family>() -> Table {
     let mut table = Table::new();
     for algorithm in F::algorithms() {
         let about = format!("{}: {}", algorithm.name, algorithm.description);
-        let flag = |parameter: &Parameter| match parameter.default {
-            "" => format!("--{}", parameter.name),
-            default => format!("--{} {default}", parameter.name),
+        let flag = |parameter: &Parameter| match &parameter.default {
+            None => format!("--{}", parameter.name),
+            Some(default) => format!("--{} {default}", parameter.name),
         };
         let flags: Vec<String> = algorithm.parameters.iter().map(flag).collect();
         table.row([about]);
@@ -93,19 +84,21 @@ pub(crate) fn list<F: Family>() -> Table {
 
 /// The names of algorithms as values of a flag, each with its description.
 pub(crate) fn names<F: Family>() -> PossibleValuesParser {
-    let value =
-        |algorithm: &Algorithm| PossibleValue::new(algorithm.name).help(algorithm.description);
+    let value = |of: Algorithm| PossibleValue::new(of.name).help(of.description);
     PossibleValuesParser::new(F::algorithms().into_iter().map(value))
 }
 
-/// The same parameter in all algorithms that have it.
-fn shared<F: Family>() -> Vec<Vec<(&'static Algorithm, &'static Parameter)>> {
-    let mut all: Vec<Vec<(&Algorithm, &Parameter)>> = Vec::new();
+/// A parameter, and the names of all algorithms that have it.
+type Shared = Vec<(&'static str, Parameter)>;
+
+/// The parameters of all algorithms; those of the same name are one flag.
+fn shared<F: Family>() -> Vec<Shared> {
+    let mut all: Vec<Shared> = Vec::new();
     for algorithm in F::algorithms() {
         for parameter in algorithm.parameters {
             match all.iter_mut().find(|same| same[0].1.name == parameter.name) {
-                Some(same) => same.push((algorithm, parameter)),
-                None => all.push(vec![(algorithm, parameter)]),
+                Some(same) => same.push((algorithm.name, parameter)),
+                None => all.push(vec![(algorithm.name, parameter)]),
             }
         }
     }
@@ -113,25 +106,31 @@ fn shared<F: Family>() -> Vec<Vec<(&'static Algorithm, &'static Parameter)>> {
 }
 
 /// What a parameter says in each algorithm, which have it, and with which defaults.
-fn help(same: &[(&Algorithm, &Parameter)]) -> (String, String) {
+fn help(same: &Shared) -> (String, String) {
     let mut meanings: Vec<(String, Vec<String>)> = Vec::new();
-    let alone = same.iter().all(|(_, parameter)| parameter.default == same[0].1.default);
+    let first = &same[0].1.default;
+    let alone = same.iter().all(|(_, parameter)| parameter.default == *first);
     for (algorithm, parameter) in same {
         let about = match parameter.unit {
             "" => parameter.about.to_owned(),
             unit => format!("{}, in {unit}", parameter.about),
         };
-        let taker = match parameter.default {
-            default if !alone && !default.is_empty() => format!("{} ({default})", algorithm.name),
-            _ => algorithm.name.to_owned(),
+        let plain = [Range::FINITE, Range::POSITIVE, Range::NOT_NEGATIVE];
+        let about = match plain.contains(&parameter.range) {
+            true => about,
+            false => format!("{about}, {}", parameter.range),
+        };
+        let taker = match &parameter.default {
+            Some(default) if !alone => format!("{algorithm} ({default})"),
+            _ => (*algorithm).to_owned(),
         };
         match meanings.iter_mut().find(|(known, _)| *known == about) {
             Some((_, takers)) => takers.push(taker),
             None => meanings.push((about, vec![taker])),
         }
     }
-    let default = match same[0].1.default {
-        default if alone && !default.is_empty() => format!("; {default} unless set"),
+    let default = match first {
+        Some(default) if alone => format!("; {default} unless set"),
         _ => String::new(),
     };
     let short: Vec<&str> = meanings.iter().map(|(about, _)| about.as_str()).collect();
@@ -141,36 +140,36 @@ fn help(same: &[(&Algorithm, &Parameter)]) -> (String, String) {
     (short, format!("{}{default}", long.join("\n")))
 }
 
-fn flag(same: &[(&Algorithm, &'static Parameter)]) -> Arg {
-    let parameter = same[0].1;
+fn flag(same: &Shared) -> Arg {
+    let parameter = &same[0].1;
     let (short, long) = help(same);
     let arg = Arg::new(parameter.name).long(parameter.name).help(short).long_help(long);
     let conflicts = same.iter().flat_map(|(_, parameter)| parameter.excludes);
     let arg = arg.conflicts_with_all(conflicts.copied());
     let kind = parameter.kind;
-    let checked = ValueParser::from(move |text: &str| match kind.check(text) {
-        Ok(()) => Ok(text.to_owned()),
-        Err(expected) => Err(format!("it must be {expected}")),
-    });
+    let read = move |text: &str| {
+        kind.read(text.into()).map_err(|expected| format!("it must be {expected}"))
+    };
     match kind {
-        Kind::Number => arg.value_name("X").allow_negative_numbers(true).value_parser(checked),
-        Kind::Count => arg.value_name("N").value_parser(checked),
+        Kind::Number => arg.value_name("X").allow_negative_numbers(true).value_parser(read),
+        Kind::Count => arg.value_name("N").value_parser(read),
         Kind::Choice(choices) => {
             let values =
                 choices.iter().map(|choice| PossibleValue::new(choice.name).help(choice.about));
-            arg.value_parser(PossibleValuesParser::new(values))
+            let names = PossibleValuesParser::new(values);
+            arg.value_parser(names.map(|name| Value::from(name.as_str())))
         }
         list => {
             let name = if list == Kind::Vertices { "LIST" } else { "V:W[:X:Y:Z]" };
             let arg = arg.value_name(name).allow_hyphen_values(list != Kind::Vertices);
-            arg.action(ArgAction::Append).value_parser(checked)
+            arg.action(ArgAction::Append).value_parser(read)
         }
     }
 }
 
 impl<F: Family> Args for Parameters<F> {
     fn augment_args(command: Command) -> Command {
-        command.args(shared::<F>().iter().map(|same| flag(same)))
+        command.args(shared::<F>().iter().map(flag))
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -183,10 +182,8 @@ impl<F: Family> FromArgMatches for Parameters<F> {
         let mut given = Vec::new();
         for same in shared::<F>() {
             let name = same[0].1.name;
-            if let Some(values) = matches.get_many::<String>(name) {
-                let values: Vec<&str> = values.map(String::as_str).collect();
-                given.push((name, values.join(",")));
-            }
+            let values = matches.get_many::<Value>(name).into_iter().flatten().cloned();
+            given.extend(values.reduce(Value::and).map(|value| (name, value)));
         }
         Ok(Self { given, family: PhantomData })
     }

@@ -6,12 +6,12 @@ use clap::Args;
 use fairing::operators::{LaplacianKind, MassKind};
 use fairing::spectral::{SpectrumOptions, reconstruct, reconstruction_errors};
 
-use super::exit::Failure;
+use super::context::{Context, Failure};
 use super::files::{self, Content, Output};
 use super::operator;
+use super::spectrum;
 use super::surface::Reading;
 use super::table::number;
-use super::{Context, spectrum};
 
 const EXAMPLES: &str = "\
 Examples:

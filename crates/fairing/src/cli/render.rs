@@ -11,11 +11,10 @@ use fairing::figure::{
 use fairing::mesh::TriMesh;
 use fairing::mesh::io::VertexFields;
 
-use super::exit::Failure;
+use super::context::{Context, Failure};
 use super::files::{self, Content, Output};
 use super::surface::say_orientation;
 use super::table::number;
-use super::{Context, print};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -148,7 +147,7 @@ impl Render {
             let all = mesh.vertex_count();
             context.note(format_args!("{name} is undefined at {without} of {all} vertices: grey"));
         }
-        print(format_args!(
+        context.print(format_args!(
             "{name}: {} from {} to {}\n",
             scale.map().name(),
             number(scale.low()),

@@ -4,18 +4,17 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use clap::Args;
-use fairing::parameters::{Algorithm, Kind};
+use fairing::parameters::{Algorithm, Family, Kind};
 use fairing::smoothing::{Approach, FlowFailure, Method, Observer, Report, Smoothed, Step};
 use serde_json::{Value, json};
 
-use super::exit::Failure;
+use super::context::{Context, Failure};
 use super::files::{self, Content, MaybeOutput};
 use super::operator::say_too_thin;
-use super::parameters::{Family, Parameters, foreign, list, names};
+use super::parameters::{Parameters, foreign, list, names};
 use super::spectrum::warn_of_split;
 use super::surface::{Reading, Surface, say_orientation};
 use super::table::{Table, number};
-use super::{Context, print};
 
 const HELP: &str = "\
 Which method?
@@ -89,8 +88,9 @@ struct Flows;
 impl Family for Flows {
     const WHAT: &'static str = "method";
 
-    fn algorithms() -> Vec<&'static Algorithm> {
-        Method::algorithms()
+    fn algorithms() -> Vec<Algorithm> {
+        let old = Method::algorithms().into_iter();
+        old.map(|old| Algorithm::from(*old)).collect()
     }
 }
 
@@ -102,7 +102,7 @@ fn takes_steps(algorithm: &Algorithm) -> bool {
 impl Smooth {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
         if self.list {
-            return print(list::<Flows>());
+            return context.print(list::<Flows>());
         }
         let (Some(input), Some(output)) = (&self.input, self.output.given()) else {
             return Err(Failure::usage("which mesh, and where to?"));
@@ -145,11 +145,12 @@ impl Smooth {
             let kind = algorithm.parameter(name).map(|parameter| parameter.kind);
             matches!(kind, Some(Kind::Vertices | Kind::Weighted))
         };
-        let given = self.parameters.given();
+        let given: Vec<(&str, String)> =
+            self.parameters.given().iter().map(|(n, v)| (*n, v.to_string())).collect();
         let values: Vec<(&str, String)> = (given.into_iter())
             .map(|(name, value)| match of_vertices(name) {
-                true => (name, surface.renumbered(value)),
-                false => (name, value.to_owned()),
+                true => (name, surface.renumbered(&value)),
+                false => (name, value),
             })
             .collect();
         let values: Vec<(&str, &str)> = values.iter().map(|(name, v)| (*name, &v[..])).collect();
@@ -161,7 +162,7 @@ impl Smooth {
         if let Some(face) = report.too_thin {
             say_too_thin(context, face);
         }
-        if report.unstable && self.parameters.get("unstable") == Some("warn") {
+        if report.unstable && self.parameters.get("unstable") == Some(&"warn".into()) {
             match report.stable_limit {
                 Some(limit) => context.note(format_args!(
                     "warning: the step is beyond the stable limit {}; some modes grew",
@@ -179,7 +180,7 @@ impl Smooth {
     fn check(&self) -> Result<(), Failure> {
         let algorithm = self.parameters.check(&self.method)?;
         let of_steps = [(self.until.is_some(), "until"), (self.last_good, "last-good")];
-        match of_steps.into_iter().find(|(given, _)| *given && !takes_steps(algorithm)) {
+        match of_steps.into_iter().find(|(given, _)| *given && !takes_steps(&algorithm)) {
             Some((_, flag)) => Err(foreign::<Flows>(&self.method, flag, takes_steps)),
             None => Ok(()),
         }
@@ -213,7 +214,7 @@ impl Smooth {
         if self.json {
             let mut summary = json(method, report, [volume, area], farthest);
             surface.add_to(&mut summary);
-            return print(format_args!("{summary:#}\n"));
+            return context.print(format_args!("{summary:#}\n"));
         }
         let mut table = Table::new();
         let percent = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{} %", number(x)));

@@ -8,12 +8,11 @@ use fairing::operators::{LaplacianKind, MassKind, MassMatrix};
 use fairing::spectral::{self, EigenOptions, SpectrumOptions, Split};
 use serde_json::json;
 
-use super::exit::Failure;
+use super::context::{Context, Failure};
 use super::files::{Content, Overwrite};
 use super::operator;
 use super::surface::{Reading, Surface};
 use super::table::{Table, number};
-use super::{Context, print};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -112,25 +111,18 @@ fn warn_of_residuals(context: &Context, modes: &spectral::Spectrum) {
     ));
 }
 
-/// Which operator.
+/// Operator, mass and boundary.
 #[derive(Args)]
-pub(crate) struct Kind {
+struct Kind {
     /// The stiffness
     #[arg(long, value_parser = operator::kinds(), default_value_t = LaplacianKind::Auto)]
     operator: LaplacianKind,
     /// The mass matrix
-    #[arg(long, value_enum, default_value_t = MassName::Barycentric)]
-    mass: MassName,
+    #[arg(long, value_parser = operator::masses(), default_value_t = MassKind::Barycentric)]
+    mass: MassKind,
     /// The condition at the boundary: neumann leaves it free, dirichlet fixes it at zero
     #[arg(long, value_enum, default_value_t = BoundaryName::Neumann)]
     boundary: BoundaryName,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum MassName {
-    Barycentric,
-    Mixed,
-    Consistent,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -148,20 +140,12 @@ impl Kind {
     }
 }
 
-fn mass(name: MassName) -> MassKind {
-    match name {
-        MassName::Barycentric => MassKind::Barycentric,
-        MassName::Mixed => MassKind::Mixed,
-        MassName::Consistent => MassKind::Consistent,
-    }
-}
-
 impl Spectrum {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
         self.overwrite.check_given(self.output.as_deref(), Content::Npz)?;
         let (surface, _) = self.reading.read(context, &self.input)?;
         let (kind, mesh) = (&self.kind, surface.mesh());
-        let laplacian = operator::assemble(context, mesh, kind.operator, mass(kind.mass))?;
+        let laplacian = operator::assemble(context, mesh, kind.operator, kind.mass)?;
         let modes = spectral::spectrum(&laplacian, self.k, &kind.options(mesh))?;
         if let Some(output) = &self.output {
             on_file(&modes, &surface)?.save(output).map_err(Failure::output)?;
@@ -177,14 +161,14 @@ impl Spectrum {
                 "certified": modes.certified,
                 "operator": laplacian.kind().name(),
             });
-            return print(format_args!("{summary:#}\n"));
+            return context.print(format_args!("{summary:#}\n"));
         }
         let mut table = Table::new();
         table.row(["mode", "eigenvalue", "residual"].map(str::to_owned));
         for (i, (value, residual)) in modes.values.iter().zip(&modes.residuals).enumerate() {
             table.row([i.to_string(), number(*value), number(*residual)]);
         }
-        print(table)?;
+        context.print(table)?;
         if modes.certified {
             context.note("certified: no smaller eigenvalue was missed");
         }

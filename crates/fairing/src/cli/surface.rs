@@ -7,8 +7,7 @@ use fairing::mesh::io::VertexFields;
 use fairing::mesh::{TriMesh, Welded};
 use serde_json::{Value, json};
 
-use super::Context;
-use super::exit::Failure;
+use super::context::{Context, Failure};
 use super::files;
 
 /// Options for reading a mesh that needs its neighbours.

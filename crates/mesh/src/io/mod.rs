@@ -79,7 +79,7 @@ pub use report::{ReadReport, WriteReport};
 pub use row::Holds;
 #[cfg(feature = "files")]
 #[doc(hidden)]
-pub use whole::{check_writable, write_whole};
+pub use whole::{check_writable, discard_unfinished, write_whole};
 pub use write::{polygons_to_bytes, to_bytes, write_polygons_to, write_to};
 #[cfg(feature = "files")]
 pub use write::{write, write_polygons, write_with_fields};

@@ -196,6 +196,7 @@ fn triangles(
 }
 
 fn finished(named: Option<Format>, bytes: &[u8], options: &ReadOptions) -> Result<Finished, Fault> {
+    fairing_watch::stage("reading", 0);
     let compressed = is_gzip(bytes);
     let bytes = if compressed { unpack(bytes, options)? } else { bytes.into() };
     if bytes.iter().all(u8::is_ascii_whitespace) {

@@ -2,7 +2,9 @@
 
 use std::fs::{self, File};
 use std::io;
+use std::mem;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::{Builder, NamedTempFile};
 
@@ -20,9 +22,10 @@ pub fn write_whole(
     fill: impl FnOnce(&mut File) -> io::Result<()>,
 ) -> io::Result<()> {
     let path = target(path.as_ref())?;
-    let mut file = beside(&path)?;
+    let (listed, mut file) = beside(&path)?;
     fill(file.as_file_mut())?;
     file.persist(&path).map_err(|error| error.error)?;
+    drop(listed);
     Ok(())
 }
 
@@ -36,8 +39,35 @@ pub fn check_writable(path: impl AsRef<Path>) -> io::Result<()> {
     target(path.as_ref()).and_then(|path| beside(&path)).map(drop)
 }
 
-/// A temporary file in the folder of `path`.
-fn beside(path: &Path) -> io::Result<NamedTempFile> {
+/// Removes the temporary files of [`write_whole`] on all threads and lets none be created again:
+/// for a process that is about to exit while it may be writing.
+pub fn discard_unfinished() {
+    let unfinished = unfinished();
+    for path in unfinished.iter() {
+        // Gone if it has just been renamed.
+        let _ = fs::remove_file(path);
+    }
+    mem::forget(unfinished);
+}
+
+/// The temporary files that exist.
+static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(vec![]);
+
+fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// An entry of [`UNFINISHED`], removed on drop.
+struct Listed(PathBuf);
+
+impl Drop for Listed {
+    fn drop(&mut self) {
+        unfinished().retain(|path| *path != self.0);
+    }
+}
+
+/// A new temporary file in the folder of `path`. The entry outlives the file.
+fn beside(path: &Path) -> io::Result<(Listed, NamedTempFile)> {
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
@@ -55,7 +85,10 @@ fn beside(path: &Path) -> io::Result<NamedTempFile> {
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    builder.tempfile_in(folder)
+    let mut unfinished = unfinished();
+    let file = builder.tempfile_in(folder)?;
+    unfinished.push(file.path().to_owned());
+    Ok((Listed(file.path().to_owned()), file))
 }
 
 /// The longest chain of symbolic links, as in Linux.

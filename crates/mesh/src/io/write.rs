@@ -71,6 +71,7 @@ fn write_surface(
 ) -> Result<WriteReport, WriteError> {
     use flate2::{Compression, write::GzEncoder};
 
+    fairing_watch::stage("writing", 0);
     let attempt = || {
         let named = Format::from_path(path).ok_or_else(WriteProblem::unknown_extension)?;
         let (pieces, report) = encode(named.format, surface, options)?;

@@ -1,15 +1,15 @@
 //! The part of a mesh inside a ball.
 
-use fairing_mesh::vec3::{cross, dot, norm, sub};
 use fairing_mesh::{Topology, TriMesh};
+use glam::DVec3;
 
 /// The part of the segment `ab` inside the ball about the origin, as the
 /// parameters from 0 at a to 1 at b between which it lies; empty, with equal
 /// ends, where the segment stays outside.
 #[inline]
-fn segment_in_ball(a: [f64; 3], b: [f64; 3], square: f64) -> [f64; 2] {
-    let d = sub(b, a);
-    let (qa, qb, qc) = (dot(d, d), dot(a, d), dot(a, a) - square);
+fn segment_in_ball(a: DVec3, b: DVec3, square: f64) -> [f64; 2] {
+    let d = b - a;
+    let (qa, qb, qc) = (d.dot(d), a.dot(d), a.dot(a) - square);
     let discriminant = qb * qb - qa * qc;
     if qa == 0.0 || discriminant <= 0.0 {
         return [0.0; 2];
@@ -22,7 +22,7 @@ fn segment_in_ball(a: [f64; 3], b: [f64; 3], square: f64) -> [f64; 2] {
 /// The parts of the sides opposite each corner that are inside the ball about
 /// the origin.
 #[inline]
-fn sides_in_ball(triangle: &[[f64; 3]; 3], square: f64) -> [[f64; 2]; 3] {
+fn sides_in_ball(triangle: &[DVec3; 3], square: f64) -> [[f64; 2]; 3] {
     std::array::from_fn(|k| segment_in_ball(triangle[(k + 1) % 3], triangle[(k + 2) % 3], square))
 }
 
@@ -30,22 +30,22 @@ fn sides_in_ball(triangle: &[[f64; 3]; 3], square: f64) -> [[f64; 2]; 3] {
 /// origin, given the parts of its sides: the plane of the triangle cuts the
 /// ball in a disc, whose intersection with the triangle is summed side by
 /// side. Zero for a triangle without area.
-fn share_in_ball(triangle: &[[f64; 3]; 3], sides: &[[f64; 2]; 3], square: f64) -> f64 {
+fn share_in_ball(triangle: &[DVec3; 3], sides: &[[f64; 2]; 3], square: f64) -> f64 {
     let [a, b, c] = *triangle;
-    let normal = cross(sub(b, a), sub(c, a));
-    let twice_area = norm(normal);
+    let normal = (b - a).cross(c - a);
+    let twice_area = normal.length();
     if twice_area == 0.0 {
         return 0.0;
     }
-    let unit = normal.map(|x| x / twice_area);
-    let height = dot(a, unit);
+    let unit = normal / twice_area;
+    let height = a.dot(unit);
     let disc = square - height * height;
     if disc <= 0.0 {
         return 0.0;
     }
     // Coordinates in the plane about the centre of the disc.
     let [x, y] = crate::tangent::tangent_frame(unit);
-    let flat = triangle.map(|p| [dot(p, x), dot(p, y)]);
+    let flat = triangle.map(|p| [p.dot(x), p.dot(y)]);
     let twice: f64 =
         (0..3).map(|k| twice_sector(flat[(k + 1) % 3], flat[(k + 2) % 3], sides[k], disc)).sum();
     (twice / twice_area).clamp(0.0, 1.0)
@@ -85,7 +85,7 @@ pub(crate) struct BallExplorer {
 /// A face that a ball meets, relative to the centre of the ball.
 pub(crate) struct FaceInBall {
     pub(crate) face: u32,
-    pub(crate) triangle: [[f64; 3]; 3],
+    pub(crate) triangle: [DVec3; 3],
     /// The share of its area that is inside.
     pub(crate) share: f64,
     /// The share of the side opposite each corner that is inside.
@@ -94,8 +94,8 @@ pub(crate) struct FaceInBall {
 
 impl FaceInBall {
     #[inline]
-    fn new(face: u32, triangle: [[f64; 3]; 3], square: f64) -> Self {
-        if triangle.iter().all(|&p| dot(p, p) <= square) {
+    fn new(face: u32, triangle: [DVec3; 3], square: f64) -> Self {
+        if triangle.iter().all(|&p| p.dot(p) <= square) {
             return Self { face, triangle, share: 1.0, sides: [1.0; 3] };
         }
         let sides = sides_in_ball(&triangle, square);
@@ -117,7 +117,7 @@ impl BallExplorer {
     ) {
         self.reached_at.resize(mesh.face_count(), 0);
         self.visits += 1;
-        let (visit, centre) = (self.visits, mesh.positions()[v as usize]);
+        let (visit, centre) = (self.visits, DVec3::from(mesh.positions()[v as usize]));
         let square = radius * radius;
         self.stack.clear();
         for &c in mesh.incidence().corners(v) {
@@ -125,7 +125,7 @@ impl BallExplorer {
             self.stack.push(c / 3);
         }
         while let Some(f) = self.stack.pop() {
-            let triangle = mesh.triangle(f as usize).map(|p| sub(p, centre));
+            let triangle = mesh.triangle(f as usize).map(|p| DVec3::from(p) - centre);
             let part = FaceInBall::new(f, triangle, square);
             face(&part);
             for (&e, &inside) in topology.face_edges()[f as usize].iter().zip(&part.sides) {
@@ -150,7 +150,7 @@ mod tests {
 
     #[test]
     fn segments_are_clipped_at_the_sphere() {
-        let part = |a, b| segment_in_ball(a, b, 1.0);
+        let part = |a: [f64; 3], b: [f64; 3]| segment_in_ball(a.into(), b.into(), 1.0);
         assert_eq!(part([-2.0, 0.0, 0.0], [2.0, 0.0, 0.0]), [0.25, 0.75]);
         assert_eq!(part([0.0; 3], [4.0, 0.0, 0.0]), [0.0, 0.25]);
         assert_eq!(part([0.0, 0.1, 0.0], [0.0, 0.4, 0.0]), [0.0, 1.0]);
@@ -159,8 +159,9 @@ mod tests {
     }
 
     fn area(triangle: [[f64; 3]; 3], radius: f64) -> f64 {
+        let triangle = triangle.map(DVec3::from);
         let [a, b, c] = triangle;
-        let whole = 0.5 * norm(cross(sub(b, a), sub(c, a)));
+        let whole = 0.5 * (b - a).cross(c - a).length();
         whole * FaceInBall::new(0, triangle, radius * radius).share
     }
 
@@ -180,16 +181,15 @@ mod tests {
     /// Against a fine grid of points of the triangle.
     #[test]
     fn a_partial_triangle_by_counting() {
-        let t = [[-0.4, -0.2, 0.1], [1.5, 0.1, 0.2], [0.2, 0.7, -0.3]];
+        let t = [[-0.4, -0.2, 0.1], [1.5, 0.1, 0.2], [0.2, 0.7, -0.3]].map(DVec3::from);
         let n = 1000;
         let mut inside = 0u32;
         for i in 0..n {
             for j in 0..n - i {
                 let (u, v) =
                     ((f64::from(i) + 0.33) / f64::from(n), (f64::from(j) + 0.33) / f64::from(n));
-                let p: [f64; 3] =
-                    std::array::from_fn(|k| t[0][k] * (1.0 - u - v) + t[1][k] * u + t[2][k] * v);
-                inside += u32::from(dot(p, p) <= 0.64);
+                let p = (1.0 - u - v) * t[0] + u * t[1] + v * t[2];
+                inside += u32::from(p.dot(p) <= 0.64);
             }
         }
         let counted = f64::from(inside) / f64::from(n * (n + 1) / 2);

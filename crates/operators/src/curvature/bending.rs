@@ -1,7 +1,7 @@
 //! How much each edge bends.
 
-use fairing_mesh::vec3::{add, cross, dot, norm, sub};
 use fairing_mesh::{Topology, TriMesh};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::field::AtVertex;
@@ -23,15 +23,16 @@ pub(crate) fn edge_bending(mesh: &TriMesh, topology: &Topology) -> Vec<f64> {
         let &[f, g] = topology.edge_faces(e as u32) else { return 0.0 };
         let ends = topology.edges()[e];
         let [f, g] = [f as usize, g as usize];
-        let along = sub(positions[ends[1] as usize], positions[ends[0] as usize]);
-        let length = norm(along);
+        let [start, end] = ends.map(|v| DVec3::from(positions[v as usize]));
+        let along = end - start;
+        let length = along.length();
         let forward = runs(faces[f], ends);
         if forward == runs(faces[g], ends) {
             return 0.0;
         }
-        let (n, m) = (normals[f], normals[g]);
-        let sine = dot(cross(n, m), along) * if forward { 1.0 } else { -1.0 };
-        let cosine = dot(n, m) * length;
+        let [n, m] = [f, g].map(|f| DVec3::from(normals[f]));
+        let sine = n.cross(m).dot(along) * if forward { 1.0 } else { -1.0 };
+        let cosine = n.dot(m) * length;
         if sine == 0.0 && cosine == 0.0 { 0.0 } else { libm::atan2(sine, cosine) * length }
     };
     (0..topology.edges().len()).into_par_iter().with_min_len(4096).map(bend).collect()
@@ -46,14 +47,14 @@ fn runs(face: [u32; 3], [a, b]: [u32; 2]) -> bool {
 /// The sum of `w m ⊗ m` over bends w across directions m, in a tangent frame.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BendSum {
-    normal: [f64; 3],
-    frame: [[f64; 3]; 2],
+    normal: DVec3,
+    frame: [DVec3; 2],
     form: Symmetric2,
 }
 
 impl BendSum {
     /// None yet, in the plane across the unit normal.
-    pub(crate) fn new(normal: [f64; 3]) -> Self {
+    pub(crate) fn new(normal: DVec3) -> Self {
         Self { normal, frame: tangent_frame(normal), form: Symmetric2::default() }
     }
 
@@ -70,10 +71,10 @@ impl BendSum {
     /// Adds a bend across an edge: in the tangent plane, along the quarter turn
     /// of the edge. An edge along the normal adds to neither direction.
     #[inline]
-    pub(crate) fn add(&mut self, edge: [f64; 3], weight: f64) {
-        let (x, y) = (dot(edge, self.frame[0]), dot(edge, self.frame[1]));
+    pub(crate) fn add(&mut self, edge: DVec3, weight: f64) {
+        let (x, y) = (edge.dot(self.frame[0]), edge.dot(self.frame[1]));
         let square = x * x + y * y;
-        if square > 1e-24 * dot(edge, edge) && weight != 0.0 {
+        if square > 1e-24 * edge.dot(edge) && weight != 0.0 {
             let w = weight / square;
             self.form.a += w * y * y;
             self.form.b -= w * x * y;
@@ -84,11 +85,9 @@ impl BendSum {
 
 /// The sum of the area vectors of the faces at a vertex.
 #[inline]
-pub(crate) fn normal_sum(mesh: &TriMesh, v: u32) -> [f64; 3] {
-    mesh.incidence()
-        .corners(v)
-        .iter()
-        .fold([0.0; 3], |sum, &c| add(sum, mesh.area_vector(c as usize / 3)))
+pub(crate) fn normal_sum(mesh: &TriMesh, v: u32) -> DVec3 {
+    let corners = mesh.incidence().corners(v).iter();
+    corners.map(|&c| DVec3::from(mesh.area_vector(c as usize / 3))).sum()
 }
 
 #[cfg(test)]
@@ -119,13 +118,12 @@ mod tests {
     /// steep the edge is: bending across it, none along it.
     #[test]
     fn steep_edges_count_by_their_direction() {
-        let [e1, e2] = tangent_frame([0.0, 0.0, 1.0]);
+        let [e1, e2] = tangent_frame(DVec3::Z);
         for steep in [0.0, 1.0, 30.0, 1e4] {
             for scale in [1.0, 1e-3] {
                 let (x, y) = (0.6 * scale, 0.8 * scale);
-                let edge = [0, 1, 2]
-                    .map(|k| x * e1[k] + y * e2[k] + if k == 2 { steep * scale } else { 0.0 });
-                let mut sum = BendSum::new([0.0, 0.0, 1.0]);
+                let edge = x * e1 + y * e2 + steep * scale * DVec3::Z;
+                let mut sum = BendSum::new(DVec3::Z);
                 sum.add(edge, 2.0);
                 let Symmetric2 { a, b, c } = sum.form;
                 for (found, expected) in [(a, 1.28), (b, -0.96), (c, 0.72)] {

@@ -1,7 +1,8 @@
 //! All that the faces say about a vertex, gathered in one pass.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, power_of_two, scale, sub};
+use fairing_mesh::vec3::power_of_two;
+use glam::DVec3;
 use rayon::prelude::*;
 
 use std::f64::consts::{PI, TAU};
@@ -28,11 +29,11 @@ pub(crate) struct Links {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Cell {
     /// `Δx` by cotangents, integrated, in mesh units: a row of `−S x`.
-    pub(crate) laplacian: [f64; 3],
+    pub(crate) laplacian: DVec3,
     /// The area, in squared mesh units.
     pub(crate) area: f64,
     /// The sum of the area vectors of the faces.
-    pub(crate) normal: [f64; 3],
+    pub(crate) normal: DVec3,
     /// The sum of the angles, in radians.
     pub(crate) angles: f64,
     pub(crate) links: Links,
@@ -77,24 +78,25 @@ pub(crate) fn map_cells<T: Send>(
 ) -> Vec<T> {
     let (positions, incidence) = (mesh.positions(), mesh.incidence());
     let gather = |fan: &mut Fan, v: u32| {
-        let (sides, at) = (incidence.sides(v), positions[v as usize]);
+        let at = |w: u32| DVec3::from(positions[w as usize]);
+        let (sides, centre) = (incidence.sides(v), at(v));
         fan.gather(sides.iter().copied());
         let mut cell = Cell {
-            laplacian: [0.0; 3],
+            laplacian: DVec3::ZERO,
             area: 0.0,
-            normal: [0.0; 3],
+            normal: DVec3::ZERO,
             angles: 0.0,
             links: Links::new(fan, sides.len()),
         };
         let mut turns = Turns::default();
         for side in sides {
-            let [to_next, to_previous] = side.map(|w| sub(positions[w as usize], at));
+            let [to_next, to_previous] = side.map(|w| at(w) - centre);
             let (face, normal) = FaceCorners::from_sides(to_next, to_previous);
             let half = face.half_cotangents();
-            let pull = add(scale(to_next, half[2]), scale(to_previous, half[1]));
-            cell.laplacian = add(cell.laplacian, pull);
+            let pull = half[2] * to_next + half[1] * to_previous;
+            cell.laplacian += pull;
             cell.area += area.sound_shares(&face)[0];
-            cell.normal = add(cell.normal, scale(normal, 0.5));
+            cell.normal += 0.5 * normal;
             turns.add(face.turn(0));
         }
         cell.angles = turns.sum();

@@ -17,7 +17,8 @@
 //! curvatures. Signs are positive on a sphere. Source: \[lachaud2020\].
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, cross, dot, normalize, scale, sub};
+use fairing_parameters::{Options, Range};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::ball::BallExplorer;
@@ -48,20 +49,21 @@ impl CorrectedMeasures {
     /// The measures of a triangle with a unit normal at each corner.
     #[inline]
     pub fn from_triangle(x: [[f64; 3]; 3], u: [[f64; 3]; 3]) -> Self {
-        let mean_normal = scale(add(add(u[0], u[1]), u[2]), 1.0 / 3.0);
+        let (x, u) = (x.map(DVec3::from), u.map(DVec3::from));
+        let mean_normal = (u[0] + u[1] + u[2]) * (1.0 / 3.0);
         // About the first corner: the measures do not see translations.
-        let (p, q) = (sub(x[1], x[0]), sub(x[2], x[0]));
-        let (du, dv) = (sub(u[1], u[0]), sub(u[2], u[0]));
-        let bend = sub(cross(du, q), cross(dv, p));
+        let (p, q) = (x[1] - x[0], x[2] - x[0]);
+        let (du, dv) = (u[1] - u[0], u[2] - u[0]);
+        let bend = du.cross(q) - dv.cross(p);
         // X · (w × ū) with w = (Y·du) q − (Y·dv) p.
-        let (across_p, across_q) = (cross(p, mean_normal), cross(q, mean_normal));
+        let (across_p, across_q) = (p.cross(mean_normal), q.cross(mean_normal));
         let tensor = std::array::from_fn(|i| {
             std::array::from_fn(|j| 0.5 * (du[j] * across_q[i] - dv[j] * across_p[i]))
         });
         Self {
-            area: 0.5 * dot(mean_normal, cross(p, q)),
-            mean: 0.5 * dot(mean_normal, bend),
-            gaussian: 0.5 * dot(u[0], cross(u[1], u[2])),
+            area: 0.5 * mean_normal.dot(p.cross(q)),
+            mean: 0.5 * mean_normal.dot(bend),
+            gaussian: 0.5 * u[0].dot(u[1].cross(u[2])),
             tensor,
         }
     }
@@ -93,38 +95,41 @@ impl CorrectedMeasures {
     /// κ₁ ≥ κ₂ in the plane across the unit normal and their directions;
     /// `None` where the area is not positive.
     pub fn principal(&self, normal: [f64; 3]) -> Option<([f64; 2], [[f64; 3]; 2])> {
-        let at = self.at(normal)?;
+        let at = self.at(normal.into())?;
         Some((at.values, at.directions))
     }
 
-    fn at(&self, normal: [f64; 3]) -> Option<AtVertex> {
+    fn at(&self, normal: DVec3) -> Option<AtVertex> {
         let (mean, gaussian) = (self.mean_curvature()?, self.gaussian_curvature()?);
         let frame = tangent_frame(normal);
-        let form =
-            |x: [f64; 3], y: [f64; 3]| dot(x, self.tensor.map(|row| dot(row, y))) / self.area;
+        let form = |x: DVec3, y: DVec3| {
+            x.dot(self.tensor.map(|row| DVec3::from(row).dot(y)).into()) / self.area
+        };
         let [x, y] = frame;
         let form = Symmetric2 { a: form(x, x), b: 0.5 * (form(x, y) + form(y, x)), c: form(y, y) };
         Some(AtVertex { mean, gaussian, ..AtVertex::from_form(form, frame, normal) })
     }
 }
 
-/// The normals and the scale of [`corrected_curvature`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct CorrectedOptions {
-    /// How the normals at the vertices are made.
-    pub normals: NormalWeight,
-    /// The radius of the ball about the vertex; `None` for the faces at the
-    /// vertex.
-    pub radius: Option<Length>,
-}
-
-/// The faces at the vertex, with normals exact on spheres.
-impl Default for CorrectedOptions {
-    fn default() -> Self {
-        Self { normals: NormalWeight::Sphere, radius: None }
+fairing_parameters::options! {
+    /// Options of [`corrected_curvature`].
+    ///
+    /// Without a radius the measures are summed over the faces at the vertex.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+    pub struct CorrectedOptions {
+        /// The weights of face normals in the normals of vertices.
+        pub normals: NormalWeight = NormalWeight::Sphere;
+        /// The radius of the ball about each vertex.
+        pub radius: Option<Length> = None, in Range::POSITIVE, unit "mean edge lengths";
     }
+    "corrected": "principal curvatures of smooth shapes at the cost of one ring", ["lachaud2020"],
+        with Self::DEFAULT,
+        if |corrected| corrected.radius.is_none();
+    "corrected-ball": "smooth shapes with uneven or noisy triangles, at a chosen scale", ["lachaud2020"],
+        with Self { radius: Some(Length::MeanEdges(2.0)), ..Self::DEFAULT },
+        if |corrected| corrected.radius.is_some();
 }
 
 /// Curvature by corrected measures at each vertex; H and K have measures of
@@ -136,11 +141,12 @@ impl Default for CorrectedOptions {
 ///
 /// # Errors
 ///
-/// [`OperatorError::Option`] for a radius that is negative or not finite.
+/// [`OperatorError::Option`] for a radius that is not positive.
 pub fn corrected_curvature(
     mesh: &TriMesh,
     options: CorrectedOptions,
 ) -> Result<CurvatureField, OperatorError> {
+    options.check()?;
     on_oriented(mesh, |mesh| estimate(mesh, options))
 }
 
@@ -162,7 +168,7 @@ fn estimate(mesh: &TriMesh, options: CorrectedOptions) -> Result<CurvatureField,
         if corners.is_empty() {
             return Err(Undefined::Isolated);
         }
-        let normal = normalize(normals[v as usize]).ok_or(Undefined::NoArea)?;
+        let normal = DVec3::from(normals[v as usize]).try_normalize().ok_or(Undefined::NoArea)?;
         let mut sum = CorrectedMeasures::default();
         match &radii {
             None => {
@@ -184,7 +190,6 @@ fn estimate(mesh: &TriMesh, options: CorrectedOptions) -> Result<CurvatureField,
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fairing_mesh::vec3::norm;
 
     /// A ball within the faces at the tip of an uneven tent holds a sector of
     /// each: ½ r² θ, whatever the size of the face.
@@ -206,9 +211,9 @@ mod tests {
         let normals = weighted_vertex_normals(&tent, options.normals);
         let mut sum = CorrectedMeasures::default();
         for f in 0..5 {
-            let [a, b, c] = tent.triangle(f);
-            let (p, q) = (sub(b, a), sub(c, a));
-            let angle = norm(cross(p, q)).atan2(dot(p, q));
+            let [a, b, c] = tent.triangle(f).map(DVec3::from);
+            let (p, q) = (b - a, c - a);
+            let angle = p.cross(q).length().atan2(p.dot(q));
             let normals = tent.faces()[f].map(|v| normals[v as usize]);
             let measures = CorrectedMeasures::from_triangle(tent.triangle(f), normals);
             sum = sum.plus(&measures, 0.5 * radius * radius * angle / tent.face_area(f));

@@ -9,7 +9,6 @@
 //! Sources: \[meyer2003\], \[pinkall1993\].
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{dot, norm};
 
 use super::cell::{Cell, map_cells};
 use super::field::{AtVertex, CurvatureField};
@@ -22,20 +21,17 @@ use crate::error::OperatorError;
 use crate::kind::{LaplacianKind, MassKind};
 use crate::laplacian::{Laplacian, Reason, choose};
 
-/// The area of [`cotangent_curvature`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct CotangentOptions {
-    /// What the integrated values are divided by.
-    pub area: LumpedArea,
-}
-
-/// The mixed area.
-impl Default for CotangentOptions {
-    fn default() -> Self {
-        Self { area: LumpedArea::Mixed }
+fairing_parameters::options! {
+    /// Options of [`cotangent_curvature`].
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+    pub struct CotangentOptions {
+        /// The areas of vertices, by which integrated values are divided.
+        pub area: LumpedArea = LumpedArea::Mixed;
     }
+    "cotangent": "H and K of regular meshes, and integrals on any: the cheapest; no directions",
+        ["meyer2003", "pinkall1993"];
 }
 
 /// H and K by cotangents and angle defects, and the principal values that
@@ -69,9 +65,9 @@ fn estimate(mesh: &TriMesh, options: CotangentOptions) -> Result<CurvatureField,
 }
 
 fn at_cell(cell: &Cell) -> (Result<AtVertex, Undefined>, bool) {
-    let length = norm(cell.normal);
+    let length = cell.normal.length();
     let found = if cell.area > 0.0 && length > 0.0 {
-        let mean = -0.5 * dot(cell.laplacian, cell.normal) / (cell.area * length);
+        let mean = -0.5 * cell.laplacian.dot(cell.normal) / (cell.area * length);
         Ok(AtVertex::from_mean_and_gaussian(mean, cell.defect() / cell.area))
     } else {
         Err(undefined(cell.links))

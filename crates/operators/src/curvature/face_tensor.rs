@@ -15,7 +15,7 @@
 use std::convert::Infallible;
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{cross, dot, normalize, sub};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::field::{AtVertex, CurvatureField, boundary_flags};
@@ -28,27 +28,23 @@ use crate::normals::{NormalWeight, weighted_vertex_normals};
 use crate::symmetric::Symmetric2;
 use crate::tangent::{tangent_frame, turn_between};
 
-/// The normals of [`face_tensor_curvature`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct FaceTensorOptions {
-    /// How the normals at the vertices are made.
-    pub normals: NormalWeight,
-}
-
-/// Normals exact on spheres, as the source recommends.
-impl Default for FaceTensorOptions {
-    fn default() -> Self {
-        Self { normals: NormalWeight::Sphere }
+fairing_parameters::options! {
+    /// Options of [`face_tensor_curvature`].
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+    pub struct FaceTensorOptions {
+        /// The weights of face normals in the normals of vertices.
+        pub normals: NormalWeight = NormalWeight::Sphere;
     }
+    "face-tensor": "shading and line drawing: smooth and cheap; close to corrected", ["rusinkiewicz2004"];
 }
 
 /// A form in the plane of a face.
 #[derive(Clone, Copy)]
 struct FaceTensor {
-    normal: [f64; 3],
-    frame: [[f64; 3]; 2],
+    normal: DVec3,
+    frame: [DVec3; 2],
     form: Symmetric2,
     shares: [f64; 3],
 }
@@ -76,7 +72,7 @@ fn estimate(mesh: &TriMesh, options: FaceTensorOptions) -> CurvatureField {
         if corners.is_empty() {
             return Err(Undefined::Isolated);
         }
-        let normal = normalize(normals[v as usize]).ok_or(Undefined::NoArea)?;
+        let normal = DVec3::from(normals[v as usize]).try_normalize().ok_or(Undefined::NoArea)?;
         let frame = tangent_frame(normal);
         let (mut sum, mut area) = (Symmetric2::default(), 0.0);
         for &c in corners {
@@ -85,7 +81,7 @@ fn estimate(mesh: &TriMesh, options: FaceTensorOptions) -> CurvatureField {
             // The axes of the vertex in the frame of the face.
             let [[x0, x1], [y0, y1]] = frame.map(|axis| {
                 let turned = turn_between(normal, face.normal, axis);
-                face.frame.map(|t| dot(t, turned))
+                face.frame.map(|t| t.dot(turned))
             });
             let Symmetric2 { a, b, c } = face.form;
             sum.a += weight * (a * x0 * x0 + 2.0 * b * x0 * x1 + c * x1 * x1);
@@ -111,12 +107,13 @@ fn estimate(mesh: &TriMesh, options: FaceTensorOptions) -> CurvatureField {
 fn face_tensor(mesh: &TriMesh, normals: &[[f64; 3]], f: usize) -> Option<FaceTensor> {
     let triangle = mesh.triangle(f);
     let corners = FaceCorners::new(triangle);
+    let triangle = triangle.map(DVec3::from);
     if corners.is_degenerate() {
         return None;
     }
-    let normal = normalize(mesh.area_vector(f))?;
-    let at = mesh.faces()[f].map(|v| normals[v as usize]);
-    if at.contains(&[0.0; 3]) {
+    let normal = DVec3::from(mesh.area_vector(f)).try_normalize()?;
+    let at = mesh.faces()[f].map(|v| DVec3::from(normals[v as usize]));
+    if at.contains(&DVec3::ZERO) {
         return None;
     }
     // Along the longest side and across it, where the equations of a needle are
@@ -125,17 +122,17 @@ fn face_tensor(mesh: &TriMesh, normals: &[[f64; 3]], f: usize) -> Option<FaceTen
     let sides = corners.squared_sides();
     let longest = (0..3).fold(0, |best, k| if sides[k] > sides[best] { k } else { best });
     let unit = sides[longest].sqrt();
-    let along = sub(triangle[(longest + 2) % 3], triangle[(longest + 1) % 3]);
-    let across = normalize(cross(normal, along))?;
-    let frame = [cross(across, normal), across];
+    let along = triangle[(longest + 2) % 3] - triangle[(longest + 1) % 3];
+    let across = normal.cross(along).try_normalize()?;
+    let frame = [across.cross(normal), across];
     let mut equations = NormalEquations::<3>::default();
     for k in 0..3 {
         let (from, to) = ((k + 1) % 3, (k + 2) % 3);
-        let side = sub(triangle[to], triangle[from]);
-        let [u, v] = frame.map(|axis| dot(axis, side) / unit);
-        let turn = sub(at[to], at[from]);
-        equations.add(&[u, v, 0.0], dot(frame[0], turn), 1.0);
-        equations.add(&[0.0, u, v], dot(frame[1], turn), 1.0);
+        let side = triangle[to] - triangle[from];
+        let [u, v] = frame.map(|axis| axis.dot(side) / unit);
+        let turn = at[to] - at[from];
+        equations.add(&[u, v, 0.0], frame[0].dot(turn), 1.0);
+        equations.add(&[0.0, u, v], frame[1].dot(turn), 1.0);
     }
     let [a, b, c] = equations.solve()?.map(|x| x / unit);
     let area = 0.5 * corners.twice_area;
@@ -146,7 +143,6 @@ fn face_tensor(mesh: &TriMesh, normals: &[[f64; 3]], f: usize) -> Option<FaceTen
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fairing_mesh::vec3::scale;
     use fairing_shapes as shapes;
 
     /// On any triangulation of a sphere the normals are those of the sphere,
@@ -154,7 +150,7 @@ mod tests {
     #[test]
     fn exact_on_any_triangulation_of_a_sphere() {
         let unit = shapes::jittered(&shapes::icosphere(1), 0.4, 3, shapes::onto_sphere);
-        let positions = unit.positions().iter().map(|&p| scale(p, 2.5)).collect();
+        let positions = unit.positions().iter().map(|p| p.map(|x| 2.5 * x)).collect();
         let sphere = unit.with_positions(positions).unwrap();
         let field = face_tensor_curvature(&sphere, FaceTensorOptions::default());
         for v in 0..field.len() {

@@ -1,13 +1,13 @@
 //! The one result of all estimators.
 
 use fairing_mesh::TriMesh;
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::principal::principal_values;
 use super::status::{Undefined, VertexStatus};
 use crate::fan::Fan;
 use crate::symmetric::Symmetric2;
-use fairing_mesh::vec3::{add, cross, scale};
 
 /// Pointwise curvature at each vertex, in vertex order.
 ///
@@ -48,15 +48,20 @@ pub(crate) struct AtVertex {
 
 impl AtVertex {
     /// The eigenvalues and eigenvectors of the second form in a frame.
-    pub(crate) fn from_form(form: Symmetric2, frame: [[f64; 3]; 2], normal: [f64; 3]) -> Self {
+    pub(crate) fn from_form(form: Symmetric2, frame: [DVec3; 2], normal: DVec3) -> Self {
         let (values, [x, y]) = form.eigen();
-        let first = add(scale(frame[0], x), scale(frame[1], y));
-        Self::new(values, [first, cross(normal, first)])
+        let first = x * frame[0] + y * frame[1];
+        Self::new(values, [first, normal.cross(first)])
     }
 
-    pub(crate) fn new(values: [f64; 2], directions: [[f64; 3]; 2]) -> Self {
+    pub(crate) fn new(values: [f64; 2], directions: [DVec3; 2]) -> Self {
         let [a, b] = values;
-        Self { values, mean: 0.5 * (a + b), gaussian: a * b, directions }
+        Self {
+            values,
+            mean: 0.5 * (a + b),
+            gaussian: a * b,
+            directions: directions.map(Into::into),
+        }
     }
 
     /// H and K without directions, and the principal values that follow.
@@ -205,7 +210,8 @@ mod tests {
     #[test]
     fn shape_index_of_the_five_shapes() {
         let pairs = [[2.0, 2.0], [2.0, 0.0], [2.0, -2.0], [0.0, -2.0], [-2.0, -2.0], [0.0, 0.0]];
-        let found = pairs.iter().map(|&k| (Ok(AtVertex::new(k, [[0.0; 3]; 2])), false)).collect();
+        let found =
+            pairs.iter().map(|&k| (Ok(AtVertex::new(k, [DVec3::ZERO; 2])), false)).collect();
         let field = CurvatureField::collect(found, false);
         let index = field.shape_index();
         for (found, expected) in index.iter().zip([1.0, 0.5, 0.0, -0.5, -1.0]) {
@@ -217,7 +223,7 @@ mod tests {
 
     #[test]
     fn what_is_not_finite_is_undefined() {
-        let bad = AtVertex::new([f64::INFINITY, 0.0], [[0.0; 3]; 2]);
+        let bad = AtVertex::new([f64::INFINITY, 0.0], [DVec3::ZERO; 2]);
         let field = CurvatureField::collect(vec![(Ok(bad), false)], true);
         assert_eq!(field.status[0], VertexStatus::Undefined(Undefined::IllConditioned));
         assert_eq!((field.kappa1[0], field.mean[0]), (0.0, 0.0));

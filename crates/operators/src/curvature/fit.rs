@@ -1,8 +1,8 @@
 //! What the fits of polynomials share: local coordinates, and the curvature of
 //! a height field.
 
-use fairing_mesh::vec3::{add, dot, norm, normalize, scale as times, sub};
 use fairing_mesh::{Topology, TriMesh};
+use glam::DVec3;
 
 use super::field::{AtVertex, CurvatureField};
 use super::neighborhood::{Explorer, Neighborhood};
@@ -23,8 +23,8 @@ use crate::tangent::tangent_frame;
 pub(crate) struct HeightField<'a> {
     /// The neighbours, without the vertex itself.
     points: &'a [[f64; 3]],
-    frame: [[f64; 3]; 2],
-    normal: [f64; 3],
+    frame: [DVec3; 2],
+    normal: DVec3,
     scale: f64,
     /// The units of the two axes over `scale`.
     units: [f64; 2],
@@ -41,18 +41,19 @@ impl<'a> HeightField<'a> {
     fn new(
         mesh: &TriMesh,
         vertices: &[u32],
-        normal: [f64; 3],
+        normal: DVec3,
         points: &'a mut Vec<[f64; 3]>,
     ) -> Option<Self> {
         let positions = mesh.positions();
-        let centre = positions[vertices[0] as usize];
+        let at = |w: u32| DVec3::from(positions[w as usize]);
+        let centre = at(vertices[0]);
         let [e1, e2] = tangent_frame(normal);
         points.clear();
         let mut sum = 0.0;
         for &w in &vertices[1..] {
-            let d = sub(positions[w as usize], centre);
-            sum += norm(d);
-            points.push([dot(d, e1), dot(d, e2), dot(d, normal)]);
+            let d = at(w) - centre;
+            sum += d.length();
+            points.push([d.dot(e1), d.dot(e2), d.dot(normal)]);
         }
         let scale = sum / points.len() as f64;
         if scale.is_nan() || scale <= 0.0 {
@@ -65,7 +66,7 @@ impl<'a> HeightField<'a> {
         for [x, y, z] in points.iter_mut() {
             [*x, *y, *z] = [(c * *x + s * *y) * a, (c * *y - s * *x) * b, *z * unit];
         }
-        let frame = [add(times(e1, c), times(e2, s)), sub(times(e2, c), times(e1, s))];
+        let frame = [c * e1 + s * e2, c * e2 - s * e1];
         Some(Self { points, frame, normal, scale, units: axes.units })
     }
 
@@ -96,14 +97,11 @@ impl<'a> HeightField<'a> {
             dvv: [0.0, 0.0, second[2] / (b * b)],
         };
         let principal = FundamentalForms::from_jet(jet, ChartNormal::Outward)?.principal();
-        let in_space = |[x, y, z]: [f64; 3]| -> [f64; 3] {
-            std::array::from_fn(|k| {
-                x * self.frame[0][k] + y * self.frame[1][k] + z * self.normal[k]
-            })
-        };
+        let in_space =
+            |[x, y, z]: [f64; 3]| x * self.frame[0] + y * self.frame[1] + z * self.normal;
         let values = principal.values.map(|k| k / self.scale);
         // Steep fits leave digits of the length.
-        let [first, second] = principal.directions.map(|d| normalize(in_space(d)));
+        let [first, second] = principal.directions.map(|d| in_space(d).try_normalize());
         Some(AtVertex::new(values, [first?, second?]))
     }
 }
@@ -182,8 +180,8 @@ where
         if topology.neighbors(v).is_empty() {
             return Err(Undefined::Isolated);
         }
-        let normal = normals[v as usize];
-        if normal == [0.0; 3] {
+        let normal = DVec3::from(normals[v as usize]);
+        if normal == DVec3::ZERO {
             return Err(Undefined::NoArea);
         }
         explorer.explore(mesh, topology, v, &reach, at_least);

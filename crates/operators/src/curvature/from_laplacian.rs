@@ -1,7 +1,7 @@
 //! Mean and Gaussian curvature with a Laplacian of any kind.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, scale, sub};
+use glam::DVec3;
 
 use super::field::{self, CurvatureField};
 use super::gaussian::{defects, undefined};
@@ -46,8 +46,8 @@ pub fn laplacian_mean_curvature(
     let found = bends.zip(&*mass).zip(normals).zip(defects(mesh));
     let found: Vec<AtVertex> = found
         .map(|(((bend, &mass), normal), (_, links))| {
-            let vector = (mass > 0.0).then(|| scale(bend, -1.0 / mass));
-            AtVertex::new(vector, normal, links)
+            let vector = (mass > 0.0).then(|| bend * (-1.0 / mass));
+            AtVertex::new(vector, normal.into(), links)
         })
         .collect();
     let mut mean = MeanCurvature::from_vertices(found.into_iter());
@@ -97,15 +97,15 @@ pub fn laplacian_curvature(
 fn integrated<'a>(
     mesh: &'a TriMesh,
     laplacian: &'a Laplacian,
-) -> Result<impl Iterator<Item = [f64; 3]> + 'a, OperatorError> {
+) -> Result<impl Iterator<Item = DVec3> + 'a, OperatorError> {
     let (found, expected) = (laplacian.vertex_count(), mesh.vertex_count());
     if found != expected {
         return Err(OperatorError::Length { found, expected });
     }
     let positions = mesh.positions();
-    Ok(laplacian.stiffness().outer_iterator().zip(positions).map(|(row, &at)| {
-        let edges = row.iter().map(|(w, &s)| scale(sub(positions[w], at), s));
-        edges.fold([0.0; 3], add)
+    Ok(laplacian.stiffness().outer_iterator().enumerate().map(|(v, row)| {
+        let at = |w: usize| DVec3::from(positions[w]);
+        row.iter().map(|(w, &s)| s * (at(w) - at(v))).sum()
     }))
 }
 

@@ -12,7 +12,7 @@
 //! Source: \[meyer2003\], \[desbrun2008\].
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::sub;
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::cell::{Links, Turns};
@@ -39,11 +39,12 @@ pub fn angle_defect(mesh: &TriMesh) -> Vec<f64> {
 pub(crate) fn defects(mesh: &TriMesh) -> Vec<(f64, Links)> {
     let (positions, incidence) = (mesh.positions(), mesh.incidence());
     let defect = |fan: &mut Fan, v: u32| {
-        let (sides, at) = (incidence.sides(v), positions[v as usize]);
+        let at = |w: u32| DVec3::from(positions[w as usize]);
+        let (sides, centre) = (incidence.sides(v), at(v));
         fan.gather(sides.iter().copied());
         let mut turns = Turns::default();
         for side in sides {
-            let [to_next, to_previous] = side.map(|w| sub(positions[w as usize], at));
+            let [to_next, to_previous] = side.map(|w| at(w) - centre);
             turns.add(FaceCorners::from_sides(to_next, to_previous).0.turn(0));
         }
         let links = Links::new(fan, sides.len());

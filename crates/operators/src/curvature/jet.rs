@@ -14,7 +14,9 @@
 //! Source: \[cazals2005\].
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::OptionError;
+use fairing_parameters::{
+    Field, Kind, OptionError, Options, Parameter, ParameterError, Range, Value, Values,
+};
 
 use super::field::{AtVertex, CurvatureField};
 use super::fit::{HeightField, fit_each};
@@ -35,6 +37,17 @@ pub enum JetDegree {
     Four,
 }
 
+/// The name of the jet says its degree: no parameter.
+impl Field for JetDegree {
+    fn parameters(&self, _: Parameter) -> Vec<Parameter> {
+        Vec::new()
+    }
+
+    fn read(&mut self, _: &'static str, _: &Values) -> Result<(), ParameterError> {
+        Ok(())
+    }
+}
+
 /// How much each neighbour counts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -47,28 +60,57 @@ pub enum JetWeight {
     Gaussian(f64),
 }
 
-/// Degree, neighbourhood and weights of [`jet_curvature`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct JetOptions {
-    /// The degree of the polynomial.
-    pub degree: JetDegree,
-    /// Which vertices it is fitted to.
-    pub neighborhood: Neighborhood,
-    /// How much each of them counts.
-    pub weight: JetWeight,
-}
+const GAUSSIAN: &str = "gaussian";
 
-/// Degree 3 over three rings, all alike.
-impl Default for JetOptions {
-    fn default() -> Self {
-        Self {
-            degree: JetDegree::Three,
-            neighborhood: Neighborhood::Rings(3),
-            weight: JetWeight::Uniform,
+impl Field for JetWeight {
+    fn parameters(&self, _: Parameter) -> Vec<Parameter> {
+        let about = "The width of Gaussian weights, in place of equal weights";
+        vec![Parameter {
+            unit: "mean distances of the neighbours",
+            range: Range::POSITIVE,
+            default: match self {
+                Self::Uniform => None,
+                Self::Gaussian(width) => Some(Value::Number(*width)),
+            },
+            ..Parameter::new(GAUSSIAN, Kind::Number, about)
+        }]
+    }
+
+    fn read(&mut self, _: &'static str, values: &Values) -> Result<(), ParameterError> {
+        *self = values.number(GAUSSIAN).map_or(*self, Self::Gaussian);
+        Ok(())
+    }
+
+    fn check(&self, _: &'static str, _: Range) -> Result<(), OptionError> {
+        match self {
+            Self::Uniform => Ok(()),
+            Self::Gaussian(width) => Range::POSITIVE.check(GAUSSIAN, *width),
         }
     }
+}
+
+fairing_parameters::options! {
+    /// Options of [`jet_curvature`].
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+    pub struct JetOptions {
+        /// The degree of the polynomial.
+        pub degree: JetDegree = JetDegree::Three;
+        /// The vertices that the polynomial is fitted to.
+        pub neighborhood: Neighborhood = Neighborhood::Rings(3);
+        /// The weights of the vertices.
+        pub weight: JetWeight = JetWeight::Uniform;
+    }
+    "jet2": "noisy smooth shapes, where few coefficients resist noise", ["cazals2005"],
+        with Self { degree: JetDegree::Two, neighborhood: Neighborhood::Rings(2), ..Self::DEFAULT },
+        if |jet| jet.degree == JetDegree::Two;
+    "jet3": "the recommended one: converges on irregular meshes of smooth shapes", ["cazals2005"],
+        with Self::DEFAULT,
+        if |jet| jet.degree == JetDegree::Three;
+    "jet4": "the most accurate on fine clean meshes of smooth shapes", ["cazals2005"],
+        with Self { degree: JetDegree::Four, neighborhood: Neighborhood::Rings(4), ..Self::DEFAULT },
+        if |jet| jet.degree == JetDegree::Four;
 }
 
 /// Principal curvatures of a jet fitted at each vertex.
@@ -78,12 +120,10 @@ impl Default for JetOptions {
 ///
 /// # Errors
 ///
-/// [`OperatorError::Option`] for a radius that is negative or not finite, or a
-/// Gaussian that is not positive.
+/// [`OperatorError::Option`] for a number of rings, a radius or a Gaussian width
+/// outside its range.
 pub fn jet_curvature(mesh: &TriMesh, options: JetOptions) -> Result<CurvatureField, OperatorError> {
-    if let JetWeight::Gaussian(width) = options.weight {
-        OptionError::require_positive("width of the Gaussian", width)?;
-    }
+    options.check()?;
     let at = options.neighborhood;
     match options.degree {
         JetDegree::Two => fit_each(mesh, at, 5, |f| fit::<6>(f, options.weight, monomials2)),

@@ -1,7 +1,7 @@
 //! Mean curvature from a Laplacian of the positions, `Δx = −2 H n`.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, cross, dot, norm, normalize, scale, sub};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::cell::{Links, map_cells};
@@ -71,7 +71,7 @@ impl MeanCurvature {
     /// `H = ½ ‖Δx‖`, as the assignment asks for: without a sign, and with the
     /// tangential part of Δx.
     pub fn norms(&self) -> Vec<f64> {
-        self.vectors.iter().map(|&d| 0.5 * norm(d)).collect()
+        self.vectors.iter().map(|&d| 0.5 * DVec3::from(d).length()).collect()
     }
 
     /// The signed values with their flags.
@@ -111,7 +111,7 @@ fn mean_of_oriented(
         MeanOperator::Umbrella => umbrellas(mesh, false),
         MeanOperator::ScaledUmbrella => umbrellas(mesh, true),
         MeanOperator::Cotangent(area) => map_cells(mesh, area, |cell| {
-            let vector = (cell.area > 0.0).then(|| scale(cell.laplacian, 1.0 / cell.area));
+            let vector = (cell.area > 0.0).then(|| cell.laplacian * (1.0 / cell.area));
             AtVertex::new(vector, cell.normal, cell.links)
         }),
     };
@@ -140,7 +140,7 @@ fn both_of_oriented(
     check_faces(mesh)?;
     let found = map_cells(mesh, area, |cell| {
         let inverse = (cell.area > 0.0).then(|| 1.0 / cell.area);
-        let vector = inverse.map(|inverse| scale(cell.laplacian, inverse));
+        let vector = inverse.map(|inverse| inverse * cell.laplacian);
         let gaussian = cell.defect() * inverse.unwrap_or(f64::INFINITY);
         (AtVertex::new(vector, cell.normal, cell.links), (gaussian, undefined(cell.links)))
     });
@@ -158,11 +158,12 @@ pub(super) struct AtVertex {
 
 impl AtVertex {
     /// The mean curvature from Δx, if there is one, and a vector along the normal.
-    pub(super) fn new(vector: Option<[f64; 3]>, normal: [f64; 3], links: Links) -> Self {
+    pub(super) fn new(vector: Option<DVec3>, normal: DVec3, links: Links) -> Self {
         let boundary = links.boundary;
-        if let (Some(vector), Some(normal)) = (vector, normalize(normal)) {
-            let signed = -0.5 * dot(vector, normal);
+        if let (Some(vector), Some(normal)) = (vector, normal.try_normalize()) {
+            let signed = -0.5 * vector.dot(normal);
             if signed.is_finite() {
+                let vector = vector.to_array();
                 return Self { vector, signed, status: VertexStatus::Defined, boundary };
             }
         }
@@ -176,20 +177,22 @@ impl AtVertex {
 fn umbrellas(mesh: &TriMesh, scaled: bool) -> Vec<AtVertex> {
     let (positions, incidence) = (mesh.positions(), mesh.incidence());
     let umbrella = |fan: &mut Fan, v: u32| {
-        let (at, sides) = (positions[v as usize], incidence.sides(v));
+        let at = |w: u32| DVec3::from(positions[w as usize]);
+        let (centre, sides) = (at(v), incidence.sides(v));
         fan.gather(sides.iter().copied());
-        let (mut sum, mut squares) = ([0.0; 3], 0.0);
+        let (mut sum, mut squares) = (DVec3::ZERO, 0.0);
         for &w in &fan.neighbors {
-            let edge = sub(positions[w as usize], at);
-            sum = add(sum, edge);
-            squares += dot(edge, edge);
+            let edge = at(w) - centre;
+            sum += edge;
+            squares += edge.dot(edge);
         }
-        let normal = fan.ranks.iter().fold([0.0; 3], |normal, ranks| {
-            let [a, b] = ranks.map(|r| sub(positions[fan.neighbors[r as usize] as usize], at));
-            add(normal, cross(a, b))
+        let around = fan.ranks.iter().map(|ranks| {
+            let [a, b] = ranks.map(|r| at(fan.neighbors[r as usize]) - centre);
+            a.cross(b)
         });
+        let normal = around.sum();
         let divisor = if scaled { 0.25 * squares } else { fan.neighbors.len() as f64 };
-        let vector = (divisor > 0.0).then(|| scale(sum, 1.0 / divisor));
+        let vector = (divisor > 0.0).then(|| sum * (1.0 / divisor));
         AtVertex::new(vector, normal, Links::new(fan, sides.len()))
     };
     (0..mesh.vertex_count() as u32)
@@ -267,7 +270,7 @@ mod tests {
             let mean = mean_curvature(&mesh, operator).unwrap();
             for (v, p) in mesh.positions().iter().enumerate() {
                 assert!((mean.signed[v] - 1.0).abs() < 0.02, "{operator:?} {}", mean.signed[v]);
-                assert!((dot(mean.vectors[v], *p) + 2.0).abs() < 0.04);
+                assert!((DVec3::from(mean.vectors[v]).dot(DVec3::from(*p)) + 2.0).abs() < 0.04);
             }
         }
     }

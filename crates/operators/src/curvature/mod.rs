@@ -52,4 +52,4 @@ pub use normal_cycle::{NormalCycleOptions, normal_cycle_curvature};
 pub use principal::principal_values;
 pub use quadric::{QuadricOptions, quadric_curvature};
 pub use status::{ScalarCurvature, Undefined, VertexStatus};
-pub use steiner::steiner_curvature;
+pub use steiner::{SteinerOptions, steiner_curvature};

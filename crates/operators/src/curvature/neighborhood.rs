@@ -1,8 +1,12 @@
 //! Which vertices an estimator looks at.
 
-use fairing_mesh::vec3::distance;
+use std::ops::Bound;
+
 use fairing_mesh::{Topology, TriMesh};
-use fairing_parameters::OptionError;
+use fairing_parameters::{
+    Field, Kind, OptionError, Parameter, ParameterError, Range, Value, Values,
+};
+use glam::DVec3;
 
 use crate::error::OperatorError;
 
@@ -19,6 +23,13 @@ pub enum Length {
     MeshUnits(f64),
     /// In mean edge lengths of the component, an edge counted once for each of its faces.
     MeanEdges(f64),
+}
+
+/// One mean edge length.
+impl Default for Length {
+    fn default() -> Self {
+        Self::MeanEdges(1.0)
+    }
 }
 
 impl Length {
@@ -38,13 +49,34 @@ impl Length {
         let mut sums = vec![(0.0, 0usize); components.count()];
         for (f, face) in mesh.faces().iter().enumerate() {
             if let Some(c) = component(face[0]) {
-                let [a, b, third] = mesh.triangle(f);
-                sums[c].0 += distance(a, b) + distance(b, third) + distance(third, a);
+                let [a, b, third] = mesh.triangle(f).map(DVec3::from);
+                sums[c].0 += a.distance(b) + b.distance(third) + third.distance(a);
                 sums[c].1 += 3;
             }
         }
         let mean = |v: u32| component(v).map_or(0.0, |c| sums[c].0 / sums[c].1 as f64);
         Ok((0..mesh.vertex_count() as u32).map(|v| value * mean(v)).collect())
+    }
+}
+
+/// A length of parameters is in mean edge lengths.
+impl Field for Length {
+    fn parameters(&self, field: Parameter) -> Vec<Parameter> {
+        let default = match self {
+            Self::MeshUnits(_) => None,
+            Self::MeanEdges(edges) => Some(Value::Number(*edges)),
+        };
+        vec![Parameter { kind: Kind::Number, default, ..field }]
+    }
+
+    fn read(&mut self, name: &'static str, values: &Values) -> Result<(), ParameterError> {
+        *self = values.number(name).map_or(*self, Self::MeanEdges);
+        Ok(())
+    }
+
+    fn check(&self, name: &'static str, range: Range) -> Result<(), OptionError> {
+        let (Self::MeshUnits(value) | Self::MeanEdges(value)) = self;
+        range.check(name, *value)
     }
 }
 
@@ -59,6 +91,55 @@ pub enum Neighborhood {
     /// All that a path of edges reaches without leaving the ball of this
     /// radius.
     Ball(Length),
+}
+
+const RINGS: &str = "rings";
+const RADIUS: &str = "radius";
+const RINGS_RANGE: Range = Range::new(Bound::Included(1.0), Bound::Included(16.0));
+
+impl Field for Neighborhood {
+    fn parameters(&self, _: Parameter) -> Vec<Parameter> {
+        let (rings, radius) = match *self {
+            Self::Rings(rings) => (Some(Value::Count(rings as usize)), None),
+            Self::Ball(Length::MeanEdges(radius)) => (None, Some(Value::Number(radius))),
+            Self::Ball(Length::MeshUnits(_)) => (None, None),
+        };
+        let about = "The reach of the fit, in rings of neighbours";
+        let in_rings = Parameter {
+            range: RINGS_RANGE,
+            default: rings,
+            ..Parameter::new(RINGS, Kind::Count, about)
+        };
+        let in_edges = Parameter {
+            unit: "mean edge lengths",
+            range: Range::POSITIVE,
+            default: radius,
+            excludes: &[RINGS],
+            ..Parameter::new(
+                RADIUS,
+                Kind::Number,
+                "The reach of the fit, in place of rings: a radius",
+            )
+        };
+        vec![in_rings, in_edges]
+    }
+
+    fn read(&mut self, _: &'static str, values: &Values) -> Result<(), ParameterError> {
+        if let Some(rings) = values.count(RINGS) {
+            *self = Self::Rings(rings as u32);
+        }
+        if let Some(radius) = values.number(RADIUS) {
+            *self = Self::Ball(Length::MeanEdges(radius));
+        }
+        Ok(())
+    }
+
+    fn check(&self, _: &'static str, _: Range) -> Result<(), OptionError> {
+        match self {
+            Self::Rings(rings) => RINGS_RANGE.check(RINGS, f64::from(*rings)),
+            Self::Ball(radius) => radius.check(RADIUS, Range::POSITIVE),
+        }
+    }
 }
 
 /// Finds neighbourhoods, one vertex after another.
@@ -95,11 +176,10 @@ impl Explorer {
             }
             Reach::Radii(radii) => {
                 let radius = radii[v as usize];
-                let (positions, centre) = (mesh.positions(), mesh.positions()[v as usize]);
+                let at = |w: u32| DVec3::from(mesh.positions()[w as usize]);
+                let centre = at(v);
                 while start < self.found.len() {
-                    start = self.grow(topology, start, |w| {
-                        distance(positions[w as usize], centre) <= radius
-                    });
+                    start = self.grow(topology, start, |w| at(w).distance(centre) <= radius);
                 }
                 // Those turned away lie next to any of the others.
                 start = 0;

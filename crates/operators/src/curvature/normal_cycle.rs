@@ -12,7 +12,7 @@
 //! Source: \[cohensteiner2003\].
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{normalize, sub};
+use fairing_parameters::{Options, Range};
 use rayon::prelude::*;
 
 use super::ball::BallExplorer;
@@ -23,35 +23,34 @@ use super::oriented::on_oriented;
 use super::status::Undefined;
 use crate::error::OperatorError;
 
-/// The scale of [`normal_cycle_curvature`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct NormalCycleOptions {
-    /// The radius of the ball. Larger ones average out noise and features
-    /// alike.
-    pub radius: Length,
-}
-
-/// Two mean edge lengths of the component.
-impl Default for NormalCycleOptions {
-    fn default() -> Self {
-        Self { radius: Length::MeanEdges(2.0) }
+fairing_parameters::options! {
+    /// Options of [`normal_cycle_curvature`].
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+    pub struct NormalCycleOptions {
+        /// The radius of the ball about each vertex.
+        pub radius: Length = Length::MeanEdges(2.0), in Range::POSITIVE, unit "mean edge lengths";
     }
+    "normal-cycle": "curvature at a chosen scale, averaged over a ball; steady under noise",
+        ["cohensteiner2003"];
 }
 
 /// Principal curvatures from the normal cycle over a ball about each vertex.
+///
+/// Larger balls average out noise and features alike.
 ///
 /// Undefined at isolated vertices and where the ball contains no area or
 /// there is no normal. Cost: linear in the faces in a ball, per vertex.
 ///
 /// # Errors
 ///
-/// [`OperatorError::Option`] for a radius that is negative or not finite.
+/// [`OperatorError::Option`] for a radius that is not positive.
 pub fn normal_cycle_curvature(
     mesh: &TriMesh,
     options: NormalCycleOptions,
 ) -> Result<CurvatureField, OperatorError> {
+    options.check()?;
     on_oriented(mesh, |mesh| estimate(mesh, options))
 }
 
@@ -68,14 +67,14 @@ fn estimate(mesh: &TriMesh, options: NormalCycleOptions) -> Result<CurvatureFiel
         if mesh.incidence().corners(v).is_empty() {
             return Err(Undefined::Isolated);
         }
-        let normal = normalize(normal_sum(mesh, v)).ok_or(Undefined::NoArea)?;
+        let normal = normal_sum(mesh, v).try_normalize().ok_or(Undefined::NoArea)?;
         let mut sum = BendSum::new(normal);
         let mut area = 0.0;
         explorer.visit(mesh, topology, v, radii[v as usize], |part| {
             let f = part.face as usize;
             area += part.share * areas[f];
             for (k, &e) in topology.face_edges()[f].iter().enumerate() {
-                let edge = sub(part.triangle[(k + 2) % 3], part.triangle[(k + 1) % 3]);
+                let edge = part.triangle[(k + 2) % 3] - part.triangle[(k + 1) % 3];
                 // An edge inside comes from both of its faces.
                 sum.add(edge, 0.5 * part.sides[k] * bending[e as usize]);
             }

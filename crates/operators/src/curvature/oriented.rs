@@ -92,7 +92,7 @@ mod tests {
         let sphere = shapes::icosphere(3);
         for mesh in [shapes::jittered(&sphere, 0.2, 3, |p| p), shapes::torus(1.0, 0.4, 30, 14)] {
             let turned = with_turned_faces(&mesh);
-            for estimator in Estimator::ALL {
+            for estimator in Estimator::all() {
                 let (found, expected) =
                     (estimator.estimate(&turned).unwrap(), estimator.estimate(&mesh).unwrap());
                 assert_eq!(found.status, expected.status, "{estimator}");
@@ -126,7 +126,7 @@ mod tests {
         assert!(open.one_sided_faces().is_empty());
         for band in [&band, &with_turned_faces(&band)] {
             assert_eq!(band.one_sided_faces().len(), band.face_count());
-            for estimator in Estimator::ALL {
+            for estimator in Estimator::all() {
                 let found = estimator.estimate(band).unwrap();
                 let part = estimator.estimate(&open).unwrap();
                 assert!(found.mean.iter().all(|&h| h >= 0.0), "{estimator}");

@@ -11,26 +11,24 @@
 
 use fairing_mesh::TriMesh;
 
+use fairing_parameters::Options;
+
 use super::field::CurvatureField;
 use super::fit::fit_each;
 use super::neighborhood::Neighborhood;
 use crate::NormalEquations;
 use crate::error::OperatorError;
 
-/// The neighbourhood of [`quadric_curvature`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct QuadricOptions {
-    /// Which vertices the quadric is fitted to.
-    pub neighborhood: Neighborhood,
-}
-
-/// Two rings.
-impl Default for QuadricOptions {
-    fn default() -> Self {
-        Self { neighborhood: Neighborhood::Rings(2) }
+fairing_parameters::options! {
+    /// Options of [`quadric_curvature`].
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+    pub struct QuadricOptions {
+        /// The vertices that the quadric is fitted to.
+        pub neighborhood: Neighborhood = Neighborhood::Rings(2);
     }
+    "quadric": "clean meshes of even quality, two rings; as in libigl", ["panozzo2010"];
 }
 
 /// Principal curvatures of a quadric fitted at each vertex.
@@ -41,11 +39,12 @@ impl Default for QuadricOptions {
 ///
 /// # Errors
 ///
-/// [`OperatorError::Option`] for a radius that is negative or not finite.
+/// [`OperatorError::Option`] for a number of rings or a radius outside its range.
 pub fn quadric_curvature(
     mesh: &TriMesh,
     options: QuadricOptions,
 ) -> Result<CurvatureField, OperatorError> {
+    options.check()?;
     fit_each(mesh, options.neighborhood, 5, |field| {
         let mut equations = NormalEquations::<5>::default();
         for [x, y, z] in field.neighbors() {

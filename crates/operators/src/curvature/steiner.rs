@@ -15,12 +15,21 @@
 use std::convert::Infallible;
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{normalize, sub};
+use glam::DVec3;
 
 use super::bending::{BendSum, edge_bending, normal_sum};
 use super::field::CurvatureField;
 use super::oriented::on_oriented;
 use super::status::Undefined;
+
+fairing_parameters::options! {
+    /// The estimator [`steiner_curvature`] has no options.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+    pub struct SteinerOptions {}
+    "steiner": "bending at creases, from dihedral angles; any mesh, however broken", ["sullivan2008"];
+}
 
 /// Principal curvatures from dihedral angles.
 ///
@@ -39,16 +48,16 @@ fn estimate(mesh: &TriMesh) -> CurvatureField {
         if corners.is_empty() {
             return Err(Undefined::Isolated);
         }
-        let normal = normalize(normal_sum(mesh, v)).ok_or(Undefined::NoArea)?;
+        let normal = normal_sum(mesh, v).try_normalize().ok_or(Undefined::NoArea)?;
         let mut sum = BendSum::new(normal);
         let mut area = 0.0;
         for &c in corners {
             let (f, k) = (c as usize / 3, c as usize % 3);
-            let (triangle, edges) = (mesh.triangle(f), topology.face_edges()[f]);
+            let (triangle, edges) = (mesh.triangle(f).map(DVec3::from), topology.face_edges()[f]);
             area += mesh.face_area(f) / 3.0;
             // Both sides of the corner; an edge inside comes from two faces.
             for (side, opposite) in [((k + 1) % 3, (k + 2) % 3), ((k + 2) % 3, (k + 1) % 3)] {
-                let edge = sub(triangle[side], triangle[k]);
+                let edge = triangle[side] - triangle[k];
                 sum.add(edge, 0.25 * bending[edges[opposite] as usize]);
             }
         }
@@ -61,7 +70,6 @@ fn estimate(mesh: &TriMesh) -> CurvatureField {
 mod tests {
     use super::*;
     use fairing_mesh::TriMesh;
-    use fairing_mesh::vec3::dot;
     use std::f64::consts::{FRAC_PI_2, PI};
 
     /// Three edges of length 1 meet in each corner of a unit cube; half of
@@ -93,8 +101,8 @@ mod tests {
         for v in 0..2 {
             assert!((field.kappa1[v] - expected).abs() < 1e-14, "{}", field.kappa1[v]);
             assert!(field.kappa2[v].abs() < 1e-15);
-            assert!(dot(first[v], [1.0, 0.0, 0.0]).abs() > 1.0 - 1e-14);
-            assert!(dot(second[v], [0.0, 1.0, 0.0]).abs() > 1.0 - 1e-14);
+            assert!(first[v][0].abs() > 1.0 - 1e-14);
+            assert!(second[v][1].abs() > 1.0 - 1e-14);
         }
         assert_eq!((field.kappa1[2], field.kappa2[2]), (0.0, 0.0));
         assert_eq!(field.status[4], super::super::VertexStatus::Undefined(Undefined::Isolated));

@@ -1,7 +1,7 @@
 //! From a mesh to glued triangles: as it is, or covered twice.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{cross, distance, dot, normalize, sub};
+use glam::DVec3;
 
 use super::triangulation::{BORDER, Triangulation};
 use crate::error::OperatorError;
@@ -90,13 +90,13 @@ fn side_of(mesh: &TriMesh, f: u32, [a, b]: [u32; 2]) -> u32 {
 /// The angle of face `f` about the edge from a to b.
 fn angle_around(mesh: &TriMesh, f: u32, [a, b]: [u32; 2]) -> f64 {
     let p = mesh.positions();
-    let (from, to) = (p[a as usize], p[b as usize]);
-    let Some(axis) = normalize(sub(to, from)) else { return 0.0 };
+    let [from, to] = [a, b].map(|v| DVec3::from(p[v as usize]));
+    let Some(axis) = (to - from).try_normalize() else { return 0.0 };
     let [x, y] = tangent_frame(axis);
-    debug_assert!(dot(cross(x, y), axis) > 0.0);
+    debug_assert!(x.cross(y).dot(axis) > 0.0);
     let opposite = mesh.faces()[f as usize].into_iter().find(|&v| v != a && v != b);
-    let out = sub(p[opposite.unwrap_or(a) as usize], from);
-    libm::atan2(dot(out, y), dot(out, x))
+    let out = DVec3::from(p[opposite.unwrap_or(a) as usize]) - from;
+    libm::atan2(out.dot(y), out.dot(x))
 }
 
 fn sides(mesh: &TriMesh, faces: &[[u32; 3]]) -> Triangulation {
@@ -104,7 +104,10 @@ fn sides(mesh: &TriMesh, faces: &[[u32; 3]]) -> Triangulation {
     let p = mesh.positions();
     let length = faces
         .iter()
-        .flat_map(|f| (0..3).map(|k| distance(p[f[k] as usize], p[f[(k + 1) % 3] as usize])))
+        .flat_map(|f| {
+            let [a, b, c] = f.map(|v| DVec3::from(p[v as usize]));
+            [a.distance(b), b.distance(c), c.distance(a)]
+        })
         .collect();
     Triangulation { twin: vec![BORDER; start.len()], start, length }
 }

@@ -8,8 +8,8 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{norm, sub};
 use fairing_sparse::{GraphLaplacian, GraphNumbers};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::mass::{give_isolated, positive_lumped_mass};
@@ -295,9 +295,10 @@ fn face_terms(
         return Ok(widened);
     }
     for (f, terms) in terms.iter_mut().enumerate() {
-        let [a, b, c] = mesh.triangle(f);
-        let corners = FaceCorners::new([a, b, c]);
-        let lengths = [norm(sub(c, b)), norm(sub(a, c)), norm(sub(b, a))];
+        let triangle = mesh.triangle(f);
+        let corners = FaceCorners::new(triangle);
+        let [a, b, c] = triangle.map(DVec3::from);
+        let lengths = [(c - b).length(), (a - c).length(), (b - a).length()];
         let thin = match faces {
             ThinFaces::WidenNearly => lacking(lengths) > 0.0,
             _ => corners.is_degenerate(),

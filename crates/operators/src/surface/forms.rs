@@ -1,6 +1,6 @@
 //! First and second fundamental form, and the curvatures in them.
 
-use fairing_mesh::vec3::{add, cross, dot, norm, scale};
+use glam::DVec3;
 
 use super::jet::{ChartNormal, SurfaceJet};
 use crate::symmetric::Symmetric2;
@@ -63,18 +63,19 @@ pub struct PrincipalDirections {
 impl FundamentalForms {
     /// The forms of a jet; `None` where the chart is singular.
     pub fn from_jet(jet: SurfaceJet, side: ChartNormal) -> Option<Self> {
-        let across = cross(jet.du, jet.dv);
-        let area = norm(across);
-        let first = [dot(jet.du, jet.du), dot(jet.du, jet.dv), dot(jet.dv, jet.dv)];
+        let [du, dv, duu, duv, dvv] = [jet.du, jet.dv, jet.duu, jet.duv, jet.dvv].map(DVec3::from);
+        let across = du.cross(dv);
+        let area = across.length();
+        let first = [du.dot(du), du.dot(dv), dv.dot(dv)];
         if area.is_nan() || area <= SINGULAR * (first[0] + first[2]) {
             return None;
         }
         let normal = match side {
-            ChartNormal::Outward => scale(across, 1.0 / area),
-            ChartNormal::Inward => scale(across, -1.0 / area),
+            ChartNormal::Outward => across * (1.0 / area),
+            ChartNormal::Inward => across * (-1.0 / area),
         };
-        let second = [jet.duu, jet.duv, jet.dvv].map(|d| -dot(d, normal));
-        Some(Self { first, second, normal, du: jet.du, dv: jet.dv })
+        let second = [duu, duv, dvv].map(|d| -d.dot(normal));
+        Some(Self { first, second, normal: normal.to_array(), du: jet.du, dv: jet.dv })
     }
 
     /// The normal curvature `II / I` in the direction `du pᵤ + dv pᵥ`, in
@@ -113,11 +114,12 @@ impl FundamentalForms {
         };
         let (values, [x, y]) = form.eigen();
         let in_chart = |[x, y]: [f64; 2]| [x / root - y * slope * root / w, y * root / w];
-        let chart_turn = dot(cross(self.du, self.dv), self.normal).signum();
+        let [du, dv, normal] = [self.du, self.dv, self.normal].map(DVec3::from);
+        let chart_turn = du.cross(dv).dot(normal).signum();
         // The quarter turn that is positive about the outward normal.
         let second = [-y * chart_turn, x * chart_turn];
         let parameters = [in_chart([x, y]), in_chart(second)];
-        let directions = parameters.map(|[u, v]| add(scale(self.du, u), scale(self.dv, v)));
+        let directions = parameters.map(|[u, v]| (u * du + v * dv).to_array());
         PrincipalDirections { values, directions, parameters }
     }
 }

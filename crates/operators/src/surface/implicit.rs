@@ -1,6 +1,6 @@
 //! Curvature of level sets.
 
-use fairing_mesh::vec3::{add, cross, dot, norm, scale};
+use glam::DVec3;
 
 use crate::symmetric::Symmetric2;
 use crate::tangent::tangent_frame;
@@ -21,20 +21,21 @@ pub trait ImplicitSurface {
     ///
     /// `None` where the gradient vanishes. Source: \[goldman2005\].
     fn curvature(&self, p: [f64; 3]) -> Option<PointCurvature> {
-        let gradient = self.gradient(p);
-        let length = norm(gradient);
+        let gradient = DVec3::from(self.gradient(p));
+        let length = gradient.length();
         if !(length > 0.0 && length.is_finite()) {
             return None;
         }
-        let normal = scale(gradient, 1.0 / length);
+        let normal = gradient * (1.0 / length);
         let [x, y] = tangent_frame(normal);
-        let h = self.hessian(p);
-        let apply = |t: [f64; 3]| h.map(|row| dot(row, t) / length);
+        let h = self.hessian(p).map(DVec3::from);
+        let apply = |t: DVec3| DVec3::from(h.map(|row| row.dot(t) / length));
         let (hx, hy) = (apply(x), apply(y));
-        let form = Symmetric2 { a: dot(x, hx), b: dot(x, hy), c: dot(y, hy) };
+        let form = Symmetric2 { a: x.dot(hx), b: x.dot(hy), c: y.dot(hy) };
         let (values, [c, s]) = form.eigen();
-        let first = add(scale(x, c), scale(y, s));
-        Some(PointCurvature { values, directions: [first, cross(normal, first)], normal })
+        let first = c * x + s * y;
+        let directions = [first, normal.cross(first)].map(Into::into);
+        Some(PointCurvature { values, directions, normal: normal.to_array() })
     }
 }
 

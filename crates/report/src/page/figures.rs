@@ -13,8 +13,8 @@ use super::tables::counted;
 use super::view;
 use crate::layout;
 use crate::numbers::{Item, is_paper, parts};
-use crate::play::Play;
 use fairing_results::results::{FigureFile, Form, Record};
+use fairing_results::section::Playground;
 
 /// What is seen at once, then the rest folded under a line that says what it is. Numbered from `first`.
 pub(super) fn shown(record: &Record, first: usize, folder: &Path, form: Form) -> Result<String> {
@@ -26,7 +26,7 @@ pub(super) fn shown(record: &Record, first: usize, folder: &Path, form: Form) ->
     let mut text = drawn[..seen].concat();
     if seen < drawn.len() {
         let names: Vec<String> =
-            items[seen..].iter().map(|item| layout::name(&record.id, &item.id())).collect();
+            items[seen..].iter().map(|item| layout::name(record, &item.id())).collect();
         let _ = write!(
             text,
             "<details><summary>{}: {}</summary>{}</details>",
@@ -90,14 +90,14 @@ fn paper_note(all: &[Item<'_>], first: usize, fallback: &str) -> String {
 }
 
 /// A place in which the page's script builds a playground.
-fn playground(play: &Play, label: &str) -> String {
+fn playground(play: &Playground, label: &str) -> String {
     format!(
         "<figure class=\"play\" id=\"{}\" data-play=\"{}\"><div class=\"stage\"><p class=\"hint\">{} \
          It is computed by the page's script.</p></div><figcaption>{label}{}</figcaption></figure>",
         play.id(),
         play.kind,
-        escape(play.alt),
-        escape(play.caption)
+        escape(&play.alt),
+        escape(&play.caption)
     )
 }
 

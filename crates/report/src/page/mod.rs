@@ -21,7 +21,7 @@ use std::path::Path;
 use anyhow::Result;
 use rayon::prelude::*;
 
-use crate::{letters, markdown, numbers, story, thumbnail};
+use crate::{markdown, notation, numbers, story, thumbnail};
 use fairing_results::results::{Record, Results};
 use fairing_results::verdict::{Judgement, Verdict};
 use html::escape;
@@ -51,9 +51,6 @@ const SCRIPTS: [&str; 22] = [
     include_str!("../../assets/stack.js"),
     include_str!("../../assets/page.js"),
 ];
-
-/// The experiment and the figure that open the page.
-const FIRST: (&str, &str) = ("q1", "flower-signed");
 
 const STYLE: &str = include_str!("../../assets/style.css");
 
@@ -118,9 +115,9 @@ fn contents(results: &Results) -> String {
         );
     };
     for act in &story::ACTS {
-        act.sections(results).into_iter().for_each(|(record, _)| link(record));
+        act.sections(results).for_each(&mut link);
     }
-    story::others(results).into_iter().for_each(link);
+    story::others(results).for_each(link);
     if !story::rules(results).is_empty() {
         list += "<li><a href=\"#rules\">What we would tell the student</a></li>";
     }
@@ -173,11 +170,11 @@ fn opening(results: &Results, picture: &str) -> String {
     if failed > 0 {
         let _ = write!(text, "<p class=\"error\">{} failed.</p>", count("experiment", failed));
     }
-    let letters: String = letters::LETTERS
+    let symbols: String = notation::SYMBOLS
         .iter()
-        .map(|letter| format!("<dt>{}</dt><dd>{}</dd>", letter.sign, letter.meaning))
+        .map(|symbol| format!("<dt>{}</dt><dd>{}</dd>", symbol.sign, symbol.meaning))
         .collect();
-    let _ = write!(text, "<details><summary>Letters</summary><dl>{letters}</dl></details>");
+    let _ = write!(text, "<details><summary>Notation</summary><dl>{symbols}</dl></details>");
     let p = &results.provenance;
     let _ = write!(
         text,
@@ -193,12 +190,10 @@ fn opening(results: &Results, picture: &str) -> String {
 
 /// A picture before any table, as a link to where it belongs.
 fn first_picture(results: &Results, folder: &Path) -> Result<String> {
-    let (record, id) = FIRST;
-    let records = results.experiments.iter().filter(|r| r.id == record);
-    let Some(figure) = records.flat_map(|r| &r.figures).find(|f| f.id == id) else {
-        return Ok(String::new());
-    };
-    let target = figures::anchor(&results.experiments, record, id);
+    let opening = |r: &'_ Record| r.figures.iter().position(|f| f.id == r.section.opening);
+    let found = results.experiments.iter().find_map(|r| Some((r, &r.figures[opening(r)?])));
+    let Some((record, figure)) = found else { return Ok(String::new()) };
+    let target = figures::anchor(&results.experiments, &record.id, &figure.id);
     Ok(format!(
         "<a class=\"first\" href=\"#{target}\">{}</a>",
         figures::image(figure, folder, results.form)?,
@@ -213,8 +208,8 @@ fn acts(results: &Results, sections: &[(&str, String)]) -> String {
     };
     let mut text = String::new();
     for act in &story::ACTS {
-        let own = act.sections(results);
-        if own.is_empty() {
+        let mut own = act.sections(results).peekable();
+        if own.peek().is_none() {
             continue;
         }
         let _ = write!(
@@ -222,7 +217,8 @@ fn acts(results: &Results, sections: &[(&str, String)]) -> String {
             "<header class=\"act\" id=\"{}\"><h2>{}</h2><p>{}</p></header>",
             act.id, act.title, act.about
         );
-        for (record, bridge) in own {
+        for record in own {
+            let bridge = &record.section.bridge;
             let _ = write!(text, "<p class=\"bridge\">{bridge}</p>{}", body(record));
         }
     }

@@ -7,7 +7,7 @@ use anyhow::Result;
 
 use super::html::{escape, with_code};
 use super::{figures, tables};
-use crate::{commands, letters, mathml, numbers, play, snippets};
+use crate::{mathml, notation, numbers, snippets};
 use fairing_results::results::{Form, Record};
 use fairing_results::verdict::{Deciding, Judgement, Shown, Verdict};
 
@@ -69,7 +69,7 @@ fn method(record: &Record) -> Result<String> {
         let parts: Vec<String> = parts.map(mathml::displayed).collect::<Result<_>>()?;
         let _ = write!(text, "<p class=\"formula\">{}</p>", parts.concat());
     }
-    if let Some(reference) = letters::reference(&record.id) {
+    if let Some(reference) = notation::reference(record) {
         let _ = write!(text, "<p class=\"soft\">{}</p>", escape(&reference));
     }
     let rest: String = paragraphs.map(|p| format!("<p>{}</p>", escape(p))).collect();
@@ -94,8 +94,8 @@ fn method(record: &Record) -> Result<String> {
 fn same(record: &Record) -> String {
     let code = |text: &str| format!("<pre><code>{}</code></pre>", escape(text));
     let lines = snippets::for_section(&record.id).map(|lines| code(&lines)).unwrap_or_default();
-    let shell = commands::for_section(&record.id).map(|commands| code(&commands.join("\n")));
-    let shell = shell.unwrap_or_default();
+    let commands = &record.section.commands;
+    let shell = if commands.is_empty() { String::new() } else { code(&commands.join("\n")) };
     format!(
         "<details><summary>In Rust and on the command line</summary>{lines}{shell}<p class=\"soft\">All figures and \
          tables of this section: <code>cargo xtask reproduce --only {}</code> ({:.1} s).</p></details>",
@@ -114,7 +114,7 @@ pub(super) fn verdict(verdict: Verdict) -> String {
 pub(super) fn link(all: &[Record], claim: &Judgement) -> String {
     let Some(Shown { id, state }) = &claim.shown else { return String::new() };
     let is_view = |r: &Record| r.views.iter().any(|v| format!("{}-{}", r.id, v.id) == *id);
-    let is_play = |r: &Record| play::for_section(&r.id).any(|play| play.id() == *id);
+    let is_play = |r: &Record| r.section.playground.as_ref().is_some_and(|own| own.id() == *id);
     let is_figure = |r: &Record| {
         let mut own = r.figures.iter().filter(|f| !numbers::is_paper(r, f));
         own.any(|f| figures::figure_id(r, &f.id) == *id)

@@ -14,7 +14,7 @@ pub(super) fn tables(record: &Record, form: Form) -> String {
         record.tables.iter().partition(|t| layout::shows_table(record, &t.id));
     let mut text: String = seen.into_iter().map(one).collect();
     if !folded.is_empty() {
-        let names: Vec<String> = folded.iter().map(|t| layout::name(&record.id, &t.id)).collect();
+        let names: Vec<String> = folded.iter().map(|t| layout::name(record, &t.id)).collect();
         let _ = write!(
             text,
             "<details><summary>{}: {}</summary>{}</details>",

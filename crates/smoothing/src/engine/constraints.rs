@@ -1,7 +1,8 @@
 //! Which vertices may move, and how.
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::{OptionError, Parameter, ParameterError, Values};
+use fairing_parameters::old::{Parameter, Values};
+use fairing_parameters::{OptionError, ParameterError};
 
 use crate::engine::arrangement::Arrangement;
 use crate::engine::error::FlowFailure;

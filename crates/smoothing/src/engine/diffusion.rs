@@ -2,7 +2,8 @@
 
 use fairing_mesh::TriMesh;
 use fairing_operators::{LaplacianKind, LumpedArea, Reason, choose};
-use fairing_parameters::{Choice, Parameter, ParameterError, Values};
+use fairing_parameters::old::{Parameter, Values};
+use fairing_parameters::{Choice, ParameterError};
 
 use crate::engine::error::FlowFailure;
 

@@ -1,7 +1,8 @@
 //! What a flow says of itself.
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::{Algorithm, ParameterError, Values};
+use fairing_parameters::ParameterError;
+use fairing_parameters::old::{Algorithm, Values};
 
 use crate::engine::error::FlowError;
 use crate::engine::outcome::Smoothed;

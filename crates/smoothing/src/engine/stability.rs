@@ -1,7 +1,7 @@
 //! How long an explicit step may be.
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::Parameter;
+use fairing_parameters::old::Parameter;
 
 use crate::engine::assemble::assemble;
 use crate::engine::diffusion::Diffusion;

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{dot, sub};
-use fairing_parameters::Parameter;
+use fairing_parameters::old::Parameter;
 
 /// The number of steps. A flow that has it shows its steps to an observer.
 pub(crate) const ITERATIONS: Parameter =

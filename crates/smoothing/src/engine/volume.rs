@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use fairing_mesh::vec3::{add, cross, dot, norm, scale, sub};
 use fairing_mesh::{Connectivity, TriMesh};
-use fairing_parameters::Parameter;
+use fairing_parameters::old::Parameter;
 
 use crate::engine::constraints::Freedom;
 use crate::engine::error::FlowFailure;

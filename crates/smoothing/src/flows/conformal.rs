@@ -4,7 +4,8 @@ use std::ops::ControlFlow;
 
 use fairing_mesh::TriMesh;
 use fairing_operators::{LaplacianKind, LumpedArea};
-use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
+use fairing_parameters::old::{Algorithm, Parameter, Values};
+use fairing_parameters::{OptionError, ParameterError};
 
 use crate::engine::constraints::Constraints;
 use crate::engine::diffusion::{Diffusion, OPERATOR, TIME, Time, operator_from_values};

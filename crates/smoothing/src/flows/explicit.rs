@@ -1,7 +1,8 @@
 //! Explicit diffusion, forward Euler.
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::{Algorithm, OptionError, ParameterError, Values};
+use fairing_parameters::old::{Algorithm, Values};
+use fairing_parameters::{OptionError, ParameterError};
 
 use crate::engine::assemble::assemble;
 use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};

@@ -1,7 +1,8 @@
 //! HC smoothing: Laplacian steps that give back what they took from the shape.
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
+use fairing_parameters::old::{Algorithm, Parameter, Values};
+use fairing_parameters::{OptionError, ParameterError};
 
 use crate::engine::assemble::uniform;
 use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
@@ -91,7 +92,7 @@ pub fn hc(
 ) -> Result<Smoothed, FlowError> {
     let Hc { alpha, beta, .. } = *options;
     for (option, value) in [("alpha", alpha), ("beta", beta)] {
-        OptionError::require_share(option, value)
+        OptionError::require_fraction(option, value)
             .map_err(|error| FlowFailure::from(error).before(mesh))?;
     }
     let settings = RunSettings::new(&options.constraints, options.iterations);

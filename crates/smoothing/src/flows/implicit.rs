@@ -1,7 +1,8 @@
 //! Implicit diffusion, backward Euler, and mean curvature flow.
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
+use fairing_parameters::old::{Algorithm, Parameter, Values};
+use fairing_parameters::{OptionError, ParameterError};
 
 use crate::engine::assemble::assemble;
 use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};

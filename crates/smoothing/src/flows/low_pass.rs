@@ -2,7 +2,8 @@
 
 use fairing_mesh::TriMesh;
 use fairing_operators::{Laplacian, LaplacianKind, LumpedArea};
-use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
+use fairing_parameters::old::{Algorithm, Parameter, Values};
+use fairing_parameters::{OptionError, ParameterError};
 use fairing_spectral::{Reconstruction, SpectrumOptions, reconstruct, spectrum};
 
 use crate::engine::assemble::cotangent;

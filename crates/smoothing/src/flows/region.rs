@@ -2,7 +2,8 @@
 
 use fairing_mesh::TriMesh;
 use fairing_operators::{LaplacianKind, LumpedArea, MassKind};
-use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
+use fairing_parameters::old::{Algorithm, Parameter, Values};
+use fairing_parameters::{OptionError, ParameterError};
 use fairing_sparse::{
     Cholesky, LaplacianPower, SparseMatrix, multiply_points, principal_submatrix,
 };

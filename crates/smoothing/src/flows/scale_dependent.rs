@@ -2,7 +2,8 @@
 
 use fairing_mesh::vec3::distance;
 use fairing_mesh::{Components, TriMesh};
-use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
+use fairing_parameters::old::{Algorithm, Parameter, Values};
+use fairing_parameters::{OptionError, ParameterError};
 use fairing_sparse::GraphLaplacian;
 
 use crate::engine::assemble::uniform;

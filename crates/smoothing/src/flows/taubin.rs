@@ -1,7 +1,8 @@
 //! Taubin's λ|μ smoothing.
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
+use fairing_parameters::old::{Algorithm, Parameter, Values};
+use fairing_parameters::{OptionError, ParameterError};
 
 use crate::engine::assemble::uniform;
 use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};

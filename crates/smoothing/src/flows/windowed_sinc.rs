@@ -3,7 +3,8 @@
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::{Algorithm, OptionError, Parameter, ParameterError, Values};
+use fairing_parameters::old::{Algorithm, Parameter, Values};
+use fairing_parameters::{OptionError, ParameterError};
 use fairing_sparse::ChebyshevSeries;
 
 use crate::engine::assemble::uniform;

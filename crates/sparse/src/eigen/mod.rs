@@ -27,6 +27,10 @@ use crate::mass::MassError;
 
 pub use components::{eigenpairs_within, smallest_eigenpairs};
 
+/// How much larger than the tolerance a measured residual may be: eigenvalues of a multiple group are measured
+/// with the residual of their neighbours.
+const SLACK: f64 = 10.0;
+
 /// How to solve an eigenproblem.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -97,7 +101,7 @@ impl EigenOptions {
     /// The first is one number for all pairs: beside a huge eigenvalue it says little about a small one, whose
     /// residual does. The second belongs to each vector.
     pub fn residual_limit(&self, largest: f64) -> f64 {
-        run::SLACK * self.tolerance * largest
+        SLACK * self.tolerance * largest
     }
 }
 

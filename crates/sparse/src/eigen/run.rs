@@ -12,11 +12,7 @@ use crate::eigen::operator::ShiftInvert;
 use crate::eigen::polish::{self, lanes_of};
 use crate::eigen::problem::Problem;
 use crate::eigen::projected::Ritz;
-use crate::eigen::{Beyond, Count, EigenError, EigenOptions, EigenPairs};
-/// How much larger than the tolerance a measured residual may be: eigenvalues of a multiple group are measured
-/// with the residual of their neighbours.
-pub(super) const SLACK: f64 = 10.0;
-
+use crate::eigen::{Beyond, Count, EigenError, EigenOptions, EigenPairs, SLACK};
 /// A diagonal entry is off by some ε: a sum of six terms, and as many in elimination.
 const DIAGONAL_ROUNDINGS: f64 = 4.0;
 

@@ -1,7 +1,7 @@
 //! The assignment's levels in model units, and what they mean over the size of the faces.
 
 use anyhow::{Context as _, Result};
-use fairing_denoising::Denoiser;
+use fairing_denoising::{AutomaticOptions, Denoiser};
 use fairing_evaluation::NoiseLevel;
 use fairing_shapes as shapes;
 
@@ -10,7 +10,7 @@ use crate::experiment::Context;
 use crate::experiments::restoring::{Body, Method, Trials};
 use crate::row;
 use crate::table::{Cell, Table, Tables, Tolerance, Unit, brief};
-use crate::verdict::{Judgement, Verdict};
+use crate::verdict::{Judgement, Shown, Verdict, ViewState};
 
 /// Spacings of the block: a factor of eight in h.
 const SPACINGS: [f64; 5] = [0.3, 0.178, 0.106, 0.063, 0.0375];
@@ -26,7 +26,7 @@ const COMPARED: [Method; 6] = [
     Method::OF_THE_REPORT[2],
     Method::OF_THE_REPORT[3],
     Method::Taubin,
-    Method::Denoiser(Denoiser::Automatic),
+    Method::Denoiser(Denoiser::Automatic(AutomaticOptions::DEFAULT)),
 ];
 
 /// Whether a shape is kept.
@@ -235,7 +235,7 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
                 "What counts is the noise over the edge length: these levels are {} edge lengths of the machine part.",
                 list(&levels.iter().map(|l| l.share).collect::<Vec<_>>())
             ))
-            .shown("q7-levels-view", "!2~3!normal error")
+            .shown(Shown::view("q7", "levels-view", &ViewState { stops: vec![2, 3], field: "normal error".into(), ..ViewState::default() }))
             .number("the levels over h, lowest", levels[0].share, Unit::EdgeLengths)
             .number("highest", levels[2].share, Unit::EdgeLengths);
     for (level, sigma) in levels.iter().zip(ASSIGNMENT) {
@@ -283,7 +283,13 @@ mod tests {
             for (method, angle) in Method::OF_THE_REPORT.into_iter().zip(angles[k]) {
                 model.push(row![sigma, sigma, method.name(), angle, -1.0]);
             }
-            model.push(row![sigma, sigma, Method::Denoiser(Denoiser::Automatic).name(), 1.0, 0.0]);
+            model.push(row![
+                sigma,
+                sigma,
+                Method::Denoiser(Denoiser::Automatic(AutomaticOptions::DEFAULT)).name(),
+                1.0,
+                0.0
+            ]);
             for (h, kept) in [1.0, 0.1].into_iter().zip(kept[k]) {
                 resolution.push(row![h, sigma, sigma / h, kept]);
             }

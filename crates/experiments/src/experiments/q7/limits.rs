@@ -8,7 +8,7 @@ use super::{KEPT, METHODS, SHRUNK};
 use crate::experiments::restoring::Method;
 use crate::row;
 use crate::table::{Table as Results, Tables, Tolerance, Unit, brief};
-use crate::verdict::{Judgement, Verdict};
+use crate::verdict::{Judgement, Shown, Verdict};
 
 /// What the table calls the best of all methods.
 const ANY: &str = "best of all";
@@ -194,7 +194,7 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
     let mut judgement = Judgement::new("7b", claim, verdict(&found), reason)
         .finding(summary(&numbers, &found))
         .ours()
-        .shown("figure-q7-normals", "");
+        .shown(Shown::figure("q7", "normals"));
     for (mesh, [flows, denoisers]) in numbers {
         for (who, kept) in [("flows", flows), ("denoisers", denoisers)] {
             // Beyond the end of the sweep there is no number.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use anyhow::Result;
-use fairing_denoising::Denoiser;
+use fairing_denoising::{AutomaticOptions, BilateralNormalOptions, Denoiser, GuidedNormalOptions};
 use fairing_evaluation::{NoiseLevel, drift, feature_edges, normal_error};
 use fairing_figure::{
     Axis, Figure, Legend, Panel as FigurePanel, Plot, Series, Shape, Up, Viewpoint,
@@ -26,9 +26,9 @@ const SHOWN: [Method; 6] = [
     Method::Nothing,
     Method::Explicit,
     Method::Implicit,
-    Method::Denoiser(Denoiser::BilateralNormal),
-    Method::Denoiser(Denoiser::GuidedNormal),
-    Method::Denoiser(Denoiser::Automatic),
+    Method::Denoiser(Denoiser::BilateralNormal(BilateralNormalOptions::DEFAULT)),
+    Method::Denoiser(Denoiser::GuidedNormal(GuidedNormalOptions::DEFAULT)),
+    Method::Denoiser(Denoiser::Automatic(AutomaticOptions::DEFAULT)),
 ];
 
 /// What the views leave out: one step of implicit smoothing looks like ten explicit ones.
@@ -40,9 +40,9 @@ const CURVES: [Method; 7] = [
     Method::Implicit,
     Method::Taubin,
     Method::Spectral,
-    Method::Denoiser(Denoiser::BilateralNormal),
-    Method::Denoiser(Denoiser::GuidedNormal),
-    Method::Denoiser(Denoiser::Automatic),
+    Method::Denoiser(Denoiser::BilateralNormal(BilateralNormalOptions::DEFAULT)),
+    Method::Denoiser(Denoiser::GuidedNormal(GuidedNormalOptions::DEFAULT)),
+    Method::Denoiser(Denoiser::Automatic(AutomaticOptions::DEFAULT)),
 ];
 
 /// What the plots call the greatest E_a at which a shape is kept.

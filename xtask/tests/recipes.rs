@@ -4,14 +4,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Text to insert into a file before a line.
+/// A line to insert into a file before another.
 struct Edit {
     path: &'static str,
     before: &'static str,
     line: &'static str,
 }
 
-/// Adds a file and edits others; the crate must then compile.
+/// A file to add and the edits that go with it; the package must then compile.
 struct Addition {
     /// The heading of the recipe.
     recipe: &'static str,
@@ -23,13 +23,62 @@ struct Addition {
 const FORMAT: Addition = Addition {
     recipe: "A file format",
     package: "fairing-mesh",
-    file: ("crates/mesh/src/io/dummy.rs", include_str!("format.rs")),
+    file: ("crates/mesh/src/io/dummy.rs", include_str!("recipes/format.rs")),
     edits: &[
         Edit { path: "crates/mesh/src/io/mod.rs", before: "mod error;", line: "mod dummy;" },
         Edit {
             path: "crates/mesh/src/io/format.rs",
             before: "}\n\n/// The format of a file by its name.",
             line: "    /// Three coordinates per corner.\n    Dummy = crate::io::dummy::FORMAT,",
+        },
+    ],
+};
+
+const ESTIMATOR: Addition = Addition {
+    recipe: "An estimator of curvature",
+    package: "fairing-operators",
+    file: ("crates/operators/src/curvature/dummy.rs", include_str!("recipes/estimator.rs")),
+    edits: &[
+        Edit {
+            path: "crates/operators/src/curvature/mod.rs",
+            before: "mod estimator;",
+            line: "mod dummy;",
+        },
+        Edit {
+            path: "crates/operators/src/curvature/mod.rs",
+            before: "pub use estimator::Estimator;",
+            line: "pub use dummy::{DummyOptions, dummy_curvature};",
+        },
+        Edit {
+            path: "crates/operators/src/curvature/estimator.rs",
+            before: "use super::face_tensor",
+            line: "use super::dummy::{DummyOptions, dummy_curvature};",
+        },
+        Edit {
+            path: "crates/operators/src/curvature/estimator.rs",
+            before: "        /// [`quadric_curvature`]",
+            line: "        /// [`dummy_curvature`]\n        \
+                   Dummy(DummyOptions) => |mesh, options| Ok(dummy_curvature(mesh, options)),",
+        },
+    ],
+};
+
+const DENOISER: Addition = Addition {
+    recipe: "A denoiser",
+    package: "fairing-denoising",
+    file: ("crates/denoising/src/dummy.rs", include_str!("recipes/denoiser.rs")),
+    edits: &[
+        Edit { path: "crates/denoising/src/lib.rs", before: "mod error;", line: "mod dummy;" },
+        Edit {
+            path: "crates/denoising/src/lib.rs",
+            before: "pub use error::DenoiseError;",
+            line: "pub use dummy::{DummyOptions, dummy};",
+        },
+        Edit {
+            path: "crates/denoising/src/denoiser.rs",
+            before: "        /// [`l0`]",
+            line: "        /// [`dummy`](crate::dummy)\n        \
+                   Dummy(crate::DummyOptions) => crate::dummy,",
         },
     ],
 };
@@ -52,13 +101,10 @@ fn copy_to(folder: &Path) {
     let list = ["ls-files", "-z", "Cargo.toml", "Cargo.lock", "crates", "python", "tests", "xtask"];
     let output = Command::new("git").args(list).current_dir(root()).output().unwrap();
     let paths = String::from_utf8(output.stdout).unwrap();
-    for path in paths.split('\0').filter(|path| !path.is_empty()) {
+    for path in paths.split('\0').filter(|path| root().join(path).is_file()) {
         let target = folder.join(path);
         fs::create_dir_all(target.parent().unwrap()).unwrap();
-        // A file that is deleted but not yet committed is no part of the copy.
-        if root().join(path).exists() {
-            fs::copy(root().join(path), target).unwrap();
-        }
+        fs::copy(root().join(path), target).unwrap();
     }
 }
 
@@ -87,4 +133,14 @@ fn carry_out(addition: &Addition) {
 #[test]
 fn a_format_is_one_file_and_two_lines() {
     carry_out(&FORMAT);
+}
+
+#[test]
+fn an_estimator_is_one_file_and_lines_in_two() {
+    carry_out(&ESTIMATOR);
+}
+
+#[test]
+fn a_denoiser_is_one_file_and_lines_in_two() {
+    carry_out(&DENOISER);
 }

@@ -1,7 +1,38 @@
-//! Failures and the exit codes they end in.
+//! What verbs share: options, notes and results, and failures with their exit codes.
 
 use std::fmt::Display;
+use std::io::{Write, stdout};
 use std::process::ExitCode;
+
+use indicatif::ProgressBar;
+
+/// Options that all verbs share.
+pub(crate) struct Context {
+    /// Print only results and errors.
+    pub(crate) quiet: bool,
+    /// Leave out broken vertices and faces of files.
+    pub(crate) drop_broken: bool,
+    /// Progress of the verb, hidden at first.
+    pub(crate) bar: ProgressBar,
+}
+
+impl Context {
+    /// Prints a note for the user to the error stream.
+    pub(crate) fn note(&self, text: impl Display) {
+        if !self.quiet {
+            self.bar.suspend(|| eprintln!("{text}"));
+        }
+    }
+
+    /// Prints a result to the standard output.
+    pub(crate) fn print(&self, text: impl Display) -> Result<(), Failure> {
+        self.bar.suspend(|| {
+            let mut out = stdout().lock();
+            write!(out, "{text}")?;
+            Ok(out.flush()?)
+        })
+    }
+}
 
 /// Why a verb did not do its work.
 #[derive(Debug)]

@@ -1,137 +1,75 @@
-//! What letters stand for: one meaning each on the whole page.
+//! Symbols of the report: one meaning each on the whole page.
 
-/// A letter, or several that belong together.
-pub(crate) struct Letter {
+use fairing_results::results::Record;
+
+/// A symbol, or several that belong together.
+pub(crate) struct Symbol {
     /// As the text writes it; several are separated by commas.
     pub(crate) sign: &'static str,
-    /// What it stands for, wherever it is used.
+    /// Its meaning, wherever it is used.
     pub(crate) meaning: &'static str,
     /// As formulas write it: characters or commands of TeX.
-    #[cfg(test)]
+    #[cfg_attr(not(test), expect(dead_code, reason = "tests compare it with formulas"))]
     tex: &'static [&'static str],
-    /// The sections whose formulas have it.
-    #[cfg(test)]
-    sections: &'static [&'static str],
 }
 
-macro_rules! letter {
-    ($sign:literal, $meaning:literal, $tex:expr, $sections:expr) => {
-        Letter {
-            sign: $sign,
-            meaning: $meaning,
-            #[cfg(test)]
-            tex: &$tex,
-            #[cfg(test)]
-            sections: &$sections,
-        }
-    };
+const fn symbol(sign: &'static str, meaning: &'static str, tex: &'static [&'static str]) -> Symbol {
+    Symbol { sign, meaning, tex }
 }
 
-/// Those of the page, in the order of first use.
-pub(crate) const LETTERS: [Letter; 30] = [
-    letter!(
-        "x, X",
-        "the position of a vertex; those of all of them",
-        ["x", "X"],
-        ["q1", "q3", "q4", "q5", "q6", "flows"]
-    ),
-    letter!("i, j", "numbers of vertices and of modes", ["i", "j"], ["q1", "q3", "q4"]),
-    letter!(
-        "d",
-        "the number of neighbours of a vertex; du and dv are steps of u and v",
-        ["d"],
-        ["q1", "q2"]
-    ),
-    letter!("T", "a triangle", ["T"], ["q1", "q7"]),
-    letter!("A", "the area of a vertex or of a triangle", ["A"], ["q1", "q3"]),
-    letter!(
-        "α, β",
-        "angles of triangles: at a vertex, or opposite an edge",
-        ["\\alpha", "\\beta"],
-        ["q1", "q3"]
-    ),
-    letter!(
-        "H, K",
-        "mean and Gaussian curvature, positive on a sphere",
-        ["H", "K"],
-        ["q1", "q3", "flows"]
-    ),
-    letter!("κ", "normal curvature; κ₁ and κ₂ are the principal ones", ["\\kappa"], ["q2"]),
-    letter!(
-        "n",
-        "a unit normal; a hat marks that of the truth",
-        ["n"],
-        ["q2", "q3", "q7", "flows"]
-    ),
-    letter!("a, b, c", "the half axes of an ellipsoid", ["a", "b", "c"], ["q2"]),
-    letter!("u, v", "the parameters of a surface", ["u", "v"], ["q2"]),
-    letter!("E, F, G", "the coefficients of the first fundamental form", ["E", "F", "G"], ["q2"]),
-    letter!("e, f, g", "the coefficients of the second fundamental form", ["e", "f", "g"], ["q2"]),
-    letter!("θ", "the angle of a tangent direction", ["\\theta"], ["q2"]),
-    letter!("Δ", "the Laplacian of a surface", ["\\Delta"], ["q3", "flows"]),
-    letter!("h", "a mean edge length; each section says of which mesh", ["h"], ["estimators"]),
-    letter!("σ", "the standard deviation of noise", ["\\sigma"], []),
-    letter!("ε", "an error", ["\\varepsilon"], ["estimators"]),
-    letter!("S", "the stiffness matrix of cotangents", ["S"], ["q4"]),
-    letter!("M", "the mass matrix: areas of vertices on its diagonal", ["M"], ["q4"]),
-    letter!("φ", "an eigenvector of S φ = ω M φ: a mode", ["\\varphi"], ["q4"]),
-    letter!("ω", "its eigenvalue, the squared frequency", ["\\omega"], ["q4"]),
-    letter!("δ", "1 where both indices are equal, else 0", ["\\delta"], ["q4"]),
-    letter!("k", "a number of modes", ["k"], ["q4"]),
-    letter!("L", "the uniform Laplacian D⁻¹W − I", ["L"], ["q5", "q6"]),
-    letter!(
+/// The symbols in the order of first use.
+pub(crate) const SYMBOLS: [Symbol; 30] = [
+    symbol("x, X", "the position of a vertex; those of all of them", &["x", "X"]),
+    symbol("i, j", "numbers of vertices and of modes", &["i", "j"]),
+    symbol("d", "the number of neighbours of a vertex; du and dv are steps of u and v", &["d"]),
+    symbol("T", "a triangle", &["T"]),
+    symbol("A", "the area of a vertex or of a triangle", &["A"]),
+    symbol("α, β", "angles of triangles: at a vertex, or opposite an edge", &["\\alpha", "\\beta"]),
+    symbol("H, K", "mean and Gaussian curvature, positive on a sphere", &["H", "K"]),
+    symbol("κ", "normal curvature; κ₁ and κ₂ are the principal ones", &["\\kappa"]),
+    symbol("n", "a unit normal; a hat marks that of the truth", &["n"]),
+    symbol("a, b, c", "the half axes of an ellipsoid", &["a", "b", "c"]),
+    symbol("u, v", "the parameters of a surface", &["u", "v"]),
+    symbol("E, F, G", "the coefficients of the first fundamental form", &["E", "F", "G"]),
+    symbol("e, f, g", "the coefficients of the second fundamental form", &["e", "f", "g"]),
+    symbol("θ", "the angle of a tangent direction", &["\\theta"]),
+    symbol("Δ", "the Laplacian of a surface", &["\\Delta"]),
+    symbol("h", "a mean edge length; each section says of which mesh", &["h"]),
+    symbol("σ", "the standard deviation of noise", &["\\sigma"]),
+    symbol("ε", "an error", &["\\varepsilon"]),
+    symbol("S", "the stiffness matrix of cotangents", &["S"]),
+    symbol("M", "the mass matrix: areas of vertices on its diagonal", &["M"]),
+    symbol("φ", "an eigenvector of S φ = ω M φ: a mode", &["\\varphi"]),
+    symbol("ω", "its eigenvalue, the squared frequency", &["\\omega"]),
+    symbol("δ", "1 where both indices are equal, else 0", &["\\delta"]),
+    symbol("k", "a number of modes", &["k"]),
+    symbol("L", "the uniform Laplacian D⁻¹W − I", &["L"]),
+    symbol(
         "D, W, I",
         "numbers of neighbours on a diagonal; 1 for each edge; the unit matrix",
-        ["D", "W", "I"],
-        ["q5", "q6"]
+        &["D", "W", "I"],
     ),
-    letter!(
-        "μ",
-        "an eigenvalue of L, from −2 to 0; the roughest mode has the least",
-        ["\\mu"],
-        ["q5", "q6"]
-    ),
-    letter!(
+    symbol("μ", "an eigenvalue of L, from −2 to 0; the roughest mode has the least", &["\\mu"]),
+    symbol(
         "λ, s",
         "the length of a step, and the number of steps; s λ is the diffusion time",
-        ["\\lambda", "s"],
-        ["q5", "q6"]
+        &["\\lambda", "s"],
     ),
-    letter!("t, r", "time, and the radius of a sphere", ["t", "r"], ["flows"]),
-    letter!(
-        "E_a, E_v",
-        "mean errors of normals, in degrees, and of vertices",
-        ["E_a", "E_v"],
-        ["q7"]
-    ),
-];
-
-/// Of which mesh h is the mean edge length, in each section that uses it.
-const REFERENCES: [(&str, &str); 11] = [
-    ("q1", "each mesh"),
-    ("q2", "each mesh"),
-    ("q3", "each mesh"),
-    ("q4", "each mesh"),
-    ("estimators", "each mesh"),
-    ("noise", "the mesh without noise"),
-    ("q5", "the mesh without noise, the truth"),
-    ("q6", "the mesh without noise, the truth"),
-    ("flows", "each sphere without noise"),
-    ("q7", "the mesh without noise, the truth"),
-    ("denoisers", "the mesh without noise, the truth"),
+    symbol("t, r", "time, and the radius of a sphere", &["t", "r"]),
+    symbol("E_a, E_v", "mean errors of normals, in degrees, and of vertices", &["E_a", "E_v"]),
 ];
 
 /// The sentence that says what h refers to in a section; `None` if it has none.
-pub(crate) fn reference(section: &str) -> Option<String> {
-    let (_, mesh) = REFERENCES.iter().find(|(id, _)| *id == section)?;
-    Some(format!("Here h is the mean edge length of {mesh}."))
+pub(crate) fn reference(record: &Record) -> Option<String> {
+    let mesh = &record.section.edge_lengths_of;
+    (!mesh.is_empty()).then(|| format!("Here h is the mean edge length of {mesh}."))
 }
 
 #[cfg(test)]
 mod tests {
     use std::path::Path;
 
-    use fairing_results::results::{Record, Results};
+    use fairing_results::results::Results;
     use fairing_results::table::Unit;
 
     use super::*;
@@ -175,11 +113,7 @@ mod tests {
             let mut units =
                 units.chain(record.claims.iter().flat_map(|c| &c.numbers).map(|n| n.unit));
             if in_words || units.any(|unit| unit == Unit::EdgeLengths) {
-                assert!(
-                    reference(&record.id).is_some(),
-                    "{} does not say what h refers to",
-                    record.id
-                );
+                assert!(reference(record).is_some(), "{} does not say what h refers to", record.id);
             }
         }
     }
@@ -230,11 +164,11 @@ mod tests {
         );
         for record in &committed().experiments {
             for letter in record.formulas.iter().flat_map(|formula| letters(formula)) {
-                let known = LETTERS.iter().find(|l| l.tex.contains(&&letter[..]));
+                let known = SYMBOLS.iter().find(|l| l.tex.contains(&&letter[..]));
                 let known =
                     known.unwrap_or_else(|| panic!("{letter} of {} is not explained", record.id));
                 assert!(
-                    known.sections.contains(&&record.id[..]),
+                    record.section.notation.contains(&letter),
                     "{letter} of {}: {}",
                     record.id,
                     known.meaning
@@ -245,15 +179,15 @@ mod tests {
 
     #[test]
     fn every_letter_has_one_meaning() {
-        let mut signs: Vec<&str> = LETTERS.iter().flat_map(|l| l.sign.split(", ")).collect();
+        let mut signs: Vec<&str> = SYMBOLS.iter().flat_map(|l| l.sign.split(", ")).collect();
         signs.sort_unstable();
         for pair in signs.windows(2) {
             assert_ne!(pair[0], pair[1], "{} stands for two things", pair[0]);
         }
-        let mut tex: Vec<&str> = LETTERS.iter().flat_map(|l| l.tex).copied().collect();
+        let mut tex: Vec<&str> = SYMBOLS.iter().flat_map(|l| l.tex).copied().collect();
         tex.sort_unstable();
         assert!(tex.windows(2).all(|pair| pair[0] != pair[1]));
-        for letter in &LETTERS {
+        for letter in &SYMBOLS {
             assert!(!letter.meaning.contains("elsewhere"), "{}", letter.sign);
         }
     }
@@ -261,17 +195,9 @@ mod tests {
     /// Capitals that are matrices or forms are theirs in words, too.
     #[test]
     fn words_use_capitals_in_one_meaning() {
-        for (letter, sections) in [
-            ('N', &[][..]),
-            ('M', &["q3", "q4"][..]),
-            ('S', &["q3", "q4"][..]),
-            ('L', &["q5", "q6"][..]),
-            ('G', &["q2"][..]),
-            ('F', &["q2"][..]),
-            ('W', &["q5", "q6"][..]),
-        ] {
-            for record in committed().experiments.iter().filter(|r| !sections.contains(&&r.id[..]))
-            {
+        for letter in ['N', 'M', 'S', 'L', 'G', 'F', 'W'] {
+            let has_it = |r: &&Record| !r.section.notation.iter().any(|s| *s == letter.to_string());
+            for record in committed().experiments.iter().filter(has_it) {
                 for text in words(record) {
                     // The original report's letters are named once.
                     let text = text.replace("L, M and N", "");
