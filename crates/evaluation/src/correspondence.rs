@@ -1,4 +1,4 @@
-//! Meshes whose elements of the same number can be compared.
+//! Correspondence of meshes by the numbers of their elements.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use crate::EvaluationError;
 ///
 /// # Errors
 ///
-/// [`EvaluationError::NoCorrespondence`] if not.
+/// [`EvaluationError::NoCorrespondence`] if they cannot.
 pub fn check_correspondence(mesh: &TriMesh, reference: &TriMesh) -> Result<(), EvaluationError> {
     let shared = Arc::ptr_eq(mesh.connectivity(), reference.connectivity());
     let alike = |(f, g): (&[u32; 3], &[u32; 3])| {

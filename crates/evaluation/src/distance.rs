@@ -10,17 +10,17 @@ use glam::DVec3;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct VertexDistance {
-    /// The mean over the vertices, in mesh units like the others.
+    /// The mean over the vertices, in mesh units.
     pub mean: f64,
-    /// The root mean square.
+    /// The root mean square, in mesh units.
     pub rms: f64,
-    /// The largest.
+    /// The largest distance, in mesh units.
     pub max: f64,
-    /// The vertex that is farthest away.
+    /// The vertex with the largest distance.
     pub farthest: u32,
 }
 
-/// How far two surfaces are from each other, measured at their vertices.
+/// The distances between two surfaces, measured at their vertices in both directions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

@@ -1,4 +1,4 @@
-//! How size and faces change.
+//! Changes of volume, area and edge length, and flipped faces.
 
 use std::borrow::Cow;
 
@@ -9,8 +9,8 @@ use rayon::prelude::*;
 use crate::EvaluationError;
 use crate::correspondence::in_one_winding;
 
-/// The relative changes of sizes, `x / x_reference − 1`: zero for the same,
-/// negative where the mesh shrank, unchanged when both are scaled.
+/// The relative changes of sizes, `x / x_reference − 1`: zero for equal sizes,
+/// negative if the mesh shrank, unchanged if both meshes are scaled.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

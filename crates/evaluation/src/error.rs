@@ -1,33 +1,32 @@
-//! Why something cannot be evaluated.
+//! Errors of noise, distances and scores.
 
 use fairing_mesh::BuildError;
 use fairing_operators::OperatorError;
 use fairing_parameters::OptionError;
 
-/// Why noise, a distance or a score is not defined.
+/// The error of a noise, distance or score that is not defined.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum EvaluationError {
     /// An option is out of its range, or no distance or angle can meet it.
     #[error(transparent)]
     Option(#[from] OptionError),
-    /// Noise or a mean leads out of the range of numbers.
+    /// The moved vertices are not a valid mesh.
     #[error("positions are out of the range of numbers")]
     Positions(#[source] BuildError),
-    /// There is nothing to measure a distance to.
+    /// A mesh without faces has no surface to measure distances to.
     #[error("the {which} has no faces")]
     NoFaces {
         /// `mesh` or `reference`.
         which: &'static str,
     },
-    /// There is nothing to measure a distance from.
+    /// A mesh without vertices on faces has no points to measure from.
     #[error("the {which} has no vertices that a face uses")]
     NoVertices {
         /// `mesh` or `reference`.
         which: &'static str,
     },
-    /// A measure that compares element by element was asked of meshes with
-    /// different faces.
+    /// A score that compares element by element needs meshes with the same faces.
     #[error("the meshes do not correspond: {vertices} and {reference_vertices} vertices, {faces} and {reference_faces} triangles{}", if vertices == reference_vertices && faces == reference_faces { ", which differ" } else { "" })]
     NoCorrespondence {
         /// Vertices of the mesh.

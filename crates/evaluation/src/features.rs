@@ -7,7 +7,7 @@ use glam::DVec3;
 use crate::EvaluationError;
 use crate::correspondence::in_one_winding;
 
-/// How well the sharp edges of a mesh are those of a reference.
+/// Counts of sharp edges that a mesh shares with a reference.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -34,9 +34,9 @@ impl FeatureEdges {
     }
 }
 
-/// Compares the edges whose two faces turn by at least `degrees`, edge by
-/// edge. Boundary and non-manifold edges have no dihedral angle and count
-/// nowhere, nor do edges of a face without area.
+/// Compares, edge by edge, the edges with a dihedral angle of at least
+/// `degrees`. Boundary edges, non-manifold edges and edges of a face without
+/// area have no dihedral angle and are not counted.
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! The Hausdorff distance between surfaces, to a bound.
+//! The Hausdorff distance between surfaces, within a tolerance.
 
 use fairing_mesh::TriMesh;
 use fairing_parameters::OptionError;
@@ -9,15 +9,15 @@ use crate::distance::tree;
 use crate::triangle::squared_distance;
 use crate::{EvaluationError, SurfaceTree};
 
-/// The smallest tolerance, in largest coordinates: the midpoint of two points is
-/// off by half a rounding of each coordinate, and distances are by a few.
+/// The smallest tolerance, relative to the largest coordinate: midpoints are off
+/// by half a rounding of each coordinate, distances by a few.
 const FINEST: f64 = 8.0 * f64::EPSILON;
 
-/// Parts that the faces of a surface are cut into before their tolerance grows:
-/// seconds of work.
+/// The number of parts of all faces beyond which the tolerance grows: seconds of
+/// work.
 const MOST_PARTS: usize = 1 << 20;
 
-/// Parts of a face that are allowed in any case: of a million faces, a side is a
+/// The number of parts allowed for every face: with a million faces, a side is a
 /// few tolerances of 1e-4 diagonals.
 const LEAST_PARTS: usize = 256;
 
@@ -26,10 +26,9 @@ const LEAST_PARTS: usize = 256;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Hausdorff {
-    /// The distance is at least this: that of a point of one surface from the
-    /// other.
+    /// A lower bound: the distance of a point of one surface from the other.
     pub lower: f64,
-    /// The distance is at most this.
+    /// An upper bound.
     pub upper: f64,
 }
 
@@ -63,7 +62,7 @@ pub fn hausdorff(a: &TriMesh, b: &TriMesh, tolerance: f64) -> Result<Hausdorff, 
     Ok(between(a, &own, b, &other, tolerance))
 }
 
-/// [`hausdorff`] with trees that are there already.
+/// [`hausdorff`] with given trees.
 pub(crate) fn between(
     a: &TriMesh,
     own: &SurfaceTree,

@@ -1,4 +1,4 @@
-//! A curve through space that keeps neighbours together.
+//! The Hilbert curve through a cube, along which neighbours stay close.
 
 /// Bits of each coordinate; cells of 1/2048 of the extent keep runs of a few
 /// faces compact up to millions of faces.
@@ -51,8 +51,7 @@ fn spread(mut x: u64) -> u64 {
 mod tests {
     use super::*;
 
-    /// Along the curve through a 16 × 16 × 16 grid, each step is to a
-    /// neighbour: that is what makes it Hilbert's.
+    /// Along the curve through a 16 × 16 × 16 grid, each step leads to a neighbour.
     #[test]
     fn steps_lead_to_neighbours() {
         let n = 16i32;

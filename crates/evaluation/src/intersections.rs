@@ -6,14 +6,15 @@ use robust::{Coord3D, orient3d};
 
 use crate::surface_tree::{Frame, SurfaceTree};
 
-/// Faces at a vertex from which on their pairs are found by direction. Below,
-/// half a million pairs are asked one by one, which takes hundredths of a second.
+/// The number of faces at a vertex above which their pairs are found by direction.
+/// Below, up to half a million pairs are tested one by one, in hundredths of a
+/// second.
 const HUB: usize = 1000;
 
 /// A triangle whose box has all directions.
 const ALL_DIRECTIONS: [DVec3; 3] = [DVec3::NEG_ONE, DVec3::ONE, DVec3::ONE];
 
-/// The pairs of faces of a mesh that pass through each other.
+/// The number of pairs of faces that pass through each other.
 ///
 /// A pair counts when a side of one face crosses the plane of the other, with
 /// ends strictly on both sides, at a point of that face (its border included),
@@ -96,7 +97,7 @@ fn arc(mesh: &TriMesh, corner: u32, face: u32) -> [DVec3; 3] {
     }
 }
 
-/// Whether a side of `face` without corners of `other` crosses `other`.
+/// Returns true if a side of `face` that has no corner in common with `other` crosses `other`.
 fn crosses(mesh: &TriMesh, face: [u32; 3], other: [u32; 3]) -> bool {
     let at = |v: u32| {
         let [x, y, z] = mesh.positions()[v as usize];
@@ -194,7 +195,7 @@ mod tests {
     }
 
     /// A star of faces around a vertex in all directions, some of them wide, and a
-    /// body in it: as many as when all pairs are asked.
+    /// sphere in it: the same number as by testing all pairs.
     #[test]
     fn faces_of_a_hub() {
         let at = |i: u32| {

@@ -1,8 +1,8 @@
 //! Noise models, distances, drift and scores for triangle meshes.
 //!
-//! Noise is seeded and says its unit in its type. Distances are those between
-//! surfaces, in double precision; measures that compare element by element
-//! need meshes with the same faces, and say so otherwise.
+//! Noise is seeded, and its type names its unit. Distances are between surfaces,
+//! in double precision. Scores that compare element by element need meshes with
+//! the same faces, and return an error otherwise.
 //!
 //! ```
 //! use fairing_evaluation::{NoiseKind, NoiseLevel, ScoreOptions, Scores, add_noise};

@@ -11,11 +11,11 @@ use rayon::prelude::*;
 use crate::EvaluationError;
 use crate::normal::standard_normal;
 
-/// Neighbours above which correlation does not pass through a vertex: each of n
-/// neighbours would be summed over all the others.
+/// The number of neighbours above which correlation does not pass through a
+/// vertex: each of n neighbours would sum over all others.
 const HUB: usize = 256;
 
-/// How large the noise is, in the unit of its name.
+/// The noise level σ, in the unit of the variant's name.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
@@ -40,7 +40,7 @@ impl NoiseLevel {
     }
 }
 
-/// What the level σ measures, and where it moves the vertices.
+/// The distribution of the displacements, with the meaning of the level σ.
 ///
 /// Written as its name (`Display`), and read from it (`FromStr`).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -113,7 +113,7 @@ impl NoiseKind {
         }
     }
 
-    /// One line: how vertices move.
+    /// One-line description of the displacement.
     pub fn description(self) -> &'static str {
         match self {
             Self::GaussianAlongNormals => "Gaussian along the vertex normal",
@@ -133,7 +133,7 @@ impl NoiseKind {
 
 fairing_parameters::named!(NoiseKind, "kind of noise");
 
-/// The mesh with noise on its vertices; faces and topology are shared.
+/// Adds noise to the vertices; faces and topology are shared with the input.
 ///
 /// Each vertex draws the same amount of random numbers in vertex order from
 /// ChaCha8, so that the noise of a seed does not depend on the level, and
@@ -143,8 +143,8 @@ fairing_parameters::named!(NoiseKind, "kind of noise");
 /// # Errors
 ///
 /// [`EvaluationError::Option`] if the level is negative or not finite
-/// or the share is not between 0 and 1 or the reach not between 0.1 and 8; [`EvaluationError::Positions`] if a
-/// position leaves the range of numbers.
+/// or the share is not between 0 and 1 or the reach not between 0.1 and 8;
+/// [`EvaluationError::Positions`] if the moved vertices are not a valid mesh.
 ///
 /// # Examples
 ///

@@ -75,8 +75,9 @@ mod tests {
 
     use super::*;
 
-    /// What `rand_distr` 0.6 makes of the same seed: the first numbers, and the sums of a hundred thousand and of
-    /// their fourth powers. Some 26 of these are in the tail, and some thousand are decided by the density.
+    /// The output of `rand_distr` 0.6 for the same seed: the first numbers, and the sums of a
+    /// hundred thousand and of their fourth powers. About 26 of these are in the tail, and about a
+    /// thousand are decided by the density.
     #[test]
     fn numbers_are_those_of_rand_distr() {
         let mut rng = ChaCha8Rng::seed_from_u64(11);

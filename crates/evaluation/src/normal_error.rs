@@ -12,15 +12,15 @@ use crate::correspondence::in_one_winding;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct NormalAngles {
-    /// The mean over the faces, as the literature has it.
+    /// The mean over the faces, as in the literature.
     pub mean: f64,
     /// The mean weighted by the area of the reference's faces.
     pub area_weighted: f64,
-    /// The largest.
+    /// The largest angle.
     pub max: f64,
-    /// The face that has it.
+    /// The face with the largest angle.
     pub worst: u32,
-    /// Faces without area in either mesh, which are left out.
+    /// The number of faces without area in either mesh, which are left out.
     pub undefined: usize,
 }
 

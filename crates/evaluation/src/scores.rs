@@ -13,7 +13,7 @@ use crate::{
     self_intersections, vertex_displacement,
 };
 
-/// What the scores are measured with.
+/// Settings of the scores.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
@@ -32,8 +32,8 @@ impl Default for ScoreOptions {
     }
 }
 
-/// The scores of a mesh against a reference. Those that compare element by
-/// element hold the reason instead where the faces differ.
+/// The scores of a mesh against a reference. Scores that compare element by
+/// element are errors if the faces differ.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Scores {
@@ -89,7 +89,7 @@ impl fmt::Display for ScoreUnit {
     }
 }
 
-/// One number, or why there is none.
+/// A score with its name and unit; if it is undefined, the reason.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -98,14 +98,14 @@ pub struct Score {
     pub name: &'static str,
     /// A name for people.
     pub label: &'static str,
-    /// Its unit.
+    /// The unit of the value.
     pub unit: ScoreUnit,
-    /// Its value, or the reason for its absence.
+    /// The value, or the reason for its absence.
     pub value: Result<f64, String>,
 }
 
 impl Scores {
-    /// Measures everything.
+    /// Computes all scores.
     ///
     /// # Errors
     ///
@@ -265,7 +265,7 @@ impl Scores {
     }
 }
 
-/// A number from a part of the scores, or the reason why there is no such part.
+/// A number of one group of scores, or the reason why the group is undefined.
 fn measured<T>(part: &Result<T, EvaluationError>, f: impl Fn(&T) -> f64) -> Result<f64, String> {
     part.as_ref().map(f).map_err(ToString::to_string)
 }
@@ -274,8 +274,8 @@ fn some(x: Option<f64>, reason: &str) -> Result<f64, String> {
     x.ok_or_else(|| reason.to_owned())
 }
 
-/// A table of label, value and unit, a line for each score; a dash and the
-/// reason where there is none.
+/// A table of label, value and unit, one line per score; a dash and the reason
+/// for an undefined one.
 impl fmt::Display for Scores {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for Score { label, unit, value, .. } in self.entries() {

@@ -31,14 +31,14 @@ const CHUNK: usize = 256;
 pub struct Closest {
     /// The distance, in mesh units.
     pub distance: f64,
-    /// A face that has the closest point; where several do, which one depends
-    /// on the order of the queries.
+    /// A face that contains the closest point; one of several depends on the
+    /// order of the queries.
     pub face: u32,
     /// The closest point.
     pub point: [f64; 3],
 }
 
-/// The faces of a mesh, ready for queries of closeness.
+/// A hierarchy of boxes around the faces of a mesh, for closest-point queries.
 #[derive(Debug)]
 pub struct SurfaceTree {
     /// From the faces up to the root: quad `i` of level 0 holds the boxes of
@@ -60,7 +60,7 @@ struct Quad {
 }
 
 impl Quad {
-    /// Four boxes that nothing is in.
+    /// Four empty boxes.
     const EMPTY: Self = Self { low: [Vec4::INFINITY; 3], high: [Vec4::NEG_INFINITY; 3] };
 
     fn set(&mut self, i: usize, low: [f32; 3], high: [f32; 3]) {
@@ -85,8 +85,8 @@ impl Quad {
 /// A point in units of the tree, each coordinate four times.
 struct Query {
     place: [Vec4; 3],
-    /// What rounding of the point, of a box and of their difference can amount
-    /// to along an axis.
+    /// A bound on the rounding of the point, of a box and of their difference
+    /// along an axis.
     margin: Vec4,
 }
 
@@ -135,7 +135,7 @@ impl SurfaceTree {
         Ok(Self::of(faces, |f| mesh.triangle(f as usize).map(DVec3::from), frame))
     }
 
-    /// The tree of some faces; empty without any.
+    /// The tree of the given faces, which may be none.
     pub(crate) fn of(
         faces: Vec<u32>,
         triangle: impl Fn(u32) -> [DVec3; 3] + Sync,

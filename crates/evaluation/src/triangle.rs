@@ -1,4 +1,4 @@
-//! Points and triangles.
+//! The point of a triangle closest to a given point.
 
 use glam::DVec3;
 

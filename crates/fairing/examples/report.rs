@@ -1,4 +1,4 @@
-//! What the sections of the report do, in a few lines each; the report shows them between the marks.
+//! The computation of each section of the report in a few lines, which the report shows.
 //!
 //! `cargo run --example report`
 

@@ -1,4 +1,5 @@
-//! Fifty eigenpairs of the Laplacian as an npz file, and the heat kernel signature as fields of a PLY file.
+//! Fifty eigenpairs of the Laplacian as an npz file, and the heat kernel signature as fields of a
+//! PLY file.
 //!
 //! `cargo run --example signature -- bunny.ply modes.npz signature.ply`
 

@@ -13,8 +13,7 @@ use fairing_sparse::{CgError, CholeskyError, EigenError, MassError, MatrixError}
 use fairing_spectral::{SpectralError, SpectrumFileError};
 use fairing_watch::Cancelled;
 
-/// What sort of failure an [`Error`] is: enough to choose an exit code, or an
-/// exception of another language.
+/// Category of an [`Error`], enough to choose an exit code or an exception.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum ErrorKind {
@@ -30,7 +29,7 @@ pub enum ErrorKind {
     Cancelled,
 }
 
-/// Any error of any crate; `?` makes it.
+/// Any error of any crate; `?` converts to it.
 ///
 /// # Examples
 ///
@@ -85,7 +84,7 @@ pub enum Error {
     /// An operator or a curvature is not defined.
     #[error(transparent)]
     Operator(#[from] OperatorError),
-    /// A spectrum, or something made from it, is not available.
+    /// A spectrum, or a result computed from one, is not available.
     #[error(transparent)]
     Spectral(#[from] SpectralError),
     /// A spectrum cannot be written to a file or read from it.
@@ -122,7 +121,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// What sort of failure it is.
+    /// The category of the failure.
     pub fn kind(&self) -> ErrorKind {
         match self {
             Self::Cancelled(_) => ErrorKind::Cancelled,
@@ -227,7 +226,7 @@ mod tests {
         assert_eq!(kind(Cancelled.into()), ErrorKind::Cancelled);
     }
 
-    /// The message and its source are those of the error inside.
+    /// Message and source are those of the inner error.
     #[test]
     fn nothing_of_an_error_is_lost() {
         use std::error::Error as _;

@@ -1,7 +1,7 @@
 //! Geometry processing on triangle meshes with the Laplacian.
 //!
-//! This crate re-exports the crates of Fairing under one name. Ten programs
-//! that users write most are in its folder `examples`.
+//! This crate re-exports the crates of Fairing under one name. Ten typical programs are in its
+//! folder `examples`.
 //!
 //! ```
 //! use fairing::operators::Laplacian;

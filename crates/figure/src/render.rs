@@ -79,7 +79,10 @@ pub fn render(
     };
     let width = options.width as usize;
     let mut pixels = vec![[0u8; 4]; width * options.height as usize];
+    let watch = fairing_watch::current();
+    watch.stage("drawing", u64::from(options.height).div_ceil(ROWS as u64));
     pixels.par_chunks_mut(width * ROWS).enumerate().for_each(|(b, chunk)| {
+        watch.advance(1);
         let band = raster.band(b);
         let mut patches = Vec::new();
         for (i, pixel) in chunk.iter_mut().enumerate() {

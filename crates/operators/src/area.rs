@@ -1,6 +1,6 @@
-//! How vertices share the areas of faces.
+//! Shares of the vertices in the areas of faces.
 
-/// How the area of a face is shared between its corners.
+/// The rule that divides the area of a face among its corners.
 ///
 /// Written as its name (`Display`), and read from it (`FromStr`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -17,15 +17,15 @@ use crate::fan::Fan;
 /// Rows handed to a thread at a time at least: enough to hide the hand-over.
 const ROWS_PER_TASK: usize = 2048;
 
-/// What a corner adds to the row of its vertex, in the columns of the next and
-/// of the previous vertex of its face.
+/// The entries that a corner adds to the row of its vertex, in the columns of
+/// the next and of the previous vertex of its face.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Side {
     vertices: [u32; 2],
     values: [f64; 2],
 }
 
-/// What the diagonal of a row is.
+/// The diagonal entry of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Diagonal {
     /// The sum of the other entries: rows of masses.
@@ -44,10 +44,10 @@ impl Diagonal {
     }
 }
 
-/// What the faces add to the rows of a matrix that has an entry for each vertex
-/// and a pair of entries for each edge.
+/// The contributions of the faces to a matrix with an entry for each vertex and
+/// a pair of entries for each edge.
 ///
-/// Whether its pattern is found or given, a row is summed by the same code.
+/// The same code sums a row whether the pattern is found or given.
 pub(crate) struct SideSums<'a> {
     mesh: &'a TriMesh,
     diagonal: Diagonal,
@@ -150,7 +150,7 @@ impl<'a> SideSums<'a> {
         Ok(matrix)
     }
 
-    /// What the corners at vertex `v` say.
+    /// The contributions of the corners at vertex `v`.
     #[inline]
     fn at(&self, v: usize) -> &[Side] {
         let starts = self.mesh.incidence().offsets();
@@ -350,7 +350,7 @@ mod tests {
         }
     }
 
-    /// What face 0 says of its sides 12, 20, 01, and face 1 of 21, 13, 32.
+    /// Contributions of face 0 to its sides 12, 20, 01, and of face 1 to 21, 13, 32.
     #[test]
     fn sides_go_to_their_two_entries() {
         let mesh = TriMesh::new(vec![[0.0; 3]; 5], vec![[0, 1, 2], [3, 2, 1]]).unwrap();

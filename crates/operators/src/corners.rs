@@ -1,4 +1,4 @@
-//! The geometry at the corners of the faces, from which all operators are made.
+//! Geometry at the corners of faces, shared by all operators.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::error::{MIN_HEIGHT_RATIO, OperatorError};
 
-/// Faces handed to a thread at a time: large enough to hide the hand-over.
+/// Faces per task: large enough to hide the cost of scheduling.
 const FACES_PER_TASK: usize = 4096;
 
 /// Inner products at the corners of a face, and its area.
@@ -46,8 +46,8 @@ impl FaceCorners {
         self.dots.map(|d| d * s)
     }
 
-    /// ½ cot θₖ: what the face adds to the weight of the edge opposite corner k,
-    /// the only formula for weights of edges.
+    /// ½ cot θₖ, the share of the face in the weight of the edge opposite corner k:
+    /// the only formula for edge weights.
     #[inline]
     pub(crate) fn half_cotangents(&self) -> [f64; 3] {
         self.cotangents().map(|cot| 0.5 * cot)
@@ -75,10 +75,9 @@ impl FaceCorners {
     /// Cosine and sine of the angle at corner `k`, both times the same positive
     /// number.
     ///
-    /// Where the angle is not determined because the face is a segment with
-    /// two corners in one place, or a point, the limits of isosceles and of
-    /// equilateral triangles are taken (π/2, π/3), so that the angles of every
-    /// face sum to π.
+    /// The angle of a face that is a segment with two coinciding corners, or a
+    /// point, is undetermined; the limits of isosceles and of equilateral triangles
+    /// are used (π/2, π/3), so that the angles of every face sum to π.
     #[inline]
     pub(crate) fn turn(&self, k: usize) -> (f64, f64) {
         let (x, y) = (self.dots[k], self.twice_area);
@@ -88,7 +87,7 @@ impl FaceCorners {
         if self.dots == [0.0; 3] { (0.5, 0.75f64.sqrt()) } else { (0.0, 1.0) }
     }
 
-    /// Whether the face is too thin for its cotangents to be meaningful.
+    /// Returns true if the face is too thin for its cotangents to be meaningful.
     #[inline]
     pub(crate) fn is_degenerate(&self) -> bool {
         let longest = self.squared_sides().into_iter().fold(0.0, f64::max);
@@ -97,7 +96,7 @@ impl FaceCorners {
     }
 }
 
-/// Something of each face, in face order, none of them degenerate.
+/// Maps every face, in face order; fails on the first degenerate one.
 pub(crate) fn map_sound_faces<T: Send>(
     mesh: &TriMesh,
     of: impl Fn(FaceCorners) -> T + Sync,
@@ -124,8 +123,8 @@ pub(crate) fn map_sound_faces<T: Send>(
     }
 }
 
-/// Whether each face has cotangents: what [`cotan_stiffness`](crate::cotan_stiffness)
-/// asks, without a matrix.
+/// Checks that every face has cotangents, as [`cotan_stiffness`](crate::cotan_stiffness)
+/// does, without assembling a matrix.
 ///
 /// # Errors
 ///

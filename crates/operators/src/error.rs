@@ -1,4 +1,4 @@
-//! Why an operator cannot be assembled.
+//! Errors of assembling and applying operators.
 
 use crate::kind::{LaplacianKind, MassKind};
 use fairing_parameters::OptionError;
@@ -11,7 +11,7 @@ use fairing_parameters::OptionError;
 /// correct digits.
 pub const MIN_HEIGHT_RATIO: f64 = 1e-10;
 
-/// Why an operator cannot be assembled or applied.
+/// The error of an operator that cannot be assembled or applied.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum OperatorError {
@@ -30,13 +30,13 @@ pub enum OperatorError {
     NonManifoldEdge {
         /// Its ends.
         edge: [u32; 2],
-        /// How many faces it has.
+        /// The number of its faces.
         faces: usize,
     },
-    /// All edges have length zero, or there are none that have one.
+    /// No edge has a positive length.
     #[error("no edge is longer than zero")]
     NoLength,
-    /// There is no such mass for such a Laplacian.
+    /// The Laplacian does not have this mass.
     #[error("the {laplacian} Laplacian has no {mass} mass, {}", masses_of(*laplacian))]
     NoSuchMass {
         /// The Laplacian.
@@ -57,18 +57,18 @@ pub enum OperatorError {
     NoSuchVertex {
         /// The vertex.
         vertex: u32,
-        /// How many there are.
+        /// The number of vertices.
         vertices: usize,
     },
-    /// A field has another number of values than there are vertices.
+    /// The number of values differs from the number of vertices.
     #[error("expected {expected} values, one for each vertex, found {found}")]
     Length {
-        /// How many there are.
+        /// The number of values given.
         found: usize,
-        /// How many there should be.
+        /// The number of vertices.
         expected: usize,
     },
-    /// A mesh has other edges than the one that a pattern was made for.
+    /// The mesh has other edges than the one that the pattern was built for.
     #[error("vertex {vertex} has other edges than in the mesh of the Laplacian")]
     Connectivity {
         /// The first such vertex.
@@ -85,7 +85,7 @@ pub enum OperatorError {
     },
 }
 
-/// Which masses a Laplacian has that does not have all.
+/// The masses of a Laplacian that does not have all of them.
 fn masses_of(laplacian: LaplacianKind) -> &'static str {
     match laplacian {
         LaplacianKind::Polygon => "only the barycentric and the consistent one",

@@ -9,8 +9,8 @@ pub(crate) struct Fan {
     /// For each corner, the ranks of the next and of the previous vertex of
     /// its face among the neighbours.
     pub(crate) ranks: Vec<[u32; 2]>,
-    /// Whether each neighbour follows once and precedes once: no border, no
-    /// edge of three faces, no turn of orientation.
+    /// True if each neighbour follows once and precedes once: no border, no
+    /// edge of three faces, no change of orientation.
     pub(crate) closed: bool,
 }
 
@@ -78,7 +78,7 @@ impl Fan {
         self.ranks.extend(sides.map(|side| side.map(rank)));
     }
 
-    /// Whether an edge at the vertex has one face only.
+    /// Returns true if an edge at the vertex has only one face.
     pub(crate) fn has_boundary_edge(&self) -> bool {
         if self.closed {
             return false;

@@ -2,7 +2,7 @@
 
 use crate::area::LumpedArea;
 
-/// Which stiffness a [`Laplacian`](crate::Laplacian) has.
+/// The kind of stiffness of a [`Laplacian`](crate::Laplacian).
 ///
 /// Written as its name (`Display`), and read from it (`FromStr`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -61,7 +61,7 @@ impl LaplacianKind {
     }
 }
 
-/// Which mass a [`Laplacian`](crate::Laplacian) has.
+/// The kind of mass of a [`Laplacian`](crate::Laplacian).
 ///
 /// Written as its name (`Display`), and read from it (`FromStr`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]

@@ -3,9 +3,9 @@
 /// The normal equations `(Σ w a aᵀ) x = Σ w a b` of a weighted least-squares
 /// fit with `N` unknowns.
 ///
-/// The condition number of the fit is squared here. Units of single unknowns do
-/// not matter, since pivots are judged against their own diagonal entry; a frame
-/// in which unknowns of different size mix does. Take coordinates along the
+/// The condition number of the fit is squared here. The units of single unknowns
+/// do not matter, since each pivot is compared with its own diagonal entry; a
+/// frame that mixes unknowns of different size does. Use coordinates along the
 /// principal axes of the data.
 #[derive(Debug, Clone, Copy)]
 pub struct NormalEquations<const N: usize> {

@@ -3,7 +3,7 @@
 use super::implicit::implicit;
 use super::made::made;
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, distance, dot, scale, sub};
+use glam::DVec3;
 
 /// A limb: the points closer to the segment than a radius that goes from
 /// `radii[0]` to `radii[1]` along it.
@@ -87,11 +87,11 @@ impl Limb {
     /// radius levels off at both ends, which keeps the gradient continuous
     /// there; second derivatives jump, as at the ends of a capsule.
     fn distance(&self, p: [f64; 3], least: f64) -> f64 {
-        let [a, b] = self.ends;
-        let d = sub(b, a);
-        let t = (dot(sub(p, a), d) / dot(d, d)).clamp(0.0, 1.0);
+        let (p, [a, b]) = (DVec3::from(p), self.ends.map(DVec3::from));
+        let d = b - a;
+        let t = ((p - a).dot(d) / d.dot(d)).clamp(0.0, 1.0);
         let level = t * t * (3.0 - 2.0 * t);
         let radius = self.radii[0] + level * (self.radii[1] - self.radii[0]);
-        distance(p, add(a, scale(d, t))) - radius.max(least)
+        p.distance(a + t * d) - radius.max(least)
     }
 }

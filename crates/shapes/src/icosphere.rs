@@ -3,7 +3,7 @@
 use super::made::made;
 use fairing_mesh::TriMesh;
 use fairing_mesh::subdivide_midpoint;
-use fairing_mesh::vec3::{norm, scale};
+use glam::DVec3;
 
 /// The unit sphere as an icosahedron, each face cut into four `level` times,
 /// new vertices pushed out to the sphere.
@@ -24,8 +24,11 @@ pub fn icosphere(level: u32) -> TriMesh {
             Ok(fine) => fine,
             Err(error) => unreachable!("the level was checked: {error}"),
         };
-        let positions = mesh.positions().iter().map(|&p| scale(p, 1.0 / norm(p))).collect();
-        mesh = made(positions, mesh.faces().to_vec());
+        let unit = mesh.positions().iter().map(|&p| {
+            let p = DVec3::from(p);
+            (p * (1.0 / p.length())).to_array()
+        });
+        mesh = made(unit.collect(), mesh.faces().to_vec());
     }
     mesh
 }

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::made::made;
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, distance, dot, norm, scale, sub};
+use glam::DVec3;
 
 /// Step of the central differences of a field of size about 1: the cube root
 /// of the unit roundoff balances truncation against cancellation.
@@ -109,9 +109,8 @@ impl Grid {
                 if !here {
                     q.reverse();
                 }
-                let d = |a: u32, b: u32| distance(positions[a as usize], positions[b as usize]);
-                let [a, b, c, e] = q;
-                faces.extend(super::grid::square(q, d(a, c) <= d(b, e)));
+                let [a, b, c, d] = q.map(|v| DVec3::from(positions[v as usize]));
+                faces.extend(super::grid::square(q, a.distance(c) <= b.distance(d)));
             }
         }
         faces
@@ -176,11 +175,11 @@ fn relaxed(mesh: &TriMesh, field: &(impl Fn([f64; 3]) -> f64 + Sync), cell: f64)
             .into_par_iter()
             .map(|v| {
                 let ring = topology.neighbors(v as u32);
-                let sum = ring.iter().fold([0.0; 3], |s, &w| add(s, x[w as usize]));
-                let pull = sub(scale(sum, 1.0 / ring.len() as f64), x[v]);
+                let sum: DVec3 = ring.iter().map(|&w| DVec3::from(x[w as usize])).sum();
+                let pull = sum * (1.0 / ring.len() as f64) - DVec3::from(x[v]);
                 let g = gradient(field, x[v]);
-                let along = dot(pull, g) / dot(g, g);
-                onto(field, add(x[v], scale(sub(pull, scale(g, along)), 0.6)), cell)
+                let along = pull.dot(g) / g.dot(g);
+                onto(field, (DVec3::from(x[v]) + 0.6 * (pull - along * g)).to_array(), cell)
             })
             .collect();
     }
@@ -192,9 +191,9 @@ fn relaxed(mesh: &TriMesh, field: &(impl Fn([f64; 3]) -> f64 + Sync), cell: f64)
 pub fn onto(field: &impl Fn([f64; 3]) -> f64, mut p: [f64; 3], cell: f64) -> [f64; 3] {
     for _ in 0..12 {
         let (f, g) = (field(p), gradient(field, p));
-        let step = scale(g, f / dot(g, g).max(1e-12));
-        let length = norm(step);
-        p = sub(p, scale(step, (0.5 * cell / length.max(1e-300)).min(1.0)));
+        let step = g * (f / g.dot(g).max(1e-12));
+        let length = step.length();
+        p = (DVec3::from(p) - (0.5 * cell / length.max(1e-300)).min(1.0) * step).to_array();
         if length < 1e-14 {
             break;
         }
@@ -202,11 +201,12 @@ pub fn onto(field: &impl Fn([f64; 3]) -> f64, mut p: [f64; 3], cell: f64) -> [f6
     p
 }
 
-fn gradient(field: &impl Fn([f64; 3]) -> f64, p: [f64; 3]) -> [f64; 3] {
-    [0, 1, 2].map(|k| {
+fn gradient(field: &impl Fn([f64; 3]) -> f64, p: [f64; 3]) -> DVec3 {
+    let slope = |k: usize| {
         let (mut a, mut b) = (p, p);
         a[k] -= STEP;
         b[k] += STEP;
         (field(b) - field(a)) / (2.0 * STEP)
-    })
+    };
+    DVec3::new(slope(0), slope(1), slope(2))
 }

@@ -4,7 +4,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, distance, dot, norm, scale, sub};
+use glam::DVec3;
 
 /// The mesh with each inner vertex moved at random and put back `onto` its
 /// surface: another, irregular sampling of the same surface, as convergence
@@ -35,7 +35,7 @@ pub fn jittered(
             let height = faces.map(|f| least_height(mesh, f as usize)).reduce(f64::min);
             match height {
                 Some(height) if !topology.is_boundary_vertex(v as u32) => {
-                    onto(add(x[v], scale(shift, amount * height)))
+                    onto((DVec3::from(x[v]) + amount * height * shift).to_array())
                 }
                 _ => x[v],
             }
@@ -49,15 +49,15 @@ pub fn jittered(
 
 /// Twice the area over the longest side.
 fn least_height(mesh: &TriMesh, f: usize) -> f64 {
-    let [a, b, c] = mesh.triangle(f);
-    2.0 * mesh.face_area(f) / distance(a, b).max(distance(b, c)).max(distance(c, a))
+    let [a, b, c] = mesh.triangle(f).map(DVec3::from);
+    2.0 * mesh.face_area(f) / a.distance(b).max(b.distance(c)).max(c.distance(a))
 }
 
 /// A point of the unit ball, all equally likely.
-fn in_unit_ball(rng: &mut ChaCha8Rng) -> [f64; 3] {
+fn in_unit_ball(rng: &mut ChaCha8Rng) -> DVec3 {
     loop {
-        let p: [f64; 3] = std::array::from_fn(|_| rng.random_range(-1.0..=1.0));
-        if norm(p) <= 1.0 {
+        let p = DVec3::from(std::array::from_fn(|_| rng.random_range(-1.0..=1.0)));
+        if p.length() <= 1.0 {
             return p;
         }
     }
@@ -65,7 +65,7 @@ fn in_unit_ball(rng: &mut ChaCha8Rng) -> [f64; 3] {
 
 /// The closest point of the unit sphere; the centre goes to (0, 0, 1).
 pub fn onto_sphere(p: [f64; 3]) -> [f64; 3] {
-    fairing_mesh::vec3::normalize(p).unwrap_or([0.0, 0.0, 1.0])
+    DVec3::from(p).normalize_or(DVec3::Z).to_array()
 }
 
 /// A point of the ellipsoid with these half-axes near `p`, for `p` near the
@@ -73,17 +73,18 @@ pub fn onto_sphere(p: [f64; 3]) -> [f64; 3] {
 /// end closer to the closest point than the jitter is long, and a central
 /// projection puts the rest right. The centre goes to (0, 0, c).
 pub fn onto_ellipsoid(axes: [f64; 3]) -> impl Fn([f64; 3]) -> [f64; 3] {
-    move |mut p| {
+    let axes = DVec3::from(axes);
+    move |p| {
+        let mut p = DVec3::from(p);
         for _ in 0..3 {
-            let g = [0, 1, 2].map(|k| 2.0 * p[k] / (axes[k] * axes[k]));
-            let f = [0, 1, 2].map(|k| (p[k] / axes[k]).powi(2)).iter().sum::<f64>() - 1.0;
-            let square = dot(g, g);
+            let g = 2.0 * p / (axes * axes);
+            let f = (p / axes).length_squared() - 1.0;
+            let square = g.dot(g);
             if square > 0.0 {
-                p = sub(p, scale(g, f / square));
+                p -= g * (f / square);
             }
         }
-        let q = onto_sphere([0, 1, 2].map(|k| p[k] / axes[k]));
-        [0, 1, 2].map(|k| axes[k] * q[k])
+        (axes * DVec3::from(onto_sphere((p / axes).to_array()))).to_array()
     }
 }
 

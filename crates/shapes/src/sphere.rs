@@ -6,7 +6,6 @@ use super::grid::{Diagonals, grid_faces};
 use super::icosphere::icosphere;
 use super::made::made;
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::scale;
 
 /// The unit sphere in `around` meridians and `across` bands of latitude.
 ///
@@ -59,7 +58,8 @@ pub fn bumpy_sphere(level: u32, amplitude: f64, frequency: f64) -> TriMesh {
         .iter()
         .map(|&p| {
             let [x, y, z] = p.map(|t| libm::sin(frequency * t));
-            scale(p, 1.0 + amplitude * (x * y + y * z + z * x))
+            let height = 1.0 + amplitude * (x * y + y * z + z * x);
+            p.map(|t| height * t)
         })
         .collect();
     made(positions, sphere.faces().to_vec())

@@ -1,15 +1,15 @@
 use super::*;
-use fairing_mesh::vec3::{dot, norm, normalize, sub};
 use fairing_mesh::{Diagnosis, TriMesh};
+use glam::DVec3;
 
 /// The smallest angle of all faces, in degrees.
 fn smallest_angle(mesh: &TriMesh) -> f64 {
     let mut smallest = f64::INFINITY;
     for f in 0..mesh.face_count() {
-        let t = mesh.triangle(f);
+        let t = mesh.triangle(f).map(DVec3::from);
         for k in 0..3 {
-            let (u, v) = (sub(t[(k + 1) % 3], t[k]), sub(t[(k + 2) % 3], t[k]));
-            smallest = smallest.min((dot(u, v) / (norm(u) * norm(v))).clamp(-1.0, 1.0).acos());
+            let (u, v) = (t[(k + 1) % 3] - t[k], t[(k + 2) % 3] - t[k]);
+            smallest = smallest.min((u.dot(v) / (u.length() * v.length())).clamp(-1.0, 1.0).acos());
         }
     }
     smallest.to_degrees()
@@ -136,13 +136,14 @@ fn areas_and_volumes_converge_quadratically() {
 fn jitter_stays_on_the_surface_and_keeps_faces_upright() {
     let axes = [3.0, 2.0, 1.0];
     let upright = |moved: &TriMesh, still: &TriMesh| {
-        (0..still.face_count()).all(|f| dot(moved.area_vector(f), still.area_vector(f)) > 0.0)
+        (0..still.face_count())
+            .all(|f| DVec3::from(moved.area_vector(f)).dot(still.area_vector(f).into()) > 0.0)
     };
     for seed in 0..4 {
         let sphere = jittered(&icosphere(3), 0.3, seed, onto_sphere);
         assert!(upright(&sphere, &icosphere(3)));
         check(&sphere, 0, 0, 15.0);
-        assert!(sphere.positions().iter().all(|&p| (norm(p) - 1.0).abs() < 1e-15));
+        assert!(sphere.positions().iter().all(|&p| (DVec3::from(p).length() - 1.0).abs() < 1e-15));
 
         let e = jittered(&ellipsoid(axes, 3), 0.3, seed, onto_ellipsoid(axes));
         assert!(upright(&e, &ellipsoid(axes, 3)));
@@ -183,8 +184,8 @@ fn the_block_has_exact_creases() {
     for (e, ends) in topology.edges().iter().enumerate() {
         let [f, g] = *topology.edge_faces(e as u32) else { panic!("edge {e} is not inside") };
         let cosine = {
-            let [n, m] = [f, g].map(|f| normalize(block.area_vector(f as usize)).unwrap());
-            dot(n, m)
+            let [n, m] = [f, g].map(|f| DVec3::from(block.area_vector(f as usize)).normalize());
+            n.dot(m)
         };
         if cosine > 20f64.to_radians().cos() {
             continue;

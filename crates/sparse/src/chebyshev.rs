@@ -8,9 +8,10 @@ use crate::parallel::CHUNK;
 
 /// `g(μ) = Σ cₖ Tₖ(1 + 2μ/b)` on the interval `[−b, 0]`.
 ///
-/// With b no less than the [bound of the spectrum](GraphLaplacian::spectral_bound), `g(L) x` is a sum of as many
-/// products with `L` as the series has terms, without inner products and so without synchronisation. `L` is
-/// symmetric in the inner product of its mass, so an error of g on the interval is at most that share of the norm of x.
+/// With b no less than the [spectral bound](GraphLaplacian::spectral_bound), `g(L) x` takes one
+/// product with `L` per term and no inner products, hence no synchronisation. `L` is symmetric in
+/// the inner product of its mass, so an error ε of g on the interval changes the result by at most
+/// ε ‖x‖.
 ///
 /// # Examples
 ///
@@ -41,13 +42,13 @@ impl ChebyshevSeries {
         Self { coefficients, bound }
     }
 
-    /// The polynomial through `samples` Chebyshev points of `g`, without the last coefficients whose sizes sum to less
-    /// than `tolerance`. What g(0) has lost by that is added to the constant term. `None` where g is not finite at one of
-    /// the points.
+    /// The polynomial interpolating `g` at `samples` Chebyshev points, truncated: trailing
+    /// coefficients are dropped while their absolute sum stays below `tolerance`, and the constant
+    /// term absorbs the change at μ = 0. `None` if g is not finite at one of the points.
     ///
-    /// How many samples are enough follows from a bound of g: with |g| ≤ B on the Bernstein ellipse of the parameter ρ
-    /// the polynomial through n points is within `4 B ρ^(1 − n)/(ρ − 1)` of g (\[trefethen2013\], theorem 8.2), and a
-    /// polynomial of degree below n is reproduced exactly.
+    /// The number of samples follows from a bound of g: if |g| ≤ B on the Bernstein ellipse of
+    /// parameter ρ, the polynomial through n points is within `4 B ρ^(1 − n)/(ρ − 1)` of g
+    /// (\[trefethen2013\], theorem 8.2); polynomials of degree below n are reproduced exactly.
     pub fn interpolate(
         bound: f64,
         samples: usize,
@@ -64,25 +65,26 @@ impl ChebyshevSeries {
         Some(Self { coefficients, bound })
     }
 
-    /// The coefficients, from the constant on.
+    /// The coefficients, constant term first.
     pub fn coefficients(&self) -> &[f64] {
         &self.coefficients
     }
 
-    /// The products with `L` that an evaluation takes.
+    /// The number of products with `L` in one evaluation.
     pub fn degree(&self) -> usize {
         self.coefficients.len() - 1
     }
 
-    /// `g(L) x` by Clenshaw's recurrence, whose terms `bₖ = cₖ x + 2 T bₖ₊₁ − bₖ₊₂` overwrite each other in place.
+    /// `g(L) x` by Clenshaw's recurrence `bₖ = cₖ x + 2 T bₖ₊₁ − bₖ₊₂`, in place.
     ///
-    /// For `g(0) = 1`: constants are reproduced to rounding wherever the points lie, because their mean (the first point,
-    /// where their sum is too large for a number) is taken off before and put back after, so that coordinates far from
-    /// the origin lose no digits. Rows that are zero keep their points exactly, and do not count in the mean.
+    /// Requires `g(0) = 1`: the mean of the points (the first point if their sum overflows) is
+    /// subtracted before and added after, so that constants are reproduced to rounding and
+    /// coordinates far from the origin lose no digits. Points of zero rows are returned unchanged
+    /// and do not enter the mean.
     ///
     /// # Panics
     ///
-    /// Panics if there are more or fewer points than rows.
+    /// Panics unless there is one point for each row.
     pub fn apply(&self, laplacian: &GraphLaplacian, given: &[[f64; 3]]) -> Vec<[f64; 3]> {
         assert_eq!(given.len(), laplacian.len(), "one point for each row");
         let Some(&origin) = given.first() else { return Vec::new() };
@@ -98,7 +100,7 @@ impl ChebyshevSeries {
             .zip(given)
             .enumerate()
             .with_min_len(CHUNK)
-            .map(|(i, (p, &x))| match laplacian.is_still(i) {
+            .map(|(i, (p, &x))| match laplacian.is_fixed(i) {
                 true => x,
                 false => [p[0] + centre[0], p[1] + centre[1], p[2] + centre[2]],
             })
@@ -106,9 +108,9 @@ impl ChebyshevSeries {
     }
 }
 
-/// The mean of the points of rows that are not zero, if there are any, so few and so near that it is finite.
+/// The mean of the points of nonzero rows; `None` if there are none or the mean is not finite.
 fn mean(laplacian: &GraphLaplacian, x: &[[f64; 3]]) -> Option<[f64; 3]> {
-    let moving = (0..x.len()).filter(|&i| !laplacian.is_still(i));
+    let moving = (0..x.len()).filter(|&i| !laplacian.is_fixed(i));
     let (sum, count) = moving.fold(([0.0; 3], 0.0), |(s, n), i| {
         let p = x[i];
         ([s[0] + p[0], s[1] + p[1], s[2] + p[2]], n + 1.0)
@@ -117,7 +119,8 @@ fn mean(laplacian: &GraphLaplacian, x: &[[f64; 3]]) -> Option<[f64; 3]> {
     mean.iter().all(|m| m.is_finite()).then_some(mean)
 }
 
-/// `g` at the Chebyshev points of the interval, `μ = −bound (1 − cos θ)/2` with `θⱼ = π (j + ½)/n`.
+/// Values of `g` at the Chebyshev points of the interval, `μ = −bound (1 − cos θ)/2` with
+/// `θⱼ = π (j + ½)/n`.
 fn sample(bound: f64, n: usize, g: impl Fn(f64) -> f64) -> Vec<f64> {
     (0..n)
         .map(|j| {
@@ -152,7 +155,7 @@ fn transform(values: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Leaves out the last coefficients as long as their sizes sum to less than the tolerance.
+/// Drops trailing coefficients while their absolute sum stays below the tolerance.
 fn truncated(mut coefficients: Vec<f64>, tolerance: f64) -> Vec<f64> {
     let mut left_out = 0.0;
     while let [_, .., last] = coefficients[..] {
@@ -169,8 +172,8 @@ fn truncated(mut coefficients: Vec<f64>, tolerance: f64) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// Every mode of a path of n vertices is known: cos(π k j/(n − 1)) with μ = cos(π k/(n − 1)) − 1. A series
-    /// multiplies it by g(μ), far from the origin too, and zero rows keep their values.
+    /// The modes of a path of n vertices are cos(π k j/(n − 1)) with μ = cos(π k/(n − 1)) − 1. A
+    /// series multiplies each by g(μ), far from the origin too, and leaves zero rows unchanged.
     #[test]
     fn modes_are_multiplied_by_the_function() {
         let n = 40u32;
@@ -179,7 +182,7 @@ mod tests {
             columns.extend([i.wrapping_sub(1), i + 1].into_iter().filter(|&j| j < n));
             offsets.push(columns.len() as u32);
         }
-        // An isolated vertex after it.
+        // One isolated vertex at the end.
         columns.push(n);
         offsets.push(columns.len() as u32);
         let path = GraphLaplacian::uniform(offsets, columns);

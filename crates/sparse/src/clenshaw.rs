@@ -1,14 +1,16 @@
 //! Clenshaw's recurrence over a graph, several terms at a time while rows are in cache.
 //!
-//! A term reads and writes every row once, and a large graph does not fit in cache: terms taken one after another
-//! run at the speed of memory. But row `i` of term `k` needs term `k − 1` at the neighbours of `i` only. With
-//! rows in an order in which neighbours are at most a *reach* apart, a block of rows can go on to the next term
-//! as soon as the block after it has done this one. So blocks are taken in waves, each block one term behind the
-//! block after it, and memory is passed over once for a whole batch of terms.
+//! A term reads and writes every row once, and a large graph does not fit in cache, so terms taken
+//! one after another are bound by memory bandwidth. But row `i` of term `k` needs term `k − 1` only
+//! at the neighbours of `i`. If neighbouring rows are at most the *bandwidth* of the matrix apart,
+//! a block of rows can proceed to the next term as soon as the following block has finished the
+//! current one. Blocks therefore run in waves, each one term behind the next, and one pass over
+//! memory serves a whole batch of terms.
 //!
-//! Threads take parts of the rows. Where a part ends, each term ends one block earlier than the one before; the
-//! triangles left out between two parts are filled in afterwards. Every value is computed from the same numbers in
-//! the same way however the rows are cut, so the result does not depend on threads, parts or blocks.
+//! Each thread takes a part of the rows. At the end of a part every term stops one block earlier
+//! than the term before; the triangles missing between two parts are filled in afterwards. Every
+//! value is computed by the same operations however the rows are divided, so the result does not
+//! depend on threads, parts or blocks.
 
 use std::ops::Range;
 
@@ -17,22 +19,23 @@ use rayon::prelude::*;
 use crate::graph_laplacian::{Factors, GraphLaplacian, Padded};
 use crate::simd::{self, Kernel};
 
-/// Bytes that the blocks at work in one batch may take: most of the second-level cache of one core.
+/// Bytes available to the active blocks of a batch: most of one core's second-level cache.
 const CACHE: usize = 1 << 20;
 
-/// Bytes that a row takes: three points, its neighbours and what belongs to them.
+/// Bytes per row: three points, and the row's neighbours with their weights.
 const ROW: usize = 160;
 
-/// The most terms in one batch: more save hardly any memory traffic.
-const MOST_TERMS: usize = 16;
+/// The largest number of terms in a batch: more save hardly any memory traffic.
+const MAX_TERMS: usize = 16;
 
-/// Fewer terms in a batch than this are not worth the trouble.
-const LEAST_TERMS: usize = 3;
+/// The smallest number of terms for which a batch pays.
+const MIN_TERMS: usize = 3;
 
-/// The fewest rows in a block, so that a block is long beside what surrounds it.
-const LEAST_BLOCK: usize = 128;
+/// The smallest number of rows in a block.
+const MIN_BLOCK: usize = 128;
 
-/// `bₖ = cₖ x + 2 T bₖ₊₁ − bₖ₊₂` with `T = 1 + s L`, for k from the highest down to 0, where `T b` counts once.
+/// The recurrence `bₖ = cₖ x + 2 T bₖ₊₁ − bₖ₊₂` with `T = 1 + s L`, from the highest k down to 0,
+/// where the factor 2 is dropped.
 #[derive(Clone, Copy)]
 pub(crate) struct Clenshaw<'a> {
     pub(crate) laplacian: &'a GraphLaplacian,
@@ -46,10 +49,10 @@ impl Clenshaw<'_> {
     pub(crate) fn evaluate(self) -> Vec<Padded> {
         let n = self.x.len();
         let (mut last, mut before) = (vec![[0.0; 4]; n], vec![[0.0; 4]; n]);
-        let block = self.laplacian.reach().max(LEAST_BLOCK);
-        // Two blocks more than terms are at work: the ones ahead of the first and behind the last.
-        let batch = (CACHE / (ROW * block)).saturating_sub(2).min(MOST_TERMS);
-        let batch = if batch < LEAST_TERMS || n < 2 * block { 1 } else { batch };
+        let block = self.laplacian.bandwidth().max(MIN_BLOCK);
+        // Two more blocks than terms are active: one ahead of the first and one behind the last.
+        let batch = (CACHE / (ROW * block)).saturating_sub(2).min(MAX_TERMS);
+        let batch = if batch < MIN_TERMS || n < 2 * block { 1 } else { batch };
         let terms = self.coefficients.len();
         let mut done = 0;
         fairing_watch::stage("terms of the series", terms as u64);
@@ -66,7 +69,7 @@ impl Clenshaw<'_> {
         last
     }
 
-    /// The term after `done` others on some rows; slices begin with row `offset`.
+    /// Computes the term after the first `done` on some rows; slices begin with row `offset`.
     #[inline(always)]
     fn term(
         self,
@@ -85,25 +88,25 @@ impl Clenshaw<'_> {
     }
 }
 
-/// Some terms in one pass over memory.
+/// Consecutive terms computed in one pass over memory.
 #[derive(Clone, Copy)]
 struct Batch<'a> {
     recurrence: Clenshaw<'a>,
     /// Terms before this batch.
     done: usize,
-    /// Terms of this batch.
+    /// Terms in this batch.
     count: usize,
-    /// Rows of a block, no fewer than the reach.
+    /// Rows of a block, at least the bandwidth.
     block: usize,
 }
 
 impl Batch<'_> {
-    /// Takes the terms in turn from `last` to `before` and back.
+    /// Computes the terms alternately from `last` into `before` and back.
     fn run(self, last: &mut [Padded], before: &mut [Padded]) {
         let n = last.len();
-        // Half a part has to hold the triangle at its end, and a block that it reads.
-        let room = 2 * (self.count + 1) * self.block;
-        let parts = (n / room).clamp(1, rayon::current_num_threads().max(1));
+        // Half a part must hold the triangle at its end and one more block, which that reads.
+        let smallest = 2 * (self.count + 1) * self.block;
+        let parts = (n / smallest).clamp(1, rayon::current_num_threads().max(1));
         let ends: Vec<usize> = (0..=parts).map(|q| q * n / parts).collect();
         let middles: Vec<usize> = ends.windows(2).map(|e| (e[0] + e[1]) / 2).collect();
         split(last, before, &ends).into_par_iter().for_each(|piece| {
@@ -127,7 +130,7 @@ impl Batch<'_> {
     }
 }
 
-/// Rows from `offset` on of both arrays.
+/// Consecutive rows of both arrays, starting at row `offset`.
 struct Piece<'a> {
     offset: usize,
     last: &'a mut [Padded],
@@ -149,11 +152,11 @@ fn split<'a>(last: &'a mut [Padded], before: &'a mut [Padded], ends: &[usize]) -
     pieces
 }
 
-/// A part of the rows, which each term takes one block further from the ends that border on other parts.
+/// A part of the rows. Each term ends one block further away from the borders with other parts.
 struct Trapezoid<'a> {
     batch: Batch<'a>,
     piece: Piece<'a>,
-    /// All rows.
+    /// The number of rows of all parts.
     n: usize,
 }
 
@@ -177,7 +180,7 @@ impl Kernel for Trapezoid<'_> {
     }
 }
 
-/// What the trapezoids on both sides of `end` leave out: more with every term.
+/// The rows that the trapezoids on both sides of `end` leave out, more with every term.
 struct Triangle<'a> {
     batch: Batch<'a>,
     piece: Piece<'a>,
@@ -201,7 +204,7 @@ impl Kernel for Triangle<'_> {
 mod tests {
     use super::*;
 
-    /// The recurrence as the formula has it, one term after another.
+    /// The recurrence as in the formula, one term after another.
     fn plainly(of: Clenshaw<'_>) -> Vec<Padded> {
         let n = of.x.len();
         let (mut last, mut before) = (vec![[0.0; 4]; n], vec![[0.0; 4]; n]);
@@ -212,8 +215,8 @@ mod tests {
         last
     }
 
-    /// A strip of triangles over `length` times `width` vertices, closed to a tube or open; every vertex `v` is
-    /// numbered `stride v` modulo their number.
+    /// A strip of triangles over `length` × `width` vertices, open or closed to a tube; vertex `v`
+    /// has the number `stride v` modulo the vertex count.
     fn strip(width: usize, length: usize, closed: bool, stride: usize) -> GraphLaplacian {
         let n = width * length;
         let number = |x: usize, y: usize| (y * width + x % width) * stride % n;
@@ -235,8 +238,8 @@ mod tests {
         GraphLaplacian::uniform(offsets, rows.concat())
     }
 
-    /// Blocks and parts change nothing, to the bit: on graphs that fill several parts, with a border, and in an
-    /// order of no locality at all.
+    /// Blocks and parts do not change a bit of the result: on graphs that fill several parts, with
+    /// a border, and in an order without locality.
     #[test]
     fn blocks_and_parts_do_not_show() {
         let coefficients: Vec<f64> = (0..40).map(|k| 1.0 / f64::from(1 + k * k)).collect();
@@ -246,7 +249,7 @@ mod tests {
             (strip(60, 400, true, 7001), false),
         ] {
             let n = laplacian.len();
-            assert_eq!(laplacian.reach() < n / 4, local);
+            assert_eq!(laplacian.bandwidth() < n / 4, local);
             let x: Vec<Padded> =
                 (0..n).map(|i| [(i % 60) as f64, (i / 60) as f64, (i % 7) as f64, 0.0]).collect();
             for terms in [1, 2, 7, 40] {

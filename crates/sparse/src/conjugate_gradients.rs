@@ -1,44 +1,48 @@
-//! Conjugate gradients with the diagonal or another simple preconditioner, for several right-hand sides together.
+//! Conjugate gradients with the diagonal or another pointwise preconditioner, for several
+//! right-hand sides at once.
 
 use crate::matrix::{Rows, SparseMatrix};
 use crate::parallel;
 
-/// A symmetric positive definite system A x = b of `B` columns, as [`conjugate_gradients`] sees it.
+/// A symmetric positive definite system A x = b of `B` columns, to be solved by
+/// [`conjugate_gradients`].
 ///
-/// A column has step lengths of its own, unless the preconditioner or A couples columns; then all share one.
+/// Each column has its own step lengths, unless A or the preconditioner couples columns; then all
+/// share one.
 pub trait CgSystem<const B: usize>: Sync {
-    /// `q` ← A p, and Σᵢ pᵢ qᵢ of each column. `q` has the length of `p` and any values.
+    /// Overwrites `q` with A p and returns Σᵢ pᵢ qᵢ of each column. `q` has the length of `p`; its
+    /// values are arbitrary.
     fn multiply(&self, p: &[[f64; B]], q: &mut Vec<[f64; B]>) -> [f64; B];
 
-    /// Row `i` of P⁻¹ r for a preconditioner P that is a matrix of blocks on the diagonal; `r` is row `i` of r.
+    /// Row `i` of P⁻¹ r for a block-diagonal preconditioner P; `r` is row `i` of the residual.
     fn precondition(&self, i: usize, r: [f64; B]) -> [f64; B];
 
-    /// Whether A or the preconditioner couples columns.
+    /// True if A or the preconditioner couples columns.
     fn is_coupled(&self) -> bool {
         false
     }
 
-    /// The norm of the residual that rounding alone may leave in each column of a solution.
+    /// The residual norm that rounding alone may leave in each column of a solution.
     fn attainable(&self, b: &[[f64; B]], x: &[[f64; B]]) -> [f64; B] {
         let _ = (b, x);
         [0.0; B]
     }
 }
 
-/// When to stop.
+/// Stopping criteria of conjugate gradients.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct CgOptions {
-    /// Relative residual ‖b − A x‖ / ‖b‖ to reach in every column, or in all together where they are coupled,
-    /// measured. Where rounding leaves more, a residual within [`CgSystem::attainable`] is as good, and
-    /// [`CgSolution::residuals`] is what was reached.
+    /// Relative residual ‖b − A x‖ / ‖b‖ to reach in every column, or over all columns where they
+    /// are coupled. A residual within [`CgSystem::attainable`] also counts as converged;
+    /// [`CgSolution::residuals`] holds the values reached.
     pub tolerance: f64,
-    /// Iterations after which to give up.
+    /// The largest number of iterations.
     pub max_iterations: usize,
-    /// Whether the residual is measured at the end, by one more product, and reduced further where rounding has made it
-    /// larger than the one that the iteration carries along. A system whose solution is the first guess of the next one
-    /// may do without: that begins by measuring.
+    /// Measures the true residual at the end, by one more product, and iterates further where
+    /// rounding has made it larger than that of the recurrence. A caller that passes the solution
+    /// as the next initial guess can do without, since every solve begins by measuring.
     pub measure: bool,
 }
 
@@ -49,7 +53,7 @@ impl Default for CgOptions {
     }
 }
 
-/// A solution and how it was reached.
+/// A solution, the iterations taken and the residuals reached.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct CgSolution<X> {
@@ -57,12 +61,12 @@ pub struct CgSolution<X> {
     pub x: X,
     /// Iterations taken.
     pub iterations: usize,
-    /// ‖b − A x‖ / ‖b‖ of each column, measured at the end unless [`CgOptions::measure`] is off. Of coupled columns, that
-    /// of all together.
+    /// ‖b − A x‖ / ‖b‖ of each column, or over all columns where they are coupled; measured at the
+    /// end unless [`CgOptions::measure`] is off.
     pub residuals: Vec<f64>,
 }
 
-/// Why conjugate gradients failed.
+/// Failure of conjugate gradients.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CgError {
@@ -74,7 +78,7 @@ pub enum CgError {
         /// Its diagonal entry.
         value: f64,
     },
-    /// The matrix is not square or a vector has another length than it has rows.
+    /// The matrix is not square, or a vector does not have as many rows as the matrix.
     #[error("a {rows} × {columns} matrix with a vector of {length} rows")]
     Size {
         /// Rows of the matrix.
@@ -84,8 +88,8 @@ pub enum CgError {
         /// Rows of the vector.
         length: usize,
     },
-    /// A right-hand side or first guess has an infinite number or NaN.
-    #[error("row {row} of the right-hand side or of the first guess is not finite")]
+    /// The right-hand side or the initial guess contains an infinity or NaN.
+    #[error("row {row} of the right-hand side or of the initial guess is not finite")]
     NotFinite {
         /// The first such row.
         row: usize,
@@ -108,19 +112,19 @@ pub enum CgError {
     },
 }
 
-/// Memory for an iteration, which consecutive solves can share.
+/// Memory of an iteration, reusable by consecutive solves.
 #[derive(Debug, Clone, Default)]
 pub struct CgWorkspace<const B: usize> {
     /// The residual b − A x.
     pub r: Vec<[f64; B]>,
-    /// The direction.
+    /// The search direction.
     pub p: Vec<[f64; B]>,
     /// A p.
     pub q: Vec<[f64; B]>,
 }
 
 impl<const B: usize> CgWorkspace<B> {
-    /// Room for this many rows. What the arrays hold is not specified.
+    /// Resizes the arrays to `rows`; their values are unspecified.
     pub fn resize(&mut self, rows: usize) {
         for all in [&mut self.r, &mut self.p, &mut self.q] {
             all.resize(rows, [0.0; B]);
@@ -128,16 +132,16 @@ impl<const B: usize> CgWorkspace<B> {
     }
 }
 
-/// Iterates x, whose residual is `workspace.r`, until `done` says for the squared norm of every column of the residual that it
-/// is small enough. Columns that are done no longer change.
+/// Iterates `x`, whose residual is `workspace.r`, until `done`, given the squared residual norm of
+/// each column, is true for all of them. Columns that are done do not change any more.
 ///
-/// The residual is that of the recurrence, which departs from b − A x by rounding: measure it at the end, and call again
-/// where it is too large. `iterations` continues to count.
+/// The residual is that of the recurrence, which departs from b − A x by rounding: callers measure
+/// it at the end and call again if it is too large. `iterations` continues to count.
 ///
 /// # Errors
 ///
-/// [`CgError::NotConverged`] after `max_iterations` iterations, or where a residual is not finite; [`CgError::Indefinite`]. `x` and
-/// the residual are those of the last iteration then.
+/// [`CgError::NotConverged`] after `max_iterations` iterations or for a residual that is not
+/// finite; [`CgError::Indefinite`]. `x` and the residual are then those of the last iteration.
 pub fn descend<const B: usize, S: CgSystem<B>>(
     system: &S,
     x: &mut [[f64; B]],
@@ -152,8 +156,8 @@ pub fn descend<const B: usize, S: CgSystem<B>>(
         (z, squares(r, &z))
     });
     loop {
-        let rests = done(&rr);
-        if rests.iter().all(|rests| *rests) {
+        let finished = done(&rr);
+        if finished.iter().all(|finished| *finished) {
             return Ok(());
         }
         fairing_watch::check();
@@ -168,7 +172,7 @@ pub fn descend<const B: usize, S: CgSystem<B>>(
         };
         let mut alpha = ratios(&rz, &curvature);
         for k in 0..B {
-            if rests[k] {
+            if finished[k] {
                 alpha[k] = 0.0;
             } else if !(alpha[k] >= 0.0 && alpha[k].is_finite()) {
                 let curvature = curvature[k];
@@ -184,7 +188,7 @@ pub fn descend<const B: usize, S: CgSystem<B>>(
             (r, squares(&r, &system.precondition(i, r)))
         });
         let mut beta = ratios(&rz, &old);
-        for k in (0..B).filter(|&k| rests[k]) {
+        for k in (0..B).filter(|&k| finished[k]) {
             beta[k] = 0.0;
         }
         parallel::update_both(x, p, |i, x, p| {
@@ -198,7 +202,7 @@ pub fn descend<const B: usize, S: CgSystem<B>>(
     }
 }
 
-/// r² and r z of each column.
+/// Row i of r² and of r z, for each column.
 #[inline(always)]
 fn squares<const B: usize>(r: &[f64; B], z: &[f64; B]) -> [[f64; B]; 2] {
     let mut sums = [[0.0; B]; 2];
@@ -219,8 +223,8 @@ fn larger(a: f64, b: f64) -> f64 {
     if a > b || a.is_nan() { a } else { b }
 }
 
-/// Solves A x = b from a first guess `x`, and measures what it has reached: the solution that was found, and why it is not
-/// better where it misses the tolerance.
+/// Solves A x = b from the initial guess `x`. Returns the solution found with its residuals, and
+/// the failure if it misses the tolerance.
 ///
 /// # Examples
 ///
@@ -288,7 +292,7 @@ pub fn conjugate_gradients<const B: usize, S: CgSystem<B>>(
         if !options.measure {
             found = squared(&workspace.r).map(f64::sqrt);
         }
-        // The residual that is carried along departs from the true one: what counts is measured.
+        // The residual of the recurrence departs from the true one, which decides.
         if options.measure && iterations > 0 {
             found = residual(system, b, &x, &mut workspace, squared);
         }
@@ -313,7 +317,7 @@ pub fn conjugate_gradients<const B: usize, S: CgSystem<B>>(
     (CgSolution { x, iterations, residuals: relative(&found, &size) }, failure)
 }
 
-/// b − A x into the workspace, and its norm in each column.
+/// Writes b − A x into the workspace and returns its norm in each column.
 fn residual<const B: usize, S: CgSystem<B>>(
     system: &S,
     b: &[[f64; B]],
@@ -332,9 +336,10 @@ fn relative<const B: usize>(r: &[f64; B], b: &[f64; B]) -> Vec<f64> {
     (0..B).map(|k| if b[k] > 0.0 { r[k] / b[k] } else { r[k] }).collect()
 }
 
-/// A symmetric positive definite matrix, ready to solve with the inverse of its diagonal as preconditioner.
+/// A conjugate gradient solver for a symmetric positive definite matrix, preconditioned by its
+/// diagonal.
 ///
-/// [`SolverChoice`](crate::SolverChoice) tells when a factorisation is faster.
+/// [`SolverChoice`](crate::SolverChoice) decides whether a factorisation is faster.
 ///
 /// # Examples
 ///
@@ -359,8 +364,8 @@ impl<'a> ConjugateGradient<'a> {
     ///
     /// # Errors
     ///
-    /// [`CgError::Size`] for a matrix that is not square, [`CgError::Diagonal`] for a diagonal entry that is
-    /// not positive. Symmetry is not checked.
+    /// [`CgError::Size`] if the matrix is not square, [`CgError::Diagonal`] for the first diagonal
+    /// entry that is not positive and finite. Symmetry is not checked.
     pub fn new(matrix: &'a SparseMatrix) -> Result<Self, CgError> {
         let (rows, columns) = (matrix.rows(), matrix.cols());
         if rows != columns {
@@ -377,7 +382,7 @@ impl<'a> ConjugateGradient<'a> {
         }
     }
 
-    /// x with A x = b, from a first guess (zero without one).
+    /// The solution x of A x = b, iterated from `guess` or from zero.
     ///
     /// # Errors
     ///
@@ -397,8 +402,8 @@ impl<'a> ConjugateGradient<'a> {
         })
     }
 
-    /// X with A X = B for points, one in a row. The three columns share every pass over the matrix; each has
-    /// its own step lengths, and no longer changes once it has converged.
+    /// The solution X of A X = B for points, one per row. The three columns share every pass over
+    /// the matrix; each has its own step lengths and stops changing once it has converged.
     ///
     /// # Errors
     ///
@@ -478,10 +483,10 @@ impl<const B: usize> CgSystem<B> for ConjugateGradient<'_> {
     }
 }
 
-/// A scalar operator that acts on each coordinate of a field of vectors alike, without a matrix, with the inverse of its
-/// diagonal as preconditioner.
+/// A matrix-free scalar operator applied to each coordinate of a vector field, preconditioned by
+/// its diagonal.
 ///
-/// Coordinates share their step lengths, so that a rotated field has a rotated solution.
+/// Coordinates share their step lengths, so that rotating the field rotates the solution.
 #[derive(Debug)]
 pub struct FieldOperator<A> {
     apply: A,
@@ -489,8 +494,8 @@ pub struct FieldOperator<A> {
 }
 
 impl<A: Fn(&[[f64; 3]], &mut [[f64; 3]]) -> [f64; 3] + Sync> FieldOperator<A> {
-    /// From `apply(p, q)`, which writes A p into `q` and returns Σ p q of each coordinate ([`product_by_rows`]), and the
-    /// positive diagonal of A.
+    /// The operator of `apply(p, q)`, which writes A p into `q` and returns Σ p q of each
+    /// coordinate ([`product_by_rows`]), and of the positive diagonal of A.
     pub fn new(diagonal: &[f64], apply: A) -> Self {
         Self { apply, inverse_diagonal: diagonal.iter().map(|d| 1.0 / d).collect() }
     }
@@ -511,7 +516,7 @@ impl<A: Fn(&[[f64; 3]], &mut [[f64; 3]]) -> [f64; 3] + Sync> CgSystem<3> for Fie
     }
 }
 
-/// `q ← A p` from the rows of A p, and Σ p q of each coordinate.
+/// Overwrites `q` with A p, given the rows of A p, and returns Σ p q of each coordinate.
 pub fn product_by_rows(
     p: &[[f64; 3]],
     q: &mut [[f64; 3]],

@@ -1,4 +1,4 @@
-//! The Laplacian of a weighted graph, fused with what a step does with it.
+//! The Laplacian of a weighted graph, with products fused into the update that uses them.
 
 use std::ops::Range;
 
@@ -7,14 +7,15 @@ use rayon::prelude::*;
 use crate::matrix::SparseMatrix;
 use crate::parallel::{self, CHUNK, Sum};
 
-/// `L = −M⁻¹S` for a symmetric `S` with zero row sums and a positive diagonal `M`: negative semi-definite in the inner
-/// product of `M` where `S` is positive semi-definite.
+/// `L = −M⁻¹S` for a symmetric `S` with zero row sums and a positive diagonal `M`: negative
+/// semi-definite in the inner product of `M` where `S` is positive semi-definite.
 ///
-/// Rows of `S` act on differences, `−(Sx)ᵢ = Σⱼ wⱼ (xⱼ − xᵢ)`, so that constants vanish exactly. Unit weights need no
-/// values, which halves the memory traffic of a product. The products come fused with whatever is done with them, in
-/// one pass over the rows; sums are those of [`parallel`](crate::parallel), which do not depend on the number of threads.
+/// Rows of `S` act on differences, `−(Sx)ᵢ = Σⱼ wⱼ (xⱼ − xᵢ)`, so that constants vanish exactly.
+/// Unit weights are not stored, which halves the memory traffic of a product. Products are fused
+/// with the update that uses them, in one pass over the rows; sums are those of
+/// [`parallel`](crate::parallel) and do not depend on the number of threads.
 ///
-/// Rows may be zero, for values that stay as they are: [`is_still`](Self::is_still).
+/// Rows may be zero, for values that do not change: [`is_fixed`](Self::is_fixed).
 ///
 /// # Examples
 ///
@@ -29,9 +30,9 @@ use crate::parallel::{self, CHUNK, Sum};
 #[derive(Debug, Clone)]
 pub struct GraphLaplacian {
     offsets: Vec<u32>,
-    /// The neighbours. With unit weights a zero row has its own vertex for its only one.
+    /// The neighbours. With unit weights, the only neighbour of a zero row is its own vertex.
     columns: Vec<u32>,
-    /// `−Sᵢⱼ` for each neighbour; `None` for ones.
+    /// `−Sᵢⱼ` for each neighbour; `None` for unit weights.
     weights: Option<Vec<f64>>,
     mass: Vec<f64>,
     /// `M⁻¹`.
@@ -40,36 +41,37 @@ pub struct GraphLaplacian {
     diagonal: Vec<f64>,
 }
 
-/// The numbers of a [`GraphLaplacian`], to write to.
+/// Mutable values of a [`GraphLaplacian`].
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct GraphNumbers<'a> {
-    /// `−Sᵢⱼ`, as many as there are columns.
+    /// `−Sᵢⱼ`, one for each column.
     pub weights: &'a mut [f64],
-    /// The diagonal of `S`, of zero rows too.
+    /// The diagonal of `S`, zero rows included.
     pub diagonal: &'a mut [f64],
     /// `M`, positive.
     pub mass: &'a mut [f64],
 }
 
-/// A row of four numbers, the last of them zero for points: whole registers, and two thirds of the instructions. For
-/// the inner loops of long computations; memory traffic grows by a third.
+/// A point padded to a SIMD register: a third fewer instructions for a third more memory traffic,
+/// which pays in the inner loops of long computations. The fourth number is zero.
 pub type Padded = [f64; 4];
 
-/// The factors of a three-term recurrence.
+/// Factors of a three-term recurrence.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Factors {
-    /// Of a given point.
+    /// Factor of the given point.
     pub(crate) point: f64,
-    /// Of the last term.
+    /// Factor of the last term.
     pub(crate) own: f64,
-    /// Of the Laplacian of the last term.
+    /// Factor of the Laplacian of the last term.
     pub(crate) l: f64,
 }
 
 impl GraphLaplacian {
-    /// Unit weights over the number of neighbours: `(Lx)ᵢ` is the mean over the neighbours of `xⱼ − xᵢ`. Row `i` of the
-    /// graph is `columns[offsets[i]..offsets[i + 1]]`; a zero row has its own vertex as its only neighbour.
+    /// The Laplacian of unit weights over the number of neighbours: `(Lx)ᵢ` is the mean of
+    /// `xⱼ − xᵢ` over the neighbours j. The neighbours of `i` are
+    /// `columns[offsets[i]..offsets[i + 1]]`; a zero row has its own vertex as its only neighbour.
     ///
     /// # Panics
     ///
@@ -81,15 +83,16 @@ impl GraphLaplacian {
         Self { offsets, columns, weights: None, mass, inverse, diagonal }
     }
 
-    /// From a symmetric `S` with zero row sums and positive masses. Rows for which `still` is true are zero.
+    /// The Laplacian of a symmetric `S` with zero row sums and positive masses. Rows for which
+    /// `fixed` is true are zero.
     ///
     /// # Panics
     ///
-    /// Panics if `S` is not CSR or a length is not the number of its rows.
-    pub fn weighted(s: &SparseMatrix, mass: Vec<f64>, still: &[bool]) -> Self {
+    /// Panics if `S` is not CSR or a length differs from the number of its rows.
+    pub fn weighted(s: &SparseMatrix, mass: Vec<f64>, fixed: &[bool]) -> Self {
         let n = mass.len();
         assert!(s.is_csr(), "the matrix must be stored by rows");
-        assert_eq!((s.rows(), s.cols(), still.len()), (n, n, n), "sizes of the operands");
+        assert_eq!((s.rows(), s.cols(), fixed.len()), (n, n, n), "sizes of the operands");
         let mut offsets = Vec::with_capacity(n + 1);
         let mut columns = Vec::with_capacity(s.nnz());
         let mut weights = Vec::with_capacity(s.nnz());
@@ -99,7 +102,7 @@ impl GraphLaplacian {
             for (j, &s) in row.iter() {
                 if i == j {
                     diagonal[i] = s;
-                } else if !still[i] {
+                } else if !fixed[i] {
                     columns.push(j as u32);
                     weights.push(-s);
                 }
@@ -110,8 +113,8 @@ impl GraphLaplacian {
         Self { offsets, columns, weights: Some(weights), mass, inverse, diagonal }
     }
 
-    /// All zero, on the pattern of a graph as in [`uniform`](Self::uniform), whose zero rows are empty here: to be
-    /// [filled](Self::fill).
+    /// Zeros on the pattern of a graph, to be [filled](Self::fill). The pattern is given as in
+    /// [`uniform`](Self::uniform), except that zero rows are empty.
     ///
     /// # Panics
     ///
@@ -123,11 +126,11 @@ impl GraphLaplacian {
         Self { offsets, columns, weights, mass, inverse, diagonal }
     }
 
-    /// Overwrites all numbers. Unit weights become weights of their own.
+    /// Overwrites all values; unit weights become stored weights.
     ///
     /// # Errors
     ///
-    /// That of `fill`. What the numbers are then is not specified.
+    /// The error of `fill`, which leaves the values unspecified.
     pub fn fill<T, E>(
         &mut self,
         fill: impl FnOnce(GraphNumbers<'_>) -> Result<T, E>,
@@ -140,7 +143,7 @@ impl GraphLaplacian {
         Ok(filled)
     }
 
-    /// The same `S` over another mass.
+    /// Replaces `M`, keeping `S`.
     pub fn replace_mass(&mut self, mass: Vec<f64>) {
         self.inverse = reciprocals(&mass);
         self.mass = mass;
@@ -152,12 +155,12 @@ impl GraphLaplacian {
         self.mass.len()
     }
 
-    /// Whether there are no rows.
+    /// Returns true if there are no rows.
     pub fn is_empty(&self) -> bool {
         self.mass.is_empty()
     }
 
-    /// Entries of `S`, the diagonal included.
+    /// The number of entries of `S`, diagonal included.
     pub fn entries(&self) -> usize {
         self.len() + self.columns.len()
     }
@@ -180,27 +183,27 @@ impl GraphLaplacian {
         &self.diagonal
     }
 
-    /// Whether the weights are ones.
+    /// Returns true if all weights are one.
     #[inline]
     pub fn is_uniform(&self) -> bool {
         self.weights.is_none()
     }
 
-    /// The entries of row `i`.
+    /// The range of entries of row `i`.
     #[inline(always)]
     fn row(&self, i: usize) -> Range<usize> {
         self.offsets[i] as usize..self.offsets[i + 1] as usize
     }
 
-    /// The neighbours of row `i`; itself alone or none if the row is zero.
+    /// The neighbours of row `i`; for a zero row only `i` itself, or none.
     #[inline]
     pub fn neighbors(&self, i: usize) -> &[u32] {
         &self.columns[self.row(i)]
     }
 
-    /// Whether row `i` is zero.
+    /// Returns true if row `i` is zero.
     #[inline]
-    pub fn is_still(&self, i: usize) -> bool {
+    pub fn is_fixed(&self, i: usize) -> bool {
         match *self.neighbors(i) {
             [] => true,
             [only] => only as usize == i,
@@ -208,22 +211,22 @@ impl GraphLaplacian {
         }
     }
 
-    /// Row `i` of `S` without its diagonal: columns and values. Empty if the row is zero.
+    /// Columns and values of row `i` of `S` off its diagonal; empty for a zero row.
     pub fn stiffness_row(&self, i: usize) -> impl Iterator<Item = (u32, f64)> + '_ {
-        let row = if self.is_still(i) { 0..0 } else { self.row(i) };
+        let row = if self.is_fixed(i) { 0..0 } else { self.row(i) };
         let weight = |k: usize| self.weights.as_ref().map_or(1.0, |weights| weights[k]);
         row.map(move |k| (self.columns[k], -weight(k)))
     }
 
-    /// The largest difference between the numbers of neighbours.
-    pub(crate) fn reach(&self) -> usize {
+    /// The bandwidth: the largest difference |i − j| between neighbours.
+    pub(crate) fn bandwidth(&self) -> usize {
         let farthest = |i: usize| {
             self.neighbors(i).iter().map(|&j| (j as usize).abs_diff(i)).max().unwrap_or(0)
         };
         (0..self.len()).into_par_iter().with_min_len(CHUNK).map(farthest).max().unwrap_or(0)
     }
 
-    /// An upper bound of the eigenvalues of `−L` by Gershgorin's circles; 2 for unit weights.
+    /// Gershgorin's upper bound on the eigenvalues of `−L`; 2 for unit weights.
     pub fn gershgorin(&self) -> f64 {
         let Some(weights) = &self.weights else { return 2.0 };
         let circle = |i: usize| {
@@ -248,7 +251,7 @@ impl GraphLaplacian {
     ///
     /// # Panics
     ///
-    /// Panics if `x` or `y` is longer or shorter than the Laplacian.
+    /// Panics unless `x` and `y` have one row for each row of the Laplacian.
     pub fn sweep<const N: usize, F>(&self, x: &[[f64; N]], y: &mut [[f64; N]], f: F)
     where
         F: Fn(usize, [f64; N], [f64; N], [f64; N]) -> [f64; N] + Sync,
@@ -264,11 +267,12 @@ impl GraphLaplacian {
         })
     }
 
-    /// `yᵢ ← f(i, −(Sx)ᵢ, xᵢ, yᵢ)` for every row, in parallel, and the sum of what `f` returns beside the new value.
+    /// `yᵢ ← f(i, −(Sx)ᵢ, xᵢ, yᵢ)` for every row, in parallel. Returns the sum of the second values
+    /// that `f` returns.
     ///
     /// # Panics
     ///
-    /// Panics if `x` or `y` is longer or shorter than the Laplacian.
+    /// Panics unless `x` and `y` have one row for each row of the Laplacian.
     pub fn sweep_summing<const N: usize, S: Sum, F>(
         &self,
         x: &[[f64; N]],
@@ -317,8 +321,8 @@ impl GraphLaplacian {
         sum
     }
 
-    /// `outᵢ ← point pᵢ + own xᵢ + l (Lx)ᵢ − outᵢ` on some rows; `p` and `out` are these rows, `x` begins with row
-    /// `offset`.
+    /// `outᵢ ← point pᵢ + own xᵢ + l (Lx)ᵢ − outᵢ` for the given rows; `points` and `out` hold
+    /// these rows, `x` begins with row `offset`.
     #[inline(always)]
     pub(crate) fn recur(
         &self,
@@ -378,7 +382,7 @@ fn check(offsets: &[u32], columns: &[u32]) {
     );
 }
 
-/// `1/x` of each.
+/// The reciprocal of each number.
 fn reciprocals(x: &[f64]) -> Vec<f64> {
     x.par_iter().with_min_len(CHUNK).map(|x| 1.0 / x).collect()
 }

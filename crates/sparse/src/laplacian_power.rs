@@ -26,7 +26,8 @@ impl<'a> LaplacianPower<'a> {
     ///
     /// # Panics
     ///
-    /// Panics if S is not square and CSR, if there is another number of masses than rows, or for the order 0.
+    /// Panics if S is not square and CSR, if the number of masses differs from the number of rows,
+    /// or if the order is 0.
     pub fn new(stiffness: &'a SparseMatrix, mass: &'a [f64], order: u32) -> Self {
         let n = mass.len();
         assert!(stiffness.is_csr(), "the matrix must be stored by rows");
@@ -35,7 +36,7 @@ impl<'a> LaplacianPower<'a> {
         Self { stiffness, mass, order }
     }
 
-    /// The matrix, symmetric but for rounding.
+    /// The matrix, symmetric up to rounding.
     pub fn matrix(&self) -> SparseMatrix {
         let mut walk = self.stiffness.clone();
         for (i, mut row) in walk.outer_iterator_mut().enumerate() {
@@ -50,12 +51,12 @@ impl<'a> LaplacianPower<'a> {
         product
     }
 
-    /// The product with points, computed in numbers of twice the digits and rounded at the end. Rows of `S` act on
-    /// differences, so that constants vanish exactly.
+    /// The product with points, computed in double-double arithmetic and rounded at the end. Rows
+    /// of `S` act on differences, so that constants vanish exactly.
     ///
     /// # Panics
     ///
-    /// Panics if there are more or fewer points than rows.
+    /// Panics unless there is one point for each row.
     pub fn apply(&self, x: &[[f64; 3]]) -> Vec<[f64; 3]> {
         assert_eq!(x.len(), self.mass.len(), "one point for each row");
         let mut y: Vec<[Double; 3]> = x.iter().map(|p| p.map(|x| (x, 0.0))).collect();
@@ -85,8 +86,9 @@ impl<'a> LaplacianPower<'a> {
 mod tests {
     use super::*;
 
-    /// On integers of 50 bits the powers of a graph Laplacian, with powers of two as masses, are integers of up to 70
-    /// bits, which differences of them make small again: what is returned is the exact result, rounded once.
+    /// Applied to integers of 50 bits, powers of a graph Laplacian with powers of two as masses
+    /// give integers of up to 70 bits, and cancellation makes them small again: the result is
+    /// exact, rounded once.
     #[test]
     fn powers_are_rounded_once() {
         // The triangles of a torus of 11 by 7 vertices.

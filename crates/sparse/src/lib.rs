@@ -1,13 +1,15 @@
-//! Sparse symmetric kernels: products, Cholesky, conjugate gradients, eigenpairs, functions of a Laplacian.
+//! Sparse symmetric kernels: products, Cholesky, conjugate gradients, eigenpairs, functions of a
+//! Laplacian.
 //!
-//! Nothing here knows geometry. Matrices are [`SparseMatrix`] (CSR, `u32` indices, ascending columns);
-//! a symmetric matrix has both triangles. Blocks of vectors are row-major: `[[f64; 3]]` for three
-//! columns, `n × k` `ndarray` arrays for more. No result depends on the number of threads.
+//! Nothing here knows geometry. Matrices are [`SparseMatrix`] (CSR, `u32` indices, ascending
+//! columns); a symmetric matrix has both triangles. Blocks of vectors are row-major: `[[f64; 3]]`
+//! for three columns, `n × k` `ndarray` arrays for more. No result depends on the number of
+//! threads.
 //!
 //! # Features
 //!
-//! - `solvers` (default): factorisations and eigenpairs, and the solver backend that they need. Without it matrices,
-//!   products, conjugate gradients and functions of a Laplacian remain.
+//! - `solvers` (default): factorisations and eigenpairs, and the solver backend that they need.
+//!   Without it matrices, products, conjugate gradients and functions of a Laplacian remain.
 //! - `lapack`: dense eigenproblems by the LAPACK of the system; includes `solvers`.
 //! - `serde`: options and reports can be serialized.
 

@@ -43,7 +43,7 @@ impl Mass<'_> {
         }
     }
 
-    /// Whether M has no rows.
+    /// Returns true if M has no rows.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -97,8 +97,8 @@ impl Mass<'_> {
 
 /// α M + β S, on the union of both patterns with the whole diagonal; columns ascend.
 ///
-/// The pattern does not depend on α and β, so that a [`SymbolicCholesky`](crate::SymbolicCholesky) of one
-/// combination serves all others.
+/// The pattern does not depend on α and β, so that a [`SymbolicCholesky`](crate::SymbolicCholesky)
+/// of one combination serves all others.
 ///
 /// # Panics
 ///

@@ -1,23 +1,25 @@
 //! The sparse matrix of the workspace, ways to make one, and a borrowed look at its rows.
 
-/// A sparse matrix of the workspace: CSR, `f64` values, `u32` indices, columns ascending in each row.
+/// A sparse matrix of the workspace: CSR, `f64` values, `u32` indices, columns ascending in each
+/// row.
 ///
-/// [`from_csr`] and [`from_triplets`] make one, or say what is wrong with the given numbers; `into_raw_storage`
-/// takes one apart into offsets, columns and values.
+/// [`from_csr`] and [`from_triplets`] make one, or say what is wrong with the given numbers;
+/// `into_raw_storage` takes one apart into offsets, columns and values.
 pub type SparseMatrix = sprs::CsMatI<f64, u32>;
 
 /// Why a [`SparseMatrix`] cannot be made from the given numbers.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MatrixError {
-    /// The offsets are not one more than rows, do not ascend from zero, or do not end with the number of entries.
+    /// The offsets are not one more than rows, do not ascend from zero, or do not end with the
+    /// number of entries.
     #[error(
         "offset {place} is {found}: offsets ascend from 0 to the number of entries, one more than rows"
     )]
     Offsets {
         /// The first offset that is wrong.
         place: usize,
-        /// What it is; nothing where it is missing.
+        /// Its value; 0 if it is missing.
         found: u32,
     },
     /// There are more or fewer values than columns.
@@ -59,13 +61,13 @@ pub enum MatrixError {
     /// More entries than 32-bit indices can number.
     #[error("{entries} entries are more than 32-bit indices can number")]
     TooLarge {
-        /// How many.
+        /// The number of entries.
         entries: usize,
     },
 }
 
-/// The matrix of these rows: row i has the columns `columns[offsets[i]..offsets[i + 1]]`, ascending, and the values in the
-/// same places.
+/// The matrix of these rows: row i has the columns `columns[offsets[i]..offsets[i + 1]]`,
+/// ascending, and the values in the same places.
 ///
 /// # Errors
 ///
@@ -117,7 +119,8 @@ pub fn from_csr(
     Ok(SparseMatrix::new(shape, offsets, columns, values))
 }
 
-/// The matrix of these entries, each a row, a column and a value; entries of the same place are added in their order.
+/// The matrix of these entries, each a row, a column and a value; entries of the same place are
+/// added in their order.
 ///
 /// # Errors
 ///
@@ -170,7 +173,8 @@ fn check_entry(
     Ok(())
 }
 
-/// The rows and columns `keep` of a square matrix, which ascend: row i of the result is row `keep[i]`.
+/// The rows and columns `keep` of a square matrix, which ascend: row i of the result is row
+/// `keep[i]`.
 ///
 /// # Panics
 ///
@@ -219,8 +223,8 @@ pub(crate) struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    /// Borrows the arrays. A CSC matrix shows its columns: the same for symmetric matrices, which are all
-    /// this crate factorises; products check the storage themselves.
+    /// Borrows the arrays. A CSC matrix shows its columns: the same for symmetric matrices, which
+    /// are all this crate factorises; products check the storage themselves.
     pub(crate) fn new(matrix: &'a SparseMatrix) -> Self {
         Self {
             starts: matrix.indptr().into_raw_storage(),

@@ -1,16 +1,16 @@
 //! Passes over rows in parallel, with sums that do not depend on the number of threads.
 //!
-//! Rows are cut into fixed chunks of [`CHUNK`]. Each chunk is summed from front to back, and the sums of the chunks
-//! are added in order, whichever thread computed them.
+//! Rows are divided into fixed chunks of [`CHUNK`]. Each chunk is summed from front to back, and
+//! the sums of the chunks are added in order, whichever thread computed them.
 
 use rayon::prelude::*;
 
 /// Rows of one chunk: large enough to hide scheduling, small enough to balance.
 pub const CHUNK: usize = 4096;
 
-/// What a pass adds up: nothing, a number, or an array of what can be added up.
+/// A summand of a parallel pass: nothing, a number, or an array of summands.
 pub trait Sum: Copy + Send {
-    /// The sum of nothing.
+    /// The empty sum.
     const ZERO: Self;
 
     /// Adds a term.
@@ -44,7 +44,7 @@ impl<T: Sum, const N: usize> Sum for [T; N] {
     }
 }
 
-/// `yᵢ ← f(i, yᵢ)` for every row; the sum of what `f` returns beside the new value.
+/// Replaces every row by `f(i, yᵢ)` and returns the sum of the second values that `f` returns.
 ///
 /// # Examples
 ///
@@ -76,7 +76,7 @@ where
     total(&chunks.map(|(c, y)| chunk(c * CHUNK, y)).collect::<Vec<S>>())
 }
 
-/// Calls `f(i, aᵢ, bᵢ)` for every row of two arrays of one length.
+/// Calls `f(i, aᵢ, bᵢ)` for every row of two arrays of equal length.
 #[inline]
 pub fn update_both<A, B, F>(a: &mut [A], b: &mut [B], f: F)
 where
@@ -123,8 +123,8 @@ fn total<S: Sum>(parts: &[S]) -> S {
 mod tests {
     use super::*;
 
-    /// More rows than a chunk, a number that is no multiple of one: every row counts once and knows its number, and the
-    /// sums have the same bits on any number of threads.
+    /// With several chunks, the last one incomplete, every row is visited once with its own index,
+    /// and sums have the same bits for any number of threads.
     #[test]
     fn passes_visit_every_row_once() {
         for n in [0, 1, CHUNK, 2 * CHUNK + 17, 20 * CHUNK + 17] {

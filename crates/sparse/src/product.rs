@@ -1,7 +1,7 @@
 //! Products of a CSR matrix with one, three or k dense columns, row-major, near memory bandwidth.
 //!
-//! Rows are cut into fixed chunks that threads share; a row is always summed in the order of its columns, so
-//! that results do not depend on the number of threads.
+//! Rows are cut into fixed chunks that threads share; a row is always summed in the order of its
+//! columns, so that results do not depend on the number of threads.
 
 use ndarray::{Array2, ArrayView2};
 use rayon::prelude::*;
@@ -140,7 +140,8 @@ mod tests {
     }
 
     proptest! {
-        /// Small integers: every sum is exact, so all kernels agree to the bit with the dense product.
+        /// Small integers: every sum is exact, so all kernels agree to the bit with the dense
+        /// product.
         #[test]
         fn kernels_agree_with_the_dense_product(matrix in arbitrary_matrix()) {
             let (n, m) = (matrix.rows(), matrix.cols());

@@ -1,8 +1,9 @@
-//! How far the spectrum of a Laplacian reaches.
+//! Bounds and estimates of the largest eigenvalue of a Laplacian.
 //!
-//! The three-term recurrence of Lanczos from one vector, which keeps neither its basis nor vectors: the outermost
-//! eigenvalue needs neither, and a step costs one product with `L`. Pairs of eigenvalues and eigenvectors are for
-//! `eigen::lanczos`, whose orthogonalised blocks in a factored system take some hundred times as long.
+//! Lanczos' three-term recurrence from a single vector, without storing the basis: the extreme
+//! eigenvalue does not need it, and a step costs one product with `L`. Eigenpairs are computed by
+//! `eigen::lanczos`, whose orthogonalised blocks in a factored system take about a hundred times as
+//! long.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -10,15 +11,16 @@ use rand_chacha::ChaCha8Rng;
 use crate::graph_laplacian::GraphLaplacian;
 use crate::parallel;
 
-/// Steps; the largest eigenvalue is then known to about one percent.
+/// Lanczos steps, after which the largest eigenvalue is known to about one percent.
 const STEPS: usize = 20;
 
 impl GraphLaplacian {
-    /// An upper bound of the eigenvalues of `−L = M⁻¹S`, tight to a few percent.
+    /// An upper bound on the eigenvalues of `−L = M⁻¹S`, tight to a few percent.
     ///
-    /// Twenty Lanczos steps from a fixed random vector in the inner product of `M`, 1.01 times the largest Ritz value
-    /// plus its residual norm (an upper bound in practice, not in theory: \[zhou2006\]), never more than
-    /// [Gershgorin's bound](Self::gershgorin). It is 2 for unit weights, exactly.
+    /// 1.01 times the largest Ritz value plus its residual norm, after twenty Lanczos steps from a
+    /// fixed random vector in the inner product of `M` (an upper bound in practice, not in theory:
+    /// \[zhou2006\]); never more than [Gershgorin's bound](Self::gershgorin). Exactly 2 for unit
+    /// weights.
     pub fn spectral_bound(&self) -> f64 {
         let gershgorin = self.gershgorin();
         if self.is_uniform() || gershgorin == 0.0 {
@@ -30,15 +32,17 @@ impl GraphLaplacian {
         (1.01 * theta + residual * last_component(&alpha, &beta, theta)).min(gershgorin)
     }
 
-    /// The largest eigenvalue of `−L = M⁻¹S`, from below: the largest Ritz value of that many Lanczos steps from a fixed
-    /// random vector. Two hundred give many digits unless its neighbours crowd it. Zero without edges.
+    /// A lower estimate of the largest eigenvalue of `−L = M⁻¹S`: the largest Ritz value after
+    /// `steps` Lanczos steps from a fixed random vector. Two hundred steps give many digits unless
+    /// neighbouring eigenvalues crowd it. Zero without edges.
     pub fn largest_eigenvalue(&self, steps: usize) -> f64 {
         let (alpha, beta) = tridiagonal(self, steps);
         largest_ritz_value(&alpha, &beta)
     }
 }
 
-/// The coefficients of the three-term recurrence of `−L`; one β for each α, the last leads out.
+/// Coefficients α and β of the three-term recurrence of `−L`, equally many; the last β is the norm
+/// of the residual.
 fn tridiagonal(laplacian: &GraphLaplacian, steps: usize) -> (Vec<f64>, Vec<f64>) {
     let mut random = ChaCha8Rng::seed_from_u64(0);
     let (mass, inverse) = (laplacian.mass(), laplacian.inverse_mass());
@@ -53,7 +57,7 @@ fn tridiagonal(laplacian: &GraphLaplacian, steps: usize) -> (Vec<f64>, Vec<f64>)
         if norm <= f64::EPSILON * alpha.iter().fold(0.0, |a: f64, b: &f64| a.max(*b)) {
             break;
         }
-        // v is β q; w = −L q − β q₋₁ − α q.
+        // v = β q and w = −L q − β q₋₁ − α q.
         let scale = 1.0 / norm;
         let last = if alpha.is_empty() { 0.0 } else { norm };
         let diagonal: f64 = laplacian.sweep_summing(&v, &mut before, |i, s, p, old| {
@@ -81,7 +85,7 @@ fn largest_ritz_value(alpha: &[f64], beta: &[f64]) -> f64 {
     let (mut low, mut high) = (0.0, reach.fold(0.0, f64::max));
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
-        // All eigenvalues lie below iff every pivot of T − middle is negative.
+        // All eigenvalues lie below `middle` iff every pivot of T − middle is negative.
         let mut pivot = -1.0;
         let below = (0..alpha.len()).all(|k| {
             let coupling = if k == 0 { 0.0 } else { beta[k - 1] * beta[k - 1] / pivot };
@@ -93,7 +97,8 @@ fn largest_ritz_value(alpha: &[f64], beta: &[f64]) -> f64 {
     high
 }
 
-/// The size of the last component of the unit eigenvector for `theta`, by forward recurrence.
+/// The absolute value of the last component of the unit eigenvector for `theta`, by forward
+/// recurrence.
 fn last_component(alpha: &[f64], beta: &[f64], theta: f64) -> f64 {
     let (mut before, mut here, mut square) = (0.0, 1.0, 1.0f64);
     for k in 0..alpha.len().saturating_sub(1) {
@@ -110,8 +115,8 @@ mod tests {
     use super::*;
     use crate::SparseMatrix;
 
-    /// On a ring of n vertices with weights w and masses m the largest eigenvalue is 4 w/m: found to the last digits in
-    /// many steps, and bounded within a few percent.
+    /// On a ring of n vertices with weights w and masses m the largest eigenvalue is 4 w/m: many
+    /// steps find its last digits, and the bound is within a few percent.
     #[test]
     fn the_bound_is_tight() {
         for (n, w, m) in [(3 * 1000, 1.0, 1.0), (50, 1e-3, 2e5), (2, 1.0, 3.0)] {
@@ -143,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_reaches_nowhere() {
+    fn the_bound_of_a_zero_laplacian_is_zero() {
         let points =
             GraphLaplacian::weighted(&SparseMatrix::zero((2, 2)), vec![1.0; 2], &[false; 2]);
         assert_eq!((points.spectral_bound(), points.largest_eigenvalue(5)), (0.0, 0.0));

@@ -1,12 +1,13 @@
 //! Geodesic distance by the heat method.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{distance, power_of_two};
+use fairing_mesh::vec3::power_of_two;
 use fairing_operators::{Intrinsic, Laplacian, LaplacianKind, MassKind};
 use fairing_parameters::OptionError;
 use fairing_sparse::{
     Cholesky, GraphSystem, Mass, Ordering, SparseMatrix, SymbolicCholesky, combine,
 };
+use glam::DVec3;
 
 use crate::error::SpectralError;
 use crate::flat_face::FlatFace;
@@ -194,7 +195,7 @@ impl HeatGeodesics {
 /// The lengths of the sides of the faces as they are in space, from corner k to corner k + 1.
 fn sides(mesh: &TriMesh) -> impl Iterator<Item = [f64; 3]> + '_ {
     let p = mesh.positions();
-    let side = |a: u32, b: u32| distance(p[a as usize], p[b as usize]);
+    let side = |a: u32, b: u32| DVec3::from(p[a as usize]).distance(p[b as usize].into());
     mesh.faces().iter().map(move |&[a, b, c]| [side(a, b), side(b, c), side(c, a)])
 }
 

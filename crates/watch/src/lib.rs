@@ -1,25 +1,21 @@
-//! Cancelling long computations, and seeing how far they are.
+//! Progress and cancellation of long computations.
 //!
-//! A [`Watch`] is made by a program, which keeps it, and passed to nobody: work
-//! that is started with [`Watch::run`] finds it by [`current`]. Long loops of
-//! the libraries call [`check`] every few milliseconds, and that ends the work
-//! of a watch that was [cancelled](Watch::cancel) from another thread. Nothing
-//! else changes: work that is watched takes the same way to the same bits, and
-//! work that is not pays for a look at an empty thread-local.
+//! A [`Watch`] is created and kept by the program and never passed as an argument: work started
+//! with [`Watch::run`] finds it by [`current`]. Long loops of the libraries call [`check`] every
+//! few milliseconds; once the watch is [cancelled](Watch::cancel) from another thread, the next
+//! check ends the work. Watching does not change the bits of a result. Without a watch, a check
+//! costs one read of an empty thread-local.
 //!
-//! Cancelled work is left by unwinding, not through the error types of each
-//! function: it is no failure of theirs, and their callers can do nothing
-//! about it. [`Watch::run`] is where it ends, as
-//! `Err(Cancelled)`. No message is printed. A program built with
-//! `panic = "abort"` must not cancel.
+//! Cancelled work unwinds instead of returning an error: no function has failed, and no caller
+//! could handle it. [`Watch::run`] catches the unwinding and returns `Err(Cancelled)`; no message
+//! is printed. A program built with `panic = "abort"` must not cancel.
 //!
-//! Progress is looked up ([`Watch::progress`]) whenever the program wants to
-//! show it; the computation never waits for that.
+//! The program reads [`Watch::progress`] whenever it wants to show it; the computation never waits.
 //!
 //! # Threads
 //!
-//! The watch belongs to the thread that called [`Watch::run`]. Closures that
-//! run on the threads of a pool take it along:
+//! The watch belongs to the thread that called [`Watch::run`]. Closures for a thread pool capture
+//! its [`Handle`]:
 //!
 //! ```
 //! use fairing_watch::{Watch, current};
@@ -35,9 +31,8 @@
 //! assert!(watch.run(|| squares(3)).is_err());
 //! ```
 //!
-//! Call [`Watch::run`] on a thread outside of the pool, or inside of a pool that
-//! does this work only: a thread of a pool that others use may take over their
-//! work while it waits, and would end it with its own.
+//! Call [`Watch::run`] on a thread outside the pool, or in a pool that does no other work: while a
+//! thread of a shared pool waits, it may take over work of others and would cancel it as well.
 
 use std::cell::RefCell;
 use std::fmt;
@@ -57,15 +52,15 @@ impl fmt::Display for Cancelled {
 
 impl std::error::Error for Cancelled {}
 
-/// How far work is.
+/// Progress of the work under a watch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct Progress {
-    /// What is being done; empty before the first stage.
+    /// Name of the stage; empty before the first.
     pub stage: &'static str,
-    /// How much of it is done, never more than there is.
+    /// Parts of the stage that are done, at most `of` if that is known.
     pub done: u64,
-    /// How much there is to do; 0 where nobody knows.
+    /// Number of parts; 0 if unknown.
     pub of: u64,
 }
 
@@ -76,7 +71,7 @@ struct Shared {
     stage: Mutex<(&'static str, u64)>,
 }
 
-/// Cancels work and tells how far it is, from any thread.
+/// Cancels work and reports its progress, from any thread.
 #[derive(Debug, Clone, Default)]
 pub struct Watch(Arc<Shared>);
 
@@ -84,7 +79,7 @@ thread_local! {
     static CURRENT: RefCell<Option<Watch>> = const { RefCell::new(None) };
 }
 
-/// Puts the watch of before back, also when the work unwinds.
+/// Restores the previous watch, even on unwind.
 struct Restore(Option<Watch>);
 
 impl Drop for Restore {
@@ -99,29 +94,28 @@ impl Watch {
         Self::default()
     }
 
-    /// Ends the work that is or will be run under this watch, at its next check.
+    /// Cancels work that runs or will run under this watch, at its next check.
     pub fn cancel(&self) {
         self.0.cancelled.store(true, Ordering::Relaxed);
     }
 
-    /// Whether [`cancel`](Self::cancel) was called.
+    /// Returns true once [`cancel`](Self::cancel) was called.
     pub fn is_cancelled(&self) -> bool {
         self.0.cancelled.load(Ordering::Relaxed)
     }
 
-    /// How far the work is.
+    /// The current stage and its progress.
     pub fn progress(&self) -> Progress {
         let (stage, of) = *self.0.stage.lock().unwrap_or_else(PoisonError::into_inner);
         let done = self.0.done.load(Ordering::Relaxed);
         Progress { stage, done: if of > 0 { done.min(of) } else { done }, of }
     }
 
-    /// Runs work under this watch. What the work leaves half done is dropped.
+    /// Runs work under this watch. If it is cancelled, its partial results are dropped.
     ///
     /// # Errors
     ///
-    /// [`Cancelled`] if a check found that the watch was cancelled. Work that
-    /// makes no check after that ends as usual.
+    /// [`Cancelled`] if a check found the watch cancelled. Work without a later check completes.
     pub fn run<T>(&self, work: impl FnOnce() -> T) -> Result<T, Cancelled> {
         let before = CURRENT.with(|current| current.borrow_mut().replace(self.clone()));
         let _restore = Restore(before);
@@ -131,13 +125,12 @@ impl Watch {
     }
 }
 
-/// The watch over some work, if there is one, for closures that run on other
-/// threads.
+/// The watch of a thread, if any, for closures that run on other threads.
 #[derive(Debug, Clone, Default)]
 pub struct Handle(Option<Watch>);
 
 impl Handle {
-    /// Ends the work if its watch was cancelled.
+    /// Unwinds if the watch was cancelled.
     #[inline]
     pub fn check(&self) {
         if let Some(watch) = &self.0
@@ -147,8 +140,7 @@ impl Handle {
         }
     }
 
-    /// Begins a stage of `of` parts, 0 where nobody knows; then as
-    /// [`check`](Self::check).
+    /// Begins a stage of `of` parts, 0 if unknown, and [checks](Self::check).
     pub fn stage(&self, name: &'static str, of: u64) {
         if let Some(Watch(shared)) = &self.0 {
             let mut stage = shared.stage.lock().unwrap_or_else(PoisonError::into_inner);
@@ -166,7 +158,7 @@ impl Handle {
         self.check();
     }
 
-    /// Counts parts of the stage as done; then as [`check`](Self::check).
+    /// Counts parts of the stage as done and [checks](Self::check).
     #[inline]
     pub fn advance(&self, parts: u64) {
         if let Some(Watch(shared)) = &self.0 {
@@ -176,12 +168,12 @@ impl Handle {
     }
 }
 
-/// The watch over the work of this thread.
+/// The watch of this thread.
 pub fn current() -> Handle {
     Handle(CURRENT.with(|current| current.borrow().clone()))
 }
 
-/// Ends the work of this thread if its watch was cancelled.
+/// Unwinds if the watch of this thread was cancelled.
 pub fn check() {
     let cancelled =
         CURRENT.with(|current| current.borrow().as_ref().is_some_and(Watch::is_cancelled));
@@ -190,7 +182,7 @@ pub fn check() {
     }
 }
 
-/// [`Handle::stage`] of the work of this thread.
+/// [`Handle::stage`] on this thread.
 pub fn stage(name: &'static str, of: u64) {
     current().stage(name, of);
 }
@@ -200,7 +192,7 @@ pub fn reach(done: u64) {
     current().reach(done);
 }
 
-/// [`Handle::advance`] of the work of this thread.
+/// [`Handle::advance`] on this thread.
 pub fn advance(parts: u64) {
     current().advance(parts);
 }
@@ -212,7 +204,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn work_that_nobody_watches_goes_on() {
+    fn work_without_a_watch_completes() {
         check();
         stage("nothing", 1);
         advance(1);
@@ -220,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cancelled_watch_ends_its_work_and_no_other() {
+    fn a_cancelled_watch_ends_only_its_own_work() {
         let (one, other) = (Watch::new(), Watch::new());
         one.cancel();
         let inner = other.run(|| {
@@ -249,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn other_panics_go_on() {
+    fn other_panics_propagate() {
         let watch = Watch::new();
         let panicked = catch_unwind(|| watch.run(|| resume_unwind(Box::new("mine"))));
         assert_eq!(panicked.unwrap_err().downcast_ref(), Some(&"mine"));

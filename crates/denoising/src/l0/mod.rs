@@ -98,8 +98,10 @@ fn filter(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> 
     let mut positions = noisy.clone();
     let mut system = System::new(&stencils);
     let mut beta = 1e-3;
+    let betas = std::iter::successors(Some(beta), |beta| Some(beta * options.growth));
+    let rounds = betas.take_while(|beta| *beta < options.last_beta).count();
+    fairing_watch::stage("rounds", rounds as u64);
     while beta < options.last_beta {
-        fairing_watch::check();
         let weights = stencils.edge_operators(&positions);
         let delta: Vec<[f64; 3]> = stencils
             .corners
@@ -120,6 +122,7 @@ fn filter(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> 
         positions = conjugate_gradients(&operator, &b, positions, &ACCURACY).0.x;
         beta *= options.growth;
         alpha *= 0.5;
+        fairing_watch::advance(1);
     }
     Ok(mesh.with_positions(positions.into_iter().map(|p| add(p, centre)).collect())?)
 }

@@ -16,31 +16,31 @@ Examples:
 
 /// Score a mesh against a reference
 ///
-/// Distances between the surfaces, both ways, exact in double precision; angles
-/// between matching face normals; drift of volume, area and edge length; flipped
-/// faces, self-intersections, sharp edges lost and gained. Scores that compare
-/// element by element need the same faces in both files; where the faces differ
-/// they are absent, and the table says why. Lengths are shares of the diagonal of
-/// the reference's bounding box.
+/// Reports distances between the surfaces in both directions, exact in double
+/// precision; angles between corresponding face normals; changes of volume, area and
+/// edge length; flipped faces, self-intersections, and sharp edges lost and gained.
+/// Scores that compare element by element need the same faces in both files;
+/// otherwise they are missing, and the table gives the reason. Lengths are relative
+/// to the diagonal of the reference's bounding box.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Compare {
     /// The mesh to score
     mesh: PathBuf,
-    /// The mesh to compare it with
+    /// The reference to compare it with
     reference: PathBuf,
     #[command(flatten)]
     reading: Reading,
-    /// Print one JSON object: each score with value and unit, or the reason why there is none
+    /// Print one JSON object: each score with its value and unit, or the reason it is missing
     #[arg(long)]
     json: bool,
-    /// How far apart the two bounds of the Hausdorff distance may be, in diagonals
+    /// Largest gap between the two bounds of the Hausdorff distance, in diagonals
     ///
-    /// Values below the rounding of the coordinates are taken as that; where surfaces run
-    /// at a constant distance, very small ones are not reached, and the bounds say so.
+    /// Values below the rounding of the coordinates are raised to it. Between surfaces at a
+    /// constant distance, very small gaps are not reached; the printed bounds show it.
     #[arg(long, value_name = "SHARE", default_value_t = ScoreOptions::default().hausdorff_tolerance)]
     hausdorff_tolerance: f64,
-    /// The dihedral angle from which an edge counts as sharp, in degrees
+    /// Smallest dihedral angle of a sharp edge, in degrees
     #[arg(long, value_name = "DEGREES", default_value_t = ScoreOptions::default().feature_angle)]
     feature_angle: f64,
 }

@@ -1,4 +1,4 @@
-//! What verbs share: options, notes and results, and failures with their exit codes.
+//! Options of all verbs, notes and results, and failures with their exit codes.
 
 use std::fmt::Display;
 use std::io::{Write, stdout};
@@ -6,18 +6,18 @@ use std::process::ExitCode;
 
 use indicatif::ProgressBar;
 
-/// Options that all verbs share.
+/// Options of all verbs, and the terminal.
 pub(crate) struct Context {
     /// Print only results and errors.
     pub(crate) quiet: bool,
-    /// Leave out broken vertices and faces of files.
+    /// Leave out faces with broken vertices when reading.
     pub(crate) drop_broken: bool,
     /// Progress of the verb, hidden at first.
     pub(crate) bar: ProgressBar,
 }
 
 impl Context {
-    /// Prints a note for the user to the error stream.
+    /// Prints a note to the error stream, unless the program is quiet.
     pub(crate) fn note(&self, text: impl Display) {
         if !self.quiet {
             self.bar.suspend(|| eprintln!("{text}"));
@@ -34,7 +34,7 @@ impl Context {
     }
 }
 
-/// Why a verb did not do its work.
+/// Error of a verb, with its exit code.
 #[derive(Debug)]
 pub(crate) struct Failure {
     code: u8,
@@ -52,14 +52,14 @@ impl Failure {
         Self { code: 4, error: error.into() }
     }
 
-    /// Arguments that do not fit together (exit code 2).
+    /// Invalid or contradictory arguments (exit code 2).
     pub(crate) fn usage(message: impl Display) -> Self {
         Self { code: 2, error: anyhow::anyhow!("{message}") }
     }
 
-    /// Prints the failure with its causes and gives its exit code.
+    /// Prints the failure with its causes and returns its exit code.
     pub(crate) fn report(&self) -> ExitCode {
-        // A reader that went away, as in `fairing … | head`, is not an error.
+        // A closed pipe, as in `fairing … | head`, is not an error.
         let broken_pipe = self.error.chain().any(|cause| {
             cause
                 .downcast_ref::<std::io::Error>()
@@ -73,7 +73,7 @@ impl Failure {
     }
 }
 
-/// Work that failed (exit code 1).
+/// A failed computation (exit code 1).
 impl<E: Into<anyhow::Error>> From<E> for Failure {
     fn from(error: E) -> Self {
         Self { code: 1, error: error.into() }

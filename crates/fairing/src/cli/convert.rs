@@ -12,9 +12,9 @@ use super::files::{self, Content, Overwrite};
 
 /// Convert a mesh to another format
 ///
-/// The file extensions decide the formats (`fairing help` lists them); add .gz for a
-/// compressed file. Vertices keep their order, isolated ones included, except in STL,
-/// which stores corners and no vertices. Polygons stay polygons where the format holds
+/// The file extensions decide the formats (`fairing help` lists them); add .gz to
+/// compress. Vertices keep their order, isolated ones included, except in STL, which
+/// stores corners instead of vertices. Polygons stay polygons if the format holds
 /// them. Content that the format cannot hold is left out and named.
 #[derive(Args)]
 pub(crate) struct Convert {
@@ -30,12 +30,12 @@ pub(crate) struct Convert {
     /// Write text instead of binary, for formats that have both
     #[arg(long)]
     ascii: bool,
-    /// Write numbers of 32 bits, for formats that have several widths (by default as many
-    /// bits as keep every number exact)
+    /// Write 32-bit numbers, for formats with several widths (default: as many bits as keep
+    /// every number exact)
     #[arg(long)]
     single: bool,
-    /// Fail if something cannot be kept (faces that repeat a corner, properties that
-    /// the format does not have) instead of leaving it out and naming it
+    /// Fail if something would be lost (faces that repeat a corner, properties that the format
+    /// cannot hold) instead of leaving it out and naming it
     #[arg(long)]
     strict: bool,
 }
@@ -49,7 +49,7 @@ impl Convert {
         }
         let reading = match (self.strict, context.drop_broken) {
             (true, true) => {
-                return Err(Failure::usage("--strict refuses what --drop-broken leaves out"));
+                return Err(Failure::usage("--strict and --drop-broken exclude each other"));
             }
             (true, false) => ReadOptions::strict(),
             (false, _) => files::reading(context),

@@ -27,12 +27,13 @@ Examples:
 
 /// Estimate the curvature at each vertex
 ///
-/// Writes the vertex properties mean, gaussian, kappa1 >= kappa2 and, where the
-/// estimator knows them, the unit tangents direction1 and direction2; defined is
-/// 0 where there is no value (and the values are 0, which means nothing), boundary
-/// is 1 at boundary vertices, whose values are one-sided. PLY alone holds them. Units are those of the file: 1/length,
-/// for gaussian 1/length². Curvature is positive on a sphere whose faces turn
-/// counter-clockwise seen from outside. Other properties of the file are kept.
+/// Writes the vertex properties mean, gaussian, kappa1 >= kappa2 and, if the estimator
+/// provides them, the principal unit directions direction1 and direction2. The property
+/// defined is 0 at vertices without a value (the values there are 0 and meaningless);
+/// boundary is 1 at boundary vertices, whose values are one-sided. Only PLY files hold
+/// these properties. Units are 1/length of the file, for gaussian 1/length². Curvature
+/// is positive on a sphere whose faces are counter-clockwise seen from outside. Other
+/// properties of the file are kept.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Curvature {
@@ -41,12 +42,12 @@ pub(crate) struct Curvature {
     input: Option<PathBuf>,
     #[command(flatten)]
     reading: Reading,
-    /// The PLY file to write; without it, only a summary is printed
+    /// PLY file to write; without it, only a summary is printed
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     #[command(flatten)]
     overwrite: Overwrite,
-    /// The estimator; --list says what each is for
+    /// Estimator; --list describes each
     #[arg(
         long,
         value_name = "NAME",
@@ -56,14 +57,14 @@ pub(crate) struct Curvature {
     estimator: String,
     #[command(flatten)]
     parameters: Parameters<Estimator>,
-    /// The Laplacian of the estimator cotangent, over barycentric areas unless --area is
-    /// given; without it, cotangents over mixed areas, or robust where a face is too thin
+    /// Laplacian of the estimator cotangent, over barycentric areas unless --area is given;
+    /// by default cotangents over mixed areas, or robust if a face is too thin
     #[arg(long, value_parser = operator::kinds())]
     operator: Option<LaplacianKind>,
     /// Print a summary as one JSON object
     #[arg(long)]
     json: bool,
-    /// List the estimators, what each is for, and their parameters
+    /// List the estimators, their uses and their parameters
     #[arg(long, exclusive = true)]
     list: bool,
 }
@@ -74,7 +75,7 @@ impl Curvature {
             return context.print(list::<Estimator>());
         }
         let Some(input) = &self.input else {
-            return Err(Failure::usage("no mesh is given"));
+            return Err(Failure::usage("missing input mesh"));
         };
         self.overwrite.check_given(self.output.as_deref(), Content::Fields)?;
         let estimator = self.estimator()?;
@@ -190,7 +191,7 @@ fn columns(field: &CurvatureField) -> [(&'static str, &[f64]); 4] {
     ]
 }
 
-/// Least, median and greatest value at the interior vertices.
+/// Minimum, median and maximum over the interior vertices.
 fn spread(field: &CurvatureField, values: &[f64]) -> Option<[f64; 3]> {
     let interior = (0..field.len() as u32).filter(|&v| field.is_interior(v));
     let mut sorted: Vec<f64> = interior.map(|v| values[v as usize]).collect();
@@ -198,7 +199,7 @@ fn spread(field: &CurvatureField, values: &[f64]) -> Option<[f64; 3]> {
     Some([*sorted.first()?, median(&sorted)?, *sorted.last()?])
 }
 
-/// The middle of ascending values; the mean of both where there are two.
+/// The median of ascending values.
 fn median(sorted: &[f64]) -> Option<f64> {
     let n = sorted.len();
     Some(0.5 * sorted.get(n.checked_sub(1)? / 2)? + 0.5 * sorted[n / 2])
@@ -213,8 +214,7 @@ fn summary(field: &CurvatureField) -> Value {
     Value::Object(entries.collect())
 }
 
-/// The fields of the file and those of the curvature, which replace fields of the
-/// same names.
+/// The fields of the file and those of the curvature, which replace fields of the same names.
 fn with_curvature(
     mut fields: VertexFields,
     field: &CurvatureField,

@@ -22,8 +22,8 @@ const AUTOMATIC: Denoiser = Denoiser::Automatic(AutomaticOptions::DEFAULT);
 
 /// Remove noise from a mesh and keep its creases
 ///
-/// Needs no parameters: the noise and the kind of surface are estimated from the
-/// mesh. The published methods are for comparison.
+/// Needs no parameters: the noise and the kind of surface are estimated from the mesh.
+/// The published methods serve for comparison.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Denoise {
@@ -34,7 +34,7 @@ pub(crate) struct Denoise {
     reading: Reading,
     #[command(flatten)]
     output: MaybeOutput,
-    /// The denoiser; --list says what each is for
+    /// Denoiser; --list describes each
     #[arg(
         long,
         value_name = "NAME",
@@ -44,11 +44,11 @@ pub(crate) struct Denoise {
     method: String,
     #[command(flatten)]
     parameters: Parameters<Denoiser>,
-    /// List the denoisers, what each does, and their parameters
+    /// List the denoisers, their uses and their parameters
     #[arg(long, exclusive = true)]
     list: bool,
-    /// Print the noise and the kinds of surface that were found as one JSON object, with the
-    /// share of the area that is flat, curved, or at a crease
+    /// Print the estimated noise and kind of surface as one JSON object, with the fractions of
+    /// the area that are flat, curved, or at a crease
     #[arg(long)]
     json: bool,
 }
@@ -60,7 +60,7 @@ impl Denoise {
         }
         let (input, output) = (self.input.as_ref(), self.output.given());
         let (Some(input), Some(output)) = (input, output) else {
-            return Err(Failure::usage("which mesh, and where to?"));
+            return Err(Failure::usage("missing input mesh or --output"));
         };
         output.check(Content::Mesh)?;
         self.parameters.check(&self.method)?;
@@ -68,7 +68,7 @@ impl Denoise {
         let denoiser = denoiser.map_err(Failure::usage)?;
         if self.json && denoiser != AUTOMATIC {
             return Err(Failure::usage(format_args!(
-                "--json says what the method automatic found; {denoiser} looks for nothing"
+                "--json needs the method automatic; {denoiser} estimates nothing"
             )));
         }
         let (surface, fields) = self.reading.read(context, input)?;
@@ -97,7 +97,7 @@ impl Denoise {
     }
 }
 
-/// One line about what was found.
+/// One line about the noise and the kind of surface.
 fn summary(result: &Automatic) -> String {
     let Some(noise) = result.noise else {
         return "too few vertices to measure noise; nothing is moved".into();
@@ -111,7 +111,7 @@ fn summary(result: &Automatic) -> String {
     format!("noise of {} in units of the file; {kind}", number(noise.sigma))
 }
 
-/// The noise, and what the surface is like.
+/// The noise and the kind of surface as JSON.
 fn as_json(result: &Automatic) -> Value {
     let kind = match result.kind {
         SurfaceKind::Creased => "creased",

@@ -13,7 +13,7 @@ use fairing::watch;
 
 use super::context::{Context, Failure};
 
-/// Where a result goes.
+/// The output file of a verb.
 #[derive(Args)]
 pub(crate) struct Output {
     /// The file to write
@@ -23,7 +23,7 @@ pub(crate) struct Output {
     pub(crate) overwrite: Overwrite,
 }
 
-/// As [`Output`], but absent with `--list`.
+/// [`Output`], optional if `--list` is given.
 #[derive(Args)]
 pub(crate) struct MaybeOutput {
     /// The file to write
@@ -34,17 +34,17 @@ pub(crate) struct MaybeOutput {
 }
 
 impl MaybeOutput {
-    /// The output, if it is given.
+    /// The output, if given.
     pub(crate) fn given(&self) -> Option<Output> {
         let path = self.path.clone()?;
         Some(Output { path, overwrite: Overwrite { force: self.overwrite.force } })
     }
 }
 
-/// Whether a file that exists may be replaced.
+/// Permission to replace an existing file.
 #[derive(Args)]
 pub(crate) struct Overwrite {
-    /// Replace the output if it exists; of a symbolic link, the file that it names
+    /// Replace the output if it exists; a symbolic link stays and its target is replaced
     #[arg(long)]
     pub(crate) force: bool,
 }
@@ -52,9 +52,9 @@ pub(crate) struct Overwrite {
 /// The content of an output file, which its extension must allow.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Content {
-    /// A mesh, with fields where the format holds them.
+    /// A mesh, with fields if the format holds them.
     Mesh,
-    /// A mesh with fields, for which alone it is written.
+    /// A mesh with fields, which the format must hold.
     Fields,
     /// A picture.
     Png,
@@ -63,7 +63,7 @@ pub(crate) enum Content {
 }
 
 impl Content {
-    /// Refuses a name that does not say so.
+    /// Refuses a file extension that does not match.
     fn check(self, path: &Path) -> Result<(), String> {
         let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
         let is = |wanted: &str| match extension.as_deref() == Some(wanted) {
@@ -87,8 +87,8 @@ impl Content {
 }
 
 impl Overwrite {
-    /// Refuses what cannot be written, before any work is done for it: a name that does not say
-    /// what the file holds, a folder that is not there or is closed to us, a file that exists.
+    /// Refuses an output that cannot be written, before any work is done for it: an extension
+    /// that does not match its content, a folder that is missing or read-only, an existing file.
     pub(crate) fn check(&self, path: &Path, content: Content) -> Result<(), Failure> {
         let refused =
             |reason: &str| Failure::output(anyhow::anyhow!("{}: {reason}", path.display()));
@@ -104,20 +104,20 @@ impl Overwrite {
         Ok(())
     }
 
-    /// [`check`](Self::check) for a file that may be given; without one there is nothing to replace.
+    /// [`check`](Self::check) for an optional output; refuses `--force` without one.
     pub(crate) fn check_given(&self, path: Option<&Path>, content: Content) -> Result<(), Failure> {
         match path {
             Some(path) => self.check(path, content),
-            None if self.force => Err(Failure::usage(
-                "--force is for --output, which is not given: nothing is written",
-            )),
+            None if self.force => {
+                Err(Failure::usage("--force needs --output: without it nothing is written"))
+            }
             None => Ok(()),
         }
     }
 }
 
 impl Output {
-    /// As [`Overwrite::check`].
+    /// [`Overwrite::check`] of the path.
     pub(crate) fn check(&self, content: Content) -> Result<(), Failure> {
         self.overwrite.check(&self.path, content)
     }
@@ -138,7 +138,7 @@ pub(crate) fn reading(context: &Context) -> ReadOptions {
     }
 }
 
-/// Says why a file cannot be read, and which option would read it.
+/// The failure to read a file, with the option that would read it if there is one.
 pub(crate) fn unreadable(error: ReadError) -> Failure {
     use ReadProblem::{IndexOutOfRange, NonFinite};
     match error.problem {
@@ -149,7 +149,7 @@ pub(crate) fn unreadable(error: ReadError) -> Failure {
     }
 }
 
-/// Prints what the reader split, reduced, left out or ignored, if anything.
+/// Prints the faces that the reader split, reduced or left out, and the content it ignored.
 pub(crate) fn say_report(context: &Context, path: &Path, report: &ReadReport) {
     let changed = report.polygons > 0 || report.reduced > 0 || report.left_out > 0;
     let changed = changed || report.broken_vertices > 0 || report.broken_faces > 0;
@@ -171,7 +171,7 @@ pub(crate) fn write(
     Ok(())
 }
 
-/// Prints what a format could not store, if anything.
+/// Prints the properties that the format could not store, if any.
 pub(crate) fn say_written(context: &Context, path: &Path, report: &WriteReport) {
     if !report.dropped.is_empty() {
         let names = report.dropped.join(", ");
@@ -188,8 +188,8 @@ pub(crate) fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
         .map_err(|error| Failure::output(anyhow::anyhow!("{}: {error}", path.display())))
 }
 
-/// Writes a mesh whose vertices have moved, with its properties except normals,
-/// which are no longer right. What the format cannot store is left out and named.
+/// Writes a mesh whose vertices have moved, with its properties except normals, which do not fit
+/// any more. Properties that the format cannot store are left out and named.
 pub(crate) fn write_moved(
     context: &Context,
     output: &Output,
@@ -200,8 +200,7 @@ pub(crate) fn write_moved(
     write_held(context, &output.path, mesh, &fields)
 }
 
-/// Writes a mesh with the properties that the format can store, and names the
-/// others.
+/// Writes a mesh with the properties that the format can store, and names the others.
 pub(crate) fn write_held(
     context: &Context,
     path: &Path,

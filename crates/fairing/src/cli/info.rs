@@ -13,9 +13,9 @@ use super::table::{Table, number};
 
 /// Describe a mesh: counts, topology, defects and measures
 ///
-/// Lengths, areas and volumes are in the units of the file. Vertices, edges and
-/// faces are numbered from 0. Faces and edges are those of the file; degenerate,
-/// sliver and duplicate faces are triangles, which polygons are split into.
+/// Lengths, areas and volumes are in units of the file. Vertices, edges and faces are
+/// numbered from 0. Face and edge counts are those of the file, polygons included;
+/// degenerate, sliver and duplicate faces are counted after splitting into triangles.
 #[derive(Args)]
 pub(crate) struct Info {
     /// The mesh

@@ -1,4 +1,4 @@
-//! The command line: one file per verb, and what the verbs share.
+//! The command line: one file per verb, and the code that verbs share.
 //!
 //! A verb is a struct of arguments with a method `run`. To add one, write its
 //! file, and add a line to the modules, to [`Verb`] and to [`Verb::run`].
@@ -30,16 +30,16 @@ use indicatif::ProgressBar;
 
 use context::{Context, Failure};
 
-/// The formats and the examples below the help of the program.
+/// Formats, exit codes and examples, printed below the help of the program.
 fn after_help() -> String {
     format!("Formats: {}{AFTER_FORMATS}", Format::ALL.map(Format::name).join(", "))
 }
 
 const AFTER_FORMATS: &str = ", each also gzip-compressed (.gz); the file extension decides.
-Vertices keep the order of the file, isolated ones included.
+Vertices keep their order in the file, isolated ones included.
 
-Exit codes: 0 done; 1 the work failed; 2 wrong usage; 3 an input cannot be read;
-4 an output cannot be written (it exists and --force is not given, for one);
+Exit codes: 0 success; 1 the computation failed; 2 invalid usage; 3 an input cannot be read;
+4 an output cannot be written, for instance because it exists and --force is missing;
 130 interrupted by Ctrl-C.
 
 Examples:
@@ -51,14 +51,14 @@ Examples:
 #[derive(Parser)]
 #[command(name = "fairing", version, about, after_help = after_help(), arg_required_else_help = true)]
 struct Cli {
-    /// Use at most this many threads; results do not depend on it
+    /// Maximum number of threads; results do not depend on it
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
-    /// Print only results and errors
+    /// Print only results and errors; show no progress
     #[arg(long, short, global = true)]
     quiet: bool,
-    /// Leave out faces of a file that name a vertex that is not there or not finite, and say how
-    /// many; such a vertex keeps its number, at the place of the first sound one
+    /// Leave out faces with a vertex that is missing or not finite, and report their number; such
+    /// vertices keep their indices and move to the first valid position
     #[arg(long, global = true)]
     drop_broken: bool,
     #[command(subcommand)]

@@ -18,8 +18,8 @@ Examples:
 
 /// Add seeded noise to the positions of a mesh
 ///
-/// The same seed gives the same noise on every machine. Other properties of the
-/// vertices are kept, except normals, which are no longer right.
+/// The same seed gives the same noise on every machine. Vertex properties are kept,
+/// except normals, which do not fit the moved vertices.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Noise {
@@ -29,19 +29,19 @@ pub(crate) struct Noise {
     reading: Reading,
     #[command(flatten)]
     output: Output,
-    /// Standard deviation (of each moved vertex; for uniform noise the largest shift per axis)
+    /// Standard deviation of the displacement; for uniform noise, the largest shift per axis
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     sigma: f64,
     /// The unit of sigma
     #[arg(long, value_enum, default_value = "edge")]
     unit: Unit,
-    /// How vertices are moved
+    /// Distribution and direction of the noise
     #[arg(long, default_value = "normal", value_parser = kinds())]
     kind: NoiseKind,
-    /// The share of vertices that impulsive noise moves; 0.25 unless set
+    /// Fraction of vertices that impulsive noise moves [default: 0.25]
     #[arg(long, value_name = "SHARE")]
     share: Option<f64>,
-    /// The seed of the random numbers
+    /// Seed of the random numbers
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
 }
@@ -69,7 +69,7 @@ impl Noise {
             (NoiseKind::Impulsive { .. }, Some(share)) => NoiseKind::Impulsive { share },
             (kind, Some(_)) => {
                 return Err(Failure::usage(format_args!(
-                    "--share is for --kind impulsive: noise of the kind {kind} moves all vertices"
+                    "--share needs --kind impulsive: {kind} noise moves all vertices"
                 )));
             }
         };

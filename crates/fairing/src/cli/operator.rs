@@ -11,14 +11,11 @@ pub(crate) fn kinds() -> impl TypedValueParser<Value = LaplacianKind> {
     let kinds = [
         (
             LaplacianKind::Auto,
-            "cotangent, or robust where a face is too thin for cotangents; with another mass than \
-             barycentric, always cotangent",
+            "cotangent, or robust if a face is too thin for cotangents; always cotangent unless \
+             the mass is barycentric",
         ),
-        (LaplacianKind::Cotangent, "The cotangents of the faces"),
-        (
-            LaplacianKind::Robust,
-            "Those of the intrinsic Delaunay triangulation, which any mesh has",
-        ),
+        (LaplacianKind::Cotangent, "Cotangents of the faces"),
+        (LaplacianKind::Robust, "Cotangents of the intrinsic Delaunay triangulation, for any mesh"),
     ];
     let names = kinds.map(|(kind, about)| PossibleValue::new(kind.name()).help(about));
     PossibleValuesParser::new(names).try_map(|name| name.parse::<LaplacianKind>())
@@ -30,7 +27,7 @@ pub(crate) fn masses() -> impl TypedValueParser<Value = MassKind> {
     PossibleValuesParser::new(masses.map(MassKind::name)).try_map(|name| name.parse::<MassKind>())
 }
 
-/// The Laplacian, with a note where a face is too thin for cotangents.
+/// The Laplacian, with a note if a face is too thin for cotangents.
 pub(crate) fn assemble(
     context: &Context,
     mesh: &TriMesh,
@@ -44,7 +41,7 @@ pub(crate) fn assemble(
     Ok(laplacian)
 }
 
-/// Says that auto took the robust operator, and why.
+/// Notes that `auto` chose the robust operator, and the face that caused it.
 pub(crate) fn say_too_thin(context: &Context, face: u32) {
     context.note(format_args!("face {face} is too thin for cotangents; using the robust operator"));
 }

@@ -1,7 +1,8 @@
 //! Flags made from the tables of algorithms.
 //!
-//! A verb that runs one of several algorithms takes the parameters of all of them as flags. A flag says which
-//! algorithms have it, and one that the chosen algorithm does not have is an error that says so too.
+//! A verb that runs one of several algorithms takes the parameters of all of them as flags. The
+//! help of a flag names the algorithms that have it; so does the error for a flag that the chosen
+//! algorithm does not have.
 
 use std::marker::PhantomData;
 
@@ -29,7 +30,8 @@ impl<F: Family> Parameters<F> {
         self.given.iter().find(|(given, _)| *given == name).map(|(_, value)| value)
     }
 
-    /// The algorithm of that name, which has all parameters that are given and is given all that it needs.
+    /// The algorithm of that name. Fails for a given parameter that it does not have and for a
+    /// missing one that it requires.
     pub(crate) fn check(&self, name: &str) -> Result<Algorithm, Failure> {
         let what = F::WHAT;
         let mut all = F::algorithms().into_iter();
@@ -49,7 +51,7 @@ impl<F: Family> Parameters<F> {
     }
 }
 
-/// The error for a flag that an algorithm does not have, and which have it.
+/// The error for a flag that an algorithm does not have, naming those that do.
 pub(crate) fn foreign<F: Family>(
     name: &str,
     flag: &str,
@@ -59,12 +61,10 @@ pub(crate) fn foreign<F: Family>(
     all.retain(|algorithm| has(algorithm));
     let names: Vec<&str> = all.iter().map(|algorithm| algorithm.name).collect();
     let (what, names) = (F::WHAT, names.join(", "));
-    Failure::usage(format_args!(
-        "the {what} {name} has no --{flag}; those that have it are {names}"
-    ))
+    Failure::usage(format_args!("the {what} {name} has no --{flag}; it belongs to {names}"))
 }
 
-/// The algorithms, what each is for, and the parameters that each has.
+/// The algorithms with their uses, parameters and defaults.
 pub(crate) fn list<F: Family>() -> Table {
     let mut table = Table::new();
     for algorithm in F::algorithms() {
@@ -105,7 +105,7 @@ fn shared<F: Family>() -> Vec<Shared> {
     all
 }
 
-/// What a parameter says in each algorithm, which have it, and with which defaults.
+/// Short and long help of a parameter: its meaning, algorithms and defaults.
 fn help(same: &Shared) -> (String, String) {
     let mut meanings: Vec<(String, Vec<String>)> = Vec::new();
     let first = &same[0].1.default;

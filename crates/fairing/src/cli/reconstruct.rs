@@ -20,19 +20,18 @@ Examples:
 
 /// Rebuild a mesh from its k smoothest modes
 ///
-/// Projects the positions onto the k smallest modes of the Laplace-Beltrami
-/// operator, in the inner product of the mass. Where a face is too thin for
-/// cotangents it takes the robust operator and says so. Prints the root mean square of the
-/// displacement, weighted by area, in the unit of the file. Warns where K splits
-/// a cluster of eigenvalues: the result is arbitrary then. Vertices without
-/// faces stay where they are; normals in the file are dropped, other properties
-/// are kept.
+/// Projects the positions onto the k smoothest modes of the Laplace-Beltrami operator,
+/// in the inner product of the mass. If a face is too thin for cotangents, uses the
+/// robust operator and prints a note. Prints the area-weighted root mean square of the
+/// displacement, in units of the file. Warns if K splits a cluster of eigenvalues,
+/// since the result is then arbitrary. Vertices without faces stay fixed; normals in
+/// the file are dropped, other properties are kept.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Reconstruct {
     /// The mesh
     input: PathBuf,
-    /// How many modes
+    /// Number of modes
     #[arg(short, value_name = "K", value_parser = spectrum::at_least_one)]
     k: usize,
     /// The stiffness of the Laplacian

@@ -26,11 +26,10 @@ Examples:
 
 /// Draw a mesh to a PNG picture, coloured by one of its fields
 ///
-/// Without --field, the colours of the file are shown if it has any. Vector
-/// fields are shown by their length. The range of the colours is from the 2nd to
-/// the 98th percentile unless --range is given; it is printed. Vertices where the
-/// property defined of the file is 0, as curvature writes it, are grey and do not
-/// count for the range.
+/// Without --field, shows the vertex colours of the file, if any. Vector fields are
+/// shown by their length. The colour range is printed; by default it runs from the 2nd
+/// to the 98th percentile. Vertices whose property `defined` is 0, as `fairing
+/// curvature` writes it, are grey and do not affect the range.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Render {
@@ -38,32 +37,32 @@ pub(crate) struct Render {
     input: PathBuf,
     #[command(flatten)]
     output: Output,
-    /// The vertex property to colour by
+    /// Vertex property to colour by
     #[arg(long, value_name = "NAME")]
     field: Option<String>,
-    /// The colour map: viridis, cividis, magma, turbo, coolwarm or hue
+    /// Colour map: viridis, cividis, magma, turbo, coolwarm or hue
     #[arg(long, value_name = "MAP", requires = "field")]
     map: Option<ColorMap>,
-    /// The values at the two ends of the map
+    /// Values at the two ends of the colour map
     #[arg(long, value_name = "LOW,HIGH", value_parser = range, allow_hyphen_values = true, requires = "field")]
     range: Option<(f64, f64)>,
-    /// Spread the values so that each colour covers equally many
+    /// Equalise the histogram: each colour covers the same number of vertices
     #[arg(long, requires = "field")]
     equalize: bool,
-    /// The direction of view: front, back, left, right, top, bottom, three-quarter,
+    /// Viewing direction: front, back, left, right, top, bottom, three-quarter,
     /// behind, or AZIMUTH,ELEVATION in degrees
     #[arg(long, value_name = "VIEW", default_value = "three-quarter", allow_hyphen_values = true)]
     view: Viewpoint,
-    /// The axis that points upward in the picture
+    /// Axis that points up in the picture
     #[arg(long, value_enum, default_value = "y")]
     up: UpAxis,
     /// Width and height in pixels
     #[arg(long, value_name = "WxH", value_parser = size, default_value = "1200x900")]
     size: (u32, u32),
-    /// Draw the edges; they fade where they are denser than the pixels
+    /// Draw edges; they fade where they are denser than the pixels
     #[arg(long)]
     wireframe: bool,
-    /// How normals vary over a face
+    /// Normals used for shading
     #[arg(long, value_enum, default_value = "creased")]
     shading: ShadingKind,
     /// Leave the background transparent instead of white
@@ -79,11 +78,11 @@ enum UpAxis {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum ShadingKind {
-    /// Smoothed, but not across edges that turn by more than 45°
+    /// Smooth, except across edges sharper than 45°
     Creased,
-    /// Smoothed everywhere
+    /// Smooth everywhere
     Smooth,
-    /// As the faces are
+    /// Constant on each face
     Flat,
 }
 
@@ -124,7 +123,7 @@ impl Render {
         Ok(render(mesh, colors, Some(&Occlusion::bake(mesh)), &camera, &options)?)
     }
 
-    /// One colour per vertex: of the field asked for, or else of the file.
+    /// One colour per vertex, from the requested field or from the file.
     fn colors(
         &self,
         context: &Context,
@@ -157,7 +156,7 @@ impl Render {
     }
 }
 
-/// The scalar field of that name, or the length of the vector field.
+/// The values of a scalar field, or the lengths of a vector field.
 fn values_of(fields: &VertexFields, name: &str) -> Result<Vec<f64>, Failure> {
     if let Some(values) = fields.scalar(name) {
         return Ok(values.to_vec());

@@ -17,30 +17,30 @@ use super::surface::{Reading, Surface, say_orientation};
 use super::table::{Table, number};
 
 const HELP: &str = "\
-Which method?
-  Noise, and the size must stay     taubin (the default), or windowed-sinc: sharper; both for
+Choosing a method
+  Remove noise, keep the size       taubin (the default), or windowed-sinc: sharper; both for
                                     finely meshed shapes: large triangles and borders shrink
   The assignment's questions 5, 6   explicit --lambda L, implicit --lambda L
   Very smooth, in few steps         implicit --lambda 50 --iterations 3
   A physical amount of smoothing    low-pass --time T: exact heat diffusion, or --cutoff W
   The smoothest modes alone         low-pass --modes K
-  Triangles of very uneven size     implicit --weights cotangent, or scale-dependent
+  Triangles of very uneven size     implicit --weights cotangent or scale-dependent
   Even out the triangles as well    implicit --weights uniform
-  A sphere out of a closed blob     conformal
-  A dent, a filled hole             region --vertices LIST --order 2
-  Sharp edges must survive          none of these: fairing denoise
-  Faces without area, edges of      any; --operator robust takes weights that are never
-  three faces, soups                negative, as do cotangents where a face has no area
+  Turn a closed blob into a sphere  conformal
+  Repair a dent or a filled hole    region --vertices LIST --order 2
+  Keep sharp edges                  none of these: use fairing denoise
+  Zero-area faces, non-manifold     any; --operator robust has no negative weights and is
+  edges, triangle soups             chosen by itself if a face is too thin for cotangents
 
-The step --lambda is, for uniform weights, a fraction of the way to the mean of the
-neighbours: explicit steps are stable up to 4/3 (8/7 with a boundary), implicit ones
-always. For cotangents it is a diffusion time in squared mean edge lengths; explicit
-ones are stable up to about 0.27 on even meshes. Instead, --time gives it in squared
-units of the file. n steps of L smooth about as much as one of n L.
+With uniform weights, the step --lambda is the fraction of the way to the mean of the
+neighbours: explicit steps are stable up to 4/3 (8/7 with a boundary), implicit steps
+always. With cotangents it is a diffusion time in squared mean edge lengths; explicit
+steps are stable up to about 0.27 on regular meshes. --time gives it in squared units
+of the file instead. n steps of L smooth about as much as one step of n L.
 
-Vertices stay (--pin), slide along a border (--boundary sliding), or are drawn softly:
---soft 12:1,40:10:0:0:5 holds vertex 12 to its place as strongly as the flow moves it,
-and draws vertex 40 to (0, 0, 5) ten times as strongly.
+Vertices can be fixed (--pin), slide along a border (--boundary sliding) or be drawn
+softly: --soft 12:1,40:10:0:0:5 draws vertex 12 back to its place as strongly as the
+flow moves it, and vertex 40 to (0, 0, 5) ten times as strongly.
 
 Examples:
   fairing smooth scan.ply -o smooth.ply
@@ -48,10 +48,10 @@ Examples:
   fairing smooth patch.obj -o flat.obj --method explicit --lambda 0.5 --boundary pinned
   fairing smooth noisy.off -o worse.off --method explicit --lambda 2 --unstable allow";
 
-/// Smooth a mesh by a flow, a filter or the fairing of a region
+/// Smooth a mesh by a flow, by a filter or by fairing a region
 ///
-/// Vertices move, faces stay; other properties of the vertices are kept, normals
-/// are not, since they no longer fit. See below for which method to take.
+/// Moves the vertices and keeps the faces. Vertex properties are kept, except normals,
+/// which do not fit the moved vertices. The guide below helps to choose a method.
 #[derive(Args)]
 #[command(after_help = HELP)]
 pub(crate) struct Smooth {
@@ -62,22 +62,22 @@ pub(crate) struct Smooth {
     reading: Reading,
     #[command(flatten)]
     output: MaybeOutput,
-    /// The method; --list says what each is for
+    /// Method; --list describes each
     #[arg(long, value_parser = names::<Flows>(), default_value = "taubin")]
     method: String,
     #[command(flatten)]
     parameters: Parameters<Flows>,
-    /// Methods that take steps: end when no vertex moves by more than this in a step, in
-    /// mean edge lengths
+    /// Stop when no vertex moves by more than this in a step, in mean edge lengths (methods that
+    /// take steps)
     #[arg(long, value_name = "S")]
     until: Option<f64>,
-    /// If a step fails after others, write the mesh before it all the same; still an error
+    /// If a step fails after others, write the mesh before it and still exit with an error
     #[arg(long)]
     last_good: bool,
-    /// Print what was done as one JSON object
+    /// Print a summary as one JSON object
     #[arg(long)]
     json: bool,
-    /// List the methods, what each is for, and their parameters
+    /// List the methods, their uses and their parameters
     #[arg(long, exclusive = true)]
     list: bool,
 }
@@ -94,7 +94,7 @@ impl Family for Flows {
     }
 }
 
-/// Whether an algorithm takes steps, which `--until` and `--last-good` are about.
+/// Returns true for methods that take steps: `--until` and `--last-good` need them.
 fn takes_steps(algorithm: &Algorithm) -> bool {
     algorithm.parameter("iterations").is_some()
 }
@@ -105,7 +105,7 @@ impl Smooth {
             return context.print(list::<Flows>());
         }
         let (Some(input), Some(output)) = (&self.input, self.output.given()) else {
-            return Err(Failure::usage("which mesh, and where to?"));
+            return Err(Failure::usage("missing input mesh or --output"));
         };
         output.check(Content::Mesh)?;
         self.check()?;
@@ -138,7 +138,7 @@ impl Smooth {
         files::write_moved(context, &output, &surface.own(smoothed.mesh)?, fields)
     }
 
-    /// The method with its parameters, whose vertices are numbered as in the file.
+    /// The method with its parameters; vertices in them are numbered as in the file.
     fn method_on(&self, surface: &Surface) -> Result<Method, Failure> {
         let algorithm = self.parameters.check(&self.method)?;
         let of_vertices = |name: &str| {
@@ -157,7 +157,7 @@ impl Smooth {
         Method::with(&self.method, &values, surface.mesh()).map_err(Failure::usage)
     }
 
-    /// Notes what a user might not expect.
+    /// Notes an automatic choice of operator, an unstable step and a split cluster.
     fn say(&self, context: &Context, report: &Report) {
         if let Some(face) = report.too_thin {
             say_too_thin(context, face);
@@ -176,7 +176,7 @@ impl Smooth {
         }
     }
 
-    /// Refuses flags that the method does not have.
+    /// Refuses flags that do not belong to the method.
     fn check(&self) -> Result<(), Failure> {
         let algorithm = self.parameters.check(&self.method)?;
         let of_steps = [(self.until.is_some(), "until"), (self.last_good, "last-good")];
@@ -186,7 +186,7 @@ impl Smooth {
         }
     }
 
-    /// Says what was done.
+    /// Prints a summary.
     fn summarise(
         &self,
         context: &Context,
@@ -196,7 +196,8 @@ impl Smooth {
     ) -> Result<(), Failure> {
         let (report, before, after) = (&smoothed.report, surface.mesh(), &smoothed.mesh);
         let change = |old: f64, new: f64| (old != 0.0).then(|| 100.0 * (new / old - 1.0));
-        // The volume of a flat closed mesh is rounding alone; a ball of its area has (area/π)^(3/2)/6 or less.
+        // The volume of a flat closed mesh is pure rounding; a ball of the same area has
+        // (area/π)^(3/2)/6.
         let none = 1e-12 * libm::pow(before.area(), 1.5);
         let volume = match before.signed_volume() {
             old if before.topology().is_closed() && old.abs() > none => {
@@ -232,9 +233,9 @@ impl Smooth {
     }
 }
 
-/// What was done, with the changes of volume and area in percent.
+/// Summary as JSON, with the changes of volume and area in percent.
 fn json(method: &Method, report: &Report, changes: [Option<f64>; 2], farthest: f64) -> Value {
-    // As `fairing spectrum` calls them; null where no number of modes was kept.
+    // As in `fairing spectrum`; null for methods that keep no number of modes.
     let gaps = match report.approach {
         Approach::Modes { count } => match report.split {
             Some(split) => (Some(split.below), split.above),
@@ -260,7 +261,7 @@ fn json(method: &Method, report: &Report, changes: [Option<f64>; 2], farthest: f
     })
 }
 
-/// How the steps were computed, in words.
+/// The approach in words.
 fn approach(approach: Approach) -> String {
     match approach {
         Approach::Stepping => "steps".into(),

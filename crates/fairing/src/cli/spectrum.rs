@@ -24,38 +24,39 @@ Read the modes in Python: numpy.load(\"modes.npz\")[\"modes\"]";
 
 /// Compute the smallest eigenvalues and modes of the Laplace-Beltrami operator
 ///
-/// Solves S u = w M u with the cotangent stiffness S. Where a face is too thin for
-/// cotangents, S is that of the intrinsic Delaunay triangulation, and a note says so.
-/// Eigenvalues are in one over the squared unit of the file. Each pair comes with its
-/// residual in the inverse mass norm: within 1e-8 of the largest eigenvalue, or what rounding
-/// leaves where masses or weights differ too much for that; a warning says where one is above 1e-8
-/// of its own eigenvalue. Certified means that a count by inertia proves that none was missed. Where K splits a cluster of equal or nearly equal eigenvalues, a
-/// warning names numbers that do not. The output is an npz file with values (k), modes (n x k,
-/// orthonormal in the mass), residuals (k) and mass.
+/// Solves S u = w M u with the cotangent stiffness S. If a face is too thin for
+/// cotangents, uses the intrinsic Delaunay triangulation instead and prints a note.
+/// Eigenvalues are in 1/length² of the file. Each pair has a residual in the inverse
+/// mass norm: at most 1e-8 of the largest eigenvalue, or the rounding error if masses
+/// or weights differ too much for that; a warning names residuals above 1e-8 of their
+/// own eigenvalue. Certified means that an inertia count proves that no eigenvalue was
+/// missed. If K splits a cluster of equal or nearly equal eigenvalues, a warning
+/// suggests values of K that do not. The output is an npz file with values (k), modes
+/// (n x k, orthonormal in the mass), residuals (k) and mass.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Spectrum {
     /// The mesh
     input: PathBuf,
-    /// How many modes
+    /// Number of modes
     #[arg(short, value_name = "K", default_value_t = 10, value_parser = at_least_one)]
     k: usize,
     #[command(flatten)]
     reading: Reading,
-    /// The npz file to write; without it, the eigenvalues are only printed
+    /// npz file to write; without it, the eigenvalues are only printed
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     #[command(flatten)]
     overwrite: Overwrite,
     #[command(flatten)]
     kind: Kind,
-    /// Print eigenvalues, residuals, certified, and the numbers of modes next to K that split no
+    /// Print eigenvalues, residuals, certified, and the nearest numbers of modes that split no
     /// cluster of eigenvalues, as one JSON object
     #[arg(long)]
     json: bool,
 }
 
-/// A number of modes.
+/// Parses a number of modes, at least 1.
 pub(crate) fn at_least_one(text: &str) -> Result<usize, String> {
     match text.parse::<usize>() {
         Ok(0) => Err("at least one mode is needed".to_owned()),
@@ -64,7 +65,7 @@ pub(crate) fn at_least_one(text: &str) -> Result<usize, String> {
     }
 }
 
-/// Warns where the first k modes split a cluster of eigenvalues.
+/// Warns if the first k modes split a cluster of eigenvalues.
 ///
 /// `option` is the name of the option that sets k.
 pub(crate) fn warn_of_split(context: &Context, split: Option<Split>, k: usize, option: &str) {
@@ -81,14 +82,15 @@ pub(crate) fn warn_of_split(context: &Context, split: Option<Split>, k: usize, o
     ));
 }
 
-/// Says which bound residuals meet where the usual one, 10⁻⁸ of each eigenvalue, is not met.
+/// Warns of residuals above 10⁻⁸ of their eigenvalue, with the bound that they meet.
 fn warn_of_residuals(context: &Context, modes: &spectral::Spectrum) {
-    let share = EigenOptions::default().residual_limit(1.0);
+    let fraction = EigenOptions::default().residual_limit(1.0);
     let Some(&largest) = modes.values.last() else { return };
     let pairs = || modes.values.iter().zip(&modes.residuals).enumerate();
-    // Zeros of components are exact. Those of an operator with rounding errors are not, and have no size.
-    let above =
-        pairs().filter(|(_, (value, residual))| **value != 0.0 && **residual > share * value.abs());
+    // Zeros of components are exact. Those of an operator with rounding errors are not, and have
+    // no scale.
+    let above = pairs()
+        .filter(|(_, (value, residual))| **value != 0.0 && **residual > fraction * value.abs());
     let count = above.clone().count();
     let Some((mode, (value, residual))) =
         above.max_by(|(_, (a, r)), (_, (b, s))| (*r / *a).abs().total_cmp(&(*s / *b).abs()))
@@ -96,14 +98,16 @@ fn warn_of_residuals(context: &Context, modes: &spectral::Spectrum) {
         return;
     };
     let worst = modes.residuals.iter().fold(0.0, |m: f64, r| m.max(*r));
-    let bound = match worst <= share * largest {
-        true => format!("all are within {share:e} of the largest eigenvalue, {}", number(largest)),
+    let bound = match worst <= fraction * largest {
+        true => {
+            format!("all are within {fraction:e} of the largest eigenvalue, {}", number(largest))
+        }
         false => {
             "they are what rounding leaves with masses and weights as different as these".to_owned()
         }
     };
     context.note(format_args!(
-        "warning: {count} of {} residuals are above {share:e} of their eigenvalue, that of mode {mode} is {} of {}; \
+        "warning: {count} of {} residuals are above {fraction:e} of their eigenvalue, that of mode {mode} is {} of {}; \
          {bound}",
         modes.len(),
         number(*residual),
@@ -111,16 +115,16 @@ fn warn_of_residuals(context: &Context, modes: &spectral::Spectrum) {
     ));
 }
 
-/// Operator, mass and boundary.
+/// Operator, mass and boundary condition.
 #[derive(Args)]
 struct Kind {
-    /// The stiffness
+    /// Stiffness matrix
     #[arg(long, value_parser = operator::kinds(), default_value_t = LaplacianKind::Auto)]
     operator: LaplacianKind,
-    /// The mass matrix
+    /// Mass matrix
     #[arg(long, value_parser = operator::masses(), default_value_t = MassKind::Barycentric)]
     mass: MassKind,
-    /// The condition at the boundary: neumann leaves it free, dirichlet fixes it at zero
+    /// Boundary condition: neumann leaves it free, dirichlet sets it to zero
     #[arg(long, value_enum, default_value_t = BoundaryName::Neumann)]
     boundary: BoundaryName,
 }
@@ -176,8 +180,8 @@ impl Spectrum {
     }
 }
 
-/// The modes with a row for each vertex of the file: vertices that were joined have the same values
-/// and share their mass, so that modes stay orthonormal.
+/// The modes with a row for each vertex of the file: welded vertices have the same values and
+/// share their mass, so that modes stay orthonormal.
 fn on_file(modes: &spectral::Spectrum, surface: &Surface) -> Result<spectral::Spectrum, Failure> {
     let mut modes = modes.clone();
     if surface.own.vertex_count() == surface.mesh().vertex_count() {
@@ -185,8 +189,8 @@ fn on_file(modes: &spectral::Spectrum, surface: &Surface) -> Result<spectral::Sp
     }
     let MassMatrix::Lumped(mass) = &modes.mass else {
         return Err(Failure::usage(
-            "a consistent mass cannot be given to vertices that are joined: leave out --weld, \
-             --mass or --output",
+            "a consistent mass cannot be split among welded vertices: leave out --weld, --mass or \
+             --output",
         ));
     };
     let shares = mass.iter().zip(surface.copies()).map(|(m, n)| m / f64::from(n)).collect();

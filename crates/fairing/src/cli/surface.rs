@@ -1,4 +1,4 @@
-//! Meshes that verbs compute on: read, welded on request, with their neighbours known.
+//! Input meshes of verbs: read, and welded on request.
 
 use std::path::Path;
 
@@ -10,16 +10,16 @@ use serde_json::{Value, json};
 use super::context::{Context, Failure};
 use super::files;
 
-/// Options for reading a mesh that needs its neighbours.
+/// Options for reading a mesh.
 #[derive(Args)]
 pub(crate) struct Reading {
-    /// Join vertices at exactly equal positions for the computation, in files whose faces do not
-    /// share their corners or that have seams; the result has the vertices of the file
+    /// Join vertices at exactly equal positions during the computation, for files with seams or
+    /// whose faces do not share corners; the output has the vertices of the file
     #[arg(long)]
     weld: bool,
 }
 
-/// A mesh to compute on, and the way back to the vertices of its file.
+/// A mesh to compute on, and the map back to the vertices of its file.
 pub(crate) struct Surface {
     /// The mesh of the file.
     pub(crate) own: TriMesh,
@@ -27,7 +27,7 @@ pub(crate) struct Surface {
 }
 
 impl Reading {
-    /// Reads a mesh whose faces have neighbours, with its fields.
+    /// Reads a mesh with its fields; refuses one whose faces share no corners.
     pub(crate) fn read(
         &self,
         context: &Context,
@@ -77,7 +77,7 @@ impl Surface {
         self.welded.as_ref().map_or(&self.own, |welded| &welded.mesh)
     }
 
-    /// Notes boundary vertices that lie on others.
+    /// Notes boundary vertices that coincide with others.
     pub(crate) fn say_seams(&self, context: &Context, path: &Path) {
         let seams = self.mesh().seam_vertices();
         if seams > 0 {
@@ -102,7 +102,7 @@ impl Surface {
         }
     }
 
-    /// A value for each vertex of the file, from one for each vertex computed on.
+    /// Values at the vertices of the file, from values at the vertices computed on.
     pub(crate) fn spread<T: Clone>(&self, values: Vec<T>) -> Vec<T> {
         match &self.welded {
             None => values,
@@ -110,7 +110,7 @@ impl Surface {
         }
     }
 
-    /// The vertices and faces of the file at the positions of a result.
+    /// The mesh of the file with the positions of a result.
     pub(crate) fn own(&self, moved: TriMesh) -> Result<TriMesh, Failure> {
         match &self.welded {
             None => Ok(moved),
@@ -118,7 +118,7 @@ impl Surface {
         }
     }
 
-    /// The number of vertices of the file that each vertex stands for.
+    /// The number of file vertices that each vertex stands for.
     pub(crate) fn copies(&self) -> Vec<u32> {
         let mut copies = vec![0; self.mesh().vertex_count()];
         match &self.welded {
@@ -128,8 +128,8 @@ impl Surface {
         copies
     }
 
-    /// A list of vertices of the file, joined by commas, as vertices computed on: what follows a
-    /// number after a colon is kept.
+    /// Renumbers a comma-separated list of file vertices for the mesh computed on; text after a
+    /// colon is kept.
     pub(crate) fn renumbered(&self, list: &str) -> String {
         let Some(welded) = &self.welded else { return list.to_owned() };
         let renumber = |item: &str| {
@@ -143,7 +143,7 @@ impl Surface {
     }
 }
 
-/// Notes how faces that disagree in orientation are taken, for verbs whose results depend on it.
+/// Notes inconsistently oriented faces, for verbs whose results depend on orientation.
 pub(crate) fn say_orientation(context: &Context, path: &Path, mesh: &TriMesh) {
     let (turned, one_sided) = (mesh.turned_faces(), mesh.one_sided_faces());
     let (name, faces) = (path.display(), mesh.face_count());

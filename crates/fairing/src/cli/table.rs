@@ -2,8 +2,7 @@
 
 use std::fmt;
 
-/// Rows of cells in aligned columns: the first column to the left, the others
-/// to the right.
+/// Rows of cells in aligned columns, the first to the left and the others to the right.
 #[derive(Debug, Default)]
 pub(crate) struct Table {
     rows: Vec<Vec<String>>,
@@ -43,8 +42,8 @@ impl fmt::Display for Table {
     }
 }
 
-/// A number with six significant digits, without trailing zeros; in scientific
-/// notation where it is very large or very small.
+/// Formats a number with six significant digits and no trailing zeros, in scientific notation if
+/// very large or very small.
 pub(crate) fn number(x: f64) -> String {
     if x == 0.0 {
         return "0".to_owned();

@@ -1,4 +1,4 @@
-//! How much each edge bends.
+//! The bending of edges: their dihedral angle times their length.
 
 use fairing_mesh::{Topology, TriMesh};
 use glam::DVec3;
@@ -38,7 +38,7 @@ pub(crate) fn edge_bending(mesh: &TriMesh, topology: &Topology) -> Vec<f64> {
     (0..topology.edges().len()).into_par_iter().with_min_len(4096).map(bend).collect()
 }
 
-/// Whether the face runs from the first end to the second.
+/// Returns true if the face runs from the first end to the second.
 #[inline]
 fn runs(face: [u32; 3], [a, b]: [u32; 2]) -> bool {
     (0..3).any(|k| face[k] == a && face[(k + 1) % 3] == b)

@@ -21,7 +21,7 @@ pub(crate) struct Links {
     pub(crate) faces: u32,
     /// The edges at the vertex, each once.
     pub(crate) edges: u32,
-    /// Whether an edge at the vertex has one face only.
+    /// True if an edge at the vertex has only one face.
     pub(crate) boundary: bool,
 }
 

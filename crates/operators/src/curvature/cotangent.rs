@@ -41,8 +41,8 @@ fairing_parameters::options! {
 /// [`laplacian_curvature`] of the [robust](Laplacian::robust) kind, and
 /// [`CurvatureField::too_thin`] names the face; the rest of the mesh changes
 /// where the intrinsic Delaunay triangulation differs from it, and next to such
-/// faces, whose sides are lengthened. Undefined at isolated vertices, and where there is no positive area or
-/// no normal. Linear cost.
+/// faces, whose sides are lengthened. Undefined at isolated vertices, and where
+/// the area is not positive or the normals cancel. Linear cost.
 ///
 /// # Errors
 ///

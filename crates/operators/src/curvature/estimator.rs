@@ -59,7 +59,7 @@ impl Estimator {
     /// converge on irregular meshes.
     pub const RECOMMENDED: Self = Self::Jet(JetOptions::DEFAULT);
 
-    /// Whether the estimator finds the directions of the principal curvatures.
+    /// Returns true if the estimator computes principal directions.
     pub fn has_directions(&self) -> bool {
         !matches!(self, Self::Cotangent(_))
     }

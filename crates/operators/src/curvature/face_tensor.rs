@@ -51,10 +51,10 @@ struct FaceTensor {
 
 /// Principal curvatures by averaging the tensors of faces.
 ///
-/// Faces too thin for their cotangents ([`MIN_HEIGHT_RATIO`](crate::MIN_HEIGHT_RATIO)) or with a corner
-/// without a normal are ignored. Undefined
-/// at isolated vertices, where no face has one, and where the normals cancel.
-/// Linear cost.
+/// Faces too thin for their cotangents
+/// ([`MIN_HEIGHT_RATIO`](crate::MIN_HEIGHT_RATIO)), or with a corner without a
+/// normal, are ignored. Undefined at isolated vertices, where all faces are
+/// ignored, and where the normals cancel. Linear cost.
 pub fn face_tensor_curvature(mesh: &TriMesh, options: FaceTensorOptions) -> CurvatureField {
     let Ok(field) = on_oriented(mesh, |mesh| Ok::<_, Infallible>(estimate(mesh, options)));
     field

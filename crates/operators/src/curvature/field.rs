@@ -26,9 +26,9 @@ pub struct CurvatureField {
     /// Unit tangents of κ₁ and κ₂; arbitrary at an umbilic. `None` if the
     /// estimator knows no directions.
     pub directions: Option<[Vec<[f64; 3]>; 2]>,
-    /// Whether there is a value at the vertex, and if not, why.
+    /// The status of each vertex: defined, or the reason why it is not.
     pub status: Vec<VertexStatus>,
-    /// Whether the vertex is on the boundary, where values are one-sided.
+    /// True for vertices on the boundary, where values are one-sided.
     pub boundary: Vec<bool>,
     /// The first face too thin for the plain operator, where the estimator used
     /// the intrinsic one instead ([`cotangent_curvature`]); else `None`.
@@ -37,7 +37,7 @@ pub struct CurvatureField {
     pub too_thin: Option<u32>,
 }
 
-/// What an estimator finds at a vertex.
+/// The curvature at a vertex.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct AtVertex {
     pub(crate) values: [f64; 2],
@@ -96,13 +96,13 @@ impl CurvatureField {
         self.status.len()
     }
 
-    /// Whether there are no vertices.
+    /// Returns true if there are no vertices.
     pub fn is_empty(&self) -> bool {
         self.status.is_empty()
     }
 
-    /// Whether vertex `v` has values that are not one-sided: use these
-    /// for colour ranges and statistics.
+    /// Returns true if vertex `v` is defined and not on the boundary, so that its
+    /// values are not one-sided: the vertices for colour ranges and statistics.
     ///
     /// # Panics
     ///
@@ -189,7 +189,7 @@ impl CurvatureField {
 const NOTHING: AtVertex =
     AtVertex { values: [0.0; 2], mean: 0.0, gaussian: 0.0, directions: [[0.0; 3]; 2] };
 
-/// Whether each vertex is on the boundary, from the incidence alone.
+/// Flags of the boundary vertices, from the incidence alone.
 pub(crate) fn boundary_flags(mesh: &TriMesh) -> Vec<bool> {
     let incidence = mesh.incidence();
     let on_boundary = |fan: &mut Fan, v: u32| {

@@ -1,5 +1,5 @@
-//! What the fits of polynomials share: local coordinates, and the curvature of
-//! a height field.
+//! Local coordinates and the curvature of a height field, shared by the polynomial
+//! fits.
 
 use fairing_mesh::{Topology, TriMesh};
 use glam::DVec3;

@@ -48,7 +48,7 @@ impl Field for JetDegree {
     }
 }
 
-/// How much each neighbour counts.
+/// The weight of each neighbour in the fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]

@@ -43,10 +43,10 @@ pub struct MeanCurvature {
     /// `H = −½ Δx · n`, with the area-weighted normal n: positive where the
     /// surface bends like a sphere; zero where undefined.
     pub signed: Vec<f64>,
-    /// Whether each value is defined.
+    /// The status of each value: defined, or the reason why it is not.
     pub status: Vec<VertexStatus>,
-    /// Whether each vertex is on the boundary, where the Laplacian is
-    /// one-sided and points inwards along the surface.
+    /// True for vertices on the boundary, where the Laplacian is one-sided and
+    /// points inwards along the surface.
     pub boundary: Vec<bool>,
 }
 

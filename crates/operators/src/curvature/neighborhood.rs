@@ -1,4 +1,4 @@
-//! Which vertices an estimator looks at.
+//! The neighbourhood of a vertex that an estimator uses.
 
 use std::ops::Bound;
 
@@ -310,7 +310,8 @@ mod tests {
         assert!(Length::MeanEdges(f64::NAN).at_vertices(&mesh).is_err());
     }
 
-    /// Radii in mean edges are those of the component: another one, a thousand times as large, changes nothing.
+    /// Radii in mean edges are those of the component: another one, a thousand times as large,
+    /// changes nothing.
     #[test]
     fn a_larger_component_changes_no_radius() {
         use crate::curvature::Estimator;

@@ -1,4 +1,4 @@
-//! Whether a value is defined at a vertex.
+//! The status of a value at a vertex: defined, or the reason why it is not.
 
 use std::fmt;
 
@@ -29,7 +29,7 @@ impl fmt::Display for Undefined {
     }
 }
 
-/// Whether a value is defined at a vertex, and if not, why.
+/// The status of a value at a vertex: defined, or the reason why it is not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
@@ -41,7 +41,7 @@ pub enum VertexStatus {
 }
 
 impl VertexStatus {
-    /// Whether the value is there.
+    /// Returns true if the value is defined.
     pub fn is_defined(self) -> bool {
         self == Self::Defined
     }
@@ -54,9 +54,9 @@ impl VertexStatus {
 pub struct ScalarCurvature {
     /// The values in vertex order, zero where undefined.
     pub values: Vec<f64>,
-    /// Whether each value is defined.
+    /// The status of each value.
     pub status: Vec<VertexStatus>,
-    /// Whether each vertex is on the boundary, where values are one-sided.
+    /// True for vertices on the boundary, where values are one-sided.
     pub boundary: Vec<bool>,
 }
 

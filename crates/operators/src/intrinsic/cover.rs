@@ -1,4 +1,4 @@
-//! From a mesh to glued triangles: as it is, or covered twice.
+//! Glued triangles of a mesh: its faces as they are, or each covered twice.
 
 use fairing_mesh::TriMesh;
 use glam::DVec3;
@@ -67,9 +67,9 @@ pub(super) fn tufted(mesh: &TriMesh) -> Triangulation {
     glued
 }
 
-/// The sides along the edge `[a, b]` of the two copies of face `f`: that which
-/// looks towards smaller and that which looks towards larger angles about the
-/// edge. The first runs from b to a, the second from a to b.
+/// The sides along the edge `[a, b]` of the two copies of face `f`: the copy
+/// facing smaller angles about the edge, then the one facing larger angles. The
+/// first side runs from b to a, the second from a to b.
 fn fronts(mesh: &TriMesh, f: u32, [a, b]: [u32; 2], count: u32) -> (u32, u32) {
     let front = side_of(mesh, f, [a, b]);
     // The back is (a, c, b): its sides are those of the front backwards,

@@ -10,7 +10,7 @@ use super::triangulation::{BORDER, Triangulation, after, area, before};
 /// otherwise flip cocircular edges back and forth.
 const TOLERANCE: f64 = 1e-10;
 
-/// What came of flipping.
+/// Counts of flipped and of stuck edges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Flips {
     pub(super) count: usize,
@@ -72,9 +72,9 @@ impl Triangulation {
         self.opposite_cotangent(s) + self.opposite_cotangent(t) >= -TOLERANCE
     }
 
-    /// Replaces the edge of side `s` by the other diagonal of its two
-    /// triangles. Where a triangle would lose its area, does nothing and
-    /// returns false. The sides of the new edge keep the numbers of the old.
+    /// Replaces the edge of side `s` by the other diagonal of its two triangles.
+    /// Does nothing and returns false if a triangle would lose its area. The sides
+    /// of the new edge keep the numbers of the old one.
     fn flip(&mut self, s: u32) -> bool {
         let t = self.twin[s as usize];
         // The triangles are s = (i → j), j → k, k → i and t = (j → i), i → m,

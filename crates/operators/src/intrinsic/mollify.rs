@@ -15,7 +15,7 @@
 
 use super::triangulation::{BORDER, Triangulation};
 
-/// What came of mollification.
+/// Result of mollification.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Mollified {
     /// The most that was added to a length.
@@ -70,8 +70,8 @@ fn longest(sides: [f64; 3]) -> f64 {
     sides.into_iter().fold(0.0, f64::max)
 }
 
-/// What must be added to all sides so that any two are longer than the third
-/// by `needed`; zero or less where they are.
+/// The length to add to all sides so that any two exceed the third by `needed`;
+/// zero or less if they already do.
 fn lack([a, b, c]: [f64; 3], needed: f64) -> f64 {
     needed - (b + c - a).min(c + a - b).min(a + b - c)
 }
@@ -87,7 +87,7 @@ struct Patches<'a> {
     slack: f64,
     /// The mean length in the part of each triangle.
     mean: Vec<f64>,
-    /// What is added to each side.
+    /// The length added to each side.
     added: Vec<f64>,
     stack: Vec<u32>,
 }
@@ -108,7 +108,7 @@ impl<'a> Patches<'a> {
         Self { triangulation, slack, mean, added, stack: vec![] }
     }
 
-    /// What a triangle lacks with the lengths as they were.
+    /// The length that a triangle lacks with the original sides.
     fn lack(&self, t: u32) -> f64 {
         let sides = self.triangulation.sides(t);
         lack(sides, self.slack * longest(sides).min(self.mean[t as usize]))

@@ -9,7 +9,7 @@ use super::triangulation::{Triangulation, after, before};
 use crate::assembly::sum_entries;
 use crate::error::OperatorError;
 
-/// How the mesh becomes glued triangles.
+/// The construction of glued triangles from the mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
@@ -27,20 +27,20 @@ pub enum Cover {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct RobustOptions {
-    /// How the mesh becomes glued triangles.
+    /// The construction of glued triangles from the mesh.
     pub cover: Cover,
-    /// By how much two sides of a triangle must be longer than the third, in
-    /// units of its longest side, or of the mean length in its connected part
-    /// where that is less. Where they are not, lengths are raised: all sides of
-    /// the triangle by the same amount, and with them those of neighbours that have no
-    /// length to spare. Sound faces keep theirs, but for sides that they share
-    /// with such triangles. Not negative.
+    /// The excess of two sides of a triangle over the third, as a fraction of its
+    /// longest side, or of the mean length in its connected part if that is less.
+    /// A triangle with a smaller excess is lengthened: all its sides by the same
+    /// amount, and with them the sides of neighbours that would fall short. Other
+    /// faces keep their lengths, except for sides shared with such triangles. Not
+    /// negative.
     pub mollify: f64,
-    /// Whether to flip to the intrinsic Delaunay triangulation.
+    /// If true, flips edges to the intrinsic Delaunay triangulation.
     pub delaunay: bool,
 }
 
-/// The tufted cover, mollified by 10⁻⁵, flipped.
+/// The tufted cover, a mollification of 10⁻⁵, and Delaunay flips.
 impl Default for RobustOptions {
     fn default() -> Self {
         Self { cover: Cover::Tufted, mollify: 1e-5, delaunay: true }
@@ -51,22 +51,22 @@ impl Default for RobustOptions {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct RobustLaplacian {
-    /// The stiffness, `n × n`, as [`cotan_stiffness`](crate::cotan_stiffness)
-    /// makes it: positive semi-definite, zero row sums, dimensionless.
+    /// The stiffness, `n × n`, as by [`cotan_stiffness`](crate::cotan_stiffness):
+    /// positive semi-definite, zero row sums, dimensionless.
     pub stiffness: SparseMatrix,
     /// The barycentric mass of each vertex in the intrinsic triangulation, in
     /// squared mesh units; zero at isolated vertices only.
     pub mass: Vec<f64>,
     /// The most that mollification added to a length, in mesh units.
     pub added_length: f64,
-    /// How many triangles of the cover have a side that was raised.
+    /// The number of triangles of the cover with a lengthened side.
     pub mollified: usize,
-    /// How many edges were flipped, over both sides of the cover.
+    /// The number of flips, over both sides of the cover.
     pub flips: usize,
-    /// How many edges are not Delaunay, because flipping them would have made
-    /// a triangle without area: zero but for extreme lengths.
+    /// The number of edges left non-Delaunay, because flipping them would have made
+    /// a triangle without area: zero except for extreme lengths.
     pub stuck: usize,
-    /// The triangles that the operators belong to.
+    /// The triangles of the operators.
     pub faces: IntrinsicFaces,
 }
 
@@ -146,7 +146,7 @@ fn longest_of(triangles: &Triangulation, t: usize) -> f64 {
     triangles.length[3 * t..3 * t + 3].iter().copied().fold(0.0, f64::max)
 }
 
-/// Cotangent stiffness and barycentric mass of glued triangles, times a share.
+/// Cotangent stiffness and barycentric mass of glued triangles, times a weight.
 /// An edge from a vertex to itself has no part in the stiffness.
 fn assemble(
     n: usize,

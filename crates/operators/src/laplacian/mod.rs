@@ -4,8 +4,8 @@
 //! S u integrated,    M⁻¹ S u ≈ −Δu pointwise,    S φ = λ M φ
 //! ```
 //!
-//! This is where a [`Laplacian`] is made; spectra, heat, geodesic distance,
-//! Poisson problems and mean curvature take one by reference. It is made of
+//! Spectra, heat, geodesic distance, Poisson problems and mean curvature take a
+//! [`Laplacian`] by reference. It is assembled by
 //! [`cotan_stiffness`](crate::cotan_stiffness), [`combinatorial_laplacian`],
 //! [`robust_laplacian`], [`polygon_laplacian`], [`lumped_mass`](crate::lumped_mass)
 //! and [`consistent_mass`](crate::consistent_mass), the functions that assemble.
@@ -73,7 +73,7 @@ pub struct Laplacian {
     intrinsic: Option<Intrinsic>,
 }
 
-/// What a robust [`Laplacian`] was assembled on.
+/// The triangulation behind a robust [`Laplacian`].
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Intrinsic {
@@ -81,12 +81,12 @@ pub struct Intrinsic {
     pub faces: IntrinsicFaces,
     /// The most that mollification added to a length, in mesh units.
     pub added_length: f64,
-    /// How many triangles of the cover have a side that was raised.
+    /// The number of triangles of the cover with a lengthened side.
     pub mollified: usize,
-    /// How many edges were flipped, over both sides of the cover.
+    /// The number of flips, over both sides of the cover.
     pub flips: usize,
-    /// How many edges are not Delaunay, because flipping them would have made
-    /// a triangle without area: zero but for extreme lengths.
+    /// The number of edges left non-Delaunay, because flipping them would have made
+    /// a triangle without area: zero except for extreme lengths.
     pub stuck: usize,
 }
 

@@ -1,9 +1,9 @@
-//! Cotangents and areas on a pattern that is found once.
+//! Cotangents and areas on a fixed pattern.
 //!
-//! Flows that take their operator again in each step change positions, never
-//! faces: where the entries of a row are, and which corner adds to which of
-//! them, stays the same. A step then costs one pass over the faces and one
-//! over the corners, a tenth of finding the pattern again.
+//! Flows that rebuild their operator in each step change positions, never faces:
+//! the places of the entries of a row, and the corners that add to them, stay the
+//! same. A step then costs one pass over the faces and one over the corners, a
+//! tenth of the cost of finding the pattern.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -17,31 +17,30 @@ use crate::area::LumpedArea;
 use crate::corners::{FaceCorners, degenerate};
 use crate::error::OperatorError;
 
-/// Rows with more corners look for their columns by bisection.
+/// The number of corners above which a row finds its columns by bisection.
 const MANY_CORNERS: usize = 64;
 
-/// Rows or faces that a thread takes at a time.
+/// Rows or faces per task.
 const ROWS: usize = 4096;
 
-/// How much longer than the third side two sides of a widened face are made,
-/// as a share of the longest; the same as robust operators take of the mean
-/// edge length.
+/// The excess of two sides of a widened face over the third, as a fraction of
+/// the longest; robust operators use the same fraction of the mean edge length.
 const SLACK: f64 = 1e-5;
 
-/// The mass of a vertex whose faces are all points, as a share of the mean
+/// The mass of a vertex whose faces are all points, as a fraction of the mean
 /// mass: it moves with its neighbours.
 const LEAST_MASS: f64 = 1e-12;
 
-/// What a [`CotangentPattern`] does with faces that are too thin for their
-/// cotangents ([`MIN_HEIGHT_RATIO`](crate::MIN_HEIGHT_RATIO)).
+/// The treatment of faces that are too thin for their cotangents in a
+/// [`CotangentPattern`] ([`MIN_HEIGHT_RATIO`](crate::MIN_HEIGHT_RATIO)).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ThinFaces {
     /// Return an error.
     Refuse,
     /// Compute their cotangents and areas from longer sides: each is lengthened
-    /// by 10⁻⁵ of the longest, or by less where that is enough for any two to
-    /// exceed the third by this amount.
+    /// by 10⁻⁵ of the longest, or by less if that suffices for any two to exceed
+    /// the third by this amount.
     Widen,
     /// The same for all faces with two sides that do not exceed the third by
     /// this amount.
@@ -51,8 +50,8 @@ pub enum ThinFaces {
 /// Half the cotangents of the corners of a face, and a third of its area.
 type FaceTerms = [f64; 4];
 
-/// Where the corners of a mesh add to rows of cotangent weights, without their
-/// diagonal: what is assembled on it is filled again at other positions.
+/// The pattern of the cotangent weights of a mesh, without the diagonal, to be
+/// filled at any positions of the same faces.
 ///
 /// The weights are those of [`cotan_stiffness`](crate::cotan_stiffness) with
 /// the other sign, `½ (cot α + cot β)`, the masses positive as by
@@ -63,10 +62,10 @@ pub struct CotangentPattern {
     area: LumpedArea,
     offsets: Vec<u32>,
     columns: Vec<u32>,
-    /// For each corner in the order of the incidence, the places within the row of the next and of the previous
-    /// corner of its face; none for fixed vertices.
+    /// For each corner in the order of the incidence, the places within the row of
+    /// the next and of the previous corner of its face; none for fixed vertices.
     places: Vec<[u32; 2]>,
-    /// Those of the last assembly, whose memory the next one uses.
+    /// Terms of the last assembly; the next one reuses their memory.
     terms: Vec<FaceTerms>,
 }
 
@@ -83,7 +82,7 @@ impl CotangentPattern {
     ///
     /// # Errors
     ///
-    /// [`OperatorError::Length`] for another number of flags than vertices.
+    /// [`OperatorError::Length`] if the number of flags is not that of the vertices.
     pub fn new(mesh: &TriMesh, area: LumpedArea, fixed: &[bool]) -> Result<Self, OperatorError> {
         let (found, expected) = (fixed.len(), mesh.vertex_count());
         if found != expected {
@@ -127,7 +126,7 @@ impl CotangentPattern {
     /// with faces whose mass is not positive;
     /// [`OperatorError::Connectivity`] for a mesh of another number of vertices
     /// or faces; [`OperatorError::Length`] for a Laplacian on another pattern.
-    /// What the numbers are after an error is not specified.
+    /// After an error the numbers are unspecified.
     pub fn fill(
         &mut self,
         mesh: &TriMesh,
@@ -314,14 +313,15 @@ fn face_terms(
     Ok(widened)
 }
 
-/// What every side lacks so that two are longer than the third by [`SLACK`] of the longest.
+/// The length that every side lacks for two to exceed the third by [`SLACK`] of the longest.
 fn lacking([a, b, c]: [f64; 3]) -> f64 {
     let slack = SLACK * a.max(b).max(c);
     (slack - (a + b - c).min(b + c - a).min(c + a - b)).max(0.0)
 }
 
-/// The terms of the triangle whose sides are longer by what they lack; those of an equilateral triangle without area
-/// for a point. Side k lies opposite corner k.
+/// The terms of the triangle whose sides are lengthened by what they lack; for a
+/// point, those of an equilateral triangle without area. Side k lies opposite
+/// corner k.
 fn widen(sides: [f64; 3]) -> FaceTerms {
     let [a, b, c] = sides.map(|side| side + lacking(sides));
     let longest = a.max(b).max(c);
@@ -353,7 +353,8 @@ mod tests {
     use super::*;
     use crate::cotan_stiffness;
 
-    /// A vertex whose faces are all points moves with its neighbours: its mass is a trillionth of the mean.
+    /// A vertex whose faces are all points moves with its neighbours: its mass is a
+    /// trillionth of the mean.
     #[test]
     fn masses_of_points_are_raised_to_the_least() {
         let mesh = shapes::icosphere(0);
@@ -365,8 +366,8 @@ mod tests {
         assert_eq!(mass[b as usize], 1.0);
     }
 
-    /// Rows as the operators crate assembles them: on a closed mesh of several chunks, with a border, three faces at an
-    /// edge, a fan around a hub, and an isolated vertex.
+    /// Rows are those of `cotan_stiffness`: on a closed mesh of several chunks, with a
+    /// border, three faces at an edge, a fan around a hub, and an isolated vertex.
     #[test]
     fn a_pattern_gives_the_cotangent_operator() {
         let hub: Vec<[f64; 3]> = (0..200)
@@ -428,21 +429,24 @@ mod tests {
         assert_eq!(fill(ThinFaces::Widen), Ok(vec![1]));
     }
 
-    /// A needle, a cap and a point become triangles of bounded cotangents and some area; a good face is left alone.
+    /// A needle, a cap and a point become triangles of bounded cotangents and positive
+    /// area; a good face is left alone.
     #[test]
     fn degenerate_faces_have_terms() {
         for sides in [[1.0, 1.0, 1e-14], [1.0, 0.5, 0.5], [3.0, 4.0, 7.0], [2e-200, 1e-200, 1e-200]]
         {
             let [a, b, c, third] = widen(sides);
             let longest = sides.iter().copied().fold(0.0, f64::max);
-            // A cap with this slack has a height of √(slack/2) of its base, a needle a base of the slack.
+            // The height of a cap with this slack is √(slack/2) of its base, the base of a
+            // needle the slack.
             assert!([a, b, c].iter().all(|x| x.abs() < 1.0 / SLACK), "{sides:?}: {a} {b} {c}");
             assert!(third > 1e-7 * longest * longest || longest < 1e-100, "{sides:?}: {third}");
             // cot A cot B + cot B cot C + cot C cot A = 1.
             let sum = 4.0 * (a * b + b * c + c * a);
             assert!((sum - 1.0).abs() < 1e-4, "{sides:?}: {sum}");
         }
-        // Lengthened by a hundred-thousandth and not by more: 16 area² = (a+b+c)(b+c−a)(c+a−b)(a+b−c).
+        // Lengthened by a hundred-thousandth and no more:
+        // 16 area² = (a+b+c)(b+c−a)(c+a−b)(a+b−c).
         let [.., third] = widen([1.0, 0.5, 0.5]);
         let expected = (2.0f64 * 1e-5).sqrt() / 4.0 / 3.0;
         assert!((third / expected - 1.0).abs() < 1e-3, "{third} {expected}");

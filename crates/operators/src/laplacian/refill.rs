@@ -7,20 +7,20 @@ use crate::error::OperatorError;
 use crate::kind::LaplacianKind;
 
 impl Laplacian {
-    /// Replaces stiffness and mass by those at the positions of `mesh`, which
-    /// has the faces that this one was made of.
+    /// Replaces stiffness and mass by those at the positions of `mesh`, which must
+    /// have the faces of the original mesh.
     ///
-    /// The result is that of [`Laplacian::new`], bit by bit, and
-    /// [`choose`](crate::choose) decides again. Cotangents are written into the
-    /// pattern that there is, the uniform stiffness stays, and the robust one
-    /// is assembled again, because its edges depend on the positions.
+    /// The result is that of [`Laplacian::new`], bit by bit, including the choice
+    /// of [`choose`](crate::choose). Cotangents reuse the existing pattern, the
+    /// uniform stiffness stays, and the robust one is assembled anew, because its
+    /// edges depend on the positions.
     ///
     /// # Errors
     ///
     /// As [`Laplacian::new`]; [`OperatorError::Length`] and
-    /// [`OperatorError::Connectivity`] for a mesh of other vertices or edges,
-    /// as far as a kind notices, and for polygons. After an error nothing has
-    /// changed.
+    /// [`OperatorError::Connectivity`] for a mesh of other vertices or edges, as
+    /// far as the kind detects them, and for polygons. An error leaves the
+    /// Laplacian unchanged.
     pub fn refill(&mut self, mesh: &TriMesh) -> Result<(), OperatorError> {
         self.check_length(mesh.vertex_count())?;
         let isolated = super::isolated(mesh);

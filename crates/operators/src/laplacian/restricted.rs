@@ -30,8 +30,9 @@ pub struct Restricted<'a> {
 }
 
 impl Laplacian {
-    /// Without the vertices `fixed`, in any order, and without isolated ones,
-    /// which have no equation. Nothing is copied if no vertex is taken out.
+    /// Removes the rows and columns of the vertices `fixed`, in any order, and of
+    /// isolated vertices, which have no equation. Copies nothing if no vertex is
+    /// removed.
     ///
     /// # Errors
     ///
@@ -76,7 +77,7 @@ impl Restricted<'_> {
         &self.free
     }
 
-    /// Whether a vertex is free.
+    /// Returns true if the vertex is free.
     pub fn is_free(&self, vertex: u32) -> bool {
         self.place.get(vertex as usize).is_some_and(|&place| place != NONE)
     }
@@ -96,9 +97,9 @@ impl Restricted<'_> {
         combine(1.0, self.mass.as_mass(), time, &self.stiffness)
     }
 
-    /// `S_ro u_o`, one number for each free vertex: what the values at the
-    /// other vertices add to the equations. Takes a value for each vertex of
-    /// the mesh; those at free vertices do not count.
+    /// `S_ro u_o`, one number for each free vertex: the contribution of the values
+    /// at the other vertices to the equations. Takes a value for each vertex of
+    /// the mesh and ignores those at free vertices.
     ///
     /// # Errors
     ///
@@ -117,23 +118,22 @@ impl Restricted<'_> {
         Ok(self.free.iter().map(row).collect())
     }
 
-    /// Values at free vertices, of all that are given.
+    /// The values at the free vertices, from values at all vertices.
     ///
     /// # Errors
     ///
-    /// [`OperatorError::Length`] for another number than there are vertices.
+    /// [`OperatorError::Length`] if there is not one value per vertex.
     pub fn gathered<T: Copy>(&self, values: &[T]) -> Result<Vec<T>, OperatorError> {
         self.whole.check_length(values.len())?;
         Ok(self.free.iter().map(|&v| values[v as usize]).collect())
     }
 
-    /// Values at all vertices: those of the free ones in their rows, and
-    /// elsewhere those of `values`.
+    /// Values at all vertices: `free` at the free vertices, `values` elsewhere.
     ///
     /// # Errors
     ///
-    /// [`OperatorError::Length`] for another number than there are free
-    /// vertices, or vertices.
+    /// [`OperatorError::Length`] if there is not one value per free vertex and one
+    /// per vertex.
     pub fn extended<T: Copy>(&self, free: &[T], values: &[T]) -> Result<Vec<T>, OperatorError> {
         self.whole.check_length(values.len())?;
         if free.len() != self.free.len() {

@@ -70,7 +70,8 @@ fn auto_says_what_it_takes_and_why() {
     let Reason::NegativeWeight { edge, weight } = reason else { panic!("{reason}") };
     assert_eq!((kind, edge), (LaplacianKind::Robust, [1, 2]));
     assert!((weight + 0.75).abs() < 1e-15, "{weight}");
-    // cot 2 atan(1/h) = (h² − 1)/2h on both sides: a millionth below zero counts, rounding does not.
+    // cot 2 atan(1/h) = (h² − 1)/2h on both sides: a millionth below zero counts,
+    // rounding does not.
     assert_eq!(taken(&rhombus(1.0 - 1e-6)).0, LaplacianKind::Robust);
     assert_eq!(taken(&rhombus(1.0 - 1e-12)), (LaplacianKind::Cotangent, Reason::NonNegative));
     let thin = (LaplacianKind::Robust, Reason::ThinFace { face: 0, area: 0.0, edge: 2.0 });

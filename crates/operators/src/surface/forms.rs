@@ -5,11 +5,11 @@ use glam::DVec3;
 use super::jet::{ChartNormal, SurfaceJet};
 use crate::symmetric::Symmetric2;
 
-/// How small `sin` of the angle between ∂p/∂u and ∂p/∂v, or the length of one
-/// over that of the other, may become before the unit normal is mostly rounding.
+/// The smallest sine of the angle between ∂p/∂u and ∂p/∂v, or ratio of their
+/// lengths, at which the unit normal is more than rounding.
 const SINGULAR: f64 = 1e-12;
 
-/// Why there are no forms at a point.
+/// The error of a point without fundamental forms.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SurfaceError {

@@ -18,7 +18,7 @@ pub struct SurfaceJet {
     pub dvv: [f64; 3],
 }
 
-/// Which side of the surface `∂p/∂u × ∂p/∂v` points to.
+/// The side of the surface that `∂p/∂u × ∂p/∂v` points to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ChartNormal {
     /// Outward; also for surfaces without an inside, where this side is called

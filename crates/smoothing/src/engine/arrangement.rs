@@ -1,27 +1,28 @@
-//! Vertices in an order that keeps neighbours close in memory.
+//! A vertex order that keeps neighbours close in memory.
 //!
-//! A smoothing step reads every neighbour of every vertex. Files often scatter neighbours over the whole array
-//! (subdivision appends new vertices at the end); a space-filling curve brings them together, and a step then runs
-//! several times faster. Observed runs keep the order of the file, so that positions can be shown
-//! without a copy.
+//! A smoothing step reads every neighbour of every vertex. Files often scatter neighbours over the
+//! whole array (subdivision appends new vertices at the end); sorting along a space-filling curve
+//! brings them together and makes a step several times faster. Observed runs keep the input's
+//! vertex order, so that positions can be shown without a copy.
 
 use fairing_mesh::{BuildError, TriMesh};
 use rayon::prelude::*;
 
-/// A mesh to work on, and the way back to the order of the file.
+/// The working copy of a mesh, and its vertex order.
 pub(crate) struct Arrangement {
     mesh: TriMesh,
-    /// The vertex of the file at each place; `None` if the order is the file's.
+    /// The input vertex at each place; `None` if the input's order is kept.
     order: Option<Vec<u32>>,
 }
 
 impl Arrangement {
-    /// Keeps the order of the file.
+    /// Keeps the input's order.
     pub(crate) fn as_given(mesh: &TriMesh) -> Self {
         Self { mesh: mesh.clone(), order: None }
     }
 
-    /// Sorts vertices by slabs across the bounding box, and faces by their first vertex in that order.
+    /// Sorts vertices by slabs across the bounding box, and faces by their first vertex in that
+    /// order.
     pub(crate) fn in_slabs(mesh: &TriMesh) -> Result<Self, BuildError> {
         let n = mesh.vertex_count();
         let order = slab_order(mesh);
@@ -34,12 +35,12 @@ impl Arrangement {
         Ok(Self { mesh: TriMesh::new(positions, faces)?, order: Some(order) })
     }
 
-    /// The mesh in the order to work in.
+    /// The mesh in working order.
     pub(crate) fn mesh(&self) -> &TriMesh {
         &self.mesh
     }
 
-    /// Puts one value per vertex back into the order of the file.
+    /// Returns one value per vertex to the input's order.
     pub(crate) fn restore<T: Copy + Default>(&self, values: Vec<T>) -> Vec<T> {
         match &self.order {
             None => values,
@@ -53,7 +54,7 @@ impl Arrangement {
         }
     }
 
-    /// Brings one value per vertex of the file into the order to work in.
+    /// Permutes one value per vertex from the input's order to working order.
     pub(crate) fn arrange<T: Copy>(&self, values: &[T]) -> Vec<T> {
         match &self.order {
             None => values.to_vec(),
@@ -61,43 +62,43 @@ impl Arrangement {
         }
     }
 
-    /// The number in the file of the vertex at `place`.
+    /// The input's number of the vertex at `place`.
     pub(crate) fn original(&self, place: u32) -> u32 {
         self.order.as_ref().map_or(place, |order| order[place as usize])
     }
 }
 
-/// The vertices by slabs across the longest side of the bounding box, as many as the root of the number of vertices,
-/// and within a slab along a Morton curve through the other two sides; ties in the order of the file.
+/// The vertices sorted by √n slabs across the longest side of the bounding box, and within a slab
+/// along a Morton curve through the other two sides; ties keep the input's order.
 ///
-/// A surface has about as many vertices across as slabs, so that a slab holds about as many: neighbours, a slab or
-/// two apart, are some multiple of √n apart. That is what [`crate::engine::clenshaw`] lives on.
+/// A slab of a surface holds about √n vertices, and neighbours are a slab or two apart, so the
+/// bandwidth is a small multiple of √n. Clenshaw's recurrence in `fairing_sparse` relies on this.
 fn slab_order(mesh: &TriMesh) -> Vec<u32> {
     let Some([low, high]) = mesh.bounding_box() else { return Vec::new() };
     let side = [0, 1, 2].map(|d| high[d] - low[d]);
     let longest = (0..3).fold(0, |l, d| if side[d] > side[l] { d } else { l });
     let others = [(longest + 1) % 3, (longest + 2) % 3];
-    let share = 1.0 / side[longest].max(f64::MIN_POSITIVE);
+    let scale = 1.0 / side[longest].max(f64::MIN_POSITIVE);
     let slabs = (mesh.vertex_count() as f64).sqrt().min(MAX_SLABS);
     let key = |p: &[f64; 3]| {
-        let slab = ((p[longest] - low[longest]) * share * slabs) as u64;
-        let [a, b] = others.map(|d| spread(((p[d] - low[d]) * share * CELLS) as u64));
+        let slab = ((p[longest] - low[longest]) * scale * slabs) as u64;
+        let [a, b] = others.map(|d| spread(((p[d] - low[d]) * scale * CELLS) as u64));
         slab << 20 | a << 1 | b
     };
-    // Slab and cell above, number below: no two are equal.
+    // Slab and cell in the high bits, vertex number in the low bits: no two keys are equal.
     let mut keyed: Vec<u64> =
         mesh.positions().par_iter().enumerate().map(|(v, p)| key(p) << 32 | v as u64).collect();
     keyed.par_sort_unstable();
     keyed.into_par_iter().map(|k| k as u32).collect()
 }
 
-/// The most slabs: twelve bits of a key.
+/// The largest number of slabs: twelve bits of a key.
 const MAX_SLABS: f64 = 4095.0;
 
 /// The cells of the Morton curve along the longest side: ten bits for each direction.
 const CELLS: f64 = 1023.0;
 
-/// Spreads ten bits so that a zero follows each.
+/// Spreads ten bits, inserting a zero after each.
 fn spread(bits: u64) -> u64 {
     let mut b = bits & 0x3ff;
     b = (b | b << 8) & 0x00ff_00ff;
@@ -106,7 +107,7 @@ fn spread(bits: u64) -> u64 {
     (b | b << 1) & 0x5555_5555
 }
 
-/// Faces with their new vertex numbers, ordered by the smallest: a counting sort.
+/// Faces with their new vertex numbers, sorted by the smallest of the three (a counting sort).
 fn sorted_faces(faces: &[[u32; 3]], place: &[u32]) -> Vec<[u32; 3]> {
     let moved = |face: &[u32; 3]| face.map(|v| place[v as usize]);
     let first = |face: &[u32; 3]| face[0].min(face[1]).min(face[2]) as usize;

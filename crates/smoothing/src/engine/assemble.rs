@@ -1,16 +1,18 @@
-//! The Laplacian of a mesh for a kind of diffusion.
+//! Assembly of the Laplacian of a mesh for a kind of diffusion.
 
 use fairing_mesh::TriMesh;
 use fairing_operators::{
     CotangentPattern, LaplacianKind, LumpedArea, MassKind, ThinFaces, positive_lumped_mass,
 };
+use fairing_sparse::parallel::CHUNK;
 use fairing_sparse::{GraphLaplacian, SparseMatrix};
+use rayon::prelude::*;
 
 use crate::engine::diffusion::Diffusion;
 use crate::engine::error::FlowFailure;
-use crate::engine::neighbors;
 
-/// Assembles `L` of a [chosen](Diffusion::chosen) kind at the positions of `mesh`; vertices for which `fixed` is true have zero rows.
+/// Assembles `L` of a [chosen](Diffusion::chosen) kind at the positions of `mesh`. Rows of `fixed`
+/// vertices are zero.
 pub(crate) fn assemble(
     mesh: &TriMesh,
     diffusion: Diffusion,
@@ -22,12 +24,14 @@ pub(crate) fn assemble(
     }
 }
 
-/// `L` for uniform weights.
+/// `L` for uniform weights, `(Lx)ᵢ = mean over neighbours xⱼ − xᵢ`: `S = D − A`, `M = D`. Rows of
+/// `fixed` and isolated vertices are zero.
 pub(crate) fn uniform(mesh: &TriMesh, fixed: &[bool]) -> GraphLaplacian {
-    neighbors::uniform(mesh.vertex_count(), mesh.faces(), fixed)
+    let (offsets, columns) = neighbor_lists(mesh.vertex_count(), mesh.faces(), fixed);
+    GraphLaplacian::uniform(offsets, columns)
 }
 
-/// `L` for cotangents, of a chosen kind.
+/// `L` for cotangent weights of a chosen kind.
 pub(crate) fn cotangent(
     mesh: &TriMesh,
     kind: LaplacianKind,
@@ -41,7 +45,7 @@ pub(crate) fn cotangent(
     Ok(GraphLaplacian::weighted(&stiffness, mass, fixed))
 }
 
-/// `L` for the cotangents of a pattern.
+/// `L` for cotangent weights on a given pattern.
 fn on_pattern(
     pattern: &mut CotangentPattern,
     mesh: &TriMesh,
@@ -51,11 +55,11 @@ fn on_pattern(
     Ok(laplacian)
 }
 
-/// Takes the operator again as positions change.
+/// Reassembles the operator as positions change.
 pub(crate) enum Assembler {
-    /// On the pattern of the faces.
+    /// New values on the fixed pattern of the faces.
     Pattern(CotangentPattern),
-    /// From the beginning: intrinsic edges change with the positions.
+    /// A new operator each time, since intrinsic edges change with the positions.
     Whole(Diffusion),
 }
 
@@ -85,8 +89,8 @@ impl Assembler {
         }
     }
 
-    /// Replaces `laplacian`, which [`Self::assemble`] made of the same faces, by that at other positions. Returns the
-    /// faces that are widened; the robust operator knows none.
+    /// Replaces `laplacian`, as returned by [`Self::assemble`], by the operator at the positions of
+    /// `mesh`. Returns the thin faces that were widened; the robust operator widens none.
     pub(crate) fn reassemble(
         &mut self,
         mesh: &TriMesh,
@@ -104,7 +108,7 @@ impl Assembler {
     }
 }
 
-/// The positive masses of a chosen kind.
+/// The lumped mass of a chosen kind, positive at every vertex.
 pub(crate) fn mass(
     mesh: &TriMesh,
     kind: LaplacianKind,
@@ -116,7 +120,7 @@ pub(crate) fn mass(
     }
 }
 
-/// The stiffness of a kind, and the positive masses of a kind.
+/// The stiffness and the positive lumped mass of the given kinds.
 pub(crate) fn operators(
     mesh: &TriMesh,
     (kind, mass): (LaplacianKind, MassKind),
@@ -124,4 +128,72 @@ pub(crate) fn operators(
     let laplacian = fairing_operators::Laplacian::new(mesh, kind, mass)?;
     let mass = laplacian.positive_mass()?.lumped().into_owned();
     Ok((laplacian.into_parts().0, mass))
+}
+
+/// Vertices with more faces sort their neighbours to remove duplicates, since a linear search is
+/// quadratic.
+const MANY_FACES: usize = 64;
+
+/// The distinct neighbours of every vertex in compressed rows; `[v]` for an isolated or fixed
+/// vertex `v`.
+fn neighbor_lists(n: usize, faces: &[[u32; 3]], fixed: &[bool]) -> (Vec<u32>, Vec<u32>) {
+    let mut start = vec![0u32; n + 1];
+    for &v in faces.as_flattened() {
+        start[v as usize + 1] += 1;
+    }
+    for v in 0..n {
+        start[v + 1] += start[v];
+    }
+    let mut next = start.clone();
+    let mut around = vec![0u32; faces.len() * 3];
+    for (f, face) in faces.iter().enumerate() {
+        for &v in face {
+            let slot = &mut next[v as usize];
+            around[*slot as usize] = f as u32;
+            *slot += 1;
+        }
+    }
+    let pieces: Vec<(Vec<u32>, Vec<u32>)> = (0..n.div_ceil(CHUNK))
+        .into_par_iter()
+        .map(|chunk| {
+            let vertices = chunk * CHUNK..n.min((chunk + 1) * CHUNK);
+            let mut lists = Vec::with_capacity(CHUNK * 7);
+            let mut lengths = Vec::with_capacity(CHUNK);
+            for v in vertices {
+                let begin = lists.len();
+                let around = &around[start[v] as usize..start[v + 1] as usize];
+                if fixed[v] || around.is_empty() {
+                    lists.push(v as u32);
+                } else if around.len() > MANY_FACES {
+                    let corners = around.iter().flat_map(|&f| faces[f as usize]);
+                    let mut all: Vec<u32> = corners.filter(|&j| j as usize != v).collect();
+                    all.sort_unstable();
+                    all.dedup();
+                    lists.extend(all);
+                } else {
+                    for &f in around {
+                        for j in faces[f as usize] {
+                            if j as usize != v && !lists[begin..].contains(&j) {
+                                lists.push(j);
+                            }
+                        }
+                    }
+                }
+                lengths.push((lists.len() - begin) as u32);
+            }
+            (lists, lengths)
+        })
+        .collect();
+    let mut offsets = Vec::with_capacity(n + 1);
+    let mut neighbors = Vec::with_capacity(pieces.iter().map(|(lists, _)| lists.len()).sum());
+    let mut end = 0;
+    offsets.push(0);
+    for (lists, lengths) in pieces {
+        neighbors.extend_from_slice(&lists);
+        for length in lengths {
+            end += length;
+            offsets.push(end);
+        }
+    }
+    (offsets, neighbors)
 }

@@ -1,4 +1,4 @@
-//! Conjugate gradients for the step of an implicit flow, three coordinates together.
+//! Conjugate gradients for one implicit step, all three coordinates together.
 
 use std::borrow::Cow;
 
@@ -12,15 +12,19 @@ use crate::engine::parts::{Gauge, Parts, larger, reciprocal};
 
 type Point = [f64; 3];
 
-/// Solves `P (M(1 + w) + t S) P d = P (M w (c − x) − t S x)` for the displacement `d` of one implicit step.
+/// The system `P (M(1 + w) + t S) P d = P (M w (c − x) − t S x)` for the displacement `d` of one
+/// implicit step.
 ///
-/// `P` lets through what constraints allow: nothing at fixed vertices, the tangent at sliding ones. Conjugate
-/// gradients with the diagonal as preconditioner and the displacement of the step before as a first guess. Each
-/// coordinate has its own coefficients unless sliding vertices couple them. It ends when the residual of every
-/// coordinate in every part of the mesh is below the tolerance relative to its own right-hand side of the step about
-/// the centre of the part, or below rounding ([`Gauge`]): a mesh far from the origin is solved as well as one around
-/// it, and the thin side of a flat one as well as its width. The residual is then measured from the solution, not
-/// taken from the recurrence; parts that move as a whole are put where their weighted mean must lie.
+/// `P` projects displacements onto those that constraints allow: zero at fixed vertices, the
+/// tangent at sliding vertices. The solver is conjugate gradients, preconditioned by the diagonal
+/// and started at the displacement of the previous step. Each coordinate has its own coefficients
+/// unless sliding vertices couple them.
+///
+/// A solution is accepted when the residual of each coordinate in each part of the mesh is below
+/// the tolerance relative to its own right-hand side about the centre of the part, or at the level
+/// of rounding ([`Gauge`]). Accuracy thus does not suffer far from the origin, nor in the thin
+/// direction of a flat mesh. The accepted residual is computed from the solution, not taken from
+/// the recurrence. Parts that move as a whole are shifted to their known weighted mean.
 #[derive(Clone, Copy)]
 pub(crate) struct ImplicitSolver<'a> {
     pub(crate) laplacian: &'a GraphLaplacian,
@@ -30,14 +34,15 @@ pub(crate) struct ImplicitSolver<'a> {
     pub(crate) max_iterations: usize,
 }
 
-/// What a solve took and reached.
+/// Iterations used and residual reached.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Solved {
     pub(crate) iterations: usize,
     pub(crate) residual: f64,
 }
 
-/// Memory that the steps of a run share: clearing it in every step would take longer than an iteration.
+/// Memory shared by the steps of a run; clearing it in every step would take longer than an
+/// iteration.
 #[derive(Default)]
 pub(crate) struct Workspace {
     d: Vec<Padded>,
@@ -45,25 +50,26 @@ pub(crate) struct Workspace {
     inverse: Vec<f64>,
 }
 
-/// Times that conjugate gradients begin again where the measured residual is larger than that of the recurrence.
+/// Largest number of restarts after the measured residual turned out larger than that of the
+/// recurrence.
 const MAX_RESTARTS: usize = 3;
 
 impl<'a> ImplicitSolver<'a> {
-    /// `guess` holds a first guess of `d` and receives the solution.
+    /// Solves for `d`, starting from `guess`, which receives the solution.
     pub(crate) fn solve(
         &self,
         x: &[Point],
         freedom: &Freedom,
         guess: &mut [Point],
-        room: &mut Workspace,
+        workspace: &mut Workspace,
     ) -> Result<Solved, FlowFailure> {
         let centres = self.parts.centres(self.laplacian.mass(), x, freedom);
-        room.d.resize(x.len(), [0.0; 4]);
-        room.cg.resize(x.len());
-        let Workspace { d, cg, inverse } = room;
+        workspace.d.resize(x.len(), [0.0; 4]);
+        workspace.cg.resize(x.len());
+        let Workspace { d, cg, inverse } = workspace;
         let system = System::new(*self, x, freedom, &centres, inverse);
         system.begin(guess, d, &mut cg.p);
-        let (mut iterations, most) = (0, self.max_iterations);
+        let (mut iterations, limit) = (0, self.max_iterations);
         let done = |squares: &Padded| [root(squares) <= self.tolerance; 4];
         for restart in 0..=MAX_RESTARTS {
             let squares = system.residual(d, &cg.p, &mut cg.r);
@@ -73,7 +79,7 @@ impl<'a> ImplicitSolver<'a> {
                 return Ok(Solved { iterations, residual });
             }
             if restart < MAX_RESTARTS {
-                descend(&system, d, cg, done, &mut iterations, most)
+                descend(&system, d, cg, done, &mut iterations, limit)
                     .map_err(|_| system.not_converged(iterations, &cg.r))?;
                 system.settle(d, &mut cg.p);
             }
@@ -81,7 +87,7 @@ impl<'a> ImplicitSolver<'a> {
         Err(system.not_converged(iterations, &cg.r))
     }
 
-    /// How residuals of the step at `x` are measured: against `M (x − c̄ + w (c − c̄))` about the centres c̄.
+    /// The scale of residuals of the step at `x`: `M (x − c̄ + w (c − c̄))` about the centres c̄.
     fn gauge(&self, x: &[Point], freedom: &Freedom, centres: &[Point]) -> Gauge<'a> {
         let both = self.parts.sums_and_largest(|part, i| {
             let ((w, target), c) = (freedom.pull(i), centres[part]);
@@ -101,12 +107,13 @@ impl<'a> ImplicitSolver<'a> {
         Gauge::new(self.parts, &sides, &reach, self.tolerance, freedom.sliding.is_some())
     }
 
-    /// What [`Gauge::new`] takes: the squared norms of `M (x − c̄ + w (c − c̄))` and of the coefficients of the rows.
+    /// The squared norms of `M (x − c̄ + w (c − c̄))` and of the coefficients of the rows, for
+    /// [`Gauge::new`].
     pub(crate) fn sides(&self, x: &[Point], freedom: &Freedom, centres: &[Point]) -> Vec<[f64; 4]> {
         self.parts.sums(|part, i| self.side(x, freedom, centres[part], i))
     }
 
-    /// What vertex `i` adds to [`Self::sides`].
+    /// The contribution of vertex `i` to [`Self::sides`].
     #[inline(always)]
     fn side(&self, x: &[Point], freedom: &Freedom, centre: Point, i: usize) -> [f64; 4] {
         let ((w, target), m) = (freedom.pull(i), self.laplacian.mass()[i]);
@@ -123,9 +130,10 @@ impl<'a> ImplicitSolver<'a> {
     }
 }
 
-/// The system of one step. Displacements and residuals of each coordinate of each part are in units of the gauge, which
-/// make its right-hand side one and change nothing in a linear system of its own. Positions are not: fixed vertices
-/// are neighbours of several parts.
+/// The system of one step. Displacements and residuals of each coordinate of each part are in units
+/// of the gauge, in which its right-hand side has norm one; each is a linear system of its own, so
+/// scaling does not change it. Positions remain in mesh units, since fixed vertices may be
+/// neighbours of several parts.
 struct System<'a> {
     solver: ImplicitSolver<'a>,
     freedom: &'a Freedom,
@@ -160,7 +168,8 @@ impl<'a> System<'a> {
         Self { solver, freedom, x, centres, gauge, units, shifted, inverse }
     }
 
-    /// The position of vertex `i` about the centre of its part, displaced by `d` in units of the gauge.
+    /// The position of vertex `i` about the centre of its part, displaced by `d` in units of the
+    /// gauge.
     #[inline(always)]
     fn position(&self, i: usize, d: Padded) -> Padded {
         let part = self.solver.parts.part(i);
@@ -168,7 +177,8 @@ impl<'a> System<'a> {
         [x[0] - c[0] + u[0] * d[0], x[1] - c[1] + u[1] * d[1], x[2] - c[2] + u[2] * d[2], 0.0]
     }
 
-    /// The soft constraint of vertex `i`: its weight, and that times its target about the centre of its part.
+    /// The soft constraint of vertex `i`: its weight, and that times its target about the centre of
+    /// its part.
     #[inline(always)]
     fn pull(&self, i: usize) -> (f64, Point) {
         let (w, target) = self.freedom.pull(i);
@@ -185,7 +195,7 @@ impl<'a> System<'a> {
         [p[0], p[1], p[2], 0.0]
     }
 
-    /// `d` from a first guess in mesh units, and `p = x + d`.
+    /// Sets `d` from an initial guess in mesh units, and `p = x + d`.
     fn begin(&self, guess: &[Point], d: &mut [Padded], p: &mut [Padded]) {
         update_both(d, p, |i, d, p| {
             let g = &self.gauge.measure[self.solver.parts.part(i)];
@@ -203,8 +213,8 @@ impl<'a> System<'a> {
         });
     }
 
-    /// `r = P (M (w (c − x − d) − d) − t S (x + d))`, whose first part is one product at `p = x + d`, and the squares of
-    /// each coordinate.
+    /// Computes `r = P (M (w (c − x − d) − d) − t S (x + d))`, with one product at `p = x + d`, and
+    /// returns the squared norm of each coordinate.
     fn residual(&self, d: &[Padded], p: &[Padded], r: &mut [Padded]) -> Padded {
         let (l, t) = (self.solver.laplacian, self.solver.step);
         let mass = l.mass();
@@ -221,15 +231,16 @@ impl<'a> System<'a> {
         })
     }
 
-    /// Puts the weighted mean of each part that may move as a whole where the equations have it: at its centre. They
-    /// determine it by the masses alone, which a residual of long steps hardly shows. `p` receives `x + d`.
+    /// Shifts each part that may move as a whole so that its weighted mean is at its centre, as the
+    /// equations require. Only the masses determine this mean, so residuals of long steps hardly
+    /// show its error. `p` receives `x + d`.
     fn settle(&self, d: &mut [Padded], p: &mut [Padded]) {
         let parts = self.solver.parts;
         let mass = self.solver.laplacian.mass();
         let sums = parts.sums(|_, i| {
             let (q, m, (_, pull)) = (self.shifted[i], mass[i], self.pull(i));
             let (before, after) = (self.position(i, [0.0; 4]), self.position(i, d[i]));
-            // The left side less the right, which the rounding of a centre leaves a little off zero.
+            // Left side minus right side: zero but for the rounding of the centre.
             let off = |k: usize| q * after[k] - m * (before[k] + pull[k]);
             [off(0), off(1), off(2), q]
         });
@@ -278,12 +289,12 @@ impl CgSystem<4> for System<'_> {
     }
 }
 
-/// The largest root of the squares of three coordinates; NaN if one is.
+/// The largest square root of three coordinates; NaN if one is NaN.
 fn root(squares: &Padded) -> f64 {
     squares[..3].iter().map(|s| s.sqrt()).fold(0.0, larger)
 }
 
-/// The failure with the vertex of the largest residual.
+/// The failure to converge, with the vertex of the largest residual.
 pub(crate) fn not_converged<const N: usize>(
     residual: f64,
     iterations: usize,

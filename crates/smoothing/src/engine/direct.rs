@@ -1,4 +1,4 @@
-//! Cholesky factorisation for the steps of an implicit flow.
+//! Implicit steps by Cholesky factorisation.
 
 use fairing_sparse::{
     Cholesky, CholeskyError, GraphLaplacian, Ordering, SolverChoice, SparseMatrix,
@@ -12,25 +12,29 @@ use crate::engine::parts::{Gauge, Parts, larger};
 
 type Point = [f64; 3];
 
-/// Solves with refinement: the residual of a solution is solved for again. One is the rule, two are rare.
+/// The largest number of solves with iterative refinement. One is the rule, two are rare.
 const MAX_SOLVES: usize = 6;
 
-/// What a step changes at most, as a share of positions: conjugate gradients begin that close to the solution.
+/// The largest change of a step relative to the positions: the initial error of conjugate
+/// gradients.
 const CHANGE: f64 = 0.01;
 
-/// Beyond this condition systems are always factored. The smallest eigenvalues of a part that moves nearly as a whole
-/// are then so far below the largest that conjugate gradients see rounding before they see them.
+/// The condition beyond which systems are always factored: the smallest eigenvalues, of parts that
+/// move nearly as a whole, are then lost to rounding in conjugate gradients.
 const ILL_CONDITIONED: f64 = 1e6;
 
-/// Steps of this many times the reciprocal of the largest eigenvalue are solved with a vertex of each part grounded.
+/// Steps longer than this many times the reciprocal of the largest eigenvalue are solved with one
+/// vertex of each part grounded.
 const LONG: f64 = 100.0;
 
-/// Whether factorisation is faster than conjugate gradients for a run of implicit steps, by the measured rule of
-/// [`SolverChoice`], or needed.
+/// Returns true if a run of implicit steps should be factored: if factorisation is faster than
+/// conjugate gradients by the measured rule of [`SolverChoice`], or if the system is too
+/// ill-conditioned to iterate.
 ///
-/// The condition is `κ = 1 + t ω` for the largest eigenvalue ω of `−L`, about 7.4/h² with cotangents on even meshes. A
-/// factor of a frozen operator serves all steps; an operator that is assembled again needs one for each. So λ decides: short steps
-/// are iterated, long ones factored, and those of frozen operators sooner.
+/// The condition is `κ = 1 + t ω` for the largest eigenvalue ω of `−L`, about 7.4/h² with
+/// cotangents on even meshes. The factor of a constant operator serves all steps; an updated
+/// operator needs one factor for each. Short steps are therefore iterated and long ones factored,
+/// sooner for a constant operator.
 pub(crate) fn pays(
     laplacian: &GraphLaplacian,
     step: f64,
@@ -49,19 +53,20 @@ pub(crate) fn pays(
     work.condition > ILL_CONDITIONED || SolverChoice::choose(&work) == SolverChoice::Direct
 }
 
-/// The systems of a run, factored. Fixed vertices are taken out; soft constraints are part of the systems.
+/// The factored systems of a run, without fixed vertices but with soft constraints.
 ///
-/// For long steps `A = M(1 + w) + tS` is nearly singular: a part without fixed vertices costs next to nothing to move
-/// as a whole, and rounding of t S would decide where it goes. But where it goes is known: 1ᵀ A = 1ᵀ M(1 + w) fixes
-/// the weighted mean of a part. So one solves about that mean, for a right-hand side whose sum over each part is
-/// zero, with a vertex g of each part *grounded*: `A' = A + s e eᵀ` at g, as well conditioned as t S is without its
-/// constants. With `u = A'⁻¹ b` and the response `v = A'⁻¹ s e`, the solution of `A x = b` is `u + c v`, and c is what
-/// makes its weighted mean vanish.
+/// For long steps `A = M(1 + w) + tS` is nearly singular: a translation of a part without fixed
+/// vertices has almost no energy, and rounding of t S would determine it. But the translation is
+/// known, because 1ᵀ A = 1ᵀ M(1 + w) fixes the weighted mean of a part. The system is therefore
+/// solved about this mean, with a right-hand side whose sum over each part is zero and with one
+/// vertex g of each part *grounded*: `A' = A + s e eᵀ` at g is as well conditioned as t S without
+/// its constants. With `u = A'⁻¹ b` and the response `v = A'⁻¹ s e`, the solution of `A x = b` is
+/// `u + c v`, where c makes its weighted mean vanish.
 #[derive(Default)]
 pub(crate) struct Direct {
     symbolic: Option<SymbolicCholesky>,
     factor: Option<Grounded>,
-    /// Numeric factorisations so far.
+    /// The number of numeric factorisations so far.
     pub(crate) factorisations: usize,
 }
 
@@ -70,17 +75,18 @@ struct Grounded {
     factor: Cholesky,
     /// The response v of all parts; empty if none is grounded.
     response: Vec<f64>,
-    /// `1ᵀ M(1 + w)` over each part, and the same of the response.
+    /// The sums of `M(1 + w)` and of `M(1 + w) v` over each part.
     weight: Vec<[f64; 2]>,
 }
 
 impl Direct {
-    /// Forgets the factor, because the operator has changed; its pattern is kept.
+    /// Discards the factor after a change of the operator; the symbolic factorisation is kept.
     pub(crate) fn forget_factor(&mut self) {
         self.factor = None;
     }
 
-    /// The displacement of one step, as [`ImplicitSolver::solve`] defines it, for vertices that do not slide.
+    /// Computes the displacement of one step, defined as in [`ImplicitSolver::solve`]; no vertex
+    /// may slide.
     pub(crate) fn solve(
         &mut self,
         solver: ImplicitSolver<'_>,
@@ -96,7 +102,8 @@ impl Direct {
         let (laplacian, parts, t) = (solver.laplacian, solver.parts, solver.step);
         let (mass, centres) =
             (laplacian.mass(), solver.parts.centres(laplacian.mass(), x, freedom));
-        // Unknown is u = x' − base: about the centre of a part that moves as a whole, else about where vertices are.
+        // The unknown is u = x' − base, with the centre as base for parts that move as a whole, x
+        // for all others.
         let base = |i: usize| if parts.is_free(i) { centres[parts.part(i)] } else { x[i] };
         let mut b = vec![[0.0; 3]; x.len()];
         let about = |i: usize, k: usize| x[i][k] - centres[parts.part(i)][k];
@@ -122,7 +129,8 @@ impl Direct {
         let mut r = b.clone();
         let mut iterations = 0;
         let reported = loop {
-            // Rounding of the terms of a residual goes with u, not with x.
+            // The terms of a residual, and so their rounding errors, are of the size of u, not of
+            // x.
             let reach = parts.largest(|_, i| u[i].map(f64::abs));
             let gauge = Gauge::new(parts, &sides, &reach, solver.tolerance, false);
             let residual = gauge.measured(&r);
@@ -151,7 +159,7 @@ impl Direct {
         Ok(Solved { iterations, residual: reported })
     }
 
-    /// Factors the system of a step, grounded if it is long.
+    /// Factors the system of a step, grounded if the step is long.
     fn ground(
         &mut self,
         solver: ImplicitSolver<'_>,
@@ -160,7 +168,7 @@ impl Direct {
         let (laplacian, parts, t) = (solver.laplacian, solver.parts, solver.step);
         let mut ground = vec![0.0; laplacian.len()];
         if t * laplacian.gershgorin() > LONG {
-            for v in parts.representatives().filter(|&v| !laplacian.is_still(v)) {
+            for v in parts.representatives().filter(|&v| !laplacian.is_fixed(v)) {
                 ground[v] = t * laplacian.diagonal()[v];
             }
         }
@@ -178,7 +186,7 @@ impl Direct {
 
     fn factorise(&mut self, matrix: &SparseMatrix) -> Result<Cholesky, FlowFailure> {
         self.factorisations += 1;
-        // The pattern changes where intrinsic edges do.
+        // The pattern changes if intrinsic edges flip.
         if let Some(symbolic) = &self.symbolic {
             match symbolic.factorize(matrix) {
                 Err(CholeskyError::PatternChanged { .. }) => {}
@@ -194,18 +202,18 @@ impl Direct {
 }
 
 impl Grounded {
-    /// Takes off what rounding leaves of the sum of a residual over each part that moves as a whole: of a centre, and of
-    /// the terms of t S.
+    /// Subtracts the sum of a residual over each part that moves as a whole. The sum is due to
+    /// rounding, of the centre and of the terms of t S.
     fn balance(&self, parts: &Parts, mass: &[f64], freedom: &Freedom, r: &mut [Point]) {
         let sums = parts.sums(|_, i| r[i]);
         for (i, r) in r.iter_mut().enumerate().filter(|(i, _)| parts.is_free(*i)) {
             let part = parts.part(i);
-            let share = mass[i] * (1.0 + freedom.pull(i).0) / self.weight[part][0];
-            *r = [0, 1, 2].map(|k| r[k] - share * sums[part][k]);
+            let fraction = mass[i] * (1.0 + freedom.pull(i).0) / self.weight[part][0];
+            *r = [0, 1, 2].map(|k| r[k] - fraction * sums[part][k]);
         }
     }
 
-    /// `u ← u + A⁻¹ r` for a residual that is balanced; `r` is used up.
+    /// `u ← u + A⁻¹ r` for a balanced residual; overwrites `r`.
     fn correct(
         &self,
         parts: &Parts,
@@ -220,7 +228,7 @@ impl Grounded {
         for (i, (u, r)) in u.iter_mut().zip(r).enumerate() {
             let (part, mut shift) = (parts.part(i), [0.0; 3]);
             if parts.is_free(i) {
-                // Parts that are not grounded are shifted as they are.
+                // Parts that are not grounded are translated.
                 let (v, weight) = match self.weight[part] {
                     [_, weight] if weight > 0.0 => (self.response[i], weight),
                     [weight, _] => (1.0, weight),
@@ -232,8 +240,8 @@ impl Grounded {
     }
 }
 
-/// `M(1 + w) + t S` over the vertices that move, with ones on the diagonal of those that are fixed, and `ground` added
-/// to the diagonal.
+/// The matrix `M(1 + w) + t S` plus the diagonal `ground`, restricted to the vertices that move,
+/// with ones on the diagonal for fixed vertices.
 fn system(
     laplacian: &GraphLaplacian,
     step: f64,
@@ -250,7 +258,7 @@ fn system(
             false => {
                 let neighbors = laplacian.stiffness_row(i);
                 row.extend(neighbors.filter(|&(j, _)| !freedom.fixed[j as usize]));
-                let s = if laplacian.is_still(i) { 0.0 } else { laplacian.diagonal()[i] };
+                let s = if laplacian.is_fixed(i) { 0.0 } else { laplacian.diagonal()[i] };
                 laplacian.mass()[i] * (1.0 + freedom.pull(i).0) + step * s + ground[i]
             }
         };
@@ -269,7 +277,8 @@ fn system(
 #[cfg(test)]
 mod tests {
 
-    /// Ten steps of a frozen operator are factored where they are long and iterated where they are short.
+    /// Ten steps of a constant operator are factored if they are long and iterated if they are
+    /// short.
     #[test]
     fn conditioning_decides() {
         let mesh = fairing_shapes::icosphere(5);

@@ -1,4 +1,4 @@
-//! Why a flow stops before its end.
+//! Errors of flows.
 
 use std::fmt;
 
@@ -8,15 +8,15 @@ use fairing_parameters::OptionError;
 use fairing_sparse::CholeskyError;
 use fairing_spectral::SpectralError;
 
-/// A flow that failed, and the last mesh before that.
+/// The failure of a flow, with the last mesh before it.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct FlowError {
-    /// Why.
+    /// The failure.
     pub failure: FlowFailure,
-    /// The step that could not be taken, from 1; 0 if none was begun.
+    /// The step that failed, counted from 1; 0 if none was begun.
     pub iteration: usize,
-    /// The mesh after the last step that succeeded; the input if none did.
+    /// The mesh after the last successful step; the input if there was none.
     pub last_good: Box<TriMesh>,
 }
 
@@ -29,14 +29,14 @@ impl fmt::Display for FlowError {
     }
 }
 
-// The failure is part of the message: what lies behind it is the next in the chain.
+// The failure is part of the message; its source is next in the chain.
 impl std::error::Error for FlowError {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         self.failure.source()
     }
 }
 
-/// A mass that is not positive is a failure of its own.
+/// Maps nonpositive masses to a separate failure.
 impl From<OperatorError> for FlowFailure {
     fn from(error: OperatorError) -> Self {
         match error {
@@ -46,17 +46,17 @@ impl From<OperatorError> for FlowFailure {
     }
 }
 
-/// Why a step cannot be taken.
+/// Reason for the failure of a step.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FlowFailure {
-    /// An option is outside of its range.
+    /// An option is out of range.
     #[error(transparent)]
     Option(#[from] OptionError),
-    /// Options that contradict each other.
+    /// A combination of options that is not supported.
     #[error("{reason}")]
     Unsupported {
-        /// Which options, and why not together.
+        /// The options, and the reason why they exclude each other.
         reason: &'static str,
     },
     /// A constraint names a vertex that does not exist.
@@ -67,14 +67,14 @@ pub enum FlowFailure {
         /// The number of vertices.
         vertex_count: usize,
     },
-    /// An explicit step is beyond the stable limit, and
+    /// An explicit step exceeds the stable limit, and
     /// [`Stability::Refuse`](crate::Stability::Refuse) is set.
     #[error(
         "a step of {step} is beyond the stable limit {limit}: some modes would grow; \
-         take a smaller step, an implicit method, or allow unstable steps"
+         use a smaller step or an implicit method, or allow unstable steps"
     )]
     Unstable {
-        /// The step asked for, in the unit of the limit.
+        /// The given step, in the unit of the limit.
         step: f64,
         /// The largest step for which no mode grows.
         limit: f64,
@@ -82,54 +82,56 @@ pub enum FlowFailure {
     /// Pairs of steps would amplify a mode of the pass band by more than two, and
     /// [`Stability::Refuse`](crate::Stability::Refuse) is set.
     #[error(
-        "{pairs} pairs of steps would multiply the modes at half the pass band by {gain} each, by more than two in all; \
-         take fewer pairs, a smaller λ or pass band, or allow unstable steps"
+        "{pairs} pairs of steps would amplify the modes at half the pass band by {gain} per pair, by more than two in \
+         total; use fewer pairs, a smaller λ or pass band, or allow unstable steps"
     )]
     Amplified {
         /// The largest factor of a mode in one pair.
         gain: f64,
-        /// The pairs asked for.
+        /// The given number of pairs.
         pairs: usize,
     },
-    /// A coordinate is too large for a number.
+    /// A coordinate is not finite.
     #[error("vertex {vertex} would move to ({}, {}, {})", position[0], position[1], position[2])]
     NonFinite {
         /// The vertex.
         vertex: u32,
-        /// Where it would go.
+        /// Its position after the step.
         position: [f64; 3],
     },
-    /// The operator of a step cannot be assembled. [`LaplacianKind::Robust`](fairing_operators::LaplacianKind::Robust)
-    /// and uniform weights are defined on meshes where the plain operator is not.
+    /// The operator of a step cannot be assembled. The robust Laplacian
+    /// ([`LaplacianKind::Robust`](fairing_operators::LaplacianKind::Robust)) and uniform weights
+    /// are defined on more meshes than cotangents.
     #[error(
-        "the operator cannot be assembled; use the robust operator or uniform weights for such a mesh"
+        "the operator cannot be assembled; use the robust operator or uniform weights for this mesh"
     )]
     Operator(#[source] OperatorError),
-    /// A flow that takes its operator again in each step has shrunk the mesh to almost nothing: the surface that it
-    /// follows has vanished within this step.
+    /// A flow with an updated operator has shrunk the mesh to almost nothing: the exact surface
+    /// vanishes within this step.
     #[error(
-        "the surface collapses in this step: a face at vertex {vertex} has an area of {area:e}, of {before:e} at the \
-         beginning; end the flow earlier, or use the robust operator or the conformal flow, which continue"
+        "the surface collapses in this step: the area of a face at vertex {vertex} is {area:e}, down from {before:e} in \
+         the input; end the flow earlier, or use the robust operator or the conformal flow, which continue"
     )]
     Collapsed {
-        /// A corner of the face that has lost the largest share of its area.
+        /// A corner of the face that has lost the largest fraction of its area.
         vertex: u32,
-        /// What is left of the area of the face, in squared mesh units: after the step if it can be taken, before it
-        /// if not.
+        /// The area of the face in squared mesh units, after the step if it can be taken, before
+        /// the step otherwise.
         area: f64,
         /// Its area in the input.
         before: f64,
     },
-    /// The mass of a vertex is not positive, so that the step is not defined (Voronoi areas can be negative).
-    #[error("vertex {vertex} has the mass {mass:e}, but a step needs positive masses")]
+    /// The mass of a vertex is not positive, so the step is not defined (Voronoi areas can be
+    /// negative).
+    #[error("vertex {vertex} has mass {mass:e}, but steps require positive masses")]
     NonPositiveMass {
         /// The vertex.
         vertex: u32,
         /// Its mass: squared mesh units for areas.
         mass: f64,
     },
-    /// Two neighbours coincide, where weights divide by the length of their edge.
-    #[error("the edge from vertex {vertex} to {neighbor} has no length")]
+    /// Two neighbours coincide, but the weights divide by the length of their edge.
+    #[error("the edge from vertex {vertex} to vertex {neighbor} has zero length")]
     NoLength {
         /// One end.
         vertex: u32,
@@ -155,11 +157,11 @@ pub enum FlowFailure {
     /// The modes of a filter cannot be computed.
     #[error("the modes cannot be computed")]
     Modes(#[source] Box<SpectralError>),
-    /// Most vertices lie where another one does: the faces do not share their corners
+    /// Most vertices coincide with another one: the faces do not share their corners
     /// ([`TriMesh::is_unwelded`]).
     #[error(
-        "{seams} of {vertices} vertices lie exactly where another one does: the faces do not share \
-         their corners, so that each would shrink by itself; weld the mesh first"
+        "{seams} of {vertices} vertices coincide with another vertex: the faces do not share their corners, \
+         so each would shrink by itself; weld the mesh first"
     )]
     Unwelded {
         /// Boundary vertices that coincide with another one.
@@ -167,13 +169,13 @@ pub enum FlowFailure {
         /// All vertices.
         vertices: usize,
     },
-    /// Volume can be kept only where it is defined.
-    #[error("the volume cannot be kept: {reason}")]
+    /// The volume cannot be preserved.
+    #[error("the volume cannot be preserved: {reason}")]
     Volume {
-        /// Why not.
+        /// The reason.
         reason: &'static str,
     },
-    /// Positions do not make a mesh.
+    /// The positions after a step do not form a valid mesh.
     #[error(transparent)]
     Mesh(BuildError),
 }
@@ -188,7 +190,7 @@ impl From<BuildError> for FlowFailure {
 }
 
 impl FlowFailure {
-    /// The failure before the first step of a flow on `mesh`.
+    /// The error of a flow on `mesh` that fails before its first step.
     pub(crate) fn before(self, mesh: &TriMesh) -> FlowError {
         FlowError { failure: self, iteration: 0, last_good: Box::new(mesh.clone()) }
     }

@@ -1,4 +1,4 @@
-//! Implicit steps one after another: `(M + λS) x' = M x`, by conjugate gradients or a factorisation.
+//! Consecutive implicit steps `(M + λS) x' = M x`, by conjugate gradients or a factorisation.
 
 use fairing_sparse::GraphLaplacian;
 use fairing_sparse::parallel::update;
@@ -11,13 +11,13 @@ use crate::engine::outcome::Approach;
 use crate::engine::parts::Parts;
 use crate::engine::run::StepNote;
 
-/// Conjugate gradient iterations after which a step with sliding vertices, which cannot be factored, is given up.
+/// CG iterations before a step with sliding vertices, which cannot be factored, fails.
 const MAX_ITERATIONS: usize = 20_000;
 
-/// Conjugate gradient iterations before falling back to a factorisation.
+/// CG iterations before falling back to Cholesky.
 const ITERATIONS_BEFORE_FACTORING: usize = 2000;
 
-/// Takes implicit steps of one length; the operator may change from step to step.
+/// A solver for implicit steps of one length; the operator may change from step to step.
 pub(crate) struct ImplicitSteps {
     /// The factor of `L`.
     step: f64,
@@ -26,19 +26,19 @@ pub(crate) struct ImplicitSteps {
     parts: Parts,
     /// Sliding vertices couple the coordinates, which a factor of the scalar system cannot express.
     may_factor: bool,
-    /// Whether all systems are factored, because that is faster.
+    /// True if all systems are factored, because that is faster.
     factors_all: bool,
     direct: Direct,
-    /// Displacement of the previous step, the first guess of conjugate gradients.
+    /// The displacement of the previous step, the initial guess of conjugate gradients.
     displacement: Vec<[f64; 3]>,
     workspace: Workspace,
-    /// Conjugate gradient iterations of all steps.
+    /// CG iterations of all steps.
     iterations: usize,
 }
 
 impl ImplicitSteps {
-    /// Prepares steps with the factor `step` of `L`, whose spectrum reaches to `bound`; the same operator serves
-    /// `solves` of them.
+    /// Prepares steps with the factor `step` of `L`, whose spectral bound is `bound`; each operator
+    /// serves `solves` steps.
     pub(crate) fn new(
         laplacian: &GraphLaplacian,
         freedom: &Freedom,
@@ -61,17 +61,17 @@ impl ImplicitSteps {
         }
     }
 
-    /// Forgets the factor, because the operator has changed.
+    /// Discards the factor after a change of the operator.
     pub(crate) fn operator_changed(&mut self) {
         self.direct.forget_factor();
     }
 
-    /// Begins the next solve without a first guess.
+    /// Starts the next solve from zero.
     pub(crate) fn forget_displacement(&mut self) {
         self.displacement.fill([0.0; 3]);
     }
 
-    /// One step from `x` to `next`.
+    /// Takes one step from `x` to `next`.
     pub(crate) fn step(
         &mut self,
         laplacian: &GraphLaplacian,
@@ -82,7 +82,8 @@ impl ImplicitSteps {
         self.step_on(laplacian, x, freedom, false, next)
     }
 
-    /// [`Self::step`]; thin faces make a system `hard`, which is then factored at once.
+    /// Takes one step as [`Self::step`] does; a `hard` system, from thin faces, is factored at
+    /// once.
     pub(crate) fn step_on(
         &mut self,
         laplacian: &GraphLaplacian,

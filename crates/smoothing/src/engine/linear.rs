@@ -1,4 +1,4 @@
-//! Linear flows: many steps of one operator, taken by the method that costs least.
+//! Linear flows: all steps with one operator, by the cheapest method.
 
 use fairing_sparse::GraphLaplacian;
 
@@ -14,9 +14,10 @@ use crate::engine::series::Chain;
 /// Multiplies the mode of eigenvalue μ of `L` by `response.at(μ)`; `bound` is the
 /// [spectral bound](GraphLaplacian::spectral_bound).
 ///
-/// Unobserved runs of free and pinned vertices are one Chebyshev series where a short one exists. Other steps are
-/// taken one after another, implicit ones by conjugate gradients or a factorisation to the relative residual
-/// `tolerance`; other filters are a series in the resolvent. The report says which.
+/// Unobserved runs with free and pinned vertices only are evaluated as a Chebyshev series if a
+/// short one exists. All other steps are taken one after another, implicit steps by conjugate
+/// gradients or a factorisation to the relative residual `tolerance`; all other filters are
+/// evaluated as a series in the resolvent. The report names the method.
 pub(crate) fn advance(
     mut run: Run<'_, '_>,
     laplacian: &GraphLaplacian,
@@ -57,7 +58,7 @@ pub(crate) fn advance(
     }
 }
 
-/// The series of a run, if it takes less time than the steps.
+/// The series of a run, if it is cheaper than the steps.
 fn series(bound: f64, response: Response) -> Option<Chain> {
     // A product of a series costs a third less than a step.
     match response {
@@ -73,7 +74,7 @@ fn series(bound: f64, response: Response) -> Option<Chain> {
     }
 }
 
-/// A filter that is too narrow for a series in `L`.
+/// Applies a filter that is too narrow for a series in `L`, by a series in the resolvent.
 fn filter(
     mut run: Run<'_, '_>,
     laplacian: &GraphLaplacian,
@@ -95,7 +96,7 @@ fn filter(
     }
 }
 
-/// `next ← x + λ P L x`, drawn towards soft targets.
+/// The explicit step `next ← x + λ P L x`, drawn towards soft targets.
 fn explicit_step(
     laplacian: &GraphLaplacian,
     step: f64,

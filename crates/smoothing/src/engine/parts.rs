@@ -275,8 +275,8 @@ mod tests {
 
     use super::*;
     use crate::engine::arrangement::Arrangement;
+    use crate::engine::assemble::uniform;
     use crate::engine::constraints::{Constraints, SoftConstraint};
-    use crate::engine::neighbors::uniform;
 
     /// Three tetrahedra of sizes 1, 2 and 1/8 apart from each other, and masses without a pattern.
     fn three() -> (TriMesh, Vec<f64>) {
@@ -300,7 +300,7 @@ mod tests {
         let constraints =
             Constraints { pinned: vec![1, 6], soft: vec![pull], ..Constraints::default() };
         let freedom = Freedom::new(&Arrangement::as_given(&mesh), &constraints).unwrap();
-        let laplacian = uniform(12, mesh.faces(), &freedom.fixed);
+        let laplacian = uniform(&mesh, &freedom.fixed);
         let parts = Parts::new(&laplacian, &freedom);
         assert_eq!(parts.free().collect::<Vec<_>>(), [false, false, true, false]);
         let x = mesh.positions();
@@ -349,7 +349,7 @@ mod tests {
     fn residuals_are_relative_to_their_own_part() {
         let (mesh, _) = three();
         let freedom = Freedom::new(&Arrangement::as_given(&mesh), &Constraints::default()).unwrap();
-        let laplacian = uniform(12, mesh.faces(), &freedom.fixed);
+        let laplacian = uniform(&mesh, &freedom.fixed);
         let parts = Parts::new(&laplacian, &freedom);
         assert_eq!(parts.count(), 4);
         // Right-hand sides of 1, 10⁻⁶ and 10³ in x, half of that in y, and a hundredth in z.

@@ -1,18 +1,19 @@
-//! Filters that are narrow beside the resolution of the mesh, by a series in the resolvent.
+//! Narrow filters as a series in the resolvent.
 //!
-//! A polynomial in `L` that is 1 at μ = 0 and small beyond a thousandth of a thousandth of the spectrum has thousands
-//! of terms. In terms of `y = 1/(1 − τμ)`, the eigenvalue of `R = (I − τL)⁻¹`, the whole half-line of μ ≤ 0 is the
-//! interval (0, 1], and with τ chosen for the filter the function of y does not depend on the mesh:
+//! A polynomial in `L` that is 1 at μ = 0 and small beyond a millionth of the spectrum has
+//! thousands of terms. In terms of `y = 1/(1 − τμ)`, the eigenvalue of the resolvent
+//! `R = (I − τL)⁻¹`, the half-line μ ≤ 0 becomes the interval (0, 1], and with τ chosen for the
+//! filter its function of y does not depend on the mesh:
 //!
 //! ```text
 //! exp(tμ) = exp(σ (1 − 1/y))                with τ = t/σ
 //! 1/(1 + (−μ/c)ᵖ) = yᵖ/(yᵖ + (1 − y)ᵖ)      with τ = 1/c
 //! ```
 //!
-//! The first is smooth on [0, 1], and σ = [`RATIO`] suits its first thirty coefficients; the second has its poles at
-//! `½ − ½ i tan(θ/2)` for odd multiples θ of π/p, so that its coefficients fall like the powers of
-//! `tan(π/2p) + 1/cos(π/2p)`: 31 terms for p = 1 to 4, 250 for p = 16. R is factored once, and every mode is right,
-//! however large t or small c is.
+//! The first is smooth on [0, 1], and with σ = [`RATIO`] thirty coefficients suffice; the second
+//! has its poles at `½ − ½ i tan(θ/2)` for odd multiples θ of π/p, so that its coefficients decay
+//! like powers of `tan(π/2p) + 1/cos(π/2p)`: 31 terms for p = 1 to 4, 250 for p = 16. R is factored
+//! once, and every mode is accurate however large t or small c is.
 
 use fairing_sparse::{ChebyshevSeries, GraphLaplacian};
 
@@ -26,26 +27,27 @@ use crate::engine::series::TOLERANCE;
 
 type Point = [f64; 3];
 
-/// σ, the time of a heat filter over that of its resolvent.
+/// σ, the ratio of the time of a heat filter to that of its resolvent.
 const RATIO: f64 = 20.0;
 
-/// Samples: for p = 16 the error of the polynomial through them is below 1e-20, by the bound of
+/// Samples: for p = 16 the interpolation error is below 1e-20 by the bound of
 /// [`crate::engine::series`]; that of the heat filter is tested at other points.
 const SAMPLES: usize = 1024;
 
-/// The relative residual of the systems: below the tolerance of a series, since each adds to it.
+/// The relative residual of the systems, below the tolerance of a series, since their errors add
+/// up.
 const RESIDUAL: f64 = 1e-12;
 
 /// A filter as a series in the resolvent.
 pub(crate) struct Resolvent {
     /// τ.
     step: f64,
-    /// Of Chebyshev polynomials in 2y − 1.
+    /// Coefficients of Chebyshev polynomials in 2y − 1.
     coefficients: Vec<f64>,
 }
 
 impl Resolvent {
-    /// `None` for what is no filter.
+    /// The series of a filter; `None` for any other response.
     pub(crate) fn expand(of: Response) -> Option<Self> {
         let (step, of_y): (f64, Box<dyn Fn(f64) -> f64>) = match of {
             Response::Heat { time } => {
@@ -57,13 +59,13 @@ impl Resolvent {
             }
             _ => return None,
         };
-        // The points of [−1, 0], moved to [0, 1].
+        // The interval [−1, 0] of the series, shifted to [0, 1].
         let of_mu = |mu: f64| of_y(1.0 + mu);
         let series = ChebyshevSeries::interpolate(1.0, SAMPLES, TOLERANCE, of_mu)?;
         Some(Self { step, coefficients: series.coefficients().to_vec() })
     }
 
-    /// The systems that an evaluation solves.
+    /// The number of systems solved in one evaluation.
     pub(crate) fn degree(&self) -> usize {
         self.coefficients.len() - 1
     }
@@ -72,7 +74,7 @@ impl Resolvent {
     ///
     /// # Errors
     ///
-    /// Those of [`Direct::solve`].
+    /// The errors of [`Direct::solve`].
     pub(crate) fn apply(
         &self,
         laplacian: &GraphLaplacian,
@@ -84,7 +86,7 @@ impl Resolvent {
         let solver = ImplicitSolver { laplacian, parts, step, tolerance, max_iterations: 0 };
         let mut direct = Direct::default();
         let mut worst = 0.0f64;
-        // About the centre of each part, which no filter moves.
+        // Filters do not move the centre of a part, so positions are taken about it.
         let centres = parts.centres(laplacian.mass(), x, freedom);
         let about: Vec<Point> = x
             .iter()
@@ -110,7 +112,7 @@ impl Resolvent {
         }
         for (i, p) in last.iter_mut().enumerate() {
             let centre = centres[parts.part(i)];
-            *p = match laplacian.is_still(i) {
+            *p = match laplacian.is_fixed(i) {
                 true => x[i],
                 false => [0, 1, 2].map(|k| p[k] + centre[k]),
             };
@@ -123,9 +125,9 @@ impl Resolvent {
 mod tests {
     use super::*;
 
-    /// At twenty thousand points of the interval, most of them near its ends, and 1 at y = 1. Both functions change by
-    /// less than 20 times a difference of y (heat) or 16 times (Butterworth); so do the polynomials, up to the sum of
-    /// k² |cₖ|, which is below 10³.
+    /// Tested at twenty thousand points of the interval, most near its ends, including y = 1.
+    /// The Lipschitz constants of the functions are at most 20 (heat) and 16 (Butterworth), those
+    /// of the polynomials at most Σ k² |cₖ| < 10³.
     #[test]
     fn filters_are_met_on_the_whole_interval() {
         let heat = Response::Heat { time: 7.0 };

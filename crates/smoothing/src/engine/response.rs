@@ -1,13 +1,13 @@
-//! What a run of a linear flow does to each mode, on the spectrum and off it.
+//! The response of each mode to a run of a linear flow, on the spectrum and in the complex plane.
 //!
-//! A Chebyshev series of a function may be trusted where the function is bounded on a Bernstein ellipse around the
-//! interval. With μ = −b (1 − z)/2 the interval [−b, 0] is z ∈ [−1, 1]; the ellipse of the parameter ρ > 1 is the
-//! image of the circle |u| = ρ under z = (u + 1/u)/2, so that `|z − 1| + |z + 1| = ρ + 1/ρ` on it, and
-//! `|z| ≤ a = (ρ + 1/ρ)/2`.
+//! The error of a Chebyshev series follows from a bound of the function on a Bernstein ellipse
+//! around the interval. With μ = −b (1 − z)/2 the interval [−b, 0] is z ∈ [−1, 1]; the ellipse of
+//! parameter ρ > 1 is the image of the circle |u| = ρ under z = (u + 1/u)/2, so that
+//! `|z − 1| + |z + 1| = ρ + 1/ρ` and `|z| ≤ a = (ρ + 1/ρ)/2` on it.
 
 use std::f64::consts::PI;
 
-/// The factor of the mode of eigenvalue μ ≤ 0; every one is 1 for μ = 0.
+/// The factor by which a run multiplies the mode of eigenvalue μ ≤ 0; it is 1 at μ = 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Response {
     /// `(1 + λμ)ᵏ`: k explicit steps.
@@ -39,7 +39,7 @@ impl Response {
         }
     }
 
-    /// The number of steps that the run takes; a filter is one.
+    /// The number of steps of the run; 1 for a filter.
     pub(crate) fn steps(self) -> usize {
         match self {
             Self::Explicit { steps, .. } | Self::Implicit { steps, .. } => steps,
@@ -48,7 +48,7 @@ impl Response {
         }
     }
 
-    /// The degree, if it is a polynomial.
+    /// The degree if the response is a polynomial in μ.
     pub(crate) fn degree(self) -> Option<usize> {
         match self {
             Self::Explicit { steps, .. } => Some(steps),
@@ -73,8 +73,8 @@ impl Response {
         }
     }
 
-    /// An upper bound of the logarithm of the modulus on the ellipse of the parameter `rho` around [−b, 0]; infinite
-    /// where the ellipse holds a pole.
+    /// An upper bound of the logarithm of the modulus on the ellipse of parameter `rho` around [−b,
+    /// 0]; infinite if the ellipse contains a pole.
     pub(crate) fn ln_on_ellipse(self, b: f64, rho: f64) -> f64 {
         // a − 1 without cancellation.
         let beyond = 0.5 * (rho - 1.0) * (rho - 1.0) / rho;
@@ -100,7 +100,8 @@ impl Response {
         }
     }
 
-    /// The same run in `parts` parts, as even as steps allow: each with how often it is taken. Powers only.
+    /// The run split into about `parts` runs of nearly equal length, each with its multiplicity.
+    /// Filters are not split.
     pub(crate) fn split(self, parts: usize) -> Vec<(Self, usize)> {
         let whole = match self {
             Self::Explicit { steps, .. } | Self::Implicit { steps, .. } => steps,
@@ -122,10 +123,11 @@ impl Response {
     }
 }
 
-/// `−ln |1 + wᵖ|` at most, on the ellipse, with `w = (1 − z)/δ`.
+/// An upper bound of `−ln |1 + wᵖ|` on the ellipse, with `w = (1 − z)/δ`.
 ///
-/// `1 + wᵖ` is the product of the distances of w to its p zeros on the unit circle. With z = J(u), |u| = ρ, and a
-/// zero zₘ = J(uₘ), |uₘ| = ρₘ > ρ, `|z − zₘ| = |u − uₘ| |1 − 1/(u uₘ)|/2 ≥ (ρₘ − ρ)(1 − 1/(ρ ρₘ))/2`.
+/// `|1 + wᵖ|` is the product of the distances of w to the p zeros on the unit circle. With J(u) =
+/// (u + 1/u)/2, z = J(u), |u| = ρ, and a zero zₘ = J(uₘ), |uₘ| = ρₘ > ρ,
+/// `|z − zₘ| = |u − uₘ| |1 − 1/(u uₘ)|/2 ≥ (ρₘ − ρ)(1 − 1/(ρ ρₘ))/2`.
 fn butterworth(delta: f64, order: u32, rho: f64) -> f64 {
     let mut sum = 0.0;
     for m in 0..order {
@@ -183,7 +185,8 @@ mod tests {
         Response::Butterworth { cutoff: 0.02, order: 7 },
     ];
 
-    /// The bound is one at every point of ellipses from narrow to wide, and no pole lies inside of where it is finite.
+    /// The bound holds at every point of narrow and wide ellipses, and no pole lies inside an
+    /// ellipse with a finite bound.
     #[test]
     fn moduli_on_ellipses_are_bounded() {
         let b = 2.0;
@@ -212,7 +215,7 @@ mod tests {
             for b in [0.1, 2.0, 3.5] {
                 let values = (0..=10_000).map(|i| response.at(-b * f64::from(i) / 1e4).abs().ln());
                 let found = values.fold(f64::NEG_INFINITY, f64::max);
-                // The top of a parabola between two of ten thousand points.
+                // The top of a parabola may lie between two of ten thousand points.
                 let bound = response.ln_largest(b);
                 assert!(found <= bound + 1e-12 && bound < found + 1e-5, "{response:?}: {bound}");
             }

@@ -1,10 +1,10 @@
-//! The loop that all stepping flows share.
+//! The loop over steps, common to all stepping flows.
 
 use std::ops::ControlFlow;
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::distance;
 use fairing_operators::{OperatorError, check_faces};
+use glam::DVec3;
 
 use crate::engine::arrangement::Arrangement;
 use crate::engine::constraints::{Constraints, Freedom};
@@ -13,23 +13,23 @@ use crate::engine::outcome::{Report, Smoothed};
 use crate::engine::step::{Observer, Step};
 use crate::engine::volume::{SizeKeeper, Volume};
 
-/// What all flows are told in the same way.
+/// Settings shared by all flows.
 pub(crate) struct RunSettings<'a> {
     pub(crate) constraints: &'a Constraints,
     pub(crate) volume: Volume,
     pub(crate) iterations: usize,
-    /// Whether each step ends with scaling to the area of the input.
+    /// True if the mesh is scaled to the area of the input after each step.
     pub(crate) keep_area: bool,
 }
 
 impl<'a> RunSettings<'a> {
-    /// Volume and area go where the flow takes them.
+    /// Settings without control of volume or area.
     pub(crate) fn new(constraints: &'a Constraints, iterations: usize) -> Self {
         Self { constraints, volume: Volume::Drifts, iterations, keep_area: false }
     }
 }
 
-/// A flow on its way.
+/// State of a running flow.
 pub(crate) struct Run<'a, 'o> {
     input: &'a TriMesh,
     pub(crate) arrangement: Arrangement,
@@ -40,24 +40,24 @@ pub(crate) struct Run<'a, 'o> {
     pub(crate) report: Report,
 }
 
-/// What a step did besides moving vertices.
+/// Step size and residual of a completed step.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct StepNote {
     pub(crate) step_size: f64,
     pub(crate) residual: Option<f64>,
 }
 
-/// Returns true if nothing but rounding is left of a mesh that had this diagonal.
+/// Returns true if a mesh with the initial diagonal `size` has shrunk to a point up to rounding.
 fn is_point(mesh: &TriMesh, size: f64) -> bool {
-    let largest = |p: [f64; 3]| p.iter().fold(size, |most, x| most.max(x.abs()));
+    let largest = |p: [f64; 3]| p.iter().fold(size, |largest, x| largest.max(x.abs()));
     let limit = |p: [f64; 3]| 4.0 * f64::EPSILON * largest(p);
-    // Most meshes show by two corners that they are none.
+    // For most meshes the distance of two corners decides.
     let Some(&[a, b, _]) = mesh.faces().first() else { return false };
     let [a, b] = [a, b].map(|v| mesh.positions()[v as usize]);
-    size > 0.0 && distance(a, b) <= limit(a) && mesh.diagonal() <= limit(a)
+    size > 0.0 && DVec3::from(a).distance(b.into()) <= limit(a) && mesh.diagonal() <= limit(a)
 }
 
-/// Refuses a mesh whose faces share no corners: without neighbours each face shrinks by itself.
+/// Refuses a mesh whose faces share no corners: each face would shrink by itself.
 pub(crate) fn refuse_unwelded(mesh: &TriMesh) -> Result<(), FlowFailure> {
     if mesh.is_unwelded() {
         let (vertices, seams) = (mesh.vertex_count(), mesh.seam_vertices());
@@ -67,7 +67,7 @@ pub(crate) fn refuse_unwelded(mesh: &TriMesh) -> Result<(), FlowFailure> {
 }
 
 impl<'a, 'o> Run<'a, 'o> {
-    /// Arranges the mesh and its constraints. Whoever is observed works in the order of the file.
+    /// Arranges the mesh and its constraints. Observed runs keep the input's vertex order.
     pub(crate) fn new(
         input: &'a TriMesh,
         settings: &RunSettings<'_>,
@@ -96,13 +96,14 @@ impl<'a, 'o> Run<'a, 'o> {
         })
     }
 
-    /// Whether a run may be computed at once: there is no observer, and every step is the same linear map.
+    /// Returns true if the run has no observer and its steps are linear in the positions, so that
+    /// all steps may be computed at once.
     pub(crate) fn is_linear(&self) -> bool {
         self.observer.is_none() && self.keeper.is_none() && self.freedom.is_linear()
     }
 
-    /// Takes the steps. `step` fills in the positions after the step from the mesh before it; the iteration is
-    /// counted from 0.
+    /// Takes the steps. `step` receives the iteration, counted from 0, and the mesh before the
+    /// step, and writes the positions after it.
     pub(crate) fn iterate(
         mut self,
         mut step: impl FnMut(
@@ -122,7 +123,8 @@ impl<'a, 'o> Run<'a, 'o> {
             let taken = step(iteration, &mesh, &self.freedom, &mut next).and_then(|note| {
                 self.freedom.end_step(&mut next);
                 if let Some(keeper) = &self.keeper {
-                    // Checked before: the volume of a broken mesh says nothing about the vertex that broke it.
+                    // Positions are checked first: a failure of the volume would not name the bad
+                    // vertex.
                     mesh.with_positions(std::mem::take(&mut next))
                         .map(|m| next = m.into_positions())?;
                     keeper.restore(&mut next, &self.freedom)?;
@@ -157,7 +159,7 @@ impl<'a, 'o> Run<'a, 'o> {
         self.finish(mesh.into_positions())
     }
 
-    /// Ends with positions in the order of the arrangement.
+    /// Ends the run with positions in the order of the arrangement.
     pub(crate) fn finish(self, positions: Vec<[f64; 3]>) -> Result<Smoothed, FlowError> {
         let input = self.input;
         match input.with_positions(self.arrangement.restore(positions)) {
@@ -166,7 +168,7 @@ impl<'a, 'o> Run<'a, 'o> {
         }
     }
 
-    /// The failure before the first step.
+    /// The error of a failure before the first step.
     pub(crate) fn refuse(&self, failure: FlowFailure) -> FlowError {
         self.translate(failure, self.input).before(self.input)
     }
@@ -183,7 +185,7 @@ impl<'a, 'o> Run<'a, 'o> {
         }
     }
 
-    /// The failure with vertices and faces numbered as in the file. `mesh` is the last good one.
+    /// The failure with vertices and faces numbered as in the input. `mesh` is the last good one.
     fn translate(&self, failure: FlowFailure, mesh: &TriMesh) -> FlowFailure {
         let original = |vertex| self.arrangement.original(vertex);
         match failure {
@@ -202,7 +204,8 @@ impl<'a, 'o> Run<'a, 'o> {
             FlowFailure::NotConverged { residual, iterations, vertex } => {
                 FlowFailure::NotConverged { residual, iterations, vertex: original(vertex) }
             }
-            // Faces were reordered too: the first bad one of the file is found by asking again.
+            // Faces were reordered too, so the check is repeated to find the first bad one of the
+            // input.
             FlowFailure::Operator(OperatorError::DegenerateFace { .. }) => {
                 check_faces(mesh).map_or_else(FlowFailure::Operator, |()| failure)
             }

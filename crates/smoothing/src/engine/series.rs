@@ -1,50 +1,52 @@
-//! A whole run of a linear flow at once.
+//! A whole run of a linear flow as one Chebyshev series.
 //!
-//! With a fixed operator, `k` steps multiply the mode of eigenvalue μ by `g(μ)`: `(1 + λμ)ᵏ` for explicit steps,
-//! `(1 − λμ)⁻ᵏ` for implicit ones. Where the steps in between are not observed, `g(L) x` is computed directly from
-//! the Chebyshev series of `g` on the interval that holds the spectrum. Its degree is far below the number of
-//! products (or the iterations of the solves) that stepping needs: 32 instead of 50 for fifty explicit steps with
-//! λ = ½, 35 instead of 100 for fifty Taubin pairs, 62 for ten implicit steps with λ = 5. There are no inner
-//! products, so no synchronisation, and every operation is fused into one sweep over the mesh.
+//! With a constant operator, `k` steps multiply the mode of eigenvalue μ by `g(μ)`: `(1 + λμ)ᵏ` for
+//! explicit steps, `(1 − λμ)⁻ᵏ` for implicit ones. If intermediate steps are not observed, `g(L) x`
+//! is computed directly from the Chebyshev series of `g` on an interval containing the spectrum.
+//! Its degree is far below the number of products (or iterations of solves) that stepping needs: 32
+//! instead of 50 for fifty explicit steps with λ = ½, 35 instead of 100 for fifty Taubin pairs, 62
+//! for ten implicit steps with λ = 5. There are no inner products, hence no synchronisation, and
+//! every operation is fused into one sweep over the mesh.
 //!
-//! A series is computed from samples of `g`, but taken on the strength of a bound: with `|g| ≤ M` on the Bernstein
-//! ellipse of the parameter ρ, the polynomial through n Chebyshev points is within `4 M ρ^(1 − n)/(ρ − 1)` of g on
-//! the whole interval (\[trefethen2013\], theorem 8.2), and a polynomial of degree below n is met exactly. The
-//! number of samples follows from that bound. The series is then cut where the coefficients left out sum to less
-//! than [`TOLERANCE`], and what the value at μ = 0 has lost is added to the constant term, so that the centroid of
-//! every component stays where it is. `L` is symmetric in the inner product of the mass, so the result differs from
-//! exact stepping by at most 2.1 [`TOLERANCE`] times the norm of `x` about its mean. Source: \[druskin1989\].
+//! A series is computed from samples of `g`, and their number follows from an error bound: if
+//! `|g| ≤ M` on the Bernstein ellipse of parameter ρ, the polynomial through n Chebyshev points is
+//! within `4 M ρ^(1 − n)/(ρ − 1)` of g on the whole interval (\[trefethen2013\], theorem 8.2);
+//! polynomials of degree below n are reproduced exactly. The series is then truncated where the
+//! dropped coefficients sum to less than [`TOLERANCE`], and the constant term absorbs the change at
+//! μ = 0, so that the centroid of every component is preserved. `L` is symmetric in the inner
+//! product of the mass, so the result differs from exact stepping by at most 2.1 [`TOLERANCE`]
+//! times the norm of `x` about its mean. Source: \[druskin1989\].
 
 use fairing_sparse::{ChebyshevSeries, GraphLaplacian};
 
 use crate::engine::response::Response;
 
-/// The sum of the coefficients left out; `|g| ≤ 1` for all stable flows but λ|μ, where it is at most
-/// [`LARGEST`].
+/// The largest absolute sum of dropped coefficients. For comparison, `|g| ≤ 1` for most stable
+/// flows, and at most [`LARGEST`] for all.
 pub(crate) const TOLERANCE: f64 = 1e-10;
 
-/// The error that the samples may cause.
+/// The largest interpolation error.
 const SAMPLED: f64 = 1e-12;
 
-/// The most samples.
+/// The largest number of samples.
 const MAX_SAMPLES: usize = 4096;
 
 /// The largest degree.
 const MAX_DEGREE: usize = 2048;
 
-/// Where `|g|` is larger, cancellation is no longer harmless: an unstable flow.
+/// The largest `|g|` at which cancellation is harmless; unstable flows exceed it.
 const LARGEST: f64 = 4.0;
 
-/// Series to be applied one after another, each as often as it says.
+/// Series applied one after another, each with its multiplicity.
 #[derive(Debug, Clone)]
 pub(crate) struct Chain {
     links: Vec<(ChebyshevSeries, usize)>,
 }
 
 impl Chain {
-    /// A run in as few parts as have a series each; `None` where none or only a chain of more than `most` products
-    /// does.
-    pub(crate) fn expand(bound: f64, of: Response, most: usize) -> Option<Self> {
+    /// The shortest chain for a run, split into as few parts as have a series each; `None` if there
+    /// is none with at most `max_products` products.
+    pub(crate) fn expand(bound: f64, of: Response, max_products: usize) -> Option<Self> {
         if of.ln_largest(bound) > libm::log(LARGEST) {
             return None;
         }
@@ -57,9 +59,9 @@ impl Chain {
                 .collect();
             if let Some(links) = links {
                 let chain = Self { links };
-                return (chain.products() <= most).then_some(chain);
+                return (chain.products() <= max_products).then_some(chain);
             }
-            // Parts that are no smaller are no easier.
+            // The parts cannot become shorter.
             if split == of.split(2 * parts) {
                 return None;
             }
@@ -67,17 +69,17 @@ impl Chain {
         }
     }
 
-    /// A run as one series, if it has one.
+    /// A chain of one series, if the run has one.
     pub(crate) fn one(bound: f64, of: Response) -> Option<Self> {
         expand(bound, of).map(|series| Self { links: vec![(series, 1)] })
     }
 
-    /// The products with `L` that an evaluation takes.
+    /// The number of products with `L` in one evaluation.
     pub(crate) fn products(&self) -> usize {
         self.links.iter().map(|(series, times)| series.degree().saturating_mul(*times)).sum()
     }
 
-    /// `g(L) x`.
+    /// Computes `g(L) x`.
     pub(crate) fn apply(&self, laplacian: &GraphLaplacian, given: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let mut x = None;
         for (series, times) in &self.links {
@@ -89,8 +91,8 @@ impl Chain {
     }
 }
 
-/// Expands a response on `[−bound, 0]`; `None` where it takes more than two thousand terms, or where it is so large that
-/// cancellation is not harmless (an unstable flow).
+/// Expands a response on `[−bound, 0]`; `None` if the series has more than two thousand terms, or
+/// if the response is so large that cancellation costs accuracy (an unstable flow).
 fn expand(bound: f64, of: Response) -> Option<ChebyshevSeries> {
     if of.ln_largest(bound) > libm::log(LARGEST) {
         return None;
@@ -100,8 +102,9 @@ fn expand(bound: f64, of: Response) -> Option<ChebyshevSeries> {
     (series.degree() <= MAX_DEGREE).then_some(series)
 }
 
-/// The number of Chebyshev points whose polynomial is within [`SAMPLED`] of a response on the interval: one more than
-/// the degree of a polynomial, otherwise by the bound on the best of many ellipses. `None` if there are too many.
+/// The number of Chebyshev points whose interpolant is within [`SAMPLED`] of a response on the
+/// interval: one more than the degree for a polynomial, otherwise by the bound on the best of many
+/// ellipses. `None` if there are too many.
 fn samples(bound: f64, of: Response) -> Option<usize> {
     let exact = of.degree().map_or(f64::INFINITY, |degree| degree as f64 + 1.0);
     let by_bound = (0..160).map(|k| {
@@ -123,8 +126,8 @@ mod tests {
         series.coefficients().iter().enumerate().map(|(k, c)| c * (k as f64 * angle).cos()).sum()
     }
 
-    /// On the whole interval, its end at zero included, and narrow peaks there: within the bound that is promised, of
-    /// degrees that are no larger than needed, and exactly 1 at zero.
+    /// Series are within the promised bound on the whole interval, including narrow peaks at zero,
+    /// have degrees no larger than needed, and are exactly 1 at zero.
     #[test]
     fn series_reproduce_their_functions() {
         let implicit = |step, steps| Response::Implicit { step, steps };
@@ -146,16 +149,16 @@ mod tests {
             assert!(series.degree() <= most, "{of:?}: degree {}", series.degree());
             assert!((evaluate(&series, bound, 0.0) - 1.0).abs() < 1e-14 * series.degree() as f64);
             for i in 0..=2000 {
-                // Quadratically closer towards zero.
+                // Quadratically denser towards zero.
                 let mu = -bound * (f64::from(i) / 2000.0).powi(2);
                 let error = (evaluate(&series, bound, mu) - of.at(mu)).abs();
-                // The promise, and rounding of the cosines.
+                // The bound, plus rounding of the cosines.
                 assert!(error < 2.2 * TOLERANCE, "{of:?} at {mu}: {error:e}");
             }
         }
     }
 
-    /// Peaks between zero and the first Chebyshev point are not taken for nothing.
+    /// Peaks between zero and the first Chebyshev point are not overlooked.
     #[test]
     fn peaks_that_samples_miss_have_no_series() {
         for of in [

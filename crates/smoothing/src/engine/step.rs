@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{dot, sub};
 use fairing_parameters::old::Parameter;
+use glam::DVec3;
 
 /// The number of steps. A flow that has it shows its steps to an observer.
 pub(crate) const ITERATIONS: Parameter =
@@ -101,10 +101,7 @@ impl Step<'_> {
         let x = self.mesh.positions();
         let edges = self.mesh.topology().edges().iter();
         let sum = edges
-            .map(|&[a, b]| {
-                let d = sub(x[a as usize], x[b as usize]);
-                dot(d, d)
-            })
+            .map(|&[a, b]| DVec3::from(x[a as usize]).distance_squared(x[b as usize].into()))
             .sum::<f64>();
         0.5 * sum
     }
@@ -115,9 +112,7 @@ impl Step<'_> {
     }
 
     fn squared_displacements(&self) -> impl Iterator<Item = f64> + '_ {
-        self.before.iter().zip(self.positions()).map(|(&a, &b)| {
-            let d = sub(b, a);
-            dot(d, d)
-        })
+        let pairs = self.before.iter().zip(self.positions());
+        pairs.map(|(&a, &b)| DVec3::from(b).distance_squared(a.into()))
     }
 }

@@ -1,14 +1,15 @@
-//! Implicit flows whose operator is taken again in each step: mean curvature flow and its conformal variant.
+//! Implicit flows with an updated operator: mean curvature flow and its conformal variant.
 //!
-//! A closed surface of area A is gone after a time of about A/8π, a neck much earlier. Implicit steps pass that
-//! moment without noticing: a speck is left of what should have vanished. Comparing the areas of faces with those of
-//! the input shows it. A neck that pinches off, or faces that degenerate here and there, do not end a flow.
+//! A closed surface of area A vanishes after a time of about A/8π, a neck much earlier. Implicit
+//! steps pass this moment unnoticed and leave a speck instead of nothing; comparing face areas with
+//! those of the input detects it. A neck that pinches off, or a few faces that degenerate, do not
+//! end a flow.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{cross, norm, sub};
 use fairing_operators::ThinFaces;
 use fairing_sparse::GraphLaplacian;
 use fairing_sparse::parallel::CHUNK;
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::engine::assemble::{Assembler, mass};
@@ -19,16 +20,16 @@ use crate::engine::implicit_steps::ImplicitSteps;
 use crate::engine::outcome::Smoothed;
 use crate::engine::run::{Run, StepNote};
 
-/// When the operator is taken at the current positions.
+/// The part of the operator that follows the moving mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Update {
-    /// Never: the operator of the input for all steps. The flow is linear.
+    /// None: the operator of the input for all steps. The flow is linear.
     #[default]
     Never,
-    /// The mass in each step, the stiffness never: conformalised mean curvature flow without its normalisation.
-    /// Source: \[kazhdan2012\].
+    /// The mass: conformalised mean curvature flow without its normalisation. Source:
+    /// \[kazhdan2012\].
     Mass,
-    /// Mass and stiffness in each step: mean curvature flow.
+    /// Mass and stiffness: mean curvature flow.
     Both,
 }
 
@@ -40,8 +41,8 @@ fairing_parameters::choices!(Update, "update of the operator",
 #[cfg(feature = "serde")]
 fairing_parameters::serde_by_name!(Update);
 
-/// Takes implicit steps of the factor `step` of `L`, which is updated before each of them; `diffusion` is of a
-/// [chosen](Diffusion::chosen) kind.
+/// Takes implicit steps of the factor `step` of `L`, which is updated before each of them;
+/// `diffusion` is of a [chosen](Diffusion::chosen) kind.
 pub(crate) fn advance_updated(
     run: Run<'_, '_>,
     diffusion: Diffusion,
@@ -71,14 +72,14 @@ struct Updated {
     /// Areas of the faces of the input, and their sum.
     areas: Vec<f64>,
     area: f64,
-    /// Whether a face was too thin in some step.
+    /// True for each face that was too thin in some step.
     flattened: Vec<bool>,
 }
 
-/// A mesh with less than this fraction of its area is gone: a hundredth of its size.
+/// The fraction of its area below which a mesh counts as vanished, at a hundredth of its size.
 const GONE: f64 = 1e-4;
 
-/// Where a step fails and a face has less than this fraction of its area left, that is the reason.
+/// The fraction of its area below which a face explains the failure of a step.
 const PINCHED: f64 = 1e-3;
 
 impl Updated {
@@ -111,7 +112,8 @@ impl Updated {
     ) -> Result<StepNote, FlowFailure> {
         use FlowFailure::{NotConverged, NotFactored};
         let taken = self.attempt(iteration, mesh, freedom, next, ThinFaces::Widen);
-        // A system that thin faces spoil is solved with nearly flat ones made a little wider.
+        // If thin faces spoil the system, the step is repeated with nearly flat faces widened a
+        // little.
         if let Err(NotConverged { .. } | NotFactored(_)) = taken
             && iteration > 0
             && self.assembler.is_some()
@@ -136,8 +138,8 @@ impl Updated {
         Ok(note)
     }
 
-    /// Takes the operator at the positions of `mesh`. Returns whether faces are too thin for cotangents, which makes a
-    /// system ill conditioned within an otherwise easy run.
+    /// Reassembles the operator at the positions of `mesh`. Returns true if faces are too thin for
+    /// cotangents, which makes the system ill-conditioned within an otherwise easy run.
     fn reassemble(
         &mut self,
         mesh: &TriMesh,
@@ -158,11 +160,11 @@ impl Updated {
         Ok(!faces.is_empty())
     }
 
-    /// Refuses a step that leaves next to nothing of the mesh.
+    /// Refuses a step that leaves almost nothing of the mesh.
     fn check(&self, faces: &[[u32; 3]], x: &[[f64; 3]]) -> Result<(), FlowFailure> {
         // In chunks, so that the sum does not depend on threads.
         let chunks: Vec<f64> = faces.par_chunks(CHUNK).map(|faces| areas(faces, x).sum()).collect();
-        // Areas that are not finite are left to the check of the positions.
+        // Areas that are not finite are reported by the check of the positions.
         if chunks.iter().sum::<f64>() < GONE * self.area
             && let Some((_, failure)) = self.smallest(faces, x)
         {
@@ -171,7 +173,7 @@ impl Updated {
         Ok(())
     }
 
-    /// The failure of a step at `mesh`, or the collapse behind it.
+    /// The failure of a step at `mesh`, or the collapse that caused it.
     fn explain(&self, mesh: &TriMesh, failure: FlowFailure) -> FlowFailure {
         let by_geometry = matches!(
             failure,
@@ -186,7 +188,8 @@ impl Updated {
         }
     }
 
-    /// The face that has lost the largest fraction of its area, and the fraction left.
+    /// The collapse of the face that has lost the largest fraction of its area, with the remaining
+    /// fraction.
     fn smallest(&self, faces: &[[u32; 3]], x: &[[f64; 3]]) -> Option<(f64, FlowFailure)> {
         areas(faces, x)
             .zip(&self.areas)
@@ -202,7 +205,7 @@ impl Updated {
 /// The area of each face.
 fn areas<'a>(faces: &'a [[u32; 3]], x: &'a [[f64; 3]]) -> impl Iterator<Item = f64> + 'a {
     faces.iter().map(|face| {
-        let [a, b, c] = face.map(|v| x[v as usize]);
-        0.5 * norm(cross(sub(b, a), sub(c, a)))
+        let [a, b, c] = face.map(|v| DVec3::from(x[v as usize]));
+        0.5 * (b - a).cross(c - a).length()
     })
 }

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use fairing_mesh::vec3::{add, cross, dot, norm, scale, sub};
 use fairing_mesh::{Connectivity, TriMesh};
 use fairing_parameters::old::Parameter;
+use glam::DVec3;
 
 use crate::engine::constraints::Freedom;
 use crate::engine::error::FlowFailure;
@@ -129,12 +129,12 @@ impl SizeKeeper {
     }
 }
 
-fn rescale(x: &mut [[f64; 3]], centre: [f64; 3], factor: f64) -> Result<(), FlowFailure> {
+fn rescale(x: &mut [[f64; 3]], centre: DVec3, factor: f64) -> Result<(), FlowFailure> {
     if !(factor.is_finite() && factor > 0.0) {
         return Err(FlowFailure::Volume { reason: "the mesh has collapsed or turned inside out" });
     }
     for p in x.iter_mut() {
-        *p = add(centre, scale(sub(*p, centre), factor));
+        *p = (centre + factor * (DVec3::from(*p) - centre)).to_array();
     }
     Ok(())
 }
@@ -147,8 +147,8 @@ fn offset(
 ) -> Result<(), FlowFailure> {
     let mut normals = area_vectors(faces, x);
     for (i, n) in normals.iter_mut().enumerate() {
-        let length = norm(*n);
-        *n = if freedom.fixed[i] || length == 0.0 { [0.0; 3] } else { scale(*n, 1.0 / length) };
+        let length = n.length();
+        *n = if freedom.fixed[i] || length == 0.0 { DVec3::ZERO } else { *n * (1.0 / length) };
     }
     let mut missing = target - signed_volume(faces, x);
     for _ in 0..MAX_STEPS {
@@ -157,13 +157,13 @@ fn offset(
         }
         // ∂V/∂xᵢ is a third of the area vectors around vertex i, exactly.
         let around = area_vectors(faces, x);
-        let growth: f64 = around.iter().zip(&normals).map(|(a, n)| dot(*a, *n) / 3.0).sum();
+        let growth: f64 = around.iter().zip(&normals).map(|(a, n)| a.dot(*n) / 3.0).sum();
         let distance = missing / growth;
         if !distance.is_finite() {
             break;
         }
         for (p, n) in x.iter_mut().zip(&normals) {
-            *p = add(*p, scale(*n, distance));
+            *p = (DVec3::from(*p) + distance * n).to_array();
         }
         missing = target - signed_volume(faces, x);
     }
@@ -178,60 +178,60 @@ fn offset(
 }
 
 /// The area of the surface and its centroid.
-fn surface(faces: &[[u32; 3]], x: &[[f64; 3]]) -> (f64, [f64; 3]) {
+fn surface(faces: &[[u32; 3]], x: &[[f64; 3]]) -> (f64, DVec3) {
     let origin = middle(faces, x);
     let mut total = 0.0;
-    let mut moment = [0.0; 3];
+    let mut moment = DVec3::ZERO;
     for &face in faces {
-        let [a, b, c] = face.map(|v| sub(x[v as usize], origin));
-        let area = 0.5 * norm(cross(sub(b, a), sub(c, a)));
+        let [a, b, c] = face.map(|v| DVec3::from(x[v as usize]) - origin);
+        let area = 0.5 * (b - a).cross(c - a).length();
         total += area;
-        moment = add(moment, scale(add(a, add(b, c)), area / 3.0));
+        moment += (a + (b + c)) * (area / 3.0);
     }
-    (total, add(origin, scale(moment, 1.0 / total)))
+    (total, origin + moment * (1.0 / total))
 }
 
 /// The signed volume `⅙ Σ a · (b × c)` about a point amid the faces.
 pub(crate) fn signed_volume(faces: &[[u32; 3]], x: &[[f64; 3]]) -> f64 {
     let origin = middle(faces, x);
-    let corner = |v: u32| sub(x[v as usize], origin);
-    faces.iter().map(|&[a, b, c]| dot(corner(a), cross(corner(b), corner(c)))).sum::<f64>() / 6.0
+    let corner = |v: u32| DVec3::from(x[v as usize]) - origin;
+    faces.iter().map(|&[a, b, c]| corner(a).dot(corner(b).cross(corner(c)))).sum::<f64>() / 6.0
 }
 
 /// What rounding may leave of a volume that vanishes: of each term, and of their sum.
 fn rounding(faces: &[[u32; 3]], x: &[[f64; 3]]) -> f64 {
     let origin = middle(faces, x);
-    let corner = |v: u32| sub(x[v as usize], origin);
+    let corner = |v: u32| DVec3::from(x[v as usize]) - origin;
     let (mut products, mut terms) = (0.0, 0.0);
     for &[a, b, c] in faces {
         let [a, b, c] = [corner(a), corner(b), corner(c)];
-        products += norm(a) * norm(b) * norm(c);
-        terms += dot(a, cross(b, c)).abs();
+        products += a.length() * b.length() * c.length();
+        terms += a.dot(b.cross(c)).abs();
     }
     f64::EPSILON * (8.0 * products + faces.len() as f64 * terms) / 6.0
 }
 
 /// The centroid of the volume: tetrahedra from a point among the faces, weighted by their signed volumes.
-fn volume_centroid(faces: &[[u32; 3]], x: &[[f64; 3]], volume: f64) -> [f64; 3] {
+fn volume_centroid(faces: &[[u32; 3]], x: &[[f64; 3]], volume: f64) -> DVec3 {
     let origin = middle(faces, x);
-    let corner = |v: u32| sub(x[v as usize], origin);
-    let mut moment = [0.0; 3];
+    let corner = |v: u32| DVec3::from(x[v as usize]) - origin;
+    let mut moment = DVec3::ZERO;
     for &face in faces {
         let [a, b, c] = face.map(corner);
-        let six = dot(a, cross(b, c));
-        moment = add(moment, scale(add(a, add(b, c)), six / 24.0));
+        let six = a.dot(b.cross(c));
+        moment += (a + (b + c)) * (six / 24.0);
     }
-    add(origin, scale(moment, 1.0 / volume))
+    origin + moment * (1.0 / volume)
 }
 
 /// The sum of the area vectors of the faces around each vertex.
-fn area_vectors(faces: &[[u32; 3]], x: &[[f64; 3]]) -> Vec<[f64; 3]> {
-    let mut sums = vec![[0.0; 3]; x.len()];
+fn area_vectors(faces: &[[u32; 3]], x: &[[f64; 3]]) -> Vec<DVec3> {
+    let mut sums = vec![DVec3::ZERO; x.len()];
     for &face in faces {
-        let [a, b, c] = face.map(|v| x[v as usize]);
-        let area = scale(cross(sub(b, a), sub(c, a)), 0.5);
+        let [a, b, c] = face.map(|v| DVec3::from(x[v as usize]));
+        let area = 0.5 * (b - a).cross(c - a);
         for v in face {
-            sums[v as usize] = add(sums[v as usize], area);
+            sums[v as usize] += area;
         }
     }
     sums
@@ -239,7 +239,7 @@ fn area_vectors(faces: &[[u32; 3]], x: &[[f64; 3]]) -> Vec<[f64; 3]> {
 
 /// A point about which volumes and moments lose no digits: the mean of the first corners of the faces. Vertices without
 /// faces do not matter, however far away.
-fn middle(faces: &[[u32; 3]], x: &[[f64; 3]]) -> [f64; 3] {
-    let sum = faces.iter().fold([0.0; 3], |s, face| add(s, x[face[0] as usize]));
-    scale(sum, 1.0 / faces.len().max(1) as f64)
+fn middle(faces: &[[u32; 3]], x: &[[f64; 3]]) -> DVec3 {
+    let sum: DVec3 = faces.iter().map(|face| DVec3::from(x[face[0] as usize])).sum();
+    sum * (1.0 / faces.len().max(1) as f64)
 }

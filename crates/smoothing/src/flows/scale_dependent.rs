@@ -1,10 +1,10 @@
 //! The scale-dependent umbrella.
 
-use fairing_mesh::vec3::distance;
 use fairing_mesh::{Components, TriMesh};
 use fairing_parameters::old::{Algorithm, Parameter, Values};
 use fairing_parameters::{OptionError, ParameterError};
 use fairing_sparse::GraphLaplacian;
+use glam::DVec3;
 
 use crate::engine::assemble::uniform;
 use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
@@ -84,7 +84,7 @@ pub fn scale_dependent(
             let mut sum = [0.0; 3];
             let mut around = 0.0;
             for &j in neighbors {
-                let length = distance(x[i], x[j as usize]);
+                let length = DVec3::from(x[i]).distance(x[j as usize].into());
                 if length > 0.0 {
                     around += length;
                     for k in 0..3 {
@@ -149,7 +149,7 @@ fn largest_rates(
             if j as usize == i {
                 continue;
             }
-            let length = distance(x[i], x[j as usize]);
+            let length = DVec3::from(x[i]).distance(x[j as usize].into());
             if length == 0.0 {
                 return Err(FlowFailure::NoLength { vertex: i as u32, neighbor: j });
             }
@@ -184,7 +184,7 @@ mod tests {
             let both = TriMesh::new(positions, faces).unwrap();
             let both = scale_dependent(&both, &ScaleDependent::default(), None).unwrap().mesh;
             for (&p, &q) in alone.positions().iter().zip(both.positions()) {
-                assert!(distance(p, q) < 1e-12, "{p:?} {q:?}");
+                assert!(DVec3::from(p).distance(q.into()) < 1e-12, "{p:?} {q:?}");
             }
         }
     }

@@ -1,9 +1,9 @@
-//! The ordering of a matrix and the pattern of its factor.
+//! Symbolic analysis: the ordering of a matrix and the pattern of its factor.
 
 use crate::direct::backend::Symbolic;
 use crate::direct::supernodes::Supernodes;
 
-/// Everything a factor needs besides its values.
+/// Everything about a factor except its values.
 #[derive(Debug)]
 pub(crate) struct Analysis {
     pub(crate) symbolic: Symbolic,

@@ -1,9 +1,9 @@
 //! The solver backend, faer: the only file that names it.
 //!
-//! faer takes compressed columns; a symmetric CSR matrix is its own CSC form, so sprs arrays pass without a
-//! copy and `Side::Lower` picks one triangle. Everything here runs on the calling thread: the supernodes of
-//! meshes are too small for the backend's threads, two of which made a factorisation of 160 thousand rows
-//! slower (430 ms against 375 ms).
+//! faer expects compressed columns; a symmetric CSR matrix is its own CSC form, so sprs arrays are
+//! passed without a copy and `Side::Lower` selects one triangle. Everything runs on the calling
+//! thread: supernodes of meshes are too small for the backend's threads (a factorisation of 160
+//! thousand rows took 430 ms on two threads, 375 ms on one).
 
 use dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::ldlt::factor::LdltError;
@@ -24,12 +24,12 @@ use crate::matrix::Rows;
 const SIDE: Side = Side::Lower;
 const SEQUENTIAL: Par = Par::Seq;
 
-/// Why the backend gave up.
+/// Failure of the backend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Failure {
     /// The pivot of this row of the permuted matrix is not positive (LLᵀ) or is zero (LDLᵀ).
     Pivot(usize),
-    /// Not enough memory, or more entries than `u32` can count.
+    /// Not enough memory, or more entries than `u32` can index.
     TooLarge,
 }
 
@@ -38,7 +38,7 @@ pub(crate) struct Symbolic {
     inner: cholesky::SymbolicCholesky<u32>,
 }
 
-/// How to order: by the backend's minimum degree, or by a permutation and its inverse.
+/// An elimination order: the backend's minimum degree, or a permutation and its inverse.
 pub(crate) enum Order<'a> {
     MinimumDegree,
     Given(&'a [u32], &'a [u32]),
@@ -58,8 +58,8 @@ impl Symbolic {
                 SymmetricOrdering::Custom(PermRef::new_checked(order, inverse, order.len()))
             }
         };
-        // Supernodes always: the sweeps of this crate know no other form, and meshes gain from it. (Zero
-        // would leave out diagonal matrices, which need no operation.)
+        // Always supernodal: the sweeps of this crate support no other form, and meshes gain from
+        // it. (Zero would exclude diagonal matrices, which need no operations.)
         let params = CholeskySymbolicParams {
             supernodal_flop_ratio_threshold: SupernodalThreshold(-1.0),
             ..Default::default()
@@ -69,7 +69,7 @@ impl Symbolic {
         Ok(Self { inner })
     }
 
-    /// `order[k]`: the row of the matrix that comes k-th.
+    /// The elimination order: row `order[k]` of the matrix comes k-th.
     pub(crate) fn order(&self) -> Vec<u32> {
         match self.inner.perm() {
             Some(perm) => perm.arrays().0.to_vec(),
@@ -87,21 +87,22 @@ impl Symbolic {
                     (columns, raw.supernode(s).pattern())
                 }))
             }
-            // The threshold is below every ratio of operations to entries, except 0 / 0 in an empty matrix.
+            // Every ratio of operations to entries exceeds the threshold, except 0 / 0 of an empty
+            // matrix.
             SymbolicCholeskyRaw::Simplicial(_) => Supernodes::new(std::iter::empty()),
         }
     }
 
-    /// Numbers that a factor holds.
+    /// The number of values stored in a factor.
     pub(crate) fn len(&self) -> usize {
         self.inner.len_val()
     }
 
-    /// A = L Lᵀ into `values`.
+    /// Factorises A = L Lᵀ into `values`.
     pub(crate) fn llt(&self, rows: Rows<'_>, values: &mut [f64]) -> Result<(), Failure> {
         let scratch =
             self.inner.factorize_numeric_llt_scratch::<f64>(SEQUENTIAL, Default::default());
-        let (mut memory, a) = (room(scratch)?, values_of(rows));
+        let (mut memory, a) = (allocate(scratch)?, values_of(rows));
         let stack = MemStack::new(&mut memory);
         let (regular, own) = Default::default();
         match self.inner.factorize_numeric_llt(values, a, SIDE, regular, SEQUENTIAL, stack, own) {
@@ -110,11 +111,11 @@ impl Symbolic {
         }
     }
 
-    /// A = L D Lᵀ into `values`, D on the diagonals of the supernodes.
+    /// Factorises A = L D Lᵀ into `values`, with D on the diagonals of the supernodes.
     pub(crate) fn ldlt(&self, rows: Rows<'_>, values: &mut [f64]) -> Result<(), Failure> {
         let scratch =
             self.inner.factorize_numeric_ldlt_scratch::<f64>(SEQUENTIAL, Default::default());
-        let (mut memory, a) = (room(scratch)?, values_of(rows));
+        let (mut memory, a) = (allocate(scratch)?, values_of(rows));
         let stack = MemStack::new(&mut memory);
         let (regular, own) = Default::default();
         match self.inner.factorize_numeric_ldlt(values, a, SIDE, regular, SEQUENTIAL, stack, own) {
@@ -124,8 +125,8 @@ impl Symbolic {
     }
 }
 
-/// Memory to work in, or an error if there is not enough.
-fn room(needed: StackReq) -> Result<MemBuffer, Failure> {
+/// Allocates working memory.
+fn allocate(needed: StackReq) -> Result<MemBuffer, Failure> {
     MemBuffer::try_new(needed).map_err(|_| Failure::TooLarge)
 }
 
@@ -133,11 +134,11 @@ fn values_of(rows: Rows<'_>) -> SparseColMatRef<'_, u32, f64> {
     SparseColMatRef::new(pattern(rows), rows.values)
 }
 
-/// `order[k]`: the row that minimum degree eliminates as the k-th of a symmetric matrix.
+/// The minimum degree order of a symmetric matrix: row `order[k]` is eliminated k-th.
 pub(crate) fn minimum_degree(rows: Rows<'_>) -> Result<Vec<u32>, Failure> {
     let n = rows.count();
     let (mut order, mut inverse) = (vec![0; n], vec![0; n]);
-    let mut memory = room(amd::order_scratch::<u32>(n, rows.columns.len()))?;
+    let mut memory = allocate(amd::order_scratch::<u32>(n, rows.columns.len()))?;
     let stack = MemStack::new(&mut memory);
     amd::order(&mut order, &mut inverse, pattern(rows), Default::default(), stack)
         .map_err(|_| Failure::TooLarge)?;
@@ -149,15 +150,14 @@ fn pattern(rows: Rows<'_>) -> SymbolicSparseColMatRef<'_, u32> {
     SymbolicSparseColMatRef::new_checked(n, n, rows.starts, None, rows.columns)
 }
 
-/// The dense symmetric matrix did not yield its eigenvalues.
+/// The dense eigensolver did not converge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct NoConvergence;
 
-/// Eigenvalues in ascending order and eigenvectors, one after the other, of a dense symmetric matrix given by
-/// its `n × n` numbers.
+/// Ascending eigenvalues and consecutive eigenvectors of a dense symmetric `n × n` matrix.
 ///
-/// The matrix is scaled to entries near one, exactly: the backend loses half of its digits on vectors of a
-/// matrix of size 10⁸ (residuals of 10⁻⁶ for 10⁻¹³).
+/// The matrix is scaled exactly to entries near one: on matrices with entries of 10⁸ the backend
+/// loses half of the digits of the eigenvectors (residuals of 10⁻⁶ instead of 10⁻¹³).
 pub(crate) fn symmetric_eigen(
     n: usize,
     matrix: &[f64],

@@ -13,7 +13,7 @@ use crate::direct::sweeps::Diagonal;
 use crate::direct::symmetry::{self, Defect};
 use crate::matrix::{Rows, SparseMatrix};
 
-/// Why a matrix cannot be factorised.
+/// Failure of a factorisation.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CholeskyError {
@@ -35,7 +35,7 @@ pub enum CholeskyError {
         /// The entry.
         value: f64,
     },
-    /// An entry and its mirror image differ, in value or because one of them is not stored.
+    /// An entry differs from its mirror image, or one of the two is not stored.
     #[error("entry ({row}, {column}) differs from its mirror image by {difference:e}")]
     NotSymmetric {
         /// Row of the entry.
@@ -47,7 +47,7 @@ pub enum CholeskyError {
     },
     /// A custom ordering is not a permutation of the rows.
     #[error(
-        "the ordering has {length} entries for {rows} rows, or row {entry} is in it twice or does not exist"
+        "the ordering is no permutation of the rows: {length} entries for {rows} rows, row {entry} repeated or out of range"
     )]
     NotAnOrdering {
         /// Length of the ordering.
@@ -57,20 +57,21 @@ pub enum CholeskyError {
         /// The first entry that is out of range or repeated.
         entry: u32,
     },
-    /// The matrix to factorise has other entries than the analysed one.
-    #[error("row {row} has another pattern than the analysed matrix")]
+    /// The pattern of the matrix differs from the analysed one.
+    #[error("row {row} has a different pattern than in the analysed matrix")]
     PatternChanged {
         /// The first row that differs.
         row: usize,
     },
-    /// A pivot is zero relative to the diagonal of its row: the matrix is singular to working precision.
+    /// A pivot is negligible relative to the diagonal of its row: the matrix is singular to working
+    /// precision.
     #[error(
         "the matrix is singular: pivot {pivot:e} in row {row}, where the diagonal is {diagonal:e}"
     )]
     Singular {
         /// The row, in the order of the matrix.
         row: usize,
-        /// What elimination left of its diagonal entry.
+        /// The pivot: its diagonal entry after elimination.
         pivot: f64,
         /// Its diagonal entry.
         diagonal: f64,
@@ -82,21 +83,21 @@ pub enum CholeskyError {
     Indefinite {
         /// The row, in the order of the matrix.
         row: usize,
-        /// What elimination left of its diagonal entry.
+        /// The pivot: its diagonal entry after elimination.
         pivot: f64,
         /// Its diagonal entry.
         diagonal: f64,
     },
-    /// Rounding leaves less than half of the digits of a solution.
+    /// Rounding leaves fewer than half of the digits of a solution.
     #[error(
-        "the system is too ill-conditioned, by about {condition:.0e}: less than half of the digits of its solution would be right"
+        "the system is too ill-conditioned (condition about {condition:.0e}): fewer than half of the digits of its solution would be correct"
     )]
     IllConditioned {
         /// An estimate of the condition of the matrix scaled to a unit diagonal.
         condition: f64,
     },
     /// Not enough memory, or more than 2³² entries in the factor.
-    #[error("the factor of {rows} rows is too large for the memory or for 32-bit indices")]
+    #[error("the factor of {rows} rows is too large for memory or for 32-bit indices")]
     TooLarge {
         /// The number of rows of the matrix.
         rows: usize,
@@ -115,7 +116,8 @@ impl From<Defect> for CholeskyError {
     }
 }
 
-/// The ordering of a matrix and the pattern of its factor: what depends on the places of the entries only.
+/// A symbolic factorisation: the ordering of a matrix and the pattern of its factor, independent of
+/// its values.
 ///
 /// Analyse once, factorise whenever the values change. Clones share the analysis.
 ///
@@ -139,8 +141,8 @@ pub struct SymbolicCholesky {
 }
 
 impl SymbolicCholesky {
-    /// Orders the matrix and finds the pattern of its factor. Values matter only in that they must be finite
-    /// and symmetric.
+    /// Orders the matrix and finds the pattern of its factor. Values must be finite and symmetric,
+    /// but are not used.
     ///
     /// # Errors
     ///
@@ -202,12 +204,12 @@ impl SymbolicCholesky {
         self.analysis.order.len()
     }
 
-    /// `order[k]`: the row that is eliminated as the k-th.
+    /// The elimination order: row `order[k]` is eliminated k-th.
     pub fn order(&self) -> &[u32] {
         &self.analysis.order
     }
 
-    /// The number of entries of a factor, the explicit zeros of its supernodes included.
+    /// The number of entries of a factor, including explicit zeros of its supernodes.
     pub fn factor_entries(&self) -> usize {
         self.analysis.nodes.entries()
     }
@@ -216,8 +218,8 @@ impl SymbolicCholesky {
     ///
     /// # Errors
     ///
-    /// [`CholeskyError::Indefinite`] or [`CholeskyError::Singular`] with the pivot; the input errors of
-    /// [`SymbolicCholesky::new`]; [`CholeskyError::PatternChanged`].
+    /// [`CholeskyError::Indefinite`] or [`CholeskyError::Singular`] with the pivot; the input
+    /// errors of [`SymbolicCholesky::new`]; [`CholeskyError::PatternChanged`].
     pub fn factorize(&self, matrix: &SparseMatrix) -> Result<Cholesky, CholeskyError> {
         fairing_watch::check();
         let mut values = vec![0.0; self.analysis.symbolic.len()];
@@ -228,8 +230,8 @@ impl SymbolicCholesky {
 
     /// Factorises a matrix that may be indefinite, without pivoting: A = L D Lᵀ.
     ///
-    /// Exact for every matrix whose leading blocks, in the order of elimination, are not singular; close to
-    /// such a block accuracy is lost, which [`Ldlt::growth`] measures.
+    /// Exists if no leading block, in the order of elimination, is singular; near-singular leading
+    /// blocks cost accuracy, which [`Ldlt::growth`] measures.
     ///
     /// # Errors
     ///
@@ -291,13 +293,13 @@ impl SymbolicCholesky {
         })
     }
 
-    /// What rounding leaves of a pivot that should be zero, as a share of its diagonal entry. Errors of the
-    /// eliminations add up like a random walk; on grids 2 to 5 ε √n were measured.
+    /// The size of a pivot that would be zero without rounding, relative to its diagonal entry.
+    /// Errors accumulate like a random walk: 2 to 5 ε √n were measured on grids.
     fn noise(&self) -> f64 {
         64.0 * f64::EPSILON * (self.rows() as f64).sqrt()
     }
 
-    /// The k-th pivot of elimination, which the backend does not tell when it fails there.
+    /// The k-th pivot, which the backend does not return when it fails there.
     fn pivot(&self, matrix: &SparseMatrix, k: usize, values: &mut [f64]) -> f64 {
         match self.analysis.symbolic.ldlt(Rows::new(matrix), values) {
             Ok(()) => self.analysis.nodes.diagonal(values).nth(k).unwrap_or(0.0),
@@ -323,12 +325,13 @@ impl SymbolicCholesky {
     }
 }
 
-/// A power of two for the largest diagonal entry. Entries of L decay geometrically with the distance from
-/// the diagonal, at small time steps below the smallest normal number, where arithmetic is slow by
-/// an order of magnitude; scaled up there is room for twice as long a decay.
+/// The binary exponent to which the largest diagonal entry is scaled. Entries of L decay
+/// geometrically with the distance from the diagonal; for small time steps they become subnormal,
+/// where arithmetic is slower by an order of magnitude. Scaling allows twice as long a decay.
 const HEADROOM: i32 = 600;
 
-/// A 2^(2 root) with the largest diagonal entry near 2^[`HEADROOM`], and `root`. Exact.
+/// The values of A 2^(2 root), whose largest diagonal entry is near 2^[`HEADROOM`], and `root`.
+/// Exact.
 fn scaled_up(rows: Rows<'_>, diagonal: &[f64]) -> (Vec<f64>, i32) {
     let largest = diagonal.iter().fold(0.0, |m: f64, d| m.max(d.abs()));
     if largest == 0.0 {
@@ -339,8 +342,8 @@ fn scaled_up(rows: Rows<'_>, diagonal: &[f64]) -> (Vec<f64>, i32) {
     (rows.values.iter().map(|v| v * half * half).collect(), root.clamp(-500, 500))
 }
 
-/// Undoes [`scaled_up`] on the factor. What would be close to the smallest normal number beside a largest entry
-/// of 1 becomes zero, for speed: a block that is smaller than the rest by 2⁻¹⁸⁰⁰ is singular.
+/// Undoes [`scaled_up`] on the factor. Values that would be nearly subnormal next to a largest
+/// entry of 1 become zero, for speed: a block smaller than the rest by 2⁻¹⁸⁰⁰ is singular.
 fn unscale(values: &mut [f64], root: i32) {
     let scale = 2f64.powi(-root);
     let cutoff = 2f64.powi(HEADROOM / 2 - 900);

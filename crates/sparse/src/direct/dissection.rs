@@ -1,10 +1,10 @@
-//! Nested dissection: an ordering by short cuts through the graph of a matrix.
+//! Nested dissection: a fill-reducing ordering by short cuts through the graph of a matrix.
 //!
-//! A separator, eliminated last, splits the graph into halves that fill in on their own; halves are split in turn.
-//! Cuts need a sense of direction, which a graph lacks: every node gets its distances (in edges) to a few nodes far
-//! apart, smoothed over neighbours, as coordinates; a part is cut across the direction of their largest variance,
-//! where the fewest edges cross near the median, and the smallest set of nodes that covers the cut edges (König)
-//! becomes the separator. Pieces below [`LEAF`] nodes are ordered by minimum degree.
+//! A separator, eliminated last, splits the graph into halves without mutual fill; the halves are
+//! split recursively. Each node has coordinates: its distances (in edges) to a few nodes far apart,
+//! smoothed over neighbours. A part is cut across the direction of largest variance, where the
+//! fewest edges cross near the median, and the separator is a minimum vertex cover of the cut edges
+//! (König's theorem). Pieces below [`LEAF`] nodes are ordered by minimum degree.
 //!
 //! Source: \[george1973\], \[harel2002\].
 
@@ -18,12 +18,12 @@ use crate::matrix::Rows;
 const LEAF: usize = 300;
 /// Coordinates of a node.
 const AXES: usize = 6;
-/// Rounds of smoothing of the coordinates, which begin as whole numbers.
+/// Rounds of smoothing of the coordinates.
 const ROUNDS: usize = 4;
-/// The cut may leave the median by this share of the nodes.
+/// Largest distance of the cut from the median, as a fraction of the nodes.
 const WINDOW: f64 = 0.06;
-/// A separator with more than this share of its part is no gain: graphs that are no surfaces.
-const LARGEST_SHARE: f64 = 0.3;
+/// Largest separator, as a fraction of its part; graphs that are not surfaces exceed it.
+const MAX_SEPARATOR: f64 = 0.3;
 /// Parts with fewer nodes run on one thread.
 const PARALLEL: usize = 5_000;
 
@@ -37,16 +37,16 @@ struct Part {
     places: Vec<Place>,
 }
 
-/// The result: separators in the order of elimination, and what is left of the graph between them.
+/// Separators in the order of elimination, and the remaining pieces of the graph.
 #[derive(Debug, Default)]
 pub(crate) struct Dissection {
-    /// Nodes of the leaves, in no particular order: to be eliminated first.
+    /// Nodes of the leaves, eliminated first, in no particular order.
     pub(crate) leaves: Vec<u32>,
     /// Nodes of the separators, children before parents.
     pub(crate) separators: Vec<u32>,
 }
 
-/// Cuts the graph of a symmetric matrix.
+/// Dissects the graph of a symmetric matrix.
 pub(crate) fn dissect(rows: Rows<'_>) -> Dissection {
     let n = rows.count();
     let mut starts = Vec::with_capacity(n + 1);
@@ -73,12 +73,12 @@ impl Part {
         &self.neighbors[self.starts[node] as usize..self.starts[node + 1] as usize]
     }
 
-    /// Distances to nodes each of which is farthest from those before; smoothed. A component of its own keeps away
-    /// from all others by a distance longer than any.
+    /// Sets the coordinates: distances to nodes, each the farthest from those before, smoothed.
+    /// Nodes of different components get a distance larger than any within a component.
     fn find_places(&mut self) {
         let n = self.len();
         let mut nearest = vec![u32::MAX; n];
-        // The farthest node from an arbitrary one begins.
+        // Starts at the farthest node from an arbitrary one.
         let mut from = farthest(&self.distances(0));
         for axis in 0..AXES {
             let distances = self.distances(from);
@@ -106,7 +106,7 @@ impl Part {
         }
     }
 
-    /// Edges on the shortest path from a node to every other, `u32::MAX` where there is none.
+    /// Graph distances from a node to every other, `u32::MAX` if unreachable.
     fn distances(&self, from: usize) -> Vec<u32> {
         let mut distance = vec![u32::MAX; self.len()];
         let mut queue = Vec::with_capacity(self.len());
@@ -150,7 +150,7 @@ impl Part {
         low
     }
 
-    /// The nodes on one side as a part of their own.
+    /// The subgraph of the nodes on one side.
     fn part(&self, side: &[Side], half: Side) -> Self {
         let mut number = vec![u32::MAX; self.len()];
         let kept: Vec<usize> = (0..self.len()).filter(|&i| side[i] == half).collect();
@@ -173,7 +173,7 @@ impl Part {
         }
     }
 
-    /// Two sides and what is between them; `None` if no cut is worth it.
+    /// The side of each node, or the separator; `None` if no cut pays.
     fn cut(&self) -> Option<Vec<Side>> {
         let n = self.len();
         let direction = self.main_direction();
@@ -184,7 +184,7 @@ impl Part {
         let window = (n / 2 - reach).max(1)..(n / 2 + reach).min(n - 1);
         let by_key =
             |a: &u32, b: &u32| key[*a as usize].total_cmp(&key[*b as usize]).then(a.cmp(b));
-        // Only nodes near the median need to be in order.
+        // Only nodes near the median need to be sorted.
         order.select_nth_unstable_by(window.start, by_key);
         order[window.start..].select_nth_unstable_by(window.len(), by_key);
         order[window.clone()].sort_unstable_by(by_key);
@@ -197,13 +197,13 @@ impl Part {
         for &node in &cover {
             side[node as usize] = Side::Cut;
         }
-        let worth = (cover.len() as f64) < LARGEST_SHARE * n as f64
+        let worth = (cover.len() as f64) < MAX_SEPARATOR * n as f64
             && side.contains(&Side::Low)
             && side.contains(&Side::High);
         worth.then_some(side)
     }
 
-    /// The direction of the largest variance of the places, by power iteration.
+    /// The direction of largest variance of the coordinates, by power iteration.
     fn main_direction(&self) -> [f32; AXES] {
         let n = self.len() as f64;
         let mut mean = [0.0; AXES];
@@ -234,13 +234,14 @@ impl Part {
         direction.map(|x| x as f32)
     }
 
-    /// How many of the ordered nodes to put on the low side: where the fewest edges cross, in the window.
+    /// The number of ordered nodes on the low side of the cut that crosses the fewest edges, within
+    /// the window.
     fn fewest_crossings(&self, order: &[u32], window: Range<usize>) -> usize {
         let mut rank = vec![0u32; order.len()];
         for (k, &node) in order.iter().enumerate().skip(window.start) {
             rank[node as usize] = k as u32;
         }
-        // Beside the number at the start of the window, which makes no difference.
+        // Relative to the number of crossings at the start of the window.
         let (mut crossing, mut best, mut split) = (0, 0, window.start);
         for k in window {
             let around = self.around(order[k] as usize);
@@ -253,18 +254,20 @@ impl Part {
         split
     }
 
-    /// The nodes of the other side around a low node.
+    /// The neighbours of a low node on the high side.
     fn across<'b>(&'b self, side: &'b [Side], node: usize) -> impl Iterator<Item = u32> + 'b {
         self.around(node).iter().copied().filter(move |&j| side[j as usize] == Side::High)
     }
 
-    /// A smallest set of nodes that touches every edge between the sides: by König, from a largest matching.
+    /// A minimum vertex cover of the edges between the sides, by König's theorem from a maximum
+    /// matching.
     fn cover(&self, side: &[Side]) -> Vec<u32> {
         let n = self.len();
         let low = |i: &usize| side[*i] == Side::Low && self.across(side, *i).next().is_some();
         let low: Vec<usize> = (0..n).filter(low).collect();
         let partner = self.largest_matching(side, &low);
-        // Reached from unmatched low nodes by alternating paths: high nodes reached and low nodes not.
+        // The cover consists of high nodes reached from unmatched low nodes by alternating paths,
+        // and of low nodes not reached.
         let mut reached = vec![false; n];
         let mut stack: Vec<usize> =
             low.iter().copied().filter(|&i| partner[i] == u32::MAX).collect();
@@ -289,7 +292,7 @@ impl Part {
         cover
     }
 
-    /// The partner of each node in a largest matching between the sides; `u32::MAX` for none.
+    /// The partner of each node in a maximum matching between the sides; `u32::MAX` for none.
     fn largest_matching(&self, side: &[Side], low: &[usize]) -> Vec<u32> {
         let n = self.len();
         let mut partner = vec![u32::MAX; n];
@@ -300,7 +303,8 @@ impl Part {
                 partner[node] = free;
             }
         }
-        // Augments along alternating paths, found breadth first; `seen` is the root of the last search there.
+        // Augments along alternating paths, found breadth first; `seen` is the root of the last
+        // search to visit a node.
         let mut seen = vec![u32::MAX; n];
         let mut before = vec![u32::MAX; n];
         let mut queue = vec![];
@@ -334,7 +338,7 @@ impl Part {
     }
 }
 
-/// Swaps the pairs along the alternating path that ends in `end`.
+/// Swaps matched and unmatched edges along the alternating path that ends at `end`.
 fn augment(partner: &mut [u32], before: &[u32], mut end: u32) {
     while end != u32::MAX {
         let start = before[end as usize];
@@ -388,7 +392,7 @@ mod tests {
         })
     }
 
-    /// Every node once, and without the separators no piece is larger than a leaf.
+    /// Every node occurs once, and without the separators no piece is larger than a leaf.
     #[test]
     fn separators_separate() {
         let n = 70 * 60 + 40 * 50;
@@ -398,7 +402,8 @@ mod tests {
         let mut all: Vec<u32> = found.leaves.iter().chain(&found.separators).copied().collect();
         all.sort_unstable();
         assert!(all.iter().copied().eq(0..n as u32));
-        // The first cuts of a grid of 4200 are about 60 long; the whole must stay far below the nodes.
+        // The first cuts of a grid of 4200 nodes are about 60 long; all separators together must be
+        // far fewer than the nodes.
         assert!(found.separators.len() < n / 5, "{}", found.separators.len());
         let mut left = vec![false; n];
         for &node in &found.leaves {

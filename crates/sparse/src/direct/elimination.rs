@@ -1,42 +1,42 @@
 //! Elimination of a graph Laplacian without subtractions.
 //!
-//! A matrix `D + S` with D ≥ 0 and a Laplacian S of positive weights is given by its weights and by
-//! D alone. Eliminating a vertex joins its neighbours by new edges and hands its share of D on to
-//! them:
+//! A matrix `D + S` of a diagonal D ≥ 0 and a Laplacian S with positive weights is given by D and
+//! the weights alone. Eliminating a vertex joins its neighbours by new edges and distributes its
+//! entry of D among them:
 //!
 //! ```text
 //! p = dₖ + Σⱼ wₖⱼ,    wᵢⱼ ← wᵢⱼ + wₖᵢ wₖⱼ / p,    dᵢ ← dᵢ + wₖᵢ dₖ / p
 //! ```
 //!
-//! All terms are positive, so every number keeps its digits, however small D is and however much
-//! weights differ: a stored diagonal, in which the small terms of a row drown, is never formed.
-//! Source: \[alfa2002\].
+//! All terms are positive, so every number keeps its relative accuracy, however small D is and
+//! however much the weights differ: no diagonal is stored, in which small terms of a row would be
+//! lost. Source: \[alfa2002\].
 
 use fairing_watch::check;
 
-/// Rows between two looks at whether the run is to stop.
+/// Rows between two checks for cancellation.
 const ROWS: usize = 4096;
 
-/// `Lᵀ` as shares of pivots: `x = P⁻¹ b` by two sweeps that add.
+/// The factor, as fractions of pivots; it solves by two sweeps of additions.
 #[derive(Debug, Clone)]
 pub(crate) struct Elimination {
-    /// The row that is eliminated as the k-th.
+    /// The elimination order: row `order[k]` is eliminated k-th.
     order: Vec<u32>,
     starts: Vec<usize>,
-    /// Places in the order, after that of the row.
+    /// Positions in the order, each after that of the row.
     columns: Vec<u32>,
     /// `w/p` for each column.
-    shares: Vec<f64>,
+    fractions: Vec<f64>,
     pivots: Vec<f64>,
 }
 
 impl Elimination {
-    /// From the weights of each row, without its diagonal, and D.
+    /// Eliminates the rows in the given order, from their off-diagonal weights and D, `added`.
     ///
     /// # Errors
     ///
-    /// The row and its pivot where one is not positive, which takes negative weights, or a part
-    /// without D.
+    /// The row and value of the first pivot that is not positive: a weight is negative, or D
+    /// vanishes on a connected part.
     pub(crate) fn new<R: Iterator<Item = (u32, f64)>>(
         order: Vec<u32>,
         weights: impl Fn(usize) -> R,
@@ -56,7 +56,7 @@ impl Elimination {
             later.push(edges);
         }
         let (mut starts, mut pivots) = (vec![0], Vec::with_capacity(n));
-        let (mut columns, mut shares) = (Vec::new(), Vec::new());
+        let (mut columns, mut fractions) = (Vec::new(), Vec::new());
         let mut merged = Vec::new();
         for k in 0..n {
             if k % ROWS == 0 {
@@ -69,36 +69,36 @@ impl Elimination {
                 return Err((order[k] as usize, pivot));
             }
             for (a, &(i, w)) in edges.iter().enumerate() {
-                let share = w / pivot;
-                added[order[i as usize] as usize] += share * own;
-                merge(&later[i as usize], &edges[a + 1..], share, &mut merged);
+                let fraction = w / pivot;
+                added[order[i as usize] as usize] += fraction * own;
+                merge(&later[i as usize], &edges[a + 1..], fraction, &mut merged);
                 std::mem::swap(&mut later[i as usize], &mut merged);
                 columns.push(i);
-                shares.push(share);
+                fractions.push(fraction);
             }
             starts.push(columns.len());
             pivots.push(pivot);
         }
-        Ok(Self { order, starts, columns, shares, pivots })
+        Ok(Self { order, starts, columns, fractions, pivots })
     }
 
-    /// `b` ← x.
+    /// Overwrites `b` with the solution.
     pub(crate) fn solve_in_place(&self, b: &mut [f64]) {
         let mut x: Vec<f64> = self.order.iter().map(|&row| b[row as usize]).collect();
         let row = |k: usize| {
             let range = self.starts[k]..self.starts[k + 1];
-            self.columns[range.clone()].iter().zip(&self.shares[range])
+            self.columns[range.clone()].iter().zip(&self.fractions[range])
         };
         for k in 0..x.len() {
             let own = x[k];
-            for (&i, share) in row(k) {
-                x[i as usize] += share * own;
+            for (&i, fraction) in row(k) {
+                x[i as usize] += fraction * own;
             }
         }
         for k in (0..x.len()).rev() {
             let mut value = x[k] / self.pivots[k];
-            for (&i, share) in row(k) {
-                value += share * x[i as usize];
+            for (&i, fraction) in row(k) {
+                value += fraction * x[i as usize];
             }
             x[k] = value;
         }
@@ -127,8 +127,8 @@ fn merge(a: &[(u32, f64)], b: &[(u32, f64)], factor: f64, sum: &mut Vec<(u32, f6
 mod tests {
     use super::*;
 
-    /// A path whose edges alternate between 1 and 10⁻²⁰, held at its first vertex by 10⁻³⁰: the
-    /// potential of a source at the far end is the sum of all resistances, to the last digits.
+    /// On a path whose weights alternate between 1 and 10⁻²⁰, held at its first vertex by 10⁻³⁰,
+    /// the potential of a source at the far end is the sum of all resistances, to the last digits.
     #[test]
     fn small_weights_keep_their_digits() {
         let n = 1001;
@@ -154,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn what_nothing_holds_is_named() {
+    fn a_part_that_nothing_holds_is_named() {
         let row = |i: usize| [(1 - i as u32, 1.0)].into_iter();
         let failed = Elimination::new(vec![1, 0], row, vec![0.0; 2]);
         assert_eq!(failed.map(|_| ()), Err((0, 0.0)));

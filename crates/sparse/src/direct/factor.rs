@@ -1,4 +1,5 @@
-//! A numeric factor with its ordering: right-hand sides in the order of the matrix in, solutions out.
+//! A numeric factor with its ordering; right-hand sides and solutions are in the order of the
+//! matrix.
 
 use std::sync::Arc;
 
@@ -8,7 +9,7 @@ use rayon::prelude::*;
 use crate::direct::analysis::Analysis;
 use crate::direct::sweeps::{self, Diagonal};
 
-/// Right-hand sides of one sweep in a block.
+/// Right-hand sides of a block that are solved in one sweep.
 pub(crate) const LANES: usize = 8;
 
 /// L and, for L D Lᵀ, D.
@@ -42,7 +43,7 @@ impl Factor {
 
     pub(crate) fn solve_points(&self, b: &mut [[f64; 3]]) {
         assert_eq!(b.len(), self.rows(), "length of the right-hand side");
-        // A fourth, empty lane fills the vector register.
+        // The fourth lane pads to a SIMD register.
         self.solve_permuted::<4>(|row, lanes| lanes[..3].copy_from_slice(&b[row]))
             .zip_order(&self.analysis.order, |row, lanes| b[row].copy_from_slice(&lanes[..3]));
     }
@@ -64,12 +65,13 @@ impl Factor {
         });
     }
 
-    /// Solves in place for rows that are already in the order of the factor.
+    /// Solves in place for rows in the order of the factor.
     pub(crate) fn solve_ordered<const B: usize>(&self, x: &mut [[f64; B]]) {
         sweeps::solve(&self.analysis.nodes, &self.values, self.diagonal, x);
     }
 
-    /// Solves for the right-hand sides that `gather(row, lanes)` writes; the solution is in factor order.
+    /// Solves for right-hand sides written by `gather(row, lanes)`; the solution is in the order of
+    /// the factor.
     pub(crate) fn solve_permuted<const B: usize>(
         &self,
         gather: impl Fn(usize, &mut [f64; B]),

@@ -1,4 +1,4 @@
-//! Systems with the Laplacian of a graph, solved to digits that no stored diagonal holds.
+//! Systems with the Laplacian of a graph, solved more accurately than a stored diagonal allows.
 
 use crate::direct::cholesky::{Cholesky, CholeskyError, SymbolicCholesky};
 use crate::direct::elimination::Elimination;
@@ -7,36 +7,37 @@ use crate::double;
 use crate::graph_laplacian::GraphLaplacian;
 use crate::matrix::{Rows, SparseMatrix, principal_submatrix};
 
-/// Systems in which weights are at most this many times what is added are solved as they are:
-/// rounding of the diagonal is below 10⁻¹³ of what is added.
+/// Systems whose weights are at most this many times D need no correction: rounding of the diagonal
+/// is below 10⁻¹³ of D.
 const LONG: f64 = 100.0;
 
-/// A solution is as it should be if its correction is below this share of it: what the correction
-/// leaves is smaller by the same factor once more.
+/// The size of a correction, relative to the solution, at which the solution counts as converged:
+/// the next correction would be smaller by the same factor again.
 const CLOSE: f64 = 1e-9;
 
-/// Digits are gone where corrections end above this share of a solution: half of them.
+/// The relative size of the last correction above which half of the digits are lost.
 const LOST: f64 = 1e-8;
 
-/// A correction is to be smaller than the last one by this factor.
+/// The factor by which corrections must decrease.
 const PROGRESS: f64 = 0.1;
 
-/// Solves of one system: corrections fall from 1 to [`CLOSE`] by factors of [`PROGRESS`].
-const MOST_SOLVES: usize = 12;
+/// The largest number of solves of one system: corrections fall from 1 to [`CLOSE`] by factors of
+/// [`PROGRESS`].
+const MAX_SOLVES: usize = 12;
 
-/// The system `(D + S) x = b` of a diagonal `D ≥ 0` and a graph Laplacian S, with some x given,
-/// factorised once.
+/// The system `(D + S) x = b` of a diagonal `D ≥ 0` and a graph Laplacian S, with some entries of x
+/// given; factorised once.
 ///
-/// S is given by its entries beside the diagonal, and its rows act on differences,
-/// `(Sx)ᵢ = Σⱼ wᵢⱼ (xᵢ − xⱼ)`. The solution of a stored matrix is corrected by such residuals, so
-/// that it is that of the weights, not that of a diagonal in which small weights, and D, have
-/// drowned beside large ones. Where the stored matrix has lost too much for that, elimination
-/// without subtractions takes its place. It is slower by an order of magnitude, and with positive
-/// weights its accuracy does not depend on the condition.
+/// S is given by its off-diagonal entries, and its rows act on differences,
+/// `(Sx)ᵢ = Σⱼ wᵢⱼ (xᵢ − xⱼ)`. The solution of the stored matrix is refined with residuals in this
+/// form, so that it solves the system of the weights, not of a diagonal in which small weights and
+/// D are lost to rounding. Where the stored matrix has lost too much for refinement, it is replaced
+/// by elimination without subtractions, which is slower by an order of magnitude and, for positive
+/// weights, accurate at any condition number.
 ///
-/// A part that has no given value *floats*: it is determined by D alone, or up to a constant where
-/// that is zero. It is solved about its weighted mean: the sum of b over the part is taken off by
-/// weight, and so is the mean of x.
+/// A connected part without given values *floats*: it is determined by D alone, or only up to a
+/// constant if D is zero there. It is solved about its weighted mean: the sum of b over the part
+/// and the mean of x are both subtracted in proportion to the weights.
 ///
 /// # Examples
 ///
@@ -54,25 +55,24 @@ const MOST_SOLVES: usize = 12;
 pub struct GraphSystem {
     /// S, zero in the rows of given values.
     laplacian: GraphLaplacian,
-    /// D, and what grounds a vertex of each floating part, the diagonal of S: `A' = D + S + s e eᵀ`
-    /// is as well conditioned as S is without its constants.
+    /// D, plus the diagonal s of S at one grounded vertex of each floating part:
+    /// `A' = D + S + s e eᵀ` is as well conditioned as S without its constants.
     added: Vec<f64>,
     /// The diagonal of A'.
     diagonal: Vec<f64>,
-    /// The vertices that are not given, ascending.
+    /// The vertices whose values are not given, ascending.
     free: Vec<u32>,
-    /// `None` where all values are given.
+    /// `None` if all values are given.
     factor: Option<Factor>,
     /// The part of each vertex.
     part: Vec<u32>,
-    /// Whether each part floats.
+    /// True for each part that floats.
     floating: Vec<bool>,
-    /// The weight of each vertex in the mean of its part.
-    share: Vec<f64>,
-    /// `v = A'⁻¹ s e` over its mean: the solution of a grounded system is off by a multiple of
-    /// this.
+    /// The weight of each vertex as a fraction of that of its part.
+    fraction: Vec<f64>,
+    /// `v = A'⁻¹ s e` over its mean: the solution of the grounded system is off by a multiple of v.
     response: Vec<f64>,
-    /// Whether residuals are corrected.
+    /// True if solutions are refined.
     refine: bool,
     /// ‖A'⁻¹ diag A'‖ in the largest norm.
     inverse: f64,
@@ -85,18 +85,19 @@ enum Factor {
 }
 
 impl GraphSystem {
-    /// Factorises D + S for the entries of `s` beside its diagonal, D, weights for the means of
-    /// parts, and the rows in which x is given. `like` is an analysis of a matrix that may have the
-    /// pattern of `s`, if there is one.
+    /// Factorises D + S. Only the off-diagonal entries of `s` are used; `added` is D, `weights`
+    /// define the means of parts, and x is given in the rows for which `given` is true. `like` is
+    /// an existing analysis that is reused if it fits the pattern of `s`.
     ///
     /// # Errors
     ///
-    /// [`CholeskyError`]: [`IllConditioned`](CholeskyError::IllConditioned) where no digits would
-    /// be right.
+    /// [`CholeskyError`]; [`IllConditioned`](CholeskyError::IllConditioned) if no digits would be
+    /// correct.
     ///
     /// # Panics
     ///
-    /// Panics if `s` is not square and stored by rows, or a length is not the number of its rows.
+    /// Panics if `s` is not square and stored by rows, or a length differs from the number of its
+    /// rows.
     pub fn new(
         s: &SparseMatrix,
         added: Vec<f64>,
@@ -109,7 +110,7 @@ impl GraphSystem {
         let laplacian = GraphLaplacian::weighted(s, vec![1.0; n], given);
         let (part, floating) = parts(s, given);
         let totals = sums(&part, floating.len(), |v| weights[v]);
-        let share = weights.iter().zip(&part).map(|(w, &p)| w / totals[p as usize]).collect();
+        let fraction = weights.iter().zip(&part).map(|(w, &p)| w / totals[p as usize]).collect();
         let free: Vec<u32> = (0..n as u32).filter(|&v| !given[v as usize]).collect();
         let diagonal: Vec<f64> =
             (0..n).map(|v| laplacian.stiffness_row(v).map(|(_, s)| -s).sum()).collect();
@@ -122,7 +123,7 @@ impl GraphSystem {
             factor: None,
             part,
             floating,
-            share,
+            fraction,
             response: vec![1.0; n],
             refine,
             inverse: 1.0,
@@ -142,12 +143,12 @@ impl GraphSystem {
         Ok(system)
     }
 
-    /// The diagonal of S at one vertex of each floating part in which D is small, in the mean of
-    /// its shares of that diagonal: a few huge weights do not make a part move as a whole.
+    /// The diagonal of S at one vertex of each floating part in which D is small compared with that
+    /// diagonal, on average over the part: a few huge weights do not make a part nearly singular.
     fn ground(&self) -> Vec<f64> {
-        let shares = |v: usize| [self.added[v] / (self.diagonal[v] + self.added[v]), 1.0];
+        let fractions = |v: usize| [self.added[v] / (self.diagonal[v] + self.added[v]), 1.0];
         let [small, count] =
-            [0, 1].map(|k| sums(&self.part, self.floating.len(), |v| shares(v)[k]));
+            [0, 1].map(|k| sums(&self.part, self.floating.len(), |v| fractions(v)[k]));
         let mut due: Vec<bool> = self.floating.clone();
         let mut ground = vec![0.0; self.part.len()];
         for (v, ground) in ground.iter_mut().enumerate() {
@@ -159,7 +160,7 @@ impl GraphSystem {
         ground
     }
 
-    /// The factor that solves the system of the weights, with the estimate of its inverse.
+    /// Computes the factor and the estimate of its inverse.
     fn factorise(
         &mut self,
         s: &SparseMatrix,
@@ -194,8 +195,8 @@ impl GraphSystem {
             Err(failed) if self.refine => failed,
             Err(failed) => return Err(failed),
         };
-        // Beside the diagonal of the matrix there are only the weights between free vertices: the
-        // rest is held.
+        // The off-diagonal entries are the weights between free vertices; weights to given vertices
+        // are part of D.
         let rows = Rows::new(&matrix);
         let weights = |row: usize| {
             let (columns, values) = rows.row(row);
@@ -215,8 +216,8 @@ impl GraphSystem {
         self.probe()
     }
 
-    /// Solves `A' z = diag A'`: where weights are positive the largest of z is the norm of `A'⁻¹
-    /// diag A'`, and otherwise an estimate.
+    /// Solves `A' z = diag A'`: the largest entry of z is the norm of `A'⁻¹ diag A'` for positive
+    /// weights, an estimate otherwise.
     fn probe(&mut self) -> Result<(), CholeskyError> {
         self.inverse = f64::INFINITY;
         let n = self.part.len();
@@ -230,9 +231,9 @@ impl GraphSystem {
         Ok(())
     }
 
-    /// The response to what grounds the parts.
+    /// Computes the response to the grounding of the parts.
     fn respond(&mut self, ground: &[f64]) -> Result<(), CholeskyError> {
-        // Where nothing else is added it is one.
+        // The response is one where D is zero.
         let added = self.added.iter().zip(ground).any(|(added, ground)| added > ground);
         if !added || ground.iter().all(|&s| s == 0.0) {
             return Ok(());
@@ -248,15 +249,16 @@ impl GraphSystem {
         Ok(())
     }
 
-    /// The solution x for a right-hand side and, in the rows in which it is given, x itself.
+    /// The solution x for the right-hand side `right`; in rows with given values x is taken from
+    /// `given`.
     ///
     /// # Errors
     ///
-    /// [`CholeskyError::IllConditioned`] where less than half of the digits would be right.
+    /// [`CholeskyError::IllConditioned`] if fewer than half of the digits would be correct.
     ///
     /// # Panics
     ///
-    /// Panics if a length is not the number of rows.
+    /// Panics if a length differs from the number of rows.
     pub fn solve(&self, right: &[f64], given: &[f64]) -> Result<Vec<f64>, CholeskyError> {
         let n = self.part.len();
         assert_eq!((right.len(), given.len()), (n, n), "sizes of the operands");
@@ -267,7 +269,7 @@ impl GraphSystem {
             let (v, p) = (v as usize, self.part[v as usize] as usize);
             x[v] = [0.0];
             if self.floating[p] {
-                right[v] -= self.share[v] * excess[p];
+                right[v] -= self.fraction[v] * excess[p];
             }
         }
         let x = self.refined(&right, x).map_err(|_| self.lost())?;
@@ -283,17 +285,17 @@ impl GraphSystem {
         CholeskyError::IllConditioned { condition: self.condition() }
     }
 
-    /// The solution of A' with the given values of `x`.
+    /// The refined solution of A' with the given values of `x`.
     ///
     /// # Errors
     ///
-    /// The largest number of a solution whose digits are gone.
+    /// The largest entry of a solution that has lost its digits.
     fn refined(&self, right: &[f64], mut x: Vec<[f64; 1]>) -> Result<Vec<[f64; 1]>, f64> {
         let Some(factor) = &self.factor else { return Ok(x) };
         let mut residual = vec![[0.0]; x.len()];
         let mut size = vec![0.0; self.floating.len()];
         let mut last = f64::INFINITY;
-        for solved in 0..MOST_SOLVES {
+        for solved in 0..MAX_SOLVES {
             if solved == 1 && !self.refine {
                 break;
             }
@@ -321,7 +323,7 @@ impl GraphSystem {
             if solved > 0 && worst <= CLOSE {
                 break;
             }
-            let stalled = solved > 0 && worst > PROGRESS * last || solved + 1 == MOST_SOLVES;
+            let stalled = solved > 0 && worst > PROGRESS * last || solved + 1 == MAX_SOLVES;
             if !worst.is_finite() || stalled && worst > LOST {
                 return Err(size.into_iter().fold(0.0, larger));
             }
@@ -333,8 +335,8 @@ impl GraphSystem {
         Ok(x)
     }
 
-    /// Whether a residual is so small that its correction is not worth a solve: `|A'⁻¹ r| ≤ max
-    /// |rᵢ/aᵢᵢ| ‖A'⁻¹ diag A'‖`.
+    /// Returns true if the correction for a residual is negligible:
+    /// `|A'⁻¹ r| ≤ max |rᵢ/aᵢᵢ| ‖A'⁻¹ diag A'‖`.
     fn is_close(&self, residual: &[[f64; 1]], size: &[f64]) -> bool {
         self.free.iter().all(|&v| {
             let v = v as usize;
@@ -343,19 +345,19 @@ impl GraphSystem {
         })
     }
 
-    /// The weighted mean over each part, formed about one of its values, so that the mean of a
-    /// constant is exact.
+    /// The weighted mean over each part, formed about one of its values, so that means of constants
+    /// are exact.
     fn means(&self, value: impl Fn(usize) -> f64) -> Vec<f64> {
         let mut origin = vec![f64::NAN; self.floating.len()];
         for (v, &p) in self.part.iter().enumerate().rev() {
             origin[p as usize] = value(v);
         }
-        let about = |v: usize| self.share[v] * (value(v) - origin[self.part[v] as usize]);
+        let about = |v: usize| self.fraction[v] * (value(v) - origin[self.part[v] as usize]);
         let means = sums(&self.part, origin.len(), about);
         means.iter().zip(&origin).map(|(mean, origin)| origin + mean).collect()
     }
 
-    /// The weighted mean over each part that floats, and 0 for the others.
+    /// The weighted mean over each floating part, and 0 for all other parts.
     ///
     /// # Panics
     ///
@@ -368,22 +370,22 @@ impl GraphSystem {
         means
     }
 
-    /// The part of each row: what the pattern of S connects.
+    /// The connected part of the pattern of S that each row belongs to.
     pub fn parts(&self) -> &[u32] {
         &self.part
     }
 
-    /// An estimate of the condition of the matrix scaled to a unit diagonal, in the largest norm,
+    /// An estimate of the condition of the matrix scaled to a unit diagonal, in the maximum norm,
     /// with one vertex of each floating part grounded: twice the norm of `A⁻¹ diag A`.
     ///
-    /// This is that of any perturbation of entries. Solutions do not lose so much, because they are
-    /// those of the weights.
+    /// It bounds the effect of perturbing the entries. Solutions are more accurate, because they
+    /// are refined with residuals of the weights.
     pub fn condition(&self) -> f64 {
         2.0 * self.inverse
     }
 }
 
-/// The part of each row, and whether each part has no given value.
+/// The part of each row, and for each part true if it has no given value.
 fn parts(s: &SparseMatrix, given: &[bool]) -> (Vec<u32>, Vec<bool>) {
     const NONE: u32 = u32::MAX;
     let (mut part, mut floating) = (vec![NONE; s.rows()], Vec::new());
@@ -410,7 +412,8 @@ fn parts(s: &SparseMatrix, given: &[bool]) -> (Vec<u32>, Vec<bool>) {
     (part, floating)
 }
 
-/// The sum over each part, with twice the digits: what is kept over many steps is not to drift.
+/// The sum over each part in double-double arithmetic, so that conserved sums do not drift over
+/// many steps.
 fn sums(part: &[u32], parts: usize, value: impl Fn(usize) -> f64) -> Vec<f64> {
     let mut sums = vec![(0.0, 0.0); parts];
     for (v, &p) in part.iter().enumerate() {
@@ -430,7 +433,7 @@ mod tests {
     use super::*;
     use crate::matrix::from_triplets;
 
-    /// S of edges with weights.
+    /// The stiffness of weighted edges.
     fn laplacian(n: usize, edges: &[(usize, usize, f64)]) -> SparseMatrix {
         let entries = |&(i, j, w): &(usize, usize, f64)| {
             let (i, j) = (i as u32, j as u32);
@@ -440,8 +443,8 @@ mod tests {
         from_triplets((n, n), &entries).unwrap()
     }
 
-    /// A ladder of stiff rungs and weak rails, between 0 at its foot and 1 at its head: linear,
-    /// whatever the ratio.
+    /// A ladder of stiff rungs and weak rails with 0 at its foot and 1 at its head has a linear
+    /// solution, whatever the ratio of stiffnesses.
     #[test]
     fn ratios_cost_no_digits() {
         for rail in [1.0, 1e-6, 1e-10, 1e-14, 1e-20, 1e-100] {
@@ -468,7 +471,7 @@ mod tests {
         }
     }
 
-    /// An edge whose negative weight takes away what a detour of two edges conducts, but for
+    /// The negative weight of an edge cancels the conductance of a detour of two edges up to
     /// rounding.
     #[test]
     fn lost_digits_are_an_error() {
@@ -480,8 +483,8 @@ mod tests {
         assert!(found.is_err(), "{found:?}");
     }
 
-    /// Two triangles, one without a given value: its mean is zero, and the sum of b is taken off by
-    /// weight.
+    /// Of two triangles, one has no given value: its mean is zero, and the sum of b is subtracted
+    /// in proportion to the weights.
     #[test]
     fn parts_float_about_their_means() {
         let triangle = |v: usize| [(v, v + 1, 1.0), (v + 1, v + 2, 2.0), (v, v + 2, 3.0)];
@@ -501,7 +504,7 @@ mod tests {
             for v in [1, 2, 3, 4, 5] {
                 let balance = if v < 3 { 0.0 } else { weights[v] };
                 let found = image[v] + added[v] * x[v];
-                // Some roundings of numbers below ten.
+                // A few roundings of numbers below ten.
                 assert!((found - (b[v] - balance)).abs() < 1e-13, "{v}: {found}");
             }
         }

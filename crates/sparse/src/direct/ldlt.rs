@@ -4,16 +4,16 @@ use ndarray::ArrayViewMut2;
 
 use crate::direct::factor::Factor;
 
-/// How many eigenvalues of a symmetric matrix are negative, zero and positive.
+/// The numbers of negative, zero and positive eigenvalues of a symmetric matrix.
 ///
-/// By Sylvester's law of inertia these are the signs of D in A = L D Lᵀ. For A = S − σM with M positive
-/// definite, `negative` counts the eigenvalues of S φ = λ M φ below σ.
+/// By Sylvester's law of inertia these are the signs of D in A = L D Lᵀ. For A = S − σM with M
+/// positive definite, `negative` counts the eigenvalues of S φ = λ M φ below σ.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Inertia {
     /// Negative eigenvalues.
     pub negative: usize,
-    /// Zero eigenvalues; a factorisation that succeeds has none.
+    /// Zero eigenvalues; none if the factorisation succeeded.
     pub zero: usize,
     /// Positive eigenvalues.
     pub positive: usize,
@@ -21,7 +21,8 @@ pub struct Inertia {
 
 /// A factorised symmetric matrix, A = L D Lᵀ with a diagonal D.
 ///
-/// Made by [`SymbolicCholesky::factorize_indefinite`](crate::SymbolicCholesky::factorize_indefinite).
+/// Made by
+/// [`SymbolicCholesky::factorize_indefinite`](crate::SymbolicCholesky::factorize_indefinite).
 #[derive(Debug, Clone)]
 pub struct Ldlt {
     factor: Factor,
@@ -30,7 +31,8 @@ pub struct Ldlt {
 }
 
 impl Ldlt {
-    /// `largest`: the largest entry of each row of A, in size.
+    /// A factor with its inertia and growth; `largest` holds the largest absolute entry of each row
+    /// of A.
     pub(crate) fn new(factor: Factor, largest: &[f64]) -> Self {
         let analysis = &factor.analysis;
         let mut inertia = Inertia { negative: 0, zero: 0, positive: 0 };
@@ -50,17 +52,18 @@ impl Ldlt {
         Self { growth, factor, inertia }
     }
 
-    /// The signs of the eigenvalues.
+    /// The numbers of negative, zero and positive eigenvalues.
     pub fn inertia(&self) -> Inertia {
         self.inertia
     }
 
-    /// How much larger than A the products are that elimination subtracts: the largest, over the rows, of
-    /// Σₖ lᵢₖ² |dₖ| divided by the largest entry of row i. At least 1, and 1 for a definite matrix.
+    /// The growth factor: the largest, over the rows i, of Σₖ lᵢₖ² |dₖ| divided by the largest
+    /// entry of row i of A. At least 1, and 1 for a definite matrix.
     ///
-    /// The factor is that of A + E with |Eᵢⱼ| below a few ε g √(aᵢ aⱼ), aᵢ the largest entry of row i: without
-    /// pivoting, a growth of g costs about log₁₀ g of the sixteen digits. Rows are measured by themselves, so
-    /// that a few huge entries do not hide what happens in the others.
+    /// The computed factor is that of A + E with |Eᵢⱼ| below a few ε g √(aᵢ aⱼ), where aᵢ is the
+    /// largest entry of row i: without pivoting, a growth of g costs about log₁₀ g of the sixteen
+    /// digits. Each row is measured separately, so that a few huge entries do not hide growth in
+    /// other rows.
     pub fn growth(&self) -> f64 {
         self.growth
     }

@@ -1,6 +1,7 @@
-//! Direct solvers: orderings, factorisations and solves with them, and when they are faster than conjugate gradients.
+//! Direct solvers: orderings, factorisations, solves, and the choice between them and conjugate
+//! gradients.
 //!
-//! [`backend`] alone names the solver backend.
+//! Only [`backend`] names the solver backend.
 
 mod analysis;
 pub(crate) mod backend;

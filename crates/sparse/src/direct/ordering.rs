@@ -4,35 +4,38 @@ use crate::direct::backend::{self, Failure};
 use crate::direct::dissection;
 use crate::matrix::Rows;
 
-/// The order in which a factorisation eliminates the rows.
+/// The elimination order of a factorisation.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Ordering {
     /// Approximate minimum degree.
     #[default]
     MinimumDegree,
-    /// Nested dissection, minimum degree inside its smallest pieces. On a sphere of 160 thousand vertices at random
-    /// 10.4 million numbers instead of 13.9, half of the operations; on meshes with regular connectivity
-    /// more than with minimum degree (2.1 million instead of 1.2 on a scan of 43 thousand).
+    /// Nested dissection, with minimum degree inside its smallest pieces. On a sphere of 160
+    /// thousand random vertices 10.4 million entries instead of 13.9, and half of the operations;
+    /// on meshes with regular connectivity more entries than minimum degree (2.1 million instead of
+    /// 1.2 on a scan of 43 thousand vertices).
     NestedDissection,
-    /// Minimum degree, and nested dissection as well where that leaves more than is usual on surface meshes; the
-    /// one with fewer numbers. It takes two analyses, which is worth it before many solves.
+    /// Minimum degree; if its fill exceeds that of typical surface meshes, nested dissection too,
+    /// and the sparser of the two factors. Two analyses, which pay before many solves.
     LeastFill,
     /// The order of the matrix.
     Natural,
-    /// `order[k]` is the row to eliminate as the k-th. It is composed with the postorder of its elimination
-    /// tree, which keeps the fill and makes the columns of a supernode adjacent (1.7 times faster).
+    /// A permutation: row `order[k]` is eliminated k-th. It is composed with the postorder of its
+    /// elimination tree, which preserves the fill and makes the columns of a supernode adjacent
+    /// (1.7 times faster).
     Custom(Vec<u32>),
 }
 
-/// Numbers in a factor of a surface mesh with that many rows, n (5.5 log₂ n − 35): fitted to minimum degree on regular
-/// triangle grids (within a tenth from a thousand rows to 640 thousand); nested dissection reaches it on all.
+/// Expected nonzeros in the factor of a surface mesh, n (5.5 log₂ n − 35) for n rows: fitted to
+/// minimum degree on regular triangle grids (within a tenth from a thousand to 640 thousand rows).
+/// Nested dissection attains it on all meshes measured.
 pub(crate) fn usual_fill(rows: usize) -> f64 {
     let n = rows as f64;
     n * (5.5 * libm::log2(n.max(2.0)) - 35.0).max(4.0)
 }
 
-/// Rows in the order of nested dissection.
+/// The nested dissection order.
 pub(crate) fn dissected(rows: Rows<'_>) -> Result<Vec<u32>, Failure> {
     let mut dissection = dissection::dissect(rows);
     dissection.leaves.sort_unstable();
@@ -66,7 +69,7 @@ pub(crate) fn invert(order: &[u32]) -> Result<Vec<u32>, u32> {
     Ok(inverse)
 }
 
-/// `order` composed with the postorder of the elimination tree it leads to.
+/// `order` composed with the postorder of its elimination tree.
 pub(crate) fn postordered(rows: Rows<'_>, order: &[u32], inverse: &[u32]) -> Vec<u32> {
     postorder(&elimination_tree(rows, order, inverse))
         .into_iter()
@@ -74,8 +77,8 @@ pub(crate) fn postordered(rows: Rows<'_>, order: &[u32], inverse: &[u32]) -> Vec
         .collect()
 }
 
-/// Parents in the elimination tree of the permuted matrix, `u32::MAX` at roots. Liu's algorithm with path
-/// compression, almost linear in the number of entries. Source: \[liu1990\].
+/// Parents in the elimination tree of the permuted matrix, `u32::MAX` at roots. Liu's algorithm
+/// with path compression, almost linear in the number of entries. Source: \[liu1990\].
 fn elimination_tree(rows: Rows<'_>, order: &[u32], inverse: &[u32]) -> Vec<u32> {
     let n = order.len();
     let mut parent = vec![u32::MAX; n];
@@ -96,7 +99,7 @@ fn elimination_tree(rows: Rows<'_>, order: &[u32], inverse: &[u32]) -> Vec<u32> 
     parent
 }
 
-/// The nodes of a forest, children before parents and every subtree in one piece.
+/// The nodes of a forest, children before parents and every subtree contiguous.
 fn postorder(parent: &[u32]) -> Vec<u32> {
     let n = parent.len();
     let mut first_child = vec![u32::MAX; n];
@@ -129,7 +132,8 @@ mod tests {
     use super::*;
     use crate::matrix::SparseMatrix;
 
-    /// Path 0 – 1 – 2 – 3 – 4, eliminated from both ends: 0, 4, 1, 3 have chains 0 → 1 → 2 and 4 → 3 → 2.
+    /// Path 0 – 1 – 2 – 3 – 4, eliminated from both ends: 0, 4, 1, 3 have chains 0 → 1 → 2 and 4 →
+    /// 3 → 2.
     #[test]
     fn postorder_puts_subtrees_together() {
         let mut t = sprs::TriMatI::<f64, u32>::new((5, 5));

@@ -1,9 +1,9 @@
-//! Direct or iterative: which way to solve a system is faster, by a measured rule.
+//! The choice between a direct and an iterative solver, by a cost model fitted to measurements.
 //!
-//! Measured on M + tS of regular triangle grids, two cores, three right-hand sides together, residual 10⁻¹⁰, times
-//! per row (`cargo run --release -p fairing-sparse --example direct_or_iterative`):
+//! Times per row on M + tS of regular triangle grids, two cores, three right-hand sides together,
+//! residual 10⁻¹⁰ (`cargo run --release -p fairing-sparse --example direct_or_iterative`):
 //!
-//! | rows | numbers in L | analyse and factorise | solve | an iteration of conjugate gradients |
+//! | rows | nonzeros of L | analyse and factorise | solve | one CG iteration |
 //! |--:|--:|--:|--:|--:|
 //! | 1 024 | 21 | 0.68 µs | 29 ns | 10 ns |
 //! | 4 096 | 29 | 0.76 µs | 37 ns | 11 ns |
@@ -12,20 +12,21 @@
 //! | 160 000 | 57 | 1.6 µs | 106 ns | 9 to 15 ns |
 //! | 640 000 | 72 | 2.6 µs | 200 ns | 28 ns |
 //!
-//! Iterations do not depend on the size but on t: 28, 86, 270, 850 for t/h² = 1, 10, 100, 1000 (fewer where the
-//! mesh is so small that t covers it). That is ½ √κ ln (2/ε), the bound of Chebyshev, less a tenth, with
-//! κ = 3/2 · (1 + t Sᵢᵢ/Mᵢᵢ): Jacobi scaling bounds the spectrum of a triangle mesh by 3/2 from above and
-//! by M/(M + tS) from below.
+//! The iteration count depends on t, not on the size: 28, 86, 270, 850 for t/h² = 1, 10, 100, 1000
+//! (fewer if t is as large as the mesh). It is a tenth below Chebyshev's bound ½ √κ ln (2/ε) with κ =
+//! 3/2 · (1 + t Sᵢᵢ/Mᵢᵢ): after Jacobi scaling, the spectrum of a triangle mesh lies between M/(M +
+//! tS) and 3/2.
 //!
-//! So one solve is worth a factorisation from t ≈ 10 h² on (16 thousand rows) or 50 h² (160 thousand), and with some ten
-//! solves of one matrix Cholesky wins at t = h² already. Memory decides beyond some million rows: a factor
-//! takes 8 bytes for each of 60 to 80 numbers in a row, conjugate gradients 20 in all.
+//! A factorisation therefore pays for a single solve from t ≈ 10 h² (16 thousand rows) or 50 h²
+//! (160 thousand), and for ten solves with one matrix from t = h². Beyond some million rows memory
+//! decides: a factor takes 8 bytes for each of its 60 to 80 nonzeros per row, conjugate gradients
+//! 20 numbers per row in all.
 
 use crate::direct::ordering;
 use crate::mass::Mass;
 use crate::matrix::{Rows, SparseMatrix};
 
-/// How to solve a symmetric positive definite system.
+/// A kind of solver for symmetric positive definite systems.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum SolverChoice {
     /// Sparse Cholesky: [`Cholesky`](crate::Cholesky).
@@ -35,39 +36,40 @@ pub enum SolverChoice {
     Iterative,
 }
 
-/// What is to be solved, as far as it decides between the two.
+/// Properties of the systems to solve that decide between the solvers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Workload {
     /// Rows of the matrix.
     pub rows: usize,
     /// Entries of the matrix.
     pub entries: usize,
-    /// Numbers in its Cholesky factor where they are known, as from
-    /// [`SymbolicCholesky::factor_entries`](crate::SymbolicCholesky::factor_entries); otherwise those of a
-    /// surface mesh are taken, n (5.5 log₂ n − 35), measured within a tenth.
+    /// Entries of its Cholesky factor if known, as from
+    /// [`SymbolicCholesky::factor_entries`](crate::SymbolicCholesky::factor_entries); `None`
+    /// assumes those of a surface mesh, n (5.5 log₂ n − 35) for n rows.
     pub factor_entries: Option<usize>,
-    /// κ of the matrix scaled to a unit diagonal; [`shifted_condition`] estimates it for M + tS.
+    /// Condition κ of the matrix scaled to a unit diagonal; [`shifted_condition`] estimates it for
+    /// M + tS.
     pub condition: f64,
-    /// Share of the first residual that may be left. Cholesky leaves no more than rounding.
+    /// Residual to reach, relative to the initial one. Cholesky solves to rounding.
     pub tolerance: f64,
-    /// How often one and the same matrix is solved with, for up to three right-hand sides together.
+    /// Number of solves with this matrix, each for up to three right-hand sides together.
     pub solves: usize,
 }
 
-/// Analysis and factorisation, in nanoseconds per row: a constant, and per √n.
+/// Analysis and factorisation, in nanoseconds per row: constant term and coefficient of √n.
 const FACTORISE: (f64, f64) = (700.0, 2.4);
-/// A solution for three right-hand sides, in nanoseconds per number of the factor.
+/// A solve for three right-hand sides, in nanoseconds per entry of the factor.
 const SOLVE: f64 = 1.8;
 /// An iteration for three right-hand sides, in nanoseconds per entry of the matrix.
 const ITERATE: f64 = 1.6;
-/// The share of the bound of Chebyshev that conjugate gradients take.
+/// Iterations of conjugate gradients as a fraction of Chebyshev's bound.
 const EARLY: f64 = 0.9;
 /// Upper end of the spectrum of D⁻¹S on closed triangle meshes.
 const JACOBI_BOUND: f64 = 1.5;
 
 impl Workload {
-    /// A workload for α M + β S, as [`combine`](crate::combine) makes it of the same arguments, to a residual of
-    /// 10⁻¹⁰.
+    /// The workload of α M + β S, the matrix that [`combine`](crate::combine) returns for the same
+    /// arguments, to a residual of 10⁻¹⁰.
     pub fn combined(
         alpha: f64,
         mass: Mass<'_>,
@@ -85,33 +87,32 @@ impl Workload {
         }
     }
 
-    /// Iterations of conjugate gradients that a solve will take: ½ √κ ln (2/ε), less a tenth, and at most as many
-    /// as there are rows.
+    /// Expected iterations of conjugate gradients in one solve: 0.9 · ½ √κ ln (2/ε), at most one
+    /// per row.
     pub fn iterations(&self) -> f64 {
         let digits = libm::log(2.0 / self.tolerance.clamp(f64::EPSILON, 1.0));
         (EARLY * 0.5 * self.condition.max(1.0).sqrt() * digits).clamp(1.0, self.rows.max(1) as f64)
     }
 
-    /// Estimated nanoseconds of analysis, one factorisation, and all solves.
+    /// Estimated time of the analysis, one factorisation and all solves, in nanoseconds.
     pub fn direct_cost(&self) -> f64 {
         let n = self.rows as f64;
         let guess = ordering::usual_fill(self.rows);
         let entries = self.factor_entries.map_or(guess, |e| e as f64);
-        // The work of a factorisation goes with the square of the length of its columns; a factor that is fuller
-        // than a mesh's costs accordingly more.
+        // Factorisation work grows with the square of the column lengths.
         let fuller = (entries / guess.max(1.0)).powi(2);
         let factorise = n * (FACTORISE.0 + FACTORISE.1 * n.sqrt()) * fuller;
         factorise + self.solves as f64 * SOLVE * entries
     }
 
-    /// Estimated nanoseconds of all solves by conjugate gradients.
+    /// Estimated time of all solves by conjugate gradients, in nanoseconds.
     pub fn iterative_cost(&self) -> f64 {
         self.solves as f64 * self.iterations() * ITERATE * self.entries as f64
     }
 }
 
 impl SolverChoice {
-    /// The way that is faster by the measurements in this module's table.
+    /// The solver with the smaller estimated time.
     ///
     /// # Examples
     ///
@@ -125,9 +126,10 @@ impl SolverChoice {
     ///     tolerance: 1e-10,
     ///     solves: 1,
     /// };
-    /// // A single short step of a flow does not repay a factorisation; a long one or many of them do.
+    /// // A factorisation pays for one long step of a flow, or for many, but not for one short step.
     /// assert_eq!(SolverChoice::choose(&step), SolverChoice::Iterative);
-    /// assert_eq!(SolverChoice::choose(&Workload { condition: 6000.0, ..step }), SolverChoice::Direct);
+    /// let long = Workload { condition: 6000.0, ..step };
+    /// assert_eq!(SolverChoice::choose(&long), SolverChoice::Direct);
     /// assert_eq!(SolverChoice::choose(&Workload { solves: 50, ..step }), SolverChoice::Direct);
     /// ```
     pub fn choose(work: &Workload) -> Self {
@@ -135,10 +137,11 @@ impl SolverChoice {
     }
 }
 
-/// An estimate of κ for M + tS scaled to a unit diagonal: 3/2 (1 + t q) with q the ninth decile of Sᵢᵢ / Mᵢᵢ.
+/// An estimate of κ for M + tS scaled to a unit diagonal: 3/2 (1 + t q) with q the ninth decile of
+/// Sᵢᵢ / Mᵢᵢ.
 ///
-/// On an equilateral mesh with edges h, Sᵢᵢ / Mᵢᵢ = 4/h². The few rows beyond the decile add few iterations, as
-/// isolated eigenvalues do. Infinite where t or a quotient is.
+/// On an equilateral mesh with edges h, Sᵢᵢ / Mᵢᵢ = 4/h². The rows beyond the decile add few
+/// iterations, like isolated eigenvalues. Infinite if t or a quotient is.
 ///
 /// # Panics
 ///

@@ -1,11 +1,11 @@
-//! The pattern of a supernodal factor, cut into subtrees that do not depend on each other.
+//! The pattern of a supernodal factor, divided into independent subtrees.
 
 use std::ops::Range;
 
-/// Columns that share their rows, in a lower triangular factor.
+/// Groups of columns with the same row pattern in a lower triangular factor.
 ///
-/// Supernode `s` holds the columns `range(s)` and, below its dense triangle, the rows `rows(s)`. Its numbers
-/// are column by column in `values(s)`, with `range(s).len() + rows(s).len()` numbers in a column.
+/// Supernode `s` holds the columns `range(s)` and, below its dense triangle, the rows `rows(s)`.
+/// Its values are stored by columns in `values(s)`, `range(s).len() + rows(s).len()` per column.
 #[derive(Debug, Clone)]
 pub(crate) struct Supernodes {
     begin: Vec<usize>,
@@ -16,30 +16,32 @@ pub(crate) struct Supernodes {
     top: Vec<u32>,
 }
 
-/// A subtree of the elimination tree: consecutive supernodes, whose columns touch only rows of their own and
-/// the rows of the last one.
+/// A subtree of the elimination tree: consecutive supernodes whose columns touch only their own
+/// rows and the rows of the last supernode.
 ///
-/// Sweeps work on a copy of those rows, its own first. Rows of these supernodes are renumbered to fit.
+/// Sweeps work on a copy of these rows, the part's own rows first; the rows of its supernodes are
+/// numbered accordingly.
 #[derive(Debug, Clone)]
 pub(crate) struct Part {
     /// Its supernodes.
     pub(crate) nodes: Range<usize>,
-    /// Its columns, which are also its own rows.
+    /// Its columns, equal to its own rows.
     pub(crate) columns: Range<usize>,
-    /// The rows beyond, all in columns of the top.
+    /// The other rows it touches, all in columns of the top.
     pub(crate) outside: Vec<u32>,
 }
 
-/// A part holds at most this share of the factor: enough parts for the threads, whose number is not known
-/// and must not matter.
+/// A part holds at most one over this of the factor. The parts must not depend on the number of
+/// threads.
 const LARGEST_PART: usize = 16;
-/// Smaller subtrees stay with the top: a task would cost more than it gains.
+/// Subtrees with less than one over this of the factor stay in the top: a task would cost more than
+/// it saves.
 const SMALLEST_PART: usize = 200;
-/// Factors with fewer numbers are not cut.
+/// Factors with fewer values are not divided.
 const WORTH_CUTTING: usize = 200_000;
 
 impl Supernodes {
-    /// Supernodes in ascending order, each with its columns and rows.
+    /// The pattern of supernodes in ascending order, each given by its columns and rows.
     pub(crate) fn new<'a>(nodes: impl Iterator<Item = (Range<usize>, &'a [u32])>) -> Self {
         let mut all = Self {
             begin: vec![0],
@@ -83,7 +85,8 @@ impl Supernodes {
         self.begin[s]..self.begin[s + 1]
     }
 
-    /// Rows below the triangle: of the matrix in the top, of the copy in a part.
+    /// Rows below the triangle, numbered as in the matrix for the top and as in the copy for a
+    /// part.
     pub(crate) fn rows(&self, s: usize) -> &[u32] {
         &self.rows[self.row_start[s]..self.row_start[s + 1]]
     }
@@ -102,7 +105,8 @@ impl Supernodes {
         })
     }
 
-    /// Σₖ lᵢₖ² |dₖ| for each row i of the factor of L D Lᵀ with these values, D on the diagonal of L.
+    /// Σₖ lᵢₖ² |dₖ| for each row i of the factor of L D Lᵀ with these values, D on the diagonal of
+    /// L.
     pub(crate) fn eliminated(&self, values: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0; self.columns()];
         for part in &self.parts {
@@ -148,7 +152,7 @@ impl Supernodes {
         }
     }
 
-    /// Entries of the factor on and below its diagonal, explicit zeros of the supernodes included.
+    /// The number of entries on and below the diagonal, including explicit zeros.
     pub(crate) fn entries(&self) -> usize {
         (0..self.len())
             .map(|s| {
@@ -193,7 +197,7 @@ impl Supernodes {
                 *row = if (*row as usize) < part.columns.end {
                     *row - part.columns.start as u32
                 } else {
-                    // What a subtree touches beyond itself, its root touches too.
+                    // The root of a subtree touches all outside rows of the subtree.
                     let place = part.outside.partition_point(|r| r < row);
                     (part.columns.len() + place) as u32
                 };
@@ -202,7 +206,7 @@ impl Supernodes {
         self.top.extend(next as u32..self.len() as u32);
     }
 
-    /// The supernode that holds the first row below each one.
+    /// The parent of each supernode: the one that holds its first row below the triangle.
     fn parents(&self) -> Vec<Option<usize>> {
         (0..self.len())
             .map(|s| {

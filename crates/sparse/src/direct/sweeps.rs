@@ -1,21 +1,23 @@
-//! Forward and backward substitution with a supernodal factor, for several right-hand sides at once.
+//! Forward and backward substitution with a supernodal factor, for several right-hand sides at
+//! once.
 //!
-//! Right-hand sides are rows of `B` numbers. A number of the factor, once loaded, serves all `B`; four columns
-//! of a supernode share each row they touch. With eight right-hand sides this runs at the speed of the
-//! arithmetic, with one at the speed of the memory.
+//! Right-hand sides are rows of `B` numbers. Each value of the factor is loaded once for all `B`,
+//! and four columns of a supernode update each row together. Eight right-hand sides are bound by
+//! arithmetic, one by memory.
 //!
-//! Independent subtrees run in parallel, on copies of the rows they touch; what they send to the top is added
-//! in their order. The cut does not depend on the threads, so neither does any bit of the result.
+//! Independent subtrees run in parallel, on copies of the rows they touch; their contributions to
+//! the top are added in the order of the subtrees. The subtrees do not depend on the number of
+//! threads, and neither does the result.
 
 use rayon::prelude::*;
 
 use crate::direct::supernodes::Supernodes;
 use crate::simd::{self, Kernel};
 
-/// Columns of a supernode taken together.
+/// Columns of a supernode processed together.
 const GROUP: usize = 4;
 
-/// What is on the diagonal of a factor.
+/// The contents of the diagonal of a factor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Diagonal {
     /// L Lᵀ: the diagonal of L.
@@ -127,8 +129,8 @@ struct FactorView<'a> {
 }
 
 impl FactorView<'_> {
-    /// One supernode of L x = b, for rows counted from `offset`: solves its triangle, takes its columns off the
-    /// rows below.
+    /// One supernode of L x = b, for rows counted from `offset`: solves with its triangle, then
+    /// subtracts its columns from the rows below.
     #[inline(always)]
     fn forward<const B: usize>(self, s: usize, offset: usize, x: &mut [[f64; B]]) {
         let node = Node::new(self, s, offset);
@@ -143,8 +145,8 @@ impl FactorView<'_> {
         }
     }
 
-    /// One supernode of D Lᵀ x = b (of Lᵀ x = b without D): divides by D, takes the rows below off its columns,
-    /// solves its triangle.
+    /// One supernode of D Lᵀ x = b (Lᵀ x = b without D): divides by D, subtracts the rows below
+    /// from its columns, then solves with its triangle.
     #[inline(always)]
     fn backward<const B: usize>(self, s: usize, offset: usize, x: &mut [[f64; B]]) {
         let node = Node::new(self, s, offset);
@@ -167,7 +169,7 @@ impl FactorView<'_> {
     }
 }
 
-/// A supernode at hand.
+/// One supernode with its values.
 #[derive(Clone, Copy)]
 struct Node<'a> {
     block: &'a [f64],

@@ -1,12 +1,12 @@
-//! Checks that a matrix is square, finite and symmetric, for factorisations, which read one triangle only.
+//! Check for square, finite, symmetric matrices; factorisations read only one triangle.
 
 use crate::matrix::{Rows, SparseMatrix};
 
-/// Two mirrored entries may differ by this share of the largest diagonal entry of their rows: assembly sums
-/// the same terms in another order.
+/// The largest difference of two mirrored entries, relative to the larger of their diagonal
+/// entries: assembly may sum the same terms in different orders.
 const SYMMETRY_TOLERANCE: f64 = 1e-10;
 
-/// What is wrong with a matrix that should be symmetric.
+/// A violation of symmetry, squareness or finiteness.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Defect {
     Rectangular { rows: usize, columns: usize },
@@ -22,7 +22,8 @@ pub(crate) fn check(matrix: &SparseMatrix) -> Result<(), Defect> {
     let rows = Rows::new(matrix);
     let n = rows.count();
     let diagonal = rows.diagonal();
-    // cursor[j]: the next entry of row j that lies right of its diagonal and has not met its mirror image.
+    // cursor[j]: the next entry of row j right of its diagonal whose mirror image has not been
+    // visited.
     let mut cursor: Vec<u32> = (0..n)
         .map(|i| {
             let before = rows.row(i).0.partition_point(|&j| j as usize <= i);

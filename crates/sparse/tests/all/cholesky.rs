@@ -86,7 +86,8 @@ fn inertia_counts_eigenvalues_below_a_shift() {
     let symbolic = SymbolicCholesky::new(&laplacian, Ordering::default()).unwrap();
     for below in [1usize, 3, 21, 99] {
         let at = |k: f64| 2.0 - 2.0 * (2.0 * std::f64::consts::PI * k / n as f64).cos();
-        // Halfway would also be an eigenvalue of half the cycle, a leading block: growth is then 10¹².
+        // Halfway would also be an eigenvalue of half the cycle, a leading block: growth is then
+        // 10¹².
         let sigma = at((below as f64 - 1.0) / 2.0 + 0.4);
         let ldlt = symbolic.factorize_indefinite(&shifted(&laplacian, sigma)).unwrap();
         assert_eq!(ldlt.inertia().negative, below, "sigma {sigma}, growth {}", ldlt.growth());
@@ -215,8 +216,9 @@ fn threads_do_not_change_bits() {
     assert_eq!(run(1), run(4));
 }
 
-/// Least fill is the least: on a cube of nodes, which fills in so much that both orderings are tried, and on a plane
-/// grid, which is as sparse as meshes usually are and is not dissected at all.
+/// Least fill is the least: on a cube of nodes, which fills in so much that both orderings are
+/// tried, and on a plane grid, which is as sparse as meshes usually are and is not dissected at
+/// all.
 #[test]
 fn least_fill_is_the_least() {
     let side = 20;
@@ -239,8 +241,8 @@ fn least_fill_is_the_least() {
     }
 }
 
-/// A tiny pivot in one block shows beside another block of entries 10⁹ times as large; definite matrices have
-/// no growth.
+/// A tiny pivot in one block shows beside another block of entries 10⁹ times as large; definite
+/// matrices have no growth.
 #[test]
 fn growth_is_measured_row_by_row() {
     use fairing_sparse::{Ordering, SparseMatrix, SymbolicCholesky};
@@ -255,7 +257,8 @@ fn growth_is_measured_row_by_row() {
     assert_eq!(grown(1.0), 1.0);
 }
 
-/// The sums of a factor that is cut into parts are those of L |D| Lᵀ: the diagonal, of a definite matrix.
+/// The sums of a factor that is cut into parts are those of L |D| Lᵀ: the diagonal, of a definite
+/// matrix.
 #[test]
 fn definite_matrices_have_no_growth() {
     let s = crate::matrices::grid(130, 140);
@@ -270,7 +273,8 @@ fn definite_matrices_have_no_growth() {
     }
 }
 
-/// An entry may differ from its mirror image by rounding, a share of 10⁻¹⁰ of the larger diagonal entry, not by more.
+/// An entry may differ from its mirror image by rounding, a share of 10⁻¹⁰ of the larger diagonal
+/// entry, not by more.
 #[test]
 fn symmetry_is_asked_for_up_to_rounding() {
     let factor = |difference: f64| {

@@ -95,7 +95,8 @@ fn threads_do_not_change_bits() {
     assert_eq!(run(1), run(4));
 }
 
-/// A tolerance below rounding: done at what rounding leaves, and the residual that is told is the true one.
+/// A tolerance below rounding: done at what rounding leaves, and the residual that is told is the
+/// true one.
 #[test]
 fn residuals_are_measured() {
     use fairing_sparse::{CgOptions, ConjugateGradient, Mass, combine, multiply};
@@ -118,7 +119,8 @@ fn residuals_are_measured() {
     }
 }
 
-/// Without measuring, a solution takes one product less and is the same; the residual is that of the iteration.
+/// Without measuring, a solution takes one product less and is the same; the residual is that of
+/// the iteration.
 #[test]
 fn residuals_need_not_be_measured() {
     use std::sync::atomic::{AtomicUsize, Ordering};
@@ -162,8 +164,9 @@ fn residuals_need_not_be_measured() {
     }
 }
 
-/// From a guess far away the residual that is carried along departs from the true one by the rounding of the guess. The
-/// true one counts: it ends at the goal and a few roundings of the terms of A x and b.
+/// From a guess far away the residual that is carried along departs from the true one by the
+/// rounding of the guess. The true one counts: it ends at the goal and a few roundings of the terms
+/// of A x and b.
 #[test]
 fn residuals_end_at_the_rounding_of_the_solution() {
     let n = 40 * 30;

@@ -22,14 +22,15 @@ fn dense_mass(mass: Mass<'_>) -> Array2<f64> {
     }
 }
 
-/// Sine of the largest angle between the spans of M-orthonormal columns: ‖B − A Aᵀ M B‖ in the M norm.
+/// Sine of the largest angle between the spans of M-orthonormal columns: ‖B − A Aᵀ M B‖ in the M
+/// norm.
 fn angle(a: ArrayView2<'_, f64>, b: ArrayView2<'_, f64>, m: &Array2<f64>) -> f64 {
     let rest = &b - &a.dot(&a.t().dot(&m.dot(&b)));
     rest.t().dot(&m.dot(&rest)).diag().iter().fold(0.0, |worst: f64, d| worst.max(d.abs())).sqrt()
 }
 
-/// All three paths against `dsygv` called here, values and invariant subspaces, for lumped and consistent masses
-/// in units far from one.
+/// All three paths against `dsygv` called here, values and invariant subspaces, for lumped and
+/// consistent masses in units far from one.
 #[test]
 fn every_path_agrees_with_lapack() {
     let s = grid(21, 19);
@@ -41,7 +42,8 @@ fn every_path_agrees_with_lapack() {
         let m = dense_mass(mass);
         let (values, (vectors, _)) = (s.to_dense(), m.clone()).eigh(UPLO::Lower).unwrap();
         let scale = values[k];
-        // Where the spectrum has a gap of a hundredth, spans are determined to the residual over the gap.
+        // Where the spectrum has a gap of a hundredth, spans are determined to the residual over
+        // the gap.
         let cut = (k / 2..k).find(|&i| values[i] - values[i - 1] > 0.01 * values[i]).unwrap();
         for (options, rounding) in [
             (dense(DenseSolver::Builtin), 1e-12),
@@ -83,7 +85,8 @@ fn lapack_has_exact_zero_modes() {
     }
 }
 
-/// LOBPCG on M^(−1/2) S M^(−1/2), with a Cholesky factor as preconditioner and the constant as constraint.
+/// LOBPCG on M^(−1/2) S M^(−1/2), with a Cholesky factor as preconditioner and the constant as
+/// constraint.
 #[test]
 fn lobpcg_finds_the_same_pairs() {
     let s = grid(40, 31);

@@ -58,7 +58,8 @@ pub(crate) fn grid_eigenvalues(nx: usize, ny: usize) -> Vec<f64> {
     all
 }
 
-/// A random symmetric positive definite matrix: a random graph's Laplacian plus a positive diagonal.
+/// A random symmetric positive definite matrix: a random graph's Laplacian plus a positive
+/// diagonal.
 pub(crate) fn random_definite(n: usize, edges: usize, seed: u64) -> SparseMatrix {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let pairs: Vec<(usize, usize, f64)> = (0..edges)
