@@ -1,8 +1,8 @@
-//! The last step of every shape.
+//! Assembly of a shape.
 
 use fairing_mesh::TriMesh;
 
-/// A mesh from positions and faces that the parameters of a shape guarantee.
+/// Returns the mesh of positions and faces whose validity the parameters of a shape guarantee.
 pub(crate) fn made(positions: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> TriMesh {
     match TriMesh::new(positions, faces) {
         Ok(mesh) => mesh,

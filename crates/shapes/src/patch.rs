@@ -109,7 +109,7 @@ impl Region {
         crossings.count() % 2 == 1
     }
 
-    /// Whether the border is farther than this.
+    /// Returns `true` if the border is farther than `reach`.
     fn is_clear(&self, p: [f64; 2], reach: f64) -> bool {
         let bands = self.bands.index(p[1] - reach)..=self.bands.index(p[1] + reach);
         let near = self.bands.segments[bands].iter().flatten();
@@ -183,7 +183,7 @@ impl Bands {
     }
 }
 
-/// Whether the segment crosses the ray from `p` along +x.
+/// Returns `true` if the segment crosses the ray from `p` along +x.
 fn left_of_crossing(p: [f64; 2], [a, b]: [[f64; 2]; 2]) -> bool {
     (a[1] > p[1]) != (b[1] > p[1]) && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
 }

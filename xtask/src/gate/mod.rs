@@ -62,10 +62,10 @@ const LAPACK: Step = Step {
     environment: &[],
 };
 
-/// How many of the slowest tests are named.
+/// The number of slowest tests to name.
 const NAMED: usize = 10;
 
-/// What has been run, and how it went.
+/// The steps that have run, and their outcome.
 #[derive(Default)]
 struct Log {
     steps: Vec<(&'static str, f64)>,
@@ -93,12 +93,12 @@ impl Log {
     }
 }
 
-/// Runs all steps, also after one has failed; whether none has. Ends with how
-/// long each took, the slowest tests, and what was skipped and why.
+/// Runs all steps, even after a failure; returns `true` if none failed. Prints the time of each
+/// step, the slowest tests, and the skipped tests with the reason.
 ///
 /// # Errors
 ///
-/// If cargo cannot be run or the tree cannot be read.
+/// Cargo that cannot be run, or a tree that cannot be read.
 pub(crate) fn run(root: &Path, whole_python: bool) -> Result<bool> {
     let mut log = Log::default();
     log.step("tidy", || tidy::run(root))?;
@@ -152,7 +152,7 @@ pub(crate) fn run(root: &Path, whole_python: bool) -> Result<bool> {
     Ok(log.failed.is_empty())
 }
 
-/// Whether `cargo xtask reproduce` with these options writes a report.
+/// Runs `cargo xtask reproduce` with these options; returns `true` on success.
 fn reproduces(root: &Path, options: &[&str]) -> Result<bool> {
     let out = root.join("target/quick-report");
     println!("== cargo xtask reproduce {} --out {}", options.join(" "), out.display());
@@ -163,7 +163,7 @@ fn reproduces(root: &Path, options: &[&str]) -> Result<bool> {
     Ok(reproduce.status().context("running the experiments")?.success())
 }
 
-/// Tests that need what is not here.
+/// Tests that are skipped, with the reason.
 fn skipped(root: &Path) -> Vec<(&'static str, &'static str)> {
     let mut skipped = vec![];
     if !root.join(REFERENCE).is_file() {
@@ -194,7 +194,7 @@ fn skipped(root: &Path) -> Vec<(&'static str, &'static str)> {
     skipped
 }
 
-/// Whether the feature `lapack` can be linked.
+/// Returns `true` if the feature `lapack` can be linked.
 fn has_openblas() -> bool {
     Command::new("pkg-config")
         .args(["--exists", "openblas"])

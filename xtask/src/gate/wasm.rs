@@ -23,8 +23,8 @@ const EXCLUDED: [&str; 10] = [
     "xtask",
 ];
 
-/// What does not compile there, or not do its work: threads that wait, random
-/// numbers of the operating system, files, C.
+/// Packages that do not compile or do not work there: waiting threads, random numbers of the
+/// operating system, files, C.
 const HOSTILE: [&str; 9] = [
     "atomic-wait",
     "cc",
@@ -47,8 +47,7 @@ fn on_libraries(root: &Path, name: &str) -> Command {
     command
 }
 
-/// Whether no library crate depends on what is hostile to WebAssembly; needs
-/// no target that is installed.
+/// Returns `true` if no library crate depends on a hostile package; does not need the target.
 pub(super) fn is_free_of_hostile(root: &Path) -> Result<bool> {
     println!("== dependencies for WebAssembly");
     let mut tree = on_libraries(root, "tree");
@@ -71,14 +70,14 @@ fn hostile(packages: &str) -> Vec<&'static str> {
     HOSTILE.into_iter().filter(|hostile| names().any(|name| name == *hostile)).collect()
 }
 
-/// Whether the library crates compile.
+/// Compiles the library crates; returns `true` on success.
 pub(super) fn compiles(root: &Path) -> Result<bool> {
     println!("== libraries for WebAssembly: cargo check --target {TARGET}");
     let status = on_libraries(root, "check").arg("--lib").status();
     Ok(status.context("running cargo")?.success())
 }
 
-/// Whether the target is installed.
+/// Returns `true` if the target is installed.
 pub(super) fn is_installed() -> bool {
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     let output =

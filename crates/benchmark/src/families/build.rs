@@ -5,7 +5,7 @@ use fairing_mesh::vec3::{cross, norm, scale};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// How a surface is divided into triangles.
+/// The kind of triangulation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Triangulation {
     /// Nearly equal triangles.
@@ -14,7 +14,7 @@ pub enum Triangulation {
     Irregular,
     /// Triangles stretched by about three, as exports of CAD programs have them.
     Anisotropic,
-    /// Density that varies by ten over the body.
+    /// Density that varies by ten over the model.
     Graded,
 }
 
@@ -35,13 +35,13 @@ impl Triangulation {
 
 fairing_parameters::named!(Triangulation, "triangulation");
 
-/// The length of edges, relative to the mean, at a point of a body about two
+/// The length of edges, relative to the mean, at a point of a model about two
 /// across: from 0.56 to 1.78.
 pub(super) fn grading([x, y, z]: [f64; 3]) -> f64 {
     libm::exp(0.576 * libm::sin(1.7 * (x + 0.6 * y + 0.4 * z) + 0.3))
 }
 
-/// What a family makes a mesh from.
+/// The parameters of a mesh of a family.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Build {
     pub(super) spacing: f64,
@@ -94,7 +94,7 @@ impl Proportions {
     }
 }
 
-/// What `make` makes with about this many faces.
+/// The mesh that `make` returns with about this many faces.
 pub(super) fn sized(
     make: impl Fn(Build) -> TriMesh,
     faces: usize,

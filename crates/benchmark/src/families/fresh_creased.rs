@@ -177,7 +177,7 @@ struct Ball {
     out: [f64; 3],
     centre: [f64; 3],
     radius: f64,
-    /// Whether the body is outside of it.
+    /// `true` if the model is outside of the ball.
     hollow: bool,
 }
 
@@ -223,7 +223,7 @@ fn away_from(n: [f64; 3]) -> [f64; 3] {
     axis
 }
 
-/// What five balls have in common, but for a sixth: a cube with spherical
+/// The intersection of five balls without a sixth one: a cube with spherical
 /// sides, one of them hollow.
 pub(super) fn cushion(build: Build) -> TriMesh {
     let mut random = build.proportions();

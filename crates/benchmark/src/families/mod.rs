@@ -1,10 +1,10 @@
-//! Families of bodies to test denoisers on: of every kind of surface, in
-//! every kind of triangulation, each from a seed and a number of faces.
+//! Families of models to test denoisers on: every kind of surface in every kind of triangulation,
+//! from a seed and a number of faces.
 //!
 //! The meshes are the truth: where a surface has a crease, the crease is a line
-//! of mesh edges, and vertices lie on the surface to rounding. A seed decides
-//! on the proportions of a body (how many teeth a gear has) as well as on what
-//! is random in its triangulation.
+//! of mesh edges, and vertices lie on the surface to rounding. The seed
+//! determines the proportions of a model (such as the number of teeth of a gear) and its
+//! triangulation.
 //!
 //! ```
 //! use fairing_benchmark::families::{Family, Triangulation};
@@ -43,7 +43,7 @@ pub use build::Triangulation;
 pub use random::RandomModel;
 pub use warp::warped;
 
-/// What a family is like.
+/// The kind of surface of a family.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Kind {
     /// Planes that meet in creases.
@@ -80,15 +80,15 @@ fairing_parameters::named!(Kind, "kind of surface");
 /// The families, with their kind, name and generator.
 macro_rules! families {
     ($($(#[$doc:meta])* $family:ident $kind:ident $name:literal $make:path,)*) => {
-        /// A family of bodies, about two across.
+        /// A family of models, about two across.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
         pub enum Family {
             $($(#[$doc])* $family,)*
         }
 
         impl Family {
-            /// All families. Those of a kind are together, but for the ten last ones, which are
-            /// together in turn.
+            /// All families. Families of a kind are adjacent, apart from the last ten, which are
+            /// grouped by kind in turn.
             pub const ALL: &'static [Self] = &[$(Self::$family),*];
 
             /// The name in tables.
@@ -98,7 +98,7 @@ macro_rules! families {
                 }
             }
 
-            /// What its bodies are like.
+            /// The kind of surface.
             pub fn kind(self) -> Kind {
                 match self {
                     $(Self::$family => Kind::$kind,)*
@@ -188,9 +188,8 @@ families! {
 fairing_parameters::named!(Family, "family");
 
 impl Family {
-    /// A body with about this many faces (within a fifth, small ones being made of
-    /// few curves), oriented outwards or
-    /// upwards.
+    /// A model with about this many faces (within a fifth: small models consist of few curves),
+    /// oriented outwards or upwards.
     ///
     /// # Panics
     ///

@@ -1,4 +1,4 @@
-//! Bodies at random, of no family: what a learner sees beside the families.
+//! Random models of no family, for training.
 
 use std::f64::consts::TAU;
 
@@ -13,8 +13,8 @@ use super::solid::Solid;
 use fairing_shapes::icosphere;
 use fairing_shapes::outline::polygon;
 
-/// A kind of body that only its seed decides on. Families are like parts that people make; these
-/// are like nothing in particular.
+/// A kind of random model. Families resemble parts that people make; random models resemble
+/// nothing in particular.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum RandomModel {
     /// A terrain of plane triangles at random slopes: creases of all angles, convex and concave,
@@ -32,7 +32,8 @@ pub enum RandomModel {
     Sponge,
     /// Boxes, balls, cylinders and rings, added and taken away, with rounded creases.
     Blend,
-    /// A plate with raised or sunken blots and winding ridges of one width, on a part of it. It has a border.
+    /// A plate with raised or sunken blots and winding ridges of one width, on a part of it. It has
+    /// a border.
     Labyrinth,
 }
 
@@ -63,7 +64,7 @@ impl RandomModel {
         }
     }
 
-    /// A body with about this many faces, oriented outwards or upwards.
+    /// A model with about this many faces, oriented outwards or upwards.
     ///
     /// # Panics
     ///
@@ -137,8 +138,8 @@ fn swell(build: Build) -> TriMesh {
     bent(build, &[polygon(&[[-a, -b], [a, -b], [a, b], [-a, b]])], map)
 }
 
-/// Waves of one length and all directions cross zero along winding lines. Cut off below and above, they are blots, pits
-/// or ridges with flanks of any slope.
+/// Waves of one length and all directions cross zero along winding lines. Cut off below and above,
+/// they are blots, pits or ridges with flanks of any slope.
 fn labyrinth(build: Build) -> TriMesh {
     const WAVES: usize = 5;
     let mut random = build.proportions();
@@ -263,7 +264,8 @@ fn stepped(build: Build, [xs, ys]: [&[f64]; 2], height: impl Fn(usize, usize) ->
             faces.push(vec![at(0, 0), at(1, 0), at(1, 1), at(0, 1)]);
         }
     }
-    // A wall stands on the line from node `a` to node `b`, with a cell on its left and one on its right.
+    // A wall stands on the line from node `a` to node `b`, with a cell on its left and one on its
+    // right.
     let mut wall = |a: [usize; 2], b: [usize; 2], left: f64, right: f64| {
         if left == right {
             return;

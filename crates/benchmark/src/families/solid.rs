@@ -13,7 +13,7 @@ use fairing_shapes::patch::{Patch, fill, fill_scattered};
 /// The longer side over the shorter of stretched triangles.
 const ASPECT: f64 = 3.0;
 
-/// How much longer than elsewhere the edges along straight lines are where
+/// The factor on the length of edges along straight lines where
 /// triangles are stretched.
 const ALONG_LINES: f64 = 2.0;
 
@@ -25,7 +25,7 @@ pub(super) struct Solid {
     rng: ChaCha8Rng,
     positions: Vec<[f64; 3]>,
     faces: Vec<[u32; 3]>,
-    /// How much longer lengths become in the end, if the body is then bent.
+    /// The factor on lengths if the model is bent afterwards.
     stretch: Option<Stretch>,
 }
 
@@ -38,10 +38,10 @@ pub(super) type Curve = Vec<u32>;
 /// A face of a body, laid out in the plane so that counter-clockwise there is
 /// counter-clockwise seen from outside.
 pub(super) struct Chart<'a> {
-    /// Where a point of the border lies.
+    /// The position of a point of the border.
     pub(super) to_plane: Box<dyn Fn([f64; 3]) -> [f64; 2] + 'a>,
     pub(super) to_space: Box<dyn Fn([f64; 2]) -> [f64; 3] + 'a>,
-    /// Whether lengths are those in space.
+    /// `true` if lengths in the chart are lengths in space.
     pub(super) isometric: bool,
 }
 

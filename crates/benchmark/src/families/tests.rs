@@ -1,4 +1,4 @@
-//! What holds of every family.
+//! Properties of every family.
 
 use fairing_mesh::Diagnosis;
 use fairing_mesh::vec3::{cross, dot, norm, sub};
@@ -68,7 +68,7 @@ fn fresh_ones_are_clean_in_every_triangulation() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// What is wrong with a body.
+/// The defects of a model.
 fn wrong(family: Family, triangulation: Triangulation, seed: u64) -> Vec<String> {
     let name = format!("{family} {triangulation} {seed}");
     let mesh = family.mesh(2000, triangulation, seed);

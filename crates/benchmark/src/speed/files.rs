@@ -61,7 +61,7 @@ impl Task for SavePly {
 
     fn prepare(&self, job: &Job) -> Result<Box<dyn Work>> {
         let mesh = io::read(&job.input)?.mesh;
-        let path = job.out.clone().context("where to? say --out FILE")?;
+        let path = job.out.clone().context("missing output file: --out FILE")?;
         Ok(Box::new(Saving { mesh, path }))
     }
 }

@@ -21,7 +21,7 @@ impl Task for Metrics {
     }
 
     fn prepare(&self, job: &Job) -> Result<Box<dyn Work>> {
-        let path = job.reference.as_ref().context("against what? say --reference FILE")?;
+        let path = job.reference.as_ref().context("missing reference mesh: --reference FILE")?;
         let (mesh, reference) = (io::read(&job.input)?.mesh, io::read(path)?.mesh);
         Ok(Box::new(Comparing { mesh, reference, found: None }))
     }

@@ -94,7 +94,7 @@ pub(crate) fn run(options: Bench) -> Result<()> {
 ///
 /// # Errors
 ///
-/// If there is no such task, or it fails.
+/// An unknown task, or a failure of the task.
 fn measure(name: &str, job: &Job, repeat: usize) -> Result<Value> {
     let task = ALL.iter().find(|t| t.name() == name).with_context(|| {
         let names: Vec<_> = ALL.iter().map(|t| t.name()).collect();

@@ -10,38 +10,38 @@ use super::stopwatch::Stopwatch;
 
 /// A task to be timed.
 pub(super) trait Task: Sync {
-    /// Its name on the command line.
+    /// The name on the command line.
     fn name(&self) -> &'static str;
 
-    /// What it does, in a line.
+    /// A one-line description.
     fn about(&self) -> &'static str;
 
-    /// Reads what it needs (not timed) and returns the work.
+    /// Reads the inputs, untimed, and returns the work.
     ///
     /// # Errors
     ///
-    /// If an input cannot be read.
+    /// An input that cannot be read.
     fn prepare(&self, job: &Job) -> Result<Box<dyn Work>>;
 }
 
 /// The work of a task, ready to be repeated.
 pub(super) trait Work {
-    /// Does it once; every phase runs through the stopwatch.
+    /// Does the work once; every phase runs through the stopwatch.
     ///
     /// # Errors
     ///
     /// Any failure of the work.
     fn run(&mut self, watch: &mut Stopwatch) -> Result<()>;
 
-    /// Numbers by which the last result can be compared with that of others.
+    /// Numbers for comparing the last result with other libraries.
     ///
     /// # Errors
     ///
-    /// If the result cannot be read back.
+    /// A result that cannot be read back.
     fn fingerprint(&mut self) -> Result<Fingerprint>;
 }
 
-/// A mesh that remembers nothing: what follows from its faces must be found again.
+/// Returns a copy of the mesh without cached topology.
 pub(super) fn forgetful(mesh: &TriMesh, watch: &mut Stopwatch) -> Result<TriMesh> {
     let copy = || TriMesh::new(mesh.positions().to_vec(), mesh.faces().to_vec());
     Ok(watch.phase("prepare", copy)?)
@@ -66,18 +66,18 @@ pub(super) use fingerprint;
 pub(super) struct Job {
     /// The mesh.
     pub(super) input: PathBuf,
-    /// Where to write the result, if the task writes one.
+    /// The file for the result, if the task writes one.
     pub(super) out: Option<PathBuf>,
     /// The mesh without noise, for metrics.
     pub(super) reference: Option<PathBuf>,
     /// The name of a curvature estimator.
     pub(super) estimator: String,
-    /// How many eigenpairs.
+    /// The number of eigenpairs.
     pub(super) k: usize,
     /// The step.
     pub(super) lambda: f64,
     /// The second, negative step of Taubin's method.
     pub(super) mu: f64,
-    /// How many steps.
+    /// The number of steps.
     pub(super) iterations: usize,
 }

@@ -25,14 +25,17 @@ const NOISE: [(NoiseKind, f64); 10] = [
     (NoiseKind::Correlated { reach: 3.0 }, 0.3),
 ];
 
-/// The fraction of bodies that are warped.
+/// The fraction of models that are warped.
 const WARPED: f64 = 0.5;
 
-/// Seeds that no case of the test bed has.
+/// Seeds from here on belong to no case of the benchmark.
 const SEEDS: u64 = 1_000_000;
 
-/// Bodies of the families of the development set, bodies at random, and shapes that are in
-/// no set, with noise.
+/// Noisy models of the families of the development set, random models, and shapes of no set.
+///
+/// # Errors
+///
+/// None for the built-in shapes and noise.
 pub fn training_pairs(models: u64) -> Result<Vec<TrainingPair>> {
     let families = Family::ALL.iter().copied().filter(|f| set_of(*f) == Set::Development);
     let mut jobs: Vec<(Source, u64)> = vec![];
@@ -55,7 +58,7 @@ pub fn training_pairs(models: u64) -> Result<Vec<TrainingPair>> {
     jobs.into_par_iter().map(|(source, seed)| source.pair(seed)).collect()
 }
 
-/// What a pair is made of.
+/// The origin of the model of a pair.
 #[derive(Clone, Copy)]
 enum Source {
     Family(Family),

@@ -15,15 +15,15 @@ use crate::oriented::on_oriented;
 use stencils::{Stencils, combine};
 use system::System;
 
-/// How accurately the systems are solved. The solution of each is the first guess
-/// of the next, which begins by measuring the residual.
+/// The accuracy of the linear systems. The solution of each is the first guess of the next, which
+/// begins by measuring the residual.
 const ACCURACY: CgOptions = CgOptions { tolerance: 1e-4, max_iterations: 200, measure: false };
 
 fairing_parameters::options! {
     /// Options of [`l0`].
     ///
-    /// The defaults are those of the source but for the sparsity, whose source value 1 leaves most of
-    /// the noise of 0.3 h. γ is the mean of unsigned angles: that of signed ones is near zero.
+    /// The defaults are those of the source but for the sparsity, whose source value 1 leaves most
+    /// of the noise of 0.3 h. γ is the mean of unsigned angles: that of signed ones is near zero.
     #[derive(Debug, Clone, Copy, PartialEq)]
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
