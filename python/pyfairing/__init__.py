@@ -7,9 +7,9 @@
 >>> bool(c.defined.all())
 True
 
-Everything is a method of `Mesh`, or a function of two meshes. Arrays are numpy's, sparse
-matrices scipy's. Lengths are in mesh units, those of the file; angles of options in degrees.
-Results are the same, bit by bit, for any number of threads.
+Everything is a method of `Mesh` or a function of two meshes. Arrays are numpy arrays, sparse
+matrices scipy matrices. Lengths are in mesh units, as in the file; angles in options are in
+degrees. Results are bitwise equal for any number of threads.
 """
 
 from __future__ import annotations

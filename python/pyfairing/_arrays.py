@@ -1,4 +1,4 @@
-"""Arrays as the extension takes them, from whatever the caller has."""
+"""Conversion of arguments to the arrays of the extension."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _LAST = 2**32 - 1
 
 
 def floats(values: npt.ArrayLike, name: str) -> Floats:
-    """An array of float64; other kinds of numbers are converted, anything else is a TypeError."""
+    """An array of float64, converted from other numbers; anything else raises TypeError."""
     array = np.asarray(values)
     if array.dtype.kind not in "fiub":
         raise TypeError(f"{name} must be real numbers, not {array.dtype}")
@@ -61,7 +61,7 @@ def faces(values: npt.ArrayLike) -> Indices:
 
 
 def polygons(values: Any) -> tuple[Indices, Indices]:
-    """The corners of all polygons one after another, and how many each has."""
+    """The concatenated corners of all polygons, and the number of corners of each."""
     sizes = [len(polygon) for polygon in values]
     flat = np.concatenate([np.asarray(p) for p in values]) if sizes else np.zeros(0, np.uint32)
     if flat.dtype.kind not in "iu":
@@ -72,7 +72,7 @@ def polygons(values: Any) -> tuple[Indices, Indices]:
 
 
 def numbers(values: npt.ArrayLike, n: int, what: str, count: int) -> list[int]:
-    """Numbers of vertices: one, several, or a mask of all."""
+    """Vertex indices from one index, several, or a mask over all vertices."""
     array = np.asarray(values)
     if array.dtype.kind == "b":
         if array.shape != (n,):
@@ -90,7 +90,7 @@ def numbers(values: npt.ArrayLike, n: int, what: str, count: int) -> list[int]:
 
 
 def field(values: npt.ArrayLike, n: int, name: str, *, constant: bool = False) -> Floats:
-    """One finite number for each vertex, or a number for all if `constant`."""
+    """One finite number per vertex, or a single number if `constant`."""
     array = floats(values, name)
     if constant and array.ndim == 0:
         array = np.full(n, array)
@@ -101,7 +101,7 @@ def field(values: npt.ArrayLike, n: int, name: str, *, constant: bool = False) -
 
 
 def columns(values: npt.ArrayLike, rows: int | None, name: str) -> tuple[Floats, bool]:
-    """A matrix of finite numbers, and whether it was a vector."""
+    """A matrix of finite numbers, and a flag that is true if it was a vector."""
     array = floats(values, name)
     flat = array.ndim == 1
     matrix = array[:, None] if flat else array
@@ -113,7 +113,7 @@ def columns(values: npt.ArrayLike, rows: int | None, name: str) -> tuple[Floats,
 
 
 def finite(array: Floats, name: str) -> None:
-    """Refuses NaN and infinity, and names the first."""
+    """Refuses NaN and infinity, naming the first."""
     good = np.isfinite(array)
     if not good.all():
         place = tuple(int(i) for i in np.argwhere(~good)[0])
@@ -122,7 +122,7 @@ def finite(array: Floats, name: str) -> None:
 
 
 def whole(value: SupportsIndex, name: str) -> int:
-    """A whole number, not negative."""
+    """A non-negative integer."""
     number = operator.index(value)
     if number < 0:
         raise OptionError(f"{name} is {number}, but must not be negative")
@@ -130,7 +130,7 @@ def whole(value: SupportsIndex, name: str) -> int:
 
 
 def csr(parts: tuple[Any, Any, Any, tuple[int, int]]) -> Csr:
-    """A matrix of scipy over the arrays of the extension, without a copy."""
+    """A scipy matrix that shares the arrays of the extension."""
     try:
         from scipy.sparse import csr_matrix
     except ImportError as error:
@@ -146,13 +146,13 @@ def csr(parts: tuple[Any, Any, Any, tuple[int, int]]) -> Csr:
 
 
 def diagonal(values: Floats) -> Csr:
-    """A diagonal matrix of scipy, every entry stored."""
+    """A diagonal scipy matrix with every entry stored."""
     n = len(values)
     starts = np.arange(n + 1, dtype=np.uint32)
     return csr((starts, starts[:n].copy(), values, (n, n)))
 
 
 def frozen(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """The array, no longer writeable."""
+    """The array, made read-only."""
     array.flags.writeable = False
     return array

@@ -1,4 +1,4 @@
-"""What the parts of a mesh share."""
+"""Base class of the parts of `Mesh`."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Base:
         ) -> Self: ...
 
     def _warn_of_orientation(self) -> None:
-        """Warns where faces disagree in orientation, on which the result depends."""
+        """Warns if faces are oriented inconsistently and the result depends on it."""
         with running(None, None) as call:
             turned, one_sided = self._core.disagreeing_faces(call)
         if turned:

@@ -1,4 +1,4 @@
-"""What a worker does: the rows of a batch of meshes, computed and written."""
+"""Work of a worker: computes and writes the rows of a batch of meshes."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ OWN = {
 
 
 class _Budget:
-    """Memory that meshes of one process share: who does not fit waits."""
+    """Memory budget of the meshes in one process: a mesh that does not fit waits."""
 
     def __init__(self) -> None:
         self._change = threading.Condition()
@@ -54,7 +54,7 @@ _BUDGET = _Budget()
 
 
 def memory_limit() -> int | None:
-    """That of the worker of dask that runs this, if one does."""
+    """The memory limit of the current dask worker, if any."""
     try:
         from distributed import get_worker
 
@@ -107,7 +107,7 @@ def _row(
 
 
 def _plain(value: Any, kind: str, name: str) -> Any:
-    """A value as Parquet takes it."""
+    """A value in a form that Parquet stores."""
     if value is None:
         return None
     if kind == "list":
@@ -123,7 +123,7 @@ def _plain(value: Any, kind: str, name: str) -> Any:
 def rows(
     batch: Batch, task: Any, columns: Mapping[str, str], per_vertex: int, threads: int
 ) -> list[dict[str, Any]]:
-    """The rows of a batch; a bad mesh is a row with its error."""
+    """The rows of a batch; a mesh that fails becomes a row with its error."""
     limit = memory_limit()
     done = []
     with default_threads(threads):
@@ -134,7 +134,7 @@ def rows(
 
 
 def failed(batch: Batch, error: str) -> list[dict[str, Any]]:
-    """Rows of meshes that ended their workers."""
+    """Rows of meshes that killed their workers."""
     return [
         {"row": s.row, "path": s.path, "vertices": None, "faces": None, "error": error, "warnings": []}
         for s in batch.sources
@@ -142,7 +142,7 @@ def failed(batch: Batch, error: str) -> list[dict[str, Any]]:
 
 
 def schema(columns: Mapping[str, str]) -> Any:
-    """Of Arrow: the columns of every data set, then those of the task and of the table."""
+    """The Arrow schema: the columns of every data set, then those of the task and of the table."""
     import pyarrow as pa
 
     kinds = {
@@ -157,7 +157,7 @@ def schema(columns: Mapping[str, str]) -> Any:
 
 
 def table(done: list[dict[str, Any]], columns: Mapping[str, str]) -> Any:
-    """The rows as a table of Arrow."""
+    """The rows as an Arrow table."""
     import pyarrow as pa
 
     fields = schema(columns)
@@ -180,18 +180,18 @@ def write(done: list[dict[str, Any]], columns: Mapping[str, str], folder: str, p
 def run(
     batch: Batch, task: Any, columns: Mapping[str, str], per_vertex: int, threads: int, folder: str
 ) -> str:
-    """Computes and writes a batch; the name of its part."""
+    """Computes and writes a batch; returns the name of its part."""
     return write(rows(batch, task, columns, per_vertex, threads), columns, folder, batch.part)
 
 
 def frame(batch: Batch, task: Any, kinds: tuple[tuple[str, str], ...], per_vertex: int, threads: int) -> Any:
-    """Computes a batch; its rows as a table of pandas, for collections that are not written."""
+    """Computes a batch and returns its rows as a pandas table, for collections that are not written."""
     columns = dict(kinds)
     return to_pandas(table(rows(batch, task, columns, per_vertex, threads), columns))
 
 
 def to_pandas(arrow: Any) -> Any:
-    """With missing values that are not NaN."""
+    """A pandas table with missing values distinct from NaN."""
     import pandas as pd
 
     found = arrow.to_pandas(types_mapper=pd.ArrowDtype)

@@ -1,4 +1,4 @@
-"""How a call runs: threads, progress, warnings."""
+"""Threads, progress and warnings of calls."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ Call: TypeAlias = "tuple[int | None, ProgressCallback | None]"
 
 
 class FairingWarning(UserWarning):
-    """Something that the caller should know about a result."""
+    """A result that needs attention, such as a changed input or an automatic choice."""
 
 
 def warn(text: str) -> None:
-    """Warns in the name of the first caller outside of this package."""
+    """Warns at the line of the first caller outside this package."""
     import sys
 
     level = 2
@@ -39,7 +39,7 @@ _DEFAULT: ContextVar[int | None] = ContextVar("threads of calls that name none",
 
 @contextmanager
 def default_threads(count: int | None) -> Iterator[None]:
-    """Calls inside that name no number of threads take so many."""
+    """Default number of threads for calls in this context."""
     token = _DEFAULT.set(count)
     try:
         yield
@@ -48,7 +48,7 @@ def default_threads(count: int | None) -> Iterator[None]:
 
 
 class _Bar:
-    """A bar of tqdm, one for each stage."""
+    """A tqdm bar for each stage."""
 
     def __init__(self) -> None:
         try:
@@ -75,7 +75,7 @@ class _Bar:
 
 @contextmanager
 def running(threads: SupportsIndex | None, progress: Progress) -> Iterator[Call]:
-    """What the extension takes as `(threads, progress)`."""
+    """The pair `(threads, progress)` for the extension."""
     count = _DEFAULT.get() if threads is None else operator.index(threads)
     if count is not None and count < 1:
         raise ValueError(f"threads is {count}, but must be 1 or more")

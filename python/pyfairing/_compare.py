@@ -21,26 +21,26 @@ def compare(
 ) -> Scores:
     """Scores a mesh against a reference.
 
-    Distances between the surfaces, both ways, exact in double precision; angles between
-    matching normals; drift of volume, area and edge length; flipped faces,
-    self-intersections, sharp edges lost and gained.
+    Reports distances between the surfaces in both directions, exact in double precision;
+    angles between corresponding normals; changes of volume, area and edge length; flipped
+    faces, self-intersections, and sharp edges lost and gained.
 
     Parameters
     ----------
     mesh, reference : Mesh
         Scores that compare element by element need the same faces.
     hausdorff_tolerance : float
-        How far apart the two bounds of the Hausdorff distance may be, in diagonals; not
-        below the rounding of the coordinates.
+        Largest gap between the two bounds of the Hausdorff distance, in diagonals; at least
+        the rounding of the coordinates.
     feature_angle : float
-        From which dihedral angle on an edge counts as sharp, in degrees.
+        Smallest dihedral angle of a sharp edge, in degrees.
     {run}
 
     Returns
     -------
     Scores
         A mapping from the names of `fairing compare --json` to floats, lengths in diagonals
-        of the reference. Scores that do not exist are in `Scores.missing`, with the reason.
+        of the reference. Scores that are not defined are in `Scores.missing`, with the reason.
     """
     with running(threads, progress) as call:
         diagonal, entries, table = _core.compare(

@@ -1,4 +1,4 @@
-"""What can be computed of a mesh: the methods of `Mesh` that call the crates."""
+"""The computations of `Mesh`."""
 
 from __future__ import annotations
 
@@ -41,11 +41,11 @@ class Computing(Base):
         Parameters
         ----------
         kind : str
-            One of {laplacians}. `auto` takes cotangents unless a face is too thin for them;
-            then it takes the robust Laplacian. `non-negative` takes that where an edge has a
-            negative weight too. `auto` means the same in every method.
+            One of {laplacians}. `auto` is cotangent, or robust if a face is too thin for
+            cotangents; `non-negative` is robust also if an edge has a negative weight. `auto`
+            has the same meaning in every method.
         mass : str
-            One of {masses}. The robust Laplacian has the barycentric mass only.
+            One of {masses}. The robust Laplacian supports the barycentric mass only.
         {run}
 
         Returns
@@ -58,9 +58,9 @@ class Computing(Base):
         Raises
         ------
         ComputationError
-            For the first face too thin for cotangents, where they were asked for.
+            For the first face too thin for cotangents, if `kind` requests them.
         OptionError
-            If there is no such kind or mass, or not together.
+            If there is no such kind or mass, or they do not fit together.
         """
         with running(threads, progress) as call:
             stiffness, matrix, taken, reason, note = _core.laplacian(self._core, kind, mass, call)
@@ -98,7 +98,7 @@ class Computing(Base):
         Returns
         -------
         scipy.sparse.csr_matrix, shape (n, 3 m)
-            Takes a field in the order of `gradient`; positive at sources, no flux through
+            Acts on fields in the order of `gradient`; positive at sources, no flux through
             the boundary. `divergence @ gradient` is -S.
         """
         with running(threads, progress) as call:
@@ -116,16 +116,17 @@ class Computing(Base):
         Parameters
         ----------
         weight : {'area', 'angle', 'sphere', 'uniform'}
-            What a face counts: its area, its angle at the vertex, the weight that is exact on
-            spheres, or all alike.
+            Weight of a face: its area, its angle at the vertex, the weight that is exact on
+            spheres, or equal weights.
         threads : int, optional
-            At most so many threads.
+            Maximum number of threads.
 
         Returns
         -------
         ndarray, shape (n, 3)
             Zero where no normal is defined (isolated vertices, sums that cancel). Faces that
-            turn against the rest of their part count as turned over, with a `FairingWarning`.
+            turn against the rest of their part are flipped for the computation, with a
+            `FairingWarning`.
         """
         self._warn_of_orientation()
         with running(threads, None) as call:
@@ -147,17 +148,17 @@ class Computing(Base):
         Parameters
         ----------
         estimator : str
-            Which one, `jet3` where nothing is known about the mesh:
+            The estimator; `jet3` suits most meshes:
 
             {estimators}
         radius : float, optional
-            The scale of `normal-cycle` and `corrected-ball`, or how far jets and quadrics
-            reach, in mean edge lengths.
+            The scale of `normal-cycle` and `corrected-ball`, or the reach of jets and
+            quadrics, in mean edge lengths.
         rings : int, optional
-            How far jets and quadrics reach, in rings of neighbours (1 to 16).
+            The reach of jets and quadrics, in rings of neighbours (1 to 16).
         kind : str, optional
-            The Laplacian of the estimator `cotangent`, with its barycentric mass; without it,
-            cotangents over mixed areas, or robust where a face is too thin.
+            The Laplacian of the estimator `cotangent`, with its barycentric mass; by default
+            cotangents over mixed areas, or robust if a face is too thin.
         {run}
 
         Returns
@@ -165,9 +166,9 @@ class Computing(Base):
         Curvature
             `mean`, `gaussian`, `kappa1`, `kappa2`, `direction1`, `direction2`, `defined`,
             `boundary`: arrays in the order of the vertices. Positive on a sphere whose faces
-            turn counter-clockwise seen from outside. Faces that turn against the rest of their
-            part count as turned over, with a `FairingWarning`; on one-sided parts, such as a
-            Möbius band, values are those of the side from which H is not negative.
+            are counter-clockwise seen from outside. Faces that turn against the rest of their
+            part are flipped for the computation, with a `FairingWarning`; on one-sided parts, such as
+            a Möbius band, values refer to the side on which H is not negative.
 
         Raises
         ------
@@ -209,30 +210,30 @@ class Computing(Base):
         Parameters
         ----------
         k : int
-            How many.
+            Number of modes.
         kind : str
             One of {laplacians}, as in `laplacian`.
         mass : str
             One of {masses}.
         boundary : {'neumann', 'dirichlet'}
-            Natural (zero flux), or modes vanish on the boundary.
+            Natural boundary (zero flux), or modes that vanish on the boundary.
         fixed : array_like of int or bool
-            Vertices where modes vanish besides.
+            Further vertices where modes vanish.
         {run}
 
         Returns
         -------
         Spectrum
             `values` (k,), ascending, in 1 / squared mesh units; `modes` (n, k), orthonormal in
-            the mass; `residuals` (k,); `certified`, whether it is proved that none was missed.
+            the mass; `residuals` (k,); `certified`, true if it is proved that no mode was missed.
 
         Raises
         ------
         OptionError
             If there are fewer modes than k.
         ComputationError
-            For the first face too thin for cotangents, where they were asked for, and if the
-            faces do not share their corners; see `Mesh.weld`.
+            For the first face too thin for cotangents, if `kind` requests them, and if the faces
+            do not share their corners; see `Mesh.weld`.
         """
         self._require_welded()
         pinned = _arrays.numbers(fixed, self._core.vertex_count, "fixed", self._core.vertex_count)
@@ -257,24 +258,24 @@ class Computing(Base):
         """The distance of each vertex to the nearest source, by the heat method.
 
         A smooth approximation of the geodesic distance, of first order in the edge length.
-        For several sets of sources make a `GeodesicSolver` once.
+        For several sets of sources, create one `GeodesicSolver`.
 
         Parameters
         ----------
         sources : int or array_like of int or bool
-            Vertices: numbers, or a mask.
+            Vertex indices, or a mask.
         kind : {'non-negative', 'auto', 'cotangent', 'robust'}
-            The Laplacian, as in `laplacian`: cotangents unless an edge has a negative weight or
-            a face is too thin for them; then the robust one.
+            The Laplacian, as in `laplacian`: by default cotangent, or robust if an edge has a
+            negative weight or a face is too thin.
         time : float, optional
-            The time of diffusion in squared mesh units; that of the mean edge length squared
-            of each component unless given. Longer times smooth the distance more.
+            The diffusion time in squared mesh units; by default the squared mean edge length
+            of each component. Longer times smooth the distance more.
         {run}
 
         Returns
         -------
         ndarray, shape (n,)
-            In mesh units, zero at every source, infinite where nothing is reached.
+            In mesh units, zero at every source, infinite on components without a source.
         """
         solver = GeodesicSolver(self, kind, time=time, threads=threads, progress=progress)
         return solver.distance(sources, threads=threads)
@@ -293,20 +294,20 @@ class Computing(Base):
     ) -> Floats:
         """Diffuses heat by implicit steps: (M + tS) u = M u₀.
 
-        For several fields make a `HeatSolver` once.
+        For several fields, create one `HeatSolver`.
 
         Parameters
         ----------
         temperatures : array_like, shape (n,)
-            At the beginning.
+            Initial temperatures.
         time : float
-            Of one step, in squared mesh units.
+            Length of a step, in squared mesh units.
         kind : str
             One of {laplacians}.
         mass : str
             One of {masses}.
         steps : int
-            How many steps.
+            Number of steps.
         {run}
 
         Returns
@@ -328,16 +329,16 @@ class Computing(Base):
         threads: int | None = None,
         progress: Progress = None,
     ) -> Floats:
-        """Solves -Δu = f with u given at some vertices.
+        """Solves -Δu = f with u prescribed at some vertices.
 
         Parameters
         ----------
         f : float or array_like, shape (n,)
-            Pointwise; a number is the same everywhere.
+            Pointwise values; a number is constant.
         fixed : array_like of int, shape (j,)
-            The vertices where u is given.
+            The vertices where u is prescribed.
         values : array_like, shape (j,)
-            What it is there.
+            The values of u there.
         kind : str
             One of {laplacians}.
         mass : str
@@ -347,8 +348,8 @@ class Computing(Base):
         Returns
         -------
         ndarray, shape (n,)
-            On components without a fixed vertex the mean of f is taken off, and u has the
-            mean zero.
+            On components without a fixed vertex the mean of f is subtracted, and u has mean
+            zero.
         """
         n = self._core.vertex_count
         vertices = _arrays.numbers(fixed, n, "fixed", n)
@@ -367,13 +368,13 @@ class Computing(Base):
         Parameters
         ----------
         threads : int, optional
-            At most so many threads.
+            Maximum number of threads.
 
         Returns
         -------
         dict
-            Lengths, areas and volumes in mesh units; `genus` and `volume` are None where they
-            are not defined.
+            Lengths, areas and volumes in mesh units; `genus` and `volume` are None if they are
+            not defined.
         """
         with running(threads, None) as call:
             return self._core.diagnosis(call)
@@ -402,39 +403,39 @@ class Computing(Base):
         Parameters
         ----------
         field : array_like, shape (n,) or (n, 3), or str, optional
-            The values, or the name of a field; vectors are shown by their length. Without it,
-            the colours of the mesh if it has any.
+            Values, or the name of a field; vectors are shown by their length. By default the
+            colours of the mesh, if any.
         defined : array_like of bool, shape (n,), optional
-            Where there is a value; the rest is grey and does not count for the range. Without it,
-            the field `defined` of the mesh for fields by name, and the mask of masked arrays. A
-            curvature is 0 where undefined, so pass its `defined`.
+            Vertices with a value; others are grey and do not affect the range. By default the
+            field `defined` of the mesh for fields by name, and the mask of masked arrays. A
+            curvature is 0 where it is undefined, so pass its `defined`.
         map : str, optional
             One of {maps}; `coolwarm` about zero for signed fields, else `viridis`.
         range : (float, float), optional
-            The values at the two ends of the map; the 2nd to the 98th percentile without.
+            The values at the two ends of the map; by default the 2nd and 98th percentile.
         equalize : bool
-            Spread the values so that each colour covers as many as any other.
+            Equalise the histogram: each colour covers the same number of vertices.
         view : str or (float, float)
             `three-quarter`, `behind`, `front`, `back`, `left`, `right`, `top`, `bottom`, or
             azimuth and elevation in degrees.
         up : {'y', 'z'}
-            The axis that points upward in the picture.
+            The axis that points up in the picture.
         size : (int, int)
             Width and height in pixels.
         samples : int
-            Along each side of a pixel (1 to 8).
+            Samples along each side of a pixel (1 to 8).
         wireframe : bool
             Draw the edges.
         shading : {'creased', 'smooth', 'flat'}
-            How normals vary over a face.
+            Normals used for shading.
         transparent : bool
-            No background, instead of white.
+            Leave the background transparent instead of white.
         {run}
 
         Returns
         -------
         ndarray of uint8, shape (height, width, 4)
-            Red, green, blue, alpha: `matplotlib.pyplot.imshow` shows it.
+            Red, green, blue, alpha, as for `matplotlib.pyplot.imshow`.
         """
         values, undefined = _field_to_show(self, field, defined)
         colors = None if values is not None else self._fields.get("colors")
@@ -502,10 +503,10 @@ def polygon_laplacian(
     threads: int | None = None,
     progress: Progress = None,
 ) -> Laplacian:
-    """Stiffness S and mass M of a mesh of polygons, which are not split into triangles.
+    """Stiffness S and mass M of a polygon mesh, without splitting it into triangles.
 
-    Each polygon is refined about one point that is an affine combination of its corners; on
-    triangles S is that of cotangents. Polygons need not be flat.
+    Each polygon is refined around one point, an affine combination of its corners; on triangles S is
+    the cotangent stiffness. Polygons need not be flat.
 
     Parameters
     ----------
@@ -514,7 +515,7 @@ def polygon_laplacian(
     polygons : sequence of sequences of int, or array_like of int, shape (m, k)
         The corners of each polygon, counter-clockwise seen from outside.
     mass : {'barycentric', 'consistent'}
-        The row sums of the consistent mass, or itself.
+        The row sums of the consistent mass, or the consistent mass itself.
     {run}
 
     Returns

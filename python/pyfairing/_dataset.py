@@ -1,4 +1,4 @@
-"""Many meshes on many machines."""
+"""Computations on many meshes and many machines."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def dataset(
     resume: bool = True,
     progress: Progress = None,
 ) -> Any:
-    """Computes something of each mesh of a data set: a Dask collection, one row a mesh.
+    """Applies a task to each mesh of a data set: a Dask collection with one row per mesh.
 
     Parameters
     ----------
@@ -49,26 +49,25 @@ def dataset(
         glob. A table of pandas or dask has them in the column `path`.
     task : callable
         Called with a `Mesh`; returns a mapping from the names of columns to numbers, strings,
-        or flat arrays: a function of `pyfairing.tasks`, or any other. Workers must be able to
-        unpickle it, and its result should depend on the mesh alone.
+        or flat arrays: a function of `pyfairing.tasks`, or any other. It must be picklable for
+        the workers, and its result should depend on the mesh alone.
     out : str or path, optional
-        A folder, local or of fsspec, that all workers see. With it the meshes are computed now
-        and each batch is written to Parquet when it is done. A run that was interrupted goes
-        on where it was: what is written is not computed again. Without it nothing is computed
-        or kept until the collection is.
+        A folder, local or of fsspec, that all workers can access. If given, the meshes are
+        computed at once and each batch is written to Parquet when it is done; an interrupted
+        run resumes and does not recompute written batches. Otherwise the collection is lazy.
     client : distributed.Client, optional
         The cluster; the current client of dask if there is one, else threads of this process.
     columns : mapping of str to str, optional
         The type of each column of the task: `int64`, `float64`, `bool`, `string` or `list` (of
-        float64). Found by a try on a small sphere unless given.
+        float64). By default inferred by running the task on a small sphere.
     bytes_per_vertex : int, optional
-        What the task needs; `task.bytes_per_vertex` or 2000 unless given. With the number of
-        vertices in the header of a file (or its size) it estimates the memory of a mesh:
-        meshes of a worker wait for each other where they would not fit together.
+        Memory that the task needs; by default `task.bytes_per_vertex` or 2000. Times the number
+        of vertices in the header of a file (or from its size) it estimates the memory of a mesh:
+        meshes that do not fit into a worker together wait for each other.
     threads : int
-        Of each mesh; workers have as many meshes at work as they have threads.
+        Threads per mesh; a worker processes as many meshes at once as it has threads.
     resume : bool
-        Whether to go on with what is in `out`; otherwise it is deleted.
+        Resume the run in `out`; if false, its content is deleted.
     progress : callable or bool, optional
         Called as `progress("meshes", done, total)` after each batch.
 
@@ -76,8 +75,8 @@ def dataset(
     -------
     dask.dataframe.DataFrame
         Index `row`, the place in `paths`. Columns `path`, `vertices`, `faces`, `error` (missing
-        where all went well), `warnings`, those of the task, and those of the table. Values are
-        the same for any number of workers.
+        on success), `warnings`, those of the task, and those of the table. Values are the same
+        for any number of workers.
 
     Raises
     ------
@@ -90,10 +89,10 @@ def dataset(
 
     Notes
     -----
-    A mesh that cannot be read or computed is a row with its `error`. Batches of a worker that
-    is killed are done again; if that happens again and again, each mesh of the batch is done
-    on its own, at last with nothing beside it on the cluster, and one that still ends its
-    workers becomes a row with its error. A mesh whose estimate exceeds the memory of a worker is not tried.
+    A mesh that cannot be read or computed becomes a row with its `error`. Batches of a killed
+    worker are repeated; after several failures each mesh of the batch is computed separately,
+    finally alone on the cluster, and a mesh that still kills its worker becomes a row with its
+    error. A mesh whose estimate exceeds the memory of a worker is not tried.
     """
     try:
         import dask.dataframe
@@ -132,7 +131,7 @@ def dataset(
 
 
 class _Run:
-    """What is done to each batch."""
+    """Settings of the work on each batch."""
 
     def __init__(self, task: Any, columns: dict[str, str], per_vertex: int, threads: int) -> None:
         self.task, self.columns, self.per_vertex, self.threads = task, columns, per_vertex, threads
@@ -157,7 +156,7 @@ def _name_of(task: Any) -> str:
 
 
 def _columns_of(task: Any) -> dict[str, str]:
-    """The types of the columns, from a try on a sphere of 162 vertices."""
+    """The types of the columns, from the task on a sphere of 162 vertices."""
     from .shapes import icosphere
 
     try:
@@ -191,7 +190,7 @@ def _current_client() -> Any:
 
 
 def _lazy(run: _Run, sources: list[_plan.Source]) -> Any:
-    """A collection that computes when it is asked to."""
+    """A lazy collection."""
     import dask.dataframe
 
     meta = _batch.to_pandas(_batch.schema(run.columns).empty_table())
@@ -214,7 +213,7 @@ def _lazy(run: _Run, sources: list[_plan.Source]) -> Any:
 
 
 def _with_table(found: Any, extra: Any) -> Any:
-    """With the other columns of the caller's table, row by row."""
+    """The rows joined with the other columns of the caller's table."""
     if extra is None or len(extra.columns) == 1:
         return found
     import dask.dataframe
@@ -227,7 +226,7 @@ def _with_table(found: Any, extra: Any) -> Any:
 
 
 def _prepare(folder: str, fingerprint: str, resume: bool) -> None:
-    """The folder of this run: empty, or with what an earlier one has written."""
+    """Prepares the folder of this run: empty, or with the parts of an earlier run."""
     fs, inner = _plan.filesystem(folder)
     note = f"{inner.rstrip('/')}/_run.json"
     if not resume and fs.exists(inner):
@@ -251,7 +250,7 @@ def _prepare(folder: str, fingerprint: str, resume: bool) -> None:
 
 
 def _parts(folder: str) -> list[str]:
-    """The names of the parts that are complete, in the order of their rows."""
+    """The names of the complete parts, in the order of their rows."""
     fs, inner = _plan.filesystem(folder)
     if not fs.exists(inner):
         return []
@@ -270,7 +269,7 @@ def _rows_of(names: Iterable[str]) -> list[tuple[int, int]]:
 
 
 def _drop_contained(folder: str) -> None:
-    """A worker that was given up may have written its batch after all: its rows are there twice then."""
+    """Removes parts contained in others: an abandoned worker may have written its batch after all."""
     fs, inner = _plan.filesystem(folder)
     parts = sorted(((rows, name) for name in _parts(folder) if (rows := _plan.part_rows(name))))
     end = 0
@@ -283,7 +282,7 @@ def _drop_contained(folder: str) -> None:
 
 
 def _complete(run: _Run, sources: list[_plan.Source], folder: str, client: Any, tell: Any) -> None:
-    """Computes what is not written yet, the largest batches first."""
+    """Computes the batches that are not written yet, the largest first."""
     todo = _plan.batches(_plan.uncovered(sources, _rows_of(_parts(folder))))
     todo.sort(key=lambda batch: -sum(s.vertices for s in batch.sources))
     done = len(sources) - sum(len(batch.sources) for batch in todo)
@@ -312,9 +311,9 @@ def _on_threads(run: _Run, todo: list[Batch], folder: str, _: Any) -> Iterable[B
 def _on_cluster(run: _Run, todo: list[Batch], folder: str, client: Any) -> Iterable[Batch]:
     """The batches on the workers of a cluster.
 
-    A worker that ends takes every mesh with it that was on it, and the scheduler counts that against
-    each of them. So a mesh is only given up after it was on the cluster alone: until then it is a
-    suspect, and waits for the others.
+    A worker that dies takes all its meshes with it, and the scheduler counts a failure for each of them.
+    So a mesh is abandoned only after it was alone on the cluster; until then it is a suspect and waits
+    for the others.
     """
     from distributed.scheduler import KilledWorker
 
@@ -368,7 +367,7 @@ def _on_cluster(run: _Run, todo: list[Batch], folder: str, client: Any) -> Itera
 
 
 def _finished(futures: list[Any], client: Any) -> Iterable[Any]:
-    """Those that are done, at least one; warns where there are no workers, which a queue may still bring."""
+    """The finished futures, at least one; warns if there are no workers, which a queue may still start."""
     import distributed
 
     idle = 0

@@ -1,4 +1,4 @@
-"""Docstrings with the tables that the help of the program shows."""
+"""Docstrings with the tables in the help of the program."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ F = TypeVar("F", bound=Callable[..., object])
 _TABLES = _core.tables()
 
 _RUN = """threads : int, optional
-    At most so many threads; all that there are unless given, or `RAYON_NUM_THREADS`.
-    Results are the same, bit by bit, for any number.
+    Maximum number of threads; by default `RAYON_NUM_THREADS` or all cores. Results are bitwise
+    equal for any number.
 progress : callable or bool, optional
-    Called as `progress(stage, done, total)` about fifty times a second at most, `total` is
-    None where nobody knows; True shows a bar of tqdm. What it raises ends the work."""
+    Called as `progress(stage, done, total)` at most about fifty times a second; `total` is None
+    if unknown. True shows a tqdm bar. An exception in the callback cancels the work."""
 
 
 def _list(rows: Iterable[tuple[str, str]]) -> str:
@@ -43,7 +43,7 @@ COLOR_MAPS: tuple[str, ...] = tuple(_TABLES["color_maps"])
 
 
 def documented(function: F) -> F:
-    """Puts the tables in the place of their names, with the indentation that they have there."""
+    """Replaces the names of tables by the tables, with their indentation."""
     text = inspect.cleandoc(function.__doc__ or "")
     lines = []
     for line in text.split("\n"):

@@ -1,4 +1,4 @@
-"""Heat and distances, factorised once for many fields or sources."""
+"""Heat and geodesic distances, factorised once for many fields or sources."""
 
 from __future__ import annotations
 
@@ -17,27 +17,27 @@ if TYPE_CHECKING:
 
 
 class GeodesicSolver:
-    """The heat method for geodesic distance, ready for any sources.
+    """Factorised heat method for geodesic distances from any sources.
 
     Parameters
     ----------
     mesh : Mesh
         The mesh.
     kind : {'non-negative', 'auto', 'cotangent', 'robust'}
-        The Laplacian, as in `Mesh.laplacian`: cotangents unless an edge has a negative weight
-        or a face is too thin for them; then the robust one.
+        The Laplacian, as in `Mesh.laplacian`: by default cotangent, or robust if an edge has a
+        negative weight or a face is too thin.
     time : float, optional
-        The time of diffusion in squared mesh units; that of the mean edge length squared of
-        each component unless given.
+        The diffusion time in squared mesh units; by default the squared mean edge length of each
+        component.
     threads : int, optional
-        At most so many threads.
+        Maximum number of threads.
     progress : callable or bool, optional
         As in `Mesh.geodesic`.
 
     Attributes
     ----------
     kind : str
-        The kind that was taken.
+        The kind in use.
 
     Examples
     --------
@@ -64,7 +64,7 @@ class GeodesicSolver:
 
     @property
     def kind(self) -> str:
-        """The kind of the Laplacian that was taken."""
+        """The kind of the Laplacian in use."""
         return self._core.kind
 
     @documented
@@ -76,13 +76,13 @@ class GeodesicSolver:
         Parameters
         ----------
         sources : int or array_like of int or bool
-            Vertices: numbers, or a mask.
+            Vertex indices, or a mask.
         {run}
 
         Returns
         -------
         ndarray, shape (n,)
-            In mesh units, infinite where nothing is reached.
+            In mesh units, infinite on components without a source.
         """
         vertices = _arrays.numbers(sources, self._n, "sources", self._n)
         with running(threads, progress) as call:
@@ -90,18 +90,18 @@ class GeodesicSolver:
 
 
 class HeatSolver:
-    """Implicit steps of heat, (M + tS) u = M u₀, of one length.
+    """Implicit heat steps (M + tS) u = M u₀ of fixed length, factorised once.
 
     Parameters
     ----------
     mesh : Mesh
         The mesh.
     time : float
-        Of one step, in squared mesh units.
+        Length of a step, in squared mesh units.
     kind, mass : str
         As in `Mesh.laplacian`.
     threads : int, optional
-        At most so many threads.
+        Maximum number of threads.
     """
 
     def __init__(
@@ -133,9 +133,9 @@ class HeatSolver:
         Parameters
         ----------
         temperatures : array_like, shape (n,)
-            At the beginning.
+            Initial temperatures.
         steps : int
-            How many.
+            Number of steps.
         {run}
 
         Returns

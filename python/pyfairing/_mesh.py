@@ -29,27 +29,27 @@ Fields = Mapping[str, npt.NDArray[Any]]
 
 
 class Mesh(Computing, Moving):
-    """A triangle mesh that never changes.
+    """An immutable triangle mesh.
 
     Parameters
     ----------
     vertices : array_like, shape (n, 3)
-        Positions, in mesh units. Or an object that has arrays: a `Mesh`, a mesh of trimesh
-        (`vertices`, `faces`) or of meshio (`points`, `cells`); its numbers are copied once.
+        Positions, in mesh units. Or an object with arrays: a `Mesh`, or a mesh of trimesh
+        (`vertices`, `faces`) or meshio (`points`, `cells`), whose numbers are copied once.
     faces : array_like of int, shape (m, 3), optional
         Corners, counter-clockwise seen from outside, numbered from 0.
     fields : mapping of str to array_like, optional
-        Data of the vertices: shape (n,), (n, 3), or (n, 3) of uint8 under the name `colors`.
+        Vertex data of shape (n,), (n, 3), or (n, 3) of uint8 under the name `colors`.
 
     Raises
     ------
     MeshError
-        For the first vertex or face that is not valid: a coordinate that is not finite, a
-        number of a vertex that does not exist, a face that repeats a corner.
+        For the first invalid vertex or face: a coordinate that is not finite, an index of a vertex
+        that does not exist, a face that repeats a corner.
 
     Notes
     -----
-    Everything else is allowed: isolated vertices, faces without area, edges of three faces.
+    All other defects are allowed: isolated vertices, faces without area, edges of three faces.
     Vertices and faces keep their order. A mesh can be pickled, compared and hashed.
 
     Examples
@@ -102,7 +102,7 @@ class Mesh(Computing, Moving):
         return mesh
 
     def _moved(self, core: CoreMesh, report: Mapping[str, Any] | None = None) -> Self:
-        """With other positions: normals no longer fit."""
+        """A mesh at other positions, without normals, which do not fit any more."""
         kept = {name: values for name, values in self._fields.items() if name != "normal"}
         return self._of(core, kept, report)
 
@@ -119,7 +119,7 @@ class Mesh(Computing, Moving):
         polygons: Any,
         fields: Mapping[str, npt.ArrayLike] | None = None,
     ) -> Self:
-        """A mesh from polygons, which are split into triangles.
+        """Builds a mesh from polygons, which are split into triangles.
 
         Parameters
         ----------
@@ -152,7 +152,7 @@ class Mesh(Computing, Moving):
 
     @property
     def fields(self) -> Fields:
-        """Data of the vertices by name, in the order of the file; arrays are not writeable.
+        """Vertex data by name, in the order of the file; arrays are read-only.
 
         Scalar fields are (n,) float64, vector fields (n, 3) float64 (vertex normals of a file
         are `normal`), and `colors` is (n, 3) uint8.
@@ -161,7 +161,7 @@ class Mesh(Computing, Moving):
 
     @property
     def report(self) -> Mapping[str, Any]:
-        """How the mesh came about: what a reader did, the steps of a flow, what a denoiser found."""
+        """Report of the operation that made the mesh: a reader, a flow or a denoiser."""
         return self._report
 
     @property
@@ -176,7 +176,7 @@ class Mesh(Computing, Moving):
 
     @property
     def mean_edge_length(self) -> float:
-        """h: the mean length of the sides of the faces, in mesh units; an edge counts once for each face."""
+        """h: the mean side length of the faces, in mesh units; an edge counts once for each face."""
         return self._core.mean_edge_length
 
     @property
@@ -192,7 +192,7 @@ class Mesh(Computing, Moving):
 
     @property
     def boundary_vertices(self) -> Bools:
-        """Whether each vertex is on the boundary, (n,) bool."""
+        """A mask of the boundary vertices, (n,) bool."""
         with running(None, None) as call:
             return self._core.boundary_vertices(call)
 
@@ -206,7 +206,8 @@ class Mesh(Computing, Moving):
     def face_normals(self) -> Floats:
         """The outward unit normal of each face, (m, 3) float64; zero for faces without area.
 
-        Faces that turn against the rest of their part count as turned over, with a `FairingWarning`.
+        Faces that turn against the rest of their part are flipped for the computation, with a
+        `FairingWarning`.
         """
         self._warn_of_orientation()
         with running(None, None) as call:
@@ -215,9 +216,8 @@ class Mesh(Computing, Moving):
     def weld(self) -> tuple[Self, Indices]:
         """Joins vertices at exactly equal positions.
 
-        For files whose faces do not share their corners, or that are open along seams of texture
-        coordinates: what needs neighbours is computed on the welded mesh, and `index` brings it
-        back.
+        For files whose faces do not share corners, or that are open along seams of texture
+        coordinates: compute on the welded mesh and map results back by `index`.
 
         Returns
         -------
@@ -225,7 +225,7 @@ class Mesh(Computing, Moving):
             Vertices in the order of their first appearance, without fields; faces that had two
             corners in one place are left out.
         index : ndarray, shape (n,), uint32
-            The vertex of `mesh` that each vertex of this mesh has become.
+            The vertex of `mesh` that each vertex of this mesh became.
 
         Examples
         --------
@@ -243,7 +243,7 @@ class Mesh(Computing, Moving):
         return self._of(core), index
 
     def with_vertices(self, vertices: npt.ArrayLike) -> Self:
-        """The same faces with other positions; what follows from faces alone is shared.
+        """The same faces at other positions; data that depends on faces alone is shared.
 
         Parameters
         ----------
@@ -253,24 +253,24 @@ class Mesh(Computing, Moving):
         Returns
         -------
         Mesh
-            With the same fields but normals, which no longer fit.
+            With the same fields except normals, which do not fit any more.
         """
         return self._moved(self._core.with_vertices(_arrays.vertices(vertices)))
 
     def with_fields(self, fields: Mapping[str, npt.ArrayLike] | None = None, **more: npt.ArrayLike) -> Self:
-        """The same mesh with more data at its vertices; those of the same names are replaced.
+        """The same mesh with more vertex data; fields of the same names are replaced.
 
         Parameters
         ----------
         fields : mapping of str to array_like, optional
             Shape (n,), (n, 3), or (n, 3) of uint8 under the name `colors`.
         **more : array_like
-            The same as arguments.
+            Fields as keyword arguments.
 
         Returns
         -------
         Mesh
-            Nothing of the mesh itself is copied.
+            Shares the vertices and faces of this mesh.
         """
         return self._of(self._core, {**self._fields, **(fields or {}), **more}, self._report)
 
@@ -289,18 +289,18 @@ class Mesh(Computing, Moving):
         Parameters
         ----------
         path : str or path
-            Ends in .obj, .ply, .off or .stl, perhaps followed by .gz. PLY holds all fields;
-            what a format cannot hold is left out, with a warning.
+            Ends in .obj, .ply, .off or .stl, optionally followed by .gz. PLY holds all fields;
+            fields that a format cannot hold are left out, with a warning.
         ascii : bool
-            Text in place of binary, for PLY and STL.
+            Text instead of binary, for PLY and STL.
         width : {'lossless', 'double', 'single'}
-            Of the numbers of a PLY file: 32 bits where nothing is lost, 64, or 32.
+            Width of numbers in a PLY file: 32 bits if nothing is lost, 64, or 32.
         {run}
 
         Raises
         ------
         OSError
-            If the system refuses.
+            If the system cannot write the file.
         OptionError
             If the format cannot hold the mesh, or the file extension is unknown.
         """
@@ -313,16 +313,16 @@ class Mesh(Computing, Moving):
             warn(f"{fspath(path)}: {note}")
 
     def to_bytes(self, format: str = "ply", *, ascii: bool = False, width: str = "lossless") -> bytes:
-        """The bytes of the file that `write` writes.
+        """The content of the file that `write` writes.
 
         Parameters
         ----------
         format : {'ply', 'obj', 'off', 'stl'}
             The format, not compressed. Fields that it cannot hold are left out.
         ascii : bool
-            Text in place of binary, for PLY and STL.
+            Text instead of binary, for PLY and STL.
         width : {'lossless', 'double', 'single'}
-            Of the numbers of a PLY file.
+            Width of numbers in a PLY file.
 
         Returns
         -------
@@ -341,13 +341,13 @@ class Mesh(Computing, Moving):
         return scalars, vectors, self._fields.get("colors")
 
     def to_trimesh(self) -> Any:
-        """The same as a `trimesh.Trimesh`, nothing merged or dropped."""
+        """Converts to a `trimesh.Trimesh`; nothing is merged or dropped."""
         import trimesh
 
         return trimesh.Trimesh(self.vertices.copy(), self.faces.astype(np.int64), process=False)
 
     def to_meshio(self) -> Any:
-        """The same as a `meshio.Mesh`, with its fields."""
+        """Converts to a `meshio.Mesh` with its fields."""
         import meshio
 
         data = {name: np.array(values) for name, values in self._fields.items()}
@@ -419,7 +419,7 @@ def _restored(
 
 
 def _field(values: npt.ArrayLike, n: int, name: str) -> npt.NDArray[Any]:
-    """A field that nobody can change."""
+    """A read-only field."""
     if name == "colors":
         colors = np.asarray(values)
         if colors.dtype != np.uint8 or colors.shape != (n, 3):
@@ -439,7 +439,7 @@ def _field(values: npt.ArrayLike, n: int, name: str) -> npt.NDArray[Any]:
 
 
 def _from_object(source: Any) -> tuple[_core.Mesh, dict[str, npt.ArrayLike]]:
-    """The mesh that an object of another package holds, and its fields."""
+    """The mesh in an object of another package, and its fields."""
     if isinstance(source, Mesh):
         return source._core, dict(source._fields)
     if hasattr(source, "vertices") and hasattr(source, "faces"):
@@ -497,32 +497,34 @@ def read(
     threads: int | None = None,
     progress: Progress = None,
 ) -> Mesh:
-    """Reads a mesh with the fields of its vertices.
+    """Reads a mesh with its vertex fields.
 
     Parameters
     ----------
     path : str or path
         An OBJ, PLY, OFF or STL file, plain or compressed with gzip; content and file extension decide.
     strict : bool
-        Refuse what would be left out with a warning: faces that repeat a corner, and the like.
+        Raise an error instead of leaving out content with a warning, such as faces that repeat a
+        corner.
     drop_broken : bool
-        Leave out faces that name a vertex that is not there or not finite, with a warning, instead
-        of refusing the file. Such a vertex keeps its number, in no face and at the place of the first
-        sound one.
+        Leave out faces with a vertex that is missing or not finite, with a warning, instead of
+        refusing the file. Such a vertex keeps its index, belongs to no face and moves to the first
+        valid position.
     {run}
 
     Returns
     -------
     Mesh
         Vertices in the order of the file, isolated ones included; polygons are split into
-        triangles. What was split, reduced or left out is in `Mesh.report`, and warned of.
+        triangles. `Mesh.report` lists content that was split, reduced or left out; a warning
+        names it.
 
     Raises
     ------
     OSError
         If the system cannot read the file.
     MeshError
-        For a file that is no mesh; the message names the line or byte and the value.
+        For an invalid file; the message names the line or byte and the value.
     """
     name = fspath(path)
     with running(threads, progress) as call:
@@ -544,7 +546,7 @@ def read_bytes(
     data : bytes
         The content.
     name : str or path
-        Looked at for its file extension and for messages; may be empty.
+        Used for its file extension and in messages; may be empty.
     strict, drop_broken : bool
         As in `read`.
 

@@ -1,4 +1,4 @@
-"""What moves the vertices of a mesh: the methods of `Mesh` that return another mesh."""
+"""Flows, noise and denoisers: the methods of `Mesh` that move vertices."""
 
 from __future__ import annotations
 
@@ -60,41 +60,41 @@ class Moving(Base):
         threads: int | None = None,
         progress: Progress = None,
     ) -> Self:
-        """Smooths by a flow, a filter or the fairing of a region.
+        """Smooths by a flow, by a filter or by fairing a region.
 
         Parameters
         ----------
         method : str
-            Which one:
+            The method:
 
             {methods}
         weights : {'uniform', 'cotangent'}, optional
-            Of the Laplacian, for `explicit`, `implicit` and `region`; uniform unless given
-            (cotangent for `region`, and where a time is given).
+            Weights of the Laplacian for `explicit`, `implicit` and `region`; uniform by default
+            (cotangent for `region`, and if a time is given).
         lam : float, optional
-            The step λ: for uniform weights a fraction of the way to the mean of the
-            neighbours, for cotangents a time in squared mean edge lengths.
+            The step λ: with uniform weights the fraction of the way to the mean of the
+            neighbours, with cotangents a time in squared mean edge lengths.
         time : float, optional
-            The step of cotangents, or the time of `low-pass`, in squared mesh units; for
+            The step with cotangents, or the time of `low-pass`, in squared mesh units; for
             `conformal` a fraction of the area.
         iterations : int, optional
             The number of steps (10); pairs of steps for `taubin`.
         area : {'barycentric', 'mixed', 'voronoi'}, optional
-            The areas of vertices for cotangents.
+            Vertex areas for cotangents.
         kind : {'auto', 'cotangent', 'robust'}, optional
-            How cotangents are made; `auto`, which takes robust ones where a face is too thin
-            for others, unless given.
+            The Laplacian with cotangents; by default `auto`: robust if a face is too thin for
+            cotangents.
         boundary : {'free', 'pinned', 'sliding'}, optional
-            What happens at the boundary of an open mesh.
+            Treatment of the boundary of an open mesh.
         pin : array_like of int or bool, optional
-            Vertices that stay.
+            Fixed vertices.
         soft : iterable of (vertex, weight) or (vertex, weight, target), optional
-            Vertices drawn to where they are, or to a point; a weight of 1 ends a step
-            half-way between the flow and the point.
+            Vertices drawn to their positions, or to a point; with weight 1 a step ends half-way
+            between the flow and the point.
         volume : {'drift', 'rescale', 'offset'}, optional
-            What happens to the volume of a closed mesh.
+            Treatment of the volume of a closed mesh.
         unstable : {'refuse', 'warn', 'allow'}, optional
-            What happens to explicit steps beyond the stable limit, and to pairs of `taubin`
+            Treatment of explicit steps beyond the stable limit, and of pairs of `taubin` steps
             that amplify a mode by more than two.
         mu : float, optional
             The growing step of `taubin`, below -λ.
@@ -103,20 +103,20 @@ class Moving(Base):
         degree, window : optional
             Of `windowed-sinc`: its degree (20), and `hanning`, `hamming` or `blackman`.
         alpha, beta : float, optional
-            Of `hc`: how much differences are taken to the input, and how much of its own
-            difference a vertex is given back (0 to 1).
+            Of `hc`: the weight of the input in differences, and the weight of a vertex's own
+            difference in the correction (0 to 1).
         fraction : float, optional
-            Of `scale-dependent`: of the largest stable step (0 to 1).
+            Of `scale-dependent`: the fraction of the largest stable step (0 to 1).
         cutoff, order, modes : optional
             Of `low-pass`: a wavelength in mesh units with the order of a Butterworth filter,
             or the number of modes to keep; `order` is also that of `region`.
         update : {'never', 'mass', 'both'}, optional
-            Of `implicit`: when the operator is taken at the current positions.
+            Of `implicit`: the parts of the operator updated to the current positions.
         tolerance : float, optional
             The relative residual of linear systems.
         settled : float, optional
-            Of `conformal`: ends when no vertex moves by more than this fraction of the
-            square root of the area.
+            Of `conformal`: stop when no vertex moves by more than this fraction of the square root
+            of the area.
         vertices : array_like of int or bool, optional
             The region of `region`.
         {run}
@@ -124,15 +124,15 @@ class Moving(Base):
         Returns
         -------
         Mesh
-            The same faces, with the fields of this mesh but normals. `Mesh.report` says how
-            the steps were computed.
+            The same faces, with the fields of this mesh except normals. `Mesh.report` describes
+            how the steps were computed.
 
         Raises
         ------
         OptionError
-            For options out of range, or that the method does not have.
+            For options that are out of range or do not belong to the method.
         FlowError
-            If a step cannot be taken; it has the last good mesh as `last_good`.
+            If a step fails; `last_good` is the mesh before it.
         """
         n = self._core.vertex_count
         given = {
@@ -192,20 +192,20 @@ class Moving(Base):
         Parameters
         ----------
         sigma : float
-            The standard deviation; for `uniform` the largest shift on each axis.
+            Standard deviation of the displacement; for `uniform` the largest shift per axis.
         unit : {'edge', 'model', 'diagonal'}
             Mean edge lengths, mesh units, or diagonals of the bounding box.
         kind : {'normal', 'axes', 'direction', 'uniform', 'impulsive', 'correlated', 'varying'}
             Gaussian along the normal, along each axis, along a random direction; uniform along
-            each axis; Gaussian along a random direction on a share of the vertices; Gaussian
-            along the normal, alike at vertices up to two edges apart, or with a level that varies
-            over the surface.
+            each axis; Gaussian along a random direction at a fraction of the vertices; Gaussian
+            along the normal, correlated over two edges, or with a level that varies over the
+            surface.
         share : float
-            The share of vertices that `impulsive` noise moves.
+            Fraction of vertices that `impulsive` noise moves.
         seed : int
             The same seed gives the same noise on every machine.
         threads : int, optional
-            At most so many threads.
+            Maximum number of threads.
 
         Returns
         -------
@@ -221,7 +221,7 @@ class Moving(Base):
 
     @documented
     def noise_level(self, *, threads: int | None = None, progress: Progress = None) -> NoiseLevel | None:
-        """Estimates the noise along the normals, where there is most of it.
+        """Estimates the noise along the vertex normals.
 
         Parameters
         ----------
@@ -230,7 +230,7 @@ class Moving(Base):
         Returns
         -------
         NoiseLevel or None
-            None where there are too few vertices to tell.
+            None if there are too few vertices.
         """
         with running(threads, progress) as call:
             found = _core.noise_level(self._core, call)
@@ -254,10 +254,10 @@ class Moving(Base):
         -------
         Mesh
             The same faces. For `automatic`, `Mesh.report` has `sigma`, the noise in mesh
-            units (None where there are too few vertices to tell), and `surface`: `creased`,
-            `smooth`, `uneven` or `clean`, where nothing was moved. Parts with faces as uneven as
-            those of CAD tessellations stay as they are, with a `FairingWarning`. Faces that turn against the rest of
-            their part count as turned over, with a `FairingWarning`.
+            units (None if there are too few vertices), and `surface`: `creased`, `smooth`,
+            `uneven` or `clean` (nothing was moved). Parts with faces as uneven as those of CAD
+            tessellations are left unchanged, with a `FairingWarning`. Faces that turn against the
+            rest of their part are flipped for the computation, with a `FairingWarning`.
 
         Raises
         ------
@@ -284,21 +284,19 @@ class Moving(Base):
         Parameters
         ----------
         scheme : {'loop', 'midpoint'}
-            Loop's scheme, which smooths, or midpoints, which keep the surface.
+            Loop's scheme, which smooths, or midpoints, which keep the shape.
         threads : int, optional
-            At most so many threads.
+            Maximum number of threads.
 
         Returns
         -------
         Mesh
-            The vertices of this mesh first, then one for each edge; without fields.
+            The vertices of this mesh, then one for each edge; without fields.
         """
         with running(threads, None) as call:
             return self._of(self._core.subdivide(scheme, call))
 
 
-def _soft(vertex: int, weight: float, target: npt.ArrayLike | None = None) -> str:
-    entry = [str(_arrays.whole(vertex, "a vertex of soft")), repr(float(weight))]
-    if target is not None:
-        entry += [repr(float(x)) for x in _arrays.field(target, 3, "a target of soft")]
-    return ":".join(entry)
+def _soft(vertex: int, weight: float, target: npt.ArrayLike | None = None) -> tuple[int, float, list[float] | None]:
+    point = None if target is None else _arrays.field(target, 3, "a target of soft").tolist()
+    return _arrays.whole(vertex, "a vertex of soft"), float(weight), point

@@ -21,19 +21,14 @@ def _name(option: str) -> str:
     return _OTHER.get(option, option.replace("_", "-"))
 
 
-def _text(option: str, value: Any) -> str:
-    if isinstance(value, str):
+def _value(option: str, value: Any) -> Any:
+    if isinstance(value, (str, list)):
         return value
-    if option in _WHOLE:
-        return str(_arrays.whole(value, option))
-    if isinstance(value, list):
-        return ",".join(map(str, value))
-    # The shortest text that is read as the same number.
-    return repr(float(value))
+    return _arrays.whole(value, option) if option in _WHOLE else float(value)
 
 
-def parameters(method: str, options: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """The options that are given, by the names of the tables and as text."""
+def parameters(method: str, options: Mapping[str, Any]) -> list[tuple[str, Any]]:
+    """The options that are given, by the names of the tables."""
     given = {o: v for o, v in options.items() if v is not None and (not isinstance(v, list) or v)}
     if method in _OF_METHODS:
         for option in given:
@@ -45,4 +40,4 @@ def parameters(method: str, options: Mapping[str, Any]) -> list[tuple[str, str]]
     for a, b in (("lam", "time"), ("mu", "pass_band"), ("time", "cutoff"), ("cutoff", "modes")):
         if a in given and b in given:
             raise OptionError(f"give {a} or {b}, not both")
-    return [(_name(option), _text(option, value)) for option, value in given.items()]
+    return [(_name(option), _value(option, value)) for option, value in given.items()]

@@ -1,4 +1,4 @@
-"""Which meshes a data set has, how large they are, and how they are put into batches."""
+"""The meshes of a data set, their sizes and their batches."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Source:
 
 @dataclass(frozen=True)
 class Batch:
-    """Consecutive meshes, done by one task."""
+    """Consecutive meshes computed by one task."""
 
     sources: tuple[Source, ...]
 
@@ -51,7 +51,7 @@ class Batch:
 
     @property
     def part(self) -> str:
-        """The name of the file of its rows, which says which rows they are."""
+        """The file name of a part, which encodes its rows."""
         return f"part-{self.first:09d}-{self.end:09d}.parquet"
 
 
@@ -111,7 +111,7 @@ def estimate(name: str, size: int, head: bytes) -> int:
 
 
 def describe(addresses: Sequence[str]) -> list[Source]:
-    """Size and vertices of each file; the header of a remote one is not read if it is small."""
+    """Size and vertices of each file; headers of small remote files are not read."""
     sources = []
     systems: dict[str, Any] = {}
     for row, path in enumerate(addresses):
@@ -135,7 +135,7 @@ def describe(addresses: Sequence[str]) -> list[Source]:
 
 
 def batches(sources: Iterable[Source]) -> list[Batch]:
-    """Consecutive meshes together, as long as they are small."""
+    """Groups consecutive small meshes."""
     made: list[Batch] = []
     now: list[Source] = []
     total = 0
@@ -153,7 +153,7 @@ def batches(sources: Iterable[Source]) -> list[Batch]:
 
 
 def halves(batch: Batch) -> list[Batch]:
-    """Each mesh of a batch on its own."""
+    """Splits a batch into single meshes."""
     return [Batch((source,)) for source in batch.sources]
 
 
@@ -166,7 +166,7 @@ def uncovered(sources: Sequence[Source], parts: Iterable[tuple[int, int]]) -> li
 
 
 def fingerprint(sources: Sequence[Source], columns: Any, task: str) -> str:
-    """Of what a run computes: another list of files or another task is another run."""
+    """Fingerprint of a run: it changes with the list of files and with the task."""
     content = [[asdict(s)["path"], s.size] for s in sources]
     text = json.dumps([content, columns, task], sort_keys=True, default=str)
     return hashlib.sha256(text.encode()).hexdigest()

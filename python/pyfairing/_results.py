@@ -1,4 +1,4 @@
-"""What computations return."""
+"""Results of computations."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class Laplacian(tuple[Csr, Csr]):
-    """Stiffness S and mass M, to be unpacked, with what they were made of.
+    """Stiffness S and mass M as a pair, with their kind.
 
     Attributes
     ----------
@@ -24,9 +24,9 @@ class Laplacian(tuple[Csr, Csr]):
     mass : scipy.sparse.csr_matrix, shape (n, n)
         M, in squared mesh units (dimensionless for `degree` and `unit`).
     kind : str
-        The kind that was taken, never `auto` or `non-negative`.
+        The kind in use, never `auto` or `non-negative`.
     reason : str
-        Why that kind was taken.
+        The reason for this kind.
     """
 
     kind: str
@@ -66,13 +66,13 @@ class Curvature:
     kappa1, kappa2 : ndarray, shape (n,)
         Principal curvatures, kappa1 >= kappa2, in 1 / mesh units.
     direction1, direction2 : ndarray, shape (n, 3), or None
-        Their unit tangents; None if the estimator knows none.
+        Principal unit directions; None if the estimator provides none.
     defined : ndarray of bool, shape (n,)
-        Whether there is a value at the vertex.
+        Mask of the vertices with a value.
     boundary : ndarray of bool, shape (n,)
-        Whether the vertex is on the boundary, where values are one-sided.
+        Mask of the boundary vertices, where values are one-sided.
     too_thin : int or None
-        The first face too thin for cotangents, where the robust operator was used for it.
+        The first face too thin for cotangents, if it led to the robust operator.
     """
 
     estimator: str
@@ -88,12 +88,12 @@ class Curvature:
 
     @property
     def interior(self) -> Bools:
-        """The vertices whose values are defined and not one-sided."""
+        """Mask of the vertices whose values are defined and not one-sided."""
         return self.defined & ~self.boundary
 
     @property
     def shape_index(self) -> Floats:
-        """2/pi arctan((k1 + k2) / (k1 - k2)): 1 for a cap, 0 for a saddle, -1 for a cup; 0 where flat or not defined."""
+        """2/pi arctan((k1 + k2) / (k1 - k2)): 1 for a cap, 0 for a saddle, -1 for a cup; 0 if flat or not defined."""
         k1, k2 = self.kappa1, self.kappa2
         index: Floats = np.arctan2(k1 + k2, k1 - k2) * (2 / np.pi)
         index[(k1 == 0) & (k2 == 0)] = 0.0
@@ -106,7 +106,7 @@ class Curvature:
         return curvedness
 
     def fields(self) -> dict[str, Floats]:
-        """As the fields that `fairing curvature` writes: `mesh.with_fields(c.fields())`."""
+        """The fields that `fairing curvature` writes: `mesh.with_fields(c.fields())`."""
         names: dict[str, Floats] = {
             name: getattr(self, name) for name in ("mean", "gaussian", "kappa1", "kappa2")
         }
@@ -138,18 +138,20 @@ class NoiseLevel(NamedTuple):
     sigma : float
         The standard deviation, in mesh units.
     tail_ratio : float
-        1 for Gaussian noise, more where a share of the vertices is moved further than the rest.
+        1 for Gaussian noise, more if a fraction of the vertices is displaced further than the rest.
     impulsive : bool
-        Whether the tails are those of impulsive noise.
+        True if the tails are those of impulsive noise.
     samples : int
-        The vertices that the estimate rests on.
+        The number of vertices behind the estimate.
     low_ratio : float
-        1 for Gaussian noise, less where the level varies over the surface.
+        1 for Gaussian noise, less if the level varies over the surface.
     correlation : float
-        The correlation of residuals across edges, from -1 to 1: about -0.27 for independent noise, a little more for correlated noise.
+        The correlation of residuals across edges, from -1 to 1: about -0.27 for independent
+        noise, slightly more for correlated noise.
     two_ring_ratio : float
-        The level that quadrics over two-rings find, over `sigma`: 1 or a little more on smooth surfaces with independent noise,
-        more where creases and details are as dense as two-rings, or the noise is correlated.
+        The noise level from quadrics over two-rings, relative to `sigma`: 1 or slightly more on
+        smooth surfaces with independent noise, more if creases and details are as dense as
+        two-rings or the noise is correlated.
     """
 
     sigma: float
@@ -162,7 +164,7 @@ class NoiseLevel(NamedTuple):
 
 
 class Scores(Mapping[str, float]):
-    """Scores by the names of `fairing compare --json`; those that there are.
+    """The defined scores, by the names of `fairing compare --json`.
 
     Attributes
     ----------
@@ -171,9 +173,9 @@ class Scores(Mapping[str, float]):
     units : mapping of str to str
         The unit of each score.
     labels : mapping of str to str
-        A name for people.
+        A readable name.
     missing : mapping of str to str
-        Scores that do not exist for these meshes, and why.
+        Scores that are not defined for these meshes, with the reason.
     """
 
     def __init__(
@@ -206,7 +208,7 @@ class Scores(Mapping[str, float]):
 
 @dataclass(frozen=True)
 class Reconstruction:
-    """A mesh from some of its modes, and the numbers of modes next to theirs that split no cluster."""
+    """A reconstructed mesh, and the nearest numbers of modes that split no cluster."""
 
     mesh: Mesh
     split: tuple[int, int | None] | None

@@ -22,7 +22,7 @@ Split = "tuple[int, int | None] | None"
 
 
 def warn_of_split(split: tuple[int, int | None] | None, k: int, name: str) -> None:
-    """Warns where the first k modes split a cluster of eigenvalues."""
+    """Warns if the first k modes split a cluster of eigenvalues."""
     if split is None:
         return
     below, above = split
@@ -41,8 +41,8 @@ def warn_of_split(split: tuple[int, int | None] | None, k: int, name: str) -> No
 class Spectrum:
     """The k smoothest modes of a mesh, S φ = λ M φ; made by `Mesh.spectrum` or `Spectrum.load`.
 
-    Modes of equal eigenvalues are one basis of many of the space that they span: `clusters`
-    tells which belong together. Isolated and fixed vertices have the value 0 in every mode.
+    Modes with equal eigenvalues are an arbitrary basis of their eigenspace; `clusters` groups them.
+    Every mode is 0 at isolated and fixed vertices.
     """
 
     __slots__ = ("_core", "_kind", "_mesh")
@@ -77,7 +77,7 @@ class Spectrum:
 
     @property
     def certified(self) -> bool:
-        """Whether it is proved that no smaller eigenvalue was missed."""
+        """True if it is proved that no smaller eigenvalue was missed."""
         return self._core.certified
 
     @property
@@ -93,12 +93,12 @@ class Spectrum:
 
     @property
     def mesh(self) -> Mesh | None:
-        """The mesh that it was computed of; None where it is not known."""
+        """The mesh of the spectrum; None if unknown."""
         return self._mesh
 
     @property
     def kind(self) -> str:
-        """The kind of the Laplacian; empty where it is not known."""
+        """The kind of the Laplacian; empty if unknown."""
         return self._kind
 
     def __len__(self) -> int:
@@ -112,11 +112,11 @@ class Spectrum:
         return f"Spectrum({len(values)} modes, eigenvalues {values[0]:.4g} to {values[-1]:.4g}, {sure})"
 
     def clusters(self) -> list[range]:
-        """The numbers of the modes that belong together: equal or nearly equal eigenvalues."""
+        """The modes grouped by equal or nearly equal eigenvalues."""
         return [range(start, end) for start, end in self._core.clusters()]
 
     def split(self, k: int | None = None) -> tuple[int, int | None] | None:
-        """Whether k modes split a cluster: None, or the numbers below and above that split none."""
+        """The numbers of modes below and above k that split no cluster; None if k splits none."""
         return self._core.split(len(self) if k is None else _arrays.whole(k, "k"))
 
     def truncated(self, k: int) -> Spectrum:
@@ -153,7 +153,7 @@ class Spectrum:
         Parameters
         ----------
         coefficients : array_like, shape (j,) or (j, d)
-            Of the first j modes, all k or fewer.
+            Coefficients of the first j modes, with j at most k.
         {run}
 
         Returns
@@ -174,21 +174,20 @@ class Spectrum:
         threads: int | None = None,
         progress: Progress = None,
     ) -> Mesh:
-        """The mesh with its positions projected on the first k modes.
+        """The mesh with its positions projected onto the first k modes.
 
         Parameters
         ----------
         k : int, optional
-            How many; all unless given. A number that splits a cluster of eigenvalues is
-            warned of.
+            Number of modes; all by default. Warns if it splits a cluster of eigenvalues.
         mesh : Mesh, optional
-            The mesh; that of the spectrum unless given.
+            The mesh; by default that of the spectrum.
         {run}
 
         Returns
         -------
         Mesh
-            Vertices without faces stay where they are.
+            Vertices without faces keep their positions.
         """
         mesh = mesh if mesh is not None else self._mesh
         if mesh is None:
@@ -216,16 +215,15 @@ class Spectrum:
         field : array_like, shape (n,) or (n, d)
             Values at the vertices.
         response : callable or array_like, shape (k,)
-            h: called with the array of λ, or its values.
+            h, called with the array of λ, or the values h(λᵢ).
         rest : float, optional
-            What the part of the field outside of the modes is multiplied by; it is left out
-            unless given.
+            Factor of the part of the field outside the modes; by default that part is dropped.
         {run}
 
         Returns
         -------
         ndarray, shape (n,) or (n, d)
-            Where the response splits a cluster of eigenvalues, there is a warning.
+            Warns if the response splits a cluster of eigenvalues.
 
         Examples
         --------
@@ -244,7 +242,7 @@ class Spectrum:
     def truncation_errors(
         self, field: npt.ArrayLike, *, threads: int | None = None, progress: Progress = None
     ) -> Floats:
-        """The error of keeping j modes, for j = 0 ... k.
+        """Truncation error of keeping j modes, for j = 0 ... k.
 
         Parameters
         ----------
@@ -255,14 +253,14 @@ class Spectrum:
         Returns
         -------
         ndarray, shape (k + 1,)
-            The mass-weighted root mean square of what is left out, in units of the field.
+            The mass-weighted root mean square of the dropped part, in units of the field.
         """
         matrix, _ = _arrays.columns(field, None, "field")
         with running(threads, progress) as call:
             return self._core.truncation_errors(matrix, call)
 
     def heat_kernel_times(self, count: int = 100) -> Floats:
-        """Times evenly spread in the logarithm over what the modes resolve, (count,), in squared mesh units."""
+        """Logarithmically spaced times that the modes resolve, (count,), in squared mesh units."""
         return self._core.heat_kernel_times(_arrays.whole(count, "count"))
 
     @documented
@@ -278,7 +276,7 @@ class Spectrum:
         Parameters
         ----------
         times : array_like, shape (t,), optional
-            In squared mesh units; `heat_kernel_times()` unless given.
+            In squared mesh units; `heat_kernel_times()` by default.
         {run}
 
         Returns
@@ -295,12 +293,12 @@ class Spectrum:
     def wave_kernel_signature(
         self, energies: int = 100, *, threads: int | None = None, progress: Progress = None
     ) -> Floats:
-        """The wave kernel signature at energies evenly spread in ln λ.
+        """The wave kernel signature at energies evenly spaced in ln λ.
 
         Parameters
         ----------
         energies : int
-            How many, two or more.
+            Number of energies, at least two.
         {run}
 
         Returns
@@ -317,7 +315,7 @@ class Spectrum:
             return self._core.global_point_signature(call)
 
     def shape_dna(self) -> Floats:
-        """The eigenvalues times the area, (k,), which no scaling of the mesh changes."""
+        """The eigenvalues times the area, (k,), invariant under scaling."""
         return self._core.shape_dna()
 
     def save(self, path: str | PathLike[str]) -> None:
@@ -326,21 +324,21 @@ class Spectrum:
         Parameters
         ----------
         path : str or path
-            `numpy.load` reads it, and so do `Spectrum.load` and the program.
+            The npz file, for `Spectrum.load` and `numpy.load`.
         """
         with running(None, None) as call:
             self._core.save(fspath(path), call)
 
     @classmethod
     def load(cls, path: str | PathLike[str], mesh: Mesh | None = None) -> Spectrum:
-        """Reads what `save` has written.
+        """Reads a file of `save`.
 
         Parameters
         ----------
         path : str or path
             The npz file.
         mesh : Mesh, optional
-            The mesh that it belongs to, for `reconstruct`.
+            The mesh of the spectrum, for `reconstruct`.
 
         Returns
         -------

@@ -1,7 +1,7 @@
 """Meshes made by formula: closed and open, smooth and sharp.
 
-All are manifold, without isolated vertices or faces without area, and turn counter-clockwise
-seen from outside. What is random takes a seed.
+All are manifold, without isolated vertices or faces without area, and counter-clockwise seen from
+outside. Random shapes take a seed.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def _make(name: str, lengths: list[float], counts: list[int], word: str = "", se
 
 
 def icosphere(level: int = 3) -> Mesh:
-    """The unit sphere from an icosahedron, each level with four times the faces: 10 · 4ˡ + 2 vertices."""
+    """The unit sphere from an icosahedron; each level has four times the faces: 10 · 4ˡ + 2 vertices."""
     return _make("icosphere", [], [level])
 
 
@@ -77,12 +77,12 @@ def cylinder(
 
 
 def plane(columns: int = 32, rows: int = 32, diagonals: Diagonals = "regular") -> Mesh:
-    """The unit square in the plane z = 0, of squares cut along their diagonals."""
+    """The unit square in the plane z = 0, made of squares cut along a diagonal."""
     return _make("plane", [], [columns, rows], diagonals)
 
 
 def irregular_plane(spacing: float = 0.03, seed: int = 1) -> Mesh:
-    """The unit square of random points about `spacing` apart, Delaunay."""
+    """The unit square with random points about `spacing` apart, in a Delaunay triangulation."""
     return _make("irregular_plane", [spacing], [], seed=seed)
 
 
@@ -118,5 +118,5 @@ def helicoid(
     across: int = 16,
     along: int = 64,
 ) -> Mesh:
-    """A helicoid about z, which rises by `rise` mesh units a radian: a minimal surface."""
+    """A helicoid about z that rises by `rise` mesh units per radian, a minimal surface."""
     return _make("helicoid", [rise, radii[0], radii[1], turns], [across, along])

@@ -1,8 +1,7 @@
 """Surfaces given by formulas, with exact fundamental forms and curvature.
 
-Each takes parameters u and v as numbers or arrays that broadcast, and returns arrays of
-their shape. The second form is taken with the inward normal, so that curvature is positive
-on a sphere.
+Methods take parameters u and v as numbers or arrays that broadcast, and return arrays of their
+shape. The second form uses the inward normal, so that curvature is positive on a sphere.
 """
 
 from __future__ import annotations
@@ -59,7 +58,7 @@ class Surface:
         Raises
         ------
         ComputationError
-            At a singular point of the chart, as the poles of a sphere.
+            At a singular point of the chart, such as a pole of a sphere.
         """
         found, shape = self._call("normal", u, v)
         return np.asarray(found.reshape(*shape, 3))
@@ -85,7 +84,7 @@ class Surface:
         return np.asarray(found.reshape(shape))
 
     def principal(self, u: npt.ArrayLike, v: npt.ArrayLike) -> Principal:
-        """Principal curvatures and directions; any pair would do at an umbilic.
+        """Principal curvatures and directions; at an umbilic the directions are arbitrary.
 
         Raises
         ------
@@ -101,7 +100,7 @@ class Surface:
         )
 
     def curvature_at(self, points: npt.ArrayLike) -> tuple[Floats, Floats]:
-        """Curvature at points of space, poles included, of the level sets through them.
+        """Curvature of the level sets through points in space, poles included.
 
         Parameters
         ----------
@@ -152,7 +151,7 @@ class Helicoid(Surface):
 
 
 class WavyGraph(Surface):
-    """The graph z = A sin(kx) cos(ky) over (u, v) = (x, y); up is outside."""
+    """The graph z = A sin(kx) cos(ky) over (u, v) = (x, y); the outside is up."""
 
     def __init__(self, amplitude: float = 0.1, wave_number: float = 6.0) -> None:
         super().__init__("wavy_graph", amplitude, wave_number)

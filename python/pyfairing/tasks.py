@@ -1,8 +1,8 @@
-"""What `pyfairing.dataset` can compute of each mesh.
+"""Tasks for `pyfairing.dataset`.
 
 A task is a function of a mesh that returns a mapping from the names of columns to numbers,
-strings, or flat arrays. Functions of the caller's own are as good; set the attribute
-`bytes_per_vertex` on those that need more memory than most.
+strings, or flat arrays. Any function of this form can be used; set its attribute
+`bytes_per_vertex` if it needs more memory than most.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ Task: TypeAlias = Callable[[Mesh], Mapping[str, Any]]
 
 
 def diagnosis(mesh: Mesh) -> dict[str, Any]:
-    """Counts, topology, defects and measures, as `Mesh.info`, the bounding box as six numbers."""
+    """Counts, topology, defects and measures of `Mesh.info`, with the bounding box as six numbers."""
     info = mesh.info()
     box = info.pop("bounding_box")
     info["bounding_box"] = None if box is None else np.asarray(box, dtype=np.float64).reshape(-1)
@@ -29,7 +29,8 @@ def diagnosis(mesh: Mesh) -> dict[str, Any]:
 
 
 def curvature(mesh: Mesh, estimator: str = "jet3") -> dict[str, Any]:
-    """The 5th, 50th and 95th percentile of curvature inside, its mean weighted by area, and how many vertices have none."""
+    """The 5th, 50th and 95th percentile of interior curvature, its area-weighted mean, and the number of
+    vertices without a value."""
     found = mesh.curvature(estimator)
     inside = found.interior
     weights = mesh.laplacian("uniform", "barycentric").mass.diagonal()[inside]
@@ -44,7 +45,7 @@ def curvature(mesh: Mesh, estimator: str = "jet3") -> dict[str, Any]:
 
 
 def shape_dna(mesh: Mesh, k: int = 20, kind: str = "auto") -> dict[str, Any]:
-    """The first k eigenvalues, and their products with the area; fewer where there are not so many vertices."""
+    """The first k eigenvalues and their products with the area; fewer if there are not so many vertices."""
     used = mesh.n_vertices - mesh.info()["isolated_vertices"]
     spectrum = mesh.spectrum(min(k, used), kind)  # type: ignore[arg-type]
     return {

@@ -1,4 +1,4 @@
-//! Arrays of numpy from values of the crates.
+//! Numpy arrays from values of the crates, and back.
 
 use fairing_sparse::SparseMatrix;
 use ndarray::ArrayView2;
@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 
 use crate::error::{Error, Result};
 
-/// An array of numpy with two axes.
+/// A numpy array with two axes.
 pub(crate) type Rows<'py> = Bound<'py, PyArray2<f64>>;
 
 /// `n × 3`, without a copy.
@@ -29,7 +29,7 @@ pub(crate) fn matrix(py: Python<'_>, values: ndarray::Array2<f64>) -> Bound<'_, 
     PyArray2::from_owned_array(py, values)
 }
 
-/// Row starts, columns and values of CSR, and the shape; without a copy.
+/// Row starts, columns and values in CSR, and the shape; without a copy.
 pub(crate) type Csr<'py> = (
     Bound<'py, PyArray1<u32>>,
     Bound<'py, PyArray1<u32>>,
@@ -43,14 +43,15 @@ pub(crate) fn csr(py: Python<'_>, matrix: SparseMatrix) -> Csr<'_> {
     (column(py, starts), column(py, columns), column(py, values), shape)
 }
 
-/// A view of memory that `owner` holds and never changes, not writeable.
+/// A read-only view of memory that `owner` holds and never changes.
 #[expect(unsafe_code, reason = "numpy cannot express the lifetime of the owner")]
 pub(crate) fn view<'py, T: Element>(
     array: ArrayView2<'_, T>,
     owner: Bound<'py, PyAny>,
 ) -> Bound<'py, PyArray2<T>> {
-    // SAFETY: the caller passes an array inside of `owner`, a frozen object, which the view keeps alive; nothing
-    // moves or writes it, since the object has no method that does, and the view is not writeable.
+    // SAFETY: the caller passes an array inside of `owner`, a frozen object, which the view keeps
+    // alive; nothing moves or writes it, since the object has no method that does, and the view is
+    // not writeable.
     let view = unsafe { PyArray2::borrow_from_array(&array, owner) };
     view.readwrite().make_nonwriteable();
     view

@@ -7,7 +7,7 @@ use crate::error::Error;
 use crate::mesh::Mesh;
 use crate::run::Call;
 
-/// The mesh; for the automatic method σ, where it was measured, and the kind of surface.
+/// The mesh; for the automatic method also σ, if measured, and the kind of surface.
 #[pyfunction]
 fn denoise(
     py: Python<'_>,

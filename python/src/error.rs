@@ -15,31 +15,31 @@ create_exception!(
     pyfairing,
     FairingError,
     PyValueError,
-    "Base class of the errors of pyfairing that are not the system's."
+    "Base class of the errors of pyfairing, except errors of the system."
 );
 create_exception!(
     pyfairing,
     MeshError,
     FairingError,
-    "Arrays or a file that make no mesh. The message names the element and the value."
+    "Invalid arrays or an invalid file. The message names the element and the value."
 );
 create_exception!(
     pyfairing,
     OptionError,
     FairingError,
-    "An argument out of its range, or for another mesh. The message names it and its value."
+    "An argument that is out of range or belongs to another mesh. The message names the argument and its value."
 );
 create_exception!(
     pyfairing,
     ComputationError,
     FairingError,
-    "The computation is not defined on this mesh, or did not succeed. The message names the element and the value."
+    "The computation is not defined on this mesh, or failed. The message names the element and the value."
 );
 create_exception!(
     pyfairing,
     FlowError_,
     ComputationError,
-    "A flow that could not go on: `iteration` is the step that failed, `last_good` the mesh before it."
+    "A step of a flow failed: `iteration` is its number, `last_good` the mesh before it."
 );
 create_exception!(
     pyfairing,
@@ -48,7 +48,7 @@ create_exception!(
     "A defect of pyfairing: please report it."
 );
 
-/// Why a call fails.
+/// Error of a call.
 #[derive(Debug)]
 pub(crate) enum Error {
     Mesh(String),
@@ -74,7 +74,7 @@ impl From<Error> for PyErr {
             Error::Computation(text) => ComputationError::new_err(text),
             Error::Internal(text) => InternalError::new_err(text),
             Error::Os { path, error } => match number_of(&error) {
-                // With errno and a name Python picks the subclass, such as FileNotFoundError.
+                // From errno and a name Python picks the subclass, such as FileNotFoundError.
                 Some(number) => {
                     let text = error.to_string();
                     let text = text.split(" (os error").next().unwrap_or_default().to_owned();
@@ -86,7 +86,7 @@ impl From<Error> for PyErr {
     }
 }
 
-/// The number of an error of the system, also where another error is about it.
+/// The error number of the system, also if wrapped in another error.
 fn number_of(error: &std::io::Error) -> Option<i32> {
     let mut inner: Option<&(dyn std::error::Error + 'static)> = Some(error);
     while let Some(one) = inner {
@@ -102,7 +102,7 @@ fn number_of(error: &std::io::Error) -> Option<i32> {
     (error.kind() == std::io::ErrorKind::NotFound).then_some(2)
 }
 
-/// The message with those of its sources.
+/// The message followed by those of its sources.
 pub(crate) fn chain(error: &dyn std::error::Error) -> String {
     let mut text = error.to_string();
     let mut source = error.source();

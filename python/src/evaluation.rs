@@ -40,10 +40,10 @@ fn noise(
     Ok(call.run(py, move || Ok(add_noise(&mesh, kind, level, seed)?))?.into())
 }
 
-/// Name, label, unit, value, and the reason where there is none.
+/// Name, label, unit, value, and the reason if there is no value.
 type Entry = (&'static str, &'static str, String, Option<f64>, Option<String>);
 
-/// The diagonal of the reference, the scores, and all of it as a table.
+/// The diagonal of the reference, the scores, and a printed table.
 #[pyfunction]
 fn compare(
     py: Python<'_>,

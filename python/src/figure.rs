@@ -14,7 +14,7 @@ use crate::mesh::Mesh;
 use crate::options::choose;
 use crate::run::Call;
 
-/// A view by name, or azimuth and elevation in degrees.
+/// A view: a name, or azimuth and elevation in degrees.
 #[derive(FromPyObject)]
 enum View {
     Named(String),
@@ -40,7 +40,7 @@ impl View {
     }
 }
 
-/// How the picture is drawn, as Python says it.
+/// Style of the picture, from Python.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 struct Style {
@@ -72,7 +72,7 @@ impl Style {
     }
 }
 
-/// How values become colours, as Python says it.
+/// Colour mapping, from Python.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 struct Coloring {
@@ -95,7 +95,7 @@ type Bar = (f64, f64, &'static str);
 type Shown = (Image, Option<Bar>);
 type PyShown<'py> = (Bound<'py, PyArray3<u8>>, Option<Bar>);
 
-/// The picture, and the range of its colours where they are those of a field.
+/// The picture, and its colour range if a field is shown.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "named in Python")]
 fn render_mesh<'py>(

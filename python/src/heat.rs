@@ -13,11 +13,11 @@ use crate::operators::assemble;
 use crate::options::named;
 use crate::run::Call;
 
-/// The heat method, ready for any sources.
+/// Factorised heat method for any sources.
 #[pyclass(frozen, module = "pyfairing._core")]
 struct Geodesics {
     inner: Arc<HeatGeodesics>,
-    /// A note where a face too thin for cotangents made the Laplacian robust.
+    /// A note if a face too thin for cotangents made the Laplacian robust.
     #[pyo3(get)]
     note: Option<String>,
 }
@@ -47,7 +47,7 @@ impl Geodesics {
         self.inner.kind().name()
     }
 
-    /// Infinite where nothing is reached.
+    /// Distances, infinite on components without a source.
     fn distance<'py>(
         &self,
         py: Python<'py>,
@@ -63,11 +63,11 @@ impl Geodesics {
     }
 }
 
-/// Implicit steps of heat of one length.
+/// Implicit heat steps of fixed length.
 #[pyclass(frozen, module = "pyfairing._core")]
 struct Heat {
     inner: Arc<HeatDiffusion>,
-    /// A note where a face too thin for cotangents made the Laplacian robust.
+    /// A note if a face too thin for cotangents made the Laplacian robust.
     #[pyo3(get)]
     note: Option<String>,
 }
@@ -112,7 +112,7 @@ impl Heat {
     }
 }
 
-/// −Δu = f with u given at some vertices, and a note as in [`assemble`].
+/// Solves −Δu = f with u prescribed at some vertices; with a note as in [`assemble`].
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "named in Python")]
 fn poisson<'py>(

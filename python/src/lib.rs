@@ -1,8 +1,7 @@
 //! The extension module of the Python package `pyfairing`.
 //!
-//! It maps objects of Python to values of the crates and back: arguments are
-//! checked and given their defaults in Python (`pyfairing/*.py`), numbers are
-//! computed in the crates. Everything here is the way in between.
+//! Converts Python objects to values of the crates and back. Arguments are checked and get their
+//! defaults in Python (`pyfairing/*.py`); the crates compute.
 
 mod arrays;
 mod denoising;
@@ -22,7 +21,7 @@ mod tables;
 
 use pyo3::prelude::*;
 
-/// Memory that a result has left is used again, not returned and cleared.
+/// Reuses freed memory instead of returning it to the system.
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 

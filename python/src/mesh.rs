@@ -1,4 +1,4 @@
-//! The mesh, and what is read off it.
+//! The mesh and its properties.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -20,7 +20,7 @@ use crate::error::{Error, Result};
 use crate::options::{choose, named};
 use crate::run::Call;
 
-/// A triangle mesh that never changes.
+/// An immutable triangle mesh.
 #[pyclass(frozen, module = "pyfairing._core")]
 pub(crate) struct Mesh {
     inner: Arc<TriMesh>,
@@ -33,7 +33,7 @@ impl From<TriMesh> for Mesh {
 }
 
 impl Mesh {
-    /// The mesh, to keep on another thread.
+    /// A shared handle for another thread.
     pub(crate) fn share(&self) -> Arc<TriMesh> {
         Arc::clone(&self.inner)
     }
@@ -57,7 +57,7 @@ impl Mesh {
         Ok(mesh.into())
     }
 
-    /// The same faces at other positions.
+    /// The mesh with the same faces at other positions.
     fn with_vertices(&self, py: Python<'_>, vertices: PyReadonlyArray2<'_, f64>) -> PyResult<Self> {
         let positions = triples(&vertices)?;
         let moved = py.detach(|| self.inner.with_positions(positions)).map_err(Error::from)?;
@@ -146,7 +146,7 @@ impl Mesh {
         rows(py, call.run(py, move || Ok(weighted_vertex_normals(&mesh, weight)))?)
     }
 
-    /// The numbers of turned faces and of one-sided ones.
+    /// The numbers of turned and of one-sided faces.
     fn disagreeing_faces(&self, py: Python<'_>, call: Call) -> PyResult<(usize, usize)> {
         let mesh = self.share();
         call.run(py, move || Ok((mesh.turned_faces().len(), mesh.one_sided_faces().len())))
@@ -157,7 +157,7 @@ impl Mesh {
         call.run(py, move || Ok(mesh.is_unwelded()))
     }
 
-    /// The welded mesh, and the vertex of it that each vertex has become.
+    /// The welded mesh, and the vertex in it that each vertex became.
     fn weld<'py>(
         &self,
         py: Python<'py>,
@@ -289,7 +289,7 @@ fn as_dict<'py>(py: Python<'py>, d: &Diagnosis) -> PyResult<Bound<'py, PyDict>> 
     Ok(dict)
 }
 
-/// What a reader returns: the mesh, its fields, and what was done besides.
+/// Result of a reader: the mesh, its fields and the report.
 type FileParts<'py> = (
     Mesh,
     Vec<(String, Bound<'py, PyArray1<f64>>)>,
@@ -358,7 +358,7 @@ fn read_bytes(
     parts(py, file)
 }
 
-/// Polygons from their corners one after another, and how many each has.
+/// Polygons from their concatenated corners and the number of corners of each.
 pub(crate) fn polygons(
     positions: Vec<[f64; 3]>,
     corners: &[u32],

@@ -19,7 +19,7 @@ use crate::mesh::{Mesh, polygons};
 use crate::options::named;
 use crate::run::Call;
 
-/// The Laplacian, and a note where a face too thin for cotangents made it robust.
+/// The Laplacian, and a note if a face too thin for cotangents made it robust.
 pub(crate) fn assemble(
     mesh: &TriMesh,
     kind: LaplacianKind,
@@ -33,7 +33,7 @@ pub(crate) fn assemble(
     Ok((laplacian, note))
 }
 
-/// A mass of Python: a diagonal or a matrix.
+/// A mass for Python: a diagonal or a matrix.
 #[derive(IntoPyObject)]
 pub(crate) enum PyMass<'py> {
     Lumped(Bound<'py, PyArray1<f64>>),
@@ -63,7 +63,7 @@ fn laplacian<'py>(
     Ok((csr(py, stiffness), mass(py, matrix), taken, reason, note))
 }
 
-/// S and M of the polygons themselves, not of triangles.
+/// S and M of the polygons, without splitting them into triangles.
 #[pyfunction]
 fn polygon_laplacian<'py>(
     py: Python<'py>,
@@ -151,10 +151,10 @@ fn curvature<'py>(
     Ok(dict)
 }
 
-/// The fields of `NoiseLevel` in their order.
+/// The fields of `NoiseLevel`, in order.
 type NoiseNumbers = (f64, f64, bool, usize, f64, f64, f64);
 
-/// The noise level; `None` where it is undefined.
+/// The noise level; `None` if it is undefined.
 #[pyfunction(name = "noise_level")]
 fn noise_level_of(py: Python<'_>, mesh: &Mesh, call: Call) -> PyResult<Option<NoiseNumbers>> {
     let mesh = mesh.share();

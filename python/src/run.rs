@@ -1,4 +1,4 @@
-//! Work without the interpreter lock, which the user can stop and follow.
+//! Computations without the interpreter lock, with progress and cancellation.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -13,14 +13,14 @@ use rayon::ThreadPoolBuilder;
 
 use crate::error::{Error, Result};
 
-/// How often signals and progress are looked at.
+/// Interval between two checks of signals and progress.
 const TICK: Duration = Duration::from_millis(20);
-/// How long cancelled work may take to end before it is left behind.
+/// Time for cancelled work to end before it is abandoned.
 const PATIENCE: Duration = Duration::from_millis(40);
-/// The stack of a thread of work: that of a main thread.
+/// Stack size of a worker thread, that of a main thread.
 const STACK: usize = 8 << 20;
 
-/// How a call runs: with how many threads, and who is told how far it is.
+/// Settings of a call: the number of threads and the progress callback.
 #[derive(Default)]
 pub(crate) struct Call {
     threads: Option<usize>,
@@ -30,7 +30,7 @@ pub(crate) struct Call {
 impl<'py> FromPyObject<'_, 'py> for Call {
     type Error = PyErr;
 
-    /// From `(threads, progress)`.
+    /// Converts `(threads, progress)`.
     fn extract(object: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
         let (threads, progress): (Option<usize>, Option<Py<PyAny>>) = object.extract()?;
         if threads == Some(0) {
@@ -40,17 +40,16 @@ impl<'py> FromPyObject<'_, 'py> for Call {
     }
 }
 
-/// The process that the global pool was first used in: its threads do not
-/// exist in a process that was forked from it.
+/// The process that first used the global pool: the pool's threads do not exist in forked
+/// processes.
 static HOME: OnceLock<u32> = OnceLock::new();
 
 impl Call {
-    /// Does the work on a thread of its own and waits for it.
+    /// Runs the work on its own thread and waits for it.
     ///
-    /// Signals are handled meanwhile, on the thread that called. An exception
-    /// of theirs or of the progress callback cancels the work and is raised;
-    /// work that does not end at once is left behind, and ends at its next
-    /// check.
+    /// The calling thread handles signals meanwhile. An exception of a signal handler or of the
+    /// progress callback cancels the work and is raised; work that does not end at once is
+    /// abandoned and ends at its next check.
     pub(crate) fn run<T: Send + 'static>(
         self,
         py: Python<'_>,
@@ -62,7 +61,7 @@ impl Call {
         let body = move || {
             let result = catch_unwind(AssertUnwindSafe(|| in_pool(threads, &watched, work)));
             let tell = move || {
-                // Nobody waits any more for work that was left behind.
+                // Nobody waits for abandoned work.
                 let _ = sender.send(result);
             };
             Box::new(tell) as Last
@@ -87,7 +86,7 @@ impl Call {
                 }
                 if let Err(exception) = self.look(&watch, &mut shown) {
                     watch.cancel();
-                    // A result that comes now is dropped.
+                    // A late result is dropped.
                     let _ = receiver.recv_timeout(PATIENCE);
                     return Err(exception);
                 }
@@ -95,7 +94,7 @@ impl Call {
         })
     }
 
-    /// Handles signals and tells the progress.
+    /// Handles signals and reports progress.
     fn look(&self, watch: &Watch, shown: &mut Progress) -> PyResult<()> {
         Python::attach(|py| {
             py.check_signals()?;
@@ -109,7 +108,7 @@ impl Call {
         })
     }
 
-    /// Tells that the last stage is complete, if it was told to begin.
+    /// Reports the end of the last stage, if its begin was reported.
     fn show_end(&self, watch: &Watch, shown: &Progress) -> PyResult<()> {
         let Some(callback) = &self.progress else { return Ok(()) };
         let last = watch.progress();
@@ -125,17 +124,17 @@ fn tell(py: Python<'_>, callback: &Py<PyAny>, now: Progress) -> PyResult<()> {
     callback.call1(py, (now.stage, now.done, of)).map(|_| ())
 }
 
-/// What a job ends with, when its worker is free again.
+/// Last action of a job, after its worker is free again.
 type Last = Box<dyn FnOnce() + Send>;
 type Job = Box<dyn FnOnce() -> Last + Send>;
 
-/// The process, and its threads that wait for work: the memory that a thread has used serves it again.
+/// The process and its idle threads: a thread reuses the memory of its earlier work.
 static IDLE: Mutex<(u32, Vec<Sender<Job>>)> = Mutex::new((0, vec![]));
 
-/// Does the job on a thread that waits, or else on a new one.
+/// Runs the job on an idle thread, or else on a new one.
 fn on_worker(mut job: Job) -> Result<()> {
     let here = std::process::id();
-    // Where another thread had the lock while the process was forked, nobody gives it back.
+    // A lock held by another thread during a fork is never released.
     let worker = IDLE.try_lock().ok().and_then(|mut idle| {
         if idle.0 != here {
             // The threads of the parent do not exist here.
@@ -171,7 +170,7 @@ fn on_worker(mut job: Job) -> Result<()> {
         .map_err(|error| Error::Internal(format!("no thread can be started: {error}")))
 }
 
-/// Does the work under the watch, with the threads asked for.
+/// Runs the work under the watch, with the requested number of threads.
 fn in_pool<T: Send>(
     threads: Option<usize>,
     watch: &Watch,
@@ -187,7 +186,7 @@ fn in_pool<T: Send>(
     if threads.is_none() && !forked {
         return watched();
     }
-    // A pool that nobody else uses: a thread that waits takes over no other work.
+    // A private pool: a waiting thread takes over no other work.
     let count = threads.unwrap_or_else(default_threads);
     let pool = ThreadPoolBuilder::new().num_threads(count).build();
     let pool =
@@ -195,7 +194,7 @@ fn in_pool<T: Send>(
     pool.install(watched)
 }
 
-/// As many as the global pool takes.
+/// The size of the global pool.
 fn default_threads() -> usize {
     std::env::var("RAYON_NUM_THREADS").ok().and_then(|n| n.parse().ok()).unwrap_or(0)
 }

@@ -10,7 +10,7 @@ use crate::mesh::Mesh;
 use crate::options::choose;
 use crate::run::Call;
 
-/// More squares make more corners than `u32` can number.
+/// Largest number of squares whose corners `u32` can index.
 const MOST_SQUARES: u64 = u32::MAX as u64 / 12;
 
 fn need(holds: bool, text: impl FnOnce() -> String) -> Result<()> {
@@ -52,7 +52,7 @@ fn diagonals(name: &str) -> Result<Diagonals> {
     )
 }
 
-/// Numbers of the shape, in the order of Python's signature.
+/// Parameters of the shape, in the order of the Python signature.
 type Counts = Vec<u32>;
 type Lengths = Vec<f64>;
 

@@ -6,6 +6,7 @@ use pyo3::types::PyDict;
 
 use crate::error::{Error, FlowError_, chain};
 use crate::mesh::Mesh;
+use crate::options::Given;
 use crate::run::Call;
 
 fn report_dict<'py>(py: Python<'py>, report: &Report) -> PyResult<Bound<'py, PyDict>> {
@@ -35,7 +36,7 @@ fn approach(approach: Approach) -> String {
     }
 }
 
-/// The exception of a flow: for a bad option, or with the step and the last good mesh.
+/// The exception of a flow: an option error, or a flow error with the step and the last good mesh.
 fn exception(py: Python<'_>, error: FlowError) -> PyErr {
     let text = chain(&error);
     if let FlowFailure::Option(_)
@@ -58,18 +59,18 @@ fn exception(py: Python<'_>, error: FlowError) -> PyErr {
     }
 }
 
-/// The mesh, and how it came about. The values are text, as on the command line.
+/// The mesh, and the report of the flow.
 #[pyfunction]
 fn smooth<'py>(
     py: Python<'py>,
     mesh: &Mesh,
     method: &str,
-    given: Vec<(String, String)>,
+    given: Vec<(String, Given)>,
     call: Call,
 ) -> PyResult<(Mesh, Bound<'py, PyDict>)> {
     let mesh = mesh.share();
-    let given: Vec<(&str, &str)> = given.iter().map(|(n, v)| (n.as_str(), v.as_str())).collect();
-    let method = Method::with(method, &given, &mesh).map_err(Error::option)?;
+    let given: Vec<(&str, Given)> = given.iter().map(|(n, v)| (n.as_str(), v.clone())).collect();
+    let method = Method::with(method, &given).map_err(Error::option)?;
     let result = call.run(py, move || Ok(method.run(&mesh, None)))?;
     let Smoothed { mesh, report, .. } = result.map_err(|error| exception(py, error))?;
     Ok((mesh.into(), report_dict(py, &report)?))

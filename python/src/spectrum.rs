@@ -126,7 +126,7 @@ impl Spectrum {
         Ok((found.mesh.into(), numbers(found.split)))
     }
 
-    /// The responses at each λ; what becomes of the rest, `None` to drop it.
+    /// `responses` at each λ; `rest` scales the part outside the modes, `None` drops it.
     fn filter<'py>(
         &self,
         py: Python<'py>,
@@ -142,7 +142,7 @@ impl Spectrum {
                 return Err(Error::option(format!("{found} responses for {k} modes")));
             }
             let rest = rest.map_or(Rest::Dropped, Rest::Scaled);
-            // The crate asks for the response at each λ, in order.
+            // The crate calls the response for each λ in order.
             let next = std::cell::Cell::new(0);
             let response = |_| responses[next.replace(next.get() + 1)];
             Ok(spectrum.filter(field.view(), response, rest)?)

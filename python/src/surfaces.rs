@@ -55,7 +55,7 @@ impl Kind {
     }
 }
 
-/// A surface `p(u, v)` by name and numbers.
+/// A surface `p(u, v)` from its name and parameters.
 #[pyclass(frozen, module = "pyfairing._core")]
 struct Surface {
     kind: Kind,
@@ -215,7 +215,7 @@ impl Surface {
         forms.collect()
     }
 
-    /// A quantity by its closed form where there is one, else from the fundamental forms.
+    /// A quantity by its closed form if there is one, else from the fundamental forms.
     fn exactly<T>(
         &self,
         u: &Numbers<'_>,

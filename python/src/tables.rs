@@ -1,19 +1,20 @@
-//! The tables that the help of the program is made of, for docstrings.
+//! The tables behind the help of the program, for docstrings.
 
 use fairing_denoising::Denoiser;
 use fairing_figure::ColorMap;
 use fairing_operators::curvature::Estimator;
 use fairing_operators::{LaplacianKind, MassKind};
+use fairing_parameters::Family;
 use fairing_smoothing::Method;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// Each table: a name and what it is for.
+/// Rows of a table: a name and its use.
 #[pyfunction]
 fn tables(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let dict = PyDict::new(py);
     let estimators: Vec<_> = Estimator::all().iter().map(|e| (e.name(), e.description())).collect();
-    let methods: Vec<_> = Method::defaults().iter().map(|m| (m.name(), m.description())).collect();
+    let methods: Vec<_> = Method::all().iter().map(|m| (m.name(), m.description())).collect();
     let denoisers: Vec<_> = Denoiser::all().iter().map(|d| (d.name(), d.description())).collect();
     dict.set_item("estimators", estimators)?;
     dict.set_item("recommended_estimator", Estimator::RECOMMENDED.name())?;

@@ -1,6 +1,7 @@
 //! Names of Laplacians and masses.
 
 use crate::area::LumpedArea;
+use fairing_parameters::{Choice, Field, Kind, Parameter, ParameterError, Value, Values};
 
 /// The kind of stiffness of a [`Laplacian`](crate::Laplacian).
 ///
@@ -125,6 +126,33 @@ impl From<LumpedArea> for MassKind {
 }
 
 fairing_parameters::named!(LaplacianKind, "Laplacian");
+
+impl LaplacianKind {
+    /// The kinds that a program offers where weights come from cotangents.
+    pub const CHOICES: &'static [Choice] = &[
+        Choice::new(
+            "auto",
+            "Cotangents, or robust if a face is too thin for cotangents; always cotangent unless \
+             the areas are barycentric",
+        ),
+        Choice::new("cotangent", "Cotangents of the faces"),
+        Choice::new("robust", "Cotangents of the intrinsic Delaunay triangulation, for any mesh"),
+    ];
+}
+
+/// The kinds of cotangents.
+impl Field for LaplacianKind {
+    fn parameters(&self, field: Parameter) -> Vec<Parameter> {
+        let default = Some(Value::from(self.name()));
+        vec![Parameter { kind: Kind::Choice(Self::CHOICES), default, ..field }]
+    }
+
+    fn read(&mut self, name: &'static str, values: &Values) -> Result<(), ParameterError> {
+        *self = values.choice(name).unwrap_or(*self);
+        Ok(())
+    }
+}
+
 fairing_parameters::named!(MassKind, "mass");
 #[cfg(feature = "serde")]
 fairing_parameters::serde_by_name!(LaplacianKind);

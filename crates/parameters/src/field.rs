@@ -1,8 +1,10 @@
 //! Fields of options as parameters.
 
 use crate::algorithm::{Kind, Parameter};
+use crate::error::ParameterError;
 use crate::range::{OptionError, Range};
-use crate::value::{ParameterError, Value, Values};
+use crate::value::Value;
+use crate::values::Values;
 
 /// The type of a field of options that [`options!`](crate::options) declares.
 ///

@@ -9,22 +9,24 @@
 //! ([`OptionError`]) are those of all crates.
 
 mod algorithm;
+mod error;
 mod family;
 mod field;
 mod named;
-pub mod old;
 mod options;
 mod range;
 mod value;
+mod values;
 
 pub use algorithm::{Algorithm, Choice, Kind, Parameter};
+pub use error::{ParameterError, UnknownName};
 pub use family::Family;
 pub use field::Field;
-pub use named::UnknownName;
 #[doc(hidden)]
 pub use named::by_name;
 pub use options::{Entry, Options};
 #[doc(hidden)]
 pub use options::{hyphenated, sentence};
 pub use range::{OptionError, Range};
-pub use value::{ParameterError, Value, Values, WeightedVertex};
+pub use value::{Value, WeightedVertex};
+pub use values::Values;

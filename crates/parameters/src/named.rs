@@ -1,28 +1,6 @@
 //! Choices that have names.
 
-/// There is no choice of this name.
-///
-/// The error of `FromStr` of every type that is written as a name, in all
-/// crates: colour maps, noise, estimators, Laplacians, and so on. Case does not
-/// matter.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("there is no {what} {name:?}; there are {}", known.join(", "))]
-#[non_exhaustive]
-pub struct UnknownName {
-    /// What was asked for, such as `"colour map"`.
-    pub what: &'static str,
-    /// The name that was given.
-    pub name: String,
-    /// The names that there are.
-    pub known: Vec<&'static str>,
-}
-
-impl UnknownName {
-    /// There is no choice `name` among those `known`.
-    pub fn new(what: &'static str, name: &str, known: Vec<&'static str>) -> Self {
-        Self { what, name: name.to_owned(), known }
-    }
-}
+use crate::error::UnknownName;
 
 /// The choice of that name.
 #[doc(hidden)]

@@ -1,8 +1,10 @@
 //! Options structs whose fields are parameters.
 
 use crate::algorithm::{Algorithm, Parameter};
+use crate::error::ParameterError;
 use crate::range::OptionError;
-use crate::value::{ParameterError, Value, Values};
+use crate::value::Value;
+use crate::values::Values;
 
 /// Options of an algorithm, as [`options!`](crate::options) declares them.
 pub trait Options: Sized + 'static {
@@ -81,7 +83,9 @@ impl<O: Options> Entry<O> {
 /// A field has a documentation comment, a default, and as far as it has one a range
 /// ([`Range`](crate::Range)) and a unit. The comment is the description in the help of programs.
 /// After the struct come the names of the algorithm, each with a one-line summary and its sources;
-/// a second name says with which options, and how they are told apart.
+/// of several names each says with which options, and how they are told apart. `also` lists
+/// parameters that are no fields, and `then` is called with the options and all values after the
+/// fields have been read.
 ///
 /// The struct gets a constant `DEFAULT`, `Default`, and [`Options`](crate::Options).
 ///
@@ -128,6 +132,7 @@ macro_rules! options {
                 $(, without $without:expr)?
                 $(, with $options:expr, if $is:expr)?;
         )+
+        $(also $also:expr;)?
         $(then $then:expr;)?
     ) => {
         $(#[$meta])*
@@ -181,7 +186,8 @@ macro_rules! options {
                         $crate::sentence(concat!($($doc),+)),
                     )
                 })),*];
-                fields.concat()
+                let also: &[$crate::Parameter] = &$crate::__or!([] $(, $also)?);
+                [fields.concat().as_slice(), also].concat()
             }
 
             fn read(&mut self, values: &$crate::Values) -> Result<(), $crate::ParameterError> {

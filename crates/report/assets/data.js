@@ -78,34 +78,6 @@ class Block {
   }
 }
 
-const keptViews = new Map();
-
-/** Called by the files beside the page that hold the data of views. */
-function keepView({id, data}) {
-  keptViews.set(id, data);
-}
-
-/**
- * The packed data of a view: in the page itself, or in a file beside it. That
- * file is a script, since a page that is opened from disk may read nothing else.
- */
-async function packedData(figure) {
-  const script = figure.querySelector('script.data');
-  const {source} = script.dataset;
-  if (!source) return script.textContent;
-  await new Promise((done, fail) => {
-    const loader = document.createElement('script');
-    loader.onload = done;
-    loader.onerror = () => fail(new Error(`${source} cannot be read`));
-    loader.src = source;
-    document.head.append(loader);
-  });
-  const data = keptViews.get(figure.id);
-  keptViews.delete(figure.id);
-  if (data === undefined) throw new Error(`${source} holds another view`);
-  return data;
-}
-
 /** The panels of a view, decoded. Positions are in mesh units. */
 function decodeView(description, block) {
   const faceLists = description.faceLists.map((count) => block.integers(3 * count));

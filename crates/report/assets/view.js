@@ -40,7 +40,7 @@ class View extends Drawn {
   async build() {
     // What is folded away has no size to be drawn in.
     for (let at = this.figure.closest('details'); at; at = at.parentElement.closest('details')) at.open = true;
-    const block = await Block.unpack(await packedData(this.figure));
+    const block = await Block.unpack(this.figure.querySelector('script.data').textContent);
     const panels = decodeView(this.description, block);
     this.truth = block.truth;
     this.live = LiveFlows.of(panels, () => this.liveChanged());

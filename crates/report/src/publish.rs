@@ -35,17 +35,19 @@ pub fn publish(mut results: Results, folder: &Path, form: Form) -> Result<Result
     Ok(results)
 }
 
-/// Packs the data of views for the page. A small report has coarser positions.
+/// Packs the data of views for the page; a small report has no page, and keeps a small picture of the mesh.
 fn pack(record: &mut Record, folder: &Path, form: Form) -> Result<()> {
     let id = record.id.clone();
     record.views.par_iter_mut().try_for_each(|entry| {
         let bytes = fs::read(folder.join(&entry.data));
         let view = bytes.map_err(Into::into).and_then(|b| View::from_bytes(&b));
         let view = view.with_context(|| format!("reading {}", entry.data))?;
-        let packed = views::pack(&view, &format!("{id}-{}", entry.id), form)?;
-        remove(folder, &entry.data)?;
-        entry.data = format!("{id}/{}.view.js", entry.id);
-        write(&folder.join(&entry.data), &packed.to_script()?)?;
+        remove(folder, &std::mem::take(&mut entry.data))?;
+        if form == Form::Whole {
+            let packed = views::pack(&view, &format!("{id}-{}", entry.id))?;
+            entry.data = format!("{id}/{}.view.json", entry.id);
+            write(&folder.join(&entry.data), &packed.write()?)?;
+        }
         entry.mesh = thumbnail::mesh_card(&view, &format!("{id}/{}-mesh.png", entry.id), folder)?;
         Ok(())
     })
@@ -68,7 +70,7 @@ fn choose_pictures(record: &mut Record, folder: &Path, form: Form) -> Result<()>
     Ok(())
 }
 
-/// Leaves out everything but tables, pictures, plots and views, which the command of
+/// Leaves out everything but tables, pictures and plots, which the command of
 /// each section makes again.
 fn leave_out(record: &mut Record, folder: &Path) -> Result<()> {
     let others: Vec<String> = record.other_files().map(|file| file.path.clone()).collect();

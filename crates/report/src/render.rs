@@ -4,11 +4,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, ensure};
-use fairing_results::results::Results;
+use fairing_results::results::{Form, Results};
 
 use crate::{markdown, page};
 
-/// Writes `report.md` and `report.html` into the folder of a report, from its
+/// Writes `report.md`, and `report.html` unless the report is small, into the folder of a report, from its
 /// `results.json` and the pictures and views that this names.
 ///
 /// # Errors
@@ -24,7 +24,9 @@ pub fn render(folder: &Path) -> Result<()> {
             "results.json does not say how {id} was answered: it is of an older version, or holds reference values"
         );
     }
-    write(&folder.join("report.html"), &page::report(&results, folder)?)?;
+    if results.form == Form::Whole {
+        write(&folder.join("report.html"), &page::report(&results, folder)?)?;
+    }
     write(&folder.join("report.md"), &markdown::report(&results))
 }
 

@@ -30,8 +30,7 @@ pub enum Form {
     /// Everything; the page is one file.
     #[default]
     Whole,
-    /// What is small enough to be committed: no meshes, smaller pictures, and
-    /// those and the data of views beside the page instead of in it.
+    /// What is small enough to be committed and is shown by a code host: no page, no meshes, smaller pictures.
     Small,
 }
 
@@ -151,7 +150,8 @@ pub struct ViewFile {
     pub alt: String,
     /// The figure (by id) that takes its place where there is no WebGL.
     pub fallback: String,
-    /// The file.
+    /// The file; empty in a small report.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub data: String,
     /// The mesh, if it has a name.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -191,7 +191,12 @@ impl Record {
         let views =
             self.views.iter().flat_map(|v| [Some(&v.data), v.mesh.as_ref().map(|m| &m.picture)]);
         let files = self.files.iter().map(|file| Some(&file.path));
-        pictures.chain(views).chain(files).flatten().map(String::as_str)
+        pictures
+            .chain(views)
+            .chain(files)
+            .flatten()
+            .map(String::as_str)
+            .filter(|path| !path.is_empty())
     }
 
     /// The files that are not the CSV of a table.

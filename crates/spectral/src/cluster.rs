@@ -1,35 +1,37 @@
-//! Clusters of equal and nearly equal eigenvalues, and where to cut between them.
+//! Clusters of equal and nearly equal eigenvalues, and the gaps between them.
 
 use std::ops::Range;
 
 use crate::spectrum::Spectrum;
 
-/// Residuals count as at least this share of λ, the usual tolerance: where they happen to be smaller, they are
-/// rounding, and clusters must not depend on that.
+/// Residuals count as at least this fraction of λ, the usual tolerance: smaller ones are rounding,
+/// on which clusters must not depend.
 const LEAST_RESIDUAL: f64 = 1e-9;
 
-/// A cut through a cluster: what is kept depends on the basis of an eigenspace, which is arbitrary.
+/// A cut through a cluster: the modes kept depend on the basis of an eigenspace, which is
+/// arbitrary.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Split {
-    /// The number of modes below the cluster: the largest smaller number that is no such cut.
+    /// The number of modes below the cluster: the largest smaller number that splits none.
     pub below: usize,
-    /// The number of modes with all of the cluster: the smallest larger number that is no such cut, if the
-    /// spectrum reaches so far. It may be larger than the number of modes at hand.
+    /// The number of modes up to the end of the cluster: the smallest larger number that splits
+    /// none, if known. It may exceed the number of modes computed.
     pub above: Option<usize>,
 }
 
 impl Spectrum {
-    /// The largest angle by which modes on both sides of a gap may lean towards each other, in radians: what the
-    /// residuals leave undetermined, and so what differs between processors.
+    /// Largest angle by which the residuals may mix modes on both sides of a gap, in radians.
+    /// Results on different processors differ by as much.
     pub const GAP_ANGLE: f64 = 1e-5;
 
     /// The modes in clusters of equal and nearly equal eigenvalues, ascending.
     ///
-    /// Neighbours are apart where |λᵢ₊₁ − λᵢ| is more than 10⁵ times the larger of their residuals, each at
-    /// least 10⁻⁹ λ: then modes on both sides are determined to an angle of 10⁻⁵. Exact zeros have no residual.
-    /// The last cluster may go on beyond the last mode: see [`Spectrum::split`].
+    /// A gap separates neighbours if |λᵢ₊₁ − λᵢ| is more than 10⁵ times the larger of their
+    /// residuals, taken as at least 10⁻⁹ λ: modes on both sides are then determined to an angle of
+    /// 10⁻⁵. Exact zeros have no residual. The last cluster may continue beyond the last mode: see
+    /// [`Spectrum::split`].
     pub fn clusters(&self) -> Vec<Range<usize>> {
         let mut clusters = vec![];
         let mut start = 0;
@@ -42,8 +44,8 @@ impl Spectrum {
         clusters
     }
 
-    /// The cluster that is split by keeping the first k modes, or `None` if there is a gap between mode k − 1 and
-    /// mode k (or nothing on one side).
+    /// The cluster split by keeping the first k modes, or `None` if a gap separates mode k − 1 from
+    /// mode k or one side is empty.
     ///
     /// # Panics
     ///
@@ -53,7 +55,8 @@ impl Spectrum {
         (!self.is_gap(k)).then(|| Split { below: self.gap_below(k), above: self.gap_above(k) })
     }
 
-    /// The largest number of modes up to k that splits no cluster; 0 if all k are in one that continues.
+    /// The largest number of modes up to k that splits no cluster; 0 if all k are in one cluster
+    /// that continues.
     ///
     /// # Panics
     ///
@@ -63,8 +66,8 @@ impl Spectrum {
         (1..=k).rev().find(|&k| self.is_gap(k)).unwrap_or(0)
     }
 
-    /// The smallest number of modes from k on that splits no cluster; `None` if none is known. It may be larger
-    /// than [`Spectrum::len`]: that many modes have to be computed then.
+    /// The smallest number of modes from k on that splits no cluster; `None` if unknown. It may
+    /// exceed [`Spectrum::len`]: compute that many modes then.
     ///
     /// # Panics
     ///
@@ -74,7 +77,7 @@ impl Spectrum {
         (k..=self.len() + self.beyond.values.len()).find(|&k| self.is_gap(k))
     }
 
-    /// Whether eigenvalues k − 1 and k are apart.
+    /// Returns true if a gap separates eigenvalues k − 1 and k.
     fn is_gap(&self, k: usize) -> bool {
         if k == 0 {
             return true;
@@ -86,7 +89,7 @@ impl Spectrum {
             let of_next = if next == 0.0 { 0.0 } else { next_residual };
             return next - last > of_last.max(of_next) / Self::GAP_ANGLE;
         }
-        // Exact zeros were counted, whatever comes next.
+        // Exact zeros were counted, so the next eigenvalue is apart.
         last == 0.0 || self.beyond.clear_below - last > residual / Self::GAP_ANGLE
     }
 

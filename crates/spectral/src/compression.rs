@@ -17,16 +17,16 @@ pub struct Compressed {
     pub step: f64,
     /// The multiples, `k × 3`.
     pub levels: Array2<i64>,
-    /// M-weighted RMS error to expect, in mesh units: of the modes left out and of the rounding together. Exact
-    /// up to the (measured) rounding errors themselves: modes are orthonormal.
+    /// M-weighted RMS error in mesh units, of truncation and rounding together: exact, since modes
+    /// are orthonormal and rounding errors are measured.
     pub error: f64,
-    /// The cluster of eigenvalues that the number of coefficients splits, if any: the levels and their error then
-    /// depend on the basis of an eigenspace.
+    /// The cluster of eigenvalues that the number of coefficients splits, if any: levels and error
+    /// then depend on the basis of an eigenspace.
     pub split: Option<Split>,
 }
 
-/// Keeps the first k coefficients, rounded so that rounding alone costs an M-weighted RMS of `precision`, in mesh
-/// units.
+/// Keeps the first k coefficients, rounded so that rounding alone costs an M-weighted RMS of
+/// `precision`, in mesh units.
 ///
 /// # Errors
 ///
@@ -44,7 +44,7 @@ pub fn compress(
     let positions = mesh.positions_view();
     let truncation = spectrum.truncation_errors(positions)?[k];
     let area = spectrum.area();
-    // A rounded coefficient is off by step/√12 in the mean square; 3k of them share the area.
+    // A rounded coefficient has an RMS error of step/√12; 3k of them share the area.
     let step = precision * (12.0 * area / (3 * k.max(1)) as f64).sqrt();
     let coefficients = spectrum.transform(positions)?;
     let kept = coefficients.slice_axis(Axis(0), Slice::from(..k));
@@ -55,7 +55,7 @@ pub fn compress(
 }
 
 impl Compressed {
-    /// The positions, `n × 3`, on the modes they were compressed with.
+    /// Restores the positions, `n × 3`, from the modes used for compression.
     ///
     /// # Errors
     ///
@@ -64,7 +64,7 @@ impl Compressed {
         spectrum.inverse(self.levels.mapv(|l| l as f64 * self.step).view())
     }
 
-    /// Bits that an ideal entropy coder would take for the levels, by their frequencies (Shannon).
+    /// Bits that an ideal entropy coder needs for the levels: their Shannon entropy.
     pub fn bits(&self) -> f64 {
         let mut counts = std::collections::BTreeMap::new();
         for level in &self.levels {

@@ -8,19 +8,19 @@ use ndarray::Array2;
 use crate::error::SpectralError;
 use crate::spectrum::Spectrum;
 
-/// How to compute a spectrum.
+/// Settings of [`spectrum`].
 #[derive(Debug, Clone, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct SpectrumOptions {
-    /// The vertices where modes vanish, in any order; everywhere else the boundary is natural (zero flux).
+    /// Vertices where modes vanish, in any order; the boundary is natural (zero flux) elsewhere.
     pub fixed: Vec<u32>,
     /// The solver.
     pub eigen: EigenOptions,
 }
 
 impl SpectrumOptions {
-    /// Modes vanish on the boundary of the mesh (Dirichlet).
+    /// Dirichlet conditions: modes vanish on the boundary of the mesh.
     pub fn dirichlet(mesh: &TriMesh) -> Self {
         let boundary = mesh.topology().boundary_vertices();
         let fixed = (0..boundary.len() as u32).filter(|&v| boundary[v as usize]).collect();
@@ -30,12 +30,12 @@ impl SpectrumOptions {
 
 /// The k smoothest modes of a Laplacian, S φ = λ M φ.
 ///
-/// λ in 1/(mesh units)². Vertices without faces take no part: their value is 0 in every mode.
+/// λ in 1/(mesh units)². Vertices without faces have the value 0 in every mode.
 ///
 /// # Errors
 ///
-/// [`SpectralError::TooManyModes`]; in [`SpectralError::Operator`], a fixed vertex that does not exist and a mass that
-/// is not positive; the errors of solving.
+/// [`SpectralError::TooManyModes`]; [`SpectralError::Operator`] for a fixed vertex that does not
+/// exist or a mass that is not positive; [`SpectralError::Eigen`] if the solver fails.
 ///
 /// # Examples
 ///
@@ -85,8 +85,9 @@ pub fn spectrum(
 
 /// The k smoothest modes of the graph of the edges, for comparison with those of the surface.
 ///
-/// (D − A) φ = λ M φ with [`MassKind::Unit`], or with [`MassKind::Degree`] −L φ = λ φ for the random walk
-/// L = D⁻¹A − I, whose modes are orthonormal in D: a plain transpose does not invert them.
+/// (D − A) φ = λ M φ with [`MassKind::Unit`], or with [`MassKind::Degree`] −L φ = λ φ for the
+/// random walk L = D⁻¹A − I, whose modes are orthonormal in D: a plain transpose does not invert
+/// them.
 ///
 /// # Errors
 ///

@@ -8,8 +8,8 @@ use crate::error::SpectralError;
 
 /// The heat equation Mu' = −S u in one backward Euler step, (M + tS) u = M u₀, factorised once.
 ///
-/// Natural boundaries: no heat leaves the mesh. The heat of every component is kept to rounding,
-/// for any time: its mean is taken off, and the rest is solved for ([`GraphSystem`]). Vertices
+/// Natural boundaries: no heat leaves the mesh. The heat of every component is conserved to
+/// rounding for any time, because its mean is removed before the solve ([`GraphSystem`]). Vertices
 /// without faces keep their heat.
 ///
 /// # Examples
@@ -29,13 +29,13 @@ use crate::error::SpectralError;
 #[derive(Debug)]
 pub struct HeatDiffusion {
     mass: MassMatrix,
-    /// M is multiplied by this in the system: 1, or 1/t for long times.
+    /// Factor of M in the system: 1, or 1/t for long times.
     scale: f64,
     system: GraphSystem,
 }
 
-/// From this time on, in units of the least mass over the diagonal of S in the same row, the
-/// equation is divided by the time, so that no time is too long.
+/// Time from which the equation is divided by the time, so that no time is too long; in units of
+/// the least ratio of the mass to the diagonal of S.
 const LONG: f64 = 100.0;
 
 impl HeatDiffusion {
@@ -43,7 +43,8 @@ impl HeatDiffusion {
     ///
     /// # Errors
     ///
-    /// [`SpectralError::Option`] for a negative time; a mass that is not positive; the errors of factorising.
+    /// [`SpectralError::Option`] for a negative time; a mass that is not positive; errors of the
+    /// factorisation.
     pub fn new(laplacian: &Laplacian, time: f64) -> Result<Self, SpectralError> {
         OptionError::require_not_negative("time", time)?;
         let mass = laplacian.positive_mass()?.into_owned();
@@ -61,12 +62,12 @@ impl HeatDiffusion {
         Ok(Self { mass, scale, system })
     }
 
-    /// The temperatures after the time, from those at the beginning.
+    /// The temperatures after time t, from the initial temperatures.
     ///
     /// # Errors
     ///
-    /// [`SpectralError::Rows`]; [`SpectralError::Option`] for one that is not finite;
-    /// [`SpectralError::Solve`] where the digits of the solution are gone.
+    /// [`SpectralError::Rows`]; [`SpectralError::Option`] for a temperature that is not finite;
+    /// [`SpectralError::Solve`] if rounding leaves too few digits of the solution.
     pub fn step(&self, temperatures: &[f64]) -> Result<Vec<f64>, SpectralError> {
         let mass = self.mass.as_mass();
         let (found, expected) = (temperatures.len(), mass.len());

@@ -1,4 +1,4 @@
-//! What can go wrong with spectra.
+//! Errors of spectra and their files.
 
 #[cfg(feature = "npz")]
 use std::path::PathBuf;
@@ -8,7 +8,7 @@ use fairing_operators::{LaplacianKind, OperatorError};
 use fairing_parameters::OptionError;
 use fairing_sparse::{CholeskyError, EigenError};
 
-/// Why a spectrum, or something made from it, is not available.
+/// Error of spectra, heat, geodesic distances and Poisson problems.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SpectralError {
@@ -21,7 +21,7 @@ pub enum SpectralError {
     /// A linear system cannot be solved.
     #[error(transparent)]
     Solve(#[from] CholeskyError),
-    /// The positions of the result are not those of a mesh.
+    /// The resulting positions do not form a mesh.
     #[error(transparent)]
     Positions(#[from] BuildError),
     /// A Laplacian of this kind cannot be used.
@@ -36,26 +36,26 @@ pub enum SpectralError {
         /// The vertex.
         vertex: u32,
     },
-    /// More modes were asked for than there are.
+    /// More modes were requested than exist.
     #[error("{wanted} modes were requested, but there are {available}")]
     TooManyModes {
-        /// Modes wanted.
+        /// Modes requested.
         wanted: usize,
-        /// Modes there are: as many as vertices that are not isolated or pinned.
+        /// Modes available: the number of vertices that are neither isolated nor fixed.
         available: usize,
     },
-    /// A field has another number of rows than there are vertices or modes.
+    /// The rows of a field do not match the number of vertices or modes.
     #[error("expected {expected} rows, found {found}")]
     Rows {
         /// Rows of the field.
         found: usize,
-        /// Rows it should have.
+        /// Rows expected.
         expected: usize,
     },
     /// An option is out of its range.
     #[error(transparent)]
     Option(#[from] OptionError),
-    /// Heat does not arrive at a vertex within the range of the numbers.
+    /// Heat underflows before it reaches a vertex.
     #[error("no heat arrives at vertex {vertex}: use a longer time")]
     NoHeat {
         /// The first such vertex.
@@ -66,12 +66,12 @@ pub enum SpectralError {
     NoSuchVertex {
         /// The vertex.
         vertex: u32,
-        /// How many there are.
+        /// Number of vertices.
         vertices: usize,
     },
 }
 
-/// Why a spectrum cannot be written to a file or read from it.
+/// Error of writing or reading a spectrum.
 #[cfg(feature = "npz")]
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -81,25 +81,25 @@ pub enum SpectrumFileError {
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the system.
         source: std::io::Error,
     },
-    /// The file is no archive of arrays, or not of those that a spectrum has.
+    /// The file is not an archive of the arrays of a spectrum.
     #[error("{}: {part} cannot be read or written", path.display())]
     Part {
         /// The file.
         path: PathBuf,
         /// The array that cannot be read or written, or `archive`.
         part: String,
-        /// What is wrong with it.
+        /// The cause.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
-    /// The arrays do not make a spectrum.
+    /// The arrays do not form a spectrum.
     #[error("{}: {problem}", path.display())]
     Contents {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The mismatch.
         problem: &'static str,
     },
 }

@@ -12,23 +12,24 @@ use crate::spectrum::Spectrum;
 pub struct Filtered {
     /// The field, `n × d`.
     pub field: Array2<f64>,
-    /// The first cluster of eigenvalues that the response splits, if any: it differs inside by more than a
-    /// thousandth of its largest value, or falls to that of the rest within a cluster that continues beyond
-    /// the modes. The field then depends on the basis of an eigenspace, which is arbitrary.
+    /// The first cluster of eigenvalues that the response splits, if any: the response varies
+    /// within it by more than a thousandth of its largest value, or jumps to that of the rest
+    /// within a cluster that continues beyond the modes. The field then depends on the basis of an
+    /// eigenspace, which is arbitrary.
     pub split: Option<Split>,
 }
 
-/// Responses that differ by less than this share of the largest are equal.
+/// Responses that differ by less than this fraction of the largest count as equal.
 const ALIKE: f64 = 1e-3;
 
-/// What happens to the part of a field outside the computed modes.
+/// Treatment of the part of a field outside the computed modes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Rest {
-    /// It is left out: the filter is zero beyond the last λ.
+    /// Dropped: the filter is zero beyond the last λ.
     Dropped,
-    /// It is multiplied by this, the response at large λ.
+    /// Scaled by this factor, the response at large λ.
     Scaled(f64),
 }
 

@@ -3,15 +3,15 @@
 /// The gradients of the three hat functions of a face, and its area.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct FlatFace {
-    /// In the plane, in 1/(mesh unit); zero where the lengths make no triangle.
+    /// In the plane, in 1/(mesh unit); zero if the lengths form no triangle.
     hats: [[f64; 2]; 3],
-    /// In squared mesh units, times what the face counts.
+    /// In squared mesh units, times the fraction at which the face counts.
     area: f64,
 }
 
 impl FlatFace {
-    /// From the lengths of the sides 0 → 1, 1 → 2 and 2 → 0.
-    pub(crate) fn new([a, b, c]: [f64; 3], share: f64) -> Self {
+    /// Builds the face from the lengths of its sides 0 → 1, 1 → 2 and 2 → 0.
+    pub(crate) fn new([a, b, c]: [f64; 3], fraction: f64) -> Self {
         let area = heron([a, b, c]);
         if a == 0.0 || area == 0.0 {
             return Self { hats: [[0.0; 2]; 3], area: 0.0 };
@@ -21,11 +21,11 @@ impl FlatFace {
         let y = 2.0 * area / a;
         let twice = 2.0 * area;
         let hats = [[-y, x - a], [y, -x], [0.0, a]].map(|hat| hat.map(|v| v / twice));
-        Self { hats, area: area * share }
+        Self { hats, area: area * fraction }
     }
 
-    /// ∫ X · ∇φᵢ over the face for the hat function φᵢ of each corner, X = −∇u / |∇u|, from u at the corners. Sizes
-    /// of u down to the smallest normal number do not matter.
+    /// ∫ X · ∇φᵢ over the face for the hat function φᵢ of each corner, X = −∇u / |∇u|, from u at
+    /// the corners. The scale of u does not matter, down to the smallest normal number.
     pub(crate) fn unit_flux(&self, u: [f64; 3]) -> [f64; 3] {
         let largest = u.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
         if largest == 0.0 {
@@ -43,7 +43,8 @@ impl FlatFace {
     }
 }
 
-/// The area from the lengths of the sides, by Kahan's form of Heron's formula; zero where they make no triangle.
+/// The area from the side lengths by Kahan's form of Heron's formula; zero if they form no
+/// triangle.
 fn heron(mut sides: [f64; 3]) -> f64 {
     sides.sort_unstable_by(|x, y| y.total_cmp(x));
     let [a, b, c] = sides;

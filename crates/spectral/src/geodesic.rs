@@ -12,15 +12,14 @@ use glam::DVec3;
 use crate::error::SpectralError;
 use crate::flat_face::FlatFace;
 
-/// The heat method, ready for any sources: heat diffuses for a short time, its gradient is normalised, and the
-/// function whose gradient is closest to this is the distance.
+/// Factorised heat method for any sources: heat diffuses for a short time, its gradient is
+/// normalised, and the distance is the function whose gradient is closest to the result.
 ///
 /// Smooth approximation of the geodesic distance, in mesh units: never negative, and exactly zero
-/// at every source. The function is known up to a constant for each component, and the constant is
-/// chosen so that the mean over the sources there is zero; the function itself differs between them
-/// by some tenths of an edge length. The error is about an edge length near sources, where
-/// distances come out too large, and of first order in h elsewhere. Natural boundaries. Source:
-/// \[crane2013\].
+/// at every source. The solution is determined up to a constant on each component, chosen so that
+/// its mean over the sources there is zero; at single sources it differs from zero by some tenths
+/// of an edge length. The error is about an edge length near sources, where distances are too
+/// large, and of first order in h elsewhere. Natural boundaries. Source: \[crane2013\].
 #[derive(Debug)]
 pub struct HeatGeodesics {
     kind: LaplacianKind,
@@ -34,21 +33,22 @@ pub struct HeatGeodesics {
     used: Vec<bool>,
 }
 
-/// Heat at the sources, 2⁹⁰⁰: it falls by a factor of about 2.6 in each edge length, and
-/// reaches twice as far as heat of 1 before it underflows.
+/// Heat at the sources, 2⁹⁰⁰: it falls by a factor of about 2.6 per edge length, and reaches twice
+/// as far as heat 1 before it underflows.
 const HEAT: i32 = 900;
 
 impl HeatGeodesics {
     /// Factorises with [`LaplacianKind::NonNegative`] for the time t = h², h the mean edge length
-    /// of each component: the choice of the source.
+    /// of each component, as in the source.
     ///
-    /// Where no weight of an edge is negative, heat is positive and falls with the distance. The robust operator,
-    /// whose intrinsic triangulation is Delaunay on any mesh, gives the same elsewhere: slivers, on which the
-    /// cotangent operator has several times the error, do no harm there. [`HeatGeodesics::kind`] is the one taken.
+    /// If no edge weight is negative, heat is positive and decreases with the distance. On other
+    /// meshes the robust operator guarantees the same, since its intrinsic triangulation is
+    /// Delaunay: slivers, on which the cotangent operator has several times the error, do no harm.
+    /// [`HeatGeodesics::kind`] is the kind chosen.
     ///
     /// # Errors
     ///
-    /// Those of assembling and of factorising.
+    /// Errors of assembly and factorisation.
     ///
     /// # Examples
     ///
@@ -67,14 +67,15 @@ impl HeatGeodesics {
         Self::with(mesh, &laplacian, None)
     }
 
-    /// Factorises with a Laplacian of the mesh, cotangent or robust, for a time in squared mesh units, the same on
-    /// all components, or the times of [`HeatGeodesics::new`] for `None`. Longer times smooth the distance more.
+    /// Factorises with a cotangent or robust Laplacian of the mesh, for one time on all components
+    /// in squared mesh units, or for the times of [`HeatGeodesics::new`] if `None`. Longer times
+    /// smooth the distance more.
     ///
     /// # Errors
     ///
-    /// [`SpectralError::Option`] for a negative time; [`SpectralError::Kind`] for another kind of Laplacian, whose
-    /// gradients are not those of faces; [`SpectralError::Rows`] for that of another mesh; a mass that is not
-    /// positive; what factorising reports.
+    /// [`SpectralError::Option`] for a negative time; [`SpectralError::Kind`] for another kind of
+    /// Laplacian, whose gradients are not those of faces; [`SpectralError::Rows`] for the Laplacian
+    /// of another mesh; a mass that is not positive; errors of the factorisation.
     pub fn with(
         mesh: &TriMesh,
         laplacian: &Laplacian,
@@ -101,8 +102,8 @@ impl HeatGeodesics {
         };
         let (components, component) = components(mesh);
         let mass = laplacian.positive_mass()?;
-        // Masses and times in a unit that makes the mean mass about one, so that heat does not overflow. A power of
-        // four rounds nothing, not even in a root.
+        // Masses and times in a unit that makes the mean mass about one, so that heat does not
+        // overflow. A power of four is exact, even in square roots.
         let mean = mass.lumped().iter().sum::<f64>() / mesh.vertex_count().max(1) as f64;
         let unit = power_of_two(mean.sqrt()).powi(2);
         let times = match time {
@@ -116,7 +117,7 @@ impl HeatGeodesics {
         for &v in laplacian.isolated() {
             isolated[v as usize] = true;
         }
-        // They share their pattern, and one analysis serves both.
+        // One analysis serves both systems, since they share their pattern.
         let stiffness = laplacian.stiffness();
         let heat = heat(stiffness, &mass, &times, &component)?;
         let none = vec![0.0; mass.len()];
@@ -127,7 +128,7 @@ impl HeatGeodesics {
         Ok(Self { kind, heat, poisson, corners, flat, components, component, used })
     }
 
-    /// The kind of the Laplacian that it was made with.
+    /// The kind of the Laplacian in use.
     pub fn kind(&self) -> LaplacianKind {
         self.kind
     }
@@ -137,9 +138,9 @@ impl HeatGeodesics {
     /// # Errors
     ///
     /// [`SpectralError::NoSuchVertex`]; [`SpectralError::Option`] without a source;
-    /// [`SpectralError::NoHeat`] for a vertex so far from the sources that no heat arrives in the
-    /// time: more than some 1300 edges with that of [`HeatGeodesics::new`];
-    /// [`SpectralError::Solve`] where the digits of the distances are gone.
+    /// [`SpectralError::NoHeat`] for a vertex too far from the sources for any heat to arrive, more
+    /// than some 1300 edges with the time of [`HeatGeodesics::new`]; [`SpectralError::Solve`] if
+    /// rounding leaves too few digits of the distances.
     pub fn distance(&self, sources: &[u32]) -> Result<Vec<Option<f64>>, SpectralError> {
         let n = self.component.len();
         if sources.is_empty() {
@@ -192,14 +193,14 @@ impl HeatGeodesics {
     }
 }
 
-/// The lengths of the sides of the faces as they are in space, from corner k to corner k + 1.
+/// The side lengths of the faces in space, from corner k to corner k + 1.
 fn sides(mesh: &TriMesh) -> impl Iterator<Item = [f64; 3]> + '_ {
     let p = mesh.positions();
     let side = |a: u32, b: u32| DVec3::from(p[a as usize]).distance(p[b as usize].into());
     mesh.faces().iter().map(move |&[a, b, c]| [side(a, b), side(b, c), side(c, a)])
 }
 
-/// M + tS, t that of the component, factorised.
+/// The factorised system M + tS, with the time t of each component.
 fn heat(
     stiffness: &SparseMatrix,
     mass: &[f64],
@@ -216,7 +217,7 @@ fn heat(
     Ok(SymbolicCholesky::new(&matrix, Ordering::default())?.factorize(&matrix)?)
 }
 
-/// The square of the mean length of the sides of the faces of each component.
+/// The squared mean side length of the faces of each component.
 fn mean_squares(mesh: &TriMesh, components: usize, component: &[u32]) -> impl Iterator<Item = f64> {
     let mut sums = vec![(0.0, 0.0); components];
     for (face, sides) in mesh.faces().iter().zip(sides(mesh)) {
@@ -229,7 +230,8 @@ fn mean_squares(mesh: &TriMesh, components: usize, component: &[u32]) -> impl It
     sums.into_iter().map(|(sum, count): (f64, f64)| (sum / count.max(1.0)).powi(2))
 }
 
-/// How many components there are and which one each vertex is in; every vertex without faces is one of its own.
+/// The number of components and the component of each vertex; a vertex without faces is a component
+/// of its own.
 fn components(mesh: &TriMesh) -> (usize, Vec<u32>) {
     let components = mesh.topology().components();
     let mut count = components.count();

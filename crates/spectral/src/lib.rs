@@ -1,10 +1,12 @@
-//! Spectra of the Laplacian on triangle meshes: transform, reconstruction, filters, signatures, diffusion.
+//! Spectra of the Laplacian on triangle meshes: transform, reconstruction, filters, signatures,
+//! diffusion.
 //!
-//! Modes are orthonormal in the inner product of the mass, φᵢᵀ M φⱼ = δᵢⱼ, so a field is projected by Φᵀ M f. A
-//! plain transpose in place of Φᵀ M is the classic mistake: types here carry the mass along with the modes.
+//! Modes are orthonormal in the inner product of the mass, φᵢᵀ M φⱼ = δᵢⱼ, so a field is projected
+//! by Φᵀ M f. Using Φᵀ instead is the classic mistake; the types of this crate carry the mass with
+//! the modes.
 //!
-//! Everything here takes a [`Laplacian`](fairing_operators::Laplacian), of any kind: make it once, use it for spectra,
-//! heat, geodesic distance and [Poisson problems](Poisson).
+//! One [`Laplacian`](fairing_operators::Laplacian), of any kind, serves for spectra, heat, geodesic
+//! distances and [Poisson problems](Poisson).
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 

@@ -1,5 +1,4 @@
-//! Arrays in numpy's format: a header that describes the array, and its
-//! numbers, little-endian.
+//! Arrays in numpy's format: a header that describes the array, and little-endian numbers.
 //!
 //! Source: the format's description in numpy's documentation, `numpy.lib.format`.
 
@@ -7,16 +6,16 @@ use std::io::{self, Read, Write};
 
 use ndarray::{Array2, ShapeBuilder as _};
 
-/// The beginning of every file, and the version of the format: 1.0.
+/// The magic bytes and the version of the format, 1.0.
 const MAGIC: &[u8] = b"\x93NUMPY\x01\x00";
 
-/// Where the numbers begin is a multiple of this.
+/// Alignment of the first number.
 const ALIGNMENT: usize = 64;
 
-/// Numbers converted at a time.
+/// Numbers converted at once.
 const CHUNK: usize = 8192;
 
-/// What an array holds.
+/// Element type of an array.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
     /// `<f8`.
@@ -53,7 +52,7 @@ enum Numbers {
 pub(crate) struct Npy {
     numbers: Numbers,
     shape: Vec<usize>,
-    /// Whether the first index varies fastest.
+    /// True if the first index varies fastest.
     by_columns: bool,
 }
 
@@ -68,7 +67,7 @@ impl Npy {
         Self { numbers: Numbers::Indices(values.to_vec()), shape, by_columns: false }
     }
 
-    /// In the order in which the matrix is stored.
+    /// Keeps the memory order of the matrix.
     pub(crate) fn matrix(matrix: &Array2<f64>) -> Self {
         let by_columns = !matrix.is_standard_layout();
         let values = match by_columns {
@@ -86,7 +85,7 @@ impl Npy {
         }
     }
 
-    /// The numbers; none if they are indices.
+    /// The numbers; empty for indices.
     pub(crate) fn into_floats(self) -> Vec<f64> {
         match self.numbers {
             Numbers::Floats(values) => values,
@@ -94,7 +93,7 @@ impl Npy {
         }
     }
 
-    /// The indices; none if they are floating-point numbers.
+    /// The indices; empty for floating-point numbers.
     pub(crate) fn into_indices(self) -> Vec<u32> {
         match self.numbers {
             Numbers::Floats(_) => Vec::new(),
@@ -120,7 +119,7 @@ impl Npy {
         }
     }
 
-    /// As numpy writes it, padded so that the numbers are aligned.
+    /// The header as numpy writes it, padded to align the numbers.
     fn header(&self) -> String {
         let order = if self.by_columns { "True" } else { "False" };
         let shape = match self.shape[..] {
@@ -133,7 +132,7 @@ impl Npy {
         let descriptor = self.kind().descriptor();
         let mut header =
             format!("{{'descr': '{descriptor}', 'fortran_order': {order}, 'shape': {shape}, }}");
-        // The magic, two bytes of length, and the line end come on top.
+        // Plus the magic bytes, two bytes of length and the line end.
         let length = (MAGIC.len() + 2 + header.len() + 1).next_multiple_of(ALIGNMENT);
         header.extend(std::iter::repeat_n(' ', length - MAGIC.len() - 2 - header.len() - 1));
         header.push('\n');
@@ -144,7 +143,7 @@ impl Npy {
     ///
     /// # Errors
     ///
-    /// If it is no such array, or its length is not that which its header says.
+    /// If the content is not such an array or does not have the length in its header.
     pub(crate) fn read(from: &mut impl Read, size: u64, kind: Kind) -> io::Result<Self> {
         let mut start = [0; 10];
         from.read_exact(&mut start)?;
@@ -211,7 +210,7 @@ fn write_numbers<T: Copy, const N: usize>(
     Ok(())
 }
 
-/// Takes memory as numbers arrive, whatever their count was said to be.
+/// Allocates memory as numbers arrive and does not trust their declared count.
 fn read_numbers<T, const N: usize>(
     from: &mut impl Read,
     count: usize,
@@ -231,7 +230,7 @@ fn read_numbers<T, const N: usize>(
 mod tests {
     use super::*;
 
-    /// What `numpy.save` writes for `numpy.array([[1.5, -2.0, 0.0]])` and for
+    /// The output of `numpy.save` for `numpy.array([[1.5, -2.0, 0.0]])` and for
     /// `numpy.arange(2, dtype="u4")`.
     #[test]
     fn files_are_those_of_numpy() {
@@ -271,10 +270,9 @@ mod tests {
         }
     }
 
-    /// A forged shape asks for no memory; other types, versions and cut files
-    /// are refused.
+    /// A forged shape allocates no memory; other types, versions and truncated files are refused.
     #[test]
-    fn what_is_not_such_an_array_is_refused() {
+    fn malformed_arrays_are_refused() {
         let mut bytes = Vec::new();
         Npy::floats(&[1.0, 2.0]).write(&mut bytes).unwrap();
         let read = |bytes: &[u8], kind| Npy::read(&mut &*bytes, bytes.len() as u64, kind);

@@ -17,9 +17,9 @@ use crate::npy::{Kind, Npy};
 use crate::spectrum::Spectrum;
 
 impl Spectrum {
-    /// Writes `values` (k), `modes` (n × k), `residuals` (k), `certified` (1 or 0), the eigenvalues known `beyond`
-    /// and what is `clear_below`, and the mass: `mass` (n) where lumped, `mass_indptr`, `mass_indices`, `mass_data`
-    /// (CSR) where consistent. Whole or not at all.
+    /// Writes `values` (k), `modes` (n × k), `residuals` (k), `certified` (1 or 0), `beyond` and
+    /// `clear_below` as in [`Beyond`], and the mass: `mass` (n) if lumped, or `mass_indptr`,
+    /// `mass_indices`, `mass_data` (CSR) if consistent. The file is written whole or not at all.
     ///
     /// # Errors
     ///
@@ -43,7 +43,7 @@ impl Spectrum {
     fn write(&self, file: impl Write + Seek) -> io::Result<()> {
         let mut zip = ZipWriter::new(file);
         let mut add = |name: &str, array: Npy| -> io::Result<()> {
-            // As numpy.savez does: not compressed. Arrays may exceed 4 GiB.
+            // Not compressed, as by numpy.savez. Arrays may exceed 4 GiB.
             let stored = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
             zip.start_file(format!("{name}.npy"), stored.large_file(true))
                 .map_err(io::Error::other)?;
@@ -67,22 +67,22 @@ impl Spectrum {
         Ok(())
     }
 
-    /// Reads what [`Spectrum::save`] has written. Without `beyond` and `clear_below` nothing is
-    /// known after the last eigenvalue.
+    /// Reads a file of [`Spectrum::save`]. Without the arrays `beyond` and `clear_below`, nothing
+    /// is known after the last eigenvalue.
     ///
     /// # Errors
     ///
-    /// [`SpectrumFileError::Io`] where the system cannot open it; [`SpectrumFileError::Part`] for
-    /// an array that is missing, of another type or damaged, by the checksum that the archive has
-    /// of it; [`SpectrumFileError::Contents`] for shapes that do not fit, other arrays, and other
-    /// bytes than those of the archive.
+    /// [`SpectrumFileError::Io`] if the system cannot open the file; [`SpectrumFileError::Part`]
+    /// for an array that is missing, has another type or does not match its checksum;
+    /// [`SpectrumFileError::Contents`] for inconsistent shapes, unknown arrays, and bytes after the
+    /// archive.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, SpectrumFileError> {
         let path = path.as_ref();
         let file = File::open(path).map_err(|source| in_system(path, source))?;
         Self::read(path, file)
     }
 
-    /// From the bytes of [`Spectrum::to_bytes`].
+    /// Reads the bytes of [`Spectrum::to_bytes`].
     ///
     /// # Errors
     ///
@@ -99,7 +99,7 @@ impl Spectrum {
         }
         let names: Vec<String> = zip.file_names().map(str::to_string).collect();
         let has = |name: &str| names.iter().any(|n| n.strip_suffix(".npy") == Some(name));
-        // A name that was damaged must not pass for an array that is left out.
+        // A damaged name must not pass for a missing optional array.
         if !names.iter().all(|n| n.strip_suffix(".npy").is_some_and(|n| ARRAYS.contains(&n))) {
             return Err(problem(path, "an array has a name that no array of a spectrum has"));
         }
@@ -108,7 +108,7 @@ impl Spectrum {
             let mut file = zip.by_name(&member).map_err(|e| in_part(path, name, e))?;
             let size = file.size();
             let array = Npy::read(&mut file, size, kind).map_err(|e| in_part(path, name, e))?;
-            // The checksum is looked at where a member ends.
+            // The checksum is verified at the end of a member.
             match io::copy(&mut file, &mut io::sink()) {
                 Ok(0) => Ok(array),
                 Ok(_) => Err(problem(path, "an array is followed by other bytes")),
@@ -148,7 +148,7 @@ impl Spectrum {
     }
 }
 
-/// The name of bytes that are not in a file, in messages.
+/// Name of bytes in memory, in messages.
 const MEMORY: &str = "spectrum in memory";
 
 /// The names of all arrays.
@@ -165,8 +165,8 @@ const ARRAYS: [&str; 10] = [
     "modes",
 ];
 
-/// Whether a file ends with the end of a directory that has no comment, as the archives of numpy
-/// do.
+/// Returns true if the file ends with the end record of a zip directory without comment, as
+/// archives of numpy do.
 fn ends_as_archive(file: &mut (impl Read + Seek)) -> io::Result<bool> {
     const END: &[u8] = b"PK\x05\x06";
     const LENGTH: i64 = 22;
@@ -177,7 +177,7 @@ fn ends_as_archive(file: &mut (impl Read + Seek)) -> io::Result<bool> {
     Ok(start == END)
 }
 
-/// What the whole of a file is called among its parts.
+/// Name of the whole archive among its parts.
 const ARCHIVE: &str = "archive";
 
 fn in_system(path: &Path, source: io::Error) -> SpectrumFileError {

@@ -6,19 +6,17 @@ use fairing_sparse::GraphSystem;
 
 use crate::error::SpectralError;
 
-/// The Poisson equation −Δu = f with u given at fixed vertices, factorised
-/// once for any f and any values there.
+/// The Poisson equation −Δu = f with u prescribed at fixed vertices, factorised once for any f and
+/// any prescribed values.
 ///
-/// In weak form `S u = M f` at the vertices that are not fixed. Boundaries are
-/// natural (zero flux) where their vertices are not fixed. On a component
-/// without a fixed vertex a solution exists only for an f of mean zero, and
-/// only up to a constant: the mean of f over the component is taken off, and
-/// the u of mean zero is the solution. Means are weighted by area. Isolated
-/// vertices have no equation: u is 0 there unless they are fixed.
+/// Weak form: `S u = M f` at the free vertices. Boundaries are natural (zero flux) at free
+/// vertices. On a component without a fixed vertex a solution exists only for f of mean zero, and
+/// only up to a constant: the mean of f over the component is subtracted, and the solution is the u
+/// of mean zero. Means are weighted by area. Isolated vertices have no equation: u is 0 there
+/// unless they are fixed.
 ///
-/// The solution is that of the weights of the edges, however much they differ
-/// ([`GraphSystem`]); where rounding leaves less than half of its digits, it
-/// is an error.
+/// The system is solved by its edge weights, however much they differ ([`GraphSystem`]); if
+/// rounding leaves fewer than half of the digits, the solve fails.
 ///
 /// # Examples
 ///
@@ -51,10 +49,9 @@ impl<'a> Poisson<'a> {
     ///
     /// # Errors
     ///
-    /// [`OperatorError::NoSuchVertex`] and [`OperatorError::Mass`];
-    /// [`SpectralError::Repeated`] for a vertex that is fixed twice;
-    /// [`SpectralError::Solve`] for a stiffness that cannot be factorised,
-    /// which negative weights of polygons and extreme shapes may cause.
+    /// [`OperatorError::NoSuchVertex`] and [`OperatorError::Mass`]; [`SpectralError::Repeated`] for
+    /// a vertex that is fixed twice; [`SpectralError::Solve`] for a stiffness that cannot be
+    /// factorised, because of negative weights of polygons or extreme shapes.
     pub fn new(laplacian: &'a Laplacian, fixed: &[u32]) -> Result<Self, SpectralError> {
         let n = laplacian.vertex_count();
         let mut is_fixed = vec![false; n];
@@ -80,21 +77,20 @@ impl<'a> Poisson<'a> {
         Ok(Self { laplacian, fixed: fixed.to_vec(), system })
     }
 
-    /// An estimate of the condition of the system scaled to a unit diagonal:
-    /// [`GraphSystem::condition`].
+    /// Estimates the condition number of the system scaled to a unit diagonal
+    /// ([`GraphSystem::condition`]).
     pub fn condition(&self) -> f64 {
         self.system.condition()
     }
 
-    /// The solution u at each vertex, for f pointwise at each vertex, in the
-    /// unit of u over squared mesh units, and values for the fixed vertices,
-    /// in the order in which they were given.
+    /// The solution u at each vertex, from pointwise f at each vertex (unit of u per squared mesh
+    /// unit) and the values at the fixed vertices, in the order given to [`new`](Self::new).
     ///
     /// # Errors
     ///
-    /// [`SpectralError::Rows`] for another number of values;
-    /// [`SpectralError::Option`] for one that is not finite;
-    /// [`SpectralError::Solve`] where the digits of the solution are gone.
+    /// [`SpectralError::Rows`] for a wrong number of values; [`SpectralError::Option`] for a value
+    /// that is not finite; [`SpectralError::Solve`] if rounding leaves too few digits of the
+    /// solution.
     pub fn solve(&self, f: &[f64], values: &[f64]) -> Result<Vec<f64>, SpectralError> {
         let n = self.laplacian.vertex_count();
         for (found, expected) in [(f.len(), n), (values.len(), self.fixed.len())] {
@@ -108,8 +104,7 @@ impl<'a> Poisson<'a> {
             }
         }
         let right = self.laplacian.mass().as_mass().times(f);
-        // About one of the values of each component: what all of them have in common costs no
-        // digits.
+        // Relative to one value of each component, so that a common offset costs no digits.
         let parts = self.system.parts();
         let mut base = vec![None; n];
         for (&v, &value) in self.fixed.iter().zip(values) {
@@ -198,7 +193,7 @@ mod tests {
             problem.solve(&[0.0; 12], &[f64::NAN]),
             Err(SpectralError::Option(OptionError { option: "fixed value", .. }))
         ));
-        // Nothing is left to solve where all are fixed.
+        // Nothing is left to solve if all vertices are fixed.
         let all: Vec<u32> = (0..12).collect();
         let values: Vec<f64> = all.iter().map(|&v| f64::from(v)).collect();
         let found = Poisson::new(&laplacian, &all).unwrap().solve(&[1.0; 12], &values).unwrap();

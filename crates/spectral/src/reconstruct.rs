@@ -7,27 +7,27 @@ use crate::cluster::Split;
 use crate::error::SpectralError;
 use crate::spectrum::Spectrum;
 
-/// A mesh from some of its modes.
+/// Result of [`reconstruct`].
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Reconstruction {
     /// The mesh.
     pub mesh: TriMesh,
-    /// The cluster of eigenvalues that the number of modes splits, if any: the mesh then depends on the basis
-    /// of an eigenspace, which is arbitrary, and differs between processors. [`Spectrum::gap_below`] and
-    /// [`Spectrum::gap_above`] give numbers that split none.
+    /// The cluster of eigenvalues that the number of modes splits, if any: the mesh then depends on
+    /// the basis of an eigenspace, which is arbitrary and differs between processors.
+    /// [`Spectrum::gap_below`] and [`Spectrum::gap_above`] give numbers that split none.
     pub split: Option<Split>,
 }
 
-/// The mesh with its positions projected onto the first k modes: X_k = Φ Φᵀ M X.
+/// Projects the positions of a mesh onto the first k modes: X_k = Φ Φᵀ M X.
 ///
-/// Vertices without faces, which are in no mode, stay where they are. Dirichlet modes pull the boundary to
-/// the origin: reconstruct from Neumann modes.
+/// Vertices without faces are in no mode and keep their positions. Use Neumann modes: Dirichlet
+/// modes pull the boundary to the origin.
 ///
 /// # Errors
 ///
 /// [`SpectralError::Rows`] for a spectrum of another mesh, [`SpectralError::TooManyModes`],
-/// [`SpectralError::Positions`] where the sums overflow.
+/// [`SpectralError::Positions`] if the sums overflow.
 ///
 /// Source: \[vallet2008\].
 pub fn reconstruct(
@@ -51,8 +51,8 @@ pub fn reconstruct(
     Ok(Reconstruction { mesh, split: spectrum.split(k) })
 }
 
-/// The error of [`reconstruct`] for k = 0 … all modes, from the coefficients alone: M-weighted RMS of the
-/// displacement, in mesh units.
+/// The error of [`reconstruct`] for k = 0 … all modes, from the coefficients alone: the M-weighted
+/// RMS of the displacement, in mesh units.
 ///
 /// # Errors
 ///

@@ -6,13 +6,13 @@ use ndarray::{Array1, Array2};
 use crate::error::SpectralError;
 use crate::spectrum::Spectrum;
 
-/// Eigenvalues below this share of the largest count as zero.
+/// Eigenvalues below this fraction of the largest count as zero.
 const ZERO: f64 = 1e-10;
 
 /// Heat kernel signature: k_t(x, x) = Σ e^(−λᵢ t) φᵢ(x)², `n × times`, in 1/(mesh units)².
 ///
-/// The heat that is left at x at time t of a unit put there; times in squared mesh units. Small times need many
-/// modes: what λ_k t leaves out is at most e^(−λ_k t) of each mode.
+/// The heat left at x at time t of a unit placed there at time 0; times in squared mesh units.
+/// Small times need many modes: each mode beyond λ_k contributes at most the fraction e^(−λ_k t).
 ///
 /// # Errors
 ///
@@ -33,8 +33,8 @@ pub fn heat_kernel_signature(
     Ok(squares.dot(&weights))
 }
 
-/// `count` times evenly spaced in the logarithm over what the modes resolve, 4 ln 10 / λ_k to
-/// 4 ln 10 / λ₁ (the first that is not zero). Empty without such a λ. Source: \[sun2009\].
+/// `count` logarithmically spaced times in the range that the modes resolve, from 4 ln 10 / λ_k to
+/// 4 ln 10 / λ₁, with λ₁ the first nonzero eigenvalue. Empty if there is none. Source: \[sun2009\].
 pub fn heat_kernel_times(spectrum: &Spectrum, count: usize) -> Vec<f64> {
     let Some((first, last)) = range(spectrum) else { return vec![] };
     let (from, to) =
@@ -42,14 +42,16 @@ pub fn heat_kernel_times(spectrum: &Spectrum, count: usize) -> Vec<f64> {
     spread(from, to, count).map(libm::exp).collect()
 }
 
-/// Wave kernel signature, `n × energies`: Σ φᵢ(x)² exp(−(e − ln λᵢ)² / 2σ²) / Σ exp(−(e − ln λᵢ)² / 2σ²).
+/// Wave kernel signature, `n × energies`: Σ φᵢ(x)² exp(−(e − ln λᵢ)² / 2σ²) / Σ exp(−(e − ln λᵢ)² /
+/// 2σ²).
 ///
-/// The probability, by area, of finding at x a quantum particle with a log-normal energy around e; energies
-/// evenly spread in ln λ, σ seven steps, the ends kept 2σ inside. In 1/(mesh units)².
+/// The probability density, by area, of finding at x a quantum particle of log-normal energy around
+/// e. Energies are evenly spaced in ln λ, σ is seven steps, and the ends stay 2σ inside the range
+/// of ln λ. In 1/(mesh units)².
 ///
 /// # Errors
 ///
-/// [`SpectralError::Option`] for fewer than two energies, or with fewer than two different λ above zero.
+/// [`SpectralError::Option`] for fewer than two energies or fewer than two different λ above zero.
 ///
 /// Source: \[aubry2011\].
 pub fn wave_kernel_signature(
@@ -62,7 +64,7 @@ pub fn wave_kernel_signature(
         return Err(OptionError::new("number of modes", spectrum.len() as f64, expected).into());
     };
     let (low, high) = (libm::log(first), libm::log(last));
-    // The step d obeys low + 2σ … high − 2σ in energies − 1 steps with σ = 7d.
+    // From low + 2σ to high − 2σ in energies − 1 steps of length d, with σ = 7d.
     let step = (high - low) / (energies as f64 - 1.0 + 28.0);
     let sigma = 7.0 * step;
     let positive: Vec<usize> =
@@ -83,8 +85,8 @@ pub fn wave_kernel_signature(
 
 /// Global point signature: φᵢ(x) / √λᵢ for the modes with λ above zero, `n × modes`, dimensionless.
 ///
-/// Distances between rows are distances of points whatever the pose; signs and bases of multiple
-/// eigenvalues are as arbitrary as those of modes. Source: \[rustamov2007\].
+/// Distances between rows do not change with the pose; signs, and bases of multiple eigenvalues,
+/// are as arbitrary as those of the modes. Source: \[rustamov2007\].
 pub fn global_point_signature(spectrum: &Spectrum) -> Array2<f64> {
     let largest = spectrum.values.last().copied().unwrap_or(0.0);
     let zeros = spectrum.values.iter().take_while(|l| **l <= ZERO * largest).count();
@@ -96,7 +98,7 @@ pub fn global_point_signature(spectrum: &Spectrum) -> Array2<f64> {
     signature
 }
 
-/// ShapeDNA: the eigenvalues times the area, which no scaling of the mesh changes; zeros included.
+/// ShapeDNA: the eigenvalues times the area, invariant under scaling; zeros included.
 /// Source: \[reuter2006\].
 pub fn shape_dna(spectrum: &Spectrum) -> Array1<f64> {
     Array1::from(spectrum.values.clone()) * spectrum.area()

@@ -8,12 +8,12 @@ use crate::error::SpectralError;
 
 /// The k smoothest modes of a mesh.
 ///
-/// Modes with equal eigenvalues are one basis of many of the space they span: [`Spectrum::clusters`] tells which
-/// ones belong together. λᵢ has an error of at most its residual rᵢ (rᵢ² / gap where that is less), φᵢ an angle of
-/// rᵢ / gap, the gap being the distance to the nearest λ of another cluster; processors that round in another
-/// order give values and modes that differ by as much. Beyond that, rounding leaves some ε φᵀ|S|φ in λ.
+/// Modes with equal eigenvalues are an arbitrary basis of their eigenspace; [`Spectrum::clusters`]
+/// groups them. The error of λᵢ is at most its residual rᵢ (or rᵢ² / gap if less), and the angle
+/// error of φᵢ is rᵢ / gap, where gap is the distance to the nearest λ of another cluster. Results
+/// on processors that round in another order differ by as much. Rounding adds some ε φᵀ|S|φ to λ.
 ///
-/// Isolated vertices and pinned ones have the value 0 in every mode.
+/// Every mode is 0 at isolated and fixed vertices.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Spectrum {
@@ -23,14 +23,15 @@ pub struct Spectrum {
     pub modes: Array2<f64>,
     /// ‖S φ − λ M φ‖ in the M⁻¹ norm of each mode, in the unit of λ.
     pub residuals: Vec<f64>,
-    /// M, on all vertices; 0 at isolated ones.
+    /// M over all vertices; 0 at isolated vertices.
     pub mass: MassMatrix,
-    /// Whether it is proved that no smaller eigenvalue was missed. How exact the pairs are is said by `residuals`,
-    /// which are within [`EigenOptions::residual_limit`] or what rounding leaves of each vector, certified or not.
+    /// True if an inertia count or a dense decomposition proves that no smaller eigenvalue was
+    /// missed. The accuracy of the pairs is a separate matter: `residuals` are within
+    /// [`EigenOptions::residual_limit`] or the rounding of each vector, certified or not.
     ///
     /// [`EigenOptions::residual_limit`]: fairing_sparse::EigenOptions::residual_limit
     pub certified: bool,
-    /// The eigenvalues after the last mode, as far as they are known.
+    /// Known eigenvalues after the last mode.
     pub beyond: Beyond,
 }
 
@@ -40,7 +41,7 @@ impl Spectrum {
         self.values.len()
     }
 
-    /// Whether there are no modes.
+    /// Returns true if there are no modes.
     pub fn is_empty(&self) -> bool {
         self.values.is_empty()
     }
@@ -55,7 +56,8 @@ impl Spectrum {
         self.mass.as_mass().total()
     }
 
-    /// The first k modes only. [`Spectrum::split`] of the result at k tells whether that splits a cluster.
+    /// Keeps the first k modes. [`Spectrum::split`] of the result at k is the cluster that this
+    /// splits, if any.
     ///
     /// # Errors
     ///
@@ -74,7 +76,8 @@ impl Spectrum {
         })
     }
 
-    /// Coefficients Φᵀ M F, `k × d`, of a field F of d columns. For positions, in squared mesh units.
+    /// Coefficients Φᵀ M F, `k × d`, of a field F with d columns; in squared mesh units for
+    /// positions.
     ///
     /// # Errors
     ///
@@ -86,7 +89,7 @@ impl Spectrum {
         Ok(self.modes.t().dot(&times(&self.mass, field)))
     }
 
-    /// The field Σ φᵢ cᵢ, `n × d`, of the first coefficients (all k or fewer).
+    /// The field Σ φᵢ cᵢ, `n × d`, from the first coefficients (k or fewer).
     ///
     /// # Errors
     ///
@@ -102,18 +105,19 @@ impl Spectrum {
         coefficients.rows().into_iter().map(|c| c.dot(&c)).collect()
     }
 
-    /// The error of keeping k modes, for k = 0 … len(), from the coefficients alone.
+    /// Truncation error of keeping k modes, for k = 0 … len().
     ///
-    /// Entry k is the M-weighted RMS √(‖F − F_k‖²_M / area), by Parseval √((‖F‖²_M − Σ_(i<k) |cᵢ|²) / area), in
-    /// units of the field.
+    /// Entry k is the M-weighted RMS √(‖F − F_k‖²_M / area), by Parseval
+    /// √((‖F‖²_M − Σ_(i<k) |cᵢ|²) / area), in units of the field.
     ///
     /// # Errors
     ///
     /// [`SpectralError::Rows`].
     pub fn truncation_errors(&self, field: ArrayView2<'_, f64>) -> Result<Vec<f64>, SpectralError> {
         let coefficients = self.transform(field)?;
-        // The first mode carries most of the norm and none of the error: the remainder after all modes is
-        // measured, not subtracted, and the energies are added to it from the back.
+        // The first mode carries most of the norm and none of the error: the remainder after all
+        // modes is measured instead of subtracted, and the energies are added to it from the last
+        // to the first.
         let rest = &field - &self.inverse(coefficients.view())?;
         let mut square = (&rest * &times(&self.mass, rest.view())).sum().max(0.0);
         let area = self.area();

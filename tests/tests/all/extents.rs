@@ -31,8 +31,8 @@ fn write(folder: &Path, unit: f64) {
 
 /// The lines that make a mesh `out.ply`.
 fn lines() -> Vec<String> {
-    let flows = Method::algorithms();
-    let smooth = flows.iter().map(|flow| match flow.name {
+    let flows = Method::all();
+    let smooth = flows.iter().map(|flow| match flow.name() {
         "region" => "smooth noisy.ply -o out.ply --method region --vertices 5,6,7".to_owned(),
         "mean-curvature" => {
             "smooth noisy.ply -o out.ply --method mean-curvature --iterations 2".to_owned()

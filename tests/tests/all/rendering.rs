@@ -89,7 +89,10 @@ fn report(out: &Path, form: Form) -> Results {
     reproduce(&[&Shown], &plan).unwrap()
 }
 
-const PAGES: [&str; 2] = ["report.html", "report.md"];
+/// The pages of a report of this form.
+fn pages(form: Form) -> &'static [&'static str] {
+    if form == Form::Whole { &["report.html", "report.md"] } else { &["report.md"] }
+}
 
 /// All content of the pages comes from the folder of the report.
 #[test]
@@ -100,23 +103,22 @@ fn a_report_is_made_again_from_its_files() {
         let results = report(&out, form);
         assert_eq!(results.experiments[0].error, None);
         assert_eq!(Results::read(&out.join("results.json")).unwrap(), results);
-        let pages = PAGES.map(|name| std::fs::read(out.join(name)).unwrap());
-        for name in PAGES {
+        let read = |folder: &Path| -> Vec<String> {
+            let text = |name: &&str| std::fs::read_to_string(folder.join(name)).unwrap();
+            pages(form).iter().map(text).collect()
+        };
+        let before = read(&out);
+        for name in pages(form) {
             std::fs::remove_file(out.join(name)).unwrap();
         }
         let elsewhere = folder.path().join(format!("{form:?} moved"));
         std::fs::rename(&out, &elsewhere).unwrap();
         fairing_report::render(&elsewhere).unwrap();
-        let again = PAGES.map(|name| std::fs::read(elsewhere.join(name)).unwrap());
-        assert!(pages == again, "{form:?}");
-        let [page, markdown] = again.map(|bytes| String::from_utf8(bytes).unwrap());
-        for text in [&page, &markdown] {
-            assert!(text.contains("By looking."));
-        }
-        assert!(page.contains("<mfrac>") && markdown.contains(r"\frac{1}{r}"));
-        // The data of the view are either in the page or in a file.
-        let source = "data-source=\"shown/turning.view.js\"";
-        assert_eq!(page.contains(source), form == Form::Small);
+        let again = read(&elsewhere);
+        assert!(before == again, "{form:?}");
+        assert!(again.iter().all(|text| text.contains("By looking.")));
+        assert!(again.last().is_some_and(|markdown| markdown.contains(r"\frac{1}{r}")));
+        assert_eq!(again[0].contains("<mfrac>"), form == Form::Whole);
     }
 }
 
@@ -132,9 +134,11 @@ fn a_report_holds_what_it_names() {
             .map(|entry| entry.unwrap().file_name().into_string().unwrap())
             .collect();
         names.sort();
-        // The page of a whole report has a small form of what is printed in place of a view.
-        let small: &[&str] = if form == Form::Whole { &["sphere-small.png"] } else { &[] };
-        let expected = [&["radii.csv"], small, &["sphere.png", "turning.view.js"]].concat();
+        // The page of a whole report has views, and a small form of the picture printed in place of one.
+        let expected: &[&str] = match form {
+            Form::Whole => &["radii.csv", "sphere-small.png", "sphere.png", "turning.view.json"],
+            Form::Small => &["radii.csv", "sphere.png"],
+        };
         assert_eq!(names, expected, "{form:?}");
     }
 }
@@ -161,14 +165,14 @@ fn a_view_without_data_is_named() {
     let out = folder.path().join("report");
     report(&out, Form::Whole);
     let page = std::fs::read(out.join("report.html")).unwrap();
-    for contents in [None, Some("keepView(\n{}\n);\n")] {
-        let data = out.join("shown/turning.view.js");
+    for contents in [None, Some("{}\n")] {
+        let data = out.join("shown/turning.view.json");
         match contents {
             None => std::fs::remove_file(&data).unwrap(),
             Some(text) => std::fs::write(&data, text).unwrap(),
         }
         let error = format!("{:#}", fairing_report::render(&out).unwrap_err());
-        assert!(error.contains("shown/turning.view.js"), "{error}");
+        assert!(error.contains("shown/turning.view.json"), "{error}");
         assert_eq!(std::fs::read(out.join("report.html")).unwrap(), page);
     }
 }

@@ -73,7 +73,7 @@ fn options_may_be_left_out_and_are_checked_by_name() {
 
 #[test]
 fn methods_come_back_with_all_their_options() {
-    for method in Method::defaults() {
+    for method in Method::all() {
         json_of(&method);
     }
     for estimator in Estimator::all() {

@@ -3,8 +3,8 @@
 //! Needs Chromium on the path; otherwise each test is listed by name as ignored.
 //! `FAIRING_SCREENSHOTS=FOLDER` saves screenshots.
 
+mod article;
 mod chrome;
-mod committed;
 mod live;
 mod page;
 mod play;
@@ -15,7 +15,6 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
 use anyhow::{Result, anyhow};
-use fairing_results::results::Form;
 use libtest_mimic::{Arguments, Failed, Trial};
 
 use chrome::Chrome;
@@ -43,15 +42,11 @@ fn main() {
     };
     let made =
         [report::trials(), live::trials(), page::trials(), play::trials()].concat().into_iter();
-    let made =
-        made.map(|(name, test)| trial(format!("page::{name}"), Page::Made(Form::Whole), test));
-    let small = report::small_trials().into_iter();
-    let small =
-        small.map(|(name, test)| trial(format!("small::{name}"), Page::Made(Form::Small), test));
-    let committed = committed::trials().into_iter().map(|(name, test)| {
-        trial(format!("committed::{name}"), Page::File(committed::page()), test)
-    });
-    let trials = made.chain(small).chain(committed).collect();
+    let made = made.map(|(name, test)| trial(format!("page::{name}"), Page::Made, test));
+    let article = article::trials()
+        .into_iter()
+        .map(|(name, test)| trial(format!("article::{name}"), Page::File(article::page()), test));
+    let trials = made.chain(article).collect();
     let conclusion = libtest_mimic::run(&arguments, trials);
     // Exiting the process would skip closing the browser.
     drop(shared.lock().map(|mut session| session.take()));
@@ -61,8 +56,8 @@ fn main() {
 /// A page to open.
 enum Page {
     /// The page of [`scene`].
-    Made(Form),
-    /// The committed page, which may be absent.
+    Made,
+    /// The page of the article, which may be absent.
     File(PathBuf),
 }
 
@@ -80,21 +75,14 @@ fn run(program: &Path, shared: &Mutex<Option<Session>>, page: &Page, test: Test)
         Some(session) => session,
         none => {
             let folder = tempfile::tempdir()?;
-            for form in [Form::Whole, Form::Small] {
-                scene::publish(&place(folder.path(), form), form)?;
-            }
+            scene::publish(&folder.path().join("report"))?;
             none.insert(Session { chrome: Chrome::start(program)?, folder })
         }
     };
     session.chrome.new_tab()?;
     let page = match page {
-        Page::Made(form) => place(session.folder.path(), *form).join("report.html"),
+        Page::Made => session.folder.path().join("report/report.html"),
         Page::File(path) => path.clone(),
     };
     test(&mut session.chrome, &page)
-}
-
-/// The report of [`scene`] in this form.
-fn place(folder: &Path, form: Form) -> PathBuf {
-    folder.join(format!("{form:?}"))
 }

@@ -25,29 +25,6 @@ pub(crate) fn trials() -> Vec<(&'static str, Test)> {
     ]
 }
 
-/// Tests of a page whose views keep their data in files.
-pub(crate) fn small_trials() -> Vec<(&'static str, Test)> {
-    vec![
-        ("every_view_draws", draws),
-        ("the_slider_changes_the_picture", slides),
-        ("reads_the_data_of_its_views", reads),
-    ]
-}
-
-/// Each view has one file, which is read once.
-fn reads(chrome: &mut Chrome, page: &Path) -> Result<()> {
-    open(chrome, page)?;
-    ensure!(chrome.complaints.is_empty(), "{:?}", chrome.complaints);
-    let mut data: Vec<&str> = chrome
-        .requests
-        .iter()
-        .filter_map(|url| url.strip_suffix(".view.js")?.rsplit('/').next())
-        .collect();
-    data.sort_unstable();
-    ensure!(data == ["flow", "grid", "open", "sum"], "{:?}", chrome.requests);
-    Ok(())
-}
-
 /// Opens the page with all of its views.
 pub(crate) fn open(chrome: &mut Chrome, page: &Path) -> Result<()> {
     chrome.open(&format!("file://{}", page.display()))?;

@@ -277,7 +277,7 @@ fn wide() -> Table {
 }
 
 /// Writes the report into this folder.
-pub(crate) fn publish(folder: &Path, form: Form) -> Result<()> {
+pub(crate) fn publish(folder: &Path) -> Result<()> {
     let mesh = noisy();
     let camera = fairing_figure::Camera::fit(
         &[&mesh],
@@ -308,7 +308,7 @@ pub(crate) fn publish(folder: &Path, form: Form) -> Result<()> {
         form: Form::Whole,
         experiments: vec![flows(folder)?, playful("q2"), playful("noise"), playful("denoisers")],
     };
-    fairing_report::publish(results, folder, form)?;
+    fairing_report::publish(results, folder, Form::Whole)?;
     Ok(())
 }
 

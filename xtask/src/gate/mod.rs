@@ -112,16 +112,17 @@ pub(crate) fn run(root: &Path, whole_python: bool) -> Result<bool> {
     let mut tests = Tests::default();
     log.step("building the tests", || tests.build(root))?;
     log.cargo(root, &PROGRAMS)?;
-    log.step("tests", || tests.run(root))?;
-    log.cargo(root, &EXAMPLES)?;
-    if has_openblas() {
-        log.cargo(root, &LAPACK)?;
-    }
+    // Tests in the browser open the page of this run.
     if root.join(REFERENCE).is_file() {
         log.step("reference values", || reproduces(root, &["--quick", "--check"]))?;
         log.step("a second report, from what the first has kept", || {
             reproduces(root, &["--quick"])
         })?;
+    }
+    log.step("tests", || tests.run(root))?;
+    log.cargo(root, &EXAMPLES)?;
+    if has_openblas() {
+        log.cargo(root, &LAPACK)?;
     }
     let mut without_python = vec![];
     log.step("the Python package", || {

@@ -221,7 +221,7 @@ fn restored(context: &Context<'_>, level: u32) -> Result<(TriMesh, Vec<(String, 
 fn compared() -> impl Iterator<Item = Method> {
     let others =
         |method: &Method| matches!(method, Method::FairRegion(_) | Method::ConformalizedMcf(_));
-    Method::defaults().into_iter().filter(move |method| !others(method))
+    Method::all().into_iter().filter(move |method| !others(method))
 }
 
 /// The stop of a method in the view.

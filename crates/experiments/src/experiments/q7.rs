@@ -1,10 +1,6 @@
 //! Question 7: denoising under growing noise.
 
 use anyhow::{Context as _, Result};
-use fairing_denoising::{
-    AutomaticOptions, BilateralNormalGlobalOptions, BilateralNormalOptions, BilateralOptions,
-    Denoiser, FastEffectiveOptions, GuidedNormalOptions, L0Options, TotalVariationOptions,
-};
 use fairing_evaluation::NoiseLevel;
 use fairing_shapes as shapes;
 
@@ -21,14 +17,13 @@ use crate::verdict::Judgement;
 
 mod levels;
 mod limits;
+mod methods;
 mod pictures;
 
 use limits::ERRORS;
+use methods::{ASSIGNMENT, KEPT, METHODS, SHRUNK};
 
 pub(super) struct GrowingNoise;
-
-/// The assignment's levels, in model units.
-const ASSIGNMENT: [f64; 3] = [0.05, 0.1, 0.5];
 
 /// The levels of the sweep, in mean edge lengths.
 const SWEEP: [f64; 9] = [0.05, 0.1, 0.2, 0.3, 0.45, 0.7, 1.4, 2.0, 3.0];
@@ -40,38 +35,8 @@ const QUICK: [f64; 3] = [0.3, 0.7, 2.0];
 /// of E_a is then well below a degree where a method is near the limit of what counts as kept.
 const SEEDS: [usize; 2] = [5, 3];
 
-/// A shape counts as kept if less than this is left of the mean normal error, in degrees: two faces that
-/// are off by as much each are 30° apart, from where on an edge counts as sharp.
-const KEPT: f64 = 15.0;
-
-/// A shape that has lost more of its volume is not kept, in percent: normals alone do not show that it shrinks.
-const SHRUNK: f64 = 50.0;
-
 /// A denoiser that leaves more than this at one level of noise, in degrees, is not run at higher ones.
 const HOPELESS: f64 = 20.0;
-
-/// The methods, and whether they are quick enough for all seeds. Non-iterative denoising is left to the
-/// comparison of denoisers: its radius grows with the noisy edges, at high noise to the size of the mesh.
-const METHODS: [(Method, bool); 15] = [
-    (Method::Nothing, true),
-    (Method::Explicit, true),
-    (Method::Implicit, true),
-    (Method::ReportExplicit, true),
-    (Method::ReportImplicit, true),
-    (Method::Taubin, true),
-    (Method::Spectral, true),
-    (Method::Denoiser(Denoiser::Bilateral(BilateralOptions::DEFAULT)), false),
-    (Method::Denoiser(Denoiser::FastEffective(FastEffectiveOptions::DEFAULT)), true),
-    (Method::Denoiser(Denoiser::BilateralNormal(BilateralNormalOptions::DEFAULT)), true),
-    (
-        Method::Denoiser(Denoiser::BilateralNormalGlobal(BilateralNormalGlobalOptions::DEFAULT)),
-        true,
-    ),
-    (Method::Denoiser(Denoiser::L0(L0Options::DEFAULT)), false),
-    (Method::Denoiser(Denoiser::TotalVariation(TotalVariationOptions::DEFAULT)), false),
-    (Method::Denoiser(Denoiser::GuidedNormal(GuidedNormalOptions::DEFAULT)), false),
-    (Method::Denoiser(Denoiser::Automatic(AutomaticOptions::DEFAULT)), false),
-];
 
 /// The place and the words of the section.
 fn section() -> Section {

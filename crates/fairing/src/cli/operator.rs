@@ -8,16 +8,8 @@ use super::context::Context;
 
 /// The parser of `--operator`.
 pub(crate) fn kinds() -> impl TypedValueParser<Value = LaplacianKind> {
-    let kinds = [
-        (
-            LaplacianKind::Auto,
-            "cotangent, or robust if a face is too thin for cotangents; always cotangent unless \
-             the mass is barycentric",
-        ),
-        (LaplacianKind::Cotangent, "Cotangents of the faces"),
-        (LaplacianKind::Robust, "Cotangents of the intrinsic Delaunay triangulation, for any mesh"),
-    ];
-    let names = kinds.map(|(kind, about)| PossibleValue::new(kind.name()).help(about));
+    let kinds = LaplacianKind::CHOICES.iter();
+    let names = kinds.map(|kind| PossibleValue::new(kind.name).help(kind.about));
     PossibleValuesParser::new(names).try_map(|name| name.parse::<LaplacianKind>())
 }
 

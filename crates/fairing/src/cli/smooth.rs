@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use clap::Args;
-use fairing::parameters::{Algorithm, Family, Kind};
+use fairing::parameters::{self, Algorithm};
 use fairing::smoothing::{Approach, FlowFailure, Method, Observer, Report, Smoothed, Step};
 use serde_json::{Value, json};
 
@@ -63,10 +63,10 @@ pub(crate) struct Smooth {
     #[command(flatten)]
     output: MaybeOutput,
     /// Method; --list describes each
-    #[arg(long, value_parser = names::<Flows>(), default_value = "taubin")]
+    #[arg(long, value_parser = names::<Method>(), default_value = "taubin")]
     method: String,
     #[command(flatten)]
-    parameters: Parameters<Flows>,
+    parameters: Parameters<Method>,
     /// Stop when no vertex moves by more than this in a step, in mean edge lengths (methods that
     /// take steps)
     #[arg(long, value_name = "S")]
@@ -82,18 +82,6 @@ pub(crate) struct Smooth {
     list: bool,
 }
 
-/// The methods of [`Smooth`].
-struct Flows;
-
-impl Family for Flows {
-    const WHAT: &'static str = "method";
-
-    fn algorithms() -> Vec<Algorithm> {
-        let old = Method::algorithms().into_iter();
-        old.map(|old| Algorithm::from(*old)).collect()
-    }
-}
-
 /// Returns true for methods that take steps: `--until` and `--last-good` need them.
 fn takes_steps(algorithm: &Algorithm) -> bool {
     algorithm.parameter("iterations").is_some()
@@ -102,7 +90,7 @@ fn takes_steps(algorithm: &Algorithm) -> bool {
 impl Smooth {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
         if self.list {
-            return context.print(list::<Flows>());
+            return context.print(list::<Method>());
         }
         let (Some(input), Some(output)) = (&self.input, self.output.given()) else {
             return Err(Failure::usage("missing input mesh or --output"));
@@ -140,21 +128,11 @@ impl Smooth {
 
     /// The method with its parameters; vertices in them are numbered as in the file.
     fn method_on(&self, surface: &Surface) -> Result<Method, Failure> {
-        let algorithm = self.parameters.check(&self.method)?;
-        let of_vertices = |name: &str| {
-            let kind = algorithm.parameter(name).map(|parameter| parameter.kind);
-            matches!(kind, Some(Kind::Vertices | Kind::Weighted))
-        };
-        let given: Vec<(&str, String)> =
-            self.parameters.given().iter().map(|(n, v)| (*n, v.to_string())).collect();
-        let values: Vec<(&str, String)> = (given.into_iter())
-            .map(|(name, value)| match of_vertices(name) {
-                true => (name, surface.renumbered(&value)),
-                false => (name, value),
-            })
-            .collect();
-        let values: Vec<(&str, &str)> = values.iter().map(|(name, v)| (*name, &v[..])).collect();
-        Method::with(&self.method, &values, surface.mesh()).map_err(Failure::usage)
+        self.parameters.check(&self.method)?;
+        let given = self.parameters.given().iter();
+        let values: Vec<(&str, parameters::Value)> =
+            given.map(|(name, value)| (*name, surface.renumbered(value))).collect();
+        Method::with(&self.method, &values).map_err(Failure::usage)
     }
 
     /// Notes an automatic choice of operator, an unstable step and a split cluster.
@@ -181,7 +159,7 @@ impl Smooth {
         let algorithm = self.parameters.check(&self.method)?;
         let of_steps = [(self.until.is_some(), "until"), (self.last_good, "last-good")];
         match of_steps.into_iter().find(|(given, _)| *given && !takes_steps(&algorithm)) {
-            Some((_, flag)) => Err(foreign::<Flows>(&self.method, flag, takes_steps)),
+            Some((_, flag)) => Err(foreign::<Method>(&self.method, flag, takes_steps)),
             None => Ok(()),
         }
     }

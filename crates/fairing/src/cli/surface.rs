@@ -5,6 +5,7 @@ use std::path::Path;
 use clap::Args;
 use fairing::mesh::io::VertexFields;
 use fairing::mesh::{TriMesh, Welded};
+use fairing::parameters::{self, WeightedVertex};
 use serde_json::{Value, json};
 
 use super::context::{Context, Failure};
@@ -128,18 +129,22 @@ impl Surface {
         copies
     }
 
-    /// Renumbers a comma-separated list of file vertices for the mesh computed on; text after a
-    /// colon is kept.
-    pub(crate) fn renumbered(&self, list: &str) -> String {
-        let Some(welded) = &self.welded else { return list.to_owned() };
-        let renumber = |item: &str| {
-            let (vertex, rest) = item.split_at(item.find(':').unwrap_or(item.len()));
-            match vertex.parse::<usize>().ok().and_then(|v| welded.vertices.get(v)) {
-                Some(v) => format!("{v}{rest}"),
-                None => item.to_owned(),
+    /// The value with vertices of the file as vertices of the mesh computed on.
+    pub(crate) fn renumbered(&self, value: &parameters::Value) -> parameters::Value {
+        use parameters::Value;
+        let Some(welded) = &self.welded else { return value.clone() };
+        let number = |v: u32| welded.vertices.get(v as usize).map_or(v, |&v| v);
+        match value {
+            Value::Vertices(vertices) => {
+                Value::Vertices(vertices.iter().map(|&v| number(v)).collect())
             }
-        };
-        list.split(',').map(renumber).collect::<Vec<_>>().join(",")
+            Value::Weighted(vertices) => {
+                let weighted = vertices.iter();
+                let numbered = weighted.map(|&w| WeightedVertex { vertex: number(w.vertex), ..w });
+                Value::Weighted(numbered.collect())
+            }
+            other => other.clone(),
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Axes: from values to positions.
 
-use super::PlotError;
+use super::error::PlotError;
 use crate::number::power_of_ten;
 use crate::ticks::{self, Ticks};
 

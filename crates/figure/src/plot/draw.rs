@@ -1,9 +1,10 @@
 //! Plots as drawings.
 
 use super::axis::{Axis, AxisScale, Range, label};
+use super::error::PlotError;
 use super::legend;
 use super::series::{QUIET, REFERENCE, Series, Shape, Style, slope_ends};
-use super::{Legend, Plot, PlotError};
+use super::{Legend, Plot};
 use crate::drawing::{Anchor, Color, Drawing, Element, Fill, INK, Path, SOFT, Stroke, WHITE};
 use crate::outline::Outline;
 use crate::text::{Style as Face, width};
@@ -15,7 +16,18 @@ const LABEL_SIZE: f64 = 13.0;
 const LINE: f64 = 14.0;
 const GRID: Color = [0xe8, 0xea, 0xed];
 
-pub(super) fn draw(plot: &Plot, width: f64, height: f64) -> Result<Drawing, PlotError> {
+impl Plot {
+    /// Draws the plot, `width × height` CSS pixels with all labels.
+    ///
+    /// # Errors
+    ///
+    /// [`PlotError`] for the first series that cannot be drawn.
+    pub fn draw(&self, width: f64, height: f64) -> Result<Drawing, PlotError> {
+        draw(self, width, height)
+    }
+}
+
+fn draw(plot: &Plot, width: f64, height: f64) -> Result<Drawing, PlotError> {
     let styled = styles(&plot.series);
     let [x, y] = ranges(plot)?;
     let size = [width, height];

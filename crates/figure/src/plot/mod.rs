@@ -8,13 +8,13 @@
 
 mod axis;
 mod draw;
+mod error;
 mod legend;
 mod series;
 
 pub use axis::{Axis, AxisScale};
+pub use error::PlotError;
 pub use series::{Series, Shape};
-
-use crate::drawing::Drawing;
 
 /// Series over two axes.
 #[derive(Debug, Clone, Default)]
@@ -46,67 +46,4 @@ pub enum Legend {
     Lines,
     /// Nowhere.
     None,
-}
-
-/// Why a plot cannot be drawn.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum PlotError {
-    /// No series has a point.
-    #[error("there is nothing to plot")]
-    Empty,
-    /// A coordinate is infinite or not a number.
-    #[error("{series}: point {index} is ({x}, {y}), which is not finite")]
-    NonFinite {
-        /// The name of the series.
-        series: String,
-        /// The point.
-        index: usize,
-        /// Its horizontal coordinate.
-        x: f64,
-        /// Its vertical coordinate.
-        y: f64,
-    },
-    /// A coordinate on a logarithmic axis is not positive.
-    #[error("{series}: point {index} is ({x}, {y}), which has no place on a logarithmic axis")]
-    NotPositive {
-        /// The name of the series.
-        series: String,
-        /// The point.
-        index: usize,
-        /// Its horizontal coordinate.
-        x: f64,
-        /// Its vertical coordinate.
-        y: f64,
-    },
-    /// Bars do not match the categories.
-    #[error("{series}: {found} bars were given for {expected} categories")]
-    Bars {
-        /// The name of the series.
-        series: String,
-        /// The number of categories.
-        expected: usize,
-        /// The number of bars.
-        found: usize,
-    },
-    /// The limits of an axis are not ascending, not finite, or not positive on
-    /// a logarithmic axis.
-    #[error("an axis cannot go from {low} to {high}")]
-    Limits {
-        /// The lower end.
-        low: f64,
-        /// The upper end.
-        high: f64,
-    },
-}
-
-impl Plot {
-    /// Draws the plot, `width × height` CSS pixels with all labels.
-    ///
-    /// # Errors
-    ///
-    /// [`PlotError`] for the first series that cannot be drawn.
-    pub fn draw(&self, width: f64, height: f64) -> Result<Drawing, PlotError> {
-        draw::draw(self, width, height)
-    }
 }

@@ -1,7 +1,7 @@
 //! The data of plots.
 
-use super::PlotError;
 use super::axis::AxisScale;
+use super::error::PlotError;
 use crate::drawing::Color;
 use crate::outline::Outline;
 

@@ -13,14 +13,14 @@ use super::tables::counted;
 use super::view;
 use crate::layout;
 use crate::numbers::{Item, is_paper, parts};
-use fairing_results::results::{FigureFile, Form, Record};
+use fairing_results::results::{FigureFile, Record};
 use fairing_results::section::Playground;
 
 /// What is seen at once, then the rest folded under a line that says what it is. Numbered from `first`.
-pub(super) fn shown(record: &Record, first: usize, folder: &Path, form: Form) -> Result<String> {
+pub(super) fn shown(record: &Record, first: usize, folder: &Path) -> Result<String> {
     let (items, seen) = parts(record);
     let one = |(k, item): (usize, &Item<'_>)| {
-        item.html(record, &items, first, &format!("<b>Figure {}.</b> ", first + k), folder, form)
+        item.html(record, &items, first, &format!("<b>Figure {}.</b> ", first + k), folder)
     };
     let drawn: Vec<String> = items.par_iter().enumerate().map(one).collect::<Result<_>>()?;
     let mut text = drawn[..seen].concat();
@@ -47,11 +47,10 @@ impl Item<'_> {
         first: usize,
         label: &str,
         folder: &Path,
-        form: Form,
     ) -> Result<String> {
         match self {
             Self::Play(play) => Ok(playground(play, label)),
-            Self::Picture(figure) => picture(record, figure, label, folder, form),
+            Self::Picture(figure) => picture(record, figure, label, folder),
             &Self::View(k, v) => {
                 let id = format!("{}-{}", record.id, v.id);
                 let fallback = figure_id(record, &v.fallback);
@@ -63,11 +62,11 @@ impl Item<'_> {
                     Some(figure) => format!(
                         "<div class=\"paper\" id=\"{}\">{}</div>",
                         escape(&fallback),
-                        image(figure, folder, form)?
+                        image(figure, folder)?
                     ),
                     None => paper_note(all, first, &v.fallback),
                 };
-                view::figure(v, &id, &fallback, &paper, label, folder, form)
+                view::figure(v, &id, &fallback, &paper, label, folder)
             }
         }
     }
@@ -120,7 +119,7 @@ pub(super) fn figure_id(record: &Record, figure: &str) -> String {
 /// # Errors
 ///
 /// If a file cannot be read, or is no picture.
-pub(super) fn image(figure: &FigureFile, folder: &Path, form: Form) -> Result<String> {
+pub(super) fn image(figure: &FigureFile, folder: &Path) -> Result<String> {
     if let Some(path) = &figure.svg {
         let read = fs::read_to_string(folder.join(path));
         let svg = read.with_context(|| format!("reading {path}"))?;
@@ -136,7 +135,7 @@ pub(super) fn image(figure: &FigureFile, folder: &Path, form: Form) -> Result<St
         );
         return Ok(svg.replacen("<svg ", &open, 1));
     }
-    png(figure.small.as_ref().unwrap_or(&figure.png), &figure.alt, folder, form)
+    png(figure.small.as_ref().unwrap_or(&figure.png), &figure.alt, folder)
 }
 
 /// A PNG file as an image.
@@ -144,19 +143,12 @@ pub(super) fn image(figure: &FigureFile, folder: &Path, form: Form) -> Result<St
 /// # Errors
 ///
 /// If it cannot be read, or is no picture.
-pub(super) fn png(path: &str, alt: &str, folder: &Path, form: Form) -> Result<String> {
+pub(super) fn png(path: &str, alt: &str, folder: &Path) -> Result<String> {
     let bytes = fs::read(folder.join(path)).with_context(|| format!("reading {path}"))?;
     let [width, height] = png_size(&bytes).with_context(|| format!("{path} is no PNG file"))?;
-    // What is in the page is there when it is printed; what is beside it comes as it comes near.
-    let (source, when) = match form {
-        Form::Small => (escape(path), "loading=\"lazy\" "),
-        Form::Whole => {
-            let data = base64::engine::general_purpose::STANDARD.encode(bytes);
-            (format!("data:image/png;base64,{data}"), "")
-        }
-    };
+    let data = base64::engine::general_purpose::STANDARD.encode(bytes);
     Ok(format!(
-        "<img {when}width=\"{width}\" height=\"{height}\" src=\"{source}\" alt=\"{}\">",
+        "<img width=\"{width}\" height=\"{height}\" src=\"data:image/png;base64,{data}\" alt=\"{}\">",
         escape(alt)
     ))
 }
@@ -169,13 +161,7 @@ fn png_size(bytes: &[u8]) -> Option<[u32; 2]> {
 }
 
 /// A figure with its caption, and links to both of its files.
-fn picture(
-    record: &Record,
-    figure: &FigureFile,
-    label: &str,
-    folder: &Path,
-    form: Form,
-) -> Result<String> {
+fn picture(record: &Record, figure: &FigureFile, label: &str, folder: &Path) -> Result<String> {
     let mut links = format!("<a href=\"{}\">PNG</a>", escape(&figure.png));
     if let Some(svg) = &figure.svg {
         let _ = write!(links, ", <a href=\"{}\">SVG</a>", escape(svg));
@@ -184,7 +170,7 @@ fn picture(
         "<figure class=\"picture\" id=\"{}\">{}<figcaption>{label}{} \
          <span class=\"soft\">({links})</span></figcaption></figure>",
         escape(&figure_id(record, &figure.id)),
-        image(figure, folder, form)?,
+        image(figure, folder)?,
         escape(&figure.caption)
     ))
 }

@@ -61,13 +61,12 @@ const STYLE: &str = include_str!("../../assets/style.css");
 ///
 /// If a picture or the data of a view cannot be read, or a formula is not TeX.
 pub(crate) fn report(results: &Results, folder: &Path) -> Result<String> {
-    let form = results.form;
     let mut main = opening(results, &first_picture(results, folder)?);
     main += &claims(results);
     main += &meshes(results, folder)?;
     let numbered = numbers::first_numbers(results);
     let section = |(record, first): &(&Record, usize)| {
-        section::experiment(&results.experiments, record, *first, folder, form)
+        section::experiment(&results.experiments, record, *first, folder)
     };
     let bodies: Vec<String> = numbered.par_iter().map(section).collect::<Result<_>>()?;
     let sections: Vec<(&str, String)> =
@@ -194,10 +193,7 @@ fn first_picture(results: &Results, folder: &Path) -> Result<String> {
     let found = results.experiments.iter().find_map(|r| Some((r, &r.figures[opening(r)?])));
     let Some((record, figure)) = found else { return Ok(String::new()) };
     let target = figures::anchor(&results.experiments, &record.id, &figure.id);
-    Ok(format!(
-        "<a class=\"first\" href=\"#{target}\">{}</a>",
-        figures::image(figure, folder, results.form)?,
-    ))
+    Ok(format!("<a class=\"first\" href=\"#{target}\">{}</a>", figures::image(figure, folder)?,))
 }
 
 /// The sections in three acts, with bridges between them.
@@ -254,7 +250,7 @@ fn meshes(results: &Results, folder: &Path) -> Result<String> {
         let _ = write!(
             items,
             "<li>{}<b>{}</b><br>{} vertices, {} faces; {}</li>",
-            figures::png(&card.picture, &format!("The {}.", card.name), folder, results.form)?,
+            figures::png(&card.picture, &format!("The {}.", card.name), folder)?,
             escape(&card.name),
             card.vertices,
             card.faces,

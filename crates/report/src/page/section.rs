@@ -8,7 +8,7 @@ use anyhow::Result;
 use super::html::{escape, with_code};
 use super::{figures, tables};
 use crate::{mathml, notation, numbers, snippets};
-use fairing_results::results::{Form, Record};
+use fairing_results::results::Record;
 use fairing_results::verdict::{Deciding, Judgement, Shown, Verdict};
 
 /// Question, method, verdicts, views, figures, tables and how to make it
@@ -20,7 +20,6 @@ pub(super) fn experiment(
     record: &Record,
     first: usize,
     folder: &Path,
-    form: Form,
 ) -> Result<String> {
     let mut text = format!(
         "<section id=\"{0}\"><h2><span class=\"id\">{0}</span> {1}</h2>\
@@ -42,8 +41,8 @@ pub(super) fn experiment(
         let _ = write!(text, "<div class=\"judged\">{claims}</div>");
     }
     text += &method(record)?;
-    text += &figures::shown(record, first, folder, form)?;
-    text += &tables::tables(record, form);
+    text += &figures::shown(record, first, folder)?;
+    text += &tables::tables(record);
     let notes: Vec<String> =
         record.notes.iter().map(|note| format!("<p>{}</p>", with_code(note))).collect();
     if let Some((first, others)) = notes.split_first() {

@@ -4,12 +4,12 @@ use std::fmt::Write as _;
 
 use super::html::escape;
 use crate::{layout, markdown};
-use fairing_results::results::{Form, Record};
+use fairing_results::results::Record;
 use fairing_results::table::{Cell, Table, Unit};
 
 /// Tables whose rows decide, and the others folded.
-pub(super) fn tables(record: &Record, form: Form) -> String {
-    let one = |t: &Table| table(t, &format!("{}/{}.csv", record.id, t.id), form);
+pub(super) fn tables(record: &Record) -> String {
+    let one = |t: &Table| table(t, &format!("{}/{}.csv", record.id, t.id));
     let (seen, folded): (Vec<&Table>, Vec<&Table>) =
         record.tables.iter().partition(|t| layout::shows_table(record, &t.id));
     let mut text: String = seen.into_iter().map(one).collect();
@@ -34,7 +34,7 @@ pub(super) fn counted(what: &str, count: usize) -> String {
     }
 }
 
-fn table(table: &Table, csv: &str, form: Form) -> String {
+fn table(table: &Table, csv: &str) -> String {
     let caption = format!(
         "{} <span class=\"soft\">(<a href=\"{}\">CSV{}</a>)</span>",
         escape(&table.caption),
@@ -42,11 +42,6 @@ fn table(table: &Table, csv: &str, form: Form) -> String {
         markdown::left_out(table)
     );
     let rows = table.rows.len();
-    if rows > markdown::LONG && form == Form::Small {
-        return format!(
-            "<p class=\"caption\">{caption} <span class=\"soft\">{rows} rows, in the CSV.</span></p>"
-        );
-    }
     // Hundreds of rows are not for paper: they stay folded there, and the line says how many there are.
     let (before, caption, after) = match rows > markdown::LONG {
         true => (

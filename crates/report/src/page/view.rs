@@ -6,7 +6,7 @@ use std::path::Path;
 
 use anyhow::{Context as _, Result};
 use fairing_figure::ColorMap;
-use fairing_results::results::{Form, ViewFile};
+use fairing_results::results::ViewFile;
 use serde_json::Value;
 
 use super::html::{escape, script_json};
@@ -28,8 +28,7 @@ pub(super) fn color_maps() -> String {
 /// The view as a `<figure>` that the page's script brings to life; `id` is
 /// unique on the page, `fallback` the id of the picture that takes its place
 /// on paper and where there is no WebGL, `paper` that picture if it has no
-/// place of its own. The data are in the page, or in their file if the report
-/// is small.
+/// place of its own.
 ///
 /// # Errors
 ///
@@ -41,15 +40,10 @@ pub(super) fn figure(
     paper: &str,
     label: &str,
     folder: &Path,
-    form: Form,
 ) -> Result<String> {
     let text = fs::read_to_string(folder.join(&view.data));
-    let packed = text.map_err(Into::into).and_then(|text| Packed::from_script(&text));
+    let packed = text.map_err(Into::into).and_then(|text| Packed::read(&text));
     let Packed { about, data, .. } = packed.with_context(|| format!("reading {}", view.data))?;
-    let (source, data) = match form {
-        Form::Whole => (String::new(), data),
-        Form::Small => (format!(" data-source=\"{}\"", escape(&view.data)), String::new()),
-    };
     let mut html = String::new();
     let _ = write!(
         html,
@@ -58,7 +52,7 @@ pub(super) fn figure(
          <noscript><style>.view .paper {{ display: block; }} .view .stage {{ display: none; }}</style></noscript>\
          <figcaption>{label}{caption}</figcaption>\
          <script class=\"about\" type=\"application/json\">{about}</script>\
-         <script class=\"data\" type=\"text/plain\"{source}>{data}</script></figure>",
+         <script class=\"data\" type=\"text/plain\">{data}</script></figure>",
         id = escape(id),
         fallback = escape(fallback),
         alt = escape(&view.alt),

@@ -61,13 +61,13 @@ impl Frame {
         (0..3).all(|k| own.low[k] <= other.low[k] && other.high[k] <= own.high[k])
     }
 
-    /// Where in the box, in 65535ths, to the next multiple of `step`.
-    pub(super) fn code(&self, p: [f64; 3], step: u16) -> [u16; 3] {
-        let (step, last) = (f64::from(step), f64::from(u16::MAX));
+    /// The place in the box, in 65535ths.
+    pub(super) fn code(&self, p: [f64; 3]) -> [u16; 3] {
+        let last = f64::from(u16::MAX);
         [0, 1, 2].map(|k| {
             let size = self.high[k] - self.low[k];
             let t = if size > 0.0 { (p[k] - self.low[k]) / size } else { 0.0 };
-            (step * (t * last / step).round()).min(last) as u16
+            (t * last).round().min(last) as u16
         })
     }
 

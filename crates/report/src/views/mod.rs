@@ -8,7 +8,6 @@ mod script;
 use anyhow::{Context as _, Result, ensure};
 use fairing_figure::Occlusion;
 use fairing_mesh::TriMesh;
-use fairing_results::results::Form;
 use fairing_results::view::{Modes, Panel, View};
 use serde_json::{Value, json};
 
@@ -16,24 +15,19 @@ use frame::{Frame, reach};
 use pack::{Pack, Quantiser};
 pub(crate) use script::Packed;
 
-/// Packs a view; `id` is unique on the page. In a small report positions have
-/// 12 bits instead of 16.
+/// Packs a view; `id` is unique on the page.
 ///
 /// # Errors
 ///
 /// If a panel is empty, has positions that are not finite, or values that do
 /// not match its vertices.
-pub(crate) fn pack(view: &View, id: &str, form: Form) -> Result<Packed> {
-    let step = match form {
-        Form::Whole => 1,
-        Form::Small => 16,
-    };
-    let (about, data) = describe(view, step).with_context(|| format!("view {id}"))?;
-    Ok(Packed { id: id.into(), about, data })
+pub(crate) fn pack(view: &View, id: &str) -> Result<Packed> {
+    let (about, data) = describe(view).with_context(|| format!("view {id}"))?;
+    Ok(Packed { about, data })
 }
 
 /// The description and the packed data.
-fn describe(view: &View, step: u16) -> Result<(Value, String)> {
+fn describe(view: &View) -> Result<(Value, String)> {
     ensure!(!view.panels.is_empty(), "there is no panel");
     for panel in &view.panels {
         check(panel, view.combinations()).with_context(|| format!("panel {}", panel.title))?;
@@ -51,10 +45,10 @@ fn describe(view: &View, step: u16) -> Result<(Value, String)> {
     }
     let describe = |(i, panel): (usize, &Panel)| {
         let faces = lists.iter().position(|l| *l == panel.faces).unwrap_or_default();
-        describe_panel(panel, &view.panels[..i], faces, &frame, step, &mut pack)
+        describe_panel(panel, &view.panels[..i], faces, &frame, &mut pack)
     };
     let panels: Vec<Value> = view.panels.iter().enumerate().map(describe).collect::<Result<_>>()?;
-    let truth = view.truth.as_ref().map(|truth| describe_truth(truth, view, step, &mut pack));
+    let truth = view.truth.as_ref().map(|truth| describe_truth(truth, view, &mut pack));
     let mut fields: Vec<Value> = Vec::new();
     for field in view.panels.iter().flat_map(|p| &p.fields) {
         if fields.iter().all(|known| known["name"] != field.name.as_str()) {
@@ -155,14 +149,14 @@ fn check(panel: &Panel, stops: usize) -> Result<()> {
 }
 
 /// True positions: those of a panel that shows them, or of their own.
-fn describe_truth(truth: &Vec<[f64; 3]>, view: &View, step: u16, pack: &mut Pack) -> Value {
+fn describe_truth(truth: &Vec<[f64; 3]>, view: &View, pack: &mut Pack) -> Value {
     for (i, panel) in view.panels.iter().enumerate() {
         if let Some(stop) = panel.positions.iter().position(|p| p == truth) {
             return json!({"panel": i, "stop": stop});
         }
     }
     let place = Frame::new(truth);
-    pack.shorts(&truth.iter().map(|&p| place.code(p, step)).collect::<Vec<_>>());
+    pack.shorts(&truth.iter().map(|&p| place.code(p)).collect::<Vec<_>>());
     json!({"low": place.low, "size": place.size(), "vertices": truth.len()})
 }
 
@@ -172,7 +166,6 @@ fn describe_panel(
     before: &[Panel],
     faces: usize,
     frame: &Frame,
-    step: u16,
     pack: &mut Pack,
 ) -> Result<Value> {
     let mut stops = Vec::new();
@@ -195,7 +188,7 @@ fn describe_panel(
         let own = Frame::new(positions);
         let stray = !frame.nearly_holds(&own);
         let place = if stray { own } else { frame.enlarged() };
-        let codes: Vec<[u16; 3]> = positions.iter().map(|&p| place.code(p, step)).collect();
+        let codes: Vec<[u16; 3]> = positions.iter().map(|&p| place.code(p)).collect();
         let follows = !stray && last.is_some();
         match &last {
             Some(last) if follows => {
@@ -224,7 +217,7 @@ fn describe_panel(
         "live": panel.live.is_some(),
     });
     if let Some(modes) = &panel.modes {
-        about["modes"] = describe_modes(modes, step, pack);
+        about["modes"] = describe_modes(modes, pack);
     }
     if !panel.facts.is_empty() {
         about["facts"] = json!(panel.facts);
@@ -233,13 +226,12 @@ fn describe_panel(
 }
 
 /// Each mode has 65535 steps from minus its largest size to plus.
-fn describe_modes(modes: &Modes, step: u16, pack: &mut Pack) -> Value {
+fn describe_modes(modes: &Modes, pack: &mut Pack) -> Value {
     let mut sizes = vec![];
     for vector in &modes.vectors {
         let most = vector.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
         let size = if most > 0.0 { most } else { 1.0 };
-        let step = f64::from(step);
-        let code = |x: &f64| (step * ((x / size + 1.0) * 32_767.0 / step).round()) as u16;
+        let code = |x: &f64| ((x / size + 1.0) * 32_767.0).round() as u16;
         pack.shorts(&vector.iter().map(|x| [code(x)]).collect::<Vec<_>>());
         sizes.push(size);
     }

@@ -1,8 +1,9 @@
 //! Which vertices may move, and how.
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::old::{Parameter, Values};
-use fairing_parameters::{OptionError, ParameterError};
+use fairing_parameters::{
+    Field, Kind, OptionError, Parameter, ParameterError, Values, WeightedVertex,
+};
 
 use crate::engine::arrangement::Arrangement;
 use crate::engine::error::FlowFailure;
@@ -29,25 +30,6 @@ fairing_parameters::choices!(Boundary, "treatment of the boundary",
 #[cfg(feature = "serde")]
 fairing_parameters::serde_by_name!(Boundary);
 
-/// The boundary.
-pub(crate) const BOUNDARY: Parameter = Parameter::choice(
-    "boundary",
-    Boundary::CHOICES,
-    "free",
-    "What happens at the boundary of an open mesh",
-);
-
-/// Pinned vertices.
-pub(crate) const PIN: Parameter =
-    Parameter::vertices("pin", "Vertices that stay, as numbers from 0 joined by commas");
-
-/// Soft constraints.
-pub(crate) const SOFT: Parameter = Parameter::weighted(
-    "soft",
-    "Vertices drawn to where they are, or to a point, joined by commas; a weight of 1 ends a step half-way between \
-     the flow and the point",
-);
-
 /// A vertex drawn towards a target.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -55,8 +37,8 @@ pub(crate) const SOFT: Parameter = Parameter::weighted(
 pub struct SoftConstraint {
     /// The vertex.
     pub vertex: u32,
-    /// Where to, in mesh units.
-    pub target: [f64; 3],
+    /// The target, in mesh units; the position in the input if `None`.
+    pub target: Option<[f64; 3]>,
     /// How strongly, dimensionless: a step ends at the weighted mean of where the flow alone would lead (weight 1)
     /// and the target (this weight), within the linear system for implicit methods.
     pub weight: f64,
@@ -75,33 +57,42 @@ pub struct Constraints {
     pub soft: Vec<SoftConstraint>,
 }
 
-impl Constraints {
-    /// A rule for the boundary, and no other constraint.
-    pub fn boundary(boundary: Boundary) -> Self {
-        Self { boundary, ..Self::default() }
+const BOUNDARY: &str = "boundary";
+const PIN: &str = "pin";
+pub(crate) const SOFT: &str = "soft";
+
+impl Field for Constraints {
+    fn parameters(&self, _: Parameter) -> Vec<Parameter> {
+        let about = "The treatment of the boundary of an open mesh";
+        let boundary = Parameter::new(BOUNDARY, Kind::Choice(Boundary::CHOICES), about);
+        let about = "Vertices that stay, as numbers from 0 joined by commas";
+        let pin = Parameter::new(PIN, Kind::Vertices, about);
+        let about = "Vertices drawn to where they are, or to a point, joined by commas; a weight \
+                     of 1 ends a step half-way between the flow and the point";
+        let soft = Parameter::new(SOFT, Kind::Weighted, about);
+        [self.boundary.parameters(boundary), vec![pin, soft]].concat()
     }
 
-    /// From [`BOUNDARY`], [`PIN`] and [`SOFT`]; vertices without a target are drawn to their positions.
-    pub(crate) fn from_values(
-        values: &Values<'_>,
-        positions: &[[f64; 3]],
-    ) -> Result<Self, ParameterError> {
-        let soft = values.weighted(SOFT.name).into_iter().map(|soft| {
-            let target = soft.target.or_else(|| positions.get(soft.vertex as usize).copied());
-            let (vertex, weight) = (soft.vertex, soft.weight);
-            target.map(|target| SoftConstraint { vertex, target, weight }).ok_or_else(|| {
-                let n = positions.len();
-                values.refuse(
-                    SOFT.name,
-                    format!("of vertices that exist: vertex {vertex} of {n} does not"),
-                )
-            })
-        });
-        Ok(Self {
-            boundary: values.get(BOUNDARY.name)?.unwrap_or_default(),
-            pinned: values.vertices(PIN.name),
-            soft: soft.collect::<Result<_, _>>()?,
-        })
+    fn read(&mut self, _: &'static str, values: &Values) -> Result<(), ParameterError> {
+        self.boundary.read(BOUNDARY, values)?;
+        self.pinned.extend_from_slice(values.vertices(PIN));
+        let soft = values.weighted(SOFT).iter();
+        self.soft.extend(soft.map(|&WeightedVertex { vertex, weight, target }| SoftConstraint {
+            vertex,
+            target,
+            weight,
+        }));
+        Ok(())
+    }
+}
+
+impl Constraints {
+    /// No constraint.
+    pub const NONE: Self = Self { boundary: Boundary::Free, pinned: Vec::new(), soft: Vec::new() };
+
+    /// A rule for the boundary, and no other constraint.
+    pub fn boundary(boundary: Boundary) -> Self {
+        Self { boundary, ..Self::NONE }
     }
 
     /// Whether nothing is constrained.
@@ -148,21 +139,23 @@ impl Freedom {
             .filter(|sliding| !sliding.is_empty());
         let mut soft = None;
         if !constraints.soft.is_empty() {
-            let (mut weights, mut targets) = (vec![0.0; n], vec![[0.0; 3]; n]);
+            let (mut weights, mut targets) = (vec![0.0; n], vec![Some([0.0; 3]); n]);
             for constraint in &constraints.soft {
                 let v = check(constraint.vertex)?;
                 OptionError::require_not_negative(
                     "weight of a soft constraint",
                     constraint.weight,
                 )?;
-                for x in constraint.target {
+                for x in constraint.target.into_iter().flatten() {
                     let option = "target of a soft constraint";
                     OptionError::require(x.is_finite(), option, x, "finite")?;
                 }
                 weights[v] = constraint.weight;
                 targets[v] = constraint.target;
             }
-            soft = Some((arrangement.arrange(&weights), arrangement.arrange(&targets)));
+            let targets = arrangement.arrange(&targets);
+            let targets = targets.iter().zip(mesh.positions()).map(|(t, &own)| t.unwrap_or(own));
+            soft = Some((arrangement.arrange(&weights), targets.collect()));
         }
         Ok(Self { fixed, soft, sliding })
     }

@@ -2,8 +2,9 @@
 
 use fairing_mesh::TriMesh;
 use fairing_operators::{LaplacianKind, LumpedArea, Reason, choose};
-use fairing_parameters::old::{Parameter, Values};
-use fairing_parameters::{Choice, ParameterError};
+use fairing_parameters::{
+    Choice, Field, Kind, OptionError, Parameter, ParameterError, Range, Value, Values,
+};
 
 use crate::engine::error::FlowFailure;
 
@@ -50,107 +51,108 @@ pub(crate) fn chosen(
     }
 }
 
-/// The area of vertices.
-pub(crate) const AREA: Parameter = Parameter::choice(
-    "area",
-    LumpedArea::CHOICES,
-    "barycentric",
-    "The areas of vertices for cotangents",
-);
+pub(crate) const WEIGHTS: &str = "weights";
+pub(crate) const LAMBDA: &str = "lambda";
+pub(crate) const TIME: &str = "time";
+pub(crate) const AREA: &str = "area";
+pub(crate) const OPERATOR: &str = "operator";
 
-/// The operator.
-pub(crate) const OPERATOR: Parameter = Parameter::choice(
-    "operator",
-    &[
-        Choice::new("auto", "Cotangents, or robust where a face of the input is too thin for them"),
-        Choice::new("cotangent", "The cotangents of the faces"),
-        Choice::new("robust", "Those of the intrinsic Delaunay triangulation, which any mesh has"),
-    ],
-    "auto",
-    "How cotangents are made; auto with another area than barycentric means cotangent",
-);
-
-/// The weights.
-pub(crate) const WEIGHTS: Parameter = Parameter::choice(
-    "weights",
-    &[
-        Choice::new("uniform", "Every neighbour counts the same"),
+/// The weights of the Laplacian.
+pub(crate) fn weights(default: &str) -> Parameter {
+    const CHOICES: &[Choice] = &[
+        Choice::new("uniform", "Equal weights"),
         Choice::new("cotangent", "The Laplace–Beltrami operator"),
-    ],
-    "uniform",
-    "The weights of the Laplacian",
-);
-
-/// The step in the unit of the weights.
-pub(crate) const LAMBDA: Parameter = Parameter::number(
-    "lambda",
-    "",
-    "The step: dimensionless, or in squared mean edge lengths for cotangents",
-)
-.excludes(&["time"]);
-
-/// The step as a time.
-pub(crate) const TIME: Parameter =
-    Parameter::number("time", "", "The step of cotangents").unit("squared units of the file");
-
-/// The Laplacian and the areas of [`OPERATOR`] and [`AREA`].
-pub(crate) fn operator_from_values(
-    values: &Values<'_>,
-) -> Result<(LaplacianKind, LumpedArea), ParameterError> {
-    let area = values.get(AREA.name)?.unwrap_or(LumpedArea::Barycentric);
-    let kind = match values.text(OPERATOR.name) {
-        Some("robust") => LaplacianKind::Robust,
-        Some("cotangent") => LaplacianKind::Cotangent,
-        _ => LaplacianKind::Auto,
-    };
-    if kind == LaplacianKind::Robust && area != LumpedArea::Barycentric {
-        let expected = "barycentric with operator robust, which has no other areas";
-        return Err(values.refuse(AREA.name, expected));
+    ];
+    let about = "The weights of the Laplacian";
+    Parameter {
+        default: Some(default.into()),
+        ..Parameter::new(WEIGHTS, Kind::Choice(CHOICES), about)
     }
-    Ok((kind, area))
 }
 
 /// Refuses parameters of cotangents, which uniform weights would ignore.
 pub(crate) fn refuse_with_uniform(
-    values: &Values<'_>,
-    parameters: &[Parameter],
+    values: &Values,
+    parameters: &[&'static str],
 ) -> Result<(), ParameterError> {
-    match parameters.iter().find(|parameter| values.text(parameter.name).is_some()) {
+    match parameters.iter().find(|parameter| values.get(parameter).is_some()) {
         None => Ok(()),
         Some(parameter) => {
             let expected = "left out with weights uniform: it is a parameter of cotangents";
-            Err(values.refuse(parameter.name, expected))
+            Err(values.refuse(parameter, expected))
         }
     }
 }
 
-impl Diffusion {
-    /// From [`WEIGHTS`] and the parameters of [`cotangents`](Self::cotangents): a time means cotangents. Without
-    /// either, the step is that of the weights.
-    pub(crate) fn from_values(
-        values: &Values<'_>,
-        uniform: f64,
-        cotangent: f64,
-    ) -> Result<Self, ParameterError> {
-        let timed = values.text(TIME.name).is_some();
-        match values.text(WEIGHTS.name) {
-            Some("cotangent") => Self::cotangents(values, cotangent),
-            None if timed => Self::cotangents(values, cotangent),
-            _ => {
-                refuse_with_uniform(values, &[TIME, OPERATOR, AREA])?;
-                Ok(Self::uniform(values.get(LAMBDA.name)?.unwrap_or(uniform)))
+/// Refuses areas that the robust Laplacian does not have.
+pub(crate) fn check_areas(
+    kind: LaplacianKind,
+    area: LumpedArea,
+    values: &Values,
+) -> Result<(), ParameterError> {
+    if kind == LaplacianKind::Robust && area != LumpedArea::Barycentric {
+        let expected = "barycentric with operator robust, which has no other areas";
+        return Err(values.refuse(AREA, expected));
+    }
+    Ok(())
+}
+
+/// A time means cotangents. The other weights keep the number of the default step.
+impl Field for Diffusion {
+    fn parameters(&self, _: Parameter) -> Vec<Parameter> {
+        let (name, step, kind, area) = match *self {
+            Self::Uniform { lambda } => {
+                ("uniform", Some(lambda), LaplacianKind::Auto, LumpedArea::Barycentric)
             }
-        }
+            Self::Cotangent { time: Time::SquaredEdges(lambda), kind, area } => {
+                ("cotangent", Some(lambda), kind, area)
+            }
+            Self::Cotangent { kind, area, .. } => ("cotangent", None, kind, area),
+        };
+        let about = "The step: dimensionless, or in squared mean edge lengths for cotangents";
+        let lambda = Parameter {
+            range: Range::NOT_NEGATIVE,
+            default: step.map(Value::Number),
+            excludes: &[TIME],
+            ..Parameter::new(LAMBDA, Kind::Number, about)
+        };
+        let time = Parameter {
+            unit: "squared units of the file",
+            range: Range::NOT_NEGATIVE,
+            ..Parameter::new(TIME, Kind::Number, "The step of cotangents")
+        };
+        let choice = |name, about| Parameter::new(name, Kind::Number, about);
+        let areas = area.parameters(choice(AREA, "The areas of vertices for cotangents"));
+        let about = "The Laplacian of cotangents; auto means cotangent with other areas than \
+                     barycentric";
+        let kinds = kind.parameters(choice(OPERATOR, about));
+        [vec![weights(name), lambda, time], areas, kinds].concat()
     }
 
-    /// From [`LAMBDA`], [`TIME`], [`OPERATOR`] and [`AREA`].
-    pub(crate) fn cotangents(values: &Values<'_>, lambda: f64) -> Result<Self, ParameterError> {
-        let time = match values.get(TIME.name)? {
-            Some(time) => Time::SquaredUnits(time),
-            None => Time::SquaredEdges(values.get(LAMBDA.name)?.unwrap_or(lambda)),
+    fn read(&mut self, _: &'static str, values: &Values) -> Result<(), ParameterError> {
+        let (lambda, time) = (values.number(LAMBDA), values.number(TIME));
+        let by_cotangents = match values.text(WEIGHTS) {
+            Some(weights) => weights == "cotangent",
+            None => time.is_some() || matches!(self, Self::Cotangent { .. }),
         };
-        let (kind, area) = operator_from_values(values)?;
-        Ok(Self::Cotangent { time, kind, area })
+        if !by_cotangents {
+            refuse_with_uniform(values, &[TIME, OPERATOR, AREA])?;
+            *self = Self::uniform(lambda.unwrap_or(self.value()));
+            return Ok(());
+        }
+        let kind = values.choice(OPERATOR).unwrap_or(LaplacianKind::Auto);
+        let area = values.choice(AREA).unwrap_or(LumpedArea::Barycentric);
+        check_areas(kind, area, values)?;
+        let time = match time {
+            Some(time) => Time::SquaredUnits(time),
+            None => Time::SquaredEdges(lambda.unwrap_or(self.value())),
+        };
+        *self = Self::Cotangent { time, kind, area };
+        Ok(())
+    }
+
+    fn check(&self, _: &'static str, _: Range) -> Result<(), OptionError> {
+        Range::NOT_NEGATIVE.check("step", self.value())
     }
 }
 
@@ -185,12 +187,12 @@ impl Time {
 
 impl Diffusion {
     /// Uniform weights with the dimensionless step `lambda`.
-    pub fn uniform(lambda: f64) -> Self {
+    pub const fn uniform(lambda: f64) -> Self {
         Self::Uniform { lambda }
     }
 
     /// Cotangent weights ([`LaplacianKind::Auto`]) over barycentric areas, with steps of `lambda` h².
-    pub fn cotangent(lambda: f64) -> Self {
+    pub const fn cotangent(lambda: f64) -> Self {
         let (kind, area) = (LaplacianKind::Auto, LumpedArea::Barycentric);
         Self::Cotangent { time: Time::SquaredEdges(lambda), kind, area }
     }

@@ -7,7 +7,6 @@ pub(crate) mod constraints;
 pub(crate) mod diffusion;
 pub(crate) mod direct;
 pub(crate) mod error;
-pub(crate) mod flow;
 pub(crate) mod implicit_steps;
 pub(crate) mod linear;
 pub(crate) mod outcome;

@@ -296,7 +296,7 @@ mod tests {
     #[test]
     fn anchored_parts_have_one_centre() {
         let (mesh, mass) = three();
-        let pull = SoftConstraint { vertex: 10, target: [50.0, -7.0, 3.0], weight: 2.5 };
+        let pull = SoftConstraint { vertex: 10, target: Some([50.0, -7.0, 3.0]), weight: 2.5 };
         let constraints =
             Constraints { pinned: vec![1, 6], soft: vec![pull], ..Constraints::default() };
         let freedom = Freedom::new(&Arrangement::as_given(&mesh), &constraints).unwrap();

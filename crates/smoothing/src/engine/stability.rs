@@ -1,7 +1,6 @@
 //! How long an explicit step may be.
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::old::Parameter;
 
 use crate::engine::assemble::assemble;
 use crate::engine::diffusion::Diffusion;
@@ -26,14 +25,6 @@ fairing_parameters::choices!(Stability, "treatment of unstable steps",
 );
 #[cfg(feature = "serde")]
 fairing_parameters::serde_by_name!(Stability);
-
-/// Steps that make modes grow.
-pub(crate) const UNSTABLE: Parameter = Parameter::choice(
-    "unstable",
-    Stability::CHOICES,
-    "refuse",
-    "What happens to steps beyond the stable limit",
-);
 
 /// The largest step for which no mode grows under `x ← x + λLx`, in the unit of the factor of `L`: dimensionless for
 /// uniform weights, squared mesh units for cotangents; infinite without edges.

@@ -3,16 +3,7 @@
 use std::ops::ControlFlow;
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::old::Parameter;
 use glam::DVec3;
-
-/// The number of steps. A flow that has it shows its steps to an observer.
-pub(crate) const ITERATIONS: Parameter =
-    Parameter::count("iterations", "10", "The number of steps");
-
-/// The accuracy of the linear systems.
-pub(crate) const TOLERANCE: Parameter =
-    Parameter::number("tolerance", "", "The relative residual of the linear systems");
 
 /// Called after every step with what it did; `ControlFlow::Break` ends the flow there.
 ///

@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use fairing_mesh::{Connectivity, TriMesh};
-use fairing_parameters::old::Parameter;
 use glam::DVec3;
 
 use crate::engine::constraints::Freedom;
@@ -30,14 +29,6 @@ fairing_parameters::choices!(Volume, "treatment of the volume",
 );
 #[cfg(feature = "serde")]
 fairing_parameters::serde_by_name!(Volume);
-
-/// The volume.
-pub(crate) const VOLUME: Parameter = Parameter::choice(
-    "volume",
-    Volume::CHOICES,
-    "drift",
-    "What happens to the volume of a closed mesh",
-);
 
 /// Newton steps for the offset distance; volume is a cubic in it, and the loss of one step is small.
 const MAX_STEPS: usize = 20;

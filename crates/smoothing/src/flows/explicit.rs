@@ -1,49 +1,53 @@
 //! Explicit diffusion, forward Euler.
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::old::{Algorithm, Values};
-use fairing_parameters::{OptionError, ParameterError};
+use fairing_parameters::Options;
 
 use crate::engine::assemble::assemble;
-use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
-use crate::engine::diffusion::{AREA, Diffusion, LAMBDA, OPERATOR, TIME, WEIGHTS};
+use crate::engine::constraints::Constraints;
+use crate::engine::diffusion::{Diffusion, LAMBDA, TIME, Time};
 use crate::engine::error::{FlowError, FlowFailure};
-use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::linear::advance;
 use crate::engine::outcome::Smoothed;
 use crate::engine::response::Response;
 use crate::engine::run::{Run, RunSettings};
-use crate::engine::stability::{Stability, UNSTABLE, measured_limit, uniform_limit};
-use crate::engine::step::{ITERATIONS, Observer};
-use crate::engine::volume::{VOLUME, Volume};
+use crate::engine::stability::{Stability, measured_limit, uniform_limit};
+use crate::engine::step::Observer;
+use crate::engine::volume::Volume;
 
-/// Options of [`explicit`].
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
-pub struct Explicit {
-    /// The Laplacian and the length of a step.
-    pub diffusion: Diffusion,
-    /// The number of steps; 10 unless set.
-    pub iterations: usize,
-    /// What happens to a step beyond the stable limit; refused unless set.
-    pub stability: Stability,
-    /// Vertices that may not move freely.
-    pub constraints: Constraints,
-    /// What happens to the volume.
-    pub volume: Volume,
+fairing_parameters::options! {
+    /// Options of [`explicit`].
+    #[derive(Debug, Clone, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+    pub struct Explicit {
+        /// The Laplacian and the length of a step.
+        pub diffusion: Diffusion = Diffusion::uniform(0.5);
+        /// The number of steps.
+        pub iterations: usize = 10;
+        /// Constraints of the vertices.
+        pub constraints: Constraints = Constraints::NONE;
+        /// The treatment of the volume of a closed mesh.
+        pub volume: Volume = Volume::Drifts;
+        /// The treatment of steps beyond the stable limit.
+        pub stability: Stability = Stability::Refuse, name "unstable";
+    }
+    "explicit": "small steps x + λLx; the assignment's flow; stable up to λ = 4/3 (closed)",
+        ["taubin1995", "desbrun1999"];
+    then |options, values| {
+        // The default of uniform weights is beyond the stable limit of cotangents.
+        let given = values.number(LAMBDA).or(values.number(TIME)).is_some();
+        if let Diffusion::Cotangent { time, .. } = &mut options.diffusion && !given {
+            *time = Time::SquaredEdges(0.1);
+        }
+        Ok(())
+    };
 }
 
 impl Explicit {
     /// Ten free steps.
     pub fn new(diffusion: Diffusion) -> Self {
-        Self {
-            diffusion,
-            iterations: 10,
-            stability: Stability::default(),
-            constraints: Constraints::default(),
-            volume: Volume::default(),
-        }
+        Self { diffusion, ..Self::DEFAULT }
     }
 }
 
@@ -83,8 +87,7 @@ pub fn explicit(
     observer: Option<&mut Observer<'_>>,
 ) -> Result<Smoothed, FlowError> {
     let step = options.diffusion.factor(mesh);
-    OptionError::require_not_negative("step", options.diffusion.value())
-        .map_err(|error| FlowFailure::from(error).before(mesh))?;
+    options.check().map_err(|error| FlowFailure::from(error).before(mesh))?;
     let settings = RunSettings {
         volume: options.volume,
         ..RunSettings::new(&options.constraints, options.iterations)
@@ -109,36 +112,4 @@ pub fn explicit(
         }
     }
     advance(run, &laplacian, bound, Response::Explicit { step, steps: options.iterations }, 0.0)
-}
-
-impl Flow for Explicit {
-    const ALGORITHMS: &'static [Algorithm] = &[Algorithm::new(
-        "explicit",
-        "small steps x + λLx; the assignment's flow; stable up to λ = 4/3 (closed)",
-        &["taubin1995", "desbrun1999"],
-        &[
-            WEIGHTS,
-            LAMBDA.default("0.5"),
-            TIME,
-            ITERATIONS,
-            AREA,
-            OPERATOR,
-            BOUNDARY,
-            PIN,
-            SOFT,
-            VOLUME,
-            UNSTABLE,
-        ],
-    )];
-
-    const RUN: FlowFn<Self> = explicit;
-
-    fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError> {
-        let mut options = Self::new(Diffusion::from_values(values, 0.5, 0.1)?);
-        options.constraints = Constraints::from_values(values, positions)?;
-        values.read(ITERATIONS.name, &mut options.iterations)?;
-        values.read(VOLUME.name, &mut options.volume)?;
-        values.read(UNSTABLE.name, &mut options.stability)?;
-        Ok(options)
-    }
 }

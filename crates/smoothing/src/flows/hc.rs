@@ -1,47 +1,34 @@
 //! HC smoothing: Laplacian steps that give back what they took from the shape.
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::old::{Algorithm, Parameter, Values};
-use fairing_parameters::{OptionError, ParameterError};
+use fairing_parameters::{OptionError, Options, Range};
 
 use crate::engine::assemble::uniform;
-use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
+use crate::engine::constraints::Constraints;
 use crate::engine::error::{FlowError, FlowFailure};
-use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::Smoothed;
 use crate::engine::run::{Run, RunSettings, StepNote};
-use crate::engine::stability::{Stability, UNSTABLE, uniform_limit};
-use crate::engine::step::{ITERATIONS, Observer};
+use crate::engine::stability::{Stability, uniform_limit};
+use crate::engine::step::Observer;
 
-/// Options of [`hc`].
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct Hc {
-    /// The weight of the input against the step before in the differences, in [0, 1]; 0 unless set.
-    pub alpha: f64,
-    /// How much of its own difference a vertex is given back, the rest being the mean of its neighbours', in
-    /// [0, 1]; ½ unless set. From ½ on no mode grows, below ½ only where [`hc`] says so.
-    pub beta: f64,
-    /// The number of steps; 10 unless set.
-    pub iterations: usize,
-    /// The treatment of modes that would grow; refused unless set.
-    pub stability: Stability,
-    /// Vertices that may not move freely.
-    pub constraints: Constraints,
-}
-
-/// The values of the paper.
-impl Default for Hc {
-    fn default() -> Self {
-        Self {
-            alpha: 0.0,
-            beta: 0.5,
-            iterations: 10,
-            stability: Stability::default(),
-            constraints: Constraints::default(),
-        }
+fairing_parameters::options! {
+    /// Options of [`hc`].
+    #[derive(Debug, Clone, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+    pub struct Hc {
+        /// The weight of the input in the differences, the rest being that of the step before.
+        pub alpha: f64 = 0.0, in Range::FRACTION;
+        /// The part of its own difference that a vertex is given back.
+        pub beta: f64 = 0.5, in Range::FRACTION;
+        /// The number of steps.
+        pub iterations: usize = 10;
+        /// Constraints of the vertices.
+        pub constraints: Constraints = Constraints::NONE;
+        /// The treatment of a beta so small that modes grow.
+        pub stability: Stability = Stability::Refuse, name "unstable";
     }
+    "hc": "uniform steps that give back what they took; keeps the size roughly", ["vollmer1999"];
 }
 
 const LARGE_ENOUGH: &str = "so large that no mode grows, as every beta from 0.5 is: \
@@ -91,10 +78,7 @@ pub fn hc(
     observer: Option<&mut Observer<'_>>,
 ) -> Result<Smoothed, FlowError> {
     let Hc { alpha, beta, .. } = *options;
-    for (option, value) in [("alpha", alpha), ("beta", beta)] {
-        OptionError::require_fraction(option, value)
-            .map_err(|error| FlowFailure::from(error).before(mesh))?;
-    }
+    options.check().map_err(|error| FlowFailure::from(error).before(mesh))?;
     let settings = RunSettings::new(&options.constraints, options.iterations);
     let mut run = Run::new(mesh, &settings, observer)?;
     // From ½ on every mesh is stable: no need for its topology.
@@ -130,39 +114,6 @@ pub fn hc(
         });
         Ok(StepNote { step_size: 1.0, residual: None })
     })
-}
-
-impl Flow for Hc {
-    const ALGORITHMS: &'static [Algorithm] = &[Algorithm::new(
-        "hc",
-        "uniform steps that give back what they took; keeps the size roughly",
-        &["vollmer1999"],
-        &[
-            Parameter::number("alpha", "0", "How much differences are taken to the input (0 to 1)"),
-            Parameter::number(
-                "beta",
-                "0.5",
-                "How much of its own difference a vertex is given back (0 to 1)",
-            ),
-            ITERATIONS,
-            BOUNDARY,
-            PIN,
-            SOFT,
-            UNSTABLE.about("What happens where beta is so small that modes grow"),
-        ],
-    )];
-
-    const RUN: FlowFn<Self> = hc;
-
-    fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError> {
-        let constraints = Constraints::from_values(values, positions)?;
-        let mut options = Self { constraints, ..Self::default() };
-        values.read("alpha", &mut options.alpha)?;
-        values.read("beta", &mut options.beta)?;
-        values.read(ITERATIONS.name, &mut options.iterations)?;
-        values.read(UNSTABLE.name, &mut options.stability)?;
-        Ok(options)
-    }
 }
 
 /// The largest `1 − β` for which no mode of eigenvalues down to `−bound` grows.

@@ -1,56 +1,53 @@
 //! Implicit diffusion, backward Euler, and mean curvature flow.
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::old::{Algorithm, Parameter, Values};
-use fairing_parameters::{OptionError, ParameterError};
+use fairing_parameters::{Options, Range};
 
 use crate::engine::assemble::assemble;
-use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
-use crate::engine::diffusion::{AREA, Diffusion, LAMBDA, OPERATOR, TIME, WEIGHTS};
+use crate::engine::constraints::Constraints;
+use crate::engine::diffusion::Diffusion;
 use crate::engine::error::{FlowError, FlowFailure};
-use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::linear::advance;
 use crate::engine::outcome::Smoothed;
 use crate::engine::response::Response;
 use crate::engine::run::{Run, RunSettings};
-use crate::engine::step::{ITERATIONS, Observer, TOLERANCE};
+use crate::engine::step::Observer;
 use crate::engine::updated::{Update, advance_updated};
-use crate::engine::volume::{VOLUME, Volume};
+use crate::engine::volume::Volume;
 
-/// The update.
-const UPDATE: Parameter =
-    Parameter::choice("update", Update::CHOICES, "never", "When the operator is assembled again");
-
-/// Options of [`implicit`].
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
-pub struct Implicit {
-    /// The Laplacian and the length of a step.
-    pub diffusion: Diffusion,
-    /// The number of steps; 10 unless set.
-    pub iterations: usize,
-    /// When the operator is assembled again; cotangents only, since uniform weights do not depend on positions.
-    pub update: Update,
-    /// The relative residual of the linear systems; 1e-8 unless set.
-    pub tolerance: f64,
-    /// Vertices that may not move freely.
-    pub constraints: Constraints,
-    /// What happens to the volume.
-    pub volume: Volume,
+fairing_parameters::options! {
+    /// Options of [`implicit`].
+    #[derive(Debug, Clone, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+    pub struct Implicit {
+        /// The Laplacian and the length of a step.
+        pub diffusion: Diffusion = Diffusion::uniform(5.0);
+        /// The number of steps.
+        pub iterations: usize = 10;
+        /// Constraints of the vertices.
+        pub constraints: Constraints = Constraints::NONE;
+        /// The treatment of the volume of a closed mesh.
+        pub volume: Volume = Volume::Drifts;
+        /// The times at which the operator is assembled again; cotangents only.
+        pub update: Update = Update::Never;
+        /// The relative residual of the linear systems.
+        pub tolerance: f64 = 1e-8, in Range::above(0.0).below(1.0);
+    }
+    "implicit": "steps of any length (I − λL)x' = x; never unstable, always shrinks", ["desbrun1999"],
+        with Self::DEFAULT,
+        if |options| options.update != Update::Both;
+    "mean-curvature": "implicit steps, operator assembled again each time: motion by curvature",
+        ["desbrun1999"],
+        without ["weights", "update"],
+        with Self::mean_curvature_flow(1.0),
+        if |options| options.update == Update::Both;
 }
 
 impl Implicit {
     /// Ten free steps with the operator of the input.
     pub fn new(diffusion: Diffusion) -> Self {
-        Self {
-            diffusion,
-            iterations: 10,
-            update: Update::default(),
-            tolerance: 1e-8,
-            constraints: Constraints::default(),
-            volume: Volume::default(),
-        }
+        Self { diffusion, ..Self::DEFAULT }
     }
 
     /// Mean curvature flow: the operator is assembled again in each step of `lambda` h².
@@ -122,74 +119,8 @@ pub fn implicit(
     advance(run, &laplacian, laplacian.spectral_bound(), response, options.tolerance)
 }
 
-impl Flow for Implicit {
-    const ALGORITHMS: &'static [Algorithm] = &[
-        Algorithm::new(
-            "implicit",
-            "steps of any length (I − λL)x' = x; never unstable, always shrinks",
-            &["desbrun1999"],
-            &[
-                WEIGHTS,
-                LAMBDA.default("5"),
-                TIME,
-                ITERATIONS,
-                AREA,
-                OPERATOR,
-                BOUNDARY,
-                PIN,
-                SOFT,
-                VOLUME,
-                UPDATE,
-                TOLERANCE.default("1e-8"),
-            ],
-        ),
-        Algorithm::new(
-            "mean-curvature",
-            "implicit steps, operator assembled again each time: motion by curvature",
-            &["desbrun1999"],
-            &[
-                LAMBDA.default("1"),
-                TIME,
-                ITERATIONS,
-                AREA,
-                OPERATOR,
-                BOUNDARY,
-                PIN,
-                SOFT,
-                VOLUME,
-                TOLERANCE.default("1e-8"),
-            ],
-        ),
-    ];
-
-    const RUN: FlowFn<Self> = implicit;
-
-    fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError> {
-        let mut options = match values.algorithm().name {
-            "mean-curvature" => {
-                Self { update: Update::Both, ..Self::new(Diffusion::cotangents(values, 1.0)?) }
-            }
-            _ => Self::new(Diffusion::from_values(values, 5.0, 5.0)?),
-        };
-        options.constraints = Constraints::from_values(values, positions)?;
-        values.read(ITERATIONS.name, &mut options.iterations)?;
-        values.read(VOLUME.name, &mut options.volume)?;
-        values.read(UPDATE.name, &mut options.update)?;
-        values.read(TOLERANCE.name, &mut options.tolerance)?;
-        Ok(options)
-    }
-
-    /// Mean curvature flow if the operator is updated.
-    fn algorithm(&self) -> &'static Algorithm {
-        &Self::ALGORITHMS[usize::from(self.update == Update::Both)]
-    }
-}
-
 fn check(options: &Implicit) -> Result<(), FlowFailure> {
-    OptionError::require_not_negative("step", options.diffusion.value())?;
-    let tolerance = options.tolerance;
-    let between = tolerance > 0.0 && tolerance < 1.0;
-    OptionError::require(between, "tolerance", tolerance, "above 0 and below 1")?;
+    options.check()?;
     let uniform = matches!(options.diffusion, Diffusion::Uniform { .. });
     if uniform && options.update != Update::Never {
         return Err(FlowFailure::Unsupported {

@@ -1,16 +1,18 @@
 //! Spectral low-pass filters.
 
+use std::ops::Bound;
+
 use fairing_mesh::TriMesh;
 use fairing_operators::{Laplacian, LaplacianKind, LumpedArea};
-use fairing_parameters::old::{Algorithm, Parameter, Values};
-use fairing_parameters::{OptionError, ParameterError};
+use fairing_parameters::{
+    Field, Kind, OptionError, Options, Parameter, ParameterError, Range, Value, Values,
+};
 use fairing_spectral::{Reconstruction, SpectrumOptions, reconstruct, spectrum};
 
 use crate::engine::assemble::cotangent;
-use crate::engine::constraints::{BOUNDARY, Constraints, PIN};
-use crate::engine::diffusion::{AREA, OPERATOR, TIME, Time, chosen, operator_from_values};
+use crate::engine::constraints::{Constraints, SOFT};
+use crate::engine::diffusion::{TIME, Time, check_areas, chosen};
 use crate::engine::error::{FlowError, FlowFailure};
-use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::linear::advance;
 use crate::engine::outcome::{Approach, Report, Smoothed};
 use crate::engine::response::Response;
@@ -36,30 +38,106 @@ pub enum Transfer {
     Modes(usize),
 }
 
-/// Options of [`low_pass`].
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
-pub struct LowPass {
-    /// What happens to each mode.
-    pub transfer: Transfer,
-    /// The Laplacian of cotangents; every kind but uniform.
-    pub kind: LaplacianKind,
-    /// The areas of the vertices.
-    pub area: LumpedArea,
-    /// Free and pinned vertices.
-    pub constraints: Constraints,
+const CUTOFF: &str = "cutoff";
+const ORDER: &str = "order";
+const MODES: &str = "modes";
+const ORDERS: Range = Range::new(Bound::Included(1.0), Bound::Included(16.0));
+
+impl Field for Transfer {
+    fn parameters(&self, _: Parameter) -> Vec<Parameter> {
+        vec![
+            Parameter {
+                unit: "squared units of the file",
+                range: Range::NOT_NEGATIVE,
+                ..Parameter::new(TIME, Kind::Number, "The diffusion time")
+            },
+            Parameter {
+                unit: "units of the file",
+                range: Range::POSITIVE,
+                excludes: &[TIME],
+                ..Parameter::new(
+                    CUTOFF,
+                    Kind::Number,
+                    "The wavelength at which a Butterworth filter halves",
+                )
+            },
+            Parameter {
+                range: ORDERS,
+                default: Some(Value::Count(BUTTERWORTH_ORDER as usize)),
+                ..Parameter::new(ORDER, Kind::Count, "The steepness of a Butterworth filter")
+            },
+            Parameter {
+                excludes: &[TIME, CUTOFF],
+                ..Parameter::new(
+                    MODES,
+                    Kind::Count,
+                    "The number of smoothest modes that are kept, and nothing else",
+                )
+            },
+        ]
+    }
+
+    fn read(&mut self, _: &'static str, values: &Values) -> Result<(), ParameterError> {
+        if values.get(ORDER).is_some() && values.get(CUTOFF).is_none() {
+            let expected = "left out without cutoff: it is the steepness of a Butterworth filter";
+            return Err(values.refuse(ORDER, expected));
+        }
+        if let Some(time) = values.number(TIME) {
+            *self = Self::Heat(Time::SquaredUnits(time));
+        }
+        if let Some(wavelength) = values.number(CUTOFF) {
+            let cutoff = (2.0 * std::f64::consts::PI / wavelength).powi(2);
+            let order = values.count(ORDER).map_or(BUTTERWORTH_ORDER, |order| order as u32);
+            // Beyond every mesh, with room for the powers of a filter.
+            *self = Self::Butterworth { cutoff: cutoff.clamp(1e-150, 1e150), order };
+        }
+        if let Some(modes) = values.count(MODES) {
+            *self = Self::Modes(modes);
+        }
+        Ok(())
+    }
+
+    fn check(&self, _: &'static str, _: Range) -> Result<(), OptionError> {
+        match *self {
+            Self::Heat(time) => Range::NOT_NEGATIVE.check(TIME, time.value()),
+            Self::Butterworth { cutoff, order } => {
+                Range::POSITIVE.check(CUTOFF, cutoff)?;
+                ORDERS.check(ORDER, f64::from(order))
+            }
+            // The spectrum says how many there are.
+            Self::Modes(_) => Ok(()),
+        }
+    }
+}
+
+/// The order of a Butterworth filter unless it is set.
+const BUTTERWORTH_ORDER: u32 = 2;
+
+fairing_parameters::options! {
+    /// Options of [`low_pass`].
+    #[derive(Debug, Clone, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+    pub struct LowPass {
+        /// The factor of each mode.
+        pub transfer: Transfer = Transfer::Heat(Time::SquaredEdges(5.0));
+        /// The areas of vertices for cotangents.
+        pub area: LumpedArea = LumpedArea::Barycentric;
+        /// The Laplacian of cotangents; auto means cotangent with other areas than barycentric.
+        pub kind: LaplacianKind = LaplacianKind::Auto, name "operator";
+        /// Constraints of the vertices.
+        pub constraints: Constraints = Constraints::NONE;
+    }
+    "low-pass": "heat or Butterworth filter of the cotangent spectrum, in physical units",
+        ["vallet2008"],
+        without [SOFT];
+    then |options, values| check_areas(options.kind, options.area, values);
 }
 
 impl LowPass {
     /// A filter over barycentric areas, without fixed vertices.
     pub fn new(transfer: Transfer) -> Self {
-        Self {
-            transfer,
-            kind: LaplacianKind::Auto,
-            area: LumpedArea::Barycentric,
-            constraints: Constraints::default(),
-        }
+        Self { transfer, ..Self::DEFAULT }
     }
 }
 
@@ -93,7 +171,7 @@ impl LowPass {
 ///
 /// Source: \[vallet2008\].
 pub fn low_pass(mesh: &TriMesh, options: &LowPass) -> Result<Smoothed, FlowError> {
-    check(options).map_err(|failure| failure.before(mesh))?;
+    options.check().map_err(|error| FlowFailure::from(error).before(mesh))?;
     if let Transfer::Modes(k) = options.transfer {
         return smoothest(mesh, k, options).map_err(|failure| failure.before(mesh));
     }
@@ -111,61 +189,6 @@ pub fn low_pass(mesh: &TriMesh, options: &LowPass) -> Result<Smoothed, FlowError
         Transfer::Modes(_) => Response::Heat { time: 0.0 },
     };
     advance(run, &laplacian, laplacian.spectral_bound(), response, 0.0)
-}
-
-impl Flow for LowPass {
-    const ALGORITHMS: &'static [Algorithm] = &[Algorithm::new(
-        "low-pass",
-        "heat or Butterworth filter of the cotangent spectrum, in physical units",
-        &["vallet2008"],
-        &[
-            TIME.about("The diffusion time"),
-            Parameter::number("cutoff", "", "Where a Butterworth filter halves: a wavelength")
-                .unit("units of the file")
-                .excludes(&["time"]),
-            Parameter::count("order", "2", "How steeply a Butterworth filter falls"),
-            Parameter::count(
-                "modes",
-                "",
-                "How many of the smoothest modes are kept, and nothing else",
-            )
-            .excludes(&["time", "cutoff"]),
-            AREA,
-            OPERATOR,
-            BOUNDARY,
-            PIN,
-        ],
-    )];
-
-    const RUN: FlowFn<Self> = |mesh, options, _| low_pass(mesh, options);
-
-    fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError> {
-        let mut steepness = 2;
-        values.read("order", &mut steepness)?;
-        if values.text("order").is_some() && values.text("cutoff").is_none() {
-            let expected = "left out without cutoff: it is how steeply a Butterworth filter falls";
-            return Err(values.refuse("order", expected));
-        }
-        let transfer = match (values.get("modes")?, values.get::<f64>("cutoff")?) {
-            (Some(modes), _) => Transfer::Modes(modes),
-            (None, Some(wavelength)) => {
-                if !(wavelength > 0.0 && wavelength.is_finite()) {
-                    return Err(values.refuse("cutoff", "positive and finite"));
-                }
-                let cutoff = (2.0 * std::f64::consts::PI / wavelength).powi(2);
-                // Beyond every mesh, with room for the powers of a filter.
-                let cutoff = cutoff.clamp(1e-150, 1e150);
-                Transfer::Butterworth { cutoff, order: steepness }
-            }
-            (None, None) => Transfer::Heat(match values.get(TIME.name)? {
-                Some(time) => Time::SquaredUnits(time),
-                None => Time::SquaredEdges(5.0),
-            }),
-        };
-        let (kind, area) = operator_from_values(values)?;
-        let constraints = Constraints::from_values(values, positions)?;
-        Ok(Self { transfer, kind, area, constraints })
-    }
 }
 
 /// The mesh from its `k` smoothest modes.
@@ -188,18 +211,4 @@ fn smoothest(mesh: &TriMesh, k: usize, options: &LowPass) -> Result<Smoothed, Fl
         mesh,
         report: Report { iterations: 1, approach, split, too_thin, ..Report::default() },
     })
-}
-
-fn check(options: &LowPass) -> Result<(), FlowFailure> {
-    match options.transfer {
-        Transfer::Heat(time) => OptionError::require_not_negative("time", time.value())?,
-        Transfer::Butterworth { cutoff, order } => {
-            OptionError::require_positive("cut-off", cutoff)?;
-            let between = (1..=16).contains(&order);
-            OptionError::require(between, "order", f64::from(order), "between 1 and 16")?;
-        }
-        // The spectrum says how many there are.
-        Transfer::Modes(_) => {}
-    }
-    Ok(())
 }

@@ -2,42 +2,50 @@
 
 use fairing_mesh::TriMesh;
 use fairing_operators::{LaplacianKind, LumpedArea, MassKind};
-use fairing_parameters::old::{Algorithm, Parameter, Values};
-use fairing_parameters::{OptionError, ParameterError};
+use fairing_parameters::Options;
 use fairing_sparse::{
     Cholesky, LaplacianPower, SparseMatrix, multiply_points, principal_submatrix,
 };
 
 use crate::engine::assemble::operators;
 use crate::engine::diffusion::{
-    AREA, OPERATOR, WEIGHTS, chosen, operator_from_values, refuse_with_uniform,
+    AREA, OPERATOR, WEIGHTS, check_areas, chosen, refuse_with_uniform, weights,
 };
 use crate::engine::error::{FlowError, FlowFailure};
-use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::{Approach, Report, Smoothed};
 use crate::engine::parts::larger;
 use crate::engine::run::refuse_unwelded;
 
-/// Options of [`fair_region`].
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
-pub struct FairRegion {
-    /// The vertices to replace. All others stay where they are.
-    pub region: Vec<u32>,
-    /// k in `Δᵏ x = 0`: 1 a soap film (meets its rim at an angle), 2 a thin plate (the rim is smooth), 3 least
-    /// variation of curvature (curvature is continuous at the rim). At most 4.
-    pub order: u32,
-    /// The Laplacian: cotangents of the input keep the spacing of the vertices, uniform weights even it out.
-    pub kind: LaplacianKind,
-    /// The areas of cotangents.
-    pub area: LumpedArea,
+fairing_parameters::options! {
+    /// Options of [`fair_region`].
+    #[derive(Debug, Clone, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+    pub struct FairRegion {
+        /// The vertices to replace, as numbers from 0 joined by commas.
+        pub region: Vec<u32> = Vec::new(), name "vertices", required true;
+        /// 1 soap film, 2 thin plate, 3 least variation of curvature.
+        pub order: u32 = 2, in 1.0..=4.0;
+        /// The areas of vertices for cotangents.
+        pub area: LumpedArea = LumpedArea::Barycentric;
+        /// The Laplacian of cotangents; auto means cotangent with other areas than barycentric.
+        pub kind: LaplacianKind = LaplacianKind::Auto, name "operator";
+    }
+    "region": "replaces some vertices by the fairest surface through their surroundings", ["botsch2004"];
+    also [weights("cotangent")];
+    then |options, values| {
+        if values.text(WEIGHTS) == Some("uniform") {
+            refuse_with_uniform(values, &[OPERATOR, AREA])?;
+            options.kind = LaplacianKind::Uniform;
+        }
+        check_areas(options.kind, options.area, values)
+    };
 }
 
 impl FairRegion {
     /// A thin plate over `region`, cotangent weights over barycentric areas.
     pub fn new(region: Vec<u32>) -> Self {
-        Self { region, order: 2, kind: LaplacianKind::Auto, area: LumpedArea::Barycentric }
+        Self { region, ..Self::DEFAULT }
     }
 }
 
@@ -81,48 +89,9 @@ pub fn fair_region(mesh: &TriMesh, options: &FairRegion) -> Result<Smoothed, Flo
     Ok(Smoothed { mesh: solved, report })
 }
 
-impl Flow for FairRegion {
-    const ALGORITHMS: &'static [Algorithm] = &[Algorithm::new(
-        "region",
-        "replaces some vertices by the fairest surface through their surroundings",
-        &["botsch2004"],
-        &[
-            Parameter::vertices(
-                "vertices",
-                "The vertices to replace, as numbers from 0 joined by commas",
-            )
-            .required(),
-            Parameter::count(
-                "order",
-                "2",
-                "1 soap film, 2 thin plate, 3 least variation of curvature",
-            ),
-            WEIGHTS.default("cotangent"),
-            AREA,
-            OPERATOR,
-        ],
-    )];
-
-    const RUN: FlowFn<Self> = |mesh, options, _| fair_region(mesh, options);
-
-    fn with(values: &Values<'_>, _: &[[f64; 3]]) -> Result<Self, ParameterError> {
-        let mut options = Self::new(values.vertices("vertices"));
-        values.read("order", &mut options.order)?;
-        (options.kind, options.area) = match values.text(WEIGHTS.name) {
-            Some("uniform") => {
-                refuse_with_uniform(values, &[OPERATOR, AREA])?;
-                (LaplacianKind::Uniform, options.area)
-            }
-            _ => operator_from_values(values)?,
-        };
-        Ok(options)
-    }
-}
-
 /// The faired mesh, and the first face too thin for cotangents if that decided their kind.
 fn solve(mesh: &TriMesh, options: &FairRegion) -> Result<(TriMesh, Option<u32>), FlowFailure> {
-    let between = (1..=4).contains(&options.order);
-    OptionError::require(between, "order", f64::from(options.order), "between 1 and 4")?;
+    options.check()?;
     refuse_unwelded(mesh)?;
     let region = vertices(mesh, &options.region)?;
     if region.is_empty() {

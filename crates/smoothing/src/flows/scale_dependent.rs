@@ -1,36 +1,32 @@
 //! The scale-dependent umbrella.
 
 use fairing_mesh::{Components, TriMesh};
-use fairing_parameters::old::{Algorithm, Parameter, Values};
-use fairing_parameters::{OptionError, ParameterError};
+use fairing_parameters::{Options, Range};
 use fairing_sparse::GraphLaplacian;
 use glam::DVec3;
 
 use crate::engine::assemble::uniform;
-use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
+use crate::engine::constraints::Constraints;
 use crate::engine::error::{FlowError, FlowFailure};
-use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::Smoothed;
 use crate::engine::run::{Run, RunSettings, StepNote};
-use crate::engine::step::{ITERATIONS, Observer};
+use crate::engine::step::Observer;
 
-/// Options of [`scale_dependent`].
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct ScaleDependent {
-    /// The fraction of the stable limit of each step, in (0, 1]; ½ unless set.
-    pub fraction: f64,
-    /// The number of steps; 10 unless set.
-    pub iterations: usize,
-    /// Vertices that may not move freely.
-    pub constraints: Constraints,
-}
-
-impl Default for ScaleDependent {
-    fn default() -> Self {
-        Self { fraction: 0.5, iterations: 10, constraints: Constraints::default() }
+fairing_parameters::options! {
+    /// Options of [`scale_dependent`].
+    #[derive(Debug, Clone, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+    pub struct ScaleDependent {
+        /// The fraction of the largest stable step.
+        pub fraction: f64 = 0.5, in Range::FRACTION;
+        /// The number of steps.
+        pub iterations: usize = 10;
+        /// Constraints of the vertices.
+        pub constraints: Constraints = Constraints::NONE;
     }
+    "scale-dependent": "uniform steps that respect edge lengths; for uneven meshes",
+        ["fujiwara1995", "desbrun1999"];
 }
 
 /// Smooths by explicit steps of the scale-dependent umbrella, with weights that follow the edge lengths of the
@@ -67,9 +63,7 @@ pub fn scale_dependent(
     observer: Option<&mut Observer<'_>>,
 ) -> Result<Smoothed, FlowError> {
     let fraction = options.fraction;
-    let (stable, expected) = ((0.0..=1.0).contains(&fraction), "between 0 and 1, the stable limit");
-    OptionError::require(stable, "fraction", fraction, expected)
-        .map_err(|error| FlowFailure::from(error).before(mesh))?;
+    options.check().map_err(|error| FlowFailure::from(error).before(mesh))?;
     let settings = RunSettings::new(&options.constraints, options.iterations);
     let run = Run::new(mesh, &settings, observer)?;
     let laplacian = uniform(run.arrangement.mesh(), &run.freedom.fixed);
@@ -103,35 +97,6 @@ pub fn scale_dependent(
         });
         Ok(StepNote { step_size: step_at(largest), residual: None })
     })
-}
-
-impl Flow for ScaleDependent {
-    const ALGORITHMS: &'static [Algorithm] = &[Algorithm::new(
-        "scale-dependent",
-        "uniform steps that respect edge lengths; for uneven meshes",
-        &["fujiwara1995", "desbrun1999"],
-        &[
-            Parameter::number(
-                "fraction",
-                "0.5",
-                "The fraction of the largest stable step (0 to 1)",
-            ),
-            ITERATIONS,
-            BOUNDARY,
-            PIN,
-            SOFT,
-        ],
-    )];
-
-    const RUN: FlowFn<Self> = scale_dependent;
-
-    fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError> {
-        let constraints = Constraints::from_values(values, positions)?;
-        let mut options = Self { constraints, ..Self::default() };
-        values.read("fraction", &mut options.fraction)?;
-        values.read(ITERATIONS.name, &mut options.iterations)?;
-        Ok(options)
-    }
 }
 
 /// The largest `(2/Eᵢ) Σ 1/|eᵢⱼ|` of each component: eigenvalues of `−L` are at most twice that, by Gershgorin's

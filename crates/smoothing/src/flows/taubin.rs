@@ -1,38 +1,46 @@
 //! Taubin's λ|μ smoothing.
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::old::{Algorithm, Parameter, Values};
-use fairing_parameters::{OptionError, ParameterError};
+use fairing_parameters::{Kind, OptionError, Options, Parameter, Range};
 
 use crate::engine::assemble::uniform;
-use crate::engine::constraints::{BOUNDARY, Constraints, PIN, SOFT};
-use crate::engine::diffusion::LAMBDA;
+use crate::engine::constraints::Constraints;
 use crate::engine::error::{FlowError, FlowFailure};
-use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::linear::advance;
 use crate::engine::outcome::Smoothed;
 use crate::engine::response::Response;
 use crate::engine::run::{Run, RunSettings};
-use crate::engine::stability::{Stability, UNSTABLE};
-use crate::engine::step::{ITERATIONS, Observer};
-use crate::flows::windowed_sinc::PASS_BAND;
+use crate::engine::stability::Stability;
+use crate::engine::step::Observer;
 
-/// Options of [`taubin`].
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct Taubin {
-    /// λ > 0, the shrinking step; dimensionless.
-    pub lambda: f64,
-    /// The pass band k > 0: modes of eigenvalue −k are kept exactly, smoother ones grow a little, rougher ones are
-    /// attenuated. Dimensionless, in [0, 2].
-    pub pass_band: f64,
-    /// The number of pairs of steps; 10 unless set.
-    pub pairs: usize,
-    /// What happens where modes of the pass band would grow by more than two in all; refused unless set.
-    pub stability: Stability,
-    /// Vertices that may not move freely.
-    pub constraints: Constraints,
+const MU: &str = "mu";
+
+fairing_parameters::options! {
+    /// Options of [`taubin`].
+    #[derive(Debug, Clone, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+    pub struct Taubin {
+        /// The shrinking step.
+        pub lambda: f64 = 0.5, in Range::POSITIVE;
+        /// Modes with −eigenvalue below this are kept (0 to 2).
+        pub pass_band: f64 = 0.1, in Range::POSITIVE, excludes ["mu"];
+        /// The number of pairs of steps.
+        pub pairs: usize = 10, name "iterations";
+        /// Constraints of the vertices.
+        pub constraints: Constraints = Constraints::NONE;
+        /// The treatment of pairs that amplify a mode by more than two.
+        pub stability: Stability = Stability::Refuse, name "unstable";
+    }
+    "taubin": "a shrinking and a growing step in turn: removes noise, keeps the size of finely meshed shapes",
+        ["taubin1995"];
+    also [Parameter::new(MU, Kind::Number, "The growing step, below -lambda")];
+    then |options, values| {
+        if let Some(mu) = values.number(MU) {
+            options.pass_band = Self::from_steps(options.lambda, mu).pass_band;
+        }
+        Ok(())
+    };
 }
 
 /// The most by which a mode may grow over all pairs.
@@ -41,13 +49,7 @@ const MAX_GROWTH: f64 = 2.0;
 impl Taubin {
     /// λ and the pass band; ten pairs.
     pub fn new(lambda: f64, pass_band: f64) -> Self {
-        Self {
-            lambda,
-            pass_band,
-            pairs: 10,
-            stability: Stability::default(),
-            constraints: Constraints::default(),
-        }
+        Self { lambda, pass_band, ..Self::DEFAULT }
     }
 
     /// From both steps, λ > 0 and μ < −λ: the pass band is `1/λ + 1/μ`.
@@ -58,13 +60,6 @@ impl Taubin {
     /// μ < 0, the growing step: `1/μ = k − 1/λ`.
     pub fn mu(&self) -> f64 {
         1.0 / (self.pass_band - 1.0 / self.lambda)
-    }
-}
-
-/// λ = ½ and a pass band of 0.1, the values of the paper's examples.
-impl Default for Taubin {
-    fn default() -> Self {
-        Self::new(0.5, 0.1)
     }
 }
 
@@ -123,45 +118,11 @@ pub fn taubin(
     advance(run, &laplacian, 2.0, of, 0.0)
 }
 
-impl Flow for Taubin {
-    const ALGORITHMS: &'static [Algorithm] = &[Algorithm::new(
-        "taubin",
-        "a shrinking and a growing step in turn: removes noise, keeps the size of finely meshed shapes",
-        &["taubin1995"],
-        &[
-            LAMBDA.about("The shrinking step").excludes(&[]).default("0.5"),
-            Parameter::number("mu", "", "The growing step, below -lambda"),
-            PASS_BAND.excludes(&["mu"]),
-            ITERATIONS.about("The number of pairs of steps"),
-            BOUNDARY,
-            PIN,
-            SOFT,
-            UNSTABLE.about("What happens to pairs that amplify a mode by more than two"),
-        ],
-    )];
-
-    const RUN: FlowFn<Self> = taubin;
-
-    fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError> {
-        let mut options = Self::default();
-        values.read(LAMBDA.name, &mut options.lambda)?;
-        values.read(PASS_BAND.name, &mut options.pass_band)?;
-        if let Some(mu) = values.get("mu")? {
-            options = Self::from_steps(options.lambda, mu);
-        }
-        options.constraints = Constraints::from_values(values, positions)?;
-        values.read(ITERATIONS.name, &mut options.pairs)?;
-        values.read(UNSTABLE.name, &mut options.stability)?;
-        Ok(options)
-    }
-}
-
 fn check(options: &Taubin) -> Result<(), FlowFailure> {
     let Taubin { lambda, pass_band, .. } = *options;
-    OptionError::require_positive("lambda", lambda)?;
-    let between = pass_band > 0.0 && pass_band < 1.0 / lambda;
+    options.check()?;
     let expected = "above 0 and below 1/λ, so that μ < −λ";
-    OptionError::require(between, "pass band", pass_band, expected)?;
+    OptionError::require(pass_band < 1.0 / lambda, "pass-band", pass_band, expected)?;
     let roughest = (1.0 - 2.0 * lambda) * (1.0 - 2.0 * options.mu());
     let expected = "so small that the roughest mode does not grow: |(1 − 2λ)(1 − 2μ)| ≤ 1";
     Ok(OptionError::require(roughest.abs() <= 1.0, "lambda", lambda, expected)?)

@@ -3,14 +3,12 @@
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use fairing_mesh::TriMesh;
-use fairing_parameters::old::{Algorithm, Parameter, Values};
-use fairing_parameters::{OptionError, ParameterError};
+use fairing_parameters::{Options, Range};
 use fairing_sparse::ChebyshevSeries;
 
 use crate::engine::assemble::uniform;
-use crate::engine::constraints::{BOUNDARY, Constraints, PIN};
+use crate::engine::constraints::{Constraints, SOFT};
 use crate::engine::error::{FlowError, FlowFailure};
-use crate::engine::flow::{Flow, FlowFn};
 use crate::engine::outcome::{Approach, Smoothed};
 use crate::engine::run::{Run, RunSettings};
 
@@ -34,10 +32,6 @@ fairing_parameters::choices!(Window, "window",
 #[cfg(feature = "serde")]
 fairing_parameters::serde_by_name!(Window);
 
-/// The pass band.
-pub(crate) const PASS_BAND: Parameter =
-    Parameter::number("pass-band", "0.1", "Modes with -eigenvalue below this are kept (0 to 2)");
-
 impl Window {
     /// The factor of term `k` of a series that ends with term `degree`.
     fn weight(self, k: usize, degree: usize) -> f64 {
@@ -50,31 +44,24 @@ impl Window {
     }
 }
 
-/// Options of [`windowed_sinc`].
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
-pub struct WindowedSinc {
-    /// Modes of eigenvalue −k are kept for k below this and removed above; dimensionless, in (0, 2).
-    pub pass_band: f64,
-    /// The degree of the filter: products with the Laplacian. The transition is about 4/degree wide.
-    pub degree: usize,
-    /// How the series is faded out.
-    pub window: Window,
-    /// Vertices that may not move freely; soft constraints and sliding are for stepping flows.
-    pub constraints: Constraints,
-}
-
-/// A pass band of 0.1 and degree 20.
-impl Default for WindowedSinc {
-    fn default() -> Self {
-        Self {
-            pass_band: 0.1,
-            degree: 20,
-            window: Window::default(),
-            constraints: Constraints::default(),
-        }
+fairing_parameters::options! {
+    /// Options of [`windowed_sinc`].
+    #[derive(Debug, Clone, PartialEq)]
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+    pub struct WindowedSinc {
+        /// Modes with −eigenvalue below this are kept (0 to 2).
+        pub pass_band: f64 = 0.1, in Range::above(0.0).below(2.0);
+        /// The degree of the filter.
+        pub degree: usize = 20;
+        /// The window that fades out the series.
+        pub window: Window = Window::Hamming;
+        /// Constraints of the vertices.
+        pub constraints: Constraints = Constraints::NONE;
     }
+    "windowed-sinc": "a sharper low-pass filter than taubin; keeps the size of finely meshed shapes best",
+        ["taubin1996"],
+        without [SOFT];
 }
 
 /// Smooths by one low-pass filter with uniform weights: the Chebyshev series of the step function at the pass
@@ -104,9 +91,7 @@ impl Default for WindowedSinc {
 /// Source: \[taubin1996\].
 pub fn windowed_sinc(mesh: &TriMesh, options: &WindowedSinc) -> Result<Smoothed, FlowError> {
     let WindowedSinc { pass_band, degree, window, .. } = *options;
-    let between = pass_band > 0.0 && pass_band < 2.0;
-    OptionError::require(between, "pass band", pass_band, "above 0 and below 2")
-        .map_err(|error| FlowFailure::from(error).before(mesh))?;
+    options.check().map_err(|error| FlowFailure::from(error).before(mesh))?;
     let settings = RunSettings::new(&options.constraints, 1);
     let mut run = Run::new(mesh, &settings, None)?;
     if !run.is_linear() {
@@ -119,32 +104,6 @@ pub fn windowed_sinc(mesh: &TriMesh, options: &WindowedSinc) -> Result<Smoothed,
     run.report.iterations = 1;
     let x = series.apply(&laplacian, run.arrangement.mesh().positions());
     run.finish(x)
-}
-
-impl Flow for WindowedSinc {
-    const ALGORITHMS: &'static [Algorithm] = &[Algorithm::new(
-        "windowed-sinc",
-        "a sharper low-pass filter than taubin; keeps the size of finely meshed shapes best",
-        &["taubin1996"],
-        &[
-            PASS_BAND,
-            Parameter::count("degree", "20", "The degree of the filter"),
-            Parameter::choice("window", Window::CHOICES, "hamming", "How the series is faded out"),
-            BOUNDARY,
-            PIN,
-        ],
-    )];
-
-    const RUN: FlowFn<Self> = |mesh, options, _| windowed_sinc(mesh, options);
-
-    fn with(values: &Values<'_>, positions: &[[f64; 3]]) -> Result<Self, ParameterError> {
-        let constraints = Constraints::from_values(values, positions)?;
-        let mut options = Self { constraints, ..Self::default() };
-        values.read(PASS_BAND.name, &mut options.pass_band)?;
-        values.read("degree", &mut options.degree)?;
-        values.read("window", &mut options.window)?;
-        Ok(options)
-    }
 }
 
 /// The windowed coefficients in `Tⱼ(1 + μ)`, which sum to one: the value at μ = 0.

@@ -1,24 +1,25 @@
-//! Bases of vectors in blocks of eight, and the products that orthogonalisation is made of.
+//! Bases of vectors in blocks of eight, and the products that orthogonalisation needs.
 //!
-//! A block holds eight vectors side by side, a row of eight numbers for each row of the problem. A pass over
-//! the basis reads it once, in pieces that stay in the cache with the block they meet: orthogonalisation runs at
-//! the speed of the memory. Partial sums belong to fixed segments of rows and are added in order.
+//! A block stores eight vectors interleaved, eight numbers for each row of the problem. A pass over
+//! the basis reads it once, in pieces that stay in the cache together with the other block:
+//! orthogonalisation runs at memory bandwidth. Partial sums belong to fixed segments of rows and
+//! are added in order.
 
 use rayon::prelude::*;
 
 use crate::direct::factor::LANES;
 use crate::simd::{self, Kernel};
 
-/// Eight vectors.
+/// Eight interleaved vectors.
 pub(crate) type Block = Vec<[f64; LANES]>;
 /// Inner products of two blocks: `[i][j]` for vector i of the left and j of the right.
 pub(crate) type Small = [[f64; LANES]; LANES];
 
-/// Rows that stay in the innermost cache.
+/// Rows that fit the first-level cache.
 const PIECE: usize = 256;
 /// Rows of one partial sum.
 const SEGMENT: usize = 32 * PIECE;
-/// Rows that stay in the second cache for some thirty blocks of a basis.
+/// Rows that fit the second-level cache for some thirty blocks of a basis.
 const SHARED: usize = 2 * PIECE;
 
 /// Uᵀ W for every block U of the basis.
@@ -26,7 +27,7 @@ pub(crate) fn products(basis: &[Block], w: &[[f64; LANES]]) -> Vec<Small> {
     weighted_products(basis, None, w)
 }
 
-/// Uᵀ D W for every block U of the basis, D diagonal, the identity where none is given. Without ever storing D W:
+/// Uᵀ D W for every block U of the basis, D diagonal, by default the identity. D W is never stored:
 /// fresh memory for a block costs as much as a product.
 pub(crate) fn weighted_products(
     basis: &[Block],
@@ -72,7 +73,8 @@ pub(crate) fn subtract(basis: &[Block], coefficients: &[Small], w: &mut [[f64; L
     });
 }
 
-/// Σ U C over the blocks U of the basis, where `coefficients(u, j)` is the C for block u and result block j.
+/// Σ U C over the blocks U of the basis, where `coefficients(u, j)` is C for block u and result
+/// block j.
 pub(crate) fn combine(
     basis: &[Block],
     count: usize,
@@ -83,7 +85,7 @@ pub(crate) fn combine(
         .map(|j| (0..basis.len()).map(|u| coefficients(u, j).map(|row| row.map(|c| -c))).collect())
         .collect();
     let mut results = vec![vec![[0.0; LANES]; first.len()]; count];
-    // Segment by segment for all results: a piece of the basis is read from memory once.
+    // Segment by segment for all results, so that the basis is read from memory once.
     let mut segments: Vec<Vec<&mut [[f64; LANES]]>> = vec![];
     for result in &mut results {
         for (k, piece) in result.chunks_mut(SHARED).enumerate() {
@@ -211,7 +213,7 @@ impl Kernel for Transform<'_> {
 
 #[inline(always)]
 fn product_piece(u: &[[f64; LANES]], w: &[[f64; LANES]], sum: &mut Small) {
-    // Two halves, so that the sums stay in the registers of a processor with sixteen of them.
+    // Two halves, so that the sums fit in sixteen registers.
     const HALF: usize = LANES / 2;
     for half in [0, HALF] {
         let mut sums = [[0.0; LANES]; HALF];

@@ -1,46 +1,47 @@
-//! Counting eigenvalues by inertia, and how far such a count can be trusted.
+//! Inertia counts of eigenvalues and their reliability.
 
 use crate::eigen::EigenError;
 use crate::eigen::problem::Problem;
 
-/// Growth up to which the first place is taken without looking at others.
+/// Growth up to which the first shift is accepted without trying others.
 const SMALL_GROWTH: f64 = 1e4;
-/// An entry of L D Lᵀ is a sum of some ten products, each rounded; the bound on the sum of all of their errors
-/// against a vector is this many ε.
+/// Error of L D Lᵀ against a vector, in ε: an entry is a sum of some ten rounded products.
 const ROUNDINGS: f64 = 64.0;
 
-/// A number of eigenvalues, and where it was taken.
+/// The number of eigenvalues below a shift.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Counted {
     /// Eigenvalues λ' below the shift.
     pub(crate) count: usize,
     /// σ'.
     pub(crate) shift: f64,
-    /// How much the products of the elimination outgrew the matrix.
+    /// Growth of the products of the elimination relative to the matrix.
     pub(crate) growth: f64,
 }
 
 impl Counted {
-    /// Nothing lies below zero.
+    /// No eigenvalue lies below zero.
     pub(crate) const NONE: Self = Self { count: 0, shift: 0.0, growth: 1.0 };
 
-    /// Whether the factorisation could tell eigenvalues at this distance from σ' apart from it.
+    /// Returns true if the factorisation separates σ' from eigenvalues at this distance.
     ///
-    /// It is exact for S' + E − σ'M' with |φᵀEφ| ≤ c ε growth Σ aᵢ φᵢ², aᵢ the diagonal of S' + σ'M'. `strain` is
-    /// the largest such sum without σ' of the vectors next to σ', of length 1 in M'.
+    /// The count is exact for S' + E − σ'M' with |φᵀEφ| ≤ c ε growth Σ aᵢ φᵢ², where aᵢ is the
+    /// diagonal of S' + σ'M'. `strain` is the largest such sum, without σ', over the vectors of
+    /// length 1 in M' next to σ'.
     pub(crate) fn is_sure(&self, strain: f64, distance: f64) -> bool {
         ROUNDINGS * f64::EPSILON * self.growth * (strain + self.shift.abs()) < distance
     }
 }
 
-/// The number of eigenvalues λ' below a shift in the gap (from, to): the first of a few places in the gap where
-/// elimination without pivoting is stable, or else the best of them. [`Counted::is_sure`] must judge it.
+/// The number of eigenvalues λ' below a shift in the gap (from, to): of a few candidate shifts, the
+/// first for which elimination without pivoting is stable, or else the best. Check with
+/// [`Counted::is_sure`].
 pub(crate) fn count_in_gap(problem: &Problem, from: f64, to: f64) -> Result<Counted, EigenError> {
     let mut best: Option<Counted> = None;
     let mut failure = None;
-    // Close to the lower end, which is known, while the upper end may be an estimate from above.
-    for share in [0.25, 0.32, 0.19, 0.41] {
-        let shift = from + share * (to - from);
+    // Close to the lower end, which is known; the upper end may be an overestimate.
+    for fraction in [0.25, 0.32, 0.19, 0.41] {
+        let shift = from + fraction * (to - from);
         match problem.indefinite(shift) {
             Ok(ldlt) => {
                 let (growth, count) = (ldlt.growth(), ldlt.inertia().negative);
@@ -60,7 +61,7 @@ pub(crate) fn count_in_gap(problem: &Problem, from: f64, to: f64) -> Result<Coun
     match (best, failure) {
         (Some(counted), _) => Ok(counted),
         (None, Some(error)) => Err(error),
-        // The loop above always tries.
+        // The loop tries at least one shift.
         (None, None) => Ok(Counted { shift: from, ..Counted::NONE }),
     }
 }
@@ -69,7 +70,7 @@ pub(crate) fn count_in_gap(problem: &Problem, from: f64, to: f64) -> Result<Coun
 mod tests {
     use super::*;
 
-    /// Growth, strain and nearness each take certainty away; without any of them a gap of 10⁻¹¹ is sure.
+    /// Growth, strain and proximity each reduce certainty; without them a gap of 10⁻¹¹ suffices.
     #[test]
     fn counts_are_sure_away_from_eigenvalues() {
         let counted = |growth| Counted { count: 3, shift: 1e-3, growth };

@@ -1,10 +1,10 @@
-//! Problems that fall apart: every component is solved on its own and the spectra are merged.
+//! Disconnected problems: each component is solved separately and the spectra are merged.
 //!
-//! A component takes part in the sorted merge up to its own share of the pairs, which Weyl's law guesses from its
-//! mass. With the last value of the merge known, an inertia count just above it tells which components have more
-//! pairs than are known of them, and how many. Components whose blocks of S and M are equal bit by bit are solved
-//! once. An eigenvalue that copies have in common is a multiple one of the whole, as large as there are copies, and
-//! hides from a Krylov space of the whole; in each of them it is an ordinary one.
+//! Weyl's law estimates from its mass how many pairs each component contributes. After a first
+//! merge, an inertia count just above the last value finds the components with further pairs, and
+//! their number. Components whose blocks of S and M are equal bit by bit are solved once. An
+//! eigenvalue shared by copies is a multiple eigenvalue of the whole problem, partly invisible to a
+//! Krylov space of the whole, but an ordinary one in each copy.
 
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hasher};
@@ -19,20 +19,21 @@ use crate::eigen::{nullspace, solve, within};
 use crate::mass::Mass;
 use crate::matrix::{Rows, SparseMatrix};
 
-/// Components are counted this share above the last value of the merge: far enough for a count to be sure, near
-/// enough to compute few pairs that are not used.
+/// Relative distance of the count above the last value of the merge: large enough for a reliable
+/// count, small enough that few extra pairs are computed.
 const MARGIN: f64 = 0.04;
 
-/// The count smallest eigenpairs of S φ = λ M φ.
+/// The `count` smallest eigenpairs of S φ = λ M φ.
 ///
-/// S must be symmetric positive semi-definite, M positive definite. Cost: one factorisation of S − σM, another
-/// one for the count, and about 2 to 3 k solves and orthogonalisations against as many vectors; beyond
-/// [`EigenOptions::slice`] pairs it grows like k.
+/// S must be symmetric positive semi-definite, M positive definite. Cost for k pairs: one
+/// factorisation of S − σM, another for the inertia count, and about 2 to 3 k solves, each
+/// orthogonalised against as many vectors; beyond [`EigenOptions::slice`] pairs the cost grows
+/// linearly.
 ///
 /// # Errors
 ///
-/// [`EigenError`]; among them a mass that is not positive, with its row, and [`EigenError::NotConverged`],
-/// which says how many pairs met the tolerance.
+/// [`EigenError`], including a mass that is not positive, with its row, and
+/// [`EigenError::NotConverged`], with the number of pairs that met the tolerance.
 ///
 /// # Examples
 ///
@@ -92,13 +93,13 @@ pub fn eigenpairs_within(
     Ok(assemble(&parts, stiffness.rows(), count))
 }
 
-/// A component, or several that are equal.
+/// A component, or several equal ones.
 struct Part {
-    /// The rows of each copy in the whole, ascending.
+    /// The rows of each copy in the whole problem, ascending.
     copies: Vec<Vec<u32>>,
     stiffness: SparseMatrix,
     mass: PartMass,
-    /// The part of its spectrum that is known.
+    /// The known part of its spectrum.
     pairs: EigenPairs,
 }
 
@@ -108,7 +109,7 @@ enum PartMass {
     Consistent(SparseMatrix),
 }
 
-/// A pair of the merge.
+/// A pair in the merge.
 #[derive(Debug, Clone, Copy)]
 struct Chosen {
     value: f64,
@@ -149,7 +150,7 @@ fn parts(stiffness: &SparseMatrix, mass: Mass<'_>) -> Option<Vec<Part>> {
     Some(parts)
 }
 
-/// The count smallest eigenpairs of all parts together.
+/// The `count` smallest eigenpairs of all parts together.
 fn smallest(
     mut parts: Vec<Part>,
     rows: usize,
@@ -171,7 +172,7 @@ fn smallest(
     }
     loop {
         match last_of_merge(&parts, count) {
-            // Too few are known: the part that may have the next one continues.
+            // Too few are known: continue with the part that may have the next one.
             None => {
                 let known: usize = parts.iter().map(|p| p.copies.len() * p.known()).sum();
                 let open = parts.iter_mut().filter(|p| p.known() < p.stiffness.rows());
@@ -193,7 +194,7 @@ fn smallest(
             }
         }
     }
-    // Solved to the tolerance of an eigenvalue beyond the merge.
+    // These pairs meet only the tolerance of an eigenvalue beyond the merge.
     let limit = options.residual_limit(last_of_merge(&parts, count).unwrap_or(0.0));
     let used = used(&parts, count);
     for (part, used) in parts.iter_mut().zip(used) {
@@ -202,7 +203,7 @@ fn smallest(
             part.solve(used, options)?;
         }
     }
-    // Known by value only. Solved again, values change by rounding, and so may the merge.
+    // Only values are known. Another solve changes them by rounding, and maybe the merge.
     loop {
         let mut complete = true;
         let used = self::used(&parts, count);
@@ -219,11 +220,11 @@ fn smallest(
     Ok(assemble(&parts, rows, count))
 }
 
-/// All pairs of all parts, in the caller's rows, ascending: the first `count` of them.
+/// The first `count` pairs of all parts, ascending, in the caller's rows.
 fn assemble(parts: &[Part], rows: usize, count: usize) -> EigenPairs {
     let mut merged = merge(parts, usize::MAX);
     let clear_below = parts.iter().map(Part::clear_below).fold(f64::INFINITY, f64::min);
-    // Those known by value only come after all that are wanted.
+    // Pairs known by value only come after all wanted pairs.
     let following = merged.split_off(count.min(merged.len()));
     let mut vectors = Array2::zeros((rows, merged.len()));
     for (j, chosen) in merged.iter().enumerate() {
@@ -248,7 +249,7 @@ fn assemble(parts: &[Part], rows: usize, count: usize) -> EigenPairs {
     }
 }
 
-/// The known values of all copies, ascending, in the order of the components where they are equal.
+/// The known values of all copies, ascending; equal values in the order of their components.
 fn merge(parts: &[Part], count: usize) -> Vec<Chosen> {
     let mut all = vec![];
     for (p, part) in parts.iter().enumerate() {
@@ -266,7 +267,7 @@ fn merge(parts: &[Part], count: usize) -> Vec<Chosen> {
     all
 }
 
-/// The number of values of each part among the `count` smallest.
+/// The number of values that each part has among the `count` smallest.
 fn used(parts: &[Part], count: usize) -> Vec<usize> {
     let mut used = vec![0; parts.len()];
     for chosen in merge(parts, count) {
@@ -275,7 +276,7 @@ fn used(parts: &[Part], count: usize) -> Vec<usize> {
     used
 }
 
-/// The largest of the `count` smallest values known, if there are as many.
+/// The `count`-th smallest known value, if there are as many.
 fn last_of_merge(parts: &[Part], count: usize) -> Option<f64> {
     let known = |part: &Part| {
         let mut values = part.pairs.values.clone();
@@ -306,7 +307,7 @@ impl Part {
         }
     }
 
-    /// The same for equal blocks.
+    /// Hash, equal for equal blocks.
     fn hash(&self) -> u64 {
         let mut hasher = DefaultHasher::new();
         let mut add = |matrix: &SparseMatrix| {
@@ -324,7 +325,7 @@ impl Part {
         hasher.finish()
     }
 
-    /// Its eigenpairs within an interval.
+    /// The eigenpairs within an interval.
     fn solve_within(
         &mut self,
         interval: Range<f64>,
@@ -334,17 +335,17 @@ impl Part {
         Ok(())
     }
 
-    /// Pairs known of all copies.
+    /// Known pairs over all copies.
     fn pairs_of_all(&self) -> usize {
         self.copies.len() * self.pairs.values.len()
     }
 
-    /// Values known, with vectors or without.
+    /// Known values, with or without vectors.
     fn known(&self) -> usize {
         self.pairs.values.len() + self.pairs.beyond.values.len()
     }
 
-    /// Values that are not known are not below.
+    /// Unknown values are not smaller.
     fn clear_below(&self) -> f64 {
         if self.known() == self.stiffness.rows() {
             f64::INFINITY
@@ -353,12 +354,12 @@ impl Part {
         }
     }
 
-    /// Zeros are counted from the start.
+    /// Zeros are known from the start.
     fn is_complete_to(&self, last: f64) -> bool {
         last <= 0.0 || self.clear_below() > last
     }
 
-    /// Its first pairs, `wanted` at least.
+    /// Computes at least the first `wanted` pairs.
     fn solve(&mut self, wanted: usize, options: &EigenOptions) -> Result<(), EigenError> {
         let wanted = wanted.min(self.stiffness.rows());
         let mass = self.mass.view();
@@ -366,7 +367,7 @@ impl Part {
         Ok(())
     }
 
-    /// Counts the values up to a little above the last of the merge, and finds those that are not known.
+    /// Counts the values up to a little above the last of the merge and finds the missing ones.
     fn complete_to(&mut self, last: f64, options: &EigenOptions) -> Result<(), EigenError> {
         fairing_watch::check();
         let known = self.known();
@@ -396,7 +397,8 @@ impl PartMass {
     }
 }
 
-/// The block of some rows, all in one group. `places`: the group of each row, and its place there.
+/// The diagonal block of the rows of one group. `places`: the group of each row and its index
+/// there.
 fn block(matrix: &SparseMatrix, keep: &[u32], places: &[(u32, u32)]) -> SparseMatrix {
     let rows = Rows::new(matrix);
     let (mut starts, mut columns, mut values) = (vec![0], vec![], vec![]);

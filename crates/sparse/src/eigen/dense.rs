@@ -1,7 +1,7 @@
 //! All eigenpairs of a small problem by a dense decomposition.
 //!
-//! The backend decomposes M^(−1/2) S M^(−1/2), LAPACK (feature `lapack`) the pair (S, M) itself: two ways that
-//! share no code, so that one can be compared with the other.
+//! The backend decomposes M^(−1/2) S M^(−1/2); LAPACK (feature `lapack`) decomposes the pair (S,
+//! M). The two share no code, so that one verifies the other.
 
 use ndarray::Array2;
 
@@ -11,7 +11,7 @@ use crate::eigen::{DenseSolver, EigenError};
 use crate::mass::Mass;
 use crate::matrix::{Rows, SparseMatrix};
 
-/// Eigenvalues in ascending order and M-orthonormal eigenvectors in the columns of an `n × n` array.
+/// Ascending eigenvalues, and M-orthonormal eigenvectors in the columns of an `n × n` array.
 pub(crate) fn all_eigenpairs(
     stiffness: &SparseMatrix,
     mass: Mass<'_>,
@@ -50,7 +50,7 @@ fn builtin(
     let mut t = root.multiply(&t.t().to_owned());
     t = (&t + &t.t()) * 0.5;
 
-    // The constants become the largest eigenvectors and are put back as exact zeros.
+    // The constants are moved to the upper end of the spectrum and put back as exact zeros.
     let lift = match 2.0 * t.diag().iter().map(|d| d.abs()).sum::<f64>() {
         lift if lift > 0.0 => lift,
         _ => 1.0,
@@ -90,7 +90,7 @@ mod lapack {
 
     use super::{Array2, EigenError, Mass, SparseMatrix, put_constants};
 
-    /// By `dsygv`, which takes a Cholesky factor of M where the other path takes its root.
+    /// By `dsygv`, which uses a Cholesky factor of M instead of its square root.
     pub(super) fn all_eigenpairs(
         stiffness: &SparseMatrix,
         mass: Mass<'_>,
@@ -104,7 +104,7 @@ mod lapack {
             .eigh(UPLO::Lower)
             .map_err(|_| EigenError::Dense { rows: stiffness.rows() })?;
         let mut values = values.to_vec();
-        // S is semi-definite: as many of the smallest are zero up to rounding as there are constants.
+        // S is semi-definite: for each constant, one of the smallest is zero up to rounding.
         values[..constants.len()].fill(0.0);
         put_constants(&mut modes, constants);
         Ok((values, modes))
@@ -161,7 +161,7 @@ impl InverseRoot {
     }
 }
 
-/// Eigenvalues in ascending order, eigenvectors in columns.
+/// Ascending eigenvalues, and eigenvectors in columns.
 fn decompose(matrix: &Array2<f64>) -> Result<(Vec<f64>, Array2<f64>), EigenError> {
     let n = matrix.nrows();
     let standard = matrix.as_standard_layout();

@@ -1,13 +1,14 @@
 //! Block Lanczos with orthogonalisation against the whole basis and thick restart.
 //!
-//! Every block is orthogonalised against its two predecessors, as the theory requires, and then against the whole basis,
-//! to undo what rounding does; a second such pass follows only where the first found much. (Leaving the whole
-//! basis out in two blocks of four halves the work, but what T then misses shows in the residuals of S, which
-//! magnify rough errors: 10⁻⁷ was measured where 10⁻⁹ was estimated.)
+//! Every block is orthogonalised against its two predecessors, as in exact arithmetic, and then
+//! against the whole basis to remove rounding errors; a second such pass follows only if the first
+//! changed much. (Skipping the whole basis for two blocks of four halves the work, but the
+//! components missing from T show in the residuals of S, which magnify rough errors: 10⁻⁷ was
+//! measured where 10⁻⁹ was estimated.)
 //!
-//! Ritz residuals are those of S φ = λ M φ in the M⁻¹ norm, without forming Ritz vectors: for a Ritz pair (θ, V y) of
-//! A = (S − σM)⁻¹ M, A V y − θ V y = Q z and therefore S φ − λ M φ = −(S − σM) Q z / θ.
-//! Source: \[grimes1994\], \[wu2000\].
+//! Ritz residuals are those of S φ = λ M φ in the M⁻¹ norm, without forming Ritz vectors: for a
+//! Ritz pair (θ, V y) of A = (S − σM)⁻¹ M, A V y − θ V y = Q z and therefore S φ − λ M φ = −(S −
+//! σM) Q z / θ. Source: \[grimes1994\], \[wu2000\].
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -19,42 +20,42 @@ use crate::eigen::operator::ShiftInvert;
 use crate::eigen::problem::Problem;
 use crate::eigen::projected::{Projected, Ritz, ZERO};
 
-/// A block is orthogonalised once more if a pass took off more than this share of it.
+/// A block is orthogonalised once more if a pass removed more than this fraction of it.
 const ANOTHER_PASS: f64 = 1e-2;
-/// More passes do not help: what is left is rounding, and as good as random.
-const MOST_PASSES: usize = 4;
-/// A column of a block that keeps less than this share of its length is spent: it lies in the span of the
-/// others and makes room for a random one.
+/// Further passes do not help: the rest is rounding, as good as random.
+const MAX_PASSES: usize = 4;
+/// A column that keeps less than this fraction of its length is spent: it lies in the span of the
+/// others and is replaced by a random one.
 const SPENT: f64 = 1e-13;
 
-/// A Krylov basis in the making.
+/// A growing Krylov basis.
 pub(crate) struct Lanczos<'a> {
     pub(crate) operator: &'a ShiftInvert<'a>,
-    /// Vectors to stay orthogonal to: known eigenvectors.
+    /// Known eigenvectors, to which the basis stays orthogonal.
     locked: &'a [Block],
     basis: Vec<Block>,
     projected: Projected,
-    /// The next block, orthonormal, not yet in the basis.
+    /// The next block: orthonormal, not yet in the basis.
     next: Block,
     rng: ChaCha8Rng,
     fresh_restart: bool,
 }
 
-/// A Ritz pair, its residual not yet measured on the vector.
+/// A Ritz pair with an estimated residual.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Candidate {
-    /// Its number in the Ritz decomposition.
+    /// Index in the Ritz decomposition.
     pub(crate) index: usize,
     /// λ', dimensionless.
     pub(crate) lambda: f64,
     /// ‖S' φ − λ' M' φ‖ in the M'⁻¹ norm.
     pub(crate) residual: f64,
-    /// ‖A φ − θ φ‖ / θ² in the M' norm: the same residual after a step of inverse iteration.
+    /// ‖A φ − θ φ‖ / θ² in the M' norm: the residual after a step of inverse iteration.
     pub(crate) polished: f64,
 }
 
 impl<'a> Lanczos<'a> {
-    /// Starts from random vectors.
+    /// Starts with random vectors.
     pub(crate) fn new(operator: &'a ShiftInvert<'a>, locked: &'a [Block], rng: ChaCha8Rng) -> Self {
         let mut lanczos = Self {
             operator,
@@ -69,7 +70,7 @@ impl<'a> Lanczos<'a> {
         lanczos
     }
 
-    /// Vectors in the basis.
+    /// Number of vectors in the basis.
     pub(crate) fn len(&self) -> usize {
         self.projected.len()
     }
@@ -82,13 +83,13 @@ impl<'a> Lanczos<'a> {
         self.basis.push(next);
         let count = self.basis.len();
         let mut column = vec![ZERO; count];
-        // After a restart the new block couples to all the kept ones.
+        // After a restart the new block couples to all kept blocks.
         let near = if self.fresh_restart { 0 } else { count.saturating_sub(2) };
         self.fresh_restart = false;
         let [found] = self.operator.problem.mass_products([&self.basis[near..]], &w);
         basis::subtract(&self.basis[near..], &found, &mut w);
         column[near..].copy_from_slice(&found);
-        for _ in 0..MOST_PASSES {
+        for _ in 0..MAX_PASSES {
             if self.take_off(&mut column, &mut w) <= ANOTHER_PASS {
                 break;
             }
@@ -98,8 +99,8 @@ impl<'a> Lanczos<'a> {
         self.projected.push(column, r);
     }
 
-    /// W ← W − V Vᵀ M W for the whole basis and the locked vectors; adds the coefficients to `column`. The
-    /// largest share of a column that this took off.
+    /// W ← W − V Vᵀ M W for the whole basis and the locked vectors; adds the coefficients to
+    /// `column`. Returns the largest fraction of a column that this removed.
     fn take_off(&self, column: &mut [Small], w: &mut Block) -> f64 {
         let problem = self.operator.problem;
         let length = problem.squares(w).map(f64::sqrt);
@@ -129,8 +130,8 @@ impl<'a> Lanczos<'a> {
             .fold(0.0, f64::max)
     }
 
-    /// Q and R with W = Q R, Qᵀ M Q = I: Cholesky of the Gram matrix, twice. Spent columns are replaced by
-    /// random ones with zero rows in R.
+    /// Q and R with W = Q R, Qᵀ M Q = I, by Cholesky factors of the Gram matrix, twice. Spent
+    /// columns become random and get zero rows in R.
     fn orthonormalise(&mut self, mut w: Block) -> (Block, Small) {
         let problem = self.operator.problem;
         let mut total = identity();
@@ -147,7 +148,7 @@ impl<'a> Lanczos<'a> {
         (w, total)
     }
 
-    /// Fills the spent columns with random vectors, orthogonal to everything there is.
+    /// Fills the spent columns with random vectors, orthogonal to the basis and the locked vectors.
     fn replace(&mut self, w: &mut Block, spent: &[bool; LANES]) {
         for row in w.iter_mut() {
             for j in (0..LANES).filter(|&j| spent[j]) {
@@ -167,14 +168,15 @@ impl<'a> Lanczos<'a> {
         self.orthonormalise(w).0
     }
 
-    /// Throws the next block away for random vectors: eigenvectors may have hidden from the starting ones.
-    /// Call right after [`Lanczos::restart`]; the kept vectors must have converged.
+    /// Replaces the next block by random vectors, since eigenvectors orthogonal to the starting
+    /// block may be missing. Call right after [`Lanczos::restart`]; the kept vectors must have
+    /// converged.
     pub(crate) fn randomise_next(&mut self) {
         self.next = self.random_block();
         self.projected.coupling.iter_mut().for_each(|c| *c = ZERO);
     }
 
-    /// Ritz pairs of the basis, and the residual of each.
+    /// Ritz pairs of the basis with their residuals.
     pub(crate) fn ritz(&self) -> Result<(Ritz, Vec<Candidate>), NoConvergence> {
         let ritz = self.projected.solve()?;
         let operator = self.operator;
@@ -200,7 +202,7 @@ impl<'a> Lanczos<'a> {
         Ok((ritz, candidates))
     }
 
-    /// V y for the chosen Ritz pairs, in blocks; the last one is filled up with zeros.
+    /// V y for the chosen Ritz pairs, in blocks; the last block is padded with zeros.
     pub(crate) fn vectors(&self, ritz: &Ritz, chosen: &[usize]) -> Vec<Block> {
         combined(&self.basis, ritz, chosen)
     }
@@ -228,7 +230,7 @@ impl<'a> Lanczos<'a> {
     }
 }
 
-/// V y for the chosen Ritz pairs of a basis V, in blocks; the last one is filled up with zeros.
+/// V y for the chosen Ritz pairs of a basis V, in blocks; the last block is padded with zeros.
 pub(crate) fn combined(basis: &[Block], ritz: &Ritz, chosen: &[usize]) -> Vec<Block> {
     basis::combine(basis, chosen.len().div_ceil(LANES), |u, j| {
         let mut c = ZERO;
@@ -281,7 +283,7 @@ fn product(a: &Small, b: &Small) -> Small {
     c
 }
 
-/// Upper triangular R with Rᵀ R = G, and which columns depend on those before them.
+/// Upper triangular R with Rᵀ R = G, and flags of the columns that depend on earlier ones.
 fn cholesky(g: &Small) -> (Small, [bool; LANES]) {
     let mut r = ZERO;
     let mut spent = [false; LANES];
@@ -290,7 +292,7 @@ fn cholesky(g: &Small) -> (Small, [bool; LANES]) {
         for k in 0..j {
             pivot -= r[k][j] * r[k][j];
         }
-        // Lengths, not squares, are compared with SPENT; the second pass repairs what squaring costs.
+        // SPENT applies to lengths, not squares; the second pass repairs the loss by squaring.
         if pivot.is_nan() || pivot <= SPENT * g[j][j] || g[j][j] <= f64::MIN_POSITIVE {
             spent[j] = true;
             continue;
@@ -307,7 +309,7 @@ fn cholesky(g: &Small) -> (Small, [bool; LANES]) {
     (r, spent)
 }
 
-/// R⁻¹ on the columns that are not spent, zero on the others.
+/// R⁻¹ on the columns that are not spent, zero elsewhere.
 fn inverse_upper(r: &Small, spent: &[bool; LANES]) -> Small {
     let mut inverse = ZERO;
     for j in (0..LANES).filter(|&j| !spent[j]) {
@@ -330,7 +332,7 @@ fn kept(r: &Small, spent: &[bool; LANES]) -> Small {
     r
 }
 
-/// How far R is from the identity.
+/// The largest deviation of R from the identity.
 fn closeness(r: &Small) -> f64 {
     let mut worst = 0.0_f64;
     for i in 0..LANES {

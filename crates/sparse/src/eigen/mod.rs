@@ -1,8 +1,9 @@
-//! The generalised symmetric eigenproblem S φ = λ M φ: smallest eigenpairs, measured and counted.
+//! The generalised symmetric eigenproblem S φ = λ M φ: the smallest eigenpairs, with measured
+//! residuals and inertia counts.
 //!
-//! S is symmetric positive semi-definite, M lumped or consistent mass. Large problems run block Lanczos on
-//! (S − σM)⁻¹ M with full orthogonalisation and thick restart, and in slices of the spectrum for many pairs;
-//! small ones a dense decomposition. Source: \[grimes1994\], \[wu2000\].
+//! S is symmetric positive semi-definite, M a lumped or consistent mass. Large problems use block
+//! Lanczos on (S − σM)⁻¹ M with full orthogonalisation and thick restart, in slices of the spectrum
+//! for many pairs; small problems use a dense decomposition. Source: \[grimes1994\], \[wu2000\].
 
 mod basis;
 mod certificate;
@@ -27,34 +28,35 @@ use crate::mass::MassError;
 
 pub use components::{eigenpairs_within, smallest_eigenpairs};
 
-/// How much larger than the tolerance a measured residual may be: eigenvalues of a multiple group are measured
-/// with the residual of their neighbours.
+/// Allowed ratio of a measured residual to the tolerance: residuals in a group of multiple
+/// eigenvalues include those of their neighbours.
 const SLACK: f64 = 10.0;
 
-/// How to solve an eigenproblem.
+/// Settings of the eigensolver.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct EigenOptions {
-    /// Largest residual ‖S φ − λ M φ‖ in the M⁻¹ norm, as a share of the largest wanted eigenvalue, of a
-    /// vector with φᵀMφ = 1: what the iteration aims at. [`EigenOptions::residual_limit`] says what is returned.
+    /// Target of the iteration for the residual ‖S φ − λ M φ‖ in the M⁻¹ norm of a vector with φᵀMφ
+    /// = 1, relative to the largest wanted eigenvalue. [`EigenOptions::residual_limit`] bounds the
+    /// results.
     pub tolerance: f64,
     /// Seed of the starting vectors.
     pub seed: u64,
-    /// Blocks of eight vectors to spend before giving up, in each slice.
+    /// Maximum number of blocks of eight vectors in each slice.
     pub max_blocks: usize,
-    /// Whether to count the eigenvalues by an extra factorisation.
+    /// Verification of the number of eigenvalues by an extra factorisation.
     pub count: Count,
-    /// Problems with at most this many rows are solved densely; so are up to four times as many rows if a
-    /// quarter of the eigenvalues is wanted.
+    /// Problems with at most this many rows are solved densely, and with up to four times as many
+    /// if a quarter of the eigenvalues is wanted.
     pub dense_rows: usize,
-    /// Most eigenpairs of one Lanczos run; more are taken slice by slice.
+    /// Maximum number of eigenpairs of one Lanczos run; further pairs are computed slice by slice.
     pub slice: usize,
-    /// What decomposes dense problems.
+    /// Solver of dense problems.
     pub dense: DenseSolver,
 }
 
-/// What decomposes a dense problem.
+/// Solver of dense eigenproblems.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
@@ -68,14 +70,14 @@ pub enum DenseSolver {
     Lapack,
 }
 
-/// Whether the number of eigenvalues is checked.
+/// Verification of the number of eigenvalues.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Count {
-    /// By the inertia of S − σM with σ just above the last eigenvalue: none has been missed.
+    /// By the inertia of S − σM with σ just above the last eigenvalue: proves that none was missed.
     Certified,
-    /// Not checked: saves a factorisation.
+    /// None; saves a factorisation.
     Unchecked,
 }
 
@@ -94,29 +96,30 @@ impl Default for EigenOptions {
 }
 
 impl EigenOptions {
-    /// The bound on measured residuals: those of all pairs returned are within ten times the tolerance times the
-    /// largest eigenvalue wanted, or, where tiny masses or huge weights leave more than that to rounding, within
-    /// 64 ε ‖|S| |φ| + |λ| M |φ|‖ in the M⁻¹ norm.
+    /// Bound on the measured residuals of all pairs: ten times the tolerance times the largest
+    /// eigenvalue wanted. If tiny masses or huge weights make rounding larger than that, the bound
+    /// is 64 ε ‖|S| |φ| + |λ| M |φ|‖ in the M⁻¹ norm instead.
     ///
-    /// The first is one number for all pairs: beside a huge eigenvalue it says little about a small one, whose
-    /// residual does. The second belongs to each vector.
+    /// The first bound is one number for all pairs: next to a huge eigenvalue it says little about
+    /// a small one, unlike the residual itself. The second depends on the vector.
     pub fn residual_limit(&self, largest: f64) -> f64 {
         SLACK * self.tolerance * largest
     }
 }
 
-/// What is known about the eigenvalues after those asked for.
+/// Known eigenvalues after the requested ones.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Beyond {
-    /// Eigenvalues after the last that were found as well, ascending: a solver continues to the next gap.
+    /// Further eigenvalues, ascending: the solver continues to the next gap.
     pub values: Vec<f64>,
-    /// No others lie below this, as surely as `certified` says. Infinite if there are no others.
+    /// No other eigenvalue lies below this bound, with the certainty of `certified`. Infinite if
+    /// there are no others.
     pub clear_below: f64,
 }
 
 impl Beyond {
-    /// Values that follow, ascending, and the bound below which there are no others.
+    /// Further values, ascending, and the bound below which there are no others.
     pub fn new(values: Vec<f64>, clear_below: f64) -> Self {
         Self { values, clear_below }
     }
@@ -124,31 +127,33 @@ impl Beyond {
 
 /// Eigenpairs of S φ = λ M φ.
 ///
-/// An eigenvalue is off by no more than its residual r, and by about r² divided by the distance to the next
-/// eigenvalue where that is larger than r; rounding adds some ε φᵀ|S|φ. A vector is off by an angle of about r
-/// divided by that distance. Between processors, which round in another order, results differ by as much.
+/// The error of an eigenvalue is at most its residual r, and about r² / d if the distance d to the
+/// next eigenvalue is larger than r; rounding adds some ε φᵀ|S|φ. The angle error of a vector is
+/// about r / d. Results on processors that round in another order differ by as much.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct EigenPairs {
-    /// Eigenvalues, ascending. Those of the constants of each component that S maps to zero are exactly 0.
+    /// Eigenvalues, ascending; exactly 0 for constants of components that S maps to zero.
     pub values: Vec<f64>,
-    /// `n × k`, one eigenvector in a column, φᵢᵀ M φⱼ = δᵢⱼ, zero outside its component of S and M. Signs and bases of multiple eigenvalues are
-    /// arbitrary but reproducible.
+    /// `n × k`, one eigenvector per column, φᵢᵀ M φⱼ = δᵢⱼ, zero outside its component of S and M.
+    /// Signs and bases of multiple eigenvalues are arbitrary but reproducible.
     pub vectors: Array2<f64>,
-    /// ‖S φ − λ M φ‖ in the M⁻¹ norm of each pair, in units of λ, measured on the vectors returned, with S as the
-    /// Laplacian of its entries off the diagonal. Where rounding of the entries counts, with weights far apart, some
-    /// ε φᵀ diag(S) φ is added: λ is within this of an eigenvalue of the exact matrix.
+    /// ‖S φ − λ M φ‖ in the M⁻¹ norm of each pair, in units of λ, measured on the returned vectors,
+    /// with S as the Laplacian of its off-diagonal entries. If the rounding of entries matters,
+    /// because weights differ widely, some ε φᵀ diag(S) φ is added. λ is within its residual of an
+    /// eigenvalue of the exact matrix.
     pub residuals: Vec<f64>,
-    /// Whether inertia (or a dense decomposition) proves that no smaller eigenvalue was missed. Not so where the
-    /// pivots of the count grew so much that it could be wrong. It says nothing about how exact the pairs are:
-    /// `residuals` do, and their bound is [`EigenOptions::residual_limit`], certified or not.
+    /// True if an inertia count or a dense decomposition proves that no smaller eigenvalue was
+    /// missed; false if the pivots of the count grew so much that the count could be wrong. The
+    /// accuracy of the pairs is a separate matter: `residuals` obey
+    /// [`EigenOptions::residual_limit`], certified or not.
     pub certified: bool,
-    /// The eigenvalues after the last.
+    /// Known eigenvalues after the last pair.
     pub beyond: Beyond,
 }
 
 impl EigenPairs {
-    /// No pairs of a problem with this number of rows.
+    /// Zero pairs of a problem with this number of rows.
     fn none(rows: usize) -> Self {
         Self {
             values: vec![],
@@ -160,11 +165,11 @@ impl EigenPairs {
     }
 }
 
-/// Why there are no eigenpairs.
+/// Error of the eigensolver.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum EigenError {
-    /// More eigenpairs were asked for than there are rows.
+    /// More eigenpairs were requested than there are rows.
     #[error("{wanted} eigenpairs were requested, but the matrix has {rows} rows")]
     TooMany {
         /// Eigenpairs wanted.
@@ -172,15 +177,16 @@ pub enum EigenError {
         /// Rows of the problem.
         rows: usize,
     },
-    /// The mass does not fit.
+    /// The mass does not match the matrix.
     #[error(transparent)]
     Mass(#[from] MassError),
-    /// S − σM could not be factorised. A negative or zero pivot means that S is not positive semi-definite.
+    /// S − σM could not be factorised. A negative or zero pivot means that S is not positive
+    /// semi-definite.
     #[error("S − σM with σ = {shift:e} cannot be factorised")]
     Factor {
         /// σ, in units of λ.
         shift: f64,
-        /// What failed.
+        /// The error of the factorisation.
         source: CholeskyError,
     },
     /// The consistent mass is not positive definite.
@@ -196,14 +202,15 @@ pub enum EigenError {
         /// Blocks spent.
         blocks: usize,
     },
-    /// Inertia counts another number of eigenvalues than were found, even after new starting vectors.
+    /// The inertia count differs from the number of eigenvalues found, even after new starting
+    /// vectors.
     #[error("{found} eigenvalues found below {shift:e}, inertia counts {counted}")]
     Miscounted {
         /// Eigenvalues found.
         found: usize,
         /// Eigenvalues counted.
         counted: usize,
-        /// Where, in units of λ.
+        /// The shift of the count, in units of λ.
         shift: f64,
     },
     /// The dense decomposition did not converge.
@@ -212,7 +219,7 @@ pub enum EigenError {
         /// Rows of the problem.
         rows: usize,
     },
-    /// An interval without order or with ends that are not finite.
+    /// An interval that is empty or has ends that are not finite.
     #[error("the interval from {from:e} to {to:e} is empty or not finite")]
     Interval {
         /// Lower end.

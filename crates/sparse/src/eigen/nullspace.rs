@@ -2,13 +2,13 @@
 
 use crate::matrix::Rows;
 
-/// A row sum counts as zero within this many ε of the sum of the sizes of the entries, for each entry: assembly
-/// rounds every entry and every addition. More would take a small pinned part, whose ties to the rest are
-/// weak beside its own weights, for a component of its own.
+/// A row sum counts as zero within this many ε, per entry, of the sum of the absolute entries:
+/// assembly rounds every entry and every addition. With a larger bound, a small pinned part with
+/// weak ties to the rest would count as a component of its own.
 const ROUNDINGS: f64 = 4.0;
 
-/// The component of every row in the graph of S, numbered by first row, or `None` where some row of the
-/// component has a sum that is not zero (pinned rows, potentials).
+/// The component of every row in the graph of S, numbered by first row, or `None` if a row of the
+/// component has a nonzero sum (pinned rows, potentials).
 pub(crate) fn constant_components(rows: Rows<'_>) -> (usize, Vec<Option<u32>>) {
     let n = rows.count();
     let mut component = vec![u32::MAX; n];
@@ -47,7 +47,7 @@ pub(crate) fn constant_components(rows: Rows<'_>) -> (usize, Vec<Option<u32>>) {
     (count as usize, component.iter().map(|&c| names[c as usize]).collect())
 }
 
-/// The sum of every row, exactly zero where it is zero up to rounding.
+/// The sum of every row, exactly zero if zero up to rounding.
 pub(crate) fn row_sums(rows: Rows<'_>) -> Vec<f64> {
     (0..rows.count()).map(|i| row_sum(rows.row(i).1)).collect()
 }
@@ -85,7 +85,8 @@ mod tests {
         assert_eq!((count, names), (2, vec![Some(0), Some(1), Some(0), None, None]));
     }
 
-    /// Two rows tied to each other by 10¹² and to a pinned one by 1 are pinned; ties of rounding are none.
+    /// Two rows tied to each other by 10¹² and to a pinned row by 1 are pinned; a tie of the size
+    /// of rounding does not count.
     #[test]
     fn weak_ties_are_ties() {
         for (tie, count) in [(1.0, 0), (1e-4, 1)] {

@@ -10,22 +10,23 @@ pub(crate) struct ShiftInvert<'a> {
     pub(crate) problem: &'a Problem,
     pub(crate) sigma: f64,
     factor: Factor,
-    /// Steps of refinement of a solution, at most.
+    /// Maximum number of refinement steps.
     steps: usize,
 }
 
-/// Steps that take an error of a third to [`SETTLED`].
+/// Steps that reduce an error of a third to [`SETTLED`].
 const EXACT_STEPS: usize = 30;
-/// A change by this share of a solution is of no use to eigenvalues of ten digits.
+/// Relative change of a solution that does not matter for eigenvalues of ten digits.
 const SETTLED: f64 = 1e-14;
 
 impl<'a> ShiftInvert<'a> {
-    /// With σ below all eigenvalues.
+    /// Factorises with σ below all eigenvalues.
     pub(crate) fn below(problem: &'a Problem, sigma: f64) -> Result<Self, CholeskyError> {
         Ok(Self { problem, sigma, factor: problem.definite(sigma)?.into_factor(), steps: 0 })
     }
 
-    /// With σ among the eigenvalues; how many lie below it, and the growth of the pivots.
+    /// Factorises with σ among the eigenvalues; returns the number of eigenvalues below σ and the
+    /// growth of the pivots.
     pub(crate) fn among(
         problem: &'a Problem,
         sigma: f64,
@@ -35,7 +36,7 @@ impl<'a> ShiftInvert<'a> {
         Ok((Self { problem, sigma, factor: ldlt.into_factor(), steps: 0 }, count, growth))
     }
 
-    /// The same operator with its solutions refined until they are those of S with exact row sums.
+    /// The same operator, with solutions refined to those of S with exact row sums.
     pub(crate) fn exact(self) -> Self {
         Self { steps: EXACT_STEPS, ..self }
     }
@@ -45,8 +46,8 @@ impl<'a> ShiftInvert<'a> {
         self.solve(v, self.steps)
     }
 
-    /// [`ShiftInvert::apply`], once refined at least: what the factor leaves of the right-hand side is solved for too,
-    /// so that what is left is the rounding of each row's own terms, however small they are beside those of other rows.
+    /// [`ShiftInvert::apply`] with at least one step of iterative refinement, so that each row has
+    /// the rounding of its own terms only, however small beside those of other rows.
     pub(crate) fn apply_refined(&self, v: &Block) -> Block {
         self.solve(v, self.steps.max(1))
     }
@@ -72,7 +73,7 @@ impl<'a> ShiftInvert<'a> {
             if steps > 1 {
                 let length = |block: &Block| self.problem.squares(block).iter().sum::<f64>().sqrt();
                 let change = length(&rest) / length(&w);
-                // Settled, or at its limit. Not a number ends it too.
+                // Settled or at the limit; NaN ends the refinement too.
                 if !(change > SETTLED && change < 0.5 * before) {
                     break;
                 }
@@ -82,7 +83,7 @@ impl<'a> ShiftInvert<'a> {
         w
     }
 
-    /// λ of an eigenvalue θ.
+    /// The eigenvalue λ that belongs to θ.
     pub(crate) fn eigenvalue(&self, theta: f64) -> f64 {
         self.sigma + 1.0 / theta
     }

@@ -1,16 +1,17 @@
-//! One step of inverse iteration on vectors that have converged, and what rounding leaves in any vector.
+//! One step of inverse iteration on converged vectors, and the residual that rounding leaves.
 //!
-//! For a Ritz pair of A = (S − σM)⁻¹ M, A φ − θ φ = Q z, and φ' = A φ / θ has (S − λM) φ' = −M Q z / θ²: where ‖z‖
-//! is at rounding, so is the residual of φ', while that of φ magnifies its rough errors by up to the largest
-//! eigenvalue there is. That matters on meshes where a few vertices have tiny masses or huge weights.
+//! For a Ritz pair of A = (S − σM)⁻¹ M, A φ − θ φ = Q z, and φ' = A φ / θ has (S − λM) φ' = −M Q z
+//! / θ². If ‖z‖ is at the level of rounding, so is the residual of φ', whereas the residual of φ
+//! magnifies rough errors by up to the largest eigenvalue. The step matters on meshes with a few
+//! tiny masses or huge weights.
 
 use crate::direct::factor::LANES;
 use crate::eigen::basis::{self, Block, Small};
 use crate::eigen::operator::ShiftInvert;
 use crate::eigen::problem::Problem;
 
-/// A residual of this many roundings is as good as can be computed: sums over some ten entries of a row, and a
-/// solution with the errors of a factorisation.
+/// Attainable residual in roundings: sums over some ten entries of a row, and the errors of a
+/// factorisation.
 const ATTAINABLE: f64 = 64.0;
 
 /// The eigenvalues of a block; zero in empty lanes.
@@ -24,13 +25,14 @@ pub(crate) fn residuals(problem: &Problem, block: &Block, lambda: &[f64; LANES])
     std::array::from_fn(|j| square[j][j].max(0.0).sqrt())
 }
 
-/// The residual that rounding alone may leave: this many ε ‖|S'| |φ| + |λ'| M' |φ|‖ in the M'⁻¹ norm.
+/// The residual that rounding alone may leave: this many ε ‖|S'| |φ| + |λ'| M' |φ|‖ in the M'⁻¹
+/// norm.
 pub(crate) fn attainable(problem: &Problem, block: &Block, lambda: &[f64; LANES]) -> [f64; LANES] {
     let square = problem.inverse_gram(&problem.magnitude(block, lambda));
     std::array::from_fn(|j| ATTAINABLE * f64::EPSILON * square[j][j].max(0.0).sqrt())
 }
 
-/// Takes the rough errors off the vectors whose residual is above `goal`; the others change by rounding.
+/// Removes the rough errors of vectors whose residual is above `goal`; others change by rounding.
 pub(crate) fn polish(operator: &ShiftInvert<'_>, lambdas: &[f64], blocks: &mut [Block], goal: f64) {
     let problem = operator.problem;
     let mut changed = false;
@@ -42,7 +44,7 @@ pub(crate) fn polish(operator: &ShiftInvert<'_>, lambdas: &[f64], blocks: &mut [
         }
         let mut better = operator.apply_refined(block);
         let scale = problem.squares(&better).map(|s| if s > 0.0 { 1.0 / s.sqrt() } else { 0.0 });
-        // With σ above λ the operator turns the sign.
+        // With σ above λ the operator flips the sign.
         let sign: [f64; LANES] =
             std::array::from_fn(|j| if lambda[j] < operator.sigma { -1.0 } else { 1.0 });
         for row in &mut better {
@@ -64,8 +66,8 @@ pub(crate) fn polish(operator: &ShiftInvert<'_>, lambdas: &[f64], blocks: &mut [
     }
 }
 
-/// V ← V (3 − VᵀM'V) / 2, which squares the deviation of nearly orthonormal vectors: solutions with huge weights
-/// deviate by more than ε.
+/// V ← V (3 − VᵀM'V) / 2, which squares the deviation from orthonormality: solutions with huge
+/// weights deviate by more than ε.
 fn orthonormalise(problem: &Problem, blocks: &mut [Block]) {
     let gram: Vec<Vec<Small>> = blocks
         .iter()
@@ -109,8 +111,8 @@ mod tests {
         SparseMatrix::new((n, n), starts, columns, values)
     }
 
-    /// Rough errors of 10⁻⁶ go, signs stay on both sides of σ, and what rounding may leave is no more than some
-    /// hundred ε of the entries of S, of size 1.
+    /// Rough errors of 10⁻⁶ disappear, signs stay on both sides of σ, and the attainable residual
+    /// is at most some hundred ε for entries of S of size 1.
     #[test]
     fn rough_errors_are_taken_off() {
         let s = combine(1.0, Mass::Lumped(&[0.0; 40]), 1.0, &pinned_path());

@@ -1,4 +1,4 @@
-//! The problem made dimensionless and put in the order of its factor.
+//! The problem in dimensionless form and in the order of its factor.
 
 use rayon::prelude::*;
 
@@ -13,25 +13,27 @@ use crate::mass::{Mass, combine};
 use crate::matrix::{Rows, SparseMatrix};
 use crate::product;
 
-/// Rows that are worth a task.
+/// Rows per parallel task.
 const ROWS_OF_TASK: usize = 1024;
 
-/// S' = S / s and M' = M / m, rows in the order of elimination: s the median of the diagonal, which a few huge
-/// entries do not move, m the mean, both to the nearest power of two, so that the division is exact.
+/// S' = S / s and M' = M / m, rows in elimination order. s is the median of the diagonal,
+/// insensitive to a few huge entries, and m the mean mass, both rounded to a power of two so that
+/// the division is exact.
 ///
-/// λ = λ' · s / m; everything inside the solver is in units of λ', so that tiny and huge meshes are alike.
+/// λ = λ' · s / m; the solver works in units of λ', independent of the scale of the mesh.
 pub(crate) struct Problem {
     symbolic: SymbolicCholesky,
     unordered_stiffness: SparseMatrix,
     unordered_mass: UnorderedMass,
     stiffness: SparseMatrix,
-    /// The row sums of S', exactly zero where they are zero up to rounding.
+    /// The row sums of S', exactly zero if zero up to rounding.
     excess: Vec<f64>,
     mass: OrderedMass,
     /// λ / λ'.
     pub(crate) unit: f64,
     mass_unit: f64,
-    /// Number of components with constants in the null space of S, and which one each ordered row is in.
+    /// Number of components whose constants are in the null space of S, and the component of each
+    /// ordered row.
     pub(crate) constants: (usize, Vec<Option<u32>>),
     /// The mass M' of each of those components.
     constant_masses: Vec<f64>,
@@ -52,7 +54,7 @@ impl Problem {
         let n = stiffness.rows();
         mass.check(n)?;
         let stiffness_unit = power_of_two(median_of_positive(Rows::new(stiffness).diagonal()));
-        // Divided before they are added: the sum of huge masses may overflow.
+        // Division before addition, since the sum of huge masses may overflow.
         let mass_unit = power_of_two(mass.diagonal().iter().map(|m| m / n as f64).sum());
         let scaled = |matrix: &SparseMatrix, unit: f64| matrix.map(|v| v / unit);
         let unordered_stiffness = scaled(stiffness, stiffness_unit);
@@ -96,12 +98,12 @@ impl Problem {
         self.stiffness.rows()
     }
 
-    /// `order()[k]`: the caller's row that is the k-th here.
+    /// `order()[k]`: the caller's row in place k.
     pub(crate) fn order(&self) -> &[u32] {
         self.symbolic.order()
     }
 
-    /// √m: vectors with φᵀM'φ = 1 are divided by it to have φᵀMφ = 1.
+    /// √m: vectors with φᵀM'φ = 1 divided by it satisfy φᵀMφ = 1.
     pub(crate) fn norm_unit(&self) -> f64 {
         self.mass_unit.sqrt()
     }
@@ -181,7 +183,7 @@ impl Problem {
         products(std::slice::from_ref(r), &solved)[0]
     }
 
-    /// |S'| |W| + M' |W| diag |λ'|: what the terms of a residual add up to without signs.
+    /// |S'| |W| + M' |W| diag |λ'|: the sum of the absolute terms of a residual.
     pub(crate) fn magnitude(&self, w: &Block, lambda: &[f64; LANES]) -> Block {
         let w: Block = w.iter().map(|w| w.map(f64::abs)).collect();
         let s = Rows::new(&self.stiffness);
@@ -210,7 +212,8 @@ impl Problem {
         blocks.iter().flat_map(|block| self.strains(block)).fold(0.0, f64::max)
     }
 
-    /// At least the strain of any vector of length 1 in M', for lumped masses; much more for most.
+    /// An upper bound of the strain of vectors of length 1 in M', for lumped masses; far above
+    /// most.
     pub(crate) fn largest_strain(&self) -> f64 {
         let masses = self.unordered_mass.view().diagonal();
         let diagonal = Rows::new(&self.unordered_stiffness).diagonal();
@@ -218,7 +221,7 @@ impl Problem {
         diagonal.iter().zip(masses).map(|(s, m)| 4.0 * s.abs() / m).fold(0.0, f64::max)
     }
 
-    /// Takes off a block its parts along the constants of all components.
+    /// Removes the constants of all components from a block.
     pub(crate) fn remove_constants(&self, w: &mut Block) {
         let (count, component) = &self.constants;
         let mw = self.mass_times(w);
@@ -240,8 +243,9 @@ impl Problem {
         }
     }
 
-    /// S' W − M' W diag(λ'), from differences: (S φ)ᵢ = Σⱼ sᵢⱼ (φⱼ − φᵢ) + eᵢ φᵢ with the row sum eᵢ, which is
-    /// exactly zero for a Laplacian. The diagonal as it is stored has lost what lies below its last digit.
+    /// S' W − M' W diag(λ'), from differences: (S φ)ᵢ = Σⱼ sᵢⱼ (φⱼ − φᵢ) + eᵢ φᵢ with the row sum
+    /// eᵢ, exactly zero for a Laplacian. The stored diagonal has lost everything below its last
+    /// digit.
     pub(crate) fn residual(&self, w: &Block, lambda: &[f64; LANES]) -> Block {
         let rows = Rows::new(&self.stiffness);
         let mut r = self.mass_times(w);
@@ -282,7 +286,7 @@ fn component_masses(mass: &OrderedMass, constants: &(usize, Vec<Option<u32>>)) -
     masses
 }
 
-/// The median of the entries above zero; 1 without any.
+/// The median of the positive entries; 1 if there are none.
 fn median_of_positive(mut values: Vec<f64>) -> f64 {
     values.retain(|v| *v > 0.0 && v.is_finite());
     if values.is_empty() {
@@ -292,7 +296,7 @@ fn median_of_positive(mut values: Vec<f64>) -> f64 {
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
-/// The nearest power of two that is far from both ends of the range.
+/// The nearest power of two, kept away from both ends of the range of floats.
 fn power_of_two(value: f64) -> f64 {
     libm::exp2(libm::log2(value).round().clamp(-1000.0, 1000.0))
 }
@@ -309,7 +313,7 @@ impl UnorderedMass {
 /// P A Pᵀ: row k is row `order[k]` of A.
 fn permuted(matrix: &SparseMatrix, order: &[u32]) -> SparseMatrix {
     let rows = Rows::new(matrix);
-    // An ordering of a factorisation is a permutation.
+    // The ordering of a factorisation is a permutation.
     let inverse = ordering::invert(order).unwrap_or_default();
     let mut starts = Vec::with_capacity(order.len() + 1);
     starts.push(0);

@@ -4,13 +4,14 @@ use crate::direct::backend;
 use crate::direct::factor::LANES;
 use crate::eigen::basis::Small;
 
-/// T = Vᵀ M A V for the blocks of V so far, symmetric, and the coupling of the last block to the next.
+/// T = Vᵀ M A V for the blocks of V so far, symmetric, and the coupling of the last block to the
+/// next.
 #[derive(Debug, Default)]
 pub(crate) struct Projected {
     /// `columns[j][i]`: block (i, j) of T for i ≤ j.
     columns: Vec<Vec<Small>>,
-    /// A V = V T + Q R Eᵀ: `coupling[i]` is the part of R in the columns of block i; only the last is not zero
-    /// unless a restart has just taken place.
+    /// A V = V T + Q R Eᵀ: `coupling[i]` is the part of R in the columns of block i; all but the
+    /// last are zero, except right after a restart.
     pub(crate) coupling: Vec<Small>,
 }
 
@@ -31,7 +32,8 @@ impl Ritz {
 pub(crate) const ZERO: Small = [[0.0; LANES]; LANES];
 
 impl Projected {
-    /// After a restart: T = diag(θ), and the coupling of the kept vectors to the next block.
+    /// The state after a restart: T = diag(θ), and the coupling of the kept vectors to the next
+    /// block.
     pub(crate) fn restarted(values: &[f64], coupling: Vec<Small>) -> Self {
         let columns = (0..values.len() / LANES)
             .map(|j| {
@@ -69,7 +71,7 @@ impl Projected {
                             t[c * n + r] = value;
                             t[r * n + c] = value;
                         } else {
-                            // Rounding makes the diagonal block a little asymmetric.
+                            // Rounding makes the diagonal block slightly asymmetric.
                             t[c * n + r] += 0.5 * value;
                             t[r * n + c] += 0.5 * value;
                         }

@@ -1,4 +1,4 @@
-//! Eigenpairs that are found, and the run of Lanczos that finds them.
+//! Found eigenpairs, and the Lanczos run that finds them.
 
 use ndarray::Array2;
 use rand::SeedableRng;
@@ -13,22 +13,22 @@ use crate::eigen::polish::{self, lanes_of};
 use crate::eigen::problem::Problem;
 use crate::eigen::projected::Ritz;
 use crate::eigen::{Beyond, Count, EigenError, EigenOptions, EigenPairs, SLACK};
-/// A diagonal entry is off by some ε: a sum of six terms, and as many in elimination.
+/// Error of a diagonal entry in ε: a sum of six terms, and as many in the elimination.
 const DIAGONAL_ROUNDINGS: f64 = 4.0;
 
 /// Dimensionless eigenpairs, ascending, in the order of the factor.
 pub(crate) struct Found {
-    /// More than there are vectors where some are known without.
+    /// May be more than there are vectors.
     pub(crate) lambdas: Vec<f64>,
     /// Vectors in blocks; the last block may have empty lanes.
     pub(crate) blocks: Vec<Block>,
     pub(crate) certified: bool,
-    /// No eigenvalue that is not here lies below.
+    /// No other eigenvalue lies below.
     pub(crate) clear_below: f64,
 }
 
 impl Found {
-    /// The exact zero modes, of which the first `count` at most get vectors.
+    /// The exact zero modes; at most the first `count` get vectors.
     pub(crate) fn constants(problem: &Problem, count: usize) -> Self {
         let constants = problem.constants.0;
         Self {
@@ -39,7 +39,7 @@ impl Found {
         }
     }
 
-    /// Appends vectors given in blocks of their own.
+    /// Appends pairs whose vectors are in blocks of their own.
     pub(crate) fn append(&mut self, lambdas: &[f64], blocks: &[Block]) {
         for (i, &lambda) in lambdas.iter().enumerate() {
             let lane = self.lambdas.len() % LANES;
@@ -62,7 +62,7 @@ impl Found {
         self.blocks.iter().enumerate().flat_map(of).collect()
     }
 
-    /// How many of the pairs `from .. to` have residuals above the tolerance and above what rounding leaves.
+    /// The number of pairs `from .. to` with residuals above both the tolerance and the rounding.
     pub(crate) fn unsettled(
         &self,
         problem: &Problem,
@@ -73,18 +73,18 @@ impl Found {
         self.above_limit(problem, &self.residuals(problem), from..to, tolerance)
     }
 
-    /// Whether rounding of the diagonal of S, in its entries or its factor, moves an eigenvalue by more than the
-    /// tolerance: by some ε Σ sᵢᵢ φᵢ².
+    /// Returns true if rounding of the diagonal of S, in its entries or its factor, moves an
+    /// eigenvalue by more than the tolerance: by some ε Σ sᵢᵢ φᵢ².
     pub(crate) fn is_strained(&self, problem: &Problem, tolerance: f64) -> bool {
         let strains = self.blocks.iter().flat_map(|block| problem.strains(block));
-        // Exact zeros are those of constants.
+        // Exact zeros belong to constants.
         strains.zip(&self.lambdas).any(|(strain, &lambda)| {
             lambda != 0.0 && DIAGONAL_ROUNDINGS * f64::EPSILON * strain > SLACK * tolerance * lambda
         })
     }
 
-    /// Residuals with the rounding of assembly added where it counts: an entry made from lengths or angles of a thin
-    /// face has lost as many digits as the diagonal.
+    /// Residuals with the rounding of assembly added if it matters: an entry computed from lengths
+    /// or angles of a thin face has lost as many digits as the diagonal.
     fn with_rounding(
         &self,
         problem: &Problem,
@@ -123,7 +123,7 @@ impl Found {
             if !suspects.is_empty() {
                 let lambda = lanes_of(&self.lambdas, b);
                 let attainable = polish::attainable(problem, block, &lambda);
-                // Not a number is above every limit.
+                // NaN is above every limit.
                 let meets = |lane: &&usize| residuals[b * LANES + **lane] <= attainable[**lane];
                 above += suspects.len() - suspects.iter().filter(meets).count();
             }
@@ -131,11 +131,11 @@ impl Found {
         above
     }
 
-    /// Pairs `from .. to` in the caller's units and order, residuals measured.
+    /// Pairs `from .. to` in the caller's units and order, with measured residuals.
     ///
     /// # Errors
     ///
-    /// [`EigenError::NotConverged`] if measured residuals are far from what was estimated: a guard, not a step.
+    /// [`EigenError::NotConverged`] if measured residuals far exceed their estimates: a safeguard.
     pub(crate) fn finish(
         self,
         problem: &Problem,
@@ -173,7 +173,7 @@ impl Found {
     }
 }
 
-/// A Lanczos run towards some number of pairs.
+/// A Lanczos run for a number of pairs.
 pub(crate) struct Run<'a> {
     pub(crate) lanczos: Lanczos<'a>,
     problem: &'a Problem,
@@ -182,37 +182,39 @@ pub(crate) struct Run<'a> {
     options: &'a EigenOptions,
     cap: usize,
     next_check: usize,
-    /// Looks at the basis since all wanted pairs were within reach of a step of inverse iteration.
+    /// Checks of the basis since a step of inverse iteration could finish all wanted pairs.
     waited: usize,
 }
 
-/// The wanted pairs are completed up to a gap of at least this share of the eigenvalue above it: so wide that the
-/// count, a fifth into it, leaves two parts in 10⁵ without eigenvalues, which sets the vectors on both sides apart.
+/// The wanted pairs are completed up to a gap of at least this fraction of the eigenvalue above it:
+/// wide enough that a count at a fifth of it leaves two parts in 10⁵ without eigenvalues, which
+/// separates the vectors on both sides.
 const GAP: f64 = 1.1e-4;
-/// The share of the goal that residuals must be within after a step of inverse iteration, if they are to be
-/// reached that way.
+/// Required ratio of the residual after a step of inverse iteration to the goal, if the step is
+/// used.
 const POLISHED: f64 = 1e-2;
-/// Looks at the basis before that way is taken. Where residuals are not magnified they arrive first.
+/// Checks of the basis before the step is used. Residuals that are not magnified converge earlier.
 const PATIENCE: usize = 2;
-/// A share of σ within which an eigenvalue counts as zero up to rounding.
-const ZERO_SHARE: f64 = 1e-6;
-/// How often new starting vectors that bring nothing are tried before a count that does not match is an error. An
-/// eigenvalue may be as multiple as there are rows, and a block of new vectors finds eight more of it.
+/// Fraction of σ below which an eigenvalue counts as zero up to rounding.
+const ZERO_FRACTION: f64 = 1e-6;
+/// Restarts with new vectors that find nothing before a mismatched count is an error. The
+/// multiplicity of an eigenvalue may be as large as the problem, and a block of new vectors finds
+/// eight more copies.
 pub(super) const RANDOM_RESTARTS: usize = 3;
-/// Numbers in a basis, at most, unless the pairs themselves need more: 2.4 GB.
-const MOST_NUMBERS: usize = 300_000_000;
+/// Maximum size of a basis in numbers (2.4 GB), unless the pairs themselves need more.
+const MAX_BASIS_NUMBERS: usize = 300_000_000;
 
-/// An eigenvalue below this share of −σ is too far from σ: (λ − σ)⁻¹ hardly tells it from zero. Compact meshes have
-/// shares from 10⁻³ on.
+/// An eigenvalue below this fraction of −σ is too far from σ: (λ − σ)⁻¹ hardly separates it from
+/// zero. On compact meshes the fraction is 10⁻³ or more.
 const FAR: f64 = 1e-4;
-/// A share of −σ that rounding may make of zero.
+/// Fraction of −σ that rounding may turn zero into.
 const FAR_ROUNDING: f64 = 1e-12;
 
-/// How a run from below ends.
+/// Outcome of a run from below.
 pub(crate) enum Below {
-    /// The pairs below a gap, as many as were counted.
+    /// The pairs below a gap, in agreement with the count.
     Counted(Vec<f64>, Vec<Block>, Counted),
-    /// All wanted eigenvalues lie within this distance of zero, far less than that of σ.
+    /// All wanted eigenvalues lie within this distance of zero, which is far closer than σ.
     TooFar(f64),
 }
 
@@ -225,8 +227,8 @@ impl<'a> Run<'a> {
     ) -> Self {
         let rows = operator.problem.rows();
         let lanczos = Lanczos::new(operator, locked, ChaCha8Rng::seed_from_u64(options.seed));
-        let room = (MOST_NUMBERS / rows).max(wanted + wanted / 2 + 8 * LANES);
-        let cap = (3 * wanted + 12 * LANES).min(room).min(3 * rows / 4);
+        let limit = (MAX_BASIS_NUMBERS / rows).max(wanted + wanted / 2 + 8 * LANES);
+        let cap = (3 * wanted + 12 * LANES).min(limit).min(3 * rows / 4);
         Self {
             lanczos,
             problem: operator.problem,
@@ -239,8 +241,8 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Which of the candidates will do: their residual is within the goal or, if that takes too long for
-    /// `wanted` of them, will be after a step of inverse iteration.
+    /// Flags of the acceptable candidates: their residual meets the goal or, if that takes too long
+    /// for `wanted` of them, will meet it after a step of inverse iteration.
     pub(crate) fn will_do(
         &mut self,
         candidates: &[Candidate],
@@ -260,7 +262,7 @@ impl<'a> Run<'a> {
         if self.waited >= PATIENCE { soon } else { now }
     }
 
-    /// Extends the basis until the next look at it. Restarts where it is full.
+    /// Extends the basis until its next check.
     pub(crate) fn advance(&mut self) -> Result<(Ritz, Vec<Candidate>), EigenError> {
         while self.lanczos.len() < self.next_check.min(self.cap) {
             self.lanczos.extend();
@@ -289,7 +291,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Keeps the first candidates, rounded up to whole blocks, and looks again a while later.
+    /// Keeps the first candidates, rounded up to whole blocks, and postpones the next check.
     pub(crate) fn restart(&mut self, ritz: &Ritz, best: &[Candidate], keep: usize) {
         let keep = (keep.div_ceil(LANES) * LANES).min(best.len() / LANES * LANES);
         let chosen: Vec<usize> = best[..keep].iter().map(|c| c.index).collect();
@@ -297,7 +299,7 @@ impl<'a> Run<'a> {
         self.next_check = (keep + 6 * LANES).max(keep + keep / 4);
     }
 
-    /// Keeps what has converged and continues with random vectors.
+    /// Keeps the converged vectors and continues with random ones.
     pub(crate) fn restart_randomly(&mut self, ritz: &Ritz, best: &[Candidate], converged: usize) {
         self.restart(ritz, best, converged);
         self.lanczos.randomise_next();
@@ -305,12 +307,12 @@ impl<'a> Run<'a> {
         self.next_check = self.lanczos.len() + 10 * LANES;
     }
 
-    /// The wanted pairs from below, completed to the next gap, which inertia counts.
+    /// The wanted pairs from below, completed to the next gap and verified by an inertia count.
     pub(crate) fn until_counted(&mut self, constants: usize) -> Result<Below, EigenError> {
         let (mut random_restarts, mut most) = (0, 0);
         let operator = self.lanczos.operator;
-        // Zero up to rounding may come out negative. Values that have not converged may be anywhere.
-        let least = -ZERO_SHARE * operator.sigma.abs();
+        // Zeros may be slightly negative after rounding; unconverged values may be anywhere.
+        let least = -ZERO_FRACTION * operator.sigma.abs();
         loop {
             let (ritz, mut candidates) = self.advance()?;
             candidates.retain(|c| c.lambda > least);

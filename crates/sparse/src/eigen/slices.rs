@@ -1,8 +1,8 @@
 //! Spectrum slicing: eigenpairs window by window, each counted by the inertia at its ends.
 //!
-//! A window has a shift of its own in its middle, so that its basis stays small however many pairs lie
-//! below. Vectors of the previous window near the common end are locked: eigenvalues on both sides of
-//! an end may be as close as they like without their vectors leaning towards each other.
+//! Each window has its own shift in its middle, so that its basis stays small however many pairs
+//! lie below. Vectors of the previous window near the common end are locked, so that vectors on
+//! both sides stay orthogonal even if their eigenvalues are close.
 
 use crate::direct::factor::LANES;
 use crate::eigen::basis::Block;
@@ -15,12 +15,12 @@ use crate::eigen::{EigenError, EigenOptions};
 
 /// Blocks of the previous window that a new one stays orthogonal to.
 const LOCKED_BLOCKS: usize = 6;
-/// A window that turns out to hold more than this share of the plan is cut.
+/// A window is cut if it holds more than this multiple of the planned number.
 const TOO_FULL: f64 = 1.5;
-/// How often a window is cut before it is taken whole.
-const MOST_CUTS: usize = 30;
+/// Cuts of a window before it is solved whole.
+const MAX_CUTS: usize = 30;
 
-/// Adds pairs above those found, which are complete below `shift`, until there are `wanted`.
+/// Adds pairs above the found ones, which are complete below `shift`, until there are `wanted`.
 pub(crate) fn continue_upwards(
     problem: &Problem,
     found: &mut Found,
@@ -29,7 +29,7 @@ pub(crate) fn continue_upwards(
     options: &EigenOptions,
 ) -> Result<(), EigenError> {
     let counted = found.lambdas.len();
-    // The spacing of the upper half of what is known, times the number wanted in a window.
+    // The spacing of the upper half of the known values, times the number wanted in a window.
     let half = counted / 2;
     let spacing = (shift - found.lambdas[half]) / (counted - half) as f64;
     let mut slices = Slices { problem, from: shift, counted, options };
@@ -38,7 +38,7 @@ pub(crate) fn continue_upwards(
 
 pub(crate) struct Slices<'a> {
     pub(crate) problem: &'a Problem,
-    /// Everything below is done.
+    /// All pairs below are known.
     pub(crate) from: f64,
     /// Eigenvalues below `from`.
     pub(crate) counted: usize,
@@ -46,7 +46,8 @@ pub(crate) struct Slices<'a> {
 }
 
 impl Slices<'_> {
-    /// Window after window until `wanted` eigenvalues lie below the end of the last, or it reaches `end`.
+    /// Solves windows until `wanted` eigenvalues lie below the last end, or the last end reaches
+    /// `end`.
     pub(crate) fn up_to(
         &mut self,
         found: &mut Found,
@@ -57,15 +58,16 @@ impl Slices<'_> {
         let plan = self.options.slice;
         while self.counted < wanted {
             let missing = (wanted - self.counted) as f64;
-            // A little more than needed, so that no tiny window remains.
-            let share = (1.15 * missing / plan as f64).min(1.0);
-            let mut to = self.from + width * share;
+            // Slightly more than needed, so that no tiny window remains.
+            let fraction = (1.15 * missing / plan as f64).min(1.0);
+            let mut to = self.from + width * fraction;
             if let Some(end) = end {
-                to = if to > end - 0.2 * width * share { end } else { to };
+                to = if to > end - 0.2 * width * fraction { end } else { to };
             }
             let mut next = count_in_gap(self.problem, to, to * (1.0 + 1e-8))?;
-            // Cuts shrink the window by a third and more; only a huge multiple eigenvalue defies them.
-            for _ in 0..MOST_CUTS {
+            // Each cut shrinks the window by a third or more; only an eigenvalue of huge
+            // multiplicity resists.
+            for _ in 0..MAX_CUTS {
                 let inside = next.count.saturating_sub(self.counted) as f64;
                 if inside <= TOO_FULL * plan as f64 {
                     break;
@@ -79,7 +81,7 @@ impl Slices<'_> {
                 self.window(found, next, inside)?;
             }
             found.clear_below = shift;
-            // The next window by the density of this one, between half and double its width.
+            // The next window follows the density of this one, between half and twice its width.
             let density = inside.max(1) as f64 / (shift - self.from);
             width = (plan as f64 / density).clamp(0.5 * width, 2.0 * width);
             self.from = shift;
@@ -88,7 +90,7 @@ impl Slices<'_> {
         Ok(())
     }
 
-    /// All `inside` pairs between `self.from` and the place of the next count.
+    /// All `inside` pairs between `self.from` and the shift of the next count.
     fn window(&self, found: &mut Found, next: Counted, inside: usize) -> Result<(), EigenError> {
         let (problem, to) = (self.problem, next.shift);
         let sigma = 0.5 * (self.from + to) + 1e-3 * (to - self.from);
@@ -104,7 +106,7 @@ impl Slices<'_> {
         Ok(())
     }
 
-    /// The pairs of a window, found with the operator of its middle.
+    /// The pairs of a window, by the operator with the shift in its middle.
     fn run(
         &self,
         operator: &ShiftInvert<'_>,
@@ -115,7 +117,7 @@ impl Slices<'_> {
         let (problem, to, sigma) = (self.problem, next.shift, operator.sigma);
         let known = found.blocks.len();
         let mut locked: Vec<Block> = found.blocks[known.saturating_sub(LOCKED_BLOCKS)..].to_vec();
-        // Empty lanes are zero vectors: harmless.
+        // Empty lanes are zero vectors and harmless.
         if known > LOCKED_BLOCKS && (1..=LANES).contains(&problem.constants.0) {
             locked.push(found.blocks[0].clone());
         }
@@ -147,7 +149,8 @@ impl Slices<'_> {
             if done.len() > most {
                 (most, random_restarts) = (done.len(), 0);
             }
-            // All that show inside have converged, yet some are missing: they hide from the start.
+            // All visible pairs have converged, yet some are missing: eigenvectors orthogonal to
+            // the starting block.
             stalled = if showing.len() == done.len() { stalled + 1 } else { 0 };
             if done.len() > inside || (stalled >= 3 && random_restarts == RANDOM_RESTARTS) {
                 return Err(EigenError::Miscounted {

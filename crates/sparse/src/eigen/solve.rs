@@ -1,4 +1,5 @@
-//! The smallest eigenpairs: dense for small problems, one Lanczos run for some pairs, slices for many.
+//! The smallest eigenpairs: dense for small problems, one Lanczos run for few pairs, slices for
+//! many.
 
 use crate::direct::factor::LANES;
 use crate::eigen::basis::Block;
@@ -12,7 +13,7 @@ use crate::eigen::{Count, EigenError, EigenOptions, EigenPairs, dense, shift, sl
 use crate::mass::Mass;
 use crate::matrix::SparseMatrix;
 
-/// The count smallest eigenpairs, without a look for components.
+/// The `count` smallest eigenpairs of a connected problem.
 pub(crate) fn connected(
     stiffness: &SparseMatrix,
     mass: Mass<'_>,
@@ -51,7 +52,7 @@ fn dense_pairs(
     let (values, vectors) = dense::all_eigenpairs(stiffness, mass, options.dense)?;
     let order = problem.order();
     let scale = problem.norm_unit();
-    // Blocks of the vectors from one column on.
+    // The columns `first .. end` as blocks.
     let blocks = |first: usize, end: usize| -> Vec<Block> {
         let block = |from: usize| {
             let width = LANES.min(end - from);
@@ -82,14 +83,15 @@ fn dense_pairs(
     found.finish(&problem, 0, count, options.tolerance)
 }
 
-/// Shifts tried until one is of the size of the last eigenvalue wanted.
+/// Shifts tried until one matches the size of the last wanted eigenvalue.
 const INVERSE_TRIES: usize = 4;
 
-/// The `wanted` smallest pairs above the constants from the decomposition of (S' − σM')⁻¹ M' in a basis of all
-/// vectors that are orthogonal to the constants.
+/// The `wanted` smallest pairs above the constants, by decomposing (S' − σM')⁻¹ M' in a basis of
+/// all vectors orthogonal to the constants.
 ///
-/// A decomposition of S itself is off by ε times its largest eigenvalue, which one needle makes huge. With σ at
-/// minus the last eigenvalue wanted this one is off by a few ε times that.
+/// A decomposition of S has an error of ε times its largest eigenvalue, which one needle triangle
+/// makes huge. With σ at minus the last wanted eigenvalue, the error is a few ε times that
+/// eigenvalue.
 fn from_inverse(
     problem: &Problem,
     first: Found,
@@ -133,7 +135,8 @@ fn from_inverse(
     Ok(found)
 }
 
-/// Finds at least `wanted` eigenpairs above the constants. The shift up to which they are complete.
+/// Finds at least `wanted` eigenpairs above the constants; returns the shift below which they are
+/// complete.
 fn run_from_below(
     problem: &Problem,
     found: &mut Found,
@@ -148,7 +151,7 @@ fn run_from_below(
         let mut run = Run::new(&operator, &locked, wanted, options);
         let (lambdas, vectors, counted) = match run.until_counted(constants)? {
             Below::Counted(lambdas, vectors, counted) => (lambdas, vectors, counted),
-            // At least ten thousand times nearer each time.
+            // At least ten thousand times closer each time.
             Below::TooFar(distance) => {
                 operator = ShiftInvert::below(problem, -distance).map_err(|source| {
                     EigenError::Factor { shift: -distance * problem.unit, source }

@@ -12,7 +12,7 @@ use crate::eigen::{EigenError, EigenOptions, EigenPairs, solve};
 use crate::mass::Mass;
 use crate::matrix::SparseMatrix;
 
-/// All eigenpairs of an interval, without a look for components.
+/// All eigenpairs of a connected problem within an interval.
 pub(crate) fn connected(
     stiffness: &SparseMatrix,
     mass: Mass<'_>,

@@ -64,7 +64,8 @@ fn lanczos_finds_the_spectrum_of_a_grid() {
     }
 }
 
-/// A square grid: nearly all eigenvalues are double, some of higher multiplicity; k cuts through pairs.
+/// A square grid: nearly all eigenvalues are double, some of higher multiplicity; k cuts through
+/// pairs.
 #[test]
 fn multiple_eigenvalues_are_complete() {
     let n = 40;
@@ -77,8 +78,8 @@ fn multiple_eigenvalues_are_complete() {
     }
 }
 
-/// Twelve equal cycles: every eigenvalue twelve- or twenty-fourfold, more than a block of eight can see; twelve
-/// components with a constant each.
+/// Twelve equal cycles: every eigenvalue twelve- or twenty-fourfold, more than a block of eight can
+/// see; twelve components with a constant each.
 #[test]
 fn multiplicities_beyond_the_block_are_found_by_counting() {
     let (copies, n) = (12, 60);
@@ -259,7 +260,8 @@ fn threads_do_not_change_bits() {
     compare(&once.values, &other.values);
 }
 
-/// Dense problems too: in units of 10⁻⁸ and 10⁸ residuals stay at rounding, relative to the norm of M⁻¹S.
+/// Dense problems too: in units of 10⁻⁸ and 10⁸ residuals stay at rounding, relative to the norm of
+/// M⁻¹S.
 #[test]
 fn units_do_not_matter_to_dense_problems() {
     let s = grid(21, 19);
@@ -286,8 +288,9 @@ fn masses_that_are_no_positive_numbers_are_named() {
     assert_eq!(error, Err(MassError::Size { mass: 2, stiffness: 3 }));
 }
 
-/// A strip of m cells of 1 × h with lumped masses, as cotangents make it: 1/h across, h/2 along, the diagonal
-/// rounded as a sum is. Its smallest eigenvalues are those of the path, 4 sin²(kπ/2m), doubled at the ends' half mass.
+/// A strip of m cells of 1 × h with lumped masses, as cotangents make it: 1/h across, h/2 along,
+/// the diagonal rounded as a sum is. Its smallest eigenvalues are those of the path, 4 sin²(kπ/2m),
+/// doubled at the ends' half mass.
 fn strip(m: usize, h: f64) -> (SparseMatrix, Vec<f64>) {
     let n = 2 * (m + 1);
     let (mut t, mut masses) = (vec![], vec![0.0; n]);
@@ -310,8 +313,9 @@ fn strip(m: usize, h: f64) -> (SparseMatrix, Vec<f64>) {
     (fairing_sparse::from_triplets((n, n), &t).unwrap(), masses)
 }
 
-/// A certified interval holds the eigenvalue, and the value itself is right to the tolerance of the largest wanted,
-/// whatever k and the height; the stored diagonal alone would leave four digits at 10⁻⁵.
+/// A certified interval holds the eigenvalue, and the value itself is right to the tolerance of the
+/// largest wanted, whatever k and the height; the stored diagonal alone would leave four digits at
+/// 10⁻⁵.
 #[test]
 fn strips_of_any_height_have_the_spectrum_of_a_path() {
     for (m, dense_rows) in [(300, 0), (100, 0), (100, 400)] {
@@ -334,8 +338,8 @@ fn strips_of_any_height_have_the_spectrum_of_a_path() {
     }
 }
 
-/// Components of different sizes and scales, pinned and free, equal and not: the merge of their spectra, each vector
-/// zero outside its own component.
+/// Components of different sizes and scales, pinned and free, equal and not: the merge of their
+/// spectra, each vector zero outside its own component.
 #[test]
 fn components_are_solved_apart() {
     let lengths = [3, 40, 500, 7, 500, 90, 7, 7, 12, 700];

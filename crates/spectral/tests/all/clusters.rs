@@ -1,4 +1,4 @@
-//! Clusters of eigenvalues: what is said about them, and that it is true.
+//! Clusters of eigenvalues: statements about them hold.
 
 use fairing_mesh::TriMesh;
 use fairing_operators::Laplacian;
@@ -19,8 +19,8 @@ fn modes(mesh: &TriMesh, k: usize) -> Spectrum {
     spectrum(&Laplacian::cotangent(mesh).unwrap(), k, &SpectrumOptions::default()).unwrap()
 }
 
-/// The symmetry of the icosahedron keeps 1, 3 and 5 modes together and parts the seven of ℓ = 3 into 4 and 3 or
-/// 3 and 4; dense (162 vertices) and sparse.
+/// The symmetry of the icosahedron keeps 1, 3 and 5 modes together and parts the seven of ℓ = 3
+/// into 4 and 3 or 3 and 4; dense (162 vertices) and sparse.
 #[test]
 fn a_sphere_has_the_clusters_of_its_symmetry() {
     for level in [2, 3] {
@@ -33,7 +33,7 @@ fn a_sphere_has_the_clusters_of_its_symmetry() {
         assert!(cut == 12 || cut == 13);
         assert_eq!(found.split(16), None);
         for (k, below, above) in [(2, 1, 4), (3, 1, 4), (5, 4, 9), (8, 4, 9), (cut - 1, 9, cut)] {
-            // The same from all modes and from k modes: what comes after them is known.
+            // The same from all modes and from k modes: the eigenvalues after them are known.
             for spectrum in [&found, &modes(&sphere, k), &found.truncated(k).unwrap()] {
                 assert_eq!(ends(spectrum.split(k)), Some((below, Some(above))), "{k}");
                 assert_eq!((spectrum.gap_below(k), spectrum.gap_above(k)), (below, Some(above)));
@@ -46,8 +46,8 @@ fn a_sphere_has_the_clusters_of_its_symmetry() {
     }
 }
 
-/// What does not split a cluster is a property of the mesh: the same from other starting vectors and another
-/// numbering. What does is not, and every result says so.
+/// Results that split no cluster are properties of the mesh: the same from other starting vectors
+/// and with another numbering. Results that split one are not, and report it.
 #[test]
 fn only_splits_depend_on_the_basis() {
     let mesh = shapes::icosphere(3);
@@ -119,7 +119,8 @@ fn filters_say_what_they_split() {
     }
 }
 
-/// Every component has a zero; three of them are one cluster, and exact zeros are apart from all the rest.
+/// Every component has a zero; three of them are one cluster, and exact zeros are apart from all
+/// the rest.
 #[test]
 fn zeros_of_components_belong_together() {
     let one = shapes::bumpy_sphere(3, 0.15, 4.0);
@@ -133,7 +134,7 @@ fn zeros_of_components_belong_together() {
     }
 }
 
-/// What is known beyond the last mode is stored with the modes; files without it say nothing.
+/// Eigenvalues known beyond the last mode are stored with the modes; files without them load.
 #[test]
 fn files_keep_what_lies_beyond() {
     let folder = tempfile::tempdir().unwrap();
@@ -147,8 +148,8 @@ fn files_keep_what_lies_beyond() {
     }
 }
 
-/// Two components whose sizes differ by 10⁻⁶: pairs of eigenvalues as close as 2 · 10⁻⁶ are clusters, and the other
-/// one of a pair that is cut is known.
+/// Two components whose sizes differ by 10⁻⁶: pairs of eigenvalues as close as 2 · 10⁻⁶ are
+/// clusters, and the other one of a pair that is cut is known.
 #[test]
 fn nearly_equal_eigenvalues_are_a_cluster() {
     let one = shapes::bumpy_sphere(3, 0.15, 4.0);
@@ -197,8 +198,8 @@ fn times_of_heat_kernels_span_the_spectrum() {
     }
 }
 
-/// That no eigenvalue follows below a bound makes a gap only if the bound is farther away than the residual leaves the
-/// last mode undetermined.
+/// That no eigenvalue follows below a bound makes a gap only if the bound is farther away than the
+/// residual leaves the last mode undetermined.
 #[test]
 fn a_bound_is_a_gap_beyond_the_residual() {
     let mut found = modes(&shapes::icosphere(2), 4);

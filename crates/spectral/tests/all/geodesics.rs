@@ -30,7 +30,8 @@ fn errors(mesh: &TriMesh, source: u32, kind: LaplacianKind) -> (f64, f64) {
     ((0..p.len()).map(off).sum::<f64>() / p.len() as f64, worst)
 }
 
-/// A flat sheet of slivers, sheared by `shear` and more: its intrinsic Delaunay triangulation has none.
+/// A flat sheet of slivers, sheared by `shear` and more: its intrinsic Delaunay triangulation has
+/// none.
 #[test]
 fn slivers_do_no_harm() {
     for shear in [3.0, 6.0] {
@@ -131,8 +132,8 @@ fn fans_without_area_have_distances() {
     assert!((found / length - 1.0).abs() < 0.05, "{found}");
 }
 
-/// Units, frames and numbers do not matter, nor do other components of any size; those have no distance, and
-/// their own sources.
+/// Units, frames and numbers do not matter, nor do other components of any size; those have no
+/// distance, and their own sources.
 #[test]
 fn distances_belong_to_the_surface() {
     let body = shapes::bumpy_sphere(3, 0.15, 4.0);
@@ -170,8 +171,9 @@ fn distances_belong_to_the_surface() {
     }
 }
 
-/// Distances along the faces by Dijkstra's algorithm over the vertices and `cuts` points on each edge, joined across
-/// every face: never too small, and too large by the square of the share of an edge that a path is moved by.
+/// Distances along the faces by Dijkstra's algorithm over the vertices and `cuts` points on each
+/// edge, joined across every face: never too small, and too large by the square of the share of an
+/// edge that a path is moved by.
 fn along_faces(mesh: &TriMesh, source: u32, cuts: usize) -> Vec<f64> {
     let (topology, n) = (mesh.topology(), mesh.vertex_count());
     let mut points = mesh.positions().to_vec();
@@ -223,8 +225,9 @@ fn errors_along_faces(mesh: &TriMesh, exact: &[f64], kind: LaplacianKind) -> (f6
     (off.clone().sum::<f64>() / exact.len() as f64, off.fold(0.0, f64::max))
 }
 
-/// An animal with thin limbs, as it is and stretched to faces with angles of nearly 180° all over: the robust operator,
-/// which the default takes for all of them, is within 1.2 % of the largest distance in the mean and 3.6 % at worst.
+/// An animal with thin limbs, as it is and stretched to faces with angles of nearly 180° all over:
+/// the robust operator, which the default takes for all of them, is within 1.2 % of the largest
+/// distance in the mean and 3.6 % at worst.
 #[test]
 fn limbs_of_slivers() {
     let plain = shapes::creature(48);
@@ -234,7 +237,8 @@ fn limbs_of_slivers() {
         let [found, cotangent] = [LaplacianKind::NonNegative, LaplacianKind::Cotangent]
             .map(|kind| errors_along_faces(&mesh, &exact, kind));
         assert!(found.0 < 0.012 && found.1 < 0.036, "{stretch}: {found:?}");
-        // Half of the largest distance in the mean, where the robust operator is off by a hundredth.
+        // Half of the largest distance in the mean, where the robust operator is off by a
+        // hundredth.
         assert!(
             stretch == 1.0 || cotangent.0 > 10.0 * found.0,
             "{stretch}: {found:?} {cotangent:?}"
@@ -242,7 +246,8 @@ fn limbs_of_slivers() {
     }
 }
 
-/// Without a time the square of the mean edge length is taken, however much lengths differ: not the mean of squares.
+/// Without a time the square of the mean edge length is taken, however much lengths differ: not the
+/// mean of squares.
 #[test]
 fn the_time_is_the_square_of_the_mean_edge_length() {
     let torus = shapes::torus(1.0, 0.3, 60, 60);

@@ -32,8 +32,9 @@ fn close(found: &[f64], expected: &[f64], share: f64) {
     }
 }
 
-/// Poles of faces without area are as good as poles without them, in any unit, dense and sparse. Mollification
-/// adds 10⁻⁵ of an edge length to every edge at most a few hundred times over: 0.5 % of the area.
+/// Poles of faces without area are as good as poles without them, in any unit, dense and sparse.
+/// Mollification adds 10⁻⁵ of an edge length to every edge at most a few hundred times over: 0.5 %
+/// of the area.
 #[test]
 fn capsules_with_fans_at_the_poles() {
     for (around, half) in [(12, 4), (40, 9)] {
@@ -46,13 +47,15 @@ fn capsules_with_fans_at_the_poles() {
             let other = robust(&scaled(&mesh, s), 12);
             check(&other);
             let back: Vec<f64> = other.values.iter().map(|l| l * s * s).collect();
-            // Lengths of 10⁻⁵ edges come from differences of coordinates: ε / 10⁻⁵, magnified by cotangents.
+            // Lengths of 10⁻⁵ edges come from differences of coordinates: ε / 10⁻⁵, magnified by
+            // cotangents.
             close(&back, &fans.values, 1e-7);
         }
     }
 }
 
-/// Rings inside of the poles of a capsule with fans, at the given radii: masses become as small as one likes.
+/// Rings inside of the poles of a capsule with fans, at the given radii: masses become as small as
+/// one likes.
 fn with_inner_rings(around: usize, half: usize, radii: &[f64]) -> TriMesh {
     let mesh = capsule(around, half, true);
     let (mut points, mut faces) = (mesh.positions().to_vec(), mesh.faces().to_vec());
@@ -78,8 +81,9 @@ fn with_inner_rings(around: usize, half: usize, radii: &[f64]) -> TriMesh {
     TriMesh::new(points, faces).unwrap()
 }
 
-/// Masses that differ by 10¹² and more do not keep the other modes from being found: poles of many vertices in one
-/// place, for which the robust operator is, and tiny discs at the poles, whose cotangents are sound.
+/// Masses that differ by 10¹² and more do not keep the other modes from being found: poles of many
+/// vertices in one place, for which the robust operator is, and tiny discs at the poles, whose
+/// cotangents are sound.
 #[test]
 fn masses_of_any_ratio() {
     let spread = |found: &Spectrum| {
@@ -103,7 +107,8 @@ fn masses_of_any_ratio() {
     }
 }
 
-/// A second component of another size, as in scans: both have their zero, and the larger one its values.
+/// A second component of another size, as in scans: both have their zero, and the larger one its
+/// values.
 #[test]
 fn components_of_different_sizes() {
     let large = shapes::bumpy_sphere(3, 0.15, 4.0);
@@ -121,7 +126,8 @@ fn components_of_different_sizes() {
     }
 }
 
-/// Tetrahedra of edge a have 16/(3a²) three times, on top of a zero each; isolated vertices have nothing.
+/// Tetrahedra of edge a have 16/(3a²) three times, on top of a zero each; isolated vertices have
+/// nothing.
 #[test]
 fn many_small_components() {
     let (mut points, mut faces, mut expected) = (vec![], vec![], vec![]);
@@ -153,8 +159,8 @@ fn many_small_components() {
     }
 }
 
-/// A sphere with one edge much shorter than the others keeps its eigenvalues, with the collapsed one within
-/// what leaving out the vertex changes.
+/// A sphere with one edge much shorter than the others keeps its eigenvalues, with the collapsed
+/// one within what leaving out the vertex changes.
 #[test]
 fn one_short_edge() {
     for level in [2, 3] {
@@ -174,8 +180,9 @@ fn one_short_edge() {
     }
 }
 
-/// Two ways that share little, on a pinned sheet with two vertices very close together: shift-invert and a dense
-/// decomposition, which is off by ε times its largest eigenvalue unless it is mended.
+/// Two ways that share little, on a pinned sheet with two vertices very close together:
+/// shift-invert and a dense decomposition, which is off by ε times its largest eigenvalue unless it
+/// is mended.
 #[test]
 fn dense_and_sparse_agree_beside_a_needle() {
     for length in [1e-4, 1e-6] {

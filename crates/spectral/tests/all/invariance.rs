@@ -11,7 +11,7 @@ use ndarray::{Array2, Axis};
 
 use crate::meshes::{mapped, relabelled, scaled, turned, union};
 
-/// What does not depend on a basis, per vertex and as numbers, for a mesh in a unit.
+/// Quantities that do not depend on a basis, per vertex and as numbers, for a mesh in a unit.
 struct Facts {
     values: Vec<f64>,
     /// Energies of a field by cluster.

@@ -1,4 +1,5 @@
-//! Spectra and distances on bad meshes, in any frame and unit, and where modes are an arbitrary basis.
+//! Spectra and distances on bad meshes, in any frame and unit, and where modes are an arbitrary
+//! basis.
 
 #![expect(clippy::disallowed_methods, reason = "tests do not need the same bits")]
 

@@ -1,4 +1,4 @@
-//! Meshes to test on, and what does not change them.
+//! Test meshes, and transformations that keep their shape.
 
 use fairing_mesh::TriMesh;
 
@@ -28,7 +28,8 @@ pub(crate) fn union(a: &TriMesh, b: &TriMesh) -> TriMesh {
     TriMesh::new(points, faces.collect()).unwrap()
 }
 
-/// Vertex v becomes vertex `order(v)` = (a v + b) mod n; faces are rotated and in another order too.
+/// Vertex v becomes vertex `order(v)` = (a v + b) mod n; faces are rotated and in another order
+/// too.
 pub(crate) fn relabelled(mesh: &TriMesh) -> (TriMesh, Vec<usize>) {
     let n = mesh.vertex_count();
     let step = (n / 3..).find(|s| gcd(*s, n) == 1).unwrap();
@@ -46,8 +47,9 @@ fn gcd(a: usize, b: usize) -> usize {
     if b == 0 { a } else { gcd(b, a % b) }
 }
 
-/// A cylinder of length 2 with half spheres of radius 1. With `fans` each pole is as many vertices as a ring
-/// has, all in one place, and half of the faces there have no area; else it is one vertex.
+/// A cylinder of length 2 with half spheres of radius 1. With `fans` each pole is as many vertices
+/// as a ring has, all in one place, and half of the faces there have no area; else it is one
+/// vertex.
 pub(crate) fn capsule(around: usize, half: usize, fans: bool) -> TriMesh {
     let quarter = std::f64::consts::FRAC_PI_2;
     let mut rings = vec![];

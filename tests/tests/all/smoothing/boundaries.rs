@@ -116,7 +116,7 @@ fn pinned_sets_stay_and_soft_constraints_pull() {
     }
     let mut last = f64::MAX;
     for weight in [0.1, 1.0, 1000.0] {
-        let soft = vec![SoftConstraint { vertex: 3, target: lifted, weight }];
+        let soft = vec![SoftConstraint { vertex: 3, target: Some(lifted), weight }];
         let constraints = Constraints { soft, ..Constraints::default() };
         let options = Implicit { constraints, ..Implicit::new(Diffusion::cotangent(1.0)) };
         let smoothed = implicit(&mesh, &options, None).unwrap().mesh;
@@ -143,7 +143,7 @@ fn the_later_of_two_soft_constraints_counts() {
     let mesh = patch();
     let [first, later] = [[0.2, 0.3, 1.0], [0.5, 0.1, -2.0]].map(|target| SoftConstraint {
         vertex: 30,
-        target,
+        target: Some(target),
         weight: 3.0,
     });
     let run = |soft: Vec<SoftConstraint>| {

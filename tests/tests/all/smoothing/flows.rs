@@ -190,7 +190,7 @@ fn soft_constraints_of_hc_are_weighted_means() {
     let mesh = shapes::bumpy_sphere(2, 0.2, 5.0);
     let free = Hc { iterations: 1, ..Hc::default() };
     let (target, weight) = ([3.0, -1.0, 2.0], 3.0);
-    let soft = vec![SoftConstraint { vertex: 5, target, weight }];
+    let soft = vec![SoftConstraint { vertex: 5, target: Some(target), weight }];
     let drawn = Hc { constraints: Constraints { soft, ..Constraints::default() }, ..free.clone() };
     let [free, drawn] = [free, drawn].map(|options| hc(&mesh, &options, None).unwrap().mesh);
     for k in 0..3 {

@@ -92,7 +92,7 @@ fn flows_far_from_the_origin() {
     let there = moved(&here);
     let soft = |c: [f64; 3]| SoftConstraint {
         vertex: 7,
-        target: [0, 1, 2].map(|k| here.positions()[7][k] + c[k]),
+        target: Some([0, 1, 2].map(|k| here.positions()[7][k] + c[k])),
         weight: 3.0,
     };
     let implicit_by = |c, volume, lambda| Implicit {
@@ -199,7 +199,7 @@ fn flows_commute_with_order_turn_and_scale() {
             }
             TriMesh::new(x, m.faces().iter().map(|f| f.map(place)).collect()).unwrap()
         };
-        for method in fairing_smoothing::Method::defaults() {
+        for method in fairing_smoothing::Method::all() {
             if method.name() == "region" {
                 continue;
             }

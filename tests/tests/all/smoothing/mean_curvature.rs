@@ -124,7 +124,7 @@ fn a_face_that_stays_degenerate_counts_once() {
     let p = mesh.positions();
     let target = [0, 1, 2].map(|k| 0.5 * (p[a as usize][k] + p[b as usize][k]));
     // Within 10⁻¹³ of the line; a face is too thin below 10⁻¹⁰.
-    let soft = vec![SoftConstraint { vertex: v, target, weight: 1e13 }];
+    let soft = vec![SoftConstraint { vertex: v, target: Some(target), weight: 1e13 }];
     let pinned = vec![a, b];
     let constraints = Constraints { boundary: Boundary::Pinned, pinned, soft };
     let mut drawn = p.to_vec();

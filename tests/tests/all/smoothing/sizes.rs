@@ -38,7 +38,7 @@ fn patch() -> TriMesh {
 fn constraints(boundary: Boundary, soft: f64, unit: f64) -> Constraints {
     let soft = (soft > 0.0).then(|| SoftConstraint {
         vertex: 7,
-        target: scale([0.1, 0.2, 1.3], unit),
+        target: Some(scale([0.1, 0.2, 1.3], unit)),
         weight: soft,
     });
     Constraints { boundary, pinned: vec![3, 12], soft: soft.into_iter().collect() }

@@ -19,7 +19,7 @@ fn a_constrained_step_solves_its_system() {
     let mass = lumped_mass(&mesh, LumpedArea::Barycentric).unwrap();
     let pinned = vec![5, 99, 300];
     let (target, weight) = ([0.3, -0.2, 1.7], 2.5);
-    let soft = vec![SoftConstraint { vertex: 17, target, weight }];
+    let soft = vec![SoftConstraint { vertex: 17, target: Some(target), weight }];
     let constraints = Constraints { pinned: pinned.clone(), soft, ..Constraints::default() };
     for (lambda, factored) in [(1.0, false), (1000.0, true)] {
         let options = Implicit {

@@ -5,7 +5,7 @@ use fairing_denoising::{AutomaticOptions, Denoiser};
 use fairing_evaluation::NoiseLevel;
 use fairing_shapes as shapes;
 
-use super::{ASSIGNMENT, KEPT, METHODS, SHRUNK};
+use super::methods::{ASSIGNMENT, KEPT, METHODS, SHRUNK};
 use crate::experiment::Context;
 use crate::experiments::restoring::{Body, Method, Trials};
 use crate::row;

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use anyhow::{Context as _, Result};
 
-use super::{KEPT, METHODS, SHRUNK};
+use super::methods::{KEPT, METHODS, SHRUNK};
 use crate::experiments::restoring::Method;
 use crate::row;
 use crate::table::{Table as Results, Tables, Tolerance, Unit, brief};

@@ -11,7 +11,7 @@ use fairing_figure::{
 use fairing_mesh::TriMesh;
 use rayon::prelude::*;
 
-use super::{ASSIGNMENT, KEPT};
+use super::methods::{ASSIGNMENT, KEPT};
 use crate::experiment::Context;
 use crate::experiments::gallery::{VIEWPOINTS, plotted};
 use crate::experiments::grid::{Grid, Row};

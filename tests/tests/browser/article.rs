@@ -1,4 +1,4 @@
-//! The committed report as opened from a clone of the repository.
+//! The page of all experiments, as the quick run of `cargo xtask test` writes it.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -23,9 +23,9 @@ pub(crate) fn trials() -> Vec<(&'static str, Test)> {
     ]
 }
 
-/// The committed page, if there is one.
+/// The page of the last quick run, if there is one.
 pub(crate) fn page() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/report/report.html")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/quick-report/report.html")
 }
 
 fn open(chrome: &mut Chrome, page: &Path) -> Result<()> {
