@@ -1,11 +1,12 @@
 //! Smoothing flows for triangle meshes.
 //!
-//! Each flow is one function with one options struct; [`Method`] holds them all for programs. Those that take steps
-//! take an optional [`Observer`], which sees every step and can end the flow. All return a [`Smoothed`] mesh or a
-//! [`FlowError`] with the last good mesh; none returns a coordinate that is NaN or infinite.
+//! Each flow is one function with one options struct; [`Method`] is the enum of all flows, for
+//! programs. Flows that take steps accept an optional [`Observer`], which sees every step and can
+//! end the flow. All return a [`Smoothed`] mesh, or a [`FlowError`] with the last good mesh; no
+//! coordinate returned is NaN or infinite.
 //!
-//! A flow diffuses along the negative semi-definite Laplacian `L = −M⁻¹S`; the [`Diffusion`] says with which
-//! weights and how far in one step, in the unit that belongs to them.
+//! Flows diffuse with the negative semi-definite Laplacian `L = −M⁻¹S`; a [`Diffusion`] defines its
+//! weights and the length of a step.
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 

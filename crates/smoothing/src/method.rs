@@ -58,12 +58,12 @@ fairing_parameters::algorithms! {
         FairRegion(FairRegion) => |mesh, options, _| fair_region(mesh, options),
     }
 
-    /// Runs the flow. An observer sees every step of flows that take steps; filters and fairing do
-    /// all at once and are not observed.
+    /// Runs the flow. An observer sees every step of flows that take steps; filters and region
+    /// fairing take none and are not observed.
     ///
     /// # Errors
     ///
-    /// Those of the function of the flow.
+    /// The errors of the function of the flow.
     pub fn run(
         mesh: &TriMesh,
         observer: Option<&mut Observer<'_>>
@@ -76,17 +76,17 @@ mod tests {
 
     use super::*;
 
-    /// Sums are formed in fixed units of rows: the number of threads cannot show.
+    /// Sums are formed over fixed chunks of rows, whatever the number of threads.
     #[test]
     fn results_do_not_depend_on_the_number_of_threads() {
-        // More vertices than one unit of parallel work holds.
+        // More vertices than two chunks.
         let mesh = shapes::bumpy_sphere(5, 0.1, 7.0);
         assert!(mesh.vertex_count() > 2 * fairing_sparse::parallel::CHUNK);
         for method in Method::all() {
             let run = |threads: usize| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 let method = match method.clone() {
-                    // A few steps are enough to tell.
+                    // A few steps suffice.
                     Method::ConformalizedMcf(options) => {
                         Method::ConformalizedMcf(ConformalizedMcf { iterations: 3, ..options })
                     }

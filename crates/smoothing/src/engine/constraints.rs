@@ -1,4 +1,4 @@
-//! Which vertices may move, and how.
+//! Constraints on the movement of vertices.
 
 use fairing_mesh::TriMesh;
 use fairing_parameters::{
@@ -9,23 +9,24 @@ use crate::engine::arrangement::Arrangement;
 use crate::engine::error::FlowFailure;
 use crate::engine::sliding::Sliding;
 
-/// What happens at the boundary of an open mesh.
+/// Treatment of the boundary of an open mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Boundary {
-    /// Boundary vertices move like all others. Their neighbours lie on one side only, so the border moves inward.
+    /// Boundary vertices move like all others. Their neighbours lie on one side only, so the
+    /// boundary shrinks.
     #[default]
     Free,
-    /// Boundary vertices stay where they are.
+    /// Boundary vertices are fixed.
     Pinned,
-    /// Boundary vertices move along the boundary curve of the input and never leave it; corners, where the curve
-    /// turns by more than 45°, and vertices where boundary curves meet stay.
+    /// Boundary vertices slide along the boundary curve of the input; corners, where the curve
+    /// turns by more than 45°, and vertices where boundary curves meet are fixed.
     Sliding,
 }
 
 fairing_parameters::choices!(Boundary, "treatment of the boundary",
-    Free: "free", "It moves inward as its neighbours pull";
-    Pinned: "pinned", "It stays";
-    Sliding: "sliding", "It moves along its own curve";
+    Free: "free", "Not constrained: the boundary shrinks";
+    Pinned: "pinned", "Boundary vertices are fixed";
+    Sliding: "sliding", "Boundary vertices slide along the boundary curve";
 );
 #[cfg(feature = "serde")]
 fairing_parameters::serde_by_name!(Boundary);
@@ -37,23 +38,24 @@ fairing_parameters::serde_by_name!(Boundary);
 pub struct SoftConstraint {
     /// The vertex.
     pub vertex: u32,
-    /// The target, in mesh units; the position in the input if `None`.
+    /// The target position, in mesh units; the position in the input if `None`.
     pub target: Option<[f64; 3]>,
-    /// How strongly, dimensionless: a step ends at the weighted mean of where the flow alone would lead (weight 1)
-    /// and the target (this weight), within the linear system for implicit methods.
+    /// The weight of the target, dimensionless: a step ends at the weighted mean of the
+    /// unconstrained result (weight 1) and the target (this weight); implicit methods include it in
+    /// the linear system.
     pub weight: f64,
 }
 
-/// What a flow has to respect. The default is nothing.
+/// Constraints of a flow; none by default.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct Constraints {
-    /// The boundary of the mesh.
+    /// Treatment of the boundary.
     pub boundary: Boundary,
-    /// Vertices that do not move, on the boundary or not.
+    /// Fixed vertices, on the boundary or in the interior.
     pub pinned: Vec<u32>,
-    /// Vertices drawn towards targets; of two for one vertex the later counts.
+    /// Vertices drawn towards targets; the last constraint of a vertex counts.
     pub soft: Vec<SoftConstraint>,
 }
 
@@ -65,10 +67,10 @@ impl Field for Constraints {
     fn parameters(&self, _: Parameter) -> Vec<Parameter> {
         let about = "The treatment of the boundary of an open mesh";
         let boundary = Parameter::new(BOUNDARY, Kind::Choice(Boundary::CHOICES), about);
-        let about = "Vertices that stay, as numbers from 0 joined by commas";
+        let about = "Fixed vertices: numbers from 0, separated by commas";
         let pin = Parameter::new(PIN, Kind::Vertices, about);
-        let about = "Vertices drawn to where they are, or to a point, joined by commas; a weight \
-                     of 1 ends a step half-way between the flow and the point";
+        let about = "Vertices drawn to their input positions or to given points, separated by \
+                     commas; a weight of 1 ends a step half-way between the flow and the point";
         let soft = Parameter::new(SOFT, Kind::Weighted, about);
         [self.boundary.parameters(boundary), vec![pin, soft]].concat()
     }
@@ -87,15 +89,15 @@ impl Field for Constraints {
 }
 
 impl Constraints {
-    /// No constraint.
+    /// No constraints.
     pub const NONE: Self = Self { boundary: Boundary::Free, pinned: Vec::new(), soft: Vec::new() };
 
-    /// A rule for the boundary, and no other constraint.
+    /// A treatment of the boundary without further constraints.
     pub fn boundary(boundary: Boundary) -> Self {
         Self { boundary, ..Self::NONE }
     }
 
-    /// Whether nothing is constrained.
+    /// Returns true if nothing is constrained.
     pub fn is_free(&self) -> bool {
         *self == Self::default()
     }
@@ -103,11 +105,11 @@ impl Constraints {
 
 /// Constraints in the order of an arrangement.
 pub(crate) struct Freedom {
-    /// Vertices that stay.
+    /// True for fixed vertices.
     pub(crate) fixed: Vec<bool>,
-    /// Weight and target for each vertex, if there are any.
+    /// Weight and target of each vertex, if there are soft constraints.
     pub(crate) soft: Option<(Vec<f64>, Vec<[f64; 3]>)>,
-    /// Boundary curves to slide along.
+    /// Boundary curves with sliding vertices.
     pub(crate) sliding: Option<Sliding>,
 }
 
@@ -160,12 +162,13 @@ impl Freedom {
         Ok(Self { fixed, soft, sliding })
     }
 
-    /// Whether every vertex is either fixed or moves freely, so that a step is linear in the positions.
+    /// Returns true if every vertex is either fixed or free, so that a step is linear in the
+    /// positions.
     pub(crate) fn is_linear(&self) -> bool {
         self.soft.is_none() && self.sliding.is_none()
     }
 
-    /// Weight and target of the soft constraint at vertex `i`; weight zero if there is none.
+    /// Weight and target of the soft constraint at vertex `i`; weight 0 if there is none.
     #[inline(always)]
     pub(crate) fn pull(&self, i: usize) -> (f64, [f64; 3]) {
         match &self.soft {
@@ -174,7 +177,7 @@ impl Freedom {
         }
     }
 
-    /// The part of a displacement of vertex `i` that is allowed at the positions the tangents were taken at.
+    /// The component of a displacement of vertex `i` that the constraints allow.
     #[inline(always)]
     pub(crate) fn project(&self, i: usize, d: [f64; 3]) -> [f64; 3] {
         if self.fixed[i] {
@@ -186,14 +189,14 @@ impl Freedom {
         }
     }
 
-    /// Takes the tangents of the boundary curves at the positions.
+    /// Updates the tangents of the boundary curves at the positions of `mesh`.
     pub(crate) fn begin_step(&mut self, mesh: &TriMesh) {
         if let Some(sliding) = &mut self.sliding {
             sliding.take_tangents(mesh.positions());
         }
     }
 
-    /// Puts sliding vertices back on their curves after a step along the tangents.
+    /// Returns sliding vertices to their curves after a step along the tangents.
     pub(crate) fn end_step(&mut self, positions: &mut [[f64; 3]]) {
         if let Some(sliding) = &mut self.sliding {
             sliding.retract(positions);

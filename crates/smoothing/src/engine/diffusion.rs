@@ -1,4 +1,4 @@
-//! What diffuses, and how far in one step.
+//! The Laplacian of a flow and the length of its steps.
 
 use fairing_mesh::TriMesh;
 use fairing_operators::{LaplacianKind, LumpedArea, Reason, choose};
@@ -8,35 +8,38 @@ use fairing_parameters::{
 
 use crate::engine::error::FlowFailure;
 
-/// The Laplacian of a flow with the length of a step in its unit.
+/// The Laplacian of a flow and the length of a step.
 ///
-/// The unit belongs to the weights: with uniform weights λ is a dimensionless fraction of the way to the mean of
-/// the neighbours; with cotangents a step is a diffusion time, an area.
+/// The unit of a step depends on the weights: for uniform weights λ is a dimensionless fraction of
+/// the way to the mean of the neighbours; for cotangent weights a step is a diffusion time, an
+/// area.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Diffusion {
-    /// `L = D⁻¹A − I`: every neighbour counts the same. Defined on every mesh, broken ones included; moves
-    /// vertices within the surface as well, towards even spacing.
+    /// `L = D⁻¹A − I`: equal weights. Defined on every mesh, including non-manifold and degenerate
+    /// ones; also moves vertices within the surface, towards even spacing.
     Uniform {
         /// λ, dimensionless.
         lambda: f64,
     },
-    /// `L = −M⁻¹S` with cotangent weights: the Laplace–Beltrami operator, which moves vertices along the normal.
+    /// `L = −M⁻¹S` with cotangent weights: the Laplace–Beltrami operator, which moves vertices
+    /// along the normal.
     Cotangent {
         /// The time of one step.
         time: Time,
-        /// How `S` is made; every kind but uniform. [`LaplacianKind::Auto`] takes the robust Laplacian where a face
-        /// of the input is too thin for cotangents, which [`Report::too_thin`](crate::Report::too_thin) then names.
+        /// The kind of `S`, any except uniform. [`LaplacianKind::Auto`] takes the robust Laplacian
+        /// if a face of the input is too thin for cotangents;
+        /// [`Report::too_thin`](crate::Report::too_thin) then names this face.
         kind: LaplacianKind,
-        /// The areas `M`, which must be positive: [`LumpedArea::Voronoi`] does not promise that, and the robust
-        /// Laplacian has barycentric ones only.
+        /// The vertex areas `M`, which must be positive: those of [`LumpedArea::Voronoi`] may not
+        /// be, and the robust Laplacian supports barycentric areas only.
         area: LumpedArea,
     },
 }
 
-/// The Laplacian that `kind` stands for on `mesh`, cotangent or robust, and the first face too thin for
-/// cotangents if that decided.
+/// The kind chosen for `mesh`, cotangent or robust, and the first face too thin for cotangents if
+/// that decided.
 pub(crate) fn chosen(
     mesh: &TriMesh,
     kind: LaplacianKind,
@@ -70,7 +73,7 @@ pub(crate) fn weights(default: &str) -> Parameter {
     }
 }
 
-/// Refuses parameters of cotangents, which uniform weights would ignore.
+/// Refuses parameters of cotangent weights, which uniform weights would ignore.
 pub(crate) fn refuse_with_uniform(
     values: &Values,
     parameters: &[&'static str],
@@ -84,20 +87,20 @@ pub(crate) fn refuse_with_uniform(
     }
 }
 
-/// Refuses areas that the robust Laplacian does not have.
+/// Refuses areas that the robust Laplacian does not support.
 pub(crate) fn check_areas(
     kind: LaplacianKind,
     area: LumpedArea,
     values: &Values,
 ) -> Result<(), ParameterError> {
     if kind == LaplacianKind::Robust && area != LumpedArea::Barycentric {
-        let expected = "barycentric with operator robust, which has no other areas";
+        let expected = "barycentric with operator robust, which supports no other areas";
         return Err(values.refuse(AREA, expected));
     }
     Ok(())
 }
 
-/// A time means cotangents. The other weights keep the number of the default step.
+/// A time implies cotangent weights. Other weights keep the number of the default step.
 impl Field for Diffusion {
     fn parameters(&self, _: Parameter) -> Vec<Parameter> {
         let (name, step, kind, area) = match *self {
@@ -119,11 +122,11 @@ impl Field for Diffusion {
         let time = Parameter {
             unit: "squared units of the file",
             range: Range::NOT_NEGATIVE,
-            ..Parameter::new(TIME, Kind::Number, "The step of cotangents")
+            ..Parameter::new(TIME, Kind::Number, "The step for cotangents, as a diffusion time")
         };
         let choice = |name, about| Parameter::new(name, Kind::Number, about);
         let areas = area.parameters(choice(AREA, "The areas of vertices for cotangents"));
-        let about = "The Laplacian of cotangents; auto means cotangent with other areas than \
+        let about = "The kind of cotangent Laplacian; auto means cotangent for areas other than \
                      barycentric";
         let kinds = kind.parameters(choice(OPERATOR, about));
         [vec![weights(name), lambda, time], areas, kinds].concat()
@@ -161,10 +164,11 @@ impl Field for Diffusion {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Time {
-    /// In squared mesh units.
+    /// A time in squared mesh units.
     SquaredUnits(f64),
-    /// In h², the square of the mean edge length of the input: the same number does the same, relative to the
-    /// resolution, at every scale. h counts an edge once for each of its faces.
+    /// A time in h², the square of the mean edge length of the input: equal numbers have equal
+    /// effects relative to the resolution at every scale. h counts an edge once for each of its
+    /// faces.
     SquaredEdges(f64),
 }
 
@@ -177,7 +181,7 @@ impl Time {
         }
     }
 
-    /// The number, in whatever unit.
+    /// The number without its unit.
     pub(crate) fn value(self) -> f64 {
         match self {
             Self::SquaredUnits(t) | Self::SquaredEdges(t) => t,
@@ -191,13 +195,14 @@ impl Diffusion {
         Self::Uniform { lambda }
     }
 
-    /// Cotangent weights ([`LaplacianKind::Auto`]) over barycentric areas, with steps of `lambda` h².
+    /// Cotangent weights ([`LaplacianKind::Auto`]) and barycentric areas, with steps of `lambda`
+    /// h².
     pub const fn cotangent(lambda: f64) -> Self {
         let (kind, area) = (LaplacianKind::Auto, LumpedArea::Barycentric);
         Self::Cotangent { time: Time::SquaredEdges(lambda), kind, area }
     }
 
-    /// The same steps with another Laplacian; nothing changes for uniform weights.
+    /// The same steps with another Laplacian; uniform weights are unchanged.
     #[must_use]
     pub fn with_kind(self, kind: LaplacianKind) -> Self {
         match self {
@@ -206,8 +211,8 @@ impl Diffusion {
         }
     }
 
-    /// The diffusion with the Laplacian that its kind stands for on `mesh`, and the first face too thin for
-    /// cotangents if that decided.
+    /// The diffusion with the kind chosen for `mesh`, and the first face too thin for cotangents if
+    /// that decided.
     pub(crate) fn chosen(self, mesh: &TriMesh) -> Result<(Self, Option<u32>), FlowFailure> {
         match self {
             Self::Uniform { .. } => Ok((self, None)),
@@ -218,7 +223,7 @@ impl Diffusion {
         }
     }
 
-    /// The number of the step, in whatever unit.
+    /// The step without its unit.
     pub(crate) fn value(self) -> f64 {
         match self {
             Self::Uniform { lambda } => lambda,

@@ -1,4 +1,5 @@
-//! What flows share: kernels over positions, solvers, constraints, the loop over steps, and errors.
+//! Parts common to all flows: kernels over positions, solvers, constraints, the loop over steps,
+//! and errors.
 
 pub(crate) mod arrangement;
 pub(crate) mod assemble;

@@ -1,9 +1,10 @@
-//! The parts of a mesh that move on their own, and how exactly a system is to be solved in each.
+//! Connected parts of a mesh, and the accuracy to which a system is solved in each.
 //!
-//! A system `(M(1 + w) + tS) x' = b` falls apart into one for each connected part of the vertices that move. Parts
-//! may differ in size by any factor, and so may coordinates: a tolerance relative to the largest would leave the
-//! smallest as they are. So residuals are measured for each coordinate of each part, against its own right-hand side,
-//! but never below what rounding leaves of it.
+//! A system `(M(1 + w) + tS) x' = b` decouples into one for each connected part of the vertices
+//! that move. Parts may differ in size by any factor, and so may coordinates; with a tolerance
+//! relative to the largest, the smallest would not be solved at all. Residuals are therefore
+//! measured for each coordinate of each part relative to its own right-hand side, but not below the
+//! level of rounding.
 
 use fairing_sparse::parallel::CHUNK;
 use fairing_sparse::{GraphLaplacian, Padded};
@@ -13,28 +14,28 @@ use crate::engine::constraints::Freedom;
 
 type Point = [f64; 3];
 
-/// Rounding that a residual may hold, as a multiple of ε times its terms.
+/// The rounding error allowed in a residual, as a multiple of ε times its terms.
 const ROUNDING: f64 = 8.0;
 
-/// A residual is reported relative to no less than the rounding of its terms times this: where a right-hand side is
-/// rounding itself, the share of it that is left says nothing.
+/// A residual is reported relative to at least this multiple of the rounding error of its terms:
+/// relative to a right-hand side that consists of rounding errors it would be meaningless.
 const NOISE: f64 = 1e8;
 
-/// With more parts than this, sums over parts are formed by one thread.
+/// The largest number of parts over which sums are formed in parallel.
 const FEW: usize = 16;
 
 /// Connected parts of the vertices that move.
 pub(crate) struct Parts {
-    /// The part of each vertex; for vertices that are fixed, one more than there are.
+    /// The part of each vertex; the number of parts for fixed vertices.
     label: Vec<u32>,
     /// A vertex of each part.
     first: Vec<u32>,
-    /// Whether a part has neighbours that are fixed, or vertices that slide, so that it cannot move as a whole.
+    /// True for parts with fixed neighbours or sliding vertices, which cannot move as a whole.
     anchored: Vec<bool>,
 }
 
 impl Parts {
-    /// The parts that the pattern of a Laplacian connects.
+    /// The connected parts of the pattern of a Laplacian, without fixed vertices.
     pub(crate) fn new(laplacian: &GraphLaplacian, freedom: &Freedom) -> Self {
         const NONE: u32 = u32::MAX;
         let n = laplacian.len();
@@ -68,7 +69,7 @@ impl Parts {
         Self { label, first, anchored }
     }
 
-    /// The number of parts; vertices that are fixed count as one more.
+    /// The number of parts; the fixed vertices count as one more.
     pub(crate) fn count(&self) -> usize {
         self.anchored.len()
     }
@@ -79,13 +80,13 @@ impl Parts {
         self.label[i] as usize
     }
 
-    /// Whether the part of vertex `i` may move as a whole.
+    /// Returns true if the part of vertex `i` may move as a whole.
     #[inline]
     pub(crate) fn is_free(&self, i: usize) -> bool {
         !self.anchored[self.label[i] as usize]
     }
 
-    /// Whether each part may move as a whole.
+    /// For each part, true if it may move as a whole.
     pub(crate) fn free(&self) -> impl Iterator<Item = bool> + '_ {
         self.anchored.iter().map(|anchored| !anchored)
     }
@@ -99,7 +100,7 @@ impl Parts {
             .map(|(&v, _)| v as usize)
     }
 
-    /// The sum over each part of what `f` gives for the part and each of its vertices.
+    /// The sum over each part of `f(part, vertex)`.
     pub(crate) fn sums<const K: usize>(
         &self,
         f: impl Fn(usize, usize) -> [f64; K] + Sync,
@@ -110,7 +111,7 @@ impl Parts {
             .collect()
     }
 
-    /// The largest in each part of what `f` gives for the part and each of its vertices, zero at least.
+    /// The largest value of `f(part, vertex)` in each part, at least zero.
     pub(crate) fn largest<const K: usize>(
         &self,
         f: impl Fn(usize, usize) -> [f64; K] + Sync,
@@ -121,7 +122,7 @@ impl Parts {
             .collect()
     }
 
-    /// [`Self::sums`] of the first and [`Self::largest`] of the second, in one pass.
+    /// [`Self::sums`] of the first values and [`Self::largest`] of the second ones, in one pass.
     pub(crate) fn sums_and_largest<const A: usize, const B: usize>(
         &self,
         f: impl Fn(usize, usize) -> ([f64; A], [f64; B]) + Sync,
@@ -137,7 +138,7 @@ impl Parts {
         let gather = |(chunk, labels): (usize, &[u32])| {
             let mut all = vec![([0.0; A], [0.0; B]); self.count()];
             let mut i = chunk * CHUNK;
-            // Vertices in a row are mostly of one part, whose sums stay in registers.
+            // Consecutive vertices are mostly of one part, whose sums stay in registers.
             for run in labels.chunk_by(|a, b| a == b) {
                 let part = run[0] as usize;
                 let mut here = all[part];
@@ -162,10 +163,12 @@ impl Parts {
         total
     }
 
-    /// The points about which each part is solved. For a part that may move as a whole, it is the centre that
-    /// `M(1 + w) x' = M (x + w c)` gives it; all other parts share the weighted mean of their centres.
+    /// The point about which each part is solved: for a part that may move as a whole the centre
+    /// determined by `M(1 + w) x' = M (x + w c)`, for all other parts the common weighted mean of
+    /// their centres.
     pub(crate) fn centres(&self, mass: &[f64], x: &[Point], freedom: &Freedom) -> Vec<Point> {
-        // About a point of the part, so that coordinates far from the origin lose nothing.
+        // Sums are formed about a point of the part, so that coordinates far from the origin lose
+        // no digits.
         let origin = |part: usize| x[self.first.get(part).map_or(0, |&v| v as usize)];
         let origins: Vec<Point> = (0..self.count()).map(origin).collect();
         let sums = self.sums(|part, i| {
@@ -197,18 +200,20 @@ impl Parts {
     }
 }
 
-/// How large residuals may be in each coordinate of each part.
+/// Scales of the residual in each coordinate of each part.
 pub(crate) struct Gauge<'a> {
     parts: &'a Parts,
-    /// The reciprocals of the right-hand sides of parts, raised to rounding, in which an iteration measures.
+    /// Reciprocals of the right-hand sides of the parts, raised to the level of rounding, for
+    /// convergence tests.
     pub(crate) measure: Vec<Point>,
-    /// The reciprocals of the right-hand sides, in which it reports.
+    /// Reciprocals of the right-hand sides, for reported residuals.
     report: Vec<Point>,
 }
 
 impl<'a> Gauge<'a> {
-    /// From the squared norms of the right-hand sides of parts and, as a fourth, of the coefficients of their terms;
-    /// and the largest coordinates in each. Coordinates that are coupled are measured together.
+    /// The scales for the squared norms of the right-hand sides of the parts and, as fourth
+    /// entries, of the coefficients of their terms, with the largest coordinates of each part in
+    /// `reach`. Coupled coordinates share one scale.
     pub(crate) fn new(
         parts: &'a Parts,
         sides: &[[f64; 4]],
@@ -231,24 +236,25 @@ impl<'a> Gauge<'a> {
         Self { parts, measure, report }
     }
 
-    /// The residual of each coordinate of each part as an iteration measures it: the largest.
+    /// The largest residual of a coordinate of a part, on the scale of the convergence test.
     pub(crate) fn measured(&self, r: &[Point]) -> f64 {
         self.relative(r, &self.measure)
     }
 
-    /// The residual as it is reported, of each coordinate of each part relative to its right-hand side: the largest.
+    /// The largest residual of a coordinate of a part relative to its right-hand side, as reported.
     pub(crate) fn reported(&self, r: &[Point]) -> f64 {
         self.relative(r, &self.report)
     }
 
-    /// [`Self::reported`] of a residual in units of [`Self::measure`]; `sums` are the sums of its squares.
+    /// [`Self::reported`] for a residual in units of [`Self::measure`]; `sums` are the sums of its
+    /// squares.
     pub(crate) fn reported_in_units(&self, r: &[Padded], sums: &[f64]) -> f64 {
         let units = self.measure.iter().zip(&self.report);
-        let shares: Vec<Point> =
+        let factors: Vec<Point> =
             units.map(|(m, r)| [0, 1, 2].map(|k| r[k] * reciprocal(m[k]))).collect();
         match self.parts.first[..] {
-            [_] => (0..3).map(|k| sums[k].sqrt() * shares[0][k]).fold(0.0, larger),
-            _ => self.relative(r, &shares),
+            [_] => (0..3).map(|k| sums[k].sqrt() * factors[0][k]).fold(0.0, larger),
+            _ => self.relative(r, &factors),
         }
     }
 
@@ -258,12 +264,12 @@ impl<'a> Gauge<'a> {
     }
 }
 
-/// `1/x`, zero for zero.
+/// `1/x`; zero for zero.
 pub(crate) fn reciprocal(x: f64) -> f64 {
     if x > 0.0 { 1.0 / x } else { 0.0 }
 }
 
-/// The larger of two numbers; NaN if one is.
+/// The larger of two numbers; NaN if either is NaN.
 #[inline(always)]
 pub(crate) fn larger(a: f64, b: f64) -> f64 {
     if a > b || a.is_nan() { a } else { b }
@@ -291,8 +297,8 @@ mod tests {
         (mesh, (0..12).map(|v| 1.0 + f64::from(v * v % 7)).collect())
     }
 
-    /// A free part is solved about the mean that its masses and pulls have; all others, and what holds them, about one
-    /// mean of theirs.
+    /// A free part is solved about the mean determined by its masses and soft constraints; all
+    /// others, and the fixed vertices, about one common mean.
     #[test]
     fn anchored_parts_have_one_centre() {
         let (mesh, mass) = three();
@@ -322,11 +328,11 @@ mod tests {
                 assert!((found[k] - expected[k]).abs() < 1e-13, "{found:?} {expected:?}");
             }
         }
-        // Parts that cannot move as a whole stay next to each other, to the last bit.
+        // Parts that cannot move as a whole have the same centre, to the last bit.
         assert!(found[0] == found[1] && found[1] == found[3]);
     }
 
-    /// Few parts are summed by chunks of vertices, many at once.
+    /// Few parts are summed by chunks of vertices, many parts by one thread.
     #[test]
     fn parts_are_summed_over_all_chunks() {
         let n = 2 * CHUNK + 77;
@@ -344,7 +350,7 @@ mod tests {
         }
     }
 
-    /// Each part has its own measure, and each of its coordinates unless they are coupled.
+    /// Each coordinate of each part has its own scale, unless coordinates are coupled.
     #[test]
     fn residuals_are_relative_to_their_own_part() {
         let (mesh, _) = three();
@@ -352,7 +358,7 @@ mod tests {
         let laplacian = uniform(&mesh, &freedom.fixed);
         let parts = Parts::new(&laplacian, &freedom);
         assert_eq!(parts.count(), 4);
-        // Right-hand sides of 1, 10⁻⁶ and 10³ in x, half of that in y, and a hundredth in z.
+        // Right-hand sides of 1, 10⁻⁶ and 10³ in x, half of these in y, and a hundredth in z.
         let sides = [1.0, 1e-6, 1e3, 0.0].map(|s: f64| [s * s, 0.25 * s * s, 1e-4 * s * s, s * s]);
         let reach = [1.0, 1e-6, 1e3, 0.0].map(|s| [s; 3]);
         let at = |v: usize, r: Point| -> Vec<Point> {
@@ -369,7 +375,8 @@ mod tests {
                 }
             }
         }
-        // Sliding vertices couple coordinates: relative to the length of the right-hand side.
+        // Sliding vertices couple coordinates: residuals are relative to the length of the
+        // right-hand side.
         let coupled = Gauge::new(&parts, &sides, &reach, 1e-8, true);
         let found = coupled.reported(&at(7, [0.0, 0.0, 3e-11]));
         assert!((found / (3e-5 / 1.2501f64.sqrt()) - 1.0).abs() < 1e-12, "{found}");

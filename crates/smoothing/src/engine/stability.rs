@@ -1,4 +1,4 @@
-//! How long an explicit step may be.
+//! Stable limits of explicit steps.
 
 use fairing_mesh::TriMesh;
 
@@ -6,43 +6,45 @@ use crate::engine::assemble::assemble;
 use crate::engine::diffusion::Diffusion;
 use crate::engine::error::FlowFailure;
 
-/// What happens to an explicit step beyond its stable limit.
+/// Treatment of an explicit step beyond its stable limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Stability {
-    /// It is an error.
+    /// Returns an error.
     #[default]
     Refuse,
-    /// It is taken, the report says so, and programs warn.
+    /// Takes the step; the report says so, and programs warn.
     Warn,
-    /// It is taken, the report says so, and programs do not warn.
+    /// Takes the step; the report says so, but programs do not warn.
     Allow,
 }
 
 fairing_parameters::choices!(Stability, "treatment of unstable steps",
-    Refuse: "refuse", "They are an error";
-    Warn: "warn", "They are taken, with a warning";
-    Allow: "allow", "They are taken";
+    Refuse: "refuse", "An error";
+    Warn: "warn", "Taken, with a warning";
+    Allow: "allow", "Taken without a warning";
 );
 #[cfg(feature = "serde")]
 fairing_parameters::serde_by_name!(Stability);
 
-/// The largest step for which no mode grows under `x ← x + λLx`, in the unit of the factor of `L`: dimensionless for
-/// uniform weights, squared mesh units for cotangents; infinite without edges.
+/// The largest step for which no mode grows under `x ← x + λLx`, in the unit of the factor of `L`:
+/// dimensionless for uniform weights, squared mesh units for cotangents; infinite without edges.
 ///
-/// - uniform weights, closed (every edge has two faces): 4/3. Summing `(xₐ + x_b + x_c)² ≥ 0` over the triangles
-///   meets every edge twice and every vertex as often as its valence, which gives μ ≥ −3/2. The octahedron attains
-///   it.
-/// - uniform weights, open: 8/7. The same sum, with an edge at the boundary met once, gives
+/// - Uniform weights, closed mesh (every edge has two faces): 4/3. The sum of
+///   `(xₐ + x_b + x_c)² ≥ 0` over all triangles contains every edge twice and every vertex as often
+///   as its valence, which gives μ ≥ −3/2. The octahedron attains the bound.
+/// - Uniform weights, open mesh: 8/7. The same sum, with boundary edges once, gives
 ///   `μ ≥ −(1 + ½(1 + 1/d))` for the smallest valence d ≥ 2.
-/// - uniform weights, some edge with three faces or more: 1, since the spectrum of every random walk lies in
-///   [−2, 0].
-/// - cotangents: 2/ω for an upper bound ω of the spectrum, measured by twenty Lanczos steps to a few percent.
+/// - Uniform weights, some edge with three or more faces: 1, since the spectrum of every random
+///   walk lies in [−2, 0].
+/// - Cotangent weights: 2/ω for an upper bound ω of the spectrum, estimated by twenty Lanczos steps
+///   to a few percent.
 ///
-/// Fixed vertices only shorten the spectrum: the rows that move form a principal submatrix.
+/// Fixed vertices can only narrow the spectrum: the remaining rows form a principal submatrix.
 ///
 /// # Errors
 ///
-/// [`FlowFailure::Operator`] and [`FlowFailure::NonPositiveMass`] where the cotangent operator does not exist.
+/// [`FlowFailure::Operator`] and [`FlowFailure::NonPositiveMass`] where the cotangent operator does
+/// not exist.
 pub fn stable_limit(mesh: &TriMesh, diffusion: Diffusion) -> Result<f64, FlowFailure> {
     match diffusion {
         Diffusion::Uniform { .. } => Ok(uniform_limit(mesh)),
@@ -54,18 +56,19 @@ pub fn stable_limit(mesh: &TriMesh, diffusion: Diffusion) -> Result<f64, FlowFai
     }
 }
 
-/// Lanczos steps; the eigenvalue is then known to many digits unless crowded by its neighbours.
+/// Lanczos steps; they give many digits of the eigenvalue unless its neighbours crowd it.
 const LANCZOS_STEPS: usize = 200;
 
-/// The largest eigenvalue of `−L = M⁻¹S`, from below: the largest Ritz value of two hundred Lanczos steps from a
-/// fixed random vector. Dimensionless for uniform weights, in one over squared mesh units for cotangents; the step of
-/// `diffusion` does not matter. Zero without edges.
+/// The largest eigenvalue ω of `−L = M⁻¹S`, estimated from below by the largest Ritz value of two
+/// hundred Lanczos steps from a fixed random vector. Dimensionless for uniform weights, in one over
+/// squared mesh units for cotangents; independent of the step of `diffusion`. Zero without edges.
 ///
-/// A step of the explicit flow multiplies the roughest mode by one minus the step times this.
+/// An explicit step λ multiplies the roughest mode by 1 − λω.
 ///
 /// # Errors
 ///
-/// [`FlowFailure::Operator`] and [`FlowFailure::NonPositiveMass`] where the cotangent operator does not exist.
+/// [`FlowFailure::Operator`] and [`FlowFailure::NonPositiveMass`] where the cotangent operator does
+/// not exist.
 ///
 /// # Examples
 ///

@@ -1,34 +1,35 @@
-//! What an observer sees of a running flow.
+//! The view of a running flow given to its observer.
 
 use std::ops::ControlFlow;
 
 use fairing_mesh::TriMesh;
 use glam::DVec3;
 
-/// Called after every step with what it did; `ControlFlow::Break` ends the flow there.
+/// A callback invoked after every step; `ControlFlow::Break` ends the flow.
 ///
 /// # Examples
 ///
-/// Stop as soon as a step moves nothing by more than a thousandth of an edge:
+/// Stop as soon as no vertex moves by more than a thousandth of an edge:
 ///
 /// ```
 /// use std::ops::ControlFlow;
 /// use fairing_shapes as shapes;
-/// use fairing_smoothing::{Diffusion, Explicit, explicit};
+/// use fairing_smoothing::{Diffusion, Explicit, Step, explicit};
 ///
 /// let sphere = shapes::icosphere(3);
 /// let small = 1e-3 * sphere.mean_edge_length();
 /// let options = Explicit { iterations: 1000, ..Explicit::new(Diffusion::uniform(0.5)) };
-/// let smoothed = explicit(&sphere, &options, Some(&mut |step| match step.largest_displacement() < small {
+/// let mut observer = |step: &Step<'_>| match step.largest_displacement() < small {
 ///     true => ControlFlow::Break(()),
 ///     false => ControlFlow::Continue(()),
-/// }))?;
+/// };
+/// let smoothed = explicit(&sphere, &options, Some(&mut observer))?;
 /// assert!(smoothed.report.stopped);
 /// # Ok::<(), fairing_smoothing::FlowError>(())
 /// ```
 pub type Observer<'a> = dyn FnMut(&Step<'_>) -> ControlFlow<()> + 'a;
 
-/// One step of a flow, after it was taken.
+/// A completed step of a flow.
 pub struct Step<'a> {
     pub(crate) iteration: usize,
     pub(crate) step_size: f64,
@@ -43,12 +44,13 @@ impl Step<'_> {
         self.iteration
     }
 
-    /// The factor of the Laplacian in this step: λ for uniform weights, a time in squared mesh units for cotangents.
+    /// The factor of the Laplacian in this step: λ for uniform weights, a time in squared mesh
+    /// units for cotangent weights.
     pub fn step_size(&self) -> f64 {
         self.step_size
     }
 
-    /// The mesh after this step. A reference: nothing has been copied for it.
+    /// The mesh after this step, by reference without a copy.
     pub fn mesh(&self) -> &TriMesh {
         self.mesh
     }
@@ -63,31 +65,33 @@ impl Step<'_> {
         self.before
     }
 
-    /// The largest distance that a vertex moved in this step, in mesh units. Computed when called.
+    /// The largest displacement of a vertex in this step, in mesh units. Computed when called.
     pub fn largest_displacement(&self) -> f64 {
         self.squared_displacements().fold(0.0, f64::max).sqrt()
     }
 
-    /// The root mean square of the distances that vertices moved in this step, in mesh units. Computed when called.
+    /// The root mean square displacement of the vertices in this step, in mesh units. Computed when
+    /// called.
     pub fn rms_displacement(&self) -> f64 {
         let n = self.before.len().max(1) as f64;
         (self.squared_displacements().sum::<f64>() / n).sqrt()
     }
 
     /// The signed volume `⅙ Σ a · (b × c)`, in cubed mesh units, of the
-    /// [oriented](TriMesh::oriented) mesh with the middle of its bounding box as origin; the volume inside where the
-    /// mesh is closed. Computed when called.
+    /// [oriented](TriMesh::oriented) mesh about the centre of its bounding box: the enclosed volume
+    /// if the mesh is closed. Computed when called.
     pub fn volume(&self) -> f64 {
         self.mesh.signed_volume()
     }
 
-    /// The area, in squared mesh units: the energy that cotangent flows descend. Computed when called.
+    /// The surface area, in squared mesh units: the energy that cotangent flows decrease. Computed
+    /// when called.
     pub fn area(&self) -> f64 {
         (0..self.mesh.face_count()).map(|f| self.mesh.face_area(f)).sum()
     }
 
-    /// Half the sum of squared edge lengths, in squared mesh units: the energy that uniform flows descend.
-    /// Computed when called.
+    /// Half the sum of squared edge lengths, in squared mesh units: the energy that uniform flows
+    /// decrease. Computed when called.
     pub fn edge_energy(&self) -> f64 {
         let x = self.mesh.positions();
         let edges = self.mesh.topology().edges().iter();

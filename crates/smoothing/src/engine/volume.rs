@@ -1,4 +1,4 @@
-//! Keeping the volume that a flow would lose.
+//! Preservation of volume or area during a flow.
 
 use std::sync::Arc;
 
@@ -8,35 +8,36 @@ use glam::DVec3;
 use crate::engine::constraints::Freedom;
 use crate::engine::error::FlowFailure;
 
-/// What happens to the volume in each step.
+/// Treatment of the volume in each step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Volume {
-    /// It is not kept: diffusion shrinks.
+    /// Not constrained: diffusion shrinks.
     #[default]
     Drifts,
-    /// After each step the mesh is scaled about the centroid of its volume to the volume of the input.
-    /// Source: \[desbrun1999\].
+    /// Restored after each step by scaling about the centroid of the volume. Source:
+    /// \[desbrun1999\].
     Rescaled,
-    /// After each step all vertices move by one distance along their normals, inward or outward, so that the
-    /// volume of the input is restored. Local: parts that have not shrunk are hardly scaled.
+    /// Restored after each step by moving all vertices by the same distance along their normals.
+    /// Local: parts that have not shrunk hardly change.
     Offset,
 }
 
 fairing_parameters::choices!(Volume, "treatment of the volume",
-    Drifts: "drift", "It goes where the flow takes it";
-    Rescaled: "rescale", "Kept by scaling about the centroid in each step";
-    Offset: "offset", "Kept by an offset along the normals in each step";
+    Drifts: "drift", "Not constrained";
+    Rescaled: "rescale", "Preserved by scaling about the centroid after each step";
+    Offset: "offset", "Preserved by an offset along the normals after each step";
 );
 #[cfg(feature = "serde")]
 fairing_parameters::serde_by_name!(Volume);
 
-/// Newton steps for the offset distance; volume is a cubic in it, and the loss of one step is small.
+/// The largest number of Newton steps for the offset distance. The volume is a cubic in it, and the
+/// loss of one flow step is small.
 const MAX_STEPS: usize = 20;
 
-/// The error of the volume at which they end, relative to the volume.
+/// The relative error of the volume at which the Newton steps end.
 const TOLERANCE: f64 = 1e-13;
 
-/// The error that is accepted where rounding keeps them from ending.
+/// The relative error of the volume that is accepted if rounding prevents convergence.
 const ACCEPTED: f64 = 1e-9;
 
 /// Restores a volume or an area after each step.
@@ -47,19 +48,19 @@ pub(crate) struct SizeKeeper {
     connectivity: Arc<Connectivity>,
 }
 
-/// The size that is kept.
+/// The preserved quantity.
 #[derive(Debug, Clone, Copy)]
 enum Size {
-    /// The area, by scaling about the centroid of the surface.
+    /// The area, preserved by scaling about the centroid of the surface.
     Area(f64),
-    /// The volume, by scaling about its centroid.
+    /// The volume, preserved by scaling about its centroid.
     Rescaled(f64),
-    /// The volume, by an offset along the normals.
+    /// The volume, preserved by an offset along the normals.
     Offset(f64),
 }
 
 impl SizeKeeper {
-    /// Keeps the area if `keep_area`, else the volume; `None` if nothing is to be kept.
+    /// Preserves the area if `keep_area`, otherwise the volume; `None` if neither is preserved.
     pub(crate) fn new(
         mesh: &TriMesh,
         volume: Volume,
@@ -85,19 +86,19 @@ impl SizeKeeper {
             return Ok(Size::Area(surface(faces, x).0));
         }
         if !mesh.topology().is_closed() || !mesh.topology().orientation().is_orientable() {
-            return Err(FlowFailure::Volume { reason: "only a closed, orientable mesh has one" });
+            return Err(FlowFailure::Volume { reason: "the mesh is not closed and orientable" });
         }
         let target = signed_volume(faces, x);
-        // Of a flat or doubled sheet rounding alone is left.
+        // The volume of a flat or doubled sheet consists of rounding errors.
         if !(target.is_finite() && target.abs() > rounding(faces, x)) {
-            return Err(FlowFailure::Volume { reason: "the input has none" });
+            return Err(FlowFailure::Volume { reason: "the input encloses no volume" });
         }
         if volume == Volume::Offset {
             return Ok(Size::Offset(target));
         }
         if freedom.fixed.contains(&true) {
             return Err(FlowFailure::Volume {
-                reason: "scaling would move pinned vertices; take an offset along the normals",
+                reason: "scaling would move pinned vertices; use an offset along the normals",
             });
         }
         Ok(Size::Rescaled(target))
@@ -158,7 +159,7 @@ fn offset(
         }
         missing = target - signed_volume(faces, x);
     }
-    // Far from the origin the rounding of positions alone changes the volume by more.
+    // Far from the origin, rounding of the positions alone may change the volume by more.
     let corners = faces.iter().flatten().flat_map(|&v| x[v as usize]);
     let far = corners.fold(0.0, |m: f64, x| m.max(x.abs()));
     let attainable = f64::EPSILON * far * surface(faces, x).0;
@@ -168,7 +169,7 @@ fn offset(
     Err(FlowFailure::Volume { reason: "no offset along the normals restores it" })
 }
 
-/// The area of the surface and its centroid.
+/// The area and centroid of the surface.
 fn surface(faces: &[[u32; 3]], x: &[[f64; 3]]) -> (f64, DVec3) {
     let origin = middle(faces, x);
     let mut total = 0.0;
@@ -182,14 +183,14 @@ fn surface(faces: &[[u32; 3]], x: &[[f64; 3]]) -> (f64, DVec3) {
     (total, origin + moment * (1.0 / total))
 }
 
-/// The signed volume `⅙ Σ a · (b × c)` about a point amid the faces.
+/// The signed volume `⅙ Σ a · (b × c)` about the mean of the first corners.
 pub(crate) fn signed_volume(faces: &[[u32; 3]], x: &[[f64; 3]]) -> f64 {
     let origin = middle(faces, x);
     let corner = |v: u32| DVec3::from(x[v as usize]) - origin;
     faces.iter().map(|&[a, b, c]| corner(a).dot(corner(b).cross(corner(c)))).sum::<f64>() / 6.0
 }
 
-/// What rounding may leave of a volume that vanishes: of each term, and of their sum.
+/// A bound on the rounding error of a vanishing volume: of each term and of their sum.
 fn rounding(faces: &[[u32; 3]], x: &[[f64; 3]]) -> f64 {
     let origin = middle(faces, x);
     let corner = |v: u32| DVec3::from(x[v as usize]) - origin;
@@ -202,7 +203,7 @@ fn rounding(faces: &[[u32; 3]], x: &[[f64; 3]]) -> f64 {
     f64::EPSILON * (8.0 * products + faces.len() as f64 * terms) / 6.0
 }
 
-/// The centroid of the volume: tetrahedra from a point among the faces, weighted by their signed volumes.
+/// The centroid of the volume, from tetrahedra over the faces weighted by their signed volumes.
 fn volume_centroid(faces: &[[u32; 3]], x: &[[f64; 3]], volume: f64) -> DVec3 {
     let origin = middle(faces, x);
     let corner = |v: u32| DVec3::from(x[v as usize]) - origin;
@@ -228,8 +229,8 @@ fn area_vectors(faces: &[[u32; 3]], x: &[[f64; 3]]) -> Vec<DVec3> {
     sums
 }
 
-/// A point about which volumes and moments lose no digits: the mean of the first corners of the faces. Vertices without
-/// faces do not matter, however far away.
+/// The origin about which volumes and moments lose no digits: the mean of the first corners of the
+/// faces. Isolated vertices do not count, however far away.
 fn middle(faces: &[[u32; 3]], x: &[[f64; 3]]) -> DVec3 {
     let sum: DVec3 = faces.iter().map(|face| DVec3::from(x[face[0] as usize])).sum();
     sum * (1.0 / faces.len().max(1) as f64)

@@ -20,35 +20,35 @@ fairing_parameters::options! {
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
     pub struct ConformalizedMcf {
-        /// The step as a fraction of the area.
+        /// The time of a step as a fraction of the area of the mesh.
         pub time: f64 = 0.01, in Range::NOT_NEGATIVE;
         /// The largest number of steps.
         pub iterations: usize = 100;
-        /// The Laplacian of cotangents; auto means cotangent with other areas than barycentric.
+        /// The kind of cotangent Laplacian.
         pub kind: LaplacianKind = LaplacianKind::Auto, name "operator";
         /// The relative residual of the linear systems.
         pub tolerance: f64 = 1e-10, in Range::above(0.0).below(1.0);
-        /// Ends when no vertex moves by more than this.
+        /// Ends the flow when no vertex moves by more than this; 0 never does.
         pub settled: f64 = 1e-6, in Range::NOT_NEGATIVE, unit "roots of the area";
     }
-    "conformal": "mean curvature flow that keeps angles; takes genus 0 to the sphere", ["kazhdan2012"];
+    "conformal": "mean curvature flow that preserves angles; genus 0 flows to a sphere", ["kazhdan2012"];
 }
 
-/// Flows a closed mesh towards a conformal image: mean curvature flow with the stiffness of the input and the mass
-/// of the current mesh.
+/// Evolves a closed mesh by conformalised mean curvature flow, with the stiffness of the input and
+/// the mass of the current mesh.
 ///
 /// ```text
 /// (M(xₙ) + t S(x₀)) xₙ₊₁ = M(xₙ) xₙ,  then scaled about the centroid to the area of the input
 /// ```
 ///
-/// Keeping the stiffness keeps the conformal structure, and removes the singularities by which mean curvature
-/// flow pinches necks: genus-0 meshes flow to a round sphere. Barycentric areas; a face that collapses keeps a
-/// zero area and gives no mass.
+/// The constant stiffness preserves the conformal structure and avoids the singularities with which
+/// mean curvature flow pinches off necks: meshes of genus 0 flow to a round sphere. The mass has
+/// barycentric areas; a collapsed face contributes no mass.
 ///
 /// # Errors
 ///
-/// [`FlowError`] for meshes that are not closed and of one component, options out of range, faces too thin for
-/// cotangents in the input, and vertices whose area vanishes.
+/// [`FlowError`] if the mesh is not closed or has several components, if an option is out of range,
+/// if a face of the input is too thin for cotangents, or if the area of a vertex vanishes.
 ///
 /// # Examples
 ///
@@ -72,7 +72,7 @@ pub fn conformalized_mean_curvature_flow(
     options.check().map_err(|error| refuse(error.into()))?;
     let topology = mesh.topology();
     if !topology.is_closed() || topology.components().count() != 1 {
-        let reason = "the area can only be kept on a closed mesh of one component";
+        let reason = "the area can be preserved only on a closed mesh of one component";
         return Err(refuse(FlowFailure::Unsupported { reason }));
     }
     let area: f64 = (0..mesh.face_count()).map(|f| mesh.face_area(f)).sum();

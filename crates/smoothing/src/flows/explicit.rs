@@ -32,10 +32,10 @@ fairing_parameters::options! {
         /// The treatment of steps beyond the stable limit.
         pub stability: Stability = Stability::Refuse, name "unstable";
     }
-    "explicit": "small steps x + λLx; the assignment's flow; stable up to λ = 4/3 (closed)",
+    "explicit": "small steps x + λLx; the assignment's flow; stable up to λ = 4/3 on closed meshes",
         ["taubin1995", "desbrun1999"];
     then |options, values| {
-        // The default of uniform weights is beyond the stable limit of cotangents.
+        // The default for uniform weights is beyond the stable limit for cotangents.
         let given = values.number(LAMBDA).or(values.number(TIME)).is_some();
         if let Diffusion::Cotangent { time, .. } = &mut options.diffusion && !given {
             *time = Time::SquaredEdges(0.1);
@@ -45,27 +45,30 @@ fairing_parameters::options! {
 }
 
 impl Explicit {
-    /// Ten free steps.
+    /// Ten steps without constraints.
     pub fn new(diffusion: Diffusion) -> Self {
         Self { diffusion, ..Self::DEFAULT }
     }
 }
 
-/// Smooths by explicit diffusion steps `x ← x + λ L x`, with `L` taken at the input.
+/// Smooths by explicit diffusion steps `x ← x + λ L x`, with the operator of the input.
 ///
-/// A mode of eigenvalue μ of `L` is multiplied by `1 + λμ` in each step. With uniform weights the eigenvalues lie
-/// in [−3/2, 0] on closed triangle meshes and in [−7/4, 0] on open ones, so that every λ up to 4/3 and 8/7 is
-/// stable; λ = 2 diverges on every mesh. With cotangents the limit is 2/ω for the largest eigenvalue ω of `M⁻¹S`,
-/// about 0.27 h² on even meshes and much less where triangles are thin: there take [`implicit`](crate::implicit).
-/// The limit is checked before the first step.
+/// A mode of eigenvalue μ of `L` is multiplied by `1 + λμ` in each step. With uniform weights the
+/// eigenvalues lie in [−3/2, 0] on closed triangle meshes and in [−7/4, 0] on open ones, so λ is
+/// stable up to 4/3 and 8/7, respectively; λ = 2 diverges on every mesh. With cotangent weights the
+/// limit is 2/ω for the largest eigenvalue ω of `M⁻¹S`, about 0.27 h² on even meshes and much less
+/// where triangles are thin; for these prefer [`implicit`](crate::implicit). The limit is checked
+/// before the first step.
 ///
-/// A soft constraint of weight w and target c ends each step at `(x + λLx + wc)/(1 + w)`. Cost: linear in vertices
-/// and steps; unobserved stable runs of n steps, for many, take about 7√n products with L.
+/// With a soft constraint of weight w and target c each step ends at `(x + λLx + wc)/(1 + w)`.
+/// Cost: linear in vertices and steps; an unobserved stable run of many steps n takes about 7√n
+/// products with L.
 ///
 /// # Errors
 ///
-/// [`FlowError`] with the last good mesh: for options out of range, for a step beyond the stable limit if such
-/// are refused, for faces too thin for cotangents, and for the first vertex that would leave the range of numbers.
+/// [`FlowError`] with the last good mesh, if an option is out of range, if the step is beyond the
+/// stable limit and unstable steps are refused, if a face is too thin for cotangents, or if a
+/// position is not finite.
 ///
 /// # Examples
 ///
@@ -99,7 +102,7 @@ pub fn explicit(
     let laplacian = assemble(run.arrangement.mesh(), diffusion, &run.freedom.fixed)
         .map_err(|failure| run.refuse(failure))?;
     let bound = laplacian.spectral_bound();
-    // Uniform steps up to 1 are stable on every mesh: no need for its topology.
+    // Uniform steps up to 1 are stable on every mesh, so its topology is not needed.
     let limit = match options.diffusion {
         Diffusion::Uniform { lambda } => (lambda > 1.0).then(|| uniform_limit(mesh)),
         Diffusion::Cotangent { .. } => Some(measured_limit(bound)),

@@ -1,4 +1,4 @@
-//! HC smoothing: Laplacian steps that give back what they took from the shape.
+//! HC smoothing: Laplacian steps that push vertices back towards their previous positions.
 
 use fairing_mesh::TriMesh;
 use fairing_parameters::{OptionError, Options, Range};
@@ -17,9 +17,10 @@ fairing_parameters::options! {
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
     pub struct Hc {
-        /// The weight of the input in the differences, the rest being that of the step before.
+        /// The weight of the input positions, against the previous step, in the differences.
         pub alpha: f64 = 0.0, in Range::FRACTION;
-        /// The part of its own difference that a vertex is given back.
+        /// The weight of a vertex's own difference, against the mean of its neighbours', in the
+        /// correction.
         pub beta: f64 = 0.5, in Range::FRACTION;
         /// The number of steps.
         pub iterations: usize = 10;
@@ -28,36 +29,39 @@ fairing_parameters::options! {
         /// The treatment of a beta so small that modes grow.
         pub stability: Stability = Stability::Refuse, name "unstable";
     }
-    "hc": "uniform steps that give back what they took; keeps the size roughly", ["vollmer1999"];
+    "hc": "uniform steps, each followed by a correction; roughly preserves size", ["vollmer1999"];
 }
 
-const LARGE_ENOUGH: &str = "so large that no mode grows, as every beta from 0.5 is: \
+const LARGE_ENOUGH: &str = "so large that no mode grows, as every beta of at least 0.5 is: \
     at least 1 − (2 − alpha) / (K (K − alpha)) with K = 1.5 on closed meshes, 1.75 on open ones, \
-    2 where an edge has three faces; or unstable steps allowed";
+    2 where an edge has three faces; or unstable steps must be allowed";
 
-/// Smooths by Humphrey's Classes steps with uniform weights: a full Laplacian step, then back by a smoothed
-/// difference.
+/// Smooths by Humphrey's Classes (HC) steps with uniform weights: a full Laplacian step, followed
+/// by a correction with the smoothed differences.
 ///
 /// ```text
 /// p = q + L q,   b = p − (α o + (1 − α) q),   q' = p − (β b + (1 − β) A b)
 /// ```
 ///
-/// with the input o, the positions before q, and the mean over neighbours A. Fine detail goes, volume and size
-/// change far less than under the Laplacian alone.
+/// with the input o, the previous positions q, and the mean over neighbours A. Fine detail is
+/// removed, while volume and size change far less than under the Laplacian alone.
 ///
-/// In a step the mode of eigenvalue −k of `L` is multiplied by `1 − α + (1 − β) k (α − k)`, and α times a part of the
-/// input added. The factor is never above 1, and not below −1 as long as
+/// Each step multiplies the mode of eigenvalue −k of `L` by `1 − α + (1 − β) k (α − k)` and adds a
+/// multiple of the input, proportional to α. The factor is never above 1, and not below −1 as long
+/// as
 ///
 /// ```text
 /// 1 − β ≤ (2 − α) / (K (K − α))
 /// ```
 ///
-/// for the bound K of the spectrum: 3/2 on closed meshes, 7/4 on open ones, 2 where an edge has three faces or more.
-/// Each β from ½ on is stable on every mesh; with α = 0, 1/9 on closed ones and 0.347 on open ones.
+/// for the spectral bound K: 3/2 on closed meshes, 7/4 on open ones, 2 if an edge has three or more
+/// faces. Every β of at least ½ is stable on every mesh; with α = 0 the limit is 1/9 on closed
+/// meshes and 0.347 on open ones.
 ///
 /// # Errors
 ///
-/// [`FlowError`] for options out of range, and for a β below that, unless [`Hc::stability`] allows it.
+/// [`FlowError`] if an option is out of range, or if β is below the limit, unless [`Hc::stability`]
+/// allows it.
 ///
 /// # Examples
 ///
@@ -81,7 +85,7 @@ pub fn hc(
     options.check().map_err(|error| FlowFailure::from(error).before(mesh))?;
     let settings = RunSettings::new(&options.constraints, options.iterations);
     let mut run = Run::new(mesh, &settings, observer)?;
-    // From ½ on every mesh is stable: no need for its topology.
+    // β of at least ½ is stable on every mesh, so its topology is not needed.
     if beta < 0.5 {
         let limit = returned_limit(alpha, 2.0 / uniform_limit(mesh));
         run.report.stable_limit = Some(limit);
@@ -116,7 +120,7 @@ pub fn hc(
     })
 }
 
-/// The largest `1 − β` for which no mode of eigenvalues down to `−bound` grows.
+/// The largest `1 − β` for which no mode with an eigenvalue of at least `−bound` grows.
 fn returned_limit(alpha: f64, bound: f64) -> f64 {
     (2.0 - alpha) / (bound * (bound - alpha))
 }

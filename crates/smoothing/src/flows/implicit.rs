@@ -29,15 +29,15 @@ fairing_parameters::options! {
         pub constraints: Constraints = Constraints::NONE;
         /// The treatment of the volume of a closed mesh.
         pub volume: Volume = Volume::Drifts;
-        /// The times at which the operator is assembled again; cotangents only.
+        /// The part of the operator that follows the moving mesh; cotangents only.
         pub update: Update = Update::Never;
         /// The relative residual of the linear systems.
         pub tolerance: f64 = 1e-8, in Range::above(0.0).below(1.0);
     }
-    "implicit": "steps of any length (I − λL)x' = x; never unstable, always shrinks", ["desbrun1999"],
+    "implicit": "steps (I − λL)x' = x of any length; always stable, always shrinks", ["desbrun1999"],
         with Self::DEFAULT,
         if |options| options.update != Update::Both;
-    "mean-curvature": "implicit steps, operator assembled again each time: motion by curvature",
+    "mean-curvature": "implicit steps with an updated operator: motion by mean curvature",
         ["desbrun1999"],
         without ["weights", "update"],
         with Self::mean_curvature_flow(1.0),
@@ -45,12 +45,12 @@ fairing_parameters::options! {
 }
 
 impl Implicit {
-    /// Ten free steps with the operator of the input.
+    /// Ten steps with the operator of the input, without constraints.
     pub fn new(diffusion: Diffusion) -> Self {
         Self { diffusion, ..Self::DEFAULT }
     }
 
-    /// Mean curvature flow: the operator is assembled again in each step of `lambda` h².
+    /// Mean curvature flow: steps of `lambda` h², each with an updated operator.
     pub fn mean_curvature_flow(lambda: f64) -> Self {
         Self { update: Update::Both, ..Self::new(Diffusion::cotangent(lambda)) }
     }
@@ -58,28 +58,30 @@ impl Implicit {
 
 /// Smooths by implicit diffusion steps `(I − λL) x' = x`.
 ///
-/// A mode of eigenvalue μ ≤ 0 of `L` is multiplied by `1/(1 − λμ)`: no λ is unstable, and none converges to the
-/// shape, since all modes but the constant shrink in every step (λ → ∞ collapses each component to its centroid,
-/// weighted by degree or area). Each step solves the symmetric system `(M + λS) x' = M x`: with uniform weights
-/// `D − λ(A − D)`, with cotangents `M + tS`, positive definite as long as the areas are positive.
+/// A mode of eigenvalue μ ≤ 0 of `L` is multiplied by `1/(1 − λμ)`: every λ is stable, and every
+/// step shrinks all modes but the constants (λ → ∞ collapses each component to its centroid,
+/// weighted by degree or area). Each step solves the symmetric system `(M + λS) x' = M x`:
+/// `D − λ(A − D)` for uniform weights, `M + tS` for cotangents, positive definite if all areas are
+/// positive.
 ///
-/// Unobserved free or pinned runs of a frozen operator are computed at once by a Chebyshev series; other runs step by
-/// step, by conjugate gradients or, where the system is ill conditioned and steps are many, by a Cholesky
-/// factorisation. The report says which.
+/// Unobserved runs of a constant operator with free and pinned vertices are computed at once by a
+/// Chebyshev series; all others step by step, by conjugate gradients or, if the system is
+/// ill-conditioned and steps are many, by a Cholesky factorisation. The report names the method.
 ///
-/// Boundaries are natural: a free border moves inward, by what its neighbours on one side pull. A soft constraint
-/// of weight w and target c adds `M w` on the left and `M w c` on the right; sliding vertices are moved along the
-/// tangents of their curves within the system, then put back on the curve.
+/// Boundaries are natural: a free boundary shrinks. A soft constraint of weight w and target c adds
+/// `M w` on the left and `M w c` on the right; sliding vertices move along the tangents of their
+/// curves within the system and are then returned to the curve.
 ///
 /// # Errors
 ///
-/// [`FlowError`] with the last good mesh: for options out of range, for faces of the input too thin for cotangents,
-/// [`FlowFailure::Collapsed`] where an updated flow has shrunk the mesh to almost nothing, and for a system not solved
-/// to the tolerance.
+/// [`FlowError`] with the last good mesh, if an option is out of range, if a face of the input is
+/// too thin for cotangents, if a system is not solved to the tolerance, and
+/// [`FlowFailure::Collapsed`] if a flow with an updated operator has shrunk the mesh to almost
+/// nothing.
 ///
-/// Faces that become degenerate while the operator is assembled again in each step do not end the flow: their cotangents and
-/// areas are those of a triangle whose sides are longer by a hundred-thousandth of the longest. The report says how
-/// many there were.
+/// Faces that become degenerate during a flow with an updated operator do not end it: their
+/// cotangents and areas are those of a triangle with sides longer by a hundred-thousandth of the
+/// longest. The report counts them.
 ///
 /// # Examples
 ///
@@ -124,7 +126,7 @@ fn check(options: &Implicit) -> Result<(), FlowFailure> {
     let uniform = matches!(options.diffusion, Diffusion::Uniform { .. });
     if uniform && options.update != Update::Never {
         return Err(FlowFailure::Unsupported {
-            reason: "uniform weights do not depend on positions: there is nothing to update",
+            reason: "uniform weights do not depend on positions, so there is nothing to update",
         });
     }
     Ok(())

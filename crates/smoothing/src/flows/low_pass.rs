@@ -18,23 +18,25 @@ use crate::engine::outcome::{Approach, Report, Smoothed};
 use crate::engine::response::Response;
 use crate::engine::run::{Run, RunSettings};
 
-/// What a filter does to the mode of eigenvalue ω of `S φ = ω M φ`.
+/// The transfer function of a filter: the factor of the mode of eigenvalue ω of `S φ = ω M φ`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Transfer {
-    /// `exp(−ωt)`: exact diffusion for the time t, the limit of infinitely many small steps.
+    /// `exp(−ωt)`: exact diffusion over the time t, the limit of infinitely many small steps.
     Heat(Time),
-    /// `1/(1 + (ω/ω₀)^order)`: flat up to ω₀, where it is ½, then falling with this order.
+    /// `1/(1 + (ω/ω₀)^order)`: flat up to ω₀, ½ at ω₀, decaying with this order beyond.
     Butterworth {
-        /// ω₀, in one over squared mesh units. Features of size w (half a wavelength) have ω ≈ (π/w)².
+        /// ω₀, in one over squared mesh units. Features of size w (half a wavelength) have ω ≈
+        /// (π/w)².
         cutoff: f64,
-        /// How steeply it falls; 1 to 16.
+        /// The order of decay, 1 to 16.
         order: u32,
     },
-    /// 1 for the k smallest eigenvalues, 0 beyond: the ideal low-pass, a projection on the k smoothest modes, which
-    /// are computed. Where k splits a cluster of equal or nearly equal eigenvalues, which of their modes are kept is
-    /// arbitrary, and [`Report::split`] says so. Supports neither constraints nor Voronoi areas.
+    /// 1 for the k smallest eigenvalues, 0 beyond: the ideal low-pass filter, a projection on the k
+    /// smoothest modes, which are computed. If k splits a cluster of nearly equal eigenvalues, the
+    /// choice among their modes is arbitrary, and [`Report::split`] says so. Supports neither
+    /// constraints nor Voronoi areas.
     Modes(usize),
 }
 
@@ -68,11 +70,7 @@ impl Field for Transfer {
             },
             Parameter {
                 excludes: &[TIME, CUTOFF],
-                ..Parameter::new(
-                    MODES,
-                    Kind::Count,
-                    "The number of smoothest modes that are kept, and nothing else",
-                )
+                ..Parameter::new(MODES, Kind::Count, "The number of smoothest modes to project on")
             },
         ]
     }
@@ -88,7 +86,7 @@ impl Field for Transfer {
         if let Some(wavelength) = values.number(CUTOFF) {
             let cutoff = (2.0 * std::f64::consts::PI / wavelength).powi(2);
             let order = values.count(ORDER).map_or(BUTTERWORTH_ORDER, |order| order as u32);
-            // Beyond every mesh, with room for the powers of a filter.
+            // Outside the spectrum of every mesh, yet powers neither overflow nor underflow.
             *self = Self::Butterworth { cutoff: cutoff.clamp(1e-150, 1e150), order };
         }
         if let Some(modes) = values.count(MODES) {
@@ -104,13 +102,13 @@ impl Field for Transfer {
                 Range::POSITIVE.check(CUTOFF, cutoff)?;
                 ORDERS.check(ORDER, f64::from(order))
             }
-            // The spectrum says how many there are.
+            // The spectrum checks the number of modes.
             Self::Modes(_) => Ok(()),
         }
     }
 }
 
-/// The order of a Butterworth filter unless it is set.
+/// The default order of a Butterworth filter.
 const BUTTERWORTH_ORDER: u32 = 2;
 
 fairing_parameters::options! {
@@ -123,37 +121,37 @@ fairing_parameters::options! {
         pub transfer: Transfer = Transfer::Heat(Time::SquaredEdges(5.0));
         /// The areas of vertices for cotangents.
         pub area: LumpedArea = LumpedArea::Barycentric;
-        /// The Laplacian of cotangents; auto means cotangent with other areas than barycentric.
+        /// The kind of cotangent Laplacian; auto means cotangent for areas other than barycentric.
         pub kind: LaplacianKind = LaplacianKind::Auto, name "operator";
         /// Constraints of the vertices.
         pub constraints: Constraints = Constraints::NONE;
     }
-    "low-pass": "heat or Butterworth filter of the cotangent spectrum, in physical units",
+    "low-pass": "a heat or Butterworth filter of the cotangent spectrum, in physical units",
         ["vallet2008"],
         without [SOFT];
     then |options, values| check_areas(options.kind, options.area, values);
 }
 
 impl LowPass {
-    /// A filter over barycentric areas, without fixed vertices.
+    /// A filter with barycentric areas, without constraints.
     pub fn new(transfer: Transfer) -> Self {
         Self { transfer, ..Self::DEFAULT }
     }
 }
 
-/// Smooths by one filter of the spectrum of the cotangent Laplacian, `x' = g(M⁻¹S) x`, without computing the
-/// spectrum unless the filter is [`Transfer::Modes`].
+/// Smooths by a filter of the spectrum of the cotangent Laplacian, `x' = g(M⁻¹S) x`. The spectrum
+/// is computed only for [`Transfer::Modes`].
 ///
-/// In terms of the modes, `x' = Σ g(ωᵢ) φᵢ (φᵢᵀ M x)`; what is computed is the Chebyshev series of g up to an error of
-/// 2.1e-10, whose degree grows with the square root of how many times the cut-off is below the roughest mode. Where it
-/// would exceed two thousand products, the series is one in the resolvent `(I − τL)⁻¹` instead, of degree 25 for heat
-/// and 30 to 250 for Butterworth filters, with one factorisation. The centroid of each component, weighted by area,
-/// stays where it is.
+/// In terms of the modes, `x' = Σ g(ωᵢ) φᵢ (φᵢᵀ M x)`. Computed is the Chebyshev series of g up to
+/// an error of 2.1e-10; its degree grows with the square root of the ratio of the largest
+/// eigenvalue to the cut-off. If it would exceed two thousand products, a series in the resolvent
+/// `(I − τL)⁻¹` is used instead, of degree 25 for heat and 30 to 250 for Butterworth filters, with
+/// one factorisation. The area-weighted centroid of each component is preserved.
 ///
 /// # Errors
 ///
-/// [`FlowError`] for options out of range, constraints that are not linear, faces too thin for cotangents, and systems
-/// that cannot be factored.
+/// [`FlowError`] if an option is out of range, if a constraint is not linear, if a face is too thin
+/// for cotangents, or if a system cannot be factored.
 ///
 /// # Examples
 ///
@@ -161,9 +159,10 @@ impl LowPass {
 /// use fairing_shapes as shapes;
 /// use fairing_smoothing::{LowPass, Time, Transfer, low_pass};
 ///
-/// // Coordinates of the unit sphere are modes of ω = 2: diffusion for a time t scales it by exp(−2t).
+/// // On the unit sphere coordinates are modes of ω = 2: heat flow scales them by exp(−2t).
 /// let sphere = shapes::icosphere(4);
-/// let smoothed = low_pass(&sphere, &LowPass::new(Transfer::Heat(Time::SquaredUnits(0.1))))?;
+/// let heat = LowPass::new(Transfer::Heat(Time::SquaredUnits(0.1)));
+/// let smoothed = low_pass(&sphere, &heat)?;
 /// let radius = smoothed.mesh.positions()[0].iter().map(|x| x * x).sum::<f64>().sqrt();
 /// assert!((radius - (-0.2f64).exp()).abs() < 1e-3);
 /// # Ok::<(), fairing_smoothing::FlowError>(())
@@ -191,14 +190,14 @@ pub fn low_pass(mesh: &TriMesh, options: &LowPass) -> Result<Smoothed, FlowError
     advance(run, &laplacian, laplacian.spectral_bound(), response, 0.0)
 }
 
-/// The mesh from its `k` smoothest modes.
+/// Reconstructs the mesh from its `k` smoothest modes.
 fn smoothest(mesh: &TriMesh, k: usize, options: &LowPass) -> Result<Smoothed, FlowFailure> {
     if options.area == LumpedArea::Voronoi {
-        let reason = "modes are orthonormal over barycentric or mixed areas, none negative";
+        let reason = "modes need positive areas, barycentric or mixed";
         return Err(FlowFailure::Unsupported { reason });
     }
     if !options.constraints.is_free() {
-        let reason = "a projection on modes knows no constraints";
+        let reason = "a projection on modes supports no constraints";
         return Err(FlowFailure::Unsupported { reason });
     }
     let (kind, too_thin) = chosen(mesh, options.kind, options.area)?;

@@ -1,4 +1,4 @@
-//! Fairing of a region whose surroundings are fixed.
+//! Fairing of a region with fixed surroundings.
 
 use fairing_mesh::TriMesh;
 use fairing_operators::{LaplacianKind, LumpedArea, MassKind};
@@ -22,16 +22,16 @@ fairing_parameters::options! {
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
     pub struct FairRegion {
-        /// The vertices to replace, as numbers from 0 joined by commas.
+        /// The vertices to replace: numbers from 0, separated by commas.
         pub region: Vec<u32> = Vec::new(), name "vertices", required true;
-        /// 1 soap film, 2 thin plate, 3 least variation of curvature.
+        /// The order of the energy: 1 membrane, 2 thin plate, 3 minimum variation of curvature.
         pub order: u32 = 2, in 1.0..=4.0;
         /// The areas of vertices for cotangents.
         pub area: LumpedArea = LumpedArea::Barycentric;
-        /// The Laplacian of cotangents; auto means cotangent with other areas than barycentric.
+        /// The kind of cotangent Laplacian; auto means cotangent for areas other than barycentric.
         pub kind: LaplacianKind = LaplacianKind::Auto, name "operator";
     }
-    "region": "replaces some vertices by the fairest surface through their surroundings", ["botsch2004"];
+    "region": "replaces a region by the smoothest surface that fits its surroundings", ["botsch2004"];
     also [weights("cotangent")];
     then |options, values| {
         if values.text(WEIGHTS) == Some("uniform") {
@@ -43,7 +43,7 @@ fairing_parameters::options! {
 }
 
 impl FairRegion {
-    /// A thin plate over `region`, cotangent weights over barycentric areas.
+    /// A thin plate over `region`, with cotangent weights and barycentric areas.
     pub fn new(region: Vec<u32>) -> Self {
         Self { region, ..Self::DEFAULT }
     }
@@ -55,15 +55,16 @@ impl FairRegion {
 /// K = S (M⁻¹ S)ᵏ⁻¹,    K_rr x_r = −K_ro x_o
 /// ```
 ///
-/// for the vertices r of the region and o outside: the minimum of the discrete `∫ ‖∇ᵏ x‖²`. The k rings around the
-/// region enter as boundary values, so what borders on a hole of the mesh is natural (free) there. The operator is
-/// that of the input; a second call takes that of the result of the first.
+/// for the vertices r of the region and o outside: the minimum of the discrete `∫ ‖∇ᵏ x‖²`. The k
+/// rings around the region are boundary values; at a boundary of the mesh the conditions are
+/// natural (free). The operator is that of the input; a second call uses that of the first result.
 ///
 /// # Errors
 ///
-/// [`FlowError`] for an order out of range, for vertices that do not exist, for faces too thin for cotangents, and
-/// where a part of the region fills a component, so that its place is not determined; and
-/// [`FlowFailure::NotConverged`] for a region so wide that an order as high as this is beyond the digits of a factor.
+/// [`FlowError`] if the order is out of range, if a vertex does not exist, if a face is too thin
+/// for cotangents, or if the region contains a whole component, whose position is then
+/// undetermined; [`FlowFailure::NotConverged`] if the region is too wide for the order, so that the
+/// factor has no correct digits.
 ///
 /// # Examples
 ///
@@ -89,7 +90,8 @@ pub fn fair_region(mesh: &TriMesh, options: &FairRegion) -> Result<Smoothed, Flo
     Ok(Smoothed { mesh: solved, report })
 }
 
-/// The faired mesh, and the first face too thin for cotangents if that decided their kind.
+/// The faired mesh, and the first face too thin for cotangents if that decided the kind of
+/// Laplacian.
 fn solve(mesh: &TriMesh, options: &FairRegion) -> Result<(TriMesh, Option<u32>), FlowFailure> {
     options.check()?;
     refuse_unwelded(mesh)?;
@@ -118,7 +120,8 @@ fn solve(mesh: &TriMesh, options: &FairRegion) -> Result<(TriMesh, Option<u32>),
     Ok((mesh.with_positions(positions)?, too_thin))
 }
 
-/// The vertices of a region, ascending, each once. Isolated ones, whose rows are empty, stay where they are.
+/// The distinct vertices of a region in ascending order, without isolated vertices, whose rows are
+/// empty.
 fn vertices(mesh: &TriMesh, region: &[u32]) -> Result<Vec<u32>, FlowFailure> {
     let mut region = region.to_vec();
     region.sort_unstable();
@@ -131,7 +134,7 @@ fn vertices(mesh: &TriMesh, region: &[u32]) -> Result<Vec<u32>, FlowFailure> {
     Ok(region)
 }
 
-/// What the positions outside of a region give to its right-hand side.
+/// The right-hand side of a region, from the positions outside.
 fn from_outside(matrix: &SparseMatrix, region: &[u32], x: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let mut outside = x.to_vec();
     for &v in region {
@@ -141,19 +144,20 @@ fn from_outside(matrix: &SparseMatrix, region: &[u32], x: &[[f64; 3]]) -> Vec<[f
     region.iter().map(|&v| all[v as usize].map(|k| -k)).collect()
 }
 
-/// The most corrections of a solution; two are the rule.
+/// The largest number of corrections; two are the rule.
 const MAX_CORRECTIONS: usize = 20;
 
-/// Corrections of this share of the extent are taken for rounding.
+/// The size of corrections, relative to the extent, that counts as rounding.
 const SETTLED: f64 = 4.0 * f64::EPSILON;
 
-/// What a correction may still change where corrections no longer become smaller.
+/// The largest correction, relative to the extent, that is accepted after corrections have stopped
+/// decreasing.
 const ACCEPTED: f64 = 1e-10;
 
-/// Solves for the residual until it changes nothing more. A power of a Laplacian over a region m edges wide has a
-/// condition of m²ᵏ, so that both the factor and a residual in plain arithmetic know the smooth part of a solution to few
-/// digits; the factor serves as long as it knows one, the residual is computed in twice the digits from the factors of
-/// the power.
+/// Refines the solution until corrections are negligible. The k-th power of a Laplacian over a
+/// region m edges wide has a condition of m²ᵏ, so the factor and a residual in plain arithmetic
+/// have few correct digits in the smooth part of a solution. One correct digit of the factor
+/// suffices; the residual is computed in double-double arithmetic from the factors of the power.
 fn refine(
     factor: &Cholesky,
     power: &LaplacianPower<'_>,
@@ -183,7 +187,7 @@ fn refine(
         if size <= SETTLED || extent == 0.0 {
             return Ok(());
         }
-        // NaN does not contract.
+        // False for NaN.
         let contracts = size < 0.5 * before;
         if !contracts || iterations == MAX_CORRECTIONS {
             return match size <= ACCEPTED {
@@ -196,7 +200,7 @@ fn refine(
     Ok(())
 }
 
-/// The mean of a matrix and its transpose: products are symmetric but for rounding.
+/// The mean of a matrix and its transpose: products are symmetric only up to rounding.
 fn symmetric(matrix: &SparseMatrix) -> SparseMatrix {
     let transpose = matrix.transpose_view().to_csr();
     (matrix + &transpose).map(|x| 0.5 * x)

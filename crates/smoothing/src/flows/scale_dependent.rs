@@ -1,4 +1,4 @@
-//! The scale-dependent umbrella.
+//! The scale-dependent umbrella operator.
 
 use fairing_mesh::{Components, TriMesh};
 use fairing_parameters::{Options, Range};
@@ -25,25 +25,27 @@ fairing_parameters::options! {
         /// Constraints of the vertices.
         pub constraints: Constraints = Constraints::NONE;
     }
-    "scale-dependent": "uniform steps that respect edge lengths; for uneven meshes",
+    "scale-dependent": "explicit steps weighted by inverse edge lengths; for uneven meshes",
         ["fujiwara1995", "desbrun1999"];
 }
 
-/// Smooths by explicit steps of the scale-dependent umbrella, with weights that follow the edge lengths of the
-/// current mesh.
+/// Smooths by explicit steps with the scale-dependent umbrella operator, whose weights are the
+/// inverse edge lengths of the current mesh.
 ///
 /// ```text
 /// (Lx)ᵢ = (2/Eᵢ) Σⱼ (xⱼ − xᵢ)/|eᵢⱼ|,    Eᵢ = Σⱼ |eᵢⱼ|
 /// ```
 ///
-/// Unlike the umbrella with uniform weights it hardly moves vertices within the surface where edges have different
-/// lengths, and unlike cotangents it cannot have negative weights. It scales as 1/length², so a step is a time;
-/// the largest stable one is the reciprocal of the largest `(2/Eᵢ) Σ 1/|eᵢⱼ|` of a component, computed again in each
-/// step, so that no step can be unstable. Components thus flow as each would alone; the report has the smallest step.
+/// Unlike uniform weights it hardly moves vertices within the surface where edges have different
+/// lengths, and unlike cotangents its weights are never negative. It scales as 1/length², so a step
+/// is a time. The largest stable step is the reciprocal of the largest `(2/Eᵢ) Σ 1/|eᵢⱼ|` of a
+/// component, computed for each step, so that no step is unstable. Each component flows as it would
+/// alone; observers see the smallest step.
 ///
 /// # Errors
 ///
-/// [`FlowError`] for options out of range, and where neighbours coincide: [`FlowFailure::NoLength`].
+/// [`FlowError`] if an option is out of range; [`FlowFailure::NoLength`] if two neighbours
+/// coincide.
 ///
 /// # Examples
 ///
@@ -99,8 +101,8 @@ pub fn scale_dependent(
     })
 }
 
-/// The largest `(2/Eᵢ) Σ 1/|eᵢⱼ|` of each component: eigenvalues of `−L` are at most twice that, by Gershgorin's
-/// circles.
+/// The largest `(2/Eᵢ) Σ 1/|eᵢⱼ|` of each component; by Gershgorin's circles, eigenvalues of `−L`
+/// are at most twice as large.
 fn largest_rates(
     laplacian: &GraphLaplacian,
     components: &Components,
@@ -135,7 +137,7 @@ mod tests {
 
     use super::*;
 
-    /// A second component a thousand times smaller or larger leaves the first as it would be alone.
+    /// A second component a thousand times smaller or larger does not change the flow of the first.
     #[test]
     fn components_flow_apart() {
         let ball = shapes::bumpy_sphere(2, 0.2, 5.0);

@@ -23,7 +23,7 @@ fairing_parameters::options! {
     pub struct Taubin {
         /// The shrinking step.
         pub lambda: f64 = 0.5, in Range::POSITIVE;
-        /// Modes with −eigenvalue below this are kept (0 to 2).
+        /// The pass band: modes with a smaller −eigenvalue are preserved (0 to 2).
         pub pass_band: f64 = 0.1, in Range::POSITIVE, excludes ["mu"];
         /// The number of pairs of steps.
         pub pairs: usize = 10, name "iterations";
@@ -32,7 +32,7 @@ fairing_parameters::options! {
         /// The treatment of pairs that amplify a mode by more than two.
         pub stability: Stability = Stability::Refuse, name "unstable";
     }
-    "taubin": "a shrinking and a growing step in turn: removes noise, keeps the size of finely meshed shapes",
+    "taubin": "alternating shrinking and growing steps: removes noise, preserves the size of finely meshed shapes",
         ["taubin1995"];
     also [Parameter::new(MU, Kind::Number, "The growing step, below -lambda")];
     then |options, values| {
@@ -43,21 +43,21 @@ fairing_parameters::options! {
     };
 }
 
-/// The most by which a mode may grow over all pairs.
+/// The largest growth of a mode over all pairs.
 const MAX_GROWTH: f64 = 2.0;
 
 impl Taubin {
-    /// λ and the pass band; ten pairs.
+    /// Ten pairs with the given λ and pass band.
     pub fn new(lambda: f64, pass_band: f64) -> Self {
         Self { lambda, pass_band, ..Self::DEFAULT }
     }
 
-    /// From both steps, λ > 0 and μ < −λ: the pass band is `1/λ + 1/μ`.
+    /// Ten pairs of the steps λ > 0 and μ < −λ, with the pass band `1/λ + 1/μ`.
     pub fn from_steps(lambda: f64, mu: f64) -> Self {
         Self::new(lambda, 1.0 / lambda + 1.0 / mu)
     }
 
-    /// μ < 0, the growing step: `1/μ = k − 1/λ`.
+    /// The growing step μ < 0, with `1/μ = k − 1/λ` for the pass band k.
     pub fn mu(&self) -> f64 {
         1.0 / (self.pass_band - 1.0 / self.lambda)
     }
@@ -65,21 +65,23 @@ impl Taubin {
 
 /// Smooths by pairs of steps `x ← (I + μL)(I + λL) x` with uniform weights, λ > 0 > −λ > μ.
 ///
-/// The mode of eigenvalue −k is multiplied by `(1 − λk)(1 − μk)` in each pair: 1 for k = 0 and for the pass band
-/// `k = 1/λ + 1/μ`, above 1 between them, below 1 beyond: no shrinkage to first order, but low frequencies are
-/// amplified. The largest factor, half-way to the pass band, is `1 + (λk)²/(4 (1 − λk))`: 1.0007 for the default, which
-/// shows after hundreds of pairs, but 5.5 for λ = ½ and a pass band of 1.9.
+/// Each pair multiplies the mode of eigenvalue −k by `(1 − λk)(1 − μk)`: 1 at k = 0 and at the pass
+/// band `k = 1/λ + 1/μ`, above 1 between them, below 1 beyond. There is no shrinkage to first
+/// order, but low frequencies are amplified: the largest factor, half-way to the pass band k, is
+/// `1 + (λk)²/(4 (1 − λk))`, 1.0007 for the default, which is visible after hundreds of pairs, but
+/// 5.5 for λ = ½ and a pass band of 1.9.
 ///
-/// The size is kept of shapes that are modes of the pass band: those many edges across, as scans are. A panel, a corner
-/// or a tube a few edges across is made of the rougher modes and shrinks like noise, and so do free boundaries: a model
-/// of 50 open parts in large triangles, half of its vertices on their boundaries, lost a third of its area, and an
-/// eighth with its boundaries pinned. Such models are subdivided first, or left as they are.
+/// Shapes that consist of modes of the pass band preserve their size: those many edges across, such
+/// as scans. A panel, corner or tube a few edges across consists of rougher modes and shrinks like
+/// noise, and so do free boundaries: a model of 50 open parts in large triangles, with half of its
+/// vertices on boundaries, lost a third of its area, and an eighth with pinned boundaries.
+/// Subdivide such models first.
 ///
 /// # Errors
 ///
-/// [`FlowError`] for options out of range: stable is what keeps `|(1 − λk)(1 − μk)| ≤ 1` at k = 2; and
-/// [`FlowFailure::Amplified`] where all pairs together would amplify a mode by more than two, unless
-/// [`Taubin::stability`] allows it.
+/// [`FlowError`] if an option is out of range, including steps with `|(1 − λk)(1 − μk)| > 1` at k =
+/// 2; [`FlowFailure::Amplified`] if all pairs together would amplify a mode by more than two,
+/// unless [`Taubin::stability`] allows it.
 ///
 /// # Examples
 ///
@@ -114,7 +116,7 @@ pub fn taubin(
         }
     }
     let laplacian = uniform(run.arrangement.mesh(), &run.freedom.fixed);
-    // The spectrum of uniform weights reaches to 2.
+    // 2 is the spectral bound for uniform weights.
     advance(run, &laplacian, 2.0, of, 0.0)
 }
 

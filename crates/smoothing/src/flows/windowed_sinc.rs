@@ -12,12 +12,13 @@ use crate::engine::error::{FlowError, FlowFailure};
 use crate::engine::outcome::{Approach, Smoothed};
 use crate::engine::run::{Run, RunSettings};
 
-/// How the Chebyshev series of the ideal filter is faded out. All are 1 at its beginning and small at its end.
+/// Windows that taper the Chebyshev series of the ideal filter, from 1 at its first term to nearly
+/// 0 at its last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Window {
     /// `0.5 + 0.5 cos`: almost no ripple, a wide transition.
     Hanning,
-    /// `0.54 + 0.46 cos`: a narrower transition, ripples below a hundredth. What VTK takes.
+    /// `0.54 + 0.46 cos`: a narrower transition, ripples below a hundredth; the window of VTK.
     #[default]
     Hamming,
     /// `0.42 + 0.5 cos + 0.08 cos 2`: the least ripple, the widest transition.
@@ -25,7 +26,7 @@ pub enum Window {
 }
 
 fairing_parameters::choices!(Window, "window",
-    Hanning: "hanning", "No ripple to speak of, a wide transition";
+    Hanning: "hanning", "Almost no ripple, a wide transition";
     Hamming: "hamming", "A narrower transition, ripples below a hundredth";
     Blackman: "blackman", "The least ripple, the widest transition";
 );
@@ -50,31 +51,32 @@ fairing_parameters::options! {
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
     pub struct WindowedSinc {
-        /// Modes with −eigenvalue below this are kept (0 to 2).
+        /// The pass band: modes with a smaller −eigenvalue are preserved (0 to 2).
         pub pass_band: f64 = 0.1, in Range::above(0.0).below(2.0);
         /// The degree of the filter.
         pub degree: usize = 20;
-        /// The window that fades out the series.
+        /// The window that tapers the series.
         pub window: Window = Window::Hamming;
         /// Constraints of the vertices.
         pub constraints: Constraints = Constraints::NONE;
     }
-    "windowed-sinc": "a sharper low-pass filter than taubin; keeps the size of finely meshed shapes best",
+    "windowed-sinc": "a sharper low-pass filter than taubin; preserves the size of finely meshed shapes best",
         ["taubin1996"],
         without [SOFT];
 }
 
-/// Smooths by one low-pass filter with uniform weights: the Chebyshev series of the step function at the pass
-/// band, faded out by a window.
+/// Smooths by one low-pass filter with uniform weights: the Chebyshev series of the step function
+/// at the pass band, tapered by a window.
 ///
-/// With k = 1 − cos θ on the spectrum of `−L`, the ideal filter is 1 for θ below `θ₀ = arccos(1 − pass band)`, and
-/// has the coefficients `θ₀/π` and `2 sin(jθ₀)/(jπ)`. They are multiplied by the window and scaled so that
-/// constants are kept exactly. No mode grows beyond the ripple of the window, and low ones are hardly touched: less
-/// shrinkage than λ|μ at the same number of products.
+/// With k = 1 − cos θ on the spectrum of `−L`, the ideal filter is 1 for θ below
+/// `θ₀ = arccos(1 − pass band)` and has the coefficients `θ₀/π` and `2 sin(jθ₀)/(jπ)`. They are
+/// multiplied by the window and scaled so that constants are preserved exactly. No mode grows by
+/// more than the ripple of the window, and low modes hardly change: less shrinkage than λ|μ
+/// smoothing for the same number of products.
 ///
 /// # Errors
 ///
-/// [`FlowError`] for options out of range, and for constraints that are not linear.
+/// [`FlowError`] if an option is out of range or a constraint is not linear.
 ///
 /// # Examples
 ///
@@ -106,9 +108,9 @@ pub fn windowed_sinc(mesh: &TriMesh, options: &WindowedSinc) -> Result<Smoothed,
     run.finish(x)
 }
 
-/// The windowed coefficients in `Tⱼ(1 + μ)`, which sum to one: the value at μ = 0.
+/// The windowed coefficients of `Tⱼ(1 + μ)`; their sum, the value at μ = 0, is one.
 fn coefficients(pass_band: f64, degree: usize, window: Window) -> Vec<f64> {
-    // arccos(1 − pass band) of bands whose difference from 1 rounds to 1, too.
+    // arccos(1 − pass band), accurate also for bands with 1 − pass band = 1 in floating point.
     let edge = 2.0 * libm::asin(FRAC_1_SQRT_2 * pass_band.sqrt());
     let mut c: Vec<f64> = (0..=degree)
         .map(|j| {
@@ -135,7 +137,7 @@ mod tests {
         c.iter().enumerate().map(|(j, c)| c * (j as f64 * angle).cos()).sum()
     }
 
-    /// As narrow as numbers allow, the filter is that of the window alone.
+    /// For the narrowest bands the filter tends to that of the window alone.
     #[test]
     fn narrow_bands_have_a_limit() {
         let limit = coefficients(1e-12, 20, Window::Hamming);

@@ -13,9 +13,9 @@
 //! | 640 000 | 72 | 2.6 µs | 200 ns | 28 ns |
 //!
 //! The iteration count depends on t, not on the size: 28, 86, 270, 850 for t/h² = 1, 10, 100, 1000
-//! (fewer if t is as large as the mesh). It is a tenth below Chebyshev's bound ½ √κ ln (2/ε) with κ =
-//! 3/2 · (1 + t Sᵢᵢ/Mᵢᵢ): after Jacobi scaling, the spectrum of a triangle mesh lies between M/(M +
-//! tS) and 3/2.
+//! (fewer if t is as large as the mesh). It is a tenth below Chebyshev's bound ½ √κ ln (2/ε) with
+//! κ = 3/2 · (1 + t Sᵢᵢ/Mᵢᵢ): after Jacobi scaling, the spectrum of a triangle mesh lies between
+//! M/(M + tS) and 3/2.
 //!
 //! A factorisation therefore pays for a single solve from t ≈ 10 h² (16 thousand rows) or 50 h²
 //! (160 thousand), and for ten solves with one matrix from t = h². Beyond some million rows memory
@@ -126,7 +126,7 @@ impl SolverChoice {
     ///     tolerance: 1e-10,
     ///     solves: 1,
     /// };
-    /// // A factorisation pays for one long step of a flow, or for many, but not for one short step.
+    /// // A factorisation pays for one long step of a flow or for many, but not for a short one.
     /// assert_eq!(SolverChoice::choose(&step), SolverChoice::Iterative);
     /// let long = Workload { condition: 6000.0, ..step };
     /// assert_eq!(SolverChoice::choose(&long), SolverChoice::Direct);

@@ -188,7 +188,7 @@ fn a_volume_of_rounding_cannot_be_kept() {
         for volume in [Volume::Rescaled, Volume::Offset] {
             let options = Explicit { volume, ..Explicit::new(Diffusion::uniform(0.5)) };
             let error = explicit(&mesh, &options, None).unwrap_err();
-            let reason = "the input has none";
+            let reason = "the input encloses no volume";
             assert_eq!((error.iteration, error.failure), (0, FlowFailure::Volume { reason }));
         }
     }
