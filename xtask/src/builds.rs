@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use crate::programs::cargo;
 
-/// The number of slowest units to name.
+/// The number of slowest units that are listed.
 const NAMED: usize = 12;
 
 /// A build and its name.

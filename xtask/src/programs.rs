@@ -9,8 +9,7 @@ use anyhow::{Context as _, Result};
 /// A program of the workspace.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Program {
-    /// Experiments and their report, in the profile of the tests, so that nothing is compiled
-    /// twice.
+    /// Experiments and their report, in the profile of the tests, so nothing is compiled twice.
     Reproduce,
     /// Speed and denoisers, in the profile release: what users install is measured.
     Benchmark,

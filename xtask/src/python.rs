@@ -7,12 +7,12 @@ use anyhow::{Context as _, Result, ensure};
 
 /// Packages that build the wheel.
 const BUILD: [&str; 1] = ["maturin>=1.9,<2"];
-/// Packages that the tests need.
+/// Packages required by the tests.
 const TESTS: [&str; 4] = ["numpy", "scipy", "pytest", "hypothesis"];
-/// Packages without which single tests are skipped.
+/// Packages required by single tests, which are skipped without them.
 const PEERS: [&str; 7] =
     ["tqdm", "trimesh", "meshio", "libigl", "robust_laplacian", "potpourri3d", "lapy"];
-/// The same, for slow tests and those of data sets, notebooks and types.
+/// Packages for slow tests and tests of data sets, notebooks and types, likewise.
 const MORE: [&str; 10] = [
     "mypy",
     // With its Node.js from the package index.
@@ -30,17 +30,17 @@ const MORE: [&str; 10] = [
 /// The tests of the package to run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Extent {
-    /// Quick tests, on the library that the workspace has built.
+    /// The quick tests, on the library built in the workspace.
     Quick,
     /// All tests, on the wheel that users install.
     Whole,
 }
 
-/// Outcome of the tests.
+/// The result of the tests.
 #[derive(Debug)]
 pub(crate) struct Tested {
     pub(crate) passed: bool,
-    /// The skipped tests, with the reason.
+    /// Skipped tests, each with the reason.
     pub(crate) skipped: Vec<(String, String)>,
 }
 

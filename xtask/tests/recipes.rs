@@ -63,6 +63,34 @@ const ESTIMATOR: Addition = Addition {
     ],
 };
 
+const FLOW: Addition = Addition {
+    recipe: "A flow",
+    package: "fairing-smoothing",
+    file: ("crates/smoothing/src/flows/dummy.rs", include_str!("recipes/flow.rs")),
+    edits: &[
+        Edit {
+            path: "crates/smoothing/src/flows/mod.rs",
+            before: "pub(crate) mod explicit;",
+            line: "pub(crate) mod dummy;",
+        },
+        Edit {
+            path: "crates/smoothing/src/lib.rs",
+            before: "pub use flows::hc::{Hc, hc};",
+            line: "pub use flows::dummy::{Dummy, dummy};",
+        },
+        Edit {
+            path: "crates/smoothing/src/method.rs",
+            before: "use crate::flows::explicit::{Explicit, explicit};",
+            line: "use crate::flows::dummy::{Dummy, dummy};",
+        },
+        Edit {
+            path: "crates/smoothing/src/method.rs",
+            before: "        /// [`hc`]",
+            line: "        /// [`dummy`]\n        Dummy(Dummy) => dummy,",
+        },
+    ],
+};
+
 const DENOISER: Addition = Addition {
     recipe: "A denoiser",
     package: "fairing-denoising",
@@ -138,6 +166,11 @@ fn a_format_is_one_file_and_two_lines() {
 #[test]
 fn an_estimator_is_one_file_and_lines_in_two() {
     carry_out(&ESTIMATOR);
+}
+
+#[test]
+fn a_flow_is_one_file_and_lines_in_three() {
+    carry_out(&FLOW);
 }
 
 #[test]

@@ -3,12 +3,12 @@
 use std::f64::consts::LOG2_E;
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, distance, dot, scale, sub};
 use fairing_parameters::{Options, Range};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::DenoiseError;
-use super::faces::{Marks, unit_or_zero};
+use super::faces::Marks;
 use super::oriented::on_oriented;
 
 fairing_parameters::options! {
@@ -77,13 +77,11 @@ fn move_vertex(
     (near, seen): &mut (Vec<u32>, Marks),
 ) -> [f64; 3] {
     let (positions, topology) = (mesh.positions(), mesh.topology());
-    let x = positions[v as usize];
-    let area = mesh
-        .incidence()
-        .corners(v)
-        .iter()
-        .fold([0.0; 3], |sum, &c| add(sum, mesh.area_vector(c as usize / 3)));
-    let normal = unit_or_zero(area);
+    let at = |w: u32| DVec3::from(positions[w as usize]);
+    let x = at(v);
+    let corners = mesh.incidence().corners(v).iter();
+    let area: DVec3 = corners.map(|&c| DVec3::from(mesh.area_vector(c as usize / 3))).sum();
+    let normal = area.normalize_or_zero();
     near.clear();
     seen.clear();
     near.push(v);
@@ -91,7 +89,7 @@ fn move_vertex(
     let mut next = 0;
     while next < near.len() {
         for &w in topology.neighbors(near[next]) {
-            if distance(positions[w as usize], x) < 2.0 * spatial && seen.insert(w) {
+            if at(w).distance(x) < 2.0 * spatial && seen.insert(w) {
                 near.push(w);
             }
         }
@@ -102,14 +100,14 @@ fn move_vertex(
         near.extend_from_slice(topology.neighbors(v));
     }
     let heights = near[1..].iter().map(|&w| {
-        let d = sub(positions[w as usize], x);
-        (dot(d, d), dot(normal, d))
+        let d = at(w) - x;
+        (d.dot(d), normal.dot(d))
     });
     let count = heights.len() as f64;
     let mean = heights.clone().map(|(_, h)| h).sum::<f64>() / count;
     let variance = heights.clone().map(|(_, h)| (h - mean) * (h - mean)).sum::<f64>() / count;
     if variance.is_nan() || variance <= 0.0 {
-        return x;
+        return x.to_array();
     }
     // exp(x) = 2^(x log2 e), with the factor in the constants.
     let half = -0.5 * LOG2_E;
@@ -118,7 +116,7 @@ fn move_vertex(
         let w = libm::exp2(a * d2 + b * h * h);
         (sum + w * h, total + w)
     });
-    if total > 0.0 { add(x, scale(normal, sum / total)) } else { x }
+    (if total > 0.0 { x + normal * (sum / total) } else { x }).to_array()
 }
 
 #[cfg(test)]
@@ -136,7 +134,8 @@ mod tests {
             let mut positions = flat.positions().to_vec();
             positions[bump][2] = 0.01;
             let mesh = flat.with_positions(positions).unwrap();
-            let away = distance(flat.positions()[60], flat.positions()[bump]) / spatial;
+            let away =
+                DVec3::from(flat.positions()[60]).distance(flat.positions()[bump].into()) / spatial;
             assert!(away > 1.0 && (away < 2.0) == seen, "{away}");
             let mut scratch = (vec![], Marks::new(mesh.vertex_count()));
             let moved = move_vertex(&mesh, 60, spatial, 1.0, &mut scratch);

@@ -4,10 +4,10 @@ use std::f64::consts::LOG2_E;
 use std::sync::{Mutex, PoisonError};
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, distance, scale, sub};
 use fairing_parameters::{Options, Range};
 use fairing_sparse::parallel::update;
 use fairing_sparse::{CgOptions, FieldOperator, conjugate_gradients, product_by_rows};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::error::{DenoiseError, solved};
@@ -67,10 +67,8 @@ fn filter(mesh: &TriMesh, options: &BilateralNormalOptions) -> Result<TriMesh, D
         normals = (0..normals.len())
             .into_par_iter()
             .map(|f| {
-                let sum = weights
-                    .row(f, &normals)
-                    .fold([0.0; 3], |sum, (g, w)| add(sum, scale(normals[g], w)));
-                unit_or_zero(sum)
+                let weighted = weights.row(f, &normals).map(|(g, w)| w * DVec3::from(normals[g]));
+                weighted.sum::<DVec3>().normalize_or_zero().to_array()
             })
             .collect();
     }
@@ -139,13 +137,13 @@ fn filter_globally(
     let apply = |x: &[[f64; 3]], product: &mut [[f64; 3]]| {
         let mut defects = defects.lock().unwrap_or_else(PoisonError::into_inner);
         update(&mut defects, |f, _| {
-            let mean = rows.forward(f).fold([0.0; 3], |s, (g, w)| add(s, scale(x[g], w)));
-            (scale(sub(x[f], mean), areas[f]), ())
+            let mean: DVec3 = rows.forward(f).map(|(g, w)| w * DVec3::from(x[g])).sum();
+            ((areas[f] * (DVec3::from(x[f]) - mean)).to_array(), ())
         });
         product_by_rows(x, product, |f| {
-            let spread = rows.backward(f).fold([0.0; 3], |s, (g, w)| add(s, scale(defects[g], w)));
-            let d = defects[f];
-            [0, 1, 2].map(|k| smooth * (d[k] - spread[k]) + keep * areas[f] * x[f][k])
+            let spread: DVec3 = rows.backward(f).map(|(g, w)| w * DVec3::from(defects[g])).sum();
+            let d = DVec3::from(defects[f]);
+            (smooth * (d - spread) + keep * areas[f] * DVec3::from(x[f])).to_array()
         })
     };
     let diagonal: Vec<f64> = (0..count)
@@ -157,7 +155,7 @@ fn filter_globally(
             smooth * (areas[f] * (1.0 - own) * (1.0 - own) + others) + keep * areas[f]
         })
         .collect();
-    let b: Vec<[f64; 3]> = noisy.iter().zip(&areas).map(|(n, a)| scale(*n, keep * a)).collect();
+    let b: Vec<[f64; 3]> = noisy.iter().zip(&areas).map(|(n, a)| n.map(|x| keep * a * x)).collect();
     let accuracy = CgOptions { tolerance: 1e-6, max_iterations: 5000, measure: true };
     let operator = FieldOperator::new(&diagonal, apply);
     let (found, _) = conjugate_gradients(&operator, &b, noisy.clone(), &accuracy);
@@ -192,8 +190,8 @@ impl Weights {
     ) -> impl Iterator<Item = (usize, f64)> + 'a {
         let FaceShapes { areas, centroids, .. } = &self.shapes;
         std::iter::once(f).chain(self.rings.row(f).iter().map(|&g| g as usize)).map(move |g| {
-            let d = distance(centroids[f], centroids[g]);
-            let t = distance(normals[f], normals[g]);
+            let d = DVec3::from(centroids[f]).distance(centroids[g].into());
+            let t = DVec3::from(normals[f]).distance(normals[g].into());
             (g, areas[g] * libm::exp2(self.spatial * d * d + self.range * t * t))
         })
     }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, distance, norm, normalize, scale};
+use glam::DVec3;
 use rayon::prelude::*;
 
 /// Marks the side of a face that has no [`Hinge`].
@@ -163,6 +163,7 @@ impl FaceLists {
     /// and that such faces connect to it through shared vertices, in the order
     /// in which a search reaches them.
     pub(crate) fn within(rings: &Self, centroids: &[[f64; 3]], radius: f64) -> Self {
+        let at = |f: usize| DVec3::from(centroids[f]);
         Self::gather(centroids.len(), |f, list, marks| {
             marks.clear();
             marks.insert(f as u32);
@@ -172,7 +173,7 @@ impl FaceLists {
                 let g = list[next] as usize;
                 next += 1;
                 for &k in rings.row(g) {
-                    if distance(centroids[f], centroids[k as usize]) < radius && marks.insert(k) {
+                    if at(f).distance(at(k as usize)) < radius && marks.insert(k) {
                         list.push(k);
                     }
                 }
@@ -233,15 +234,15 @@ impl FaceShapes {
         let (areas, normals) = (0..mesh.face_count())
             .into_par_iter()
             .map(|f| {
-                let vector = mesh.area_vector(f);
-                (norm(vector), unit_or_zero(vector))
+                let vector = DVec3::from(mesh.area_vector(f));
+                (vector.length(), vector.normalize_or_zero().to_array())
             })
             .unzip();
         let centroids = (0..mesh.face_count())
             .into_par_iter()
             .map(|f| {
-                let [a, b, c] = mesh.triangle(f);
-                scale(add(add(a, b), c), 1.0 / 3.0)
+                let [a, b, c] = mesh.triangle(f).map(DVec3::from);
+                ((a + b + c) * (1.0 / 3.0)).to_array()
             })
             .collect();
         Self { areas, normals, centroids }
@@ -251,7 +252,7 @@ impl FaceShapes {
 /// The unit vector along `a`, or zero where `a` has no direction.
 #[inline]
 pub(crate) fn unit_or_zero(a: [f64; 3]) -> [f64; 3] {
-    normalize(a).unwrap_or_default()
+    DVec3::from(a).normalize_or_zero().to_array()
 }
 
 /// The mean distance of the centroids across hinges, in mesh units; zero
@@ -263,7 +264,10 @@ pub(crate) fn mean_centroid_distance(hinges: &Hinges, centroids: &[[f64; 3]]) ->
     let sum: f64 = hinges
         .all
         .iter()
-        .map(|h| distance(centroids[h.faces[0] as usize], centroids[h.faces[1] as usize]))
+        .map(|h| {
+            let [a, b] = h.faces.map(|f| DVec3::from(centroids[f as usize]));
+            a.distance(b)
+        })
         .sum();
     sum / hinges.all.len() as f64
 }

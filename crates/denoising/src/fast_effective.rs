@@ -1,12 +1,12 @@
 //! Fast and effective feature-preserving denoising.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, dot, scale};
 use fairing_parameters::Options;
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::DenoiseError;
-use super::faces::{FaceLists, FaceShapes, unit_or_zero};
+use super::faces::{FaceLists, FaceShapes};
 use super::oriented::on_oriented;
 use super::vertex_update::{VertexUpdate, update_vertices};
 
@@ -59,14 +59,14 @@ fn filter(mesh: &TriMesh, options: &FastEffectiveOptions) -> Result<TriMesh, Den
         normals = (0..normals.len())
             .into_par_iter()
             .map(|f| {
-                let own = normals[f];
-                let start = scale(own, (1.0 - threshold).powi(2));
+                let own = DVec3::from(normals[f]);
+                let start = (1.0 - threshold).powi(2) * own;
                 let sum = rings.row(f).iter().fold(start, |sum, &g| {
-                    let n = normals[g as usize];
-                    let w = (dot(own, n) - threshold).max(0.0);
-                    add(sum, scale(n, w * w))
+                    let n = DVec3::from(normals[g as usize]);
+                    let w = (own.dot(n) - threshold).max(0.0);
+                    sum + w * w * n
                 });
-                unit_or_zero(sum)
+                sum.normalize_or_zero().to_array()
             })
             .collect();
     }

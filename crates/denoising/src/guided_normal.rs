@@ -3,12 +3,12 @@
 use std::f64::consts::LOG2_E;
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, distance, scale};
 use fairing_parameters::{Options, Range};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::DenoiseError;
-use super::faces::{FaceLists, FaceShapes, Hinges, NO_HINGE, mean_centroid_distance, unit_or_zero};
+use super::faces::{FaceLists, FaceShapes, Hinges, NO_HINGE, mean_centroid_distance};
 use super::oriented::on_oriented;
 use super::vertex_update::{VertexUpdate, update_vertices};
 
@@ -86,15 +86,16 @@ fn filter(mesh: &TriMesh, options: &GuidedNormalOptions) -> Result<TriMesh, Deno
         let normals: Vec<[f64; 3]> = (0..current.face_count())
             .into_par_iter()
             .map(|f| {
-                let mut sum = scale(shapes.normals[f], shapes.areas[f]);
+                let weighted = |g: usize, w: f64| w * DVec3::from(shapes.normals[g]);
+                let mut sum = weighted(f, shapes.areas[f]);
                 for &g in near.row(f) {
                     let g = g as usize;
-                    let d = distance(shapes.centroids[f], shapes.centroids[g]);
-                    let t = distance(guidance[f], guidance[g]);
+                    let d = DVec3::from(shapes.centroids[f]).distance(shapes.centroids[g].into());
+                    let t = guidance[f].distance(guidance[g]);
                     let w = shapes.areas[g] * libm::exp2(spatial * d * d + range * t * t);
-                    sum = add(sum, scale(shapes.normals[g], w));
+                    sum += weighted(g, w);
                 }
-                unit_or_zero(sum)
+                sum.normalize_or_zero().to_array()
             })
             .collect();
         current = update_vertices(&current, &normals, &update)?;
@@ -103,8 +104,8 @@ fn filter(mesh: &TriMesh, options: &GuidedNormalOptions) -> Result<TriMesh, Deno
 }
 
 /// The mean normal of the most consistent patch around each face.
-fn guidance(hinges: &Hinges, rings: &FaceLists, shapes: &FaceShapes) -> Vec<[f64; 3]> {
-    let patches: Vec<(f64, [f64; 3])> = (0..shapes.areas.len())
+fn guidance(hinges: &Hinges, rings: &FaceLists, shapes: &FaceShapes) -> Vec<DVec3> {
+    let patches: Vec<(f64, DVec3)> = (0..shapes.areas.len())
         .into_par_iter()
         .map_init(Vec::new, |patch: &mut Vec<u32>, f| {
             patch.clear();
@@ -130,17 +131,18 @@ fn guidance(hinges: &Hinges, rings: &FaceLists, shapes: &FaceShapes) -> Vec<[f64
 }
 
 /// `H = Φ R` and the mean normal of a patch of ascending faces.
-fn patch_consistency(hinges: &Hinges, patch: &[u32], shapes: &FaceShapes) -> (f64, [f64; 3]) {
+fn patch_consistency(hinges: &Hinges, patch: &[u32], shapes: &FaceShapes) -> (f64, DVec3) {
     // Keeps R defined on flat patches, as in the authors' code.
     const FLAT: f64 = 1e-9;
-    let mut mean = [0.0; 3];
+    let normal = |f: u32| DVec3::from(shapes.normals[f as usize]);
+    let mut mean = DVec3::ZERO;
     let mut widest: f64 = 0.0;
     let (mut largest, mut sum): (f64, f64) = (0.0, 0.0);
     for (i, &f) in patch.iter().enumerate() {
-        let n = shapes.normals[f as usize];
-        mean = add(mean, scale(n, shapes.areas[f as usize]));
+        let n = normal(f);
+        mean += shapes.areas[f as usize] * n;
         for &g in &patch[..i] {
-            widest = widest.max(distance(n, shapes.normals[g as usize]));
+            widest = widest.max(n.distance(normal(g)));
         }
         for h in hinges.of_face[f as usize] {
             if h == NO_HINGE {
@@ -149,11 +151,11 @@ fn patch_consistency(hinges: &Hinges, patch: &[u32], shapes: &FaceShapes) -> (f6
             let [a, b] = hinges.all[h as usize].faces;
             // Each inner hinge once, from its lower face.
             if a == f && patch.binary_search(&b).is_ok() {
-                let jump = distance(shapes.normals[a as usize], shapes.normals[b as usize]);
+                let jump = normal(a).distance(normal(b));
                 largest = largest.max(jump);
                 sum += jump;
             }
         }
     }
-    (widest * largest / (FLAT + sum), unit_or_zero(mean))
+    (widest * largest / (FLAT + sum), mean.normalize_or_zero())
 }

@@ -1,7 +1,7 @@
 //! The noise level of a mesh, estimated without a ground truth.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, dot, norm, normalize, scale, sub};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use fairing_operators::{NormalEquations, PrincipalAxes, tangent_frame};
@@ -283,12 +283,12 @@ fn two_ring_residuals(
     one_ring.sort_unstable();
     one_ring.dedup();
     ring.clear();
-    let mut area = [0.0; 3];
+    let mut area = DVec3::ZERO;
     for &w in &*one_ring {
         let corners = incidence.corners(w);
         let stride = if w == v { 1 } else { 1 + corners.len().saturating_sub(1) / HUB };
         for &c in corners.iter().step_by(stride) {
-            area = add(area, mesh.area_vector(c as usize / 3));
+            area += DVec3::from(mesh.area_vector(c as usize / 3));
             ring.extend_from_slice(&faces[c as usize / 3]);
         }
     }
@@ -297,23 +297,23 @@ fn two_ring_residuals(
     if ring.len() < 9 {
         return None;
     }
-    let origin = mesh.positions()[v as usize];
-    let offset = |w: &u32| sub(mesh.positions()[*w as usize], origin);
-    let radius = ring.iter().map(|w| norm(offset(w))).fold(0.0, f64::max);
-    let normal = normalize(area)?;
-    let [e1, e2] = tangent_frame(normal.into()).map(Into::into);
+    let at = |w: u32| DVec3::from(mesh.positions()[w as usize]);
+    let offset = |w: &u32| at(*w) - at(v);
+    let radius = ring.iter().map(|w| offset(w).length()).fold(0.0, f64::max);
+    let normal = area.try_normalize()?;
+    let [e1, e2] = tangent_frame(normal);
     if radius.is_nan() || radius <= 0.0 {
         return None;
     }
     let flat = |w: &u32| {
-        let d = scale(offset(w), 1.0 / radius);
-        [dot(d, e1), dot(d, e2), dot(d, normal)]
+        let d = offset(w) * (1.0 / radius);
+        [d.dot(e1), d.dot(e2), d.dot(normal)]
     };
     points.clear();
     points.extend(ring.iter().filter(|&&w| w != v).map(flat));
     let two_ring = quadric_residual(points)?;
     if points.len() > NEAREST {
-        let square = |p: &[f64; 3]| dot(*p, *p);
+        let square = |p: &[f64; 3]| DVec3::from(*p).length_squared();
         squares.clear();
         squares.extend(points.iter().map(square));
         let (_, tenth, _) = squares.select_nth_unstable_by(NEAREST - 1, f64::total_cmp);

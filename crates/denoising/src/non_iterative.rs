@@ -3,8 +3,8 @@
 use std::f64::consts::LOG2_E;
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, distance, dot, scale, sub};
 use fairing_parameters::{Options, Range};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::DenoiseError;
@@ -61,9 +61,10 @@ fn filter(mesh: &TriMesh, options: &NonIterativeOptions) -> Result<TriMesh, Deno
     let normals = FaceShapes::new(&mollified).normals;
     let b = -0.5 * LOG2_E / (influence * influence).max(f64::MIN_POSITIVE);
     average(mesh, &rings, &shapes, spatial, |p, c, f| {
-        let height = dot(normals[f], sub(c, p));
-        Some((add(p, scale(normals[f], height)), libm::exp2(b * height * height)))
-            .filter(|_| normals[f] != [0.0; 3])
+        let normal = DVec3::from(normals[f]);
+        let height = normal.dot(c - p);
+        Some((p + height * normal, libm::exp2(b * height * height)))
+            .filter(|_| normal != DVec3::ZERO)
     })
 }
 
@@ -74,7 +75,7 @@ fn average(
     rings: &FaceLists,
     shapes: &FaceShapes,
     spatial: f64,
-    predict: impl Fn([f64; 3], [f64; 3], usize) -> Option<([f64; 3], f64)> + Sync,
+    predict: impl Fn(DVec3, DVec3, usize) -> Option<(DVec3, f64)> + Sync,
 ) -> Result<TriMesh, DenoiseError> {
     let a = -0.5 * LOG2_E / (spatial * spatial).max(f64::MIN_POSITIVE);
     let positions = (0..mesh.vertex_count())
@@ -82,7 +83,7 @@ fn average(
         .map_init(
             || (vec![], Marks::new(mesh.face_count())),
             |(near, marks), v| {
-                let p = mesh.positions()[v];
+                let p = DVec3::from(mesh.positions()[v]);
                 near.clear();
                 marks.clear();
                 near.extend(mesh.incidence().corners(v as u32).iter().map(|c| c / 3));
@@ -92,7 +93,7 @@ fn average(
                 let mut next = 0;
                 while next < near.len() {
                     for &g in rings.row(near[next] as usize) {
-                        if distance(shapes.centroids[g as usize], p) < 2.0 * spatial
+                        if p.distance(shapes.centroids[g as usize].into()) < 2.0 * spatial
                             && marks.insert(g)
                         {
                             near.push(g);
@@ -100,17 +101,17 @@ fn average(
                     }
                     next += 1;
                 }
-                let (mut sum, mut total) = ([0.0; 3], 0.0);
+                let (mut sum, mut total) = (DVec3::ZERO, 0.0);
                 for &f in near.iter() {
                     let f = f as usize;
-                    let c = shapes.centroids[f];
+                    let c = DVec3::from(shapes.centroids[f]);
                     let Some((q, w)) = predict(p, c, f) else { continue };
-                    let d = distance(p, c);
+                    let d = p.distance(c);
                     let w = w * shapes.areas[f] * libm::exp2(a * d * d);
-                    sum = add(sum, scale(sub(q, p), w));
+                    sum += w * (q - p);
                     total += w;
                 }
-                if total > 0.0 { add(p, scale(sum, 1.0 / total)) } else { p }
+                (if total > 0.0 { p + sum * (1.0 / total) } else { p }).to_array()
             },
         )
         .collect();

@@ -1,10 +1,10 @@
 //! Total variation of the normal field.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, distance, norm, scale, sub};
 use fairing_parameters::{Options, Range};
 use fairing_sparse::parallel::update;
 use fairing_sparse::{CgOptions, FieldOperator, conjugate_gradients, product_by_rows};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::error::{DenoiseError, solved};
@@ -111,21 +111,21 @@ impl Problem {
         let FaceShapes { normals, areas, .. } = FaceShapes::new(mesh);
         let (h, penalty) = (mesh.mean_edge_length(), 2.0 * weight);
         let areas: Vec<f64> = areas.iter().map(|a| (a / (h * h)).max(1e-6)).collect();
-        let weighted = |f: usize| scale(normals[f], areas[f]);
-        let averaged: Vec<[f64; 3]> = (0..areas.len())
+        let weighted = |f: usize| areas[f] * DVec3::from(normals[f]);
+        let averaged: Vec<DVec3> = (0..areas.len())
             .into_par_iter()
-            .map(|f| unit_or_zero(hinges.across(f).fold(weighted(f), |s, g| add(s, weighted(g)))))
+            .map(|f| hinges.across(f).fold(weighted(f), |s, g| s + weighted(g)).normalize_or_zero())
             .collect();
         let positions = mesh.positions();
         let threshold = |hinge: &Hinge| {
             let [m, n] = hinge.faces.map(|f| averaged[f as usize]);
-            weight * libm::exp(-distance(m, n).powi(4))
+            weight * libm::exp(-m.distance(n).powi(4))
         };
         let side = |f: usize, e: u32| {
             let Some(hinge) = hinges.all.get(e as usize) else { return (f as u32, 0.0) };
-            let [a, b] = hinge.ends.map(|v| positions[v as usize]);
+            let [a, b] = hinge.ends.map(|v| DVec3::from(positions[v as usize]));
             let [g, k] = hinge.faces;
-            (if g as usize == f { k } else { g }, penalty * distance(a, b) / h)
+            (if g as usize == f { k } else { g }, penalty * a.distance(b) / h)
         };
         let (across, widths) = (0..areas.len())
             .into_par_iter()
@@ -142,11 +142,12 @@ impl Problem {
     #[inline]
     fn row(&self, x: &[[f64; 3]], f: usize) -> [f64; 3] {
         let (across, widths) = (&self.across[f], &self.widths[f]);
-        let mut sum = scale(x[f], self.areas[f]);
+        let own = DVec3::from(x[f]);
+        let mut sum = self.areas[f] * own;
         for k in 0..3 {
-            sum = add(sum, scale(sub(x[f], x[across[k] as usize]), widths[k]));
+            sum += widths[k] * (own - DVec3::from(x[across[k] as usize]));
         }
-        sum
+        sum.to_array()
     }
 
     /// The diagonal of that matrix.
@@ -159,14 +160,14 @@ impl Problem {
     /// jumps that are wanted.
     fn right_hand_side(&self, wanted: &[[f64; 3]], b: &mut [[f64; 3]]) {
         update(b, |f, _| {
-            let mut sum = scale(self.noisy[f], self.areas[f]);
+            let mut sum = self.areas[f] * DVec3::from(self.noisy[f]);
             for k in 0..3 {
                 let Some(jump) = wanted.get(self.hinges.of_face[f][k] as usize) else { continue };
                 // A jump is the value of the lower face less that of the other.
                 let sign = if (f as u32) < self.across[f][k] { 1.0 } else { -1.0 };
-                sum = add(sum, scale(*jump, sign * self.widths[f][k]));
+                sum += sign * self.widths[f][k] * DVec3::from(*jump);
             }
-            (sum, ())
+            (sum.to_array(), ())
         });
     }
 
@@ -176,14 +177,14 @@ impl Problem {
     /// jump wanted next.
     fn shrink(&self, normals: &[[f64; 3]], wanted: &mut [[f64; 3]], first: bool) {
         update(wanted, |e, wanted| {
-            let [f, g] = self.hinges.all[e].faces.map(|f| normals[f as usize]);
-            let jump = sub(f, g);
-            let dual = if first { [0.0; 3] } else { sub(jump, wanted) };
-            let q = add(jump, dual);
-            let size = norm(q);
+            let [f, g] = self.hinges.all[e].faces.map(|f| DVec3::from(normals[f as usize]));
+            let jump = f - g;
+            let dual = if first { DVec3::ZERO } else { jump - DVec3::from(wanted) };
+            let q = jump + dual;
+            let size = q.length();
             let kept = size - self.thresholds[e] / self.penalty;
-            let short = if kept > 0.0 { scale(q, kept / size) } else { [0.0; 3] };
-            (sub(short, dual), ())
+            let short = if kept > 0.0 { q * (kept / size) } else { DVec3::ZERO };
+            ((short - dual).to_array(), ())
         });
     }
 }
@@ -203,11 +204,8 @@ mod tests {
         let averaged = |f: u32| {
             let across = topology.face_edges()[f as usize];
             let faces = across.iter().flat_map(|&e| topology.edge_faces(e)).filter(|&&g| g != f);
-            unit_or_zero(
-                faces.fold(mesh.area_vector(f as usize), |s, &g| {
-                    add(s, mesh.area_vector(g as usize))
-                }),
-            )
+            let area = |f: u32| DVec3::from(mesh.area_vector(f as usize));
+            faces.fold(area(f), |s, &g| s + area(g)).normalize_or_zero()
         };
         let weight = 3.0;
         let problem = Problem::new(&mesh, weight);
@@ -230,27 +228,28 @@ mod tests {
         for mesh in [shapes::cad_block(0.3), plane] {
             let problem = Problem::new(&mesh, 0.7);
             let x = &problem.noisy;
-            let square = |v: [f64; 3]| v.map(|v| v * v).iter().sum::<f64>();
+            let vector = |x: [f64; 3]| DVec3::from(x);
             let h = mesh.mean_edge_length();
-            let mut expected: f64 = x.iter().zip(&problem.areas).map(|(x, a)| a * square(*x)).sum();
+            let mut expected: f64 =
+                x.iter().zip(&problem.areas).map(|(x, a)| a * vector(*x).length_squared()).sum();
             for hinge in &problem.hinges.all {
-                let [a, b] = hinge.ends.map(|v| mesh.positions()[v as usize]);
-                let [f, g] = hinge.faces.map(|f| x[f as usize]);
-                expected += 1.4 * distance(a, b) / h * square(sub(f, g));
+                let [a, b] = hinge.ends.map(|v| vector(mesh.positions()[v as usize]));
+                let [f, g] = hinge.faces.map(|f| vector(x[f as usize]));
+                expected += 1.4 * a.distance(b) / h * f.distance_squared(g);
             }
-            let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-            let found: f64 = (0..x.len()).map(|f| dot(x[f], problem.row(x, f))).sum();
+            let found: f64 =
+                (0..x.len()).map(|f| vector(x[f]).dot(vector(problem.row(x, f)))).sum();
             assert!((found - expected).abs() < 1e-12 * expected, "{found} {expected}");
             let jumps = problem.hinges.all.iter().map(|hinge| {
-                let [f, g] = hinge.faces.map(|f| x[f as usize]);
-                sub(f, g)
+                let [f, g] = hinge.faces.map(|f| vector(x[f as usize]));
+                (f - g).to_array()
             });
             let mut b = vec![[0.0; 3]; x.len()];
             problem.right_hand_side(&jumps.collect::<Vec<_>>(), &mut b);
             let mut unit = vec![[0.0; 3]; x.len()];
             for f in 0..x.len() {
                 // A few terms, in the same order but for the sign of a zero.
-                assert!(distance(b[f], problem.row(x, f)) < 1e-13, "{:?}", b[f]);
+                assert!(vector(b[f]).distance(vector(problem.row(x, f))) < 1e-13, "{:?}", b[f]);
                 unit[f] = [1.0; 3];
                 assert!((problem.row(&unit, f)[0] - problem.diagonal()[f]).abs() < 1e-13);
                 unit[f] = [0.0; 3];

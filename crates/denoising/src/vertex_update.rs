@@ -1,8 +1,8 @@
 //! Moving vertices until the faces have given normals.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, cross, dot, norm, scale, sub};
 use fairing_parameters::OptionError;
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::DenoiseError;
@@ -76,22 +76,22 @@ pub fn update_vertices(
 /// The data of a face in a step.
 #[derive(Clone, Copy)]
 struct Aim {
-    normal: [f64; 3],
-    centroid: [f64; 3],
+    normal: DVec3,
+    centroid: DVec3,
     /// A corner that moves less than this alone does not turn the face against
     /// its normal; infinite where the face may turn freely.
     slack: f64,
 }
 
 impl Aim {
-    fn new([a, b, c]: [[f64; 3]; 3], normal: [f64; 3]) -> Self {
-        let sides = [sub(b, a), sub(c, b), sub(a, c)];
-        let agreement = dot(cross(sides[0], sides[1]), normal);
+    fn new([a, b, c]: [DVec3; 3], normal: DVec3) -> Self {
+        let sides = [b - a, c - b, a - c];
+        let agreement = sides[0].cross(sides[1]).dot(normal);
         // The agreement is linear in a corner, and its gradient at most as long
         // as the side opposite; a margin for rounding.
-        let longest = sides.map(norm).into_iter().fold(0.0, f64::max);
+        let longest = sides.map(DVec3::length).into_iter().fold(0.0, f64::max);
         let slack = if agreement > 0.0 { 0.999 * agreement / longest } else { f64::INFINITY };
-        Self { normal, centroid: scale(add(add(a, b), c), 1.0 / 3.0), slack }
+        Self { normal, centroid: (a + b + c) * (1.0 / 3.0), slack }
     }
 }
 
@@ -107,53 +107,54 @@ fn step(
     let aims: Vec<Aim> = faces
         .par_iter()
         .zip(normals)
-        .map(|(face, &normal)| Aim::new(face.map(|v| current[v as usize]), normal))
+        .map(|(face, &normal)| Aim::new(face.map(|v| current[v as usize].into()), normal.into()))
         .collect();
     (0..current.len())
         .into_par_iter()
         .map(|v| {
-            let x = current[v];
+            let x = DVec3::from(current[v]);
             let corners = incidence.corners(v as u32);
-            let (mut sum, mut count, mut slack) = ([0.0; 3], 0u32, f64::INFINITY);
+            let (mut sum, mut count, mut slack) = (DVec3::ZERO, 0u32, f64::INFINITY);
             for &c in corners {
                 let aim = &aims[c as usize / 3];
-                if aim.normal == [0.0; 3] {
+                if aim.normal == DVec3::ZERO {
                     continue;
                 }
-                sum = add(sum, scale(aim.normal, dot(aim.normal, sub(aim.centroid, x))));
+                sum += aim.normal.dot(aim.centroid - x) * aim.normal;
                 slack = slack.min(aim.slack);
                 count += 1;
             }
-            let mut y = add(x, scale(sum, 1.0 / f64::from(count.max(1))));
+            let mut y = x + sum * (1.0 / f64::from(count.max(1)));
             if let Some(limit) = limit {
-                let offset = sub(y, start[v]);
-                let length = norm(offset);
+                let from = DVec3::from(start[v]);
+                let offset = y - from;
+                let length = offset.length();
                 if length > limit {
-                    y = add(start[v], scale(offset, limit / length));
+                    y = from + offset * (limit / length);
                 }
             }
-            if norm(sub(y, x)) < slack {
-                return y;
+            if (y - x).length() < slack {
+                return y.to_array();
             }
             // A vertex that alone turns a face against its normal goes back
             // part of the way; the neighbours are fixed where they were, so
             // that vertices do not depend on the order they are visited in.
-            let turns = |y: [f64; 3]| {
+            let turns = |y: DVec3| {
                 corners.iter().any(|&c| {
                     let (f, k) = (c as usize / 3, c as usize % 3);
-                    let p = current[faces[f][(k + 1) % 3] as usize];
-                    let q = current[faces[f][(k + 2) % 3] as usize];
-                    let side = |x| dot(cross(sub(p, x), sub(q, x)), normals[f]);
+                    let corner = |i: usize| DVec3::from(current[faces[f][(k + i) % 3] as usize]);
+                    let (p, q, normal) = (corner(1), corner(2), DVec3::from(normals[f]));
+                    let side = |x: DVec3| (p - x).cross(q - x).dot(normal);
                     side(x) > 0.0 && side(y) <= 0.0
                 })
             };
             for _ in 0..3 {
                 if !turns(y) {
-                    return y;
+                    return y.to_array();
                 }
-                y = scale(add(y, x), 0.5);
+                y = 0.5 * (y + x);
             }
-            if turns(y) { x } else { y }
+            (if turns(y) { x } else { y }).to_array()
         })
         .collect()
 }
@@ -172,8 +173,8 @@ mod tests {
         let number = |k: usize| ((k * 2_654_435_761) % 65_536) as f64 / 32_768.0 - 1.0;
         let normals: Vec<[f64; 3]> = (0..mesh.face_count())
             .map(|f| {
-                let n = [number(2 * f + 1), number(2 * f + 2), 0.2];
-                scale(n, 1.0 / norm(n))
+                let n = DVec3::new(number(2 * f + 1), number(2 * f + 2), 0.2);
+                n.normalize().to_array()
             })
             .collect();
         let x = mesh.positions();
@@ -181,19 +182,20 @@ mod tests {
         let (mut plain, mut kept) = (0, 0);
         for v in 0..x.len() {
             let corners = mesh.incidence().corners(v as u32);
-            let sum = corners.iter().fold([0.0; 3], |sum, &c| {
-                let (n, p) = (normals[c as usize / 3], mesh.triangle(c as usize / 3));
-                let centroid = scale(add(add(p[0], p[1]), p[2]), 1.0 / 3.0);
-                add(sum, scale(n, dot(n, sub(centroid, x[v]))))
+            let here = DVec3::from(x[v]);
+            let pulls = corners.iter().map(|&c| {
+                let n = DVec3::from(normals[c as usize / 3]);
+                let [p, q, r] = mesh.triangle(c as usize / 3).map(DVec3::from);
+                n.dot((p + q + r) * (1.0 / 3.0) - here) * n
             });
-            let average = add(x[v], scale(sum, 1.0 / corners.len() as f64));
+            let average = here + pulls.sum::<DVec3>() * (1.0 / corners.len() as f64);
             for &c in corners {
                 let (f, k) = (c as usize / 3, c as usize % 3);
-                let [p, q] = [1, 2].map(|i| x[mesh.faces()[f][(k + i) % 3] as usize]);
-                let side = |y| dot(cross(sub(p, y), sub(q, y)), normals[f]);
-                assert!(side(x[v]) > 0.0);
+                let [p, q] = [1, 2].map(|i| DVec3::from(x[mesh.faces()[f][(k + i) % 3] as usize]));
+                let side = |y: DVec3| (p - y).cross(q - y).dot(normals[f].into());
+                assert!(side(here) > 0.0);
                 plain += usize::from(side(average) <= 0.0);
-                kept += usize::from(side(moved[v]) <= 0.0);
+                kept += usize::from(side(moved[v].into()) <= 0.0);
             }
         }
         assert!(plain > 0 && kept == 0, "{plain} {kept}");

@@ -17,7 +17,7 @@ use crate::ticks;
 pub struct ColorBar {
     /// Values and colours.
     pub scale: Scale,
-    /// What is shown, such as `mean curvature H`.
+    /// The quantity, such as `mean curvature H`.
     pub quantity: String,
     /// The unit, such as `1/m`; empty for pure numbers.
     pub unit: String,
@@ -136,7 +136,8 @@ mod tests {
     use crate::field::Field;
     use crate::scale::ScaleOptions;
 
-    /// A block and a tick for each of the three values, in the colours of the mesh, and none in between.
+    /// A block and a tick for each of the three values, in the colours of the mesh, and none in
+    /// between.
     #[test]
     fn a_bar_of_few_values_shows_them_and_no_others() {
         let values: Vec<f64> = (0..30).map(|i| [0.0, 382.0, 763.0][i % 3]).collect();

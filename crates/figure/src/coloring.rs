@@ -7,17 +7,18 @@ use crate::field::Field;
 use crate::maps::ColorMap;
 use crate::scale::{Center, Limits, Scale, ScaleOptions, Spread};
 
-/// What is asked for; the rest follows from the values.
+/// Requested colours; the rest follows from the values.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct ColoringOptions {
-    /// The colours. `None`: [`ColorMap::CoolWarm`] for values of both signs, else [`ColorMap::Viridis`].
+    /// The colours. `None`: [`ColorMap::CoolWarm`] for values of both signs, else
+    /// [`ColorMap::Viridis`].
     pub map: Option<ColorMap>,
-    /// The values at the two ends, in units of the field. `None`: the 2nd and the 98th percentile of the values inside,
-    /// for [`ColorMap::CoolWarm`] widened to be centred on zero.
+    /// The values at the two ends, in units of the field. `None`: the 2nd and the 98th percentile
+    /// of the defined values, for [`ColorMap::CoolWarm`] widened to be centred on zero.
     pub range: Option<(f64, f64)>,
-    /// Whether every colour covers as many values as any other.
+    /// True if every colour covers the same number of values.
     pub equalize: bool,
 }
 
@@ -54,8 +55,9 @@ impl ColoringOptions {
     ///
     /// # Errors
     ///
-    /// [`ScaleError::Length`] unless there are as many values as vertices, [`ScaleError::Count`] unless there are as
-    /// many flags, and the errors of [`Scale::new`], among them [`ScaleError::NoValues`] where all is undefined.
+    /// [`ScaleError::Length`] unless there are as many values as vertices, [`ScaleError::Count`]
+    /// unless there are as many flags, and the errors of [`Scale::new`], such as
+    /// [`ScaleError::NoValues`] if all values are undefined.
     pub fn colors(
         &self,
         mesh: &TriMesh,

@@ -21,7 +21,7 @@ pub(crate) const WHITE: Color = [0xff; 3];
 pub struct Drawing {
     pub(crate) width: f64,
     pub(crate) height: f64,
-    /// What is written below is centred here: the middle of the width, or of the frame of a plot.
+    /// The centre for text below: the middle of the width, or of the frame of a plot.
     pub(crate) middle: f64,
     pub(crate) elements: Vec<Element>,
 }
@@ -36,7 +36,7 @@ pub(crate) enum Element {
         size: [f64; 2],
         image: Arc<Image>,
     },
-    /// What a page may ask of the picture, as JSON: pictures do not show it.
+    /// Data about the picture for a page, as JSON; not drawn.
     Data(String),
     /// Elements moved by an offset.
     Group {
@@ -73,7 +73,7 @@ pub(crate) struct Stroke {
     pub(crate) width: f64,
     /// Lengths of dashes and gaps in turn; none for a solid line.
     pub(crate) dashes: &'static [f64],
-    /// Whether corners are round.
+    /// True for round corners.
     pub(crate) round: bool,
 }
 
@@ -87,7 +87,7 @@ pub(crate) struct Text {
     pub(crate) style: Style,
     pub(crate) color: Color,
     pub(crate) words: String,
-    /// Whether it runs upward instead of to the right.
+    /// True for text that runs upward instead of to the right.
     pub(crate) upward: bool,
 }
 

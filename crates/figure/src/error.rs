@@ -28,7 +28,7 @@ pub enum RenderError {
     /// Per-vertex values do not match the mesh.
     #[error("{found} {what} were given for a mesh of {expected} vertices")]
     Count {
-        /// What was given: `colours`, `occlusion values` or `values`.
+        /// The kind of values: `colours`, `occlusion values` or `values`.
         what: &'static str,
         /// The number of vertices.
         expected: usize,

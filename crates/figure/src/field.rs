@@ -2,7 +2,7 @@
 
 use crate::error::ScaleError;
 
-/// What a value takes part in.
+/// The uses of a value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Mark {
     /// Coloured, and part of the range.
@@ -63,7 +63,7 @@ impl<'a> Field<'a> {
         self.values.len()
     }
 
-    /// Whether there is no value.
+    /// Returns true if there is no value.
     pub fn is_empty(&self) -> bool {
         self.values.is_empty()
     }

@@ -1,4 +1,4 @@
-//! How light falls on a surface.
+//! Lighting of surfaces.
 
 use glam::{DVec3, Vec3};
 

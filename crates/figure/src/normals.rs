@@ -4,7 +4,7 @@ use fairing_mesh::TriMesh;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// How normals vary over a face.
+/// Interpolation of normals over a face.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use crate::normals::{area_vectors, vertex_normals};
 
-/// How much of the sky each vertex sees: 1 in the open, 0 when closed in.
+/// Sky visibility of each vertex: 1 in the open, 0 when enclosed.
 ///
 /// For a normal n, the part of the light of an evenly bright sky, cosine and
 /// all, that reaches the vertex past the mesh itself:
@@ -182,7 +182,7 @@ fn average(mesh: &TriMesh, values: &[f32]) -> Vec<f32> {
         .collect()
 }
 
-/// Whether every side of a face has another face at it.
+/// Returns true if every side of every face is shared with another face.
 fn is_closed(mesh: &TriMesh) -> bool {
     let mut sides: Vec<[u32; 2]> = mesh
         .faces()

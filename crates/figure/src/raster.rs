@@ -198,9 +198,9 @@ impl Raster {
         (camera.forward + camera.right * right + camera.up * up).normalize()
     }
 
-    /// How much of a pixel at the sample coordinates (x, y) the lines along
-    /// the sides of face `f` cover, `width` in pixels. Fades from full where
-    /// the face is 8 pixels high to nothing at 2.
+    /// The fraction of a pixel at the sample coordinates (x, y) covered by the lines along the
+    /// sides of face `f`, `width` in pixels. Fades from full where the face is 8 pixels high to
+    /// nothing at 2.
     pub(crate) fn line_coverage(
         &self,
         mesh: &TriMesh,

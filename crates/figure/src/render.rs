@@ -14,7 +14,7 @@ use crate::occlusion::Occlusion;
 use crate::raster::{Band, ROWS, Raster};
 use crate::render_options::{Background, MAX_SIDE, RenderOptions, Wireframe};
 
-/// What the surface looks like before light falls on it.
+/// The colours of a surface before lighting.
 #[derive(Debug, Clone, Copy)]
 pub enum Colors<'a> {
     /// One colour everywhere.

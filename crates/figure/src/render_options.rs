@@ -1,4 +1,4 @@
-//! How a picture of a mesh is drawn.
+//! Options for pictures of meshes.
 
 use crate::normals::Shading;
 
@@ -17,7 +17,7 @@ pub struct Wireframe {
     pub width: f32,
     /// sRGB colour.
     pub color: [u8; 3],
-    /// How much of the surface a line hides, 0 to 1.
+    /// The opacity of a line, from 0 to 1.
     pub opacity: f32,
 }
 
@@ -27,7 +27,7 @@ impl Default for Wireframe {
     }
 }
 
-/// What is behind the mesh.
+/// The background of a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
@@ -44,7 +44,7 @@ impl Background {
     pub const WHITE: Self = Self::Color([255; 3]);
 }
 
-/// How a picture is drawn.
+/// Options for rendering a picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
@@ -55,11 +55,11 @@ pub struct RenderOptions {
     pub height: u32,
     /// Samples along each side of a pixel, 1 to 8: 3 means 3 × 3.
     pub samples: u32,
-    /// How normals vary over a face.
+    /// The interpolation of normals over a face.
     pub shading: Shading,
     /// Lines along the edges, if wanted.
     pub wireframe: Option<Wireframe>,
-    /// What is behind the mesh.
+    /// The background.
     pub background: Background,
     /// The colour towards which faces seen from behind are tinted, a third of
     /// the way;

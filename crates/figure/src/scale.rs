@@ -30,7 +30,7 @@ pub enum Limits {
     },
 }
 
-/// Whether zero is the middle of the range.
+/// The choice of the middle of the range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
@@ -43,7 +43,7 @@ pub enum Center {
     Zero,
 }
 
-/// How values are spread over the map.
+/// The distribution of values over the map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
@@ -56,7 +56,7 @@ pub enum Spread {
     Equalized,
 }
 
-/// How a [`Scale`] is found.
+/// Options for finding a [`Scale`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
@@ -65,9 +65,9 @@ pub struct ScaleOptions {
     pub map: ColorMap,
     /// The values at the two ends.
     pub limits: Limits,
-    /// Whether zero is the middle.
+    /// The choice of the middle of the range.
     pub center: Center,
-    /// How values are spread over the map.
+    /// The distribution of values over the map.
     pub spread: Spread,
     /// The range is never narrower than this, in units of the values: keeps
     /// rounding errors of a constant field from being blown up into colours.
@@ -101,7 +101,7 @@ impl ScaleOptions {
         Self { map: ColorMap::Viridis, center: Center::Free, ..Self::SIGNED };
 }
 
-/// Which values a colour represents.
+/// The mapping from values to colours.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scale {
     map: ColorMap,
@@ -180,22 +180,22 @@ impl Scale {
         self.map
     }
 
-    /// Whether the histogram was equalised.
+    /// The distribution of values over the map.
     pub fn spread(&self) -> Spread {
         if self.shares.is_some() { Spread::Equalized } else { Spread::Linear }
     }
 
-    /// The values that occur, ascending, where an equalised scale has only a few of them; else none.
+    /// The distinct values, ascending, if an equalised scale has only a few; otherwise empty.
     pub fn few(&self) -> &[f64] {
         &self.few
     }
 
-    /// Whether some value lies below the lower end.
+    /// Returns true if a value is below the range.
     pub fn has_below(&self) -> bool {
         self.below
     }
 
-    /// Whether some value lies above the upper end.
+    /// Returns true if a value is above the range.
     pub fn has_above(&self) -> bool {
         self.above
     }
@@ -275,8 +275,8 @@ fn percentile(sorted: &[f64], percent: f64) -> f64 {
     below + (above - below) * rank.fract()
 }
 
-/// The different values in range up to rounding, if there are at least two and at most [`FEW`]; else none. Meshes in
-/// files may have single precision.
+/// The values in range that differ by more than rounding, if there are at least two and at most
+/// [`FEW`]; otherwise empty. Meshes from files may have single precision.
 fn distinct(sorted: &[f64], low: f64, high: f64) -> Vec<f64> {
     let slack = 1e-6 * (high - low);
     let mut found: Vec<f64> = vec![];

@@ -9,8 +9,8 @@ use crate::error::EncodeError;
 use crate::outline::{Outline, Step};
 use crate::text::Style;
 
-/// What SVG asks for: the embedded font first, so that pictures made here and
-/// drawings shown by a browser that has it agree.
+/// The fonts in SVG: the embedded font first, so that pictures made here agree with drawings in a
+/// browser that has it.
 const FAMILY: &str = "DejaVu Sans, Verdana, sans-serif";
 
 impl Drawing {

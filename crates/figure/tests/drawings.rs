@@ -1,4 +1,4 @@
-//! What figures and plots must show, measured in their pixels.
+//! Content of figures and plots, measured in their pixels.
 
 #![expect(clippy::disallowed_methods, reason = "tests do not need the same bits")]
 

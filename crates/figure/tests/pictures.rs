@@ -1,4 +1,4 @@
-//! What pictures must show, measured in their pixels.
+//! Content of pictures, measured in their pixels.
 
 #![expect(clippy::disallowed_methods, reason = "tests do not need the same bits")]
 

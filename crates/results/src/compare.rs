@@ -11,9 +11,9 @@ use crate::table::{Cell, Table, Tolerance};
 pub enum Difference {
     /// An experiment, a table, a column or a claim is there on one side only.
     Presence {
-        /// What it is, from the experiment inwards.
+        /// The missing or new part, from the experiment inwards.
         what: String,
-        /// Whether it is the new side that has it.
+        /// True if the part is new, false if it is missing.
         added: bool,
     },
     /// Another mesh was read, so the numbers cannot be compared.
@@ -46,7 +46,7 @@ pub enum Difference {
         old: Cell,
         /// The value now.
         new: Cell,
-        /// What would have been let pass.
+        /// The tolerance.
         tolerance: Tolerance,
     },
     /// A claim is judged otherwise.

@@ -1,8 +1,7 @@
-//! What has been measured, as values: tables, verdicts, views, records, and
-//! `results.json`, which holds them.
+//! Measured results as values: tables, verdicts, views, records, and `results.json`, which holds
+//! all of them.
 //!
-//! Experiments make these values and the report shows them. Neither of the two
-//! knows the other: this crate is what they share.
+//! Experiments create these values and the report shows them. This crate is all that the two share.
 
 pub mod compare;
 pub mod json;

@@ -2,14 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What somebody needs to know to get the same numbers.
+/// The information needed to reproduce the numbers.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
     /// The program that wrote the report, and its version.
     pub program: String,
     /// The commit, or `unknown` outside a repository.
     pub commit: String,
-    /// Whether files differed from that commit.
+    /// True if files differed from that commit.
     pub dirty: bool,
     /// The compiler.
     pub compiler: String,
@@ -19,11 +19,11 @@ pub struct Provenance {
     pub system: String,
     /// The processor.
     pub processor: String,
-    /// How many threads ran.
+    /// The number of threads.
     pub threads: usize,
-    /// The seed of everything random.
+    /// The seed of all random numbers.
     pub seed: u64,
-    /// Whether sizes were reduced.
+    /// True if sizes were reduced.
     pub quick: bool,
     /// The day, as year-month-day in UTC.
     pub date: String,

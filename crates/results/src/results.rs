@@ -16,21 +16,22 @@ use crate::verdict::{Judgement, Verdict};
 pub struct Results {
     /// Where the numbers come from.
     pub provenance: Provenance,
-    /// What the report holds.
+    /// The extent of the report.
     #[serde(default)]
     pub form: Form,
-    /// What was measured, in the order of the report.
+    /// The experiments, in the order of the report.
     pub experiments: Vec<Record>,
 }
 
-/// What a report holds.
+/// The extent of a report.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Form {
     /// Everything; the page is one file.
     #[default]
     Whole,
-    /// What is small enough to be committed and is shown by a code host: no page, no meshes, smaller pictures.
+    /// The part that is small enough to be committed and shown by a code host: no page, no meshes,
+    /// smaller pictures.
     Small,
 }
 
@@ -41,9 +42,9 @@ pub struct Record {
     pub id: String,
     /// The title.
     pub title: String,
-    /// What was asked.
+    /// The question.
     pub question: String,
-    /// How it was answered. Paragraphs are separated by an empty line.
+    /// The method. Paragraphs are separated by an empty line.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub method: String,
     /// The formulas behind the method, in TeX, without dollars.
@@ -72,11 +73,11 @@ pub struct Record {
     /// The interactive views of the page.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub views: Vec<ViewFile>,
-    /// How long it took, in seconds.
+    /// The run time, in seconds.
     pub seconds: f64,
 }
 
-/// Where the mesh for an input came from.
+/// The source of the mesh of an input.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Source {
     /// The part it plays.
@@ -85,9 +86,9 @@ pub struct Source {
     pub file: String,
     /// The digest of the file.
     pub sha256: String,
-    /// Whether a generated mesh stands in for the assignment's.
+    /// True if a generated mesh replaces the assignment's.
     pub stand_in: bool,
-    /// Which file of the assignment that is.
+    /// The replaced file of the assignment.
     pub stands_for: String,
 }
 
@@ -107,7 +108,7 @@ pub struct FigureFile {
     pub id: String,
     /// The caption.
     pub caption: String,
-    /// What a person who cannot see it is told.
+    /// The description for readers who cannot see the picture.
     pub alt: String,
     /// The PNG file.
     pub png: String,
@@ -118,7 +119,7 @@ pub struct FigureFile {
     /// report is chosen, and for what a whole page prints in the place of a view.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub small: Option<String>,
-    /// Which views show what the points of a plot stand for.
+    /// Links from points of a plot to views.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub links: Vec<PlotLink>,
 }
@@ -146,7 +147,7 @@ pub struct ViewFile {
     pub id: String,
     /// The caption.
     pub caption: String,
-    /// What a person who cannot see it is told.
+    /// The description for readers who cannot see the view.
     pub alt: String,
     /// The figure (by id) that takes its place where there is no WebGL.
     pub fallback: String,
@@ -177,7 +178,7 @@ pub struct MeshCard {
 pub struct File {
     /// The path, relative to the folder of the report.
     pub path: String,
-    /// What it holds.
+    /// The content.
     pub about: String,
     /// Its size.
     pub bytes: u64,

@@ -6,7 +6,7 @@ use std::fmt;
 use anyhow::{Context as _, Result, ensure};
 use serde::{Deserialize, Serialize};
 
-/// What the numbers of a column, or one deciding number, are measured in.
+/// The unit of the numbers of a column, or of one deciding number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Unit {
@@ -16,7 +16,7 @@ pub enum Unit {
     /// A number without dimension.
     #[serde(rename = "1")]
     One,
-    /// How many.
+    /// A count.
     #[serde(rename = "count")]
     Count,
     /// A difference divided by what it is compared with.
@@ -87,8 +87,8 @@ impl fmt::Display for Unit {
     }
 }
 
-/// How far a number may move between two runs before `--check` reports it:
-/// `|new − old| ≤ absolute + relative · |old|`.
+/// The largest change of a number between two runs that `--check` accepts: `|new − old| ≤ absolute
+/// + relative · |old|`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Tolerance {
     /// The part that grows with the old value.
@@ -106,7 +106,7 @@ impl Tolerance {
     /// For values that amplify rounding: iterative solvers, ranks, thresholds.
     pub const LOOSE: Self = Self { relative: 1e-2, absolute: 1e-6 };
 
-    /// Whether `new` may stand where `old` stood.
+    /// Returns true if the change from `old` to `new` is accepted.
     pub fn admits(self, old: f64, new: f64) -> bool {
         old == new || (new - old).abs() <= self.absolute + self.relative * old.abs()
     }
@@ -119,9 +119,9 @@ pub struct Column {
     pub name: String,
     /// The unit of its numbers.
     pub unit: Unit,
-    /// What `--check` lets pass; `None` for columns that it does not compare.
+    /// The tolerance of `--check`; `None` for columns that it does not compare.
     pub tolerance: Option<Tolerance>,
-    /// Whether it is meant for the CSV alone.
+    /// True for a column that only the CSV contains.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub aside: bool,
 }
@@ -225,7 +225,8 @@ pub fn short(x: f64) -> String {
     text.replace('-', "−")
 }
 
-/// A number in two significant digits, as sentences show it; whole numbers of up to six digits keep theirs.
+/// A number with two significant digits, as in sentences; integers of up to six digits keep all
+/// digits.
 pub fn brief(x: f64) -> String {
     if !x.is_finite() || x == 0.0 {
         return short(x);
@@ -258,7 +259,7 @@ fn powered(scientific: &str) -> String {
 pub struct Table {
     /// Unique within the experiment: lower-case words joined by hyphens.
     pub id: String,
-    /// What the table shows, as a full sentence.
+    /// The caption, a full sentence.
     pub caption: String,
     /// The columns.
     pub columns: Vec<Column>,

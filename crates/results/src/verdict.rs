@@ -1,4 +1,4 @@
-//! What becomes of a claim once it has been measured.
+//! Verdicts on claims.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::table::{Unit, brief};
 
-/// Whether a claim stands.
+/// The verdict on a claim.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
@@ -35,7 +35,7 @@ impl fmt::Display for Verdict {
 /// A number that decided a verdict.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Deciding {
-    /// What it measures.
+    /// The measured quantity.
     pub name: String,
     /// The number.
     pub value: f64,
@@ -88,7 +88,8 @@ impl Shown {
     /// A view in a state.
     pub fn view(experiment: &str, view: &str, state: &ViewState) -> Self {
         let stops: Vec<String> = state.stops.iter().map(usize::to_string).collect();
-        // Camera, stops, field, map, range, switches, vertex, live flow and sum: what is empty is as at the beginning.
+        // Camera, stops, field, map, range, switches, vertex, live flow and sum; empty parts are at
+        // their defaults.
         let mut parts = vec![String::new(), stops.join("~"), state.field.clone()];
         if let Some(modes) = state.modes {
             parts.resize(8, String::new());
@@ -111,19 +112,21 @@ pub struct Judgement {
     pub id: String,
     /// The claim, in our words.
     pub claim: String,
-    /// Whether it stands.
+    /// The verdict.
     pub verdict: Verdict,
-    /// Why, in a sentence or two whose numbers come from the tables.
+    /// The reason, in a sentence or two with numbers from the tables.
     pub reason: String,
-    /// What is true instead, or in which sense the claim holds, in one sentence for the table of claims.
+    /// The true statement, or the sense in which the claim holds, in one sentence for the table of
+    /// claims.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub finding: String,
     /// The numbers that decided; tables of claims show the first.
     pub numbers: Vec<Deciding>,
-    /// Where the page shows what decided: the id of a view or a playground and its state, as in an address.
+    /// The place on the page that shows the decision: the id of a view or a playground and its
+    /// state, as in an address.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shown: Option<Shown>,
-    /// Whether the claim is ours, rather than one of the original report.
+    /// True for a claim of Fairing, false for one of the original report.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub ours: bool,
 }

@@ -16,11 +16,11 @@ pub struct View {
     /// The name of its mesh, for the list of meshes; none if empty.
     #[serde(default)]
     pub mesh: String,
-    /// What a person who cannot see it should be told.
+    /// The description for readers who cannot see the view.
     pub alt: String,
     /// The figure (by id) that stands in where there is no WebGL.
     pub fallback: String,
-    /// Whether the third axis points up, else the second, as in the figure.
+    /// True if the third axis points up; otherwise the second does, as in the figure.
     #[serde(default)]
     pub z_up: bool,
     /// The sliders, top to bottom. What a panel shows is given for each
@@ -31,7 +31,8 @@ pub struct View {
     pub start: Vec<usize>,
     /// The panels, left to right.
     pub panels: Vec<Panel>,
-    /// The field that colours it at first, perhaps one that the page computes; without, the first that it brings along.
+    /// The field that gives the initial colours, possibly one that the page computes; by default
+    /// the first field of the view.
     #[serde(default)]
     pub color: Option<String>,
     /// The panel from which displacement counts, if the page is to offer it.
@@ -46,7 +47,7 @@ pub struct View {
 /// A slider with fixed stops.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Slider {
-    /// What it changes: `k`, `λ`, `iterations`.
+    /// The parameter of the slider: `k`, `λ`, `iterations`.
     pub name: String,
     /// The stops, as they are labelled.
     pub stops: Vec<String>,
@@ -65,15 +66,15 @@ pub struct Panel {
     pub faces: Vec<[u32; 3]>,
     /// The fields to choose from; the first is shown.
     pub fields: Vec<Field>,
-    /// What the page smooths by itself, at any λ and number of steps: the
-    /// input in double precision. One panel of a view can have it.
+    /// The input in double precision, if the page smooths it at any λ and number of steps. At most
+    /// one panel of a view has it.
     #[serde(skip)]
     pub live: Option<Vec<[f64; 3]>>,
-    /// Modes of which the page sums as many as the reader likes; what it shows
-    /// are their sums, then, and not the positions.
+    /// Modes for sums over a variable number of them; the panel then shows the sums instead of the
+    /// positions.
     #[serde(default)]
     pub modes: Option<Modes>,
-    /// What was measured of this panel.
+    /// Facts measured for this panel.
     #[serde(default)]
     pub facts: Vec<Fact>,
 }
@@ -83,7 +84,7 @@ pub struct Panel {
 pub struct Modes {
     /// The eigenvalues.
     pub values: Vec<f64>,
-    /// What the positions have of each mode, by coordinate.
+    /// The coefficients of the positions in each mode, by coordinate.
     pub coefficients: Vec<[f64; 3]>,
     /// The modes at the vertices.
     #[serde(skip)]
@@ -93,7 +94,7 @@ pub struct Modes {
 /// Something that was measured of a panel.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Fact {
-    /// What it is.
+    /// The name.
     pub name: String,
     /// The unit; may be empty.
     pub unit: String,
@@ -108,7 +109,7 @@ pub struct Field {
     pub name: String,
     /// The unit, as on the colour bar.
     pub unit: String,
-    /// Whether zero is the middle of the colours.
+    /// True if zero is the middle of the colours.
     pub signed: bool,
     /// Values at each combination of stops; one entry if they do not change.
     #[serde(skip)]

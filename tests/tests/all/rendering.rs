@@ -134,7 +134,7 @@ fn a_report_holds_what_it_names() {
             .map(|entry| entry.unwrap().file_name().into_string().unwrap())
             .collect();
         names.sort();
-        // The page of a whole report has views, and a small form of the picture printed in place of one.
+        // The page of a whole report has views, and a small picture in place of each one in print.
         let expected: &[&str] = match form {
             Form::Whole => &["radii.csv", "sphere-small.png", "sphere.png", "turning.view.json"],
             Form::Small => &["radii.csv", "sphere.png"],

@@ -62,10 +62,10 @@ const LAPACK: Step = Step {
     environment: &[],
 };
 
-/// The number of slowest tests to name.
+/// The number of slowest tests that are listed.
 const NAMED: usize = 10;
 
-/// The steps that have run, and their outcome.
+/// The steps run so far, and those that failed.
 #[derive(Default)]
 struct Log {
     steps: Vec<(&'static str, f64)>,
@@ -153,7 +153,7 @@ pub(crate) fn run(root: &Path, whole_python: bool) -> Result<bool> {
     Ok(log.failed.is_empty())
 }
 
-/// Runs `cargo xtask reproduce` with these options; returns `true` on success.
+/// Returns true if `cargo xtask reproduce` with these options writes a report.
 fn reproduces(root: &Path, options: &[&str]) -> Result<bool> {
     let out = root.join("target/quick-report");
     println!("== cargo xtask reproduce {} --out {}", options.join(" "), out.display());
@@ -195,7 +195,7 @@ fn skipped(root: &Path) -> Vec<(&'static str, &'static str)> {
     skipped
 }
 
-/// Returns `true` if the feature `lapack` can be linked.
+/// Returns true if the feature `lapack` can be linked.
 fn has_openblas() -> bool {
     Command::new("pkg-config")
         .args(["--exists", "openblas"])

@@ -23,7 +23,7 @@ const EXCLUDED: [&str; 10] = [
     "xtask",
 ];
 
-/// Packages that do not compile or do not work there: waiting threads, random numbers of the
+/// Dependencies that do not compile or work there: blocking threads, random numbers of the
 /// operating system, files, C.
 const HOSTILE: [&str; 9] = [
     "atomic-wait",
@@ -47,7 +47,8 @@ fn on_libraries(root: &Path, name: &str) -> Command {
     command
 }
 
-/// Returns `true` if no library crate depends on a hostile package; does not need the target.
+/// Checks that no library crate depends on a package hostile to WebAssembly; needs no installed
+/// target.
 pub(super) fn is_free_of_hostile(root: &Path) -> Result<bool> {
     println!("== dependencies for WebAssembly");
     let mut tree = on_libraries(root, "tree");
@@ -70,14 +71,14 @@ fn hostile(packages: &str) -> Vec<&'static str> {
     HOSTILE.into_iter().filter(|hostile| names().any(|name| name == *hostile)).collect()
 }
 
-/// Compiles the library crates; returns `true` on success.
+/// Checks that the library crates compile.
 pub(super) fn compiles(root: &Path) -> Result<bool> {
     println!("== libraries for WebAssembly: cargo check --target {TARGET}");
     let status = on_libraries(root, "check").arg("--lib").status();
     Ok(status.context("running cargo")?.success())
 }
 
-/// Returns `true` if the target is installed.
+/// Returns true if the target is installed.
 pub(super) fn is_installed() -> bool {
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     let output =

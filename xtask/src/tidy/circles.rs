@@ -1,4 +1,4 @@
-//! Modules that use each other.
+//! Files that use each other.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -8,90 +8,129 @@ use anyhow::{Context as _, Result};
 
 use super::packages;
 
-/// The names of a module from the root of its crate on.
+/// The names of a module from the root of its crate on; each module is one file.
 type Module = Vec<String>;
 
-/// Circles of modules that use each other, in every crate.
+/// Finds circles of files that use each other, in every crate.
 ///
-/// A module uses another if a path in it, in a `use` or elsewhere, leads to an item of the other, through whatever
-/// re-exports. A module and those inside it count as one another's: they may use each other. Unit tests do not count.
+/// A file uses another if a path in its code leads to an item that the other defines, through any
+/// number of re-exports. A declaration `mod x;` is not a use, and neither is a re-export
+/// `pub use x::Y` unless the rest of the file names `Y`: a parent may collect children that use
+/// its items. Unit tests are left out.
 pub(super) fn check(root: &Path) -> Result<Vec<String>> {
     let mut found = vec![];
     for package in packages::read(root)? {
         let folder = package.manifest_path.parent().unwrap_or(root);
         let modules = read(&folder.join("src"))?;
-        let names = circles(&modules).into_iter().map(|circle| {
-            let names: Vec<String> = circle.iter().map(|module| module.join("::")).collect();
-            format!("modules of {} use each other: {}", package.name, names.join(", "))
+        let lines = circles(&modules).into_iter().map(|circle| {
+            let uses = circle.iter().map(|(module, used)| {
+                let used: Vec<String> = used.iter().map(shown).collect();
+                format!("{} uses {}", shown(module), used.join(", "))
+            });
+            let uses: Vec<String> = uses.collect();
+            format!("files of {} use each other: {}", package.name, uses.join("; "))
         });
-        found.extend(names);
+        found.extend(lines);
     }
     Ok(found)
 }
 
-/// The paths of each module with the names that they have there: none outside a `use`.
-type Paths = Vec<(Vec<String>, Option<String>)>;
+fn shown(module: &Module) -> String {
+    if module.is_empty() { "the root".to_owned() } else { module.join("::") }
+}
+
+/// A path in the code of a module.
+struct Name {
+    parts: Vec<String>,
+    /// The name in this module, if a `use` declares the path.
+    alias: Option<String>,
+    /// Only re-exported.
+    passed_on: bool,
+}
+
+type Names = Vec<Name>;
 
 /// The modules below a folder, tests left out.
-fn read(folder: &Path) -> Result<BTreeMap<Module, Paths>> {
+fn read(folder: &Path) -> Result<BTreeMap<Module, Names>> {
     let (mut modules, mut folders) = (BTreeMap::new(), vec![folder.to_owned()]);
+    let is_library = folder.join("lib.rs").exists();
     while let Some(next) = folders.pop() {
         let Ok(entries) = fs::read_dir(&next) else { continue };
         let paths: Result<Vec<PathBuf>, _> = entries.map(|e| e.map(|e| e.path())).collect();
         for path in paths? {
             let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-            if stem == "tests" {
+            if stem == "tests" || stem == "bin" || (stem == "main" && is_library) {
                 continue;
             }
             if path.is_dir() {
                 folders.push(path);
-            } else if path.extension().is_some_and(|e| e == "rs") && stem != "main" {
+            } else if path.extension().is_some_and(|e| e == "rs") {
                 let text = fs::read_to_string(&path);
                 let text = text.with_context(|| format!("reading {}", path.display()))?;
                 let relative = path.strip_prefix(folder)?.with_extension("");
                 let parts = relative.iter().map(|part| part.to_string_lossy().into_owned());
-                let module = parts.filter(|part| part != "mod" && part != "lib").collect();
-                modules.insert(module, paths_of(&text));
+                let is_root = |part: &str| ["mod", "lib", "main"].contains(&part);
+                let module = parts.filter(|part| !is_root(part)).collect();
+                modules.insert(module, names_of(&text));
             }
         }
     }
     Ok(modules)
 }
 
-/// The paths in a text: of all `use` declarations, and others that begin in the crate.
-fn paths_of(text: &str) -> Paths {
-    let code: Vec<&str> =
-        text.lines().map(|line| line.split("//").next().unwrap_or_default()).collect();
-    let code = code.join("\n");
-    let code = code.split("#[cfg(test)]\nmod ").next().unwrap_or_default();
-    let mut paths = vec![];
-    let mut rest = String::new();
-    for (number, statement) in code.split_inclusive(';').enumerate() {
+/// The code of a text without comments, text in quotes and unit tests.
+fn code_of(text: &str) -> String {
+    let mut code = String::new();
+    let mut lines = text.lines().map(|line| line.split("//").next().unwrap_or_default()).peekable();
+    while let Some(line) = lines.next() {
+        let is_test = line.starts_with("#[cfg(") && line.contains("test") && !line.contains("not(");
+        if is_test && lines.peek().is_some_and(|next| next.starts_with("mod ")) {
+            break;
+        }
+        for (k, part) in line.split('"').enumerate() {
+            code.push_str(if k % 2 == 0 { part } else { "\"\"" });
+        }
+        code.push('\n');
+    }
+    code
+}
+
+/// The paths in a text: of all `use` declarations, and all others of more than one name.
+fn names_of(text: &str) -> Names {
+    let code = code_of(text);
+    let (mut names, mut rest) = (vec![], String::new());
+    for statement in code.split_inclusive(';') {
         let start = statement.rfind("use ").filter(|&at| {
-            let before = statement[..at].chars().next_back();
-            number == 0 && before.is_none() || before.is_none_or(|c| c.is_whitespace())
+            statement[..at].chars().next_back().is_none_or(|c: char| c.is_whitespace())
         });
         match (start, statement.strip_suffix(';')) {
             (Some(at), Some(whole)) if !whole[at..].contains('(') => {
                 let tree: String = whole[at + 4..].split_whitespace().collect::<Vec<_>>().join(" ");
-                branches(&[], &tree, &mut paths);
+                let before = statement[..at].trim_end();
+                let passed_on = before.ends_with("pub") || before.ends_with(')');
+                branches(&[], &tree, passed_on, &mut names);
                 rest.push_str(&statement[..at]);
             }
             _ => rest.push_str(statement),
         }
     }
-    let word = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
-    for path in rest.split(|c| !word(c)) {
+    let is_word = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
+    let mut words = BTreeSet::new();
+    for path in rest.split(|c| !is_word(c)) {
         let parts: Vec<String> = path.split("::").map(str::to_owned).collect();
-        if parts.len() > 1 && ["crate", "super", "self"].contains(&&*parts[0]) {
-            paths.push((parts, None));
+        words.extend(parts.first().cloned());
+        if parts.len() > 1 && !parts[0].is_empty() {
+            names.push(Name { parts, alias: None, passed_on: false });
         }
     }
-    paths
+    for name in &mut names {
+        name.passed_on &= !name.alias.as_ref().is_some_and(|alias| words.contains(alias));
+    }
+    names
 }
 
 /// The paths of a tree such as `a::{b, c::d as e}`.
-fn branches(before: &[String], tree: &str, paths: &mut Paths) {
+fn branches(before: &[String], tree: &str, passed_on: bool, names: &mut Names) {
     let tree = tree.trim();
     let (stem, inside) = match tree.split_once('{') {
         Some((stem, inside)) => (stem, inside.strip_suffix('}')),
@@ -107,8 +146,8 @@ fn branches(before: &[String], tree: &str, paths: &mut Paths) {
         if path.len() > 1 && path.last().is_some_and(|last| last == "self") {
             path.pop();
         }
-        let name = alias.or_else(|| path.last().cloned());
-        paths.push((path, name));
+        let alias = alias.or_else(|| path.last().cloned());
+        names.push(Name { parts: path, alias, passed_on });
         return;
     };
     let (mut depth, mut start) = (0, 0);
@@ -118,7 +157,7 @@ fn branches(before: &[String], tree: &str, paths: &mut Paths) {
             '}' => depth -= 1,
             ',' if depth == 0 => {
                 if !inside[start..at].trim().is_empty() {
-                    branches(&path, &inside[start..at], paths);
+                    branches(&path, &inside[start..at], passed_on, names);
                 }
                 start = at + 1;
             }
@@ -129,7 +168,7 @@ fn branches(before: &[String], tree: &str, paths: &mut Paths) {
 
 /// The module whose item a path in `from` names; `None` for one of another crate.
 fn target(
-    modules: &BTreeMap<Module, Paths>,
+    modules: &BTreeMap<Module, Names>,
     from: &Module,
     path: &[String],
     depth: usize,
@@ -156,14 +195,12 @@ fn target(
         }
     }
     while let Some((name, others)) = rest.split_first() {
-        let named = |(path, alias): &&(Vec<String>, Option<String>)| {
-            alias.as_ref() == Some(name) && path.len() > 1
-        };
+        let named = |export: &&Name| export.alias.as_ref() == Some(name) && export.parts.len() > 1;
         let mut exports = modules.get(&at)?.iter().filter(named);
         let inside: Module = at.iter().cloned().chain([name.clone()]).collect();
         let export = match modules.contains_key(&inside) && !others.is_empty() || depth > 20 {
             true => None,
-            false => exports.find_map(|(path, _)| target(modules, &at, path, depth + 1)),
+            false => exports.find_map(|export| target(modules, &at, &export.parts, depth + 1)),
         };
         if export.is_some() {
             return export;
@@ -177,15 +214,17 @@ fn target(
     Some(at)
 }
 
-/// Groups of modules, each of which leads to all others of its group.
-fn circles(modules: &BTreeMap<Module, Paths>) -> Vec<Vec<Module>> {
+/// Files that lead back to themselves, each with those of its circle that it uses.
+type Circle = BTreeMap<Module, BTreeSet<Module>>;
+
+/// Groups of files, each of which leads to all others of its group.
+fn circles(modules: &BTreeMap<Module, Names>) -> Vec<Circle> {
     let used = |module: &Module| -> BTreeSet<Module> {
-        let paths = modules[module].iter();
-        let targets = paths.filter_map(|(path, _)| target(modules, module, path, 0));
-        targets.filter(|other| !other.starts_with(module) && !module.starts_with(other)).collect()
+        let names = modules[module].iter().filter(|name| !name.passed_on);
+        let targets = names.filter_map(|name| target(modules, module, &name.parts, 0));
+        targets.filter(|other| other != module).collect()
     };
-    let uses: BTreeMap<&Module, BTreeSet<Module>> =
-        modules.keys().map(|module| (module, used(module))).collect();
+    let uses: Circle = modules.keys().map(|module| (module.clone(), used(module))).collect();
     let reached = |module: &Module| {
         let (mut all, mut open) = (BTreeSet::new(), vec![module.clone()]);
         while let Some(next) = open.pop() {
@@ -197,15 +236,16 @@ fn circles(modules: &BTreeMap<Module, Paths>) -> Vec<Vec<Module>> {
         }
         all
     };
-    let reached: BTreeMap<&Module, BTreeSet<Module>> =
-        modules.keys().map(|module| (module, reached(module))).collect();
-    let mut groups: Vec<Vec<Module>> = vec![];
+    let reached: Circle = modules.keys().map(|module| (module.clone(), reached(module))).collect();
+    let mut groups: Vec<Circle> = vec![];
     for (module, all) in &reached {
-        let in_circle = all.contains(*module);
-        if in_circle && !groups.iter().any(|group| group.contains(module)) {
-            let back = |other: &&Module| reached.get(other).is_some_and(|r| r.contains(*module));
-            groups.push(all.iter().filter(back).cloned().collect());
+        if !all.contains(module) || groups.iter().any(|group| group.contains_key(module)) {
+            continue;
         }
+        let back = |other: &&Module| reached.get(*other).is_some_and(|r| r.contains(module));
+        let group: BTreeSet<Module> = all.iter().filter(back).cloned().collect();
+        let within = |module: &Module| uses[module].intersection(&group).cloned().collect();
+        groups.push(group.iter().map(|module| (module.clone(), within(module))).collect());
     }
     groups
 }
@@ -214,17 +254,16 @@ fn circles(modules: &BTreeMap<Module, Paths>) -> Vec<Vec<Module>> {
 mod tests {
     use super::*;
 
-    fn modules(texts: &[(&str, &str)]) -> BTreeMap<Module, Paths> {
+    fn modules(texts: &[(&str, &str)]) -> BTreeMap<Module, Names> {
         let module = |name: &str| -> Module {
             name.split("::").filter(|part| !part.is_empty()).map(str::to_owned).collect()
         };
-        texts.iter().map(|(name, text)| (module(name), paths_of(text))).collect()
+        texts.iter().map(|(name, text)| (module(name), names_of(text))).collect()
     }
 
     fn names(texts: &[(&str, &str)]) -> Vec<String> {
         let circles = circles(&modules(texts));
-        let one =
-            |circle: Vec<Module>| circle.iter().map(|m| m.join("::")).collect::<Vec<_>>().join(" ");
+        let one = |circle: Circle| circle.keys().map(shown).collect::<Vec<_>>().join(" ");
         circles.into_iter().map(one).collect()
     }
 
@@ -234,18 +273,23 @@ mod tests {
         let a = ("a", "use crate::b::{self, B};\nstruct A;\n");
         assert_eq!(names(&[root, a, ("b", "use crate::A;\n"), ("c", "use super::A;")]), ["a b"]);
         assert_eq!(names(&[root, a, ("b", "fn f() { crate::A::new(); }"), ("c", "")]), ["a b"]);
-        // The other way is free, and so are tests, comments and other crates.
-        let b = "use a::A;\nuse other::{crate_a, A as _};\n// use crate::A;\n";
+        // The other way is free, and so are tests, comments, text and other crates.
+        let b =
+            "use a::A;\nuse other::{crate_a, A as _};\n// use crate::A;\nlet s = \"crate::A\";\n";
         let tested = format!("{b}#[cfg(test)]\nmod tests {{\n    use crate::A;\n}}\n");
         assert!(names(&[root, a, ("b", &tested), ("c", "use crate::A;")]).is_empty());
     }
 
     #[test]
-    fn a_module_and_those_inside_it_are_one() {
+    fn a_parent_may_collect_children_that_use_it() {
         let root = ("", "mod a;");
-        let inside = ("a::b", "use super::{A, c::C};");
-        assert!(names(&[root, ("a", "use b::B;\nstruct A;"), inside, ("a::c", "")]).is_empty());
-        let both = [root, ("a", ""), inside, ("a::c", "use super::b::B;")];
+        let child = ("a::b", "use super::A;\npub struct B;");
+        let found = |parent: &str| names(&[root, ("a", parent), child]);
+        assert!(found("mod b;\npub use b::B;\npub struct A;").is_empty());
+        assert_eq!(found("mod b;\npub use b::B;\npub fn f(_: B) {}"), ["a a::b"]);
+        assert_eq!(found("mod b;\nuse b::B;\npub struct A(B);"), ["a a::b"]);
+        assert_eq!(found("mod b;\npub struct A(b::B);"), ["a a::b"]);
+        let both = [root, ("a", ""), ("a::b", "use super::c::C;"), ("a::c", "use super::b::B;")];
         assert_eq!(names(&both), ["a::b a::c"]);
     }
 }

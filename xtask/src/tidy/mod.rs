@@ -12,6 +12,7 @@ mod repeated;
 mod report;
 mod sources;
 mod unused;
+mod words;
 
 use std::path::Path;
 
@@ -21,9 +22,9 @@ use anyhow::Result;
 type Check = fn(&Path) -> Result<Vec<String>>;
 
 /// The rules.
-const RULES: [(&str, Check); 15] = [
+const RULES: [(&str, Check); 17] = [
     ("dependencies follow the arrows of docs/architecture.md", arrows::check),
-    ("no modules of a crate use each other in a circle", circles::check),
+    ("no files of a crate use each other in a circle", circles::check),
     ("what docs/architecture.md names exists", map::places),
     ("docs/architecture.md says what each dependency is for", map::dependencies),
     ("no crate has a dependency that it does not use", unused::check),
@@ -34,6 +35,8 @@ const RULES: [(&str, Check); 15] = [
     ("no file names a path of somebody's machine", sources::machine_paths),
     ("no module is named utils, common or helpers", sources::names),
     ("no ten lines of code stand twice", repeated::check),
+    ("no line of a comment is longer than 100 columns", words::columns),
+    ("documentation opens with a noun phrase or a verb", words::openings),
     ("one crate names the solver backend", sources::backend),
     ("the committed report is smaller than 9 MB", report::check),
     ("the README's commands and example exist", readme::check),

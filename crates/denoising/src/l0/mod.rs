@@ -4,9 +4,9 @@ mod stencils;
 mod system;
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, cross, dot, norm, scale, sub};
 use fairing_parameters::{Options, Range};
 use fairing_sparse::{CgOptions, FieldOperator, conjugate_gradients, product_by_rows};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::DenoiseError;
@@ -81,8 +81,8 @@ fn filter(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> 
         .all
         .iter()
         .map(|h| {
-            let [a, b] = h.faces.map(|f| normals[f as usize]);
-            libm::atan2(norm(cross(a, b)), dot(a, b))
+            let [a, b] = h.faces.map(|f| DVec3::from(normals[f as usize]));
+            libm::atan2(a.cross(b).length(), a.dot(b))
         })
         .sum::<f64>()
         / hinges.all.len() as f64;
@@ -92,9 +92,10 @@ fn filter(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> 
     let stencils = Stencils::new(mesh, &hinges);
     // Both operators leave out translations; far from the origin the tolerance
     // of the systems would be larger than the mesh.
-    let sum = mesh.positions().iter().fold([0.0; 3], |s, &p| add(s, p));
-    let centre = scale(sum, 1.0 / mesh.vertex_count() as f64);
-    let noisy: Vec<[f64; 3]> = mesh.positions().iter().map(|&p| sub(p, centre)).collect();
+    let sum: DVec3 = mesh.positions().iter().copied().map(DVec3::from).sum();
+    let centre = sum * (1.0 / mesh.vertex_count() as f64);
+    let noisy: Vec<[f64; 3]> =
+        mesh.positions().iter().map(|&p| (DVec3::from(p) - centre).to_array()).collect();
     let mut positions = noisy.clone();
     let mut system = System::new(&stencils);
     let mut beta = 1e-3;
@@ -103,18 +104,18 @@ fn filter(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> 
     fairing_watch::stage("rounds", rounds as u64);
     while beta < options.last_beta {
         let weights = stencils.edge_operators(&positions);
-        let delta: Vec<[f64; 3]> = stencils
+        let delta: Vec<DVec3> = stencils
             .corners
             .par_iter()
             .zip(&weights)
             .map(|(corners, w)| {
                 let bend = combine(corners, w, &positions);
-                if dot(bend, bend) <= lambda / beta { [0.0; 3] } else { bend }
+                if bend.dot(bend) <= lambda / beta { DVec3::ZERO } else { bend }
             })
             .collect();
         let b = stencils.transpose(&weights, &delta);
         let b: Vec<[f64; 3]> =
-            noisy.iter().zip(&b).map(|(p, d)| add(*p, scale(*d, beta))).collect();
+            noisy.iter().zip(&b).map(|(&p, d)| (DVec3::from(p) + beta * d).to_array()).collect();
         system.fill(&weights, beta, alpha);
         let operator = FieldOperator::new(&system.diagonal(), |p: &[[f64; 3]], q: &mut [_]| {
             product_by_rows(p, q, |v| system.row(v, p))
@@ -124,5 +125,6 @@ fn filter(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> 
         alpha *= 0.5;
         fairing_watch::advance(1);
     }
-    Ok(mesh.with_positions(positions.into_iter().map(|p| add(p, centre)).collect())?)
+    let moved = positions.into_iter().map(|p| (DVec3::from(p) + centre).to_array());
+    Ok(mesh.with_positions(moved.collect())?)
 }

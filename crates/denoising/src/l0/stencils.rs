@@ -1,7 +1,7 @@
 //! The edge operators of L0 minimisation.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, cross, dot, norm, scale, sub};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::faces::{Hinge, Hinges};
@@ -61,17 +61,17 @@ impl Stencils {
         self.corners
             .par_iter()
             .map(|corners| {
-                let [p1, p2, p3, p4] = corners.map(|v| positions[v as usize]);
-                let edge = sub(p3, p1);
-                let area = |p| 0.5 * norm(cross(sub(p, p1), edge));
+                let [p1, p2, p3, p4] = corners.map(|v| DVec3::from(positions[v as usize]));
+                let edge = p3 - p1;
+                let area = |p: DVec3| 0.5 * (p - p1).cross(edge).length();
                 let (a2, a4) = (area(p2), area(p4));
-                let scale = dot(edge, edge) * (a2 + a4);
+                let scale = edge.dot(edge) * (a2 + a4);
                 if scale.is_nan() || scale <= f64::MIN_POSITIVE {
                     return [0.0; 4];
                 }
                 // Where the feet of p₂ and p₄ lie along the edge, from p₃.
-                let (t2, t4) = (dot(sub(p3, p2), edge), dot(sub(p3, p4), edge));
-                let (s2, s4) = (dot(sub(p2, p1), edge), dot(sub(p4, p1), edge));
+                let (t2, t4) = ((p3 - p2).dot(edge), (p3 - p4).dot(edge));
+                let (s2, s4) = ((p2 - p1).dot(edge), (p4 - p1).dot(edge));
                 [
                     -(a4 * t2 + a2 * t4) / scale,
                     a4 / (a2 + a4),
@@ -83,17 +83,15 @@ impl Stencils {
     }
 
     /// `Dᵀ values`.
-    pub(super) fn transpose(&self, weights: &[[f64; 4]], values: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    pub(super) fn transpose(&self, weights: &[[f64; 4]], values: &[DVec3]) -> Vec<DVec3> {
         (0..self.offsets.len() - 1)
             .into_par_iter()
-            .map(|v| {
-                self.at(v).fold([0.0; 3], |sum, (e, k)| add(sum, scale(values[e], weights[e][k])))
-            })
+            .map(|v| self.at(v).map(|(e, k)| weights[e][k] * values[e]).sum())
             .collect()
     }
 }
 
 /// `Σ w x` over four corners.
-pub(super) fn combine(corners: &[u32; 4], weights: &[f64; 4], x: &[[f64; 3]]) -> [f64; 3] {
-    (0..4).fold([0.0; 3], |sum, k| add(sum, scale(x[corners[k] as usize], weights[k])))
+pub(super) fn combine(corners: &[u32; 4], weights: &[f64; 4], x: &[[f64; 3]]) -> DVec3 {
+    (0..4).map(|k| weights[k] * DVec3::from(x[corners[k] as usize])).sum()
 }

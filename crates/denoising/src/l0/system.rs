@@ -88,11 +88,11 @@ impl System {
 #[cfg(test)]
 mod tests {
     use fairing_shapes as shapes;
+    use glam::DVec3;
 
     use super::super::stencils::combine;
     use super::*;
     use crate::faces::Hinges;
-    use fairing_mesh::vec3::{add, scale};
 
     /// Against the sum over hinges, also where two faces share all their corners.
     #[test]
@@ -114,9 +114,10 @@ mod tests {
             let mut expected = x.clone();
             for (corners, w) in stencils.corners.iter().zip(&weights) {
                 for (w, factor) in [(w, beta), (&FOLD, alpha)] {
-                    let bend = scale(combine(corners, w, &x), factor);
+                    let bend = factor * combine(corners, w, &x);
                     for (k, &v) in corners.iter().enumerate() {
-                        expected[v as usize] = add(expected[v as usize], scale(bend, w[k]));
+                        let expected = &mut expected[v as usize];
+                        *expected = (DVec3::from(*expected) + w[k] * bend).to_array();
                     }
                 }
             }

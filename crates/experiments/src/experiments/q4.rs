@@ -1,5 +1,7 @@
 //! Question 4: a mesh from its k smoothest modes.
 
+mod section;
+
 use anyhow::{Context as _, Result};
 use fairing_evaluation::{normal_error, observed_orders, surface_distance};
 use fairing_figure::{
@@ -23,7 +25,6 @@ use crate::experiment::{Card, Context, Experiment};
 use crate::inputs::Input;
 use crate::outcome::{Attachment, Content, MeshOutput, Outcome, Picture};
 use crate::row;
-use crate::section::{Act, Section};
 use crate::table::{Table, Tables, Tolerance, Unit, brief};
 use crate::verdict::{Judgement, Shown, Verdict, ViewState};
 use crate::view::{Panel, Slider, View};
@@ -53,33 +54,6 @@ const VIEWS: [Viewpoint; 2] = [
     Viewpoint::Angles { azimuth: 140.0, elevation: 20.0 },
 ];
 
-/// The place and the words of the section.
-fn section() -> Section {
-    Section::new(
-        Act::Spectrum,
-        "The same matrix that gave curvature has eigenvectors, and they are a basis for any \
-            function on the mesh, its positions included. How many does a shape need?",
-    )
-    .commands(&[
-        "fairing spectrum mesh.ply -k 50 -o modes.npz",
-        "fairing reconstruct mesh.ply -k 15 -o rebuilt.ply",
-    ])
-    .edge_lengths_of("each mesh")
-    .notation(&["x", "X", "i", "j", "S", "M", "\\varphi", "\\omega", "\\delta", "k"])
-    .shows(&["modes-view", "decay"], &[])
-    .names(&[
-        ("eigenvalues", "eigenvalues under refinement"),
-        ("small-creature-view", "the small creature from k modes"),
-        ("large-creature-view", "the large creature from k modes"),
-        ("bumpy-ball-view", "the bumpy ball from k modes"),
-        ("small-creature-modes", "modes of the small creature"),
-        ("reconstruction", "error over k"),
-        ("weyl", "Weyl's law"),
-        ("sphere", "eigenvalues of the sphere"),
-        ("torus", "eigenvalues of the torus"),
-    ])
-}
-
 impl Experiment for Reconstruction {
     fn card(&self) -> Card {
         Card {
@@ -88,7 +62,7 @@ impl Experiment for Reconstruction {
             question: "How well do the eigenvectors of the k smallest eigenvalues of the Laplace–Beltrami operator reconstruct a mesh, and does a larger k help?",
             method: "The modes φ solve S φ = ω M φ, with cotangent stiffness S and barycentric mass M; ω is a squared frequency. The positions X are projected onto the first k modes, in the inner product of M.\n\nThe number of eigenvalues below the last one is certified by the inertia of a factorisation. Where eigenvalue k + 1 is equal to eigenvalue k or nearly so, the basis of their eigenspace is arbitrary, and k moves on to the next gap.\n\nThe error is predicted from the coefficients (Parseval); it is measured as well, with the distance between the surfaces and the angle between their normals. Eigenvalues are compared with those of the unit sphere, ℓ(ℓ + 1), and with Weyl's law, ω_k ≈ 4πk over the area.".into(),
             formulas: FORMULAS.map(String::from).to_vec(),
-            section: section(),
+            section: section::section(),
             inputs: &[Input::Armadillo, Input::ArmadilloLarge],
             parameters: vec![
                 (

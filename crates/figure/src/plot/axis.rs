@@ -4,7 +4,7 @@ use super::error::PlotError;
 use crate::number::power_of_ten;
 use crate::ticks::{self, Ticks};
 
-/// How values are spread along an axis.
+/// The mapping of values to positions along an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum AxisScale {
     /// In proportion.
@@ -14,12 +14,12 @@ pub enum AxisScale {
     Log,
 }
 
-/// What an axis shows.
+/// An axis of a plot.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Axis {
     /// Quantity and unit.
     pub label: String,
-    /// How values are spread.
+    /// The mapping of values to positions.
     pub scale: AxisScale,
     /// The ends; those of the data, with some air, if not given.
     pub limits: Option<[f64; 2]>,

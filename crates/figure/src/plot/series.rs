@@ -12,11 +12,10 @@ pub struct Series {
     pub name: String,
     /// Points and how they are shown.
     pub shape: Shape,
-    /// Which of the plot's colours, marks and dashes to use; series that
-    /// belong together share one. By default the place among those that have
-    /// none given.
+    /// The colour, mark and dashes by number; series that belong together share one. By default the
+    /// position among the series without a number.
     pub style: Option<usize>,
-    /// Whether it stays behind the others, thin and grey.
+    /// True for a series behind the others, thin and grey.
     pub quiet: bool,
 }
 
@@ -99,7 +98,7 @@ impl Series {
         Self { quiet: true, ..self }
     }
 
-    /// Whether it takes a colour of its own.
+    /// Returns true if the series has a colour of its own.
     pub(super) fn is_styled(&self) -> bool {
         let grey =
             matches!(self.shape, Shape::Slope { .. } | Shape::Reference(_) | Shape::Level(_));

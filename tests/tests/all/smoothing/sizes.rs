@@ -13,7 +13,8 @@ use fairing_smoothing::{
     Time, Transfer, Update, Volume, WindowedSinc, explicit, largest_eigenvalue, stable_limit,
 };
 
-/// Powers of two from one end of the range of extents, less what flows shrink, to the other. Even, so that roots of areas scale exactly.
+/// Powers of two over the range of extents, reduced by the shrinkage of flows. Even, so that roots
+/// of areas scale exactly.
 const EXPONENTS: [i32; 4] = [-90, -40, 40, 98];
 
 fn power(exponent: i32) -> f64 {

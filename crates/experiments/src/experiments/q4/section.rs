@@ -1,0 +1,30 @@
+//! The section of the article about reconstruction.
+
+use crate::section::{Act, Section};
+
+/// The place and the words of the section.
+pub(super) fn section() -> Section {
+    Section::new(
+        Act::Spectrum,
+        "The same matrix that gave curvature has eigenvectors, and they are a basis for any \
+            function on the mesh, its positions included. How many does a shape need?",
+    )
+    .commands(&[
+        "fairing spectrum mesh.ply -k 50 -o modes.npz",
+        "fairing reconstruct mesh.ply -k 15 -o rebuilt.ply",
+    ])
+    .edge_lengths_of("each mesh")
+    .notation(&["x", "X", "i", "j", "S", "M", "\\varphi", "\\omega", "\\delta", "k"])
+    .shows(&["modes-view", "decay"], &[])
+    .names(&[
+        ("eigenvalues", "eigenvalues under refinement"),
+        ("small-creature-view", "the small creature from k modes"),
+        ("large-creature-view", "the large creature from k modes"),
+        ("bumpy-ball-view", "the bumpy ball from k modes"),
+        ("small-creature-modes", "modes of the small creature"),
+        ("reconstruction", "error over k"),
+        ("weyl", "Weyl's law"),
+        ("sphere", "eigenvalues of the sphere"),
+        ("torus", "eigenvalues of the torus"),
+    ])
+}
