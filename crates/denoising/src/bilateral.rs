@@ -17,7 +17,7 @@ fairing_parameters::options! {
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
     pub struct BilateralOptions {
-        /// The spatial scale; neighbours within twice as much are seen.
+        /// The spatial scale; neighbours within twice this distance count.
         pub spatial: f64 = 1.0, in Range::POSITIVE, unit "mean edge lengths";
         /// The scale of heights over the tangent plane.
         pub range: f64 = 1.0, in Range::POSITIVE, unit "standard deviations of the neighbourhood";

@@ -25,12 +25,12 @@ fairing_parameters::options! {
         pub spatial: f64 = 1.0, in Range::POSITIVE, unit "mean distances of neighbouring centroids";
         /// The scale of differences between unit normals.
         pub range: f64 = 0.45, in Range::POSITIVE;
-        /// Rounds of filtering normals.
+        /// Rounds of normal filtering.
         pub iterations: usize = 20;
-        /// Vertex steps at the end.
+        /// Vertex updates at the end.
         pub vertex_steps: usize = 10;
     }
-    "bilateral-normal": "bilateral filter of normals, repeated (Zheng et al. 2011)", ["zheng2011"];
+    "bilateral-normal": "iterated bilateral filter of normals (Zheng et al. 2011)", ["zheng2011"];
 }
 
 /// Denoises by repeated bilateral filtering of face normals.
@@ -85,12 +85,12 @@ fairing_parameters::options! {
         pub spatial: f64 = 1.0, in Range::POSITIVE, unit "mean distances of neighbouring centroids";
         /// The scale of differences between unit normals.
         pub range: f64 = 0.45, in Range::POSITIVE;
-        /// The fraction of fidelity to the noisy normals.
+        /// The weight of fidelity to the noisy normals against smoothness.
         pub fidelity: f64 = 0.01, in Range::above(0.0).up_to(1.0);
-        /// Vertex steps at the end.
+        /// Vertex updates at the end.
         pub vertex_steps: usize = 10;
     }
-    "bilateral-normal-global": "bilateral filter of normals, one system (Zheng et al. 2011)",
+    "bilateral-normal-global": "bilateral filter of normals, as one linear system (Zheng et al. 2011)",
         ["zheng2011"];
 }
 

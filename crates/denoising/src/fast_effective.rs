@@ -16,14 +16,14 @@ fairing_parameters::options! {
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
     pub struct FastEffectiveOptions {
-        /// The least cosine between normals that see each other.
+        /// The cosine of the angle between normals below which they have no weight on each other.
         pub threshold: f64 = 0.5, in -1.0..1.0;
-        /// Rounds of filtering normals.
+        /// Rounds of normal filtering.
         pub iterations: usize = 20;
-        /// Vertex steps at the end.
+        /// Vertex updates at the end.
         pub vertex_steps: usize = 50;
     }
-    "fast-effective": "weighted averages of normals, cut off (Sun et al. 2007)", ["sun2007"];
+    "fast-effective": "thresholded averages of normals (Sun et al. 2007)", ["sun2007"];
 }
 
 /// Denoises by weighted averages of face normals with a cut-off.

@@ -26,9 +26,9 @@ fairing_parameters::options! {
         pub spatial: f64 = 1.0, in Range::POSITIVE, unit "mean distances of neighbouring centroids";
         /// The scale of differences between unit normals.
         pub range: f64 = 0.35, in Range::POSITIVE;
-        /// Rounds of filtering normals and moving vertices.
+        /// Rounds of normal filtering and vertex updates.
         pub iterations: usize = 20;
-        /// Vertex steps in each round.
+        /// Vertex updates in each round.
         pub vertex_steps: usize = 10;
     }
     "guided-normal": "bilateral filter of normals guided by patches (Zhang et al. 2015)",

@@ -17,12 +17,12 @@ fairing_parameters::options! {
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
     pub struct NonIterativeOptions {
-        /// The spatial scale; faces within twice as much are seen.
+        /// The spatial scale; faces within twice this distance count.
         pub spatial: f64 = 2.0, in Range::POSITIVE, unit "mean edge lengths";
         /// The scale of the distance between a vertex and its prediction.
         pub influence: f64 = 0.5, in Range::POSITIVE, unit "mean edge lengths";
     }
-    "non-iterative": "robust averages of predictions by faces (Jones et al. 2003)", ["jones2003"];
+    "non-iterative": "robust averages of predictions from nearby faces (Jones et al. 2003)", ["jones2003"];
 }
 
 /// Denoises in one pass: robust averages of the predictions that nearby faces

@@ -25,11 +25,11 @@ fairing_parameters::options! {
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
     pub struct TotalVariationOptions {
-        /// The weight of the variation against fidelity.
+        /// The weight of the variation relative to fidelity.
         pub weight: f64 = 0.7, in Range::POSITIVE, unit "mean edge lengths";
         /// Steps of the alternating direction method.
         pub iterations: usize = 40;
-        /// Vertex steps at the end.
+        /// Vertex updates at the end.
         pub vertex_steps: usize = 20;
     }
     "total-variation": "total variation of normals (Zhang et al. 2015)", ["zhang2015variational"];

@@ -21,9 +21,9 @@ pub enum LumpedArea {
 }
 
 fairing_parameters::choices!(LumpedArea, "area of a vertex",
-    Barycentric: "barycentric", "A third of the faces around";
-    Voronoi: "voronoi", "Voronoi cells; negative at some obtuse angles, which flows refuse";
-    Mixed: "mixed", "Voronoi cells, kept inside obtuse faces";
+    Barycentric: "barycentric", "One third of the area of each adjacent face";
+    Voronoi: "voronoi", "Voronoi cells; can be negative at obtuse angles, which flows refuse";
+    Mixed: "mixed", "Voronoi cells, clipped to obtuse faces; never negative";
 );
 #[cfg(feature = "serde")]
 fairing_parameters::serde_by_name!(LumpedArea);

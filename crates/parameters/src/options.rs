@@ -107,7 +107,8 @@ impl<O: Options> Entry<O> {
 /// let filter = Filter::with("filter", &[("vertex-steps", "3")])?.unwrap();
 /// assert_eq!(filter, Filter { vertex_steps: 3, ..Filter::default() });
 /// let [radius, _] = &filter.parameters()[..] else { panic!("two parameters") };
-/// assert_eq!((radius.about, radius.unit), ("The radius of the neighbourhood", "mean edge lengths"));
+/// assert_eq!(radius.about, "The radius of the neighbourhood");
+/// assert_eq!(radius.unit, "mean edge lengths");
 /// let error = Filter { radius: 0.0, ..filter }.check().unwrap_err();
 /// assert_eq!(error.to_string(), "radius is 0, but must be positive and finite");
 /// # Ok::<(), fairing_parameters::ParameterError>(())

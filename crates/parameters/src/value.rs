@@ -4,8 +4,8 @@ use std::fmt;
 
 /// A value of a parameter.
 ///
-/// Programs give numbers as numbers or as text; [`Values`](crate::Values) reads text as the kind of the
-/// parameter.
+/// Programs give numbers as numbers or as text; [`Values`](crate::Values) reads text as the kind
+/// of the parameter.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Value {

@@ -350,7 +350,7 @@ fn parameters_of_denoisers_and_estimators_are_flags() {
     let list = run(folder.path(), "curvature --list");
     assert!(list.contains("jet3: ") && list.contains("--rings 3"), "{list}");
     let said = refuse(folder.path(), "curvature noisy.ply --rings 17", 2);
-    assert!(said.contains("rings is \"17\", but must be between 1 and 16"), "{said}");
+    assert!(said.contains("rings is 17, but must be between 1 and 16"), "{said}");
 }
 
 /// A pyramid whose sides are quads that name a corner twice, beside a face with two corners. All

@@ -99,7 +99,7 @@ fairing_parameters::options! {
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
     pub struct AutomaticOptions {}
-    "automatic": "all estimated from the mesh; creases kept where there are any", [];
+    "automatic": "estimates everything from the mesh; keeps creases", [];
 }
 
 /// Denoises without parameters: noise level and kind of surface are estimated from

@@ -28,14 +28,14 @@ fairing_parameters::options! {
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
     pub struct L0Options {
-        /// The weight of a bent edge.
+        /// The penalty of a bent edge.
         pub sparsity: f64 = 15.0, in Range::POSITIVE,
             unit "0.02 γ h², with the mean angle γ between normals and the mean edge length h";
-        /// The first weight against folds, halved after each step.
+        /// The initial weight against folds, halved after each step.
         pub regularity: f64 = 1.0, in Range::POSITIVE, unit "0.1 γ";
-        /// The factor on the penalty after each step.
+        /// The growth of the coupling β in each step.
         pub growth: f64 = std::f64::consts::SQRT_2, in Range::above(1.0);
-        /// The last penalty; it begins with 0.001.
+        /// The coupling β of the last step; the first is 0.001.
         pub last_beta: f64 = 1e3, in Range::POSITIVE;
     }
     "l0": "as few bent edges as possible (He and Schaefer 2013)", ["he2013"];

@@ -124,7 +124,7 @@ fairing_parameters::options! {
         /// The radius of the ball about each vertex.
         pub radius: Option<Length> = None, in Range::POSITIVE, unit "mean edge lengths";
     }
-    "corrected": "principal curvatures of smooth shapes at the cost of one ring", ["lachaud2020"],
+    "corrected": "principal curvatures of smooth shapes, from one ring only", ["lachaud2020"],
         with Self::DEFAULT,
         if |corrected| corrected.radius.is_none();
     "corrected-ball": "smooth shapes with uneven or noisy triangles, at a chosen scale", ["lachaud2020"],

@@ -27,10 +27,10 @@ fairing_parameters::options! {
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
     pub struct CotangentOptions {
-        /// The areas of vertices, by which integrated values are divided.
+        /// The vertex areas that integrated values are divided by.
         pub area: LumpedArea = LumpedArea::Mixed;
     }
-    "cotangent": "H and K of regular meshes, and integrals on any: the cheapest; no directions",
+    "cotangent": "H and K on regular meshes, integrals on any mesh; the cheapest, no directions",
         ["meyer2003", "pinkall1993"];
 }
 

@@ -64,7 +64,7 @@ const GAUSSIAN: &str = "gaussian";
 
 impl Field for JetWeight {
     fn parameters(&self, _: Parameter) -> Vec<Parameter> {
-        let about = "The width of Gaussian weights, in place of equal weights";
+        let about = "The width of Gaussian weights, instead of equal weights";
         vec![Parameter {
             unit: "mean distances of the neighbours",
             range: Range::POSITIVE,
@@ -102,13 +102,13 @@ fairing_parameters::options! {
         /// The weights of the vertices.
         pub weight: JetWeight = JetWeight::Uniform;
     }
-    "jet2": "noisy smooth shapes, where few coefficients resist noise", ["cazals2005"],
+    "jet2": "noisy smooth shapes: few coefficients average out noise", ["cazals2005"],
         with Self { degree: JetDegree::Two, neighborhood: Neighborhood::Rings(2), ..Self::DEFAULT },
         if |jet| jet.degree == JetDegree::Two;
-    "jet3": "the recommended one: converges on irregular meshes of smooth shapes", ["cazals2005"],
+    "jet3": "recommended: converges on irregular meshes of smooth shapes", ["cazals2005"],
         with Self::DEFAULT,
         if |jet| jet.degree == JetDegree::Three;
-    "jet4": "the most accurate on fine clean meshes of smooth shapes", ["cazals2005"],
+    "jet4": "most accurate on fine, clean meshes of smooth shapes", ["cazals2005"],
         with Self { degree: JetDegree::Four, neighborhood: Neighborhood::Rings(4), ..Self::DEFAULT },
         if |jet| jet.degree == JetDegree::Four;
 }

@@ -104,7 +104,7 @@ impl Field for Neighborhood {
             Self::Ball(Length::MeanEdges(radius)) => (None, Some(Value::Number(radius))),
             Self::Ball(Length::MeshUnits(_)) => (None, None),
         };
-        let about = "The reach of the fit, in rings of neighbours";
+        let about = "The neighbourhood of the fit, in rings";
         let in_rings = Parameter {
             range: RINGS_RANGE,
             default: rings,
@@ -118,7 +118,7 @@ impl Field for Neighborhood {
             ..Parameter::new(
                 RADIUS,
                 Kind::Number,
-                "The reach of the fit, in place of rings: a radius",
+                "The radius of the neighbourhood of the fit, instead of rings",
             )
         };
         vec![in_rings, in_edges]

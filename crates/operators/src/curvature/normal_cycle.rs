@@ -32,7 +32,7 @@ fairing_parameters::options! {
         /// The radius of the ball about each vertex.
         pub radius: Length = Length::MeanEdges(2.0), in Range::POSITIVE, unit "mean edge lengths";
     }
-    "normal-cycle": "curvature at a chosen scale, averaged over a ball; steady under noise",
+    "normal-cycle": "curvature at a chosen scale, averaged over a ball; robust to noise",
         ["cohensteiner2003"];
 }
 

@@ -112,7 +112,7 @@ impl Field for Diffusion {
             }
             Self::Cotangent { kind, area, .. } => ("cotangent", None, kind, area),
         };
-        let about = "The step: dimensionless, or in squared mean edge lengths for cotangents";
+        let about = "The step λ: dimensionless for uniform weights, in squared mean edge lengths for cotangent";
         let lambda = Parameter {
             range: Range::NOT_NEGATIVE,
             default: step.map(Value::Number),

@@ -34,9 +34,9 @@ pub enum Update {
 }
 
 fairing_parameters::choices!(Update, "update of the operator",
-    Never: "never", "The operator of the input";
-    Mass: "mass", "Areas of the current mesh, stiffness of the input";
-    Both: "both", "All of the current mesh";
+    Never: "never", "Keep the operator of the input";
+    Mass: "mass", "Reassemble the areas, keep the stiffness of the input";
+    Both: "both", "Reassemble areas and stiffness";
 );
 #[cfg(feature = "serde")]
 fairing_parameters::serde_by_name!(Update);

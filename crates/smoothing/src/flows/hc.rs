@@ -26,7 +26,7 @@ fairing_parameters::options! {
         pub iterations: usize = 10;
         /// Constraints of the vertices.
         pub constraints: Constraints = Constraints::NONE;
-        /// The treatment of a beta so small that modes grow.
+        /// The treatment of values of beta so small that modes grow.
         pub stability: Stability = Stability::Refuse, name "unstable";
     }
     "hc": "uniform steps, each followed by a correction; roughly preserves size", ["vollmer1999"];

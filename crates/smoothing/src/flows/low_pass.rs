@@ -60,7 +60,7 @@ impl Field for Transfer {
                 ..Parameter::new(
                     CUTOFF,
                     Kind::Number,
-                    "The wavelength at which a Butterworth filter halves",
+                    "The wavelength that a Butterworth filter halves",
                 )
             },
             Parameter {

@@ -21,7 +21,7 @@ fairing_parameters::options! {
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
     pub struct Taubin {
-        /// The shrinking step.
+        /// The shrinking step λ.
         pub lambda: f64 = 0.5, in Range::POSITIVE;
         /// The pass band: modes with a smaller −eigenvalue are preserved (0 to 2).
         pub pass_band: f64 = 0.1, in Range::POSITIVE, excludes ["mu"];
@@ -34,7 +34,7 @@ fairing_parameters::options! {
     }
     "taubin": "alternating shrinking and growing steps: removes noise, preserves the size of finely meshed shapes",
         ["taubin1995"];
-    also [Parameter::new(MU, Kind::Number, "The growing step, below -lambda")];
+    also [Parameter::new(MU, Kind::Number, "The growing step μ, below −λ")];
     then |options, values| {
         if let Some(mu) = values.number(MU) {
             options.pass_band = Self::from_steps(options.lambda, mu).pass_band;
