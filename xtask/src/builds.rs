@@ -1,4 +1,4 @@
-//! Times builds from an empty target folder: what a newcomer waits for.
+//! Times of builds from an empty target folder.
 
 use std::fs;
 use std::path::Path;
@@ -12,7 +12,7 @@ use crate::programs::cargo;
 /// The number of slowest units that are listed.
 const NAMED: usize = 12;
 
-/// A build and what it is called.
+/// A build and its name.
 struct Build {
     name: &'static str,
     /// The crate that a new project depends on, and its options in the
@@ -54,7 +54,7 @@ const BUILDS: [Build; 5] = [
 ///
 /// # Errors
 ///
-/// If cargo fails, or a project cannot be written.
+/// Cargo that fails, or a project that cannot be written.
 pub(crate) fn run(root: &Path) -> Result<()> {
     println!("| Build | seconds | units | MB on disk |\n|---|--:|--:|--:|");
     let mut slowest = vec![];

@@ -32,7 +32,7 @@ const MORE: [&str; 10] = [
 pub(crate) enum Extent {
     /// The quick tests, on the library built in the workspace.
     Quick,
-    /// Everything, on the wheel that users install.
+    /// All tests, on the wheel that users install.
     Whole,
 }
 
@@ -50,7 +50,7 @@ struct Environment {
 }
 
 impl Environment {
-    /// The environment, created if there is none; or why it cannot be created.
+    /// The environment, created if there is none; or the reason for which it cannot be created.
     fn new(folder: PathBuf) -> Result<std::result::Result<Self, String>> {
         let environment = Self { folder };
         if environment.program("python").is_file() {
@@ -77,7 +77,7 @@ impl Environment {
         }
     }
 
-    /// Installs packages; whether that succeeded.
+    /// Installs packages; returns `true` on success.
     fn install(&self, packages: &[&str]) -> Result<bool> {
         let note = self.folder.join("installed.txt");
         let installed = std::fs::read_to_string(&note).unwrap_or_default();
@@ -97,7 +97,7 @@ impl Environment {
     }
 }
 
-/// The environment that builds, or why there is none.
+/// The environment that builds the wheel, or the reason for its absence.
 fn builder(root: &Path) -> Result<std::result::Result<Environment, String>> {
     let environment = match Environment::new(root.join("target/python/build"))? {
         Ok(environment) => environment,
@@ -126,11 +126,11 @@ fn build(environment: &Environment, root: &Path) -> Result<Option<PathBuf>> {
     Ok(wheels.find(|path| path.extension().is_some_and(|e| e == "whl")))
 }
 
-/// Builds the wheel into `target/wheels`; whether that succeeded.
+/// Builds the wheel into `target/wheels`; returns `true` on success.
 ///
 /// # Errors
 ///
-/// If there is no Python, or no package index to get maturin from.
+/// A missing Python, or no package index to get maturin from.
 pub(crate) fn wheel(root: &Path) -> Result<bool> {
     let environment = builder(root)?.map_err(anyhow::Error::msg)?;
     let Some(wheel) = build(&environment, root)? else { return Ok(false) };
@@ -161,7 +161,7 @@ fn assemble(root: &Path) -> Result<PathBuf> {
     Ok(folder)
 }
 
-/// Builds the wheel and installs it; whether it was built.
+/// Builds the wheel and installs it; returns `true` if it was built.
 fn install_wheel(root: &Path, maker: &Environment, environment: &Environment) -> Result<bool> {
     let Some(wheel) = build(maker, root)? else { return Ok(false) };
     let install = ["-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps"];
@@ -175,7 +175,7 @@ fn install_wheel(root: &Path, maker: &Environment, environment: &Environment) ->
 ///
 /// # Errors
 ///
-/// If a program that is there cannot be run, or the library is not built.
+/// A program that cannot be run, or a library that is not built.
 pub(crate) fn test(root: &Path, extent: Extent) -> Result<Tested> {
     let nothing = |reason: String| Tested {
         passed: true,

@@ -8,11 +8,11 @@ use fairing_mesh::TriMesh;
 /// A set of families.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Set {
-    /// Those that constants may be chosen on.
+    /// Families on which weights and constants are chosen.
     Development,
-    /// Those that are only reported.
+    /// Families that are only reported.
     Unseen,
-    /// Those on which no result was known when the weights of the networks were trained and the
+    /// Families on which no result was known when the weights of the networks were trained and the
     /// constants chosen.
     Fresh,
 }
@@ -73,20 +73,20 @@ pub fn set_of(family: Family) -> Set {
     }
 }
 
-/// A body with noise.
+/// A model with noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Case {
-    /// What the body is.
+    /// The family of the model.
     pub family: Family,
-    /// How it is divided into triangles.
+    /// The kind of triangulation.
     pub triangulation: Triangulation,
-    /// About how many faces it has.
+    /// The approximate number of faces.
     pub faces: usize,
-    /// How vertices move.
+    /// The kind of noise.
     pub noise: NoiseKind,
-    /// How far, in mean edge lengths.
+    /// The noise level, in mean edge lengths.
     pub level: f64,
-    /// Decides on the proportions of the body, its triangulation and its noise.
+    /// The seed of proportions, triangulation and noise.
     pub seed: u64,
 }
 
@@ -112,7 +112,7 @@ impl Case {
     ///
     /// # Errors
     ///
-    /// Those of [`add_noise`], none of which a case can cause.
+    /// The errors of [`add_noise`], none of which a case can cause.
     pub fn meshes(&self) -> Result<(TriMesh, TriMesh)> {
         let truth = self.family.mesh(self.faces, self.triangulation, self.seed);
         let level = NoiseLevel::EdgeLengths(self.level);
@@ -124,8 +124,7 @@ impl Case {
 /// The number of faces of most cases.
 const FACES: usize = 4000;
 
-/// How each family is tested: triangulation and noise, with the levels that
-/// families take in turn.
+/// The cases of each family: triangulation and noise, with the levels that families take in turn.
 const PLAN: [(Triangulation, NoiseKind, &[f64]); 7] = [
     (Triangulation::Regular, NoiseKind::GaussianAlongNormals, &[0.3, 0.7, 0.2, 0.5, 0.3, 0.1]),
     (Triangulation::Irregular, NoiseKind::GaussianPerAxis, &[0.2, 0.1, 0.3, 0.05]),
@@ -136,7 +135,7 @@ const PLAN: [(Triangulation, NoiseKind, &[f64]); 7] = [
     (Triangulation::Irregular, NoiseKind::Varying, &[0.2, 0.3, 0.1, 0.4]),
 ];
 
-/// Larger bodies: family, triangulation, noise, level.
+/// Larger models: family, triangulation, noise, level.
 const LARGE: [(Family, Triangulation, NoiseKind, f64); 3] = [
     (Family::Gear, Triangulation::Regular, NoiseKind::GaussianAlongNormals, 0.2),
     (Family::Bracket, Triangulation::Irregular, NoiseKind::GaussianPerAxis, 0.15),

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use fairing_benchmark::Set;
 
-/// Measures denoisers on generated models with noise, tunes the published ones, trains ours, and times single tasks
+/// Measures denoisers on generated models with noise, tunes the published ones, trains ours, and
+/// times single tasks
 #[derive(Debug, Parser)]
 #[command(name = "benchmark", bin_name = "cargo xtask benchmark", version, about)]
 pub(crate) struct Cli {
@@ -66,13 +67,15 @@ pub(crate) struct Measure {
     /// Write a line for each case into this CSV file
     #[arg(long, value_name = "FILE")]
     pub(crate) csv: Option<PathBuf>,
-    /// Keep the results of the automatic denoiser on all cases in docs/reference/automatic.csv, for the experiment "denoisers"
+    /// Keep the results of the automatic denoiser on all cases in docs/reference/automatic.csv, for
+    /// the experiment "denoisers"
     #[arg(long, conflicts_with_all = ["set", "filter", "denoiser", "csv"])]
     pub(crate) accept: bool,
     /// Write the true, noisy and denoised meshes into this folder
     #[arg(long, value_name = "DIR")]
     pub(crate) keep: Option<PathBuf>,
-    /// Folder with the pairs of the literature, to measure on them too; FAIRING_MESHES does the same
+    /// Folder with the pairs of the literature, to measure on them too; FAIRING_MESHES does the
+    /// same
     #[arg(long, value_name = "DIR")]
     pub(crate) meshes: Option<PathBuf>,
 }
@@ -104,7 +107,8 @@ pub(crate) struct Train {
 
 #[derive(Debug, Args)]
 pub(crate) struct Bench {
-    /// The task; `build` times builds from an empty target folder. Without a task, the tasks are listed
+    /// The task; `build` times builds from an empty target folder. Without a task, the tasks are
+    /// listed
     pub(crate) task: Option<String>,
     /// The mesh
     #[arg(long = "in", value_name = "FILE")]

@@ -105,7 +105,7 @@ impl Choice {
     }
 }
 
-/// Where the meshes of a case come from.
+/// The source of a noisy mesh and its truth.
 enum Source {
     Case(Case),
     Pair(Box<Pair>),
@@ -244,7 +244,7 @@ impl Measurement {
     }
 }
 
-/// A case on a line of the terminal.
+/// One line of the terminal for a case.
 fn line(f: &Found) -> String {
     let (best, by) = f.best.as_ref().map_or((String::new(), ""), |b| (format!("{:.2}", b.0), &b.1));
     let ratio = f.ratio().map(|r| format!("{r:.2}")).unwrap_or_default();
@@ -262,7 +262,7 @@ fn line(f: &Found) -> String {
     )
 }
 
-/// What holds of all cases of a set.
+/// Prints the summary of a set.
 fn report(title: &str, found: &[Found], s: &Summary) {
     let number = |x: Option<f64>| x.map_or("?".to_string(), |x| format!("{x:.3}"));
     println!("\n{title}: {} cases, {:.1} s", s.cases, s.seconds);

@@ -1,4 +1,4 @@
-//! How a denoiser compares on a case, and on many.
+//! Comparison of a denoiser with the published methods, on one case and on many.
 
 use std::fmt::Write as _;
 use std::time::Instant;
@@ -9,7 +9,7 @@ use fairing_mesh::TriMesh;
 
 use crate::table::Published;
 
-/// What a denoiser makes of a noisy mesh.
+/// Scores of a denoiser on one case.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Found {
     /// The name of the case.
@@ -30,8 +30,8 @@ pub struct Found {
     pub flipped: [usize; 2],
     /// Self-intersections of the noisy mesh and of the result.
     pub intersections: [usize; 2],
-    /// The relative differences of the volumes of the noisy mesh and of the result from that of the truth, for
-    /// closed bodies.
+    /// The relative differences of the volumes of the noisy mesh and of the result from that of the
+    /// truth, for closed bodies.
     pub volume: Option<[f64; 2]>,
     /// The time, in seconds; zero where it is read from a table.
     pub seconds: f64,
@@ -41,7 +41,7 @@ pub struct Found {
 ///
 /// # Errors
 ///
-/// Those of the denoiser and of the scores.
+/// The errors of the denoiser and of the scores.
 pub fn found(
     case: &str,
     truth: &TriMesh,
@@ -116,7 +116,7 @@ pub fn written(found: &[Found]) -> String {
 ///
 /// # Errors
 ///
-/// If one of the two tables is not as it was written.
+/// A table that is not in the written form.
 pub fn committed(published: &Published) -> Result<Vec<Found>> {
     read(include_str!("../../../docs/reference/automatic.csv"), published)
 }

@@ -34,7 +34,7 @@ pub const PAIR_NAMES: [&str; 6] =
 ///
 /// # Errors
 ///
-/// If a file is there but cannot be read, or a pair has different numbers of vertices.
+/// A file that cannot be read, or a pair with different numbers of vertices.
 pub fn pairs(folder: &Path) -> Result<(Vec<Pair>, Vec<&'static str>)> {
     let (mut found, mut absent) = (vec![], vec![]);
     for (name, files) in PAIR_NAMES.into_iter().zip(FILES) {

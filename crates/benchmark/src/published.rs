@@ -1,4 +1,4 @@
-//! The published methods, with the values of their parameters that are tried.
+//! The published methods, and the values of their parameters in the search.
 
 use anyhow::{Context as _, Result, bail};
 use fairing_denoising::{
@@ -16,9 +16,9 @@ pub struct Method {
     pub denoiser: Denoiser,
     /// Its parameters, those that matter most first.
     axes: &'static [Axis],
-    /// Where its search begins, beside the defaults: indices of values.
+    /// Starting points of the search beside the defaults: indices of values.
     starts: &'static [&'static [usize]],
-    /// How many runs its search takes at most from each start.
+    /// The largest number of runs of the search from each start.
     pub runs: usize,
     run: fn(&TriMesh, &[f64]) -> Result<TriMesh, DenoiseError>,
 }
@@ -168,7 +168,7 @@ impl Method {
     ///
     /// # Errors
     ///
-    /// If there is none.
+    /// An unknown name.
     pub fn named(name: &str) -> Result<Self> {
         let found = Self::ALL.into_iter().find(|m| m.denoiser.name() == name);
         found.with_context(|| format!("there is no published method {name}"))
@@ -179,7 +179,7 @@ impl Method {
         Setting(self.axes.iter().map(|a| a.default).collect())
     }
 
-    /// Where its search begins: the defaults first.
+    /// Starting points of the search, the defaults first.
     pub(super) fn starts(&self) -> Vec<Setting> {
         let more = self.starts.iter().map(|indices| Setting(indices.to_vec()));
         std::iter::once(self.defaults()).chain(more).collect()
@@ -218,7 +218,7 @@ impl Method {
     ///
     /// # Errors
     ///
-    /// Those of the method.
+    /// The errors of the method.
     pub fn run(&self, mesh: &TriMesh, setting: &Setting) -> Result<TriMesh, DenoiseError> {
         let values = self.axes.iter().zip(&setting.0).map(|(a, &i)| a.values[i]);
         (self.run)(mesh, &values.collect::<Vec<_>>())
@@ -235,7 +235,7 @@ impl Method {
     ///
     /// # Errors
     ///
-    /// If they are not those of this method.
+    /// A name or a value that this method does not have.
     pub fn parsed(&self, text: &str) -> Result<Setting> {
         let parts: Vec<&str> = text.split("; ").collect();
         if parts.len() != self.axes.len() {
@@ -256,7 +256,7 @@ impl Method {
 ///
 /// # Errors
 ///
-/// If there is none.
+/// An unknown name.
 pub fn denoiser(name: &str) -> Result<impl Fn(&TriMesh) -> Result<TriMesh, DenoiseError>> {
     let denoiser: Denoiser = name.parse()?;
     Ok(move |mesh: &TriMesh| denoiser.denoise(mesh))

@@ -1,11 +1,11 @@
-//! The table of what published methods reach.
+//! The table of results of the published methods.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use anyhow::{Context as _, Result, bail};
 
-/// What a method reaches on a case, as E_a in degrees.
+/// Result of a method on a case, as E_a in degrees.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Entry {
     /// The name of the case.
@@ -16,7 +16,7 @@ pub struct Entry {
     pub default: f64,
     /// With the best parameters found.
     pub tuned: f64,
-    /// Those parameters.
+    /// The best parameters found.
     pub parameters: String,
 }
 
@@ -33,7 +33,7 @@ impl Published {
     ///
     /// # Errors
     ///
-    /// If it is not as [`Self::written`] makes it.
+    /// A table that is not in the form of [`Self::written`].
     pub fn committed() -> Result<Self> {
         Self::read(include_str!("../../../docs/reference/published.csv"))
     }
@@ -42,7 +42,7 @@ impl Published {
     ///
     /// # Errors
     ///
-    /// With the number of the line that is no entry.
+    /// The number of a line that is no entry.
     pub fn read(text: &str) -> Result<Self> {
         let mut lines = text.lines();
         if lines.next() != Some(HEAD) {
@@ -94,7 +94,7 @@ impl Published {
         self.entries.len()
     }
 
-    /// Whether it has no entry.
+    /// Returns `true` if the table has no entry.
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }

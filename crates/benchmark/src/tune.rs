@@ -17,8 +17,7 @@ use crate::table::Entry;
 ///
 /// # Errors
 ///
-/// Those of the method with its defaults; other settings that fail are passed
-/// over.
+/// The errors of the method with its defaults; other settings that fail are skipped.
 pub fn tuned(case: &str, method: &Method, noisy: &TriMesh, truth: &TriMesh) -> Result<Entry> {
     let restored = method.run(noisy, &method.defaults())?;
     let default = normal_error(&restored, truth)?.mean;
@@ -46,7 +45,7 @@ struct Search<'a> {
     noisy: &'a TriMesh,
     truth: &'a TriMesh,
     known: HashMap<Setting, f64>,
-    /// How many settings may be known.
+    /// The largest number of settings to try.
     limit: usize,
 }
 

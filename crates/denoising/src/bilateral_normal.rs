@@ -260,8 +260,8 @@ mod tests {
 
     use super::*;
 
-    /// Column f of the weights is the entry f of each row, and rows sum to one, with a border and where a face has no
-    /// area.
+    /// Column f of the weights is the entry f of each row, and rows sum to one, with a border and
+    /// where a face has no area.
     #[test]
     fn columns_are_those_of_the_rows() {
         let mut positions = shapes::plane(5, 4, shapes::Diagonals::Alternating).into_positions();

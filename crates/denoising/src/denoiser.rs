@@ -55,7 +55,7 @@ fairing_parameters::algorithms! {
     ///
     /// # Errors
     ///
-    /// Those of the function of the denoiser.
+    /// The errors of the function of the denoiser.
     pub fn denoise(mesh: &TriMesh) -> Result<TriMesh, DenoiseError>;
 }
 

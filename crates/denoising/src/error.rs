@@ -1,10 +1,10 @@
-//! Why a mesh cannot be denoised.
+//! Errors of denoisers.
 
 use fairing_mesh::BuildError;
 use fairing_parameters::OptionError;
 use fairing_sparse::{CgOptions, CgSolution};
 
-/// Why a mesh cannot be denoised.
+/// The reason for which a mesh cannot be denoised.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DenoiseError {
@@ -45,7 +45,8 @@ pub enum DenoiseError {
     Build(#[from] BuildError),
 }
 
-/// The solution of the linear system of outer step `step`, unless its residual is above ten times the tolerance.
+/// Returns the solution of the linear system of outer step `step`; an error if its residual exceeds
+/// ten times the tolerance.
 pub(crate) fn solved(
     solution: CgSolution<Vec<[f64; 3]>>,
     options: &CgOptions,

@@ -68,8 +68,7 @@ impl Hinges {
     }
 }
 
-/// Which faces (or vertices) a search has seen: emptied without a pass over all
-/// of them.
+/// The faces (or vertices) that a search has seen; cleared in constant time.
 #[derive(Debug)]
 pub(crate) struct Marks {
     stamps: Vec<u32>,
@@ -77,12 +76,12 @@ pub(crate) struct Marks {
 }
 
 impl Marks {
-    /// None is marked.
+    /// Marks with none set.
     pub(crate) fn new(count: usize) -> Self {
         Self { stamps: vec![0; count], current: 1 }
     }
 
-    /// Takes all marks away.
+    /// Clears all marks.
     pub(crate) fn clear(&mut self) {
         self.current = self.current.wrapping_add(1);
         // After four billion searches stamps begin to repeat.
@@ -92,12 +91,12 @@ impl Marks {
         }
     }
 
-    /// Whether one is marked.
+    /// Returns `true` if `f` is marked.
     pub(crate) fn contains(&self, f: u32) -> bool {
         self.stamps[f as usize] == self.current
     }
 
-    /// Marks one, and says whether it was not marked before.
+    /// Marks `f`; returns `true` if it was not marked.
     pub(crate) fn insert(&mut self, f: u32) -> bool {
         let stamp = &mut self.stamps[f as usize];
         std::mem::replace(stamp, self.current) != self.current
@@ -187,7 +186,7 @@ impl FaceLists {
         &self.items[self.range(f)]
     }
 
-    /// Where the row of face `f` is in the list of all rows.
+    /// The range of the row of face `f` in the list of all rows.
     pub(crate) fn range(&self, f: usize) -> Range<usize> {
         self.offsets[f]..self.offsets[f + 1]
     }

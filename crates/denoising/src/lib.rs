@@ -1,10 +1,10 @@
 //! Denoisers for triangle meshes: they remove noise and keep creases, where flows remove both.
 //!
-//! [`automatic`] has no parameters. The others are published methods, each one function with one options struct;
-//! [`Denoiser`] has them all by name. All keep the faces and the order of vertices. Faces that turn
-//! against the rest of their part count as turned over
-//! ([`TriMesh::oriented`](fairing_mesh::TriMesh::oriented)); the result has the faces of the input. A
-//! mesh whose faces do not share their corners is refused.
+//! [`automatic`] has no parameters. The others are published methods, each one function with one
+//! options struct; [`Denoiser`] has them all by name. All keep the faces and the order of vertices.
+//! Faces that turn against the rest of their part count as turned over
+//! ([`TriMesh::oriented`](fairing_mesh::TriMesh::oriented)); the result has the faces of the input.
+//! A mesh whose faces do not share their corners is refused.
 //!
 //! ```
 //! use fairing_denoising::{Denoiser, automatic};

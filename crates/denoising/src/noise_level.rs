@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use fairing_operators::{NormalEquations, PrincipalAxes, tangent_frame};
 
-/// A tail ratio above this tells impulsive from Gaussian noise: Gaussian
+/// The least tail ratio of impulsive noise: Gaussian
 /// residuals give 1 by construction, and 1.15 is beyond what curvature and
 /// creases do to it on clean shapes.
 const IMPULSIVE_TAIL: f64 = 1.15;
@@ -17,31 +17,34 @@ const GAUSSIAN_TAIL: f64 = 2.4387;
 /// The 10th percentile of |x| over its median, for Gaussian x.
 const GAUSSIAN_LOW: f64 = 0.186_31;
 
-/// Residuals count in correlations up to this many standard deviations.
+/// The bound on residuals in correlations, in standard deviations.
 const CLIP: f64 = 3.0;
 
-/// The median of |x| is this share of the standard deviation of Gaussian x.
+/// The median of |x| over the standard deviation, for Gaussian x.
 const GAUSSIAN_MEDIAN: f64 = 0.674_489_75;
 
 /// The fits of a vertex: a quadric to its two-ring, a quadric to the [`NEAREST`] of it, and a
 /// paraboloid of revolution to its one-ring.
 const FITS: usize = 3;
 
-/// Fits to fewer points see less of the surface, and stray more.
+/// The number of nearest points in the second fit. Fewer points see less of the surface, and fits
+/// to them stray more.
 const NEAREST: usize = 10;
 
-/// Squared distances that differ by less, relatively, are the same: whether both points are taken must not depend on
-/// rounding.
+/// The relative difference below which squared distances are equal, so that rounding does not
+/// decide between two points.
 const ALIKE_FAR: f64 = 1e-9;
 
-/// A fit counts where it has residuals at this share of the vertices that have a quadric to their two-ring.
+/// A fit counts if it has residuals at this fraction of the vertices that have a quadric fitted to
+/// their two-ring.
 const ENOUGH: f64 = 0.5;
 
-/// A fit counts where its level is more than this share of that over two-rings. A smaller one says that most vertices
-/// lie on it exactly: on planes with few impulses that is so for one-rings, and no two-ring is without one.
+/// A fit counts if its level exceeds this fraction of the level over two-rings. Below, most
+/// vertices lie on the fit exactly: on planes with few impulses most one-rings contain no impulse,
+/// but every two-ring contains one.
 const EXACT: f64 = 1e-3;
 
-/// What [`noise_level`] finds.
+/// Result of [`noise_level`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -51,7 +54,7 @@ pub struct NoiseEstimate {
     pub sigma: f64,
     /// The ratio of the 90th percentile to the median of the residuals'
     /// absolute values, over that of a Gaussian: 1 for Gaussian noise, more
-    /// where a share of the vertices is moved further than the rest.
+    /// where some of the vertices are moved further than the rest.
     pub tail_ratio: f64,
     /// The ratio of the 10th percentile to the median of the residuals' absolute
     /// values, over that of a Gaussian: less than 1 where the level varies over the surface, or
@@ -59,18 +62,20 @@ pub struct NoiseEstimate {
     pub low_ratio: f64,
     /// The correlation of residuals across edges, from −1 to 1; residuals beyond three σ̂ count as
     /// three. Independent noise gives about −0.27, since each residual is in the fits of its
-    /// neighbours. Noise that is correlated over two edges gives about 0.05 more. Zero where `sigma` is.
+    /// neighbours. Noise that is correlated over two edges gives about 0.05 more. Zero where
+    /// `sigma` is.
     pub correlation: f64,
-    /// The level that the fits to two-rings find, over `sigma`: at least 1, 1 where `sigma` is zero, and close to it where the surface is
-    /// smooth over two rings and the noise is independent. More where creases and details are as dense as two-rings, or
-    /// the noise is correlated.
+    /// The level that the fits to two-rings find, over `sigma`: at least 1, 1 where `sigma` is
+    /// zero, and close to it where the surface is smooth over two rings and the noise is
+    /// independent. More where creases and details are as dense as two-rings, or the noise is
+    /// correlated.
     pub two_ring_ratio: f64,
     /// The number of vertices that the estimate is made from.
     pub samples: usize,
 }
 
 impl NoiseEstimate {
-    /// Whether the tails are those of impulsive noise: a tail ratio above 1.15.
+    /// Returns `true` if the tails are those of impulsive noise: a tail ratio above 1.15.
     pub fn is_impulsive(&self) -> bool {
         self.tail_ratio > IMPULSIVE_TAIL
     }
@@ -103,11 +108,13 @@ pub struct NoisyParts {
 /// σ̂ = 1.4826 · median |r| / √(1 + ℓ)
 /// ```
 ///
-/// This is done with three fits, and the least of the three is the result, since what a fit misses can only add to
-/// the noise: a quadric to the two-ring, a quadric to the ten vertices of it that are nearest (more where several are as far as the tenth), and
-/// a + bx + cy + d(x² + y²) to the one-ring. Nearer points see fewer creases and details, above all on stretched triangles.
-/// A level below a thousandth of that over two-rings does not count: most vertices lie on that fit exactly, and the noise is elsewhere.
-/// The other numbers of a [`NoiseEstimate`] are of the residuals over two-rings.
+/// This is done with three fits, and the least of the three is the result, since what a fit misses
+/// can only add to the noise: a quadric to the two-ring, a quadric to the ten vertices of it that
+/// are nearest (more where several are as far as the tenth), and a + bx + cy + d(x² + y²) to the
+/// one-ring. Nearer points see fewer creases and details, above all on stretched triangles. A level
+/// below a thousandth of that over two-rings does not count: most vertices lie on that fit exactly,
+/// and the noise is elsewhere. The other numbers of a [`NoiseEstimate`] are of the residuals over
+/// two-rings.
 ///
 /// The median is hardly changed by the vertices near creases. On Gaussian noise σ̂ is a
 /// few percent high; on a clean mesh it is what the fits miss, not zero.
@@ -185,8 +192,8 @@ pub fn noisy_parts(mesh: &TriMesh) -> Vec<NoisyParts> {
 /// The absolute values of the residuals of each fit.
 type Sizes = [Vec<f64>; FITS];
 
-/// The correlation across edges of the residuals over two-rings of the vertices that are `inside`; zero if there is
-/// none.
+/// The correlation across edges of the residuals over two-rings of the vertices that are `inside`;
+/// zero if there is none.
 fn correlation(
     mesh: &TriMesh,
     residuals: &[[Option<f64>; FITS]],
@@ -209,7 +216,7 @@ fn correlation(
     if squares > 0.0 { products / squares } else { 0.0 }
 }
 
-/// Which part has the largest `n σ̂²`; the first of equal ones.
+/// The part with the largest `n σ̂²`; the first of equal ones.
 fn most_noise(parts: &[(u32, Sizes, NoiseEstimate)]) -> Option<usize> {
     let amount = |i: usize| (parts[i].2.samples as f64).sqrt() * parts[i].2.sigma;
     (0..parts.len()).reduce(|best, i| if amount(i) > amount(best) { i } else { best })
@@ -247,7 +254,7 @@ fn median(sorted: &[f64]) -> Option<f64> {
 /// each of n neighbours of a vertex would have all the others.
 const HUB: usize = 256;
 
-/// What the fits of one vertex are made from, kept from one to the next.
+/// Buffers for the fits of one vertex, reused for the next.
 #[derive(Default)]
 struct Scratch {
     one_ring: Vec<u32>,
@@ -333,7 +340,8 @@ fn quadric_residual(points: &[[f64; 3]]) -> Option<f64> {
     })
 }
 
-/// The standardised residual at the origin from a + bx + cy + d(x² + y²) through the points, five at least.
+/// The standardised residual at the origin from a + bx + cy + d(x² + y²) through the points, five
+/// at least.
 fn round_residual(points: &[[f64; 3]]) -> Option<f64> {
     if points.len() < 5 {
         return None;
@@ -395,7 +403,8 @@ mod tests {
         }
     }
 
-    /// A pleated grid with a crease at every third row: two-rings always meet one, one-rings on the planes between do not.
+    /// A pleated grid with a crease at every third row: two-rings always meet one, one-rings on the
+    /// planes between do not.
     #[test]
     fn creases_within_two_rings_are_not_noise() {
         let mut rng = ChaCha8Rng::seed_from_u64(9);
@@ -412,8 +421,8 @@ mod tests {
         assert!(level.two_ring_ratio > 2.0, "{level:?}");
     }
 
-    /// Independent noise correlates as the fits make it; means over neighbours correlate more, and so do
-    /// waves that a quadric misses. A level that varies leaves more small residuals.
+    /// Independent noise correlates as the fits make it; means over neighbours correlate more, and
+    /// so do waves that a quadric misses. A level that varies leaves more small residuals.
     #[test]
     fn correlated_and_varying_noise_are_told() {
         let mut rng = ChaCha8Rng::seed_from_u64(5);

@@ -12,15 +12,15 @@ use super::faces::{FaceShapes, Hinge, Hinges, unit_or_zero};
 use super::oriented::on_oriented;
 use super::vertex_update::{VertexUpdate, update_vertices};
 
-/// How accurately the systems are solved. The solution of each is the first guess
-/// of the next, which begins by measuring the residual.
+/// The accuracy of the linear systems. The solution of each is the first guess of the next, which
+/// begins by measuring the residual.
 const ACCURACY: CgOptions = CgOptions { tolerance: 1e-5, max_iterations: 1000, measure: false };
 
 fairing_parameters::options! {
     /// Options of [`total_variation`].
     ///
-    /// A jump of one across an edge costs as much as an error of one over a strip beside it, as wide
-    /// as the weight.
+    /// A jump of one across an edge costs as much as an error of one over a strip beside it, as
+    /// wide as the weight.
     #[derive(Debug, Clone, Copy, PartialEq)]
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
@@ -195,8 +195,8 @@ mod tests {
 
     use super::*;
 
-    /// The weight of a jump is exp(−‖m − n‖⁴) for the normals m and n averaged over a face and those across its
-    /// sides, taken here from the topology.
+    /// The weight of a jump is exp(−‖m − n‖⁴) for the normals m and n averaged over a face and
+    /// those across its sides, taken here from the topology.
     #[test]
     fn creases_cost_less() {
         let mesh = shapes::cad_block(0.3);
@@ -220,8 +220,8 @@ mod tests {
         assert!(least < 0.9 * weight, "{least}");
     }
 
-    /// The matrix is that of Σ A x² + 2α Σ ℓ (x_f − x_g)² over the hinges, and the right-hand side of the jumps of a
-    /// field is the matrix times the field where the noisy normals are the field.
+    /// The matrix is that of Σ A x² + 2α Σ ℓ (x_f − x_g)² over the hinges, and the right-hand side
+    /// of the jumps of a field is the matrix times the field where the noisy normals are the field.
     #[test]
     fn the_matrix_is_that_of_the_jumps() {
         let plane = shapes::plane(4, 3, shapes::Diagonals::Alternating);

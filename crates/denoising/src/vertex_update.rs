@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::DenoiseError;
 use super::oriented::on_oriented;
 
-/// How [`update_vertices`] moves vertices.
+/// The rule by which [`update_vertices`] moves vertices.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
@@ -37,7 +37,7 @@ impl Default for VertexUpdate {
 /// x ← x + 1/|F| Σ n (n · (c − x))
 /// ```
 ///
-/// It is a step of gradient descent on Σ (n · edge)², with a step length that
+/// The update is a step of gradient descent on Σ (n · edge)², with a step length that
 /// never needs tuning; volume changes little. A move that would turn a face from
 /// agreeing with its normal (positive inner product) to opposing it is halved
 /// until it does not, up to three times, and then left out. Faces that oppose
@@ -73,7 +73,7 @@ pub fn update_vertices(
     })
 }
 
-/// What a step needs of a face.
+/// The data of a face in a step.
 #[derive(Clone, Copy)]
 struct Aim {
     normal: DVec3,

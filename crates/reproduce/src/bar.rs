@@ -18,7 +18,7 @@ pub(super) struct Bar {
     current: Mutex<Current>,
 }
 
-/// Where the current experiment begins on the bar, how long it is, and its title.
+/// The current experiment: its start and length on the bar, and its title.
 #[derive(Debug, Default)]
 struct Current {
     start: u64,
@@ -73,7 +73,7 @@ impl Progress for Bar {
         }
     }
 
-    /// Above the bar, or on standard error where there is none.
+    /// Prints a line above the bar, or on standard error if the bar is hidden.
     fn say(&self, line: &str) {
         if self.bar.is_hidden() {
             eprintln!("{line}");

@@ -21,9 +21,11 @@ pub struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Run the experiments and write the report: report.md, report.html, results.json, tables, figures, meshes
+    /// Run the experiments and write the report: report.md, report.html, results.json, tables,
+    /// figures, meshes
     Reproduce(Reproduce),
-    /// Write report.md and report.html of a report again, from its results.json and the files beside it
+    /// Write report.md and report.html of a report again, from its results.json and the files
+    /// beside it
     Report {
         /// The folder of the report
         #[arg(value_name = "DIR")]
@@ -42,10 +44,12 @@ struct Reproduce {
     /// Run these experiments only
     #[arg(long, value_name = "IDS", value_delimiter = ',')]
     only: Vec<String>,
-    /// Folder that holds the assignment's meshes, searched by file name; FAIRING_MESHES does the same. Without it, generated meshes take their place
+    /// Folder that holds the assignment's meshes, searched by file name; FAIRING_MESHES does the
+    /// same. Without it, generated meshes take their place
     #[arg(long, value_name = "DIR")]
     meshes: Option<PathBuf>,
-    /// Folder for the report, out/report by default; an earlier report there is replaced when the new one is complete
+    /// Folder for the report, out/report by default; an earlier report there is replaced when the
+    /// new one is complete
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Smaller sizes and fewer repetitions
@@ -57,10 +61,13 @@ struct Reproduce {
     /// List the experiments and do nothing else
     #[arg(long)]
     list: bool,
-    /// Run on the generated meshes and compare with the committed reference values, within each column's tolerance; times are not compared. Runs everything, and writes no report but to a folder given by --out
+    /// Run on the generated meshes and compare with the committed reference values, within each
+    /// column's tolerance; times are not compared. Runs everything, and writes no report but to a
+    /// folder given by --out
     #[arg(long, conflicts_with_all = ["meshes", "accept", "diff"])]
     check: bool,
-    /// Run on the generated meshes and make the results the reference values: those of a full run are the report in docs/report, those of a quick one are in docs/reference
+    /// Run on the generated meshes and make the results the reference values: those of a full run
+    /// are the report in docs/report, those of a quick one are in docs/reference
     #[arg(long, conflicts_with_all = ["meshes", "out", "only", "diff"])]
     accept: bool,
     /// Compare two results.json and do nothing else

@@ -1,5 +1,4 @@
-//! Where a report goes: it is put together beside its place and moved there when
-//! it is complete.
+//! The place of a report, which is assembled beside it and moved there when complete.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -13,7 +12,7 @@ use tempfile::TempDir;
 ///
 /// # Errors
 ///
-/// If `out` holds something other than a report, or a folder cannot be made.
+/// An `out` that holds something other than a report, or a folder that cannot be made.
 pub(super) fn beside(out: &Path) -> Result<TempDir> {
     check(out)?;
     let parent = out.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -36,13 +35,13 @@ fn check(out: &Path) -> Result<()> {
     Ok(())
 }
 
-/// How the folders begin in which reports are put together.
+/// The prefix of folders of unfinished reports.
 const UNFINISHED: &str = ".report-";
 
 /// A run that began longer ago than this is not running any more.
 const STALE: Duration = Duration::from_secs(6 * 3600);
 
-/// Removes what runs that were killed have left behind.
+/// Removes the folders that killed runs left behind.
 fn sweep(parent: &Path) -> Result<()> {
     for entry in fs::read_dir(parent).with_context(|| format!("reading {}", parent.display()))? {
         let entry = entry?;

@@ -11,7 +11,7 @@ use fairing_results::results::{Form, Results};
 use crate::bar::Bar;
 use crate::{place, reference};
 
-/// What to run, and where to put it.
+/// A run of experiments and the place of its report.
 #[derive(Debug, Clone)]
 pub struct Plan {
     /// The root of the repository.
@@ -20,15 +20,15 @@ pub struct Plan {
     pub only: Vec<String>,
     /// A folder that holds the assignment's meshes.
     pub meshes: Option<PathBuf>,
-    /// Where the report goes.
+    /// The folder of the report.
     pub out: PathBuf,
-    /// Where finished experiments are kept for the next run.
+    /// The folder in which finished experiments are kept for the next run.
     pub cache: PathBuf,
-    /// Whether to reduce sizes.
+    /// Reduces sizes and repetitions.
     pub quick: bool,
-    /// Whether to run what has been run before.
+    /// Runs again the experiments that are kept.
     pub fresh: bool,
-    /// What the report holds.
+    /// The form of the report.
     pub form: Form,
 }
 
@@ -47,12 +47,12 @@ impl Plan {
     }
 }
 
-/// Runs the plan and returns what was measured, failures included.
+/// Runs the plan, writes the report and returns the results, failures included.
 ///
 /// # Errors
 ///
-/// If an experiment is not known, an input is missing, or a file cannot be
-/// written. An experiment that fails is no error here: its record says so.
+/// An unknown experiment, a missing input, or a file that cannot be written. An experiment that
+/// fails is no error here: its record holds the error.
 pub fn reproduce(experiments: &[&dyn Experiment], plan: &Plan) -> Result<Results> {
     let out = place::followed(&plan.out)?;
     let work = place::beside(&out)?;

@@ -29,7 +29,7 @@ fn with_claims(readme: &str, results: &Results) -> Option<String> {
 ///
 /// # Errors
 ///
-/// If it cannot be read or written, or has no place for them.
+/// A README that cannot be read or written, or that has no place for the claims.
 pub(crate) fn update(root: &Path, results: &Results) -> Result<()> {
     let path = root.join("README.md");
     let old = fs::read_to_string(&path).context("reading README.md")?;

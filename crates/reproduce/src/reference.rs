@@ -28,7 +28,7 @@ pub fn path(root: &Path, quick: bool) -> PathBuf {
 ///
 /// # Errors
 ///
-/// If the file cannot be written.
+/// A file that cannot be written.
 pub fn accept(root: &Path, results: &Results) -> Result<()> {
     let path = path(root, results.provenance.quick);
     let experiments = results.experiments.iter().map(bare).collect();
@@ -38,18 +38,18 @@ pub fn accept(root: &Path, results: &Results) -> Result<()> {
         .with_context(|| format!("writing {}", path.display()))
 }
 
-/// What differs from the reference values.
+/// Returns the differences from the reference values.
 ///
 /// # Errors
 ///
-/// If there are none or they cannot be read.
+/// Reference values that are missing or cannot be read.
 pub fn check(root: &Path, results: &Results, partial: bool) -> Result<Vec<Difference>> {
     let reference = Results::read(&path(root, results.provenance.quick))?;
     Ok(differences(&reference, results, partial))
 }
 
-/// How long each experiment took when the reference values were made, in
-/// seconds; nothing if there are none.
+/// The time of each experiment when the reference values were made, in seconds; empty if there are
+/// no reference values.
 pub fn seconds(root: &Path, quick: bool) -> HashMap<String, f64> {
     let reference = Results::read(&path(root, quick)).ok();
     let records = reference.into_iter().flat_map(|r| r.experiments);

@@ -1,7 +1,7 @@
 //! An animal with limbs, in the place of scanned figures.
 
 use super::implicit::implicit;
-use super::made;
+use super::made::made;
 use fairing_mesh::TriMesh;
 use glam::DVec3;
 
@@ -50,7 +50,8 @@ const LIMBS: [Limb; 12] = [
 /// Unless 24 ≤ `resolution` ≤ 320: a coarser grid tears the thin parts.
 pub fn creature(resolution: u32) -> TriMesh {
     assert!((24..=320).contains(&resolution), "resolution {resolution} is not in [24, 320]");
-    // The thinnest limb has a radius of 0.03, which is enough for 48; thick soles need some room below.
+    // The thinnest limb has a radius of 0.03, which is enough for 48; thick soles need some room
+    // below.
     let (least, half) = match resolution {
         ..48 => (1.58 / f64::from(resolution), 1.1),
         _ => (0.0, 1.0),

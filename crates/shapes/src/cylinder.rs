@@ -3,10 +3,11 @@
 use std::f64::consts::TAU;
 
 use super::grid::{Diagonals, grid_faces};
-use super::{made, rings};
+use super::made::made;
+use super::rings;
 use fairing_mesh::TriMesh;
 
-/// Whether a cylinder has lids.
+/// The ends of a cylinder: open or with lids.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Ends {
     /// Flat lids: a closed body with two sharp rims.

@@ -98,7 +98,7 @@ impl Grid {
         self.before.push(std::mem::replace(&mut self.last[cell], point as u32));
     }
 
-    /// Whether no point is closer than `reach`.
+    /// Returns `true` if no point is closer than `reach`.
     fn is_clear(&self, points: &[[f64; 2]], p: [f64; 2], reach: f64) -> bool {
         let range = |x: f64| self.index(x - reach)..=self.index(x + reach);
         range(p[1]).all(|j| {

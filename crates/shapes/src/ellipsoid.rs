@@ -1,6 +1,7 @@
 //! Ellipsoids.
 
-use super::{icosphere, made};
+use super::icosphere::icosphere;
+use super::made::made;
 use fairing_mesh::TriMesh;
 
 /// The ellipsoid x²/a² + y²/b² + z²/c² = 1 for `axes` (a, b, c): the icosphere

@@ -6,7 +6,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::delaunay::{delaunay, scatter};
-use super::made;
+use super::made::made;
 use fairing_mesh::TriMesh;
 
 /// Four petals around a hollow: an open sheet with one boundary loop and very
@@ -18,11 +18,10 @@ use fairing_mesh::TriMesh;
 /// r = ρ (0.8 + l),    z = 0.7 ρ² − 0.75 ρ⁴ + ½ l,    l = 0.28 cos 4θ · ρ⁴ / (0.2 + ρ⁴)
 /// ```
 ///
-/// triangulated over points at random whose distances vary between about ½
-/// and 2 of `spacing`, shorter in some regions than in others. Faces turn counter-clockwise seen from +z.
-/// The border comes first, counter-clockwise, then the points inside in the
-/// order in which they were found. A spacing of 0.075 gives about 800
-/// vertices.
+/// triangulated over points at random whose distances vary between about ½ and 2 of `spacing`,
+/// shorter in some regions than in others. Faces turn counter-clockwise seen from +z. The border
+/// comes first, counter-clockwise, then the points inside in the order in which they were found. A
+/// spacing of 0.075 gives about 800 vertices.
 ///
 /// # Panics
 ///

@@ -1,6 +1,6 @@
 //! Faces of grids, open or joined at their ends.
 
-/// Which way the squares of a grid are cut into triangles.
+/// The diagonals by which the squares of a grid are cut into triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Diagonals {
     /// All parallel, along (1, 1): six faces at each inner vertex.

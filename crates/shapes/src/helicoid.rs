@@ -3,17 +3,17 @@
 use std::f64::consts::TAU;
 
 use super::grid::{Diagonals, grid_faces};
-use super::made;
+use super::made::made;
 use fairing_mesh::TriMesh;
 
-/// What makes a helicoid.
+/// Parameters of [`helicoid`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HelicoidOptions {
     /// The rise c, in mesh units per radian.
     pub rise: f64,
     /// The range of v, the distance from the axis (negative beyond it).
     pub radii: [f64; 2],
-    /// How many turns u makes, from 0 on.
+    /// The number of turns of u, from 0 on.
     pub turns: f64,
     /// Squares along v.
     pub across: u32,

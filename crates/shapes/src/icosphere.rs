@@ -1,6 +1,6 @@
 //! Subdivided icosahedra.
 
-use super::made;
+use super::made::made;
 use fairing_mesh::TriMesh;
 use fairing_mesh::subdivide_midpoint;
 use glam::DVec3;

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::made;
+use super::made::made;
 use fairing_mesh::TriMesh;
 use glam::DVec3;
 

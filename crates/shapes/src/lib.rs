@@ -33,6 +33,7 @@ mod helicoid;
 mod icosphere;
 pub mod implicit;
 mod jitter;
+mod made;
 mod moebius;
 mod octahedron;
 pub mod outline;
@@ -57,16 +58,6 @@ pub use octahedron::octahedron;
 pub use plane::{irregular_plane, jittered_plane, plane};
 pub use sphere::{bumpy_sphere, uv_sphere};
 pub use torus::torus;
-
-use fairing_mesh::TriMesh;
-
-/// A mesh from positions and faces that the parameters of a shape guarantee.
-fn made(positions: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> TriMesh {
-    match TriMesh::new(positions, faces) {
-        Ok(mesh) => mesh,
-        Err(error) => panic!("the parameters of a shape give no mesh: {error}"),
-    }
-}
 
 #[cfg(test)]
 mod tests;

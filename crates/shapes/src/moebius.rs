@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::grid::{Diagonals, grid_faces};
-use super::made;
+use super::made::made;
 use fairing_mesh::TriMesh;
 
 /// The Möbius band of half-width `w` around the unit circle,

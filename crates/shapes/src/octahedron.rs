@@ -2,12 +2,14 @@
 
 use fairing_mesh::TriMesh;
 
-use crate::made;
+use super::made::made;
 
-/// The regular octahedron with vertices at distance 1 along the axes: +x, −x, +y, −y, +z, −z, in this order.
+/// The regular octahedron with vertices at distance 1 along the axes: +x, −x, +y, −y, +z, −z, in
+/// this order.
 ///
-/// Four faces around the upper vertex, then four around the lower one. Its uniform Laplacian has the eigenvalues 0,
-/// −1 (three times) and −3/2 (twice), the least that a closed triangle mesh can have.
+/// Four faces around the upper vertex, then four around the lower one. Its uniform Laplacian has
+/// the eigenvalues 0, −1 (three times) and −3/2 (twice), the least that a closed triangle mesh can
+/// have.
 pub fn octahedron() -> TriMesh {
     let axis = |v: usize| {
         let mut p = [0.0; 3];

@@ -68,7 +68,7 @@ impl Piece {
         }
     }
 
-    /// Whether it is straight.
+    /// Returns `true` for a straight line.
     pub fn is_straight(self) -> bool {
         matches!(self, Self::Line { .. })
     }

@@ -42,7 +42,7 @@ pub fn fill_scattered(
 ) -> Patch {
     // Points thrown so that none is closer than r to another are 1.25 r apart
     // in the mean.
-    const SHARE: f64 = 0.8;
+    const FRACTION: f64 = 0.8;
     let mut region = Region::new(borders, 0.0);
     let [low, high] = region.bounds();
     let mut smallest = f64::INFINITY;
@@ -65,8 +65,8 @@ pub fn fill_scattered(
     };
     let square = [low[0].min(low[1]), high[0].max(high[1])];
     let mut points = region.points.clone();
-    let spacing = |p| SHARE * size(p);
-    scatter(&mut points, square, SHARE * smallest, spacing, inside, rng);
+    let spacing = |p| FRACTION * size(p);
+    scatter(&mut points, square, FRACTION * smallest, spacing, inside, rng);
     region.points = points;
     region.averaged(rounds)
 }
@@ -109,7 +109,7 @@ impl Region {
         crossings.count() % 2 == 1
     }
 
-    /// Whether the border is farther than this.
+    /// Returns `true` if the border is farther than `reach`.
     fn is_clear(&self, p: [f64; 2], reach: f64) -> bool {
         let bands = self.bands.index(p[1] - reach)..=self.bands.index(p[1] + reach);
         let near = self.bands.segments[bands].iter().flatten();
@@ -183,7 +183,7 @@ impl Bands {
     }
 }
 
-/// Whether the segment crosses the ray from `p` along +x.
+/// Returns `true` if the segment crosses the ray from `p` along +x.
 fn left_of_crossing(p: [f64; 2], [a, b]: [[f64; 2]; 2]) -> bool {
     (a[1] > p[1]) != (b[1] > p[1]) && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
 }

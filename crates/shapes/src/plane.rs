@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::delaunay::{delaunay, scatter};
 use super::grid::{Diagonals, grid_faces};
-use super::made;
+use super::made::made;
 use fairing_mesh::TriMesh;
 
 /// The unit square 0 ≤ x, y ≤ 1, z = 0, in `columns × rows` small rectangles
@@ -31,7 +31,7 @@ pub fn plane(columns: u32, rows: u32, diagonals: Diagonals) -> TriMesh {
     made(positions, grid_faces(columns, rows, diagonals, |i, j| j * (columns + 1) + i))
 }
 
-/// [`plane`] with regular diagonals and each vertex moved by a random share of
+/// [`plane`] with regular diagonals and each vertex moved by a random fraction of
 /// up to ±`amount` of the rectangle, in x and in y; border vertices slide
 /// along the border and corners stay.
 ///

@@ -25,7 +25,7 @@ pub(super) fn between(outer: &[u32], inner: &[u32]) -> Vec<[u32; 3]> {
 /// The faces of a disc whose border is `border`, counter-clockwise, filled
 /// with shrinking rings and a centre. New vertices are numbered from `first`
 /// on, ring after ring inwards, the centre last; they are returned in polar
-/// coordinates: radius as a share of the border's, angle as a share of a
+/// coordinates: radius as a fraction of the border's, angle as a fraction of a
 /// turn.
 pub(super) fn disc(border: &[u32], first: u32) -> (Vec<[f64; 2]>, Vec<[u32; 3]>) {
     let n = border.len();

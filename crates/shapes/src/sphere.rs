@@ -3,7 +3,8 @@
 use std::f64::consts::{PI, TAU};
 
 use super::grid::{Diagonals, grid_faces};
-use super::{icosphere, made};
+use super::icosphere::icosphere;
+use super::made::made;
 use fairing_mesh::TriMesh;
 
 /// The unit sphere in `around` meridians and `across` bands of latitude.

@@ -15,7 +15,7 @@ fn smallest_angle(mesh: &TriMesh) -> f64 {
     smallest.to_degrees()
 }
 
-/// What must hold of a shape: clean, connected, of this genus with this many
+/// Asserts that a shape is clean and connected, of this genus with this many
 /// boundary loops, every angle at least this many degrees; a closed body has
 /// positive volume.
 #[track_caller]

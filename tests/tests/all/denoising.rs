@@ -113,7 +113,7 @@ fn automatic_never_does_harm() {
             if let Some(volume) = drift(&result.mesh, &input).volume {
                 assert!(volume.abs() < 0.005, "{case}: volume {volume}");
             }
-            let shares: f64 = FaceKind::ALL.iter().map(|&k| result.share(k)).sum();
+            let shares: f64 = FaceKind::ALL.iter().map(|&k| result.fraction(k)).sum();
             assert!((shares - 1.0).abs() < 1e-12, "{case}: {shares}");
         }
     }

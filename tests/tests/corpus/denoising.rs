@@ -66,7 +66,7 @@ fn kinds(folder: &Path) -> Result<(), Failed> {
     ];
     for name in surfaces {
         let truth = io::read(folder.join(name))?.mesh;
-        let own = automatic(&truth)?.share(FaceKind::Creased);
+        let own = automatic(&truth)?.fraction(FaceKind::Creased);
         for share in [0.1, 0.5] {
             let level = NoiseLevel::EdgeLengths(share);
             let input = add_noise(&truth, NoiseKind::GaussianAlongNormals, level, 3)?;
@@ -74,7 +74,7 @@ fn kinds(folder: &Path) -> Result<(), Failed> {
             if result.kind == SurfaceKind::Clean {
                 return Err(format!("{name}, {share} h: no noise was found").into());
             }
-            let creased = result.share(FaceKind::Creased);
+            let creased = result.fraction(FaceKind::Creased);
             assert!((creased - own).abs() < 0.07, "{name}, {share} h: {creased}, truth {own}");
             let before = normal_error(&input, &truth)?.mean;
             let after = normal_error(&result.mesh, &truth)?.mean;

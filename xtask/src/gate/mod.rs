@@ -93,12 +93,12 @@ impl Log {
     }
 }
 
-/// Runs all steps, also after one has failed; whether none has. Ends with how
-/// long each took, the slowest tests, and what was skipped and why.
+/// Runs all steps, even after a failure; returns `true` if none failed. Prints the time of each
+/// step, the slowest tests, and the skipped tests with the reason.
 ///
 /// # Errors
 ///
-/// If cargo cannot be run or the tree cannot be read.
+/// Cargo that cannot be run, or a tree that cannot be read.
 pub(crate) fn run(root: &Path, whole_python: bool) -> Result<bool> {
     let mut log = Log::default();
     log.step("tidy", || tidy::run(root))?;
@@ -164,7 +164,7 @@ fn reproduces(root: &Path, options: &[&str]) -> Result<bool> {
     Ok(reproduce.status().context("running the experiments")?.success())
 }
 
-/// Tests that need what is not here.
+/// Tests that are skipped, with the reason.
 fn skipped(root: &Path) -> Vec<(&'static str, &'static str)> {
     let mut skipped = vec![];
     if !root.join(REFERENCE).is_file() {

@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 use anyhow::{Context as _, Result};
 use serde_json::Value;
 
-/// The test programs of the workspace, and how long each of their tests took.
+/// The test programs of the workspace, and the time of each test.
 #[derive(Default)]
 pub(super) struct Tests {
     programs: Vec<Program>,
@@ -25,7 +25,7 @@ struct Program {
 }
 
 impl Program {
-    /// The test program that a message of cargo tells of.
+    /// The test program in a message of cargo.
     fn new(root: &Path, message: &Value) -> Option<Self> {
         let text = |value: &Value| value.as_str().map(str::to_owned);
         if message["reason"] != "compiler-artifact" || message["profile"]["test"] != true {
@@ -41,7 +41,7 @@ impl Program {
 }
 
 impl Tests {
-    /// Compiles all tests of the workspace; whether that worked.
+    /// Compiles all tests of the workspace; returns `true` on success.
     pub(super) fn build(&mut self, root: &Path) -> Result<bool> {
         let arguments = ["test", "--workspace", "--all-targets", "--locked", "--no-run"];
         println!("== tests: cargo {}", arguments.join(" "));
@@ -58,7 +58,7 @@ impl Tests {
         Ok(child.wait()?.success())
     }
 
-    /// Runs every test program, also after one has failed; whether none has.
+    /// Runs every test program, even after a failure; returns `true` if none failed.
     pub(super) fn run(&mut self, root: &Path) -> Result<bool> {
         let mut passed = true;
         let times = root.join("target/test-times.txt");
@@ -97,7 +97,7 @@ impl Tests {
         Ok(passed)
     }
 
-    /// The tests that took longest, and how many seconds.
+    /// The slowest tests and their seconds.
     pub(super) fn slowest(&self, count: usize) -> &[(String, f64)] {
         &self.times[..count.min(self.times.len())]
     }

@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use fairing_mesh::TriMesh;
 
-use super::Build;
+use super::build::Build;
 use super::extrude::extrude;
 use super::revolve::{Ring, revolve};
 use super::solid::{Chart, Curve, Solid, joined, reversed};
@@ -32,7 +32,7 @@ pub(super) fn gear(build: Build) -> TriMesh {
     };
     let mut outer = vec![];
     for k in 0..teeth {
-        let a = |share: f64| step * (f64::from(k) + share);
+        let a = |fraction: f64| step * (f64::from(k) + fraction);
         outer.push(arc(root, a(0.0), a(0.36)));
         outer.push(Piece::Line { from: on(root, a(0.36)), to: on(1.0, a(0.5)) });
         outer.push(arc(1.0, a(0.5), a(0.86)));

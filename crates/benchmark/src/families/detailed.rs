@@ -5,8 +5,8 @@ use std::f64::consts::{PI, TAU};
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{distance, norm, scale};
 
-use super::Build;
-use super::bodies::{level_set, ring};
+use super::build::Build;
+use super::models::{level_set, ring};
 use super::sheets::bent;
 use fairing_shapes::outline::polygon;
 

@@ -6,11 +6,11 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, cross, dot, norm, scale, sub};
 
+use super::build::{Build, Proportions};
 use super::extrude::extrude_with;
 use super::polyhedron::{Polyhedron, meeting, polyhedron};
 use super::revolve::{Ring, revolve};
 use super::solid::{Chart, Curve, Solid, joined, reversed};
-use super::{Build, Proportions};
 use fairing_shapes::outline::{Piece, polygon};
 
 /// A roof along x, the lower roof of a wing that meets it in valleys, and a
@@ -22,8 +22,8 @@ pub(super) fn house(build: Build) -> TriMesh {
     let front = depth + random.between(0.35, 0.5);
     let (middle, half) = (random.between(-0.45, -0.25), random.between(0.28, 0.38));
     let (floor, eaves) = (-0.6, random.between(0.0, 0.2));
-    let share = random.between(0.6, 0.85);
-    let (ridge, low_ridge) = (eaves + slope * depth, eaves + share * slope * depth);
+    let fraction = random.between(0.6, 0.85);
+    let (ridge, low_ridge) = (eaves + slope * depth, eaves + fraction * slope * depth);
     let (left, right) = (middle - half, middle + half);
     let plan = [
         [-1.0, -depth],
@@ -39,7 +39,7 @@ pub(super) fn house(build: Build) -> TriMesh {
         [floor, eaves].iter().flat_map(|&z| plan.map(|[x, y]| [x, y, z])).collect();
     corners.extend([[-1.0, 0.0, ridge], [1.0, 0.0, ridge]]);
     // Where the roof of the wing is as high as the other, which it meets.
-    corners.extend([[middle, -front, low_ridge], [middle, (share - 1.0) * depth, low_ridge]]);
+    corners.extend([[middle, -front, low_ridge], [middle, (fraction - 1.0) * depth, low_ridge]]);
     let (at, wide, deep) =
         (random.between(0.45, 0.6), random.between(0.13, 0.18), random.between(0.15, 0.22));
     let (a, b, foot) = (at - wide, at + wide, ridge - slope * deep);
@@ -177,7 +177,7 @@ struct Ball {
     out: [f64; 3],
     centre: [f64; 3],
     radius: f64,
-    /// Whether the body is outside of it.
+    /// `true` if the model is outside of the ball.
     hollow: bool,
 }
 
@@ -223,7 +223,7 @@ fn away_from(n: [f64; 3]) -> [f64; 3] {
     axis
 }
 
-/// What five balls have in common, but for a sixth: a cube with spherical
+/// The intersection of five balls without a sixth one: a cube with spherical
 /// sides, one of them hollow.
 pub(super) fn cushion(build: Build) -> TriMesh {
     let mut random = build.proportions();
@@ -289,8 +289,8 @@ fn common_point(balls: [Ball; 3], corner: usize) -> [f64; 3] {
 fn common_arc([a, b]: [Ball; 2], [from, to]: [[f64; 3]; 2]) -> impl Fn(f64) -> [f64; 3] {
     let between = sub(b.centre, a.centre);
     let square = dot(between, between);
-    let share = 0.5 * (1.0 + (a.radius * a.radius - b.radius * b.radius) / square);
-    let middle = add(a.centre, scale(between, share));
+    let fraction = 0.5 * (1.0 + (a.radius * a.radius - b.radius * b.radius) / square);
+    let middle = add(a.centre, scale(between, fraction));
     let [u, v] = [from, to].map(|p| sub(p, middle));
     let angle = libm::atan2(norm(cross(u, v)), dot(u, v));
     move |t| {

@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use fairing_mesh::TriMesh;
 
-use super::Build;
-use super::bodies::{level_set, ring, soft_max};
+use super::build::Build;
+use super::models::{level_set, ring, soft_max};
 use super::revolve::revolve;
 use super::sheets::bent;
 use super::solid::Solid;
@@ -15,8 +15,8 @@ use fairing_shapes::outline::{Piece, circle};
 fn lobes([x, y]: [f64; 2], count: f64, turn: f64) -> f64 {
     const CORE: f64 = 0.2;
     let square = x * x + y * y;
-    let share = libm::pow(square / (square + CORE * CORE), 0.5 * count);
-    share * libm::cos(count * libm::atan2(y, x) + turn)
+    let fraction = libm::pow(square / (square + CORE * CORE), 0.5 * count);
+    fraction * libm::cos(count * libm::atan2(y, x) + turn)
 }
 
 /// From 0 up to 1 as t goes from 0 to 1, without a kink.

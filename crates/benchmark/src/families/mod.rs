@@ -1,10 +1,10 @@
-//! Families of bodies to test denoisers on: of every kind of surface, in
-//! every kind of triangulation, each from a seed and a number of faces.
+//! Families of models to test denoisers on: every kind of surface in every kind of triangulation,
+//! from a seed and a number of faces.
 //!
 //! The meshes are the truth: where a surface has a crease, the crease is a line
-//! of mesh edges, and vertices lie on the surface to rounding. A seed decides
-//! on the proportions of a body (how many teeth a gear has) as well as on what
-//! is random in its triangulation.
+//! of mesh edges, and vertices lie on the surface to rounding. The seed
+//! determines the proportions of a model (such as the number of teeth of a gear) and its
+//! triangulation.
 //!
 //! ```
 //! use fairing_benchmark::families::{Family, Triangulation};
@@ -15,16 +15,13 @@
 //! ```
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{cross, norm, scale};
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
-
-mod bodies;
+mod build;
 mod curved;
 mod detailed;
 mod extrude;
 mod fresh_creased;
 mod fresh_smooth;
+mod models;
 mod planar;
 mod polyhedron;
 mod random;
@@ -40,10 +37,13 @@ mod tests;
 mod tube;
 mod warp;
 
-pub use random::RandomBody;
+use build::{Build, sized};
+
+pub use build::Triangulation;
+pub use random::RandomModel;
 pub use warp::warped;
 
-/// What a family is like.
+/// The kind of surface of a family.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Kind {
     /// Planes that meet in creases.
@@ -77,107 +77,18 @@ impl Kind {
 
 fairing_parameters::named!(Kind, "kind of surface");
 
-/// How a surface is divided into triangles.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Triangulation {
-    /// Nearly equal triangles.
-    Regular,
-    /// Delaunay triangles of points at random.
-    Irregular,
-    /// Triangles stretched by about three, as exports of CAD programs have them.
-    Anisotropic,
-    /// Density that varies by ten over the body.
-    Graded,
-}
-
-impl Triangulation {
-    /// All of them.
-    pub const ALL: [Self; 4] = [Self::Regular, Self::Irregular, Self::Anisotropic, Self::Graded];
-
-    /// The name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Regular => "regular",
-            Self::Irregular => "irregular",
-            Self::Anisotropic => "anisotropic",
-            Self::Graded => "graded",
-        }
-    }
-}
-
-fairing_parameters::named!(Triangulation, "triangulation");
-
-/// The length of edges, relative to the mean, at a point of a body about two
-/// across: from 0.56 to 1.78.
-fn grading([x, y, z]: [f64; 3]) -> f64 {
-    libm::exp(0.576 * libm::sin(1.7 * (x + 0.6 * y + 0.4 * z) + 0.3))
-}
-
-/// What a family makes a mesh from.
-#[derive(Debug, Clone, Copy)]
-struct Build {
-    spacing: f64,
-    triangulation: Triangulation,
-    seed: u64,
-}
-
-impl Build {
-    /// The numbers that decide on proportions.
-    fn proportions(self) -> Proportions {
-        Proportions(ChaCha8Rng::seed_from_u64(self.seed))
-    }
-}
-
-/// Random proportions.
-struct Proportions(ChaCha8Rng);
-
-impl Proportions {
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        self.0.random_range(low..high)
-    }
-
-    fn count(&mut self, low: u32, high: u32) -> u32 {
-        self.0.random_range(low..=high)
-    }
-
-    /// A unit vector, all directions equally likely.
-    fn direction(&mut self) -> [f64; 3] {
-        let z = self.between(-1.0, 1.0);
-        let (s, c) = libm::sincos(self.between(0.0, std::f64::consts::TAU));
-        let r = (1.0 - z * z).sqrt();
-        [r * c, r * s, z]
-    }
-
-    /// Evenly in the logarithm; `low` if the interval is empty.
-    fn log_between(&mut self, low: f64, high: f64) -> f64 {
-        low * libm::pow((high / low).max(1.0), self.between(0.0, 1.0))
-    }
-
-    /// Three unit vectors at right angles.
-    fn axes(&mut self) -> [[f64; 3]; 3] {
-        loop {
-            let x = self.direction();
-            let y = cross(x, self.direction());
-            if norm(y) > 0.1 {
-                let y = scale(y, 1.0 / norm(y));
-                return [x, y, cross(x, y)];
-            }
-        }
-    }
-}
-
 /// The families, with their kind, name and generator.
 macro_rules! families {
     ($($(#[$doc:meta])* $family:ident $kind:ident $name:literal $make:path,)*) => {
-        /// A family of bodies, about two across.
+        /// A family of models, about two across.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
         pub enum Family {
             $($(#[$doc])* $family,)*
         }
 
         impl Family {
-            /// All families. Those of a kind are together, but for the ten last ones, which are
-            /// together in turn.
+            /// All families. Families of a kind are adjacent, apart from the last ten, which are
+            /// grouped by kind in turn.
             pub const ALL: &'static [Self] = &[$(Self::$family),*];
 
             /// The name in tables.
@@ -187,7 +98,7 @@ macro_rules! families {
                 }
             }
 
-            /// What its bodies are like.
+            /// The kind of surface.
             pub fn kind(self) -> Kind {
                 match self {
                     $(Self::$family => Kind::$kind,)*
@@ -277,9 +188,8 @@ families! {
 fairing_parameters::named!(Family, "family");
 
 impl Family {
-    /// A body with about this many faces (within a fifth, small ones being made of
-    /// few curves), oriented outwards or
-    /// upwards.
+    /// A model with about this many faces (within a fifth: small models consist of few curves),
+    /// oriented outwards or upwards.
     ///
     /// # Panics
     ///
@@ -287,37 +197,5 @@ impl Family {
     /// details.
     pub fn mesh(self, faces: usize, triangulation: Triangulation, seed: u64) -> TriMesh {
         sized(|build| self.make(build), faces, triangulation, seed)
-    }
-}
-
-/// What `make` makes with about this many faces.
-fn sized(
-    make: impl Fn(Build) -> TriMesh,
-    faces: usize,
-    triangulation: Triangulation,
-    seed: u64,
-) -> TriMesh {
-    assert!((2000..=100_000).contains(&faces), "{faces} faces are not in 2000..=100000");
-    let build = |spacing| make(Build { spacing, triangulation, seed });
-    // A coarse mesh shows how many faces there are to a spacing.
-    let coarse = 0.12;
-    let mut spacing = coarse * (build(coarse).face_count() as f64 / faces as f64).sqrt();
-    let mut mesh = build(spacing);
-    for _ in 0..3 {
-        let share = mesh.face_count() as f64 / faces as f64;
-        if (share - 1.0).abs() < 0.08 {
-            break;
-        }
-        spacing *= share.sqrt();
-        mesh = build(spacing);
-    }
-    mesh
-}
-
-/// A mesh from positions and faces that the construction of a model guarantees.
-fn made(positions: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> TriMesh {
-    match TriMesh::new(positions, faces) {
-        Ok(mesh) => mesh,
-        Err(error) => panic!("a family gives no mesh: {error}"),
     }
 }

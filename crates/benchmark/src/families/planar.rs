@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, dot, scale};
 
-use super::Build;
+use super::build::Build;
 use super::extrude::extrude;
 use super::polyhedron::{Polyhedron, convex, polyhedron};
 use super::solid::Solid;

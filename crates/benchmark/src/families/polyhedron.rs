@@ -84,7 +84,7 @@ pub(super) fn convex(planes: &[([f64; 3], f64)], least: f64) -> Option<Polyhedro
     Some(Polyhedron { corners, faces })
 }
 
-/// Where three planes meet; `None` if they are nearly dependent.
+/// The intersection of three planes; `None` if they are nearly dependent.
 pub(super) fn meeting([(a, d), (b, e), (c, f)]: [([f64; 3], f64); 3]) -> Option<[f64; 3]> {
     let determinant = dot(a, cross(b, c));
     if determinant.abs() < 1e-6 {

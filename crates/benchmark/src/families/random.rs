@@ -1,22 +1,22 @@
-//! Bodies at random, of no family: what a learner sees beside the families.
+//! Random models of no family, for training.
 
 use std::f64::consts::TAU;
 
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::scale;
 
+use super::build::{Build, Proportions, Triangulation, sized};
 use super::polyhedron::{Polyhedron, polyhedron};
 use super::random_smooth;
 use super::sheets::bent;
 use super::solid::Solid;
-use super::{Build, Proportions, Triangulation, sized};
 use fairing_shapes::icosphere;
 use fairing_shapes::outline::polygon;
 
-/// A kind of body that only its seed decides on. Families are like parts that people make; these
-/// are like nothing in particular.
+/// A kind of random model. Families resemble parts that people make; random models resemble
+/// nothing in particular.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum RandomBody {
+pub enum RandomModel {
     /// A terrain of plane triangles at random slopes: creases of all angles, convex and concave,
     /// that meet in corners. It has a border.
     Facets,
@@ -32,11 +32,12 @@ pub enum RandomBody {
     Sponge,
     /// Boxes, balls, cylinders and rings, added and taken away, with rounded creases.
     Blend,
-    /// A plate with raised or sunken blots and winding ridges of one width, on a part of it. It has a border.
+    /// A plate with raised or sunken blots and winding ridges of one width, on a part of it. It has
+    /// a border.
     Labyrinth,
 }
 
-impl RandomBody {
+impl RandomModel {
     /// All kinds.
     pub const ALL: [Self; 8] = [
         Self::Facets,
@@ -63,7 +64,7 @@ impl RandomBody {
         }
     }
 
-    /// A body with about this many faces, oriented outwards or upwards.
+    /// A model with about this many faces, oriented outwards or upwards.
     ///
     /// # Panics
     ///
@@ -83,7 +84,7 @@ impl RandomBody {
     }
 }
 
-fairing_parameters::named!(RandomBody, "kind of random body");
+fairing_parameters::named!(RandomModel, "kind of random model");
 
 fn facets(build: Build) -> TriMesh {
     let mut random = build.proportions();
@@ -137,8 +138,8 @@ fn swell(build: Build) -> TriMesh {
     bent(build, &[polygon(&[[-a, -b], [a, -b], [a, b], [-a, b]])], map)
 }
 
-/// Waves of one length and all directions cross zero along winding lines. Cut off below and above, they are blots, pits
-/// or ridges with flanks of any slope.
+/// Waves of one length and all directions cross zero along winding lines. Cut off below and above,
+/// they are blots, pits or ridges with flanks of any slope.
 fn labyrinth(build: Build) -> TriMesh {
     const WAVES: usize = 5;
     let mut random = build.proportions();
@@ -263,7 +264,8 @@ fn stepped(build: Build, [xs, ys]: [&[f64]; 2], height: impl Fn(usize, usize) ->
             faces.push(vec![at(0, 0), at(1, 0), at(1, 1), at(0, 1)]);
         }
     }
-    // A wall stands on the line from node `a` to node `b`, with a cell on its left and one on its right.
+    // A wall stands on the line from node `a` to node `b`, with a cell on its left and one on its
+    // right.
     let mut wall = |a: [usize; 2], b: [usize; 2], left: f64, right: f64| {
         if left == right {
             return;

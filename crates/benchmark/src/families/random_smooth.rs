@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, cross, distance, dot, norm, scale, sub};
 
-use super::bodies::{level_set, ring, soft_max};
-use super::{Build, Proportions};
+use super::build::{Build, Proportions};
+use super::models::{level_set, ring, soft_max};
 
 /// Points of a curve that are looked at for its bends.
 const POINTS: usize = 256;

@@ -2,9 +2,9 @@
 
 use fairing_mesh::TriMesh;
 
-use super::Build;
+use super::build::Build;
+use super::build::made;
 use super::extrude::extrude;
-use super::made;
 use super::solid::{Chart, Curve, Solid, joined};
 use fairing_shapes::outline::{Piece, circle, polygon, rounded};
 

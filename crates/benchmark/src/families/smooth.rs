@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{add, distance, scale};
 
-use super::Build;
-use super::bodies::{level_set, ring, soft_max};
+use super::build::Build;
+use super::models::{level_set, ring, soft_max};
 use super::sheets::bent;
 use super::tube::Tube;
 use fairing_shapes::outline::{circle, polygon};

@@ -5,15 +5,15 @@ use fairing_mesh::vec3::{cross, distance, dot, norm, scale, sub};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::Triangulation;
-use super::made;
+use super::build::Triangulation;
+use super::build::made;
 use fairing_shapes::outline::Piece;
 use fairing_shapes::patch::{Patch, fill, fill_scattered};
 
 /// The longer side over the shorter of stretched triangles.
 const ASPECT: f64 = 3.0;
 
-/// How much longer than elsewhere the edges along straight lines are where
+/// The factor on the length of edges along straight lines where
 /// triangles are stretched.
 const ALONG_LINES: f64 = 2.0;
 
@@ -25,7 +25,7 @@ pub(super) struct Solid {
     rng: ChaCha8Rng,
     positions: Vec<[f64; 3]>,
     faces: Vec<[u32; 3]>,
-    /// How much longer lengths become in the end, if the body is then bent.
+    /// The factor on lengths if the model is bent afterwards.
     stretch: Option<Stretch>,
 }
 
@@ -38,10 +38,10 @@ pub(super) type Curve = Vec<u32>;
 /// A face of a body, laid out in the plane so that counter-clockwise there is
 /// counter-clockwise seen from outside.
 pub(super) struct Chart<'a> {
-    /// Where a point of the border lies.
+    /// The position of a point of the border.
     pub(super) to_plane: Box<dyn Fn([f64; 3]) -> [f64; 2] + 'a>,
     pub(super) to_space: Box<dyn Fn([f64; 2]) -> [f64; 3] + 'a>,
-    /// Whether lengths are those in space.
+    /// `true` if lengths in the chart are lengths in space.
     pub(super) isometric: bool,
 }
 
@@ -84,14 +84,17 @@ pub(super) fn joined(curves: &[&[u32]]) -> Curve {
 
 impl Solid {
     /// An empty solid, whose edges are to be about `spacing` long.
-    pub(super) fn new(build: super::Build) -> Self {
-        let super::Build { spacing, triangulation, seed, .. } = build;
+    pub(super) fn new(build: super::build::Build) -> Self {
+        let super::build::Build { spacing, triangulation, seed, .. } = build;
         let rng = ChaCha8Rng::seed_from_u64(seed);
         Self { spacing, triangulation, rng, positions: vec![], faces: vec![], stretch: None }
     }
 
     /// The same, for a sheet that is built in the plane z = 0 and then bent by `map`.
-    pub(super) fn flat(build: super::Build, map: impl Fn([f64; 2]) -> [f64; 3] + 'static) -> Self {
+    pub(super) fn flat(
+        build: super::build::Build,
+        map: impl Fn([f64; 2]) -> [f64; 3] + 'static,
+    ) -> Self {
         let stretch = move |[x, y, _]: [f64; 3]| {
             const STEP: f64 = 1e-4;
             let p = map([x, y]);
@@ -120,7 +123,7 @@ impl Solid {
     /// The length of edges near a point.
     fn size(&self, p: [f64; 3]) -> f64 {
         let size = match self.triangulation {
-            Triangulation::Graded => self.spacing * super::grading(p),
+            Triangulation::Graded => self.spacing * super::build::grading(p),
             _ => self.spacing,
         };
         self.stretch.as_ref().map_or(size, |stretch| size / stretch(p))
@@ -176,8 +179,8 @@ impl Solid {
             while counts[k + 1] < wanted {
                 k += 1;
             }
-            let share = (wanted - counts[k]) / (counts[k + 1] - counts[k]);
-            let p = at((k as f64 + share) / PARTS as f64);
+            let fraction = (wanted - counts[k]) / (counts[k + 1] - counts[k]);
+            let p = at((k as f64 + fraction) / PARTS as f64);
             curve.push(self.corner(p));
         }
         curve.push(to);

@@ -1,4 +1,4 @@
-//! What holds of every family.
+//! Properties of every family.
 
 use fairing_mesh::Diagnosis;
 use fairing_mesh::vec3::{cross, dot, norm, sub};
@@ -68,7 +68,7 @@ fn fresh_ones_are_clean_in_every_triangulation() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// What is wrong with a body.
+/// The defects of a model.
 fn wrong(family: Family, triangulation: Triangulation, seed: u64) -> Vec<String> {
     let name = format!("{family} {triangulation} {seed}");
     let mesh = family.mesh(2000, triangulation, seed);
@@ -129,18 +129,18 @@ fn what_cannot_be_warped_is_stretched_or_an_error() {
 /// size that was asked for, the right way out.
 #[test]
 fn random_bodies_are_clean() {
-    let jobs: Vec<(RandomBody, u64)> =
-        RandomBody::ALL.iter().flat_map(|&b| (0..8).map(move |k| (b, k))).collect();
+    let jobs: Vec<(RandomModel, u64)> =
+        RandomModel::ALL.iter().flat_map(|&b| (0..8).map(move |k| (b, k))).collect();
     let wrong: Vec<String> = (jobs.into_par_iter())
         .filter_map(|(body, seed)| {
             let mesh = body.mesh(2500, Triangulation::ALL[seed as usize % 4], seed);
             let d = Diagnosis::new(&mesh);
             let open = matches!(
                 body,
-                RandomBody::Facets
-                    | RandomBody::Swell
-                    | RandomBody::Terraces
-                    | RandomBody::Labyrinth
+                RandomModel::Facets
+                    | RandomModel::Swell
+                    | RandomModel::Terraces
+                    | RandomModel::Labyrinth
             );
             let good = d.degenerate_faces.count == 0
                 && d.manifold
@@ -157,7 +157,7 @@ fn random_bodies_are_clean() {
 #[test]
 fn terraces_are_right_angled() {
     for seed in 0..6 {
-        let mesh = RandomBody::Terraces.mesh(3000, Triangulation::ALL[seed as usize % 4], seed);
+        let mesh = RandomModel::Terraces.mesh(3000, Triangulation::ALL[seed as usize % 4], seed);
         for f in 0..mesh.face_count() {
             let n = fairing_mesh::vec3::normalize(mesh.area_vector(f)).unwrap();
             let most = n.iter().fold(0.0f64, |m, x| m.max(x.abs()));
@@ -170,7 +170,7 @@ fn terraces_are_right_angled() {
 #[test]
 fn facets_are_planes() {
     for seed in 0..4 {
-        let mesh = RandomBody::Facets.mesh(3000, Triangulation::ALL[seed as usize], seed);
+        let mesh = RandomModel::Facets.mesh(3000, Triangulation::ALL[seed as usize], seed);
         assert!((2400..3600).contains(&mesh.face_count()), "{seed}: {}", mesh.face_count());
         let mut normals: Vec<[i64; 3]> = (0..mesh.face_count())
             .map(|f| {

@@ -19,7 +19,7 @@ impl<F: Fn(f64) -> [f64; 3]> Tube<F> {
         (0..PARTS).map(|i| distance(at(i), at(i + 1))).sum()
     }
 
-    /// The point at a share `u` of the curve's parameter and `v` of a turn
+    /// The point at the fraction `u` of the curve's parameter and `v` of a turn
     /// around it, clockwise from its normal seen along it, so that u to the right and v
     /// upwards turn counter-clockwise seen from outside.
     pub(super) fn at(&self, u: f64, v: f64, radius: f64) -> [f64; 3] {

@@ -1,4 +1,4 @@
-//! Bodies stretched and sheared.
+//! Stretched and sheared models.
 
 use std::f64::consts::TAU;
 
@@ -7,18 +7,18 @@ use fairing_mesh::{BuildError, TriMesh};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use super::Proportions;
+use super::build::Proportions;
 
 /// The largest factor of a stretch; its inverse is the least.
 const STRETCH: f64 = 2.0;
 
-/// The share of meshes that get a relief.
+/// The fraction of meshes that get a relief.
 const RELIEF: f64 = 1.0 / 3.0;
 
 /// The mesh, stretched along three directions at random and sheared a few times along waves, and
 /// in a third of all cases also along the plateaus and valleys of a random relief with flanks a few
 /// edges wide. No shear folds space over. The faces stay, so that creases are lines of edges as
-/// before; planes become curved, curved faces flatter or rounder, and each body gets details
+/// before; planes become curved, curved faces flatter or rounder, and each model gets details
 /// that its family does not have. A mesh whose edges have no length is only stretched.
 ///
 /// # Errors

@@ -6,7 +6,8 @@ use std::path::PathBuf;
 use anyhow::{Context as _, Result};
 use fairing_mesh::{TriMesh, io};
 
-use super::{Fingerprint, Job, Stopwatch, Task, Work, fingerprint};
+use super::stopwatch::Stopwatch;
+use super::task::{Fingerprint, Job, Task, Work, fingerprint};
 
 /// Reads a file into positions and faces; the page cache is warm.
 pub(super) struct Load {
@@ -60,7 +61,7 @@ impl Task for SavePly {
 
     fn prepare(&self, job: &Job) -> Result<Box<dyn Work>> {
         let mesh = io::read(&job.input)?.mesh;
-        let path = job.out.clone().context("where to? say --out FILE")?;
+        let path = job.out.clone().context("missing output file: --out FILE")?;
         Ok(Box::new(Saving { mesh, path }))
     }
 }

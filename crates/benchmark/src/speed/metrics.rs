@@ -4,7 +4,8 @@ use anyhow::{Context as _, Result};
 use fairing_evaluation::{NormalAngles, SurfaceDistance, normal_error, surface_distance};
 use fairing_mesh::{TriMesh, io};
 
-use super::{Fingerprint, Job, Stopwatch, Task, Work, fingerprint, forgetful};
+use super::stopwatch::Stopwatch;
+use super::task::{Fingerprint, Job, Task, Work, fingerprint, forgetful};
 
 /// Distances between vertices and surfaces both ways, and the angles between
 /// matching faces; the trees are built again each time.
@@ -20,7 +21,7 @@ impl Task for Metrics {
     }
 
     fn prepare(&self, job: &Job) -> Result<Box<dyn Work>> {
-        let path = job.reference.as_ref().context("against what? say --reference FILE")?;
+        let path = job.reference.as_ref().context("missing reference mesh: --reference FILE")?;
         let (mesh, reference) = (io::read(&job.input)?.mesh, io::read(path)?.mesh);
         Ok(Box::new(Comparing { mesh, reference, found: None }))
     }

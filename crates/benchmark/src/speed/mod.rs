@@ -6,93 +6,17 @@ mod operators;
 mod smoothing;
 mod spectra;
 mod stopwatch;
-
-use std::path::PathBuf;
+mod task;
 
 use anyhow::{Context as _, Result};
-use fairing_mesh::TriMesh;
-use serde_json::{Map, Value, json};
-
-pub(crate) use stopwatch::Stopwatch;
+use serde_json::{Value, json};
 
 use crate::cli::Bench;
-
-/// A task to be timed.
-pub(crate) trait Task: Sync {
-    /// Its name on the command line.
-    fn name(&self) -> &'static str;
-
-    /// What it does, in a line.
-    fn about(&self) -> &'static str;
-
-    /// Reads what it needs (not timed) and returns the work.
-    ///
-    /// # Errors
-    ///
-    /// If an input cannot be read.
-    fn prepare(&self, job: &Job) -> Result<Box<dyn Work>>;
-}
-
-/// The work of a task, ready to be repeated.
-pub(crate) trait Work {
-    /// Does it once; every phase runs through the stopwatch.
-    ///
-    /// # Errors
-    ///
-    /// Any failure of the work.
-    fn run(&mut self, watch: &mut Stopwatch) -> Result<()>;
-
-    /// Numbers by which the last result can be compared with that of others.
-    ///
-    /// # Errors
-    ///
-    /// If the result cannot be read back.
-    fn fingerprint(&mut self) -> Result<Fingerprint>;
-}
-
-/// A mesh that remembers nothing: what follows from its faces must be found again.
-fn forgetful(mesh: &TriMesh, watch: &mut Stopwatch) -> Result<TriMesh> {
-    let copy = || TriMesh::new(mesh.positions().to_vec(), mesh.faces().to_vec());
-    Ok(watch.phase("prepare", copy)?)
-}
-
-/// Names and numbers.
-pub(crate) type Fingerprint = Map<String, Value>;
-
-/// Makes a fingerprint of names and numbers.
-macro_rules! fingerprint {
-    ($($name:ident: $value:expr),* $(,)?) => {{
-        let mut map = serde_json::Map::new();
-        $(map.insert(stringify!($name).into(), serde_json::json!($value));)*
-        map
-    }};
-}
-
-use fingerprint;
-
-/// The files and numbers of a task.
-#[derive(Debug, Clone)]
-pub(crate) struct Job {
-    /// The mesh.
-    pub(crate) input: PathBuf,
-    /// Where to write the result, if the task writes one.
-    pub(crate) out: Option<PathBuf>,
-    /// The mesh without noise, for metrics.
-    pub(crate) reference: Option<PathBuf>,
-    /// The name of a curvature estimator.
-    pub(crate) estimator: String,
-    /// How many eigenpairs.
-    pub(crate) k: usize,
-    /// The step.
-    pub(crate) lambda: f64,
-    /// The second, negative step of Taubin's method.
-    pub(crate) mu: f64,
-    /// How many steps.
-    pub(crate) iterations: usize,
-}
+use stopwatch::Stopwatch;
+use task::{Job, Task};
 
 /// The tasks.
-pub(crate) const ALL: &[&dyn Task] = &[
+const ALL: &[&dyn Task] = &[
     &files::Load { name: "load_obj", about: "OBJ file to positions and faces" },
     &files::Load { name: "load_ply", about: "PLY file to positions and faces" },
     &files::SavePly,
@@ -170,8 +94,8 @@ pub(crate) fn run(options: Bench) -> Result<()> {
 ///
 /// # Errors
 ///
-/// If there is no such task, or it fails.
-pub(crate) fn measure(name: &str, job: &Job, repeat: usize) -> Result<Value> {
+/// An unknown task, or a failure of the task.
+fn measure(name: &str, job: &Job, repeat: usize) -> Result<Value> {
     let task = ALL.iter().find(|t| t.name() == name).with_context(|| {
         let names: Vec<_> = ALL.iter().map(|t| t.name()).collect();
         format!("there is no task {name}; there are {}", names.join(", "))

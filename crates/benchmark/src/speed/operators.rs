@@ -10,7 +10,8 @@ use fairing_operators::curvature::{
 };
 use fairing_operators::{LumpedArea, SparseMatrix, cotan_stiffness, lumped_mass};
 
-use super::{Fingerprint, Job, Stopwatch, Task, Work, fingerprint, forgetful};
+use super::stopwatch::Stopwatch;
+use super::task::{Fingerprint, Job, Task, Work, fingerprint, forgetful};
 
 /// The cotangent stiffness and the lumped barycentric mass.
 pub(super) struct Laplacian;

@@ -7,7 +7,8 @@ use fairing_mesh::vec3::{dot, sub};
 use fairing_mesh::{TriMesh, io};
 use fairing_smoothing::{Diffusion, Explicit, Implicit, Method, Stability, Taubin};
 
-use super::{Fingerprint, Job, Stopwatch, Task, Work, fingerprint, forgetful};
+use super::stopwatch::Stopwatch;
+use super::task::{Fingerprint, Job, Task, Work, fingerprint, forgetful};
 
 /// A flow over the mesh of the job.
 pub(super) struct Flow {

@@ -8,7 +8,8 @@ use fairing_sparse::{
     smallest_eigenpairs,
 };
 
-use super::{Fingerprint, Job, Stopwatch, Task, Work, fingerprint, forgetful};
+use super::stopwatch::Stopwatch;
+use super::task::{Fingerprint, Job, Task, Work, fingerprint, forgetful};
 
 /// The tolerance of the comparison.
 const TOLERANCE: f64 = 1e-8;

@@ -28,7 +28,8 @@ pub(super) fn chunk_gradient(
     pulp::Arch::new().dispatch(Descent { network, lessons, chunk, weights })
 }
 
-/// A call of [`chunk_gradient`], with the widest vectors of the processor and the same bits on all of them.
+/// A call of [`chunk_gradient`], with the widest vectors of the processor and the same bits on all
+/// of them.
 struct Descent<'a> {
     network: &'a Network,
     lessons: &'a [Lesson],

@@ -23,7 +23,7 @@ pub struct TrainingPair {
     pub truth: TriMesh,
 }
 
-/// How long to train.
+/// Length of a training.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrainingOptions {
     /// Stages in a row.
@@ -47,8 +47,8 @@ impl Default for TrainingOptions {
 
 /// Trains the stages of [`automatic`](fairing_denoising::automatic) and returns the bytes of
 /// their file. The loss is the mean over the pairs of the logarithm of the mean
-/// chord between the regressed and the true normal. `say` is told how far the
-/// training is. The result has the same bits for any number of threads.
+/// chord between the regressed and the true normal. `say` receives a line after
+/// each pass. The result has the same bits for any number of threads.
 ///
 /// Pairs without a noise level are left out.
 ///

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::TrainingPair;
 use crate::cases::{Set, set_of};
-use crate::families::{Family, RandomBody, Triangulation, warped};
+use crate::families::{Family, RandomModel, Triangulation, warped};
 
 /// The kinds of noise, and the largest level of each.
 const NOISE: [(NoiseKind, f64); 10] = [
@@ -25,48 +25,51 @@ const NOISE: [(NoiseKind, f64); 10] = [
     (NoiseKind::Correlated { reach: 3.0 }, 0.3),
 ];
 
-/// The share of bodies that are warped.
+/// The fraction of models that are warped.
 const WARPED: f64 = 0.5;
 
-/// Seeds that no case of the test bed has.
+/// Seeds from here on belong to no case of the benchmark.
 const SEEDS: u64 = 1_000_000;
 
-/// Bodies of the families of the development set, bodies at random, and shapes that are in
-/// no set, with noise.
-pub fn training_pairs(bodies: u64) -> Result<Vec<TrainingPair>> {
+/// Noisy models of the families of the development set, random models, and shapes of no set.
+///
+/// # Errors
+///
+/// None for the built-in shapes and noise.
+pub fn training_pairs(models: u64) -> Result<Vec<TrainingPair>> {
     let families = Family::ALL.iter().copied().filter(|f| set_of(*f) == Set::Development);
-    let mut jobs: Vec<(Body, u64)> = vec![];
+    let mut jobs: Vec<(Source, u64)> = vec![];
     for (i, family) in families.enumerate() {
-        for k in 0..bodies {
+        for k in 0..models {
             let seed = SEEDS + 1000 * i as u64 + k;
-            jobs.push((Body::Family(family), seed));
+            jobs.push((Source::Family(family), seed));
         }
     }
     for shape in 0..SHAPES {
-        for k in 0..bodies / 2 {
-            jobs.push((Body::Shape(shape), SEEDS + 1000 * (50 + shape as u64) + k));
+        for k in 0..models / 2 {
+            jobs.push((Source::Shape(shape), SEEDS + 1000 * (50 + shape as u64) + k));
         }
     }
-    for (i, &body) in RandomBody::ALL.iter().enumerate() {
-        for k in 0..bodies * 3 / 2 {
-            jobs.push((Body::Random(body), SEEDS + 100_000 * (i as u64 + 1) + k));
+    for (i, &model) in RandomModel::ALL.iter().enumerate() {
+        for k in 0..models * 3 / 2 {
+            jobs.push((Source::Random(model), SEEDS + 100_000 * (i as u64 + 1) + k));
         }
     }
-    jobs.into_par_iter().map(|(body, seed)| body.pair(seed)).collect()
+    jobs.into_par_iter().map(|(source, seed)| source.pair(seed)).collect()
 }
 
-/// What a pair is made of.
+/// The origin of the model of a pair.
 #[derive(Clone, Copy)]
-enum Body {
+enum Source {
     Family(Family),
-    Random(RandomBody),
+    Random(RandomModel),
     Shape(usize),
 }
 
 /// The number of shapes outside of the families.
 const SHAPES: usize = 6;
 
-impl Body {
+impl Source {
     fn pair(self, seed: u64) -> Result<TrainingPair> {
         let draw = |salt: u64| unit(seed.wrapping_mul(31).wrapping_add(salt));
         let triangulation = Triangulation::ALL[(seed % 4) as usize];
@@ -81,7 +84,7 @@ impl Body {
         let faces = [2200, 3000, 4000, 9000, 16_000][(5.0 * draw(2)) as usize];
         let truth = match self {
             Self::Family(family) => family.mesh(faces, triangulation, seed),
-            Self::Random(body) => body.mesh(faces, triangulation, seed),
+            Self::Random(model) => model.mesh(faces, triangulation, seed),
             Self::Shape(k) => shape(k, [draw(2), draw(4)], seed),
         };
         let truth = if draw(3) < WARPED { warped(&truth, seed)? } else { truth };

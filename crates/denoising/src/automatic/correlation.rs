@@ -28,9 +28,9 @@ fn displacements(state: &State<'_>) -> Vec<f64> {
         .collect()
 }
 
-/// The sum of the correlations of the displacement of a vertex with those of all vertices up to two edges
-/// away, itself included (beyond a vertex with many neighbours none); at least one. The variance of a mean over many vertices is so many times that
-/// of independent noise.
+/// The sum of the correlations of the displacement of a vertex with those of all vertices up to two
+/// edges away, itself included (beyond a vertex with many neighbours none); at least one. The
+/// variance of a mean over many vertices is so many times that of independent noise.
 fn correlation_sum(mesh: &TriMesh, offsets: &[f64]) -> f64 {
     let topology = mesh.topology();
     let terms: Vec<[f64; 2]> = (0..offsets.len() as u32)
@@ -62,8 +62,8 @@ mod tests {
 
     use super::*;
 
-    /// Independent displacements count one by one, apart from chance; means of them over two rings count
-    /// as the number of vertices of about such a mean.
+    /// Independent displacements count one by one, apart from chance; means of them over two rings
+    /// count as the number of vertices of about such a mean.
     #[test]
     fn correlated_displacements_are_told_by_their_sums() {
         let mesh = shapes::plane(60, 60, shapes::Diagonals::Alternating);

@@ -1,4 +1,5 @@
-//! What the network sees of a face.
+//! The inputs of the networks: candidates for the normal of a face, and numbers that describe its
+//! surroundings.
 
 use fairing_mesh::vec3::{add, cross, distance, dot, norm, scale, sub};
 use pulp::NullaryFnOnce;
@@ -30,7 +31,7 @@ const MEANS: usize = RADII.len() * RANGES;
 /// The range of each mean over a wide region.
 pub(super) const WIDE_RANGES: [usize; WIDE] = [0, 1, 0, 1, 0, 1];
 
-/// How many means over wide regions there are.
+/// The number of means over wide regions.
 pub(super) const WIDE: usize = 6;
 
 /// Means of noisy and of present normals, planes and quadrics, wide means, and six single
@@ -117,8 +118,7 @@ impl<'a> Gatherer<'a> {
         Self { state, wide, marks: Marks::new(state.normals.len()), queue: vec![] }
     }
 
-    /// What the network sees of face `f`; `None` for a face without a present
-    /// normal.
+    /// The inputs at face `f`; `None` for a face without a present normal.
     pub(super) fn sample(&mut self, f: usize) -> Option<Seen> {
         if self.state.normals[f] == [0.0; 3] {
             return None;
@@ -129,7 +129,7 @@ impl<'a> Gatherer<'a> {
     }
 
     /// The faces around `f` up to the largest radius and at most [`DEPTH`] hinges away, itself
-    /// first. Which they are does not depend on the numbers of faces.
+    /// first. The set does not depend on the numbering of the faces.
     fn gather(&mut self, f: usize) {
         let state = self.state;
         self.marks.clear();
@@ -221,8 +221,8 @@ impl<'a> Gatherer<'a> {
     }
 }
 
-/// The sums around a face, with the widest vectors of the processor. Multiplications and additions are
-/// not fused, and no sum is reordered: the bits are the same on all of them.
+/// The sums around a face, with the widest vectors of the processor. Multiplications and additions
+/// are not fused, and no sum is reordered: the bits are the same on all of them.
 struct Summing<'a> {
     gatherer: &'a Gatherer<'a>,
     face: usize,
@@ -237,7 +237,7 @@ impl NullaryFnOnce for Summing<'_> {
     }
 }
 
-/// The candidates for the normal of a face, and what its fits say.
+/// The candidates for the normal of a face, and the results of its fits.
 struct Candidates {
     all: [[f64; 3]; CANDIDATES],
     of_fits: [[f64; 3]; FITS.len()],
@@ -256,8 +256,8 @@ impl Candidates {
         let mut all = [n; CANDIDATES];
         let or_present = |v: [f64; 3]| unit_or(v, n);
         let (of_fits, turns, anchor) = read_fits(state, f, sums, &mut all);
-        // Means of normals are close to normals of the smooth surface at the centroid. Those of flat faces
-        // differ from them by a turn.
+        // Means of normals are close to normals of the smooth surface at the centroid. Those of
+        // flat faces differ from them by a turn.
         let of_face =
             |v: [f64; 3], range: usize| or_present(add(or_present(v), turns[FIT_OF_RANGE[range]]));
         for k in 0..MEANS {
@@ -283,8 +283,8 @@ fn unit_or(v: [f64; 3], other: [f64; 3]) -> [f64; 3] {
     if unit == [0.0; 3] { other } else { unit }
 }
 
-/// The numbers of the fits, the turns from the smooth surface to the flat face, and the point of the
-/// surface; the normals become candidates.
+/// The numbers of the fits, the turns from the smooth surface to the flat face, and the point of
+/// the surface; the normals become candidates.
 fn read_fits(
     state: &State<'_>,
     f: usize,

@@ -5,11 +5,11 @@ use fairing_operators::NormalEquations;
 
 use crate::faces::unit_or_zero;
 
-/// The monomials of degrees 0 to 4 in x and y, the heights z times those of
-/// degrees 0 to 2, and z²: what weighted fits of planes and quadrics need.
+/// The number of moments in a weighted fit of planes and quadrics: the monomials of degrees 0 to 4
+/// in x and y, the height z times the monomials of degrees 0 to 2, and z².
 const MOMENTS: usize = 22;
 
-/// Where the monomials of a degree begin.
+/// The index of the first monomial of each degree.
 const DEGREES: [usize; 5] = [0, 1, 3, 6, 10];
 
 /// The powers of x and y of the unknowns of a quadric; the first three are those
@@ -86,14 +86,15 @@ pub(super) fn moments([x, y, z]: [f64; 3]) -> [f64; MOMENTS] {
     ]
 }
 
-/// What a fit says.
+/// Results of a fit.
 pub(super) struct Reading {
     /// The normal of the plane, and that of the quadric at the origin.
     pub(super) normals: [[f64; 3]; 2],
-    /// What the normal of a flat face with its corners on the quadric is more than that of the quadric at
-    /// the origin.
+    /// The normal of a flat face with its corners on the quadric, minus the normal of the quadric
+    /// at the origin.
     pub(super) turn: [f64; 3],
-    /// log₂ of the residual over σ, of the plane's residual over the quadric's, and of the slope's deviation.
+    /// log₂ of the residual over σ, of the plane's residual over the quadric's, and of the slope's
+    /// deviation.
     pub(super) numbers: [f64; 3],
     /// The height at the origin.
     pub(super) height: f64,
@@ -140,10 +141,10 @@ pub(super) fn read_fit(
     Reading { normals: [flat, curved], turn: sub(facet, curved), numbers, height }
 }
 
-/// The slope of the plane through three points of `z = ½ pᵀ H p`, H given by its entries xx, xy
-/// and yy; the corners are the points' p. It is zero for equilateral triangles around the origin if H is a multiple of
-/// the unit matrix, and linear in H times the size otherwise. A sliver whose slope exceeds what the
-/// gradient of z changes by from the origin to a corner gets that much.
+/// The slope of the plane through three points of `z = ½ pᵀ H p`, H given by its entries xx, xy and
+/// yy; the corners are the points' p. It is zero for equilateral triangles around the origin if H
+/// is a multiple of the unit matrix, and linear in H times the size otherwise. A sliver whose slope
+/// exceeds what the gradient of z changes by from the origin to a corner gets that much.
 fn facet_slope([xx, xy, yy]: [f64; 3], corners: [[f64; 2]; 3]) -> [f64; 2] {
     let z = corners.map(|[x, y]| 0.5 * (xx * x * x + 2.0 * xy * x * y + yy * y * y));
     let side =
@@ -199,7 +200,8 @@ mod tests {
         read_fit(&fit, UP, AXES, corners, 0.1)
     }
 
-    /// The normal of the quadric with the turn is that of the flat triangle whose corners are on it.
+    /// The normal of the quadric with the turn is that of the flat triangle whose corners are on
+    /// it.
     #[test]
     fn the_turn_leads_to_the_flat_face() {
         // Around the origin, as a face is around its centroid.
@@ -210,11 +212,13 @@ mod tests {
         let flat = unit_or_zero(cross(sub(b, a), sub(c, a)));
         let turned = unit_or_zero(add(found.normals[1], found.turn));
         assert!(distance(turned, flat) < 1e-12, "{turned:?}, {flat:?}");
-        // Without it: the distance from the centre of the circle to the centroid, times the curvature.
+        // Without it: the distance from the centre of the circle to the centroid, times the
+        // curvature.
         assert!(distance(found.normals[1], flat) > 0.03);
     }
 
-    /// Zero for an equilateral triangle of a sphere; no more than the gradient changes for a sliver; zero without area.
+    /// Zero for an equilateral triangle of a sphere; no more than the gradient changes for a
+    /// sliver; zero without area.
     #[test]
     fn turns_are_bounded() {
         let equilateral = [0.0, 1.0, 2.0].map(|k: f64| {

@@ -7,18 +7,17 @@ use rayon::prelude::*;
 use crate::DenoiseError;
 use crate::faces::FaceLists;
 
-/// The least area of a face, as a share of the mean area around it.
-const LEAST_SHARE: f64 = 0.3;
+/// The least area of a face, as a fraction of the mean area around it.
+const LEAST_FRACTION: f64 = 0.3;
 
-/// The least area of a face, in noise levels times its longest side: what noise
-/// can take away.
+/// The least area of a face, in noise levels times its longest side: the area that noise can
+/// take away.
 const LEAST_NOISE: f64 = 0.5;
 
-/// How much more a move across the faces costs than one within them, while folds
-/// open.
+/// Cost of a move across the faces while folds open, as a multiple of a move within them.
 const STIFFNESS: f64 = 4.0;
 
-/// What the surface follows, and how far it may go.
+/// The motion of the surface towards given normals.
 pub(super) struct Follow<'a> {
     noisy: &'a TriMesh,
     /// The area below which a face counts as folded.
@@ -27,12 +26,12 @@ pub(super) struct Follow<'a> {
     limit: f64,
 }
 
-/// What a step needs of a face.
+/// The data of a face in a step.
 #[derive(Clone, Copy)]
 struct Aim {
     normal: [f64; 3],
     centroid: [f64; 3],
-    /// Where the corners of a folded face are to go; zero for others.
+    /// The factor on the gradient of the area of a folded face; zero for other faces.
     opening: f64,
 }
 
@@ -49,14 +48,14 @@ impl<'a> Follow<'a> {
                 let [a, b, c] = noisy.triangle(f);
                 let longest = distance(a, b).max(distance(b, c)).max(distance(c, a));
                 let mean = sum / (row.len() + 1) as f64;
-                (LEAST_SHARE * mean).min(LEAST_NOISE * sigma * longest)
+                (LEAST_FRACTION * mean).min(LEAST_NOISE * sigma * longest)
             })
             .collect();
         Self { noisy, least, limit }
     }
 
     /// Moves the vertices of the noisy mesh so that its faces get the normals
-    /// (zero for a face without a say), by steps of
+    /// (zero for a face that is ignored), by steps of
     ///
     /// ```text
     /// x ← x + 1/|F| Σ n (n · (c − x)) + o

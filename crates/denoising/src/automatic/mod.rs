@@ -41,50 +41,49 @@ use uneven::uneven_parts;
 
 pub use surface::FaceKind;
 
-/// Noise below this share of the mean edge length is rounding.
+/// The largest noise level that counts as rounding, in mean edge lengths.
 const LEAST_NOISE: f64 = 1e-7;
 
-/// Vertex steps of the result.
+/// Vertex steps of the final surface.
 const STEPS: usize = 60;
 
-/// What the surface that [`automatic`] found is like as a whole.
+/// The kind of surface of a whole mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SurfaceKind {
-    /// Its creases are together as long as two diagonals: a designed body.
+    /// The creases are together as long as two diagonals: a designed model.
     Creased,
-    /// Curved all over, as scans are, or flat.
+    /// The surface has fewer creases or none, like most scans.
     Smooth,
-    /// No noise could be measured, and nothing was moved.
+    /// No noise was found, and no vertex was moved.
     Clean,
-    /// The faces are too uneven for their normals to say where vertices belong, and nothing was
-    /// moved.
+    /// The faces are too uneven for normals to determine positions, and no vertex was moved.
     Uneven,
 }
 
-/// What [`automatic`] returns.
+/// Result of [`automatic`].
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Automatic {
     /// The denoised mesh, with the faces of the input.
     pub mesh: TriMesh,
-    /// The estimated noise, of the connected parts with most of it; `None` where
-    /// the mesh is too small for one.
+    /// The estimated noise of the noisiest connected parts; `None` if the mesh is too small for an
+    /// estimate.
     pub noise: Option<NoiseEstimate>,
-    /// The kind of surface that the result is. Nothing depends on it.
+    /// The kind of surface of the result; informative only.
     pub kind: SurfaceKind,
-    /// The vertices of connected parts that were left as they are, because their faces are too
-    /// uneven. Remeshed, they can be denoised.
+    /// The number of vertices in connected parts whose faces are too uneven, which were left
+    /// unchanged. Remeshing makes such parts usable.
     pub uneven_vertices: usize,
-    /// What the result is like at each face.
+    /// The kind of surface at each face of the result.
     pub faces: Vec<FaceKind>,
     /// The largest distance that a vertex was allowed to move, in mesh units.
     pub limit: f64,
 }
 
 impl Automatic {
-    /// The share of the area that is of a kind, from 0 to 1; 0 without area.
-    pub fn share(&self, kind: FaceKind) -> f64 {
+    /// The fraction of the area of one kind, from 0 to 1; 0 without area.
+    pub fn fraction(&self, kind: FaceKind) -> f64 {
         let area = |wanted: &dyn Fn(FaceKind) -> bool| -> f64 {
             let faces = self.faces.iter().enumerate().filter(|(_, k)| wanted(**k));
             faces.map(|(f, _)| norm(self.mesh.area_vector(f))).sum()
@@ -106,45 +105,46 @@ fairing_parameters::options! {
 /// Denoises without parameters: noise level and kind of surface are estimated from
 /// the mesh.
 ///
-/// 1. The noise level σ̂ ([`noise_level`](fairing_operators::noise_level)).
-/// 2. Normals, in stages. In each stage a face looks at the faces around it, at
-///    three radii, and at four scales of how different their normals may be:
-///    means of the noisy normals, means of the present ones, planes and quadrics
-///    fitted to the noisy positions, the normals beside it, and means over wide
-///    regions that end at creases. These are candidates.
-///    A small network sees them in axes that turn with the mesh, together with
-///    numbers such as the residuals of the fits over σ̂, and answers with a
-///    positive weight for each. The new normal is the weighted mean, turned by at
+/// 1. The noise level σ̂ ([`noise_level`](crate::noise_level())).
+/// 2. Normals, in stages. Each stage collects candidates for the normal of a face from the faces
+///    around it, at three radii and four scales of similarity between normals: means of the noisy
+///    and of the present normals, normals of planes and quadrics fitted to the noisy positions,
+///    the normals of adjacent faces, and means over wide regions that end at creases.
+///    A small network sees the candidates in axes that turn with the mesh, together with
+///    numbers such as the residuals of the fits over σ̂, and assigns a
+///    positive weight to each. The new normal is the weighted mean, turned by at
 ///    most the spread of the candidates. The networks are trained on generated
-///    bodies (`cargo xtask benchmark train`) and part of this crate.
+///    models (`cargo xtask benchmark train`) and built into this crate.
 /// 3. Faces that lie in one plane, which ends at creases, get the normal of a plane
 ///    fitted to all their noisy vertices.
 /// 4. The surface follows the normals between the stages and at the end, and folds
 ///    open. Faces that then contradict their normal are on the wrong side of a
 ///    crease and take the normal of a neighbour.
 ///
-/// Where all candidates agree the network changes nothing: planes stay planes.
+/// If all candidates agree, so does the new normal: planes stay planes.
 ///
-/// Under impulsive noise, where at least 1 % of the vertices are spikes, more than 15 σ̂ and a quarter of an edge from the
-/// plane of their neighbours and three times as far as each of these, spikes are first put into that plane.
+/// Under impulsive noise, spikes are first moved into the plane of their neighbours, if at least
+/// one vertex in a hundred is a spike: farther from that plane than 15 σ̂, than a quarter of an
+/// edge, and than three times the distance of each neighbour.
 ///
 /// Connected parts whose noise differs by more than a factor of four are
 /// denoised apart ([`noisy_parts`]), each group as a mesh of its own: a clean
 /// part does not change, and does not reduce the smoothing of a noisy one.
 ///
-/// A connected part where at one vertex in ten a twentieth of the longest side is more than the least height of the
-/// faces and more than σ̂, such as a tessellated CAD model, stays as it is ([`Automatic::uneven_vertices`]): a normal
-/// that is off by 3° would put the far end of such a face off by more than the noise does, and fold its neighbours.
+/// Tessellated CAD models and similar parts stay unchanged ([`Automatic::uneven_vertices`]):
+/// connected parts in which, at one vertex in ten, a twentieth of the longest side of the faces
+/// exceeds both their least height and σ̂. On such a face an error of 3° in the normal displaces
+/// the far end by more than the noise, and folds neighbouring faces.
 ///
-/// Each connected part is then offset so that its noisy vertices lie on both sides of it
-/// alike; a closed part so keeps its volume.
+/// Each connected part is then offset so that its noisy vertices lie evenly on both sides; a closed
+/// part keeps its volume.
 ///
-/// No vertex moves further than five times the larger of σ̂ and the root mean
-/// square displacement, and the height of the highest spike ([`Automatic::limit`]). Isolated vertices stay; borders
-/// move with their faces; nothing is compared across edges with one, three or
-/// more faces. Faces count as [oriented](TriMesh::oriented). A mesh whose noise level is undefined or
-/// below 10⁻⁷ h is returned unchanged. Moves with the mesh under rotation,
-/// reflection, translation and scaling, up to rounding.
+/// No vertex moves further than five times the larger of σ̂ and the root mean square displacement,
+/// and the height of the highest spike ([`Automatic::limit`]). Isolated vertices stay; borders move
+/// with their faces; nothing is compared across edges with one, three or more faces. Faces count as
+/// [oriented](TriMesh::oriented). A mesh whose noise level is undefined or below 10⁻⁷ h is returned
+/// unchanged. Moves with the mesh under rotation, reflection, translation and scaling, up to
+/// rounding.
 ///
 /// # Errors
 ///
@@ -221,7 +221,7 @@ fn denoise(mesh: &TriMesh, level: NoiseEstimate) -> Result<(TriMesh, f64), Denoi
     Ok((surface, state.limit + farthest))
 }
 
-/// Whether the noise of a mesh is rounding.
+/// Returns `true` if the noise of a mesh is rounding.
 fn is_clean(mesh: &TriMesh, level: NoiseEstimate) -> bool {
     level.sigma <= LEAST_NOISE * mesh.mean_edge_length()
 }

@@ -5,10 +5,10 @@ use std::sync::OnceLock;
 use super::features::{CANDIDATES, INPUTS};
 use super::network::{HIDDEN, Network, PARAMETERS};
 
-/// What the file begins with.
+/// The first bytes of the file.
 const NAME: [u8; 8] = *b"fairnorm";
 
-/// The version of the format and of what the inputs mean.
+/// The version of the format and of the meaning of the inputs.
 const VERSION: u32 = 3;
 
 /// Name, version, stages, networks of each, inputs, hidden units, candidates, seed.
@@ -30,11 +30,11 @@ impl Model {
         MODEL.get_or_init(|| Self::read(include_bytes!("../../data/normals.bin")).ok()).as_ref()
     }
 
-    /// Reads what [`Model::write`] wrote.
+    /// Reads the bytes that [`Model::write`] wrote.
     ///
     /// # Errors
     ///
-    /// What is wrong with the bytes.
+    /// A description of the damage.
     pub fn read(bytes: &[u8]) -> Result<Self, String> {
         let (body, sum) = bytes
             .len()

@@ -27,7 +27,7 @@ pub struct Network {
     pub numbers: Vec<f32>,
 }
 
-/// Where a layer is: for each input the weights to all outputs, then the biases.
+/// The numbers of a layer: for each input the weights to all outputs, then the biases.
 #[derive(Debug, Clone, Copy)]
 pub struct Layer<'a> {
     /// A row of weights to all outputs for each input.
@@ -58,7 +58,7 @@ pub struct Parts<'a> {
     pub layers: [Layer<'a>; 3],
 }
 
-/// What the network computed for one sample, for its gradient.
+/// The intermediate results for one sample, from which its gradient follows.
 #[derive(Debug, Clone)]
 pub struct Trace {
     /// The shifted and scaled inputs.
@@ -98,8 +98,8 @@ impl Network {
 }
 
 impl Parts<'_> {
-    /// The outputs for a sample, with the widest vectors of the processor. Multiplications and additions are
-    /// not fused, and no sum is reordered: the bits are the same on all of them.
+    /// The outputs for a sample, with the widest vectors of the processor. Multiplications and
+    /// additions are not fused, and no sum is reordered: the bits are the same on all of them.
     pub(super) fn run(&self, sample: &Sample, trace: &mut Trace) {
         pulp::Arch::new().dispatch(Running { parts: self, sample, trace });
     }
@@ -109,7 +109,7 @@ impl Parts<'_> {
     pub fn run_inline(&self, sample: &Sample, trace: &mut Trace) {
         let moved = sample.inputs.iter().zip(self.shift).zip(self.scale);
         for (x, ((&input, shift), scale)) in trace.inputs.iter_mut().zip(moved) {
-            // Beyond six deviations lies nothing the network was trained on.
+            // The training data ends at six deviations.
             *x = ((input - shift) * scale).clamp(-6.0, 6.0);
         }
         self.layers[0].apply(&trace.inputs, &mut trace.first);

@@ -7,17 +7,18 @@ use rayon::prelude::*;
 
 use crate::DenoiseError;
 
-/// What pulls a corner towards its mean normal, as a share of what its faces ask for: where
-/// they are nearly parallel it must not slide along them.
+/// The weight of the mean normal of a vertex in the fit to its faces: without it a vertex whose
+/// faces are nearly parallel would slide along them.
 const STIFFNESS: f64 = 0.01;
 
 /// Rounds of Newton's method: what is curved leaves some to the second and the third.
 const ROUNDS: usize = 3;
 
-/// Offsets each connected part of a result so that the noise lies evenly on both sides of the surface, as that of
-/// a scanner does: a closed part gets the volume that it had with the noise, another one the mean
-/// displacement of its noisy vertices along the normals. The volume of a closed mesh is linear in each of its vertices,
-/// so noise that is independent from vertex to vertex does not bias it.
+/// Offsets each connected part of a result so that the noise lies evenly on both sides of the
+/// surface, as that of a scanner does: a closed part gets the volume that it had with the noise,
+/// another one the mean displacement of its noisy vertices along the normals. The volume of a
+/// closed mesh is linear in each of its vertices, so noise that is independent from vertex to
+/// vertex does not bias it.
 ///
 /// All faces of a part move by the same distance along their `normals`, planes in parallel, as far
 /// as three or more faces at a corner allow. No vertex goes further than `limit`
@@ -65,7 +66,7 @@ pub(super) fn in_the_middle(
     Ok(mesh)
 }
 
-/// Whether each connected part is closed and oriented.
+/// Returns `true` for each connected part that is closed and oriented.
 fn closed_parts(mesh: &TriMesh) -> Vec<bool> {
     let topology = mesh.topology();
     let components = topology.components();
@@ -99,15 +100,16 @@ fn part_volumes(mesh: &TriMesh, noisy: &TriMesh) -> Vec<f64> {
 fn vertex_areas(mesh: &TriMesh, normals: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let mut areas = vec![[0.0; 3]; mesh.vertex_count()];
     for (f, face) in mesh.faces().iter().enumerate() {
-        let share = scale(normals[f], norm(mesh.area_vector(f)) / 3.0);
+        let third = scale(normals[f], norm(mesh.area_vector(f)) / 3.0);
         for &v in face {
-            areas[v as usize] = add(areas[v as usize], share);
+            areas[v as usize] = add(areas[v as usize], third);
         }
     }
     areas
 }
 
-/// How each vertex moves when all faces move by one along their normals: in the least squares, weighted by area.
+/// The motion of each vertex when all faces move by one along their normals, in least squares
+/// weighted by area.
 fn directions(mesh: &TriMesh, normals: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let incidence = mesh.incidence();
     (0..mesh.vertex_count() as u32)
@@ -154,8 +156,8 @@ mod tests {
         in_the_middle(noisy, moved, &normals, limit).unwrap()
     }
 
-    /// What has shrunk comes back: a sphere with its volume, and a cube with its corners, since all
-    /// of its faces are planes.
+    /// A shrunken sphere gets its volume back, and a cube its corners, since all of its faces are
+    /// planes.
     #[test]
     fn lost_volume_returns() {
         let sphere = icosphere(3);
@@ -166,7 +168,8 @@ mod tests {
         let found = middle(&cube, scaled(&cube, 0.97), 1.0);
         for (p, q) in found.positions().iter().zip(cube.positions()) {
             for (x, y) in p.iter().zip(q) {
-                // The pull towards mean normals keeps a part of the offset along edges and at corners.
+                // The pull towards mean normals keeps a part of the offset along edges and at
+                // corners.
                 assert!(y.abs() < 0.5 || (x - y).abs() < 1e-3, "{p:?}, {q:?}");
             }
         }

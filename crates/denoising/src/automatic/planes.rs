@@ -12,43 +12,46 @@ const APART: f64 = 0.35;
 /// A plane has at least this many vertices.
 const LEAST_WEIGHT: f64 = 12.0;
 
-/// The share of a region's border with other regions that must be creases.
+/// The fraction of a region's border with other regions that must be creases.
 const CREASED: f64 = 0.95;
 
-/// The share of a region's border with other regions that must be with large ones.
+/// The fraction of a region's border with other regions that must be with large ones.
 const KNOWN: f64 = 0.5;
 
-/// The share of the turn from one plane to the next that one hinge makes.
+/// The fraction of the turn from one plane to the next that one hinge makes.
 const AT_ONCE: f64 = 0.25;
 
-/// The same, of the turn in the direction from one plane to the next, where the border is looked at from twice as
-/// far: errors of normals do not add to it. Shallow creases need many faces to be told from a curved surface.
+/// The same fraction for the component of the turn in the direction from one plane to the next, to
+/// which errors of normals do not add; strips are then twice as deep. Telling a shallow crease from
+/// a curved surface takes many faces.
 const MOSTLY: f64 = 0.5;
 
-/// The largest share of the variation of normals that may be linear in position.
+/// The largest fraction of the variation of normals that may be linear in position.
 const TURNING: f64 = 0.7;
 
-/// What rounding adds to a mean square of distances, over the square of half the diagonal of a part.
+/// The rounding error of a mean square of distances, over the square of half the diagonal of a
+/// part.
 const ROUNDING: f64 = 1e-14;
 
-/// The most faces of a region that are asked whether it is curved.
+/// The largest number of faces in the test of a region for curvature.
 const MOST: usize = 4096;
 
-/// How far from a border, in hinges, positions say whether it is a crease.
+/// The depth of the strips on both sides of a border that is tested for a crease, in hinges.
 const DEPTH: usize = 6;
 
-/// What is known of a mesh when its planes are looked for.
+/// Positions, their weights and their variance: the data from which planes are found.
 pub(super) struct Evidence<'a> {
     hinges: &'a Hinges,
     faces: &'a [[u32; 3]],
-    /// The noisy positions from the middle of their connected part, in mean edge lengths: a part far
-    /// away, or an isolated vertex, costs no digits.
+    /// The noisy positions relative to the middle of their connected part, in mean edge lengths:
+    /// distant parts and isolated vertices cost no digits.
     points: Vec<[f64; 3]>,
     /// The weight of the position of each face.
     trust: &'a [f64],
-    /// The variance of positions across the surface, weighted by trust, in squared mean edge lengths.
+    /// The variance of positions across the surface, weighted by trust, in squared mean edge
+    /// lengths.
     variance: f64,
-    /// What rounding may add to it in sums of squares, at each vertex.
+    /// The rounding error of mean squares at each vertex, in squared mean edge lengths.
     rounding: Vec<f64>,
 }
 
@@ -97,7 +100,7 @@ impl<'a> Evidence<'a> {
 
 /// Gives the faces of each plane the normal of a plane fitted to all their noisy vertices.
 ///
-/// Regions grow over hinges, those with the most similar normals first. Two regions
+/// Regions grow over hinges in the order of the similarity of normals. Two regions
 /// become one if the sum of squared distances from one plane exceeds that from two by less than
 /// 3 ln(vertices) variances: the description of both by one plane is shorter (Schwarz's
 /// criterion). On a curved surface this gives facets. So a region is a plane only
@@ -205,7 +208,7 @@ fn doubt(weight: f64) -> f64 {
     3.0 * libm::log(1.0 + weight)
 }
 
-/// What the hinges between two regions make of the turn from one plane to the other.
+/// The fraction of the turn between two planes that happens at the hinges between them.
 struct Turn {
     /// With the errors of normals.
     most: f64,
@@ -326,8 +329,8 @@ impl Regions {
             .collect()
     }
 
-    /// The share of the variation of the present normals over a region that is linear in position: close
-    /// to one on a curved surface, small where only errors are left.
+    /// The fraction of the variation of the present normals over a region that is linear in
+    /// position: close to one on a curved surface, small where only errors are left.
     fn turning(&self, evidence: &Evidence<'_>, normals: &[[f64; 3]], r: usize) -> Option<f64> {
         let sums = &self.sums[r];
         let axes = tangents(unit_or_zero(sums.normal));
@@ -376,8 +379,8 @@ impl Regions {
         strip
     }
 
-    /// How much of the turn from one region to another happens at the hinges between them, and
-    /// not step by step on both sides.
+    /// The fraction of the turn from one region to another that happens at the hinges between them,
+    /// rather than step by step on both sides.
     fn turn(
         &self,
         evidence: &Evidence<'_>,
@@ -398,8 +401,8 @@ impl Regions {
         Turn { most: all / whole, least: sum / (norm(apart) * whole).max(f64::MIN_POSITIVE) }
     }
 
-    /// Whether the planes of two regions explain the positions on both sides of the border between
-    /// them better than one quadric.
+    /// Returns `true` if the planes of two regions explain the positions on both sides of their
+    /// border better than one quadric.
     fn is_crease(&self, evidence: &Evidence<'_>, strip: &[u32]) -> bool {
         let sums = strip.iter().map(|&f| {
             Sums::new(evidence, f as usize, self.sums[self.index[f as usize] as usize].normal)
@@ -520,7 +523,8 @@ mod tests {
         assert!(near == far);
     }
 
-    /// A roof of two planes that meet at 6° is told from a curved surface, under noise of a quarter of the heights of faces.
+    /// A roof of two planes that meet at 6° is told from a curved surface, under noise of a quarter
+    /// of the heights of faces.
     #[test]
     fn shallow_creases_are_found_from_afar() {
         let flat = shapes::plane(40, 40, shapes::Diagonals::Alternating);
@@ -545,7 +549,8 @@ mod tests {
         assert!(last < 0.3 * first, "{first} {last}");
     }
 
-    /// A sphere and a torus have no planes: at any noise few normals change, and the errors do not grow.
+    /// A sphere and a torus have no planes: at any noise few normals change, and the errors do not
+    /// grow.
     #[test]
     fn curved_surfaces_have_no_planes() {
         for truth in [shapes::icosphere(4), shapes::torus(1.0, 0.4, 80, 40)] {

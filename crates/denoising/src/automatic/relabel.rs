@@ -14,8 +14,7 @@ const AGREE: f64 = 0.98;
 /// Rounds; later ones move hardly any face.
 const ROUNDS: usize = 4;
 
-/// Gives faces whose geometry contradicts their label the label of a
-/// neighbour.
+/// Gives a face whose geometry contradicts its label the label of a neighbour.
 ///
 /// The vertices of the noisy mesh follow the labels for twenty steps. A face
 /// whose geometry then differs from its label by more than 11.5° sits on the

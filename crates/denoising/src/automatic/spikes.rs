@@ -8,17 +8,18 @@ use fairing_mesh::vec3::{add, cross, distance, dot, norm, scale, sub};
 use crate::DenoiseError;
 use crate::noise_level::{NoiseEstimate, noise_level};
 
-/// How far a spike is from its neighbours, in noise levels: farther than impulses that the networks
-/// were trained on.
+/// The least height of a spike over its neighbours, in noise levels: higher than the impulses in
+/// the training data.
 const FAR: f64 = 15.0;
 
-/// The least height of a spike, as a share of the mean distance of its neighbours: less can be curvature.
+/// The least height of a spike, as a fraction of the mean distance of its neighbours: less can be
+/// curvature.
 const STEEP: f64 = 0.25;
 
-/// The height of a spike's highest neighbour on the same side, as a share of its own.
+/// The height of a spike's highest neighbour on the same side, as a fraction of its own.
 const ALONE: f64 = 1.0 / 3.0;
 
-/// The least share of vertices that are spikes: fewer may be tips.
+/// The least fraction of vertices that are spikes: fewer may be tips.
 const LEAST_FRACTION: f64 = 0.01;
 
 /// Rounds; spikes beside others, and smaller ones, come out in later ones.
@@ -82,8 +83,8 @@ struct Height {
     reach: f64,
 }
 
-/// The height of each inner vertex over the plane of its neighbours, and that plane's normal: the area vector of the polygon
-/// of the neighbours, through their mean. Zero for vertices on borders.
+/// The height of each inner vertex over the plane of its neighbours, and that plane's normal: the
+/// area vector of the polygon of the neighbours, through their mean. Zero for vertices on borders.
 fn heights(mesh: &TriMesh) -> Vec<Height> {
     let topology = mesh.topology();
     let incidence = mesh.incidence();
@@ -130,7 +131,8 @@ mod tests {
 
     use super::*;
 
-    /// Each 25th vertex of a sphere is lifted by an edge or more: they return to the surface, and nothing else moves.
+    /// Each 25th vertex of a sphere is lifted by an edge or more: they return to the surface, and
+    /// nothing else moves.
     #[test]
     fn spikes_return_to_the_surface() {
         let truth = shapes::icosphere(4);

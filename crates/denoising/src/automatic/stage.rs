@@ -10,7 +10,7 @@ use super::wide::wide_means;
 use crate::DenoiseError;
 use crate::faces::unit_or_zero;
 
-/// Faces that are treated together.
+/// Faces of a unit of parallel work.
 const BLOCK: usize = 1024;
 
 /// The number of blocks of a stage.
@@ -123,8 +123,9 @@ mod tests {
     use crate::faces::FaceShapes;
     use crate::noise_level;
 
-    /// Faces of a torus are right triangles in pairs: their normals differ from those of the smooth surface at their centroids by 2°,
-    /// to one side and to the other. A mean of normals does not see that; as a candidate it is turned.
+    /// Faces of a torus are right triangles in pairs: their normals differ from those of the smooth
+    /// surface at their centroids by 2°, to one side and to the other. A mean of normals does not
+    /// see that; as a candidate it is turned.
     #[test]
     fn means_are_turned_to_flat_faces() {
         let truth = shapes::torus(1.0, 0.4, 75, 30);

@@ -1,4 +1,4 @@
-//! What kind of surface a mesh is, face by face.
+//! The kind of surface at each face.
 
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::{distance, dot};
@@ -8,20 +8,20 @@ use crate::faces::{FaceShapes, Hinges, NO_HINGE};
 /// The least turn at a crease, 20°, as a cosine.
 const CREASE: f64 = 0.939_692_620_785_908_4;
 
-/// How much larger a turn at a crease is than the second smallest at the four
-/// other sides of its two faces: on a curved surface turns are alike, and at a
-/// corner two of the others may be creases.
+/// The least ratio of the turn at a crease to the second smallest turn at the four other sides of
+/// its two faces: on a curved surface turns are alike, and at a corner two of the others may be
+/// creases.
 const STANDS_OUT: f64 = 2.5;
 
 /// The largest turn at a flat face, 2°, as a cosine.
 const FLAT: f64 = 0.999_390_827_019_095_7;
 
-/// Creases as long as two diagonals together make a body with creases. On the development set
-/// of the test bed all that bodies without creases have are at most 0.5 on blobs, cloth and
-/// relief, and designed bodies have 3.9 and more.
+/// The least length of all creases of a creased surface, in diagonals of the mesh. On the
+/// development set of the benchmark, models without creases reach at most 0.5 (blobs, cloth and
+/// relief), and designed models 3.9 or more.
 const CREASE_LENGTH: f64 = 2.0;
 
-/// What a surface is like at a face.
+/// The kind of surface at a face.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum FaceKind {

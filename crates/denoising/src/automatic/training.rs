@@ -1,6 +1,5 @@
-//! What training needs of the denoiser: its state between stages, and its networks.
-//!
-//! For the crate that makes the file of weights; no part of the public interface.
+//! Internals of the denoiser for the crate that trains it: the state between stages, and the
+//! networks. Not part of the public interface.
 
 pub use super::features::{CANDIDATES, INPUTS, Sample, Seen};
 pub use super::model::Model;

@@ -5,18 +5,20 @@ use fairing_mesh::vec3::distance;
 
 use crate::noise_level::NoisyParts;
 
-/// The normals of a denoised mesh are off by some 3°, one part in 20: so much of its length is the far end of a face off.
+/// The length of a face over the displacement of its far end: the normals of a denoised mesh are
+/// off by some 3°, or one part in 20.
 const LEVER: f64 = 20.0;
 
-/// The share of uneven vertices from which on a part is.
-const SHARE: f64 = 0.1;
+/// The least fraction of uneven vertices in an uneven part.
+const FRACTION: f64 = 0.1;
 
-/// The connected parts with faces so long that their normals harm more than the noise does, of parts with noise of
-/// one level each.
+/// Returns `true` for each connected part whose faces are so long that errors of their normals
+/// would do more harm than the noise.
 ///
-/// A vertex is uneven if a twentieth of the longest side of its faces is more than their least height, so that faces
-/// fold, and more than the noise, so that positions get worse. A part is if more than one vertex in ten is: CAD
-/// tessellations, with faces across a whole plane beside small or thin ones.
+/// A vertex is uneven if a twentieth of the longest side of its faces is more than their least
+/// height, so that faces fold, and more than the noise, so that positions get worse. A part is
+/// uneven if more than one vertex in ten is: CAD tessellations, with faces across a whole plane
+/// beside small or thin ones.
 pub(super) fn uneven_parts(mesh: &TriMesh, groups: &[NoisyParts]) -> Vec<bool> {
     let mut longest = vec![0.0f64; mesh.vertex_count()];
     let mut lowest = vec![f64::INFINITY; mesh.vertex_count()];
@@ -42,7 +44,7 @@ pub(super) fn uneven_parts(mesh: &TriMesh, groups: &[NoisyParts]) -> Vec<bool> {
             *uneven += usize::from(side > LEVER * low.max(noise[part as usize]));
         }
     }
-    counts.into_iter().map(|[all, uneven]| uneven as f64 > SHARE * all as f64).collect()
+    counts.into_iter().map(|[all, uneven]| uneven as f64 > FRACTION * all as f64).collect()
 }
 
 #[cfg(test)]

@@ -25,13 +25,13 @@ const _: () = {
     }
 };
 
-/// Faces that a thread takes at least: a step takes little time.
+/// The least number of faces for a thread: a step takes little time.
 const AT_LEAST: usize = 2048;
 
-/// The least mass of a face, in mean areas: what keeps the system definite.
+/// The least mass of a face, in mean areas; keeps the system definite.
 const LEAST_MASS: f64 = 1e-6;
 
-/// The wide means at every face; zero where they cancel out.
+/// Returns the wide means at every face; zero where they cancel out.
 ///
 /// Each diffusion is close to the solution x of `(M + t L) x = M n`: n the noisy normals, M the
 /// areas times the trust in positions, L the Laplacian of the graph of faces whose weights are
@@ -189,8 +189,9 @@ mod tests {
         }
     }
 
-    /// On a sphere with wide bumps the widest means leave 1 / (1 + x) of a bump of t times its eigenvalue = x, sharpened ones
-    /// 1 − (x / (1 + x))²: the error is x / (1 + x) times as large, less than 0.9 for x below 9.
+    /// On a sphere with wide bumps the widest means leave 1 / (1 + x) of a bump of t times its
+    /// eigenvalue = x, sharpened ones 1 − (x / (1 + x))²: the error is x / (1 + x) times as large,
+    /// less than 0.9 for x below 9.
     #[test]
     fn sharpened_means_keep_what_is_curved() {
         let truth = shapes::bumpy_sphere(4, 0.1, 2.0);

@@ -1,5 +1,6 @@
 //! L0 minimisation of dihedral bends.
 
+mod stencils;
 mod system;
 
 use fairing_mesh::TriMesh;
@@ -9,19 +10,20 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::DenoiseError;
-use crate::faces::{FaceShapes, Hinge, Hinges};
+use crate::faces::{FaceShapes, Hinges};
 use crate::oriented::on_oriented;
+use stencils::{Stencils, combine};
 use system::System;
 
-/// How accurately the systems are solved. The solution of each is the first guess
-/// of the next, which begins by measuring the residual.
+/// The accuracy of the linear systems. The solution of each is the first guess of the next, which
+/// begins by measuring the residual.
 const ACCURACY: CgOptions = CgOptions { tolerance: 1e-4, max_iterations: 200, measure: false };
 
 fairing_parameters::options! {
     /// Options of [`l0`].
     ///
-    /// The defaults are those of the source but for the sparsity, whose source value 1 leaves most of
-    /// the noise of 0.3 h. γ is the mean of unsigned angles: that of signed ones is near zero.
+    /// The defaults are those of the source but for the sparsity, whose source value 1 leaves most
+    /// of the noise of 0.3 h. γ is the mean of unsigned angles: that of signed ones is near zero.
     #[derive(Debug, Clone, Copy, PartialEq)]
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
@@ -125,94 +127,4 @@ fn filter(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> 
     }
     let moved = positions.into_iter().map(|p| (DVec3::from(p) + centre).to_array());
     Ok(mesh.with_positions(moved.collect())?)
-}
-
-/// The regulariser's coefficients.
-const FOLD: [f64; 4] = [1.0, -1.0, 1.0, -1.0];
-
-/// The four corners of each hinge, and the hinges at each vertex.
-struct Stencils {
-    /// Ends at 0 and 2, the opposite corners at 1 and 3.
-    corners: Vec<[u32; 4]>,
-    offsets: Vec<u32>,
-    /// `4 × hinge + place`, ascending at each vertex.
-    places: Vec<u32>,
-}
-
-impl Stencils {
-    fn new(mesh: &TriMesh, hinges: &Hinges) -> Self {
-        let corners: Vec<[u32; 4]> = hinges
-            .all
-            .iter()
-            .map(|&Hinge { faces, ends: [a, b] }| {
-                let [c, d] = faces.map(|f| {
-                    let [i, j, k] = mesh.faces()[f as usize];
-                    // The corner that is neither end.
-                    [i, j, k].into_iter().find(|&v| v != a && v != b).unwrap_or(i)
-                });
-                [a, c, b, d]
-            })
-            .collect();
-        let mut offsets = vec![0u32; mesh.vertex_count() + 1];
-        for &v in corners.as_flattened() {
-            offsets[v as usize + 1] += 1;
-        }
-        for v in 0..mesh.vertex_count() {
-            offsets[v + 1] += offsets[v];
-        }
-        let mut next = offsets.clone();
-        let mut places = vec![0; corners.len() * 4];
-        for (place, &v) in corners.as_flattened().iter().enumerate() {
-            places[next[v as usize] as usize] = place as u32;
-            next[v as usize] += 1;
-        }
-        Self { corners, offsets, places }
-    }
-
-    /// The hinges at vertex `v`, and which of their corners it is.
-    fn at(&self, v: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
-        self.places[self.offsets[v] as usize..self.offsets[v + 1] as usize]
-            .iter()
-            .map(|&p| (p as usize / 4, p as usize % 4))
-    }
-
-    /// The coefficients of the area-based edge operator at the given
-    /// positions; zero for a hinge whose edge or faces have no size.
-    fn edge_operators(&self, positions: &[[f64; 3]]) -> Vec<[f64; 4]> {
-        self.corners
-            .par_iter()
-            .map(|corners| {
-                let [p1, p2, p3, p4] = corners.map(|v| DVec3::from(positions[v as usize]));
-                let edge = p3 - p1;
-                let area = |p: DVec3| 0.5 * (p - p1).cross(edge).length();
-                let (a2, a4) = (area(p2), area(p4));
-                let scale = edge.dot(edge) * (a2 + a4);
-                if scale.is_nan() || scale <= f64::MIN_POSITIVE {
-                    return [0.0; 4];
-                }
-                // Where the feet of p₂ and p₄ lie along the edge, from p₃.
-                let (t2, t4) = ((p3 - p2).dot(edge), (p3 - p4).dot(edge));
-                let (s2, s4) = ((p2 - p1).dot(edge), (p4 - p1).dot(edge));
-                [
-                    -(a4 * t2 + a2 * t4) / scale,
-                    a4 / (a2 + a4),
-                    -(a4 * s2 + a2 * s4) / scale,
-                    a2 / (a2 + a4),
-                ]
-            })
-            .collect()
-    }
-
-    /// `Dᵀ values`.
-    fn transpose(&self, weights: &[[f64; 4]], values: &[DVec3]) -> Vec<DVec3> {
-        (0..self.offsets.len() - 1)
-            .into_par_iter()
-            .map(|v| self.at(v).map(|(e, k)| weights[e][k] * values[e]).sum())
-            .collect()
-    }
-}
-
-/// `Σ w x` over four corners.
-fn combine(corners: &[u32; 4], weights: &[f64; 4], x: &[[f64; 3]]) -> DVec3 {
-    (0..4).map(|k| weights[k] * DVec3::from(x[corners[k] as usize])).sum()
 }

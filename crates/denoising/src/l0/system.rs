@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::{FOLD, Stencils};
+use super::stencils::{FOLD, Stencils};
 
 /// `I + β DᵀD + α RᵀR` by rows, with a fixed pattern: all corners of the
 /// hinges at a vertex.
@@ -10,13 +10,13 @@ pub(super) struct System {
     offsets: Vec<u32>,
     columns: Vec<u32>,
     values: Vec<f64>,
-    /// Where each row has its diagonal.
+    /// The index of the diagonal of each row.
     diagonal: Vec<u32>,
-    /// Where each pair of corners of a hinge is added, row by row.
+    /// The index to which each pair of corners of a hinge is added, row by row.
     slots: Vec<[u32; 16]>,
 }
 
-/// Rows that a thread takes at least.
+/// The least number of rows for a thread.
 const ROWS: usize = 2048;
 
 impl System {
@@ -90,8 +90,9 @@ mod tests {
     use fairing_shapes as shapes;
     use glam::DVec3;
 
-    use super::super::{Hinges, combine};
+    use super::super::stencils::combine;
     use super::*;
+    use crate::faces::Hinges;
 
     /// Against the sum over hinges, also where two faces share all their corners.
     #[test]

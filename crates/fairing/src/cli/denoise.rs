@@ -120,7 +120,7 @@ fn as_json(result: &Automatic) -> Value {
         _ => "clean",
     };
     let shares: Map<String, Value> = (FaceKind::ALL.iter())
-        .map(|&kind| (kind.name().to_owned(), json!(result.share(kind))))
+        .map(|&kind| (kind.name().to_owned(), json!(result.fraction(kind))))
         .collect();
     let topology = result.mesh.topology();
     let border =

@@ -45,7 +45,7 @@ struct Entry {
 ///
 /// # Errors
 ///
-/// If a file cannot be written.
+/// A file that cannot be written.
 pub(crate) fn generate(folder: &Path) -> Result<()> {
     fs::create_dir_all(folder)?;
     let mut entries = vec![];
@@ -74,13 +74,12 @@ pub(crate) fn generate(folder: &Path) -> Result<()> {
     fs::write(folder.join(MANIFEST), HEADER.to_string() + &text).context("writing the manifest")
 }
 
-/// What in the folder is not as the manifest says, or is not what the
-/// generators make today (to a millionth of the size of the mesh: mathematical
-/// libraries differ in their last digits).
+/// Returns the files of the folder that differ from the manifest, or from the meshes of the
+/// generators by more than a millionth of the size of the mesh.
 ///
 /// # Errors
 ///
-/// If the manifest cannot be read.
+/// A manifest that cannot be read.
 pub(crate) fn check(folder: &Path) -> Result<Vec<String>> {
     let text = fs::read_to_string(folder.join(MANIFEST)).context("reading the manifest")?;
     let manifest: Manifest = toml::from_str(&text).context("reading the manifest")?;

@@ -1,4 +1,4 @@
-//! What stands in for which mesh of the assignment, and how it is made.
+//! The generated meshes that stand in for those of the assignment.
 
 use fairing_mesh::{BuildError, TriMesh};
 use fairing_shapes::{self as shapes, Diagonals};

@@ -1,11 +1,11 @@
-//! Smooth bodies in each kind of triangulation.
+//! Smooth models in each kind of triangulation.
 
 use std::f64::consts::{PI, TAU};
 
 use fairing_mesh::TriMesh;
 
-use super::made;
-use super::{Build, Triangulation};
+use super::build::made;
+use super::build::{Build, Triangulation};
 use fairing_shapes::implicit::{implicit, onto};
 use fairing_shapes::jittered;
 
@@ -20,7 +20,7 @@ pub(super) fn level_set(
     let half = reach + 2.5 * build.spacing;
     // A net over a grid has edges a little longer than its cells.
     let resolution = (2.0 * half / (0.95 * build.spacing)).round() as usize;
-    // The net is made of a squeezed body, and then pulled back.
+    // The net is made of a squeezed model, and then pulled back.
     let pulled = move |p: [f64; 3]| match build.triangulation {
         Triangulation::Anisotropic => [0.75 * p[0], 0.75 * p[1], 1.8 * p[2]],
         Triangulation::Graded => p.map(|t| t + 0.52 * half / PI * libm::sin(PI * t / half)),

@@ -1,0 +1,44 @@
+//! The tasks and their help.
+
+/// The name and the description of each task.
+pub(crate) const TASKS: [(&str, &str); 8] = [
+    ("reproduce", "Run the experiments and write the report"),
+    ("report", "Write the pages of a report again, from its results.json"),
+    ("data", "Generate the meshes of data/, or check them"),
+    ("bench", "Time one task inside the process, or builds from an empty target folder"),
+    ("benchmark", "Measure, tune and train denoisers on generated models with noise"),
+    (
+        "tidy",
+        "Check the tree against its rules: arrows between crates, lengths of files, the README",
+    ),
+    (
+        "wheel",
+        "Build the wheel of the Python package into target/wheels, with maturin from the package index",
+    ),
+    (
+        "test",
+        "Run everything that guards a merge: tidy, format, lints, tests, reference values, Python",
+    ),
+];
+
+/// Help of the task `test`.
+pub(crate) const TEST_HELP: &str = "\
+Run everything that guards a merge: tidy, format, lints, documentation, tests, examples, reference values, Python
+
+The Python package is tested in a virtual environment, for which pip fetches packages; where it cannot, these tests are
+skipped by name.
+
+Usage: cargo xtask test [--python]
+
+Options:
+      --python  Also build the wheel, install it, and run what is slow: data sets on a cluster, notebooks, type checkers
+  -h, --help    Print help";
+
+/// The tasks, a line each.
+pub(crate) fn help() -> String {
+    let mut text = "Usage: cargo xtask TASK [OPTIONS]\n\nTasks:\n".to_owned();
+    for (name, about) in TASKS {
+        text += &format!("  {name:<10} {about}\n");
+    }
+    text + "\nThe options of a task: cargo xtask TASK --help"
+}
