@@ -16,7 +16,7 @@ use crate::verdict::Judgement;
 /// Experiments know nothing of files, clocks or printing: the runner loads
 /// inputs, times, writes, draws the page and records where numbers come from.
 pub trait Experiment: Sync {
-    /// What it is about.
+    /// Title, question, method and parameters.
     fn card(&self) -> Card;
 
     /// Measures. Everything random is drawn from [`Context::seed`], so that a
@@ -46,9 +46,9 @@ pub struct Card {
     pub id: &'static str,
     /// The title, a few words.
     pub title: &'static str,
-    /// What is asked.
+    /// The question.
     pub question: &'static str,
-    /// How it is answered, in short. Paragraphs are separated by an empty line.
+    /// The method in short. Paragraphs are separated by an empty line.
     pub method: String,
     /// The formulas behind the method, in TeX, without dollars.
     pub formulas: Vec<String>,
@@ -61,7 +61,7 @@ pub struct Card {
     pub parameters: Vec<(&'static str, String)>,
 }
 
-/// What the runner hands to an experiment.
+/// Inputs, seeds and settings of a run, handed to an experiment by the runner.
 pub struct Context<'a> {
     inputs: &'a Inputs,
     progress: &'a dyn Progress,
@@ -95,12 +95,12 @@ impl<'a> Context<'a> {
         self.inputs.source(input).map(|_| self.inputs.mesh(input)).transpose()
     }
 
-    /// Whether a mesh plays this part, be it a stand-in.
+    /// Returns true if a mesh plays this part, be it a stand-in.
     pub fn is_present(&self, input: Input) -> bool {
         self.inputs.source(input).is_some()
     }
 
-    /// Whether a stand-in plays this part.
+    /// Returns true if a stand-in plays this part.
     pub fn is_stand_in(&self, input: Input) -> bool {
         self.inputs.source(input).is_some_and(|source| source.stand_in)
     }
@@ -112,7 +112,7 @@ impl<'a> Context<'a> {
         bytes[..8].iter().fold(0, |seed, &b| seed << 8 | u64::from(b))
     }
 
-    /// Whether to get by with small sizes and few repetitions.
+    /// Returns true for small sizes and few repetitions.
     pub fn is_quick(&self) -> bool {
         self.quick
     }

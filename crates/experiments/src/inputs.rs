@@ -126,7 +126,7 @@ impl Pair {
     }
 }
 
-/// How one input is known.
+/// Names and digests of one input.
 struct Known {
     /// The name of the assignment's file.
     file: &'static str,

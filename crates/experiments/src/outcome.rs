@@ -1,4 +1,4 @@
-//! What an experiment returns.
+//! Results of an experiment.
 
 use fairing_figure::Image;
 use fairing_mesh::TriMesh;
@@ -33,19 +33,19 @@ pub struct Picture {
     pub id: String,
     /// The caption, as full sentences.
     pub caption: String,
-    /// What a person who cannot see it should be told.
+    /// A description for readers who cannot see it.
     pub alt: String,
     /// The picture.
     pub image: Image,
     /// The picture as SVG, where a vector form helps (plots).
     pub svg: Option<String>,
-    /// Which views show what the points of a plot stand for.
+    /// Views that show the meshes behind the points of a plot.
     pub links: Vec<PlotLink>,
 }
 
 impl Picture {
-    /// The same picture, of whose plot titled `plot` the series `series` is shown by a view as a slider over the
-    /// horizontal axis moves; an empty title or name is any.
+    /// The same picture, of whose plot titled `plot` the series `series` is shown by a view as a
+    /// slider over the horizontal axis moves; an empty title or name is any.
     #[must_use]
     pub fn linked(mut self, plot: &str, series: &str, view: &str, slider: &str) -> Self {
         let [plot, series, view, slider] = [plot, series, view, slider].map(String::from);
@@ -59,7 +59,7 @@ impl Picture {
 pub struct MeshOutput {
     /// Unique within the experiment; the file's name.
     pub id: String,
-    /// What it is.
+    /// The caption.
     pub caption: String,
     /// The mesh.
     pub mesh: TriMesh,
@@ -72,13 +72,13 @@ pub struct MeshOutput {
 pub struct Attachment {
     /// Its name, unique within the experiment.
     pub name: String,
-    /// What it is.
+    /// The description.
     pub about: String,
-    /// What it holds.
+    /// The content.
     pub content: Content,
 }
 
-/// What a file holds.
+/// The content of a file.
 #[derive(Debug, Clone)]
 pub enum Content {
     /// Text as it is.

@@ -15,7 +15,7 @@ const ENTRIES: usize = 256;
 /// Bits of each channel that tell colours apart while the palette is chosen.
 const BITS: u32 = 5;
 
-/// How often choices move to the mean of what they stand for.
+/// Rounds in which choices move to the mean of their colours.
 const ROUNDS: usize = 4;
 
 /// Colours that make up more of a picture than this get an entry of their own:

@@ -12,7 +12,7 @@ pub trait Progress: Sync {
         let _ = (title, expected_seconds);
     }
 
-    /// How much of the current experiment is done, 0 to 1, and what comes next.
+    /// Shows the fraction of the current experiment that is done, and the next step.
     fn within(&self, done: f64, what: &str) {
         let _ = (done, what);
     }

@@ -42,7 +42,7 @@ pub struct Parameter {
     pub default: Option<Value>,
     /// Parameters that cannot be given together with this one.
     pub excludes: &'static [&'static str],
-    /// Whether the algorithm needs a value.
+    /// True if the algorithm needs a value.
     pub required: bool,
 }
 

@@ -64,7 +64,7 @@ pub struct Entry<O> {
     pub without: &'static [&'static str],
     /// The defaults under this name.
     pub options: O,
-    /// Whether options have this name.
+    /// Returns true if options have this name.
     pub is: fn(&O) -> bool,
 }
 

@@ -51,7 +51,7 @@ impl Range {
         Self::new(self.low, Included(high))
     }
 
-    /// Whether the number is finite and within the bounds.
+    /// Returns true if the number is finite and within the bounds.
     pub fn contains(&self, value: f64) -> bool {
         let above = match self.low {
             Included(low) => value >= low,

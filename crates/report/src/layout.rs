@@ -1,4 +1,4 @@
-//! What of a section is seen at once, and what the folded rest is called.
+//! Parts of a section seen at once, and names of the folded rest.
 
 use fairing_results::results::Record;
 
@@ -10,8 +10,9 @@ fn is_laid_out(record: &Record) -> bool {
     record.section.act.is_some() && record.section.figures.iter().all(has)
 }
 
-/// Returns whether a figure, a view or a playground is seen at once. Of a section that does not say so those are its
-/// playground, its first view and its plots; its first figure where it has none of them.
+/// Returns whether a figure, a view or a playground is seen at once. Of a section that does not say
+/// so those are its playground, its first view and its plots; its first figure where it has none of
+/// them.
 pub(crate) fn shows_figure(record: &Record, id: &str) -> bool {
     if record.section.playground.as_ref().is_some_and(|own| own.id() == id) {
         return true;

@@ -128,7 +128,7 @@ fn found_in(claim: &Judgement) -> String {
     format!("{} {}", claim.id, finding.trim_end_matches('.'))
 }
 
-/// What was found, a line for each verdict.
+/// The findings, a line for each verdict.
 fn found(results: &Results) -> String {
     let mut text = String::new();
     for (verdict, words) in story::GROUPS {
@@ -180,7 +180,8 @@ fn meshes(results: &Results) -> String {
     text
 }
 
-/// How many claims of the original report hold, and what a student should remember: two paragraphs.
+/// The number of claims of the original report that hold, and the lessons for a student: two
+/// paragraphs.
 pub fn summary(results: &Results) -> String {
     let lessons = story::lessons(results);
     match lessons.is_empty() {
@@ -189,8 +190,9 @@ pub fn summary(results: &Results) -> String {
     }
 }
 
-/// A table of claims, those of the original report or our own, with links into the report at `place`: for each its
-/// verdict, what is true in one sentence, and the number that decided; nothing if there is no claim.
+/// A table of claims, those of the original report or our own, with links into the report at
+/// `place`: for each its verdict, what is true in one sentence, and the number that decided;
+/// nothing if there is no claim.
 pub fn claim_table(results: &Results, ours: bool, place: &str) -> String {
     let mut rows = String::new();
     for (record, claim) in results.claims().into_iter().filter(|(_, c)| c.ours == ours) {
@@ -324,13 +326,14 @@ pub(crate) fn named(column: &Column) -> String {
     column.name.replace("lambda", "λ")
 }
 
-/// The columns that are shown: those that are not meant for the CSV alone, the first [`WIDE`] of them.
+/// The columns that are shown: those that are not meant for the CSV alone, the first [`WIDE`] of
+/// them.
 pub(crate) fn columns(table: &Table) -> Vec<usize> {
     let shown = (0..table.columns.len()).filter(|&c| !table.columns[c].aside);
     shown.take(WIDE).collect()
 }
 
-/// What is said of the columns that are not shown.
+/// A remark on the columns that are not shown.
 pub(crate) fn left_out(table: &Table) -> String {
     match table.columns.len() - columns(table).len() {
         0 => String::new(),

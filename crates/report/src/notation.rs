@@ -79,7 +79,7 @@ mod tests {
         Results::read(&path).unwrap()
     }
 
-    /// Whether a text has this letter as a word: `0.5 h`, `σ/h`, but not `the`.
+    /// Returns true if a text has this letter as a word: `0.5 h`, `σ/h`, but not `the`.
     fn has(text: &str, letter: char) -> bool {
         let part = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || c == '_');
         text.char_indices().any(|(at, c)| {
@@ -118,7 +118,8 @@ mod tests {
         }
     }
 
-    /// The letters of a formula: characters and commands, an index that is part of a name with them.
+    /// The letters of a formula: characters and commands, an index that is part of a name with
+    /// them.
     fn letters(formula: &str) -> Vec<String> {
         const SETTING: [&str; 18] = [
             "frac", "tfrac", "Big", "big", "left", "right", "qquad", "quad", "sum", "log", "cos",
@@ -155,7 +156,8 @@ mod tests {
         found
     }
 
-    /// A letter of a formula is in the list, for this section: another meaning needs another letter.
+    /// A letter of a formula is in the list, for this section: another meaning needs another
+    /// letter.
     #[test]
     fn formulas_use_letters_in_one_meaning() {
         assert_eq!(

@@ -22,7 +22,7 @@ impl Item<'_> {
     }
 }
 
-/// Whether a picture is shown as the still of a view rather than by itself: a picture or a view, not both.
+/// Returns true if a picture is shown as the still of a view rather than by itself.
 pub(crate) fn is_paper(record: &Record, figure: &FigureFile) -> bool {
     figure.svg.is_none() && record.views.iter().any(|view| view.fallback == figure.id)
 }
@@ -38,8 +38,8 @@ pub(crate) fn first_numbers(results: &Results) -> Vec<(&Record, usize)> {
     numbered.collect()
 }
 
-/// The place of a picture or a playground among the numbered parts of its section; that of the view that it is the
-/// still of.
+/// The place of a picture or a playground among the numbered parts of its section; that of the view
+/// that it is the still of.
 pub(crate) fn place(record: &Record, id: &str) -> Option<usize> {
     let (items, _) = parts(record);
     let own = items.iter().position(|item| !matches!(item, Item::View(..)) && item.id() == id);

@@ -1,4 +1,4 @@
-//! What the folder of a report holds.
+//! Contents of the folder of a report.
 
 use std::fs;
 use std::path::Path;
@@ -35,7 +35,8 @@ pub fn publish(mut results: Results, folder: &Path, form: Form) -> Result<Result
     Ok(results)
 }
 
-/// Packs the data of views for the page; a small report has no page, and keeps a small picture of the mesh.
+/// Packs the data of views for the page; a small report has no page, and keeps a small picture of
+/// the mesh.
 fn pack(record: &mut Record, folder: &Path, form: Form) -> Result<()> {
     let id = record.id.clone();
     record.views.par_iter_mut().try_for_each(|entry| {
@@ -53,8 +54,8 @@ fn pack(record: &mut Record, folder: &Path, form: Form) -> Result<()> {
     })
 }
 
-/// A small report has pictures in the small one of their two sizes; a whole one has both, and its page holds the small
-/// one and links the large one. Plots are in the page as lines.
+/// A small report has pictures in the small one of their two sizes; a whole one has both, and its
+/// page holds the small one and links the large one. Plots are in the page as lines.
 fn choose_pictures(record: &mut Record, folder: &Path, form: Form) -> Result<()> {
     for figure in &mut record.figures {
         if figure.svg.is_none() && form == Form::Whole {

@@ -8,8 +8,8 @@ use fairing_results::results::{Form, Results};
 
 use crate::{markdown, page};
 
-/// Writes `report.md`, and `report.html` unless the report is small, into the folder of a report, from its
-/// `results.json` and the pictures and views that this names.
+/// Writes `report.md`, and `report.html` unless the report is small, into the folder of a report,
+/// from its `results.json` and the pictures and views that this names.
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! What a section does, in a few lines of Rust: from an example that is compiled and run by the tests.
+//! Lines of Rust for each section, from an example that is compiled and run by the tests.
 
 const SOURCE: &str = include_str!("../../fairing/examples/report.rs");
 

@@ -1,4 +1,4 @@
-//! How the experiments follow one another as an article: the title, three acts with bridges between their sections, and
+//! Order of the experiments as an article: the title, three acts, and
 //! the rules at the end. No number is written here: those come from the results.
 
 use fairing_results::results::{Record, Results};
@@ -8,7 +8,7 @@ use fairing_results::verdict::Verdict;
 /// The title of the report.
 pub(crate) const TITLE: &str = "What the Laplacian says about a mesh, and what it does to it";
 
-/// What the report is about, before what was found.
+/// The subject of the report, before its findings.
 pub(crate) const ABOUT: &str = "A solved coursework report on discrete curvature, spectra and smoothing of triangle \
     meshes, done again. One command runs, draws and measures every experiment, and each claim is tested by numbers.";
 
@@ -17,7 +17,7 @@ pub(crate) struct Act {
     /// Its name in links.
     pub(crate) id: &'static str,
     pub(crate) title: &'static str,
-    /// What it is about, in a sentence or two.
+    /// Its subject, in a sentence or two.
     pub(crate) about: &'static str,
     act: section::Act,
 }
@@ -46,7 +46,7 @@ pub(crate) const ACTS: [Act; 3] = [
     },
 ];
 
-/// How many claims of the original report hold, in a sentence; nothing without claims.
+/// The number of claims of the original report that hold, in a sentence; empty without claims.
 pub(crate) fn tally(results: &Results) -> String {
     let counts: Vec<(usize, &str)> = GROUPS
         .iter()
@@ -71,7 +71,7 @@ pub(crate) fn tally(results: &Results) -> String {
     }
 }
 
-/// What a student should remember: the first sentence of each rule, as one line; nothing without rules.
+/// The lessons for a student: the first sentence of each rule, as one line; empty without rules.
 pub(crate) fn lessons(results: &Results) -> String {
     let mut text = rules(results).iter().map(|rule| rule.lesson()).collect::<Vec<_>>().join("; ");
     // Letters of formulas are not capitals: only the first of each lesson is.
@@ -124,7 +124,7 @@ pub(crate) const GROUPS: [(Verdict, &str); 4] = [
     (Verdict::Undecided, "Undecided"),
 ];
 
-/// What we would tell the student.
+/// Advice to the student.
 const RULES: [Rule; 6] = [
     Rule {
         text: "Divide by an area, and say which one. Half the length of the uniform Laplacian is a length, not a \

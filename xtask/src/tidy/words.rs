@@ -36,28 +36,9 @@ pub(super) fn openings(root: &Path) -> Result<Vec<String>> {
     Ok(broken)
 }
 
-/// Folders whose comments have not been revised yet.
-const PENDING: [&str; 13] = [
-    "crates/benchmark",
-    "crates/denoising",
-    "crates/experiments",
-    "crates/figure",
-    "crates/parameters",
-    "crates/report",
-    "crates/reproduce",
-    "crates/results",
-    "crates/shapes",
-    "crates/smoothing",
-    "crates/sparse",
-    "crates/spectral",
-    "python",
-];
-
 fn rust(root: &Path) -> Result<impl Iterator<Item = (PathBuf, String)>> {
     let texts = sources::texts(root)?.into_iter();
-    let is_pending = |path: &PathBuf| PENDING.iter().any(|folder| path.starts_with(folder));
-    Ok(texts
-        .filter(move |(path, _)| path.extension().is_some_and(|e| e == "rs") && !is_pending(path)))
+    Ok(texts.filter(|(path, _)| path.extension().is_some_and(|e| e == "rs")))
 }
 
 /// The line, from 1, and the first word of each documentation that opens with one of [`OPENINGS`].

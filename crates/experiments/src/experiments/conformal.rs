@@ -60,7 +60,7 @@ pub(super) fn table(levels: &[u32]) -> Result<Table> {
     Ok(table)
 }
 
-/// How far each vertex is off the mean distance from the centroid of the surface, over that distance.
+/// The distance of each vertex from the sphere of mean radius about the centroid, over that radius.
 fn off_sphere(mesh: &TriMesh) -> Vec<f64> {
     let mut centre = [0.0; 3];
     for f in 0..mesh.face_count() {

@@ -360,7 +360,8 @@ fn averages(scores: &Table, levels: &[f64]) -> Result<Picture> {
     )
 }
 
-/// The body at the highest level, to turn: noisy, after the denoiser of a slider, and without noise.
+/// The body at the highest level, to turn: noisy, after the denoiser of a slider, and without
+/// noise.
 fn view(body: &Body, level: f64, restored: &[TriMesh]) -> Result<View> {
     let truth = &body.truth;
     let (noisy, results) = restored.split_first().context("no noisy mesh")?;

@@ -405,7 +405,7 @@ fn plot(errors: &Table, column: &str, what: &str) -> Result<Picture> {
     )
 }
 
-/// How many estimators stand out in a plot for their small errors.
+/// Number of estimators that stand out in a plot for their small errors.
 const WINNERS: usize = 2;
 
 /// The estimator that the others are compared with.

@@ -12,14 +12,15 @@ use crate::experiment::Context;
 use crate::outcome::Picture;
 use crate::view::{Panel, Slider, View};
 
-/// What the estimators find, and what is true.
+/// Estimates and true values.
 pub(super) struct EveryEstimator {
     mesh: TriMesh,
     /// Exact H and K at the vertices.
     exact: [Vec<f64>; 2],
     /// In the order of [`Estimator::all()`].
     fields: Vec<CurvatureField>,
-    /// The place of the estimator that the others are compared with, and that of the recommended one.
+    /// The place of the estimator that the others are compared with, and that of the recommended
+    /// one.
     shown: [usize; 2],
 }
 

@@ -20,7 +20,7 @@ use crate::verdict::{Judgement, Shown, Verdict};
 /// The largest ratio that is wanted on families that nothing was chosen on.
 const BAR: f64 = 1.1;
 
-/// How many of the worst cases of each set are named.
+/// Number of worst cases named for each set.
 const NAMED: usize = 5;
 
 /// Adds the tables of the whole bed, from the results that the repository
@@ -258,7 +258,7 @@ fn again(case: &Case, published: &Published) -> Result<(Found, Picture)> {
     Ok((now, picture))
 }
 
-/// Whether the bar is met on the families that no choice was based on, the unseen and the
+/// Judges the bar on the families that no choice was based on, the unseen and the
 /// fresh ones; `None` where the results are left out.
 pub(super) fn judge(tables: Tables<'_>) -> Result<Option<Judgement>> {
     let Ok(sets) = tables.get("sets") else { return Ok(None) };
@@ -311,7 +311,7 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Option<Judgement>> {
     Ok(Some(judgement))
 }
 
-/// How the automatic denoiser does on a set.
+/// Results of the automatic denoiser on a set.
 struct Standing {
     cases: f64,
     median: f64,

@@ -30,7 +30,8 @@ const END: f64 = 0.1;
 /// The noise of the comparison in mean edge lengths.
 const SIGMA: f64 = 0.2;
 
-/// A shape this close to its best sphere is round: the error of the discrete operator on coarse meshes.
+/// A shape this close to its best sphere is round: the error of the discrete operator on coarse
+/// meshes.
 const ROUND: f64 = 0.02;
 
 /// The place and the words of the section.
@@ -229,7 +230,8 @@ fn stop(name: &str) -> usize {
     compared().position(|method| method.name() == name).unwrap_or_default()
 }
 
-/// The noisy mesh, what each method makes of it, and the truth, on a coarser mesh than that of the table.
+/// The noisy mesh, what each method makes of it, and the truth, on a coarser mesh than that of the
+/// table.
 fn view(context: &Context<'_>) -> Result<View> {
     let (truth, mut results) = restored(context, context.choose(4, 3))?;
     let (_, noisy) = results.remove(0);

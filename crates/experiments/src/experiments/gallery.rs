@@ -25,17 +25,17 @@ pub(super) struct Look<'a> {
 pub(super) struct Coloring<'a> {
     /// The values.
     pub(super) field: &'a ScalarCurvature,
-    /// Which of them rule the range.
+    /// Vertices that set the range.
     pub(super) range: Range,
     /// The recipe.
     pub(super) options: ScaleOptions,
-    /// What stands at the colour bar.
+    /// The title of the colour bar.
     pub(super) quantity: &'a str,
     /// Its unit.
     pub(super) unit: &'a str,
 }
 
-/// Which vertices rule the range of the colours.
+/// Vertices that set the range of the colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Range {
     /// All of them, as the assignment has it.
@@ -50,11 +50,11 @@ pub(super) struct Gallery<'a> {
     pub(super) looks: Vec<Look<'a>>,
     /// The rows.
     pub(super) viewpoints: &'a [Viewpoint],
-    /// Which axis points upward.
+    /// The axis that points upward.
     pub(super) up: Up,
     /// Width over height of each picture.
     pub(super) aspect: f64,
-    /// Whether hollows are darker: half of the work of a picture, which quick runs leave out.
+    /// True for darker hollows: half of the work of a picture, which quick runs leave out.
     pub(super) occlusion: bool,
 }
 

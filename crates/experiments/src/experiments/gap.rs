@@ -1,11 +1,11 @@
-//! How many modes may be kept: a truncation between equal or nearly equal
+//! Numbers of modes that may be kept: a truncation between equal or nearly equal
 //! eigenvalues depends on the basis that a solver happened to choose in their
 //! eigenspace, and is no property of the mesh.
 
 use anyhow::{Result, ensure};
 use fairing_spectral::{SpectralError, Spectrum};
 
-/// How far numbers that depend on a truncation may move between processors.
+/// Tolerance, between processors, of numbers that depend on a truncation.
 pub(super) const ANGLE: f64 = Spectrum::GAP_ANGLE;
 
 /// The relative gap after the first k modes; infinite after all of them.

@@ -15,7 +15,7 @@ pub(super) struct Grid<'a> {
     pub(super) rows: Vec<Row<'a>>,
     /// Where all are seen from.
     pub(super) viewpoint: Viewpoint,
-    /// Which axis points upward.
+    /// The axis that points upward.
     pub(super) up: Up,
     /// Width over height of each picture.
     pub(super) aspect: f64,
@@ -29,7 +29,7 @@ pub(super) struct Row<'a> {
     pub(super) frame: &'a TriMesh,
     /// The meshes.
     pub(super) meshes: Vec<&'a TriMesh>,
-    /// What stands below each of them; above the columns if it is the same in
+    /// Text below each of them; above the columns if it is the same in
     /// all rows.
     pub(super) titles: Vec<String>,
 }

@@ -1,4 +1,4 @@
-//! What questions 5 and 6 smooth: noisy meshes with a ground truth, and how far from it a flow ends.
+//! Noisy meshes with a ground truth for questions 5 and 6, and scores of flows.
 
 use anyhow::{Context as _, Result};
 use fairing_evaluation::{SurfaceTree, drift, feature_edges, normal_error, vertex_displacement};
@@ -25,12 +25,13 @@ pub(super) struct Model {
     pub(super) truth: TriMesh,
     /// The surface of the truth.
     surface: SurfaceTree,
-    /// Whether its pictures have occlusion.
+    /// True if its pictures have occlusion.
     pub(super) occlusion: bool,
 }
 
-/// Distances between surfaces are measured at no more than about so many vertices of each, every mth: a root mean
-/// square over n independent values is known to 1/√(2n), here 1.6 %, and comparisons over λ use the same vertices.
+/// Distances between surfaces are measured at no more than about so many vertices of each, every
+/// mth: a root mean square over n independent values is known to 1/√(2n), here 1.6 %, and
+/// comparisons over λ use the same vertices.
 pub(super) const SAMPLES: usize = 2000;
 
 /// Every mth vertex, from as many as there are to half of [`SAMPLES`] at least.
@@ -94,7 +95,7 @@ impl Model {
         implicit(&self.noisy, &options, None)
     }
 
-    /// How `mesh` compares with the truth and with the input.
+    /// Compares `mesh` with the truth and with the input.
     pub(super) fn measure(&self, mesh: &TriMesh) -> Result<Measures> {
         let change = drift(mesh, &self.truth);
         let moved = vertex_displacement(mesh, &self.noisy)?;
@@ -111,8 +112,8 @@ impl Model {
             (n > 0.0).then(|| (squares.iter().sum::<f64>() / n).sqrt() / self.h())
         };
         let growth = mesh.diagonal() / self.noisy.diagonal();
-        // A mesh that has collapsed to a point has no normals but those of rounding, and one without creases no
-        // recall.
+        // A mesh that has collapsed to a point has no normals but those of rounding, and one
+        // without creases no recall.
         let is_shape = growth > POINT;
         let forward = rms_distance(&sampled(mesh), &self.surface) / self.h();
         let backward = rms_distance(&sampled(&self.truth), &SurfaceTree::new(mesh)?) / self.h();
@@ -133,15 +134,15 @@ impl Model {
     }
 }
 
-/// How a flow ended.
+/// The end of a flow.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Measures {
     /// Mean angle between normals of faces and of the truth, in degrees.
     pub(super) normal: Option<f64>,
     /// Root mean square distance of the vertices from the surface of the truth, in h.
     pub(super) vertex: f64,
-    /// Root mean square distance between the surfaces both ways, from the vertices of each to the other, in h: what has
-    /// shrunk within the truth leaves vertices of the truth behind.
+    /// Root mean square distance between the surfaces both ways, from the vertices of each to the
+    /// other, in h: what has shrunk within the truth leaves vertices of the truth behind.
     pub(super) surface: f64,
     /// Change of volume relative to the truth in percent; `None` if open.
     pub(super) volume: Option<f64>,
@@ -241,8 +242,8 @@ mod tests {
         mesh.with_positions(moved.collect()).unwrap()
     }
 
-    /// Inside its own plane a patch can shrink without a trace in its normals or in the distance of its vertices
-    /// from the truth. What it leaves behind is found by the distance back.
+    /// Inside its own plane a patch can shrink without a trace in its normals or in the distance of
+    /// its vertices from the truth. What it leaves behind is found by the distance back.
     #[test]
     fn the_surface_error_sees_a_patch_shrink() {
         let patch = shapes::plane(16, 16, shapes::Diagonals::Alternating);

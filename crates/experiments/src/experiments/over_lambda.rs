@@ -103,7 +103,7 @@ pub(super) struct OverLambda<'a> {
     pub(super) lambdas: &'a [f64],
     /// Steps at each λ.
     pub(super) iterations: usize,
-    /// How many of the λ views show: what diverges cannot be shown beside the rest.
+    /// Number of λ shown by the views: a diverging flow cannot be shown beside the others.
     pub(super) viewed: usize,
     /// The flow.
     pub(super) run: fn(&Model, f64, usize) -> Result<Smoothed, FlowError>,
@@ -125,7 +125,8 @@ impl OverLambda<'_> {
         );
         let mut table = Table::new("flows", &caption, &columns)
             .aside(&["vertex error", "displacement", "largest displacement", "growth"])
-            // What has diverged is mostly its roughest mode, what has collapsed is a point: rounding has its say.
+            // What has diverged is mostly its roughest mode, what has collapsed is a point:
+            // rounding has its say.
             .tolerance("normal error", Some(Tolerance::LOOSE));
         for (i, model) in models.iter().enumerate() {
             context.progress(0.15 * i as f64, model.name);
@@ -156,7 +157,7 @@ impl OverLambda<'_> {
         Ok(table)
     }
 
-    /// What a reader should look for.
+    /// The effect visible in the picture.
     fn to_see(&self) -> &'static str {
         match self.kind {
             "explicit" => "Noise goes first, then the creases; the longest steps make it explode.",
@@ -292,8 +293,8 @@ const SMALL: f64 = 0.15;
 /// Below this share of the squared diagonal there is no area to be seen.
 const LINE: f64 = 1e-3;
 
-/// A smoothed mesh as it is drawn beside its input, and what its title says of that: meshes that have diverged or
-/// shrunk are drawn at the size of the input.
+/// A smoothed mesh as it is drawn beside its input, and what its title says of that: meshes that
+/// have diverged or shrunk are drawn at the size of the input.
 fn drawn(mesh: &TriMesh, input: &TriMesh) -> Result<(TriMesh, String)> {
     let growth = mesh.diagonal() / input.diagonal();
     if growth < POINT {

@@ -132,7 +132,7 @@ impl Experiment for UniformCurvature {
     }
 }
 
-/// What the pictures of a mesh show.
+/// Pictures of a mesh.
 struct Pictures<'a> {
     name: &'a str,
     mesh: &'a TriMesh,

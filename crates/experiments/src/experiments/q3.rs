@@ -51,7 +51,7 @@ const ESTIMATORS: [Estimator; 3] = [
 /// An order above this is convergence.
 const CONVERGES: f64 = 0.5;
 
-/// What counts as zero on a plane, as a multiple of 1 / mean edge length.
+/// Largest value taken for zero on a plane, as a multiple of 1 / mean edge length.
 const ZERO: f64 = 1e-9;
 
 /// The place and the words of the section.
@@ -193,8 +193,8 @@ impl Experiment for CotangentCurvature {
     }
 }
 
-/// The highest observed orders of the cotangent operator on jittered meshes: in the root mean square, and of the largest
-/// error.
+/// The highest observed orders of the cotangent operator on jittered meshes: in the root mean
+/// square, and of the largest error.
 fn jittered_orders(orders: &Table) -> Result<[f64; 2]> {
     let jittered = orders
         .only(&[("sampling", Sampling::Jittered.name().into()), ("estimator", COTANGENT.into())])?;
@@ -226,7 +226,8 @@ fn ratios(errors: &Table) -> Result<Vec<f64>> {
     Ok(ratios)
 }
 
-/// The largest values on planes: of the cotangent operator inside and on boundaries, and of the uniform one inside.
+/// The largest values on planes: of the cotangent operator inside and on boundaries, and of the
+/// uniform one inside.
 fn on_planes(planes: &Table) -> Result<[f64; 3]> {
     let largest = |operator: &str, column: &str| -> Result<f64> {
         let rows = planes.only(&[("operator", operator.into())])?;
@@ -300,7 +301,7 @@ fn pictures(
     Ok([assignment, diverging])
 }
 
-/// Whether both operators give zero at all vertices, as on a plane.
+/// Returns true if both operators give zero at all vertices, as on a plane.
 fn is_flat(mesh: &TriMesh, uniform: &MeanCurvature, cotangent: &MeanCurvature) -> bool {
     let h = mesh.mean_edge_length();
     let is_zero = |mean: &MeanCurvature| mean.signed.iter().all(|x| h * x.abs() < ZERO);
@@ -399,7 +400,7 @@ fn sizes(mean: &MeanCurvature) -> ScalarCurvature {
     ScalarCurvature::new(mean.norms(), mean.status.clone(), mean.boundary.clone())
 }
 
-/// What the operators return on planes, where all of it is wrong.
+/// Results of the operators on planes, where all of it is wrong.
 fn planes(context: &Context<'_>) -> Result<Table> {
     let mut table = Table::new(
         "planes",

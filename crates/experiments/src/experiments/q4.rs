@@ -46,7 +46,7 @@ const ROUNDING: f64 = 1e-9;
 /// Predicted errors below this are rounding, over the diagonal.
 const FLOOR: f64 = 1e-12;
 
-/// What the angle of the kept space leaves open.
+/// Tolerance left by the angle of the kept space.
 const TRUNCATED: Tolerance = Tolerance { relative: gap::ANGLE, absolute: 1e-9 };
 
 const VIEWS: [Viewpoint; 2] = [
@@ -170,14 +170,14 @@ fn orders(tables: Tables<'_>) -> Result<[f64; 2]> {
     Ok([least, orders.iter().copied().fold(f64::NEG_INFINITY, f64::max)])
 }
 
-/// What is said of an error that falls with every step.
+/// Words for an error that falls with every step.
 const FALLS: &str =
     "The error falls with every step of k, as it must for modes that are orthonormal in the mass";
 
 /// And of one that does not.
 const RISES: &str = "The error does not fall with every step of k";
 
-/// What the last stop leaves, in words.
+/// The error at the last stop, in words.
 fn what_is_left(modes: f64, complete: bool, last: f64) -> String {
     match complete {
         true if last < ROUNDING => format!("all {modes} modes leave rounding only"),
@@ -457,9 +457,9 @@ fn modes_picture(
     )
 }
 
-/// Eigenvalues and the energies of the positions in each cluster of them. The coefficients of single modes depend on
-/// signs, and within a cluster on the basis, which are the solver's choice; their squares, summed over a cluster, are
-/// not.
+/// Eigenvalues and the energies of the positions in each cluster of them. The coefficients of
+/// single modes depend on signs, and within a cluster on the basis, which are the solver's choice;
+/// their squares, summed over a cluster, are not.
 fn energies(id: &str, name: &str, mesh: &TriMesh, modes: &Spectrum) -> Result<Attachment> {
     let c = modes.transform(ArrayView2::from(mesh.positions()))?;
     let mut csv = String::from("first mode,last mode,least eigenvalue,greatest eigenvalue,x,y,z\n");

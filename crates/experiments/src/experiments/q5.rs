@@ -165,7 +165,7 @@ fn extremes(values: &[f64]) -> [f64; 2] {
     [least, values.iter().copied().fold(f64::NEG_INFINITY, f64::max)]
 }
 
-/// What the largest step does, in words.
+/// The effect of the largest step, in words.
 fn at_the_largest(growth: f64, eigenvalue: f64) -> String {
     let grown = brief(growth);
     match growth > DIVERGED {
@@ -182,13 +182,14 @@ fn at_the_largest(growth: f64, eigenvalue: f64) -> String {
 /// Best steps that differ by no more than this factor are alike.
 const ALIKE: f64 = 1.5;
 
-/// What is said of best steps that are not.
+/// Words for best steps that differ.
 const SEVERAL: &str = "There is no best λ as such.";
 
 /// A change of area above this is visible, in percent.
 const SEEN: f64 = 5.0;
 
-/// Which of the four steps comes closest on the patch and on the machine part, by surfaces and by normals.
+/// The step among the four that comes closest on the patch and on the machine part, by surface
+/// and by normals.
 fn closest(favourites: &[f64], area: f64) -> String {
     let pair = |patch: f64, part: f64| match patch == part {
         true => format!("λ = {} on both meshes", brief(patch)),

@@ -44,7 +44,8 @@ const MOVED: f64 = LAMBDAS[4];
 /// The largest λ.
 const LARGEST: f64 = LAMBDAS[5];
 
-/// The number of explicit steps that take as long as the smaller of the two numbers of implicit steps compared.
+/// The number of explicit steps that take as long as the smaller of the two numbers of implicit
+/// steps compared.
 const EQUAL: usize = (COMPARED[0] as f64 * CLAIMED / EXPLICIT) as usize;
 
 /// A growth of the diagonal above one by more than this is an instability, not rounding.
@@ -323,7 +324,7 @@ fn iterations(models: &[Model]) -> Result<Table> {
     Ok(table)
 }
 
-/// What a single step of growing λ leaves.
+/// Result of a single step of growing λ.
 fn limit(models: &[Model]) -> Result<Table> {
     let mut table = Table::new(
         "limit",
@@ -354,7 +355,7 @@ fn limit(models: &[Model]) -> Result<Table> {
     Ok(table.tolerance("left", Some(Tolerance::LOOSE)))
 }
 
-/// How spheres shrink, beside theory.
+/// Shrinking spheres, beside theory.
 fn spheres(context: &Context<'_>) -> Result<Table> {
     let mut table = Table::new(
         "spheres",

@@ -31,11 +31,13 @@ const SWEEP: [f64; 9] = [0.05, 0.1, 0.2, 0.3, 0.45, 0.7, 1.4, 2.0, 3.0];
 /// Those of a quick run.
 const QUICK: [f64; 3] = [0.3, 0.7, 2.0];
 
-/// Seeds of the methods, and of those that take several times as long as all others together. The standard error
-/// of E_a is then well below a degree where a method is near the limit of what counts as kept.
+/// Seeds of the methods, and of those that take several times as long as all others together. The
+/// standard error of E_a is then well below a degree where a method is near the limit of what
+/// counts as kept.
 const SEEDS: [usize; 2] = [5, 3];
 
-/// A denoiser that leaves more than this at one level of noise, in degrees, is not run at higher ones.
+/// A denoiser that leaves more than this at one level of noise, in degrees, is not run at higher
+/// ones.
 const HOPELESS: f64 = 20.0;
 
 /// The place and the words of the section.
@@ -114,8 +116,8 @@ impl Experiment for GrowingNoise {
     }
 }
 
-/// The machine part, and the meshes of the sweep: one with creases, a smooth one, and one with details, each under the
-/// name of what it is.
+/// The machine part, and the meshes of the sweep: one with creases, a smooth one, and one with
+/// details, each under the name of what it is.
 fn bodies(context: &Context<'_>) -> Result<(Body, [Body; 3])> {
     // A quick run is to be quick.
     let quick = context.is_quick();
@@ -202,7 +204,7 @@ impl Running {
     }
 }
 
-/// How many modes the spectral method keeps on each body.
+/// Number of modes kept by the spectral method on each model.
 fn modes<'a>(bodies: impl Iterator<Item = &'a Body>) -> Result<Table> {
     let mut table = Table::new(
         "modes",

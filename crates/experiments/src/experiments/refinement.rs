@@ -12,7 +12,7 @@ use crate::outcome::Picture;
 use crate::row;
 use crate::table::{Table, Unit};
 
-/// What is estimated.
+/// The estimated quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Quantity {
     /// H
@@ -28,7 +28,7 @@ pub(super) struct Estimator {
     pub(super) estimate: fn(&TriMesh) -> Result<Vec<f64>>,
 }
 
-/// How far estimates are from the truth, relative to the size of the truth.
+/// Errors of estimates, relative to the size of the truth.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Deviation {
     /// `√(Σ m (x − x̂)² / Σ m x̂²)` with the barycentric areas m.

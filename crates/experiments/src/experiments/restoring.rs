@@ -54,7 +54,7 @@ impl Method {
     pub(super) const OF_THE_REPORT: [Self; 4] =
         [Self::Explicit, Self::Implicit, Self::ReportExplicit, Self::ReportImplicit];
 
-    /// Whether it is a flow or filter that ignores creases.
+    /// Returns true for a flow or filter that ignores creases.
     pub(super) fn is_linear(self) -> bool {
         Self::OF_THE_REPORT.contains(&self) || matches!(self, Self::Taubin | Self::Spectral)
     }
@@ -65,7 +65,7 @@ impl Method {
 pub(super) struct Steps {
     /// The length of each.
     pub(super) lambda: f64,
-    /// How many.
+    /// The number of modes.
     pub(super) count: usize,
 }
 
@@ -108,7 +108,7 @@ struct Modes {
     kept: Kept,
 }
 
-/// How many modes the spectral method keeps.
+/// Number of modes kept by the spectral method.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Kept {
     /// One in [`MODES`], rounded down.
@@ -139,7 +139,7 @@ impl Body {
         Ok(self)
     }
 
-    /// How many modes [`Method::Spectral`] keeps; `None` if the body has none.
+    /// Number of modes kept by [`Method::Spectral`]; `None` if the model has none.
     pub(super) fn kept_modes(&self) -> Option<Kept> {
         self.modes.as_ref().map(|m| m.kept)
     }
@@ -161,7 +161,7 @@ impl Body {
         })
     }
 
-    /// How far a mesh is from the truth.
+    /// Scores a mesh against the truth.
     pub(super) fn score(&self, mesh: &TriMesh) -> Result<Score> {
         let distances = self.surface.distances(mesh.positions());
         let mean = distances.iter().sum::<f64>() / distances.len() as f64;
@@ -222,7 +222,7 @@ fn implicit_steps(mesh: &TriMesh, steps: Steps) -> Result<TriMesh> {
     Ok(implicit(mesh, &options, None)?.mesh)
 }
 
-/// How far a mesh is from the truth.
+/// Distances of a mesh from the truth.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Score {
     /// E_a: the mean angle between matching normals, in degrees.

@@ -20,7 +20,7 @@ pub(super) enum Sample {
     Graph,
 }
 
-/// How its vertices and edges lie.
+/// Arrangement of its vertices and edges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Layout {
     /// As the construction gives them.
@@ -34,7 +34,7 @@ pub(super) enum Layout {
 
 const GRAPH: WavyGraph = WavyGraph { amplitude: 0.1, wave_number: std::f64::consts::TAU };
 
-/// How far from the border of the graph a vertex counts as inner: beyond the
+/// Least distance from the border of the graph of an inner vertex: beyond the
 /// reach of every neighbourhood on the meshes that orders are read from.
 const MARGIN: f64 = 0.15;
 
@@ -82,7 +82,7 @@ impl Sample {
         }
     }
 
-    /// Whether the surface goes on around a point as far as an estimator looks.
+    /// Returns true if the surface goes on around a point as far as an estimator reaches.
     pub(super) fn is_inner(self, p: [f64; 3]) -> bool {
         match self {
             Self::Closed(_) => true,

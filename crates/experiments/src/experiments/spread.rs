@@ -1,4 +1,4 @@
-//! How the values of a field are spread over a mesh.
+//! Spread of the values of a field over a mesh.
 
 use fairing_operators::curvature::ScalarCurvature;
 

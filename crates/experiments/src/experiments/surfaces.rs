@@ -15,7 +15,7 @@ pub(super) enum TestSurface {
     Ellipsoid,
 }
 
-/// How vertices lie on the surface.
+/// Arrangement of vertices on the surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Sampling {
     /// As the construction gives them.

@@ -17,7 +17,7 @@ pub(super) struct Cache {
     code: String,
 }
 
-/// What is kept beside the files of an experiment.
+/// Entry kept beside the files of an experiment.
 #[derive(Serialize, Deserialize)]
 struct Entry {
     key: String,
@@ -57,7 +57,7 @@ impl Cache {
         self.folder.join(if quick { format!("{id}-quick") } else { id.to_string() })
     }
 
-    /// How long the experiment took the last time, in seconds.
+    /// The time of the last run of the experiment, in seconds.
     pub(super) fn last_seconds(&self, id: &str, quick: bool) -> Option<f64> {
         let text = fs::read_to_string(self.place(id, quick).join("seconds")).ok();
         text.and_then(|t| t.parse().ok())

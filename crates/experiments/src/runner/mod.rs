@@ -21,10 +21,10 @@ use cache::Cache;
 /// The seed of everything random in the report.
 pub const SEED: u64 = 2021;
 
-/// How long an experiment is expected to take that has never run.
+/// Expected time of an experiment that has never run.
 const UNKNOWN_SECONDS: f64 = 5.0;
 
-/// What to run.
+/// Settings of a run.
 #[derive(Debug, Clone)]
 pub struct Plan {
     /// The root of the repository.
@@ -35,11 +35,11 @@ pub struct Plan {
     pub meshes: Option<PathBuf>,
     /// Where finished experiments are kept for the next run.
     pub cache: PathBuf,
-    /// Whether to reduce sizes.
+    /// True for reduced sizes.
     pub quick: bool,
-    /// Whether to run what has been run before.
+    /// True to run again what has been run before.
     pub fresh: bool,
-    /// How long experiments are expected to take that have never run here, in
+    /// Expected times of experiments that have never run here, in
     /// seconds, by id.
     pub expected: HashMap<String, f64>,
 }
@@ -185,7 +185,7 @@ fn measure(
     Ok(record)
 }
 
-/// What a panic said.
+/// The message of a panic.
 fn message(panic: &(dyn std::any::Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(|s| (*s).to_string());
     text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_default()

@@ -16,7 +16,7 @@ use crate::numbers::{Item, is_paper, parts};
 use fairing_results::results::{FigureFile, Record};
 use fairing_results::section::Playground;
 
-/// What is seen at once, then the rest folded under a line that says what it is. Numbered from `first`.
+/// The parts seen at once, then the rest folded under a line of their names. Numbered from `first`.
 pub(super) fn shown(record: &Record, first: usize, folder: &Path) -> Result<String> {
     let (items, seen) = parts(record);
     let one = |(k, item): (usize, &Item<'_>)| {
@@ -72,7 +72,7 @@ impl Item<'_> {
     }
 }
 
-/// What paper says in the place of a view that has no picture of its own: where its numbers are.
+/// The note printed in place of a view without a picture of its own: where its numbers are.
 fn paper_note(all: &[Item<'_>], first: usize, fallback: &str) -> String {
     let is_it = |item: &Item<'_>| match item {
         Item::Picture(figure) => figure.id == fallback,
@@ -113,8 +113,8 @@ pub(super) fn figure_id(record: &Record, figure: &str) -> String {
     format!("figure-{}-{figure}", record.id)
 }
 
-/// A picture as the page shows it: a plot as SVG in the page itself, which follows the theme; else an image, whose
-/// size is said so that the page does not jump when it is loaded.
+/// A picture as the page shows it: a plot as SVG in the page itself, which follows the theme; else
+/// an image, whose size is said so that the page does not jump when it is loaded.
 ///
 /// # Errors
 ///

@@ -126,7 +126,7 @@ fn contents(results: &Results) -> String {
     )
 }
 
-/// What was reproduced and what was found, in about five lines.
+/// The subject and the findings, in about five lines.
 fn opening(results: &Results, picture: &str) -> String {
     let count = |what: &str, n: usize| match n {
         1 => format!("1 {what}"),
@@ -280,7 +280,8 @@ fn meshes(results: &Results, folder: &Path) -> Result<String> {
     ))
 }
 
-/// A row for each claim: its verdict, what is true in a sentence, and the number that decided. Our own are folded.
+/// A row for each claim: its verdict, what is true in a sentence, and the number that decided. Our
+/// own are folded.
 fn claims(results: &Results) -> String {
     let source = claim_table(results, false, "The original report claims");
     let ours = claim_table(results, true, "Fairing claims");

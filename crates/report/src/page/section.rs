@@ -55,7 +55,8 @@ pub(super) fn experiment(
     Ok(text + "</section>")
 }
 
-/// The first paragraph of the method and the formulas; then, folded, the rest, and how to do the same.
+/// The first paragraph of the method and the formulas; then, folded, the rest, and how to do the
+/// same.
 fn method(record: &Record) -> Result<String> {
     let mut text = String::new();
     let mut paragraphs = record.method.split("\n\n").filter(|p| !p.is_empty());
@@ -108,8 +109,8 @@ pub(super) fn verdict(verdict: Verdict) -> String {
     format!("<span class=\"verdict {verdict}\">{verdict}</span>")
 }
 
-/// A link to the view or playground of the page in the state that decided a claim, or to the figure, whose marked line
-/// is the state; nothing where the page has none.
+/// A link to the view or playground of the page in the state that decided a claim, or to the
+/// figure, whose marked line is the state; nothing where the page has none.
 pub(super) fn link(all: &[Record], claim: &Judgement) -> String {
     let Some(Shown { id, state }) = &claim.shown else { return String::new() };
     let is_view = |r: &Record| r.views.iter().any(|v| format!("{}-{}", r.id, v.id) == *id);

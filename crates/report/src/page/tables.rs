@@ -42,7 +42,8 @@ fn table(table: &Table, csv: &str) -> String {
         markdown::left_out(table)
     );
     let rows = table.rows.len();
-    // Hundreds of rows are not for paper: they stay folded there, and the line says how many there are.
+    // Hundreds of rows are not for paper: they stay folded there, and the line says how many there
+    // are.
     let (before, caption, after) = match rows > markdown::LONG {
         true => (
             format!(

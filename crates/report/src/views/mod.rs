@@ -76,7 +76,8 @@ fn describe(view: &View) -> Result<(Value, String)> {
     Ok((about, pack.finish()?))
 }
 
-/// The state in which a view begins: the stops of its sliders, where displacement counts from, and its colours.
+/// The state in which a view begins: the stops of its sliders, where displacement counts from, and
+/// its colours.
 fn begin(view: &View, about: &mut Value) -> Result<()> {
     if !view.start.is_empty() {
         let stops: Vec<usize> = view.sliders.iter().map(|slider| slider.stops.len()).collect();

@@ -78,7 +78,7 @@ impl Pack {
     }
 }
 
-/// How the values of a field become 16-bit integers: evenly in
+/// Quantisation of the values of a field to 16-bit integers: evenly in
 /// `asinh(x / scale)`, which is `x` for values up to the typical `scale` and a
 /// logarithm beyond, so that a few huge values do not take away the digits of
 /// all others.
@@ -124,7 +124,7 @@ impl Quantiser {
 mod tests {
     use super::*;
 
-    /// What `dequantised` of `data.js` does.
+    /// The counterpart of `dequantised` in `data.js`.
     fn value(q: &Quantiser, code: u16) -> f64 {
         q.scale * (q.low + (q.high - q.low) * f64::from(code) / 65_534.0).sinh()
     }

@@ -7,7 +7,7 @@ use serde_json::Value;
 /// A view in the form in which the page reads it.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Packed {
-    /// What the arrays are.
+    /// Description of the arrays.
     pub(crate) about: Value,
     /// The arrays, compressed, in base64.
     pub(crate) data: String,

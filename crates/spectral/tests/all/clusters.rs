@@ -198,7 +198,7 @@ fn times_of_heat_kernels_span_the_spectrum() {
     }
 }
 
-/// That no eigenvalue follows below a bound makes a gap only if the bound is farther away than the
+/// A bound below which no eigenvalue follows makes a gap only if the bound is farther away than the
 /// residual leaves the last mode undetermined.
 #[test]
 fn a_bound_is_a_gap_beyond_the_residual() {

@@ -18,8 +18,8 @@ const SPACINGS: [f64; 5] = [0.3, 0.178, 0.106, 0.063, 0.0375];
 /// Those of a quick run.
 const QUICK: [f64; 3] = [0.3, 0.25, 0.2];
 
-/// The methods that are run at each resolution: the flows of the report, and for comparison the best filter
-/// without creases and the best denoiser at high noise.
+/// The methods that are run at each resolution: the flows of the report, and for comparison the
+/// best filter without creases and the best denoiser at high noise.
 const COMPARED: [Method; 6] = [
     Method::OF_THE_REPORT[0],
     Method::OF_THE_REPORT[1],
@@ -29,7 +29,7 @@ const COMPARED: [Method; 6] = [
     Method::Denoiser(Denoiser::Automatic(AutomaticOptions::DEFAULT)),
 ];
 
-/// Whether a shape is kept.
+/// Returns true if a shape is kept.
 fn is_kept(angle: f64, volume: Option<f64>) -> bool {
     angle < KEPT && volume.is_none_or(|v| v > -SHRUNK)
 }
@@ -98,13 +98,13 @@ fn keepers(trials: &[Trials]) -> String {
     }
 }
 
-/// What became of the machine part at one level.
+/// The machine part after smoothing at one noise level.
 struct Level {
     /// σ/h.
     share: f64,
     /// E_a of each flow of the report.
     flows: Vec<f64>,
-    /// How many of them keep the shape.
+    /// Number of them that keep the shape.
     kept: usize,
     /// The smallest E_a of all other methods.
     others: f64,
@@ -131,7 +131,8 @@ impl Level {
     }
 }
 
-/// What a flow of the report does with one level on the block, where that depends on the size of the faces.
+/// Effect of a flow of the report at one level on the block, where it depends on the size
+/// of the faces.
 struct Dependence {
     sigma: f64,
     flow: &'static str,
@@ -256,7 +257,8 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
 mod tests {
     use super::*;
 
-    /// Tables with these E_a of all flows of the report, and what keeps the block at two resolutions.
+    /// Tables with these E_a of all flows of the report, and what keeps the block at two
+    /// resolutions.
     fn tables(angles: [[f64; 4]; 3], kept: [[&str; 2]; 3]) -> [Table; 2] {
         let mut model = Table::new(
             "model",
@@ -301,7 +303,8 @@ mod tests {
         judge(Tables(&tables(angles, kept))).unwrap().verdict
     }
 
-    /// The best of the other methods, which leaves a degree at every level, has no say; nor has the best flow.
+    /// The best of the other methods, which leaves a degree at every level, has no say; nor has the
+    /// best flow.
     #[test]
     fn the_flows_of_the_report_decide() {
         let (good, bad) = ([5.0; 4], [40.0; 4]);

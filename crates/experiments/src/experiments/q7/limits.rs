@@ -10,7 +10,7 @@ use crate::row;
 use crate::table::{Table as Results, Tables, Tolerance, Unit, brief};
 use crate::verdict::{Judgement, Shown, Verdict};
 
-/// What the table calls the best of all methods.
+/// Name of the best of all methods in the table.
 const ANY: &str = "best of all";
 
 /// Standard errors by which two limits must differ.
@@ -142,7 +142,7 @@ struct Limit {
     high: f64,
 }
 
-/// Which of two limits is the greater.
+/// Orders two limits.
 fn compare(a: Limit, b: Limit) -> Option<Ordering> {
     if a.low > b.high {
         Some(Ordering::Greater)
@@ -154,7 +154,7 @@ fn compare(a: Limit, b: Limit) -> Option<Ordering> {
     }
 }
 
-/// Whether denoisers keep shapes at more noise than flows.
+/// Judges the claim that denoisers keep shapes at more noise than flows.
 pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
     let limits = tables.get("limits")?;
     let limit = |mesh: &str, wanted: &dyn Fn(Method) -> bool| -> Result<Limit> {

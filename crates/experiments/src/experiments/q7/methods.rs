@@ -14,8 +14,8 @@ pub(super) const ASSIGNMENT: [f64; 3] = [0.05, 0.1, 0.5];
 /// by as much are 30° apart, the angle from which an edge counts as sharp.
 pub(super) const KEPT: f64 = 15.0;
 
-/// The largest loss of volume of a shape that counts as kept, in per cent: normals alone do not show
-/// shrinkage.
+/// The largest loss of volume of a shape that counts as kept, in per cent: normals alone do not
+/// show shrinkage.
 pub(super) const SHRUNK: f64 = 50.0;
 
 /// The methods, and true for those fast enough to run on all seeds. Non-iterative denoising is left

@@ -31,7 +31,7 @@ const SHOWN: [Method; 6] = [
     Method::Denoiser(Denoiser::Automatic(AutomaticOptions::DEFAULT)),
 ];
 
-/// What the views leave out: one step of implicit smoothing looks like ten explicit ones.
+/// Methods left out of the views: one step of implicit smoothing looks like ten explicit ones.
 const UNVIEWED: [Method; 2] = [Method::Nothing, Method::Explicit];
 
 /// The lines of the plots: as many as there are colours.
@@ -45,7 +45,7 @@ const CURVES: [Method; 7] = [
     Method::Denoiser(Denoiser::Automatic(AutomaticOptions::DEFAULT)),
 ];
 
-/// What the plots call the greatest E_a at which a shape is kept.
+/// Name, in the plots, of the greatest E_a at which a shape is kept.
 const KEPT_NAME: &str = "kept below";
 
 /// The levels of the scan's view, in h, and whether they are drawn too.
@@ -97,7 +97,7 @@ pub(super) fn scan(context: &Context<'_>, scan: &Body) -> Result<(Picture, View)
 struct Level {
     name: String,
     noise: NoiseLevel,
-    /// Whether it is a row of the picture.
+    /// True for a row of the picture.
     drawn: bool,
 }
 
@@ -139,7 +139,8 @@ impl<'a> Restored<'a> {
             .draw(id, caption, alt)
     }
 
-    /// The noisy body, what a method makes of it, and the truth, with sliders over the noise and the method.
+    /// The noisy body, what a method makes of it, and the truth, with sliders over the noise and
+    /// the method.
     fn view(&self, figure: &str, noise: &str) -> Result<View> {
         let name = self.body.name;
         let viewed = || SHOWN.iter().enumerate().filter(|(_, m)| !UNVIEWED.contains(m));
@@ -198,7 +199,8 @@ impl<'a> Restored<'a> {
     }
 }
 
-/// Errors over the noise, a figure for each error with a plot for each mesh of the sweep and for the machine part.
+/// Errors over the noise, a figure for each error with a plot for each mesh of the sweep and for
+/// the machine part.
 pub(super) fn curves(sweep: &Table, model: &Table) -> Result<Vec<Picture>> {
     let errors = [
         (
