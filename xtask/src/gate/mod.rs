@@ -1,6 +1,6 @@
 //! The test command: everything that guards a merge.
 
-mod tests;
+mod executables;
 mod wasm;
 
 use std::path::Path;
@@ -12,7 +12,7 @@ use anyhow::{Context as _, Result};
 use crate::programs::{Program, cargo};
 use crate::python::Extent;
 use crate::{python, tidy};
-use tests::Tests;
+use executables::Tests;
 
 /// The reference values of quick runs, from the root.
 const REFERENCE: &str = "docs/reference/quick.json";
