@@ -291,8 +291,8 @@ fn iterations(models: &[Model]) -> Result<Table> {
             ("implicit", CLAIMED, few),
             ("implicit", CLAIMED, many),
             ("implicit", CLAIMED, 500),
+            // Diverges: after many steps no mesh has the extent.
             ("explicit", CLAIMED, few),
-            ("explicit", CLAIMED, many),
             ("explicit", REPORT, few),
             ("explicit", REPORT, many),
             ("explicit", EXPLICIT, few),
