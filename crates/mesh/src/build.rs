@@ -111,29 +111,33 @@ fn extent(positions: &[[f64; 3]]) -> f64 {
     // Twelve numbers at a time, without a branch, are compared by vector instructions.
     const LANES: usize = 12;
     let Some(first) = positions.first() else { return 0.0 };
-    let (mut low, mut high) = ([0; LANES].map(|_| f64::INFINITY), [f64::NEG_INFINITY; LANES]);
-    // Zero as long as all are finite, NaN after.
-    let mut finite = [0.0; LANES];
-    let mut add = |lane: usize, x: f64| {
-        low[lane] = if x < low[lane] { x } else { low[lane] };
-        high[lane] = if x > high[lane] { x } else { high[lane] };
-        finite[lane] += 0.0 * x;
-    };
+    let first: [f64; LANES] = std::array::from_fn(|lane| first[lane % 3]);
+    // A sum is NaN where a number is, which comparisons do not show.
+    let (mut low, mut high, mut sum) = (first, first, [0.0; LANES]);
     let (blocks, rest) = positions.as_flattened().as_chunks::<LANES>();
     for block in blocks {
         for lane in 0..LANES {
-            add(lane, block[lane]);
+            low[lane] = if block[lane] < low[lane] { block[lane] } else { low[lane] };
+        }
+        for lane in 0..LANES {
+            high[lane] = if block[lane] > high[lane] { block[lane] } else { high[lane] };
+        }
+        for lane in 0..LANES {
+            sum[lane] += block[lane];
         }
     }
-    for (i, &x) in first.iter().chain(rest).enumerate() {
-        add(i % 3, x);
+    for (lane, &x) in rest.iter().enumerate() {
+        (low[lane], high[lane]) = (low[lane].min(x), high[lane].max(x));
+        sum[lane] += x;
+    }
+    if sum.iter().any(|sum| sum.is_nan()) {
+        return f64::NAN;
     }
     let side = |k: usize| {
-        let ends = (k..LANES).step_by(3).map(|lane| (low[lane], high[lane]));
-        let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (l, h)| {
-            (low.min(l), high.max(h))
-        });
+        let lanes = (k..LANES).step_by(3);
+        let ends = lanes.map(|lane| [low[lane], high[lane]]);
+        let [low, high] = ends.fold([first[k]; 2], |[l, h], [m, n]| [l.min(m), h.max(n)]);
         high - low
     };
-    (0..3).map(side).fold(0.0, f64::max) + finite.iter().sum::<f64>()
+    (0..3).map(side).fold(0.0, f64::max)
 }
