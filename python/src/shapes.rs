@@ -11,7 +11,7 @@ use crate::options::choose;
 use crate::run::Call;
 
 /// Largest number of squares whose corners `u32` can index.
-const MOST_SQUARES: u64 = u32::MAX as u64 / 12;
+const MAX_SQUARES: u64 = u32::MAX as u64 / 12;
 
 fn need(holds: bool, text: impl FnOnce() -> String) -> Result<()> {
     if holds { Ok(()) } else { Err(Error::option(text())) }
@@ -23,7 +23,7 @@ fn level(level: u32) -> Result<()> {
 
 fn between(name: &str, value: f64, low: f64, high: f64) -> Result<()> {
     need((low..=high).contains(&value), || {
-        format!("{name} is {value}, but must be from {low} to {high}")
+        format!("{name} is {value:?}, but must be from {low:?} to {high:?}")
     })
 }
 
@@ -33,13 +33,18 @@ fn positive(name: &str, value: f64) -> Result<()> {
     })
 }
 
+/// A length of a shape, far enough from the ends of [`EXTENTS`](fairing_mesh::EXTENTS).
+fn length(name: &str, value: f64) -> Result<()> {
+    between(name, value, 1e-29, 1e29)
+}
+
 fn squares(names: [&str; 2], counts: [u32; 2], least: [u32; 2]) -> Result<()> {
     for k in 0..2 {
         need(counts[k] >= least[k], || {
             format!("{} is {}, but must be at least {}", names[k], counts[k], least[k])
         })?;
     }
-    need(u64::from(counts[0]) * u64::from(counts[1]) <= MOST_SQUARES, || {
+    need(u64::from(counts[0]) * u64::from(counts[1]) <= MAX_SQUARES, || {
         format!("{} × {} squares are more than can be numbered", counts[0], counts[1])
     })
 }
@@ -79,21 +84,23 @@ fn made(name: &str, lengths: &[f64], counts: &[u32], word: &str, seed: u64) -> R
         ("ellipsoid", &[a, b, c], &[l]) => {
             level(l)?;
             for (name, axis) in [("a", a), ("b", b), ("c", c)] {
-                positive(name, axis)?;
+                length(name, axis)?;
             }
             shapes::ellipsoid([a, b, c], l)
         }
         ("torus", &[major, minor], &[around, across]) => {
             squares(["around", "across"], [around, across], [3, 3])?;
-            need(0.0 < minor && minor < major && major.is_finite(), || {
+            length("major", major)?;
+            length("minor", minor)?;
+            need(minor < major, || {
                 format!("the radii are {major} and {minor}, but must be 0 < minor < major")
             })?;
             shapes::torus(major, minor, around, across)
         }
         ("cylinder", &[radius, height], &[around, along]) => {
             squares(["around", "along"], [around, along], [3, 1])?;
-            positive("radius", radius)?;
-            positive("height", height)?;
+            length("radius", radius)?;
+            length("height", height)?;
             let ends = choose("ends", word, &[("closed", Ends::Closed), ("open", Ends::Open)])?;
             shapes::cylinder(radius, height, around, along, ends)
         }
@@ -131,11 +138,13 @@ fn made(name: &str, lengths: &[f64], counts: &[u32], word: &str, seed: u64) -> R
         }
         ("helicoid", &[rise, from, to, turns], &[across, along]) => {
             squares(["across", "along"], [across, along], [1, 1])?;
-            positive("rise", rise)?;
             positive("turns", turns)?;
-            need(from < to && from.is_finite() && to.is_finite(), || {
-                format!("radii are {from} and {to}, but must ascend")
-            })?;
+            length("rise", rise)?;
+            length("rise times turns", rise * turns)?;
+            need(from < to, || format!("radii are {from} and {to}, but must ascend"))?;
+            for radius in [from, to] {
+                between("radius", radius, -1e29, 1e29)?;
+            }
             shapes::helicoid(&HelicoidOptions { rise, radii: [from, to], turns, across, along })
         }
         _ => return Err(Error::option(format!("there is no shape {name:?} of such parameters"))),

@@ -228,6 +228,10 @@ def test_bad_shapes() -> None:
     for make in (
         lambda: pf.shapes.icosphere(14),
         lambda: pf.shapes.torus(1, 2),
+        lambda: pf.shapes.torus(1e31, 1e30),
+        lambda: pf.shapes.ellipsoid(1e-40, 1.0, 1.0),
+        lambda: pf.shapes.cylinder(1.0, float("inf")),
+        lambda: pf.shapes.helicoid(rise=1e20, turns=1e20),
         lambda: pf.shapes.cylinder(radius=float("nan")),
         lambda: pf.shapes.plane(1 << 20, 1 << 20),
         lambda: pf.shapes.cube(0),

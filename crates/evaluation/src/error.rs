@@ -12,7 +12,7 @@ pub enum EvaluationError {
     #[error(transparent)]
     Option(#[from] OptionError),
     /// The moved vertices are not a valid mesh.
-    #[error("positions are out of the range of numbers")]
+    #[error("the positions do not form a valid mesh")]
     Positions(#[source] BuildError),
     /// A mesh without faces has no surface to measure distances to.
     #[error("the {which} has no faces")]

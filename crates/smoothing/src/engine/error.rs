@@ -176,8 +176,19 @@ pub enum FlowFailure {
         reason: &'static str,
     },
     /// The positions after a step do not form a valid mesh.
-    #[error(transparent)]
+    #[error("{}", reason(.0))]
     Mesh(BuildError),
+}
+
+/// The reason why a step gives no mesh.
+fn reason(error: &BuildError) -> String {
+    match error {
+        BuildError::Extent { extent } => format!(
+            "the mesh would have an extent of {extent:e}, outside of 1e-30 to 1e30: the flow \
+             diverges, or collapses to a point"
+        ),
+        other => other.to_string(),
+    }
 }
 
 impl From<BuildError> for FlowFailure {
