@@ -2,7 +2,7 @@
 
 use fairing_denoising::DenoiseError;
 use fairing_evaluation::EvaluationError;
-use fairing_figure::{EncodeError, RenderError, ScaleError};
+use fairing_figure::FigureError;
 use fairing_mesh::BuildError;
 use fairing_mesh::io::{ReadError, ReadProblem, WriteError, WriteProblem};
 use fairing_operators::OperatorError;
@@ -201,21 +201,15 @@ impl From<EvaluationError> for Error {
     }
 }
 
-impl From<RenderError> for Error {
-    fn from(error: RenderError) -> Self {
-        Self::Computation(chain(&error))
-    }
-}
-
-impl From<ScaleError> for Error {
-    fn from(error: ScaleError) -> Self {
-        Self::Option(chain(&error))
-    }
-}
-
-impl From<EncodeError> for Error {
-    fn from(error: EncodeError) -> Self {
-        Self::Computation(chain(&error))
+impl From<FigureError> for Error {
+    fn from(error: FigureError) -> Self {
+        match error {
+            FigureError::NoFaces { .. }
+            | FigureError::NoExtent { .. }
+            | FigureError::TooFar { .. }
+            | FigureError::Png(_) => Self::Computation(chain(&error)),
+            _ => Self::Option(chain(&error)),
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 use fairing_denoising::DenoiseError;
 use fairing_evaluation::EvaluationError;
 #[cfg(feature = "figure")]
-use fairing_figure::{EncodeError, PlotError, RenderError, ScaleError};
+use fairing_figure::FigureError;
 use fairing_mesh::BuildError;
 use fairing_mesh::io::{ReadError, ReadProblem, WriteError, WriteProblem};
 use fairing_operators::OperatorError;
@@ -99,22 +99,10 @@ pub enum Error {
     /// Noise, a distance or a score is not defined.
     #[error(transparent)]
     Evaluation(#[from] EvaluationError),
-    /// A picture cannot be drawn.
+    /// A picture or a plot cannot be drawn or written.
     #[cfg(feature = "figure")]
     #[error(transparent)]
-    Render(#[from] RenderError),
-    /// Values cannot be turned into colours.
-    #[cfg(feature = "figure")]
-    #[error(transparent)]
-    Scale(#[from] ScaleError),
-    /// A plot cannot be drawn.
-    #[cfg(feature = "figure")]
-    #[error(transparent)]
-    Plot(#[from] PlotError),
-    /// A picture cannot be written.
-    #[cfg(feature = "figure")]
-    #[error(transparent)]
-    Encode(#[from] EncodeError),
+    Figure(#[from] FigureError),
     /// The work was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
@@ -143,7 +131,13 @@ impl Error {
             Self::Denoise(DenoiseError::Option(_)) => ErrorKind::Option,
             Self::Evaluation(error) => evaluation_kind(error),
             #[cfg(feature = "figure")]
-            Self::Scale(_) => ErrorKind::Option,
+            Self::Figure(
+                FigureError::NonFinite { .. }
+                | FigureError::NoValues
+                | FigureError::Limits { .. }
+                | FigureError::Count { .. }
+                | FigureError::Size { .. },
+            ) => ErrorKind::Option,
             _ => ErrorKind::Numeric,
         }
     }
