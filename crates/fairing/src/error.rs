@@ -9,7 +9,7 @@ use fairing_mesh::io::{ReadError, ReadProblem, WriteError, WriteProblem};
 use fairing_operators::OperatorError;
 use fairing_parameters::{OptionError, ParameterError, UnknownName};
 use fairing_smoothing::{FlowError, FlowFailure};
-use fairing_sparse::{CgError, CholeskyError, EigenError, MassError, MatrixError};
+use fairing_sparse::SparseError;
 use fairing_spectral::{SpectralError, SpectrumFileError};
 use fairing_watch::Cancelled;
 
@@ -66,21 +66,9 @@ pub enum Error {
     /// There is no choice of this name.
     #[error(transparent)]
     UnknownName(#[from] UnknownName),
-    /// Arrays do not make a sparse matrix.
+    /// Arrays do not make a matrix, or a linear system or an eigenproblem cannot be solved.
     #[error(transparent)]
-    Matrix(#[from] MatrixError),
-    /// A mass does not fit its matrix.
-    #[error(transparent)]
-    Mass(#[from] MassError),
-    /// A matrix cannot be factorised.
-    #[error(transparent)]
-    Cholesky(#[from] CholeskyError),
-    /// Conjugate gradients do not converge.
-    #[error(transparent)]
-    Cg(#[from] CgError),
-    /// Eigenpairs cannot be computed.
-    #[error(transparent)]
-    Eigen(#[from] EigenError),
+    Sparse(#[from] SparseError),
     /// An operator or a curvature is not defined.
     #[error(transparent)]
     Operator(#[from] OperatorError),
@@ -113,7 +101,15 @@ impl Error {
     pub fn kind(&self) -> ErrorKind {
         match self {
             Self::Cancelled(_) => ErrorKind::Cancelled,
-            Self::Build(_) | Self::Matrix(_) => ErrorKind::Input,
+            Self::Build(_) => ErrorKind::Input,
+            Self::Sparse(
+                SparseError::Offsets { .. }
+                | SparseError::Columns { .. }
+                | SparseError::Outside { .. }
+                | SparseError::Order { .. }
+                | SparseError::NotFinite { .. }
+                | SparseError::TooManyEntries { .. },
+            ) => ErrorKind::Input,
             Self::Option(_) | Self::Parameter(_) | Self::UnknownName(_) => ErrorKind::Option,
             Self::Read(error) => match error.problem {
                 ReadProblem::Io(_) => ErrorKind::Io,

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use fairing_mesh::BuildError;
 use fairing_operators::{LaplacianKind, OperatorError};
 use fairing_parameters::OptionError;
-use fairing_sparse::{CholeskyError, EigenError};
+use fairing_sparse::SparseError;
 
 /// Error of spectra, heat, geodesic distances and Poisson problems.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -15,12 +15,9 @@ pub enum SpectralError {
     /// The operators cannot be assembled.
     #[error(transparent)]
     Operator(#[from] OperatorError),
-    /// The eigenproblem cannot be solved.
+    /// A linear system or the eigenproblem cannot be solved.
     #[error(transparent)]
-    Eigen(#[from] EigenError),
-    /// A linear system cannot be solved.
-    #[error(transparent)]
-    Solve(#[from] CholeskyError),
+    Sparse(#[from] SparseError),
     /// The resulting positions do not form a mesh.
     #[error(transparent)]
     Positions(#[from] BuildError),
