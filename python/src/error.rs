@@ -6,7 +6,7 @@ use fairing_figure::FigureError;
 use fairing_mesh::BuildError;
 use fairing_mesh::io::{ReadError, ReadProblem, WriteError, WriteProblem};
 use fairing_operators::OperatorError;
-use fairing_spectral::{SpectralError, SpectrumFileError};
+use fairing_spectral::SpectralError;
 use pyo3::create_exception;
 use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -168,17 +168,6 @@ impl From<SpectralError> for Error {
             | SpectralError::Option(_)
             | SpectralError::NoSuchVertex { .. } => Self::Option(text),
             _ => Self::Computation(text),
-        }
-    }
-}
-
-impl From<SpectrumFileError> for Error {
-    fn from(error: SpectrumFileError) -> Self {
-        match error {
-            SpectrumFileError::Io { path, source } => {
-                Self::Os { path: path.display().to_string(), error: source }
-            }
-            _ => Self::Mesh(chain(&error)),
         }
     }
 }

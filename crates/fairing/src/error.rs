@@ -10,7 +10,7 @@ use fairing_operators::OperatorError;
 use fairing_parameters::{OptionError, ParameterError, UnknownName};
 use fairing_smoothing::{FlowError, FlowFailure};
 use fairing_sparse::SparseError;
-use fairing_spectral::{SpectralError, SpectrumFileError};
+use fairing_spectral::SpectralError;
 use fairing_watch::Cancelled;
 
 /// Category of an [`Error`], enough to choose an exit code or an exception.
@@ -75,9 +75,6 @@ pub enum Error {
     /// A spectrum, or a result computed from one, is not available.
     #[error(transparent)]
     Spectral(#[from] SpectralError),
-    /// A spectrum cannot be written to a file or read from it.
-    #[error(transparent)]
-    SpectrumFile(#[from] SpectrumFileError),
     /// A flow has failed.
     #[error(transparent)]
     Flow(#[from] FlowError),
@@ -121,8 +118,6 @@ impl Error {
             },
             Self::Operator(error) => operator_kind(error),
             Self::Spectral(error) => spectral_kind(error),
-            Self::SpectrumFile(SpectrumFileError::Io { .. }) => ErrorKind::Io,
-            Self::SpectrumFile(_) => ErrorKind::Input,
             Self::Flow(error) => flow_kind(&error.failure),
             Self::Denoise(DenoiseError::Option(_)) => ErrorKind::Option,
             Self::Evaluation(error) => evaluation_kind(error),

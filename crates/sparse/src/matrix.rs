@@ -221,9 +221,9 @@ mod tests {
             (make(&[0, 1, 2], &[0, 1], &[1.0; 3]), "3 values for 2 columns"),
             (make(&[0, 1, 2], &[0, 3], &[1.0; 2]), "row 1, column 3 is outside of a 2 × 3"),
             (make(&[0, 2, 2], &[1, 1], &[1.0; 2]), "column 1 of row 0 does not come after"),
-            (make(&[0, 1, 2], &[0, 1], &[1.0, f64::NAN]), "row 1, column 1 is NaN"),
+            (make(&[0, 1, 2], &[0, 1], &[1.0, f64::NAN]), "entry (1, 1) is NaN"),
             (from_triplets((2, 3), &[(2, 0, 1.0)]), "row 2, column 0 is outside"),
-            (from_triplets((2, 3), &[(0, 0, f64::INFINITY)]), "row 0, column 0 is inf"),
+            (from_triplets((2, 3), &[(0, 0, f64::INFINITY)]), "entry (0, 0) is inf"),
         ] {
             let error = result.unwrap_err().to_string();
             assert!(error.contains(said), "{error}");
