@@ -96,7 +96,8 @@ impl<const B: usize> CgWorkspace<B> {
 /// # Errors
 ///
 /// [`SparseError::NotConverged`] after `max_iterations` iterations or for a residual that is not
-/// finite; [`SparseError::NegativeCurvature`]. `x` and the residual are then those of the last iteration.
+/// finite; [`SparseError::NegativeCurvature`]. `x` and the residual are then those of the last
+/// iteration.
 pub fn descend<const B: usize, S: CgSystem<B>>(
     system: &S,
     x: &mut [[f64; B]],
@@ -319,8 +320,8 @@ impl<'a> ConjugateGradient<'a> {
     ///
     /// # Errors
     ///
-    /// [`SparseError::Size`] if the matrix is not square, [`SparseError::Diagonal`] for the first diagonal
-    /// entry that is not positive and finite. Symmetry is not checked.
+    /// [`SparseError::Size`] if the matrix is not square, [`SparseError::Diagonal`] for the first
+    /// diagonal entry that is not positive and finite. Symmetry is not checked.
     pub fn new(matrix: &'a SparseMatrix) -> Result<Self, SparseError> {
         let (rows, columns) = (matrix.rows(), matrix.cols());
         if rows != columns {

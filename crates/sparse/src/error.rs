@@ -156,7 +156,7 @@ pub enum SparseError {
         /// Its diagonal entry.
         value: f64,
     },
-    /// A matrix of conjugate gradients is not square, or a vector does not have as many rows as the matrix.
+    /// A matrix of conjugate gradients is not square, or a vector has other rows than the matrix.
     #[error("a {rows} × {columns} matrix with a vector of {length} rows")]
     Size {
         /// Rows of the matrix.

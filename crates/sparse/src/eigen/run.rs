@@ -136,7 +136,8 @@ impl Found {
     ///
     /// # Errors
     ///
-    /// [`SparseError::PairsNotConverged`] if measured residuals far exceed their estimates: a safeguard.
+    /// [`SparseError::PairsNotConverged`] if measured residuals far exceed their estimates: a
+    /// safeguard.
     pub(crate) fn finish(
         self,
         problem: &Problem,
