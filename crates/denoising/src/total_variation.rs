@@ -8,9 +8,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::error::{DenoiseError, solved};
-use super::faces::{FaceShapes, Hinge, Hinges, unit_or_zero};
+use super::faces::{FaceShapes, Hinge, Hinges};
 use super::oriented::on_oriented;
-use super::vertex_update::{VertexUpdate, update_vertices};
+use super::vertex_update::{VertexUpdate, follow_normals};
 
 /// The accuracy of the linear systems. The solution of each is the first guess of the next, which
 /// begins by measuring the residual.
@@ -85,8 +85,9 @@ fn filter(mesh: &TriMesh, options: &TotalVariationOptions) -> Result<TriMesh, De
         let (found, _) = conjugate_gradients(&operator, &b, normals, &ACCURACY);
         normals = solved(found, &ACCURACY, step)?;
     }
-    let normals: Vec<[f64; 3]> = normals.into_par_iter().map(unit_or_zero).collect();
-    update_vertices(mesh, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })
+    let normals: Vec<DVec3> =
+        normals.into_par_iter().map(|n| DVec3::from(n).normalize_or_zero()).collect();
+    follow_normals(mesh, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })
 }
 
 /// The functional of a mesh, in units of h, so that the numbers do not depend
@@ -111,7 +112,7 @@ impl Problem {
         let FaceShapes { normals, areas, .. } = FaceShapes::new(mesh);
         let (h, penalty) = (mesh.mean_edge_length(), 2.0 * weight);
         let areas: Vec<f64> = areas.iter().map(|a| (a / (h * h)).max(1e-6)).collect();
-        let weighted = |f: usize| areas[f] * DVec3::from(normals[f]);
+        let weighted = |f: usize| areas[f] * normals[f];
         let averaged: Vec<DVec3> = (0..areas.len())
             .into_par_iter()
             .map(|f| hinges.across(f).fold(weighted(f), |s, g| s + weighted(g)).normalize_or_zero())
@@ -135,7 +136,8 @@ impl Problem {
             })
             .unzip();
         let thresholds = hinges.all.par_iter().map(threshold).collect();
-        Self { hinges, noisy: normals, areas, across, widths, thresholds, penalty }
+        let noisy = normals.iter().map(DVec3::to_array).collect();
+        Self { hinges, noisy, areas, across, widths, thresholds, penalty }
     }
 
     /// Row `f` of the matrix of the quadratic step times x.
