@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ._calls import FairingWarning, default_threads
+from ._mesh import read, read_bytes
 from ._plan import Batch, Source, filesystem
 
 #: The share of a worker's memory that meshes may take together.
@@ -66,8 +67,6 @@ def memory_limit() -> int | None:
 
 
 def _load(source: Source) -> Any:
-    from . import read, read_bytes
-
     if "://" not in source.path:
         return read(source.path)
     fs, inner = filesystem(source.path)

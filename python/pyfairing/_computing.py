@@ -11,12 +11,9 @@ from ._arrays import Bytes, Csr, Floats
 from ._calls import Progress, running, warn
 from ._docs import documented
 from ._heat import GeodesicSolver, HeatSolver
-from ._base import Base
+from ._base import Base, Kind, MassKind
 from ._results import Curvature, Laplacian
 from ._spectrum import Spectrum
-
-Kind = Literal["auto", "non-negative", "uniform", "cotangent", "robust", "polygon"]
-MassKind = Literal["barycentric", "mixed", "voronoi", "consistent", "degree", "unit"]
 
 
 class Computing(Base):

@@ -12,8 +12,7 @@ from ._calls import Progress, running, warn
 from ._docs import documented
 
 if TYPE_CHECKING:
-    from ._base import Base
-    from ._computing import Kind, MassKind
+    from ._base import Base, Kind, MassKind
 
 
 class GeodesicSolver:

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from ._arrays import Bools, Csr, Floats
-
-if TYPE_CHECKING:
-    from ._mesh import Mesh
 
 
 class Laplacian(tuple[Csr, Csr]):
@@ -204,11 +201,3 @@ class Scores(Mapping[str, float]):
 
     def __repr__(self) -> str:
         return self._table.rstrip()
-
-
-@dataclass(frozen=True)
-class Reconstruction:
-    """A reconstructed mesh, and the nearest numbers of modes that split no cluster."""
-
-    mesh: Mesh
-    split: tuple[int, int | None] | None

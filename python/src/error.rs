@@ -2,11 +2,11 @@
 
 use fairing_denoising::DenoiseError;
 use fairing_evaluation::EvaluationError;
-use fairing_figure::{EncodeError, RenderError, ScaleError};
+use fairing_figure::FigureError;
 use fairing_mesh::BuildError;
 use fairing_mesh::io::{ReadError, ReadProblem, WriteError, WriteProblem};
 use fairing_operators::OperatorError;
-use fairing_spectral::{SpectralError, SpectrumFileError};
+use fairing_spectral::SpectralError;
 use pyo3::create_exception;
 use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -172,17 +172,6 @@ impl From<SpectralError> for Error {
     }
 }
 
-impl From<SpectrumFileError> for Error {
-    fn from(error: SpectrumFileError) -> Self {
-        match error {
-            SpectrumFileError::Io { path, source } => {
-                Self::Os { path: path.display().to_string(), error: source }
-            }
-            _ => Self::Mesh(chain(&error)),
-        }
-    }
-}
-
 impl From<DenoiseError> for Error {
     fn from(error: DenoiseError) -> Self {
         match error {
@@ -201,21 +190,15 @@ impl From<EvaluationError> for Error {
     }
 }
 
-impl From<RenderError> for Error {
-    fn from(error: RenderError) -> Self {
-        Self::Computation(chain(&error))
-    }
-}
-
-impl From<ScaleError> for Error {
-    fn from(error: ScaleError) -> Self {
-        Self::Option(chain(&error))
-    }
-}
-
-impl From<EncodeError> for Error {
-    fn from(error: EncodeError) -> Self {
-        Self::Computation(chain(&error))
+impl From<FigureError> for Error {
+    fn from(error: FigureError) -> Self {
+        match error {
+            FigureError::NoFaces { .. }
+            | FigureError::NoExtent { .. }
+            | FigureError::TooFar { .. }
+            | FigureError::Png(_) => Self::Computation(chain(&error)),
+            _ => Self::Option(chain(&error)),
+        }
     }
 }
 

@@ -11,9 +11,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::error::{DenoiseError, solved};
-use super::faces::{FaceLists, FaceShapes, Hinges, mean_centroid_distance, unit_or_zero};
+use super::faces::{FaceLists, FaceShapes, Hinges, mean_centroid_distance};
 use super::oriented::on_oriented;
-use super::vertex_update::{VertexUpdate, update_vertices};
+use super::vertex_update::{VertexUpdate, follow_normals};
 
 fairing_parameters::options! {
     /// Options of [`bilateral_normal`].
@@ -67,12 +67,12 @@ fn filter(mesh: &TriMesh, options: &BilateralNormalOptions) -> Result<TriMesh, D
         normals = (0..normals.len())
             .into_par_iter()
             .map(|f| {
-                let weighted = weights.row(f, &normals).map(|(g, w)| w * DVec3::from(normals[g]));
-                weighted.sum::<DVec3>().normalize_or_zero().to_array()
+                let weighted = weights.row(f, &normals).map(|(g, w)| w * normals[g]);
+                weighted.sum::<DVec3>().normalize_or_zero()
             })
             .collect();
     }
-    update_vertices(mesh, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })
+    follow_normals(mesh, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })
 }
 
 fairing_parameters::options! {
@@ -155,13 +155,16 @@ fn filter_globally(
             smooth * (areas[f] * (1.0 - own) * (1.0 - own) + others) + keep * areas[f]
         })
         .collect();
-    let b: Vec<[f64; 3]> = noisy.iter().zip(&areas).map(|(n, a)| n.map(|x| keep * a * x)).collect();
+    let b: Vec<[f64; 3]> =
+        noisy.iter().zip(&areas).map(|(&n, a)| (keep * a * n).to_array()).collect();
     let accuracy = CgOptions { tolerance: 1e-6, max_iterations: 5000, measure: true };
     let operator = FieldOperator::new(&diagonal, apply);
-    let (found, _) = conjugate_gradients(&operator, &b, noisy.clone(), &accuracy);
+    let (found, _) =
+        conjugate_gradients(&operator, &b, noisy.iter().map(DVec3::to_array).collect(), &accuracy);
     let normals = solved(found, &accuracy, 0)?;
-    let normals: Vec<[f64; 3]> = normals.into_iter().map(unit_or_zero).collect();
-    update_vertices(mesh, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })
+    let normals: Vec<DVec3> =
+        normals.into_iter().map(|n| DVec3::from(n).normalize_or_zero()).collect();
+    follow_normals(mesh, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })
 }
 
 /// The geometric part of the weights, computed once.
@@ -186,12 +189,12 @@ impl Weights {
     fn row<'a>(
         &'a self,
         f: usize,
-        normals: &'a [[f64; 3]],
+        normals: &'a [DVec3],
     ) -> impl Iterator<Item = (usize, f64)> + 'a {
         let FaceShapes { areas, centroids, .. } = &self.shapes;
         std::iter::once(f).chain(self.rings.row(f).iter().map(|&g| g as usize)).map(move |g| {
-            let d = DVec3::from(centroids[f]).distance(centroids[g].into());
-            let t = DVec3::from(normals[f]).distance(normals[g].into());
+            let d = centroids[f].distance(centroids[g]);
+            let t = normals[f].distance(normals[g]);
             (g, areas[g] * libm::exp2(self.spatial * d * d + self.range * t * t))
         })
     }
@@ -207,7 +210,7 @@ struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    fn new(weights: &'a Weights, normals: &[[f64; 3]]) -> Self {
+    fn new(weights: &'a Weights, normals: &[DVec3]) -> Self {
         let rings = &weights.rings;
         let mut own = vec![0.0; normals.len()];
         let forward = rings.fill(&mut own, |f, own, row| {

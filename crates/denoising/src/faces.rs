@@ -162,8 +162,7 @@ impl FaceLists {
     /// For each face the others whose centroids lie within `radius` of its own
     /// and that such faces connect to it through shared vertices, in the order
     /// in which a search reaches them.
-    pub(crate) fn within(rings: &Self, centroids: &[[f64; 3]], radius: f64) -> Self {
-        let at = |f: usize| DVec3::from(centroids[f]);
+    pub(crate) fn within(rings: &Self, centroids: &[DVec3], radius: f64) -> Self {
         Self::gather(centroids.len(), |f, list, marks| {
             marks.clear();
             marks.insert(f as u32);
@@ -173,7 +172,7 @@ impl FaceLists {
                 let g = list[next] as usize;
                 next += 1;
                 for &k in rings.row(g) {
-                    if at(f).distance(at(k as usize)) < radius && marks.insert(k) {
+                    if centroids[f].distance(centroids[k as usize]) < radius && marks.insert(k) {
                         list.push(k);
                     }
                 }
@@ -225,8 +224,8 @@ impl FaceLists {
 #[derive(Debug, Clone)]
 pub(crate) struct FaceShapes {
     pub(crate) areas: Vec<f64>,
-    pub(crate) normals: Vec<[f64; 3]>,
-    pub(crate) centroids: Vec<[f64; 3]>,
+    pub(crate) normals: Vec<DVec3>,
+    pub(crate) centroids: Vec<DVec3>,
 }
 
 impl FaceShapes {
@@ -235,29 +234,23 @@ impl FaceShapes {
             .into_par_iter()
             .map(|f| {
                 let vector = DVec3::from(mesh.area_vector(f));
-                (vector.length(), vector.normalize_or_zero().to_array())
+                (vector.length(), vector.normalize_or_zero())
             })
             .unzip();
         let centroids = (0..mesh.face_count())
             .into_par_iter()
             .map(|f| {
                 let [a, b, c] = mesh.triangle(f).map(DVec3::from);
-                ((a + b + c) * (1.0 / 3.0)).to_array()
+                (a + b + c) * (1.0 / 3.0)
             })
             .collect();
         Self { areas, normals, centroids }
     }
 }
 
-/// The unit vector along `a`, or zero where `a` has no direction.
-#[inline]
-pub(crate) fn unit_or_zero(a: [f64; 3]) -> [f64; 3] {
-    DVec3::from(a).normalize_or_zero().to_array()
-}
-
 /// The mean distance of the centroids across hinges, in mesh units; zero
 /// without hinges.
-pub(crate) fn mean_centroid_distance(hinges: &Hinges, centroids: &[[f64; 3]]) -> f64 {
+pub(crate) fn mean_centroid_distance(hinges: &Hinges, centroids: &[DVec3]) -> f64 {
     if hinges.all.is_empty() {
         return 0.0;
     }
@@ -265,7 +258,7 @@ pub(crate) fn mean_centroid_distance(hinges: &Hinges, centroids: &[[f64; 3]]) ->
         .all
         .iter()
         .map(|h| {
-            let [a, b] = h.faces.map(|f| DVec3::from(centroids[f as usize]));
+            let [a, b] = h.faces.map(|f| centroids[f as usize]);
             a.distance(b)
         })
         .sum();

@@ -2,13 +2,12 @@
 
 use fairing_mesh::TriMesh;
 use fairing_parameters::Options;
-use glam::DVec3;
 use rayon::prelude::*;
 
 use super::DenoiseError;
 use super::faces::{FaceLists, FaceShapes};
 use super::oriented::on_oriented;
-use super::vertex_update::{VertexUpdate, update_vertices};
+use super::vertex_update::{VertexUpdate, follow_normals};
 
 fairing_parameters::options! {
     /// Options of [`fast_effective`].
@@ -59,16 +58,16 @@ fn filter(mesh: &TriMesh, options: &FastEffectiveOptions) -> Result<TriMesh, Den
         normals = (0..normals.len())
             .into_par_iter()
             .map(|f| {
-                let own = DVec3::from(normals[f]);
+                let own = normals[f];
                 let start = (1.0 - threshold).powi(2) * own;
                 let sum = rings.row(f).iter().fold(start, |sum, &g| {
-                    let n = DVec3::from(normals[g as usize]);
+                    let n = normals[g as usize];
                     let w = (own.dot(n) - threshold).max(0.0);
                     sum + w * w * n
                 });
-                sum.normalize_or_zero().to_array()
+                sum.normalize_or_zero()
             })
             .collect();
     }
-    update_vertices(mesh, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })
+    follow_normals(mesh, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })
 }

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::DenoiseError;
 use super::faces::{FaceLists, FaceShapes, Hinges, NO_HINGE, mean_centroid_distance};
 use super::oriented::on_oriented;
-use super::vertex_update::{VertexUpdate, update_vertices};
+use super::vertex_update::{VertexUpdate, follow_normals};
 
 fairing_parameters::options! {
     /// Options of [`guided_normal`].
@@ -83,22 +83,22 @@ fn filter(mesh: &TriMesh, options: &GuidedNormalOptions) -> Result<TriMesh, Deno
         let half = -0.5 * LOG2_E;
         let spatial = half / (options.spatial * unit).powi(2).max(f64::MIN_POSITIVE);
         let range = half / options.range.powi(2);
-        let normals: Vec<[f64; 3]> = (0..current.face_count())
+        let normals: Vec<DVec3> = (0..current.face_count())
             .into_par_iter()
             .map(|f| {
-                let weighted = |g: usize, w: f64| w * DVec3::from(shapes.normals[g]);
+                let weighted = |g: usize, w: f64| w * shapes.normals[g];
                 let mut sum = weighted(f, shapes.areas[f]);
                 for &g in near.row(f) {
                     let g = g as usize;
-                    let d = DVec3::from(shapes.centroids[f]).distance(shapes.centroids[g].into());
+                    let d = shapes.centroids[f].distance(shapes.centroids[g]);
                     let t = guidance[f].distance(guidance[g]);
                     let w = shapes.areas[g] * libm::exp2(spatial * d * d + range * t * t);
                     sum += weighted(g, w);
                 }
-                sum.normalize_or_zero().to_array()
+                sum.normalize_or_zero()
             })
             .collect();
-        current = update_vertices(&current, &normals, &update)?;
+        current = follow_normals(&current, &normals, &update)?;
     }
     Ok(current)
 }

@@ -47,7 +47,8 @@ impl JumpSystem {
                 (sides.map(|(g, _)| g), sides.map(|(_, width)| width))
             })
             .unzip();
-        Self { hinges, noisy: normals, areas, across, widths }
+        let noisy = normals.iter().map(DVec3::to_array).collect();
+        Self { hinges, noisy, areas, across, widths }
     }
 
     /// Row `f` of the matrix times x.

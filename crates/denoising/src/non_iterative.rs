@@ -61,7 +61,7 @@ fn filter(mesh: &TriMesh, options: &NonIterativeOptions) -> Result<TriMesh, Deno
     let normals = FaceShapes::new(&mollified).normals;
     let b = -0.5 * LOG2_E / (influence * influence).max(f64::MIN_POSITIVE);
     average(mesh, &rings, &shapes, spatial, |p, c, f| {
-        let normal = DVec3::from(normals[f]);
+        let normal = normals[f];
         let height = normal.dot(c - p);
         Some((p + height * normal, libm::exp2(b * height * height)))
             .filter(|_| normal != DVec3::ZERO)
@@ -93,7 +93,7 @@ fn average(
                 let mut next = 0;
                 while next < near.len() {
                     for &g in rings.row(near[next] as usize) {
-                        if p.distance(shapes.centroids[g as usize].into()) < 2.0 * spatial
+                        if p.distance(shapes.centroids[g as usize]) < 2.0 * spatial
                             && marks.insert(g)
                         {
                             near.push(g);
@@ -104,7 +104,7 @@ fn average(
                 let (mut sum, mut total) = (DVec3::ZERO, 0.0);
                 for &f in near.iter() {
                     let f = f as usize;
-                    let c = DVec3::from(shapes.centroids[f]);
+                    let c = shapes.centroids[f];
                     let Some((q, w)) = predict(p, c, f) else { continue };
                     let d = p.distance(c);
                     let w = w * shapes.areas[f] * libm::exp2(a * d * d);

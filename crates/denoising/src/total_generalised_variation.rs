@@ -7,10 +7,10 @@ use fairing_sparse::{CgOptions, FieldOperator, conjugate_gradients, product_by_r
 use glam::DVec3;
 
 use super::error::{DenoiseError, solved};
-use super::faces::{FaceShapes, NO_HINGE, unit_or_zero};
+use super::faces::{FaceShapes, NO_HINGE};
 use super::jumps::{JumpSystem, length, shorten};
 use super::oriented::on_oriented;
-use super::vertex_update::{VertexUpdate, update_vertices};
+use super::vertex_update::{VertexUpdate, follow_normals};
 
 /// The accuracy of the linear systems. The solution of each is the first guess of the next, which
 /// begins by measuring the residual.
@@ -61,12 +61,11 @@ fairing_parameters::options! {
 /// [`total_variation`](super::total_variation) of first order, and creases are kept. Nothing is
 /// compared across borders.
 ///
-/// The functional is split into quadratic steps for n and v and into shortened vectors (alternating
-/// direction method of multipliers; both penalties are twice the weight over h). After each step the
-/// normals are scaled to unit length. The vertices follow ([`update_vertices`]). The cost is linear
-/// in the number of faces for each step.
-///
-/// The default weights are not from the source.
+/// The functional is split into quadratic steps for n and v and into shortened vectors by the
+/// alternating direction method of multipliers (both penalties are twice the weight over h). After
+/// each step the normals are scaled to unit length. The vertices follow
+/// ([`update_vertices`](super::update_vertices)). The cost of a step is linear in the number of
+/// faces. The default weights are not from the source.
 ///
 /// # Errors
 ///
@@ -90,7 +89,8 @@ fn filter(
         return Ok(mesh.clone());
     }
     let normals = filtered_normals(mesh, options)?;
-    update_vertices(mesh, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })
+    let normals: Vec<DVec3> = normals.into_iter().map(DVec3::from).collect();
+    follow_normals(mesh, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })
 }
 
 /// The normals of the minimiser.
@@ -129,7 +129,7 @@ fn filtered_normals(
         });
         let (found, _) = conjugate_gradients(&operator, &b, solution, &ACCURACY);
         solution = solved(found, &ACCURACY, step)?;
-        update(&mut normals, |f, _| (unit_or_zero(solution[f]), ()));
+        update(&mut normals, |f, _| (DVec3::from(solution[f]).normalize_or_zero().to_array(), ()));
         let excess = |e: usize| system.jump(&normals, e) - DVec3::from(jumps[e]);
         bends.right_hand_side(excess, &wanted, &mut c);
         let operator = FieldOperator::new(&bends.diagonal, |v: &[[f64; 3]], product: &mut [_]| {
@@ -192,7 +192,7 @@ impl Bends {
                     let corner = 3 * f as usize + c;
                     let (pair, signs) = corners[corner];
                     let Some(own) = pair.iter().position(|&o| o == e as u32) else { continue };
-                    let distance = triangle[c].distance(centroids[f as usize].into()) / h;
+                    let distance = triangle[c].distance(centroids[f as usize]) / h;
                     let weight = penalties[1] * distance * signs[own];
                     if signs[own] != 0.0 {
                         row[count] = (pair[1 - own], weight * signs[1 - own]);
@@ -260,12 +260,10 @@ mod tests {
     }
 
     /// The mean angle between given normals and those of a mesh, in degrees.
-    fn error(normals: &[[f64; 3]], mesh: &TriMesh) -> f64 {
+    fn error(normals: &[DVec3], mesh: &TriMesh) -> f64 {
         let truth = FaceShapes::new(mesh).normals;
-        let angle = |(n, m): (&[f64; 3], &[f64; 3])| {
-            let (n, m) = (DVec3::from(*n), DVec3::from(*m));
-            libm::atan2(n.cross(m).length(), n.dot(m)).to_degrees()
-        };
+        let angle =
+            |(n, m): (&DVec3, &DVec3)| libm::atan2(n.cross(*m).length(), n.dot(*m)).to_degrees();
         normals.iter().zip(&truth).map(angle).sum::<f64>() / normals.len() as f64
     }
 
@@ -329,8 +327,8 @@ mod tests {
         let noisy = flat.with_positions(heights.collect()).unwrap();
         let before = error(&FaceShapes::new(&noisy).normals, &flat);
         let options = TotalGeneralisedVariationOptions { weight: 1.0, ..Default::default() };
-        let found = filtered_normals(&noisy, &options).unwrap();
-        let after = error(&found, &flat);
+        let found = total_generalised_variation(&noisy, &options).unwrap();
+        let after = error(&FaceShapes::new(&found).normals, &flat);
         assert!(before > 5.0 && after < 0.1 * before, "{before} {after}");
     }
 

@@ -8,10 +8,10 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::error::{DenoiseError, solved};
-use super::faces::{Hinge, unit_or_zero};
+use super::faces::Hinge;
 use super::jumps::{JumpSystem, shorten};
 use super::oriented::on_oriented;
-use super::vertex_update::{VertexUpdate, update_vertices};
+use super::vertex_update::{VertexUpdate, follow_normals};
 
 /// The accuracy of the linear systems. The solution of each is the first guess of the next, which
 /// begins by measuring the residual.
@@ -49,8 +49,9 @@ fairing_parameters::options! {
 /// (the penalty is 2 α / h), followed by scaling to unit length. The weights w spare strong
 /// creases; m̄ are the normals after one averaging over the faces across the
 /// edges, so that noise does not pass for a crease. The vertices follow
-/// ([`update_vertices`]). This is the variation of first order, under which
-/// curved parts turn into facets, and not the generalised one of second order.
+/// ([`update_vertices`](super::update_vertices)). This is the variation of first order, under which
+/// curved parts turn into facets, and not the
+/// [generalised](super::total_generalised_variation) one of second order.
 ///
 /// # Errors
 ///
@@ -91,8 +92,9 @@ fn filter(mesh: &TriMesh, options: &TotalVariationOptions) -> Result<TriMesh, De
         let (found, _) = conjugate_gradients(&operator, &b, normals, &ACCURACY);
         normals = solved(found, &ACCURACY, step)?;
     }
-    let normals: Vec<[f64; 3]> = normals.into_par_iter().map(unit_or_zero).collect();
-    update_vertices(mesh, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })
+    let normals: Vec<DVec3> =
+        normals.into_par_iter().map(|n| DVec3::from(n).normalize_or_zero()).collect();
+    follow_normals(mesh, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })
 }
 
 /// α w of each hinge.

@@ -59,6 +59,16 @@ pub fn update_vertices(
     let one_each = normals.len() == mesh.face_count();
     let (count, expected) = (normals.len() as f64, "the number of faces");
     OptionError::require(one_each, "number of normals", count, expected)?;
+    let normals: Vec<DVec3> = normals.iter().map(|&n| n.into()).collect();
+    follow_normals(mesh, &normals, options)
+}
+
+/// [`update_vertices`] for one normal per face.
+pub(crate) fn follow_normals(
+    mesh: &TriMesh,
+    normals: &[DVec3],
+    options: &VertexUpdate,
+) -> Result<TriMesh, DenoiseError> {
     if let Some(limit) = options.limit {
         OptionError::require_positive("limit", limit)?;
     }
@@ -98,7 +108,7 @@ impl Aim {
 /// One step of all vertices from `current`.
 fn step(
     mesh: &TriMesh,
-    normals: &[[f64; 3]],
+    normals: &[DVec3],
     start: &[[f64; 3]],
     current: &[[f64; 3]],
     limit: Option<f64>,
@@ -107,7 +117,7 @@ fn step(
     let aims: Vec<Aim> = faces
         .par_iter()
         .zip(normals)
-        .map(|(face, &normal)| Aim::new(face.map(|v| current[v as usize].into()), normal.into()))
+        .map(|(face, &normal)| Aim::new(face.map(|v| current[v as usize].into()), normal))
         .collect();
     (0..current.len())
         .into_par_iter()
@@ -143,7 +153,7 @@ fn step(
                 corners.iter().any(|&c| {
                     let (f, k) = (c as usize / 3, c as usize % 3);
                     let corner = |i: usize| DVec3::from(current[faces[f][(k + i) % 3] as usize]);
-                    let (p, q, normal) = (corner(1), corner(2), DVec3::from(normals[f]));
+                    let (p, q, normal) = (corner(1), corner(2), normals[f]);
                     let side = |x: DVec3| (p - x).cross(q - x).dot(normal);
                     side(x) > 0.0 && side(y) <= 0.0
                 })
@@ -171,11 +181,8 @@ mod tests {
         let mesh = plane(40, 4, Diagonals::Regular);
         // Steep normals in all directions, from a multiplicative hash.
         let number = |k: usize| ((k * 2_654_435_761) % 65_536) as f64 / 32_768.0 - 1.0;
-        let normals: Vec<[f64; 3]> = (0..mesh.face_count())
-            .map(|f| {
-                let n = DVec3::new(number(2 * f + 1), number(2 * f + 2), 0.2);
-                n.normalize().to_array()
-            })
+        let normals: Vec<DVec3> = (0..mesh.face_count())
+            .map(|f| DVec3::new(number(2 * f + 1), number(2 * f + 2), 0.2).normalize())
             .collect();
         let x = mesh.positions();
         let moved = step(&mesh, &normals, x, x, None);

@@ -1,7 +1,7 @@
 //! The error of mean curvature.
 
 use fairing_mesh::TriMesh;
-use fairing_operators::curvature::{MeanOperator, mean_curvature};
+use fairing_operators::curvature::mean_curvature;
 use fairing_operators::{LumpedArea, lumped_mass};
 
 use crate::EvaluationError;
@@ -29,7 +29,7 @@ pub fn curvature_error(
 ) -> Result<Option<f64>, EvaluationError> {
     let (mesh, reference) = in_one_winding(mesh, reference)?;
     let (mesh, reference) = (&*mesh, &*reference);
-    let operator = MeanOperator::Cotangent(LumpedArea::Mixed);
+    let operator = LumpedArea::Mixed;
     let (own, other) = (mean_curvature(mesh, operator)?, mean_curvature(reference, operator)?);
     let mass = lumped_mass(reference, LumpedArea::Mixed)?;
     let (mut error, mut size) = (0.0, 0.0);

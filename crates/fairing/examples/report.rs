@@ -8,7 +8,8 @@ use fairing::denoising::Denoiser;
 use fairing::evaluation::{NoiseKind, NoiseLevel, add_noise, normal_error};
 use fairing::mesh::TriMesh;
 use fairing::operators::curvature::{
-    Estimator, MeanOperator, gaussian_curvature, mean_and_gaussian_curvature, mean_curvature,
+    Estimator, gaussian_curvature, mean_and_gaussian_curvature, mean_curvature,
+    scaled_umbrella_mean_curvature, umbrella_mean_curvature,
 };
 use fairing::operators::surface::{Ellipsoid, ParametricSurface as _};
 use fairing::operators::{Laplacian, LumpedArea};
@@ -44,8 +45,8 @@ pub(crate) fn run(mesh: &TriMesh) -> Answer<Vec<(&'static str, f64)>> {
 
 fn uniform(mesh: &TriMesh) -> Answer<f64> {
     // [q1]
-    let mean = mean_curvature(mesh, MeanOperator::Umbrella)?; // ‖Δx‖/2, a length
-    let scaled = mean_curvature(mesh, MeanOperator::ScaledUmbrella)?; // 1/length, with sign
+    let mean = umbrella_mean_curvature(mesh); // ‖Δx‖/2, a length
+    let scaled = scaled_umbrella_mean_curvature(mesh); // 1/length, with sign
     let gaussian = gaussian_curvature(mesh, LumpedArea::Barycentric)?; // angle defect over area
     // [end]
     Ok(mean.norms()[0] + scaled.signed[0] + gaussian.values[0])
@@ -63,7 +64,7 @@ fn ellipsoid() -> Answer<f64> {
 fn cotangent(mesh: &TriMesh) -> Answer<f64> {
     // [q3]
     let area = LumpedArea::Mixed; // Voronoi where no angle is obtuse
-    let mean = mean_curvature(mesh, MeanOperator::Cotangent(area))?;
+    let mean = mean_curvature(mesh, area)?;
     let (h, vector) = (&mean.signed, &mean.vectors); // H at each vertex, and Δx = −2Hn
     // [end]
     Ok(h[0] + vector[0][0])

@@ -3,14 +3,14 @@
 use fairing_denoising::DenoiseError;
 use fairing_evaluation::EvaluationError;
 #[cfg(feature = "figure")]
-use fairing_figure::{EncodeError, PlotError, RenderError, ScaleError};
+use fairing_figure::FigureError;
 use fairing_mesh::BuildError;
 use fairing_mesh::io::{ReadError, ReadProblem, WriteError, WriteProblem};
 use fairing_operators::OperatorError;
 use fairing_parameters::{OptionError, ParameterError, UnknownName};
 use fairing_smoothing::{FlowError, FlowFailure};
-use fairing_sparse::{CgError, CholeskyError, EigenError, MassError, MatrixError};
-use fairing_spectral::{SpectralError, SpectrumFileError};
+use fairing_sparse::SparseError;
+use fairing_spectral::SpectralError;
 use fairing_watch::Cancelled;
 
 /// Category of an [`Error`], enough to choose an exit code or an exception.
@@ -66,30 +66,15 @@ pub enum Error {
     /// There is no choice of this name.
     #[error(transparent)]
     UnknownName(#[from] UnknownName),
-    /// Arrays do not make a sparse matrix.
+    /// Arrays do not make a matrix, or a linear system or an eigenproblem cannot be solved.
     #[error(transparent)]
-    Matrix(#[from] MatrixError),
-    /// A mass does not fit its matrix.
-    #[error(transparent)]
-    Mass(#[from] MassError),
-    /// A matrix cannot be factorised.
-    #[error(transparent)]
-    Cholesky(#[from] CholeskyError),
-    /// Conjugate gradients do not converge.
-    #[error(transparent)]
-    Cg(#[from] CgError),
-    /// Eigenpairs cannot be computed.
-    #[error(transparent)]
-    Eigen(#[from] EigenError),
+    Sparse(#[from] SparseError),
     /// An operator or a curvature is not defined.
     #[error(transparent)]
     Operator(#[from] OperatorError),
     /// A spectrum, or a result computed from one, is not available.
     #[error(transparent)]
     Spectral(#[from] SpectralError),
-    /// A spectrum cannot be written to a file or read from it.
-    #[error(transparent)]
-    SpectrumFile(#[from] SpectrumFileError),
     /// A flow has failed.
     #[error(transparent)]
     Flow(#[from] FlowError),
@@ -99,22 +84,10 @@ pub enum Error {
     /// Noise, a distance or a score is not defined.
     #[error(transparent)]
     Evaluation(#[from] EvaluationError),
-    /// A picture cannot be drawn.
+    /// A picture or a plot cannot be drawn or written.
     #[cfg(feature = "figure")]
     #[error(transparent)]
-    Render(#[from] RenderError),
-    /// Values cannot be turned into colours.
-    #[cfg(feature = "figure")]
-    #[error(transparent)]
-    Scale(#[from] ScaleError),
-    /// A plot cannot be drawn.
-    #[cfg(feature = "figure")]
-    #[error(transparent)]
-    Plot(#[from] PlotError),
-    /// A picture cannot be written.
-    #[cfg(feature = "figure")]
-    #[error(transparent)]
-    Encode(#[from] EncodeError),
+    Figure(#[from] FigureError),
     /// The work was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
@@ -125,7 +98,15 @@ impl Error {
     pub fn kind(&self) -> ErrorKind {
         match self {
             Self::Cancelled(_) => ErrorKind::Cancelled,
-            Self::Build(_) | Self::Matrix(_) => ErrorKind::Input,
+            Self::Build(_) => ErrorKind::Input,
+            Self::Sparse(
+                SparseError::Offsets { .. }
+                | SparseError::Columns { .. }
+                | SparseError::Outside { .. }
+                | SparseError::Order { .. }
+                | SparseError::NotFinite { .. }
+                | SparseError::TooManyEntries { .. },
+            ) => ErrorKind::Input,
             Self::Option(_) | Self::Parameter(_) | Self::UnknownName(_) => ErrorKind::Option,
             Self::Read(error) => match error.problem {
                 ReadProblem::Io(_) => ErrorKind::Io,
@@ -137,13 +118,17 @@ impl Error {
             },
             Self::Operator(error) => operator_kind(error),
             Self::Spectral(error) => spectral_kind(error),
-            Self::SpectrumFile(SpectrumFileError::Io { .. }) => ErrorKind::Io,
-            Self::SpectrumFile(_) => ErrorKind::Input,
             Self::Flow(error) => flow_kind(&error.failure),
             Self::Denoise(DenoiseError::Option(_)) => ErrorKind::Option,
             Self::Evaluation(error) => evaluation_kind(error),
             #[cfg(feature = "figure")]
-            Self::Scale(_) => ErrorKind::Option,
+            Self::Figure(
+                FigureError::NonFinite { .. }
+                | FigureError::NoValues
+                | FigureError::Limits { .. }
+                | FigureError::Count { .. }
+                | FigureError::Size { .. },
+            ) => ErrorKind::Option,
             _ => ErrorKind::Numeric,
         }
     }

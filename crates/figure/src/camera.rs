@@ -7,7 +7,7 @@ use fairing_mesh::TriMesh;
 use fairing_parameters::{UnknownName, by_name};
 use glam::DVec3;
 
-use crate::error::RenderError;
+use crate::error::FigureError;
 
 /// The direction from which a mesh is seen.
 ///
@@ -163,14 +163,14 @@ impl Camera {
     ///
     /// # Errors
     ///
-    /// [`RenderError::Empty`] without faces, [`RenderError::NoExtent`] if all
-    /// lie in one point, [`RenderError::TooFar`] if distances overflow.
+    /// [`FigureError::NoFaces`] without faces, [`FigureError::NoExtent`] if all
+    /// lie in one point, [`FigureError::TooFar`] if distances overflow.
     pub fn fit(
         meshes: &[&TriMesh],
         viewpoint: Viewpoint,
         up: Up,
         aspect: f64,
-    ) -> Result<Self, RenderError> {
+    ) -> Result<Self, FigureError> {
         let [right, upward, forward] = axes(viewpoint, up);
         let (center, scale) = bounds(meshes)?;
         let half_height = libm::tan((FIELD_OF_VIEW / 2.0).to_radians());
@@ -235,7 +235,7 @@ fn axes(viewpoint: Viewpoint, up: Up) -> [DVec3; 3] {
 }
 
 /// Centre and half the diagonal of the bounding box of all faces.
-fn bounds(meshes: &[&TriMesh]) -> Result<(DVec3, f64), RenderError> {
+fn bounds(meshes: &[&TriMesh]) -> Result<(DVec3, f64), FigureError> {
     let mut low = DVec3::INFINITY;
     let mut high = DVec3::NEG_INFINITY;
     for_each_used(meshes, |p| {
@@ -243,7 +243,9 @@ fn bounds(meshes: &[&TriMesh]) -> Result<(DVec3, f64), RenderError> {
         high = high.max(p);
     });
     if low.x > high.x {
-        return Err(RenderError::Empty { vertices: meshes.iter().map(|m| m.vertex_count()).sum() });
+        return Err(FigureError::NoFaces {
+            vertices: meshes.iter().map(|m| m.vertex_count()).sum(),
+        });
     }
     let scale = (high - low).length() / 2.0;
     if !scale.is_finite() {
@@ -252,12 +254,12 @@ fn bounds(meshes: &[&TriMesh]) -> Result<(DVec3, f64), RenderError> {
             .flat_map(|m| m.positions().iter().enumerate())
             .max_by(|(_, p), (_, q)| largest(p).total_cmp(&largest(q)))
             .map_or((0, [0.0; 3]), |(v, p)| (v, *p));
-        return Err(RenderError::TooFar { vertex, position });
+        return Err(FigureError::TooFar { vertex, position });
     }
     // A mesh smaller than the rounding of its own coordinates has no shape.
     let magnitude = low.abs().max(high.abs()).max_element();
     if scale <= magnitude * 4.0 * f64::EPSILON || scale < f64::MIN_POSITIVE.sqrt() {
-        return Err(RenderError::NoExtent { point: low.to_array() });
+        return Err(FigureError::NoExtent { point: low.to_array() });
     }
     Ok((low + (high - low) / 2.0, scale))
 }
@@ -325,10 +327,10 @@ mod tests {
             let mesh = TriMesh::new(p, f).unwrap();
             Camera::fit(&[&mesh], Viewpoint::Front, Up::Y, 1.0).unwrap_err()
         };
-        assert_eq!(fit(vec![[0.0; 3]; 4], vec![]), RenderError::Empty { vertices: 4 });
+        assert_eq!(fit(vec![[0.0; 3]; 4], vec![]), FigureError::NoFaces { vertices: 4 });
         assert_eq!(
             fit(vec![[7.0; 3]; 3], vec![[0, 1, 2]]),
-            RenderError::NoExtent { point: [7.0; 3] }
+            FigureError::NoExtent { point: [7.0; 3] }
         );
     }
 }

@@ -2,7 +2,7 @@
 
 use fairing_mesh::TriMesh;
 
-use crate::error::ScaleError;
+use crate::error::FigureError;
 use crate::field::Field;
 use crate::maps::ColorMap;
 use crate::scale::{Center, Limits, Scale, ScaleOptions, Spread};
@@ -55,18 +55,18 @@ impl ColoringOptions {
     ///
     /// # Errors
     ///
-    /// [`ScaleError::Length`] unless there are as many values as vertices, [`ScaleError::Count`]
+    /// [`FigureError::Count`] unless there are as many values as vertices, [`FigureError::Count`]
     /// unless there are as many flags, and the errors of [`Scale::new`], such as
-    /// [`ScaleError::NoValues`] if all values are undefined.
+    /// [`FigureError::NoValues`] if all values are undefined.
     pub fn colors(
         &self,
         mesh: &TriMesh,
         values: &[f64],
         undefined: Option<&[bool]>,
-    ) -> Result<(Scale, Vec<[u8; 3]>), ScaleError> {
+    ) -> Result<(Scale, Vec<[u8; 3]>), FigureError> {
         let (expected, found) = (mesh.vertex_count(), values.len());
         if found != expected {
-            return Err(ScaleError::Length { expected, found });
+            return Err(FigureError::Count { what: "values", expected, found });
         }
         let mut field = Field::new(values);
         if let Some(undefined) = undefined {
@@ -145,7 +145,7 @@ mod tests {
         assert!(scale.low() >= 1.0 && scale.high() <= 2.0);
         assert_eq!((colors[2], colors.contains(&scale.color(1.0))), (UNDEFINED, true));
         let short = asked.colors(&open, &[1.0], None).unwrap_err();
-        assert_eq!(short, ScaleError::Length { expected: 3, found: 1 });
+        assert_eq!(short, FigureError::Count { what: "values", expected: 3, found: 1 });
     }
 
     /// Two triangles at an edge, all of it boundary, and a vertex of no face: what is undefined or
@@ -163,7 +163,7 @@ mod tests {
         let (scale, _) = asked.colors(&mesh, &[2.0, 3.0, 3.0, 4.0, -50.0], None).unwrap();
         assert!(scale.low() >= 2.0 && scale.high() <= 4.0, "{scale:?}");
         let all = asked.colors(&mesh, &[0.0; 5], Some(&[true; 5])).unwrap_err();
-        assert_eq!(all, ScaleError::NoValues);
+        assert_eq!(all, FigureError::NoValues);
         let points = TriMesh::new(vec![[0.0; 3], [1.0; 3]], vec![]).unwrap();
         let (scale, _) = asked.colors(&points, &[1.0, 2.0], None).unwrap();
         assert!(scale.high() > scale.low());

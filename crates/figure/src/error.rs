@@ -1,41 +1,40 @@
-//! Why a picture cannot be made.
+//! Errors of pictures and plots.
 
-/// Why a mesh cannot be drawn.
+/// The reason why a picture or a plot cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum RenderError {
+pub enum FigureError {
     /// There is no face to draw.
     #[error("a mesh of {vertices} vertices has no face to draw")]
-    Empty {
+    NoFaces {
         /// The number of vertices of the meshes given.
         vertices: usize,
     },
     /// All vertices of the faces coincide, so that no distance shows them.
     #[error("all faces lie in one point, ({}, {}, {})", point[0], point[1], point[2])]
     NoExtent {
-        /// Where they lie.
+        /// The point.
         point: [f64; 3],
     },
-    /// The mesh is so large, or so far from the camera's frame, that squared
-    /// distances overflow.
+    /// A vertex is so far from the camera that squared distances overflow.
     #[error("vertex {vertex} at ({:e}, {:e}, {:e}) is too far away to draw", position[0], position[1], position[2])]
     TooFar {
-        /// The offending vertex.
+        /// The vertex.
         vertex: usize,
         /// Its position, in mesh units.
         position: [f64; 3],
     },
-    /// Per-vertex values do not match the mesh.
-    #[error("{found} {what} were given for a mesh of {expected} vertices")]
+    /// The number of values differs from the number of elements they belong to.
+    #[error("{found} {what} were given, but {expected} are needed")]
     Count {
-        /// The kind of values: `colours`, `occlusion values` or `values`.
+        /// The kind of values, such as `colours` or `flags`.
         what: &'static str,
-        /// The number of vertices.
+        /// The number of vertices, faces or values that need one each.
         expected: usize,
         /// The number of values given.
         found: usize,
     },
-    /// The picture would be empty or larger than [`MAX_SIDE`](crate::MAX_SIDE).
+    /// A picture without pixels, or one larger than [`MAX_SIDE`](crate::MAX_SIDE).
     #[error(
         "a picture of {width} × {height} pixels with {samples} × {samples} samples each cannot be drawn"
     )]
@@ -47,13 +46,7 @@ pub enum RenderError {
         /// Samples along each side of a pixel.
         samples: u32,
     },
-}
-
-/// Why values cannot be turned into colours.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ScaleError {
-    /// A defined value is infinite or not a number.
+    /// A defined value of a field is infinite or not a number.
     #[error("value {index} is {value}, which is not finite")]
     NonFinite {
         /// Its vertex or face.
@@ -61,48 +54,48 @@ pub enum ScaleError {
         /// The value.
         value: f64,
     },
-    /// No value counts for the range: all are undefined.
+    /// No value counts for the range of colours: all are undefined.
     #[error("the field is undefined everywhere: there is no range of colours")]
     NoValues,
-    /// The ends of the range are not ascending, or not percentages.
-    #[error("a colour range cannot go from {low} to {high}")]
+    /// The ends of a range of colours or of an axis do not ascend, or are not
+    /// possible: percentages outside 0 to 100, or a logarithmic axis from zero.
+    #[error("{what} cannot go from {low} to {high}")]
     Limits {
+        /// `a colour range` or `an axis`.
+        what: &'static str,
         /// The lower end.
         low: f64,
         /// The upper end.
         high: f64,
     },
-    /// Values do not match the vertices.
-    #[error("the field has {found} values for {expected} vertices")]
-    Length {
-        /// The number of vertices.
+    /// No series of a plot has a point.
+    #[error("there is nothing to plot")]
+    NoPoints,
+    /// A point of a plot has no place on its axes.
+    #[error("{series}: point {index} is ({x}, {y}), {problem}")]
+    Point {
+        /// The name of the series.
+        series: String,
+        /// The point.
+        index: usize,
+        /// Its horizontal coordinate.
+        x: f64,
+        /// Its vertical coordinate.
+        y: f64,
+        /// The reason, such as `which is not finite`.
+        problem: &'static str,
+    },
+    /// Bars do not match the categories of a plot.
+    #[error("{series}: {found} bars for {expected} categories")]
+    Bars {
+        /// The name of the series.
+        series: String,
+        /// The number of categories.
         expected: usize,
-        /// The number of values.
+        /// The number of bars.
         found: usize,
     },
-    /// Flags do not match the values.
-    #[error("{found} flags were given for {expected} values")]
-    Count {
-        /// The number of values.
-        expected: usize,
-        /// The number of flags.
-        found: usize,
-    },
-}
-
-/// Why a picture cannot be encoded.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum EncodeError {
     /// The PNG encoder refused.
-    #[error("the picture cannot be written as PNG")]
-    Png(#[source] Box<dyn std::error::Error + Send + Sync>),
-    /// The picture has no pixel or too many.
-    #[error("a figure of {width} × {height} pixels cannot be drawn")]
-    Size {
-        /// Width in pixels.
-        width: u32,
-        /// Height in pixels.
-        height: u32,
-    },
+    #[error("the picture cannot be written as PNG: {0}")]
+    Png(String),
 }

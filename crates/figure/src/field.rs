@@ -1,6 +1,6 @@
 //! Values to be shown as colours.
 
-use crate::error::ScaleError;
+use crate::error::FigureError;
 
 /// The uses of a value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,8 +31,8 @@ impl<'a> Field<'a> {
     ///
     /// # Errors
     ///
-    /// [`ScaleError::Count`] if there are too few or too many flags.
-    pub fn undefined_where(self, undefined: &[bool]) -> Result<Self, ScaleError> {
+    /// [`FigureError::Count`] if there are too few or too many flags.
+    pub fn undefined_where(self, undefined: &[bool]) -> Result<Self, FigureError> {
         self.mark(undefined, Mark::Undefined)
     }
 
@@ -41,14 +41,18 @@ impl<'a> Field<'a> {
     ///
     /// # Errors
     ///
-    /// [`ScaleError::Count`] if there are too few or too many flags.
-    pub fn range_without(self, excluded: &[bool]) -> Result<Self, ScaleError> {
+    /// [`FigureError::Count`] if there are too few or too many flags.
+    pub fn range_without(self, excluded: &[bool]) -> Result<Self, FigureError> {
         self.mark(excluded, Mark::Shown)
     }
 
-    fn mark(mut self, flags: &[bool], mark: Mark) -> Result<Self, ScaleError> {
+    fn mark(mut self, flags: &[bool], mark: Mark) -> Result<Self, FigureError> {
         if flags.len() != self.values.len() {
-            return Err(ScaleError::Count { expected: self.values.len(), found: flags.len() });
+            return Err(FigureError::Count {
+                what: "flags",
+                expected: self.values.len(),
+                found: flags.len(),
+            });
         }
         for (own, _) in self.marks.iter_mut().zip(flags).filter(|(_, flag)| **flag) {
             if *own != Mark::Undefined {
@@ -81,10 +85,10 @@ impl<'a> Field<'a> {
     }
 
     /// Refuses values that are not finite, unless marked as undefined.
-    pub(crate) fn check(&self) -> Result<(), ScaleError> {
+    pub(crate) fn check(&self) -> Result<(), FigureError> {
         match self.values().position(|x| x.is_some_and(|x| !x.is_finite())) {
             None => Ok(()),
-            Some(index) => Err(ScaleError::NonFinite { index, value: self.values[index] }),
+            Some(index) => Err(FigureError::NonFinite { index, value: self.values[index] }),
         }
     }
 }

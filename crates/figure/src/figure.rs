@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::colorbar::ColorBar;
 use crate::drawing::{Anchor, Drawing, Element, INK};
-use crate::error::EncodeError;
+use crate::error::FigureError;
 use crate::image::Image;
 use crate::text::{Style, width, wrap};
 
@@ -133,8 +133,8 @@ impl Figure {
     ///
     /// # Errors
     ///
-    /// [`EncodeError::Png`] if an image cannot be embedded.
-    pub fn to_svg(&self) -> Result<String, EncodeError> {
+    /// [`FigureError::Png`] if an image cannot be embedded.
+    pub fn to_svg(&self) -> Result<String, FigureError> {
         self.draw().to_svg()
     }
 
@@ -142,8 +142,8 @@ impl Figure {
     ///
     /// # Errors
     ///
-    /// [`EncodeError`] if the figure is empty or too large.
-    pub fn to_png(&self, zoom: f64) -> Result<Vec<u8>, EncodeError> {
+    /// [`FigureError`] if the figure is empty or too large.
+    pub fn to_png(&self, zoom: f64) -> Result<Vec<u8>, FigureError> {
         self.draw().to_image(zoom)?.to_png()
     }
 

@@ -1,6 +1,6 @@
 //! Pictures as pixels, and as PNG.
 
-use crate::error::EncodeError;
+use crate::error::FigureError;
 
 /// A picture of 8-bit sRGB pixels with straight (not premultiplied) alpha,
 /// row by row from the top left.
@@ -22,10 +22,10 @@ impl Image {
     ///
     /// # Errors
     ///
-    /// [`EncodeError::Size`] if there are not `width × height` pixels, or none.
-    pub fn from_pixels(width: u32, height: u32, pixels: Vec<[u8; 4]>) -> Result<Self, EncodeError> {
+    /// [`FigureError::Size`] if there are not `width × height` pixels, or none.
+    pub fn from_pixels(width: u32, height: u32, pixels: Vec<[u8; 4]>) -> Result<Self, FigureError> {
         if pixels.is_empty() || pixels.len() as u64 != u64::from(width) * u64::from(height) {
-            return Err(EncodeError::Size { width, height });
+            return Err(FigureError::Size { width, height, samples: 1 });
         }
         Ok(Self { width, height, pixels })
     }
@@ -59,8 +59,8 @@ impl Image {
     ///
     /// # Errors
     ///
-    /// [`EncodeError::Png`] for a picture that PNG cannot hold.
-    pub fn to_png(&self) -> Result<Vec<u8>, EncodeError> {
+    /// [`FigureError::Png`] for a picture that PNG cannot hold.
+    pub fn to_png(&self) -> Result<Vec<u8>, FigureError> {
         let mut bytes = Vec::new();
         let mut encoder = png::Encoder::new(&mut bytes, self.width, self.height);
         encoder.set_color(png::ColorType::Rgba);
@@ -72,7 +72,7 @@ impl Image {
             writer.write_image_data(self.pixels.as_flattened())?;
             writer.finish()
         };
-        encode().map_err(|source| EncodeError::Png(Box::new(source)))?;
+        encode().map_err(|source| FigureError::Png(source.to_string()))?;
         Ok(bytes)
     }
 }

@@ -49,7 +49,7 @@ pub use color::{from_hue, linear_from_srgb, srgb_from_linear};
 pub use colorbar::ColorBar;
 pub use coloring::ColoringOptions;
 pub use drawing::Drawing;
-pub use error::{EncodeError, RenderError, ScaleError};
+pub use error::FigureError;
 pub use field::Field;
 pub use figure::{Figure, Panel};
 pub use image::Image;
@@ -58,7 +58,7 @@ pub use normals::Shading;
 #[doc(hidden)]
 pub use number::number;
 pub use occlusion::Occlusion;
-pub use plot::{Axis, AxisScale, Legend, Plot, PlotError, Series, Shape};
+pub use plot::{Axis, AxisScale, Legend, Plot, Series, Shape};
 pub use render::{Colors, render};
 pub use render_options::{Background, MAX_SIDE, RenderOptions, Wireframe};
 pub use scale::{Center, Limits, Scale, ScaleOptions, Spread, UNDEFINED};

@@ -6,7 +6,7 @@ use tiny_skia::{
 };
 
 use crate::drawing::{Anchor, Color, Drawing, Element, Path, Text};
-use crate::error::EncodeError;
+use crate::error::FigureError;
 use crate::image::Image;
 use crate::outline::{Outline, Step};
 use crate::text;
@@ -17,16 +17,17 @@ impl Drawing {
     ///
     /// # Errors
     ///
-    /// [`EncodeError::Size`] if the picture would be empty or larger than
+    /// [`FigureError::Size`] if the picture would be empty or larger than
     /// [`MAX_SIDE`](crate::MAX_SIDE).
-    pub fn to_image(&self, zoom: f64) -> Result<Image, EncodeError> {
+    pub fn to_image(&self, zoom: f64) -> Result<Image, FigureError> {
         let pixels = |side: f64| (side * zoom).round().clamp(0.0, f64::from(u32::MAX)) as u32;
         let (width, height) = (pixels(self.width), pixels(self.height));
         let largest = crate::MAX_SIDE;
         if width == 0 || height == 0 || width > largest || height > largest {
-            return Err(EncodeError::Size { width, height });
+            return Err(FigureError::Size { width, height, samples: 1 });
         }
-        let map = Pixmap::new(width, height).ok_or(EncodeError::Size { width, height })?;
+        let map =
+            Pixmap::new(width, height).ok_or(FigureError::Size { width, height, samples: 1 })?;
         let mut canvas = Canvas { map, mask: None };
         canvas.map.fill(tiny_skia::Color::WHITE);
         canvas.draw(&self.elements, Transform::from_scale(zoom as f32, zoom as f32));
@@ -257,7 +258,7 @@ mod tests {
     #[test]
     fn pictures_that_are_too_large_are_refused() {
         let drawing = Drawing::new(90.0, 30.0);
-        assert!(matches!(drawing.to_image(1e6), Err(EncodeError::Size { .. })));
-        assert!(matches!(drawing.to_image(0.0), Err(EncodeError::Size { .. })));
+        assert!(matches!(drawing.to_image(1e6), Err(FigureError::Size { .. })));
+        assert!(matches!(drawing.to_image(0.0), Err(FigureError::Size { .. })));
     }
 }

@@ -5,7 +5,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::camera::Camera;
-use crate::error::RenderError;
+use crate::error::FigureError;
 use crate::render_options::RenderOptions;
 
 /// Rows of pixels that are drawn together: few enough for the samples to stay
@@ -59,7 +59,7 @@ impl Raster {
         mesh: &TriMesh,
         camera: &Camera,
         options: &RenderOptions,
-    ) -> Result<Self, RenderError> {
+    ) -> Result<Self, FigureError> {
         let samples = options.samples as usize;
         let mut raster = Self {
             width: options.width as usize * samples,
@@ -82,7 +82,7 @@ impl Raster {
         // Written so that NaN, from infinities that cancel, fails as well.
         let within = |p: &DVec3| p.to_array().iter().all(|x| x.abs() < HORIZON);
         if let Some(vertex) = seen.iter().position(|p| !within(p)) {
-            return Err(RenderError::TooFar { vertex, position: mesh.positions()[vertex] });
+            return Err(FigureError::TooFar { vertex, position: mesh.positions()[vertex] });
         }
         let near = camera.near / camera.scale;
         raster.points = seen.iter().map(|&p| raster.project(camera, p)).collect();

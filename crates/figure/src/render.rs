@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::camera::Camera;
 use crate::color::{linear_from_srgb, srgb_from_linear};
-use crate::error::RenderError;
+use crate::error::FigureError;
 use crate::image::Image;
 use crate::light::Lamps;
 use crate::normals::{area_vectors, corner_normals};
@@ -45,9 +45,9 @@ const BACK_TINT: f32 = 1.0 / 3.0;
 ///
 /// # Errors
 ///
-/// [`RenderError::Empty`] without faces, [`RenderError::Count`] if colours or
-/// occlusion do not match the mesh, [`RenderError::Size`] for an impossible
-/// size, [`RenderError::TooFar`] for a vertex beyond what the camera can
+/// [`FigureError::NoFaces`] without faces, [`FigureError::Count`] if colours or
+/// occlusion do not match the mesh, [`FigureError::Size`] for an impossible
+/// size, [`FigureError::TooFar`] for a vertex beyond what the camera can
 /// place.
 pub fn render(
     mesh: &TriMesh,
@@ -55,7 +55,7 @@ pub fn render(
     occlusion: Option<&Occlusion>,
     camera: &Camera,
     options: &RenderOptions,
-) -> Result<Image, RenderError> {
+) -> Result<Image, FigureError> {
     check(mesh, colors, occlusion, options)?;
     let mesh = &*mesh.oriented();
     let raster = Raster::new(mesh, camera, options)?;
@@ -102,15 +102,15 @@ fn check(
     colors: Colors<'_>,
     occlusion: Option<&Occlusion>,
     options: &RenderOptions,
-) -> Result<(), RenderError> {
+) -> Result<(), FigureError> {
     let &RenderOptions { width, height, samples, .. } = options;
     let side = 1..=MAX_SIDE;
     if !side.contains(&width) || !side.contains(&height) || !(1..=8).contains(&samples) {
-        return Err(RenderError::Size { width, height, samples });
+        return Err(FigureError::Size { width, height, samples });
     }
     let expect = |what, expected, found| match expected == found {
         true => Ok(()),
-        false => Err(RenderError::Count { what, expected, found }),
+        false => Err(FigureError::Count { what, expected, found }),
     };
     match colors {
         Colors::Uniform(_) => {}
@@ -121,7 +121,7 @@ fn check(
         expect("occlusion values", mesh.vertex_count(), occlusion.front().len())?;
     }
     if mesh.face_count() == 0 {
-        return Err(RenderError::Empty { vertices: mesh.vertex_count() });
+        return Err(FigureError::NoFaces { vertices: mesh.vertex_count() });
     }
     Ok(())
 }

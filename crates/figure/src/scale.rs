@@ -1,6 +1,6 @@
 //! From values to colours, and back for the colour bar.
 
-use crate::error::ScaleError;
+use crate::error::FigureError;
 use crate::field::Field;
 use crate::maps::ColorMap;
 
@@ -126,10 +126,10 @@ impl Scale {
     ///
     /// # Errors
     ///
-    /// [`ScaleError::NonFinite`] for a defined value that is not finite,
-    /// [`ScaleError::NoValues`] if none counts, [`ScaleError::Limits`] for
+    /// [`FigureError::NonFinite`] for a defined value that is not finite,
+    /// [`FigureError::NoValues`] if none counts, [`FigureError::Limits`] for
     /// percentiles or fixed values that are not ascending.
-    pub fn new(fields: &[&Field<'_>], options: &ScaleOptions) -> Result<Self, ScaleError> {
+    pub fn new(fields: &[&Field<'_>], options: &ScaleOptions) -> Result<Self, FigureError> {
         for field in fields {
             field.check()?;
         }
@@ -252,15 +252,15 @@ impl Scale {
     }
 }
 
-fn ends(sorted: &[f64], limits: Limits) -> Result<(f64, f64), ScaleError> {
-    let bad = |low, high| Err(ScaleError::Limits { low, high });
+fn ends(sorted: &[f64], limits: Limits) -> Result<(f64, f64), FigureError> {
+    let bad = |low, high| Err(FigureError::Limits { what: "a colour range", low, high });
     match limits {
         Limits::Fixed { low, high } if low < high && (high - low).is_finite() => Ok((low, high)),
         Limits::Fixed { low, high } => bad(low, high),
         Limits::Percentiles { low, high } if !(0.0 <= low && low < high && high <= 100.0) => {
             bad(low, high)
         }
-        _ if sorted.is_empty() => Err(ScaleError::NoValues),
+        _ if sorted.is_empty() => Err(FigureError::NoValues),
         Limits::Full => Ok((sorted[0], sorted[sorted.len() - 1])),
         Limits::Percentiles { low, high } => {
             Ok((percentile(sorted, low), percentile(sorted, high)))
@@ -376,19 +376,19 @@ mod tests {
         let of = |values: &[f64], options: &ScaleOptions| {
             Scale::new(&[&Field::new(values)], options).unwrap_err()
         };
-        assert_eq!(of(&[], &ScaleOptions::SIGNED), ScaleError::NoValues);
+        assert_eq!(of(&[], &ScaleOptions::SIGNED), FigureError::NoValues);
         assert!(matches!(
             of(&[1.0, f64::NAN], &ScaleOptions::SIGNED),
-            ScaleError::NonFinite { index: 1, .. }
+            FigureError::NonFinite { index: 1, .. }
         ));
         let limits = Limits::Fixed { low: 2.0, high: 1.0 };
         assert_eq!(
             of(&[1.0], &ScaleOptions { limits, ..ScaleOptions::SIGNED }),
-            ScaleError::Limits { low: 2.0, high: 1.0 }
+            FigureError::Limits { what: "a colour range", low: 2.0, high: 1.0 }
         );
         assert_eq!(
             Field::new(&[1.0]).undefined_where(&[]).unwrap_err(),
-            ScaleError::Count { expected: 1, found: 0 }
+            FigureError::Count { what: "flags", expected: 1, found: 0 }
         );
     }
 

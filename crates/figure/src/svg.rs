@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use base64::Engine as _;
 
 use crate::drawing::{Anchor, Color, Drawing, Element, Path, Stroke, Text};
-use crate::error::EncodeError;
+use crate::error::FigureError;
 use crate::outline::{Outline, Step};
 use crate::text::Style;
 
@@ -18,8 +18,8 @@ impl Drawing {
     ///
     /// # Errors
     ///
-    /// [`EncodeError::Png`] if an image cannot be embedded.
-    pub fn to_svg(&self) -> Result<String, EncodeError> {
+    /// [`FigureError::Png`] if an image cannot be embedded.
+    pub fn to_svg(&self) -> Result<String, FigureError> {
         let (w, h) = (short(self.width), short(self.height));
         let ink = hex(crate::drawing::INK);
         let mut out = format!(
@@ -33,7 +33,7 @@ impl Drawing {
     }
 }
 
-fn write_all(out: &mut String, elements: &[Element]) -> Result<(), EncodeError> {
+fn write_all(out: &mut String, elements: &[Element]) -> Result<(), FigureError> {
     for element in elements {
         match element {
             Element::Path(path) => write_path(out, path),

@@ -3,7 +3,7 @@
 #![expect(clippy::disallowed_methods, reason = "tests do not need the same bits")]
 
 use fairing_figure::{
-    Axis, ColorBar, ColorMap, Field, Figure, Image, Limits, Panel, Plot, PlotError, Scale,
+    Axis, ColorBar, ColorMap, Field, Figure, FigureError, Image, Limits, Panel, Plot, Scale,
     ScaleOptions, Series, Shape,
 };
 
@@ -90,27 +90,27 @@ fn the_legend_hides_nothing() {
 #[test]
 fn what_cannot_be_plotted_is_refused() {
     let error = |plot: Plot| plot.draw(300.0, 200.0).unwrap_err();
-    assert_eq!(error(Plot::default()), PlotError::Empty);
+    assert_eq!(error(Plot::default()), FigureError::NoPoints);
     let series = vec![Series::line("flow", vec![[0.0, 1.0], [1.0, f64::NAN]])];
     assert!(matches!(
         error(Plot { series, ..Plot::default() }),
-        PlotError::NonFinite { index: 1, series, .. } if series == "flow"
+        FigureError::Point { index: 1, series, .. } if series == "flow"
     ));
     let series = vec![Series::line("flow", vec![[1.0, 1.0], [2.0, 0.0]])];
     assert!(matches!(
         error(Plot { y: Axis::log(""), series, ..Plot::default() }),
-        PlotError::NotPositive { index: 1, .. }
+        FigureError::Point { index: 1, .. }
     ));
     let series = vec![Series::bars("b", vec![1.0, 2.0])];
     assert_eq!(
         error(Plot { series, ..Plot::default() }),
-        PlotError::Bars { series: "b".into(), expected: 0, found: 2 }
+        FigureError::Bars { series: "b".into(), expected: 0, found: 2 }
     );
     let series = vec![Series::new("", Shape::Level(1.0)), Series::line("", vec![[1.0, 1.0]])];
     let y = Axis::log("").from_to(0.0, 1.0);
     assert_eq!(
         error(Plot { y, series, ..Plot::default() }),
-        PlotError::Limits { low: 0.0, high: 1.0 }
+        FigureError::Limits { what: "an axis", low: 0.0, high: 1.0 }
     );
 }
 

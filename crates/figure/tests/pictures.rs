@@ -3,7 +3,7 @@
 #![expect(clippy::disallowed_methods, reason = "tests do not need the same bits")]
 
 use fairing_figure::{
-    Background, Camera, Colors, Image, Occlusion, RenderError, RenderOptions, Shading, Up,
+    Background, Camera, Colors, FigureError, Image, Occlusion, RenderOptions, Shading, Up,
     Viewpoint, Wireframe, render,
 };
 use fairing_mesh::TriMesh;
@@ -255,14 +255,14 @@ fn what_cannot_be_drawn_is_refused() {
         |m: &TriMesh, c: Colors<'_>, o: &RenderOptions| render(m, c, None, &camera, o).unwrap_err();
     assert_eq!(
         error(&mesh, Colors::CLAY, &options(0)),
-        RenderError::Size { width: 0, height: 0, samples: 3 }
+        FigureError::Size { width: 0, height: 0, samples: 3 }
     );
     assert_eq!(
         error(&mesh, Colors::PerVertex(&[[0; 3]; 2]), &options(10)),
-        RenderError::Count { what: "colours", expected: mesh.vertex_count(), found: 2 }
+        FigureError::Count { what: "colours", expected: mesh.vertex_count(), found: 2 }
     );
     let points = TriMesh::new(vec![[0.0; 3]; 2], vec![]).unwrap();
-    assert_eq!(error(&points, Colors::CLAY, &options(10)), RenderError::Empty { vertices: 2 });
+    assert_eq!(error(&points, Colors::CLAY, &options(10)), FigureError::NoFaces { vertices: 2 });
     // A mesh that has grown without overflowing is drawn.
     let grown = mesh.positions().iter().map(|p| p.map(|x| 4e29 * x)).collect();
     let grown = mesh.with_positions(grown).unwrap();

@@ -74,6 +74,14 @@ pub enum OperatorError {
         /// The first such vertex.
         vertex: u32,
     },
+    /// ∂p/∂u and ∂p/∂v of a surface do not span a plane.
+    #[error("the chart is singular at u = {u}, v = {v}")]
+    SingularChart {
+        /// The first parameter.
+        u: f64,
+        /// The second parameter.
+        v: f64,
+    },
     /// An option is out of its range.
     #[error(transparent)]
     Option(#[from] OptionError),

@@ -1,6 +1,7 @@
 //! Conjugate gradients with the diagonal or another pointwise preconditioner, for several
 //! right-hand sides at once.
 
+use crate::error::SparseError;
 use crate::matrix::{Rows, SparseMatrix};
 use crate::parallel;
 
@@ -66,52 +67,6 @@ pub struct CgSolution<X> {
     pub residuals: Vec<f64>,
 }
 
-/// Failure of conjugate gradients.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum CgError {
-    /// A diagonal entry is not positive, so the matrix is not positive definite.
-    #[error("diagonal entry {value:e} of row {row} is not positive")]
-    Diagonal {
-        /// The row.
-        row: usize,
-        /// Its diagonal entry.
-        value: f64,
-    },
-    /// The matrix is not square, or a vector does not have as many rows as the matrix.
-    #[error("a {rows} × {columns} matrix with a vector of {length} rows")]
-    Size {
-        /// Rows of the matrix.
-        rows: usize,
-        /// Columns of the matrix.
-        columns: usize,
-        /// Rows of the vector.
-        length: usize,
-    },
-    /// The right-hand side or the initial guess contains an infinity or NaN.
-    #[error("row {row} of the right-hand side or of the initial guess is not finite")]
-    NotFinite {
-        /// The first such row.
-        row: usize,
-    },
-    /// A search direction p has pᵀ A p ≤ 0: the matrix is not positive definite.
-    #[error("the matrix is not positive definite: pᵀAp = {curvature:e} in iteration {iteration}")]
-    Indefinite {
-        /// The iteration.
-        iteration: usize,
-        /// pᵀ A p.
-        curvature: f64,
-    },
-    /// The tolerance was not reached.
-    #[error("no convergence: relative residual {residual:e} after {iterations} iterations")]
-    NotConverged {
-        /// Iterations taken.
-        iterations: usize,
-        /// The largest relative residual.
-        residual: f64,
-    },
-}
-
 /// Memory of an iteration, reusable by consecutive solves.
 #[derive(Debug, Clone, Default)]
 pub struct CgWorkspace<const B: usize> {
@@ -140,8 +95,9 @@ impl<const B: usize> CgWorkspace<B> {
 ///
 /// # Errors
 ///
-/// [`CgError::NotConverged`] after `max_iterations` iterations or for a residual that is not
-/// finite; [`CgError::Indefinite`]. `x` and the residual are then those of the last iteration.
+/// [`SparseError::NotConverged`] after `max_iterations` iterations or for a residual that is not
+/// finite; [`SparseError::NegativeCurvature`]. `x` and the residual are then those of the last
+/// iteration.
 pub fn descend<const B: usize, S: CgSystem<B>>(
     system: &S,
     x: &mut [[f64; B]],
@@ -149,7 +105,7 @@ pub fn descend<const B: usize, S: CgSystem<B>>(
     done: impl Fn(&[f64; B]) -> [bool; B],
     iterations: &mut usize,
     max_iterations: usize,
-) -> Result<(), CgError> {
+) -> Result<(), SparseError> {
     let CgWorkspace { r, p, q } = workspace;
     let [mut rr, mut rz] = parallel::update(p, |i, _| {
         let (r, z) = (&r[i], system.precondition(i, r[i]));
@@ -163,7 +119,7 @@ pub fn descend<const B: usize, S: CgSystem<B>>(
         fairing_watch::check();
         let residual = rr.iter().map(|rr| rr.sqrt()).fold(0.0, larger);
         if *iterations == max_iterations || !residual.is_finite() {
-            return Err(CgError::NotConverged { iterations: *iterations, residual });
+            return Err(SparseError::NotConverged { iterations: *iterations, residual });
         }
         let curvature = system.multiply(p, q);
         let ratios = |above: &[f64; B], below: &[f64; B]| match system.is_coupled() {
@@ -176,7 +132,7 @@ pub fn descend<const B: usize, S: CgSystem<B>>(
                 alpha[k] = 0.0;
             } else if !(alpha[k] >= 0.0 && alpha[k].is_finite()) {
                 let curvature = curvature[k];
-                return Err(CgError::Indefinite { iteration: *iterations, curvature });
+                return Err(SparseError::NegativeCurvature { iteration: *iterations, curvature });
             }
         }
         let old = rz;
@@ -253,7 +209,7 @@ pub fn conjugate_gradients<const B: usize, S: CgSystem<B>>(
     b: &[[f64; B]],
     x: Vec<[f64; B]>,
     options: &CgOptions,
-) -> (CgSolution<Vec<[f64; B]>>, Option<CgError>) {
+) -> (CgSolution<Vec<[f64; B]>>, Option<SparseError>) {
     let squared = |v: &[[f64; B]]| {
         let sums: [f64; B] = parallel::sum(v.len(), |i| v[i].map(|v| v * v));
         match system.is_coupled() {
@@ -299,8 +255,8 @@ pub fn conjugate_gradients<const B: usize, S: CgSystem<B>>(
         let worst = || relative(&found, &size).into_iter().fold(0.0, larger);
         match end {
             Ok(()) => {}
-            Err(CgError::NotConverged { .. }) => {
-                break Some(CgError::NotConverged { iterations, residual: worst() });
+            Err(SparseError::NotConverged { .. }) => {
+                break Some(SparseError::NotConverged { iterations, residual: worst() });
             }
             other => break other.err(),
         }
@@ -310,7 +266,7 @@ pub fn conjugate_gradients<const B: usize, S: CgSystem<B>>(
             break None;
         }
         if (0..B).all(|k| found[k].is_nan() || found[k] > 0.5 * last[k]) {
-            break Some(CgError::NotConverged { iterations, residual: worst() });
+            break Some(SparseError::NotConverged { iterations, residual: worst() });
         }
         last = found;
     };
@@ -349,7 +305,7 @@ fn relative<const B: usize>(r: &[f64; B], b: &[f64; B]) -> Vec<f64> {
 /// let cg = ConjugateGradient::new(&a)?;
 /// let solution = cg.solve(&[1.0, 1.0], None, &CgOptions::default())?;
 /// assert!((solution.x[0] - 1.0).abs() < 1e-12);
-/// # Ok::<(), fairing_sparse::CgError>(())
+/// # Ok::<(), fairing_sparse::SparseError>(())
 /// ```
 ///
 /// Source: \[hestenes1952\], \[saad2003\].
@@ -364,17 +320,17 @@ impl<'a> ConjugateGradient<'a> {
     ///
     /// # Errors
     ///
-    /// [`CgError::Size`] if the matrix is not square, [`CgError::Diagonal`] for the first diagonal
-    /// entry that is not positive and finite. Symmetry is not checked.
-    pub fn new(matrix: &'a SparseMatrix) -> Result<Self, CgError> {
+    /// [`SparseError::Size`] if the matrix is not square, [`SparseError::Diagonal`] for the first
+    /// diagonal entry that is not positive and finite. Symmetry is not checked.
+    pub fn new(matrix: &'a SparseMatrix) -> Result<Self, SparseError> {
         let (rows, columns) = (matrix.rows(), matrix.cols());
         if rows != columns {
-            return Err(CgError::Size { rows, columns, length: rows });
+            return Err(SparseError::Size { rows, columns, length: rows });
         }
         let diagonal = Rows::new(matrix).diagonal();
         let bad = |d: &f64| !(*d > 0.0 && d.is_finite());
         match diagonal.iter().position(bad) {
-            Some(row) => Err(CgError::Diagonal { row, value: diagonal[row] }),
+            Some(row) => Err(SparseError::Diagonal { row, value: diagonal[row] }),
             None => {
                 let inverse_diagonal = diagonal.into_iter().map(|d| 1.0 / d).collect();
                 Ok(Self { matrix, inverse_diagonal })
@@ -386,13 +342,13 @@ impl<'a> ConjugateGradient<'a> {
     ///
     /// # Errors
     ///
-    /// [`CgError`]: sizes, numbers that are not finite, an indefinite matrix, no convergence.
+    /// [`SparseError`]: sizes, numbers that are not finite, an indefinite matrix, no convergence.
     pub fn solve(
         &self,
         b: &[f64],
         guess: Option<&[f64]>,
         options: &CgOptions,
-    ) -> Result<CgSolution<Vec<f64>>, CgError> {
+    ) -> Result<CgSolution<Vec<f64>>, SparseError> {
         let wrap = |v: &[f64]| v.iter().map(|&v| [v]).collect::<Vec<_>>();
         let solution = self.solve_lanes(&wrap(b), guess.map(wrap), options)?;
         Ok(CgSolution {
@@ -407,13 +363,13 @@ impl<'a> ConjugateGradient<'a> {
     ///
     /// # Errors
     ///
-    /// [`CgError`]: sizes, numbers that are not finite, an indefinite matrix, no convergence.
+    /// [`SparseError`]: sizes, numbers that are not finite, an indefinite matrix, no convergence.
     pub fn solve_points(
         &self,
         b: &[[f64; 3]],
         guess: Option<&[[f64; 3]]>,
         options: &CgOptions,
-    ) -> Result<CgSolution<Vec<[f64; 3]>>, CgError> {
+    ) -> Result<CgSolution<Vec<[f64; 3]>>, SparseError> {
         self.solve_lanes(b, guess.map(<[_]>::to_vec), options)
     }
 
@@ -422,7 +378,7 @@ impl<'a> ConjugateGradient<'a> {
         b: &[[f64; B]],
         guess: Option<Vec<[f64; B]>>,
         options: &CgOptions,
-    ) -> Result<CgSolution<Vec<[f64; B]>>, CgError> {
+    ) -> Result<CgSolution<Vec<[f64; B]>>, SparseError> {
         self.check(b)?;
         if let Some(guess) = &guess {
             self.check(guess)?;
@@ -434,13 +390,13 @@ impl<'a> ConjugateGradient<'a> {
         }
     }
 
-    fn check<const B: usize>(&self, v: &[[f64; B]]) -> Result<(), CgError> {
+    fn check<const B: usize>(&self, v: &[[f64; B]]) -> Result<(), SparseError> {
         let rows = self.matrix.rows();
         if v.len() != rows {
-            return Err(CgError::Size { rows, columns: rows, length: v.len() });
+            return Err(SparseError::Size { rows, columns: rows, length: v.len() });
         }
         match v.iter().position(|v| v.iter().any(|v| !v.is_finite())) {
-            Some(row) => Err(CgError::NotFinite { row }),
+            Some(row) => Err(SparseError::VectorNotFinite { row }),
             None => Ok(()),
         }
     }

@@ -23,6 +23,7 @@ mod direct;
 mod double;
 #[cfg(feature = "solvers")]
 mod eigen;
+mod error;
 mod graph_laplacian;
 mod laplacian_power;
 mod mass;
@@ -34,23 +35,23 @@ mod spectral_bound;
 
 pub use chebyshev::ChebyshevSeries;
 pub use conjugate_gradients::{
-    CgError, CgOptions, CgSolution, CgSystem, CgWorkspace, ConjugateGradient, FieldOperator,
+    CgOptions, CgSolution, CgSystem, CgWorkspace, ConjugateGradient, FieldOperator,
     conjugate_gradients, descend, product_by_rows,
 };
 #[cfg(feature = "solvers")]
 pub use direct::{
-    Cholesky, CholeskyError, GraphSystem, Inertia, Ldlt, Ordering, SolverChoice, SymbolicCholesky,
-    Workload, shifted_condition,
+    Cholesky, GraphSystem, Inertia, Ldlt, Ordering, SolverChoice, SymbolicCholesky, Workload,
+    shifted_condition,
 };
 #[cfg(feature = "solvers")]
 pub use eigen::{
-    Beyond, Count, DenseSolver, EigenError, EigenOptions, EigenPairs, eigenpairs_within,
-    smallest_eigenpairs,
+    Beyond, Count, DenseSolver, EigenOptions, EigenPairs, eigenpairs_within, smallest_eigenpairs,
 };
+pub use error::SparseError;
 pub use graph_laplacian::{GraphLaplacian, GraphNumbers, Padded};
 pub use laplacian_power::LaplacianPower;
-pub use mass::{Mass, MassError, combine};
-pub use matrix::{MatrixError, SparseMatrix, from_csr, from_triplets, principal_submatrix};
+pub use mass::{Mass, combine};
+pub use matrix::{SparseMatrix, from_csr, from_triplets, principal_submatrix};
 pub use ndarray;
 pub use product::{multiply, multiply_block, multiply_into, multiply_points, multiply_points_into};
 pub use sprs;

@@ -1,5 +1,6 @@
 //! The mass matrix of a problem, lumped or consistent, and combinations α M + β S.
 
+use crate::error::SparseError;
 use crate::matrix::{Rows, SparseMatrix};
 use crate::product;
 
@@ -10,28 +11,6 @@ pub enum Mass<'a> {
     Lumped(&'a [f64]),
     /// M itself, both triangles.
     Consistent(&'a SparseMatrix),
-}
-
-/// Why a mass matrix cannot be used with a stiffness matrix.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum MassError {
-    /// The sizes differ.
-    #[error("the mass has {mass} rows, the stiffness {stiffness}")]
-    Size {
-        /// Rows of the mass matrix.
-        mass: usize,
-        /// Rows of the stiffness matrix.
-        stiffness: usize,
-    },
-    /// A diagonal entry is zero, negative, infinite or NaN.
-    #[error("mass {value:e} of row {row} is not positive and finite")]
-    NotPositive {
-        /// The row.
-        row: usize,
-        /// Its diagonal entry.
-        value: f64,
-    },
 }
 
 impl Mass<'_> {
@@ -83,13 +62,13 @@ impl Mass<'_> {
     ///
     /// # Errors
     ///
-    /// [`MassError`] with the first offending row.
-    pub fn check(&self, rows: usize) -> Result<(), MassError> {
+    /// [`SparseError`] with the first offending row.
+    pub fn check(&self, rows: usize) -> Result<(), SparseError> {
         if self.len() != rows {
-            return Err(MassError::Size { mass: self.len(), stiffness: rows });
+            return Err(SparseError::MassSize { mass: self.len(), stiffness: rows });
         }
         match self.diagonal().into_iter().enumerate().find(|(_, m)| !(*m > 0.0 && m.is_finite())) {
-            Some((row, value)) => Err(MassError::NotPositive { row, value }),
+            Some((row, value)) => Err(SparseError::MassNotPositive { row, value }),
             None => Ok(()),
         }
     }
@@ -194,12 +173,15 @@ mod tests {
     fn bad_masses_are_named() {
         assert_eq!(
             Mass::Lumped(&[1.0, 0.0]).check(2),
-            Err(MassError::NotPositive { row: 1, value: 0.0 })
+            Err(SparseError::MassNotPositive { row: 1, value: 0.0 })
         );
         assert!(matches!(
             Mass::Lumped(&[f64::NAN]).check(1),
-            Err(MassError::NotPositive { row: 0, .. })
+            Err(SparseError::MassNotPositive { row: 0, .. })
         ));
-        assert_eq!(Mass::Lumped(&[1.0]).check(2), Err(MassError::Size { mass: 1, stiffness: 2 }));
+        assert_eq!(
+            Mass::Lumped(&[1.0]).check(2),
+            Err(SparseError::MassSize { mass: 1, stiffness: 2 })
+        );
     }
 }

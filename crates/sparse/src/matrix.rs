@@ -1,5 +1,7 @@
 //! The sparse matrix of the workspace, ways to make one, and a borrowed look at its rows.
 
+use crate::error::SparseError;
+
 /// A sparse matrix of the workspace: CSR, `f64` values, `u32` indices, columns ascending in each
 /// row.
 ///
@@ -7,71 +9,12 @@
 /// `into_raw_storage` takes one apart into offsets, columns and values.
 pub type SparseMatrix = sprs::CsMatI<f64, u32>;
 
-/// Why a [`SparseMatrix`] cannot be made from the given numbers.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum MatrixError {
-    /// The offsets are not one more than rows, do not ascend from zero, or do not end with the
-    /// number of entries.
-    #[error(
-        "offset {place} is {found}: offsets ascend from 0 to the number of entries, one more than rows"
-    )]
-    Offsets {
-        /// The first offset that is wrong.
-        place: usize,
-        /// Its value; 0 if it is missing.
-        found: u32,
-    },
-    /// There are more or fewer values than columns.
-    #[error("{found} values for {expected} columns")]
-    Length {
-        /// The number of values.
-        found: usize,
-        /// The number of columns.
-        expected: usize,
-    },
-    /// An entry outside of the matrix.
-    #[error("row {row}, column {column} is outside of a {} × {} matrix", shape.0, shape.1)]
-    Outside {
-        /// Its row.
-        row: usize,
-        /// Its column.
-        column: u32,
-        /// The rows and columns of the matrix.
-        shape: (usize, usize),
-    },
-    /// Columns of a row that do not ascend, or one that comes twice.
-    #[error("column {column} of row {row} does not come after the one before it")]
-    Order {
-        /// The row.
-        row: usize,
-        /// The column.
-        column: u32,
-    },
-    /// A value that is infinite or NaN.
-    #[error("the value of row {row}, column {column} is {value}")]
-    NotFinite {
-        /// Its row.
-        row: usize,
-        /// Its column.
-        column: u32,
-        /// The value.
-        value: f64,
-    },
-    /// More entries than 32-bit indices can number.
-    #[error("{entries} entries are more than 32-bit indices can number")]
-    TooLarge {
-        /// The number of entries.
-        entries: usize,
-    },
-}
-
 /// The matrix of these rows: row i has the columns `columns[offsets[i]..offsets[i + 1]]`,
 /// ascending, and the values in the same places.
 ///
 /// # Errors
 ///
-/// [`MatrixError`].
+/// [`SparseError`].
 ///
 /// # Examples
 ///
@@ -81,20 +24,20 @@ pub enum MatrixError {
 /// assert_eq!(matrix.get(0, 1), Some(&-1.0));
 /// let error = from_csr((2, 2), vec![0, 2, 3], vec![1, 0, 1], vec![2.0; 3]).unwrap_err();
 /// assert_eq!(error.to_string(), "column 0 of row 0 does not come after the one before it");
-/// # Ok::<(), fairing_sparse::MatrixError>(())
+/// # Ok::<(), fairing_sparse::SparseError>(())
 /// ```
 pub fn from_csr(
     shape: (usize, usize),
     offsets: Vec<u32>,
     columns: Vec<u32>,
     values: Vec<f64>,
-) -> Result<SparseMatrix, MatrixError> {
+) -> Result<SparseMatrix, SparseError> {
     if columns.len() != values.len() {
-        return Err(MatrixError::Length { found: values.len(), expected: columns.len() });
+        return Err(SparseError::Columns { found: values.len(), expected: columns.len() });
     }
     let wrong = |place: usize| {
         let found = offsets.get(place).copied().unwrap_or_default();
-        MatrixError::Offsets { place, found }
+        SparseError::Offsets { place, found }
     };
     if offsets.len() != shape.0 + 1 {
         return Err(wrong(offsets.len().min(shape.0 + 1)));
@@ -111,7 +54,7 @@ pub fn from_csr(
         for (&column, &value) in columns[range.clone()].iter().zip(&values[range]) {
             check_entry(shape, (row, column, value))?;
             if before >= Some(column) {
-                return Err(MatrixError::Order { row, column });
+                return Err(SparseError::Order { row, column });
             }
             before = Some(column);
         }
@@ -124,7 +67,7 @@ pub fn from_csr(
 ///
 /// # Errors
 ///
-/// [`MatrixError`].
+/// [`SparseError`].
 ///
 /// # Examples
 ///
@@ -132,14 +75,14 @@ pub fn from_csr(
 /// use fairing_sparse::from_triplets;
 /// let matrix = from_triplets((2, 2), &[(1, 0, 3.0), (0, 0, 1.0), (1, 0, 0.5)])?;
 /// assert_eq!((matrix.nnz(), matrix.get(1, 0)), (2, Some(&3.5)));
-/// # Ok::<(), fairing_sparse::MatrixError>(())
+/// # Ok::<(), fairing_sparse::SparseError>(())
 /// ```
 pub fn from_triplets(
     shape: (usize, usize),
     triplets: &[(u32, u32, f64)],
-) -> Result<SparseMatrix, MatrixError> {
+) -> Result<SparseMatrix, SparseError> {
     if u32::try_from(triplets.len()).is_err() {
-        return Err(MatrixError::TooLarge { entries: triplets.len() });
+        return Err(SparseError::TooManyEntries { entries: triplets.len() });
     }
     for &(row, column, value) in triplets {
         check_entry(shape, (row as usize, column, value))?;
@@ -163,12 +106,12 @@ pub fn from_triplets(
 fn check_entry(
     shape: (usize, usize),
     (row, column, value): (usize, u32, f64),
-) -> Result<(), MatrixError> {
+) -> Result<(), SparseError> {
     if row >= shape.0 || column as usize >= shape.1 {
-        return Err(MatrixError::Outside { row, column, shape });
+        return Err(SparseError::Outside { row, column, shape });
     }
     if !value.is_finite() {
-        return Err(MatrixError::NotFinite { row, column, value });
+        return Err(SparseError::NotFinite { row, column: column as usize, value });
     }
     Ok(())
 }
@@ -187,7 +130,7 @@ fn check_entry(
 /// let matrix = from_triplets((3, 3), &[(0, 0, 1.0), (0, 1, 2.0), (0, 2, 3.0), (2, 0, 4.0)])?;
 /// let ends = principal_submatrix(&matrix, &[0, 2]);
 /// assert_eq!((ends.get(0, 1), ends.get(1, 0)), (Some(&3.0), Some(&4.0)));
-/// # Ok::<(), fairing_sparse::MatrixError>(())
+/// # Ok::<(), fairing_sparse::SparseError>(())
 /// ```
 pub fn principal_submatrix(matrix: &SparseMatrix, keep: &[u32]) -> SparseMatrix {
     assert!(matrix.is_csr() && matrix.rows() == matrix.cols(), "a square matrix stored by rows");
@@ -278,9 +221,9 @@ mod tests {
             (make(&[0, 1, 2], &[0, 1], &[1.0; 3]), "3 values for 2 columns"),
             (make(&[0, 1, 2], &[0, 3], &[1.0; 2]), "row 1, column 3 is outside of a 2 × 3"),
             (make(&[0, 2, 2], &[1, 1], &[1.0; 2]), "column 1 of row 0 does not come after"),
-            (make(&[0, 1, 2], &[0, 1], &[1.0, f64::NAN]), "row 1, column 1 is NaN"),
+            (make(&[0, 1, 2], &[0, 1], &[1.0, f64::NAN]), "entry (1, 1) is NaN"),
             (from_triplets((2, 3), &[(2, 0, 1.0)]), "row 2, column 0 is outside"),
-            (from_triplets((2, 3), &[(0, 0, f64::INFINITY)]), "row 0, column 0 is inf"),
+            (from_triplets((2, 3), &[(0, 0, f64::INFINITY)]), "entry (0, 0) is inf"),
         ] {
             let error = result.unwrap_err().to_string();
             assert!(error.contains(said), "{error}");

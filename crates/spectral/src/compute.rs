@@ -35,7 +35,7 @@ impl SpectrumOptions {
 /// # Errors
 ///
 /// [`SpectralError::TooManyModes`]; [`SpectralError::Operator`] for a fixed vertex that does not
-/// exist or a mass that is not positive; [`SpectralError::Eigen`] if the solver fails.
+/// exist or a mass that is not positive; [`SpectralError::Sparse`] if the solver fails.
 ///
 /// # Examples
 ///

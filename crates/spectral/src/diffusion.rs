@@ -67,7 +67,7 @@ impl HeatDiffusion {
     /// # Errors
     ///
     /// [`SpectralError::Rows`]; [`SpectralError::Option`] for a temperature that is not finite;
-    /// [`SpectralError::Solve`] if rounding leaves too few digits of the solution.
+    /// [`SpectralError::Sparse`] if rounding leaves too few digits of the solution.
     pub fn step(&self, temperatures: &[f64]) -> Result<Vec<f64>, SpectralError> {
         let mass = self.mass.as_mass();
         let (found, expected) = (temperatures.len(), mass.len());

@@ -1,12 +1,9 @@
-//! Errors of spectra and their files.
-
-#[cfg(feature = "npz")]
-use std::path::PathBuf;
+//! Errors of spectra.
 
 use fairing_mesh::BuildError;
 use fairing_operators::{LaplacianKind, OperatorError};
 use fairing_parameters::OptionError;
-use fairing_sparse::{CholeskyError, EigenError};
+use fairing_sparse::SparseError;
 
 /// Error of spectra, heat, geodesic distances and Poisson problems.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -15,12 +12,9 @@ pub enum SpectralError {
     /// The operators cannot be assembled.
     #[error(transparent)]
     Operator(#[from] OperatorError),
-    /// The eigenproblem cannot be solved.
+    /// A linear system or the eigenproblem cannot be solved.
     #[error(transparent)]
-    Eigen(#[from] EigenError),
-    /// A linear system cannot be solved.
-    #[error(transparent)]
-    Solve(#[from] CholeskyError),
+    Sparse(#[from] SparseError),
     /// The resulting positions do not form a mesh.
     #[error(transparent)]
     Positions(#[from] BuildError),
@@ -68,38 +62,5 @@ pub enum SpectralError {
         vertex: u32,
         /// Number of vertices.
         vertices: usize,
-    },
-}
-
-/// Error of writing or reading a spectrum.
-#[cfg(feature = "npz")]
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum SpectrumFileError {
-    /// The system cannot open, read or write the file.
-    #[error("{} cannot be opened, read or written", path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// The error of the system.
-        source: std::io::Error,
-    },
-    /// The file is not an archive of the arrays of a spectrum.
-    #[error("{}: {part} cannot be read or written", path.display())]
-    Part {
-        /// The file.
-        path: PathBuf,
-        /// The array that cannot be read or written, or `archive`.
-        part: String,
-        /// The cause.
-        source: Box<dyn std::error::Error + Send + Sync>,
-    },
-    /// The arrays do not form a spectrum.
-    #[error("{}: {problem}", path.display())]
-    Contents {
-        /// The file.
-        path: PathBuf,
-        /// The mismatch.
-        problem: &'static str,
     },
 }

@@ -139,7 +139,7 @@ impl HeatGeodesics {
     ///
     /// [`SpectralError::NoSuchVertex`]; [`SpectralError::Option`] without a source;
     /// [`SpectralError::NoHeat`] for a vertex too far from the sources for any heat to arrive, more
-    /// than some 1300 edges with the time of [`HeatGeodesics::new`]; [`SpectralError::Solve`] if
+    /// than some 1300 edges with the time of [`HeatGeodesics::new`]; [`SpectralError::Sparse`] if
     /// rounding leaves too few digits of the distances.
     pub fn distance(&self, sources: &[u32]) -> Result<Vec<Option<f64>>, SpectralError> {
         let n = self.component.len();

@@ -32,8 +32,6 @@ pub use compression::{Compressed, compress};
 pub use compute::{SpectrumOptions, graph_spectrum, spectrum};
 pub use diffusion::HeatDiffusion;
 pub use error::SpectralError;
-#[cfg(feature = "npz")]
-pub use error::SpectrumFileError;
 pub use fairing_operators::MassMatrix;
 pub use fairing_sparse::{Beyond, Count, EigenOptions};
 pub use filter::{Filtered, Rest, ideal_band_pass, ideal_high_pass, ideal_low_pass};

@@ -1,18 +1,17 @@
 //! Spectra in files that numpy reads: `numpy.load("modes.npz")["modes"]`.
 
-use std::error::Error;
+use std::fmt::Display;
 use std::fs::File;
 use std::io::{self, Cursor, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
-use fairing_mesh::io::write_whole;
+use fairing_mesh::io::{ReadError, ReadProblem, WriteError, WriteProblem, write_whole};
 use fairing_operators::MassMatrix;
 use fairing_sparse::{Beyond, SparseMatrix};
 use ndarray::Array2;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
-use crate::error::SpectrumFileError;
 use crate::npy::{Kind, Npy};
 use crate::spectrum::Spectrum;
 
@@ -23,20 +22,20 @@ impl Spectrum {
     ///
     /// # Errors
     ///
-    /// [`SpectrumFileError::Io`].
-    pub fn save(&self, path: impl AsRef<Path>) -> Result<(), SpectrumFileError> {
+    /// [`WriteProblem::Io`].
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<(), WriteError> {
         let path = path.as_ref();
-        write_whole(path, |file| self.write(file)).map_err(|source| in_system(path, source))
+        write_whole(path, |file| self.write(file)).map_err(|error| unwritable(path, error))
     }
 
     /// The bytes of the file that [`Spectrum::save`] writes.
     ///
     /// # Errors
     ///
-    /// [`SpectrumFileError::Part`] for arrays that the format cannot hold.
-    pub fn to_bytes(&self) -> Result<Vec<u8>, SpectrumFileError> {
+    /// [`WriteProblem::Io`] for arrays that the format cannot hold.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, WriteError> {
         let mut bytes = Cursor::new(vec![]);
-        self.write(&mut bytes).map_err(|e| in_part(Path::new(MEMORY), ARCHIVE, e))?;
+        self.write(&mut bytes).map_err(|error| unwritable(Path::new(MEMORY), error))?;
         Ok(bytes.into_inner())
     }
 
@@ -72,13 +71,12 @@ impl Spectrum {
     ///
     /// # Errors
     ///
-    /// [`SpectrumFileError::Io`] if the system cannot open the file; [`SpectrumFileError::Part`]
-    /// for an array that is missing, has another type or does not match its checksum;
-    /// [`SpectrumFileError::Contents`] for inconsistent shapes, unknown arrays, and bytes after the
-    /// archive.
-    pub fn load(path: impl AsRef<Path>) -> Result<Self, SpectrumFileError> {
+    /// [`ReadProblem::Io`] if the system cannot open the file; [`ReadProblem::Unexpected`] for an
+    /// array that is missing, has another type or does not match its checksum, for inconsistent
+    /// shapes, unknown arrays, and bytes before or after the archive.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, ReadError> {
         let path = path.as_ref();
-        let file = File::open(path).map_err(|source| in_system(path, source))?;
+        let file = File::open(path).map_err(|error| unreadable(path, ReadProblem::Io(error)))?;
         Self::read(path, file)
     }
 
@@ -86,24 +84,24 @@ impl Spectrum {
     ///
     /// # Errors
     ///
-    /// [`SpectrumFileError::Part`] and [`SpectrumFileError::Contents`], as [`Spectrum::load`].
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, SpectrumFileError> {
+    /// [`ReadProblem::Unexpected`], as [`Spectrum::load`].
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, ReadError> {
         Self::read(Path::new(MEMORY), Cursor::new(bytes))
     }
 
-    fn read(path: &Path, mut file: impl Read + Seek) -> Result<Self, SpectrumFileError> {
+    fn read(path: &Path, mut file: impl Read + Seek) -> Result<Self, ReadError> {
         let whole = ends_as_archive(&mut file).map_err(|e| in_part(path, ARCHIVE, e))?;
         let mut zip = ZipArchive::new(file).map_err(|e| in_part(path, ARCHIVE, e))?;
         if !whole || zip.offset() != 0 {
-            return Err(problem(path, "there are bytes before or after the archive"));
+            return Err(problem(path, "bytes before or after the archive"));
         }
         let names: Vec<String> = zip.file_names().map(str::to_string).collect();
         let has = |name: &str| names.iter().any(|n| n.strip_suffix(".npy") == Some(name));
         // A damaged name must not pass for a missing optional array.
         if !names.iter().all(|n| n.strip_suffix(".npy").is_some_and(|n| ARRAYS.contains(&n))) {
-            return Err(problem(path, "an array has a name that no array of a spectrum has"));
+            return Err(problem(path, "an array of an unknown name"));
         }
-        let mut array = |name: &str, kind: Kind| -> Result<Npy, SpectrumFileError> {
+        let mut array = |name: &str, kind: Kind| -> Result<Npy, ReadError> {
             let member = format!("{name}.npy");
             let mut file = zip.by_name(&member).map_err(|e| in_part(path, name, e))?;
             let size = file.size();
@@ -111,7 +109,7 @@ impl Spectrum {
             // The checksum is verified at the end of a member.
             match io::copy(&mut file, &mut io::sink()) {
                 Ok(0) => Ok(array),
-                Ok(_) => Err(problem(path, "an array is followed by other bytes")),
+                Ok(_) => Err(problem(path, "an array followed by other bytes")),
                 Err(e) => Err(in_part(path, name, e)),
             }
         };
@@ -120,13 +118,15 @@ impl Spectrum {
         let certified = vector("certified")? == [1.0];
         let beyond = if has("beyond") || has("clear_below") {
             let clear_below = vector("clear_below")?.first().copied();
-            let clear_below = clear_below.ok_or_else(|| problem(path, "clear_below is empty"))?;
+            let clear_below =
+                clear_below.ok_or_else(|| problem(path, "an empty array clear_below"))?;
             Beyond::new(vector("beyond")?, clear_below)
         } else {
             Beyond::new(vec![], values.last().copied().unwrap_or(0.0))
         };
         let modes = array("modes", Kind::Float)?.into_matrix();
-        let modes: Array2<f64> = modes.ok_or_else(|| problem(path, "modes is no matrix"))?;
+        let modes: Array2<f64> =
+            modes.ok_or_else(|| problem(path, "an array modes that is no matrix"))?;
         let n = modes.nrows();
         let mass = if has("mass") {
             MassMatrix::Lumped(array("mass", Kind::Float)?.into_floats())
@@ -142,7 +142,7 @@ impl Spectrum {
             && beyond.values.iter().all(|x| x.is_finite())
             && !beyond.clear_below.is_nan();
         if modes.ncols() != k || residuals.len() != k || mass.as_mass().len() != n || !finite {
-            return Err(problem(path, "the arrays of the spectrum do not fit together"));
+            return Err(problem(path, "arrays that do not fit together"));
         }
         Ok(Self { values, modes, residuals, mass, certified, beyond })
     }
@@ -180,18 +180,19 @@ fn ends_as_archive(file: &mut (impl Read + Seek)) -> io::Result<bool> {
 /// Name of the whole archive among its parts.
 const ARCHIVE: &str = "archive";
 
-fn in_system(path: &Path, source: io::Error) -> SpectrumFileError {
-    SpectrumFileError::Io { path: path.to_path_buf(), source }
+fn unwritable(path: &Path, error: io::Error) -> WriteError {
+    WriteError::new(path, WriteProblem::Io(error))
 }
 
-fn in_part(
-    path: &Path,
-    part: &str,
-    source: impl Into<Box<dyn Error + Send + Sync>>,
-) -> SpectrumFileError {
-    SpectrumFileError::Part { path: path.into(), part: part.into(), source: source.into() }
+fn unreadable(path: &Path, problem: ReadProblem) -> ReadError {
+    ReadError::new(path, problem)
 }
 
-fn problem(path: &Path, problem: &'static str) -> SpectrumFileError {
-    SpectrumFileError::Contents { path: path.into(), problem }
+fn in_part(path: &Path, part: &str, error: impl Display) -> ReadError {
+    problem(path, &format!("{part} cannot be read: {error}"))
+}
+
+fn problem(path: &Path, found: &str) -> ReadError {
+    let expected = "a spectrum written by Fairing".into();
+    unreadable(path, ReadProblem::Unexpected { expected, found: found.into() })
 }

@@ -50,7 +50,7 @@ impl<'a> Poisson<'a> {
     /// # Errors
     ///
     /// [`OperatorError::NoSuchVertex`] and [`OperatorError::Mass`]; [`SpectralError::Repeated`] for
-    /// a vertex that is fixed twice; [`SpectralError::Solve`] for a stiffness that cannot be
+    /// a vertex that is fixed twice; [`SpectralError::Sparse`] for a stiffness that cannot be
     /// factorised, because of negative weights of polygons or extreme shapes.
     pub fn new(laplacian: &'a Laplacian, fixed: &[u32]) -> Result<Self, SpectralError> {
         let n = laplacian.vertex_count();
@@ -89,7 +89,7 @@ impl<'a> Poisson<'a> {
     /// # Errors
     ///
     /// [`SpectralError::Rows`] for a wrong number of values; [`SpectralError::Option`] for a value
-    /// that is not finite; [`SpectralError::Solve`] if rounding leaves too few digits of the
+    /// that is not finite; [`SpectralError::Sparse`] if rounding leaves too few digits of the
     /// solution.
     pub fn solve(&self, f: &[f64], values: &[f64]) -> Result<Vec<f64>, SpectralError> {
         let n = self.laplacian.vertex_count();

@@ -16,7 +16,7 @@ use fairing::figure::{
 };
 use fairing::mesh::Diagnosis;
 use fairing::mesh::io::{self, Format, ReadOptions, VertexFields, WriteOptions};
-use fairing::operators::curvature::{Estimator, MeanOperator, mean_curvature};
+use fairing::operators::curvature::{Estimator, umbrella_mean_curvature};
 use fairing::operators::intrinsic::RobustOptions;
 use fairing::operators::{Laplacian, LaplacianKind, LumpedArea, MassKind};
 use fairing::smoothing::{
@@ -138,7 +138,7 @@ fn reports_and_scores_come_back() {
     assert_eq!(json_of(&estimate)["sigma"], json!(estimate.sigma));
     let smoothed = implicit(&noisy, &Implicit::new(Diffusion::uniform(2.0)), None).unwrap();
     assert_eq!(json_of(&smoothed.report)["iterations"], json!(smoothed.report.iterations));
-    let curvature = mean_curvature(&noisy, MeanOperator::Umbrella).unwrap();
+    let curvature = umbrella_mean_curvature(&noisy);
     json_of(&curvature.into_signed());
     let laplacian = Laplacian::new(&noisy, LaplacianKind::Auto, MassKind::Barycentric).unwrap();
     json_of(&laplacian.reason());

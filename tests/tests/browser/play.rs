@@ -8,9 +8,7 @@ use fairing_denoising::{BilateralNormalOptions, bilateral_normal};
 use fairing_evaluation::{drift, feature_edges, normal_error};
 use fairing_mesh::TriMesh;
 use fairing_operators::LumpedArea;
-use fairing_operators::curvature::{
-    MeanOperator, angle_defect, gaussian_curvature, mean_curvature,
-};
+use fairing_operators::curvature::{angle_defect, gaussian_curvature, mean_curvature};
 use fairing_operators::surface::{Ellipsoid, ParametricSurface as _};
 use fairing_smoothing::{
     Diffusion, Explicit, Implicit, Stability, explicit, implicit, largest_eigenvalue,
@@ -152,7 +150,7 @@ fn noise(chrome: &mut Chrome, page: &Path) -> Result<()> {
              }})()"
         ))?;
         let noisy = mesh(&found)?;
-        let mean = mean_curvature(&noisy, MeanOperator::Cotangent(LumpedArea::Mixed))?.signed;
+        let mean = mean_curvature(&noisy, LumpedArea::Mixed)?.signed;
         let gaussian = gaussian_curvature(&noisy, LumpedArea::Mixed)?.values;
         // Angles by atan2 in both, sums in another order.
         for (k, expected) in [(2, mean), (3, gaussian)] {
@@ -317,7 +315,7 @@ fn derived(chrome: &mut Chrome, page: &Path) -> Result<()> {
         "{:?}",
         &angles[..9]
     );
-    let mean = mean_curvature(&shown, MeanOperator::Cotangent(LumpedArea::Mixed))?.signed;
+    let mean = mean_curvature(&shown, LumpedArea::Mixed)?.signed;
     ensure!(gap(&numbers(&found[3][1]), &mean) < 1e-6, "mean curvature");
     let digests: std::collections::BTreeSet<String> =
         (0..4).map(|k| found[k][2].to_string()).collect();

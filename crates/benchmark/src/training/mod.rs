@@ -7,7 +7,7 @@ mod pairs;
 use fairing_denoising::training::{Model, Network, Seen, State, advance, samples};
 use fairing_denoising::{DenoiseError, noise_level};
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{dot, normalize};
+use glam::DVec3;
 
 use fit::{Random, fit};
 use gradient::Lesson;
@@ -92,11 +92,11 @@ pub fn train_normals(
 struct Course<'a> {
     state: State<'a>,
     /// The true normals; zero for a face without area.
-    normals: Vec<[f64; 3]>,
+    normals: Vec<DVec3>,
 }
 
-fn true_normals(mesh: &TriMesh) -> Vec<[f64; 3]> {
-    (0..mesh.face_count()).map(|f| normalize(mesh.area_vector(f)).unwrap_or_default()).collect()
+fn true_normals(mesh: &TriMesh) -> Vec<DVec3> {
+    (0..mesh.face_count()).map(|f| DVec3::from(mesh.area_vector(f)).normalize_or_zero()).collect()
 }
 
 /// Faces drawn from each pair.
@@ -110,9 +110,9 @@ fn lessons(all: &[Course<'_>], count: usize, random: &mut Random) -> Vec<Lesson>
         for (found, &f) in samples(state, &faces).into_iter().zip(&faces) {
             let t = normals[f as usize];
             if let Some(Seen { sample, frame, .. }) = found
-                && t != [0.0; 3]
+                && t != DVec3::ZERO
             {
-                let target = frame.map(|e| dot(e, t) as f32);
+                let target = frame.map(|e| e.dot(t) as f32);
                 lessons.push(Lesson { sample, target, pair: pair as u32 });
             }
         }

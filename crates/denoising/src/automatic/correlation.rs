@@ -1,11 +1,10 @@
 //! The variance of means over many vertices, where the noise is correlated.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, dot, sub};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::state::State;
-use crate::faces::unit_or_zero;
 
 /// A vertex with more neighbours than this is not looked past.
 const HUB: usize = 32;
@@ -18,13 +17,13 @@ pub(super) fn variance_of_means(state: &State<'_>) -> f64 {
 
 /// The displacements of vertices from the surface, along its normals and times their trust.
 fn displacements(state: &State<'_>) -> Vec<f64> {
-    let mut up = vec![[0.0; 3]; state.mesh.vertex_count()];
+    let mut up = vec![DVec3::ZERO; state.mesh.vertex_count()];
     for (face, &n) in state.mesh.faces().iter().zip(&state.normals) {
-        face.iter().for_each(|&v| up[v as usize] = add(up[v as usize], n));
+        face.iter().for_each(|&v| up[v as usize] += n);
     }
     let positions = state.mesh.positions().iter().zip(state.surface.positions());
     (positions.zip(up).zip(&state.vertex_trust))
-        .map(|(((&p, &x), n), t)| t * dot(unit_or_zero(n), sub(p, x)))
+        .map(|(((&p, &x), n), t)| t * n.normalize_or_zero().dot(DVec3::from(p) - DVec3::from(x)))
         .collect()
 }
 

@@ -1,12 +1,12 @@
 //! The inputs of the networks: candidates for the normal of a face, and numbers that describe its
 //! surroundings.
 
-use fairing_mesh::vec3::{add, cross, distance, dot, norm, scale, sub};
+use glam::DVec3;
 use pulp::NullaryFnOnce;
 
 use super::fits::{LocalFit, log2, moments, read_fit, tangents};
 use super::state::{QUANTILES, RANGES, State, similarities};
-use crate::faces::{Marks, NO_HINGE, unit_or_zero};
+use crate::faces::{Marks, NO_HINGE};
 
 /// The radii of neighbourhoods, in local scales.
 const RADII: [f64; 3] = [1.5, 3.0, 5.0];
@@ -69,9 +69,9 @@ pub struct Seen {
     /// The inputs of the network.
     pub sample: Sample,
     /// The axes of the sample.
-    pub frame: [[f64; 3]; 3],
+    pub frame: [DVec3; 3],
     /// The point of the surface at the face.
-    pub(super) anchor: [f64; 3],
+    pub(super) anchor: DVec3,
     /// log₂ of the residuals of two fits over σ: that of similar normals and that of all.
     pub(super) residuals: [f64; 2],
 }
@@ -96,31 +96,31 @@ impl Sums {
         self.means[radius * RANGES + range][6]
     }
 
-    fn noisy(&self, k: usize) -> [f64; 3] {
-        [self.means[k][0], self.means[k][1], self.means[k][2]]
+    fn noisy(&self, k: usize) -> DVec3 {
+        DVec3::new(self.means[k][0], self.means[k][1], self.means[k][2])
     }
 
-    fn present(&self, k: usize) -> [f64; 3] {
-        [self.means[k][3], self.means[k][4], self.means[k][5]]
+    fn present(&self, k: usize) -> DVec3 {
+        DVec3::new(self.means[k][3], self.means[k][4], self.means[k][5])
     }
 }
 
 /// Finds the faces around one, and sums over them.
 pub(super) struct Gatherer<'a> {
     state: &'a State<'a>,
-    wide: &'a [Vec<[f64; 3]>; WIDE],
+    wide: &'a [Vec<DVec3>; WIDE],
     marks: Marks,
     queue: Vec<u32>,
 }
 
 impl<'a> Gatherer<'a> {
-    pub(super) fn new(state: &'a State<'a>, wide: &'a [Vec<[f64; 3]>; WIDE]) -> Self {
+    pub(super) fn new(state: &'a State<'a>, wide: &'a [Vec<DVec3>; WIDE]) -> Self {
         Self { state, wide, marks: Marks::new(state.normals.len()), queue: vec![] }
     }
 
     /// The inputs at face `f`; `None` for a face without a present normal.
     pub(super) fn sample(&mut self, f: usize) -> Option<Seen> {
-        if self.state.normals[f] == [0.0; 3] {
+        if self.state.normals[f] == DVec3::ZERO {
             return None;
         }
         self.gather(f);
@@ -146,7 +146,7 @@ impl<'a> Gatherer<'a> {
                     if self.marks.contains(k as u32) {
                         continue;
                     }
-                    if distance(state.current.centroids[k], centre) < reach {
+                    if state.current.centroids[k].distance(centre) < reach {
                         self.marks.insert(k as u32);
                         self.queue.push(k as u32);
                     }
@@ -175,14 +175,15 @@ impl<'a> Gatherer<'a> {
         let squares = RADII.map(|r| 1.0 / (r * r));
         for &g in &self.queue {
             let g = g as usize;
-            let offset = scale(sub(state.current.centroids[g], centre), inverse);
-            let d = dot(offset, offset);
+            let offset = inverse * (state.current.centroids[g] - centre);
+            let d = offset.dot(offset);
             let m = state.normals[g];
-            let apart = sub(m, n);
-            let range = similarities(dot(apart, apart), ranges);
+            let apart = m - n;
+            let range = similarities(apart.dot(apart), ranges);
             let area = state.current.areas[g];
-            let [a, b, c] = scale(state.noisy.normals[g], state.noisy.areas[g] * state.trust[g]);
-            let terms = [a, b, c, m[0] * area, m[1] * area, m[2] * area, area, 0.0];
+            let [a, b, c] =
+                (state.noisy.areas[g] * state.trust[g] * state.noisy.normals[g]).to_array();
+            let terms = [a, b, c, m.x * area, m.y * area, m.z * area, area, 0.0];
             let near = squares.map(|s| {
                 let t = (1.0 - d * s).max(0.0);
                 t * t
@@ -197,12 +198,11 @@ impl<'a> Gatherer<'a> {
             }
             for (tensor, w) in sums.tensors.iter_mut().zip(&near[1..]) {
                 let w = w * area;
-                let products =
-                    [m[0] * m[0], m[0] * m[1], m[0] * m[2], m[1] * m[1], m[1] * m[2], m[2] * m[2]];
+                let products = [m.x * m.x, m.x * m.y, m.x * m.z, m.y * m.y, m.y * m.z, m.z * m.z];
                 tensor.iter_mut().zip(products).for_each(|(t, p)| *t += w * p);
             }
-            let offset = scale(sub(state.noisy.centroids[g], centre), inverse);
-            let point = moments([dot(offset, axes[0]), dot(offset, axes[1]), dot(offset, n)]);
+            let offset = inverse * (state.noisy.centroids[g] - centre);
+            let point = moments([offset.dot(axes[0]), offset.dot(axes[1]), offset.dot(n)]);
             for (fit, (a, q)) in sums.fits.iter_mut().zip(FITS) {
                 let w = near[a] * range[q] * state.trust[g];
                 if w > 0.0 {
@@ -211,10 +211,10 @@ impl<'a> Gatherer<'a> {
             }
             let w = near[0] * area;
             sums.near[0] += w;
-            sums.near[1] += w * dot(m, state.noisy.normals[g]);
-            let moved = sub(state.noisy.centroids[g], state.current.centroids[g]);
-            sums.displacement += near[1] * area * dot(moved, moved);
-            let along = area * dot(moved, m);
+            sums.near[1] += w * m.dot(state.noisy.normals[g]);
+            let moved = state.noisy.centroids[g] - state.current.centroids[g];
+            sums.displacement += near[1] * area * moved.dot(moved);
+            let along = area * moved.dot(m);
             sums.offsets.iter_mut().zip(near).for_each(|(sum, w)| *sum += w * along);
         }
         sums
@@ -239,27 +239,27 @@ impl NullaryFnOnce for Summing<'_> {
 
 /// The candidates for the normal of a face, and the results of its fits.
 struct Candidates {
-    all: [[f64; 3]; CANDIDATES],
+    all: [DVec3; CANDIDATES],
     of_fits: [[f64; 3]; FITS.len()],
-    anchor: [f64; 3],
+    anchor: DVec3,
 }
 
 impl Candidates {
     fn new(
         state: &State<'_>,
-        wide: &[Vec<[f64; 3]>; WIDE],
+        wide: &[Vec<DVec3>; WIDE],
         f: usize,
         sums: &Sums,
         beside: [usize; 3],
     ) -> Self {
         let n = state.normals[f];
         let mut all = [n; CANDIDATES];
-        let or_present = |v: [f64; 3]| unit_or(v, n);
+        let or_present = |v: DVec3| unit_or(v, n);
         let (of_fits, turns, anchor) = read_fits(state, f, sums, &mut all);
         // Means of normals are close to normals of the smooth surface at the centroid. Those of
         // flat faces differ from them by a turn.
         let of_face =
-            |v: [f64; 3], range: usize| or_present(add(or_present(v), turns[FIT_OF_RANGE[range]]));
+            |v: DVec3, range: usize| or_present(or_present(v) + turns[FIT_OF_RANGE[range]]);
         for k in 0..MEANS {
             all[k] = of_face(sums.noisy(k), k % RANGES);
             all[MEANS + k] = of_face(sums.present(k), k % RANGES);
@@ -278,9 +278,9 @@ impl Candidates {
 }
 
 /// The unit vector along `v`, or `other` where it has no length.
-fn unit_or(v: [f64; 3], other: [f64; 3]) -> [f64; 3] {
-    let unit = unit_or_zero(v);
-    if unit == [0.0; 3] { other } else { unit }
+fn unit_or(v: DVec3, other: DVec3) -> DVec3 {
+    let unit = v.normalize_or_zero();
+    if unit == DVec3::ZERO { other } else { unit }
 }
 
 /// The numbers of the fits, the turns from the smooth surface to the flat face, and the point of
@@ -289,43 +289,43 @@ fn read_fits(
     state: &State<'_>,
     f: usize,
     sums: &Sums,
-    all: &mut [[f64; 3]; CANDIDATES],
-) -> ([[f64; 3]; FITS.len()], [[f64; 3]; FITS.len()], [f64; 3]) {
+    all: &mut [DVec3; CANDIDATES],
+) -> ([[f64; 3]; FITS.len()], [DVec3; FITS.len()], DVec3) {
     let n = state.normals[f];
     let axes = tangents(n);
     let s = state.scales[f];
     let centre = state.current.centroids[f];
     let corners = state.surface.triangle(f).map(|p| {
-        let offset = scale(sub(p, centre), 1.0 / s);
-        axes.map(|e| dot(offset, e))
+        let offset = (DVec3::from(p) - centre) * (1.0 / s);
+        axes.map(|e| offset.dot(e))
     });
     let mut of_fits = [[0.0; 3]; FITS.len()];
-    let mut turns = [[0.0; 3]; FITS.len()];
+    let mut turns = [DVec3::ZERO; FITS.len()];
     let mut anchor = centre;
     for (k, fit) in sums.fits.iter().enumerate() {
         let found = read_fit(fit, n, axes, corners, state.sigma / s);
         all[2 * MEANS + 2 * k] = unit_or(found.normals[0], n);
-        all[2 * MEANS + 2 * k + 1] = unit_or(add(found.normals[1], found.turn), n);
+        all[2 * MEANS + 2 * k + 1] = unit_or(found.normals[1] + found.turn, n);
         of_fits[k] = found.numbers;
         turns[k] = found.turn;
         if k == 0 {
-            anchor = add(centre, scale(n, found.height.clamp(-3.0, 3.0) * s));
+            anchor = centre + found.height.clamp(-3.0, 3.0) * s * n;
         }
     }
     (of_fits, turns, anchor)
 }
 
-fn sample(state: &State<'_>, wide: &[Vec<[f64; 3]>; WIDE], f: usize, sums: &Sums) -> Seen {
+fn sample(state: &State<'_>, wide: &[Vec<DVec3>; WIDE], f: usize, sums: &Sums) -> Seen {
     let beside = across_sorted(state, f);
     let Candidates { all, of_fits, anchor } = Candidates::new(state, wide, f, sums, beside);
-    let sum = all.iter().fold([0.0; 3], |s, &c| add(s, c));
+    let sum = all.iter().fold(DVec3::ZERO, |s, &c| s + c);
     let up = unit_or(sum, state.normals[f]);
     // The candidate that sees furthest fixes the signs of the axes.
     let frame = frame(up, &sums.tensors[0], all[(RADII.len() - 1) * RANGES + RANGES - 1]);
     let mut local = [[0.0; 3]; CANDIDATES];
     let mut squares = 0.0;
     for (l, &c) in local.iter_mut().zip(&all) {
-        *l = [dot(c, frame[0]), dot(c, frame[1]), dot(c, frame[2])];
+        *l = frame.map(|e| c.dot(e));
         squares += l[0] * l[0] + l[1] * l[1];
     }
     let spread = (squares / CANDIDATES as f64 + LEAST_SPREAD * LEAST_SPREAD).sqrt();
@@ -348,10 +348,10 @@ fn sample(state: &State<'_>, wide: &[Vec<[f64; 3]>; WIDE], f: usize, sums: &Sums
 fn across_sorted(state: &State<'_>, f: usize) -> [usize; 3] {
     let n = state.normals[f];
     let mut found = state.hinges.beside[f].map(|g| match state.normals.get(g as usize) {
-        Some(normal) if *normal != [0.0; 3] => g as usize,
+        Some(normal) if *normal != DVec3::ZERO => g as usize,
         _ => f,
     });
-    found.sort_by(|&a, &b| dot(state.normals[b], n).total_cmp(&dot(state.normals[a], n)));
+    found.sort_by(|&a, &b| state.normals[b].dot(n).total_cmp(&state.normals[a].dot(n)));
     found
 }
 
@@ -359,18 +359,18 @@ fn across_sorted(state: &State<'_>, f: usize) -> [usize; 3] {
 /// at face `g`, root mean square, in noise levels.
 fn misfit(state: &State<'_>, f: usize, g: usize) -> f64 {
     let (n, anchor) = (state.normals[g], state.anchors[g]);
-    let squares = state.mesh.triangle(f).map(|p| dot(n, sub(p, anchor)).powi(2));
+    let squares = state.mesh.triangle(f).map(|p| n.dot(DVec3::from(p) - anchor).powi(2));
     let mean = (squares[0] + squares[1] + squares[2]) / 3.0;
     log2(mean.sqrt() / state.sigma + 0.1)
 }
 
 /// The part of a tensor across `up`, as entries over two tangents.
-fn across(tensor: &[f64; 6], axes: [[f64; 3]; 2]) -> [f64; 3] {
+fn across(tensor: &[f64; 6], axes: [DVec3; 2]) -> [f64; 3] {
     let [xx, xy, xz, yy, yz, zz] = *tensor;
-    let rows = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
-    let times = |a: [f64; 3]| rows.map(|r| dot(r, a));
+    let rows = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]].map(DVec3::from);
+    let times = |a: DVec3| DVec3::from(rows.map(|r| r.dot(a)));
     let [a, b] = axes;
-    [dot(a, times(a)), dot(a, times(b)), dot(b, times(b))]
+    [a.dot(times(a)), a.dot(times(b)), b.dot(times(b))]
 }
 
 /// The eigenvalues of `[[a, b], [b, c]]`, the larger first.
@@ -381,7 +381,7 @@ fn eigenvalues([a, b, c]: [f64; 3]) -> [f64; 2] {
 
 /// Axes that turn with the mesh: the directions in which normals vary most and
 /// least, and `up`. `far` has no negative component along the first two.
-fn frame(up: [f64; 3], tensor: &[f64; 6], far: [f64; 3]) -> [[f64; 3]; 3] {
+fn frame(up: DVec3, tensor: &[f64; 6], far: DVec3) -> [DVec3; 3] {
     let axes = tangents(up);
     let [a, b, c] = across(tensor, axes);
     let [largest, _] = eigenvalues([a, b, c]);
@@ -389,10 +389,10 @@ fn frame(up: [f64; 3], tensor: &[f64; 6], far: [f64; 3]) -> [[f64; 3]; 3] {
     let (p, q) = ([b, largest - a], [largest - c, b]);
     let square = |v: [f64; 2]| v[0] * v[0] + v[1] * v[1];
     let v = if square(p) > square(q) { p } else { q };
-    let first = unit_or_zero(add(scale(axes[0], v[0]), scale(axes[1], v[1])));
-    let first = if first == [0.0; 3] { axes[0] } else { first };
-    let second = cross(up, first);
-    let facing = |e: [f64; 3]| if dot(e, far) < 0.0 { scale(e, -1.0) } else { e };
+    let first = (v[0] * axes[0] + v[1] * axes[1]).normalize_or_zero();
+    let first = if first == DVec3::ZERO { axes[0] } else { first };
+    let second = up.cross(first);
+    let facing = |e: DVec3| if e.dot(far) < 0.0 { -e } else { e };
     [facing(first), facing(second), up]
 }
 
@@ -400,7 +400,7 @@ fn scalars(
     state: &State<'_>,
     f: usize,
     sums: &Sums,
-    frame: &[[f64; 3]; 3],
+    frame: &[DVec3; 3],
     spread: f64,
     of_fits: &[[f64; 3]; FITS.len()],
     beside: [usize; 3],
@@ -409,7 +409,7 @@ fn scalars(
     let area = state.current.areas[f];
     let mut out = [0.0; SCALARS];
     let missing = state.hinges.of_face[f].iter().filter(|&&h| h == NO_HINGE).count();
-    let noise = norm(sub(state.noisy.centroids[f], state.current.centroids[f])) / state.sigma;
+    let noise = (state.noisy.centroids[f] - state.current.centroids[f]).length() / state.sigma;
     let moved = (sums.displacement / sums.weight(1, RANGES - 1).max(f64::MIN_POSITIVE)).sqrt();
     let fixed = [
         log2(state.sigma / s),
@@ -423,11 +423,11 @@ fn scalars(
         log2(state.level.two_ring_ratio),
         state.level.correlation,
         log2(state.excess + 0.01),
-        dot(state.noisy.normals[f], state.normals[f]),
+        state.noisy.normals[f].dot(state.normals[f]),
         sums.near[1] / sums.near[0].max(f64::MIN_POSITIVE),
         noise,
         moved / state.sigma,
-        dot(state.current.normals[f], state.normals[f]),
+        state.current.normals[f].dot(state.normals[f]),
     ];
     out[..fixed.len()].copy_from_slice(&fixed);
     let mut next = fixed.len();

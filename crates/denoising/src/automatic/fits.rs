@@ -1,9 +1,7 @@
 //! Planes and quadrics fitted to weighted points.
 
-use fairing_mesh::vec3::{add, cross, scale, sub};
 use fairing_operators::NormalEquations;
-
-use crate::faces::unit_or_zero;
+use glam::DVec3;
 
 /// The number of moments in a weighted fit of planes and quadrics: the monomials of degrees 0 to 4
 /// in x and y, the height z times the monomials of degrees 0 to 2, and z².
@@ -89,10 +87,10 @@ pub(super) fn moments([x, y, z]: [f64; 3]) -> [f64; MOMENTS] {
 /// Results of a fit.
 pub(super) struct Reading {
     /// The normal of the plane, and that of the quadric at the origin.
-    pub(super) normals: [[f64; 3]; 2],
+    pub(super) normals: [DVec3; 2],
     /// The normal of a flat face with its corners on the quadric, minus the normal of the quadric
     /// at the origin.
-    pub(super) turn: [f64; 3],
+    pub(super) turn: DVec3,
     /// log₂ of the residual over σ, of the plane's residual over the quadric's, and of the slope's
     /// deviation.
     pub(super) numbers: [f64; 3],
@@ -104,15 +102,20 @@ pub(super) struct Reading {
 /// origin, along both axes.
 pub(super) fn read_fit(
     fit: &LocalFit,
-    n: [f64; 3],
-    axes: [[f64; 3]; 2],
+    n: DVec3,
+    axes: [DVec3; 2],
     corners: [[f64; 2]; 3],
     sigma: f64,
 ) -> Reading {
-    let normal = |x: f64, y: f64| unit_or_zero(sub(n, add(scale(axes[0], x), scale(axes[1], y))));
+    let normal = |x: f64, y: f64| (n - (x * axes[0] + y * axes[1])).normalize_or_zero();
     let equations = fit.equations::<3>();
     let Some(plane) = equations.factor() else {
-        return Reading { normals: [n; 2], turn: [0.0; 3], numbers: [0.0, 0.0, 3.0], height: 0.0 };
+        return Reading {
+            normals: [n; 2],
+            turn: DVec3::ZERO,
+            numbers: [0.0, 0.0, 3.0],
+            height: 0.0,
+        };
     };
     let p = plane.solve(equations.rhs());
     let coarse = fit.residual(&p, equations.rhs());
@@ -138,7 +141,7 @@ pub(super) fn read_fit(
         log2((coarse + tiny) / (fine + tiny)),
         log2(sigma * variance.sqrt() + 1e-4),
     ];
-    Reading { normals: [flat, curved], turn: sub(facet, curved), numbers, height }
+    Reading { normals: [flat, curved], turn: facet - curved, numbers, height }
 }
 
 /// The slope of the plane through three points of `z = ½ pᵀ H p`, H given by its entries xx, xy and
@@ -171,20 +174,18 @@ pub(super) fn log2(x: f64) -> f64 {
 }
 
 /// Two unit vectors across `n`.
-pub(super) fn tangents(n: [f64; 3]) -> [[f64; 3]; 2] {
-    let axis = if n[0].abs() < 0.6 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
-    let first = unit_or_zero(cross(n, axis));
-    [first, cross(n, first)]
+pub(super) fn tangents(n: DVec3) -> [DVec3; 2] {
+    let axis = if n.x.abs() < 0.6 { DVec3::X } else { DVec3::Y };
+    let first = n.cross(axis).normalize_or_zero();
+    [first, n.cross(first)]
 }
 
 #[cfg(test)]
 mod tests {
-    use fairing_mesh::vec3::distance;
-
     use super::*;
 
-    const AXES: [[f64; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-    const UP: [f64; 3] = [0.0, 0.0, 1.0];
+    const AXES: [DVec3; 2] = [DVec3::X, DVec3::Y];
+    const UP: DVec3 = DVec3::Z;
 
     fn height([x, y]: [f64; 2]) -> f64 {
         0.3 + 0.2 * x - 0.1 * y + 0.15 * x * x + 0.25 * x * y - 0.05 * y * y
@@ -208,13 +209,13 @@ mod tests {
         let corners = [[-0.4, -0.3], [0.5, -0.1], [-0.1, 0.4]];
         let found = read(corners);
         assert!((found.height - 0.3).abs() < 1e-12);
-        let [a, b, c] = corners.map(|p| [p[0], p[1], height(p)]);
-        let flat = unit_or_zero(cross(sub(b, a), sub(c, a)));
-        let turned = unit_or_zero(add(found.normals[1], found.turn));
-        assert!(distance(turned, flat) < 1e-12, "{turned:?}, {flat:?}");
+        let [a, b, c] = corners.map(|p| DVec3::new(p[0], p[1], height(p)));
+        let flat = (b - a).cross(c - a).normalize_or_zero();
+        let turned = (found.normals[1] + found.turn).normalize_or_zero();
+        assert!(turned.distance(flat) < 1e-12, "{turned:?}, {flat:?}");
         // Without it: the distance from the centre of the circle to the centroid, times the
         // curvature.
-        assert!(distance(found.normals[1], flat) > 0.03);
+        assert!(found.normals[1].distance(flat) > 0.03);
     }
 
     /// Zero for an equilateral triangle of a sphere; no more than the gradient changes for a

@@ -1,7 +1,7 @@
 //! The surface follows its normals, and folds open.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, cross, distance, dot, norm, scale, sub};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::DenoiseError;
@@ -29,8 +29,8 @@ pub(super) struct Follow<'a> {
 /// The data of a face in a step.
 #[derive(Clone, Copy)]
 struct Aim {
-    normal: [f64; 3],
-    centroid: [f64; 3],
+    normal: DVec3,
+    centroid: DVec3,
     /// The factor on the gradient of the area of a folded face; zero for other faces.
     opening: f64,
 }
@@ -38,15 +38,17 @@ struct Aim {
 impl<'a> Follow<'a> {
     /// For noise of the level `sigma`.
     pub(super) fn new(noisy: &'a TriMesh, rings: &FaceLists, sigma: f64, limit: f64) -> Self {
-        let areas: Vec<f64> =
-            (0..noisy.face_count()).into_par_iter().map(|f| norm(noisy.area_vector(f))).collect();
+        let areas: Vec<f64> = (0..noisy.face_count())
+            .into_par_iter()
+            .map(|f| DVec3::from(noisy.area_vector(f)).length())
+            .collect();
         let least = (0..areas.len())
             .into_par_iter()
             .map(|f| {
                 let row = rings.row(f);
                 let sum: f64 = areas[f] + row.iter().map(|&g| areas[g as usize]).sum::<f64>();
-                let [a, b, c] = noisy.triangle(f);
-                let longest = distance(a, b).max(distance(b, c)).max(distance(c, a));
+                let [a, b, c] = noisy.triangle(f).map(DVec3::from);
+                let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
                 let mean = sum / (row.len() + 1) as f64;
                 (LEAST_FRACTION * mean).min(LEAST_NOISE * sigma * longest)
             })
@@ -74,62 +76,62 @@ impl<'a> Follow<'a> {
     pub(super) fn run(
         &self,
         from: &[[f64; 3]],
-        normals: &[[f64; 3]],
+        normals: &[DVec3],
         steps: usize,
     ) -> Result<TriMesh, DenoiseError> {
-        let mut positions = from.to_vec();
+        let mut positions: Vec<DVec3> = from.iter().map(|&p| p.into()).collect();
         for _ in 0..steps {
             fairing_watch::check();
             positions = self.step(&positions, normals);
         }
-        Ok(self.noisy.with_positions(positions)?)
+        Ok(self.noisy.with_positions(positions.iter().map(DVec3::to_array).collect())?)
     }
 
-    fn step(&self, x: &[[f64; 3]], normals: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    fn step(&self, x: &[DVec3], normals: &[DVec3]) -> Vec<DVec3> {
         let (incidence, faces) = (self.noisy.incidence(), self.noisy.faces());
         let aims: Vec<Aim> = (faces.par_iter().zip(normals).zip(&self.least))
             .map(|((face, &normal), &least)| {
                 let [a, b, c] = face.map(|v| x[v as usize]);
-                let area = 0.5 * dot(normal, cross(sub(b, a), sub(c, a)));
+                let area = 0.5 * normal.dot((b - a).cross(c - a));
                 let mut opening = 0.0;
-                if area < least && normal != [0.0; 3] {
+                if area < least && normal != DVec3::ZERO {
                     let square = |p, q| {
-                        let g = cross(normal, sub(q, p));
-                        0.25 * dot(g, g)
+                        let g = normal.cross(q - p);
+                        0.25 * g.dot(g)
                     };
                     let squares = square(b, c) + square(c, a) + square(a, b);
                     opening = (least - area) / squares.max(f64::MIN_POSITIVE);
                 }
-                Aim { normal, centroid: scale(add(add(a, b), c), 1.0 / 3.0), opening }
+                Aim { normal, centroid: (a + b + c) * (1.0 / 3.0), opening }
             })
             .collect();
         (0..x.len())
             .into_par_iter()
             .map(|v| {
                 let corners = incidence.corners(v as u32);
-                let (mut sum, mut count) = ([0.0; 3], 0u32);
-                let (mut open, mut folds) = ([0.0; 3], 0u32);
+                let (mut sum, mut count) = (DVec3::ZERO, 0u32);
+                let (mut open, mut folds) = (DVec3::ZERO, 0u32);
                 for &c in corners {
                     let (f, k) = (c as usize / 3, c as usize % 3);
                     let aim = &aims[f];
-                    if aim.normal == [0.0; 3] {
+                    if aim.normal == DVec3::ZERO {
                         continue;
                     }
-                    sum = add(sum, scale(aim.normal, dot(aim.normal, sub(aim.centroid, x[v]))));
+                    sum += aim.normal.dot(aim.centroid - x[v]) * aim.normal;
                     count += 1;
                     if aim.opening > 0.0 {
                         let [p, q] = [1, 2].map(|i| x[faces[f][(k + i) % 3] as usize]);
-                        let gradient = scale(cross(aim.normal, sub(q, p)), 0.5);
-                        open = add(open, scale(gradient, aim.opening));
+                        let gradient = 0.5 * aim.normal.cross(q - p);
+                        open += aim.opening * gradient;
                         folds += 1;
                     }
                 }
-                let mut y = add(x[v], scale(sum, 1.0 / f64::from(count.max(1))));
+                let mut y = x[v] + sum * (1.0 / f64::from(count.max(1)));
                 if folds > 0 {
                     let around = corners.iter().map(|&c| normals[c as usize / 3]);
-                    y = add(y, within(around, scale(open, 1.0 / f64::from(folds))));
+                    y += within(around, open * (1.0 / f64::from(folds)));
                 }
-                hold(self.noisy.positions()[v], y, self.limit)
+                hold(self.noisy.positions()[v].into(), y, self.limit)
             })
             .collect()
     }
@@ -137,11 +139,11 @@ impl<'a> Follow<'a> {
 
 /// The minimiser of `‖d − o‖² + 4 Σ (n · d)²`: the solution of
 /// `(I + 4 Σ n nᵀ) d = o`.
-fn within(normals: impl Iterator<Item = [f64; 3]>, o: [f64; 3]) -> [f64; 3] {
-    let mut rows = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+fn within(normals: impl Iterator<Item = DVec3>, o: DVec3) -> DVec3 {
+    let mut rows = [DVec3::X, DVec3::Y, DVec3::Z];
     for n in normals {
-        for (row, x) in rows.iter_mut().zip(n) {
-            *row = add(*row, scale(n, STIFFNESS * x));
+        for (row, x) in rows.iter_mut().zip(n.to_array()) {
+            *row += STIFFNESS * x * n;
         }
     }
     // Positive definite with eigenvalues of at least one: elimination needs no
@@ -149,21 +151,21 @@ fn within(normals: impl Iterator<Item = [f64; 3]>, o: [f64; 3]) -> [f64; 3] {
     let [a, mut b, mut c] = rows;
     let mut o = o;
     let t = b[0] / a[0];
-    (b, o[1]) = (sub(b, scale(a, t)), o[1] - t * o[0]);
+    (b, o[1]) = (b - t * a, o[1] - t * o[0]);
     let t = c[0] / a[0];
-    (c, o[2]) = (sub(c, scale(a, t)), o[2] - t * o[0]);
+    (c, o[2]) = (c - t * a, o[2] - t * o[0]);
     let t = c[1] / b[1];
-    (c, o[2]) = (sub(c, scale(b, t)), o[2] - t * o[1]);
+    (c, o[2]) = (c - t * b, o[2] - t * o[1]);
     let z = o[2] / c[2];
     let y = (o[1] - b[2] * z) / b[1];
-    [(o[0] - a[1] * y - a[2] * z) / a[0], y, z]
+    DVec3::new((o[0] - a[1] * y - a[2] * z) / a[0], y, z)
 }
 
 /// `x`, or the point towards it at the distance `limit` from `p`.
-pub(super) fn hold(p: [f64; 3], x: [f64; 3], limit: f64) -> [f64; 3] {
-    let offset = sub(x, p);
-    let length = norm(offset);
-    if length > limit { add(p, scale(offset, limit / length)) } else { x }
+pub(super) fn hold(p: DVec3, x: DVec3, limit: f64) -> DVec3 {
+    let offset = x - p;
+    let length = offset.length();
+    if length > limit { p + offset * (limit / length) } else { x }
 }
 
 #[cfg(test)]
@@ -172,23 +174,25 @@ mod tests {
 
     use super::*;
 
-    fn opposing(mesh: &TriMesh, normals: &[[f64; 3]]) -> usize {
-        (0..mesh.face_count()).filter(|&f| dot(mesh.area_vector(f), normals[f]) <= 0.0).count()
+    fn opposing(mesh: &TriMesh, normals: &[DVec3]) -> usize {
+        (0..mesh.face_count())
+            .filter(|&f| DVec3::from(mesh.area_vector(f)).dot(normals[f]) <= 0.0)
+            .count()
     }
 
     /// On a plane moves are free within and a twenty-fifth across; at a
     /// corner of three planes they are small in all directions.
     #[test]
     fn moves_stay_within_the_faces() {
-        let flat = within([[0.0, 0.0, 1.0]; 6].into_iter(), [1.0, 2.0, 5.0]);
-        for (x, expected) in flat.into_iter().zip([1.0, 2.0, 5.0 / 25.0]) {
+        let flat = within([DVec3::Z; 6].into_iter(), DVec3::new(1.0, 2.0, 5.0));
+        for (x, expected) in flat.to_array().into_iter().zip([1.0, 2.0, 5.0 / 25.0]) {
             assert!((x - expected).abs() < 1e-14, "{flat:?}");
         }
         let s = 0.5f64.sqrt();
-        let tilted = [[s, s, 0.0], [s, s, 0.0], [0.0, s, s]];
-        let d = within(tilted.into_iter(), [0.3, -0.2, 0.9]);
-        let residual = tilted.iter().fold(d, |r, &n| add(r, scale(n, STIFFNESS * dot(n, d))));
-        for (x, o) in residual.into_iter().zip([0.3, -0.2, 0.9]) {
+        let tilted = [[s, s, 0.0], [s, s, 0.0], [0.0, s, s]].map(DVec3::from);
+        let d = within(tilted.into_iter(), DVec3::new(0.3, -0.2, 0.9));
+        let residual = tilted.iter().fold(d, |r, &n| r + STIFFNESS * n.dot(d) * n);
+        for (x, o) in residual.to_array().into_iter().zip([0.3, -0.2, 0.9]) {
             assert!((x - o).abs() < 1e-14, "{residual:?}");
         }
     }
@@ -202,7 +206,7 @@ mod tests {
         let plane = shapes::plane(8, 8, shapes::Diagonals::Regular);
         let h = plane.mean_edge_length();
         let rings = FaceLists::rings(&plane);
-        let normals = vec![[0.0, 0.0, 1.0]; plane.face_count()];
+        let normals = vec![DVec3::Z; plane.face_count()];
         let mut positions = plane.positions().to_vec();
         positions.swap(40, 41);
         let folded = plane.with_positions(positions).unwrap();
@@ -214,7 +218,7 @@ mod tests {
         let short = Follow::new(&folded, &rings, 0.3 * h, 1e-3 * h);
         let kept = short.run(folded.positions(), &normals, 10).unwrap();
         for (p, q) in kept.positions().iter().zip(folded.positions()) {
-            assert!(distance(*p, *q) <= 1e-3 * h * (1.0 + 1e-12));
+            assert!(DVec3::from(*p).distance((*q).into()) <= 1e-3 * h * (1.0 + 1e-12));
         }
         let follow = Follow::new(&plane, &rings, 0.01 * h, f64::INFINITY);
         let same = follow.run(plane.positions(), &normals, 5).unwrap();

@@ -20,7 +20,7 @@ mod uneven;
 mod wide;
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::norm;
+use glam::DVec3;
 
 use crate::DenoiseError;
 use crate::faces::Hinges;
@@ -86,7 +86,7 @@ impl Automatic {
     pub fn fraction(&self, kind: FaceKind) -> f64 {
         let area = |wanted: &dyn Fn(FaceKind) -> bool| -> f64 {
             let faces = self.faces.iter().enumerate().filter(|(_, k)| wanted(**k));
-            faces.map(|(f, _)| norm(self.mesh.area_vector(f))).sum()
+            faces.map(|(f, _)| DVec3::from(self.mesh.area_vector(f)).length()).sum()
         };
         let all = area(&|_| true);
         if all > 0.0 { area(&|k| k == kind) / all } else { 0.0 }

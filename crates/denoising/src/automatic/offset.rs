@@ -1,8 +1,8 @@
 //! The surface in the middle of the noise.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, cross, distance, dot, norm, scale, sub};
 use fairing_operators::NormalEquations;
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::DenoiseError;
@@ -30,7 +30,7 @@ const ROUNDS: usize = 3;
 pub(super) fn in_the_middle(
     noisy: &TriMesh,
     mut mesh: TriMesh,
-    normals: &[[f64; 3]],
+    normals: &[DVec3],
     limit: f64,
 ) -> Result<TriMesh, DenoiseError> {
     let components = noisy.topology().components();
@@ -44,8 +44,8 @@ pub(super) fn in_the_middle(
         for (v, (&x, &p)) in mesh.positions().iter().zip(noisy.positions()).enumerate() {
             let Some(part) = components.label(v as u32) else { continue };
             let sum = &mut sums[part as usize];
-            sum[0] += dot(areas[v], sub(p, x));
-            sum[1] += dot(areas[v], directions[v]);
+            sum[0] += areas[v].dot(DVec3::from(p) - DVec3::from(x));
+            sum[1] += areas[v].dot(directions[v]);
         }
         let volumes = part_volumes(&mesh, noisy);
         for (part, sum) in sums.iter_mut().enumerate().filter(|(part, _)| closed[*part]) {
@@ -57,8 +57,9 @@ pub(super) fn in_the_middle(
             .map(|(v, &x)| {
                 let part = components.label(v as u32);
                 let offset = part.map_or(0.0, |part| offsets[part as usize]);
-                let moved = add(x, scale(directions[v], offset));
-                if distance(moved, noisy.positions()[v]) > limit { x } else { moved }
+                let moved = DVec3::from(x) + offset * directions[v];
+                let far = moved.distance(noisy.positions()[v].into()) > limit;
+                if far { x } else { moved.to_array() }
             })
             .collect();
         mesh = mesh.with_positions(positions)?;
@@ -89,20 +90,20 @@ fn part_volumes(mesh: &TriMesh, noisy: &TriMesh) -> Vec<f64> {
     for (f, face) in mesh.faces().iter().enumerate() {
         let Some(part) = components.label(face[0]) else { continue };
         let (origin, volume) = &mut parts[part as usize];
-        let o = *origin.get_or_insert(noisy.positions()[face[0] as usize]);
-        let [a, b, c] = mesh.triangle(f);
-        *volume += dot(sub(a, o), cross(sub(b, a), sub(c, a))) / 6.0;
+        let o = *origin.get_or_insert(DVec3::from(noisy.positions()[face[0] as usize]));
+        let [a, b, c] = mesh.triangle(f).map(DVec3::from);
+        *volume += (a - o).dot((b - a).cross(c - a)) / 6.0;
     }
     parts.into_iter().map(|(_, volume)| volume).collect()
 }
 
 /// A third of the area vectors of the faces around each vertex.
-fn vertex_areas(mesh: &TriMesh, normals: &[[f64; 3]]) -> Vec<[f64; 3]> {
-    let mut areas = vec![[0.0; 3]; mesh.vertex_count()];
+fn vertex_areas(mesh: &TriMesh, normals: &[DVec3]) -> Vec<DVec3> {
+    let mut areas = vec![DVec3::ZERO; mesh.vertex_count()];
     for (f, face) in mesh.faces().iter().enumerate() {
-        let third = scale(normals[f], norm(mesh.area_vector(f)) / 3.0);
+        let third = normals[f] * (DVec3::from(mesh.area_vector(f)).length() / 3.0);
         for &v in face {
-            areas[v as usize] = add(areas[v as usize], third);
+            areas[v as usize] += third;
         }
     }
     areas
@@ -110,31 +111,31 @@ fn vertex_areas(mesh: &TriMesh, normals: &[[f64; 3]]) -> Vec<[f64; 3]> {
 
 /// The motion of each vertex when all faces move by one along their normals, in least squares
 /// weighted by area.
-fn directions(mesh: &TriMesh, normals: &[[f64; 3]]) -> Vec<[f64; 3]> {
+fn directions(mesh: &TriMesh, normals: &[DVec3]) -> Vec<DVec3> {
     let incidence = mesh.incidence();
     (0..mesh.vertex_count() as u32)
         .into_par_iter()
         .map(|v| {
             let mut equations = NormalEquations::<3>::default();
-            let (mut sum, mut total) = ([0.0; 3], 0.0);
+            let (mut sum, mut total) = (DVec3::ZERO, 0.0);
             for &c in incidence.corners(v) {
                 let f = c as usize / 3;
-                let area = norm(mesh.area_vector(f));
-                if normals[f] != [0.0; 3] && area > 0.0 {
-                    equations.add(&normals[f], 1.0, area);
-                    sum = add(sum, scale(normals[f], area));
+                let area = DVec3::from(mesh.area_vector(f)).length();
+                if normals[f] != DVec3::ZERO && area > 0.0 {
+                    equations.add(&normals[f].to_array(), 1.0, area);
+                    sum += area * normals[f];
                     total += area;
                 }
             }
-            let length = norm(sum);
+            let length = sum.length();
             if length <= 0.0 {
-                return [0.0; 3];
+                return DVec3::ZERO;
             }
-            let mean = scale(sum, 1.0 / length);
-            for axis in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] {
-                equations.add(&axis, dot(axis, mean), STIFFNESS * total);
+            let mean = sum * (1.0 / length);
+            for axis in DVec3::AXES {
+                equations.add(&axis.to_array(), axis.dot(mean), STIFFNESS * total);
             }
-            equations.factor().map_or(mean, |factor| factor.solve(equations.rhs()))
+            equations.factor().map_or(mean, |factor| factor.solve(equations.rhs()).into())
         })
         .collect()
 }
@@ -147,8 +148,12 @@ mod tests {
     use crate::faces::FaceShapes;
 
     fn scaled(mesh: &TriMesh, factor: f64) -> TriMesh {
-        let positions = mesh.positions().iter().map(|&p| scale(p, factor)).collect();
+        let positions = mesh.positions().iter().map(|p| p.map(|x| factor * x)).collect();
         mesh.with_positions(positions).unwrap()
+    }
+
+    fn apart(a: &TriMesh, b: &TriMesh, v: usize) -> f64 {
+        DVec3::from(a.positions()[v]).distance(b.positions()[v].into())
     }
 
     fn middle(noisy: &TriMesh, moved: TriMesh, limit: f64) -> TriMesh {
@@ -182,7 +187,7 @@ mod tests {
         let plane = plane(6, 6, Diagonals::Alternating);
         let lifted = |height: f64, size: f64| {
             let above = plane.positions().iter().map(|&[x, y, z]| [x, y, z + 5.0 + height]);
-            let positions = sphere.positions().iter().map(|&p| scale(p, size)).chain(above);
+            let positions = sphere.positions().iter().map(|p| p.map(|x| size * x)).chain(above);
             let faces = plane.faces().iter().map(|f| f.map(|v| v + sphere.vertex_count() as u32));
             let faces = sphere.faces().iter().copied().chain(faces).collect();
             TriMesh::new(positions.collect(), faces).unwrap()
@@ -190,7 +195,7 @@ mod tests {
         let noisy = lifted(0.01, 1.02);
         let found = middle(&noisy, lifted(0.0, 1.0), 1.0);
         for (p, q) in found.positions().iter().zip(noisy.positions()) {
-            assert!(distance(*p, *q) < 1e-3, "{p:?}, {q:?}");
+            assert!(DVec3::from(*p).distance((*q).into()) < 1e-3, "{p:?}, {q:?}");
         }
     }
 
@@ -198,13 +203,14 @@ mod tests {
     #[test]
     fn no_vertex_passes_the_limit() {
         let sphere = icosphere(3);
-        let mut positions: Vec<_> = sphere.positions().iter().map(|&p| scale(p, 1.04)).collect();
-        positions[7] = scale(sphere.positions()[7], 0.98);
+        let mut positions: Vec<_> =
+            sphere.positions().iter().map(|p| p.map(|x| 1.04 * x)).collect();
+        positions[7] = sphere.positions()[7].map(|x| 0.98 * x);
         let noisy = sphere.with_positions(positions).unwrap();
         let found = middle(&noisy, sphere.clone(), 0.05);
-        assert!(distance(found.positions()[7], sphere.positions()[7]) < 3e-3);
+        assert!(apart(&found, &sphere, 7) < 3e-3);
         let free = middle(&noisy, sphere.clone(), 1.0);
-        assert!(distance(free.positions()[7], sphere.positions()[7]) > 0.03);
-        assert!(distance(found.positions()[8], noisy.positions()[8]) < 1e-3);
+        assert!(apart(&free, &sphere, 7) > 0.03);
+        assert!(apart(&found, &noisy, 8) < 1e-3);
     }
 }

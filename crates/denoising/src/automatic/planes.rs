@@ -1,10 +1,10 @@
 //! Faces that lie in one plane get one normal.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, distance, dot, norm, scale, sub};
+use glam::DVec3;
 
 use super::fits::{LocalFit, moments, tangents};
-use crate::faces::{Hinges, Marks, unit_or_zero};
+use crate::faces::{Hinges, Marks};
 
 /// Faces whose normals differ by more are not joined: 20°.
 const APART: f64 = 0.35;
@@ -45,7 +45,7 @@ pub(super) struct Evidence<'a> {
     faces: &'a [[u32; 3]],
     /// The noisy positions relative to the middle of their connected part, in mean edge lengths:
     /// distant parts and isolated vertices cost no digits.
-    points: Vec<[f64; 3]>,
+    points: Vec<DVec3>,
     /// The weight of the position of each face.
     trust: &'a [f64],
     /// The variance of positions across the surface, weighted by trust, in squared mean edge
@@ -65,23 +65,22 @@ impl<'a> Evidence<'a> {
     ) -> Self {
         let inverse = 1.0 / mesh.mean_edge_length().max(f64::MIN_POSITIVE);
         let parts = mesh.topology().components();
-        let mut boxes = vec![[[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]]; parts.count()];
+        let mut boxes = vec![[DVec3::INFINITY, DVec3::NEG_INFINITY]; parts.count()];
         for (p, v) in mesh.positions().iter().zip(0..) {
             if let Some(part) = parts.label(v) {
                 let [low, high] = &mut boxes[part as usize];
-                for k in 0..3 {
-                    (low[k], high[k]) = (low[k].min(p[k]), high[k].max(p[k]));
-                }
+                let p = DVec3::from(*p);
+                (*low, *high) = (low.min(p), high.max(p));
             }
         }
         let (points, rounding) = (mesh.positions().iter().zip(0..))
             .map(|(&p, v)| match parts.label(v) {
                 Some(part) => {
-                    let [low, high] = boxes[part as usize].map(|x| scale(x, 0.5 * inverse));
-                    let half = sub(high, low);
-                    (sub(scale(p, inverse), add(low, high)), ROUNDING * dot(half, half))
+                    let [low, high] = boxes[part as usize].map(|x| 0.5 * inverse * x);
+                    let half = high - low;
+                    (inverse * DVec3::from(p) - (low + high), ROUNDING * half.dot(half))
                 }
-                None => ([0.0; 3], 0.0),
+                None => (DVec3::ZERO, 0.0),
             })
             .unzip();
         let variance = variance * inverse * inverse;
@@ -93,7 +92,7 @@ impl<'a> Evidence<'a> {
         self.variance + self.rounding[self.faces[f][0] as usize]
     }
 
-    fn corners(&self, f: usize) -> [[f64; 3]; 3] {
+    fn corners(&self, f: usize) -> [DVec3; 3] {
         self.faces[f].map(|v| self.points[v as usize])
     }
 }
@@ -112,7 +111,7 @@ impl<'a> Evidence<'a> {
 ///
 /// The normal of a plane is replaced if that of the fit is known better than the present
 /// normals agree with each other.
-pub(super) fn flatten(evidence: &Evidence<'_>, normals: &mut [[f64; 3]]) {
+pub(super) fn flatten(evidence: &Evidence<'_>, normals: &mut [DVec3]) {
     let regions = Regions::grow(evidence, normals);
     let planes = regions.planes(evidence, normals);
     for (f, normal) in normals.iter_mut().enumerate() {
@@ -127,18 +126,18 @@ pub(super) fn flatten(evidence: &Evidence<'_>, normals: &mut [[f64; 3]]) {
 #[derive(Clone, Copy)]
 struct Sums {
     weight: f64,
-    point: [f64; 3],
+    point: DVec3,
     second: [f64; 6],
-    normal: [f64; 3],
+    normal: DVec3,
 }
 
 impl Sums {
-    fn new(evidence: &Evidence<'_>, f: usize, normal: [f64; 3]) -> Self {
+    fn new(evidence: &Evidence<'_>, f: usize, normal: DVec3) -> Self {
         let w = evidence.trust[f] / 6.0;
         let corners = evidence.corners(f);
-        let mut sums = Self { weight: 3.0 * w, point: [0.0; 3], second: [0.0; 6], normal };
+        let mut sums = Self { weight: 3.0 * w, point: DVec3::ZERO, second: [0.0; 6], normal };
         for p in corners {
-            sums.point = add(sums.point, scale(p, w));
+            sums.point += w * p;
             let products =
                 [p[0] * p[0], p[0] * p[1], p[0] * p[2], p[1] * p[1], p[1] * p[2], p[2] * p[2]];
             sums.second.iter_mut().zip(products).for_each(|(s, p)| *s += w * p);
@@ -151,33 +150,33 @@ impl Sums {
         second.iter_mut().zip(other.second).for_each(|(s, t)| *s += t);
         Self {
             weight: self.weight + other.weight,
-            point: add(self.point, other.point),
+            point: self.point + other.point,
             second,
-            normal: add(self.normal, other.normal),
+            normal: self.normal + other.normal,
         }
     }
 
-    fn centre(&self) -> [f64; 3] {
-        scale(self.point, 1.0 / self.weight.max(f64::MIN_POSITIVE))
+    fn centre(&self) -> DVec3 {
+        self.point * (1.0 / self.weight.max(f64::MIN_POSITIVE))
     }
 
     /// The root mean square distance of the corners from their centre.
     fn size(&self) -> f64 {
         let [xx, _, _, yy, _, zz] = self.second;
         let centre = self.centre();
-        let square = (xx + yy + zz) / self.weight - dot(centre, centre);
+        let square = (xx + yy + zz) / self.weight - centre.dot(centre);
         square.max(f64::MIN_POSITIVE).sqrt()
     }
 
     fn plane(&self) -> Plane {
-        let up = unit_or_zero(self.normal);
+        let up = self.normal.normalize_or_zero();
         let [x, y] = tangents(up);
         let [xx, xy, xz, yy, yz, zz] = self.second;
-        let rows = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
+        let rows = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]].map(DVec3::from);
         let mean = self.centre();
         // The covariance of two directions, times the weight.
-        let covariance = |a: [f64; 3], b: [f64; 3]| {
-            dot(a, rows.map(|r| dot(r, b))) - self.weight * dot(mean, a) * dot(mean, b)
+        let covariance = |a: DVec3, b: DVec3| {
+            a.dot(rows.map(|r| r.dot(b)).into()) - self.weight * mean.dot(a) * mean.dot(b)
         };
         let (a, b, c) = (covariance(x, x), covariance(x, y), covariance(y, y));
         let (p, q, all) = (covariance(x, up), covariance(y, up), covariance(up, up));
@@ -185,9 +184,9 @@ impl Sums {
         let (a, c) = (a.max(0.0) + ridge, c.max(0.0) + ridge);
         let determinant = (a * c - b * b).max(1e-12 * a * c);
         let slopes = [(c * p - b * q) / determinant, (a * q - b * p) / determinant];
-        let normal = sub(up, add(scale(x, slopes[0]), scale(y, slopes[1])));
+        let normal = up - (slopes[0] * x + slopes[1] * y);
         Plane {
-            normal: unit_or_zero(normal),
+            normal: normal.normalize_or_zero(),
             squares: (all - slopes[0] * p - slopes[1] * q).max(0.0),
             spread: (a + c) / determinant,
         }
@@ -196,7 +195,7 @@ impl Sums {
 
 /// The plane through the corners of a region that is closest in squares.
 struct Plane {
-    normal: [f64; 3],
+    normal: DVec3,
     /// The sum of squared distances.
     squares: f64,
     /// The variance of both slopes together, over that of the positions.
@@ -221,12 +220,12 @@ struct Regions {
     index: Vec<u32>,
     sums: Vec<Sums>,
     /// The normal of the plane of each.
-    normals: Vec<[f64; 3]>,
+    normals: Vec<DVec3>,
     faces: Vec<Vec<u32>>,
 }
 
 impl Regions {
-    fn grow(evidence: &Evidence<'_>, normals: &[[f64; 3]]) -> Self {
+    fn grow(evidence: &Evidence<'_>, normals: &[DVec3]) -> Self {
         let count = normals.len();
         let mut sums: Vec<Sums> = (0..count).map(|f| Sums::new(evidence, f, normals[f])).collect();
         let mut squares = vec![0.0f64; count];
@@ -234,7 +233,7 @@ impl Regions {
         let mut order: Vec<(f64, u32)> = (evidence.hinges.all.iter().zip(0u32..))
             .map(|(hinge, h)| {
                 let [f, g] = hinge.faces.map(|f| normals[f as usize]);
-                (if f == [0.0; 3] || g == [0.0; 3] { 2.0 } else { distance(f, g) }, h)
+                (if f == DVec3::ZERO || g == DVec3::ZERO { 2.0 } else { f.distance(g) }, h)
             })
             .filter(|(apart, _)| *apart < APART)
             .collect();
@@ -273,7 +272,7 @@ impl Regions {
     }
 
     /// The normal of each region that is a plane.
-    fn planes(&self, evidence: &Evidence<'_>, normals: &[[f64; 3]]) -> Vec<Option<[f64; 3]>> {
+    fn planes(&self, evidence: &Evidence<'_>, normals: &[DVec3]) -> Vec<Option<DVec3>> {
         let large = |r: usize| self.sums[r].weight >= LEAST_WEIGHT;
         // The hinges between each two large regions.
         let mut pairs: Vec<([u32; 2], u32)> = (evidence.hinges.all.iter().zip(0u32..))
@@ -322,7 +321,7 @@ impl Regions {
                 let plane = self.sums[r].plane();
                 let scatter = self.faces[r]
                     .iter()
-                    .map(|&f| distance(normals[f as usize], plane.normal).powi(2));
+                    .map(|&f| normals[f as usize].distance(plane.normal).powi(2));
                 let scatter = scatter.sum::<f64>() / self.faces[r].len() as f64;
                 (plane.spread * evidence.variance < scatter).then_some(plane.normal)
             })
@@ -331,9 +330,9 @@ impl Regions {
 
     /// The fraction of the variation of the present normals over a region that is linear in
     /// position: close to one on a curved surface, small where only errors are left.
-    fn turning(&self, evidence: &Evidence<'_>, normals: &[[f64; 3]], r: usize) -> Option<f64> {
+    fn turning(&self, evidence: &Evidence<'_>, normals: &[DVec3], r: usize) -> Option<f64> {
         let sums = &self.sums[r];
-        let axes = tangents(unit_or_zero(sums.normal));
+        let axes = tangents(sums.normal.normalize_or_zero());
         let (centre, inverse) = (sums.centre(), 1.0 / sums.size());
         let (mut left, mut all) = (0.0, 0.0);
         for along in axes {
@@ -341,9 +340,9 @@ impl Regions {
             let [mut first, mut second] = [0.0; 2];
             for &f in &self.faces[r] {
                 let [a, b, c] = evidence.corners(f as usize);
-                let p = scale(sub(scale(add(add(a, b), c), 1.0 / 3.0), centre), inverse);
-                let z = dot(normals[f as usize], along);
-                fit.add(&moments([dot(p, axes[0]), dot(p, axes[1]), z]), 1.0);
+                let p = inverse * ((a + b + c) * (1.0 / 3.0) - centre);
+                let z = normals[f as usize].dot(along);
+                fit.add(&moments([p.dot(axes[0]), p.dot(axes[1]), z]), 1.0);
                 (first, second) = (first + z, second + z * z);
             }
             left += fit.squares::<3>()?;
@@ -384,21 +383,21 @@ impl Regions {
     fn turn(
         &self,
         evidence: &Evidence<'_>,
-        normals: &[[f64; 3]],
+        normals: &[DVec3],
         regions: [u32; 2],
         between: impl Iterator<Item = u32>,
     ) -> Turn {
         let [a, b] = regions.map(|r| self.normals[r as usize]);
-        let apart = sub(b, a);
+        let apart = b - a;
         let (mut sum, mut all, mut count) = (0.0, 0.0, 0.0);
         for h in between {
             let [f, g] = evidence.hinges.all[h as usize].faces;
             let (f, g) = if self.index[f as usize] == regions[0] { (f, g) } else { (g, f) };
-            let turn = sub(normals[g as usize], normals[f as usize]);
-            (sum, all, count) = (sum + dot(turn, apart), all + norm(turn), count + 1.0);
+            let turn = normals[g as usize] - normals[f as usize];
+            (sum, all, count) = (sum + turn.dot(apart), all + turn.length(), count + 1.0);
         }
-        let whole = (count * norm(apart)).max(f64::MIN_POSITIVE);
-        Turn { most: all / whole, least: sum / (norm(apart) * whole).max(f64::MIN_POSITIVE) }
+        let whole = (count * apart.length()).max(f64::MIN_POSITIVE);
+        Turn { most: all / whole, least: sum / (apart.length() * whole).max(f64::MIN_POSITIVE) }
     }
 
     /// Returns `true` if the planes of two regions explain the positions on both sides of their
@@ -417,7 +416,7 @@ impl Regions {
                 let region = self.index[f as usize] as usize;
                 let (n, centre) = (self.normals[region], self.sums[region].centre());
                 let corners = evidence.corners(f as usize);
-                let sum: f64 = corners.iter().map(|&p| dot(n, sub(p, centre)).powi(2)).sum();
+                let sum: f64 = corners.iter().map(|&p| n.dot(p - centre).powi(2)).sum();
                 evidence.trust[f as usize] / 6.0 * sum
             })
             .sum();
@@ -431,7 +430,7 @@ fn squares(
     sums: &Sums,
     faces: impl Iterator<Item = u32>,
 ) -> Option<[f64; 2]> {
-    let up = unit_or_zero(sums.normal);
+    let up = sums.normal.normalize_or_zero();
     let [x, y] = tangents(up);
     let centre = sums.centre();
     let inverse = 1.0 / sums.size();
@@ -439,8 +438,8 @@ fn squares(
     for f in faces {
         let w = evidence.trust[f as usize] / 6.0;
         for p in evidence.corners(f as usize) {
-            let p = scale(sub(p, centre), inverse);
-            fit.add(&moments([dot(p, x), dot(p, y), dot(p, up)]), w);
+            let p = inverse * (p - centre);
+            fit.add(&moments([p.dot(x), p.dot(y), p.dot(up)]), w);
         }
     }
     let unit = 1.0 / (inverse * inverse);
@@ -468,7 +467,7 @@ mod tests {
     use crate::faces::FaceShapes;
 
     /// The normals of a noisy mesh, averaged over rings, after [`flatten`]; also those before.
-    fn flattened(truth: &TriMesh, sigma: f64) -> [Vec<[f64; 3]>; 2] {
+    fn flattened(truth: &TriMesh, sigma: f64) -> [Vec<DVec3>; 2] {
         let noisy = shapes::jittered(truth, sigma, 5, |p| p);
         let hinges = Hinges::new(&noisy);
         let rings = crate::faces::FaceLists::rings(&noisy);
@@ -478,15 +477,14 @@ mod tests {
             before = (0..before.len())
                 .map(|f| {
                     let near = rings.row(f).iter().map(|&g| before[g as usize]);
-                    unit_or_zero(
-                        near.filter(|n| distance(*n, before[f]) < 0.8).fold(before[f], add),
-                    )
+                    let alike = near.filter(|n| n.distance(before[f]) < 0.8);
+                    alike.fold(before[f], |sum, n| sum + n).normalize_or_zero()
                 })
                 .collect();
         }
         let mut after = before.clone();
         let moved = truth.positions().iter().zip(noisy.positions());
-        let squares: f64 = moved.map(|(&a, &b)| distance(a, b).powi(2)).sum();
+        let squares: f64 = moved.map(|(&a, &b)| DVec3::from(a).distance_squared(b.into())).sum();
         let variance = squares / (3.0 * truth.vertex_count() as f64);
         let trust = vec![1.0; before.len()];
         let evidence = Evidence::new(&noisy, &hinges, &trust, variance);
@@ -495,9 +493,9 @@ mod tests {
     }
 
     /// The mean distance from the normals of the true faces.
-    fn error(truth: &TriMesh, normals: &[[f64; 3]]) -> f64 {
+    fn error(truth: &TriMesh, normals: &[DVec3]) -> f64 {
         let wanted = FaceShapes::new(truth).normals;
-        let sum: f64 = wanted.iter().zip(normals).map(|(&a, &b)| distance(a, b)).sum();
+        let sum: f64 = wanted.iter().zip(normals).map(|(&a, &b)| a.distance(b)).sum();
         sum / wanted.len() as f64
     }
 
@@ -536,12 +534,12 @@ mod tests {
         let errors = shapes::jittered(&truth, 0.03, 7, |p| p);
         let (wanted, mut normals) =
             (FaceShapes::new(&truth).normals, FaceShapes::new(&errors).normals);
-        let far = |normals: &[[f64; 3]]| -> f64 {
-            wanted.iter().zip(normals).map(|(&a, &b)| distance(a, b)).sum()
+        let far = |normals: &[DVec3]| -> f64 {
+            wanted.iter().zip(normals).map(|(&a, &b)| a.distance(b)).sum()
         };
         let first = far(&normals);
         let moved = truth.positions().iter().zip(noisy.positions());
-        let squares: f64 = moved.map(|(&a, &b)| distance(a, b).powi(2)).sum();
+        let squares: f64 = moved.map(|(&a, &b)| DVec3::from(a).distance_squared(b.into())).sum();
         let variance = squares / (3.0 * truth.vertex_count() as f64);
         let trust = vec![1.0; normals.len()];
         flatten(&Evidence::new(&noisy, &Hinges::new(&noisy), &trust, variance), &mut normals);

@@ -1,7 +1,7 @@
 //! Faces on the wrong side of a crease change sides.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::dot;
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::follow::Follow;
@@ -29,17 +29,17 @@ const ROUNDS: usize = 4;
 pub(super) fn relabel(
     mesh: &TriMesh,
     rings: &FaceLists,
-    mut labels: Vec<[f64; 3]>,
+    mut labels: Vec<DVec3>,
     follow: &Follow<'_>,
-) -> Result<Vec<[f64; 3]>, DenoiseError> {
+) -> Result<Vec<DVec3>, DenoiseError> {
     let noisy = mesh.positions();
     for _ in 0..ROUNDS {
         fairing_watch::check();
         let geometry = FaceShapes::new(&follow.run(noisy, &labels, 20)?).normals;
-        let kept: Vec<[f64; 3]> = labels
+        let kept: Vec<DVec3> = labels
             .iter()
             .zip(&geometry)
-            .map(|(&n, &g)| if dot(n, g) < AGREE { [0.0; 3] } else { n })
+            .map(|(&n, &g)| if n.dot(g) < AGREE { DVec3::ZERO } else { n })
             .collect();
         if kept == labels {
             break;
@@ -48,13 +48,13 @@ pub(super) fn relabel(
         labels = (0..labels.len())
             .into_par_iter()
             .map(|f| {
-                if kept[f] != [0.0; 3] {
+                if kept[f] != DVec3::ZERO {
                     return kept[f];
                 }
                 let neighbours = rings.row(f).iter().map(|&g| kept[g as usize]);
                 neighbours
-                    .filter(|n| *n != [0.0; 3])
-                    .max_by(|a, b| dot(*a, geometry[f]).total_cmp(&dot(*b, geometry[f])))
+                    .filter(|n| *n != DVec3::ZERO)
+                    .max_by(|a, b| (*a).dot(geometry[f]).total_cmp(&(*b).dot(geometry[f])))
                     .unwrap_or(labels[f])
             })
             .collect();

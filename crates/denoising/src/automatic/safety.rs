@@ -1,7 +1,7 @@
 //! Checks of a result, and ways back where one fails.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, dot, scale};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::follow::Follow;
@@ -23,7 +23,7 @@ const STEPS: usize = 20;
 pub(super) fn without_flips(
     noisy: &TriMesh,
     mut mesh: TriMesh,
-    normals: &[[f64; 3]],
+    normals: &[DVec3],
     follow: &Follow<'_>,
 ) -> Result<TriMesh, DenoiseError> {
     let mut fewest = opposing(&mesh, normals).len();
@@ -43,12 +43,13 @@ pub(super) fn without_flips(
         let mut positions = mesh.positions().to_vec();
         let mut back = vec![false; positions.len()];
         for f in flipped {
-            if dot(noisy.area_vector(f), normals[f]) > 0.0 {
+            if DVec3::from(noisy.area_vector(f)).dot(normals[f]) > 0.0 {
                 noisy.faces()[f].iter().for_each(|&v| back[v as usize] = true);
             }
         }
         for (v, _) in back.iter().enumerate().filter(|(_, back)| **back) {
-            positions[v] = scale(add(positions[v], noisy.positions()[v]), 0.5);
+            let (moved, start) = (DVec3::from(positions[v]), DVec3::from(noisy.positions()[v]));
+            positions[v] = (0.5 * (moved + start)).to_array();
         }
         let next = mesh.with_positions(positions)?;
         let count = opposing(&next, normals).len();
@@ -61,9 +62,9 @@ pub(super) fn without_flips(
 }
 
 /// The faces that oppose their normals.
-fn opposing(mesh: &TriMesh, normals: &[[f64; 3]]) -> Vec<usize> {
+fn opposing(mesh: &TriMesh, normals: &[DVec3]) -> Vec<usize> {
     (0..mesh.face_count())
         .into_par_iter()
-        .filter(|&f| dot(mesh.area_vector(f), normals[f]) < 0.0)
+        .filter(|&f| DVec3::from(mesh.area_vector(f)).dot(normals[f]) < 0.0)
         .collect()
 }

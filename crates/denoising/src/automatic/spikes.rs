@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, cross, distance, dot, norm, scale, sub};
+use glam::DVec3;
 
 use crate::DenoiseError;
 use crate::noise_level::{NoiseEstimate, noise_level};
@@ -57,7 +57,8 @@ pub(super) fn without_spikes(
         let mut positions = current.positions().to_vec();
         for v in spikes {
             let Height { height, up, .. } = heights[v as usize];
-            positions[v as usize] = sub(positions[v as usize], scale(up, height));
+            let moved = DVec3::from(positions[v as usize]) - height * up;
+            positions[v as usize] = moved.to_array();
             farthest = farthest.max(height.abs());
         }
         current = Cow::Owned(current.with_positions(positions)?);
@@ -78,7 +79,7 @@ struct Height {
     /// Over their plane.
     height: f64,
     /// The normal of their plane.
-    up: [f64; 3],
+    up: DVec3,
     /// Their mean distance from their mean.
     reach: f64,
 }
@@ -88,30 +89,31 @@ struct Height {
 fn heights(mesh: &TriMesh) -> Vec<Height> {
     let topology = mesh.topology();
     let incidence = mesh.incidence();
-    let (positions, faces) = (mesh.positions(), mesh.faces());
+    let faces = mesh.faces();
+    let at = |v: u32| DVec3::from(mesh.positions()[v as usize]);
     (0..mesh.vertex_count() as u32)
         .map(|v| {
             let (ring, corners) = (topology.neighbors(v), incidence.corners(v));
             if ring.len() < 3 || corners.len() != ring.len() {
                 return Height::default();
             }
-            let x = positions[v as usize];
-            let mut sum = [0.0; 3];
+            let x = at(v);
+            let mut sum = DVec3::ZERO;
             for &c in corners {
                 let (f, k) = (c as usize / 3, c as usize % 3);
-                let [p, q] = [1, 2].map(|i| positions[faces[f][(k + i) % 3] as usize]);
+                let [p, q] = [1, 2].map(|i| at(faces[f][(k + i) % 3]));
                 // Over a closed polygon the sum does not depend on x.
-                sum = add(sum, cross(sub(p, x), sub(q, x)));
+                sum += (p - x).cross(q - x);
             }
-            let length = norm(sum);
+            let length = sum.length();
             if length <= 0.0 {
                 return Height::default();
             }
-            let up = scale(sum, 1.0 / length);
-            let mean = ring.iter().fold([0.0; 3], |s, &w| add(s, positions[w as usize]));
-            let mean = scale(mean, 1.0 / ring.len() as f64);
-            let reach = ring.iter().map(|&w| distance(positions[w as usize], mean)).sum::<f64>();
-            Height { height: dot(up, sub(x, mean)), up, reach: reach / ring.len() as f64 }
+            let up = sum * (1.0 / length);
+            let mean = ring.iter().fold(DVec3::ZERO, |s, &w| s + at(w));
+            let mean = mean * (1.0 / ring.len() as f64);
+            let reach = ring.iter().map(|&w| at(w).distance(mean)).sum::<f64>();
+            Height { height: up.dot(x - mean), up, reach: reach / ring.len() as f64 }
         })
         .collect()
 }
@@ -140,7 +142,8 @@ mod tests {
         let h = noisy.mean_edge_length();
         let mut positions = noisy.positions().to_vec();
         for v in (0..positions.len()).step_by(25) {
-            positions[v] = scale(positions[v], 1.0 + h * (1.0 + (v % 3) as f64));
+            let factor = 1.0 + h * (1.0 + (v % 3) as f64);
+            positions[v] = positions[v].map(|x| factor * x);
         }
         let input = noisy.with_positions(positions).unwrap();
         let level = noise_level(&input).unwrap();
@@ -149,10 +152,11 @@ mod tests {
         assert!((2.5 * h..4.0 * h).contains(&farthest), "{} h", farthest / h);
         let (mut back, mut all) = (0, 0);
         for (v, (&p, &q)) in found.positions().iter().zip(noisy.positions()).enumerate() {
+            let distance = DVec3::from(p).distance(q.into());
             if v % 25 == 0 {
-                (back, all) = (back + usize::from(distance(p, q) < 0.3 * h), all + 1);
+                (back, all) = (back + usize::from(distance < 0.3 * h), all + 1);
             } else {
-                assert!(p == q, "vertex {v}: {} h", distance(p, q) / h);
+                assert!(p == q, "vertex {v}: {} h", distance / h);
             }
         }
         // Two that are neighbours and alike stay.

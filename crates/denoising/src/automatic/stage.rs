@@ -1,6 +1,6 @@
 //! A stage: networks weigh the candidates for each normal, and the surface follows.
 
-use fairing_mesh::vec3::{add, scale};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::features::{Gatherer, Seen};
@@ -8,7 +8,6 @@ use super::network::{Network, Parts, Trace, combine};
 use super::state::{QUANTILES, State};
 use super::wide::wide_means;
 use crate::DenoiseError;
-use crate::faces::unit_or_zero;
 
 /// Faces of a unit of parallel work.
 const BLOCK: usize = 1024;
@@ -20,8 +19,8 @@ pub(super) fn blocks(face_count: usize) -> usize {
 
 /// The estimate of a stage at a face.
 struct Answer {
-    normal: [f64; 3],
-    anchor: [f64; 3],
+    normal: DVec3,
+    anchor: DVec3,
     /// As in [`Seen`]; `None` without a normal.
     residuals: Option<[f64; 2]>,
 }
@@ -58,7 +57,7 @@ fn answers(state: &State<'_>, networks: &[Network]) -> Vec<Answer> {
                     .map(|f| match gatherer.sample(f) {
                         Some(seen) => answer(&seen, &parts, trace),
                         None => Answer {
-                            normal: [0.0; 3],
+                            normal: DVec3::ZERO,
                             anchor: state.current.centroids[f],
                             residuals: None,
                         },
@@ -72,15 +71,15 @@ fn answers(state: &State<'_>, networks: &[Network]) -> Vec<Answer> {
 
 /// The direction of the mean of the unit vectors that the networks answer with.
 fn answer(seen: &Seen, networks: &[Parts<'_>], trace: &mut Trace) -> Answer {
-    let mut sum = [0.0; 3];
+    let mut sum = DVec3::ZERO;
     for parts in networks {
         parts.run(&seen.sample, trace);
         let (mean, _) = combine(&seen.sample, &trace.outputs);
-        sum = add(sum, unit_or_zero(mean.map(f64::from)));
+        sum += DVec3::from(mean.map(f64::from)).normalize_or_zero();
     }
-    let ([a, b, c], [x, y, z]) = (seen.frame, sum);
-    let sum = add(add(scale(a, x), scale(b, y)), scale(c, z));
-    Answer { normal: unit_or_zero(sum), anchor: seen.anchor, residuals: Some(seen.residuals) }
+    let [a, b, c] = seen.frame;
+    let sum = sum.x * a + sum.y * b + sum.z * c;
+    Answer { normal: sum.normalize_or_zero(), anchor: seen.anchor, residuals: Some(seen.residuals) }
 }
 
 /// The inputs of the networks at some faces; `None` for a face without a normal.
@@ -116,7 +115,6 @@ fn quantiles(residuals: &[[f64; 2]]) -> Option<[f64; QUANTILES]> {
 
 #[cfg(test)]
 mod tests {
-    use fairing_mesh::vec3::{distance, dot};
     use fairing_shapes as shapes;
 
     use super::*;
@@ -138,8 +136,8 @@ mod tests {
         let sum: f64 = (samples(&state, &faces).iter().zip(&wanted))
             .map(|(seen, &t)| {
                 let seen = seen.as_ref().unwrap();
-                let found = unit_or_zero(seen.sample.candidate(plain).map(f64::from));
-                distance(found, seen.frame.map(|e| dot(e, t)))
+                let plain = DVec3::from(seen.sample.candidate(plain).map(f64::from));
+                plain.normalize_or_zero().distance(seen.frame.map(|e| e.dot(t)).into())
             })
             .sum();
         let mean = (sum / faces.len() as f64).to_degrees();

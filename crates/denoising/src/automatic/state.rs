@@ -3,11 +3,11 @@
 use std::borrow::Cow;
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, distance, dot, scale};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::follow::Follow;
-use crate::faces::{FaceLists, FaceShapes, Hinges, unit_or_zero};
+use crate::faces::{FaceLists, FaceShapes, Hinges};
 use crate::{DenoiseError, NoiseEstimate};
 
 /// Vertex steps between stages.
@@ -39,9 +39,9 @@ pub struct State<'a> {
     /// The faces of the noisy mesh.
     pub(super) noisy: FaceShapes,
     /// The present normal of each face; zero for a face without one.
-    pub(super) normals: Vec<[f64; 3]>,
+    pub(super) normals: Vec<DVec3>,
     /// A point of the surface at each face, from a local fit.
-    pub(super) anchors: Vec<[f64; 3]>,
+    pub(super) anchors: Vec<DVec3>,
     /// The surface that has followed the present normals; the noisy mesh before the first stage.
     pub(super) surface: Cow<'a, TriMesh>,
     /// The faces of the surface.
@@ -76,12 +76,12 @@ impl<'a> State<'a> {
     pub fn new(mesh: &'a TriMesh, level: NoiseEstimate) -> Self {
         let rings = FaceLists::rings(mesh);
         let noisy = FaceShapes::new(mesh);
-        let vector = |f: usize| scale(noisy.normals[f], noisy.areas[f]);
+        let vector = |f: usize| noisy.areas[f] * noisy.normals[f];
         let normals = (0..mesh.face_count())
             .into_par_iter()
             .map(|f| {
                 let ring = rings.row(f).iter().map(|&g| vector(g as usize));
-                unit_or_zero(ring.fold(vector(f), add))
+                ring.fold(vector(f), |sum, v| sum + v).normalize_or_zero()
             })
             .collect();
         let mut state = Self {
@@ -112,7 +112,7 @@ impl<'a> State<'a> {
     }
 
     /// The present normal of each face; zero for a face without one.
-    pub fn normals(&self) -> &[[f64; 3]] {
+    pub fn normals(&self) -> &[DVec3] {
         &self.normals
     }
 
@@ -131,8 +131,11 @@ impl<'a> State<'a> {
     pub(super) fn follow(&mut self) -> Result<(), DenoiseError> {
         let noisy = self.mesh.positions();
         let surface = self.follower(f64::INFINITY).run(noisy, &self.normals, STEPS)?;
-        let moved: Vec<f64> =
-            noisy.iter().zip(surface.positions()).map(|(&p, &x)| distance(p, x)).collect();
+        let moved: Vec<f64> = noisy
+            .iter()
+            .zip(surface.positions())
+            .map(|(&p, &x)| DVec3::from(p).distance(x.into()))
+            .collect();
         let usual = median(moved.clone());
         self.excess = usual / self.level.sigma;
         self.sigma = self.level.sigma.max(usual);
@@ -176,8 +179,8 @@ impl<'a> State<'a> {
     }
 
     /// The weight of a normal that differs by `apart`, in one of the ranges.
-    pub(super) fn similarity(&self, apart: [f64; 3], range: usize) -> f64 {
-        similarities(dot(apart, apart), self.factors())[range]
+    pub(super) fn similarity(&self, apart: DVec3, range: usize) -> f64 {
+        similarities(apart.dot(apart), self.factors())[range]
     }
 
     pub(super) fn factors(&self) -> [f64; RANGES - 1] {
@@ -198,13 +201,13 @@ pub(super) fn similarities(square: f64, factors: [f64; RANGES - 1]) -> [f64; RAN
 }
 
 /// The mean centroid around each face.
-fn mean_centroids(centroids: &[[f64; 3]], rings: &FaceLists) -> Vec<[f64; 3]> {
+fn mean_centroids(centroids: &[DVec3], rings: &FaceLists) -> Vec<DVec3> {
     (0..centroids.len())
         .into_par_iter()
         .map(|f| {
             let row = rings.row(f);
-            let sum = row.iter().fold(centroids[f], |s, &g| add(s, centroids[g as usize]));
-            scale(sum, 1.0 / (row.len() + 1) as f64)
+            let sum = row.iter().fold(centroids[f], |s, &g| s + centroids[g as usize]);
+            sum * (1.0 / (row.len() + 1) as f64)
         })
         .collect()
 }
@@ -213,8 +216,8 @@ fn mean_centroids(centroids: &[[f64; 3]], rings: &FaceLists) -> Vec<[f64; 3]> {
 fn longest_sides(mesh: &TriMesh) -> Vec<f64> {
     (0..mesh.face_count())
         .map(|f| {
-            let [a, b, c] = mesh.triangle(f);
-            distance(a, b).max(distance(b, c)).max(distance(c, a))
+            let [a, b, c] = mesh.triangle(f).map(DVec3::from);
+            a.distance(b).max(b.distance(c)).max(c.distance(a))
         })
         .collect()
 }

@@ -1,7 +1,7 @@
 //! The kind of surface at each face.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{distance, dot};
+use glam::DVec3;
 
 use crate::faces::{FaceShapes, Hinges, NO_HINGE};
 
@@ -57,7 +57,7 @@ pub(super) fn face_kinds(mesh: &TriMesh, hinges: &Hinges) -> (Vec<FaceKind>, boo
     let turns: Vec<f64> = (hinges.all.iter())
         .map(|hinge| {
             let [a, b] = hinge.faces.map(|f| normals[f as usize]);
-            libm::acos(dot(a, b).clamp(-1.0, 1.0))
+            libm::acos(a.dot(b).clamp(-1.0, 1.0))
         })
         .collect();
     let (crease, flat) = (libm::acos(CREASE), libm::acos(FLAT));
@@ -93,7 +93,7 @@ pub(super) fn face_kinds(mesh: &TriMesh, hinges: &Hinges) -> (Vec<FaceKind>, boo
         .filter(|&e| goes_on(e))
         .map(|e| {
             let [v, w] = hinges.all[e].ends;
-            distance(p[v as usize], p[w as usize])
+            DVec3::from(p[v as usize]).distance(p[w as usize].into())
         })
         .sum();
     (kinds, length > CREASE_LENGTH * mesh.diagonal())

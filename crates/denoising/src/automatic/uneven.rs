@@ -1,7 +1,7 @@
 //! Faces too uneven for normals to determine positions.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::distance;
+use glam::DVec3;
 
 use crate::noise_level::NoisyParts;
 
@@ -23,8 +23,8 @@ pub(super) fn uneven_parts(mesh: &TriMesh, groups: &[NoisyParts]) -> Vec<bool> {
     let mut longest = vec![0.0f64; mesh.vertex_count()];
     let mut lowest = vec![f64::INFINITY; mesh.vertex_count()];
     for (f, &face) in mesh.faces().iter().enumerate() {
-        let [a, b, c] = mesh.triangle(f);
-        let side = distance(a, b).max(distance(b, c)).max(distance(c, a));
+        let [a, b, c] = mesh.triangle(f).map(DVec3::from);
+        let side = a.distance(b).max(b.distance(c)).max(c.distance(a));
         let height = if side > 0.0 { 2.0 * mesh.face_area(f) / side } else { 0.0 };
         for v in face.map(|v| v as usize) {
             longest[v] = longest[v].max(side);

@@ -1,11 +1,10 @@
 //! Means of noisy normals over wide regions that end at creases.
 
-use fairing_mesh::vec3::{add, scale, sub};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::features::{WIDE, WIDE_RANGES};
 use super::state::State;
-use crate::faces::unit_or_zero;
 
 /// For each diffusion: the range of differences between normals, the strength t, and the steps.
 const DIFFUSIONS: [(usize, f64, usize); 4] =
@@ -38,8 +37,8 @@ const LEAST_MASS: f64 = 1e-6;
 /// the mean area of both faces times the similarity of their present normals. A mean reaches
 /// `√t` faces far, less across a crease. The widest are also sharpened: x and the diffusion
 /// of n − x, so that what varies slowly is kept to the second order in t.
-pub(crate) fn wide_means(state: &State<'_>) -> [Vec<[f64; 3]>; WIDE] {
-    let units = |x: &[[f64; 3]]| x.par_iter().map(|&x| unit_or_zero(x)).collect::<Vec<_>>();
+pub(crate) fn wide_means(state: &State<'_>) -> [Vec<DVec3>; WIDE] {
+    let units = |x: &[DVec3]| x.par_iter().map(|&x| x.normalize_or_zero()).collect::<Vec<_>>();
     let (mut plain, mut sharpened) = (vec![], vec![]);
     for (k, (range, strength, steps)) in DIFFUSIONS.into_iter().enumerate() {
         let diffusion = Diffusion::new(state, range, strength);
@@ -61,7 +60,7 @@ struct Diffusion {
     strength: f64,
     masses: Vec<f64>,
     /// The right-hand side.
-    target: Vec<[f64; 3]>,
+    target: Vec<DVec3>,
     /// The face across each side, and t times the weight.
     rows: Vec<[(u32, f64); 3]>,
     /// One over the diagonal.
@@ -82,10 +81,10 @@ impl Diffusion {
             .map(|hinge| {
                 let [f, g] = hinge.faces.map(|f| f as usize);
                 let (m, n) = (state.normals[f], state.normals[g]);
-                if m == [0.0; 3] || n == [0.0; 3] {
+                if m == DVec3::ZERO || n == DVec3::ZERO {
                     return 0.0;
                 }
-                let similarity = state.similarity(sub(m, n), range);
+                let similarity = state.similarity(m - n, range);
                 0.5 * strength * (areas[f] + areas[g]) * similarity
             })
             .collect();
@@ -104,26 +103,26 @@ impl Diffusion {
             .collect();
         let target = (0..count)
             .into_par_iter()
-            .map(|f| scale(noisy.normals[f], noisy.areas[f] * state.trust[f]))
+            .map(|f| noisy.areas[f] * state.trust[f] * noisy.normals[f])
             .collect();
         Self { strength, masses, target, rows, inverse }
     }
 
     /// Adds the diffusion of what x leaves of the noisy normals.
-    fn sharpen(mut self, x: &mut Vec<[f64; 3]>, steps: usize) {
+    fn sharpen(mut self, x: &mut Vec<DVec3>, steps: usize) {
         (self.target.par_iter_mut().zip(&self.masses).zip(&*x))
-            .for_each(|((target, m), x)| *target = sub(scale(*target, 2.0), scale(*x, *m)));
+            .for_each(|((target, m), x)| *target = 2.0 * *target - *m * *x);
         self.solve(x, steps);
     }
 
     /// Chebyshev's iteration from x, in a fixed number of steps, so that nothing depends on
     /// rounding.
-    fn solve(&self, x: &mut Vec<[f64; 3]>, steps: usize) {
+    fn solve(&self, x: &mut Vec<DVec3>, steps: usize) {
         // Scaled by the diagonal, eigenvalues are below 2. Those of faces of usual mass are above
         // the lower end; the iteration does not increase parts below it.
         let low = 1.0 / (1.0 + 3.0 * self.strength);
         let (middle, half) = (0.5 * (2.0 + low), 0.5 * (2.0 - low));
-        let mut step = vec![[0.0; 3]; x.len()];
+        let mut step = vec![DVec3::ZERO; x.len()];
         let mut next = step.clone();
         let mut rho = half / middle;
         for k in 0..steps {
@@ -137,12 +136,12 @@ impl Diffusion {
             };
             let both = step.par_iter_mut().zip(&mut next).enumerate().with_min_len(AT_LEAST);
             both.for_each(|(f, (step, next))| {
-                let mut residual = sub(self.target[f], scale(x[f], self.masses[f]));
+                let mut residual = self.target[f] - self.masses[f] * x[f];
                 for &(g, w) in &self.rows[f] {
-                    residual = add(residual, scale(sub(x[g as usize], x[f]), w));
+                    residual += w * (x[g as usize] - x[f]);
                 }
-                *step = add(scale(*step, turn), scale(residual, gain * self.inverse[f]));
-                *next = add(x[f], *step);
+                *step = turn * *step + gain * self.inverse[f] * residual;
+                *next = x[f] + *step;
             });
             std::mem::swap(x, &mut next);
         }
@@ -151,8 +150,8 @@ impl Diffusion {
 
 #[cfg(test)]
 mod tests {
-    use fairing_mesh::vec3::{distance, norm};
     use fairing_shapes as shapes;
+    use glam::DVec3;
 
     use super::*;
     use crate::faces::FaceShapes;
@@ -166,8 +165,8 @@ mod tests {
         let noisy = shapes::jittered(&truth, 0.1, 3, |p| p);
         let state = State::new(&noisy, noise_level(&noisy).unwrap());
         let wanted = FaceShapes::new(&truth).normals;
-        let far = |normals: &[[f64; 3]], to: &[[f64; 3]]| -> f64 {
-            let sum: f64 = normals.iter().zip(to).map(|(&a, &b)| distance(a, b)).sum();
+        let far = |normals: &[DVec3], to: &[DVec3]| -> f64 {
+            let sum: f64 = normals.iter().zip(to).map(|(&a, &b)| a.distance(b)).sum();
             sum / to.len() as f64
         };
         let start = far(&state.normals, &wanted);
@@ -176,10 +175,10 @@ mod tests {
             let solved = |steps| {
                 let mut x = state.normals.to_vec();
                 Diffusion::new(&state, range, strength).solve(&mut x, steps);
-                x.into_iter().map(unit_or_zero).collect::<Vec<_>>()
+                x.into_iter().map(DVec3::normalize_or_zero).collect::<Vec<_>>()
             };
             let found = solved(steps);
-            assert!(found.iter().all(|&n| (norm(n) - 1.0).abs() < 1e-12));
+            assert!(found.iter().all(|&n| (n.length() - 1.0).abs() < 1e-12));
             assert_eq!(found, all[k]);
             let exact = solved(3000);
             let (left, begun) = (far(&found, &exact), far(&state.normals, &exact));
@@ -199,8 +198,8 @@ mod tests {
         let state = State::new(&noisy, noise_level(&noisy).unwrap());
         let all = wide_means(&state);
         let wanted = FaceShapes::new(&truth).normals;
-        let far = |normals: &[[f64; 3]]| -> f64 {
-            normals.iter().zip(&wanted).map(|(&a, &b)| distance(a, b)).sum()
+        let far = |normals: &[DVec3]| -> f64 {
+            normals.iter().zip(&wanted).map(|(&a, &b)| a.distance(b)).sum()
         };
         for k in SHARPENED_FROM..DIFFUSIONS.len() {
             let (plain, sharpened) = (far(&all[k]), far(&all[k + WIDE - DIFFUSIONS.len()]));

@@ -5,7 +5,7 @@ use fairing_figure::{ScaleOptions, Up};
 use fairing_mesh::TriMesh;
 use fairing_operators::LumpedArea;
 use fairing_operators::curvature::{
-    MeanOperator, ScalarCurvature, gaussian_curvature, mean_curvature,
+    ScalarCurvature, gaussian_curvature, scaled_umbrella_mean_curvature, umbrella_mean_curvature,
 };
 
 use super::gallery::{Coloring, FLAT, Gallery, Look, Range, VIEWPOINTS};
@@ -34,7 +34,7 @@ const ESTIMATORS: [Estimator; 3] = [
     Estimator {
         name: SCALED,
         quantity: Quantity::Mean,
-        estimate: |mesh| Ok(mean_curvature(mesh, MeanOperator::ScaledUmbrella)?.signed),
+        estimate: |mesh| Ok(scaled_umbrella_mean_curvature(mesh).signed),
     },
     Estimator {
         name: DEFECT,
@@ -51,7 +51,7 @@ const GROWS: f64 = 0.02;
 
 /// `½ ‖L x‖` with `L = D⁻¹A − I`, as the assignment has it.
 fn umbrella(mesh: &TriMesh) -> Result<ScalarCurvature> {
-    let mean = mean_curvature(mesh, MeanOperator::Umbrella)?;
+    let mean = umbrella_mean_curvature(mesh);
     Ok(ScalarCurvature::new(mean.norms(), mean.status, mean.boundary))
 }
 
@@ -96,7 +96,7 @@ impl Experiment for UniformCurvature {
         for (name, input) in [("flower", Input::Flower), ("plane", Input::Plane)] {
             let mesh = context.mesh(input)?;
             let length = umbrella(&mesh)?;
-            let scaled = mean_curvature(&mesh, MeanOperator::ScaledUmbrella)?.into_signed();
+            let scaled = scaled_umbrella_mean_curvature(&mesh).into_signed();
             let gaussian = gaussian_curvature(&mesh, LumpedArea::Barycentric)?;
             spread::push(&mut fields, name, UMBRELLA, "mesh units", &length);
             spread::push(&mut fields, name, SCALED, "1/mesh units", &scaled);

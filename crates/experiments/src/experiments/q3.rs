@@ -3,8 +3,10 @@
 use anyhow::{Context as _, Result};
 use fairing_figure::{ScaleOptions, Up};
 use fairing_mesh::TriMesh;
-use fairing_operators::LumpedArea;
-use fairing_operators::curvature::{MeanCurvature, MeanOperator, ScalarCurvature, mean_curvature};
+use fairing_operators::curvature::{
+    MeanCurvature, ScalarCurvature, mean_curvature, scaled_umbrella_mean_curvature,
+};
+use fairing_operators::{LumpedArea, OperatorError};
 use fairing_shapes as shapes;
 
 use super::gallery::{self, Coloring, FLAT, Gallery, Look, Range, VIEWPOINTS};
@@ -26,25 +28,27 @@ const UNIFORM: &str = "uniform, scaled";
 const COTANGENT: &str = "cotangent, mixed area";
 const BARYCENTRIC: &str = "cotangent, barycentric area";
 
-const MIXED: MeanOperator = MeanOperator::Cotangent(LumpedArea::Mixed);
+/// Mean curvature by one operator.
+type Estimate = fn(&TriMesh) -> Result<MeanCurvature, OperatorError>;
+
+const MIXED: Estimate = |mesh| mean_curvature(mesh, LumpedArea::Mixed);
+const SCALED: Estimate = |mesh| Ok(scaled_umbrella_mean_curvature(mesh));
 
 const ESTIMATORS: [Estimator; 3] = [
     Estimator {
         name: UNIFORM,
         quantity: Quantity::Mean,
-        estimate: |mesh| Ok(mean_curvature(mesh, MeanOperator::ScaledUmbrella)?.signed),
+        estimate: |mesh| Ok(scaled_umbrella_mean_curvature(mesh).signed),
     },
     Estimator {
         name: COTANGENT,
         quantity: Quantity::Mean,
-        estimate: |mesh| Ok(mean_curvature(mesh, MIXED)?.signed),
+        estimate: |mesh| Ok(MIXED(mesh)?.signed),
     },
     Estimator {
         name: BARYCENTRIC,
         quantity: Quantity::Mean,
-        estimate: |mesh| {
-            Ok(mean_curvature(mesh, MeanOperator::Cotangent(LumpedArea::Barycentric))?.signed)
-        },
+        estimate: |mesh| Ok(mean_curvature(mesh, LumpedArea::Barycentric)?.signed),
     },
 ];
 
@@ -93,8 +97,8 @@ impl Experiment for CotangentCurvature {
         );
         for (name, input) in [("flower", Input::Flower), ("plane", Input::Plane)] {
             let mesh = context.mesh(input)?;
-            let uniform = mean_curvature(&mesh, MeanOperator::ScaledUmbrella)?;
-            let cotangent = mean_curvature(&mesh, MIXED)?;
+            let uniform = scaled_umbrella_mean_curvature(&mesh);
+            let cotangent = MIXED(&mesh)?;
             let norms = cotangent.norms();
             spread::push(&mut fields, name, "|H|, uniform", "1/mesh units", &sizes(&uniform));
             spread::push(&mut fields, name, "|H|, cotangent", "1/mesh units", &sizes(&cotangent));
@@ -354,8 +358,8 @@ fn torus_view(context: &Context<'_>) -> Result<(View, Picture)> {
         mesh.positions().iter().map(|&p| surface.exact(p).map(|c| c.mean())).collect();
     let exact = exact.context("a vertex off the torus")?;
     let squares = |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>();
-    let panel = |title: &str, operator: MeanOperator| -> Result<(Panel, f64, ScalarCurvature)> {
-        let mean = mean_curvature(&mesh, operator)?;
+    let panel = |title: &str, operator: Estimate| -> Result<(Panel, f64, ScalarCurvature)> {
+        let mean = operator(&mesh)?;
         let gaps: Vec<f64> = mean.signed.iter().zip(&exact).map(|(x, y)| x - y).collect();
         let error = 100.0
             * (squares(&mut gaps.iter().copied()) / squares(&mut exact.iter().copied())).sqrt();
@@ -366,7 +370,7 @@ fn torus_view(context: &Context<'_>) -> Result<(View, Picture)> {
             .with_fact("RMS error", "%", vec![Some(error)]);
         Ok((panel, error, gaps))
     };
-    let (uniform, first, theirs) = panel("uniform", MeanOperator::ScaledUmbrella)?;
+    let (uniform, first, theirs) = panel("uniform", SCALED)?;
     let (cotangent, second, ours) = panel("cotangent", MIXED)?;
     let picture = gallery::errors(
         "torus",
@@ -422,8 +426,8 @@ fn planes(context: &Context<'_>) -> Result<Table> {
     ];
     for (name, mesh) in &meshes {
         let h = mesh.mean_edge_length();
-        for (operator, label) in [(MeanOperator::ScaledUmbrella, UNIFORM), (MIXED, COTANGENT)] {
-            let mean = mean_curvature(mesh, operator)?;
+        for (operator, label) in [(SCALED, UNIFORM), (MIXED, COTANGENT)] {
+            let mean = operator(mesh)?;
             let norms = mean.norms();
             let largest = |values: &[f64], keep: &dyn Fn(bool) -> bool| -> Cell {
                 let kept = values.iter().zip(&mean.boundary).filter(|(_, b)| keep(**b));

@@ -1,6 +1,6 @@
 //! Axes: from values to positions.
 
-use super::error::PlotError;
+use crate::error::FigureError;
 use crate::number::power_of_ten;
 use crate::ticks::{self, Ticks};
 
@@ -52,13 +52,13 @@ pub(super) struct Range {
 
 impl Range {
     /// Fits the axis to the extremes of the data, with some air.
-    pub(super) fn fit(axis: &Axis, data: [f64; 2]) -> Result<Self, PlotError> {
+    pub(super) fn fit(axis: &Axis, data: [f64; 2]) -> Result<Self, FigureError> {
         let scale = axis.scale;
         if let Some([low, high]) = axis.limits {
             let positive = scale == AxisScale::Linear || low > 0.0;
             return match low < high && (high - low).is_finite() && positive {
                 true => Ok(Self { low, high, scale }),
-                false => Err(PlotError::Limits { low, high }),
+                false => Err(FigureError::Limits { what: "an axis", low, high }),
             };
         }
         let [low, high] = data;

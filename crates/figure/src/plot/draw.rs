@@ -1,11 +1,11 @@
 //! Plots as drawings.
 
 use super::axis::{Axis, AxisScale, Range, label};
-use super::error::PlotError;
 use super::legend;
 use super::series::{QUIET, REFERENCE, Series, Shape, Style, slope_ends};
 use super::{Legend, Plot};
 use crate::drawing::{Anchor, Color, Drawing, Element, Fill, INK, Path, SOFT, Stroke, WHITE};
+use crate::error::FigureError;
 use crate::outline::Outline;
 use crate::text::{Style as Face, width};
 use crate::ticks::Ticks;
@@ -21,13 +21,13 @@ impl Plot {
     ///
     /// # Errors
     ///
-    /// [`PlotError`] for the first series that cannot be drawn.
-    pub fn draw(&self, width: f64, height: f64) -> Result<Drawing, PlotError> {
+    /// [`FigureError`] for the first series that cannot be drawn.
+    pub fn draw(&self, width: f64, height: f64) -> Result<Drawing, FigureError> {
         draw(self, width, height)
     }
 }
 
-fn draw(plot: &Plot, width: f64, height: f64) -> Result<Drawing, PlotError> {
+fn draw(plot: &Plot, width: f64, height: f64) -> Result<Drawing, FigureError> {
     let styled = styles(&plot.series);
     let [x, y] = ranges(plot)?;
     let size = [width, height];
@@ -120,7 +120,7 @@ fn styles(series: &[Series]) -> Vec<(&Series, Style)> {
     series.iter().map(|s| (s, Style(style(s)))).collect()
 }
 
-fn ranges(plot: &Plot) -> Result<[Range; 2], PlotError> {
+fn ranges(plot: &Plot) -> Result<[Range; 2], FigureError> {
     for series in &plot.series {
         series.check(plot.x.scale, plot.y.scale, plot.categories.len())?;
     }
@@ -137,7 +137,7 @@ fn ranges(plot: &Plot) -> Result<[Range; 2], PlotError> {
         }
     }
     if points.is_empty() {
-        return Err(PlotError::Empty);
+        return Err(FigureError::NoPoints);
     }
     let extremes = |k: usize| {
         let start = [f64::INFINITY, f64::NEG_INFINITY];

@@ -8,12 +8,10 @@
 
 mod axis;
 mod draw;
-mod error;
 mod legend;
 mod series;
 
 pub use axis::{Axis, AxisScale};
-pub use error::PlotError;
 pub use series::{Series, Shape};
 
 /// Series over two axes.

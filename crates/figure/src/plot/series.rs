@@ -1,8 +1,8 @@
 //! The data of plots.
 
 use super::axis::AxisScale;
-use super::error::PlotError;
 use crate::drawing::Color;
+use crate::error::FigureError;
 use crate::outline::Outline;
 
 /// Points that belong together.
@@ -130,14 +130,18 @@ impl Series {
         x_scale: AxisScale,
         y_scale: AxisScale,
         categories: usize,
-    ) -> Result<(), PlotError> {
+    ) -> Result<(), FigureError> {
         let series = || self.name.clone();
         let mut points = self.extent();
         match &self.shape {
             Shape::Bars(values) => {
                 if values.len() != categories {
                     let found = values.len();
-                    return Err(PlotError::Bars { series: series(), expected: categories, found });
+                    return Err(FigureError::Bars {
+                        series: series(),
+                        expected: categories,
+                        found,
+                    });
                 }
                 points = values.iter().map(|&y| [1.0, y]).collect();
             }
@@ -146,11 +150,23 @@ impl Series {
         }
         for (index, &[x, y]) in points.iter().enumerate() {
             if !x.is_finite() || !y.is_finite() {
-                return Err(PlotError::NonFinite { series: series(), index, x, y });
+                return Err(FigureError::Point {
+                    series: series(),
+                    index,
+                    x,
+                    y,
+                    problem: "which is not finite",
+                });
             }
             let log = |scale, value| scale == AxisScale::Log && value <= 0.0;
             if log(x_scale, x) || log(y_scale, y) {
-                return Err(PlotError::NotPositive { series: series(), index, x, y });
+                return Err(FigureError::Point {
+                    series: series(),
+                    index,
+                    x,
+                    y,
+                    problem: "which has no place on a logarithmic axis",
+                });
             }
         }
         Ok(())

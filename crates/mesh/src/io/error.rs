@@ -18,6 +18,13 @@ pub struct ReadError {
     pub problem: ReadProblem,
 }
 
+impl ReadError {
+    /// A problem of the file as a whole.
+    pub fn new(file: impl Into<PathBuf>, problem: ReadProblem) -> Self {
+        Self { file: file.into(), at: Place::Whole, problem }
+    }
+}
+
 /// A place in a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
@@ -175,6 +182,13 @@ pub struct WriteError {
     pub file: PathBuf,
     /// The problem.
     pub problem: WriteProblem,
+}
+
+impl WriteError {
+    /// A problem of writing this file.
+    pub fn new(file: impl Into<PathBuf>, problem: WriteProblem) -> Self {
+        Self { file: file.into(), problem }
+    }
 }
 
 /// A reason why a mesh cannot be written.

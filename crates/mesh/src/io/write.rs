@@ -86,7 +86,7 @@ fn write_surface(
         })?;
         Ok(report)
     };
-    attempt().map_err(|problem| in_file(path, problem))
+    attempt().map_err(|problem| WriteError::new(path, problem))
 }
 
 /// The bytes of an uncompressed file.
@@ -176,7 +176,7 @@ fn stream_out(
         stream.flush()?;
         Ok(report)
     };
-    attempt().map_err(|problem| in_file(Path::new(""), problem))
+    attempt().map_err(|problem| WriteError::new(Path::new(""), problem))
 }
 
 fn bytes(
@@ -184,13 +184,9 @@ fn bytes(
     surface: Surface<'_>,
     options: &WriteOptions,
 ) -> Result<Vec<u8>, WriteError> {
-    let (pieces, _) =
-        encode(format, surface, options).map_err(|problem| in_file(Path::new(""), problem))?;
+    let (pieces, _) = encode(format, surface, options)
+        .map_err(|problem| WriteError::new(Path::new(""), problem))?;
     Ok(pieces.concat())
-}
-
-fn in_file(file: &Path, problem: WriteProblem) -> WriteError {
-    WriteError { file: file.to_owned(), problem }
 }
 
 /// The bytes of a file, in pieces, with the report.

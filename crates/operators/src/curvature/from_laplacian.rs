@@ -112,7 +112,7 @@ fn integrated<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::curvature::{MeanOperator, gaussian_curvature, mean_curvature};
+    use crate::curvature::{gaussian_curvature, mean_curvature};
     use crate::{LaplacianKind, LumpedArea, MassKind};
     use fairing_shapes as shapes;
 
@@ -128,7 +128,7 @@ mod tests {
                 let laplacian =
                     Laplacian::new(&mesh, LaplacianKind::Cotangent, MassKind::from(area)).unwrap();
                 let found = laplacian_mean_curvature(&mesh, &laplacian).unwrap();
-                let expected = mean_curvature(&mesh, MeanOperator::Cotangent(area)).unwrap();
+                let expected = mean_curvature(&mesh, area).unwrap();
                 assert_eq!(found.status, expected.status);
                 assert_eq!(found.boundary, expected.boundary);
                 let both = laplacian_curvature(&mesh, &laplacian).unwrap();

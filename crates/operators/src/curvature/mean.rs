@@ -1,5 +1,7 @@
 //! Mean curvature from a Laplacian of the positions, `Δx = −2 H n`.
 
+use std::convert::Infallible;
+
 use fairing_mesh::TriMesh;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -12,27 +14,6 @@ use crate::area::LumpedArea;
 use crate::corners::check_faces;
 use crate::error::OperatorError;
 use crate::fan::Fan;
-
-/// The Laplacian behind a mean curvature.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
-pub enum MeanOperator {
-    /// The random walk, `Δx = mean(xⱼ) − xᵢ`, as the assignment has it.
-    ///
-    /// A **length**, not a curvature: on a regular mesh it is ¼ ℓ² times the
-    /// Laplacian for edges of length ℓ. It multiplies by s when the mesh is
-    /// scaled by s. On irregular meshes it also sees the unevenness of the
-    /// neighbours, tangentially. Source: \[taubin1995\].
-    Umbrella,
-    /// The umbrella times `4 / mean(ℓ²)` over the edges at the vertex, in
-    /// 1 / mesh units: exact to leading order on regular rings, and comparable
-    /// with the true value. Source: \[desbrun1999\].
-    ScaledUmbrella,
-    /// `Δx = −M⁻¹ S x` with cotangent weights and the given area, in
-    /// 1 / mesh units. Sources: \[pinkall1993\], \[meyer2003\].
-    Cotangent(LumpedArea),
-}
 
 /// The mean curvature at each vertex, and the vectors it is read from.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,7 +61,32 @@ impl MeanCurvature {
     }
 }
 
-/// Pointwise mean curvature at each vertex.
+/// The mean curvature of the umbrella, `Δx = mean(xⱼ) − xᵢ`, as the assignment has it.
+///
+/// A **length**, not a curvature: on a regular mesh it is ¼ ℓ² times the
+/// Laplacian for edges of length ℓ. It multiplies by s when the mesh is
+/// scaled by s. On irregular meshes it also sees the unevenness of the
+/// neighbours, tangentially. Source: \[taubin1995\].
+///
+/// Undefined at isolated vertices, and where no normal tells the sign.
+/// Boundary vertices are computed one-sidedly and flagged.
+pub fn umbrella_mean_curvature(mesh: &TriMesh) -> MeanCurvature {
+    let Ok(found) = on_oriented(mesh, |mesh| Ok::<_, Infallible>(umbrellas(mesh, false)));
+    found
+}
+
+/// The mean curvature of the umbrella times `4 / mean(ℓ²)` over the edges at
+/// the vertex, in 1 / mesh units: exact to leading order on regular rings, and
+/// comparable with the true value. Source: \[desbrun1999\].
+///
+/// Undefined and flagged where [`umbrella_mean_curvature`] is.
+pub fn scaled_umbrella_mean_curvature(mesh: &TriMesh) -> MeanCurvature {
+    let Ok(found) = on_oriented(mesh, |mesh| Ok::<_, Infallible>(umbrellas(mesh, true)));
+    found
+}
+
+/// The pointwise mean curvature of `Δx = −M⁻¹ S x` with cotangent weights and
+/// the given area, in 1 / mesh units. Sources: \[pinkall1993\], \[meyer2003\].
 ///
 /// Needs no matrix; [`laplacian_mean_curvature`](super::laplacian_mean_curvature)
 /// takes one of any kind, the robust one for instance.
@@ -91,36 +97,21 @@ impl MeanCurvature {
 ///
 /// # Errors
 ///
-/// [`OperatorError::DegenerateFace`] with [`MeanOperator::Cotangent`], for the
-/// first face too thin for its cotangents; never with the others.
-pub fn mean_curvature(
-    mesh: &TriMesh,
-    operator: MeanOperator,
-) -> Result<MeanCurvature, OperatorError> {
-    on_oriented(mesh, |mesh| mean_of_oriented(mesh, operator))
-}
-
-fn mean_of_oriented(
-    mesh: &TriMesh,
-    operator: MeanOperator,
-) -> Result<MeanCurvature, OperatorError> {
-    if let MeanOperator::Cotangent(_) = operator {
+/// [`OperatorError::DegenerateFace`] for the first face too thin for its
+/// cotangents.
+pub fn mean_curvature(mesh: &TriMesh, area: LumpedArea) -> Result<MeanCurvature, OperatorError> {
+    on_oriented(mesh, |mesh| {
         check_faces(mesh)?;
-    }
-    let found = match operator {
-        MeanOperator::Umbrella => umbrellas(mesh, false),
-        MeanOperator::ScaledUmbrella => umbrellas(mesh, true),
-        MeanOperator::Cotangent(area) => map_cells(mesh, area, |cell| {
+        let found = map_cells(mesh, area, |cell| {
             let vector = (cell.area > 0.0).then(|| cell.laplacian * (1.0 / cell.area));
             AtVertex::new(vector, cell.normal, cell.links)
-        }),
-    };
-    Ok(MeanCurvature::from_vertices(found.into_iter()))
+        });
+        Ok(MeanCurvature::from_vertices(found.into_iter()))
+    })
 }
 
-/// [`mean_curvature`] with [`MeanOperator::Cotangent`] and
-/// [`gaussian_curvature`](super::gaussian_curvature), both over the same area,
-/// in one pass: little more than either takes alone.
+/// [`mean_curvature`] and [`gaussian_curvature`](super::gaussian_curvature), both
+/// over the same area, in one pass: little more than either takes alone.
 ///
 /// # Errors
 ///
@@ -174,7 +165,7 @@ impl AtVertex {
 
 /// `mean(xⱼ) − xᵢ` over the neighbours, each once; times `4 / mean(ℓ²)` if
 /// scaled.
-fn umbrellas(mesh: &TriMesh, scaled: bool) -> Vec<AtVertex> {
+fn umbrellas(mesh: &TriMesh, scaled: bool) -> MeanCurvature {
     let (positions, incidence) = (mesh.positions(), mesh.incidence());
     let umbrella = |fan: &mut Fan, v: u32| {
         let at = |w: u32| DVec3::from(positions[w as usize]);
@@ -195,11 +186,12 @@ fn umbrellas(mesh: &TriMesh, scaled: bool) -> Vec<AtVertex> {
         let vector = (divisor > 0.0).then(|| sum * (1.0 / divisor));
         AtVertex::new(vector, normal, Links::new(fan, sides.len()))
     };
-    (0..mesh.vertex_count() as u32)
+    let found: Vec<AtVertex> = (0..mesh.vertex_count() as u32)
         .into_par_iter()
         .with_min_len(2048)
         .map_init(Fan::default, umbrella)
-        .collect()
+        .collect();
+    MeanCurvature::from_vertices(found.into_iter())
 }
 
 impl TwoSided for MeanCurvature {
@@ -250,7 +242,7 @@ mod tests {
         for mesh in [sphere, tube] {
             for area in [LumpedArea::Mixed, LumpedArea::Barycentric] {
                 let (mean, gaussian) = mean_and_gaussian_curvature(&mesh, area).unwrap();
-                assert_eq!(mean, mean_curvature(&mesh, MeanOperator::Cotangent(area)).unwrap());
+                assert_eq!(mean, mean_curvature(&mesh, area).unwrap());
                 let alone = gaussian_curvature(&mesh, area).unwrap();
                 assert_eq!(gaussian.status, alone.status);
                 assert_eq!(gaussian.boundary, alone.boundary);
@@ -266,10 +258,10 @@ mod tests {
     #[test]
     fn the_sign_is_that_of_a_sphere() {
         let mesh = shapes::icosphere(3);
-        for operator in [MeanOperator::ScaledUmbrella, MeanOperator::Cotangent(LumpedArea::Mixed)] {
-            let mean = mean_curvature(&mesh, operator).unwrap();
+        let cotangent = mean_curvature(&mesh, LumpedArea::Mixed).unwrap();
+        for mean in [scaled_umbrella_mean_curvature(&mesh), cotangent] {
             for (v, p) in mesh.positions().iter().enumerate() {
-                assert!((mean.signed[v] - 1.0).abs() < 0.02, "{operator:?} {}", mean.signed[v]);
+                assert!((mean.signed[v] - 1.0).abs() < 0.02, "{}", mean.signed[v]);
                 assert!((DVec3::from(mean.vectors[v]).dot(DVec3::from(*p)) + 2.0).abs() < 0.04);
             }
         }

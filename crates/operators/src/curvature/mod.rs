@@ -46,7 +46,10 @@ pub use fit::PrincipalAxes;
 pub use from_laplacian::{laplacian_curvature, laplacian_mean_curvature};
 pub use gaussian::{angle_defect, gaussian_curvature};
 pub use jet::{JetDegree, JetOptions, JetWeight, jet_curvature};
-pub use mean::{MeanCurvature, MeanOperator, mean_and_gaussian_curvature, mean_curvature};
+pub use mean::{
+    MeanCurvature, mean_and_gaussian_curvature, mean_curvature, scaled_umbrella_mean_curvature,
+    umbrella_mean_curvature,
+};
 pub use neighborhood::{Length, Neighborhood};
 pub use normal_cycle::{NormalCycleOptions, normal_cycle_curvature};
 pub use principal::principal_values;

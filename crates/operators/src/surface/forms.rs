@@ -9,20 +9,6 @@ use crate::symmetric::Symmetric2;
 /// lengths, at which the unit normal is more than rounding.
 const SINGULAR: f64 = 1e-12;
 
-/// The error of a point without fundamental forms.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum SurfaceError {
-    /// ∂p/∂u and ∂p/∂v do not span a plane.
-    #[error("the chart is singular at u = {u}, v = {v}")]
-    SingularChart {
-        /// The first parameter.
-        u: f64,
-        /// The second parameter.
-        v: f64,
-    },
-}
-
 /// The fundamental forms of a surface at a point.
 ///
 /// ```text

@@ -18,13 +18,15 @@ mod torus;
 
 pub use cylinder::Cylinder;
 pub use ellipsoid::Ellipsoid;
-pub use forms::{FundamentalForms, PrincipalDirections, SurfaceError};
+pub use forms::{FundamentalForms, PrincipalDirections};
 pub use graph::WavyGraph;
 pub use helicoid::Helicoid;
 pub use implicit::{ImplicitSurface, PointCurvature};
 pub use jet::{ChartNormal, SurfaceJet};
 pub use sphere::Sphere;
 pub use torus::Torus;
+
+use crate::error::OperatorError;
 
 /// A surface `p(u, v)` with two continuous derivatives.
 pub trait ParametricSurface {
@@ -40,11 +42,11 @@ pub trait ParametricSurface {
     ///
     /// # Errors
     ///
-    /// [`SurfaceError::SingularChart`] where ∂p/∂u and ∂p/∂v do not span a
+    /// [`OperatorError::SingularChart`] where ∂p/∂u and ∂p/∂v do not span a
     /// plane, as at the poles of a sphere.
-    fn forms(&self, u: f64, v: f64) -> Result<FundamentalForms, SurfaceError> {
+    fn forms(&self, u: f64, v: f64) -> Result<FundamentalForms, OperatorError> {
         FundamentalForms::from_jet(self.jet(u, v), self.chart_normal())
-            .ok_or(SurfaceError::SingularChart { u, v })
+            .ok_or(OperatorError::SingularChart { u, v })
     }
 }
 

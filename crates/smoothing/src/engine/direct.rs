@@ -1,8 +1,8 @@
 //! Implicit steps by Cholesky factorisation.
 
 use fairing_sparse::{
-    Cholesky, CholeskyError, GraphLaplacian, Ordering, SolverChoice, SparseMatrix,
-    SymbolicCholesky, Workload,
+    Cholesky, GraphLaplacian, Ordering, SolverChoice, SparseError, SparseMatrix, SymbolicCholesky,
+    Workload,
 };
 
 use crate::engine::conjugate::{ImplicitSolver, Solved, not_converged};
@@ -189,7 +189,7 @@ impl Direct {
         // The pattern changes if intrinsic edges flip.
         if let Some(symbolic) = &self.symbolic {
             match symbolic.factorize(matrix) {
-                Err(CholeskyError::PatternChanged { .. }) => {}
+                Err(SparseError::PatternChanged { .. }) => {}
                 other => return other.map_err(FlowFailure::NotFactored),
             }
         }

@@ -5,7 +5,7 @@ use std::fmt;
 use fairing_mesh::{BuildError, TriMesh};
 use fairing_operators::OperatorError;
 use fairing_parameters::OptionError;
-use fairing_sparse::CholeskyError;
+use fairing_sparse::SparseError;
 use fairing_spectral::SpectralError;
 
 /// The failure of a flow, with the last mesh before it.
@@ -153,7 +153,7 @@ pub enum FlowFailure {
     },
     /// A linear system could not be factored.
     #[error("the linear system cannot be factored")]
-    NotFactored(#[source] CholeskyError),
+    NotFactored(#[source] SparseError),
     /// The modes of a filter cannot be computed.
     #[error("the modes cannot be computed")]
     Modes(#[source] Box<SpectralError>),

@@ -10,111 +10,9 @@ use crate::direct::factor::Factor;
 use crate::direct::ldlt::Ldlt;
 use crate::direct::ordering::{self, Ordering};
 use crate::direct::sweeps::Diagonal;
-use crate::direct::symmetry::{self, Defect};
+use crate::direct::symmetry;
+use crate::error::SparseError;
 use crate::matrix::{Rows, SparseMatrix};
-
-/// Failure of a factorisation.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum CholeskyError {
-    /// The matrix is not square.
-    #[error("the matrix is {rows} × {columns}, not square")]
-    NotSquare {
-        /// Its rows.
-        rows: usize,
-        /// Its columns.
-        columns: usize,
-    },
-    /// An entry is infinite or NaN.
-    #[error("entry ({row}, {column}) is {value}")]
-    NotFinite {
-        /// Row of the entry.
-        row: usize,
-        /// Column of the entry.
-        column: usize,
-        /// The entry.
-        value: f64,
-    },
-    /// An entry differs from its mirror image, or one of the two is not stored.
-    #[error("entry ({row}, {column}) differs from its mirror image by {difference:e}")]
-    NotSymmetric {
-        /// Row of the entry.
-        row: usize,
-        /// Column of the entry.
-        column: usize,
-        /// Entry minus mirror image.
-        difference: f64,
-    },
-    /// A custom ordering is not a permutation of the rows.
-    #[error(
-        "the ordering is no permutation of the rows: {length} entries for {rows} rows, row {entry} repeated or out of range"
-    )]
-    NotAnOrdering {
-        /// Length of the ordering.
-        length: usize,
-        /// The number of rows of the matrix.
-        rows: usize,
-        /// The first entry that is out of range or repeated.
-        entry: u32,
-    },
-    /// The pattern of the matrix differs from the analysed one.
-    #[error("row {row} has a different pattern than in the analysed matrix")]
-    PatternChanged {
-        /// The first row that differs.
-        row: usize,
-    },
-    /// A pivot is negligible relative to the diagonal of its row: the matrix is singular to working
-    /// precision.
-    #[error(
-        "the matrix is singular: pivot {pivot:e} in row {row}, where the diagonal is {diagonal:e}"
-    )]
-    Singular {
-        /// The row, in the order of the matrix.
-        row: usize,
-        /// The pivot: its diagonal entry after elimination.
-        pivot: f64,
-        /// Its diagonal entry.
-        diagonal: f64,
-    },
-    /// A pivot is negative: the matrix has a negative eigenvalue.
-    #[error(
-        "the matrix is not positive definite: pivot {pivot:e} in row {row}, where the diagonal is {diagonal:e}"
-    )]
-    Indefinite {
-        /// The row, in the order of the matrix.
-        row: usize,
-        /// The pivot: its diagonal entry after elimination.
-        pivot: f64,
-        /// Its diagonal entry.
-        diagonal: f64,
-    },
-    /// Rounding leaves fewer than half of the digits of a solution.
-    #[error(
-        "the system is too ill-conditioned (condition about {condition:.0e}): fewer than half of the digits of its solution would be correct"
-    )]
-    IllConditioned {
-        /// An estimate of the condition of the matrix scaled to a unit diagonal.
-        condition: f64,
-    },
-    /// Not enough memory, or more than 2³² entries in the factor.
-    #[error("the factor of {rows} rows is too large for memory or for 32-bit indices")]
-    TooLarge {
-        /// The number of rows of the matrix.
-        rows: usize,
-    },
-}
-
-impl From<Defect> for CholeskyError {
-    fn from(defect: Defect) -> Self {
-        match defect {
-            Defect::Rectangular { rows, columns } => Self::NotSquare { rows, columns },
-            Defect::Infinite { row, column, value } => Self::NotFinite { row, column, value },
-            Defect::Asymmetric { row, column, difference } => {
-                Self::NotSymmetric { row, column, difference }
-            }
-        }
-    }
-}
 
 /// A symbolic factorisation: the ordering of a matrix and the pattern of its factor, independent of
 /// its values.
@@ -133,7 +31,7 @@ impl From<Defect> for CholeskyError {
 ///     let x = symbolic.factorize(&a)?.solve(&[1.0, 1.0]);
 ///     assert!((x[0] - 1.0).abs() < 1e-15);
 /// }
-/// # Ok::<(), fairing_sparse::CholeskyError>(())
+/// # Ok::<(), fairing_sparse::SparseError>(())
 /// ```
 #[derive(Debug, Clone)]
 pub struct SymbolicCholesky {
@@ -146,8 +44,8 @@ impl SymbolicCholesky {
     ///
     /// # Errors
     ///
-    /// [`CholeskyError`]: not square, not finite, not symmetric, not an ordering, too large.
-    pub fn new(matrix: &SparseMatrix, ordering: Ordering) -> Result<Self, CholeskyError> {
+    /// [`SparseError`]: not square, not finite, not symmetric, not an ordering, too large.
+    pub fn new(matrix: &SparseMatrix, ordering: Ordering) -> Result<Self, SparseError> {
         if ordering == Ordering::LeastFill {
             return Self::with_least_fill(matrix);
         }
@@ -161,12 +59,13 @@ impl SymbolicCholesky {
             Ordering::NestedDissection | Ordering::Natural | Ordering::Custom(_) => {
                 let custom = match ordering {
                     Ordering::Custom(order) => order,
-                    Ordering::NestedDissection => ordering::dissected(rows)
-                        .map_err(|_| CholeskyError::TooLarge { rows: n })?,
+                    Ordering::NestedDissection => {
+                        ordering::dissected(rows).map_err(|_| SparseError::TooLarge { rows: n })?
+                    }
                     _ => (0..n as u32).collect(),
                 };
                 let bad =
-                    |entry| CholeskyError::NotAnOrdering { length: custom.len(), rows: n, entry };
+                    |entry| SparseError::NotAnOrdering { length: custom.len(), rows: n, entry };
                 let inverse = ordering::invert(&custom).map_err(bad)?;
                 if custom.len() != n {
                     return Err(bad(n as u32));
@@ -178,7 +77,7 @@ impl SymbolicCholesky {
             }
         };
         let symbolic =
-            Symbolic::new(rows, &order).map_err(|_| CholeskyError::TooLarge { rows: n })?;
+            Symbolic::new(rows, &order).map_err(|_| SparseError::TooLarge { rows: n })?;
         Ok(Self {
             analysis: Arc::new(Analysis {
                 nodes: symbolic.supernodes(),
@@ -190,7 +89,7 @@ impl SymbolicCholesky {
         })
     }
 
-    fn with_least_fill(matrix: &SparseMatrix) -> Result<Self, CholeskyError> {
+    fn with_least_fill(matrix: &SparseMatrix) -> Result<Self, SparseError> {
         let first = Self::new(matrix, Ordering::MinimumDegree)?;
         if (first.factor_entries() as f64) < ordering::usual_fill(first.rows()) {
             return Ok(first);
@@ -218,9 +117,9 @@ impl SymbolicCholesky {
     ///
     /// # Errors
     ///
-    /// [`CholeskyError::Indefinite`] or [`CholeskyError::Singular`] with the pivot; the input
-    /// errors of [`SymbolicCholesky::new`]; [`CholeskyError::PatternChanged`].
-    pub fn factorize(&self, matrix: &SparseMatrix) -> Result<Cholesky, CholeskyError> {
+    /// [`SparseError::Indefinite`] or [`SparseError::Singular`] with the pivot; the input
+    /// errors of [`SymbolicCholesky::new`]; [`SparseError::PatternChanged`].
+    pub fn factorize(&self, matrix: &SparseMatrix) -> Result<Cholesky, SparseError> {
         fairing_watch::check();
         let mut values = vec![0.0; self.analysis.symbolic.len()];
         self.llt(matrix, &mut values)?;
@@ -235,9 +134,9 @@ impl SymbolicCholesky {
     ///
     /// # Errors
     ///
-    /// [`CholeskyError::Singular`] with the pivot; the input errors of [`SymbolicCholesky::new`];
-    /// [`CholeskyError::PatternChanged`].
-    pub fn factorize_indefinite(&self, matrix: &SparseMatrix) -> Result<Ldlt, CholeskyError> {
+    /// [`SparseError::Singular`] with the pivot; the input errors of [`SymbolicCholesky::new`];
+    /// [`SparseError::PatternChanged`].
+    pub fn factorize_indefinite(&self, matrix: &SparseMatrix) -> Result<Ldlt, SparseError> {
         fairing_watch::check();
         self.check_pattern(matrix)?;
         let rows = Rows::new(matrix);
@@ -247,14 +146,14 @@ impl SymbolicCholesky {
             Ok(()) => {}
             Err(Failure::Pivot(k)) => {
                 let row = self.analysis.order[k] as usize;
-                return Err(CholeskyError::Singular { row, pivot: 0.0, diagonal: diagonal[row] });
+                return Err(SparseError::Singular { row, pivot: 0.0, diagonal: diagonal[row] });
             }
-            Err(Failure::TooLarge) => return Err(CholeskyError::TooLarge { rows: self.rows() }),
+            Err(Failure::TooLarge) => return Err(SparseError::TooLarge { rows: self.rows() }),
         }
         for (k, pivot) in self.analysis.nodes.diagonal(&values).enumerate() {
             let row = self.analysis.order[k] as usize;
             if pivot == 0.0 || !pivot.is_finite() {
-                return Err(CholeskyError::Singular { row, pivot, diagonal: diagonal[row] });
+                return Err(SparseError::Singular { row, pivot, diagonal: diagonal[row] });
             }
         }
         let largest: Vec<f64> = (0..rows.count())
@@ -264,7 +163,7 @@ impl SymbolicCholesky {
         Ok(Ldlt::new(Factor { analysis, values, diagonal: Diagonal::Pivots }, &largest))
     }
 
-    fn llt(&self, matrix: &SparseMatrix, values: &mut [f64]) -> Result<(), CholeskyError> {
+    fn llt(&self, matrix: &SparseMatrix, values: &mut [f64]) -> Result<(), SparseError> {
         self.check_pattern(matrix)?;
         let analysis = &*self.analysis;
         let rows = Rows::new(matrix);
@@ -279,7 +178,7 @@ impl SymbolicCholesky {
                     (l * l <= floor * diagonal[row].abs()).then_some((row, l * l))
                 })
             }
-            Err(Failure::TooLarge) => return Err(CholeskyError::TooLarge { rows: self.rows() }),
+            Err(Failure::TooLarge) => return Err(SparseError::TooLarge { rows: self.rows() }),
             Err(Failure::Pivot(k)) => {
                 Some((analysis.order[k] as usize, self.pivot(matrix, k, values)))
             }
@@ -287,9 +186,9 @@ impl SymbolicCholesky {
         let Some((row, pivot)) = failed else { return Ok(()) };
         let diagonal = diagonal[row];
         Err(if pivot < -self.noise() * diagonal.abs() || diagonal < 0.0 {
-            CholeskyError::Indefinite { row, pivot, diagonal }
+            SparseError::Indefinite { row, pivot, diagonal }
         } else {
-            CholeskyError::Singular { row, pivot, diagonal }
+            SparseError::Singular { row, pivot, diagonal }
         })
     }
 
@@ -307,7 +206,7 @@ impl SymbolicCholesky {
         }
     }
 
-    fn check_pattern(&self, matrix: &SparseMatrix) -> Result<(), CholeskyError> {
+    fn check_pattern(&self, matrix: &SparseMatrix) -> Result<(), SparseError> {
         let rows = Rows::new(matrix);
         if rows.starts != self.analysis.starts || rows.columns != self.analysis.columns {
             let analysed = Rows {
@@ -319,9 +218,9 @@ impl SymbolicCholesky {
             let row = (0..common)
                 .find(|&i| rows.columns[rows.range(i)] != analysed.columns[analysed.range(i)])
                 .unwrap_or(common);
-            return Err(CholeskyError::PatternChanged { row });
+            return Err(SparseError::PatternChanged { row });
         }
-        Ok(symmetry::check(matrix)?)
+        symmetry::check(matrix)
     }
 }
 
@@ -364,7 +263,7 @@ impl Cholesky {
     /// # Errors
     ///
     /// As [`SymbolicCholesky::new`] and [`SymbolicCholesky::factorize`].
-    pub fn new(matrix: &SparseMatrix) -> Result<Self, CholeskyError> {
+    pub fn new(matrix: &SparseMatrix) -> Result<Self, SparseError> {
         SymbolicCholesky::new(matrix, Ordering::default())?.factorize(matrix)
     }
 
@@ -373,7 +272,7 @@ impl Cholesky {
     /// # Errors
     ///
     /// As [`SymbolicCholesky::factorize`].
-    pub fn refactorize(mut self, matrix: &SparseMatrix) -> Result<Self, CholeskyError> {
+    pub fn refactorize(mut self, matrix: &SparseMatrix) -> Result<Self, SparseError> {
         self.symbolic().llt(matrix, &mut self.factor.values)?;
         Ok(self)
     }

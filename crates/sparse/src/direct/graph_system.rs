@@ -1,9 +1,10 @@
 //! Systems with the Laplacian of a graph, solved more accurately than a stored diagonal allows.
 
-use crate::direct::cholesky::{Cholesky, CholeskyError, SymbolicCholesky};
+use crate::direct::cholesky::{Cholesky, SymbolicCholesky};
 use crate::direct::elimination::Elimination;
 use crate::direct::ordering::Ordering;
 use crate::double;
+use crate::error::SparseError;
 use crate::graph_laplacian::GraphLaplacian;
 use crate::matrix::{Rows, SparseMatrix, principal_submatrix};
 
@@ -49,7 +50,7 @@ const MAX_SOLVES: usize = 12;
 /// let system = GraphSystem::new(&s, vec![0.0; 3], &[1.0; 3], &[true, false, true], None)?;
 /// let x = system.solve(&[0.0; 3], &[0.0, 0.0, 1.0])?;
 /// assert!((x[1] - 0.5).abs() < 1e-15 && x[2] == 1.0);
-/// # Ok::<(), fairing_sparse::CholeskyError>(())
+/// # Ok::<(), fairing_sparse::SparseError>(())
 /// ```
 #[derive(Debug, Clone)]
 pub struct GraphSystem {
@@ -91,7 +92,7 @@ impl GraphSystem {
     ///
     /// # Errors
     ///
-    /// [`CholeskyError`]; [`IllConditioned`](CholeskyError::IllConditioned) if no digits would be
+    /// [`SparseError`]; [`IllConditioned`](SparseError::IllConditioned) if no digits would be
     /// correct.
     ///
     /// # Panics
@@ -104,7 +105,7 @@ impl GraphSystem {
         weights: &[f64],
         given: &[bool],
         like: Option<&SymbolicCholesky>,
-    ) -> Result<Self, CholeskyError> {
+    ) -> Result<Self, SparseError> {
         let n = s.rows();
         assert_eq!((added.len(), weights.len()), (n, n), "sizes of the operands");
         let laplacian = GraphLaplacian::weighted(s, vec![1.0; n], given);
@@ -165,7 +166,7 @@ impl GraphSystem {
         &mut self,
         s: &SparseMatrix,
         like: Option<&SymbolicCholesky>,
-    ) -> Result<(), CholeskyError> {
+    ) -> Result<(), SparseError> {
         let mut matrix = match self.free.len() == s.rows() {
             true => s.clone(),
             false => principal_submatrix(s, &self.free),
@@ -176,7 +177,7 @@ impl GraphSystem {
             }
         }
         let stored = match like.map(|like| (like, like.factorize(&matrix))) {
-            None | Some((_, Err(CholeskyError::PatternChanged { .. }))) => {
+            None | Some((_, Err(SparseError::PatternChanged { .. }))) => {
                 let symbolic = SymbolicCholesky::new(&matrix, Ordering::default())?;
                 let stored = symbolic.factorize(&matrix);
                 (symbolic, stored)
@@ -218,21 +219,21 @@ impl GraphSystem {
 
     /// Solves `A' z = diag A'`: the largest entry of z is the norm of `A'⁻¹ diag A'` for positive
     /// weights, an estimate otherwise.
-    fn probe(&mut self) -> Result<(), CholeskyError> {
+    fn probe(&mut self) -> Result<(), SparseError> {
         self.inverse = f64::INFINITY;
         let n = self.part.len();
         let mut right = vec![0.0; n];
         for &v in &self.free {
             right[v as usize] = self.diagonal[v as usize];
         }
-        let lost = |size: f64| CholeskyError::IllConditioned { condition: 2.0 * size };
+        let lost = |size: f64| SparseError::IllConditioned { condition: 2.0 * size };
         let z = self.refined(&right, vec![[0.0]; n]).map_err(lost)?;
         self.inverse = z.iter().fold(1.0, |m: f64, [z]| m.max(z.abs()));
         Ok(())
     }
 
     /// Computes the response to the grounding of the parts.
-    fn respond(&mut self, ground: &[f64]) -> Result<(), CholeskyError> {
+    fn respond(&mut self, ground: &[f64]) -> Result<(), SparseError> {
         // The response is one where D is zero.
         let added = self.added.iter().zip(ground).any(|(added, ground)| added > ground);
         if !added || ground.iter().all(|&s| s == 0.0) {
@@ -254,12 +255,12 @@ impl GraphSystem {
     ///
     /// # Errors
     ///
-    /// [`CholeskyError::IllConditioned`] if fewer than half of the digits would be correct.
+    /// [`SparseError::IllConditioned`] if fewer than half of the digits would be correct.
     ///
     /// # Panics
     ///
     /// Panics if a length differs from the number of rows.
-    pub fn solve(&self, right: &[f64], given: &[f64]) -> Result<Vec<f64>, CholeskyError> {
+    pub fn solve(&self, right: &[f64], given: &[f64]) -> Result<Vec<f64>, SparseError> {
         let n = self.part.len();
         assert_eq!((right.len(), given.len()), (n, n), "sizes of the operands");
         let excess = sums(&self.part, self.floating.len(), |v| right[v]);
@@ -281,8 +282,8 @@ impl GraphSystem {
         Ok(x.iter().enumerate().map(shifted).collect())
     }
 
-    fn lost(&self) -> CholeskyError {
-        CholeskyError::IllConditioned { condition: self.condition() }
+    fn lost(&self) -> SparseError {
+        SparseError::IllConditioned { condition: self.condition() }
     }
 
     /// The refined solution of A' with the given values of `x`.

@@ -17,7 +17,7 @@ mod supernodes;
 mod sweeps;
 mod symmetry;
 
-pub use cholesky::{Cholesky, CholeskyError, SymbolicCholesky};
+pub use cholesky::{Cholesky, SymbolicCholesky};
 pub use graph_system::GraphSystem;
 pub use ldlt::{Inertia, Ldlt};
 pub use ordering::Ordering;

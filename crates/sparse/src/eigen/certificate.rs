@@ -1,7 +1,6 @@
 //! Inertia counts of eigenvalues and their reliability.
-
-use crate::eigen::EigenError;
 use crate::eigen::problem::Problem;
+use crate::error::SparseError;
 
 /// Growth up to which the first shift is accepted without trying others.
 const SMALL_GROWTH: f64 = 1e4;
@@ -36,7 +35,7 @@ impl Counted {
 /// The number of eigenvalues λ' below a shift in the gap (from, to): of a few candidate shifts, the
 /// first for which elimination without pivoting is stable, or else the best. Check with
 /// [`Counted::is_sure`].
-pub(crate) fn count_in_gap(problem: &Problem, from: f64, to: f64) -> Result<Counted, EigenError> {
+pub(crate) fn count_in_gap(problem: &Problem, from: f64, to: f64) -> Result<Counted, SparseError> {
     let mut best: Option<Counted> = None;
     let mut failure = None;
     // Close to the lower end, which is known; the upper end may be an overestimate.
@@ -54,7 +53,10 @@ pub(crate) fn count_in_gap(problem: &Problem, from: f64, to: f64) -> Result<Coun
                 }
             }
             Err(source) => {
-                failure = Some(EigenError::Factor { shift: shift * problem.unit, source });
+                failure = Some(SparseError::Factor {
+                    shift: shift * problem.unit,
+                    source: Box::new(source),
+                });
             }
         }
     }

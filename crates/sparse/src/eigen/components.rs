@@ -14,8 +14,9 @@ use ndarray::Array2;
 
 use crate::eigen::certificate::count_in_gap;
 use crate::eigen::problem::Problem;
-use crate::eigen::{Beyond, EigenError, EigenOptions, EigenPairs};
+use crate::eigen::{Beyond, EigenOptions, EigenPairs};
 use crate::eigen::{nullspace, solve, within};
+use crate::error::SparseError;
 use crate::mass::Mass;
 use crate::matrix::{Rows, SparseMatrix};
 
@@ -32,8 +33,8 @@ const MARGIN: f64 = 0.04;
 ///
 /// # Errors
 ///
-/// [`EigenError`], including a mass that is not positive, with its row, and
-/// [`EigenError::NotConverged`], with the number of pairs that met the tolerance.
+/// [`SparseError`], including a mass that is not positive, with its row, and
+/// [`SparseError::PairsNotConverged`], with the number of pairs that met the tolerance.
 ///
 /// # Examples
 ///
@@ -44,17 +45,17 @@ const MARGIN: f64 = 0.04;
 /// let pairs = smallest_eigenpairs(&s, Mass::Lumped(&[1.0, 1.0]), 2, &EigenOptions::default())?;
 /// assert_eq!(pairs.values[0], 0.0);
 /// assert!((pairs.values[1] - 2.0).abs() < 1e-14);
-/// # Ok::<(), fairing_sparse::EigenError>(())
+/// # Ok::<(), fairing_sparse::SparseError>(())
 /// ```
 pub fn smallest_eigenpairs(
     stiffness: &SparseMatrix,
     mass: Mass<'_>,
     count: usize,
     options: &EigenOptions,
-) -> Result<EigenPairs, EigenError> {
+) -> Result<EigenPairs, SparseError> {
     let rows = stiffness.rows();
     if count > rows {
-        return Err(EigenError::TooMany { wanted: count, rows });
+        return Err(SparseError::TooManyPairs { wanted: count, rows });
     }
     mass.check(rows)?;
     if count == 0 {
@@ -71,16 +72,16 @@ pub fn smallest_eigenpairs(
 ///
 /// # Errors
 ///
-/// As [`smallest_eigenpairs`](crate::smallest_eigenpairs), and [`EigenError::Interval`].
+/// As [`smallest_eigenpairs`](crate::smallest_eigenpairs), and [`SparseError::Interval`].
 pub fn eigenpairs_within(
     stiffness: &SparseMatrix,
     mass: Mass<'_>,
     interval: Range<f64>,
     options: &EigenOptions,
-) -> Result<EigenPairs, EigenError> {
+) -> Result<EigenPairs, SparseError> {
     let (from, to) = (interval.start, interval.end);
     if !(from.is_finite() && to.is_finite() && from < to) {
-        return Err(EigenError::Interval { from, to });
+        return Err(SparseError::Interval { from, to });
     }
     mass.check(stiffness.rows())?;
     let Some(mut parts) = self::parts(stiffness, mass) else {
@@ -156,7 +157,7 @@ fn smallest(
     rows: usize,
     count: usize,
     options: &EigenOptions,
-) -> Result<EigenPairs, EigenError> {
+) -> Result<EigenPairs, SparseError> {
     let total: f64 = parts.iter().map(|p| p.copies.len() as f64 * p.mass.view().total()).sum();
     let share = |part: &Part, pairs: usize| {
         (pairs as f64 * (part.mass.view().total() / total)).round() as usize
@@ -330,7 +331,7 @@ impl Part {
         &mut self,
         interval: Range<f64>,
         options: &EigenOptions,
-    ) -> Result<(), EigenError> {
+    ) -> Result<(), SparseError> {
         self.pairs = within::connected(&self.stiffness, self.mass.view(), interval, options)?;
         Ok(())
     }
@@ -360,7 +361,7 @@ impl Part {
     }
 
     /// Computes at least the first `wanted` pairs.
-    fn solve(&mut self, wanted: usize, options: &EigenOptions) -> Result<(), EigenError> {
+    fn solve(&mut self, wanted: usize, options: &EigenOptions) -> Result<(), SparseError> {
         let wanted = wanted.min(self.stiffness.rows());
         let mass = self.mass.view();
         self.pairs = solve::connected(&self.stiffness, mass, wanted, options)?;
@@ -368,7 +369,7 @@ impl Part {
     }
 
     /// Counts the values up to a little above the last of the merge and finds the missing ones.
-    fn complete_to(&mut self, last: f64, options: &EigenOptions) -> Result<(), EigenError> {
+    fn complete_to(&mut self, last: f64, options: &EigenOptions) -> Result<(), SparseError> {
         fairing_watch::check();
         let known = self.known();
         let problem = Problem::new(&self.stiffness, self.mass.view())?;

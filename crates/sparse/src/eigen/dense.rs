@@ -6,8 +6,9 @@
 use ndarray::Array2;
 
 use crate::direct::backend;
+use crate::eigen::DenseSolver;
 use crate::eigen::nullspace;
-use crate::eigen::{DenseSolver, EigenError};
+use crate::error::SparseError;
 use crate::mass::Mass;
 use crate::matrix::{Rows, SparseMatrix};
 
@@ -16,7 +17,7 @@ pub(crate) fn all_eigenpairs(
     stiffness: &SparseMatrix,
     mass: Mass<'_>,
     solver: DenseSolver,
-) -> Result<(Vec<f64>, Array2<f64>), EigenError> {
+) -> Result<(Vec<f64>, Array2<f64>), SparseError> {
     let constants = constants(stiffness, mass);
     match solver {
         DenseSolver::Builtin => builtin(stiffness, mass, &constants),
@@ -43,7 +44,7 @@ fn builtin(
     stiffness: &SparseMatrix,
     mass: Mass<'_>,
     constants: &[Vec<f64>],
-) -> Result<(Vec<f64>, Array2<f64>), EigenError> {
+) -> Result<(Vec<f64>, Array2<f64>), SparseError> {
     let (n, count) = (stiffness.rows(), constants.len());
     let root = inverse_root(mass)?;
     let t = root.multiply(&stiffness.to_dense());
@@ -88,21 +89,21 @@ fn put_constants(modes: &mut Array2<f64>, constants: &[Vec<f64>]) {
 mod lapack {
     use ndarray_linalg::{Eigh, UPLO};
 
-    use super::{Array2, EigenError, Mass, SparseMatrix, put_constants};
+    use super::{Array2, Mass, SparseMatrix, put_constants};
 
     /// By `dsygv`, which uses a Cholesky factor of M instead of its square root.
     pub(super) fn all_eigenpairs(
         stiffness: &SparseMatrix,
         mass: Mass<'_>,
         constants: &[Vec<f64>],
-    ) -> Result<(Vec<f64>, Array2<f64>), EigenError> {
+    ) -> Result<(Vec<f64>, Array2<f64>), SparseError> {
         let m = match mass {
             Mass::Lumped(diagonal) => Array2::from_diag(&ndarray::ArrayView1::from(diagonal)),
             Mass::Consistent(matrix) => matrix.to_dense(),
         };
         let (values, (mut modes, _)) = (stiffness.to_dense(), m)
             .eigh(UPLO::Lower)
-            .map_err(|_| EigenError::Dense { rows: stiffness.rows() })?;
+            .map_err(|_| SparseError::Dense { rows: stiffness.rows() })?;
         let mut values = values.to_vec();
         // S is semi-definite: for each constant, one of the smallest is zero up to rounding.
         values[..constants.len()].fill(0.0);
@@ -117,18 +118,15 @@ enum InverseRoot {
     Full(Array2<f64>),
 }
 
-fn inverse_root(mass: Mass<'_>) -> Result<InverseRoot, EigenError> {
+fn inverse_root(mass: Mass<'_>) -> Result<InverseRoot, SparseError> {
     match mass {
         Mass::Lumped(d) => Ok(InverseRoot::Diagonal(d.iter().map(|m| 1.0 / m.sqrt()).collect())),
         Mass::Consistent(matrix) => {
             let (values, vectors) = decompose(&matrix.to_dense())?;
             if let Some((row, &value)) = values.iter().enumerate().find(|(_, v)| **v <= 0.0) {
                 let diagonal = Rows::new(matrix).diagonal()[row];
-                return Err(EigenError::ConsistentMass(crate::CholeskyError::Indefinite {
-                    row,
-                    pivot: value,
-                    diagonal,
-                }));
+                let source = SparseError::Indefinite { row, pivot: value, diagonal };
+                return Err(SparseError::ConsistentMass(Box::new(source)));
             }
             let mut scaled = vectors.clone();
             for (mut column, value) in scaled.columns_mut().into_iter().zip(&values) {
@@ -162,10 +160,10 @@ impl InverseRoot {
 }
 
 /// Ascending eigenvalues, and eigenvectors in columns.
-fn decompose(matrix: &Array2<f64>) -> Result<(Vec<f64>, Array2<f64>), EigenError> {
+fn decompose(matrix: &Array2<f64>) -> Result<(Vec<f64>, Array2<f64>), SparseError> {
     let n = matrix.nrows();
     let standard = matrix.as_standard_layout();
-    let failed = || EigenError::Dense { rows: n };
+    let failed = || SparseError::Dense { rows: n };
     let slice = standard.as_slice().ok_or_else(failed)?;
     let (values, vectors) = backend::symmetric_eigen(n, slice).map_err(|_| failed())?;
     let rows = Array2::from_shape_vec((n, n), vectors).map_err(|_| failed())?;

@@ -23,9 +23,6 @@ mod within;
 
 use ndarray::Array2;
 
-use crate::direct::cholesky::CholeskyError;
-use crate::mass::MassError;
-
 pub use components::{eigenpairs_within, smallest_eigenpairs};
 
 /// Allowed ratio of a measured residual to the tolerance: residuals in a group of multiple
@@ -163,68 +160,4 @@ impl EigenPairs {
             beyond: Beyond { values: vec![], clear_below: 0.0 },
         }
     }
-}
-
-/// Error of the eigensolver.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum EigenError {
-    /// More eigenpairs were requested than there are rows.
-    #[error("{wanted} eigenpairs were requested, but the matrix has {rows} rows")]
-    TooMany {
-        /// Eigenpairs wanted.
-        wanted: usize,
-        /// Rows of the problem.
-        rows: usize,
-    },
-    /// The mass does not match the matrix.
-    #[error(transparent)]
-    Mass(#[from] MassError),
-    /// S − σM could not be factorised. A negative or zero pivot means that S is not positive
-    /// semi-definite.
-    #[error("S − σM with σ = {shift:e} cannot be factorised")]
-    Factor {
-        /// σ, in units of λ.
-        shift: f64,
-        /// The error of the factorisation.
-        source: CholeskyError,
-    },
-    /// The consistent mass is not positive definite.
-    #[error("the consistent mass is not positive definite")]
-    ConsistentMass(#[source] CholeskyError),
-    /// Fewer pairs converged than were wanted.
-    #[error("{converged} of {wanted} eigenpairs converged within {blocks} blocks")]
-    NotConverged {
-        /// Pairs that met the tolerance.
-        converged: usize,
-        /// Pairs wanted.
-        wanted: usize,
-        /// Blocks spent.
-        blocks: usize,
-    },
-    /// The inertia count differs from the number of eigenvalues found, even after new starting
-    /// vectors.
-    #[error("{found} eigenvalues found below {shift:e}, inertia counts {counted}")]
-    Miscounted {
-        /// Eigenvalues found.
-        found: usize,
-        /// Eigenvalues counted.
-        counted: usize,
-        /// The shift of the count, in units of λ.
-        shift: f64,
-    },
-    /// The dense decomposition did not converge.
-    #[error("the dense decomposition of {rows} rows did not converge")]
-    Dense {
-        /// Rows of the problem.
-        rows: usize,
-    },
-    /// An interval that is empty or has ends that are not finite.
-    #[error("the interval from {from:e} to {to:e} is empty or not finite")]
-    Interval {
-        /// Lower end.
-        from: f64,
-        /// Upper end.
-        to: f64,
-    },
 }

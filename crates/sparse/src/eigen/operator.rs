@@ -1,9 +1,8 @@
 //! The operator of shift-invert iteration, (S − σM)⁻¹ M, whose eigenvalues are θ = 1 / (λ − σ).
-
-use crate::direct::cholesky::CholeskyError;
 use crate::direct::factor::{Factor, LANES};
 use crate::eigen::basis::Block;
 use crate::eigen::problem::Problem;
+use crate::error::SparseError;
 
 /// S − σM, factorised.
 pub(crate) struct ShiftInvert<'a> {
@@ -21,7 +20,7 @@ const SETTLED: f64 = 1e-14;
 
 impl<'a> ShiftInvert<'a> {
     /// Factorises with σ below all eigenvalues.
-    pub(crate) fn below(problem: &'a Problem, sigma: f64) -> Result<Self, CholeskyError> {
+    pub(crate) fn below(problem: &'a Problem, sigma: f64) -> Result<Self, SparseError> {
         Ok(Self { problem, sigma, factor: problem.definite(sigma)?.into_factor(), steps: 0 })
     }
 
@@ -30,7 +29,7 @@ impl<'a> ShiftInvert<'a> {
     pub(crate) fn among(
         problem: &'a Problem,
         sigma: f64,
-    ) -> Result<(Self, usize, f64), CholeskyError> {
+    ) -> Result<(Self, usize, f64), SparseError> {
         let ldlt = problem.indefinite(sigma)?;
         let (count, growth) = (ldlt.inertia().negative, ldlt.growth());
         Ok((Self { problem, sigma, factor: ldlt.into_factor(), steps: 0 }, count, growth))

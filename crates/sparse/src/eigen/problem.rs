@@ -2,13 +2,13 @@
 
 use rayon::prelude::*;
 
-use crate::direct::cholesky::{Cholesky, CholeskyError, SymbolicCholesky};
+use crate::direct::cholesky::{Cholesky, SymbolicCholesky};
 use crate::direct::factor::LANES;
 use crate::direct::ldlt::Ldlt;
 use crate::direct::ordering::{self, Ordering};
-use crate::eigen::EigenError;
 use crate::eigen::basis::{self, Block, Small, products, weighted_products};
 use crate::eigen::nullspace;
+use crate::error::SparseError;
 use crate::mass::{Mass, combine};
 use crate::matrix::{Rows, SparseMatrix};
 use crate::product;
@@ -50,7 +50,7 @@ enum OrderedMass {
 }
 
 impl Problem {
-    pub(crate) fn new(stiffness: &SparseMatrix, mass: Mass<'_>) -> Result<Self, EigenError> {
+    pub(crate) fn new(stiffness: &SparseMatrix, mass: Mass<'_>) -> Result<Self, SparseError> {
         let n = stiffness.rows();
         mass.check(n)?;
         let stiffness_unit = power_of_two(median_of_positive(Rows::new(stiffness).diagonal()));
@@ -64,7 +64,7 @@ impl Problem {
         };
         let pattern = combine(1.0, unordered_mass.view(), 1.0, &unordered_stiffness);
         let symbolic = SymbolicCholesky::new(&pattern, Ordering::LeastFill)
-            .map_err(|source| EigenError::Factor { shift: 0.0, source })?;
+            .map_err(|source| SparseError::Factor { shift: 0.0, source: Box::new(source) })?;
         let order = symbolic.order();
         let stiffness = permuted(&unordered_stiffness, order);
         let mass = match &unordered_mass {
@@ -73,7 +73,8 @@ impl Problem {
             }
             UnorderedMass::Consistent(matrix) => {
                 let matrix = permuted(matrix, order);
-                let factor = Cholesky::new(&matrix).map_err(EigenError::ConsistentMass)?;
+                let factor = Cholesky::new(&matrix)
+                    .map_err(|source| SparseError::ConsistentMass(Box::new(source)))?;
                 OrderedMass::Consistent { matrix, factor }
             }
         };
@@ -109,12 +110,12 @@ impl Problem {
     }
 
     /// S' − σM', positive definite.
-    pub(crate) fn definite(&self, sigma: f64) -> Result<Cholesky, CholeskyError> {
+    pub(crate) fn definite(&self, sigma: f64) -> Result<Cholesky, SparseError> {
         self.symbolic.factorize(&self.shifted(sigma))
     }
 
     /// S' − σM', indefinite.
-    pub(crate) fn indefinite(&self, sigma: f64) -> Result<Ldlt, CholeskyError> {
+    pub(crate) fn indefinite(&self, sigma: f64) -> Result<Ldlt, SparseError> {
         self.symbolic.factorize_indefinite(&self.shifted(sigma))
     }
 

@@ -12,7 +12,8 @@ use crate::eigen::operator::ShiftInvert;
 use crate::eigen::polish::{self, lanes_of};
 use crate::eigen::problem::Problem;
 use crate::eigen::projected::Ritz;
-use crate::eigen::{Beyond, Count, EigenError, EigenOptions, EigenPairs, SLACK};
+use crate::eigen::{Beyond, Count, EigenOptions, EigenPairs, SLACK};
+use crate::error::SparseError;
 /// Error of a diagonal entry in ε: a sum of six terms, and as many in the elimination.
 const DIAGONAL_ROUNDINGS: f64 = 4.0;
 
@@ -135,20 +136,25 @@ impl Found {
     ///
     /// # Errors
     ///
-    /// [`EigenError::NotConverged`] if measured residuals far exceed their estimates: a safeguard.
+    /// [`SparseError::PairsNotConverged`] if measured residuals far exceed their estimates: a
+    /// safeguard.
     pub(crate) fn finish(
         self,
         problem: &Problem,
         from: usize,
         to: usize,
         tolerance: f64,
-    ) -> Result<EigenPairs, EigenError> {
+    ) -> Result<EigenPairs, SparseError> {
         let residuals = self.residuals(problem);
         let unsettled = self.above_limit(problem, &residuals, from..to, tolerance);
         if unsettled > 0 {
             let wanted = to - from;
             let blocks = self.blocks.len();
-            return Err(EigenError::NotConverged { converged: wanted - unsettled, wanted, blocks });
+            return Err(SparseError::PairsNotConverged {
+                converged: wanted - unsettled,
+                wanted,
+                blocks,
+            });
         }
         let residuals = self.with_rounding(problem, residuals, tolerance);
         let mut vectors = Array2::zeros((problem.rows(), to - from));
@@ -263,21 +269,21 @@ impl<'a> Run<'a> {
     }
 
     /// Extends the basis until its next check.
-    pub(crate) fn advance(&mut self) -> Result<(Ritz, Vec<Candidate>), EigenError> {
+    pub(crate) fn advance(&mut self) -> Result<(Ritz, Vec<Candidate>), SparseError> {
         while self.lanczos.len() < self.next_check.min(self.cap) {
             self.lanczos.extend();
             self.blocks += 1;
         }
         self.next_check = self.lanczos.len() + (self.lanczos.len() / 12).max(LANES);
-        self.lanczos.ritz().map_err(|_| EigenError::Dense { rows: self.lanczos.len() })
+        self.lanczos.ritz().map_err(|_| SparseError::Dense { rows: self.lanczos.len() })
     }
 
     /// Reports progress, and fails if the run has taken too many blocks.
-    pub(crate) fn report(&mut self, converged: usize) -> Result<(), EigenError> {
+    pub(crate) fn report(&mut self, converged: usize) -> Result<(), SparseError> {
         let (wanted, blocks) = (self.wanted, self.blocks);
         fairing_watch::reach(converged as u64);
         if blocks > self.options.max_blocks {
-            return Err(EigenError::NotConverged { converged, wanted, blocks });
+            return Err(SparseError::PairsNotConverged { converged, wanted, blocks });
         }
         Ok(())
     }
@@ -308,7 +314,7 @@ impl<'a> Run<'a> {
     }
 
     /// The wanted pairs from below, completed to the next gap and verified by an inertia count.
-    pub(crate) fn until_counted(&mut self, constants: usize) -> Result<Below, EigenError> {
+    pub(crate) fn until_counted(&mut self, constants: usize) -> Result<Below, SparseError> {
         let (mut random_restarts, mut most) = (0, 0);
         let operator = self.lanczos.operator;
         // Zeros may be slightly negative after rounding; unconverged values may be anywhere.
@@ -356,7 +362,7 @@ impl<'a> Run<'a> {
             random_restarts = if g > most { 1 } else { random_restarts + 1 };
             most = most.max(g);
             if random_restarts > RANDOM_RESTARTS {
-                return Err(EigenError::Miscounted {
+                return Err(SparseError::Miscounted {
                     found: constants + g,
                     counted: counted.count,
                     shift: counted.shift * self.problem.unit,

@@ -9,10 +9,9 @@
 //! |---|---|---|---|---|---|---|---|
 //! | 10 thousand | 38 | 38 | 35 | 32 | 32 | 35 | |
 //! | 160 thousand | 50 | | | | | | 32 |
-
-use crate::eigen::EigenError;
 use crate::eigen::operator::ShiftInvert;
 use crate::eigen::problem::Problem;
+use crate::error::SparseError;
 
 /// Weyl's law in dimensionless units: λ_k ≈ 3.5 k / n, with 2√3 cotangents in a row of a regular
 /// mesh (λ = 4πk/A, S = 2√3, M = A/n; a square grid gives π).
@@ -30,7 +29,10 @@ const TRIES: usize = 4;
 const SAFE_GROWTH: f64 = 1e6;
 
 /// The operator for the `count` smallest eigenvalues, constants included.
-pub(crate) fn for_smallest(problem: &Problem, count: usize) -> Result<ShiftInvert<'_>, EigenError> {
+pub(crate) fn for_smallest(
+    problem: &Problem,
+    count: usize,
+) -> Result<ShiftInvert<'_>, SparseError> {
     let n = problem.rows() as f64;
     let mut below = -1.0 / n;
     if count >= FEW {
@@ -55,6 +57,8 @@ pub(crate) fn for_smallest(problem: &Problem, count: usize) -> Result<ShiftInver
             }
         }
     }
-    ShiftInvert::below(problem, below)
-        .map_err(|source| EigenError::Factor { shift: below * problem.unit, source })
+    ShiftInvert::below(problem, below).map_err(|source| SparseError::Factor {
+        shift: below * problem.unit,
+        source: Box::new(source),
+    })
 }

@@ -5,13 +5,14 @@
 //! both sides stay orthogonal even if their eigenvalues are close.
 
 use crate::direct::factor::LANES;
+use crate::eigen::EigenOptions;
 use crate::eigen::basis::Block;
 use crate::eigen::certificate::{Counted, count_in_gap};
 use crate::eigen::operator::ShiftInvert;
 use crate::eigen::polish;
 use crate::eigen::problem::Problem;
 use crate::eigen::run::{Found, RANDOM_RESTARTS, Run};
-use crate::eigen::{EigenError, EigenOptions};
+use crate::error::SparseError;
 
 /// Blocks of the previous window that a new one stays orthogonal to.
 const LOCKED_BLOCKS: usize = 6;
@@ -27,7 +28,7 @@ pub(crate) fn continue_upwards(
     shift: f64,
     wanted: usize,
     options: &EigenOptions,
-) -> Result<(), EigenError> {
+) -> Result<(), SparseError> {
     let counted = found.lambdas.len();
     // The spacing of the upper half of the known values, times the number wanted in a window.
     let half = counted / 2;
@@ -54,7 +55,7 @@ impl Slices<'_> {
         end: Option<f64>,
         wanted: usize,
         mut width: f64,
-    ) -> Result<(), EigenError> {
+    ) -> Result<(), SparseError> {
         let plan = self.options.slice;
         while self.counted < wanted {
             let missing = (wanted - self.counted) as f64;
@@ -91,11 +92,12 @@ impl Slices<'_> {
     }
 
     /// All `inside` pairs between `self.from` and the shift of the next count.
-    fn window(&self, found: &mut Found, next: Counted, inside: usize) -> Result<(), EigenError> {
+    fn window(&self, found: &mut Found, next: Counted, inside: usize) -> Result<(), SparseError> {
         let (problem, to) = (self.problem, next.shift);
         let sigma = 0.5 * (self.from + to) + 1e-3 * (to - self.from);
-        let (mut operator, ..) = ShiftInvert::among(problem, sigma)
-            .map_err(|source| EigenError::Factor { shift: sigma * problem.unit, source })?;
+        let (mut operator, ..) = ShiftInvert::among(problem, sigma).map_err(|source| {
+            SparseError::Factor { shift: sigma * problem.unit, source: Box::new(source) }
+        })?;
         let mut here = self.run(&operator, found, next, inside)?;
         if here.is_strained(problem, self.options.tolerance) {
             operator = operator.exact();
@@ -113,7 +115,7 @@ impl Slices<'_> {
         found: &Found,
         next: Counted,
         inside: usize,
-    ) -> Result<Found, EigenError> {
+    ) -> Result<Found, SparseError> {
         let (problem, to, sigma) = (self.problem, next.shift, operator.sigma);
         let known = found.blocks.len();
         let mut locked: Vec<Block> = found.blocks[known.saturating_sub(LOCKED_BLOCKS)..].to_vec();
@@ -153,7 +155,7 @@ impl Slices<'_> {
             // the starting block.
             stalled = if showing.len() == done.len() { stalled + 1 } else { 0 };
             if done.len() > inside || (stalled >= 3 && random_restarts == RANDOM_RESTARTS) {
-                return Err(EigenError::Miscounted {
+                return Err(SparseError::Miscounted {
                     found: self.counted + done.len(),
                     counted: self.counted + inside,
                     shift: to * problem.unit,

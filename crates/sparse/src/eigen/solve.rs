@@ -9,7 +9,8 @@ use crate::eigen::polish::{self};
 use crate::eigen::problem::Problem;
 use crate::eigen::projected::{Projected, ZERO};
 use crate::eigen::run::{Below, Found, Run};
-use crate::eigen::{Count, EigenError, EigenOptions, EigenPairs, dense, shift, slices};
+use crate::eigen::{Count, EigenOptions, EigenPairs, dense, shift, slices};
+use crate::error::SparseError;
 use crate::mass::Mass;
 use crate::matrix::SparseMatrix;
 
@@ -19,7 +20,7 @@ pub(crate) fn connected(
     mass: Mass<'_>,
     count: usize,
     options: &EigenOptions,
-) -> Result<EigenPairs, EigenError> {
+) -> Result<EigenPairs, SparseError> {
     let rows = stiffness.rows();
     if count == 0 {
         return Ok(EigenPairs::none(rows));
@@ -47,7 +48,7 @@ fn dense_pairs(
     mass: Mass<'_>,
     count: usize,
     options: &EigenOptions,
-) -> Result<EigenPairs, EigenError> {
+) -> Result<EigenPairs, SparseError> {
     let problem = Problem::new(stiffness, mass)?;
     let (values, vectors) = dense::all_eigenpairs(stiffness, mass, options.dense)?;
     let order = problem.order();
@@ -98,14 +99,15 @@ fn from_inverse(
     basis: &[Block],
     wanted: usize,
     exact: bool,
-) -> Result<Found, EigenError> {
+) -> Result<Found, SparseError> {
     let constants = problem.constants.0;
     let mut last = first.lambdas[constants + wanted - 1].abs();
     let mut found = first;
     for _ in 0..INVERSE_TRIES {
         let sigma = -last.max(f64::MIN_POSITIVE / f64::EPSILON);
-        let operator = ShiftInvert::below(problem, sigma)
-            .map_err(|source| EigenError::Factor { shift: sigma * problem.unit, source })?;
+        let operator = ShiftInvert::below(problem, sigma).map_err(|source| {
+            SparseError::Factor { shift: sigma * problem.unit, source: Box::new(source) }
+        })?;
         let operator = if exact { operator.exact() } else { operator };
         let mut projected = Projected::default();
         for j in 0..basis.len() {
@@ -113,7 +115,7 @@ fn from_inverse(
             let [column] = problem.mass_products([&basis[..=j]], &w);
             projected.push(column, ZERO);
         }
-        let ritz = projected.solve().map_err(|_| EigenError::Dense { rows: problem.rows() })?;
+        let ritz = projected.solve().map_err(|_| SparseError::Dense { rows: problem.rows() })?;
         let top = ritz.values.len();
         let chosen: Vec<usize> = (0..wanted).map(|i| top - 1 - i).collect();
         let all = problem.rows() - constants;
@@ -142,7 +144,7 @@ fn run_from_below(
     found: &mut Found,
     wanted: usize,
     options: &EigenOptions,
-) -> Result<f64, EigenError> {
+) -> Result<f64, SparseError> {
     let constants = found.lambdas.len();
     let locked: Vec<Block> = if constants <= LANES { found.blocks.clone() } else { vec![] };
     let mut operator = shift::for_smallest(problem, constants + wanted)?;
@@ -154,7 +156,10 @@ fn run_from_below(
             // At least ten thousand times closer each time.
             Below::TooFar(distance) => {
                 operator = ShiftInvert::below(problem, -distance).map_err(|source| {
-                    EigenError::Factor { shift: -distance * problem.unit, source }
+                    SparseError::Factor {
+                        shift: -distance * problem.unit,
+                        source: Box::new(source),
+                    }
                 })?;
                 if exact {
                     operator = operator.exact();

@@ -8,7 +8,8 @@ use crate::eigen::certificate::{Counted, count_in_gap};
 use crate::eigen::problem::Problem;
 use crate::eigen::run::Found;
 use crate::eigen::slices::Slices;
-use crate::eigen::{EigenError, EigenOptions, EigenPairs, solve};
+use crate::eigen::{EigenOptions, EigenPairs, solve};
+use crate::error::SparseError;
 use crate::mass::Mass;
 use crate::matrix::SparseMatrix;
 
@@ -18,10 +19,10 @@ pub(crate) fn connected(
     mass: Mass<'_>,
     interval: Range<f64>,
     options: &EigenOptions,
-) -> Result<EigenPairs, EigenError> {
+) -> Result<EigenPairs, SparseError> {
     let (from, to) = (interval.start, interval.end);
     let problem = Problem::new(stiffness, mass)?;
-    let below = |lambda: f64| -> Result<Counted, EigenError> {
+    let below = |lambda: f64| -> Result<Counted, SparseError> {
         let shift = lambda / problem.unit;
         if shift <= 0.0 {
             return Ok(Counted::NONE);

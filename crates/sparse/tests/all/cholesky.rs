@@ -1,7 +1,7 @@
 //! Factorisations against products: A x is formed first, so the error of x is known.
 
 use fairing_sparse::{
-    Cholesky, CholeskyError, Mass, Ordering, SparseMatrix, SymbolicCholesky, combine, multiply,
+    Cholesky, Mass, Ordering, SparseError, SparseMatrix, SymbolicCholesky, combine, multiply,
     multiply_block, multiply_points,
 };
 use ndarray::Array2;
@@ -123,10 +123,10 @@ fn symbolic_analysis_serves_changed_values() {
         assert!(distance(&factor.solve(&multiply(&a, &x)), &x) < 1e-10);
     }
     let other = shifted(&grid(20, 30), -1.0);
-    assert!(matches!(symbolic.factorize(&other), Err(CholeskyError::PatternChanged { .. })));
+    assert!(matches!(symbolic.factorize(&other), Err(SparseError::PatternChanged { .. })));
     assert!(matches!(
         symbolic.factorize(&shifted(&path(4), -1.0)),
-        Err(CholeskyError::PatternChanged { .. })
+        Err(SparseError::PatternChanged { .. })
     ));
 }
 
@@ -135,7 +135,7 @@ fn singular_and_indefinite_matrices_name_the_pivot() {
     // A whole Laplacian is singular, whatever rounding says.
     for laplacian in [path(40), cycle(41), grid(15, 17)] {
         let error = Cholesky::new(&laplacian).unwrap_err();
-        assert!(matches!(error, CholeskyError::Singular { .. }), "{error}");
+        assert!(matches!(error, SparseError::Singular { .. }), "{error}");
     }
     // Row 7 stands alone with a negative entry.
     let mut t = sprs::TriMatI::<f64, u32>::new((9, 9));
@@ -144,18 +144,18 @@ fn singular_and_indefinite_matrices_name_the_pivot() {
     }
     assert_eq!(
         Cholesky::new(&t.to_csr()).unwrap_err(),
-        CholeskyError::Indefinite { row: 7, pivot: -2.0, diagonal: -2.0 }
+        SparseError::Indefinite { row: 7, pivot: -2.0, diagonal: -2.0 }
     );
     // An isolated vertex without mass: its row is zero.
     let isolated = graph_laplacian(4, [(0, 1), (1, 3)]);
     let masses = combine(1.0, Mass::Lumped(&[1.0, 1.0, 0.0, 1.0]), 1.0, &isolated);
     assert_eq!(
         Cholesky::new(&masses).unwrap_err(),
-        CholeskyError::Singular { row: 2, pivot: 0.0, diagonal: 0.0 }
+        SparseError::Singular { row: 2, pivot: 0.0, diagonal: 0.0 }
     );
     assert!(matches!(
         Cholesky::new(&shifted(&grid(9, 9), 0.5)),
-        Err(CholeskyError::Indefinite { .. })
+        Err(SparseError::Indefinite { .. })
     ));
 }
 
@@ -164,13 +164,13 @@ fn bad_input_is_named() {
     let rectangle = SparseMatrix::zero((2, 3));
     assert_eq!(
         Cholesky::new(&rectangle).unwrap_err(),
-        CholeskyError::NotSquare { rows: 2, columns: 3 }
+        SparseError::NotSquare { rows: 2, columns: 3 }
     );
     let laplacian = path(3);
     for order in [vec![0, 1], vec![0, 1, 1], vec![0, 1, 3], vec![0, 1, 2, 3]] {
         assert!(matches!(
             SymbolicCholesky::new(&laplacian, Ordering::Custom(order)),
-            Err(CholeskyError::NotAnOrdering { .. })
+            Err(SparseError::NotAnOrdering { .. })
         ));
     }
     let empty = Cholesky::new(&SparseMatrix::zero((0, 0))).unwrap();
@@ -284,6 +284,6 @@ fn symmetry_is_asked_for_up_to_rounding() {
     assert!(factor(3e-10).is_ok());
     for difference in [1e-9, -1e-9, 1e-3] {
         let error = factor(difference).unwrap_err();
-        assert!(matches!(error, CholeskyError::NotSymmetric { row: 1, column: 0, .. }), "{error}");
+        assert!(matches!(error, SparseError::NotSymmetric { row: 1, column: 0, .. }), "{error}");
     }
 }

@@ -1,7 +1,7 @@
 //! Conjugate gradients against known solutions and against Cholesky.
 
 use fairing_sparse::{
-    CgError, CgOptions, Cholesky, ConjugateGradient, Mass, SparseMatrix, combine, multiply,
+    CgOptions, Cholesky, ConjugateGradient, Mass, SparseError, SparseMatrix, combine, multiply,
     multiply_points,
 };
 use proptest::prelude::*;
@@ -58,24 +58,27 @@ fn failures_are_errors() {
     let negative = combine(-0.5, Mass::Lumped(&[1.0; 25]), 1.0, &singular);
     let b = random_vector(25, 1);
     let cg = ConjugateGradient::new(&negative).unwrap();
-    assert!(matches!(cg.solve(&b, None, &options), Err(CgError::Indefinite { .. })));
+    assert!(matches!(cg.solve(&b, None, &options), Err(SparseError::NegativeCurvature { .. })));
     let definite = combine(0.5, Mass::Lumped(&[1.0; 25]), 1.0, &singular);
     let cg = ConjugateGradient::new(&definite).unwrap();
     assert!(matches!(
         cg.solve(&b, None, &CgOptions { max_iterations: 2, ..options }),
-        Err(CgError::NotConverged { iterations: 2, residual }) if residual > 1e-10
+        Err(SparseError::NotConverged { iterations: 2, residual }) if residual > 1e-10
     ));
     assert_eq!(
         cg.solve(&b[..7], None, &options).unwrap_err(),
-        CgError::Size { rows: 25, columns: 25, length: 7 }
+        SparseError::Size { rows: 25, columns: 25, length: 7 }
     );
     let mut infinite = b.clone();
     infinite[3] = f64::INFINITY;
-    assert_eq!(cg.solve(&infinite, None, &options).unwrap_err(), CgError::NotFinite { row: 3 });
+    assert_eq!(
+        cg.solve(&infinite, None, &options).unwrap_err(),
+        SparseError::VectorNotFinite { row: 3 }
+    );
     let zero = SparseMatrix::zero((2, 2));
     assert_eq!(
         ConjugateGradient::new(&zero).unwrap_err(),
-        CgError::Diagonal { row: 0, value: 0.0 }
+        SparseError::Diagonal { row: 0, value: 0.0 }
     );
 }
 

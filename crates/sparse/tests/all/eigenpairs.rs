@@ -1,7 +1,7 @@
 //! Eigenpairs against known spectra; pairs are always checked with S φ = λ M φ itself.
 
 use fairing_sparse::{
-    Count, EigenError, EigenOptions, EigenPairs, Mass, MassError, SparseMatrix, eigenpairs_within,
+    Count, EigenOptions, EigenPairs, Mass, SparseError, SparseMatrix, eigenpairs_within,
     multiply_block, smallest_eigenpairs,
 };
 use ndarray::Array2;
@@ -123,7 +123,7 @@ fn an_interval_holds_what_lies_in_it() {
     }
     assert!(matches!(
         eigenpairs_within(&s, Mass::Lumped(&ones), 2.0..1.0, &lanczos()),
-        Err(EigenError::Interval { .. })
+        Err(SparseError::Interval { .. })
     ));
 }
 
@@ -208,23 +208,23 @@ fn failures_are_errors() {
     let lumped = Mass::Lumped(&ones);
     assert_eq!(
         smallest_eigenpairs(&s, lumped, 501, &lanczos()).unwrap_err(),
-        EigenError::TooMany { wanted: 501, rows: 500 }
+        SparseError::TooManyPairs { wanted: 501, rows: 500 }
     );
     let mut holes = ones.clone();
     holes[77] = 0.0;
     assert_eq!(
         smallest_eigenpairs(&s, Mass::Lumped(&holes), 3, &lanczos()).unwrap_err(),
-        EigenError::Mass(MassError::NotPositive { row: 77, value: 0.0 })
+        SparseError::MassNotPositive { row: 77, value: 0.0 }
     );
     let few = EigenOptions { max_blocks: 3, ..lanczos() };
     assert!(matches!(
         smallest_eigenpairs(&s, lumped, 40, &few),
-        Err(EigenError::NotConverged { wanted: 39, converged, .. }) if converged < 39
+        Err(SparseError::PairsNotConverged { wanted: 39, converged, .. }) if converged < 39
     ));
     let negative = s.map(|v| -v);
     assert!(matches!(
         smallest_eigenpairs(&negative, lumped, 3, &lanczos()),
-        Err(EigenError::Factor { .. })
+        Err(SparseError::Factor { .. })
     ));
 }
 
@@ -281,11 +281,11 @@ fn units_do_not_matter_to_dense_problems() {
 fn masses_that_are_no_positive_numbers_are_named() {
     for value in [0.0, -1.0, f64::INFINITY, f64::NAN] {
         let error = Mass::Lumped(&[1.0, value, value]).check(3).unwrap_err();
-        assert!(matches!(error, MassError::NotPositive { row: 1, .. }), "{error}");
+        assert!(matches!(error, SparseError::MassNotPositive { row: 1, .. }), "{error}");
     }
     assert_eq!(Mass::Lumped(&[1.0, 2.0]).check(2), Ok(()));
     let error = Mass::Lumped(&[1.0, 2.0]).check(3);
-    assert_eq!(error, Err(MassError::Size { mass: 2, stiffness: 3 }));
+    assert_eq!(error, Err(SparseError::MassSize { mass: 2, stiffness: 3 }));
 }
 
 /// A strip of m cells of 1 × h with lumped masses, as cotangents make it: 1/h across, h/2 along,
