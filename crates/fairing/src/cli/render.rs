@@ -176,7 +176,7 @@ fn range(text: &str) -> anyhow::Result<(f64, f64)> {
     pair(text, ',')
 }
 
-fn size(text: &str) -> anyhow::Result<(u32, u32)> {
+pub(crate) fn size(text: &str) -> anyhow::Result<(u32, u32)> {
     let (w, h) = text.split_once('x').ok_or_else(|| anyhow!("expected WIDTHxHEIGHT"))?;
     Ok((w.parse()?, h.parse()?))
 }
