@@ -4,8 +4,9 @@ use anyhow::{Context as _, Result, bail};
 use fairing_denoising::{
     BilateralNormalGlobalOptions, BilateralNormalOptions, BilateralOptions, DenoiseError, Denoiser,
     FastEffectiveOptions, GuidedNormalOptions, L0Options, NonIterativeOptions,
-    TotalVariationOptions, bilateral, bilateral_normal, bilateral_normal_global, fast_effective,
-    guided_normal, l0, non_iterative, total_variation,
+    TotalGeneralisedVariationOptions, TotalVariationOptions, bilateral, bilateral_normal,
+    bilateral_normal_global, fast_effective, guided_normal, l0, non_iterative,
+    total_generalised_variation, total_variation,
 };
 use fairing_mesh::TriMesh;
 
@@ -45,7 +46,7 @@ const STEPS: &[f64] = &[5.0, 10.0, 20.0, 50.0];
 
 impl Method {
     /// All published methods, in the order of their publication.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self {
             denoiser: Denoiser::Bilateral(BilateralOptions::DEFAULT),
             axes: &[
@@ -160,6 +161,25 @@ impl Method {
                 let defaults = GuidedNormalOptions::default();
                 let options = GuidedNormalOptions { range, iterations, vertex_steps, ..defaults };
                 guided_normal(mesh, &options)
+            },
+        },
+        Self {
+            denoiser: Denoiser::TotalGeneralisedVariation(
+                TotalGeneralisedVariationOptions::DEFAULT,
+            ),
+            axes: &[
+                axis("weight", &[0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 1.0, 1.5, 2.5], 4),
+                axis("ratio", &[0.2, 0.3, 0.4, 0.5, 0.7, 1.0], 3),
+                axis("steps", &[5.0, 10.0, 20.0, 50.0, 100.0], 3),
+            ],
+            starts: &[],
+            runs: 11,
+            run: |mesh, p| {
+                let (weight, ratio, vertex_steps) = (p[0], p[1], p[2] as usize);
+                let defaults = TotalGeneralisedVariationOptions::default();
+                let options =
+                    TotalGeneralisedVariationOptions { weight, ratio, vertex_steps, ..defaults };
+                total_generalised_variation(mesh, &options)
             },
         },
     ];

@@ -6,8 +6,9 @@ use crate::automatic::{AutomaticOptions, automatic};
 use crate::{
     BilateralNormalGlobalOptions, BilateralNormalOptions, BilateralOptions, DenoiseError,
     FastEffectiveOptions, GuidedNormalOptions, L0Options, NonIterativeOptions,
-    TotalVariationOptions, bilateral, bilateral_normal, bilateral_normal_global, fast_effective,
-    guided_normal, l0, non_iterative, total_variation,
+    TotalGeneralisedVariationOptions, TotalVariationOptions, bilateral, bilateral_normal,
+    bilateral_normal_global, fast_effective, guided_normal, l0, non_iterative,
+    total_generalised_variation, total_variation,
 };
 
 fairing_parameters::algorithms! {
@@ -49,6 +50,8 @@ fairing_parameters::algorithms! {
         TotalVariation(TotalVariationOptions) => total_variation,
         /// [`guided_normal`]
         GuidedNormal(GuidedNormalOptions) => guided_normal,
+        /// [`total_generalised_variation`]
+        TotalGeneralisedVariation(TotalGeneralisedVariationOptions) => total_generalised_variation,
     }
 
     /// Denoises a mesh; the result has the same faces.

@@ -29,10 +29,12 @@ mod error;
 mod faces;
 mod fast_effective;
 mod guided_normal;
+mod jumps;
 mod l0;
 mod noise_level;
 mod non_iterative;
 mod oriented;
+mod total_generalised_variation;
 mod total_variation;
 mod vertex_update;
 
@@ -50,5 +52,8 @@ pub use guided_normal::{GuidedNormalOptions, guided_normal};
 pub use l0::{L0Options, l0};
 pub use noise_level::{NoiseEstimate, NoisyParts, noise_level, noisy_parts};
 pub use non_iterative::{NonIterativeOptions, non_iterative};
+pub use total_generalised_variation::{
+    TotalGeneralisedVariationOptions, total_generalised_variation,
+};
 pub use total_variation::{TotalVariationOptions, total_variation};
 pub use vertex_update::{VertexUpdate, update_vertices};

@@ -41,7 +41,7 @@ fn case(name: &str, line: &str, output: &'static str, promise: Promise) -> Case 
 }
 
 /// Denoisers, and flows at their defaults, with equal bits.
-const DENOISERS: [&str; 7] = [
+const DENOISERS: [&str; 8] = [
     "bilateral",
     "non-iterative",
     "fast-effective",
@@ -49,6 +49,7 @@ const DENOISERS: [&str; 7] = [
     "l0",
     "total-variation",
     "guided-normal",
+    "total-generalised-variation",
 ];
 const FLOWS: [&str; 5] = ["taubin", "hc", "scale-dependent", "windowed-sinc", "low-pass"];
 const ESTIMATORS: [&str; 8] = [

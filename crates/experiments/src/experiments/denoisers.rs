@@ -248,6 +248,7 @@ fn short_name(method: Method) -> &'static str {
         Method::Denoiser(Denoiser::BilateralNormalGlobal(_)) => "bilateral\nnormal,\nglobal",
         Method::Denoiser(Denoiser::TotalVariation(_)) => "total\nvariation",
         Method::Denoiser(Denoiser::GuidedNormal(_)) => "guided\nnormal",
+        Method::Denoiser(Denoiser::TotalGeneralisedVariation(_)) => "total\ngeneralised\nvariation",
         other => other.name(),
     }
 }
