@@ -337,7 +337,12 @@ class Moving(Base):
 
     @documented
     def denoise(
-        self, method: str = "automatic", *, threads: int | None = None, progress: Progress = None
+        self,
+        method: str = "automatic",
+        *,
+        strength: float | None = None,
+        threads: int | None = None,
+        progress: Progress = None,
     ) -> Self:
         """Removes noise and keeps creases.
 
@@ -347,33 +352,43 @@ class Moving(Base):
             With its default options:
 
             {denoisers}
+        strength : float, optional
+            Of `automatic` only: a factor on the estimated noise, 1 by default. Larger values
+            remove more.
         {run}
 
         Returns
         -------
         Mesh
             The same faces. For `automatic`, `Mesh.report` has `sigma`, the noise in mesh
-            units (None if there are too few vertices), and `surface`: `creased`, `smooth`,
-            `uneven` or `clean` (nothing was moved). Parts with faces as uneven as those of CAD
+            units (None if there are too few vertices), `surface`: `creased`, `smooth`,
+            `uneven` or `clean` (nothing was moved), and `approach`: `networks`,
+            `wide-networks` for weak noise that is correlated over several edges, or
+            `total-generalised-variation` for strong one. Parts with faces as uneven as those of CAD
             tessellations are left unchanged, with a `FairingWarning`. Faces that turn against the
             rest of their part are flipped for the computation, with a `FairingWarning`.
 
         Raises
         ------
+        OptionError
+            For a strength that is not positive, and for one of another method than `automatic`.
         ComputationError
             If the faces do not share their corners; see `Mesh.weld`.
         """
         self._warn_of_orientation()
+        given = None if strength is None else float(strength)
         with running(threads, progress) as call:
-            core, sigma, kind, uneven = _core.denoise(self._core, method, call)
+            core, found = _core.denoise(self._core, method, given, call)
+        report: dict[str, Any] = {"method": method}
+        if found is None:
+            return self._moved(core, report)
+        sigma, surface, approach, uneven = found
         if uneven:
             warn(
                 f"{uneven} vertices are on parts whose faces are too uneven (a CAD tessellation?): "
                 "these parts stay as they are"
             )
-        report: dict[str, Any] = {"method": method}
-        if method == "automatic":
-            report |= {"sigma": sigma, "surface": kind}
+        report |= {"sigma": sigma, "surface": surface, "approach": approach}
         return self._moved(core, report)
 
     @documented

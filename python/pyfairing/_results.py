@@ -149,6 +149,13 @@ class NoiseLevel(NamedTuple):
         The noise level from quadrics over two-rings, relative to `sigma`: 1 or slightly more on
         smooth surfaces with independent noise, more if creases and details are as dense as
         two-rings or the noise is correlated.
+    correlation_length : float
+        The distance in mean edge lengths over which the noise is correlated, like that of a depth
+        camera or a laser scanner: 0 for none, 4 or 8. Smooth noise without a rough part looks
+        like shape and is not found.
+    wide_sigma : float
+        The noise level at the scale of `correlation_length`, in mesh units; `sigma` without
+        correlation.
     """
 
     sigma: float
@@ -158,6 +165,8 @@ class NoiseLevel(NamedTuple):
     low_ratio: float
     correlation: float
     two_ring_ratio: float
+    correlation_length: float
+    wide_sigma: float
 
 
 class Scores(Mapping[str, float]):

@@ -7,30 +7,37 @@ use crate::error::Error;
 use crate::mesh::Mesh;
 use crate::run::Call;
 
-/// The mesh; for the automatic method also σ, if measured, and the kind of surface.
+/// What the automatic method reports: σ, if measured, the kind of surface, the approach, and the
+/// number of vertices on uneven parts.
+type Found = (Option<f64>, &'static str, &'static str, usize);
+
+/// The mesh, and what the automatic method reports.
 #[pyfunction]
 fn denoise(
     py: Python<'_>,
     mesh: &Mesh,
     method: &str,
+    strength: Option<f64>,
     call: Call,
-) -> PyResult<(Mesh, Option<f64>, Option<&'static str>, usize)> {
-    let method = Denoiser::by_name(method).map_err(Error::option)?;
+) -> PyResult<(Mesh, Option<Found>)> {
+    let given: Vec<(&str, f64)> = strength.map(|x| ("strength", x)).into_iter().collect();
+    let method = Denoiser::with(method, &given).map_err(Error::option)?;
     let mesh = mesh.share();
-    let (mesh, sigma, kind, uneven) = call.run(py, move || {
-        if !matches!(method, Denoiser::Automatic(_)) {
-            return Ok((method.denoise(&mesh)?, None, None, 0));
-        }
-        let found = automatic(&mesh)?;
+    let (mesh, found) = call.run(py, move || {
+        let Denoiser::Automatic(options) = method else {
+            return Ok((method.denoise(&mesh)?, None));
+        };
+        let found = automatic(&mesh, &options)?;
         let kind = match found.kind {
             SurfaceKind::Creased => "creased",
             SurfaceKind::Smooth => "smooth",
             SurfaceKind::Uneven => "uneven",
             _ => "clean",
         };
-        Ok((found.mesh, found.noise.map(|n| n.sigma), Some(kind), found.uneven_vertices))
+        let sigma = found.noise.map(|n| n.sigma);
+        Ok((found.mesh, Some((sigma, kind, found.approach.name(), found.uneven_vertices))))
     })?;
-    Ok((mesh.into(), sigma, kind, uneven))
+    Ok((mesh.into(), found))
 }
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {

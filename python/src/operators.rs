@@ -152,7 +152,7 @@ fn curvature<'py>(
 }
 
 /// The fields of `NoiseLevel`, in order.
-type NoiseNumbers = (f64, f64, bool, usize, f64, f64, f64);
+type NoiseNumbers = (f64, f64, bool, usize, f64, f64, f64, f64, f64);
 
 /// The noise level; `None` if it is undefined.
 #[pyfunction(name = "noise_level")]
@@ -161,7 +161,9 @@ fn noise_level_of(py: Python<'_>, mesh: &Mesh, call: Call) -> PyResult<Option<No
     call.run(py, move || {
         Ok(noise_level(&mesh).map(|n| {
             let (low, two_ring) = (n.low_ratio, n.two_ring_ratio);
-            (n.sigma, n.tail_ratio, n.is_impulsive(), n.samples, low, n.correlation, two_ring)
+            let (tail, impulsive) = (n.tail_ratio, n.is_impulsive());
+            let (length, wide) = (n.correlation_length, n.wide_sigma);
+            (n.sigma, tail, impulsive, n.samples, low, n.correlation, two_ring, length, wide)
         }))
     })
 }

@@ -33,7 +33,7 @@ fairing_parameters::algorithms! {
     #[non_exhaustive]
     pub enum Denoiser("denoiser") {
         /// [`automatic`]
-        Automatic(AutomaticOptions) => |mesh, _| Ok(automatic(mesh)?.mesh),
+        Automatic(AutomaticOptions) => |mesh, options| Ok(automatic(mesh, options)?.mesh),
         /// [`bilateral`]
         Bilateral(BilateralOptions) => bilateral,
         /// [`non_iterative`]

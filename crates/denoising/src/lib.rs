@@ -11,7 +11,7 @@
 //!
 //! let shape = fairing_shapes::icosphere(3);
 //! let noisy = fairing_shapes::jittered(&shape, 0.1, 7, |p| p);
-//! let denoised = automatic(&noisy)?;
+//! let denoised = automatic(&noisy, &AutomaticOptions::default())?;
 //! assert_eq!(denoised.mesh.faces(), noisy.faces());
 //!
 //! let method: Denoiser = "guided-normal".parse()?;
@@ -32,6 +32,7 @@ mod guided_normal;
 mod jumps;
 mod l0;
 mod noise_level;
+mod noise_scale;
 mod non_iterative;
 mod oriented;
 mod total_generalised_variation;
@@ -40,7 +41,7 @@ mod vertex_update;
 
 #[doc(hidden)]
 pub use automatic::training;
-pub use automatic::{Automatic, AutomaticOptions, FaceKind, SurfaceKind, automatic};
+pub use automatic::{Approach, Automatic, AutomaticOptions, FaceKind, SurfaceKind, automatic};
 pub use bilateral::{BilateralOptions, bilateral};
 pub use bilateral_normal::{
     BilateralNormalGlobalOptions, BilateralNormalOptions, bilateral_normal, bilateral_normal_global,

@@ -4,7 +4,7 @@
 
 use std::error::Error;
 
-use fairing::denoising::automatic;
+use fairing::denoising::{AutomaticOptions, automatic};
 use fairing::evaluation::{ScoreOptions, Scores};
 use fairing::mesh::io;
 
@@ -18,6 +18,6 @@ fn main() -> Result<(), Box<dyn Error>> {
 pub(crate) fn run(noisy: &str, original: &str) -> Result<Scores, Box<dyn Error>> {
     let noisy = io::read(noisy)?.mesh;
     let original = io::read(original)?.mesh;
-    let denoised = automatic(&noisy)?;
+    let denoised = automatic(&noisy, &AutomaticOptions::default())?;
     Ok(Scores::new(&denoised.mesh, &original, &ScoreOptions::default())?)
 }

@@ -1,7 +1,8 @@
 //! Denoisers on generated meshes with seeded noise.
 
 use fairing_denoising::{
-    Denoiser, FaceKind, GuidedNormalOptions, SurfaceKind, VertexUpdate, automatic, update_vertices,
+    AutomaticOptions, Denoiser, FaceKind, GuidedNormalOptions, SurfaceKind, VertexUpdate,
+    automatic, update_vertices,
 };
 use fairing_evaluation::{
     NoiseKind, NoiseLevel, SurfaceTree, add_noise, drift, flipped_faces, normal_error,
@@ -25,7 +26,7 @@ fn automatic_restores_a_block_with_creases() {
     let block = shapes::cad_block(0.1);
     for share in [0.1, 0.3, 0.5] {
         let input = noisy(&block, share);
-        let result = automatic(&input).unwrap();
+        let result = automatic(&input, &AutomaticOptions::default()).unwrap();
         assert_eq!(result.kind, SurfaceKind::Creased, "{share}");
         let (before, after) = (error(&input, &block), error(&result.mesh, &block));
         assert!(after < 0.15 * before, "{share}: {before} to {after}");
@@ -72,7 +73,7 @@ fn automatic_opens_folds() {
         (NoiseKind::Impulsive { fraction: 0.3 }, 0.6),
     ] {
         let input = add_noise(&block, kind, NoiseLevel::EdgeLengths(level), 5).unwrap();
-        let result = automatic(&input).unwrap();
+        let result = automatic(&input, &AutomaticOptions::default()).unwrap();
         assert_eq!(result.kind, SurfaceKind::Creased);
         let (before, after) = (error(&input, &block), error(&result.mesh, &block));
         assert!(after < 0.15 * before, "{kind}: {before} to {after}");
@@ -101,7 +102,7 @@ fn automatic_never_does_harm() {
         for (k, kind) in NoiseKind::ALL.into_iter().filter(|kind| !waves(kind)).enumerate() {
             let level = [0.05, 0.3][(i + k) % 2];
             let input = add_noise(truth, kind, NoiseLevel::EdgeLengths(level), 7).unwrap();
-            let result = automatic(&input).unwrap();
+            let result = automatic(&input, &AutomaticOptions::default()).unwrap();
             let case = format!("surface {i}, {kind} {level}");
             let (before, after) = (error(&input, truth), error(&result.mesh, truth));
             assert!(after < before, "{case}: {before}° to {after}°");
@@ -131,12 +132,12 @@ fn automatic_keeps_planes_and_clean_meshes() {
         shapes::jittered_plane(20, 20, 0.2, 1),
         shapes::cube(20, shapes::Diagonals::Regular),
     ] {
-        let result = automatic(&clean).unwrap();
+        let result = automatic(&clean, &AutomaticOptions::default()).unwrap();
         assert_eq!(result.kind, SurfaceKind::Clean);
         assert_eq!(result.mesh.positions(), clean.positions());
     }
     let sheet = shapes::jittered_plane(30, 30, 0.2, 2);
-    let result = automatic(&noisy(&sheet, 0.3)).unwrap();
+    let result = automatic(&noisy(&sheet, 0.3), &AutomaticOptions::default()).unwrap();
     assert_eq!(result.kind, SurfaceKind::Smooth);
     // A fiftieth of the noise, which is 21°.
     let after = error(&result.mesh, &sheet);
@@ -147,7 +148,7 @@ fn automatic_keeps_planes_and_clean_meshes() {
 fn automatic_smooths_a_sphere_and_a_torus() {
     for truth in [shapes::icosphere(4), shapes::torus(1.0, 0.4, 96, 40)] {
         let input = noisy(&truth, 0.3);
-        let result = automatic(&input).unwrap();
+        let result = automatic(&input, &AutomaticOptions::default()).unwrap();
         let (before, after) = (error(&input, &truth), error(&result.mesh, &truth));
         assert!(after < 0.2 * before, "{before} to {after}");
         // A flow that smooths this much shrinks both by several per cent.
@@ -232,8 +233,8 @@ fn denoisers_do_not_depend_on_the_threads() {
         assert!(one.positions() == three.positions(), "{denoiser}");
     }
     let sphere = noisy(&shapes::icosphere(3), 0.3);
-    let one = single.install(|| automatic(&sphere).unwrap().mesh);
-    let three = several.install(|| automatic(&sphere).unwrap().mesh);
+    let one = single.install(|| automatic(&sphere, &AutomaticOptions::default()).unwrap().mesh);
+    let three = several.install(|| automatic(&sphere, &AutomaticOptions::default()).unwrap().mesh);
     assert!(one.positions() == three.positions());
 }
 
@@ -274,7 +275,7 @@ fn impulses_on_a_smooth_body() {
     let fine =
         add_noise(&sphere, NoiseKind::GaussianAlongNormals, NoiseLevel::EdgeLengths(0.02), 3);
     let input = add_noise(&fine.unwrap(), kind, NoiseLevel::EdgeLengths(1.0), 4).unwrap();
-    let result = automatic(&input).unwrap();
+    let result = automatic(&input, &AutomaticOptions::default()).unwrap();
     assert!(result.noise.unwrap().is_impulsive());
     let (before, after) = (error(&input, &sphere), error(&result.mesh, &sphere));
     assert!(after < 0.3 * before, "{before} to {after}");
@@ -318,7 +319,11 @@ fn noise_does_not_make_a_mesh_uneven() {
         for noise in [0.1, 0.5, 1.0, 3.0] {
             let level = NoiseLevel::EdgeLengths(noise);
             let noisy = add_noise(&mesh, NoiseKind::GaussianPerAxis, level, 2).unwrap();
-            assert_eq!(automatic(&noisy).unwrap().uneven_vertices, 0, "{noise}");
+            assert_eq!(
+                automatic(&noisy, &AutomaticOptions::default()).unwrap().uneven_vertices,
+                0,
+                "{noise}"
+            );
         }
     }
 }

@@ -1,7 +1,9 @@
 //! Sizes, shapes and mixtures of parts at which formulas that are right on paper fail. Properties
 //! of shape must not depend on its size, on the rest of the mesh or on the frame.
 
-use fairing_denoising::{Denoiser, SurfaceKind, automatic, noise_level, noisy_parts};
+use fairing_denoising::{
+    AutomaticOptions, Denoiser, SurfaceKind, automatic, noise_level, noisy_parts,
+};
 use fairing_evaluation::{
     NoiseKind, NoiseLevel, ScoreOptions, Scores, SurfaceTree, add_noise, drift, feature_edges,
     flipped_faces, hausdorff, normal_error, self_intersections, surface_distance,
@@ -370,7 +372,7 @@ fn clean_parts_do_not_hide_noise() {
     let sphere = shapes::icosphere(3);
     let noise = noisy(&sphere, 0.2, 9);
     let alone = noise_level(&noise).unwrap();
-    let alone_moved = automatic(&noise).unwrap();
+    let alone_moved = automatic(&noise, &AutomaticOptions::default()).unwrap();
     let far = |mesh: &TriMesh| mapped(mesh, |p| add(p, [5.0, 0.3, -0.2]));
     let clean = [
         far(&shapes::plane(10, 10, shapes::Diagonals::Regular)),
@@ -387,7 +389,7 @@ fn clean_parts_do_not_hide_noise() {
         if i > 1 {
             continue;
         }
-        let result = automatic(&mesh).unwrap();
+        let result = automatic(&mesh, &AutomaticOptions::default()).unwrap();
         assert_eq!(result.kind, alone_moved.kind);
         assert_ne!(result.kind, SurfaceKind::Clean);
         let (kept, moved) = result.mesh.positions().split_at(part.vertex_count());

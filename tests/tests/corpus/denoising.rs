@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use fairing_denoising::{FaceKind, SurfaceKind, automatic};
+use fairing_denoising::{AutomaticOptions, FaceKind, SurfaceKind, automatic};
 use fairing_evaluation::{
     NoiseKind, NoiseLevel, add_noise, drift, flipped_faces, normal_error, vertex_distance,
 };
@@ -36,7 +36,7 @@ fn bars(folder: &Path) -> Result<(), Failed> {
     let read = |name: &str| io::read(folder.join(name)).map(|file| file.mesh);
     for (noisy, original, bar, far) in PAIRS {
         let (input, truth) = (read(noisy)?, read(original)?);
-        let result = automatic(&input)?;
+        let result = automatic(&input, &AutomaticOptions::default())?;
         // Both meshes of the pair have the same faces, so vertices correspond.
         let truth = input.with_positions(truth.positions().to_vec())?;
         let mean = normal_error(&result.mesh, &truth)?.mean;
@@ -66,11 +66,11 @@ fn kinds(folder: &Path) -> Result<(), Failed> {
     ];
     for name in surfaces {
         let truth = io::read(folder.join(name))?.mesh;
-        let own = automatic(&truth)?.fraction(FaceKind::Creased);
+        let own = automatic(&truth, &AutomaticOptions::default())?.fraction(FaceKind::Creased);
         for share in [0.1, 0.5] {
             let level = NoiseLevel::EdgeLengths(share);
             let input = add_noise(&truth, NoiseKind::GaussianAlongNormals, level, 3)?;
-            let result = automatic(&input)?;
+            let result = automatic(&input, &AutomaticOptions::default())?;
             if result.kind == SurfaceKind::Clean {
                 return Err(format!("{name}, {share} h: no noise was found").into());
             }

@@ -20,13 +20,15 @@ mod uneven;
 mod wide;
 
 use fairing_mesh::TriMesh;
+use fairing_parameters::{Options, Range};
 use glam::DVec3;
 
-use crate::DenoiseError;
 use crate::faces::Hinges;
 use crate::noise_level::{NoiseEstimate, noisy_parts};
 use crate::oriented::on_oriented;
+use crate::{DenoiseError, TotalGeneralisedVariationOptions, total_generalised_variation};
 use correlation::variance_of_means;
+use follow::hold;
 use model::Model;
 use offset::in_the_middle;
 use parts::Part;
@@ -35,7 +37,7 @@ use relabel::relabel;
 use safety::without_flips;
 use spikes::without_spikes;
 use stage::{advance, blocks};
-use state::State;
+use state::{FAR, State};
 use surface::face_kinds;
 use uneven::uneven_parts;
 
@@ -46,6 +48,12 @@ const LEAST_NOISE: f64 = 1e-7;
 
 /// Vertex steps of the final surface.
 const STEPS: usize = 60;
+
+/// The factor on the radii of neighbourhoods for weak correlated noise.
+const WIDER: f64 = 1.5;
+
+/// The level of correlated noise above which it is strong, in mean edge lengths.
+const STRONG: f64 = 0.25;
 
 /// The kind of surface of a whole mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -79,6 +87,8 @@ pub struct Automatic {
     pub faces: Vec<FaceKind>,
     /// The largest distance that a vertex was allowed to move, in mesh units.
     pub limit: f64,
+    /// The way in which the noisiest parts were denoised.
+    pub approach: Approach,
 }
 
 impl Automatic {
@@ -94,16 +104,53 @@ impl Automatic {
 }
 
 fairing_parameters::options! {
-    /// [`automatic`] has no options.
+    /// Options of [`automatic`].
     #[derive(Debug, Clone, Copy, PartialEq)]
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-    #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
-    pub struct AutomaticOptions {}
+    #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+    pub struct AutomaticOptions {
+        /// A factor on the estimated noise, for a result that is too smooth or too rough.
+        pub strength: f64 = 1.0, in Range::POSITIVE;
+    }
     "automatic": "estimates everything from the mesh; keeps creases", [];
 }
 
-/// Denoises without parameters: noise level and kind of surface are estimated from
-/// the mesh.
+/// The way in which [`automatic`] has denoised a mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
+pub enum Approach {
+    /// Networks on the neighbourhood of each face, for noise that is independent from vertex to
+    /// vertex, or nearly so.
+    Networks,
+    /// The networks on neighbourhoods 1.5 times as wide, for weak noise that is correlated over
+    /// several edges.
+    WideNetworks,
+    /// [`total_generalised_variation`](crate::total_generalised_variation), for strong noise that
+    /// is correlated over several edges, like that of a depth camera.
+    TotalGeneralisedVariation,
+}
+
+impl Approach {
+    /// All approaches.
+    pub const ALL: [Self; 3] =
+        [Self::Networks, Self::WideNetworks, Self::TotalGeneralisedVariation];
+
+    /// The name in output.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Networks => "networks",
+            Self::WideNetworks => "wide-networks",
+            Self::TotalGeneralisedVariation => "total-generalised-variation",
+        }
+    }
+}
+
+fairing_parameters::named!(Approach, "approach of the automatic denoiser");
+
+/// Denoises without parameters that have to be chosen: noise level and kind of surface are
+/// estimated from the mesh.
 ///
 /// 1. The noise level σ̂ ([`noise_level`](crate::noise_level())).
 /// 2. Normals, in stages. Each stage collects candidates for the normal of a face from the faces
@@ -122,6 +169,13 @@ fairing_parameters::options! {
 ///    crease and take the normal of a neighbour.
 ///
 /// If all candidates agree, so does the new normal: planes stay planes.
+///
+/// Noise that is correlated over several edges ([`NoiseEstimate::correlation_length`]), as that of
+/// depth cameras and laser scanners, passes for shape between neighbours. If its level at that
+/// length is at most a quarter of an edge, the networks see neighbourhoods 1.5 times as wide and
+/// this level; if it is higher, the normals are those of
+/// [`total_generalised_variation`] with a weight of one mean edge length
+/// ([`Automatic::approach`]).
 ///
 /// Under impulsive noise, spikes are first moved into the plane of their neighbours, if at least
 /// one vertex in a hundred is a spike: farther from that plane than 15 σ̂, than a quarter of an
@@ -148,18 +202,22 @@ fairing_parameters::options! {
 ///
 /// # Errors
 ///
+/// [`DenoiseError::Option`] for a strength that is not positive;
 /// [`DenoiseError::Unwelded`] for faces that do not share their corners;
 /// [`DenoiseError::Build`] where numbers leave the range of floats;
 /// [`DenoiseError::Model`] if the trained numbers were damaged in the build.
 ///
 /// Source of the regression of normals in stages: \[wang2016\].
-pub fn automatic(mesh: &TriMesh) -> Result<Automatic, DenoiseError> {
+pub fn automatic(mesh: &TriMesh, options: &AutomaticOptions) -> Result<Automatic, DenoiseError> {
+    options.check()?;
     let mut noise = None;
+    let mut approach = Approach::Networks;
     let mut limit = 0.0f64;
     let mut uneven_vertices = 0;
     let moved = on_oriented(mesh, |mesh| {
         let groups = noisy_parts(mesh);
         noise = groups.first().map(|group| group.level);
+        approach = noise.map_or(approach, |level| approach_to(level, mesh.mean_edge_length()));
         let uneven = uneven_parts(mesh, &groups);
         let parts = mesh.topology().components();
         let is_uneven = |v: &u32| parts.label(*v).is_some_and(|part| uneven[part as usize]);
@@ -171,7 +229,7 @@ pub fn automatic(mesh: &TriMesh) -> Result<Automatic, DenoiseError> {
                 continue;
             }
             let part = Part::new(mesh, &group.components)?;
-            let (moved, farthest) = denoise(&part.mesh, group.level)?;
+            let (moved, farthest) = denoise(&part.mesh, group.level, options.strength)?;
             part.put_back(&moved, &mut positions);
             limit = limit.max(farthest);
         }
@@ -185,14 +243,27 @@ pub fn automatic(mesh: &TriMesh) -> Result<Automatic, DenoiseError> {
         (true, true) => SurfaceKind::Creased,
         (true, false) => SurfaceKind::Smooth,
     };
-    Ok(Automatic { mesh: moved, noise, kind, uneven_vertices, faces, limit })
+    Ok(Automatic { mesh: moved, noise, kind, uneven_vertices, faces, limit, approach })
 }
 
 /// Denoises a mesh whose noise has one level; also the largest distance allowed, zero for a clean
 /// mesh.
-fn denoise(mesh: &TriMesh, level: NoiseEstimate) -> Result<(TriMesh, f64), DenoiseError> {
+fn denoise(
+    mesh: &TriMesh,
+    mut level: NoiseEstimate,
+    strength: f64,
+) -> Result<(TriMesh, f64), DenoiseError> {
     if is_clean(mesh, level) {
         return Ok((mesh.clone(), 0.0));
+    }
+    let approach = approach_to(level, mesh.mean_edge_length());
+    level.sigma *= strength;
+    level.wide_sigma *= strength;
+    let mut reach = 1.0;
+    match approach {
+        Approach::Networks => {}
+        Approach::WideNetworks => (reach, level.sigma) = (WIDER, level.wide_sigma),
+        Approach::TotalGeneralisedVariation => return smoothed(mesh, level, strength),
     }
     // Impulses are put into the planes of their neighbours.
     let (mesh, level, farthest) = without_spikes(mesh, level)?;
@@ -202,7 +273,7 @@ fn denoise(mesh: &TriMesh, level: NoiseEstimate) -> Result<(TriMesh, f64), Denoi
     // Normals in stages; after each the surface follows them.
     let model = Model::released().ok_or(DenoiseError::Model)?;
     fairing_watch::stage("normals", (model.stages.len() * blocks(mesh.face_count())) as u64);
-    let mut state = State::new(&mesh, level);
+    let mut state = State::reaching(&mesh, level, reach);
     for networks in &model.stages {
         advance(&mut state, networks)?;
     }
@@ -219,6 +290,32 @@ fn denoise(mesh: &TriMesh, level: NoiseEstimate) -> Result<(TriMesh, f64), Denoi
     let surface = in_the_middle(&mesh, surface, &normals, state.limit)?;
     let surface = without_flips(&mesh, surface, &normals, &follow)?;
     Ok((surface, state.limit + farthest))
+}
+
+/// The way in which noise of a level is denoised, for the mean edge length `h`.
+fn approach_to(level: NoiseEstimate, h: f64) -> Approach {
+    if level.correlation_length <= 0.0 {
+        Approach::Networks
+    } else if level.wide_sigma <= STRONG * h {
+        Approach::WideNetworks
+    } else {
+        Approach::TotalGeneralisedVariation
+    }
+}
+
+/// The result of total generalised variation, with no vertex farther than its limit, which is
+/// returned too.
+fn smoothed(
+    mesh: &TriMesh,
+    level: NoiseEstimate,
+    strength: f64,
+) -> Result<(TriMesh, f64), DenoiseError> {
+    let options = TotalGeneralisedVariationOptions { weight: strength, ..Default::default() };
+    let surface = total_generalised_variation(mesh, &options)?;
+    let limit = FAR * level.wide_sigma;
+    let held = mesh.positions().iter().zip(surface.positions());
+    let held = held.map(|(&p, &x)| hold(p.into(), x.into(), limit).to_array());
+    Ok((mesh.with_positions(held.collect())?, limit))
 }
 
 /// Returns `true` if the noise of a mesh is rounding.

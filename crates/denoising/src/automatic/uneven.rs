@@ -73,7 +73,7 @@ mod tests {
     fn a_tessellation_stays_as_it_is_beside_a_denoised_part() {
         let (tube, sphere) = (tessellated_tube(200), shapes::icosphere(3));
         let sphere = shapes::jittered(&sphere, 0.2, 4, |p| p);
-        let alone = crate::automatic(&tube).unwrap();
+        let alone = crate::automatic(&tube, &crate::AutomaticOptions::default()).unwrap();
         assert_eq!(alone.mesh, tube);
         assert_eq!(alone.kind, crate::SurfaceKind::Uneven);
         assert_eq!(alone.uneven_vertices, tube.vertex_count());
@@ -84,7 +84,7 @@ mod tests {
         let others = sphere.faces().iter().map(|face| face.map(|v| v + n as u32));
         let faces = tube.faces().iter().copied().chain(others).collect();
         let both = TriMesh::new(positions, faces).unwrap();
-        let found = crate::automatic(&both).unwrap();
+        let found = crate::automatic(&both, &crate::AutomaticOptions::default()).unwrap();
         assert_eq!(found.uneven_vertices, n);
         assert_eq!(found.mesh.positions()[..n], tube.positions()[..]);
         let moved = (n..both.vertex_count())

@@ -16,14 +16,17 @@ const EXAMPLES: &str = "\
 Examples:
   fairing denoise scan.ply -o clean.ply
   fairing denoise part.obj -o clean.obj --json
+  fairing denoise scan.ply -o smoother.ply --strength 2
   fairing denoise part.obj -o clean.obj --method guided-normal --iterations 30";
 
 const AUTOMATIC: Denoiser = Denoiser::Automatic(AutomaticOptions::DEFAULT);
 
 /// Remove noise from a mesh and keep its creases
 ///
-/// Needs no parameters: the noise and the kind of surface are estimated from the mesh.
-/// The published methods serve for comparison.
+/// Needs no parameters: the noise and the kind of surface are estimated from the mesh, and so is
+/// the distance over which the noise of a depth camera or a laser scanner is correlated. Where you
+/// disagree with the estimate, --strength multiplies it: 2 removes more, 0.5 less. The published
+/// methods serve for comparison.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Denoise {
@@ -66,7 +69,7 @@ impl Denoise {
         self.parameters.check(&self.method)?;
         let denoiser = Denoiser::with(&self.method, self.parameters.given());
         let denoiser = denoiser.map_err(Failure::usage)?;
-        if self.json && denoiser != AUTOMATIC {
+        if self.json && !matches!(denoiser, Denoiser::Automatic(_)) {
             return Err(Failure::usage(format_args!(
                 "--json needs the method automatic; {denoiser} estimates nothing"
             )));
@@ -74,8 +77,8 @@ impl Denoise {
         let (surface, fields) = self.reading.read(context, input)?;
         say_orientation(context, input, surface.mesh());
         let mesh = match denoiser {
-            AUTOMATIC => {
-                let result = automatic(surface.mesh())?;
+            Denoiser::Automatic(options) => {
+                let result = automatic(surface.mesh(), &options)?;
                 context.note(summary(&result));
                 if result.uneven_vertices > 0 {
                     context.note(format_args!(
@@ -108,7 +111,13 @@ fn summary(result: &Automatic) -> String {
         SurfaceKind::Uneven => "nothing is moved",
         _ => "no noise to remove",
     };
-    format!("noise of {} in units of the file; {kind}", number(noise.sigma))
+    let correlated = match noise.correlation_length {
+        length if length > 0.0 => {
+            format!(", correlated over {length} edges, where it is {}", number(noise.wide_sigma))
+        }
+        _ => String::new(),
+    };
+    format!("noise of {} in units of the file{correlated}; {kind}", number(noise.sigma))
 }
 
 /// The noise and the kind of surface as JSON.
@@ -132,9 +141,12 @@ fn as_json(result: &Automatic) -> Value {
             "low_ratio": noise.low_ratio,
             "two_ring_ratio": noise.two_ring_ratio,
             "correlation": noise.correlation,
+            "correlation_length": noise.correlation_length,
+            "wide_sigma": noise.wide_sigma,
             "impulsive": noise.is_impulsive(),
         })),
         "kind": kind,
+        "approach": result.approach.name(),
         "area_share": shares,
         "uneven_vertices": result.uneven_vertices,
         "border_vertices": border,

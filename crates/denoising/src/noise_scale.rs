@@ -1,0 +1,122 @@
+//! Growth of the noise level with the scale at which it is measured.
+
+use std::ops::RangeInclusive;
+
+use fairing_mesh::TriMesh;
+use glam::DVec3;
+use rayon::prelude::*;
+
+use fairing_operators::tangent_frame;
+
+use super::faces::Marks;
+use super::noise_level::{GAUSSIAN_MEDIAN, median, quadric_residual};
+
+/// The vertices of a stencil: more are beyond a hub, and the stencil is left out.
+const MOST: usize = 4096;
+
+/// The least number of stencils for a level.
+const LEAST: usize = 32;
+
+/// The growth of the level of correlated noise from one edge to two. Independent noise stays below,
+/// surfaces are above.
+const ROUGH: RangeInclusive<f64> = 1.3..=1.9;
+
+/// Its growth at each further doubling.
+const ROUGHER: RangeInclusive<f64> = 1.2..=2.0;
+
+/// The distance over which noise at some of the vertices is correlated, in edges, and its level at
+/// this scale in mesh units; `None` for independent noise, and for surfaces without noise.
+pub(crate) fn correlated_over(
+    mesh: &TriMesh,
+    inside: impl Fn(u32) -> bool + Sync,
+) -> Option<(f64, f64)> {
+    let level = |scale| level_at(mesh, scale, &inside);
+    let (one, two) = (level(1)?, level(2)?);
+    if !ROUGH.contains(&(two / one)) {
+        return None;
+    }
+    let four = level(4).filter(|four| ROUGHER.contains(&(four / two)))?;
+    let eight = level(8).filter(|eight| ROUGHER.contains(&(eight / four)));
+    Some(eight.map_or((4.0, four), |eight| (8.0, eight)))
+}
+
+/// The noise level that stencils of a scale find at some of the vertices, in mesh units; `None`
+/// with fewer than 32 of them.
+///
+/// A stencil of scale s compares a vertex with the quadric through the vertices s and 2 s edges
+/// away, as a height field over the plane of the area vector of all faces within 2 s edges. The
+/// level is the median of the residuals, each over the standard deviation that it has under
+/// independent noise of level 1, scaled to that of a Gaussian. Independent noise has the same
+/// level at all scales.
+fn level_at(mesh: &TriMesh, scale: u32, inside: impl Fn(u32) -> bool + Sync) -> Option<f64> {
+    let incidence = mesh.incidence();
+    let mut areas = vec![DVec3::ZERO; mesh.vertex_count()];
+    for (f, face) in mesh.faces().iter().enumerate() {
+        let area = DVec3::from(mesh.area_vector(f));
+        face.iter().for_each(|&v| areas[v as usize] += area);
+    }
+    let residual = |stencil: &mut Stencil, v: u32| {
+        let at = |w: u32| DVec3::from(mesh.positions()[w as usize]);
+        let Stencil { marks, queue, points } = stencil;
+        marks.clear();
+        queue.clear();
+        points.clear();
+        marks.insert(v);
+        queue.push(v);
+        let (mut begin, mut normal, mut near) = (0, areas[v as usize], 0..0);
+        for hop in 1..=2 * scale {
+            let end = queue.len();
+            for i in begin..end {
+                for &corner in incidence.corners(queue[i]) {
+                    for w in mesh.faces()[corner as usize / 3] {
+                        if marks.insert(w) {
+                            queue.push(w);
+                            normal += areas[w as usize];
+                        }
+                    }
+                }
+                if queue.len() > MOST {
+                    return None;
+                }
+            }
+            begin = end;
+            if hop == scale {
+                near = end..queue.len();
+            }
+        }
+        let normal = normal.try_normalize()?;
+        let [e1, e2] = tangent_frame(normal);
+        let chosen = queue[near].iter().chain(&queue[begin..]);
+        points.extend(chosen.map(|&w| {
+            let d = at(w) - at(v);
+            [d.dot(e1), d.dot(e2), d.dot(normal)]
+        }));
+        let square = |p: &[f64; 3]| DVec3::from(*p).length_squared();
+        let reach = points.iter().map(square).fold(0.0, f64::max).sqrt();
+        if points.len() < 9 || reach <= 0.0 {
+            return None;
+        }
+        points.iter_mut().for_each(|p| *p = p.map(|x| x / reach));
+        quadric_residual(points).map(|r| (r * reach).abs()).filter(|r| r.is_finite())
+    };
+    let mut residuals: Vec<f64> = (0..mesh.vertex_count() as u32)
+        .into_par_iter()
+        .map_init(|| Stencil::new(mesh.vertex_count()), |s, v| inside(v).then(|| residual(s, v))?)
+        .flatten()
+        .collect();
+    residuals.sort_unstable_by(f64::total_cmp);
+    if residuals.len() < LEAST { None } else { median(&residuals).map(|m| m / GAUSSIAN_MEDIAN) }
+}
+
+/// The vertices around one, in order of distance, and their offsets; reused for the next.
+struct Stencil {
+    marks: Marks,
+    queue: Vec<u32>,
+    points: Vec<[f64; 3]>,
+}
+
+impl Stencil {
+    fn new(vertices: usize) -> Self {
+        Self { marks: Marks::new(vertices), queue: vec![], points: vec![] }
+    }
+}
