@@ -112,6 +112,15 @@ def columns(values: npt.ArrayLike, rows: int | None, name: str) -> tuple[Floats,
     return np.ascontiguousarray(matrix), flat
 
 
+def point(values: npt.ArrayLike, name: str) -> list[float]:
+    """The coordinates of a point."""
+    array = floats(values, name)
+    if array.shape != (3,):
+        raise OptionError(f"{name} has the shape {array.shape}, but must have (3,)")
+    finite(array, name)
+    return [float(x) for x in array]
+
+
 def finite(array: Floats, name: str) -> None:
     """Refuses NaN and infinity, naming the first."""
     good = np.isfinite(array)

@@ -158,7 +158,15 @@ def smooth(
     mesh: Mesh, method: str, given: list[tuple[str, Any]], call: Call
 ) -> tuple[Mesh, dict[str, Any]]: ...
 def denoise(mesh: Mesh, method: str, call: Call) -> tuple[Mesh, float | None, str | None, int]: ...
-def noise(mesh: Mesh, sigma: float, unit: str, kind: str, share: float, seed: int, call: Call) -> Mesh: ...
+def noise(
+    mesh: Mesh,
+    sigma: float,
+    unit: str,
+    kind: str,
+    parameters: tuple[float | None, float | None, list[float] | None],
+    seed: int,
+    call: Call,
+) -> Mesh: ...
 def compare(
     mesh: Mesh, reference: Mesh, hausdorff_tolerance: float, feature_angle: float, call: Call
 ) -> tuple[float, list[tuple[str, str, str, float | None, str | None]], str]: ...

@@ -180,10 +180,21 @@ class Moving(Base):
         sigma: float,
         unit: Literal["edge", "model", "diagonal"] = "edge",
         kind: Literal[
-            "normal", "axes", "direction", "uniform", "impulsive", "correlated", "varying"
+            "normal",
+            "axes",
+            "direction",
+            "uniform",
+            "impulsive",
+            "correlated",
+            "varying",
+            "rays",
+            "depth-camera",
+            "fused",
         ] = "normal",
         *,
-        share: float = 0.25,
+        fraction: float | None = None,
+        length: float | None = None,
+        camera: npt.ArrayLike | None = None,
         seed: int = 1,
         threads: int | None = None,
     ) -> Self:
@@ -192,16 +203,29 @@ class Moving(Base):
         Parameters
         ----------
         sigma : float
-            Standard deviation of the displacement; for `uniform` the largest shift per axis.
+            Standard deviation of the displacement; for `uniform` the largest shift per axis; for
+            `depth-camera` and `fused` the root mean square.
         unit : {'edge', 'model', 'diagonal'}
             Mean edge lengths, mesh units, or diagonals of the bounding box.
-        kind : {'normal', 'axes', 'direction', 'uniform', 'impulsive', 'correlated', 'varying'}
-            Gaussian along the normal, along each axis, along a random direction; uniform along
-            each axis; Gaussian along a random direction at a fraction of the vertices; Gaussian
-            along the normal, correlated over two edges, or with a level that varies over the
-            surface.
-        share : float
-            Fraction of vertices that `impulsive` noise moves.
+        kind : str
+            - `normal`: Gaussian along the normal
+            - `axes`: Gaussian along each axis
+            - `direction`: Gaussian along a random direction
+            - `uniform`: uniform along each axis
+            - `impulsive`: as `direction`, at a fraction of the vertices
+            - `correlated`: Gaussian along the normal, correlated over a few edges
+            - `varying`: Gaussian along the normal, with a level that varies over the surface
+            - `rays`: Gaussian along the ray from the camera
+            - `depth-camera`: one view of a depth camera, with rounded disparities
+            - `fused`: fused views of a depth camera, waves along the normal many edges long
+        fraction : float, optional
+            Fraction of vertices that `impulsive` noise moves (0.25).
+        length : float, optional
+            Correlation length in mean edge lengths, where the correlation is 1/e, of `correlated`
+            (2), `depth-camera` (8) and `fused` (25).
+        camera : array_like of 3 floats, optional
+            Position of the camera of `rays` and `depth-camera`; by default three diagonals of the
+            bounding box from its centre along +z.
         seed : int
             The same seed gives the same noise on every machine.
         threads : int, optional
@@ -210,12 +234,24 @@ class Moving(Base):
         Returns
         -------
         Mesh
+
+        Raises
+        ------
+        OptionError
+            For options that are out of range or do not belong to the kind.
+        ComputationError
+            If a vertex is not in front of the camera.
         """
-        if kind in ("normal", "correlated", "varying"):
+        if kind in ("normal", "correlated", "varying", "fused"):
             self._warn_of_orientation()
+        parameters = (
+            None if fraction is None else float(fraction),
+            None if length is None else float(length),
+            None if camera is None else _arrays.point(camera, "camera"),
+        )
         with running(threads, None) as call:
             core = _core.noise(
-                self._core, float(sigma), unit, kind, float(share), _arrays.whole(seed, "seed"), call
+                self._core, float(sigma), unit, kind, parameters, _arrays.whole(seed, "seed"), call
             )
         return self._moved(core)
 

@@ -3,9 +3,29 @@
 use fairing_evaluation::{NoiseKind, NoiseLevel, ScoreOptions, Scores, add_noise};
 use pyo3::prelude::*;
 
+use crate::error::{Error, Result};
 use crate::mesh::Mesh;
-use crate::options::choose;
+use crate::options::{choose, named};
 use crate::run::Call;
+
+/// The kind of noise of a name, with the fraction, length and camera that are given.
+fn noise_kind(
+    name: &str,
+    (fraction, length, camera): (Option<f64>, Option<f64>, Option<[f64; 3]>),
+) -> Result<NoiseKind> {
+    let mut kind: NoiseKind = named(name)?;
+    let refused = |option: &str| Error::option(format!("{name} noise has no {option}"));
+    if let Some(fraction) = fraction {
+        kind = kind.with_fraction(fraction).ok_or_else(|| refused("fraction"))?;
+    }
+    if let Some(length) = length {
+        kind = kind.with_length(length).ok_or_else(|| refused("length"))?;
+    }
+    if let Some(camera) = camera {
+        kind = kind.with_camera(camera).ok_or_else(|| refused("camera"))?;
+    }
+    Ok(kind)
+}
 
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "named in Python")]
@@ -15,7 +35,7 @@ fn noise(
     sigma: f64,
     unit: &str,
     kind: &str,
-    share: f64,
+    parameters: (Option<f64>, Option<f64>, Option<[f64; 3]>),
     seed: u64,
     call: Call,
 ) -> PyResult<Mesh> {
@@ -26,16 +46,7 @@ fn noise(
         ("diagonal", NoiseLevel::Diagonals),
     ];
     let level = choose("unit", unit, &levels)?(sigma);
-    let kinds = [
-        ("normal", NoiseKind::GaussianAlongNormals),
-        ("axes", NoiseKind::GaussianPerAxis),
-        ("direction", NoiseKind::GaussianAlongDirections),
-        ("uniform", NoiseKind::UniformPerAxis),
-        ("impulsive", NoiseKind::Impulsive { share }),
-        ("correlated", NoiseKind::Correlated { reach: 2.0 }),
-        ("varying", NoiseKind::Varying),
-    ];
-    let kind = choose("kind", kind, &kinds)?;
+    let kind = noise_kind(kind, parameters)?;
     let mesh = mesh.share();
     Ok(call.run(py, move || Ok(add_noise(&mesh, kind, level, seed)?))?.into())
 }

@@ -300,13 +300,23 @@ def test_noise_denoise_compare() -> None:
     assert after.units["normal_mean"] == "°" and "normal angle" in repr(after)
     other = pf.compare(pf.shapes.icosphere(2), cube)
     assert "normal_mean" in other.missing and "normal_mean" not in other
-    for kind in ("normal", "axes", "direction", "uniform", "impulsive", "correlated", "varying"):
+    kinds = ("normal", "axes", "direction", "uniform", "impulsive", "correlated", "varying", "rays")
+    for kind in (*kinds, "depth-camera", "fused"):
         assert cube.noise(0.1, kind=kind) != cube  # type: ignore[arg-type]
+    given = cube.noise(0.1, kind="impulsive", fraction=0.25), cube.noise(0.1, kind="fused", length=25)
+    assert given == (cube.noise(0.1, kind="impulsive"), cube.noise(0.1, kind="fused"))
+    camera = np.array([1.0, 2.0, 9.0])
+    moved = cube.noise(0.1, kind="rays", camera=camera).vertices - cube.vertices
+    assert np.abs(np.cross(moved, cube.vertices - camera)).max() < 1e-12
     for bad in (
         {"sigma": -1.0},
         {"sigma": float("nan")},
         {"sigma": 1.0, "unit": "inch"},
         {"sigma": 1.0, "seed": -1},
+        {"sigma": 1.0, "fraction": 0.5},
+        {"sigma": 1.0, "kind": "fused", "length": 0.0},
+        {"sigma": 1.0, "kind": "fused", "camera": [0, 0, 9]},
+        {"sigma": 1.0, "kind": "rays", "camera": [0, 0]},
     ):
         with pytest.raises(pf.OptionError):
             cube.noise(**bad)

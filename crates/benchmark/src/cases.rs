@@ -130,8 +130,8 @@ const PLAN: [(Triangulation, NoiseKind, &[f64]); 7] = [
     (Triangulation::Irregular, NoiseKind::GaussianPerAxis, &[0.2, 0.1, 0.3, 0.05]),
     (Triangulation::Anisotropic, NoiseKind::GaussianAlongNormals, &[0.1, 0.2, 0.05, 0.15]),
     (Triangulation::Graded, NoiseKind::GaussianAlongNormals, &[0.2, 0.1, 0.3, 0.15]),
-    (Triangulation::Irregular, NoiseKind::Correlated { reach: 2.0 }, &[0.2, 0.1, 0.3, 0.15]),
-    (Triangulation::Regular, NoiseKind::Impulsive { share: 0.25 }, &[0.5, 0.3, 0.7, 0.4]),
+    (Triangulation::Irregular, NoiseKind::Correlated { length: 2.0 }, &[0.2, 0.1, 0.3, 0.15]),
+    (Triangulation::Regular, NoiseKind::Impulsive { fraction: 0.25 }, &[0.5, 0.3, 0.7, 0.4]),
     (Triangulation::Irregular, NoiseKind::Varying, &[0.2, 0.3, 0.1, 0.4]),
 ];
 

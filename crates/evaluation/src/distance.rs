@@ -45,6 +45,19 @@ impl SurfaceDistance {
     }
 }
 
+/// The mesh with each vertex at the closest point of the surface of `reference`: the truth of a
+/// mesh whose vertices are not those of its model, as of fused views. (V + F) log F.
+///
+/// # Errors
+///
+/// [`EvaluationError::NoFaces`] for a reference without faces, [`EvaluationError::Positions`]
+/// if the moved vertices are not a valid mesh.
+pub fn at_closest_points(mesh: &TriMesh, reference: &TriMesh) -> Result<TriMesh, EvaluationError> {
+    let closest = tree(reference, "reference")?.closest_to_all(mesh.positions());
+    let positions = closest.into_iter().map(|closest| closest.point).collect();
+    mesh.with_positions(positions).map_err(EvaluationError::Positions)
+}
+
 /// The distances of the vertices of `mesh` from the surface of `reference`,
 /// exact to rounding. Isolated vertices do not count. (V + F) log F.
 ///

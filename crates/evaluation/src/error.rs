@@ -14,6 +14,14 @@ pub enum EvaluationError {
     /// The moved vertices are not a valid mesh.
     #[error("the positions do not form a valid mesh")]
     Positions(#[source] BuildError),
+    /// A camera sees only vertices in front of it.
+    #[error("vertex {vertex} is not in front of the camera at {camera:?}")]
+    NotInFront {
+        /// The first such vertex.
+        vertex: u32,
+        /// The position of the camera.
+        camera: [f64; 3],
+    },
     /// A mesh without faces has no surface to measure distances to.
     #[error("the {which} has no faces")]
     NoFaces {

@@ -38,8 +38,8 @@ mod triangle;
 pub use correspondence::check_correspondence;
 pub use curvature_error::curvature_error;
 pub use distance::{
-    SurfaceDistance, VertexDisplacement, VertexDistance, surface_distance, vertex_displacement,
-    vertex_distance,
+    SurfaceDistance, VertexDisplacement, VertexDistance, at_closest_points, surface_distance,
+    vertex_displacement, vertex_distance,
 };
 pub use drift::{Drift, drift, flipped_faces};
 pub use error::EvaluationError;

