@@ -167,6 +167,14 @@ def noise(
     seed: int,
     call: Call,
 ) -> Mesh: ...
+def scan(
+    mesh: Mesh,
+    views: tuple[list[float] | None, list[float] | None],
+    size: tuple[int, int],
+    field_of_view: float | None,
+    jump: float,
+    call: Call,
+) -> tuple[Mesh, list[float]]: ...
 def compare(
     mesh: Mesh, reference: Mesh, hausdorff_tolerance: float, feature_angle: float, call: Call
 ) -> tuple[float, list[tuple[str, str, str, float | None, str | None]], str]: ...

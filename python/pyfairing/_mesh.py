@@ -161,7 +161,7 @@ class Mesh(Computing, Moving):
 
     @property
     def report(self) -> Mapping[str, Any]:
-        """Report of the operation that made the mesh: a reader, a flow or a denoiser."""
+        """Report of the operation that made the mesh: a reader, a flow, a scan or a denoiser."""
         return self._report
 
     @property

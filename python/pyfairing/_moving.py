@@ -256,6 +256,69 @@ class Moving(Base):
         return self._moved(core)
 
     @documented
+    def scan(
+        self,
+        camera: npt.ArrayLike | None = None,
+        look_at: npt.ArrayLike | None = None,
+        *,
+        size: tuple[int, int] = (320, 240),
+        field_of_view: float | None = None,
+        jump: float = 5.0,
+        threads: int | None = None,
+    ) -> Self:
+        """The mesh as a depth camera sees it: the depth image as a mesh, without noise.
+
+        The truth of a sensor's mesh, which `noise` makes of it. +y is up, or +z for a camera that
+        looks along y.
+
+        Parameters
+        ----------
+        camera : array_like of 3 floats, optional
+            Position of the camera; by default three diagonals of the bounding box from its centre
+            along +z.
+        look_at : array_like of 3 floats, optional
+            Point in the middle of the image; by default the centre of the bounding box.
+        size : (int, int)
+            Columns and rows of pixels, each from 2 to 2048.
+        field_of_view : float, optional
+            Horizontal, in degrees; by default the smallest that shows the whole mesh.
+        jump : float
+            The largest difference of depth along an edge, in widths of a pixel: triangles with a
+            longer edge are left out.
+        threads : int, optional
+            Maximum number of threads.
+
+        Returns
+        -------
+        Mesh
+            Without fields; `Mesh.report` has the position of the camera.
+
+        Raises
+        ------
+        OptionError
+            For options that are out of range.
+        ComputationError
+            If the camera is inside of the mesh or sees nothing of it.
+
+        Examples
+        --------
+        >>> import pyfairing as pf
+        >>> truth = pf.shapes.icosphere(4).scan([3, 1, 2], size=(80, 60))
+        >>> noisy = truth.noise(0.67, kind="depth-camera", camera=truth.report["camera"])
+        >>> (noisy.faces == truth.faces).all()
+        np.True_
+        """
+        views = (
+            None if camera is None else _arrays.point(camera, "camera"),
+            None if look_at is None else _arrays.point(look_at, "look_at"),
+        )
+        columns, rows = (_arrays.whole(pixels, "size") for pixels in size)
+        angle = None if field_of_view is None else float(field_of_view)
+        with running(threads, None) as call:
+            core, eye = _core.scan(self._core, views, (columns, rows), angle, float(jump), call)
+        return self._of(core, None, {"camera": eye})
+
+    @documented
     def noise_level(self, *, threads: int | None = None, progress: Progress = None) -> NoiseLevel | None:
         """Estimates the noise along the vertex normals.
 

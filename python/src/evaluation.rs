@@ -1,6 +1,6 @@
 //! Noise and scores.
 
-use fairing_evaluation::{NoiseKind, NoiseLevel, ScoreOptions, Scores, add_noise};
+use fairing_evaluation::{NoiseKind, NoiseLevel, ScanOptions, ScoreOptions, Scores, add_noise};
 use pyo3::prelude::*;
 
 use crate::error::{Error, Result};
@@ -51,6 +51,24 @@ fn noise(
     Ok(call.run(py, move || Ok(add_noise(&mesh, kind, level, seed)?))?.into())
 }
 
+/// The scanned mesh, and the position of the camera.
+#[pyfunction]
+fn scan(
+    py: Python<'_>,
+    mesh: &Mesh,
+    views: (Option<[f64; 3]>, Option<[f64; 3]>),
+    size: [u32; 2],
+    field_of_view: Option<f64>,
+    jump: f64,
+    call: Call,
+) -> PyResult<(Mesh, [f64; 3])> {
+    let mesh = mesh.share();
+    let (camera, look_at) = views;
+    let options = ScanOptions { camera, look_at, size, field_of_view, jump };
+    let scan = call.run(py, move || Ok(fairing_evaluation::scan(&mesh, &options)?))?;
+    Ok((scan.mesh.into(), scan.camera))
+}
+
 /// Name, label, unit, value, and the reason if there is no value.
 type Entry = (&'static str, &'static str, String, Option<f64>, Option<String>);
 
@@ -77,5 +95,6 @@ fn compare(
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(noise, module)?)?;
+    module.add_function(wrap_pyfunction!(scan, module)?)?;
     module.add_function(wrap_pyfunction!(compare, module)?)
 }

@@ -322,6 +322,23 @@ def test_noise_denoise_compare() -> None:
             cube.noise(**bad)
 
 
+def test_scan() -> None:
+    sphere = pf.shapes.icosphere(4)
+    truth = sphere.scan([3, 1, 2], size=(80, 60))
+    assert truth.report["camera"] == [3.0, 1.0, 2.0]
+    radius = np.linalg.norm(truth.vertices, axis=1)
+    assert 0.99 < radius.min() and radius.max() < 1 + 1e-12
+    noisy = truth.noise(0.67, kind="depth-camera", camera=truth.report["camera"], seed=3)
+    moved = np.linalg.norm(noisy.vertices - truth.vertices, axis=1)
+    assert np.sqrt((moved**2).mean()) == pytest.approx(0.67 * truth.mean_edge_length, rel=0.02)
+    assert sphere.scan() == sphere.scan([0, 0, 3 * sphere.diagonal], [0, 0, 0], threads=1)
+    for bad in ({"size": (1, 60)}, {"field_of_view": 180}, {"jump": 0}, {"camera": [1, 2]}):
+        with pytest.raises(pf.OptionError):
+            sphere.scan(**bad)
+    with pytest.raises(pf.ComputationError, match="inside of the mesh"):
+        sphere.scan([0.1, 0, 0], field_of_view=60)
+
+
 @pytest.mark.parametrize("method", pf.DENOISERS)
 def test_every_denoiser(method: str) -> None:
     noisy = pf.shapes.cube(6).noise(0.2)

@@ -22,6 +22,14 @@ pub enum EvaluationError {
         /// The position of the camera.
         camera: [f64; 3],
     },
+    /// A camera has no view of the mesh.
+    #[error("the camera at {camera:?} {reason}")]
+    NoView {
+        /// The position of the camera.
+        camera: [f64; 3],
+        /// The reason, in words that follow the camera.
+        reason: &'static str,
+    },
     /// A mesh without faces has no surface to measure distances to.
     #[error("the {which} has no faces")]
     NoFaces {

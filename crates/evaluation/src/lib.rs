@@ -1,4 +1,4 @@
-//! Noise models, distances, drift and scores for triangle meshes.
+//! Noise models, scans, distances, drift and scores for triangle meshes.
 //!
 //! Noise is seeded, and its type names its unit. Distances are between surfaces,
 //! in double precision. Scores that compare element by element need meshes with
@@ -31,6 +31,7 @@ mod noise;
 mod normal;
 mod normal_error;
 mod orders;
+mod scan;
 mod scores;
 mod surface_tree;
 mod triangle;
@@ -49,5 +50,6 @@ pub use intersections::self_intersections;
 pub use noise::{NoiseKind, NoiseLevel, add_noise};
 pub use normal_error::{NormalAngles, normal_error};
 pub use orders::{observed_order_steps, observed_orders};
+pub use scan::{Scan, ScanOptions, scan};
 pub use scores::{Score, ScoreOptions, ScoreUnit, Scores};
 pub use surface_tree::{Closest, SurfaceTree};

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::OnceLock;
 
+use fairing_evaluation::vertex_distance;
 use fairing_mesh::TriMesh;
 use fairing_mesh::io::{self, VertexFields, WriteOptions};
 use fairing_operators::curvature::laplacian_curvature;
@@ -316,6 +317,7 @@ fn options_that_would_be_ignored_are_errors() {
         ("noise torus.ply -o x.ply --sigma 0.1 --fraction 0.5", ["--fraction", "normal"]),
         ("noise torus.ply -o x.ply --sigma 0.1 --kind rays --length 2", ["--length", "rays"]),
         ("noise torus.ply -o x.ply --sigma 0.1 --camera 0,0,9", ["--camera", "normal"]),
+        ("scan torus.ply -o x.ply --length 3", ["--length", "--sigma"]),
         ("convert torus.ply x.obj --ascii", ["--ascii", "OBJ"]),
         ("convert torus.ply x.stl --single", ["--single", "STL"]),
         ("render torus.ply -o x.png --map hue", ["--map", "--field"]),
@@ -324,6 +326,32 @@ fn options_that_would_be_ignored_are_errors() {
         assert!(names.iter().all(|name| said.contains(name)), "{line}: {said}");
     }
     assert_eq!(files(folder.path()), ["torus.ply"]);
+}
+
+/// A scan and its truth have the same faces; the truth lies on the model, and the noise on rays.
+#[test]
+fn scan_writes_a_noisy_mesh_and_its_truth() {
+    let folder = folder_with_torus();
+    let line = "scan torus.ply --camera 0,-9,6 --size 80x60 --sigma 0.67 --seed 3";
+    run(folder.path(), &format!("{line} -o noisy.ply --truth truth.ply"));
+    let read = |name: &str| io::read(folder.path().join(name)).unwrap().mesh;
+    let (noisy, truth) = (read("noisy.ply"), read("truth.ply"));
+    assert_eq!(noisy.faces(), truth.faces());
+    assert!(vertex_distance(&truth, &read("torus.ply")).unwrap().max < 1e-12);
+    let mut squares = 0.0;
+    for (p, q) in noisy.positions().iter().zip(truth.positions()) {
+        let [x, y, z] = [q[0], q[1] + 9.0, q[2] - 6.0];
+        let [u, v, w] = [0, 1, 2].map(|k| p[k] - q[k]);
+        let across = [v * z - w * y, w * x - u * z, u * y - v * x];
+        assert!(across.iter().all(|c| c.abs() < 1e-10), "{across:?}");
+        squares += u * u + v * v + w * w;
+    }
+    let rms = (squares / truth.vertex_count() as f64).sqrt();
+    assert!((rms / (0.67 * truth.mean_edge_length()) - 1.0).abs() < 0.02);
+    run(folder.path(), &format!("{line} -o again.ply --threads 1"));
+    assert_eq!(read("again.ply"), noisy);
+    let said = refuse(folder.path(), "scan torus.ply -o x.ply --camera 3,0,0 --fov 60", 1);
+    assert!(said.contains("the camera at [3.0, 0.0, 0.0] is inside of the mesh"), "{said}");
 }
 
 /// Denoisers and estimators have the flags of their tables, and each flag has an effect.

@@ -43,6 +43,9 @@ fn lines() -> Vec<String> {
         Denoiser::all().into_iter().map(|d| format!("denoise noisy.ply -o out.ply --method {d}"));
     let others = [
         "noise one.ply -o out.ply --sigma 0.2 --kind axes",
+        "noise one.ply -o out.ply --sigma 0.2 --kind depth-camera",
+        "noise one.ply -o out.ply --sigma 0.2 --kind fused",
+        "scan one.ply -o out.ply --size 64x48 --sigma 0.3",
         "reconstruct noisy.ply -k 9 -o out.ply",
     ];
     smooth.chain(denoise).chain(others.map(str::to_owned)).collect()

@@ -15,13 +15,14 @@ fn folder_with_torus() -> tempfile::TempDir {
 }
 
 /// The verbs that write, each with a valid output.
-const WRITERS: [(&str, &str); 8] = [
+const WRITERS: [(&str, &str); 9] = [
     ("convert torus.ply", "a.obj"),
     ("curvature torus.ply -o", "a.ply"),
     ("spectrum torus.ply -k 3 -o", "a.npz"),
     ("reconstruct torus.ply -k 3 -o", "a.obj"),
     ("smooth torus.ply -o", "a.off"),
     ("noise torus.ply --sigma 0.1 -o", "a.ply"),
+    ("scan torus.ply --size 40x30 -o", "a.ply"),
     ("denoise torus.ply -o", "a.stl"),
     ("render torus.ply --size 40x30 -o", "a.png"),
 ];

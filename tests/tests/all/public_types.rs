@@ -209,6 +209,8 @@ all_shared!(
     fairing::evaluation::NoiseKind,
     fairing::evaluation::NoiseLevel,
     fairing::evaluation::NormalAngles,
+    fairing::evaluation::Scan,
+    fairing::evaluation::ScanOptions,
     fairing::evaluation::Score,
     fairing::evaluation::ScoreOptions,
     fairing::evaluation::ScoreUnit,

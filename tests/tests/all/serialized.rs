@@ -8,7 +8,8 @@ use fairing::denoising::{
     TotalVariationOptions, noise_level,
 };
 use fairing::evaluation::{
-    Drift, Hausdorff, NoiseKind, NoiseLevel, NormalAngles, ScoreOptions, Scores, add_noise,
+    Drift, Hausdorff, NoiseKind, NoiseLevel, NormalAngles, ScanOptions, ScoreOptions, Scores,
+    add_noise,
 };
 use fairing::figure::{
     Background, ColorMap, ColoringOptions, RenderOptions, ScaleOptions, Shading, Viewpoint,
@@ -65,6 +66,7 @@ fn options_may_be_left_out_and_are_checked_by_name() {
     check_options::<L0Options>();
     check_options::<NonIterativeOptions>();
     check_options::<TotalVariationOptions>();
+    check_options::<ScanOptions>();
     check_options::<ScoreOptions>();
     check_options::<RenderOptions>();
     check_options::<Wireframe>();

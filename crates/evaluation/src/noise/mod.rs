@@ -16,6 +16,7 @@ use rand_chacha::ChaCha8Rng;
 use crate::EvaluationError;
 pub use kind::NoiseKind;
 pub use level::NoiseLevel;
+pub(crate) use rays::camera_and_centre;
 
 /// Adds noise to the vertices; faces and topology are shared with the input.
 ///

@@ -22,7 +22,10 @@ const TRIALS: usize = 16;
 /// # Errors
 ///
 /// [`OptionError`] for a coordinate that is not finite or beyond those of all meshes.
-pub(crate) fn placed(mesh: &TriMesh, camera: Option<[f64; 3]>) -> Result<[DVec3; 2], OptionError> {
+pub(crate) fn camera_and_centre(
+    mesh: &TriMesh,
+    camera: Option<[f64; 3]>,
+) -> Result<[DVec3; 2], OptionError> {
     let [low, high] = mesh.bounding_box().unwrap_or_default().map(DVec3::from);
     let centre = 0.5 * low + 0.5 * high;
     let eye = camera.map_or(centre + 3.0 * mesh.diagonal() * DVec3::Z, DVec3::from);
@@ -39,7 +42,7 @@ pub(super) fn along_rays(
     camera: Option<[f64; 3]>,
     rng: &mut ChaCha8Rng,
 ) -> Result<Vec<DVec3>, EvaluationError> {
-    let [eye, _] = placed(mesh, camera)?;
+    let [eye, _] = camera_and_centre(mesh, camera)?;
     let along = |(v, &p): (usize, &[f64; 3])| {
         let ray = DVec3::from(p) - eye;
         let unit = ray.try_normalize().ok_or_else(|| unseen(v, eye))?;
@@ -78,7 +81,7 @@ impl View {
         camera: Option<[f64; 3]>,
         errors: Vec<f64>,
     ) -> Result<Self, EvaluationError> {
-        let [eye, centre] = placed(mesh, camera)?;
+        let [eye, centre] = camera_and_centre(mesh, camera)?;
         let axis = (centre - eye).normalize_or_zero();
         let rays: Vec<DVec3> = mesh.positions().iter().map(|&p| DVec3::from(p) - eye).collect();
         let depths: Vec<f64> = rays.iter().map(|ray| ray.dot(axis)).collect();

@@ -3,9 +3,9 @@
 use anyhow::Result;
 use fairing_figure::Up;
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, distance, scale};
 use fairing_shapes as shapes;
 use fairing_smoothing::{ConformalizedMcf, conformalized_mean_curvature_flow};
+use glam::DVec3;
 
 use super::gallery::{Gallery, Look, VIEWPOINTS};
 use crate::experiment::Context;
@@ -62,14 +62,14 @@ pub(super) fn table(levels: &[u32]) -> Result<Table> {
 
 /// The distance of each vertex from the sphere of mean radius about the centroid, over that radius.
 fn off_sphere(mesh: &TriMesh) -> Vec<f64> {
-    let mut centre = [0.0; 3];
+    let mut centre = DVec3::ZERO;
     for f in 0..mesh.face_count() {
         for p in mesh.triangle(f) {
-            centre = add(centre, scale(p, mesh.face_area(f) / 3.0));
+            centre += DVec3::from(p) * (mesh.face_area(f) / 3.0);
         }
     }
-    centre = scale(centre, 1.0 / mesh.area());
-    let radii: Vec<f64> = mesh.positions().iter().map(|&p| distance(p, centre)).collect();
+    centre *= 1.0 / mesh.area();
+    let radii: Vec<f64> = mesh.positions().iter().map(|&p| centre.distance(p.into())).collect();
     let mean = radii.iter().sum::<f64>() / radii.len() as f64;
     radii.iter().map(|r| r / mean - 1.0).collect()
 }

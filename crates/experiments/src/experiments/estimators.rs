@@ -5,9 +5,9 @@ use std::time::Instant;
 use anyhow::{Context as _, Result};
 use fairing_figure::{Axis, Figure, Legend, Panel, Plot, Series};
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{cross, dot, norm};
 use fairing_operators::curvature::{CurvatureField, Estimator};
 use fairing_operators::surface::PointCurvature;
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::every_estimator::EveryEstimator;
@@ -264,8 +264,8 @@ fn angle(field: &CurvatureField, defined: &[(usize, PointCurvature)]) -> Option<
         .iter()
         .filter(|(_, c)| split(c) > 0.1 * largest)
         .map(|(v, c)| {
-            let (found, truth) = (first[*v], c.directions[0]);
-            libm::atan2(norm(cross(found, truth)), dot(found, truth).abs()).to_degrees()
+            let (found, truth) = (DVec3::from(first[*v]), DVec3::from(c.directions[0]));
+            libm::atan2(found.cross(truth).length(), found.dot(truth).abs()).to_degrees()
         })
         .collect();
     let square = angles.iter().map(|a| a * a).sum::<f64>();

@@ -6,10 +6,10 @@ use fairing_evaluation::{
 };
 use fairing_figure::{Axis, Figure, Legend, Panel as FigurePanel, Plot, Series, Up};
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::norm;
 use fairing_operators::{LaplacianKind, LumpedArea};
 use fairing_shapes as shapes;
 use fairing_smoothing::{Diffusion, Implicit, Method, Time, Update, implicit};
+use glam::DVec3;
 
 use super::conformal;
 use super::gallery::{Gallery, Look, VIEWPOINTS, plotted};
@@ -169,7 +169,7 @@ fn spheres(finest: u32) -> Result<Table> {
             })
         };
         let shrunk = implicit(&sphere, &options, None)?.mesh;
-        let sum: f64 = shrunk.positions().iter().map(|&p| norm(p)).sum();
+        let sum: f64 = shrunk.positions().iter().map(|&p| DVec3::from(p).length()).sum();
         h.push(sphere.mean_edge_length());
         steps.push(count);
         radii.push(sum / shrunk.vertex_count() as f64);

@@ -3,10 +3,10 @@
 use anyhow::{Context as _, Result};
 use fairing_evaluation::{SurfaceTree, drift, feature_edges, normal_error, vertex_displacement};
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, cross, dot, normalize, scale, sub};
 use fairing_smoothing::{
     Diffusion, Explicit, FlowError, Implicit, Smoothed, Stability, explicit, implicit,
 };
+use glam::DVec3;
 
 use crate::experiment::Context;
 use crate::inputs::Input;
@@ -104,8 +104,8 @@ impl Model {
             let squares: Vec<f64> = (0..mesh.vertex_count())
                 .filter(|&v| boundary[v] == border)
                 .map(|v| {
-                    let d = sub(mesh.positions()[v], self.noisy.positions()[v]);
-                    dot(d, d)
+                    let [p, q] = [mesh, &self.noisy].map(|m| DVec3::from(m.positions()[v]));
+                    p.distance_squared(q)
                 })
                 .collect();
             let n = squares.len() as f64;
@@ -202,20 +202,20 @@ pub(super) fn slug(text: &str) -> String {
 
 /// The mesh with every vertex on its plane of least squared distances.
 fn flattened(mesh: &TriMesh) -> Result<TriMesh> {
-    let x = mesh.positions();
-    let centre = scale(x.iter().fold([0.0; 3], |s, &p| add(s, p)), 1.0 / x.len() as f64);
-    let vectors = (0..mesh.face_count()).map(|f| mesh.area_vector(f));
+    let x: Vec<DVec3> = mesh.positions().iter().map(|&p| p.into()).collect();
+    let centre = x.iter().sum::<DVec3>() * (1.0 / x.len() as f64);
+    let vectors = (0..mesh.face_count()).map(|f| DVec3::from(mesh.area_vector(f)));
     let mut normal =
-        normalize(vectors.fold([0.0; 3], add)).context("the patch has no mean normal")?;
+        vectors.sum::<DVec3>().try_normalize().context("the patch has no mean normal")?;
     // The height over the plane is fitted by au + bv; the best plane is where a = b = 0.
     for _ in 0..20 {
-        let axis = if normal[0].abs() < 0.6 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
-        let e1 = normalize(cross(normal, axis)).context("a normal without length")?;
-        let e2 = cross(normal, e1);
+        let axis = if normal.x.abs() < 0.6 { DVec3::X } else { DVec3::Y };
+        let e1 = normal.cross(axis).try_normalize().context("a normal without length")?;
+        let e2 = normal.cross(e1);
         let mut s = [0.0; 5];
-        for &p in x {
-            let d = sub(p, centre);
-            let (u, v, w) = (dot(d, e1), dot(d, e2), dot(d, normal));
+        for &p in &x {
+            let d = p - centre;
+            let (u, v, w) = (d.dot(e1), d.dot(e2), d.dot(normal));
             for (s, term) in s.iter_mut().zip([u * u, u * v, v * v, u * w, v * w]) {
                 *s += term;
             }
@@ -223,10 +223,10 @@ fn flattened(mesh: &TriMesh) -> Result<TriMesh> {
         let determinant = s[0] * s[2] - s[1] * s[1];
         let a = (s[3] * s[2] - s[4] * s[1]) / determinant;
         let b = (s[4] * s[0] - s[3] * s[1]) / determinant;
-        let tilted = sub(normal, add(scale(e1, a), scale(e2, b)));
-        normal = normalize(tilted).context("the patch is a line")?;
+        let tilted = normal - (a * e1 + b * e2);
+        normal = tilted.try_normalize().context("the patch is a line")?;
     }
-    let flat = x.iter().map(|&p| sub(p, scale(normal, dot(sub(p, centre), normal))));
+    let flat = x.iter().map(|&p| (p - (p - centre).dot(normal) * normal).to_array());
     Ok(mesh.with_positions(flat.collect())?)
 }
 

@@ -3,8 +3,8 @@
 use anyhow::{Context as _, Result};
 use fairing_figure::{Axis, Figure, Legend, Panel as FigurePanel, Plot, Series, Up};
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, norm, scale, sub};
 use fairing_smoothing::{FlowError, Smoothed};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::gallery::{Gallery, Look, VIEWPOINTS, plotted};
@@ -300,7 +300,7 @@ fn drawn(mesh: &TriMesh, input: &TriMesh) -> Result<(TriMesh, String)> {
     if growth < POINT {
         return Ok((mesh.clone(), " (a point)".into()));
     }
-    let area: f64 = (0..mesh.face_count()).map(|f| norm(mesh.area_vector(f))).sum();
+    let area: f64 = (0..mesh.face_count()).map(|f| DVec3::from(mesh.area_vector(f)).length()).sum();
     let is_line = area < LINE * mesh.diagonal().powi(2);
     if (SMALL..=DIVERGED).contains(&growth) {
         return Ok((mesh.clone(), String::new()));
@@ -316,12 +316,13 @@ fn drawn(mesh: &TriMesh, input: &TriMesh) -> Result<(TriMesh, String)> {
 /// The mesh scaled about its mean to the size of another, so that both fit in one picture.
 fn fitted(mesh: &TriMesh, like: &TriMesh) -> Result<TriMesh> {
     let mean = |m: &TriMesh| {
-        let n = m.vertex_count() as f64;
-        scale(m.positions().iter().fold([0.0; 3], |s, &p| add(s, p)), 1.0 / n)
+        let sum: DVec3 = m.positions().iter().map(|&p| DVec3::from(p)).sum();
+        sum * (1.0 / m.vertex_count() as f64)
     };
     let factor = like.diagonal() / mesh.diagonal();
     let (from, to) = (mean(mesh), mean(like));
-    let moved = mesh.positions().iter().map(|&p| add(to, scale(sub(p, from), factor)));
+    let moved =
+        mesh.positions().iter().map(|&p| (to + factor * (DVec3::from(p) - from)).to_array());
     Ok(mesh.with_positions(moved.collect())?)
 }
 

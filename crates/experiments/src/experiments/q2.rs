@@ -4,11 +4,11 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use anyhow::{Context as _, Result, ensure};
 use fairing_figure::{Axis, Figure, Legend, Panel, Plot, Series};
-use fairing_mesh::vec3::{cross, dot, norm, scale};
 use fairing_operators::LumpedArea;
 use fairing_operators::curvature::{CotangentOptions, Estimator};
 use fairing_operators::surface::{ClosedForms, Ellipsoid, ParametricSurface};
 use fairing_shapes as shapes;
+use glam::DVec3;
 
 use super::gallery::plotted;
 use crate::experiment::{Card, Context, Experiment};
@@ -181,16 +181,20 @@ fn forms() -> Result<Table> {
 /// κₙ along y at (a, 0, 0) from values of p alone.
 fn difference_curvature([a, b, c]: [f64; 3]) -> f64 {
     let p = |u: f64, v: f64| {
-        [a * libm::cos(u) * libm::sin(v), b * libm::sin(u) * libm::sin(v), c * libm::cos(v)]
+        DVec3::new(
+            a * libm::cos(u) * libm::sin(v),
+            b * libm::sin(u) * libm::sin(v),
+            c * libm::cos(v),
+        )
     };
     let (u, v, h) = (0.0, FRAC_PI_2, STEP);
-    let difference = |x: [f64; 3], y: [f64; 3]| [0, 1, 2].map(|k| (x[k] - y[k]) / (2.0 * h));
+    let difference = |x: DVec3, y: DVec3| (x - y) / (2.0 * h);
     let pu = difference(p(u + h, v), p(u - h, v));
     let pv = difference(p(u, v + h), p(u, v - h));
     let (plus, here, minus) = (p(u + h, v), p(u, v), p(u - h, v));
-    let puu = [0, 1, 2].map(|k| (plus[k] - 2.0 * here[k] + minus[k]) / (h * h));
-    let normal = cross(pu, pv);
-    dot(puu, scale(normal, 1.0 / norm(normal))) / dot(pu, pu)
+    let puu = (plus - 2.0 * here + minus) / (h * h);
+    let normal = pu.cross(pv);
+    puu.dot(normal * (1.0 / normal.length())) / pu.dot(pu)
 }
 
 /// κₙ over θ.

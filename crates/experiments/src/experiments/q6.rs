@@ -5,9 +5,9 @@ use std::time::Instant;
 use anyhow::Result;
 use fairing_evaluation::vertex_displacement;
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, dot, scale, sub};
 use fairing_shapes as shapes;
 use fairing_smoothing::{Approach, Diffusion, Implicit, implicit};
+use glam::DVec3;
 
 use super::models::Model;
 use super::over_lambda::{self, OverLambda, SWEPT};
@@ -337,13 +337,11 @@ fn limit(models: &[Model]) -> Result<Table> {
             .map(|v| topology.neighbors(v).len() as f64)
             .collect();
         let total: f64 = degree.iter().sum();
-        let weighted = model.noisy.positions().iter().zip(&degree).map(|(&p, &d)| scale(p, d));
-        let centre = scale(weighted.fold([0.0; 3], add), 1.0 / total);
+        let weighted =
+            model.noisy.positions().iter().zip(&degree).map(|(&p, &d)| d * DVec3::from(p));
+        let centre = weighted.sum::<DVec3>() * (1.0 / total);
         let spread = |mesh: &TriMesh| {
-            let squares = mesh.positions().iter().map(|&p| {
-                let d = sub(p, centre);
-                dot(d, d)
-            });
+            let squares = mesh.positions().iter().map(|&p| centre.distance_squared(p.into()));
             (squares.sum::<f64>() / degree.len() as f64).sqrt()
         };
         for exponent in [2, 4, 6, 8] {
@@ -372,9 +370,9 @@ fn spheres(context: &Context<'_>) -> Result<Table> {
         let sphere = shapes::icosphere(level);
         let x = sphere.positions();
         let edges = sphere.topology().edges();
-        let squares = edges.iter().map(|&[a, b]| {
-            let d = sub(x[a as usize], x[b as usize]);
-            dot(d, d)
+        let squares = edges.iter().map(|edge| {
+            let [a, b] = edge.map(|v| DVec3::from(x[v as usize]));
+            a.distance_squared(b)
         });
         let h2 = squares.sum::<f64>() / edges.len() as f64;
         for (lambda, n) in [(5.0, 10), (5.0, 50), (100.0, 10)] {

@@ -2,9 +2,9 @@
 //! estimators.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{cross, dot, norm, sub};
 use fairing_operators::surface::{ImplicitSurface, PointCurvature, WavyGraph};
 use fairing_shapes as shapes;
+use glam::DVec3;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
@@ -163,9 +163,9 @@ fn flipped(mesh: &TriMesh, seed: u64) -> TriMesh {
 }
 
 fn sound(mesh: &TriMesh, triangle: [u32; 3]) -> bool {
-    let p = triangle.map(|v| mesh.positions()[v as usize]);
+    let p = triangle.map(|v| DVec3::from(mesh.positions()[v as usize]));
     (0..3).all(|k| {
-        let (x, y) = (sub(p[(k + 1) % 3], p[k]), sub(p[(k + 2) % 3], p[k]));
-        libm::atan2(norm(cross(x, y)), dot(x, y)).to_degrees() >= LEAST_ANGLE
+        let (x, y) = (p[(k + 1) % 3] - p[k], p[(k + 2) % 3] - p[k]);
+        libm::atan2(x.cross(y).length(), x.dot(y)).to_degrees() >= LEAST_ANGLE
     })
 }

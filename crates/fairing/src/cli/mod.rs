@@ -17,6 +17,7 @@ mod parameters;
 mod progress;
 mod reconstruct;
 mod render;
+mod scan;
 mod smooth;
 mod spectrum;
 mod surface;
@@ -74,6 +75,7 @@ enum Verb {
     Reconstruct(reconstruct::Reconstruct),
     Smooth(Box<smooth::Smooth>),
     Noise(noise::Noise),
+    Scan(scan::Scan),
     Denoise(denoise::Denoise),
     Compare(compare::Compare),
     Render(render::Render),
@@ -90,6 +92,7 @@ impl Verb {
             Self::Reconstruct(verb) => verb.run(context),
             Self::Smooth(verb) => verb.run(context),
             Self::Noise(verb) => verb.run(context),
+            Self::Scan(verb) => verb.run(context),
             Self::Denoise(verb) => verb.run(context),
             Self::Compare(verb) => verb.run(context),
             Self::Render(verb) => verb.run(context),

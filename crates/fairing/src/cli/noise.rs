@@ -51,9 +51,9 @@ pub(crate) struct Noise {
 /// The kind of noise, with its parameters other than the camera.
 #[derive(Args)]
 pub(crate) struct Kind {
-    /// Distribution and direction of the noise
-    #[arg(long, default_value = "normal", value_parser = kinds())]
-    kind: NoiseKind,
+    /// Distribution and direction of the noise [default: normal; of a scan, depth-camera]
+    #[arg(long, value_parser = kinds())]
+    kind: Option<NoiseKind>,
     /// Fraction of vertices that impulsive noise moves [default: 0.25]
     #[arg(long, value_name = "F")]
     fraction: Option<f64>,
@@ -64,23 +64,29 @@ pub(crate) struct Kind {
 }
 
 impl Kind {
-    /// The kind with the parameters that are given.
-    pub(crate) fn with(&self, camera: Option<Point>) -> Result<NoiseKind, Failure> {
-        let mut kind = self.kind;
-        let refused = |option: &str| {
-            Failure::usage(format_args!("{kind} noise has no {option}", kind = self.kind))
+    /// The kind with the parameters that are given; `default` names it if it is not given.
+    pub(crate) fn or(&self, default: &str) -> Result<NoiseKind, Failure> {
+        let mut kind = match self.kind {
+            Some(kind) => kind,
+            None => default.parse()?,
         };
         if let Some(fraction) = self.fraction {
-            kind = kind.with_fraction(fraction).ok_or_else(|| refused("--fraction"))?;
+            kind = kind.with_fraction(fraction).ok_or_else(|| refused(kind, "--fraction"))?;
         }
         if let Some(length) = self.length {
-            kind = kind.with_length(length).ok_or_else(|| refused("--length"))?;
-        }
-        if let Some(Point(camera)) = camera {
-            kind = kind.with_camera(camera).ok_or_else(|| refused("--camera"))?;
+            kind = kind.with_length(length).ok_or_else(|| refused(kind, "--length"))?;
         }
         Ok(kind)
     }
+
+    /// Returns true if any is given.
+    pub(crate) fn is_given(&self) -> bool {
+        self.kind.is_some() || self.fraction.is_some() || self.length.is_some()
+    }
+}
+
+fn refused(kind: NoiseKind, option: &str) -> Failure {
+    Failure::usage(format_args!("{kind} noise has no {option}"))
 }
 
 /// A point written as `X,Y,Z`.
@@ -95,13 +101,23 @@ pub(crate) fn point(text: &str) -> Result<Point, String> {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-enum Unit {
+pub(crate) enum Unit {
     /// Mean edge lengths
     Edge,
     /// Units of the file
     Model,
     /// Diagonals of the bounding box
     Diagonal,
+}
+
+impl Unit {
+    pub(crate) fn level(self, sigma: f64) -> NoiseLevel {
+        match self {
+            Self::Edge => NoiseLevel::EdgeLengths(sigma),
+            Self::Model => NoiseLevel::Model(sigma),
+            Self::Diagonal => NoiseLevel::Diagonals(sigma),
+        }
+    }
 }
 
 fn kinds() -> impl TypedValueParser<Value = NoiseKind> {
@@ -112,15 +128,14 @@ fn kinds() -> impl TypedValueParser<Value = NoiseKind> {
 impl Noise {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
         self.output.check(Content::Mesh)?;
-        let kind = self.kind.with(self.camera)?;
+        let mut kind = self.kind.or("normal")?;
+        if let Some(Point(camera)) = self.camera {
+            kind = kind.with_camera(camera).ok_or_else(|| refused(kind, "--camera"))?;
+        }
         let (surface, fields) = self.reading.read(context, &self.input)?;
         let mesh = surface.mesh();
         say_orientation(context, &self.input, mesh);
-        let level = match self.unit {
-            Unit::Edge => NoiseLevel::EdgeLengths(self.sigma),
-            Unit::Model => NoiseLevel::Model(self.sigma),
-            Unit::Diagonal => NoiseLevel::Diagonals(self.sigma),
-        };
+        let level = self.unit.level(self.sigma);
         let noisy = add_noise(mesh, kind, level, self.seed)?;
         context.note(format_args!(
             "sigma = {} in units of the file",

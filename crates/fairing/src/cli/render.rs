@@ -10,6 +10,7 @@ use fairing::figure::{
 };
 use fairing::mesh::TriMesh;
 use fairing::mesh::io::VertexFields;
+use glam::DVec3;
 
 use super::context::{Context, Failure};
 use super::files::{self, Content, Output};
@@ -162,7 +163,7 @@ fn values_of(fields: &VertexFields, name: &str) -> Result<Vec<f64>, Failure> {
         return Ok(values.to_vec());
     }
     if let Some(vectors) = fields.vector(name) {
-        return Ok(vectors.iter().map(|&v| fairing::mesh::vec3::norm(v)).collect());
+        return Ok(vectors.iter().map(|&v| DVec3::from(v).length()).collect());
     }
     let scalars = fields.scalars.iter().map(|(n, _)| &n[..]);
     let known: Vec<&str> = scalars.chain(fields.vectors.iter().map(|(n, _)| &n[..])).collect();
@@ -176,7 +177,7 @@ fn range(text: &str) -> anyhow::Result<(f64, f64)> {
     pair(text, ',')
 }
 
-fn size(text: &str) -> anyhow::Result<(u32, u32)> {
+pub(crate) fn size(text: &str) -> anyhow::Result<(u32, u32)> {
     let (w, h) = text.split_once('x').ok_or_else(|| anyhow!("expected WIDTHxHEIGHT"))?;
     Ok((w.parse()?, h.parse()?))
 }

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 use fairing::parameters::{self, Algorithm};
 use fairing::smoothing::{Approach, FlowFailure, Method, Observer, Report, Smoothed, Step};
+use glam::DVec3;
 use serde_json::{Value, json};
 
 use super::context::{Context, Failure};
@@ -188,7 +189,7 @@ impl Smooth {
             .positions()
             .iter()
             .zip(after.positions())
-            .map(|(&p, &q)| fairing::mesh::vec3::distance(p, q))
+            .map(|(&p, &q)| DVec3::from(p).distance(q.into()))
             .fold(0.0, f64::max);
         if self.json {
             let mut summary = json(method, report, [volume, area], farthest);

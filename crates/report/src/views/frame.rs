@@ -1,10 +1,11 @@
 //! Boxes around the positions of a view, in which they become 16-bit integers.
 
 use fairing_results::view::Panel;
+use glam::DVec3;
 
 /// The largest distance from `center` at the first stops; 1 if it is zero.
 pub(super) fn reach(panels: &[Panel], center: [f64; 3]) -> f64 {
-    let distance = |p: &[f64; 3]| fairing_mesh::vec3::distance(*p, center);
+    let distance = |p: &[f64; 3]| DVec3::from(*p).distance(center.into());
     let far = panels.iter().flat_map(|p| &p.positions[0]).map(distance).fold(0.0, f64::max);
     if far > 0.0 { far } else { 1.0 }
 }
@@ -46,7 +47,7 @@ impl Frame {
 
     /// Half the diagonal; 1 for a point.
     fn radius(&self) -> f64 {
-        let diagonal = fairing_mesh::vec3::distance(self.low, self.high);
+        let diagonal = DVec3::from(self.low).distance(self.high.into());
         if diagonal > 0.0 { 0.5 * diagonal } else { 1.0 }
     }
 

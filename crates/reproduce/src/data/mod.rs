@@ -122,7 +122,7 @@ pub(crate) fn check(folder: &Path) -> Result<Vec<String>> {
 /// The same faces, and positions that differ by rounding.
 fn alike(a: &TriMesh, b: &TriMesh) -> bool {
     let near = |(p, q): (&[f64; 3], &[f64; 3])| {
-        fairing_mesh::vec3::distance(*p, *q) <= 1e-6 * b.diagonal()
+        glam::DVec3::from(*p).distance((*q).into()) <= 1e-6 * b.diagonal()
     };
     a.faces() == b.faces() && a.positions().iter().zip(b.positions()).all(near)
 }

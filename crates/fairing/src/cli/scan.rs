@@ -1,0 +1,104 @@
+//! `fairing scan`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use fairing::evaluation::{ScanOptions, add_noise, scan};
+use fairing::mesh::io::VertexFields;
+
+use super::context::{Context, Failure};
+use super::files::{self, Content, Output};
+use super::noise::{Kind, Point, Unit, point};
+use super::render::size;
+use super::table::number;
+
+const EXAMPLES: &str = "\
+Examples:
+  fairing scan fandisk.off -o seen.ply --camera 3,1,6
+  fairing scan fandisk.off -o noisy.ply --truth truth.ply --camera 3,1,6 --size 160x120 --sigma 0.67";
+
+/// See a mesh as a depth camera does
+///
+/// Casts a ray through each pixel, and joins the points where they meet the mesh to triangles;
+/// triangles across steps of depth are left out. With --sigma the noise of the sensor is added:
+/// the noisy mesh and its truth have the same faces, for the training and comparison of denoisers.
+/// +y is up, or +z for a camera that looks along y.
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Scan {
+    /// The mesh
+    input: PathBuf,
+    #[command(flatten)]
+    output: Output,
+    /// Write the mesh without noise, too
+    #[arg(long, value_name = "FILE")]
+    truth: Option<PathBuf>,
+    /// Position of the camera [default: three diagonals of the bounding box from its centre along
+    /// +z]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = point)]
+    camera: Option<Point>,
+    /// Point in the middle of the image [default: the centre of the bounding box]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = point)]
+    look_at: Option<Point>,
+    /// Columns and rows of pixels, each from 2 to 2048
+    #[arg(long, value_name = "WxH", value_parser = size, default_value = "320x240")]
+    size: (u32, u32),
+    /// Horizontal field of view, in degrees [default: the smallest that shows the whole mesh]
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
+    fov: Option<f64>,
+    /// Largest difference of depth along an edge, in widths of a pixel
+    #[arg(long, value_name = "N", default_value_t = 5.0, allow_negative_numbers = true)]
+    jump: f64,
+    /// Add noise of this level: the root mean square displacement of a depth camera
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    sigma: Option<f64>,
+    /// The unit of sigma; edges are those of the scan
+    #[arg(long, value_enum, default_value = "edge")]
+    unit: Unit,
+    #[command(flatten)]
+    kind: Kind,
+    /// Seed of the random numbers
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+}
+
+impl Scan {
+    pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
+        self.output.check(Content::Mesh)?;
+        if let Some(truth) = &self.truth {
+            self.output.overwrite.check(truth, Content::Mesh)?;
+        }
+        let kind = self.kind.or("depth-camera")?;
+        if self.sigma.is_none() && self.kind.is_given() {
+            return Err(Failure::usage("--kind, --fraction and --length need --sigma"));
+        }
+        let file = files::read(context, &self.input)?;
+        files::say_report(context, &self.input, &file.report);
+        let options = ScanOptions {
+            camera: self.camera.map(|Point(camera)| camera),
+            look_at: self.look_at.map(|Point(target)| target),
+            size: self.size.into(),
+            field_of_view: self.fov,
+            jump: self.jump,
+        };
+        let seen = scan(&file.mesh, &options)?;
+        context.note(format_args!(
+            "{} vertices and {} faces seen",
+            seen.mesh.vertex_count(),
+            seen.mesh.face_count()
+        ));
+        let fields = VertexFields::default();
+        if let Some(truth) = &self.truth {
+            files::write_held(context, truth, &seen.mesh, &fields)?;
+        }
+        let Some(sigma) = self.sigma else {
+            return files::write_held(context, &self.output.path, &seen.mesh, &fields);
+        };
+        let level = self.unit.level(sigma);
+        let kind = kind.with_camera(seen.camera).unwrap_or(kind);
+        let noisy = add_noise(&seen.mesh, kind, level, self.seed)?;
+        let sigma = number(level.in_mesh_units(&seen.mesh));
+        context.note(format_args!("sigma = {sigma} in units of the file"));
+        files::write_held(context, &self.output.path, &noisy, &fields)
+    }
+}
