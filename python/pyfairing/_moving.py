@@ -222,7 +222,7 @@ class Moving(Base):
             Fraction of vertices that `impulsive` noise moves (0.25).
         length : float, optional
             Correlation length in mean edge lengths, where the correlation is 1/e, of `correlated`
-            (2), `depth-camera` (8) and `fused` (25).
+            (2), `depth-camera` (5) and `fused` (25).
         camera : array_like of 3 floats, optional
             Position of the camera of `rays` and `depth-camera`; by default three diagonals of the
             bounding box from its centre along +z.

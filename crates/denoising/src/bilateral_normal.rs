@@ -42,7 +42,7 @@ fairing_parameters::options! {
 /// ```
 ///
 /// with areas A and centroids c of the input; then the vertices follow
-/// ([`update_vertices`]). A face without area takes the direction of its
+/// ([`update_vertices`](super::update_vertices)). A face without area takes the direction of its
 /// neighbours.
 ///
 /// # Errors
@@ -103,7 +103,7 @@ fairing_parameters::options! {
 /// (1 − λ) Σᵢ Aᵢ ‖n′ᵢ − Σⱼ Wᵢⱼ n′ⱼ‖² + λ Σᵢ Aᵢ ‖n′ᵢ − nᵢ‖²
 /// ```
 ///
-/// and are scaled to unit length; the vertices follow ([`update_vertices`]).
+/// and are scaled to unit length; the vertices follow ([`update_vertices`](super::update_vertices)).
 /// Areas are scaled to a mean of one, and a face without area counts as one of
 /// 10⁻³.
 ///

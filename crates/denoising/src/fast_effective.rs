@@ -33,7 +33,7 @@ fairing_parameters::options! {
 /// nᵢ ← normalise Σⱼ max(0, nᵢ·nⱼ − T)² nⱼ
 /// ```
 ///
-/// then the vertices follow ([`update_vertices`]).
+/// then the vertices follow ([`update_vertices`](super::update_vertices)).
 ///
 /// # Errors
 ///

@@ -49,7 +49,7 @@ fairing_parameters::options! {
 /// ```
 ///
 /// over the faces within the radius, and the vertices follow
-/// ([`update_vertices`]). Nothing is compared across borders, non-manifold
+/// ([`update_vertices`](super::update_vertices)). Nothing is compared across borders, non-manifold
 /// edges and flips of orientation; a face without area takes the direction of
 /// its neighbours.
 ///

@@ -16,8 +16,8 @@ const PIXELS: Range<u32> = 2..2049;
 /// The rows of a depth image that one task renders.
 const ROWS: usize = 16;
 
-/// How far outside of a face a ray still meets it, as a fraction of its sides: rays through a
-/// common side miss neither face.
+/// The margin around a face within which a ray still meets it, as a fraction of its sides: rays
+/// through a common side miss neither face.
 const MARGIN: f64 = 1e-12;
 
 /// The camera of a [`scan`].
@@ -83,7 +83,7 @@ pub struct Scan {
 /// use fairing_evaluation::{NoiseKind, NoiseLevel, ScanOptions, add_noise, scan};
 /// let model = fairing_shapes::icosphere(4);
 /// let truth = scan(&model, &ScanOptions { size: [80, 60], ..ScanOptions::default() })?;
-/// let kind = NoiseKind::DepthCamera { camera: Some(truth.camera), length: 8.0 };
+/// let kind = NoiseKind::DepthCamera { camera: Some(truth.camera), length: 5.0 };
 /// let noisy = add_noise(&truth.mesh, kind, NoiseLevel::EdgeLengths(0.67), 1)?;
 /// assert_eq!(noisy.faces(), truth.mesh.faces());
 /// # Ok::<(), fairing_evaluation::EvaluationError>(())

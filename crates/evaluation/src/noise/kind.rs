@@ -104,7 +104,7 @@ pub enum NoiseKind {
 
 impl NoiseKind {
     /// One of each, with default parameters: impulsive noise on a quarter of the vertices, a
-    /// correlation length of two edges, of eight for a depth camera and of twenty-five for
+    /// correlation length of two edges, of five for a depth camera and of twenty-five for
     /// fused views.
     pub const ALL: [Self; 10] = [
         Self::GaussianAlongNormals,
@@ -115,7 +115,7 @@ impl NoiseKind {
         Self::Correlated { length: 2.0 },
         Self::Varying,
         Self::Rays { camera: None },
-        Self::DepthCamera { camera: None, length: 8.0 },
+        Self::DepthCamera { camera: None, length: 5.0 },
         Self::Fused { length: 25.0 },
     ];
 

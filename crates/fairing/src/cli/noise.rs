@@ -58,7 +58,7 @@ pub(crate) struct Kind {
     #[arg(long, value_name = "F")]
     fraction: Option<f64>,
     /// Correlation length in mean edge lengths: where the correlation is 1/e [default: 2 for
-    /// correlated, 8 for depth-camera, 25 for fused]
+    /// correlated, 5 for depth-camera, 25 for fused]
     #[arg(long, value_name = "L")]
     length: Option<f64>,
 }
