@@ -89,19 +89,18 @@ fn filter(
         return Ok(mesh.clone());
     }
     let normals = filtered_normals(mesh, options)?;
-    let normals: Vec<DVec3> = normals.into_iter().map(DVec3::from).collect();
     follow_normals(mesh, &normals, &VertexUpdate { steps: options.vertex_steps, limit: None })
 }
 
 /// The normals of the minimiser.
-fn filtered_normals(
+pub(crate) fn filtered_normals(
     mesh: &TriMesh,
     options: &TotalGeneralisedVariationOptions,
-) -> Result<Vec<[f64; 3]>, DenoiseError> {
+) -> Result<Vec<DVec3>, DenoiseError> {
     let penalties = [1.0, options.ratio].map(|scale| scale * options.weight / THRESHOLD);
     let system = JumpSystem::new(mesh, penalties[0]);
     if system.hinges.all.is_empty() {
-        return Ok(system.noisy);
+        return Ok(system.noisy.into_iter().map(DVec3::from).collect());
     }
     let bends = Bends::new(mesh, &system, penalties);
     let diagonal = system.diagonal();
@@ -138,7 +137,7 @@ fn filtered_normals(
         let (found, _) = conjugate_gradients(&operator, &c, vectors, &ACCURACY);
         vectors = solved(found, &ACCURACY, step)?;
     }
-    Ok(normals)
+    Ok(normals.into_iter().map(DVec3::from).collect())
 }
 
 /// The quadratic step for the vectors v of the hinges: with the excess q of the jumps and the

@@ -23,12 +23,13 @@ use fairing_mesh::TriMesh;
 use fairing_parameters::{Options, Range};
 use glam::DVec3;
 
-use crate::faces::Hinges;
+use crate::faces::{FaceLists, Hinges};
 use crate::noise_level::{NoiseEstimate, noisy_parts};
 use crate::oriented::on_oriented;
-use crate::{DenoiseError, TotalGeneralisedVariationOptions, total_generalised_variation};
+use crate::total_generalised_variation::filtered_normals;
+use crate::{DenoiseError, TotalGeneralisedVariationOptions};
 use correlation::variance_of_means;
-use follow::hold;
+use follow::Follow;
 use model::Model;
 use offset::in_the_middle;
 use parts::Part;
@@ -174,7 +175,7 @@ fairing_parameters::named!(Approach, "approach of the automatic denoiser");
 /// depth cameras and laser scanners, passes for shape between neighbours. If its level at that
 /// length is at most a quarter of an edge, the networks see neighbourhoods 1.5 times as wide and
 /// this level; if it is higher, the normals are those of
-/// [`total_generalised_variation`] with a weight of one mean edge length
+/// [`total_generalised_variation`](crate::total_generalised_variation) with a weight of one mean edge length
 /// ([`Automatic::approach`]).
 ///
 /// Under impulsive noise, spikes are first moved into the plane of their neighbours, if at least
@@ -250,46 +251,62 @@ pub fn automatic(mesh: &TriMesh, options: &AutomaticOptions) -> Result<Automatic
 /// mesh.
 fn denoise(
     mesh: &TriMesh,
-    mut level: NoiseEstimate,
+    level: NoiseEstimate,
     strength: f64,
 ) -> Result<(TriMesh, f64), DenoiseError> {
     if is_clean(mesh, level) {
         return Ok((mesh.clone(), 0.0));
     }
-    let approach = approach_to(level, mesh.mean_edge_length());
-    level.sigma *= strength;
-    level.wide_sigma *= strength;
-    let mut reach = 1.0;
-    match approach {
-        Approach::Networks => {}
-        Approach::WideNetworks => (reach, level.sigma) = (WIDER, level.wide_sigma),
-        Approach::TotalGeneralisedVariation => return smoothed(mesh, level, strength),
-    }
     // Impulses are put into the planes of their neighbours.
-    let (mesh, level, farthest) = without_spikes(mesh, level)?;
+    let (mesh, mut level, farthest) = without_spikes(mesh, level)?;
     if is_clean(&mesh, level) {
         return Ok((mesh.into_owned(), farthest));
     }
+    let approach = approach_to(level, mesh.mean_edge_length());
+    level.sigma *= strength;
+    level.wide_sigma *= strength;
+    let (normals, sigma, limit) = match approach {
+        Approach::Networks => regressed(&mesh, level, 1.0)?,
+        Approach::WideNetworks => {
+            regressed(&mesh, NoiseEstimate { sigma: level.wide_sigma, ..level }, WIDER)?
+        }
+        Approach::TotalGeneralisedVariation => {
+            let weight =
+                TotalGeneralisedVariationOptions { weight: strength, ..Default::default() };
+            (filtered_normals(&mesh, &weight)?, level.wide_sigma, FAR * level.wide_sigma)
+        }
+    };
+    // Faces on the wrong side of a crease change sides, and the surface follows to the end.
+    fairing_watch::stage("positions", 0);
+    let rings = FaceLists::rings(&mesh);
+    let follow = Follow::new(&mesh, &rings, sigma, limit);
+    let normals = relabel(&mesh, &rings, normals, &follow)?;
+    let surface = follow.run(mesh.positions(), &normals, STEPS)?;
+    // Noise lies on both sides of the surface, and no face opposes its normal.
+    let surface = in_the_middle(&mesh, surface, &normals, limit)?;
+    let surface = without_flips(&mesh, surface, &normals, &follow)?;
+    Ok((surface, limit + farthest))
+}
+
+/// The normals by the networks, with neighbourhoods times `reach`; the noise level and the largest
+/// displacement that the distance of the surface from the noisy mesh shows.
+fn regressed(
+    mesh: &TriMesh,
+    level: NoiseEstimate,
+    reach: f64,
+) -> Result<(Vec<DVec3>, f64, f64), DenoiseError> {
     // Normals in stages; after each the surface follows them.
     let model = Model::released().ok_or(DenoiseError::Model)?;
     fairing_watch::stage("normals", (model.stages.len() * blocks(mesh.face_count())) as u64);
-    let mut state = State::reaching(&mesh, level, reach);
+    let mut state = State::reaching(mesh, level, reach);
     for networks in &model.stages {
         advance(&mut state, networks)?;
     }
     // Faces that lie in one plane take its normal.
     let variance = variance_of_means(&state);
-    let evidence = Evidence::new(&mesh, &state.hinges, &state.trust, variance);
+    let evidence = Evidence::new(mesh, &state.hinges, &state.trust, variance);
     flatten(&evidence, &mut state.normals);
-    // Faces on the wrong side of a crease change sides, and the surface follows to the end.
-    fairing_watch::stage("positions", 0);
-    let follow = state.follower(state.limit);
-    let normals = relabel(&mesh, &state.rings, state.normals, &follow)?;
-    let surface = follow.run(mesh.positions(), &normals, STEPS)?;
-    // Noise lies on both sides of the surface, and no face opposes its normal.
-    let surface = in_the_middle(&mesh, surface, &normals, state.limit)?;
-    let surface = without_flips(&mesh, surface, &normals, &follow)?;
-    Ok((surface, state.limit + farthest))
+    Ok((state.normals, state.limit / FAR, state.limit))
 }
 
 /// The way in which noise of a level is denoised, for the mean edge length `h`.
@@ -301,21 +318,6 @@ fn approach_to(level: NoiseEstimate, h: f64) -> Approach {
     } else {
         Approach::TotalGeneralisedVariation
     }
-}
-
-/// The result of total generalised variation, with no vertex farther than its limit, which is
-/// returned too.
-fn smoothed(
-    mesh: &TriMesh,
-    level: NoiseEstimate,
-    strength: f64,
-) -> Result<(TriMesh, f64), DenoiseError> {
-    let options = TotalGeneralisedVariationOptions { weight: strength, ..Default::default() };
-    let surface = total_generalised_variation(mesh, &options)?;
-    let limit = FAR * level.wide_sigma;
-    let held = mesh.positions().iter().zip(surface.positions());
-    let held = held.map(|(&p, &x)| hold(p.into(), x.into(), limit).to_array());
-    Ok((mesh.with_positions(held.collect())?, limit))
 }
 
 /// Returns `true` if the noise of a mesh is rounding.
