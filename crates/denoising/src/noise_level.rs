@@ -74,11 +74,12 @@ pub struct NoiseEstimate {
     /// The distance over which noise is correlated, in mean edge lengths: 0 for none, 4 or 8.
     ///
     /// The level is measured again by comparing each vertex with a quadric through the vertices s
-    /// and 2 s edges away, for s = 1, 2, 4 and 8. Independent noise has the same level at all s,
-    /// and a smooth or detailed surface at least twice the level at twice the distance. Noise of
-    /// sensors is in between: the length is 4 if the level grows by 1.3 to 1.9 from s = 1 to 2 and
-    /// by 1.2 to 2 from 2 to 4, and 8 if it does so from 4 to 8. Smooth noise without a rough part
-    /// looks like shape and is not found.
+    /// and 2 s edges away, for s = 1, 2, 4 and 8. Independent noise has the level `sigma` at all s,
+    /// and a smooth or detailed surface about twice the level at twice the distance, or more. Noise
+    /// of sensors is in between. The length is 4 if the level at s = 2 is at least 1.28 `sigma`, and
+    /// it grows by at most 2.7 from `sigma` to s = 1, 2.2 to s = 2 and 2 to s = 4; it is 8 if it
+    /// then grows by 1.2 to 2 to s = 8. Smooth noise without a rough part looks like shape and is
+    /// not found.
     pub correlation_length: f64,
     /// The level at the scale of `correlation_length`, in mesh units; `sigma` without correlation.
     /// What a quadric of that size misses of the surface counts as noise.
@@ -197,7 +198,7 @@ pub fn noisy_parts(mesh: &TriMesh) -> Vec<NoisyParts> {
         let sigma = group.level.sigma * group.level.two_ring_ratio;
         if sigma > 0.0 {
             group.level.correlation = correlation(mesh, &residuals, sigma, inside);
-            if let Some((length, level)) = correlated_over(mesh, inside) {
+            if let Some((length, level)) = correlated_over(mesh, group.level.sigma, inside) {
                 (group.level.correlation_length, group.level.wide_sigma) = (length, level);
             }
         }

@@ -17,26 +17,32 @@ const MOST: usize = 4096;
 /// The least number of stencils for a level.
 const LEAST: usize = 32;
 
-/// The growth of the level of correlated noise from one edge to two. Independent noise stays below,
-/// surfaces are above.
-const ROUGH: RangeInclusive<f64> = 1.3..=1.9;
+/// The least growth of the level from neighbours to stencils of two edges. Independent noise stays
+/// below it.
+const CORRELATED: f64 = 1.28;
 
-/// Its growth at each further doubling.
-const ROUGHER: RangeInclusive<f64> = 1.2..=2.0;
+/// The largest growth of the level of correlated noise, from neighbours to stencils of one edge, to
+/// those of two and to those of four. A surface without noise exceeds one of them.
+const LARGEST: [f64; 3] = [2.7, 2.2, 2.0];
+
+/// The growth from four edges to eight of noise that is correlated over eight.
+const FURTHER: RangeInclusive<f64> = 1.2..=2.0;
 
 /// The distance over which noise at some of the vertices is correlated, in edges, and its level at
-/// this scale in mesh units; `None` for independent noise, and for surfaces without noise.
+/// this scale in mesh units; `None` for independent noise, and for surfaces without noise. `near`
+/// is the level from neighbours.
 pub(crate) fn correlated_over(
     mesh: &TriMesh,
+    near: f64,
     inside: impl Fn(u32) -> bool + Sync,
 ) -> Option<(f64, f64)> {
     let level = |scale| level_at(mesh, scale, &inside);
     let (one, two) = (level(1)?, level(2)?);
-    if !ROUGH.contains(&(two / one)) {
+    if two < CORRELATED * near || one > LARGEST[0] * near || two > LARGEST[1] * one {
         return None;
     }
-    let four = level(4).filter(|four| ROUGHER.contains(&(four / two)))?;
-    let eight = level(8).filter(|eight| ROUGHER.contains(&(eight / four)));
+    let four = level(4).filter(|&four| four <= LARGEST[2] * two)?;
+    let eight = level(8).filter(|eight| FURTHER.contains(&(eight / four)));
     Some(eight.map_or((4.0, four), |eight| (8.0, eight)))
 }
 

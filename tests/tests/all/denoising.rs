@@ -1,11 +1,12 @@
 //! Denoisers on generated meshes with seeded noise.
 
 use fairing_denoising::{
-    AutomaticOptions, Denoiser, FaceKind, GuidedNormalOptions, SurfaceKind, VertexUpdate,
+    Approach, AutomaticOptions, Denoiser, FaceKind, GuidedNormalOptions, SurfaceKind, VertexUpdate,
     automatic, update_vertices,
 };
 use fairing_evaluation::{
-    NoiseKind, NoiseLevel, SurfaceTree, add_noise, drift, flipped_faces, normal_error,
+    NoiseKind, NoiseLevel, ScanOptions, SurfaceTree, add_noise, drift, flipped_faces, normal_error,
+    scan,
 };
 use fairing_mesh::TriMesh;
 use fairing_mesh::vec3::distance;
@@ -122,6 +123,54 @@ fn automatic_never_does_harm() {
             assert!((shares - 1.0).abs() < 1e-12, "{case}: {shares}");
         }
     }
+}
+
+/// The scan of a block by a depth camera: the noise is seen to be correlated, a third of the error
+/// is left at most, less than by five published methods at their defaults, and no vertex passes the
+/// limit. Independent noise on the same scan is not correlated.
+#[test]
+fn noise_of_a_depth_camera_is_found_and_removed() {
+    let camera = Some([3.0, 2.5, 5.0]);
+    let seen = scan(
+        &shapes::cad_block(0.1),
+        &ScanOptions { camera, size: [110, 82], ..Default::default() },
+    )
+    .unwrap();
+    let level = NoiseLevel::EdgeLengths(0.6);
+    let kind = NoiseKind::DepthCamera { camera, length: 5.0 };
+    let input = add_noise(&seen.mesh, kind, level, 4).unwrap();
+    let result = automatic(&input, &AutomaticOptions::default()).unwrap();
+    let noise = result.noise.unwrap();
+    assert!(noise.correlation_length >= 4.0 && noise.wide_sigma > 1.5 * noise.sigma, "{noise:?}");
+    assert_eq!(result.approach, Approach::TotalGeneralisedVariation);
+    let (before, after) = (error(&input, &seen.mesh), error(&result.mesh, &seen.mesh));
+    assert!(after < before / 3.0, "{before}° to {after}°");
+    for name in ["bilateral-normal", "guided-normal", "l0", "total-variation", "fast-effective"] {
+        let other = Denoiser::by_name(name).unwrap().denoise(&input).unwrap();
+        let other = error(&other, &seen.mesh);
+        assert!(after < other, "{name}: {other}°, automatic {after}°");
+    }
+    for (p, q) in result.mesh.positions().iter().zip(input.positions()) {
+        assert!(distance(*p, *q) <= result.limit * (1.0 + 1e-12));
+    }
+    let independent = noisy(&seen.mesh, 0.3);
+    let result = automatic(&independent, &AutomaticOptions::default()).unwrap();
+    let noise = result.noise.unwrap();
+    assert_eq!((noise.correlation_length, noise.wide_sigma), (0.0, noise.sigma));
+    assert_eq!(result.approach, Approach::Networks);
+}
+
+/// A strength below one leaves more of the noise; zero is no strength.
+#[test]
+fn strength_scales_the_estimate() {
+    let sphere = shapes::icosphere(3);
+    let input = noisy(&sphere, 0.3);
+    let moved = |strength| automatic(&input, &AutomaticOptions { strength });
+    let rough = |strength| error(&moved(strength).unwrap().mesh, &sphere);
+    assert!(rough(0.2) > 1.5 * rough(1.0), "{} {}", rough(0.2), rough(1.0));
+    assert_eq!(moved(2.0).unwrap().noise, moved(1.0).unwrap().noise);
+    let refused = moved(0.0).unwrap_err().to_string();
+    assert!(refused.contains("strength is 0"), "{refused}");
 }
 
 /// Without noise nothing moves, to the last bit; a noisy sheet becomes flat.
