@@ -7,11 +7,11 @@ use crate::error::Error;
 use crate::mesh::Mesh;
 use crate::run::Call;
 
-/// What the automatic method reports: σ, if measured, the kind of surface, the approach, and the
+/// The report of the automatic method: σ, if measured, the kind of surface, the approach, and the
 /// number of vertices on uneven parts.
 type Found = (Option<f64>, &'static str, &'static str, usize);
 
-/// The mesh, and what the automatic method reports.
+/// The mesh, and the report of the automatic method.
 #[pyfunction]
 fn denoise(
     py: Python<'_>,

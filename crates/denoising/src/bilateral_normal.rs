@@ -103,7 +103,8 @@ fairing_parameters::options! {
 /// (1 − λ) Σᵢ Aᵢ ‖n′ᵢ − Σⱼ Wᵢⱼ n′ⱼ‖² + λ Σᵢ Aᵢ ‖n′ᵢ − nᵢ‖²
 /// ```
 ///
-/// and are scaled to unit length; the vertices follow ([`update_vertices`](super::update_vertices)).
+/// and are scaled to unit length; the vertices follow
+/// ([`update_vertices`](super::update_vertices)).
 /// Areas are scaled to a mean of one, and a face without area counts as one of
 /// 10⁻³.
 ///

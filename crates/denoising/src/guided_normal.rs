@@ -134,7 +134,7 @@ fn guidance(hinges: &Hinges, rings: &FaceLists, shapes: &FaceShapes) -> Vec<DVec
 fn patch_consistency(hinges: &Hinges, patch: &[u32], shapes: &FaceShapes) -> (f64, DVec3) {
     // Keeps R defined on flat patches, as in the authors' code.
     const FLAT: f64 = 1e-9;
-    let normal = |f: u32| DVec3::from(shapes.normals[f as usize]);
+    let normal = |f: u32| shapes.normals[f as usize];
     let mut mean = DVec3::ZERO;
     let mut widest: f64 = 0.0;
     let (mut largest, mut sum): (f64, f64) = (0.0, 0.0);

@@ -4,8 +4,10 @@ use fairing_mesh::TriMesh;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::noise_scale::correlated_over;
-use fairing_operators::{NormalEquations, PrincipalAxes, tangent_frame};
+use super::noise_scale::{
+    self, GAUSSIAN_MEDIAN, correlated_over, median, quadric_residual, residual,
+};
+use fairing_operators::tangent_frame;
 
 /// The least tail ratio of impulsive noise: Gaussian
 /// residuals give 1 by construction, and 1.15 is beyond what curvature and
@@ -20,9 +22,6 @@ const GAUSSIAN_LOW: f64 = 0.186_31;
 
 /// The bound on residuals in correlations, in standard deviations.
 const CLIP: f64 = 3.0;
-
-/// The median of |x| over the standard deviation, for Gaussian x.
-pub(crate) const GAUSSIAN_MEDIAN: f64 = 0.674_489_75;
 
 /// The fits of a vertex: a quadric to its two-ring, a quadric to the [`NEAREST`] of it, and a
 /// paraboloid of revolution to its one-ring.
@@ -76,10 +75,10 @@ pub struct NoiseEstimate {
     /// The level is measured again by comparing each vertex with a quadric through the vertices s
     /// and 2 s edges away, for s = 1, 2, 4 and 8. Independent noise has the level `sigma` at all s,
     /// and a smooth or detailed surface about twice the level at twice the distance, or more. Noise
-    /// of sensors is in between. The length is 4 if the level at s = 2 is at least 1.28 `sigma`, and
-    /// it grows by at most 2.7 from `sigma` to s = 1, 2.2 to s = 2 and 2 to s = 4; it is 8 if it
-    /// then grows by 1.2 to 2 to s = 8. Smooth noise without a rough part looks like shape and is
-    /// not found.
+    /// of sensors is in between. The length is 4 if the level at s = 2 is at least 1.28 `sigma` and
+    /// no step is larger than 2.7 from `sigma` to s = 1, 2.2 to s = 2 and 2 to s = 4; it is 8 if
+    /// the step to s = 8 is from 1.2 to 2. Smooth noise without a rough part looks like shape and
+    /// is not found.
     pub correlation_length: f64,
     /// The level at the scale of `correlation_length`, in mesh units; `sigma` without correlation.
     /// What a quadric of that size misses of the surface counts as noise.
@@ -249,7 +248,7 @@ fn level_of(sizes: &mut Sizes) -> Option<NoiseEstimate> {
         |size: f64, gaussian: f64| if median > 0.0 { size / median / gaussian } else { 1.0 };
     let enough = ENOUGH * two_ring.len() as f64;
     let counted = sizes.iter().filter(|sizes| sizes.len() as f64 >= enough);
-    let levels = counted.filter_map(|sizes| self::median(sizes));
+    let levels = counted.filter_map(|sizes| noise_scale::median(sizes));
     let least = levels.filter(|&level| level > EXACT * median).fold(median, f64::min);
     Some(NoiseEstimate {
         sigma: least / GAUSSIAN_MEDIAN,
@@ -261,12 +260,6 @@ fn level_of(sizes: &mut Sizes) -> Option<NoiseEstimate> {
         wide_sigma: least / GAUSSIAN_MEDIAN,
         samples: two_ring.len(),
     })
-}
-
-/// The middle of ascending values; the mean of both where there are two.
-pub(crate) fn median(sorted: &[f64]) -> Option<f64> {
-    let n = sorted.len();
-    Some(0.5 * sorted.get(n.checked_sub(1)? / 2)? + 0.5 * sorted[n / 2])
 }
 
 /// Faces of a neighbour that a fit takes, spread over them where there are more:
@@ -350,15 +343,6 @@ fn two_ring_residuals(
     ])
 }
 
-/// The standardised residual at the origin from a quadric through the points.
-pub(crate) fn quadric_residual(points: &[[f64; 3]]) -> Option<f64> {
-    let axes = PrincipalAxes::new(points.iter().map(|p| [p[0], p[1]]))?;
-    residual(points, |p| {
-        let [x, y] = axes.coordinates(p);
-        [1.0, x, y, x * x, x * y, y * y]
-    })
-}
-
 /// The standardised residual at the origin from a + bx + cy + d(x² + y²) through the points, five
 /// at least.
 fn round_residual(points: &[[f64; 3]]) -> Option<f64> {
@@ -366,19 +350,6 @@ fn round_residual(points: &[[f64; 3]]) -> Option<f64> {
         return None;
     }
     residual(points, |[x, y]| [1.0, x, y, x * x + y * y])
-}
-
-fn residual<const N: usize>(
-    points: &[[f64; 3]],
-    basis: impl Fn([f64; 2]) -> [f64; N],
-) -> Option<f64> {
-    let mut equations = NormalEquations::<N>::default();
-    for &[x, y, z] in points {
-        equations.add(&basis([x, y]), z, 1.0);
-    }
-    let factor = equations.factor()?;
-    let leverage = factor.variance(&basis([0.0; 2]));
-    Some(-factor.solve(equations.rhs())[0] / (1.0 + leverage).sqrt())
 }
 
 #[cfg(test)]

@@ -6,10 +6,12 @@ use fairing_mesh::TriMesh;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use fairing_operators::tangent_frame;
+use fairing_operators::{NormalEquations, PrincipalAxes, tangent_frame};
 
 use super::faces::Marks;
-use super::noise_level::{GAUSSIAN_MEDIAN, median, quadric_residual};
+
+/// The median of |x| over the standard deviation, for Gaussian x.
+pub(crate) const GAUSSIAN_MEDIAN: f64 = 0.674_489_75;
 
 /// The vertices of a stencil: more are beyond a hub, and the stencil is left out.
 const MOST: usize = 4096;
@@ -125,4 +127,33 @@ impl Stencil {
     fn new(vertices: usize) -> Self {
         Self { marks: Marks::new(vertices), queue: vec![], points: vec![] }
     }
+}
+
+/// The middle of ascending values; the mean of both where there are two.
+pub(crate) fn median(sorted: &[f64]) -> Option<f64> {
+    let n = sorted.len();
+    Some(0.5 * sorted.get(n.checked_sub(1)? / 2)? + 0.5 * sorted[n / 2])
+}
+
+/// The standardised residual at the origin from a quadric through the points.
+pub(crate) fn quadric_residual(points: &[[f64; 3]]) -> Option<f64> {
+    let axes = PrincipalAxes::new(points.iter().map(|p| [p[0], p[1]]))?;
+    residual(points, |p| {
+        let [x, y] = axes.coordinates(p);
+        [1.0, x, y, x * x, x * y, y * y]
+    })
+}
+
+/// The standardised residual at the origin from a combination of functions through the points.
+pub(crate) fn residual<const N: usize>(
+    points: &[[f64; 3]],
+    basis: impl Fn([f64; 2]) -> [f64; N],
+) -> Option<f64> {
+    let mut equations = NormalEquations::<N>::default();
+    for &[x, y, z] in points {
+        equations.add(&basis([x, y]), z, 1.0);
+    }
+    let factor = equations.factor()?;
+    let leverage = factor.variance(&basis([0.0; 2]));
+    Some(-factor.solve(equations.rhs())[0] / (1.0 + leverage).sqrt())
 }

@@ -179,8 +179,8 @@ fairing_parameters::named!(Approach, "approach of the automatic denoiser");
 /// depth cameras and laser scanners, passes for shape between neighbours. If its level at that
 /// length is at most a quarter of an edge, the networks see neighbourhoods 1.5 times as wide and
 /// this level; if it is higher, the normals are those of
-/// [`total_generalised_variation`](crate::total_generalised_variation) with a weight of 0.7 mean edge lengths
-/// ([`Automatic::approach`]).
+/// [`total_generalised_variation`](crate::total_generalised_variation) with a weight of 0.7 mean
+/// edge lengths ([`Automatic::approach`]).
 ///
 /// Under impulsive noise, spikes are first moved into the plane of their neighbours, if at least
 /// one vertex in a hundred is a spike: farther from that plane than 15 σ̂, than a quarter of an

@@ -81,7 +81,7 @@ fn filter(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> 
         .all
         .iter()
         .map(|h| {
-            let [a, b] = h.faces.map(|f| DVec3::from(normals[f as usize]));
+            let [a, b] = h.faces.map(|f| normals[f as usize]);
             libm::atan2(a.cross(b).length(), a.dot(b))
         })
         .sum::<f64>()
