@@ -191,7 +191,7 @@ mod tests {
             let corners = mesh.incidence().corners(v as u32);
             let here = DVec3::from(x[v]);
             let pulls = corners.iter().map(|&c| {
-                let n = DVec3::from(normals[c as usize / 3]);
+                let n = normals[c as usize / 3];
                 let [p, q, r] = mesh.triangle(c as usize / 3).map(DVec3::from);
                 n.dot((p + q + r) * (1.0 / 3.0) - here) * n
             });
@@ -199,7 +199,7 @@ mod tests {
             for &c in corners {
                 let (f, k) = (c as usize / 3, c as usize % 3);
                 let [p, q] = [1, 2].map(|i| DVec3::from(x[mesh.faces()[f][(k + i) % 3] as usize]));
-                let side = |y: DVec3| (p - y).cross(q - y).dot(normals[f].into());
+                let side = |y: DVec3| (p - y).cross(q - y).dot(normals[f]);
                 assert!(side(here) > 0.0);
                 plain += usize::from(side(average) <= 0.0);
                 kept += usize::from(side(moved[v].into()) <= 0.0);
