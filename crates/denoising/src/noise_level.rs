@@ -75,10 +75,10 @@ pub struct NoiseEstimate {
     /// The level is measured again by comparing each vertex with a quadric through the vertices s
     /// and 2 s edges away, for s = 1, 2, 4 and 8. Independent noise has the level `sigma` at all s,
     /// and a smooth or detailed surface about twice the level at twice the distance, or more. Noise
-    /// of sensors is in between. The length is 4 if the level at s = 2 is at least 1.28 `sigma` and
-    /// no step is larger than 2.7 from `sigma` to s = 1, 2.2 to s = 2 and 2 to s = 4; it is 8 if
-    /// the step to s = 8 is from 1.2 to 2. Smooth noise without a rough part looks like shape and
-    /// is not found.
+    /// of sensors is in between: the length is 4 if the level is 1.25 to 2.7 `sigma` at s = 1, at
+    /// least 1.5 `sigma` at s = 2, and grows by at most 1.9 from s = 1 to 2 and by at most 2 to
+    /// s = 4; it is 8 if it then grows by 1.2 to 2 to s = 8. Smooth noise without a rough part
+    /// looks like shape and is not found.
     pub correlation_length: f64,
     /// The level at the scale of `correlation_length`, in mesh units; `sigma` without correlation.
     /// What a quadric of that size misses of the surface counts as noise.

@@ -19,13 +19,14 @@ const MOST: usize = 4096;
 /// The least number of stencils for a level.
 const LEAST: usize = 32;
 
-/// The least growth of the level from neighbours to stencils of two edges. Independent noise stays
-/// below it.
-const CORRELATED: f64 = 1.28;
+/// The least growth of the level of correlated noise, from neighbours to stencils of one edge and
+/// of two. Independent noise stays below both.
+const LEAST_GROWTH: [f64; 2] = [1.25, 1.5];
 
-/// The largest growth of the level of correlated noise, from neighbours to stencils of one edge, to
-/// those of two and to those of four. A surface without noise exceeds one of them.
-const LARGEST: [f64; 3] = [2.7, 2.2, 2.0];
+/// The largest growth of the level of correlated noise, from neighbours to stencils of one edge,
+/// from those to stencils of two, and from those to stencils of four. A surface without noise
+/// exceeds one of them.
+const LARGEST_GROWTH: [f64; 3] = [2.7, 1.9, 2.0];
 
 /// The growth from four edges to eight of noise that is correlated over eight.
 const FURTHER: RangeInclusive<f64> = 1.2..=2.0;
@@ -39,11 +40,15 @@ pub(crate) fn correlated_over(
     inside: impl Fn(u32) -> bool + Sync,
 ) -> Option<(f64, f64)> {
     let level = |scale| level_at(mesh, scale, &inside);
-    let (one, two) = (level(1)?, level(2)?);
-    if two < CORRELATED * near || one > LARGEST[0] * near || two > LARGEST[1] * one {
+    let one = level(1)?;
+    if !(LEAST_GROWTH[0]..=LARGEST_GROWTH[0]).contains(&(one / near)) {
         return None;
     }
-    let four = level(4).filter(|&four| four <= LARGEST[2] * two)?;
+    let two = level(2)?;
+    if two < LEAST_GROWTH[1] * near || two > LARGEST_GROWTH[1] * one {
+        return None;
+    }
+    let four = level(4).filter(|&four| four <= LARGEST_GROWTH[2] * two)?;
     let eight = level(8).filter(|eight| FURTHER.contains(&(eight / four)));
     Some(eight.map_or((4.0, four), |eight| (8.0, eight)))
 }

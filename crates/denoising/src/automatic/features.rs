@@ -139,7 +139,7 @@ impl<'a> Gatherer<'a> {
         let centre = state.current.centroids[f];
         let reach = RADII[RADII.len() - 1] * state.scales[f];
         let mut begin = 0;
-        for _ in 0..(DEPTH as f64 * state.reach) as usize {
+        for _ in 0..DEPTH {
             let end = self.queue.len();
             for i in begin..end {
                 for k in state.hinges.across(self.queue[i] as usize) {

@@ -50,9 +50,6 @@ const LEAST_NOISE: f64 = 1e-7;
 /// Vertex steps of the final surface.
 const STEPS: usize = 60;
 
-/// The factor on the radii of neighbourhoods for weak correlated noise.
-const WIDER: f64 = 1.5;
-
 /// The level of correlated noise above which it is strong, in mean edge lengths.
 const STRONG: f64 = 0.25;
 
@@ -129,9 +126,6 @@ pub enum Approach {
     /// Networks on the neighbourhood of each face, for noise that is independent from vertex to
     /// vertex, or nearly so.
     Networks,
-    /// The networks on neighbourhoods 1.5 times as wide, for weak noise that is correlated over
-    /// several edges.
-    WideNetworks,
     /// [`total_generalised_variation`](crate::total_generalised_variation), for strong noise that
     /// is correlated over several edges, like that of a depth camera.
     TotalGeneralisedVariation,
@@ -139,14 +133,12 @@ pub enum Approach {
 
 impl Approach {
     /// All approaches.
-    pub const ALL: [Self; 3] =
-        [Self::Networks, Self::WideNetworks, Self::TotalGeneralisedVariation];
+    pub const ALL: [Self; 2] = [Self::Networks, Self::TotalGeneralisedVariation];
 
     /// The name in output.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Networks => "networks",
-            Self::WideNetworks => "wide-networks",
             Self::TotalGeneralisedVariation => "total-generalised-variation",
         }
     }
@@ -176,9 +168,8 @@ fairing_parameters::named!(Approach, "approach of the automatic denoiser");
 /// If all candidates agree, so does the new normal: planes stay planes.
 ///
 /// Noise that is correlated over several edges ([`NoiseEstimate::correlation_length`]), as that of
-/// depth cameras and laser scanners, passes for shape between neighbours. If its level at that
-/// length is at most a quarter of an edge, the networks see neighbourhoods 1.5 times as wide and
-/// this level; if it is higher, the normals are those of
+/// depth cameras, passes for shape between neighbours. If its level at that length is above a
+/// quarter of an edge, the normals are those of
 /// [`total_generalised_variation`](crate::total_generalised_variation) with a weight of 0.7 mean
 /// edge lengths ([`Automatic::approach`]).
 ///
@@ -270,10 +261,7 @@ fn denoise(
     level.sigma *= strength;
     level.wide_sigma *= strength;
     let (normals, sigma, limit) = match approach {
-        Approach::Networks => regressed(&mesh, level, 1.0)?,
-        Approach::WideNetworks => {
-            regressed(&mesh, NoiseEstimate { sigma: level.wide_sigma, ..level }, WIDER)?
-        }
+        Approach::Networks => regressed(&mesh, level)?,
         Approach::TotalGeneralisedVariation => {
             let weight = WEIGHT * strength;
             let options = TotalGeneralisedVariationOptions { weight, ..Default::default() };
@@ -292,17 +280,13 @@ fn denoise(
     Ok((surface, limit + farthest))
 }
 
-/// The normals by the networks, with neighbourhoods times `reach`; the noise level and the largest
-/// displacement that the distance of the surface from the noisy mesh shows.
-fn regressed(
-    mesh: &TriMesh,
-    level: NoiseEstimate,
-    reach: f64,
-) -> Result<(Vec<DVec3>, f64, f64), DenoiseError> {
+/// The normals by the networks; the noise level and the largest displacement that the distance of
+/// the surface from the noisy mesh shows.
+fn regressed(mesh: &TriMesh, level: NoiseEstimate) -> Result<(Vec<DVec3>, f64, f64), DenoiseError> {
     // Normals in stages; after each the surface follows them.
     let model = Model::released().ok_or(DenoiseError::Model)?;
     fairing_watch::stage("normals", (model.stages.len() * blocks(mesh.face_count())) as u64);
-    let mut state = State::reaching(mesh, level, reach);
+    let mut state = State::new(mesh, level);
     for networks in &model.stages {
         advance(&mut state, networks)?;
     }
@@ -315,12 +299,9 @@ fn regressed(
 
 /// The way in which noise of a level is denoised, for the mean edge length `h`.
 fn approach_to(level: NoiseEstimate, h: f64) -> Approach {
-    if level.correlation_length <= 0.0 {
-        Approach::Networks
-    } else if level.wide_sigma <= STRONG * h {
-        Approach::WideNetworks
-    } else {
-        Approach::TotalGeneralisedVariation
+    match level.correlation_length > 0.0 && level.wide_sigma > STRONG * h {
+        true => Approach::TotalGeneralisedVariation,
+        false => Approach::Networks,
     }
 }
 

@@ -36,8 +36,6 @@ pub struct State<'a> {
     pub(super) level: NoiseEstimate,
     /// The mean edge length of the mesh.
     pub(super) h: f64,
-    /// The factor on the radii of neighbourhoods.
-    pub(super) reach: f64,
     /// The faces of the noisy mesh.
     pub(super) noisy: FaceShapes,
     /// The present normal of each face; zero for a face without one.
@@ -51,7 +49,7 @@ pub struct State<'a> {
     /// The longest side of each face of the surface.
     pub(super) longest: Vec<f64>,
     /// The local scale of each face: the side of an equilateral triangle of the mean area around
-    /// the face, times `reach`.
+    /// the face.
     pub(super) scales: Vec<f64>,
     /// The noise level: the estimate, or the median displacement if that is larger.
     pub(super) sigma: f64,
@@ -76,11 +74,6 @@ impl<'a> State<'a> {
     /// The state before the first stage: normals are the means of the noisy area vectors around
     /// each face.
     pub fn new(mesh: &'a TriMesh, level: NoiseEstimate) -> Self {
-        Self::reaching(mesh, level, 1.0)
-    }
-
-    /// The state before the first stage, with radii of neighbourhoods times `reach`.
-    pub(super) fn reaching(mesh: &'a TriMesh, level: NoiseEstimate, reach: f64) -> Self {
         let rings = FaceLists::rings(mesh);
         let noisy = FaceShapes::new(mesh);
         let vector = |f: usize| noisy.areas[f] * noisy.normals[f];
@@ -96,7 +89,6 @@ impl<'a> State<'a> {
             hinges: Hinges::new(mesh),
             level,
             h: mesh.mean_edge_length(),
-            reach,
             normals,
             anchors: mean_centroids(&noisy.centroids, &rings),
             surface: Cow::Borrowed(mesh),
@@ -166,7 +158,7 @@ impl<'a> State<'a> {
 
     /// The local scale of each face.
     fn set_scales(&mut self) {
-        let (areas, rings, h, reach) = (&self.current.areas, &self.rings, self.h, self.reach);
+        let (areas, rings, h) = (&self.current.areas, &self.rings, self.h);
         self.scales = (0..areas.len())
             .into_par_iter()
             .map(|f| {
@@ -174,7 +166,7 @@ impl<'a> State<'a> {
                 let sum: f64 = areas[f] + row.iter().map(|&g| areas[g as usize]).sum::<f64>();
                 // The side of an equilateral triangle of this area.
                 let side = (sum / (row.len() + 1) as f64 * (4.0 / 3.0f64.sqrt())).sqrt();
-                reach * side.clamp(0.02 * h, 50.0 * h)
+                side.clamp(0.02 * h, 50.0 * h)
             })
             .collect();
     }
@@ -182,7 +174,7 @@ impl<'a> State<'a> {
     /// Differences between normals that count: from what noise of `factor` σ̂/h
     /// makes to that of a crease.
     fn set_ranges(&mut self, factor: f64) {
-        let low = (factor * self.sigma / (self.reach * self.h)).clamp(0.02, 0.3);
+        let low = (factor * self.sigma / self.h).clamp(0.02, 0.3);
         self.ranges = [low, (low * 0.5).sqrt(), 0.5];
     }
 
