@@ -75,7 +75,7 @@ pub struct NoiseEstimate {
     /// The level is measured again by comparing each vertex with a quadric through the vertices s
     /// and 2 s edges away, for s = 1, 2, 4 and 8. Independent noise has the level `sigma` at all s,
     /// and a smooth or detailed surface about twice the level at twice the distance, or more. Noise
-    /// of sensors is in between: the length is 4 if the level is 1.25 to 2.7 `sigma` at s = 1, at
+    /// of sensors is in between: the length is 4 if the level is 1.25 to 4 `sigma` at s = 1, at
     /// least 1.5 `sigma` at s = 2, and grows by at most 1.9 from s = 1 to 2 and by at most 2 to
     /// s = 4; it is 8 if it then grows by 1.2 to 2 to s = 8. Smooth noise without a rough part
     /// looks like shape and is not found.

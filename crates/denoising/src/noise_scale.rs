@@ -26,7 +26,7 @@ const LEAST_GROWTH: [f64; 2] = [1.25, 1.5];
 /// The largest growth of the level of correlated noise, from neighbours to stencils of one edge,
 /// from those to stencils of two, and from those to stencils of four. A surface without noise
 /// exceeds one of them.
-const LARGEST_GROWTH: [f64; 3] = [2.7, 1.9, 2.0];
+const LARGEST_GROWTH: [f64; 3] = [4.0, 1.9, 2.0];
 
 /// The growth from four edges to eight of noise that is correlated over eight.
 const FURTHER: RangeInclusive<f64> = 1.2..=2.0;
