@@ -45,7 +45,6 @@ mod subdivide;
 mod topology;
 mod trimesh;
 #[doc(hidden)]
-pub mod vec3;
 mod weld;
 
 pub use build::{BuildError, EXTENTS};

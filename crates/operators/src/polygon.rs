@@ -14,8 +14,8 @@
 //! triangles S is the cotangent stiffness itself; polygons need not be flat or
 //! convex. Source: \[bunge2020\].
 
+use crate::power_of_two::power_of_two;
 use fairing_mesh::PolygonMesh;
-use fairing_mesh::vec3::power_of_two;
 use fairing_sparse::SparseMatrix;
 use glam::DVec3;
 use rayon::prelude::*;

@@ -1,7 +1,7 @@
 //! Geodesic distance by the heat method.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::power_of_two;
+use fairing_operators::power_of_two;
 use fairing_operators::{Intrinsic, Laplacian, LaplacianKind, MassKind};
 use fairing_parameters::OptionError;
 use fairing_sparse::{

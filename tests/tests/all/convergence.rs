@@ -3,7 +3,6 @@
 
 use fairing_evaluation::observed_orders;
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, cross, dot, norm, normalize, scale};
 use fairing_operators::curvature::{
     CorrectedMeasures, CurvatureField, Estimator, JetOptions, gaussian_curvature, mean_curvature,
     scaled_umbrella_mean_curvature,
@@ -13,6 +12,7 @@ use fairing_operators::surface::{
 };
 use fairing_operators::{LumpedArea, SparseMatrix, consistent_mass, cotan_stiffness, lumped_mass};
 use fairing_shapes as shapes;
+use glam::DVec3;
 
 const TORUS: Torus = Torus { major: 3.0, minor: 1.0 };
 const ELLIPSOID: Ellipsoid = Ellipsoid { a: 1.0, b: 1.5, c: 2.0 };
@@ -135,9 +135,9 @@ fn dirichlet_energy_converges_on_irregular_meshes() {
             let u = (f64::from(i) + 0.5) / f64::from(nu) * std::f64::consts::TAU;
             let v = (f64::from(j) + 0.5) / f64::from(nv) * std::f64::consts::PI;
             let jet = ELLIPSOID.jet(u, v);
-            let area = cross(jet.du, jet.dv);
-            let length = norm(area);
-            exact += length - area[2] * area[2] / length;
+            let area = DVec3::from(jet.du).cross(jet.dv.into());
+            let length = area.length();
+            exact += length - area.z * area.z / length;
         }
     }
     exact *= std::f64::consts::TAU * std::f64::consts::PI / f64::from(nu * nv);
@@ -178,7 +178,7 @@ fn the_scaled_umbrella_is_exact_on_a_sphere() {
     let mesh = (JITTERED[0].mesh)(2);
     let mean = scaled_umbrella_mean_curvature(&mesh);
     for (d, &p) in mean.vectors.iter().zip(mesh.positions()) {
-        assert!((dot(*d, p) + 2.0).abs() < 1e-12, "{d:?}");
+        assert!((DVec3::from(*d).dot(p.into()) + 2.0).abs() < 1e-12, "{d:?}");
     }
 }
 
@@ -228,10 +228,11 @@ fn every_estimator_knows_the_torus() {
                 assert!(gap < 0.12, "{estimator} {v} {found:?} {:?}", exact.values);
             }
             if let Some([first, second]) = &field.directions {
-                assert!(dot(first[v], second[v]).abs() < 1e-12);
-                let frame = cross(first[v], second[v]);
-                assert!(dot(frame, exact.normal) > 0.99, "{estimator} {v}");
-                let cosine = dot(first[v], exact.directions[0]).abs();
+                let [first, second] = [first, second].map(|all| DVec3::from(all[v]));
+                assert!(first.dot(second).abs() < 1e-12);
+                let frame = first.cross(second);
+                assert!(frame.dot(exact.normal.into()) > 0.99, "{estimator} {v}");
+                let cosine = first.dot(exact.directions[0].into()).abs();
                 assert!(cosine > 0.97, "{estimator} {v} {cosine}");
             }
         }
@@ -249,7 +250,8 @@ fn corrected_measures_agree_with_dgtal() {
         let x = mesh.triangle(f);
         let measures =
             CorrectedMeasures::from_triangle(x, x.map(|p| TORUS.curvature(p).unwrap().normal));
-        let (values, _) = measures.principal(normalize(mesh.area_vector(f)).unwrap()).unwrap();
+        let (values, _) =
+            measures.principal(DVec3::from(mesh.area_vector(f)).normalize().to_array()).unwrap();
         for k in 0..2 {
             low[k] = low[k].min(values[k]);
             high[k] = high[k].max(values[k]);
@@ -269,11 +271,12 @@ fn corrected_measures_are_exact_on_a_sphere() {
     let mesh = shapes::jittered(&shapes::icosphere(1), 0.4, 5, shapes::onto_sphere);
     for f in 0..mesh.face_count() {
         let u = mesh.triangle(f);
-        let measures = CorrectedMeasures::from_triangle(u.map(|p| scale(p, 2.5)), u);
+        let measures = CorrectedMeasures::from_triangle(u.map(|p| p.map(|x| 2.5 * x)), u);
         assert!((measures.mean_curvature().unwrap() - 0.4).abs() < 1e-14);
         assert!((measures.gaussian_curvature().unwrap() - 0.16).abs() < 1e-14);
-        let (values, _) =
-            measures.principal(normalize(add(add(u[0], u[1]), u[2])).unwrap()).unwrap();
+        let (values, _) = measures
+            .principal(u.map(DVec3::from).iter().sum::<DVec3>().normalize().to_array())
+            .unwrap();
         assert!(values.iter().all(|k| (k - 0.4).abs() < 1e-14), "{values:?}");
     }
 }

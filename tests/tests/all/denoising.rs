@@ -9,8 +9,8 @@ use fairing_evaluation::{
     scan,
 };
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::distance;
 use fairing_shapes as shapes;
+use glam::DVec3;
 
 fn noisy(mesh: &TriMesh, share: f64) -> TriMesh {
     add_noise(mesh, NoiseKind::GaussianAlongNormals, NoiseLevel::EdgeLengths(share), 5).unwrap()
@@ -41,7 +41,7 @@ fn automatic_restores_a_block_with_creases() {
         assert!(drift(&result.mesh, &block).volume.unwrap().abs() < 0.005, "{share}");
         assert!(result.limit <= 5.5 * result.noise.unwrap().sigma);
         for (p, q) in result.mesh.positions().iter().zip(input.positions()) {
-            assert!(distance(*p, *q) <= result.limit * (1.0 + 1e-12));
+            assert!(DVec3::from(*p).distance((*q).into()) <= result.limit * (1.0 + 1e-12));
         }
     }
 }
@@ -56,7 +56,7 @@ fn vertices_stay_within_the_limit_of_the_input() {
         let update = VertexUpdate { steps: 40, limit };
         let moved = update_vertices(&sphere, &normals, &update).unwrap();
         let pairs = moved.positions().iter().zip(sphere.positions());
-        pairs.map(|(p, q)| distance(*p, *q)).fold(0.0, f64::max)
+        pairs.map(|(p, q)| DVec3::from(*p).distance((*q).into())).fold(0.0, f64::max)
     };
     assert!(farthest(None) > 0.2);
     let found = farthest(Some(0.05));
@@ -151,7 +151,7 @@ fn noise_of_a_depth_camera_is_found_and_removed() {
         assert!(after < other, "{name}: {other}°, automatic {after}°");
     }
     for (p, q) in result.mesh.positions().iter().zip(input.positions()) {
-        assert!(distance(*p, *q) <= result.limit * (1.0 + 1e-12));
+        assert!(DVec3::from(*p).distance((*q).into()) <= result.limit * (1.0 + 1e-12));
     }
     let independent = noisy(&seen.mesh, 0.3);
     let result = automatic(&independent, &AutomaticOptions::default()).unwrap();
@@ -236,7 +236,7 @@ fn denoisers_move_with_the_mesh() {
             let plain = denoiser.denoise(&input).unwrap();
             let other = denoiser.denoise(&moved).unwrap();
             let total: f64 = (plain.positions().iter().zip(other.positions()))
-                .map(|(&p, &q)| distance(motion(p), q) / (size * h))
+                .map(|(&p, &q)| DVec3::from(motion(p)).distance(q.into()) / (size * h))
                 .sum();
             let mean = total / input.vertex_count() as f64;
             assert!(mean < 2e-3, "{denoiser}: {mean}");
@@ -261,8 +261,9 @@ fn denoisers_do_not_depend_on_the_numbering() {
     let other = TriMesh::new(positions, faces).unwrap();
     for denoiser in Denoiser::all() {
         let (a, b) = (denoiser.denoise(&input).unwrap(), denoiser.denoise(&other).unwrap());
-        let total: f64 =
-            (0..n).map(|v| distance(a.positions()[v], b.positions()[new(v)]) / h).sum();
+        let total: f64 = (0..n)
+            .map(|v| DVec3::from(a.positions()[v]).distance(b.positions()[new(v)].into()) / h)
+            .sum();
         assert!(total / (n as f64) < 2e-3, "{denoiser}: {}", total / n as f64);
     }
 }

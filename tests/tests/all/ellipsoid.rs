@@ -4,11 +4,11 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::{Add, Mul};
 
-use fairing_mesh::vec3::{cross, dot, norm, normalize, scale};
 use fairing_operators::surface::{
     ClosedForms, Cylinder, Ellipsoid, Helicoid, ImplicitSurface, ParametricSurface, Sphere,
     SurfaceJet, Torus, WavyGraph,
 };
+use glam::DVec3;
 
 /// A function of u and v with its derivatives to second order at a point.
 #[derive(Clone, Copy)]
@@ -135,16 +135,22 @@ fn close(a: f64, b: f64) {
 }
 
 #[track_caller]
-fn close3(a: [f64; 3], b: [f64; 3]) {
+fn close3(a: impl Into<[f64; 3]>, b: impl Into<[f64; 3]>) {
+    let (a, b) = (a.into(), b.into());
     for k in 0..3 {
         close(a[k], b[k]);
     }
 }
 
 /// The inward unit normal; the centre decides the sign.
-fn inward(jet: &SurfaceJet) -> [f64; 3] {
-    let n = normalize(cross(jet.du, jet.dv)).unwrap();
-    if dot(n, jet.point) < 0.0 { n } else { scale(n, -1.0) }
+fn inward(jet: &SurfaceJet) -> DVec3 {
+    let n = across(jet).normalize();
+    if n.dot(jet.point.into()) < 0.0 { n } else { -n }
+}
+
+/// ∂p/∂u × ∂p/∂v
+fn across(jet: &SurfaceJet) -> DVec3 {
+    DVec3::from(jet.du).cross(jet.dv.into())
 }
 
 #[track_caller]
@@ -164,14 +170,15 @@ fn formulas_1_and_7_derivatives() {
         let ((su, cu), (sv, cv)) = (u.sin_cos(), v.sin_cos());
         close3(d.du, [-e.a * su * sv, e.b * cu * sv, 0.0]);
         close3(d.dv, [e.a * cu * cv, e.b * su * cv, -e.c * sv]);
-        close3(d.dvv, scale(d.point, -1.0));
+        close3(d.dvv, -DVec3::from(d.point));
     });
 }
 
 #[test]
 fn formula_2_first_form() {
     everywhere(|e, u, v, d| {
-        close3(e.first_form(u, v), [dot(d.du, d.du), dot(d.du, d.dv), dot(d.dv, d.dv)]);
+        let [du, dv] = [d.du, d.dv].map(DVec3::from);
+        close3(e.first_form(u, v), [du.dot(du), du.dot(dv), dv.dot(dv)]);
         close3(e.forms(u, v).unwrap().first, e.first_form(u, v));
     });
 }
@@ -180,11 +187,11 @@ fn formula_2_first_form() {
 fn formulas_3_and_6_the_cross_product_points_inward() {
     everywhere(|e, u, v, d| {
         let ((su, cu), (sv, cv)) = (u.sin_cos(), v.sin_cos());
-        let bracket = [e.b * e.c * cu * sv, e.a * e.c * su * sv, e.a * e.b * cv];
-        close3(cross(d.du, d.dv), scale(bracket, -sv));
-        assert!(dot(cross(d.du, d.dv), d.point) < 0.0);
-        close3(inward(d), scale(bracket, -1.0 / e.discriminant(u, v).sqrt()));
-        close3(e.forms(u, v).unwrap().normal, scale(inward(d), -1.0));
+        let bracket = DVec3::new(e.b * e.c * cu * sv, e.a * e.c * su * sv, e.a * e.b * cv);
+        close3(across(d), -sv * bracket);
+        assert!(across(d).dot(d.point.into()) < 0.0);
+        close3(inward(d), bracket * (-1.0 / e.discriminant(u, v).sqrt()));
+        close3(e.forms(u, v).unwrap().normal, -inward(d));
     });
 }
 
@@ -196,7 +203,7 @@ fn formulas_4_and_5_discriminant() {
         close(e.discriminant(u, v), (e.a * e.b * e.c).powi(2) * sum);
         let [ee, f, g] = e.first_form(u, v);
         close(ee * g - f * f, v.sin().powi(2) * e.discriminant(u, v));
-        close(ee * g - f * f, norm(cross(d.du, d.dv)).powi(2));
+        close(ee * g - f * f, across(d).length_squared());
     });
 }
 
@@ -204,7 +211,7 @@ fn formulas_4_and_5_discriminant() {
 fn formula_8_second_form() {
     everywhere(|e, u, v, d| {
         let m = inward(d);
-        close3(e.second_form(u, v), [dot(d.duu, m), dot(d.duv, m), dot(d.dvv, m)]);
+        close3(e.second_form(u, v), [d.duu, d.duv, d.dvv].map(|x| m.dot(x.into())));
         close3(e.forms(u, v).unwrap().second, e.second_form(u, v));
     });
 }
@@ -216,11 +223,10 @@ fn formula_9_normal_curvature_in_any_direction() {
         for i in 0..8 {
             let (dv, du) = (f64::from(i) * 0.4).sin_cos();
             // The curve (u + t du, v + t dv): κₙ = c″·m / ‖c′‖².
-            let first: [f64; 3] = std::array::from_fn(|k| d.du[k] * du + d.dv[k] * dv);
-            let second: [f64; 3] = std::array::from_fn(|k| {
-                d.duu[k] * du * du + 2.0 * d.duv[k] * du * dv + d.dvv[k] * dv * dv
-            });
-            let expected = dot(second, inward(d)) / dot(first, first);
+            let first = du * DVec3::from(d.du) + dv * DVec3::from(d.dv);
+            let [uu, uv, vv] = [d.duu, d.duv, d.dvv].map(DVec3::from);
+            let second = du * du * uu + 2.0 * du * dv * uv + dv * dv * vv;
+            let expected = second.dot(inward(d)) / first.length_squared();
             close(forms.normal_curvature([du, dv]).unwrap(), expected);
             let [ee, f, g] = e.first_form(u, v);
             let abc = e.a * e.b * e.c;
@@ -321,17 +327,18 @@ fn principal_directions() {
         assert!(p.values[0] >= p.values[1]);
         close(0.5 * (p.values[0] + p.values[1]), e.mean_curvature(u, v));
         close(p.values[0] * p.values[1], e.gaussian_curvature(u, v));
+        let directions = p.directions.map(DVec3::from);
         for k in 0..2 {
-            close(norm(p.directions[k]), 1.0);
+            close(directions[k].length(), 1.0);
             // At an umbilic the value is the same in every direction.
             close(forms.normal_curvature(p.parameters[k]).unwrap(), p.values[k]);
         }
-        close3(cross(p.directions[0], p.directions[1]), forms.normal);
+        close3(directions[0].cross(directions[1]), forms.normal);
         let point = e.curvature(d.point).unwrap();
         close(point.values[0], p.values[0]);
         if p.values[0] - p.values[1] > 1e-2 {
             // Rounding of the form over the gap of the values.
-            let sine = norm(cross(point.directions[0], p.directions[0]));
+            let sine = DVec3::from(point.directions[0]).cross(directions[0]).length();
             assert!(sine < 1e-11, "{sine}");
         }
     });
@@ -390,6 +397,7 @@ fn the_wavy_graph_is_differentiated_right() {
         let z = 0.4 * ((1.3 * du).sin() * (1.3 * dv).cos());
         same_jet(&graph.jet(u, v), &jet([du, dv, z]));
 
-        close(dot(graph.jet(u, v).du, graph.gradient(graph.jet(u, v).point)), 0.0);
+        let gradient = DVec3::from(graph.gradient(graph.jet(u, v).point));
+        close(gradient.dot(graph.jet(u, v).du.into()), 0.0);
     }
 }

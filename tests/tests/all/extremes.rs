@@ -10,7 +10,6 @@ use fairing_evaluation::{
     vertex_displacement,
 };
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, dot, norm, normalize, scale, sub};
 use fairing_operators::curvature::{
     CotangentOptions, Estimator, FaceTensorOptions, MeanCurvature, cotangent_curvature,
     face_tensor_curvature, gaussian_curvature, mean_curvature, scaled_umbrella_mean_curvature,
@@ -21,6 +20,7 @@ use fairing_operators::{
     LumpedArea, NormalWeight, cotan_stiffness, gradient, lumped_mass, weighted_vertex_normals,
 };
 use fairing_shapes as shapes;
+use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -36,7 +36,7 @@ fn mapped(mesh: &TriMesh, f: impl Fn([f64; 3]) -> [f64; 3]) -> TriMesh {
 }
 
 pub(crate) fn scaled(mesh: &TriMesh, factor: f64) -> TriMesh {
-    mapped(mesh, |p| scale(p, factor))
+    mapped(mesh, |p| p.map(|x| factor * x))
 }
 
 fn all_scaled(values: &[f64], factor: f64) -> Vec<f64> {
@@ -99,7 +99,7 @@ fn scores_do_not_depend_on_the_size() {
         assert_eq!(feature_edges(&m, &r, 30.0), feature_edges(&mesh, &reference, 30.0));
         let query = [0.3, 0.2, 1.7];
         let closest = SurfaceTree::new(&mesh).unwrap().closest(query);
-        let there = SurfaceTree::new(&m).unwrap().closest(scale(query, unit));
+        let there = SurfaceTree::new(&m).unwrap().closest(query.map(|x| unit * x));
         assert_eq!((there.distance, there.face), (closest.distance * unit, closest.face));
     }
 }
@@ -107,7 +107,7 @@ fn scores_do_not_depend_on_the_size() {
 #[test]
 fn crossings_do_not_depend_on_the_size() {
     let sphere = shapes::icosphere(1);
-    let both = union(&[sphere.clone(), mapped(&sphere, |p| add(p, [0.7, 0.11, 0.23]))]);
+    let both = union(&[sphere.clone(), mapped(&sphere, |[x, y, z]| [x + 0.7, y + 0.11, z + 0.23])]);
     let expected = self_intersections(&both);
     assert!(expected > 20);
     for exponent in EXPONENTS {
@@ -180,7 +180,9 @@ fn operators_scale_to_the_last_bit() {
         for weight in [NormalWeight::Area, NormalWeight::Angle, NormalWeight::Sphere] {
             let found = weighted_vertex_normals(&there, weight);
             let expected = weighted_vertex_normals(&mesh, weight);
-            assert!(found.iter().zip(expected).all(|(&a, b)| norm(sub(a, b)) < 1e-14));
+            assert!(
+                found.iter().zip(expected).all(|(&a, b)| DVec3::from(a).distance(b.into()) < 1e-14)
+            );
         }
     }
 }
@@ -213,7 +215,8 @@ fn nothing_drifts_from_a_volume_of_rounding() {
     let positions = [sheet.positions(), sheet.positions()].concat();
     let pillow = TriMesh::new(positions, faces.chain(back).collect()).unwrap();
     for turn in 0..30 {
-        let flat = mapped(&turned(&pillow, f64::from(turn)), |p| add(p, [1.0, 7.0, -2.0]));
+        let flat =
+            mapped(&turned(&pillow, f64::from(turn)), |[x, y, z]| [x + 1.0, y + 7.0, z - 2.0]);
         let full = noisy(&flat, 0.1, 3);
         assert_eq!(drift(&full, &flat).volume, None, "{}", flat.signed_volume());
         assert_eq!(drift(&flat, &full).volume.map(|x| (x + 1.0).abs() < 1e-9), Some(true));
@@ -222,7 +225,7 @@ fn nothing_drifts_from_a_volume_of_rounding() {
 
 /// Vertices of this many columns in the plane and a face without area.
 fn bad_face(at: [f64; 3], size: f64) -> TriMesh {
-    let corner = |x: f64, y: f64| add(at, [size * x, size * y, 0.0]);
+    let corner = |x: f64, y: f64| [at[0] + size * x, at[1] + size * y, at[2]];
     let positions = vec![corner(0.0, 0.0), corner(1.0, 0.0), corner(2.0, 0.0), corner(0.5, 1.0)];
     TriMesh::new(positions, vec![[0, 2, 1], [0, 1, 3]]).unwrap()
 }
@@ -282,7 +285,8 @@ fn a_flat_face_changes_its_neighbourhood_only() {
     // The first face reaches its side ab through a face without area.
     let mut positions = sphere.positions().to_vec();
     let middle = positions.len() as u32;
-    positions.push(scale(add(positions[a as usize], positions[b as usize]), 0.5));
+    let [p, q] = [a, b].map(|v| DVec3::from(positions[v as usize]));
+    positions.push((0.5 * (p + q)).to_array());
     let mut faces = sphere.faces().to_vec();
     faces[0] = [a, middle, c];
     faces.extend([[middle, b, c], [a, b, middle]]);
@@ -373,7 +377,7 @@ fn clean_parts_do_not_hide_noise() {
     let noise = noisy(&sphere, 0.2, 9);
     let alone = noise_level(&noise).unwrap();
     let alone_moved = automatic(&noise, &AutomaticOptions::default()).unwrap();
-    let far = |mesh: &TriMesh| mapped(mesh, |p| add(p, [5.0, 0.3, -0.2]));
+    let far = |mesh: &TriMesh| mapped(mesh, |[x, y, z]| [x + 5.0, y + 0.3, z - 0.2]);
     let clean = [
         far(&shapes::plane(10, 10, shapes::Diagonals::Regular)),
         far(&shapes::plane(60, 60, shapes::Diagonals::Alternating)),
@@ -427,7 +431,7 @@ fn operators_on_soups_are_sound_at_any_size() {
             scaled(&soup, 1e8),
             scaled(&soup, 1e-29),
             turned(&soup, seed as f64),
-            mapped(&soup, |p| add(p, [1e6, -2e5, 3e6])),
+            mapped(&soup, |[x, y, z]| [x + 1e6, y - 2e5, z + 3e6]),
         ];
         for (i, mesh) in placed.iter().enumerate() {
             let robust = robust_laplacian(mesh, RobustOptions::default()).unwrap();
@@ -451,8 +455,9 @@ fn operators_on_soups_are_sound_at_any_size() {
                     .flat_map(|[a, b]| a.iter().zip(b))
                     .map(|(a, b)| [*a, *b])
                 {
-                    let unit = normalize(a).is_some();
-                    assert!(!unit || (norm(a) - 1.0).abs() < 1e-9 && dot(a, b).abs() < 1e-9);
+                    let (a, b) = (DVec3::from(a), DVec3::from(b));
+                    let unit = a.length_squared().is_normal();
+                    assert!(!unit || (a.length() - 1.0).abs() < 1e-9 && a.dot(b).abs() < 1e-9);
                 }
             }
             if let Some(level) = noise_level(mesh) {

@@ -2,7 +2,6 @@
 
 use fairing_denoising::{AutomaticOptions, Denoiser, VertexUpdate, update_vertices};
 use fairing_evaluation::{NoiseKind, NoiseLevel, add_noise};
-use fairing_mesh::vec3::{add, distance, scale};
 use fairing_mesh::{PolygonMesh, TriMesh};
 use fairing_operators::{
     SparseMatrix, consistent_mass, divergence, face_gradients, face_normals, gradient,
@@ -10,6 +9,7 @@ use fairing_operators::{
 };
 use fairing_shapes as shapes;
 use fairing_spectral::HeatGeodesics;
+use glam::DVec3;
 
 use crate::extremes::{EXPONENTS, scaled, soup, turned};
 
@@ -28,7 +28,7 @@ fn operators_follow_their_units_at_every_size() {
     let polygons = |unit: f64| {
         let p =
             [[0.0, 0.0, 0.1], [2.0, 0.1, 0.0], [2.5, 1.0, 0.2], [1.0, 2.0, 0.0], [-0.3, 1.1, 0.3]];
-        let positions = p.map(|p| scale(p, unit)).to_vec();
+        let positions = p.map(|p| p.map(|x| unit * x)).to_vec();
         PolygonMesh::new(positions, [&[0, 1, 2, 3][..], &[0, 3, 4]]).unwrap()
     };
     let values: Vec<f64> = mesh.positions().iter().map(|p| p[0] * p[1] + p[2]).collect();
@@ -43,7 +43,7 @@ fn operators_follow_their_units_at_every_size() {
         assert_eq!(consistent_mass(&other).unwrap(), times(&mass, [unit, unit]), "2^{exponent}");
         assert_eq!(gradient(&other).unwrap(), times(&rise, [1.0 / unit, 1.0]), "2^{exponent}");
         assert_eq!(divergence(&other).unwrap(), times(&flux, [unit, 1.0]), "2^{exponent}");
-        let expected: Vec<_> = slopes.iter().map(|&g| scale(g, 1.0 / unit)).collect();
+        let expected: Vec<_> = slopes.iter().map(|g| g.map(|x| x * (1.0 / unit))).collect();
         assert_eq!(face_gradients(&other, &values).unwrap(), expected, "2^{exponent}");
         assert_eq!(face_normals(&other), normals, "2^{exponent}");
         let found = polygon_laplacian(&polygons(unit)).unwrap();
@@ -110,7 +110,7 @@ fn operators_of_soups_are_numbers() {
 fn denoisers_survive_soups() {
     for seed in 0..3 {
         let soup = soup(seed);
-        let moved = soup.positions().iter().map(|&p| add(p, [1e6, -2e5, 3e6])).collect();
+        let moved = soup.positions().iter().map(|[x, y, z]| [x + 1e6, y - 2e5, z + 3e6]).collect();
         let placed = [
             soup.clone(),
             scaled(&soup, 1e-8),
@@ -156,7 +156,7 @@ fn denoisers_do_not_depend_on_the_frame() {
             0 => turned(mesh, 0.9).positions().to_vec(),
             1 => scaled(mesh, 1e-8).positions().to_vec(),
             2 => scaled(mesh, 1e8).positions().to_vec(),
-            3 => mesh.positions().iter().map(|&p| add(p, [3e5, -1e5, 2e5])).collect(),
+            3 => mesh.positions().iter().map(|[x, y, z]| [x + 3e5, y - 1e5, z + 2e5]).collect(),
             _ => {
                 let mut positions = vec![[0.0; 3]; n];
                 for (v, p) in mesh.positions().iter().enumerate() {
@@ -177,7 +177,8 @@ fn denoisers_do_not_depend_on_the_frame() {
             };
             let other = TriMesh::new(image(&input, case), faces).unwrap();
             let found = denoiser.denoise(&other).unwrap();
-            let off = |(p, q): (&[f64; 3], &[f64; 3])| distance(*p, *q) / (size * h);
+            let off =
+                |(p, q): (&[f64; 3], &[f64; 3])| DVec3::from(*p).distance((*q).into()) / (size * h);
             let worst =
                 image(&plain, case).iter().zip(found.positions()).map(off).fold(0.0, f64::max);
             // Coordinates near 3e5 are rounded to 6e-11, a billionth of h. The network of the

@@ -60,7 +60,7 @@ fn flow() -> View {
         .iter()
         .map(|mesh| {
             let pairs = mesh.positions().iter().zip(input.positions());
-            pairs.map(|(p, q)| fairing_mesh::vec3::distance(*p, *q)).collect()
+            pairs.map(|(p, q)| glam::DVec3::from(*p).distance((*q).into())).collect()
         })
         .collect();
     let still = Panel::still("noisy", &input).with_field("height", "m", true, &heights);

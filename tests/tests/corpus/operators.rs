@@ -8,6 +8,7 @@ use fairing_operators::intrinsic::{RobustOptions, robust_laplacian};
 use fairing_operators::{
     LumpedArea, OperatorError, cotan_stiffness, lumped_mass, polygon_laplacian,
 };
+use glam::DVec3;
 use libtest_mimic::Failed;
 
 use crate::Test;
@@ -83,7 +84,7 @@ fn estimators(folder: &Path) -> Result<(), Failed> {
                 require(!(isolated && defined), || format!("{estimator}: isolated {v} defined"))?;
                 if let (true, Some(directions)) = (defined, &field.directions) {
                     for d in directions {
-                        let length = fairing_mesh::vec3::norm(d[v]);
+                        let length = DVec3::from(d[v]).length();
                         require((length - 1.0).abs() < 1e-9, || {
                             format!("{estimator}: direction {:?} at {v}", d[v])
                         })?;

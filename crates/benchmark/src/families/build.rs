@@ -1,7 +1,7 @@
 //! Size, triangulation and proportions of a model.
 
+use crate::vec3::{cross, norm, scale};
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{cross, norm, scale};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 

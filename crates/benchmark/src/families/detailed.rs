@@ -2,8 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
+use crate::vec3::{distance, norm, scale};
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{distance, norm, scale};
 
 use super::build::Build;
 use super::models::{level_set, ring};

@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
+use crate::vec3::{add, cross, dot, norm, scale, sub};
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, cross, dot, norm, scale, sub};
 
 use super::build::{Build, Proportions};
 use super::extrude::extrude_with;
@@ -301,7 +301,7 @@ fn common_arc([a, b]: [Ball; 2], [from, to]: [[f64; 3]; 2]) -> impl Fn(f64) -> [
 
 #[cfg(test)]
 mod tests {
-    use fairing_mesh::vec3::distance;
+    use crate::vec3::distance;
 
     use super::*;
     use crate::families::Triangulation;

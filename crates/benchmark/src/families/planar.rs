@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use crate::vec3::{add, dot, scale};
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, dot, scale};
 
 use super::build::Build;
 use super::extrude::extrude;

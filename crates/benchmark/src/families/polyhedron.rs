@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use fairing_mesh::vec3::{add, cross, distance, dot, norm, normalize, scale, sub};
+use crate::vec3::{add, cross, distance, dot, norm, normalize, scale, sub};
 
 use super::solid::{Chart, Curve, Solid, joined, reversed};
 

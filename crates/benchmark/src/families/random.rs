@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use crate::vec3::scale;
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::scale;
 
 use super::build::{Build, Proportions, Triangulation, sized};
 use super::polyhedron::{Polyhedron, polyhedron};

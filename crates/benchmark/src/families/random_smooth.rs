@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use crate::vec3::{add, cross, distance, dot, norm, scale, sub};
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, cross, distance, dot, norm, scale, sub};
 
 use super::build::{Build, Proportions};
 use super::models::{level_set, ring, soft_max};

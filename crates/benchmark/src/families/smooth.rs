@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use crate::vec3::{add, distance, scale};
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{add, distance, scale};
 
 use super::build::Build;
 use super::models::{level_set, ring, soft_max};

@@ -1,7 +1,7 @@
 //! Bodies built from faces that meet in their edges.
 
+use crate::vec3::{cross, distance, dot, norm, scale, sub};
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{cross, distance, dot, norm, scale, sub};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
+use crate::vec3::{distance, dot, normalize};
 use fairing_evaluation::self_intersections;
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::{distance, dot, normalize};
 use rayon::prelude::*;
 
 use super::{Family, Kind, Triangulation};
@@ -94,7 +94,7 @@ fn triangulations_are_what_they_say() {
         let n = areas.len();
         let aspects = (0..n).map(|f| {
             let t = mesh.triangle(f);
-            let side = |k: usize| fairing_mesh::vec3::distance(t[k], t[(k + 1) % 3]);
+            let side = |k: usize| crate::vec3::distance(t[k], t[(k + 1) % 3]);
             let longest = side(0).max(side(1)).max(side(2));
             longest * longest / (2.0 * mesh.face_area(f))
         });

@@ -1,7 +1,7 @@
 //! Properties of every family.
 
+use crate::vec3::{cross, dot, norm, sub};
 use fairing_mesh::Diagnosis;
-use fairing_mesh::vec3::{cross, dot, norm, sub};
 use rayon::prelude::*;
 
 use super::*;
@@ -158,7 +158,7 @@ fn terraces_are_right_angled() {
     for seed in 0..6 {
         let mesh = RandomModel::Terraces.mesh(3000, Triangulation::ALL[seed as usize % 4], seed);
         for f in 0..mesh.face_count() {
-            let n = fairing_mesh::vec3::normalize(mesh.area_vector(f)).unwrap();
+            let n = crate::vec3::normalize(mesh.area_vector(f)).unwrap();
             let most = n.iter().fold(0.0f64, |m, x| m.max(x.abs()));
             assert!(most > 1.0 - 1e-12 && n[2] > -1e-6, "{seed}: {n:?}");
         }
@@ -173,7 +173,7 @@ fn facets_are_planes() {
         assert!((2400..3600).contains(&mesh.face_count()), "{seed}: {}", mesh.face_count());
         let mut normals: Vec<[i64; 3]> = (0..mesh.face_count())
             .map(|f| {
-                fairing_mesh::vec3::normalize(mesh.area_vector(f))
+                crate::vec3::normalize(mesh.area_vector(f))
                     .unwrap()
                     .map(|x| libm::round(1e6 * x) as i64)
             })

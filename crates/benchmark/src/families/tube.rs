@@ -1,6 +1,6 @@
 //! Tubes around closed curves.
 
-use fairing_mesh::vec3::{add, cross, distance, dot, norm, scale, sub};
+use crate::vec3::{add, cross, distance, dot, norm, scale, sub};
 
 /// A tube around a closed curve of period one.
 pub(super) struct Tube<F> {

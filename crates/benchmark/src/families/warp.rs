@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use fairing_mesh::vec3::{add, dot, norm, scale, sub};
+use crate::vec3::{add, dot, norm, scale, sub};
 use fairing_mesh::{BuildError, TriMesh};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

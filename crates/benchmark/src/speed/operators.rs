@@ -9,6 +9,7 @@ use fairing_operators::curvature::{
     CurvatureField, Estimator, MeanCurvature, ScalarCurvature, mean_and_gaussian_curvature,
 };
 use fairing_operators::{LumpedArea, SparseMatrix, cotan_stiffness, lumped_mass};
+use glam::DVec3;
 
 use super::stopwatch::Stopwatch;
 use super::task::{Fingerprint, Job, Task, Work, fingerprint, forgetful};
@@ -52,7 +53,7 @@ impl Work for Assembling {
             .outer_iterator()
             .zip(x)
             .flat_map(|(row, p)| {
-                row.iter().map(|(j, w)| w * fairing_mesh::vec3::dot(*p, x[j])).collect::<Vec<_>>()
+                row.iter().map(|(j, w)| w * DVec3::from(*p).dot(x[j].into())).collect::<Vec<_>>()
             })
             .sum();
         Ok(fingerprint! {

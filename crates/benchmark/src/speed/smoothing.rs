@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use anyhow::{Context as _, Result};
-use fairing_mesh::vec3::{dot, sub};
 use fairing_mesh::{TriMesh, io};
 use fairing_smoothing::{Diffusion, Explicit, Implicit, Method, Stability, Taubin};
+use glam::DVec3;
 
 use super::stopwatch::Stopwatch;
 use super::task::{Fingerprint, Job, Task, Work, fingerprint, forgetful};
@@ -133,11 +133,11 @@ fn displacement_fingerprint(before: &TriMesh, after: &TriMesh) -> Fingerprint {
         .positions()
         .iter()
         .zip(after.positions())
-        .map(|(&a, &b)| dot(sub(b, a), sub(b, a)))
+        .map(|(&a, &b)| DVec3::from(b).distance_squared(a.into()))
         .collect();
     fingerprint! {
         rms_disp: (squares.iter().sum::<f64>() / squares.len() as f64).sqrt(),
         max_disp: squares.iter().copied().fold(0.0, f64::max).sqrt(),
-        sum_sq: after.positions().iter().map(|&p| dot(p, p)).sum::<f64>(),
+        sum_sq: after.positions().iter().map(|&p| DVec3::from(p).length_squared()).sum::<f64>(),
     }
 }

@@ -7,6 +7,7 @@ use fairing_sparse::{
     EigenOptions, EigenPairs, Mass, Ordering, SymbolicCholesky, combine, multiply_points,
     smallest_eigenpairs,
 };
+use glam::DVec3;
 
 use super::stopwatch::Stopwatch;
 use super::task::{Fingerprint, Job, Task, Work, fingerprint, forgetful};
@@ -119,7 +120,7 @@ impl Work for Factoring {
         let rest: Vec<[f64; 3]> = back
             .iter()
             .zip(mesh.positions())
-            .map(|(a, b)| fairing_mesh::vec3::sub(*a, *b))
+            .map(|(&a, &b)| (DVec3::from(a) - DVec3::from(b)).to_array())
             .collect();
         let residual = (square(&rest) / square(mesh.positions())).sqrt();
         let entries = symbolic.factor_entries();

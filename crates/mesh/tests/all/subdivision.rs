@@ -1,8 +1,8 @@
 //! Subdivision of shapes with a known result.
 
-use fairing_mesh::vec3::distance;
 use fairing_mesh::{subdivide_loop, subdivide_midpoint};
 use fairing_shapes as shapes;
+use glam::DVec3;
 
 #[test]
 fn midpoints_leave_the_surface() {
@@ -26,13 +26,13 @@ fn loop_keeps_a_regular_plane() {
         let [x, y, _] = old[v];
         if plane.topology().is_boundary_vertex(v as u32) {
             let corner = [x, y].iter().all(|&t| t == 0.0 || t == 1.0);
-            let moved = distance(old[v], fine.positions()[v]);
+            let moved = DVec3::from(old[v]).distance(fine.positions()[v].into());
             // A corner moves by ¼ of the way to the midpoint of its
             // neighbours, √2 / 12.
             let expected = if corner { 2f64.sqrt() / 48.0 } else { 0.0 };
             assert!((moved - expected).abs() < 1e-15);
         } else {
-            assert!(distance(old[v], fine.positions()[v]) < 1e-15);
+            assert!(DVec3::from(old[v]).distance(fine.positions()[v].into()) < 1e-15);
         }
     }
     assert!(fine.positions().iter().all(|p| p[2] == 0.0));

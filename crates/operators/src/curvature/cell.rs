@@ -1,7 +1,7 @@
 //! All that the faces say about a vertex, gathered in one pass.
 
+use crate::power_of_two::power_of_two;
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::power_of_two;
 use glam::DVec3;
 use rayon::prelude::*;
 

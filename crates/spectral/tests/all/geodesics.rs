@@ -206,7 +206,7 @@ fn along_faces(mesh: &TriMesh, source: u32, cuts: usize) -> Vec<f64> {
             continue;
         }
         for q in faces_of[p].iter().flat_map(|&f| on_face(f)) {
-            let length = so_far + fairing_mesh::vec3::distance(points[p], points[q]);
+            let length = so_far + glam::DVec3::from(points[p]).distance(points[q].into());
             if length < found[q] {
                 found[q] = length;
                 queue.insert((length.to_bits(), q));

@@ -2,10 +2,10 @@
 //! many digits.
 
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::distance;
 use fairing_operators::{Laplacian, LaplacianKind, MassKind};
 use fairing_shapes as shapes;
 use fairing_spectral::{HeatDiffusion, HeatGeodesics, Poisson};
+use glam::DVec3;
 
 use crate::meshes::{scaled, sheet, union};
 
@@ -40,7 +40,7 @@ fn distances_along_strips() {
             for source in [0, m / 3, m / 2, m + 1 + m / 3] {
                 let found = heat.distance(&[source as u32]).unwrap();
                 for (found, &p) in found.iter().zip(mesh.positions()) {
-                    let exact = distance(p, mesh.positions()[source]);
+                    let exact = DVec3::from(p).distance(mesh.positions()[source].into());
                     // Some tenths of the width near the source; mollification moves lengths by 10⁻⁵
                     // of it.
                     let tolerance = h.min(0.4) + 1e-6 * exact;

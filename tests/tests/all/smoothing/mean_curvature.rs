@@ -80,7 +80,7 @@ fn an_endless_uniform_step_collapses_to_the_centroid_by_degree() {
         }
     }
     for &p in collapsed.positions() {
-        let off = norm(sub(p, centre.map(|c| c / total)));
+        let off = distance(p, centre.map(|c| c / total));
         // The smoothest mode has μ ≈ −0.02, so 5e-7 of it remains; rounding is 1e-16 times 1e8.
         assert!(off < 2e-6 * mesh.diagonal(), "{off:e}");
     }

@@ -4,7 +4,6 @@ use std::ops::ControlFlow;
 
 use fairing_mesh::BuildError;
 use fairing_mesh::TriMesh;
-use fairing_mesh::vec3::scale;
 use fairing_operators::{LaplacianKind, LumpedArea};
 use fairing_shapes as shapes;
 use fairing_smoothing::{
@@ -12,6 +11,7 @@ use fairing_smoothing::{
     FlowFailure, Hc, Implicit, LowPass, Method, ScaleDependent, SoftConstraint, Stability, Taubin,
     Time, Transfer, Update, Volume, WindowedSinc, explicit, largest_eigenvalue, stable_limit,
 };
+use glam::DVec3;
 
 /// Powers of two over the range of extents, reduced by the shrinkage of flows. Even, so that roots
 /// of areas scale exactly.
@@ -22,7 +22,7 @@ fn power(exponent: i32) -> f64 {
 }
 
 fn scaled(mesh: &TriMesh, factor: f64) -> TriMesh {
-    mesh.with_positions(mesh.positions().iter().map(|&p| scale(p, factor)).collect()).unwrap()
+    mesh.with_positions(mesh.positions().iter().map(|p| p.map(|x| factor * x)).collect()).unwrap()
 }
 
 fn body() -> TriMesh {
@@ -39,7 +39,7 @@ fn patch() -> TriMesh {
 fn constraints(boundary: Boundary, soft: f64, unit: f64) -> Constraints {
     let soft = (soft > 0.0).then(|| SoftConstraint {
         vertex: 7,
-        target: Some(scale([0.1, 0.2, 1.3], unit)),
+        target: Some([0.1, 0.2, 1.3].map(|x| unit * x)),
         weight: soft,
     });
     Constraints { boundary, pinned: vec![3, 12], soft: soft.into_iter().collect() }
@@ -227,8 +227,7 @@ fn far_vertices_without_faces_change_nothing() {
                 assert_eq!(after.positions()[n], given.positions()[n], "{method:?}");
             }
             let apart = near.positions()[..n].iter().zip(&after.positions()[..n]);
-            let apart =
-                apart.map(|(&p, &q)| fairing_mesh::vec3::distance(p, q)).fold(0.0, f64::max);
+            let apart = apart.map(|(&p, &q)| DVec3::from(p).distance(q.into())).fold(0.0, f64::max);
             assert!(apart < 1e-9, "{} {far:e}: {apart:e} {method:?}", method.name());
         }
     }

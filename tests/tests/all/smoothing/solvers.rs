@@ -129,7 +129,8 @@ fn modes_are_a_projection() {
     let sphere = modes(&shapes::icosphere(3), 4).unwrap().mesh;
     for p in sphere.positions() {
         // By symmetry the coordinates of an icosphere are modes up to the error of the areas.
-        assert!((norm(*p) - 1.0).abs() < 0.01, "{}", norm(*p));
+        let radius = distance(*p, [0.0; 3]);
+        assert!((radius - 1.0).abs() < 0.01, "{radius}");
     }
     let error = modes(&mesh, n + 1).unwrap_err();
     assert!(matches!(error.failure, FlowFailure::Modes(_)), "{:?}", error.failure);

@@ -2,59 +2,49 @@
 
 /// The sum `a + b`.
 #[inline]
-pub fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+pub(crate) fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
 /// The difference `a − b`.
 #[inline]
-pub fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+pub(crate) fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 /// The multiple `s a`.
 #[inline]
-pub fn scale(a: [f64; 3], s: f64) -> [f64; 3] {
+pub(crate) fn scale(a: [f64; 3], s: f64) -> [f64; 3] {
     [a[0] * s, a[1] * s, a[2] * s]
 }
 
 /// The inner product `a · b`.
 #[inline]
-pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// The cross product `a × b`.
 #[inline]
-pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// The length `‖a‖`, for squares of components in the range of floats.
 #[inline]
-pub fn norm(a: [f64; 3]) -> f64 {
+pub(crate) fn norm(a: [f64; 3]) -> f64 {
     dot(a, a).sqrt()
-}
-
-/// The largest power of two that is a normal number and at most `x`, or the smallest normal number.
-/// Multiplication and division by it do not round.
-///
-/// `x` must be positive and finite.
-#[inline]
-pub fn power_of_two(x: f64) -> f64 {
-    const EXPONENT: u64 = 0x7ff << 52;
-    f64::from_bits(x.to_bits() & EXPONENT).max(f64::MIN_POSITIVE)
 }
 
 /// The distance `‖a − b‖`.
 #[inline]
-pub fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+pub(crate) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     norm(sub(a, b))
 }
 
 /// The direction of `a`, or `None` if its square is zero, subnormal or not finite.
 #[inline]
-pub fn normalize(a: [f64; 3]) -> Option<[f64; 3]> {
+pub(crate) fn normalize(a: [f64; 3]) -> Option<[f64; 3]> {
     let square = dot(a, a);
     square.is_normal().then(|| scale(a, 1.0 / square.sqrt()))
 }
@@ -75,13 +65,5 @@ mod tests {
         assert_eq!((norm([0.0; 3]), normalize([0.0; 3])), (0.0, None));
         assert!(norm([f64::NAN, 0.0, 0.0]).is_nan());
         assert_eq!((normalize([f64::NAN, 1.0, 0.0]), normalize([f64::INFINITY; 3])), (None, None));
-    }
-
-    #[test]
-    fn powers_of_two_are_below() {
-        for (x, unit) in [(1.0, 1.0), (1.99, 1.0), (0.3, 0.25), (1e-320, f64::MIN_POSITIVE)] {
-            assert_eq!(power_of_two(x), unit);
-        }
-        assert_eq!(power_of_two(f64::MAX), 2f64.powi(1023));
     }
 }
