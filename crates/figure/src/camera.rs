@@ -139,9 +139,9 @@ pub struct Camera {
     pub(crate) forward: DVec3,
     /// Tangent of half the vertical field of view.
     pub(crate) half_height: f64,
-    /// Nothing nearer than this is drawn, in mesh units.
+    /// The nearest distance that is drawn, in mesh units.
     pub(crate) near: f64,
-    /// The length that counts as 1 for what is drawn, in mesh units.
+    /// The unit of length of the picture, in mesh units.
     pub(crate) scale: f64,
 }
 

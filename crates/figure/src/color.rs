@@ -11,8 +11,8 @@ pub fn linear_from_srgb(color: [u8; 3]) -> [f32; 3] {
     })
 }
 
-/// The sRGB colour nearest to linear components; they are limited to [0, 1]
-/// first, which is what overexposure means.
+/// The sRGB colour nearest to linear components; components outside [0, 1] are clamped first, as in
+/// an overexposed photograph.
 pub fn srgb_from_linear(linear: [f32; 3]) -> [u8; 3] {
     linear.map(|c| {
         let c = c.clamp(0.0, 1.0);

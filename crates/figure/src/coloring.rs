@@ -1,4 +1,4 @@
-//! The colours of a field on a mesh, from what is asked for and from its values.
+//! The colours of a field on a mesh, from the request and from the values.
 
 use fairing_mesh::TriMesh;
 
@@ -49,9 +49,8 @@ impl ColoringOptions {
     /// isolated ones, which no picture shows, count for nothing and are
     /// [`UNDEFINED`](crate::UNDEFINED).
     ///
-    /// A curvature is zero where it is undefined, which cannot be told from a plane: with `None`
-    /// every value is taken as it is. Pass the flags that come with a curvature,
-    /// `Some(&curvature.undefined())`.
+    /// With `None` every value counts. An undefined curvature is stored as zero, the value of a
+    /// plane, so pass the flags of a curvature: `Some(&curvature.undefined())`.
     ///
     /// # Errors
     ///

@@ -11,7 +11,7 @@ pub(crate) type Color = [u8; 3];
 
 /// The colour of words and axes.
 pub(crate) const INK: Color = [0x1d, 0x1f, 0x23];
-/// The colour of what should stay behind: tick labels, notes.
+/// The colour of secondary text: tick labels, notes.
 pub(crate) const SOFT: Color = [0x56, 0x5b, 0x63];
 pub(crate) const WHITE: Color = [0xff; 3];
 
@@ -30,7 +30,7 @@ pub struct Drawing {
 pub(crate) enum Element {
     Path(Path),
     Text(Text),
-    /// Stretched over a box from its top left corner on.
+    /// An image, stretched over a box.
     Image {
         at: [f64; 2],
         size: [f64; 2],
@@ -43,7 +43,7 @@ pub(crate) enum Element {
         at: [f64; 2],
         elements: Vec<Element>,
     },
-    /// Elements of which only what lies in a box is seen.
+    /// Elements clipped to a box.
     Clip {
         at: [f64; 2],
         size: [f64; 2],
@@ -91,7 +91,7 @@ pub(crate) struct Text {
     pub(crate) upward: bool,
 }
 
-/// The part of a line of text that is at its position.
+/// The point of a line of text that lies at its position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Anchor {
     Start,

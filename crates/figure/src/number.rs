@@ -1,4 +1,4 @@
-//! Numbers for people to read.
+//! Numbers formatted for people.
 
 /// A real minus sign; a hyphen is shorter than a plus.
 const MINUS: char = '\u{2212}';

@@ -1,4 +1,4 @@
-//! Outlines: what is filled and stroked in a drawing.
+//! Outlines, which drawings fill and stroke.
 
 /// The handle of a cubic Bézier curve that follows a quarter of a circle, in
 /// radii; the curve leaves the circle by less than 0.03 %.

@@ -57,7 +57,7 @@ pub struct RenderOptions {
     pub samples: u32,
     /// The interpolation of normals over a face.
     pub shading: Shading,
-    /// Lines along the edges, if wanted.
+    /// Lines along the edges of the mesh; `None` for none.
     pub wireframe: Option<Wireframe>,
     /// The background.
     pub background: Background,

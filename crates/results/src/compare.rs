@@ -6,7 +6,7 @@ use std::fmt;
 use crate::results::{Record, Results};
 use crate::table::{Cell, Table, Tolerance};
 
-/// Something that is not as it was.
+/// A difference between two sets of results.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Difference {
     /// An experiment, a table, a column or a claim is there on one side only.
@@ -49,7 +49,7 @@ pub enum Difference {
         /// The tolerance.
         tolerance: Tolerance,
     },
-    /// A claim is judged otherwise.
+    /// The verdict on a claim has changed.
     Verdict {
         /// The claim.
         claim: String,

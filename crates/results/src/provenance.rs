@@ -1,4 +1,4 @@
-//! Where numbers come from: the code, the machine, the seed, the day.
+//! The provenance of numbers: code, machine, seed and day.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,4 @@
-//! `results.json`: everything that was measured, for machines.
+//! `results.json`: all measurements, for programs.
 
 use std::fs;
 use std::path::Path;
@@ -14,7 +14,7 @@ use crate::verdict::{Judgement, Verdict};
 /// The contents of `results.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Results {
-    /// Where the numbers come from.
+    /// The provenance of the numbers.
     pub provenance: Provenance,
     /// The extent of the report.
     #[serde(default)]
@@ -38,7 +38,7 @@ pub enum Form {
 /// One experiment that has been run.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Record {
-    /// The experiment's id.
+    /// The id of the experiment.
     pub id: String,
     /// The title.
     pub title: String,
@@ -53,10 +53,10 @@ pub struct Record {
     /// Its place in the article and the words around it.
     #[serde(default)]
     pub section: Section,
-    /// Why there are no results, if it failed.
+    /// The error, if it failed and has no results.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
-    /// Where the meshes came from.
+    /// The sources of the meshes.
     pub inputs: Vec<Source>,
     /// The parameters.
     pub parameters: Vec<Parameter>,
@@ -80,7 +80,7 @@ pub struct Record {
 /// The source of the mesh of an input.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Source {
-    /// The part it plays.
+    /// The role of the mesh.
     pub input: String,
     /// The file's name, without its folder.
     pub file: String,

@@ -33,13 +33,13 @@ pub struct Section {
     /// The symbols of the section, in TeX: those of its formulas, and matrices that its words name.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub notation: Vec<String>,
-    /// Views and figures that are seen at once, by id; the others are folded.
+    /// Views and figures that are not folded, by id.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub figures: Vec<String>,
-    /// Tables that are seen at once, by id; the others are folded.
+    /// Tables that are not folded, by id.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub tables: Vec<String>,
-    /// Short names of what is folded, by id.
+    /// Short names of the folded views, figures and tables, by id.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub names: Vec<(String, String)>,
     /// The figure that opens the report, by id; empty but in one section.

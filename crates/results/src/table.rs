@@ -136,7 +136,7 @@ pub enum Cell {
     Number(f64),
     /// A name; also what is not a finite number (`inf`, `-inf`, `undefined`).
     Text(String),
-    /// Nothing to say here.
+    /// An empty cell.
     Missing,
 }
 
@@ -326,7 +326,7 @@ impl Table {
         self.rows.push(row);
     }
 
-    /// Where a column stands.
+    /// The position of a column.
     ///
     /// # Errors
     ///

@@ -10,9 +10,9 @@ use crate::table::{Unit, brief};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
-    /// The measurements say the same.
+    /// The measurements support the claim.
     Confirmed,
-    /// The measurements say otherwise.
+    /// The measurements contradict the claim.
     Refuted,
     /// Parts hold, or it holds under conditions that the claim does not name.
     Qualified,
@@ -163,13 +163,13 @@ impl Judgement {
         Self { ours: true, ..self }
     }
 
-    /// Says in one sentence what is true.
+    /// Sets the true statement, in one sentence.
     #[must_use]
     pub fn finding(self, finding: impl Into<String>) -> Self {
         Self { finding: finding.into(), ..self }
     }
 
-    /// Says where the page shows what decided.
+    /// Sets the place on the page that shows the decision.
     #[must_use]
     pub fn shown(self, shown: Shown) -> Self {
         Self { shown: Some(shown), ..self }

@@ -91,7 +91,7 @@ pub struct Modes {
     pub vectors: Vec<Vec<f64>>,
 }
 
-/// Something that was measured of a panel.
+/// A measured fact about a panel.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Fact {
     /// The name.
@@ -114,7 +114,7 @@ pub struct Field {
     /// Values at each combination of stops; one entry if they do not change.
     #[serde(skip)]
     pub values: Vec<Vec<f64>>,
-    /// The vertices without a value, ascending; theirs above is ignored.
+    /// The vertices without a value, ascending; their entries in the values are ignored.
     #[serde(default)]
     pub undefined: Vec<u32>,
     /// The exact values, where the surface has some: the page shows errors, too.

@@ -12,7 +12,7 @@ use crate::ticks::Ticks;
 
 const TICK_SIZE: f64 = 12.0;
 const LABEL_SIZE: f64 = 13.0;
-/// From one line of words to the next.
+/// The distance between lines of text.
 const LINE: f64 = 14.0;
 const GRID: Color = [0xe8, 0xea, 0xed];
 
@@ -93,7 +93,7 @@ fn draw(plot: &Plot, width: f64, height: f64) -> Result<Drawing, FigureError> {
     Ok(out)
 }
 
-/// A text as JSON has it.
+/// A JSON string.
 fn quoted(text: &str) -> String {
     let mut out = String::from('"');
     for c in text.chars() {
@@ -106,7 +106,7 @@ fn quoted(text: &str) -> String {
     out + "\""
 }
 
-/// Each series with its look: that which was asked for, or the next.
+/// Each series with its style: the one requested, or the next.
 fn styles(series: &[Series]) -> Vec<(&Series, Style)> {
     let mut next = 0;
     let mut style = |s: &Series| match s.style {
@@ -369,8 +369,7 @@ impl Frame {
         }
     }
 
-    /// Points along everything that is drawn, close enough to find out what
-    /// a legend would hide.
+    /// Points along all lines and marks, dense enough to count those that a legend would hide.
     fn taken(&self, series: &[Series]) -> Vec<[f64; 2]> {
         let mut taken = Vec::new();
         for series in series {

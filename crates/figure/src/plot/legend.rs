@@ -1,4 +1,4 @@
-//! Where the series are named.
+//! The legend of a plot.
 
 use super::series::{REFERENCE, Series, Shape, Style};
 use crate::drawing::{Anchor, Color, Drawing, Element, Fill, INK, Path, SOFT, Stroke, WHITE};

@@ -1,10 +1,10 @@
 //! Plots: lines, points, bands and bars on linear or logarithmic axes.
 //!
 //! Drawn here and not by a plotting crate: of those that need no fonts on the
-//! machine, `kuva` came closest, but it pads logarithmic axes to whole
-//! decades, mixes labels like `1e-2` and `0.020` on one axis, sets a heavy
-//! legend outside of the frame and lets wide labels run into the axis title;
-//! what the report needs is small enough to be drawn the way it should be.
+//! machine, `kuva` came closest, but it pads logarithmic axes to whole decades,
+//! mixes labels like `1e-2` and `0.020` on one axis, sets a heavy legend
+//! outside of the frame and lets wide labels run into the axis title; the
+//! report needs so few kinds of plots that they are drawn here.
 
 mod axis;
 mod draw;
@@ -28,11 +28,11 @@ pub struct Plot {
     /// Names of the groups of bars, from left to right, perhaps of several
     /// lines; the horizontal axis then has no numbers.
     pub categories: Vec<String>,
-    /// Where the series are named.
+    /// The position of the legend.
     pub legend: Legend,
 }
 
-/// Where the series are named.
+/// The position of the legend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Legend {
     /// In a free corner of the frame, or to its right or below if none is.

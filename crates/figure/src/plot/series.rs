@@ -190,10 +190,10 @@ const COLORS: [Color; 7] = [
     [0x3b, 0x3b, 0x3b],
 ];
 
-/// The dashes of lines that others are compared with.
+/// The dashes of reference lines.
 pub(super) const REFERENCE: &[f64] = &[4.0, 3.0];
 
-/// The colour of series that stay behind.
+/// The colour of series in the background.
 pub(super) const QUIET: Color = [0xa3, 0xa8, 0xb0];
 
 /// The look of one series.
@@ -205,8 +205,7 @@ impl Style {
         COLORS[self.0 % COLORS.len()]
     }
 
-    /// Dashes for lines without marks, so that colour is not all that tells
-    /// them apart.
+    /// Dashes for lines without marks, so that they do not differ by colour alone.
     pub(super) fn dashes(self) -> &'static [f64] {
         [&[][..], &[7.0, 3.0], &[2.0, 3.0], &[9.0, 3.0, 2.0, 3.0]][self.0 % 4]
     }
