@@ -1,5 +1,5 @@
-//! An experiment is a value: it says what it asks, runs, and judges its claims
-//! from its own tables.
+//! An experiment is a value with a question, a run, and judgements of its claims from its own
+//! tables.
 
 use anyhow::Result;
 use sha2::{Digest, Sha256};
@@ -14,13 +14,13 @@ use crate::verdict::Judgement;
 /// One experiment of the report.
 ///
 /// Experiments know nothing of files, clocks or printing: the runner loads
-/// inputs, times, writes, draws the page and records where numbers come from.
+/// inputs, times, writes, draws the page and records the provenance of numbers.
 pub trait Experiment: Sync {
     /// Title, question, method and parameters.
     fn card(&self) -> Card;
 
-    /// Measures. Everything random is drawn from [`Context::seed`], so that a
-    /// second run returns the same.
+    /// Runs the measurements. Random numbers come from [`Context::seed`], so that a second run
+    /// returns the same.
     ///
     /// # Errors
     ///
@@ -122,7 +122,7 @@ impl<'a> Context<'a> {
         if self.quick { quick } else { full }
     }
 
-    /// Says what is being done and how much is done, 0 to 1.
+    /// Reports the current work and its progress, from 0 to 1.
     pub fn progress(&self, done: f64, what: &str) {
         self.progress.within(done, what);
     }

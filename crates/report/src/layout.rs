@@ -1,8 +1,8 @@
-//! Parts of a section seen at once, and names of the folded rest.
+//! Folding: the parts of a section that are shown, and names for the rest.
 
 use fairing_results::results::Record;
 
-/// Returns whether the section says what is seen of it, and all of that is there.
+/// Returns true if the section lists its unfolded parts and all of them are there.
 fn is_laid_out(record: &Record) -> bool {
     let has = |id: &String| {
         record.views.iter().any(|v| v.id == *id) || record.figures.iter().any(|f| f.id == *id)
@@ -10,9 +10,8 @@ fn is_laid_out(record: &Record) -> bool {
     record.section.act.is_some() && record.section.figures.iter().all(has)
 }
 
-/// Returns whether a figure, a view or a playground is seen at once. Of a section that does not say
-/// so those are its playground, its first view and its plots; its first figure where it has none of
-/// them.
+/// Returns true if a figure, a view or a playground is not folded. A section without a list shows
+/// its playground, its first view and its plots, or its first figure if it has none of them.
 pub(crate) fn shows_figure(record: &Record, id: &str) -> bool {
     if record.section.playground.as_ref().is_some_and(|own| own.id() == id) {
         return true;
@@ -25,7 +24,7 @@ pub(crate) fn shows_figure(record: &Record, id: &str) -> bool {
         || record.views.is_empty() && record.figures.first().is_some_and(|f| f.id == id)
 }
 
-/// Returns whether a table is seen at once: the first of a section that does not say so.
+/// Returns true if a table is not folded. A section without a list shows its first table.
 pub(crate) fn shows_table(record: &Record, id: &str) -> bool {
     match is_laid_out(record) {
         true => record.section.tables.iter().any(|shown| shown == id),

@@ -1,8 +1,8 @@
 //! The report: `results.json` and the files beside it as Markdown and as a page.
 //!
-//! [`render()`] needs nothing else, so that a report can be made again without
-//! running any experiment. [`publish()`] comes before it: it chooses what the
-//! folder of a new report holds and writes `results.json`.
+//! [`render()`] needs nothing else, so a report can be rendered again without running any
+//! experiment. [`publish()`] comes before it: it selects the files of a new report and writes
+//! `results.json`.
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 

@@ -122,7 +122,7 @@ pub(crate) fn stand_ins(results: &Results) -> Vec<String> {
     pairs
 }
 
-/// A claim's id and what is true of it.
+/// The id of a claim and the true statement.
 fn found_in(claim: &Judgement) -> String {
     let finding = if claim.finding.is_empty() { &claim.claim } else { &claim.finding };
     format!("{} {}", claim.id, finding.trim_end_matches('.'))
@@ -191,7 +191,7 @@ pub fn summary(results: &Results) -> String {
 }
 
 /// A table of claims, those of the original report or our own, with links into the report at
-/// `place`: for each its verdict, what is true in one sentence, and the number that decided;
+/// `place`: for each the verdict, the true statement in one sentence, and the deciding number;
 /// nothing if there is no claim.
 pub fn claim_table(results: &Results, ours: bool, place: &str) -> String {
     let mut rows = String::new();
@@ -313,7 +313,7 @@ fn captioned(t: &Table, record: &Record, form: Form) -> String {
 /// Tables with more rows than this are folded, or left out of a small report.
 pub(crate) const LONG: usize = 24;
 
-/// Text that does not end its cell.
+/// Text with `|` escaped, so that it does not end its cell.
 fn cell(text: &str) -> String {
     text.replace('|', "\\|")
 }
@@ -321,7 +321,7 @@ fn cell(text: &str) -> String {
 /// Tables show at most so many columns.
 const WIDE: usize = 7;
 
-/// The name of a column as readers know it.
+/// The name of a column for readers.
 pub(crate) fn named(column: &Column) -> String {
     column.name.replace("lambda", "λ")
 }

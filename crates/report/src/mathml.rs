@@ -7,7 +7,7 @@ use math_core::{LatexToMathML, MathCoreConfig, MathDisplay};
 ///
 /// # Errors
 ///
-/// If this is no TeX, or uses commands that are not known.
+/// If the formula is not valid TeX, or uses unknown commands.
 pub fn displayed(tex: &str) -> Result<String> {
     let converter = LatexToMathML::new(MathCoreConfig::default());
     let converter = converter.map_err(|_| anyhow!("the formulas use macros that are not TeX"))?;

@@ -4,11 +4,11 @@ use fairing_results::results::Record;
 
 /// A symbol, or several that belong together.
 pub(crate) struct Symbol {
-    /// As the text writes it; several are separated by commas.
+    /// The spelling in text; several are separated by commas.
     pub(crate) sign: &'static str,
     /// Its meaning, wherever it is used.
     pub(crate) meaning: &'static str,
-    /// As formulas write it: characters or commands of TeX.
+    /// The spelling in formulas: characters or commands of TeX.
     #[cfg_attr(not(test), expect(dead_code, reason = "tests compare it with formulas"))]
     tex: &'static [&'static str],
 }
@@ -59,7 +59,7 @@ pub(crate) const SYMBOLS: [Symbol; 30] = [
     symbol("E_a, E_v", "mean errors of normals, in degrees, and of vertices", &["E_a", "E_v"]),
 ];
 
-/// The sentence that says what h refers to in a section; `None` if it has none.
+/// The sentence that defines h for a section; `None` if it does not use h.
 pub(crate) fn reference(record: &Record) -> Option<String> {
     let mesh = &record.section.edge_lengths_of;
     (!mesh.is_empty()).then(|| format!("Here h is the mean edge length of {mesh}."))

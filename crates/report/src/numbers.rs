@@ -38,8 +38,8 @@ pub(crate) fn first_numbers(results: &Results) -> Vec<(&Record, usize)> {
     numbered.collect()
 }
 
-/// The place of a picture or a playground among the numbered parts of its section; that of the view
-/// that it is the still of.
+/// The place of a picture or a playground among the numbered parts of its section; for the still of
+/// a view, the place of the view.
 pub(crate) fn place(record: &Record, id: &str) -> Option<usize> {
     let (items, _) = parts(record);
     let own = items.iter().position(|item| !matches!(item, Item::View(..)) && item.id() == id);
@@ -47,7 +47,7 @@ pub(crate) fn place(record: &Record, id: &str) -> Option<usize> {
     own.or_else(|| items.iter().position(is_still))
 }
 
-/// The numbered parts of a section in their order, and how many of them are seen at once.
+/// The numbered parts of a section in order, and the number of those that are not folded.
 pub(crate) fn parts(record: &Record) -> (Vec<Item<'_>>, usize) {
     let mut all: Vec<Item<'_>> = record.section.playground.iter().map(Item::Play).collect();
     all.extend(record.views.iter().enumerate().map(|(k, view)| Item::View(k, view)));

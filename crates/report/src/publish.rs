@@ -12,10 +12,9 @@ use rayon::prelude::*;
 use crate::render::{render, write};
 use crate::{thumbnail, views};
 
-/// Makes a report of `folder`, which holds the files of experiments that have
-/// just run: packs the data of views, keeps what belongs into this form of the
-/// report, writes `results.json`, and renders. Returns what is in
-/// `results.json`.
+/// Makes a report of `folder`, which holds the files of experiments that have just run: packs the
+/// data of views, keeps the files of this form of the report, writes `results.json`, and renders
+/// it. Returns what is in `results.json`.
 ///
 /// # Errors
 ///
@@ -54,8 +53,8 @@ fn pack(record: &mut Record, folder: &Path, form: Form) -> Result<()> {
     })
 }
 
-/// A small report has pictures in the small one of their two sizes; a whole one has both, and its
-/// page holds the small one and links the large one. Plots are in the page as lines.
+/// A small report has pictures in one size only, the smaller; a whole one has both, and its page
+/// holds the smaller and links the larger. Plots are in the page as lines.
 fn choose_pictures(record: &mut Record, folder: &Path, form: Form) -> Result<()> {
     for figure in &mut record.figures {
         if figure.svg.is_none() && form == Form::Whole {

@@ -9,7 +9,7 @@ use fairing_results::results::{Form, Results};
 use crate::{markdown, page};
 
 /// Writes `report.md`, and `report.html` unless the report is small, into the folder of a report,
-/// from its `results.json` and the pictures and views that this names.
+/// from its `results.json` and the pictures and views named there.
 ///
 /// # Errors
 ///

@@ -1,5 +1,5 @@
-//! Order of the experiments as an article: the title, three acts, and
-//! the rules at the end. No number is written here: those come from the results.
+//! Order of the experiments as an article: the title, three acts, and the rules
+//! at the end. Numbers come from the results; none is written here.
 
 use fairing_results::results::{Record, Results};
 use fairing_results::section;
@@ -99,7 +99,7 @@ pub(crate) fn in_order(results: &Results) -> Vec<&Record> {
     ACTS.iter().flat_map(|act| act.sections(results)).chain(others(results)).collect()
 }
 
-/// A rule for the student, the claim that it rests on, and the verdicts under which it follows.
+/// A rule for the student, the claim behind it, and the verdicts from which it follows.
 pub(crate) struct Rule {
     pub(crate) text: &'static str,
     pub(crate) claim: &'static str,
@@ -116,7 +116,7 @@ impl Rule {
     }
 }
 
-/// Verdicts with the words for all claims on which they were given.
+/// Verdicts, each with the sentence for its claims.
 pub(crate) const GROUPS: [(Verdict, &str); 4] = [
     (Verdict::Confirmed, "Confirmed"),
     (Verdict::Qualified, "True in part"),

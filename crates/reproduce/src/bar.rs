@@ -40,7 +40,7 @@ impl Bar {
         Self { bar, current: Mutex::default() }
     }
 
-    /// Takes the bar away.
+    /// Removes the bar.
     pub(super) fn finish(&self) {
         self.bar.finish_and_clear();
     }

@@ -1,4 +1,4 @@
-//! Conformalised mean curvature flow of a bumpy sphere: how round it gets.
+//! Conformalised mean curvature flow of a bumpy sphere to a round one.
 
 use anyhow::Result;
 use fairing_figure::Up;
@@ -38,7 +38,7 @@ fn flow(mesh: &TriMesh, iterations: usize) -> Result<(TriMesh, usize)> {
     Ok((flowed.mesh, flowed.report.iterations))
 }
 
-/// Steps until bumpy spheres settle, and what is left.
+/// Steps until bumpy spheres settle, and the remaining distance from a round one.
 pub(super) fn table(levels: &[u32]) -> Result<Table> {
     let mut table = Table::new(
         "conformal",

@@ -1,4 +1,4 @@
-//! All denoisers on the meshes of the literature and on its protocol.
+//! All denoisers on the meshes of the literature, by its protocol.
 
 use std::time::Instant;
 
@@ -56,7 +56,7 @@ const GENERATED: [&str; 3] = ["block", "torus", "creature"];
 /// A quick run leaves out noisy meshes of more faces than this.
 const LARGE: usize = 10_000;
 
-/// The place and the words of the section.
+/// The section of the article.
 fn section() -> Section {
     Section::new(
         Act::Diffusion,
@@ -361,8 +361,8 @@ fn averages(scores: &Table, levels: &[f64]) -> Result<Picture> {
     )
 }
 
-/// The body at the highest level, to turn: noisy, after the denoiser of a slider, and without
-/// noise.
+/// An interactive view of the model at the highest level: noisy, after the denoiser of a slider,
+/// and without noise.
 fn view(body: &Body, level: f64, restored: &[TriMesh]) -> Result<View> {
     let truth = &body.truth;
     let (noisy, results) = restored.split_first().context("no noisy mesh")?;
@@ -409,7 +409,7 @@ fn view(body: &Body, level: f64, restored: &[TriMesh]) -> Result<View> {
     })
 }
 
-/// The body at the highest level: noisy, and after every method.
+/// The model at the highest level: noisy, and after every method.
 fn picture(body: &Body, restored: &[TriMesh]) -> Result<Picture> {
     let half = restored.len().div_ceil(2);
     let names: Vec<&str> = methods().map(Method::name).collect();

@@ -1,4 +1,4 @@
-//! Beyond the questions: which curvature estimator to trust.
+//! Beyond the questions: a comparison of curvature estimators.
 
 use std::time::Instant;
 
@@ -30,7 +30,7 @@ const BAR: f64 = 1.7;
 /// Errors below this are rounding, and not drawn.
 const ROUNDING: f64 = 1e-8;
 
-/// The place and the words of the section.
+/// The section of the article.
 fn section() -> Section {
     Section::new(
         Act::Curvature,

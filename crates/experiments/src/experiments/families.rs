@@ -1,5 +1,5 @@
-//! The automatic denoiser on the test bed: tables of families and sets, the
-//! worst cases, and what is still lost.
+//! The automatic denoiser on the benchmark: tables of families and sets, the worst cases, and the
+//! remaining errors.
 
 use anyhow::{Context as _, Result};
 use fairing_benchmark::{
@@ -23,8 +23,8 @@ const BAR: f64 = 1.1;
 /// Number of worst cases named for each set.
 const NAMED: usize = 5;
 
-/// Adds the tables of the whole bed, from the results that the repository
-/// keeps, and pictures of the worst cases.
+/// Adds the tables of the whole benchmark, from the results in the repository, and pictures of the
+/// worst cases.
 ///
 /// The worst case of each set is measured again: results that are no longer
 /// those of the denoiser are left out, with a note that says so.

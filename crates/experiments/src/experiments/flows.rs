@@ -24,7 +24,7 @@ use crate::view::{Panel, Slider, View};
 
 pub(super) struct Flows;
 
-/// When spheres are measured: their radius is then √(1 − 4t).
+/// The time at which spheres are measured; their radius is then √(1 − 4t).
 const END: f64 = 0.1;
 
 /// The noise of the comparison in mean edge lengths.
@@ -34,7 +34,7 @@ const SIGMA: f64 = 0.2;
 /// meshes.
 const ROUND: f64 = 0.02;
 
-/// The place and the words of the section.
+/// The section of the article.
 fn section() -> Section {
     Section::new(
         Act::Diffusion,
@@ -218,7 +218,7 @@ fn restored(context: &Context<'_>, level: u32) -> Result<(TriMesh, Vec<(String, 
     Ok((truth, results))
 }
 
-/// The methods that are compared: the others answer other questions.
+/// The methods that are compared; the others serve other purposes.
 fn compared() -> impl Iterator<Item = Method> {
     let others =
         |method: &Method| matches!(method, Method::FairRegion(_) | Method::ConformalizedMcf(_));
@@ -230,7 +230,7 @@ fn stop(name: &str) -> usize {
     compared().position(|method| method.name() == name).unwrap_or_default()
 }
 
-/// The noisy mesh, what each method makes of it, and the truth, on a coarser mesh than that of the
+/// The noisy mesh, the result of each method, and the truth, on a coarser mesh than that of the
 /// table.
 fn view(context: &Context<'_>) -> Result<View> {
     let (truth, mut results) = restored(context, context.choose(4, 3))?;

@@ -11,7 +11,7 @@ use fairing_operators::curvature::ScalarCurvature;
 
 use crate::outcome::Picture;
 
-/// A mesh and what it is coloured by.
+/// A mesh and its colours.
 pub(super) struct Look<'a> {
     /// The heading of its column.
     pub(super) title: &'a str,
@@ -21,7 +21,7 @@ pub(super) struct Look<'a> {
     pub(super) coloring: Option<Coloring<'a>>,
 }
 
-/// A field and how it becomes colours.
+/// A field and its mapping to colours.
 pub(super) struct Coloring<'a> {
     /// The values.
     pub(super) field: &'a ScalarCurvature,
@@ -38,7 +38,7 @@ pub(super) struct Coloring<'a> {
 /// Vertices that set the range of the colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Range {
-    /// All of them, as the assignment has it.
+    /// All of them, as in the assignment.
     All,
     /// Those inside; the others are coloured like the nearest value in range.
     Inside,
@@ -64,8 +64,7 @@ pub(super) const VIEWPOINTS: [Viewpoint; 2] = [
     Viewpoint::Angles { azimuth: -60.0, elevation: 65.0 },
 ];
 
-/// Ranges narrower than this are those of a field that is zero but for
-/// rounding.
+/// Ranges narrower than this are rounding: the field is zero.
 pub(super) const FLAT: f64 = 1e-6;
 
 /// The widest a figure gets, in CSS pixels.
@@ -130,7 +129,7 @@ impl Gallery<'_> {
     }
 }
 
-/// The occlusion of each mesh that is not the same as one before, and which of them each mesh has.
+/// The occlusion of each distinct mesh, and the index of that of each mesh.
 fn baked(meshes: &[&TriMesh]) -> (Vec<Occlusion>, Vec<usize>) {
     let (mut distinct, mut which): (Vec<&TriMesh>, Vec<usize>) = (vec![], vec![]);
     for &mesh in meshes {

@@ -1,4 +1,4 @@
-//! Pictures of meshes in a grid whose rows mean something: a level, a mesh.
+//! Pictures of meshes in a grid with labelled rows, such as levels or meshes.
 
 use anyhow::Result;
 use fairing_figure::{
@@ -13,7 +13,7 @@ use crate::outcome::Picture;
 pub(super) struct Grid<'a> {
     /// The rows.
     pub(super) rows: Vec<Row<'a>>,
-    /// Where all are seen from.
+    /// The viewpoint of all pictures.
     pub(super) viewpoint: Viewpoint,
     /// The axis that points upward.
     pub(super) up: Up,
@@ -25,7 +25,7 @@ pub(super) struct Grid<'a> {
 pub(super) struct Row<'a> {
     /// The heading on its left; may be empty.
     pub(super) title: String,
-    /// The mesh whose size rules the camera; what is larger is cut off.
+    /// The mesh to which the camera is fitted; larger ones are cut off.
     pub(super) frame: &'a TriMesh,
     /// The meshes.
     pub(super) meshes: Vec<&'a TriMesh>,

@@ -18,7 +18,7 @@ pub(super) const POINT: f64 = 1e-9;
 /// Edges that turn by at least this many degrees are features.
 pub(super) const FEATURE: f64 = 30.0;
 
-/// A mesh to smooth and what it ought to become.
+/// A mesh to smooth, and the truth.
 pub(super) struct Model {
     pub(super) name: &'static str,
     pub(super) noisy: TriMesh,
@@ -142,13 +142,13 @@ pub(super) struct Measures {
     /// Root mean square distance of the vertices from the surface of the truth, in h.
     pub(super) vertex: f64,
     /// Root mean square distance between the surfaces both ways, from the vertices of each to the
-    /// other, in h: what has shrunk within the truth leaves vertices of the truth behind.
+    /// other, in h: a mesh that has shrunk inside the truth leaves vertices of the truth far away.
     pub(super) surface: f64,
     /// Change of volume relative to the truth in percent; `None` if open.
     pub(super) volume: Option<f64>,
     /// Change of area relative to the truth in percent.
     pub(super) area: Option<f64>,
-    /// The share of the truth's features that are found; `None` if it has none.
+    /// The fraction of the features of the truth that are found; `None` if it has none.
     pub(super) recall: Option<f64>,
     /// Root mean square displacement from the input, in h.
     pub(super) rms: f64,

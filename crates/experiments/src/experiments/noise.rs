@@ -24,7 +24,7 @@ const LEVELS: [f64; 4] = [0.01, 0.03, 0.1, 0.3];
 
 const SURFACES: [TestSurface; 2] = [TestSurface::Sphere, TestSurface::Torus];
 
-/// The place and the words of the section.
+/// The section of the article.
 fn section() -> Section {
     Section::new(
         Act::Curvature,
@@ -295,7 +295,7 @@ fn rank_correlation(a: &[f64], b: &[f64]) -> f64 {
     if size > 0.0 { product(&a, &b) / size } else { 0.0 }
 }
 
-/// Values nearer than this share of the median magnitude are equal: rounding
+/// Values nearer than this fraction of the median magnitude are equal: rounding
 /// decides which of them is larger, as at the vertices of one ring of a torus.
 /// Distinct values are ten thousand at most, and so much further apart.
 const SAME: f64 = 1e-9;

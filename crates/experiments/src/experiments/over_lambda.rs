@@ -1,4 +1,4 @@
-//! A flow at several λ, in numbers, pictures, meshes and views: what questions 5 and 6 share.
+//! A flow at several λ, in numbers, pictures, meshes and views, for questions 5 and 6.
 
 use anyhow::{Context as _, Result};
 use fairing_figure::{Axis, Figure, Legend, Panel as FigurePanel, Plot, Series, Up};
@@ -200,8 +200,8 @@ impl OverLambda<'_> {
         side_by_side(model, &model.slug(), &shown, &caption, &alt)
     }
 
-    /// Where the sliders begin: at the middle λ, after as many steps as leave something to see,
-    /// a third of the size of the input; at the least λ and number if none does.
+    /// The initial stops of the sliders: the middle λ, and the largest number of steps after which
+    /// the mesh has a third of its size; the least of both if there is none.
     fn start(&self, model: &Model, counts: &[usize], stops: &[(TriMesh, Measures)]) -> Vec<usize> {
         let middle = self.viewed / 2;
         let is_seen = |&count: &usize| {
@@ -293,8 +293,8 @@ const SMALL: f64 = 0.15;
 /// Below this share of the squared diagonal there is no area to be seen.
 const LINE: f64 = 1e-3;
 
-/// A smoothed mesh as it is drawn beside its input, and what its title says of that: meshes that
-/// have diverged or shrunk are drawn at the size of the input.
+/// A smoothed mesh as drawn beside its input, and a remark for its title: meshes that have diverged
+/// or shrunk are drawn at the size of the input.
 fn drawn(mesh: &TriMesh, input: &TriMesh) -> Result<(TriMesh, String)> {
     let growth = mesh.diagonal() / input.diagonal();
     if growth < POINT {

@@ -49,13 +49,13 @@ const CONVERGES: f64 = 0.5;
 /// A largest error that gains more than this from the coarsest mesh to the finest has grown.
 const GROWS: f64 = 0.02;
 
-/// `½ ‖L x‖` with `L = D⁻¹A − I`, as the assignment has it.
+/// `½ ‖L x‖` with `L = D⁻¹A − I`, as in the assignment.
 fn umbrella(mesh: &TriMesh) -> Result<ScalarCurvature> {
     let mean = umbrella_mean_curvature(mesh);
     Ok(ScalarCurvature::new(mean.norms(), mean.status, mean.boundary))
 }
 
-/// The place and the words of the section.
+/// The section of the article.
 fn section() -> Section {
     Section::new(
         Act::Curvature,

@@ -35,7 +35,7 @@ const STEP: f64 = 1e-3;
 
 pub(super) struct EllipsoidForms;
 
-/// The place and the words of the section.
+/// The section of the article.
 fn section() -> Section {
     Section::new(
         Act::Curvature,

@@ -58,7 +58,7 @@ const CONVERGES: f64 = 0.5;
 /// Largest value taken for zero on a plane, as a multiple of 1 / mean edge length.
 const ZERO: f64 = 1e-9;
 
-/// The place and the words of the section.
+/// The section of the article.
 fn section() -> Section {
     Section::new(
         Act::Curvature,
@@ -404,7 +404,7 @@ fn sizes(mean: &MeanCurvature) -> ScalarCurvature {
     ScalarCurvature::new(mean.norms(), mean.status.clone(), mean.boundary.clone())
 }
 
-/// Results of the operators on planes, where all of it is wrong.
+/// Results of the operators on planes, where any curvature is an error.
 fn planes(context: &Context<'_>) -> Result<Table> {
     let mut table = Table::new(
         "planes",

@@ -246,7 +246,7 @@ fn meshes(context: &Context<'_>) -> Result<[(&'static str, TriMesh); 3]> {
     Ok([(small, context.mesh(Input::Armadillo)?), (large, mesh), (BALL, generated)])
 }
 
-/// A mesh, its smoothest modes, and what they give back.
+/// A mesh, its smoothest modes, and the meshes reconstructed from them.
 struct Rebuilt<'a> {
     name: &'a str,
     /// The name in ids.

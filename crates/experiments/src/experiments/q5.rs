@@ -33,7 +33,7 @@ const STRONG: f64 = LAMBDAS[2];
 /// The best of the report.
 const CLAIMED: f64 = 0.05;
 
-/// The place and the words of the section.
+/// The section of the article.
 fn section() -> Section {
     Section::new(
         Act::Diffusion,
@@ -297,7 +297,7 @@ fn best(context: &Context<'_>) -> Result<Table> {
     Ok(table)
 }
 
-/// The smallest eigenvalues beside their bounds, and what follows from them for λ = 2.
+/// The smallest eigenvalues beside their bounds, and the consequences for λ = 2.
 fn spectra(models: &[Model]) -> Result<Table> {
     let mut table = Table::new(
         "spectra",

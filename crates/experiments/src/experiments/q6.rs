@@ -51,10 +51,10 @@ const EQUAL: usize = (COMPARED[0] as f64 * CLAIMED / EXPLICIT) as usize;
 /// A growth of the diagonal above one by more than this is an instability, not rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// An RMS displacement below this, in mean edge lengths, is none that one could see.
+/// An RMS displacement below this, in mean edge lengths, is invisible.
 const INVISIBLE: f64 = 0.05;
 
-/// The place and the words of the section.
+/// The section of the article.
 fn section() -> Section {
     Section::new(
         Act::Diffusion,

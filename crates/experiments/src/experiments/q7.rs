@@ -28,7 +28,7 @@ pub(super) struct GrowingNoise;
 /// The levels of the sweep, in mean edge lengths.
 const SWEEP: [f64; 9] = [0.05, 0.1, 0.2, 0.3, 0.45, 0.7, 1.4, 2.0, 3.0];
 
-/// Those of a quick run.
+/// The same for a quick run.
 const QUICK: [f64; 3] = [0.3, 0.7, 2.0];
 
 /// Seeds of the methods, and of those that take several times as long as all others together. The
@@ -40,7 +40,7 @@ const SEEDS: [usize; 2] = [5, 3];
 /// ones.
 const HOPELESS: f64 = 20.0;
 
-/// The place and the words of the section.
+/// The section of the article.
 fn section() -> Section {
     Section::new(
         Act::Diffusion,
@@ -179,7 +179,7 @@ fn sweep(context: &Context<'_>, bodies: &[Body; 3]) -> Result<Table> {
     Ok(sweep)
 }
 
-/// The methods that are still run as the noise of a body grows, with their numbers of seeds.
+/// The methods that are still run as the noise of a model grows, with their numbers of seeds.
 struct Running(Vec<(Method, usize)>);
 
 impl Running {

@@ -1,5 +1,5 @@
-//! Methods that remove noise, and how far from the truth they end: what
-//! question 7 and the comparison of denoisers share.
+//! Methods that remove noise, and the distance of their results from the truth, for question 7 and
+//! the comparison of denoisers.
 
 use std::fmt;
 
@@ -24,7 +24,7 @@ pub(super) enum Method {
     Explicit,
     /// Uniform weights, λ = 5, one step: the same diffusion time.
     Implicit,
-    /// Uniform weights, λ = 0.05, fifty steps: what the original report calls best.
+    /// Uniform weights, λ = 0.05, fifty steps: the best of the original report.
     ReportExplicit,
     /// Uniform weights, λ = 5, ten steps: likewise.
     ReportImplicit,
@@ -82,17 +82,17 @@ pub(super) const EXPLICIT: Steps = Steps { lambda: 0.5, count: 10 };
 /// Those of [`Method::Implicit`]: the same diffusion time.
 pub(super) const IMPLICIT: Steps = Steps { lambda: 5.0, count: 1 };
 
-/// Those of [`Method::ReportExplicit`]: what the original report calls best.
+/// Those of [`Method::ReportExplicit`]: the best of the original report.
 pub(super) const REPORT_EXPLICIT: Steps = Steps { lambda: 0.05, count: 50 };
 
 /// Those of [`Method::ReportImplicit`]: likewise.
 pub(super) const REPORT_IMPLICIT: Steps = Steps { lambda: 5.0, count: 10 };
 
-/// A share of the modes that the spectral method keeps: one in so many, and as
-/// many more as it takes to the next gap between eigenvalues.
+/// The spectral method keeps one mode in this many, and more up to the next gap between
+/// eigenvalues.
 pub(super) const MODES: usize = 20;
 
-/// A mesh without noise, with what methods and scores need of it.
+/// A mesh without noise, with the data that methods and scores need.
 pub(super) struct Body {
     pub(super) name: &'static str,
     pub(super) truth: TriMesh,
@@ -103,7 +103,7 @@ pub(super) struct Body {
 
 /// The modes that the spectral method keeps.
 struct Modes {
-    /// One more than are kept: what shows the gap.
+    /// One more than are kept, to show the gap.
     spectrum: Spectrum,
     kept: Kept,
 }
@@ -125,7 +125,7 @@ impl Body {
         Ok(Self { name, truth, surface, modes: None })
     }
 
-    /// The same body, ready for [`Method::Spectral`].
+    /// The same model, ready for [`Method::Spectral`].
     pub(super) fn with_modes(mut self) -> Result<Self> {
         let n = self.truth.vertex_count();
         let wanted = (n / MODES).max(4);
@@ -173,7 +173,7 @@ impl Body {
         })
     }
 
-    /// The body under Gaussian noise along each axis.
+    /// The model under Gaussian noise along each axis.
     pub(super) fn noisy(&self, level: NoiseLevel, seed: u64) -> Result<TriMesh> {
         Ok(add_noise(&self.truth, NoiseKind::GaussianPerAxis, level, seed)?)
     }

@@ -16,7 +16,7 @@ use crate::numbers::{Item, is_paper, parts};
 use fairing_results::results::{FigureFile, Record};
 use fairing_results::section::Playground;
 
-/// The parts seen at once, then the rest folded under a line of their names. Numbered from `first`.
+/// The unfolded parts, then the rest folded under a line of their names. Numbered from `first`.
 pub(super) fn shown(record: &Record, first: usize, folder: &Path) -> Result<String> {
     let (items, seen) = parts(record);
     let one = |(k, item): (usize, &Item<'_>)| {
@@ -72,7 +72,8 @@ impl Item<'_> {
     }
 }
 
-/// The note printed in place of a view without a picture of its own: where its numbers are.
+/// The note printed in place of a view without a picture of its own, which says where to find its
+/// numbers.
 fn paper_note(all: &[Item<'_>], first: usize, fallback: &str) -> String {
     let is_it = |item: &Item<'_>| match item {
         Item::Picture(figure) => figure.id == fallback,
@@ -100,7 +101,7 @@ fn playground(play: &Playground, label: &str) -> String {
     )
 }
 
-/// Where a figure is on the page: its own place, or that of the view that it is the still of.
+/// The place of a figure on the page, or of the view whose still it is.
 pub(super) fn anchor(records: &[Record], record: &str, figure: &str) -> String {
     let views = records.iter().filter(|r| r.id == record).flat_map(|r| &r.views);
     match views.into_iter().find(|view| view.fallback == figure) {
@@ -113,8 +114,8 @@ pub(super) fn figure_id(record: &Record, figure: &str) -> String {
     format!("figure-{}-{figure}", record.id)
 }
 
-/// A picture as the page shows it: a plot as SVG in the page itself, which follows the theme; else
-/// an image, whose size is said so that the page does not jump when it is loaded.
+/// A picture as the page shows it: a plot as SVG in the page itself, which follows the theme; any
+/// other as an image with its size, so that the page does not jump when it loads.
 ///
 /// # Errors
 ///
@@ -153,7 +154,7 @@ pub(super) fn png(path: &str, alt: &str, folder: &Path) -> Result<String> {
     ))
 }
 
-/// Width and height, which are in the first block of a PNG file.
+/// Width and height, from the first block of a PNG file.
 fn png_size(bytes: &[u8]) -> Option<[u32; 2]> {
     let is_png = bytes.starts_with(b"\x89PNG\r\n\x1a\n") && bytes.get(12..16)? == b"IHDR";
     let number = |at: usize| Some(u32::from_be_bytes(bytes.get(at..at + 4)?.try_into().ok()?));

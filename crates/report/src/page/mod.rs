@@ -224,7 +224,7 @@ fn acts(results: &Results, sections: &[(&str, String)]) -> String {
     text
 }
 
-/// The rules at the end, each with the claim that it rests on.
+/// The rules at the end, each with the claim behind it.
 fn rules(results: &Results) -> String {
     let rules = story::rules(results);
     if rules.is_empty() {
@@ -280,8 +280,8 @@ fn meshes(results: &Results, folder: &Path) -> Result<String> {
     ))
 }
 
-/// A row for each claim: its verdict, what is true in a sentence, and the number that decided. Our
-/// own are folded.
+/// A row for each claim: its verdict, the true statement, and the deciding number. Our own are
+/// folded.
 fn claims(results: &Results) -> String {
     let source = claim_table(results, false, "The original report claims");
     let ours = claim_table(results, true, "Fairing claims");

@@ -55,8 +55,7 @@ pub(super) fn experiment(
     Ok(text + "</section>")
 }
 
-/// The first paragraph of the method and the formulas; then, folded, the rest, and how to do the
-/// same.
+/// The first paragraph of the method and the formulas; then, folded, the rest and the code.
 fn method(record: &Record) -> Result<String> {
     let mut text = String::new();
     let mut paragraphs = record.method.split("\n\n").filter(|p| !p.is_empty());
@@ -90,7 +89,7 @@ fn method(record: &Record) -> Result<String> {
     Ok(text + "</div>")
 }
 
-/// The lines of Rust and the commands that do what the section does.
+/// The Rust code and the commands that reproduce the section.
 fn same(record: &Record) -> String {
     let code = |text: &str| format!("<pre><code>{}</code></pre>", escape(text));
     let lines = snippets::for_section(&record.id).map(|lines| code(&lines)).unwrap_or_default();
@@ -129,7 +128,7 @@ pub(super) fn link(all: &[Record], claim: &Judgement) -> String {
     format!(" <a class=\"shown\" href=\"#{}={}\">See it</a>", escape(id), escape(&state))
 }
 
-/// A claim, its verdict and what is true in a sentence; the reasons with their numbers are folded.
+/// A claim, its verdict and the true statement; the reasons with their numbers are folded.
 fn judgement(all: &[Record], claim: &Judgement) -> String {
     let said = if claim.finding.is_empty() { &claim.reason } else { &claim.finding };
     let mut text = format!(

@@ -7,7 +7,7 @@ use crate::{layout, markdown};
 use fairing_results::results::Record;
 use fairing_results::table::{Cell, Table, Unit};
 
-/// Tables whose rows decide, and the others folded.
+/// Tables with deciding rows; the others are folded.
 pub(super) fn tables(record: &Record) -> String {
     let one = |t: &Table| table(t, &format!("{}/{}.csv", record.id, t.id));
     let (seen, folded): (Vec<&Table>, Vec<&Table>) =

@@ -72,9 +72,8 @@ impl Frame {
         })
     }
 
-    /// Azimuth and elevation at which the view begins, in degrees: what is
-    /// nearly flat is seen almost face on, everything else a little from the
-    /// side and above.
+    /// Azimuth and elevation at which the view begins, in degrees: almost face on for nearly flat
+    /// meshes, a little from the side and above for others.
     pub(super) fn angles(&self, z_up: bool) -> [f64; 2] {
         // Sideways, up, towards the camera.
         let axes = if z_up { [0, 2, 1] } else { [0, 1, 2] };

@@ -1,5 +1,4 @@
-//! The data of interactive views as the page carries them: a description, and
-//! arrays in few bytes.
+//! The data of interactive views in the page: a description and compressed arrays.
 
 mod frame;
 mod pack;
@@ -76,8 +75,8 @@ fn describe(view: &View) -> Result<(Value, String)> {
     Ok((about, pack.finish()?))
 }
 
-/// The state in which a view begins: the stops of its sliders, where displacement counts from, and
-/// its colours.
+/// The initial state of a view: the stops of its sliders, the reference of displacements, and its
+/// colours.
 fn begin(view: &View, about: &mut Value) -> Result<()> {
     if !view.start.is_empty() {
         let stops: Vec<usize> = view.sliders.iter().map(|slider| slider.stops.len()).collect();
@@ -161,7 +160,7 @@ fn describe_truth(truth: &Vec<[f64; 3]>, view: &View, pack: &mut Pack) -> Value 
     json!({"low": place.low, "size": place.size(), "vertices": truth.len()})
 }
 
-/// `before` are the panels to its left, whose positions need not be said again.
+/// `before` are the panels to its left, whose positions are not stored again.
 fn describe_panel(
     panel: &Panel,
     before: &[Panel],

@@ -1,4 +1,4 @@
-//! The data of a view in few bytes; `assets/data.js` reads them.
+//! The compressed data of a view, which `assets/data.js` reads.
 //!
 //! Arrays stand one after another. Numbers are kept as differences to their
 //! predecessors, zigzag-coded so that small ones of either sign have few bits,
@@ -89,7 +89,7 @@ pub(super) struct Quantiser {
     pub(super) high: f64,
 }
 
-/// Stands for a value that is not defined.
+/// The code of an undefined value.
 pub(super) const UNDEFINED: u16 = u16::MAX;
 
 impl Quantiser {

@@ -131,7 +131,7 @@ fn alike(a: &TriMesh, b: &TriMesh) -> bool {
 mod tests {
     use super::*;
 
-    /// The committed meshes are those of the manifest, and those that the generators make.
+    /// The committed meshes agree with the manifest and with their generators.
     #[test]
     fn data_is_as_its_manifest_says() {
         assert_eq!(check(&crate::cli::root().join("data")).unwrap(), Vec::<String>::new());

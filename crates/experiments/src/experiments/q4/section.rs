@@ -2,7 +2,7 @@
 
 use crate::section::{Act, Section};
 
-/// The place and the words of the section.
+/// The section of the article.
 pub(super) fn section() -> Section {
     Section::new(
         Act::Spectrum,

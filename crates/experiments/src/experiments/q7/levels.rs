@@ -1,4 +1,4 @@
-//! The assignment's levels in model units, and what they mean over the size of the faces.
+//! The levels of the assignment, in model units and relative to the size of the faces.
 
 use anyhow::{Context as _, Result};
 use fairing_denoising::{AutomaticOptions, Denoiser};
@@ -15,7 +15,7 @@ use crate::verdict::{Judgement, Shown, Verdict, ViewState};
 /// Spacings of the block: a factor of eight in h.
 const SPACINGS: [f64; 5] = [0.3, 0.178, 0.106, 0.063, 0.0375];
 
-/// Those of a quick run.
+/// The same for a quick run.
 const QUICK: [f64; 3] = [0.3, 0.25, 0.2];
 
 /// The methods that are run at each resolution: the flows of the report, and for comparison the

@@ -1,4 +1,4 @@
-//! From where to where each method helps.
+//! The range of noise in which each method helps.
 
 use std::cmp::Ordering;
 
@@ -207,7 +207,7 @@ pub(super) fn judge(tables: Tables<'_>) -> Result<Judgement> {
     Ok(judgement)
 }
 
-/// Where denoisers go further, and what they and flows keep on each mesh.
+/// The meshes on which denoisers go further, and the limits of denoisers and flows on each mesh.
 fn summary(numbers: &[(String, [f64; 2])], found: &[Option<Ordering>]) -> String {
     let further = numbers.iter().zip(found).filter(|(_, o)| **o == Some(Ordering::Greater));
     let further: Vec<String> = further.map(|((mesh, _), _)| format!("the {mesh}")).collect();

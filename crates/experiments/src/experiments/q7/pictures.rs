@@ -21,7 +21,7 @@ use crate::outcome::Picture;
 use crate::table::{Cell, Table};
 use crate::view::{Panel, Slider, View};
 
-/// The columns of the pictures; the first is what the others begin with.
+/// The columns of the pictures; the first is the input of the others.
 const SHOWN: [Method; 6] = [
     Method::Nothing,
     Method::Explicit,
@@ -51,7 +51,7 @@ const KEPT_NAME: &str = "kept below";
 /// The levels of the scan's view, in h, and whether they are drawn too.
 const SCAN_LEVELS: [(f64, bool); 4] = [(0.1, true), (0.3, true), (0.5, false), (1.0, true)];
 
-/// The noisy part and what the methods make of it, a row for each level of the assignment.
+/// The noisy part and the results of the methods, a row for each level of the assignment.
 pub(super) fn levels(context: &Context<'_>, part: &Body) -> Result<(Picture, View)> {
     let levels = ASSIGNMENT.map(|sigma| Level {
         name: sigma.to_string(),
@@ -101,7 +101,7 @@ struct Level {
     drawn: bool,
 }
 
-/// A body under each level of noise, after each method.
+/// A model under each level of noise, after each method.
 struct Restored<'a> {
     body: &'a Body,
     levels: &'a [Level],
@@ -139,8 +139,8 @@ impl<'a> Restored<'a> {
             .draw(id, caption, alt)
     }
 
-    /// The noisy body, what a method makes of it, and the truth, with sliders over the noise and
-    /// the method.
+    /// The noisy model, the result of a method, and the truth, with sliders for the noise and the
+    /// method.
     fn view(&self, figure: &str, noise: &str) -> Result<View> {
         let name = self.body.name;
         let viewed = || SHOWN.iter().enumerate().filter(|(_, m)| !UNVIEWED.contains(m));
