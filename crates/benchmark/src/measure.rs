@@ -31,7 +31,7 @@ pub struct Found {
     /// Self-intersections of the noisy mesh and of the result.
     pub intersections: [usize; 2],
     /// The relative differences of the volumes of the noisy mesh and of the result from that of the
-    /// truth, for closed bodies.
+    /// truth, for closed models.
     pub volume: Option<[f64; 2]>,
     /// The time, in seconds; zero where it is read from a table.
     pub seconds: f64,

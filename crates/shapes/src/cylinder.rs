@@ -10,7 +10,7 @@ use fairing_mesh::TriMesh;
 /// The ends of a cylinder: open or with lids.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Ends {
-    /// Flat lids: a closed body with two sharp rims.
+    /// Flat lids: a closed model with two sharp rims.
     #[default]
     Closed,
     /// No lids: two boundary loops.

@@ -16,7 +16,7 @@ fn smallest_angle(mesh: &TriMesh) -> f64 {
 }
 
 /// Asserts that a shape is clean and connected, of this genus with this many
-/// boundary loops, every angle at least this many degrees; a closed body has
+/// boundary loops, every angle at least this many degrees; a closed model has
 /// positive volume.
 #[track_caller]
 fn check(mesh: &TriMesh, genus: u32, loops: usize, angle: f64) {

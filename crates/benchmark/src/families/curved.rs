@@ -1,4 +1,4 @@
-//! Bodies with creases and curved faces.
+//! Models with creases and curved faces.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 

@@ -1,4 +1,4 @@
-//! Bodies with details a few edges wide.
+//! Models with details a few edges wide.
 
 use std::f64::consts::{PI, TAU};
 

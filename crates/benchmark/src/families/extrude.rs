@@ -1,9 +1,9 @@
-//! Outlines pulled up to bodies.
+//! Outlines pulled up to models.
 
 use super::solid::{Chart, Curve, Solid, joined, reversed};
 use fairing_shapes::outline::Piece;
 
-/// Adds the body over the outlines (the outer one counter-clockwise, holes
+/// Adds the model over the outlines (the outer one counter-clockwise, holes
 /// clockwise) between the heights `bottom` and `top`. The lid has further
 /// holes with the borders `rings`.
 pub(super) fn extrude(

@@ -1,4 +1,4 @@
-//! Fresh bodies with creases.
+//! Fresh models with creases.
 
 use std::collections::HashMap;
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -170,10 +170,10 @@ pub(super) fn bolt(build: Build) -> TriMesh {
     solid.finished()
 }
 
-/// A sphere that bounds a body, from inside or from outside.
+/// A sphere that bounds a model, from inside or from outside.
 #[derive(Clone, Copy)]
 struct Ball {
-    /// The direction from the middle of the body.
+    /// The direction from the middle of the model.
     out: [f64; 3],
     centre: [f64; 3],
     radius: f64,

@@ -1,4 +1,4 @@
-//! Fresh bodies without creases, or thin ones.
+//! Fresh models without creases, or thin ones.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! Bodies with plane faces.
+//! Models with plane faces.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! Bodies with plane faces.
+//! Models with plane faces.
 
 use std::collections::HashMap;
 
@@ -6,14 +6,14 @@ use crate::vec3::{add, cross, distance, dot, norm, normalize, scale, sub};
 
 use super::solid::{Chart, Curve, Solid, joined, reversed};
 
-/// The corners of a body with plane faces, and its faces, each a loop of corners
+/// The corners of a model with plane faces, and its faces, each a loop of corners
 /// counter-clockwise seen from outside.
 pub(super) struct Polyhedron {
     pub(super) corners: Vec<[f64; 3]>,
     pub(super) faces: Vec<Vec<usize>>,
 }
 
-/// Adds the body.
+/// Adds the model.
 pub(super) fn polyhedron(solid: &mut Solid, Polyhedron { corners, faces }: &Polyhedron) {
     let ids: Vec<u32> = corners.iter().map(|&p| solid.corner(p)).collect();
     let mut lines: HashMap<(usize, usize), Curve> = HashMap::new();
@@ -37,7 +37,7 @@ pub(super) fn polyhedron(solid: &mut Solid, Polyhedron { corners, faces }: &Poly
     }
 }
 
-/// The convex body `x · n ≤ d` for all planes (n, d),
+/// The convex model `x · n ≤ d` for all planes (n, d),
 /// n of unit length; `None` if two corners are closer than `least`.
 pub(super) fn convex(planes: &[([f64; 3], f64)], least: f64) -> Option<Polyhedron> {
     let (mut corners, mut on): (Vec<[f64; 3]>, Vec<[usize; 3]>) = (vec![], vec![]);

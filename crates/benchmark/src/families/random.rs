@@ -22,7 +22,7 @@ pub enum RandomModel {
     Facets,
     /// A smooth terrain of waves, from long and flat to short and steep. It has a border.
     Swell,
-    /// A closed body of plane triangles, without a flat angle between them.
+    /// A closed model of plane triangles, without a flat angle between them.
     Gem,
     /// Steps of all heights and widths along two directions. It has a border.
     Terraces,

@@ -1,4 +1,4 @@
-//! Smooth bodies at random.
+//! Smooth models at random.
 
 use std::f64::consts::TAU;
 

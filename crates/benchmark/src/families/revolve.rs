@@ -50,7 +50,7 @@ impl Ring {
 }
 
 /// Adds the surface of the pieces, one after another in the half plane of
-/// radius and height with the body on their left, around the axis through
+/// radius and height with the model on their left, around the axis through
 /// `centre`; returns the first and the last ring. `first` is the ring to begin
 /// with, if there is one. A closed profile ends where it began.
 pub(super) fn revolve(

@@ -1,4 +1,4 @@
-//! Thin bodies and open sheets.
+//! Thin models and open sheets.
 
 use fairing_mesh::TriMesh;
 

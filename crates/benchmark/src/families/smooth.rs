@@ -1,4 +1,4 @@
-//! Smooth bodies.
+//! Smooth models.
 
 use std::f64::consts::TAU;
 

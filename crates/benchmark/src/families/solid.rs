@@ -1,4 +1,4 @@
-//! Bodies built from faces that meet in their edges.
+//! Models built from faces that meet in their edges.
 
 use crate::vec3::{cross, distance, dot, norm, scale, sub};
 use fairing_mesh::TriMesh;
@@ -17,7 +17,7 @@ const ASPECT: f64 = 3.0;
 /// triangles are stretched.
 const ALONG_LINES: f64 = 2.0;
 
-/// A body as it grows: corners, curves between them that are sampled once, and
+/// A model as it grows: corners, curves between them that are sampled once, and
 /// faces whose borders are curves. So every crease is a line of mesh edges.
 pub(super) struct Solid {
     spacing: f64,
@@ -35,7 +35,7 @@ type Stretch = Box<dyn Fn([f64; 3]) -> f64>;
 /// The vertices of a curve, its ends included.
 pub(super) type Curve = Vec<u32>;
 
-/// A face of a body, laid out in the plane so that counter-clockwise there is
+/// A face of a model, laid out in the plane so that counter-clockwise there is
 /// counter-clockwise seen from outside.
 pub(super) struct Chart<'a> {
     /// The position of a point of the border.

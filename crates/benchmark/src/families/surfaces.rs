@@ -27,7 +27,7 @@ fn directions(mesh: &TriMesh) -> BTreeSet<[i64; 3]> {
     (0..mesh.face_count()).map(rounded).collect()
 }
 
-/// A face across a crease of a body with plane sides would have a normal of its own, so there are
+/// A face across a crease of a model with plane sides would have a normal of its own, so there are
 /// no more normals than sides. The star has 60; rounding may split each.
 #[test]
 fn no_face_of_a_planar_family_spans_a_crease() {

@@ -124,7 +124,7 @@ fn what_cannot_be_warped_is_stretched_or_an_error() {
     }
 }
 
-/// Every random body in every triangulation: a manifold without degenerate faces, of about the
+/// Every random model in every triangulation: a manifold without degenerate faces, of about the
 /// size that was asked for, the right way out.
 #[test]
 fn random_bodies_are_clean() {
