@@ -26,10 +26,9 @@ fn sides_in_ball(triangle: &[DVec3; 3], square: f64) -> [[f64; 2]; 3] {
     std::array::from_fn(|k| segment_in_ball(triangle[(k + 1) % 3], triangle[(k + 2) % 3], square))
 }
 
-/// The share of the area of a triangle that is inside the ball about the
-/// origin, given the parts of its sides: the plane of the triangle cuts the
-/// ball in a disc, whose intersection with the triangle is summed side by
-/// side. Zero for a triangle without area.
+/// The fraction of the area of a triangle inside the ball about the origin, given the parts of its
+/// sides: the plane of the triangle cuts the ball in a disc, whose intersection with the triangle
+/// is summed side by side. Zero for a triangle without area.
 fn share_in_ball(triangle: &[DVec3; 3], sides: &[[f64; 2]; 3], square: f64) -> f64 {
     let [a, b, c] = *triangle;
     let normal = (b - a).cross(c - a);
@@ -86,9 +85,9 @@ pub(crate) struct BallExplorer {
 pub(crate) struct FaceInBall {
     pub(crate) face: u32,
     pub(crate) triangle: [DVec3; 3],
-    /// The share of its area that is inside.
+    /// The fraction of its area inside the ball.
     pub(crate) share: f64,
-    /// The share of the side opposite each corner that is inside.
+    /// The fraction of the side opposite each corner inside the ball.
     pub(crate) sides: [f64; 3],
 }
 

@@ -1,4 +1,4 @@
-//! All that the faces say about a vertex, gathered in one pass.
+//! Sums over the faces of a vertex, gathered in one pass.
 
 use crate::power_of_two::power_of_two;
 use fairing_mesh::TriMesh;

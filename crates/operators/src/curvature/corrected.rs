@@ -135,7 +135,7 @@ fairing_parameters::options! {
 /// Curvature by corrected measures at each vertex; H and K have measures of
 /// their own, so that κ₁ κ₂ = K holds only in the limit.
 ///
-/// A face in a ball counts by the share of its area inside. Faces whose
+/// A face in a ball counts by the fraction of its area inside. Faces whose
 /// corners have no normal are left out. Undefined at isolated vertices and
 /// where the area seen along the normals is not positive, as on sharp folds.
 ///

@@ -55,8 +55,8 @@ fairing_parameters::algorithms! {
 }
 
 impl Estimator {
-    /// The estimator for meshes of which nothing is known: cubic jets over three rings, which
-    /// converge on irregular meshes.
+    /// The recommended estimator for unknown meshes: cubic jets over three rings, which converge on
+    /// irregular meshes.
     pub const RECOMMENDED: Self = Self::Jet(JetOptions::DEFAULT);
 
     /// Returns true if the estimator computes principal directions.

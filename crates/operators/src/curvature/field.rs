@@ -1,4 +1,4 @@
-//! The one result of all estimators.
+//! The result of every estimator.
 
 use fairing_mesh::TriMesh;
 use glam::DVec3;

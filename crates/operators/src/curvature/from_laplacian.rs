@@ -116,7 +116,7 @@ mod tests {
     use crate::{LaplacianKind, LumpedArea, MassKind};
     use fairing_shapes as shapes;
 
-    /// The matrix says what the cells say, on closed and open meshes with an isolated vertex.
+    /// Matrix and cells agree, on closed and open meshes with an isolated vertex.
     #[test]
     fn cotangents_are_those_of_the_cells() {
         let mut positions = shapes::icosphere(2).into_positions();

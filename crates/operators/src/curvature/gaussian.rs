@@ -85,7 +85,7 @@ pub fn gaussian_curvature(
         .collect())
 }
 
-/// Why a vertex has no area.
+/// The reason why a vertex has no area.
 pub(crate) fn undefined(links: Links) -> Undefined {
     if links.faces == 0 { Undefined::Isolated } else { Undefined::NoArea }
 }

@@ -15,7 +15,7 @@ use crate::corners::check_faces;
 use crate::error::OperatorError;
 use crate::fan::Fan;
 
-/// The mean curvature at each vertex, and the vectors it is read from.
+/// The mean curvature at each vertex, and the vectors behind it.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct MeanCurvature {
@@ -61,7 +61,7 @@ impl MeanCurvature {
     }
 }
 
-/// The mean curvature of the umbrella, `Δx = mean(xⱼ) − xᵢ`, as the assignment has it.
+/// The mean curvature of the umbrella, `Δx = mean(xⱼ) − xᵢ`, as in the assignment.
 ///
 /// A **length**, not a curvature: on a regular mesh it is ¼ ℓ² times the
 /// Laplacian for edges of length ℓ. It multiplies by s when the mesh is

@@ -14,7 +14,7 @@ use crate::error::OperatorError;
 /// of n neighbours would have all the others.
 const HUB: usize = 256;
 
-/// A length, in the unit that suits.
+/// A length, in mesh units or in mean edge lengths.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
@@ -80,16 +80,15 @@ impl Field for Length {
     }
 }
 
-/// The vertices around a vertex that a fit takes. Those with more than 256
-/// neighbours are taken, but nothing beyond them.
+/// The vertices around a vertex that enter a fit. Vertices with more than 256 neighbours enter, but
+/// nothing beyond them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Neighborhood {
     /// All within this number of edges.
     Rings(u32),
-    /// All that a path of edges reaches without leaving the ball of this
-    /// radius.
+    /// The vertices that paths of edges reach without leaving the ball of this radius.
     Ball(Length),
 }
 
