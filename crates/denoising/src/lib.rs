@@ -7,7 +7,7 @@
 //! A mesh whose faces do not share their corners is refused.
 //!
 //! ```
-//! use fairing_denoising::{Denoiser, automatic};
+//! use fairing_denoising::{AutomaticOptions, Denoiser, automatic};
 //!
 //! let shape = fairing_shapes::icosphere(3);
 //! let noisy = fairing_shapes::jittered(&shape, 0.1, 7, |p| p);

@@ -1,6 +1,6 @@
 //! Meshes of polygons.
 
-#[cfg_attr(not(feature = "io"), allow(dead_code, reason = "readers fill the list"))]
+#[cfg_attr(not(feature = "io"), expect(dead_code, reason = "readers fill the list"))]
 mod list;
 mod triangulate;
 

@@ -136,7 +136,7 @@ fn noise_of_a_depth_camera_is_found_and_removed() {
         &ScanOptions { camera, size: [110, 82], ..Default::default() },
     )
     .unwrap();
-    let level = NoiseLevel::EdgeLengths(0.6);
+    let level = NoiseLevel::EdgeLengths(0.4);
     let kind = NoiseKind::DepthCamera { camera, length: 5.0 };
     let input = add_noise(&seen.mesh, kind, level, 4).unwrap();
     let result = automatic(&input, &AutomaticOptions::default()).unwrap();

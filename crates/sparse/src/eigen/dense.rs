@@ -89,7 +89,7 @@ fn put_constants(modes: &mut Array2<f64>, constants: &[Vec<f64>]) {
 mod lapack {
     use ndarray_linalg::{Eigh, UPLO};
 
-    use super::{Array2, Mass, SparseMatrix, put_constants};
+    use super::{Array2, Mass, SparseError, SparseMatrix, put_constants};
 
     /// By `dsygv`, which uses a Cholesky factor of M instead of its square root.
     pub(super) fn all_eigenpairs(
