@@ -78,7 +78,8 @@ pub struct NoiseEstimate {
     /// of sensors is in between: the length is 4 if the level is 1.25 to 4 `sigma` at s = 1, at
     /// least 1.5 `sigma` at s = 2, and grows by at most 1.9 from s = 1 to 2 and by at most 2 to
     /// s = 4; it is 8 if it then grows by 1.2 to 2 to s = 8. Smooth noise without a rough part
-    /// looks like shape and is not found.
+    /// looks like shape and is not found; noise on faces stretched to three times their height is
+    /// not looked for.
     pub correlation_length: f64,
     /// The level at the scale of `correlation_length`, in mesh units; `sigma` without correlation.
     /// What a quadric of that size misses of the surface counts as noise.

@@ -31,6 +31,11 @@ const LARGEST_GROWTH: [f64; 3] = [4.0, 1.9, 2.0];
 /// The growth from four edges to eight of noise that is correlated over eight.
 const FURTHER: RangeInclusive<f64> = 1.2..=2.0;
 
+/// The largest median stretch of faces, the squared longest side over twice the area: 1.2 for
+/// equilateral faces, 2 for halves of squares. Scales are counted in edges, which have no one
+/// length on meshes that are stretched more.
+const LARGEST_STRETCH: f64 = 2.8;
+
 /// The distance over which noise at some of the vertices is correlated, in edges, and its level at
 /// this scale in mesh units; `None` for independent noise, and for surfaces without noise. `near`
 /// is the level from neighbours.
@@ -39,6 +44,9 @@ pub(crate) fn correlated_over(
     near: f64,
     inside: impl Fn(u32) -> bool + Sync,
 ) -> Option<(f64, f64)> {
+    if stretch(mesh, &inside)? > LARGEST_STRETCH {
+        return None;
+    }
     let level = |scale| level_at(mesh, scale, &inside);
     let one = level(1)?;
     if !(LEAST_GROWTH[0]..=LARGEST_GROWTH[0]).contains(&(one / near)) {
@@ -51,6 +59,21 @@ pub(crate) fn correlated_over(
     let four = level(4).filter(|&four| four <= LARGEST_GROWTH[2] * two)?;
     let eight = level(8).filter(|eight| FURTHER.contains(&(eight / four)));
     Some(eight.map_or((4.0, four), |eight| (8.0, eight)))
+}
+
+/// The median stretch of the faces at some of the vertices.
+fn stretch(mesh: &TriMesh, inside: impl Fn(u32) -> bool) -> Option<f64> {
+    let faces = (0..mesh.face_count()).filter(|&f| inside(mesh.faces()[f][0]));
+    let mut all: Vec<f64> = faces
+        .map(|f| {
+            let [a, b, c] = mesh.triangle(f).map(DVec3::from);
+            let longest =
+                a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
+            longest / (2.0 * mesh.face_area(f)).max(f64::MIN_POSITIVE)
+        })
+        .collect();
+    all.sort_unstable_by(f64::total_cmp);
+    median(&all)
 }
 
 /// The noise level that stencils of a scale find at some of the vertices, in mesh units; `None`
