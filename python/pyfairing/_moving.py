@@ -386,7 +386,7 @@ class Moving(Base):
         if uneven:
             warn(
                 f"{uneven} vertices are on parts whose faces are too uneven (a CAD tessellation?): "
-                "these parts stay as they are"
+                "these parts stay as they are; other methods move them, too"
             )
         report |= {"sigma": sigma, "surface": surface, "approach": approach}
         return self._moved(core, report)

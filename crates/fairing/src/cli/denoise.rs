@@ -83,7 +83,7 @@ impl Denoise {
                 if result.uneven_vertices > 0 {
                     context.note(format_args!(
                         "{} vertices are on parts whose faces are too uneven (a CAD tessellation?): \
-                         these parts stay as they are",
+                         these parts stay as they are; --method guided-normal moves them, too",
                         result.uneven_vertices
                     ));
                 }
