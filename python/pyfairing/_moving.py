@@ -363,8 +363,8 @@ class Moving(Base):
             The same faces. For `automatic`, `Mesh.report` has `sigma`, the noise in mesh
             units (None if there are too few vertices), `surface`: `creased`, `smooth`,
             `uneven` or `clean` (nothing was moved), and `approach`: `networks`,
-            or `total-generalised-variation` for strong noise that is correlated over several
-            edges, like that of a depth camera. Parts with faces as uneven as those of CAD
+            `total-generalised-variation` for strong noise that is correlated over several
+            edges, like that of a depth camera, or None if nothing was moved. Parts with faces as uneven as those of CAD
             tessellations are left unchanged, with a `FairingWarning`. Faces that turn against the
             rest of their part are flipped for the computation, with a `FairingWarning`.
 

@@ -1,6 +1,6 @@
 //! Denoising.
 
-use fairing_denoising::{Denoiser, SurfaceKind, automatic};
+use fairing_denoising::{Approach, Denoiser, SurfaceKind, automatic};
 use pyo3::prelude::*;
 
 use crate::error::Error;
@@ -9,7 +9,7 @@ use crate::run::Call;
 
 /// The report of the automatic method: σ, if measured, the kind of surface, the approach, and the
 /// number of vertices on uneven parts.
-type Found = (Option<f64>, &'static str, &'static str, usize);
+type Found = (Option<f64>, &'static str, Option<&'static str>, usize);
 
 /// The mesh, and the report of the automatic method.
 #[pyfunction]
@@ -35,7 +35,10 @@ fn denoise(
             _ => "clean",
         };
         let sigma = found.noise.map(|n| n.sigma);
-        Ok((found.mesh, Some((sigma, kind, found.approach.name(), found.uneven_vertices))))
+        Ok((
+            found.mesh,
+            Some((sigma, kind, found.approach.map(Approach::name), found.uneven_vertices)),
+        ))
     })?;
     Ok((mesh.into(), found))
 }

@@ -27,7 +27,7 @@ pub enum Ends {
 /// # Panics
 ///
 /// If `around` is below 3 or `along` zero, or unless both lengths are positive
-/// and finite.
+/// and finite; for an extent outside of [`EXTENTS`](fairing_mesh::EXTENTS).
 pub fn cylinder(radius: f64, height: f64, around: u32, along: u32, ends: Ends) -> TriMesh {
     assert!(around >= 3 && along >= 1, "{around} × {along} squares make no cylinder");
     assert!(

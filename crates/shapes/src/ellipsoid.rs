@@ -9,7 +9,8 @@ use fairing_mesh::TriMesh;
 ///
 /// # Panics
 ///
-/// Unless the half-axes are positive and finite; above level 13.
+/// Unless the half-axes are positive and finite; for an extent outside of
+/// [`EXTENTS`](fairing_mesh::EXTENTS); above level 13.
 pub fn ellipsoid(axes: [f64; 3], level: u32) -> TriMesh {
     assert!(axes.iter().all(|&a| a > 0.0 && a.is_finite()), "half-axes {axes:?}");
     let sphere = icosphere(level);

@@ -40,7 +40,8 @@ impl Default for HelicoidOptions {
 /// # Panics
 ///
 /// Unless rise, turns and the range of radii are positive and finite and there
-/// are squares both ways.
+/// are squares both ways; for an extent outside of
+/// [`EXTENTS`](fairing_mesh::EXTENTS).
 pub fn helicoid(shape: &HelicoidOptions) -> TriMesh {
     let &HelicoidOptions { rise, radii: [from, to], turns, across, along } = shape;
     assert!(rise > 0.0 && rise.is_finite() && turns > 0.0 && turns.is_finite(), "{shape:?}");

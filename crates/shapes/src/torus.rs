@@ -19,7 +19,7 @@ use fairing_mesh::TriMesh;
 /// # Panics
 ///
 /// If `around` or `across` is below 3, or unless 0 < `minor` < `major`, both
-/// finite.
+/// finite; for an extent outside of [`EXTENTS`](fairing_mesh::EXTENTS).
 pub fn torus(major: f64, minor: f64, around: u32, across: u32) -> TriMesh {
     assert!(around >= 3 && across >= 3, "a torus of {around} × {across} squares does not close");
     assert!(0.0 < minor && minor < major && major.is_finite(), "radii {major}, {minor}");

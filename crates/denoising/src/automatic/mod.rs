@@ -89,8 +89,8 @@ pub struct Automatic {
     pub faces: Vec<FaceKind>,
     /// The largest distance that a vertex was allowed to move, in mesh units.
     pub limit: f64,
-    /// The way in which the noisiest parts were denoised.
-    pub approach: Approach,
+    /// The way in which the noisiest of the moved parts were denoised; `None` if nothing was moved.
+    pub approach: Option<Approach>,
 }
 
 impl Automatic {
@@ -207,13 +207,12 @@ fairing_parameters::named!(Approach, "approach of the automatic denoiser");
 pub fn automatic(mesh: &TriMesh, options: &AutomaticOptions) -> Result<Automatic, DenoiseError> {
     options.check()?;
     let mut noise = None;
-    let mut approach = Approach::Networks;
+    let mut approach = None;
     let mut limit = 0.0f64;
     let mut uneven_vertices = 0;
     let moved = on_oriented(mesh, |mesh| {
         let groups = noisy_parts(mesh);
         noise = groups.first().map(|group| group.level);
-        approach = noise.map_or(approach, |level| approach_to(level, mesh.mean_edge_length()));
         let uneven = uneven_parts(mesh, &groups);
         let parts = mesh.topology().components();
         let is_uneven = |v: &u32| parts.label(*v).is_some_and(|part| uneven[part as usize]);
@@ -225,9 +224,10 @@ pub fn automatic(mesh: &TriMesh, options: &AutomaticOptions) -> Result<Automatic
                 continue;
             }
             let part = Part::new(mesh, &group.components)?;
-            let (moved, farthest) = denoise(&part.mesh, group.level, options.strength)?;
+            let (moved, farthest, taken) = denoise(&part.mesh, group.level, options.strength)?;
             part.put_back(&moved, &mut positions);
             limit = limit.max(farthest);
+            approach = approach.or(taken);
         }
         Ok(mesh.with_positions(positions)?)
     })?;
@@ -243,19 +243,19 @@ pub fn automatic(mesh: &TriMesh, options: &AutomaticOptions) -> Result<Automatic
 }
 
 /// Denoises a mesh whose noise has one level; also the largest distance allowed, zero for a clean
-/// mesh.
+/// mesh, and the approach, if normals were changed.
 fn denoise(
     mesh: &TriMesh,
     level: NoiseEstimate,
     strength: f64,
-) -> Result<(TriMesh, f64), DenoiseError> {
+) -> Result<(TriMesh, f64, Option<Approach>), DenoiseError> {
     if is_clean(mesh, level) {
-        return Ok((mesh.clone(), 0.0));
+        return Ok((mesh.clone(), 0.0, None));
     }
     // Impulses are put into the planes of their neighbours.
     let (mesh, mut level, farthest) = without_spikes(mesh, level)?;
     if is_clean(&mesh, level) {
-        return Ok((mesh.into_owned(), farthest));
+        return Ok((mesh.into_owned(), farthest, None));
     }
     let approach = approach_to(level, mesh.mean_edge_length());
     level.sigma *= strength;
@@ -277,7 +277,7 @@ fn denoise(
     // Noise lies on both sides of the surface, and no face opposes its normal.
     let surface = in_the_middle(&mesh, surface, &normals, limit)?;
     let surface = without_flips(&mesh, surface, &normals, &follow)?;
-    Ok((surface, limit + farthest))
+    Ok((surface, limit + farthest, Some(approach)))
 }
 
 /// The normals by the networks; the noise level and the largest displacement that the distance of

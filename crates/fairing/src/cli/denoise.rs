@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use fairing::denoising::{Automatic, AutomaticOptions, Denoiser, FaceKind, SurfaceKind, automatic};
+use fairing::denoising::{
+    Approach, Automatic, AutomaticOptions, Denoiser, FaceKind, SurfaceKind, automatic,
+};
 use serde_json::{Map, Value, json};
 
 use super::context::{Context, Failure};
@@ -146,7 +148,7 @@ fn as_json(result: &Automatic) -> Value {
             "impulsive": noise.is_impulsive(),
         })),
         "kind": kind,
-        "approach": result.approach.name(),
+        "approach": result.approach.map(Approach::name),
         "area_share": shares,
         "uneven_vertices": result.uneven_vertices,
         "border_vertices": border,
