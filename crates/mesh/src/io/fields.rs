@@ -48,4 +48,25 @@ impl VertexFields {
         self.colors = Some(colors);
         self
     }
+
+    /// The values at some vertices, in their order, such as those of a part of the mesh.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such vertex.
+    #[must_use]
+    pub fn at_vertices(&self, vertices: &[u32]) -> Self {
+        fn at<T: Copy>(values: &[T], vertices: &[u32]) -> Vec<T> {
+            vertices.iter().map(|&v| values[v as usize]).collect()
+        }
+        let scalars =
+            self.scalars.iter().map(|(name, values)| (name.clone(), at(values, vertices)));
+        let vectors =
+            self.vectors.iter().map(|(name, values)| (name.clone(), at(values, vertices)));
+        Self {
+            scalars: scalars.collect(),
+            vectors: vectors.collect(),
+            colors: self.colors.as_ref().map(|colors| at(colors, vertices)),
+        }
+    }
 }

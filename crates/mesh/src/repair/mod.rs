@@ -41,7 +41,7 @@ pub struct RepairOptions {
     /// Collapses needles and flips caps: faces whose height is below this fraction of their
     /// longest edge. Zero leaves them.
     pub thin: f64,
-    /// Drops vertices that no face uses.
+    /// Drops vertices that no face uses, unless there are no faces at all.
     pub isolated: bool,
     /// Fills holes of at most this many edges; zero fills none. The largest boundary of a
     /// component that is not closed may be its rim, so choose less than its edges.
@@ -202,7 +202,7 @@ impl Repaired {
 ///   boundary; a cap exchanges its longest edge.
 /// - A hole gets the triangulation of least area \[barequet1995\] that repeats no edge of the mesh,
 ///   refined to the edge lengths around it \[liepa2003\]. Its inner vertices lie on that
-///   triangulation, flat over a curved surface: `fair_patches` of the smoothing crate bends them.
+///   triangulation, flat over a curved surface: `fair_region` of the smoothing crate bends them.
 ///
 /// Time is linear in the mesh apart from a sort, cubic in the edges of a hole, and for closed
 /// components inside others the product of their number and the faces around them.
@@ -342,7 +342,11 @@ impl Work {
         }
     }
 
+    /// Drops vertices without a face, unless there are no faces: then they are a point cloud.
     fn drop_isolated(&mut self) {
+        if self.mesh.face_count() == 0 {
+            return;
+        }
         let mut keep = vec![false; self.mesh.vertex_count()];
         self.mesh.faces().iter().flatten().for_each(|&v| keep[v as usize] = true);
         if keep.contains(&false) {

@@ -82,7 +82,8 @@ fn checked(input: &TriMesh, options: &RepairOptions) -> Repaired {
 
 #[test]
 fn a_clean_mesh_stays_as_it_is() {
-    for mesh in [own!(shapes::icosphere(2)), cube(), mesh(&[], &[])] {
+    let cloud = mesh(&[[0.0; 3], [1.0; 3]], &[]);
+    for mesh in [own!(shapes::icosphere(2)), cube(), mesh(&[], &[]), cloud] {
         let result = repaired(&mesh);
         assert!(result.is_unchanged() && result.changes.is_empty());
         assert_eq!(result.mesh, mesh);
