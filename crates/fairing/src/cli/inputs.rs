@@ -303,7 +303,7 @@ mod tests {
         );
         assert_eq!(
             rows(TableFormat::Text, &["n", "closed"], &all),
-            "path     n  closed         error\na,b.ply  3     yes             -\nc.ply    -       -  no \"faces\"\n"
+            "path     n  closed       error\na,b.ply  3     yes           -\nc.ply    -       -  no \"faces\"\n"
         );
         assert_eq!(rows(TableFormat::Json, &[], &all).lines().count(), 2);
     }

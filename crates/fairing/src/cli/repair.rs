@@ -117,7 +117,11 @@ impl Repair {
         let summary = match self.summary.is_wanted() {
             true => as_json(&repaired),
             false => {
-                context.note(as_table(&file.mesh, &repaired).trim_end());
+                let text = as_table(&file.mesh, &repaired);
+                match self.dry_run {
+                    true => context.print(text)?,
+                    false => context.note(text.trim_end()),
+                }
                 Value::Null
             }
         };
