@@ -25,6 +25,7 @@ const ALL_DIRECTIONS: [DVec3; 3] = [DVec3::NEG_ONE, DVec3::ONE, DVec3::ONE];
 /// scaled by a power of two, nor when its vertices are renumbered. F log F for
 /// F faces and few crossings, whatever the number of faces at a vertex, unless
 /// the boxes of faces without a common vertex overlap in many pairs.
+#[doc(alias = "does_self_intersect")]
 pub fn self_intersections(mesh: &TriMesh) -> usize {
     // Without faces there is nothing to cross.
     let Some(frame) = Frame::new(mesh).filter(|_| mesh.face_count() > 0) else { return 0 };

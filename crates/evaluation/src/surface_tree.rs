@@ -39,6 +39,7 @@ pub struct Closest {
 }
 
 /// A hierarchy of boxes around the faces of a mesh, for closest-point queries.
+#[doc(alias("aabb_tree", "bvh"))]
 #[derive(Debug)]
 pub struct SurfaceTree {
     /// From the faces up to the root: quad `i` of level 0 holds the boxes of
@@ -190,6 +191,7 @@ impl SurfaceTree {
     }
 
     /// The closest point of the surface.
+    #[doc(alias("closest_point", "point_mesh_squared_distance"))]
     pub fn closest(&self, p: [f64; 3]) -> Closest {
         let p = DVec3::from(p);
         let (slot, d2) = self.search(p, 0, &mut vec![]);

@@ -14,6 +14,7 @@ use crate::{BuildError, Topology};
 /// # Errors
 ///
 /// [`BuildError::TooLarge`] if the new corners outnumber `u32`.
+#[doc(alias = "upsample")]
 pub fn subdivide_midpoint(mesh: &TriMesh) -> Result<TriMesh, BuildError> {
     let x = mesh.positions();
     let mut positions = x.to_vec();
@@ -40,6 +41,7 @@ pub fn subdivide_midpoint(mesh: &TriMesh) -> Result<TriMesh, BuildError> {
 /// # Errors
 ///
 /// [`BuildError::TooLarge`] if the new corners outnumber `u32`.
+#[doc(alias("loop", "loop_subdivision"))]
 pub fn subdivide_loop(mesh: &TriMesh) -> Result<TriMesh, BuildError> {
     let x = mesh.positions();
     let topology = mesh.topology();

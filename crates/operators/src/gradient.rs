@@ -30,6 +30,7 @@ use crate::error::OperatorError;
 /// [`OperatorError::TooLarge`] beyond 2³² entries.
 ///
 /// Source: \[botsch2010\].
+#[doc(alias("grad", "gradient_matrix"))]
 pub fn gradient(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
     let hats = hat_gradients(mesh)?;
     let entries = 9 * mesh.face_count();
@@ -62,6 +63,7 @@ pub fn gradient(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
 /// As [`gradient`].
 ///
 /// Source: \[botsch2010\].
+#[doc(alias("compute_divergence", "div", "divergence_matrix"))]
 pub fn divergence(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
     let mut weighted = gradient(mesh)?;
     for (row, values) in weighted.data_mut().chunks_exact_mut(3).enumerate() {
@@ -83,6 +85,7 @@ pub fn divergence(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
 /// # Panics
 ///
 /// If there is not one value per vertex.
+#[doc(alias = "compute_gradient")]
 pub fn face_gradients(mesh: &TriMesh, values: &[f64]) -> Result<Vec<[f64; 3]>, OperatorError> {
     assert_eq!(values.len(), mesh.vertex_count(), "one value per vertex");
     let hats = hat_gradients(mesh)?;

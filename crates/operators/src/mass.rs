@@ -57,6 +57,7 @@ impl LumpedArea {
 /// angle is obtuse.
 ///
 /// Source: \[meyer2003\].
+#[doc(alias("massmatrix", "mass_matrix", "vertex_areas"))]
 pub fn lumped_mass(mesh: &TriMesh, area: LumpedArea) -> Result<Vec<f64>, OperatorError> {
     match area {
         // Known to the compiler, which leaves out what thirds do not need.
@@ -95,6 +96,7 @@ fn sum_shares(mesh: &TriMesh, area: LumpedArea) -> Result<Vec<f64>, OperatorErro
 /// [`OperatorError::TooLarge`] beyond 2³² entries.
 ///
 /// Source: \[vallet2008\].
+#[doc(alias("massmatrix", "mass_matrix"))]
 pub fn consistent_mass(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
     consistent_on_pattern(mesh, None)
 }

@@ -37,6 +37,7 @@ fairing_parameters::serde_by_name!(NormalWeight);
 
 /// The unit normal of each face of the [oriented](TriMesh::oriented) mesh,
 /// outward for counter-clockwise faces; the zero vector for a face without area.
+#[doc(alias = "per_face_normals")]
 pub fn face_normals(mesh: &TriMesh) -> Vec<[f64; 3]> {
     let mesh = &*mesh.oriented();
     (0..mesh.face_count())
@@ -48,6 +49,7 @@ pub fn face_normals(mesh: &TriMesh) -> Vec<[f64; 3]> {
 
 /// The unit normal of each vertex, weighted by area; the zero vector where
 /// none is defined (isolated vertices, areas that cancel).
+#[doc(alias = "per_vertex_normals")]
 pub fn vertex_normals(mesh: &TriMesh) -> Vec<[f64; 3]> {
     weighted_vertex_normals(mesh, NormalWeight::Area)
 }

@@ -45,6 +45,7 @@ use crate::error::OperatorError;
 /// ```
 ///
 /// Source: \[pinkall1993\].
+#[doc(alias("cotan_laplacian", "cotmatrix", "laplace_matrix"))]
 pub fn cotan_stiffness(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
     on_pattern(mesh, None)
 }

@@ -22,6 +22,7 @@ use crate::fan::Fan;
 /// # Errors
 ///
 /// [`OperatorError::TooLarge`] beyond 2³² entries.
+#[doc(alias("graph_laplacian", "uniform_laplace_matrix"))]
 pub fn combinatorial_laplacian(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
     assemble(mesh, |fan, place, row| {
         row.fill(-1.0);
@@ -45,6 +46,7 @@ pub fn combinatorial_laplacian(mesh: &TriMesh) -> Result<SparseMatrix, OperatorE
 /// # Errors
 ///
 /// [`OperatorError::TooLarge`] beyond 2³² entries.
+#[doc(alias = "laplacian_calculation")]
 pub fn random_walk_laplacian(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
     assemble(mesh, |fan, place, row| {
         let degree = fan.neighbors.len();

@@ -309,6 +309,7 @@ fn relative<const B: usize>(r: &[f64; B], b: &[f64; B]) -> Vec<f64> {
 /// ```
 ///
 /// Source: \[hestenes1952\], \[saad2003\].
+#[doc(alias("cg", "pcg"))]
 #[derive(Debug)]
 pub struct ConjugateGradient<'a> {
     matrix: &'a SparseMatrix,

@@ -52,6 +52,7 @@ impl SpectrumOptions {
 /// ```
 ///
 /// Source: \[vallet2008\].
+#[doc(alias("eigs", "manifold_harmonics"))]
 pub fn spectrum(
     laplacian: &Laplacian,
     k: usize,

@@ -20,6 +20,7 @@ use crate::flat_face::FlatFace;
 /// its mean over the sources there is zero; at single sources it differs from zero by some tenths
 /// of an edge length. The error is about an edge length near sources, where distances are too
 /// large, and of first order in h elsewhere. Natural boundaries. Source: \[crane2013\].
+#[doc(alias("compute_geodesic_f", "heat_geodesic", "heat_method", "HeatMethodDistanceSolver"))]
 #[derive(Debug)]
 pub struct HeatGeodesics {
     kind: LaplacianKind,
@@ -141,6 +142,7 @@ impl HeatGeodesics {
     /// [`SpectralError::NoHeat`] for a vertex too far from the sources for any heat to arrive, more
     /// than some 1300 edges with the time of [`HeatGeodesics::new`]; [`SpectralError::Sparse`] if
     /// rounding leaves too few digits of the distances.
+    #[doc(alias = "heat_geodesics_solve")]
     pub fn distance(&self, sources: &[u32]) -> Result<Vec<Option<f64>>, SpectralError> {
         let n = self.component.len();
         if sources.is_empty() {

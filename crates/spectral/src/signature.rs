@@ -19,6 +19,7 @@ const ZERO: f64 = 1e-10;
 /// [`SpectralError::Option`] for a time that is not positive.
 ///
 /// Source: \[sun2009\].
+#[doc(alias = "hks")]
 pub fn heat_kernel_signature(
     spectrum: &Spectrum,
     times: &[f64],
@@ -54,6 +55,7 @@ pub fn heat_kernel_times(spectrum: &Spectrum, count: usize) -> Vec<f64> {
 /// [`SpectralError::Option`] for fewer than two energies or fewer than two different λ above zero.
 ///
 /// Source: \[aubry2011\].
+#[doc(alias = "wks")]
 pub fn wave_kernel_signature(
     spectrum: &Spectrum,
     energies: usize,
@@ -87,6 +89,7 @@ pub fn wave_kernel_signature(
 ///
 /// Distances between rows do not change with the pose; signs, and bases of multiple eigenvalues,
 /// are as arbitrary as those of the modes. Source: \[rustamov2007\].
+#[doc(alias = "gps")]
 pub fn global_point_signature(spectrum: &Spectrum) -> Array2<f64> {
     let largest = spectrum.values.last().copied().unwrap_or(0.0);
     let zeros = spectrum.values.iter().take_while(|l| **l <= ZERO * largest).count();
@@ -100,6 +103,7 @@ pub fn global_point_signature(spectrum: &Spectrum) -> Array2<f64> {
 
 /// ShapeDNA: the eigenvalues times the area, invariant under scaling; zeros included.
 /// Source: \[reuter2006\].
+#[doc(alias("compute_shapedna", "shapedna"))]
 pub fn shape_dna(spectrum: &Spectrum) -> Array1<f64> {
     Array1::from(spectrum.values.clone()) * spectrum.area()
 }

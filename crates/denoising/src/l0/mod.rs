@@ -66,6 +66,7 @@ fairing_parameters::options! {
 /// growth of at most 1; [`DenoiseError::Build`] if coordinates overflow.
 ///
 /// Source: \[he2013\].
+#[doc(alias = "l0_minimization")]
 pub fn l0(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> {
     on_oriented(mesh, |mesh| filter(mesh, options))
 }

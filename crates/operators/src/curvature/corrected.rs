@@ -142,6 +142,7 @@ fairing_parameters::options! {
 /// # Errors
 ///
 /// [`OperatorError::Option`] for a radius that is not positive.
+#[doc(alias = "interpolated_corrected_curvatures")]
 pub fn corrected_curvature(
     mesh: &TriMesh,
     options: CorrectedOptions,

@@ -55,6 +55,7 @@ struct FaceTensor {
 /// ([`MIN_HEIGHT_RATIO`](crate::MIN_HEIGHT_RATIO)), or with a corner without a
 /// normal, are ignored. Undefined at isolated vertices, where all faces are
 /// ignored, and where the normals cancel. Linear cost.
+#[doc(alias = "rusinkiewicz")]
 pub fn face_tensor_curvature(mesh: &TriMesh, options: FaceTensorOptions) -> CurvatureField {
     let Ok(field) = on_oriented(mesh, |mesh| Ok::<_, Infallible>(estimate(mesh, options)));
     field

@@ -31,6 +31,7 @@ use crate::mass::lumped_mass;
 /// without area does not determine its angles, they are chosen to sum to π.
 ///
 /// Source: \[meyer2003\].
+#[doc(alias("gaussian_curvature", "vertex_defects"))]
 pub fn angle_defect(mesh: &TriMesh) -> Vec<f64> {
     defects(mesh).into_iter().map(|(defect, _)| defect).collect()
 }
@@ -70,6 +71,7 @@ pub(crate) fn defects(mesh: &TriMesh) -> Vec<(f64, Links)> {
 /// As [`lumped_mass`]: never with [`LumpedArea::Barycentric`].
 ///
 /// Source: \[meyer2003\].
+#[doc(alias = "vertexGaussianCurvature")]
 pub fn gaussian_curvature(
     mesh: &TriMesh,
     area: LumpedArea,

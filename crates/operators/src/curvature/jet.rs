@@ -122,6 +122,7 @@ fairing_parameters::options! {
 ///
 /// [`OperatorError::Option`] for a number of rings, a radius or a Gaussian width
 /// outside its range.
+#[doc(alias("jet_fitting", "monge_form"))]
 pub fn jet_curvature(mesh: &TriMesh, options: JetOptions) -> Result<CurvatureField, OperatorError> {
     options.check()?;
     let at = options.neighborhood;

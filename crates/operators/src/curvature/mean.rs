@@ -99,6 +99,7 @@ pub fn scaled_umbrella_mean_curvature(mesh: &TriMesh) -> MeanCurvature {
 ///
 /// [`OperatorError::DegenerateFace`] for the first face too thin for its
 /// cotangents.
+#[doc(alias = "vertexMeanCurvature")]
 pub fn mean_curvature(mesh: &TriMesh, area: LumpedArea) -> Result<MeanCurvature, OperatorError> {
     on_oriented(mesh, |mesh| {
         check_faces(mesh)?;

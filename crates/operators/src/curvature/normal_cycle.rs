@@ -46,6 +46,7 @@ fairing_parameters::options! {
 /// # Errors
 ///
 /// [`OperatorError::Option`] for a radius that is not positive.
+#[doc(alias("curvature_tria", "curvature_tensor"))]
 pub fn normal_cycle_curvature(
     mesh: &TriMesh,
     options: NormalCycleOptions,

@@ -104,6 +104,7 @@ pub struct IntrinsicFaces {
 /// too weak, zero for instance; [`OperatorError::Option`] if it is negative.
 ///
 /// Source: \[sharp2020\].
+#[doc(alias("intrinsic_delaunay_cotmatrix", "mesh_laplacian", "tufted_laplacian"))]
 pub fn robust_laplacian(
     mesh: &TriMesh,
     options: RobustOptions,

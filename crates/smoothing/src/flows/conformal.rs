@@ -63,6 +63,7 @@ fairing_parameters::options! {
 /// ```
 ///
 /// Source: \[kazhdan2012\].
+#[doc(alias("cmcf", "tria_mean_curvature_flow"))]
 pub fn conformalized_mean_curvature_flow(
     mesh: &TriMesh,
     options: &ConformalizedMcf,

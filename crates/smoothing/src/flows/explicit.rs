@@ -84,6 +84,7 @@ impl Explicit {
 /// ```
 ///
 /// Source: \[taubin1995\], \[desbrun1999\].
+#[doc(alias("explicit_smoothing", "filter_laplacian", "laplacian_smoothing"))]
 pub fn explicit(
     mesh: &TriMesh,
     options: &Explicit,

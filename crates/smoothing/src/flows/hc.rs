@@ -76,6 +76,7 @@ const LARGE_ENOUGH: &str = "so large that no mode grows, as every beta of at lea
 /// ```
 ///
 /// Source: \[vollmer1999\].
+#[doc(alias = "filter_humphrey")]
 pub fn hc(
     mesh: &TriMesh,
     options: &Hc,

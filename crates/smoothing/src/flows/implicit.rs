@@ -97,6 +97,7 @@ impl Implicit {
 /// ```
 ///
 /// Source: \[desbrun1999\].
+#[doc(alias("implicit_fairing", "implicit_smoothing"))]
 pub fn implicit(
     mesh: &TriMesh,
     options: &Implicit,

@@ -83,6 +83,7 @@ impl FairRegion {
 /// ```
 ///
 /// Source: \[botsch2004\].
+#[doc(alias("minimize_area", "minimize_curvature"))]
 pub fn fair_region(mesh: &TriMesh, options: &FairRegion) -> Result<Smoothed, FlowError> {
     let (solved, too_thin) = solve(mesh, options).map_err(|failure| failure.before(mesh))?;
     let approach = Approach::Cholesky { factorisations: 1 };

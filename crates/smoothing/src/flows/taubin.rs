@@ -97,6 +97,7 @@ impl Taubin {
 /// ```
 ///
 /// Source: \[taubin1995\].
+#[doc(alias = "filter_taubin")]
 pub fn taubin(
     mesh: &TriMesh,
     options: &Taubin,
