@@ -68,7 +68,8 @@ impl Convert {
             options.unsupported_fields = UnsupportedFields::Drop;
         }
         if self.triangulate || format.is_some_and(|format| !format.holds().polygons) {
-            return files::write(context, &self.output, &mesh.triangulate(), &fields, &options);
+            let (mesh, fields) = io::triangulate(&mesh, fields);
+            return files::write(context, &self.output, &mesh, &fields, &options);
         }
         let report = io::write_polygons(&self.output, &mesh, &fields, &options);
         files::say_written(context, &self.output, &report.map_err(Failure::output)?);
