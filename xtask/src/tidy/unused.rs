@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::{Context as _, Result};
 
-use super::packages;
+use crate::packages;
 
 /// Finds dependencies that no source file of their package names: `src` counts for dependencies of
 /// the library and the programs; tests, examples, benches and the README, whose example is a doc
