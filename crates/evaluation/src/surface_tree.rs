@@ -2,13 +2,15 @@
 //!
 //! The faces are put in the order of a Hilbert curve and packed four to a
 //! node, level by level, so that a level is an array and a child's place is
-//! four times its parent's: a packed R-tree \[kamel1993\]. Boxes are in single
+//! four times its parent's: a packed R-tree [kamel1993]. Boxes are in single
 //! precision, four tested at once, and only ever exclude faces, with a margin
 //! for all of that rounding; distances to faces are computed from the
 //! positions of the mesh in double precision and do not depend on the tree.
 //!
 //! Crates with general trees were tried: `obvhs`, built for rays, needs five
 //! times as long to build and longer to answer.
+//!
+//! [kamel1993]: https://doi.org/10.1145/170088.170403
 
 use fairing_mesh::TriMesh;
 use glam::{DVec3, Vec4};

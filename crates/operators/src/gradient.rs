@@ -7,7 +7,9 @@
 //! ```
 //!
 //! with eₖ the side opposite corner k, counter-clockwise. With A the diagonal
-//! of face areas, each three times, `S = Gᵀ A G`. Source: \[botsch2010\].
+//! of face areas, each three times, `S = Gᵀ A G`. Source: [botsch2010].
+//!
+//! [botsch2010]: https://doi.org/10.1201/b10688
 
 use fairing_mesh::TriMesh;
 use fairing_sparse::SparseMatrix;
@@ -29,7 +31,9 @@ use crate::error::OperatorError;
 /// [`OperatorError::DegenerateFace`] for the first face too thin;
 /// [`OperatorError::TooLarge`] beyond 2³² entries.
 ///
-/// Source: \[botsch2010\].
+/// Source: [botsch2010].
+///
+/// [botsch2010]: https://doi.org/10.1201/b10688
 #[doc(alias("grad", "gradient_matrix"))]
 pub fn gradient(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
     let hats = hat_gradients(mesh)?;
@@ -62,7 +66,9 @@ pub fn gradient(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
 ///
 /// As [`gradient`].
 ///
-/// Source: \[botsch2010\].
+/// Source: [botsch2010].
+///
+/// [botsch2010]: https://doi.org/10.1201/b10688
 #[doc(alias("compute_divergence", "div", "divergence_matrix"))]
 pub fn divergence(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
     let mut weighted = gradient(mesh)?;

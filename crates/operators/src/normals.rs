@@ -16,13 +16,19 @@ pub enum NormalWeight {
     /// only on average.
     Area,
     /// By its angle at the vertex: does not change when a flat region is
-    /// triangulated differently. Source: \[thurmer1998\].
+    /// triangulated differently. Source: [thurmer1998].
+    ///
+    /// [thurmer1998]: https://doi.org/10.1080/10867651.1998.10487487
     Angle,
     /// By its area over the squared lengths of the two sides at the vertex:
     /// exact where all vertices lie on a sphere, and of second order on smooth
-    /// surfaces. Source: \[max1999\].
+    /// surfaces. Source: [max1999].
+    ///
+    /// [max1999]: https://doi.org/10.1080/10867651.1999.10487501
     Sphere,
-    /// All with the same weight. Source: \[gouraud1971\].
+    /// All with the same weight. Source: [gouraud1971].
+    ///
+    /// [gouraud1971]: https://doi.org/10.1109/T-C.1971.223313
     Uniform,
 }
 

@@ -19,7 +19,9 @@ use crate::flat_face::FlatFace;
 /// at every source. The solution is determined up to a constant on each component, chosen so that
 /// its mean over the sources there is zero; at single sources it differs from zero by some tenths
 /// of an edge length. The error is about an edge length near sources, where distances are too
-/// large, and of first order in h elsewhere. Natural boundaries. Source: \[crane2013\].
+/// large, and of first order in h elsewhere. Natural boundaries. Source: [crane2013].
+///
+/// [crane2013]: https://doi.org/10.1145/2516971.2516977
 #[doc(alias("compute_geodesic_f", "heat_geodesic", "heat_method", "HeatMethodDistanceSolver"))]
 #[derive(Debug)]
 pub struct HeatGeodesics {

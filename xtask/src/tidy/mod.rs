@@ -2,6 +2,7 @@
 
 mod arrows;
 mod circles;
+mod citations;
 mod features;
 mod licences;
 mod lints;
@@ -22,7 +23,7 @@ use anyhow::Result;
 type Check = fn(&Path) -> Result<Vec<String>>;
 
 /// The rules.
-const RULES: [(&str, Check); 19] = [
+const RULES: [(&str, Check); 20] = [
     ("dependencies follow the arrows of docs/architecture.md", arrows::check),
     ("no files of a crate use each other in a circle", circles::check),
     ("what docs/architecture.md names exists", map::places),
@@ -39,6 +40,7 @@ const RULES: [(&str, Check); 19] = [
     ("no ten lines of code stand twice", repeated::check),
     ("no line of a comment is longer than 100 columns", words::columns),
     ("documentation opens with a noun phrase or a verb", words::openings),
+    ("sources in the documentation are links to their addresses", citations::check),
     ("one crate names the solver backend", sources::backend),
     ("the committed report is smaller than 9 MB", report::check),
     ("the README's commands and example exist", readme::check),

@@ -10,7 +10,9 @@
 //! of the face. The forms are turned into the tangent plane of a vertex along
 //! the smallest rotation of the normals, and averaged by the area that each
 //! face gives to the vertex (mixed; a third where a face is too thin for it).
-//! Source: \[rusinkiewicz2004\].
+//! Source: [rusinkiewicz2004].
+//!
+//! [rusinkiewicz2004]: https://doi.org/10.1109/TDPVT.2004.1335277
 
 use std::convert::Infallible;
 
