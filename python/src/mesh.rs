@@ -299,7 +299,10 @@ type FileParts<'py> = (
 );
 
 fn parts(py: Python<'_>, file: MeshFile) -> PyResult<FileParts<'_>> {
-    let MeshFile { mesh, fields, report, .. } = file;
+    let MeshFile { mesh, fields, mut report, .. } = file;
+    if !fields.faces.is_empty() {
+        report.notes.push("fields of faces are left out".to_owned());
+    }
     let scalars = fields.scalars.into_iter().map(|(n, v)| (n, column(py, v))).collect();
     let vectors = fields.vectors.into_iter().map(|(n, v)| Ok((n, rows(py, v)?)));
     let vectors = vectors.collect::<PyResult<_>>()?;

@@ -2,8 +2,10 @@
 
 mod builds;
 mod gate;
+mod packages;
 mod programs;
 mod python;
+mod release;
 mod tasks;
 mod tidy;
 
@@ -13,7 +15,7 @@ use std::process::ExitCode;
 
 use anyhow::{Result, bail};
 use programs::Program;
-use tasks::{TASKS, TEST_HELP, help};
+use tasks::{RELEASE_HELP, TASKS, TEST_HELP, help};
 
 fn main() -> ExitCode {
     match run() {
@@ -53,7 +55,13 @@ fn run() -> Result<ExitCode> {
             true
         }
         ["tidy"] => tidy::run(&root)?,
-        ["wheel"] => python::wheel(&root)?,
+        ["wheel"] => python::wheel(&root)?.map(|_| true).map_err(anyhow::Error::msg)?,
+        ["release", "--dry-run"] => release::run(&root)?,
+        ["release", "--help" | "-h"] => {
+            println!("{RELEASE_HELP}");
+            true
+        }
+        ["release"] => bail!("pass --dry-run: .github/workflows/release.yml uploads, nobody else"),
         ["test"] => gate::run(&root, false)?,
         ["test", "--python"] => gate::run(&root, true)?,
         [name, options @ ..] if is_task(name) => {

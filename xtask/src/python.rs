@@ -126,17 +126,41 @@ fn build(environment: &Environment, root: &Path) -> Result<Option<PathBuf>> {
     Ok(wheels.find(|path| path.extension().is_some_and(|e| e == "whl")))
 }
 
-/// Builds the wheel into `target/wheels`; returns `true` on success.
+/// Builds the wheel into `target/wheels`; returns its path, or the reason for which there is no
+/// maturin.
 ///
 /// # Errors
 ///
-/// A missing Python, or no package index to get maturin from.
-pub(crate) fn wheel(root: &Path) -> Result<bool> {
-    let environment = builder(root)?.map_err(anyhow::Error::msg)?;
-    let Some(wheel) = build(&environment, root)? else { return Ok(false) };
+/// A build that fails.
+pub(crate) fn wheel(root: &Path) -> Result<std::result::Result<PathBuf, String>> {
+    let environment = match builder(root)? {
+        Ok(environment) => environment,
+        Err(reason) => return Ok(Err(reason)),
+    };
+    let wheel = build(&environment, root)?.context("maturin has not built a wheel")?;
     let size = std::fs::metadata(&wheel)?.len();
     println!("{} ({:.1} MB)", wheel.display(), size as f64 / 1e6);
-    Ok(true)
+    Ok(Ok(wheel))
+}
+
+/// Writes the source distribution into `target/sdist`; returns as [`wheel`] does.
+///
+/// # Errors
+///
+/// Sources that maturin cannot pack.
+pub(crate) fn sdist(root: &Path) -> Result<std::result::Result<PathBuf, String>> {
+    let environment = match builder(root)? {
+        Ok(environment) => environment,
+        Err(reason) => return Ok(Err(reason)),
+    };
+    let folder = root.join("target/sdist");
+    let mut maturin = Command::new(environment.program("maturin"));
+    maturin.args(["sdist", "--out"]).arg(&folder).current_dir(root.join("python"));
+    let status = maturin.status().context("running maturin")?;
+    ensure!(status.success(), "maturin has not written a source distribution");
+    let newest = std::fs::read_dir(&folder)?.filter_map(|entry| Some(entry.ok()?.path()));
+    let newest = newest.max_by_key(|path| path.metadata().and_then(|about| about.modified()).ok());
+    Ok(Ok(newest.context("there is no source distribution")?))
 }
 
 /// Puts the package together from its sources and the library that the workspace has built.

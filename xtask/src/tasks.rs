@@ -1,7 +1,7 @@
 //! The tasks and their help.
 
 /// The name and the description of each task.
-pub(crate) const TASKS: [(&str, &str); 8] = [
+pub(crate) const TASKS: [(&str, &str); 9] = [
     ("reproduce", "Run the experiments and write the report"),
     ("report", "Write the pages of a report again, from its results.json"),
     ("data", "Generate the meshes of data/, or check them"),
@@ -14,6 +14,10 @@ pub(crate) const TASKS: [(&str, &str); 8] = [
     (
         "wheel",
         "Build the wheel of the Python package into target/wheels, with maturin from the package index",
+    ),
+    (
+        "release",
+        "Walk through a release with --dry-run: versions, packages, a build from them alone, wheel",
     ),
     (
         "test",
@@ -33,6 +37,19 @@ Usage: cargo xtask test [--python]
 Options:
       --python  Also build the wheel, install it, and run what is slow: data sets on a cluster, notebooks, type checkers
   -h, --help    Print help";
+
+/// Help of the task `release`.
+pub(crate) const RELEASE_HELP: &str = "\
+Walk through a release, short of the upload: clean tree, versions, changelog, metadata, tidy, packages of all crates, a build
+of examples and program from these packages alone in an empty project, source distribution and wheel
+
+Each step prints ok, or an error; a wheel needs maturin, which pip fetches.
+
+Usage: cargo xtask release --dry-run
+
+Options:
+      --dry-run  Required: the workflow of the repository uploads
+  -h, --help     Print help";
 
 /// The tasks, a line each.
 pub(crate) fn help() -> String {

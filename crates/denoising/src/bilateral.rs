@@ -43,7 +43,9 @@ fairing_parameters::options! {
 ///
 /// [`DenoiseError::Option`] for a scale that is not positive.
 ///
-/// Source: \[fleishman2003\].
+/// Source: [fleishman2003].
+///
+/// [fleishman2003]: https://doi.org/10.1145/882262.882368
 pub fn bilateral(mesh: &TriMesh, options: &BilateralOptions) -> Result<TriMesh, DenoiseError> {
     on_oriented(mesh, |mesh| filter(mesh, options))
 }

@@ -49,7 +49,9 @@ fairing_parameters::options! {
 ///
 /// [`DenoiseError::Option`] for a scale that is not positive.
 ///
-/// Source: \[zheng2011\], the local iterative scheme.
+/// Source: [zheng2011], the local iterative scheme.
+///
+/// [zheng2011]: https://doi.org/10.1109/TVCG.2010.264
 pub fn bilateral_normal(
     mesh: &TriMesh,
     options: &BilateralNormalOptions,
@@ -113,7 +115,9 @@ fairing_parameters::options! {
 /// [`DenoiseError::Option`] for a parameter outside its range;
 /// [`DenoiseError::NotSolved`] if conjugate gradients stall.
 ///
-/// Source: \[zheng2011\], the global scheme.
+/// Source: [zheng2011], the global scheme.
+///
+/// [zheng2011]: https://doi.org/10.1109/TVCG.2010.264
 pub fn bilateral_normal_global(
     mesh: &TriMesh,
     options: &BilateralNormalGlobalOptions,

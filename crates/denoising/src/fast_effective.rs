@@ -39,7 +39,9 @@ fairing_parameters::options! {
 ///
 /// [`DenoiseError::Option`] for a threshold outside `[−1, 1)`.
 ///
-/// Source: \[sun2007\].
+/// Source: [sun2007].
+///
+/// [sun2007]: https://doi.org/10.1109/TVCG.2007.1065
 pub fn fast_effective(
     mesh: &TriMesh,
     options: &FastEffectiveOptions,

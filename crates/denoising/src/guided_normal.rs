@@ -57,7 +57,9 @@ fairing_parameters::options! {
 ///
 /// [`DenoiseError::Option`] for a length or scale that is not positive.
 ///
-/// Source: \[zhang2015\].
+/// Source: [zhang2015].
+///
+/// [zhang2015]: https://doi.org/10.1111/cgf.12742
 pub fn guided_normal(
     mesh: &TriMesh,
     options: &GuidedNormalOptions,

@@ -1,23 +1,12 @@
-//! Denoisers for triangle meshes: they remove noise and keep creases, where flows remove both.
+#![doc = include_str!("../README.md")]
+//!
+//! # Overview
 //!
 //! [`automatic`] has no parameters. The others are published methods, each one function with one
 //! options struct; [`Denoiser`] has them all by name. All keep the faces and the order of vertices.
 //! Faces that turn against the rest of their part count as turned over
 //! ([`TriMesh::oriented`](fairing_mesh::TriMesh::oriented)); the result has the faces of the input.
 //! A mesh whose faces do not share their corners is refused.
-//!
-//! ```
-//! use fairing_denoising::{AutomaticOptions, Denoiser, automatic};
-//!
-//! let shape = fairing_shapes::icosphere(3);
-//! let noisy = fairing_shapes::jittered(&shape, 0.1, 7, |p| p);
-//! let denoised = automatic(&noisy, &AutomaticOptions::default())?;
-//! assert_eq!(denoised.mesh.faces(), noisy.faces());
-//!
-//! let method: Denoiser = "guided-normal".parse()?;
-//! assert_eq!(method.denoise(&noisy)?.vertex_count(), noisy.vertex_count());
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 

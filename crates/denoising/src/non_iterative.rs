@@ -43,7 +43,9 @@ fairing_parameters::options! {
 ///
 /// [`DenoiseError::Option`] for a scale that is not positive.
 ///
-/// Source: \[jones2003\].
+/// Source: [jones2003].
+///
+/// [jones2003]: https://doi.org/10.1145/1201775.882367
 pub fn non_iterative(
     mesh: &TriMesh,
     options: &NonIterativeOptions,

@@ -72,7 +72,9 @@ fairing_parameters::options! {
 /// [`DenoiseError::Option`] for a weight or ratio that is not positive;
 /// [`DenoiseError::NotSolved`] if conjugate gradients stall.
 ///
-/// Source: \[liu2021\].
+/// Source: [liu2021].
+///
+/// [liu2021]: https://doi.org/10.1109/TVCG.2021.3088118
 pub fn total_generalised_variation(
     mesh: &TriMesh,
     options: &TotalGeneralisedVariationOptions,

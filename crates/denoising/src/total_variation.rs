@@ -58,7 +58,9 @@ fairing_parameters::options! {
 /// [`DenoiseError::Option`] for a weight that is not positive;
 /// [`DenoiseError::NotSolved`] if conjugate gradients stall.
 ///
-/// Source: \[zhang2015variational\].
+/// Source: [zhang2015variational].
+///
+/// [zhang2015variational]: https://doi.org/10.1109/TVCG.2015.2398432
 pub fn total_variation(
     mesh: &TriMesh,
     options: &TotalVariationOptions,

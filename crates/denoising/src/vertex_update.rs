@@ -50,7 +50,9 @@ impl Default for VertexUpdate {
 /// limit is not positive; [`DenoiseError::Build`] if a normal is not
 /// finite.
 ///
-/// Source: \[sun2007\].
+/// Source: [sun2007].
+///
+/// [sun2007]: https://doi.org/10.1109/TVCG.2007.1065
 pub fn update_vertices(
     mesh: &TriMesh,
     normals: &[[f64; 3]],

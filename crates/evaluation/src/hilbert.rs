@@ -5,7 +5,9 @@
 const BITS: u32 = 12;
 
 /// The place of a point of [−1, 1]³ along the Hilbert curve; points outside
-/// count as on the border. Source: \[skilling2004\].
+/// count as on the border. Source: [skilling2004].
+///
+/// [skilling2004]: https://doi.org/10.1063/1.1751381
 pub(crate) fn hilbert(q: [f32; 3]) -> u64 {
     let cells = (1u32 << BITS) as f32;
     // A cast from floating point saturates.

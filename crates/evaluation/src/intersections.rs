@@ -21,10 +21,13 @@ const ALL_DIRECTIONS: [DVec3; 3] = [DVec3::NEG_ONE, DVec3::ONE, DVec3::ONE];
 /// and the side does not share a corner with it. Faces that only touch, or
 /// overlap in one plane, do not count; nor do two faces with a common edge,
 /// whose planes meet in it. Decided exactly, by Shewchuk's adaptive
-/// predicates \[shewchuk1997\]. The number does not change when the mesh is
+/// predicates [shewchuk1997]. The number does not change when the mesh is
 /// scaled by a power of two, nor when its vertices are renumbered. F log F for
 /// F faces and few crossings, whatever the number of faces at a vertex, unless
 /// the boxes of faces without a common vertex overlap in many pairs.
+///
+/// [shewchuk1997]: https://doi.org/10.1007/PL00009321
+#[doc(alias = "does_self_intersect")]
 pub fn self_intersections(mesh: &TriMesh) -> usize {
     // Without faces there is nothing to cross.
     let Some(frame) = Frame::new(mesh).filter(|_| mesh.face_count() > 0) else { return 0 };

@@ -1,20 +1,10 @@
-//! Noise models, scans, distances, drift and scores for triangle meshes.
+#![doc = include_str!("../README.md")]
 //!
-//! Noise is seeded, and its type names its unit. Distances are between surfaces,
-//! in double precision. Scores that compare element by element need meshes with
-//! the same faces, and return an error otherwise.
+//! # Overview
 //!
-//! ```
-//! use fairing_evaluation::{NoiseKind, NoiseLevel, ScoreOptions, Scores, add_noise};
-//!
-//! let sphere = fairing_shapes::icosphere(3);
-//! let level = NoiseLevel::EdgeLengths(0.1);
-//! let noisy = add_noise(&sphere, NoiseKind::GaussianAlongNormals, level, 1)?;
-//! let scores = Scores::new(&noisy, &sphere, &ScoreOptions::default())?;
-//! assert!(scores.hausdorff.upper > 0.0);
-//! assert!(scores.normals?.mean > 1.0);
-//! # Ok::<(), fairing_evaluation::EvaluationError>(())
-//! ```
+//! Noise is seeded, and its type names its unit. Distances are between surfaces, in double
+//! precision. Scores that compare element by element need meshes with the same faces, and return an
+//! error otherwise.
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 

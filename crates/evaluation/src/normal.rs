@@ -36,7 +36,9 @@ static LAYERS: LazyLock<Layers> = LazyLock::new(|| {
 /// `rand_distr::StandardNormal` from the same generator, up to rounding. Those
 /// depend on the exp and log of the C library, and so on the processor.
 ///
-/// Source: \[marsaglia2000\], in the layout of `rand_distr`.
+/// Source: [marsaglia2000], in the layout of `rand_distr`.
+///
+/// [marsaglia2000]: https://doi.org/10.18637/jss.v005.i08
 pub(crate) fn standard_normal(rng: &mut ChaCha8Rng) -> f64 {
     let Layers { ends, densities } = &*LAYERS;
     loop {

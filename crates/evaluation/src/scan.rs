@@ -193,7 +193,9 @@ impl Camera {
     }
 
     /// Returns true if the surface turns around the camera at least half: its solid angle, as
-    /// the sum over faces. Source: \[vanoosterom1983\].
+    /// the sum over faces. Source: [vanoosterom1983].
+    ///
+    /// [vanoosterom1983]: https://doi.org/10.1109/TBME.1983.325207
     fn is_inside(&self, mesh: &TriMesh) -> bool {
         let oriented = mesh.oriented();
         let angles = (0..oriented.face_count()).map(|f| {

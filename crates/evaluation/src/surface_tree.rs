@@ -2,13 +2,15 @@
 //!
 //! The faces are put in the order of a Hilbert curve and packed four to a
 //! node, level by level, so that a level is an array and a child's place is
-//! four times its parent's: a packed R-tree \[kamel1993\]. Boxes are in single
+//! four times its parent's: a packed R-tree [kamel1993]. Boxes are in single
 //! precision, four tested at once, and only ever exclude faces, with a margin
 //! for all of that rounding; distances to faces are computed from the
 //! positions of the mesh in double precision and do not depend on the tree.
 //!
 //! Crates with general trees were tried: `obvhs`, built for rays, needs five
 //! times as long to build and longer to answer.
+//!
+//! [kamel1993]: https://doi.org/10.1145/170088.170403
 
 use fairing_mesh::TriMesh;
 use glam::{DVec3, Vec4};
@@ -39,6 +41,7 @@ pub struct Closest {
 }
 
 /// A hierarchy of boxes around the faces of a mesh, for closest-point queries.
+#[doc(alias("aabb_tree", "bvh"))]
 #[derive(Debug)]
 pub struct SurfaceTree {
     /// From the faces up to the root: quad `i` of level 0 holds the boxes of
@@ -190,6 +193,7 @@ impl SurfaceTree {
     }
 
     /// The closest point of the surface.
+    #[doc(alias("closest_point", "point_mesh_squared_distance"))]
     pub fn closest(&self, p: [f64; 3]) -> Closest {
         let p = DVec3::from(p);
         let (slot, d2) = self.search(p, 0, &mut vec![]);

@@ -10,7 +10,9 @@ const THIN: f64 = 1e-3;
 /// The point of triangle `abc` closest to `p`, by the region of the plane that
 /// `p` is over: a corner, a side or the inside. Off by a few roundings of the
 /// longest side and of the distance, whatever the shape of the triangle. Source:
-/// \[ericson2004\], section 5.1.5.
+/// [ericson2004], section 5.1.5.
+///
+/// [ericson2004]: https://doi.org/10.1201/b14581
 #[inline]
 pub(crate) fn closest_point(p: DVec3, [a, b, c]: [DVec3; 3]) -> DVec3 {
     let (ab, ac, ap) = (b - a, c - a, p - a);

@@ -2,16 +2,16 @@
 //!
 //! `cargo run --example convert_in_memory < bunny.obj > bunny.stl`
 
-use std::error::Error;
 use std::io::{Read, Write};
 
+use anyhow::Result;
 use fairing::mesh::io::{self, Format, ReadOptions, WriteOptions};
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> Result<()> {
     run(std::io::stdin().lock(), std::io::stdout().lock())
 }
 
-pub(crate) fn run(obj: impl Read, stl: impl Write) -> Result<(), Box<dyn Error>> {
+pub(crate) fn run(obj: impl Read, stl: impl Write) -> Result<()> {
     let file = io::read_from(obj, Some(Format::Obj), &ReadOptions::default())?;
     let options = WriteOptions::default().dropping_fields();
     let report = io::write_to(stl, Format::Stl, &file.mesh, &file.fields, &options)?;

@@ -2,14 +2,13 @@
 //!
 //! `cargo run --example heat_distance -- bunny.ply 0`
 
-use std::error::Error;
-
+use anyhow::{Result, bail};
 use fairing::mesh::io;
 use fairing::spectral::HeatGeodesics;
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [path, source] = &arguments[..] else { return Err("a mesh and a vertex".into()) };
+    let [path, source] = &arguments[..] else { bail!("expected a mesh and a vertex") };
     for (vertex, distance) in run(path, source.parse()?)?.iter().enumerate() {
         match distance {
             Some(distance) => println!("{vertex} {distance}"),
@@ -19,7 +18,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-pub(crate) fn run(path: &str, source: u32) -> Result<Vec<Option<f64>>, Box<dyn Error>> {
+pub(crate) fn run(path: &str, source: u32) -> Result<Vec<Option<f64>>> {
     let mesh = io::read(path)?.mesh;
     // Factorised once, for any number of sources.
     Ok(HeatGeodesics::new(&mesh)?.distance(&[source])?)

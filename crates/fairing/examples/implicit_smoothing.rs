@@ -2,18 +2,17 @@
 //!
 //! `cargo run --example implicit_smoothing -- scan.ply smooth.ply`
 
-use std::error::Error;
-
+use anyhow::{Result, bail};
 use fairing::mesh::io;
 use fairing::smoothing::{Boundary, Constraints, Diffusion, Implicit, implicit};
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [input, output] = &arguments[..] else { return Err("two files".into()) };
+    let [input, output] = &arguments[..] else { bail!("expected an input and an output") };
     run(input, output)
 }
 
-pub(crate) fn run(input: &str, output: &str) -> Result<(), Box<dyn Error>> {
+pub(crate) fn run(input: &str, output: &str) -> Result<()> {
     let mesh = io::read(input)?.mesh;
     // Five squared mean edge lengths a step.
     let options = Implicit {

@@ -2,11 +2,10 @@
 //!
 //! `cargo run --example mesh_from_arrays`
 
-use std::error::Error;
-
+use anyhow::Result;
 use fairing::mesh::{Diagnosis, TriMesh};
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> Result<()> {
     let positions = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
     let faces = [0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3];
     let mesh = run(&positions, &faces)?;
@@ -14,7 +13,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-pub(crate) fn run(positions: &[f64], faces: &[u32]) -> Result<TriMesh, Box<dyn Error>> {
+pub(crate) fn run(positions: &[f64], faces: &[u32]) -> Result<TriMesh> {
     // `TriMesh::from_indexed` takes other types of numbers, `TriMesh::new` vectors without a copy.
     let mesh = TriMesh::from_flat(positions, faces)?;
     // The same arrays without a copy.

@@ -2,18 +2,18 @@
 //!
 //! `cargo run --example picture -- bunny.ply > bunny.png`
 
-use std::error::Error;
 use std::io::Write;
 
+use anyhow::{Context as _, Result};
 use fairing::figure::{Camera, Colors, Occlusion, RenderOptions, Up, Viewpoint, render};
 use fairing::mesh::io;
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let path = std::env::args().nth(1).ok_or("which mesh?")?;
+fn main() -> Result<()> {
+    let path = std::env::args().nth(1).context("missing mesh file")?;
     Ok(std::io::stdout().write_all(&run(&path, 800, 600)?)?)
 }
 
-pub(crate) fn run(path: &str, width: u32, height: u32) -> Result<Vec<u8>, Box<dyn Error>> {
+pub(crate) fn run(path: &str, width: u32, height: u32) -> Result<Vec<u8>> {
     let mesh = io::read(path)?.mesh;
     let options = RenderOptions { width, height, ..RenderOptions::default() };
     let camera = Camera::fit(&[&mesh], Viewpoint::default(), Up::default(), options.aspect())?;

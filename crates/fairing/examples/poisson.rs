@@ -2,22 +2,21 @@
 //!
 //! `cargo run --example poisson -- patch.ply`
 
-use std::error::Error;
-
+use anyhow::{Context as _, Result};
 use fairing::mesh::io;
 use fairing::operators::{Laplacian, MassMatrix};
 use fairing::sparse::multiply;
 use fairing::spectral::Poisson;
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let path = std::env::args().nth(1).ok_or("which mesh?")?;
+fn main() -> Result<()> {
+    let path = std::env::args().nth(1).context("missing mesh file")?;
     let (solution, energy) = run(&path)?;
     let largest = solution.iter().fold(0.0, |m: f64, u| m.max(*u));
     println!("largest value {largest}, energy {energy}");
     Ok(())
 }
 
-pub(crate) fn run(path: &str) -> Result<(Vec<f64>, f64), Box<dyn Error>> {
+pub(crate) fn run(path: &str) -> Result<(Vec<f64>, f64)> {
     let mesh = io::read(path)?.mesh;
     let laplacian = Laplacian::auto(&mesh)?;
     let boundary: Vec<u32> = (0..mesh.vertex_count() as u32)

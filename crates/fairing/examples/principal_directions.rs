@@ -2,18 +2,17 @@
 //!
 //! `cargo run --example principal_directions -- bunny.ply curved.ply`
 
-use std::error::Error;
-
+use anyhow::{Result, bail};
 use fairing::mesh::io::{self, VertexFields};
 use fairing::operators::curvature::Estimator;
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [input, output] = &arguments[..] else { return Err("two files".into()) };
+    let [input, output] = &arguments[..] else { bail!("expected an input and an output") };
     run(input, output)
 }
 
-pub(crate) fn run(input: &str, output: &str) -> Result<(), Box<dyn Error>> {
+pub(crate) fn run(input: &str, output: &str) -> Result<()> {
     let mesh = io::read(input)?.mesh;
     let field = Estimator::RECOMMENDED.estimate(&mesh)?;
     let mut fields = VertexFields::default()

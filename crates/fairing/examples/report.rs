@@ -2,8 +2,7 @@
 //!
 //! `cargo run --example report`
 
-use std::error::Error;
-
+use anyhow::{Context as _, Result};
 use fairing::denoising::Denoiser;
 use fairing::evaluation::{NoiseKind, NoiseLevel, add_noise, normal_error};
 use fairing::mesh::TriMesh;
@@ -17,9 +16,7 @@ use fairing::shapes;
 use fairing::smoothing::{Diffusion, Explicit, Implicit, Taubin, explicit, implicit, taubin};
 use fairing::spectral::{SpectrumOptions, reconstruct, spectrum};
 
-type Answer<T> = Result<T, Box<dyn Error>>;
-
-fn main() -> Answer<()> {
+fn main() -> Result<()> {
     for (section, number) in run(&shapes::bumpy_sphere(3, 0.1, 3.0))? {
         println!("{section}: {number}");
     }
@@ -27,7 +24,7 @@ fn main() -> Answer<()> {
 }
 
 /// A number of each section.
-pub(crate) fn run(mesh: &TriMesh) -> Answer<Vec<(&'static str, f64)>> {
+pub(crate) fn run(mesh: &TriMesh) -> Result<Vec<(&'static str, f64)>> {
     Ok(vec![
         ("q1", uniform(mesh)?),
         ("q2", ellipsoid()?),
@@ -43,7 +40,7 @@ pub(crate) fn run(mesh: &TriMesh) -> Answer<Vec<(&'static str, f64)>> {
     ])
 }
 
-fn uniform(mesh: &TriMesh) -> Answer<f64> {
+fn uniform(mesh: &TriMesh) -> Result<f64> {
     // [q1]
     let mean = umbrella_mean_curvature(mesh); // ‖Δx‖/2, a length
     let scaled = scaled_umbrella_mean_curvature(mesh); // 1/length, with sign
@@ -52,16 +49,16 @@ fn uniform(mesh: &TriMesh) -> Answer<f64> {
     Ok(mean.norms()[0] + scaled.signed[0] + gaussian.values[0])
 }
 
-fn ellipsoid() -> Answer<f64> {
+fn ellipsoid() -> Result<f64> {
     // [q2]
     let surface = Ellipsoid { a: 2.0, b: 1.0, c: 0.7 };
     let forms = surface.forms(0.0, std::f64::consts::FRAC_PI_2)?; // at (a, 0, 0)
     let along_y = forms.normal_curvature([1.0, 0.0]); // du runs along y: a/b²
     // [end]
-    along_y.ok_or_else(|| "no direction".into())
+    along_y.context("no direction")
 }
 
-fn cotangent(mesh: &TriMesh) -> Answer<f64> {
+fn cotangent(mesh: &TriMesh) -> Result<f64> {
     // [q3]
     let area = LumpedArea::Mixed; // Voronoi where no angle is obtuse
     let mean = mean_curvature(mesh, area)?;
@@ -70,7 +67,7 @@ fn cotangent(mesh: &TriMesh) -> Answer<f64> {
     Ok(h[0] + vector[0][0])
 }
 
-fn noise(mesh: &TriMesh) -> Answer<f64> {
+fn noise(mesh: &TriMesh) -> Result<f64> {
     // [noise]
     let level = NoiseLevel::EdgeLengths(0.1); // σ in mean edge lengths
     let noisy = add_noise(mesh, NoiseKind::GaussianPerAxis, level, 2021)?;
@@ -79,7 +76,7 @@ fn noise(mesh: &TriMesh) -> Answer<f64> {
     Ok(mean.signed[0] + gaussian.values[0])
 }
 
-fn jets(mesh: &TriMesh) -> Answer<f64> {
+fn jets(mesh: &TriMesh) -> Result<f64> {
     // [estimators]
     let field = Estimator::RECOMMENDED.estimate(mesh)?; // cubic jets over three rings
     let (mean, gaussian) = (&field.mean, &field.gaussian);
@@ -88,7 +85,7 @@ fn jets(mesh: &TriMesh) -> Answer<f64> {
     Ok(mean[0] + gaussian[0] + first[0] + second[0])
 }
 
-fn modes(mesh: &TriMesh) -> Answer<f64> {
+fn modes(mesh: &TriMesh) -> Result<f64> {
     // [q4]
     let laplacian = Laplacian::cotangent(mesh)?; // S and M
     let modes = spectrum(&laplacian, 50, &SpectrumOptions::default())?;
@@ -97,7 +94,7 @@ fn modes(mesh: &TriMesh) -> Answer<f64> {
     Ok(normal_error(&rebuilt, mesh)?.mean)
 }
 
-fn steps(mesh: &TriMesh) -> Answer<f64> {
+fn steps(mesh: &TriMesh) -> Result<f64> {
     // [q5]
     let flow = Diffusion::uniform(0.05); // λ
     let options = Explicit { iterations: 50, ..Explicit::new(flow) };
@@ -106,7 +103,7 @@ fn steps(mesh: &TriMesh) -> Answer<f64> {
     Ok(normal_error(&smooth, mesh)?.mean)
 }
 
-fn long_steps(mesh: &TriMesh) -> Answer<f64> {
+fn long_steps(mesh: &TriMesh) -> Result<f64> {
     // [q6]
     let flow = Diffusion::uniform(5.0); // no step is too long
     let options = Implicit { iterations: 10, ..Implicit::new(flow) };
@@ -115,7 +112,7 @@ fn long_steps(mesh: &TriMesh) -> Answer<f64> {
     Ok(normal_error(&smooth, mesh)?.mean)
 }
 
-fn volume(mesh: &TriMesh) -> Answer<f64> {
+fn volume(mesh: &TriMesh) -> Result<f64> {
     // [flows]
     let options = Implicit::new(Diffusion::cotangent(1.0)); // squared mean edge lengths
     let shrunk = implicit(mesh, &options, None)?.mesh;
@@ -124,7 +121,7 @@ fn volume(mesh: &TriMesh) -> Answer<f64> {
     Ok(normal_error(&shrunk, &kept)?.mean)
 }
 
-fn restored(mesh: &TriMesh) -> Answer<f64> {
+fn restored(mesh: &TriMesh) -> Result<f64> {
     let noisy = mesh;
     // [q7]
     let flow = Explicit { iterations: 10, ..Explicit::new(Diffusion::uniform(0.5)) };
@@ -134,7 +131,7 @@ fn restored(mesh: &TriMesh) -> Answer<f64> {
     Ok(error)
 }
 
-fn compared(mesh: &TriMesh) -> Answer<f64> {
+fn compared(mesh: &TriMesh) -> Result<f64> {
     let (noisy, truth) = (mesh, mesh);
     let mut least = f64::INFINITY;
     // [denoisers]

@@ -3,19 +3,18 @@
 //!
 //! `cargo run --example signature -- bunny.ply modes.npz signature.ply`
 
-use std::error::Error;
-
+use anyhow::{Result, bail};
 use fairing::mesh::io::{self, VertexFields};
 use fairing::operators::Laplacian;
 use fairing::spectral::{SpectrumOptions, heat_kernel_signature, heat_kernel_times, spectrum};
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [mesh, modes, signature] = &arguments[..] else { return Err("three files".into()) };
+    let [mesh, modes, signature] = &arguments[..] else { bail!("expected a mesh and two outputs") };
     run(mesh, modes, signature)
 }
 
-pub(crate) fn run(mesh: &str, modes: &str, signature: &str) -> Result<(), Box<dyn Error>> {
+pub(crate) fn run(mesh: &str, modes: &str, signature: &str) -> Result<()> {
     let mesh = io::read(mesh)?.mesh;
     let spectrum = spectrum(&Laplacian::auto(&mesh)?, 50, &SpectrumOptions::default())?;
     // In Python: numpy.load("modes.npz")["modes"]

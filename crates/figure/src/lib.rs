@@ -1,21 +1,10 @@
-//! Pictures of triangle meshes: rasteriser, colour maps, plots, composed figures.
+#![doc = include_str!("../README.md")]
 //!
-//! [`render`] draws a mesh in software: perspective, supersampled, shaded in
-//! linear light with baked [`Occlusion`]. Pictures are values: nothing here
-//! writes files, and nothing depends on the number of threads.
+//! # Overview
 //!
-//! ```
-//! use fairing_figure::{Camera, Colors, Occlusion, RenderOptions, Up, Viewpoint, render};
-//! use fairing_mesh::TriMesh;
-//!
-//! let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-//! let mesh = TriMesh::new(corners, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])?;
-//! let options = RenderOptions { width: 120, height: 90, ..RenderOptions::default() };
-//! let camera = Camera::fit(&[&mesh], Viewpoint::ThreeQuarter, Up::Z, options.aspect())?;
-//! let picture = render(&mesh, Colors::CLAY, Some(&Occlusion::bake(&mesh)), &camera, &options)?;
-//! assert!(picture.to_png()?.starts_with(b"\x89PNG"));
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
+//! [`render`] draws a mesh in software: perspective, supersampled, shaded in linear light with
+//! baked [`Occlusion`]. Pictures are values: nothing here writes files, and nothing depends on the
+//! number of threads.
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 

@@ -18,7 +18,9 @@ pub enum ColorMap {
     /// A rainbow with even steps, for reading off values, not for print.
     Turbo,
     /// Blue over light grey to red, for signed fields with zero in the middle.
-    /// Its lightness stays high, so that shading shows. Source: \[moreland2009\].
+    /// Its lightness stays high, so that shading shows. Source: [moreland2009].
+    ///
+    /// [moreland2009]: https://doi.org/10.1007/978-3-642-10520-3_9
     CoolWarm,
     /// The hues of HSV at full saturation from blue (low) over green to red
     /// (high): the map of the assignment. Neither uniform nor safe for

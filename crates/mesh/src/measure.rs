@@ -11,6 +11,7 @@ const CHUNK: usize = 4096;
 
 impl TriMesh {
     /// The area of the surface, `Σ |A_f|`, in squared mesh units.
+    #[doc(alias = "surface_area")]
     pub fn area(&self) -> f64 {
         self.sum_over_faces(|f| self.face_area(f))
     }
@@ -26,6 +27,7 @@ impl TriMesh {
     /// [oriented](Self::oriented); the volume is positive if they turn
     /// counter-clockwise seen from outside. Meaningful only for a closed surface
     /// without [one-sided](Self::one_sided_faces) parts: otherwise it depends on `o`.
+    #[doc(alias = "volume")]
     pub fn signed_volume(&self) -> f64 {
         let Some(corners) = self.bounding_box() else { return 0.0 };
         let [lo, hi] = corners.map(DVec3::from);

@@ -25,6 +25,7 @@ impl TriMesh {
     /// assert_eq!(mesh.oriented().faces(), [[0, 1, 2], [1, 3, 2]]);
     /// # Ok::<(), fairing_mesh::BuildError>(())
     /// ```
+    #[doc(alias("bfs_orient", "fix_winding"))]
     pub fn oriented(&self) -> Cow<'_, Self> {
         match self.flips() {
             None => Cow::Borrowed(self),

@@ -8,7 +8,7 @@ use crate::build::{BuildError, check_positions};
 
 pub(crate) use list::repeats_a_corner;
 #[cfg(feature = "io")]
-pub(crate) use list::{Distinct, Polygons};
+pub(crate) use list::{Distinct, Polygons, first_mentions};
 
 /// A mesh whose faces have three corners or more, always valid: indices are in
 /// range, coordinates are finite, and no face repeats a corner.

@@ -14,6 +14,7 @@ use crate::{BuildError, Topology};
 /// # Errors
 ///
 /// [`BuildError::TooLarge`] if the new corners outnumber `u32`.
+#[doc(alias = "upsample")]
 pub fn subdivide_midpoint(mesh: &TriMesh) -> Result<TriMesh, BuildError> {
     let x = mesh.positions();
     let mut positions = x.to_vec();
@@ -35,11 +36,15 @@ pub fn subdivide_midpoint(mesh: &TriMesh) -> Result<TriMesh, BuildError> {
 /// Edges with one face or more than two are creases: new vertices are their
 /// midpoints, old vertices take the weights ⅛, ¾, ⅛ along the crease, and a vertex
 /// where other than two creases meet stays. Numbering as in [`subdivide_midpoint`].
-/// Source: \[loop1987\], boundary rules of \[hoppe1994\].
+/// Source: [loop1987], boundary rules of [hoppe1994].
 ///
 /// # Errors
 ///
 /// [`BuildError::TooLarge`] if the new corners outnumber `u32`.
+///
+/// [loop1987]: https://www.microsoft.com/en-us/research/wp-content/uploads/2016/02/thesis-10.pdf
+/// [hoppe1994]: https://doi.org/10.1145/192161.192233
+#[doc(alias("loop", "loop_subdivision"))]
 pub fn subdivide_loop(mesh: &TriMesh) -> Result<TriMesh, BuildError> {
     let x = mesh.positions();
     let topology = mesh.topology();

@@ -210,6 +210,7 @@ impl TriMesh {
     /// # Panics
     ///
     /// If there is no face `f`.
+    #[doc(alias = "doublearea")]
     #[inline]
     pub fn face_area(&self, f: usize) -> f64 {
         DVec3::from(self.area_vector(f)).length()
@@ -217,6 +218,7 @@ impl TriMesh {
 
     /// The mean length of the sides of the faces, in mesh units: an edge counts once for each of
     /// its faces. Zero without faces.
+    #[doc(alias = "avg_edge_length")]
     pub fn mean_edge_length(&self) -> f64 {
         if self.face_count() == 0 {
             return 0.0;
@@ -232,6 +234,7 @@ impl TriMesh {
 
     /// The smallest axis-aligned box around the vertices, as its lowest and
     /// highest corner; `None` without vertices.
+    #[doc(alias("aabb", "bounds"))]
     pub fn bounding_box(&self) -> Option<[[f64; 3]; 2]> {
         let first = *self.positions.first()?;
         Some(self.positions.iter().fold([first, first], |[lo, hi], p| {

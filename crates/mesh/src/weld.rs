@@ -76,6 +76,7 @@ impl TriMesh {
     /// assert_eq!(welded.vertices, [0, 1, 2, 1, 3, 2]);
     /// # Ok::<(), fairing_mesh::BuildError>(())
     /// ```
+    #[doc(alias("merge_vertices", "remove_duplicate_vertices"))]
     pub fn welded(&self) -> Welded {
         let mut welder = Welder::with_capacity(self.vertex_count());
         // There are no more vertices than before, so `u32` can number them.

@@ -12,11 +12,15 @@ pub enum LumpedArea {
     Barycentric,
     /// The part nearest to each corner, `⅛ (b² cot β + c² cot γ)` for the
     /// sides b, c that meet in the corner. The best for pointwise values;
-    /// **may be negative** at obtuse angles. Source: \[meyer2003\].
+    /// **may be negative** at obtuse angles. Source: [meyer2003].
+    ///
+    /// [meyer2003]: https://doi.org/10.1007/978-3-662-05105-4_2
     Voronoi,
     /// Voronoi where no angle is obtuse; else half of the area for the obtuse
     /// corner and a quarter for each of the others. Never negative.
-    /// Source: \[meyer2003\].
+    /// Source: [meyer2003].
+    ///
+    /// [meyer2003]: https://doi.org/10.1007/978-3-662-05105-4_2
     Mixed,
 }
 

@@ -7,7 +7,9 @@
 //! ```
 //!
 //! with eₖ the side opposite corner k, counter-clockwise. With A the diagonal
-//! of face areas, each three times, `S = Gᵀ A G`. Source: \[botsch2010\].
+//! of face areas, each three times, `S = Gᵀ A G`. Source: [botsch2010].
+//!
+//! [botsch2010]: https://doi.org/10.1201/b10688
 
 use fairing_mesh::TriMesh;
 use fairing_sparse::SparseMatrix;
@@ -29,7 +31,10 @@ use crate::error::OperatorError;
 /// [`OperatorError::DegenerateFace`] for the first face too thin;
 /// [`OperatorError::TooLarge`] beyond 2³² entries.
 ///
-/// Source: \[botsch2010\].
+/// Source: [botsch2010].
+///
+/// [botsch2010]: https://doi.org/10.1201/b10688
+#[doc(alias("grad", "gradient_matrix"))]
 pub fn gradient(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
     let hats = hat_gradients(mesh)?;
     let entries = 9 * mesh.face_count();
@@ -61,7 +66,10 @@ pub fn gradient(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
 ///
 /// As [`gradient`].
 ///
-/// Source: \[botsch2010\].
+/// Source: [botsch2010].
+///
+/// [botsch2010]: https://doi.org/10.1201/b10688
+#[doc(alias("compute_divergence", "div", "divergence_matrix"))]
 pub fn divergence(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
     let mut weighted = gradient(mesh)?;
     for (row, values) in weighted.data_mut().chunks_exact_mut(3).enumerate() {
@@ -83,6 +91,7 @@ pub fn divergence(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
 /// # Panics
 ///
 /// If there is not one value per vertex.
+#[doc(alias = "compute_gradient")]
 pub fn face_gradients(mesh: &TriMesh, values: &[f64]) -> Result<Vec<[f64; 3]>, OperatorError> {
     assert_eq!(values.len(), mesh.vertex_count(), "one value per vertex");
     let hats = hat_gradients(mesh)?;

@@ -1,14 +1,15 @@
-//! Discrete differential operators and curvature of triangle meshes.
+#![doc = include_str!("../README.md")]
 //!
-//! [`Laplacian`] is the stiffness and the mass of one mesh, of a
-//! [`LaplacianKind`] and a [`MassKind`], or chosen by the mesh
-//! ([`Laplacian::auto`]); the free functions that it is made of are public too.
+//! # Overview
 //!
-//! Matrices are sparse rows in the vertex order of the mesh. The stiffness `S`
-//! is positive semi-definite and Δ ≈ −M⁻¹S; `S u` and angle defects are
-//! *integrated* over the cell of a vertex, and become *pointwise* when divided
-//! by its mass. Curvature is positive where the surface bends away from its
-//! outward normal as a sphere does.
+//! [`Laplacian`] is the stiffness and the mass of one mesh, of a [`LaplacianKind`] and a
+//! [`MassKind`], or chosen by the mesh ([`Laplacian::auto`]); the free functions that it is made of
+//! are public too. Estimators of curvature are in [`curvature`].
+//!
+//! Matrices are sparse rows in the vertex order of the mesh. The stiffness `S` is positive
+//! semi-definite and Δ ≈ −M⁻¹S; `S u` and angle defects are *integrated* over the cell of a vertex,
+//! and become *pointwise* when divided by its mass. Curvature is positive where the surface bends
+//! away from its outward normal as a sphere does.
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 

@@ -56,7 +56,10 @@ impl LumpedArea {
 /// [`LumpedArea::Barycentric`], and with [`LumpedArea::Mixed`] only where no
 /// angle is obtuse.
 ///
-/// Source: \[meyer2003\].
+/// Source: [meyer2003].
+///
+/// [meyer2003]: https://doi.org/10.1007/978-3-662-05105-4_2
+#[doc(alias("massmatrix", "mass_matrix", "vertex_areas"))]
 pub fn lumped_mass(mesh: &TriMesh, area: LumpedArea) -> Result<Vec<f64>, OperatorError> {
     match area {
         // Known to the compiler, which leaves out what thirds do not need.
@@ -94,7 +97,10 @@ fn sum_shares(mesh: &TriMesh, area: LumpedArea) -> Result<Vec<f64>, OperatorErro
 ///
 /// [`OperatorError::TooLarge`] beyond 2³² entries.
 ///
-/// Source: \[vallet2008\].
+/// Source: [vallet2008].
+///
+/// [vallet2008]: https://doi.org/10.1111/j.1467-8659.2008.01122.x
+#[doc(alias("massmatrix", "mass_matrix"))]
 pub fn consistent_mass(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
     consistent_on_pattern(mesh, None)
 }

@@ -16,13 +16,19 @@ pub enum NormalWeight {
     /// only on average.
     Area,
     /// By its angle at the vertex: does not change when a flat region is
-    /// triangulated differently. Source: \[thurmer1998\].
+    /// triangulated differently. Source: [thurmer1998].
+    ///
+    /// [thurmer1998]: https://doi.org/10.1080/10867651.1998.10487487
     Angle,
     /// By its area over the squared lengths of the two sides at the vertex:
     /// exact where all vertices lie on a sphere, and of second order on smooth
-    /// surfaces. Source: \[max1999\].
+    /// surfaces. Source: [max1999].
+    ///
+    /// [max1999]: https://doi.org/10.1080/10867651.1999.10487501
     Sphere,
-    /// All with the same weight. Source: \[gouraud1971\].
+    /// All with the same weight. Source: [gouraud1971].
+    ///
+    /// [gouraud1971]: https://doi.org/10.1109/T-C.1971.223313
     Uniform,
 }
 
@@ -37,6 +43,7 @@ fairing_parameters::serde_by_name!(NormalWeight);
 
 /// The unit normal of each face of the [oriented](TriMesh::oriented) mesh,
 /// outward for counter-clockwise faces; the zero vector for a face without area.
+#[doc(alias = "per_face_normals")]
 pub fn face_normals(mesh: &TriMesh) -> Vec<[f64; 3]> {
     let mesh = &*mesh.oriented();
     (0..mesh.face_count())
@@ -48,6 +55,7 @@ pub fn face_normals(mesh: &TriMesh) -> Vec<[f64; 3]> {
 
 /// The unit normal of each vertex, weighted by area; the zero vector where
 /// none is defined (isolated vertices, areas that cancel).
+#[doc(alias = "per_vertex_normals")]
 pub fn vertex_normals(mesh: &TriMesh) -> Vec<[f64; 3]> {
     weighted_vertex_normals(mesh, NormalWeight::Area)
 }

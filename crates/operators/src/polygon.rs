@@ -12,7 +12,9 @@
 //!
 //! with cotangent stiffness S△ and Galerkin mass M△ of the triangles. On
 //! triangles S is the cotangent stiffness itself; polygons need not be flat or
-//! convex. Source: \[bunge2020\].
+//! convex. Source: [bunge2020].
+//!
+//! [bunge2020]: https://doi.org/10.1111/cgf.13931
 
 use crate::power_of_two::power_of_two;
 use fairing_mesh::PolygonMesh;
@@ -50,7 +52,9 @@ pub struct PolygonLaplacian {
 /// triangle too thin for its cotangents; its `area` is that of the fan.
 /// [`OperatorError::TooLarge`] beyond 2³² entries.
 ///
-/// Source: \[bunge2020\].
+/// Source: [bunge2020].
+///
+/// [bunge2020]: https://doi.org/10.1111/cgf.13931
 pub fn polygon_laplacian(mesh: &PolygonMesh) -> Result<PolygonLaplacian, OperatorError> {
     let local: Vec<Option<Local>> =
         (0..mesh.polygon_count()).into_par_iter().map(|f| Local::new(&corners(mesh, f))).collect();

@@ -7,7 +7,9 @@
 //! ```
 //!
 //! Weak form: `S u` is integrated; divide by mass for pointwise values.
-//! Boundaries are natural (zero flux). Source: \[pinkall1993\].
+//! Boundaries are natural (zero flux). Source: [pinkall1993].
+//!
+//! [pinkall1993]: https://doi.org/10.1080/10586458.1993.10504266
 
 use fairing_mesh::TriMesh;
 use fairing_sparse::SparseMatrix;
@@ -44,7 +46,10 @@ use crate::error::OperatorError;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// Source: \[pinkall1993\].
+/// Source: [pinkall1993].
+///
+/// [pinkall1993]: https://doi.org/10.1080/10586458.1993.10504266
+#[doc(alias("cotan_laplacian", "cotmatrix", "laplace_matrix"))]
 pub fn cotan_stiffness(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
     on_pattern(mesh, None)
 }

@@ -6,7 +6,9 @@ use glam::DVec3;
 /// such frame, but continuous in the normal except across z = 0.
 ///
 /// Without a branch on the smallest coordinate and without a root.
-/// Source: \[duff2017\].
+/// Source: [duff2017].
+///
+/// [duff2017]: https://jcgt.org/published/0006/01/01/
 #[inline]
 pub fn tangent_frame(normal: DVec3) -> [DVec3; 2] {
     let DVec3 { x, y, z } = normal;

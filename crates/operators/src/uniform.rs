@@ -17,11 +17,14 @@ use crate::fan::Fan;
 /// `n × n`, symmetric, **positive** semi-definite, zero row sums,
 /// dimensionless. An edge counts once, whatever the number of its faces;
 /// boundary vertices are treated as any other; an isolated vertex has an
-/// explicit zero on the diagonal. Source: \[taubin1995\].
+/// explicit zero on the diagonal. Source: [taubin1995].
 ///
 /// # Errors
 ///
 /// [`OperatorError::TooLarge`] beyond 2³² entries.
+///
+/// [taubin1995]: https://doi.org/10.1145/218380.218473
+#[doc(alias("graph_laplacian", "uniform_laplace_matrix"))]
 pub fn combinatorial_laplacian(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
     assemble(mesh, |fan, place, row| {
         row.fill(-1.0);
@@ -40,11 +43,14 @@ pub fn combinatorial_laplacian(mesh: &TriMesh) -> Result<SparseMatrix, OperatorE
 /// `n × n`, not symmetric, **negative** semi-definite in the inner product
 /// weighted by D: its eigenvalues lie in \[−2, 0\]. Zero row sums,
 /// dimensionless. The row of an isolated vertex is zero, so that it stays
-/// where it is. Source: \[taubin1995\].
+/// where it is. Source: [taubin1995].
 ///
 /// # Errors
 ///
 /// [`OperatorError::TooLarge`] beyond 2³² entries.
+///
+/// [taubin1995]: https://doi.org/10.1145/218380.218473
+#[doc(alias = "laplacian_calculation")]
 pub fn random_walk_laplacian(mesh: &TriMesh) -> Result<SparseMatrix, OperatorError> {
     assemble(mesh, |fan, place, row| {
         let degree = fan.neighbors.len();

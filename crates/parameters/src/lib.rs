@@ -1,4 +1,6 @@
-//! Parameters of algorithms, declared once.
+#![doc = include_str!("../README.md")]
+//!
+//! # Overview
 //!
 //! [`options!`] declares the options of an algorithm: a plain struct whose fields have a
 //! description, a default, a unit and a range. [`algorithms!`] makes one enum of several. From them

@@ -21,8 +21,11 @@ const ROUNDS: usize = 12;
 /// square around each edge that it cuts) of the nodes inside, made
 /// well-composed so that the net is a manifold; then vertices averaged along
 /// the surface and put back onto it by Newton's method. Vertices and faces
-/// follow the cells: z slowest, then y, x. Sources: \[gibson1998\],
-/// \[latecki1997\].
+/// follow the cells: z slowest, then y, x. Sources: [gibson1998],
+/// [latecki1997].
+///
+/// [gibson1998]: https://doi.org/10.1007/BFb0056277
+/// [latecki1997]: https://doi.org/10.1006/gmip.1997.0422
 pub fn implicit(field: impl Fn([f64; 3]) -> f64 + Sync, half: f64, resolution: usize) -> TriMesh {
     let grid = Grid { n: resolution, half, cell: 2.0 * half / resolution as f64 };
     let nodes = (resolution + 1).pow(3);

@@ -1,23 +1,13 @@
-//! Meshes made by formula: closed and open, smooth and sharp.
+#![doc = include_str!("../README.md")]
 //!
-//! All are manifold, without isolated vertices or degenerate faces, and turn
-//! counter-clockwise seen from outside (the open ones seen from the side that
-//! their documentation names). Vertices come in a documented order. What is
-//! random takes a seed.
+//! # Overview
 //!
-//! Parameters that make no such mesh are a mistake in the program that passes
-//! them, and panic as documented.
+//! All are manifold, without isolated vertices or degenerate faces, and turn counter-clockwise seen
+//! from outside (the open ones seen from the side that their documentation names). Vertices come in
+//! a documented order. What is random takes a seed.
 //!
-//! ```
-//! use fairing_shapes as shapes;
-//!
-//! let sphere = shapes::icosphere(4);
-//! assert_eq!(sphere.vertex_count(), 2562);
-//! let torus = shapes::torus(1.0, 0.4, 64, 24);
-//! assert_eq!(torus.topology().edges().len(), 3 * torus.vertex_count());
-//! // The same seed gives the same mesh.
-//! assert_eq!(shapes::irregular_plane(0.1, 7), shapes::irregular_plane(0.1, 7));
-//! ```
+//! Parameters that make no such mesh are a mistake in the program that passes them, and panic as
+//! documented.
 
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 

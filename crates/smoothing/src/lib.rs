@@ -1,4 +1,6 @@
-//! Smoothing flows for triangle meshes.
+#![doc = include_str!("../README.md")]
+//!
+//! # Overview
 //!
 //! Each flow is one function with one options struct; [`Method`] is the enum of all flows, for
 //! programs. Flows that take steps accept an optional [`Observer`], which sees every step and can

@@ -48,7 +48,7 @@ fn seconds<T>(work: impl Fn() -> T) -> (f64, T) {
     best.unwrap_or_else(|| (0.0, work()))
 }
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+fn main() -> anyhow::Result<()> {
     println!("rows t/h2 entries(L) analyse factor solve3 | iterations cg3 | per row and iteration");
     for side in [32, 64, 128, 256, 400, 800] {
         let s = triangle_grid(side);

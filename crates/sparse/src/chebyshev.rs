@@ -24,7 +24,9 @@ use crate::parallel::CHUNK;
 /// assert!(((x[0][0] + 2.0 * x[1][0] + x[2][0]) / 4.0 - 0.5).abs() < 1e-14);
 /// ```
 ///
-/// Source: \[druskin1989\], \[trefethen2013\].
+/// Source: \[druskin1989\], [trefethen2013].
+///
+/// [trefethen2013]: https://doi.org/10.1137/1.9781611975949
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChebyshevSeries {
     coefficients: Vec<f64>,
@@ -48,7 +50,9 @@ impl ChebyshevSeries {
     ///
     /// The number of samples follows from a bound of g: if |g| ≤ B on the Bernstein ellipse of
     /// parameter ρ, the polynomial through n points is within `4 B ρ^(1 − n)/(ρ − 1)` of g
-    /// (\[trefethen2013\], theorem 8.2); polynomials of degree below n are reproduced exactly.
+    /// ([trefethen2013], theorem 8.2); polynomials of degree below n are reproduced exactly.
+    ///
+    /// [trefethen2013]: https://doi.org/10.1137/1.9781611975949
     pub fn interpolate(
         bound: f64,
         samples: usize,

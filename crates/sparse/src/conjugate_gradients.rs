@@ -203,7 +203,10 @@ fn larger(a: f64, b: f64) -> f64 {
 /// assert!(failure.is_none() && (found.x[3][0] - 0.25).abs() < 1e-9);
 /// ```
 ///
-/// Source: \[hestenes1952\], \[saad2003\].
+/// Source: [hestenes1952], [saad2003].
+///
+/// [hestenes1952]: https://doi.org/10.6028/jres.049.044
+/// [saad2003]: https://doi.org/10.1137/1.9780898718003
 pub fn conjugate_gradients<const B: usize, S: CgSystem<B>>(
     system: &S,
     b: &[[f64; B]],
@@ -308,7 +311,11 @@ fn relative<const B: usize>(r: &[f64; B], b: &[f64; B]) -> Vec<f64> {
 /// # Ok::<(), fairing_sparse::SparseError>(())
 /// ```
 ///
-/// Source: \[hestenes1952\], \[saad2003\].
+/// Source: [hestenes1952], [saad2003].
+///
+/// [hestenes1952]: https://doi.org/10.6028/jres.049.044
+/// [saad2003]: https://doi.org/10.1137/1.9780898718003
+#[doc(alias("cg", "pcg"))]
 #[derive(Debug)]
 pub struct ConjugateGradient<'a> {
     matrix: &'a SparseMatrix,

@@ -1,7 +1,9 @@
 //! Numbers of twice the digits of `f64`: the unevaluated sum of two.
 //!
 //! The rounding error of a sum or product of two numbers is itself a number, which a few operations
-//! give exactly. Source: \[dekker1971\].
+//! give exactly. Source: [dekker1971].
+//!
+//! [dekker1971]: https://doi.org/10.1007/BF01397083
 
 /// The sum of both, the second below half a unit in the last place of the first.
 pub(crate) type Double = (f64, f64);

@@ -1,18 +1,12 @@
-//! Sparse symmetric kernels: products, Cholesky, conjugate gradients, eigenpairs, functions of a
-//! Laplacian.
+#![doc = include_str!("../README.md")]
 //!
-//! Nothing here knows geometry. Matrices are [`SparseMatrix`] (CSR, `u32` indices, ascending
-//! columns); a symmetric matrix has both triangles. Blocks of vectors are row-major: `[[f64; 3]]`
-//! for three columns, `n × k` `ndarray` arrays for more. No result depends on the number of
-//! threads.
+//! # Overview
 //!
-//! # Features
-//!
-//! - `solvers` (default): factorisations and eigenpairs, and the solver backend that they need.
-//!   Without it matrices, products, conjugate gradients and functions of a Laplacian remain.
-//! - `lapack`: dense eigenproblems by the LAPACK of the system; includes `solvers`.
-//! - `serde`: options and reports can be serialized.
+//! Matrices are [`SparseMatrix`] (CSR, `u32` indices, ascending columns); a symmetric matrix has
+//! both triangles. Blocks of vectors are row-major: `[[f64; 3]]` for three columns, `n × k`
+//! `ndarray` arrays for more. No result depends on the number of threads.
 
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 
 mod chebyshev;

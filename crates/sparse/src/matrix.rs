@@ -77,6 +77,7 @@ pub fn from_csr(
 /// assert_eq!((matrix.nnz(), matrix.get(1, 0)), (2, Some(&3.5)));
 /// # Ok::<(), fairing_sparse::SparseError>(())
 /// ```
+#[doc(alias = "coo")]
 pub fn from_triplets(
     shape: (usize, usize),
     triplets: &[(u32, u32, f64)],

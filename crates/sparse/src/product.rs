@@ -16,6 +16,7 @@ const CHUNK: usize = 2048;
 /// # Panics
 ///
 /// Panics if A is not CSR or `x` has another length than A has columns.
+#[doc(alias = "spmv")]
 pub fn multiply(matrix: &SparseMatrix, x: &[f64]) -> Vec<f64> {
     let mut y = vec![0.0; matrix.rows()];
     multiply_into(matrix, x, &mut y);

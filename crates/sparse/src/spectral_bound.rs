@@ -19,8 +19,10 @@ impl GraphLaplacian {
     ///
     /// 1.01 times the largest Ritz value plus its residual norm, after twenty Lanczos steps from a
     /// fixed random vector in the inner product of `M` (an upper bound in practice, not in theory:
-    /// \[zhou2006\]); never more than [Gershgorin's bound](Self::gershgorin). Exactly 2 for unit
+    /// [zhou2006]); never more than [Gershgorin's bound](Self::gershgorin). Exactly 2 for unit
     /// weights.
+    ///
+    /// [zhou2006]: https://doi.org/10.1016/j.jcp.2006.03.017
     pub fn spectral_bound(&self) -> f64 {
         let gershgorin = self.gershgorin();
         if self.is_uniform() || gershgorin == 0.0 {

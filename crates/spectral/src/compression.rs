@@ -32,7 +32,9 @@ pub struct Compressed {
 ///
 /// [`SpectralError::TooManyModes`], [`SpectralError::Rows`], [`SpectralError::Option`].
 ///
-/// Source: \[karni2000\], in the inner product of the mass.
+/// Source: [karni2000], in the inner product of the mass.
+///
+/// [karni2000]: https://doi.org/10.1145/344779.344924
 pub fn compress(
     mesh: &TriMesh,
     spectrum: &Spectrum,

@@ -51,7 +51,10 @@ impl SpectrumOptions {
 /// # Ok::<(), fairing_spectral::SpectralError>(())
 /// ```
 ///
-/// Source: \[vallet2008\].
+/// Source: [vallet2008].
+///
+/// [vallet2008]: https://doi.org/10.1111/j.1467-8659.2008.01122.x
+#[doc(alias("eigs", "manifold_harmonics"))]
 pub fn spectrum(
     laplacian: &Laplacian,
     k: usize,

@@ -26,6 +26,7 @@ use crate::error::SpectralError;
 /// assert!(heat.step(&z)?.iter().zip(&z).all(|(u, z)| (u - 0.5 * z).abs() < 0.002));
 /// # Ok::<(), fairing_spectral::SpectralError>(())
 /// ```
+#[doc(alias = "diffusion")]
 #[derive(Debug)]
 pub struct HeatDiffusion {
     mass: MassMatrix,

@@ -40,7 +40,9 @@ impl Spectrum {
     ///
     /// [`SpectralError::Rows`].
     ///
-    /// Source: \[vallet2008\].
+    /// Source: [vallet2008].
+    ///
+    /// [vallet2008]: https://doi.org/10.1111/j.1467-8659.2008.01122.x
     pub fn filter(
         &self,
         field: ArrayView2<'_, f64>,

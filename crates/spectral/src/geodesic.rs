@@ -19,7 +19,10 @@ use crate::flat_face::FlatFace;
 /// at every source. The solution is determined up to a constant on each component, chosen so that
 /// its mean over the sources there is zero; at single sources it differs from zero by some tenths
 /// of an edge length. The error is about an edge length near sources, where distances are too
-/// large, and of first order in h elsewhere. Natural boundaries. Source: \[crane2013\].
+/// large, and of first order in h elsewhere. Natural boundaries. Source: [crane2013].
+///
+/// [crane2013]: https://doi.org/10.1145/2516971.2516977
+#[doc(alias("compute_geodesic_f", "heat_geodesic", "heat_method", "HeatMethodDistanceSolver"))]
 #[derive(Debug)]
 pub struct HeatGeodesics {
     kind: LaplacianKind,
@@ -141,6 +144,7 @@ impl HeatGeodesics {
     /// [`SpectralError::NoHeat`] for a vertex too far from the sources for any heat to arrive, more
     /// than some 1300 edges with the time of [`HeatGeodesics::new`]; [`SpectralError::Sparse`] if
     /// rounding leaves too few digits of the distances.
+    #[doc(alias = "heat_geodesics_solve")]
     pub fn distance(&self, sources: &[u32]) -> Result<Vec<Option<f64>>, SpectralError> {
         let n = self.component.len();
         if sources.is_empty() {

@@ -1,5 +1,6 @@
-//! Spectra of the Laplacian on triangle meshes: transform, reconstruction, filters, signatures,
-//! diffusion.
+#![doc = include_str!("../README.md")]
+//!
+//! # Overview
 //!
 //! Modes are orthonormal in the inner product of the mass, φᵢᵀ M φⱼ = δᵢⱼ, so a field is projected
 //! by Φᵀ M f. Using Φᵀ instead is the classic mistake; the types of this crate carry the mass with
@@ -8,6 +9,7 @@
 //! One [`Laplacian`](fairing_operators::Laplacian), of any kind, serves for spectra, heat, geodesic
 //! distances and [Poisson problems](Poisson).
 
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![cfg_attr(test, expect(clippy::disallowed_methods, reason = "tests do not need the same bits"))]
 
 mod cluster;

@@ -37,6 +37,7 @@ use crate::error::SpectralError;
 /// assert!((u[0], u[3]) == (0.0, 1.0) && u.iter().all(|u| (-1e-9..=1.0 + 1e-9).contains(u)));
 /// # Ok::<(), fairing_spectral::SpectralError>(())
 /// ```
+#[doc(alias("harmonic", "min_quad_with_fixed"))]
 #[derive(Debug)]
 pub struct Poisson<'a> {
     laplacian: &'a Laplacian,

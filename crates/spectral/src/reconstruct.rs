@@ -29,7 +29,9 @@ pub struct Reconstruction {
 /// [`SpectralError::Rows`] for a spectrum of another mesh, [`SpectralError::TooManyModes`],
 /// [`SpectralError::Positions`] if the sums overflow.
 ///
-/// Source: \[vallet2008\].
+/// Source: [vallet2008].
+///
+/// [vallet2008]: https://doi.org/10.1111/j.1467-8659.2008.01122.x
 pub fn reconstruct(
     mesh: &TriMesh,
     spectrum: &Spectrum,

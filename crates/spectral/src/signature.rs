@@ -18,7 +18,10 @@ const ZERO: f64 = 1e-10;
 ///
 /// [`SpectralError::Option`] for a time that is not positive.
 ///
-/// Source: \[sun2009\].
+/// Source: [sun2009].
+///
+/// [sun2009]: https://doi.org/10.1111/j.1467-8659.2009.01515.x
+#[doc(alias = "hks")]
 pub fn heat_kernel_signature(
     spectrum: &Spectrum,
     times: &[f64],
@@ -34,7 +37,9 @@ pub fn heat_kernel_signature(
 }
 
 /// `count` logarithmically spaced times in the range that the modes resolve, from 4 ln 10 / λ_k to
-/// 4 ln 10 / λ₁, with λ₁ the first nonzero eigenvalue. Empty if there is none. Source: \[sun2009\].
+/// 4 ln 10 / λ₁, with λ₁ the first nonzero eigenvalue. Empty if there is none. Source: [sun2009].
+///
+/// [sun2009]: https://doi.org/10.1111/j.1467-8659.2009.01515.x
 pub fn heat_kernel_times(spectrum: &Spectrum, count: usize) -> Vec<f64> {
     let Some((first, last)) = range(spectrum) else { return vec![] };
     let (from, to) =
@@ -53,7 +58,10 @@ pub fn heat_kernel_times(spectrum: &Spectrum, count: usize) -> Vec<f64> {
 ///
 /// [`SpectralError::Option`] for fewer than two energies or fewer than two different λ above zero.
 ///
-/// Source: \[aubry2011\].
+/// Source: [aubry2011].
+///
+/// [aubry2011]: https://doi.org/10.1109/ICCVW.2011.6130444
+#[doc(alias = "wks")]
 pub fn wave_kernel_signature(
     spectrum: &Spectrum,
     energies: usize,
@@ -86,7 +94,10 @@ pub fn wave_kernel_signature(
 /// Global point signature: φᵢ(x) / √λᵢ for the modes with λ above zero, `n × modes`, dimensionless.
 ///
 /// Distances between rows do not change with the pose; signs, and bases of multiple eigenvalues,
-/// are as arbitrary as those of the modes. Source: \[rustamov2007\].
+/// are as arbitrary as those of the modes. Source: [rustamov2007].
+///
+/// [rustamov2007]: https://dl.acm.org/doi/10.5555/1281991.1282022
+#[doc(alias = "gps")]
 pub fn global_point_signature(spectrum: &Spectrum) -> Array2<f64> {
     let largest = spectrum.values.last().copied().unwrap_or(0.0);
     let zeros = spectrum.values.iter().take_while(|l| **l <= ZERO * largest).count();
@@ -99,7 +110,10 @@ pub fn global_point_signature(spectrum: &Spectrum) -> Array2<f64> {
 }
 
 /// ShapeDNA: the eigenvalues times the area, invariant under scaling; zeros included.
-/// Source: \[reuter2006\].
+/// Source: [reuter2006].
+///
+/// [reuter2006]: https://doi.org/10.1016/j.cad.2005.10.011
+#[doc(alias("compute_shapedna", "shapedna"))]
 pub fn shape_dna(spectrum: &Spectrum) -> Array1<f64> {
     Array1::from(spectrum.values.clone()) * spectrum.area()
 }

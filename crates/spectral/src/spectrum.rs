@@ -83,7 +83,9 @@ impl Spectrum {
     ///
     /// [`SpectralError::Rows`].
     ///
-    /// Source: \[vallet2008\].
+    /// Source: [vallet2008].
+    ///
+    /// [vallet2008]: https://doi.org/10.1111/j.1467-8659.2008.01122.x
     pub fn transform(&self, field: ArrayView2<'_, f64>) -> Result<Array2<f64>, SpectralError> {
         self.check_rows(field.nrows(), self.vertex_count())?;
         Ok(self.modes.t().dot(&times(&self.mass, field)))

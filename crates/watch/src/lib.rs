@@ -1,4 +1,6 @@
-//! Progress and cancellation of long computations.
+#![doc = include_str!("../README.md")]
+//!
+//! # Overview
 //!
 //! A [`Watch`] is created and kept by the program and never passed as an argument: work started
 //! with [`Watch::run`] finds it by [`current`]. Long loops of the libraries call [`check`] every
@@ -15,21 +17,7 @@
 //! # Threads
 //!
 //! The watch belongs to the thread that called [`Watch::run`]. Closures for a thread pool capture
-//! its [`Handle`]:
-//!
-//! ```
-//! use fairing_watch::{Watch, current};
-//! use rayon::prelude::*;
-//!
-//! let squares = |n: u64| -> Vec<u64> {
-//!     let watch = current();
-//!     (0..n).into_par_iter().map(|i| { watch.check(); i * i }).collect()
-//! };
-//! let watch = Watch::new();
-//! assert_eq!(watch.run(|| squares(3)), Ok(vec![0, 1, 4]));
-//! watch.cancel();
-//! assert!(watch.run(|| squares(3)).is_err());
-//! ```
+//! its [`Handle`], as in the example.
 //!
 //! Call [`Watch::run`] on a thread outside the pool, or in a pool that does no other work: while a
 //! thread of a shared pool waits, it may take over work of others and would cancel it as well.

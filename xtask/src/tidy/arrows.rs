@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use super::packages::{self, Dependency, Package};
+use crate::packages::{self, Dependency, Package};
 
 /// For each library crate, the crates of the workspace on which it may depend. The façade, the
 /// programs and the tests may depend on all.

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
 
-use super::packages;
+use crate::packages;
 
 /// The names of a module from the root of its crate on; each module is one file.
 type Module = Vec<String>;

@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::{Context as _, Result};
 
 use super::manifest::entries;
-use super::packages;
+use crate::packages;
 
 /// Finds lints of the workspace that a crate lacks.
 pub(super) fn check(root: &Path) -> Result<Vec<String>> {

@@ -2,11 +2,12 @@
 
 mod arrows;
 mod circles;
+mod citations;
 mod features;
+mod licences;
 mod lints;
 mod manifest;
 mod map;
-mod packages;
 mod readme;
 mod repeated;
 mod report;
@@ -22,12 +23,14 @@ use anyhow::Result;
 type Check = fn(&Path) -> Result<Vec<String>>;
 
 /// The rules.
-const RULES: [(&str, Check); 17] = [
+const RULES: [(&str, Check); 20] = [
     ("dependencies follow the arrows of docs/architecture.md", arrows::check),
     ("no files of a crate use each other in a circle", circles::check),
     ("what docs/architecture.md names exists", map::places),
     ("docs/architecture.md says what each dependency is for", map::dependencies),
     ("no crate has a dependency that it does not use", unused::check),
+    ("every package has a licence that deny.toml allows", licences::allowed),
+    ("no dependency needs a newer compiler than rust-version", licences::compilers),
     ("xtask builds dependencies with the features of the tests", features::check),
     ("crates that need matrices only do not compile the solver backend", features::solvers),
     ("every crate has the lints of the workspace", lints::check),
@@ -37,6 +40,7 @@ const RULES: [(&str, Check); 17] = [
     ("no ten lines of code stand twice", repeated::check),
     ("no line of a comment is longer than 100 columns", words::columns),
     ("documentation opens with a noun phrase or a verb", words::openings),
+    ("sources in the documentation are links to their addresses", citations::check),
     ("one crate names the solver backend", sources::backend),
     ("the committed report is smaller than 9 MB", report::check),
     ("the README's commands and example exist", readme::check),

@@ -5,11 +5,11 @@ use std::path::Path;
 
 use anyhow::{Context as _, Result};
 
-use super::packages;
+use crate::packages;
 
 /// Finds dependencies that no source file of their package names: `src` counts for dependencies of
-/// the library and the programs; tests, examples and benches also for dev-dependencies; `build.rs`
-/// for build dependencies.
+/// the library and the programs; tests, examples, benches and the README, whose example is a doc
+/// test, also for dev-dependencies; `build.rs` for build dependencies.
 pub(super) fn check(root: &Path) -> Result<Vec<String>> {
     let mut unused = vec![];
     for package in packages::read(root)? {
@@ -20,6 +20,7 @@ pub(super) fn check(root: &Path) -> Result<Vec<String>> {
         for more in ["tests", "examples", "benches"] {
             append(&folder.join(more), &mut all)?;
         }
+        all.push_str(&fs::read_to_string(folder.join("README.md")).unwrap_or_default());
         let script = fs::read_to_string(folder.join("build.rs")).unwrap_or_default();
         for dependency in package.dependencies {
             let text = match dependency.kind.as_deref() {

@@ -19,6 +19,8 @@ pub(super) const FORMAT: Row = Row {
         colors: false,
         normals: false,
         fields: false,
+        face_fields: false,
+        texture: false,
         binary: false,
         float_widths: false,
     },

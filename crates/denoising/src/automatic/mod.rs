@@ -203,7 +203,9 @@ fairing_parameters::named!(Approach, "approach of the automatic denoiser");
 /// [`DenoiseError::Build`] where numbers leave the range of floats;
 /// [`DenoiseError::Model`] if the trained numbers were damaged in the build.
 ///
-/// Source of the regression of normals in stages: \[wang2016\].
+/// Source of the regression of normals in stages: [wang2016].
+///
+/// [wang2016]: https://doi.org/10.1145/2980179.2980232
 pub fn automatic(mesh: &TriMesh, options: &AutomaticOptions) -> Result<Automatic, DenoiseError> {
     options.check()?;
     let mut noise = None;

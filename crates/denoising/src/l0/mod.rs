@@ -65,7 +65,10 @@ fairing_parameters::options! {
 /// [`DenoiseError::Option`] for a parameter that is not positive or a
 /// growth of at most 1; [`DenoiseError::Build`] if coordinates overflow.
 ///
-/// Source: \[he2013\].
+/// Source: [he2013].
+///
+/// [he2013]: https://doi.org/10.1145/2461912.2461965
+#[doc(alias = "l0_minimization")]
 pub fn l0(mesh: &TriMesh, options: &L0Options) -> Result<TriMesh, DenoiseError> {
     on_oriented(mesh, |mesh| filter(mesh, options))
 }

@@ -73,8 +73,10 @@ pub enum NoiseKind {
     /// So the error of the depth has the standard deviation σ_Z = Z² σ_d / F, and
     /// planes turn into stairs. F follows from σ, by iteration, to a per cent or better on meshes
     /// of a thousand vertices and more; with few vertices there may be no such F, and the best
-    /// that was found counts. Source: \[khoshelham2012\], with its 1/m = 8 steps per pixel
+    /// that was found counts. Source: [khoshelham2012], with its 1/m = 8 steps per pixel
     /// and half a step of uncertainty.
+    ///
+    /// [khoshelham2012]: https://doi.org/10.3390/s120201437
     DepthCamera {
         /// The position of the camera, as of [`Self::Rays`]; all vertices are in front of it.
         camera: Option<[f64; 3]>,
@@ -91,11 +93,14 @@ pub enum NoiseKind {
     /// g(p) = √(2/N) Σ cos(w·p + φ)
     /// ```
     ///
-    /// over N = 256 waves \[rahimi2007\], whose vectors w have the Cauchy distribution that makes
+    /// over N = 256 waves [rahimi2007], whose vectors w have the Cauchy distribution that makes
     /// the correlation fall with the distance r as exp(−r/ℓ). Waves shorter than three mean
-    /// edges, which the voxels average \[newcombe2011\], are left out. Vertices of fused views
+    /// edges, which the voxels average [newcombe2011], are left out. Vertices of fused views
     /// are not points of the model: the truth of a vertex is the closest point of the surface, as
     /// [`at_closest_points`](crate::at_closest_points) finds it.
+    ///
+    /// [rahimi2007]: https://papers.nips.cc/paper/3182-random-features-for-large-scale-kernel-machines
+    /// [newcombe2011]: https://doi.org/10.1109/ISMAR.2011.6092378
     Fused {
         /// The correlation length ℓ, in mean edge lengths, from 1 to 100.
         length: f64,

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use fairing::mesh::io::{
-    Encoding, FloatWidth, Format, PolygonFile, ReadOptions, UnsupportedFields, WriteOptions,
+    self, Encoding, FloatWidth, Format, PolygonFile, ReadOptions, UnsupportedFields, WriteOptions,
 };
 
 use serde_json::Value;
@@ -94,7 +94,8 @@ impl Convert {
             options.unsupported_fields = UnsupportedFields::Drop;
         }
         if self.triangulate || format.is_some_and(|format| !format.holds().polygons) {
-            return files::write(context, output, &mesh.triangulate(), &fields, &options);
+            let (mesh, fields) = io::triangulate(&mesh, fields);
+            return files::write(context, output, &mesh, &fields, &options);
         }
         files::write_polygons(context, output, &mesh, &fields, &options)
     }

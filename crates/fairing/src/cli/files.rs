@@ -281,10 +281,9 @@ pub(crate) fn write_moved(
     context: &Context,
     path: &Path,
     mesh: &TriMesh,
-    mut fields: VertexFields,
+    fields: VertexFields,
 ) -> Result<(), Failure> {
-    fields.vectors.retain(|(name, _)| name != "normal");
-    write_held(context, path, mesh, &fields)
+    write_held(context, path, mesh, &fields.without_normals())
 }
 
 /// Writes a mesh with the properties that the format can store, and names the others.

@@ -136,28 +136,42 @@ impl Repair {
                 }
             },
         };
-        let fields = carried(&repaired, file.fields);
+        let fields = carried(&file.mesh, &repaired, file.fields);
         files::write_held(context, output, &mesh, &fields)?;
         Ok(summary)
     }
 }
 
-/// The properties of the input at the vertices of the result; in the patch of a hole those of the
-/// nearest vertices of its rim, ring by ring. Normals are left out if the surface has changed.
-fn carried(repaired: &Repaired, mut fields: VertexFields) -> VertexFields {
+/// The properties of the input at the vertices and faces of the result; in the patch of a hole
+/// those nearby, ring by ring. Normals are left out if the surface has changed.
+fn carried(input: &TriMesh, repaired: &Repaired, fields: VertexFields) -> VertexFields {
     let changes = [
         RepairStep::MergedVertices,
         RepairStep::TurnedFaces,
         RepairStep::ThinFaces,
         RepairStep::FilledHoles,
     ];
-    if changes.iter().any(|&step| !repaired.changed(step).is_empty()) {
-        fields.vectors.retain(|(name, _)| name != "normal");
-    }
-    let sources = nearest_sources(repaired);
-    let source = repaired.vertex_sources.iter().map(|v| v.map_or(-1.0, f64::from)).collect();
+    let has_changed = changes.iter().any(|&step| !repaired.changed(step).is_empty());
+    let mut fields = if has_changed { fields.without_normals() } else { fields };
     fields.scalars.retain(|(name, _)| name != "source");
-    fields.at_vertices(&sources).with_scalar("source", source)
+    let source = repaired.vertex_sources.iter().map(|v| v.map_or(-1.0, f64::from)).collect();
+    let vertices = nearest_sources(repaired);
+    let face_at = |v: u32| input.incidence().corners(v).first().map_or(0, |corner| corner / 3);
+    let faces: Vec<usize> = (repaired.face_sources.iter().zip(repaired.mesh.faces()))
+        .map(|(source, face)| source.unwrap_or_else(|| face_at(vertices[face[0] as usize])))
+        .map(|f| f as usize)
+        .collect();
+    let corners = faces.iter().zip(repaired.mesh.faces()).flat_map(|(&f, face)| {
+        [0, 1, 2].map(|k| {
+            // The corner of the input at the same vertex; in a flipped face there may be none.
+            let same = |v: &u32| {
+                repaired.vertices[*v as usize] == Some(face[k])
+                    || repaired.vertex_sources[face[k] as usize] == Some(*v)
+            };
+            3 * f + input.faces()[f].iter().position(same).unwrap_or(k)
+        })
+    });
+    fields.selected(&vertices, &faces, corners).with_scalar("source", source)
 }
 
 /// The source of each vertex, or that of the nearest vertex that has one.

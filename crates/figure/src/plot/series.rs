@@ -179,7 +179,9 @@ pub(super) fn slope_ends(order: f64, [x0, y0]: [f64; 2], span: [f64; 2]) -> [[f6
 }
 
 /// Colours that stay apart for colour-blind people and in grey
-/// (\[okabe2008\], without the yellow that is too light for lines).
+/// ([okabe2008], without the yellow that is too light for lines).
+///
+/// [okabe2008]: https://jfly.uni-koeln.de/color/
 const COLORS: [Color; 7] = [
     [0x00, 0x72, 0xb2],
     [0xd5, 0x5e, 0x00],

@@ -220,23 +220,27 @@ pub enum WriteProblem {
         /// The part of the mesh that the format cannot hold.
         what: String,
     },
-    /// The number of values of a field is not the number of vertices.
-    #[error("field {field} has {found} values for {expected} vertices")]
+    /// The number of values of a field is not that of its elements.
+    #[error("field {field} has {found} values for {expected} {elements}")]
     FieldLength {
         /// The name of the field.
         field: String,
-        /// The number of vertices.
+        /// `vertices`, `faces` or `corners`.
+        elements: &'static str,
+        /// The number of elements.
         expected: usize,
         /// The number of values.
         found: usize,
     },
     /// A value of a field is infinite or not a number.
-    #[error("field {field} is {value} at vertex {vertex}, which is not finite")]
+    #[error("field {field} is {value} at {element} {index}, which is not finite")]
     FieldNonFinite {
         /// The name of the field.
         field: String,
-        /// The vertex.
-        vertex: usize,
+        /// `vertex`, `face` or `corner`.
+        element: &'static str,
+        /// The number of the element.
+        index: usize,
         /// The value.
         value: f64,
     },

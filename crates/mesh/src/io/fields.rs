@@ -1,7 +1,14 @@
-//! Vertex data stored with a mesh in its file.
+//! Data of vertices and faces stored with a mesh in its file.
 
-/// Named fields and colours with one value per vertex, in vertex order.
-#[derive(Debug, Clone, Default, PartialEq)]
+use std::collections::BTreeMap;
+
+use crate::io::NumberType;
+
+/// Named fields and colours with one value per vertex, in vertex order, and those of
+/// faces beside them.
+///
+/// Two are equal if their values are; [`types`](Self::types) do not count.
+#[derive(Debug, Clone, Default)]
 pub struct VertexFields {
     /// Scalar fields by name, in the order of the file.
     pub scalars: Vec<(String, Vec<f64>)>,
@@ -10,12 +17,57 @@ pub struct VertexFields {
     pub vectors: Vec<(String, Vec<[f64; 3]>)>,
     /// Colours: red, green, blue from 0 to 255.
     pub colors: Option<Vec<[u8; 3]>>,
+    /// The types that the numbers of fields have in the file, by the name of the
+    /// field. A format that has the type keeps it as long as it holds every value;
+    /// without one, [`FloatWidth`](super::FloatWidth) decides.
+    pub types: BTreeMap<String, NumberType>,
+    /// Fields of faces.
+    pub faces: FaceFields,
+}
+
+/// Named fields and colours with one value per face, in face order.
+///
+/// Two are equal if their values are; [`types`](Self::types) do not count.
+#[derive(Debug, Clone, Default)]
+pub struct FaceFields {
+    /// Scalar fields by name, in the order of the file.
+    pub scalars: Vec<(String, Vec<f64>)>,
+    /// Vector fields by name, in the order of the file. Face normals are the field
+    /// `normal`.
+    pub vectors: Vec<(String, Vec<[f64; 3]>)>,
+    /// Colours: red, green, blue from 0 to 255.
+    pub colors: Option<Vec<[u8; 3]>>,
+    /// The types of numbers, as [`VertexFields::types`].
+    pub types: BTreeMap<String, NumberType>,
+    /// Texture coordinates of each corner of each face in turn.
+    pub texture: Option<Vec<[f64; 2]>>,
+}
+
+impl PartialEq for VertexFields {
+    fn eq(&self, other: &Self) -> bool {
+        self.scalars == other.scalars
+            && self.vectors == other.vectors
+            && self.colors == other.colors
+            && self.faces == other.faces
+    }
+}
+
+impl PartialEq for FaceFields {
+    fn eq(&self, other: &Self) -> bool {
+        self.scalars == other.scalars
+            && self.vectors == other.vectors
+            && self.colors == other.colors
+            && self.texture == other.texture
+    }
 }
 
 impl VertexFields {
-    /// Returns true if there are neither fields nor colours.
+    /// Returns true if there are neither fields nor colours, of vertices or of faces.
     pub fn is_empty(&self) -> bool {
-        self.scalars.is_empty() && self.vectors.is_empty() && self.colors.is_none()
+        self.scalars.is_empty()
+            && self.vectors.is_empty()
+            && self.colors.is_none()
+            && self.faces.is_empty()
     }
 
     /// The scalar field of this name.
@@ -49,24 +101,111 @@ impl VertexFields {
         self
     }
 
-    /// The values at some vertices, in their order, such as those of a part of the mesh.
+    /// Removes the normals of vertices and faces, which do not fit moved vertices.
+    #[must_use]
+    pub fn without_normals(mut self) -> Self {
+        self.vectors.retain(|(name, _)| name != "normal");
+        self.faces.vectors.retain(|(name, _)| name != "normal");
+        self
+    }
+
+    /// The fields of vertices and faces of a part of the mesh, or of a mesh made from it: vertex
+    /// `k` of the result has the values of vertex `vertices[k]`, and faces as in
+    /// [`FaceFields::selected`].
     ///
     /// # Panics
     ///
-    /// If there is no such vertex.
+    /// If there is no such vertex, face or corner.
     #[must_use]
-    pub fn at_vertices(&self, vertices: &[u32]) -> Self {
-        fn at<T: Copy>(values: &[T], vertices: &[u32]) -> Vec<T> {
-            vertices.iter().map(|&v| values[v as usize]).collect()
+    pub fn selected(
+        &self,
+        vertices: &[u32],
+        faces: &[usize],
+        corners: impl IntoIterator<Item = usize>,
+    ) -> Self {
+        fn select<T: Copy>(values: &[T], of: &[u32]) -> Vec<T> {
+            of.iter().map(|&v| values[v as usize]).collect()
         }
-        let scalars =
-            self.scalars.iter().map(|(name, values)| (name.clone(), at(values, vertices)));
-        let vectors =
-            self.vectors.iter().map(|(name, values)| (name.clone(), at(values, vertices)));
         Self {
-            scalars: scalars.collect(),
-            vectors: vectors.collect(),
-            colors: self.colors.as_ref().map(|colors| at(colors, vertices)),
+            scalars: self.scalars.iter().map(|(n, v)| (n.clone(), select(v, vertices))).collect(),
+            vectors: self.vectors.iter().map(|(n, v)| (n.clone(), select(v, vertices))).collect(),
+            colors: self.colors.as_ref().map(|colors| select(colors, vertices)),
+            types: self.types.clone(),
+            faces: self.faces.selected(faces, corners),
         }
+    }
+}
+
+impl FaceFields {
+    /// Returns true if there are no fields, colours or texture coordinates.
+    pub fn is_empty(&self) -> bool {
+        self.scalars.is_empty()
+            && self.vectors.is_empty()
+            && self.colors.is_none()
+            && self.texture.is_none()
+    }
+
+    /// The fields of other faces: face `k` of the result has the values of face `of[k]`,
+    /// and its corners those of `corners` in turn.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such face or corner.
+    #[must_use]
+    pub fn selected(&self, of: &[usize], corners: impl IntoIterator<Item = usize>) -> Self {
+        fn select<T: Copy>(values: &[T], of: &[usize]) -> Vec<T> {
+            of.iter().map(|&face| values[face]).collect()
+        }
+        Self {
+            scalars: self.scalars.iter().map(|(n, v)| (n.clone(), select(v, of))).collect(),
+            vectors: self.vectors.iter().map(|(n, v)| (n.clone(), select(v, of))).collect(),
+            colors: self.colors.as_ref().map(|colors| select(colors, of)),
+            types: self.types.clone(),
+            texture: self.texture.as_ref().map(|all| corners.into_iter().map(|k| all[k]).collect()),
+        }
+    }
+}
+
+/// Columns of either kind of element.
+#[derive(Default)]
+pub(crate) struct Columns {
+    pub(crate) scalars: Vec<(String, Vec<f64>)>,
+    pub(crate) vectors: Vec<(String, Vec<[f64; 3]>)>,
+    pub(crate) colors: Option<Vec<[u8; 3]>>,
+    pub(crate) types: BTreeMap<String, NumberType>,
+}
+
+impl Columns {
+    pub(crate) fn of_vertices(self) -> VertexFields {
+        let Self { scalars, vectors, colors, types } = self;
+        VertexFields { scalars, vectors, colors, types, faces: FaceFields::default() }
+    }
+
+    pub(crate) fn of_faces(self) -> FaceFields {
+        let Self { scalars, vectors, colors, types } = self;
+        FaceFields { scalars, vectors, colors, types, texture: None }
+    }
+}
+
+/// The fields of either kind of element.
+#[derive(Clone, Copy)]
+pub(crate) struct Attributes<'a> {
+    pub(crate) scalars: &'a [(String, Vec<f64>)],
+    pub(crate) vectors: &'a [(String, Vec<[f64; 3]>)],
+    pub(crate) colors: Option<&'a [[u8; 3]]>,
+    pub(crate) types: &'a BTreeMap<String, NumberType>,
+}
+
+impl<'a> From<&'a VertexFields> for Attributes<'a> {
+    fn from(fields: &'a VertexFields) -> Self {
+        let VertexFields { scalars, vectors, colors, types, .. } = fields;
+        Self { scalars, vectors, colors: colors.as_deref(), types }
+    }
+}
+
+impl<'a> From<&'a FaceFields> for Attributes<'a> {
+    fn from(fields: &'a FaceFields) -> Self {
+        let FaceFields { scalars, vectors, colors, types, .. } = fields;
+        Self { scalars, vectors, colors: colors.as_deref(), types }
     }
 }

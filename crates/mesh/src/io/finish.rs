@@ -2,8 +2,8 @@
 
 use crate::io::error::{Fault, ReadProblem};
 use crate::io::parsed::Parsed;
-use crate::io::{Format, ReadOptions, ReadReport, Strictness, VertexFields};
-use crate::polygon::{Distinct, Polygons};
+use crate::io::{FaceFields, Format, ReadOptions, ReadReport, Strictness, VertexFields};
+use crate::polygon::{Distinct, Polygons, first_mentions};
 
 /// The parts of a mesh, with the report.
 pub(crate) struct Finished {
@@ -37,7 +37,15 @@ impl Parsed {
             Strictness::DropBroken => self.drop_broken()?,
             Strictness::Lenient | Strictness::Strict => Dropped::default(),
         };
+        let before = self.fields.faces.texture.is_some().then(|| self.polygons.clone());
         let Distinct { polygons, mut reduced, mut left_out } = self.polygons.without_repeating();
+        let faces = &mut self.fields.faces;
+        if !faces.is_empty() && reduced.len() + left_out.len() > 0 {
+            *faces = without(faces, file_faces - dropped.faces.len(), &left_out, before.as_ref());
+        }
+        if polygons.len() == 0 {
+            *faces = FaceFields::default();
+        }
         if !dropped.faces.is_empty() {
             reduced.iter_mut().chain(&mut left_out).for_each(|face| *face = dropped.kept[*face]);
         }
@@ -100,6 +108,8 @@ impl Parsed {
         if !faces.is_empty() {
             let mut polygons = Polygons::with_capacity(kept.len());
             kept.iter().for_each(|&face| polygons.push(self.polygons.face(face)));
+            let corners = kept.iter().flat_map(|&face| self.polygons.corners_of(face));
+            self.fields.faces = self.fields.faces.selected(&kept, corners);
             self.polygons = polygons;
         }
         vertices.iter().for_each(|&v| self.positions[v] = sound);
@@ -108,21 +118,45 @@ impl Parsed {
 
     fn leave_out_nonfinite_fields(&mut self) {
         let doubts = &mut self.doubts;
-        let mut doubt = |name: &str, bad: Option<(usize, f64)>| {
-            if let Some((vertex, value)) = bad {
-                doubts.push(format!("field {name} is {value} at vertex {vertex}: left out"));
+        let mut is_finite = |name: &str, of: &str, values: &[f64], per_element: usize| {
+            let bad = values.iter().position(|x| !x.is_finite());
+            if let Some(at) = bad {
+                let (value, element) = (values[at], at / per_element);
+                doubts.push(format!("field {name} is {value} at {of} {element}: left out"));
             }
             bad.is_none()
         };
-        let bad = |x: f64| !x.is_finite();
-        self.fields.scalars.retain(|(name, values)| {
-            doubt(name, values.iter().position(|&x| bad(x)).map(|v| (v, values[v])))
-        });
-        self.fields.vectors.retain(|(name, values)| {
-            let at = values.as_flattened().iter().position(|&x| bad(x));
-            doubt(name, at.map(|i| (i / 3, values.as_flattened()[i])))
-        });
+        let VertexFields { scalars, vectors, faces, .. } = &mut self.fields;
+        for (of, scalars, vectors) in
+            [("vertex", scalars, vectors), ("face", &mut faces.scalars, &mut faces.vectors)]
+        {
+            scalars.retain(|(name, values)| is_finite(name, of, values, 1));
+            vectors.retain(|(name, values)| is_finite(name, of, values.as_flattened(), 3));
+        }
+        let finite = |all: &Vec<[f64; 2]>| {
+            is_finite("of texture coordinates", "corner", all.as_flattened(), 2)
+        };
+        faces.texture = faces.texture.take().filter(finite);
     }
+}
+
+/// The fields of the faces that are kept: all but those left out. The corners kept are the
+/// first mentions of vertices in the faces of before.
+fn without(
+    fields: &FaceFields,
+    faces: usize,
+    left_out: &[usize],
+    before: Option<&Polygons>,
+) -> FaceFields {
+    let mut out = left_out.iter().copied().peekable();
+    let kept: Vec<usize> = (0..faces).filter(|face| out.next_if_eq(face).is_none()).collect();
+    let corners = before.into_iter().flat_map(|polygons| {
+        kept.iter().flat_map(|&face| {
+            let start = polygons.corners_of(face).start;
+            first_mentions(polygons.face(face)).map(move |k| start + k)
+        })
+    });
+    fields.selected(&kept, corners)
 }
 
 /// Broken vertices and faces, and the faces kept, all numbered as in the file.

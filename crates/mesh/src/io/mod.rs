@@ -16,9 +16,9 @@
 //!   [`ReadOptions::dropping_broken`] leaves out the faces concerned.
 //! - STL stores corners, not vertices: corners at exactly equal positions
 //!   (−0 = 0) become one vertex, in order of first appearance.
-//! - Vertex properties of PLY, vertex colours of OBJ and OFF and vertex
-//!   normals of OFF become [`VertexFields`]. All other content (texture
-//!   coordinates, face colours, cameras, …) is ignored and named in the report.
+//! - Vertex and face properties of PLY, vertex colours of OBJ and OFF and vertex
+//!   normals of OFF become [`VertexFields`]. All other content (materials, cameras,
+//!   …) is ignored and named in the report.
 //!
 //! No count in a file is trusted: memory grows with the bytes present,
 //! and [`ReadOptions`] bounds the size of decompressed files.
@@ -52,6 +52,7 @@ mod format;
 #[cfg(feature = "gzip")]
 mod gzip;
 mod number;
+mod number_type;
 mod obj;
 mod off;
 mod options;
@@ -63,13 +64,15 @@ mod row;
 mod stl;
 mod surface;
 mod text;
+mod triangulate;
 #[cfg(feature = "files")]
 mod whole;
 mod write;
 
 pub use error::{Place, ReadError, ReadProblem, WriteError, WriteProblem};
-pub use fields::VertexFields;
+pub use fields::{FaceFields, VertexFields};
 pub use format::{Format, NamedFormat};
+pub use number_type::NumberType;
 pub use options::{Encoding, FloatWidth, ReadOptions, Strictness, UnsupportedFields, WriteOptions};
 pub use read::{
     MeshFile, PolygonFile, read, read_bytes, read_from, read_polygons, read_polygons_from,
@@ -77,6 +80,7 @@ pub use read::{
 };
 pub use report::{ReadReport, WriteReport};
 pub use row::Holds;
+pub use triangulate::triangulate;
 #[cfg(feature = "files")]
 #[doc(hidden)]
 pub use whole::{check_writable, discard_unfinished, write_whole};

@@ -24,6 +24,8 @@ pub(super) const FORMAT: Row = Row {
         colors: true,
         normals: true,
         fields: false,
+        face_fields: false,
+        texture: false,
         binary: false,
         float_widths: false,
     },
@@ -266,7 +268,7 @@ fn encode(surface: Surface<'_>, _: &WriteOptions) -> Result<Encoded, WriteProble
         }
         text.push(b'\n');
     }));
-    pieces.extend(face_lines(surface.faces));
+    pieces.extend(face_lines(surface.faces, |_, _| ()));
     Ok(Encoded { pieces, notes: vec![] })
 }
 

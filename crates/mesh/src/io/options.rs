@@ -71,14 +71,16 @@ pub enum Encoding {
     Ascii,
 }
 
-/// The width of floating-point numbers in a format that has several.
+/// The width of floating-point numbers in a format that has several. Fields of integers
+/// keep their [type](super::VertexFields::types).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum FloatWidth {
-    /// `float` if every value of the property group (the positions, or one field)
-    /// is exactly a 32-bit number, otherwise `double`. Lossless, and data that
-    /// came from 32 bits take no more space than before.
+    /// The type that a field has in its file; otherwise `float` if every value of the
+    /// property group (the positions, or one field) is exactly a 32-bit number, and
+    /// `double` if not. Lossless, and data that came from 32 bits take no more space
+    /// than before.
     #[default]
     Lossless,
     /// Always `double`.

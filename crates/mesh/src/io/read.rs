@@ -9,7 +9,7 @@ use crate::io::error::Fault;
 use crate::io::finish::Finished;
 use crate::io::parsed::Broken;
 use crate::io::{
-    Format, ReadError, ReadOptions, ReadProblem, ReadReport, Strictness, VertexFields,
+    Format, ReadError, ReadOptions, ReadProblem, ReadReport, Strictness, VertexFields, triangulate,
 };
 use crate::polygon::Polygons;
 use crate::{PolygonMesh, TriMesh};
@@ -20,7 +20,7 @@ use crate::{PolygonMesh, TriMesh};
 pub struct MeshFile {
     /// The mesh, its polygons split into triangles.
     pub mesh: TriMesh,
-    /// Fields and colours per vertex.
+    /// Fields and colours of vertices and faces.
     pub fields: VertexFields,
     /// The format, counts, and content that was changed or left out.
     pub report: ReadReport,
@@ -32,7 +32,7 @@ pub struct MeshFile {
 pub struct PolygonFile {
     /// The mesh, with the polygons of the file.
     pub mesh: PolygonMesh,
-    /// Fields and colours per vertex.
+    /// Fields and colours of vertices and faces.
     pub fields: VertexFields,
     /// The format, counts, and content that was changed or left out.
     pub report: ReadReport,
@@ -188,9 +188,9 @@ fn triangles(
     options: &ReadOptions,
 ) -> Result<MeshFile, Fault> {
     let Finished { positions, polygons, fields, report } = finished(format, bytes, options)?;
-    let mesh = match polygons {
-        Polygons::Triangles(faces) => TriMesh::from_checked(positions, faces),
-        mixed => PolygonMesh::from_checked(positions, mixed).triangulate(),
+    let (mesh, fields) = match polygons {
+        Polygons::Triangles(faces) => (TriMesh::from_checked(positions, faces), fields),
+        mixed => triangulate(&PolygonMesh::from_checked(positions, mixed), fields),
     };
     Ok(MeshFile { mesh, fields, report })
 }

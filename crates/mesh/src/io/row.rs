@@ -29,8 +29,12 @@ pub struct Holds {
     pub colors: bool,
     /// The vector field `normal`.
     pub normals: bool,
-    /// Scalar and vector fields of any name, `normal` included.
+    /// Scalar and vector fields of vertices, of any name, `normal` included.
     pub fields: bool,
+    /// Fields and colours of faces.
+    pub face_fields: bool,
+    /// Texture coordinates of the corners of faces.
+    pub texture: bool,
     /// Both encodings; a format without them is always text.
     pub binary: bool,
     /// Numbers of 32 and of 64 bits, as [`FloatWidth`](crate::io::FloatWidth) says.

@@ -54,8 +54,11 @@ pub(crate) struct Encoded {
     pub(crate) notes: Vec<String>,
 }
 
-/// Lines of faces: the number of corners and their vertices.
-pub(crate) fn face_lines(faces: Faces<'_>) -> Vec<Vec<u8>> {
+/// Lines of faces: the number of corners, their vertices, and what `more` appends.
+pub(crate) fn face_lines(
+    faces: Faces<'_>,
+    more: impl Fn(usize, &mut Vec<u8>) + Sync,
+) -> Vec<Vec<u8>> {
     lines(faces.len(), 26, |f, text| {
         let face = faces.face(f);
         put_integer(text, face.len() as u64);
@@ -63,6 +66,7 @@ pub(crate) fn face_lines(faces: Faces<'_>) -> Vec<Vec<u8>> {
             text.push(b' ');
             put_integer(text, u64::from(v));
         }
+        more(f, text);
         text.push(b'\n');
     })
 }

@@ -28,9 +28,9 @@ pub fn write(path: impl AsRef<Path>, mesh: &TriMesh) -> Result<WriteReport, Writ
     write_with_fields(path, mesh, &VertexFields::default(), &WriteOptions::default())
 }
 
-/// [`write()`] with fields per vertex and options.
+/// [`write()`] with fields and options.
 ///
-/// PLY holds all fields; OBJ colours (after the coordinates, from 0 to 1); OFF
+/// PLY holds all fields, those of faces and texture coordinates included; OBJ colours (after the coordinates, from 0 to 1); OFF
 /// colours and the vector field `normal`; STL none. A field that the format cannot
 /// hold is an error unless the options drop it.
 ///
@@ -195,7 +195,7 @@ fn encode(
     surface: Surface<'_>,
     options: &WriteOptions,
 ) -> Result<(Vec<Vec<u8>>, WriteReport), WriteProblem> {
-    field_check::check(surface.fields, surface.positions.len())?;
+    field_check::check(surface.fields, surface.positions.len(), surface.faces)?;
     let unsupported = field_check::unsupported(format, surface.fields);
     if !unsupported.is_empty() && options.unsupported_fields == UnsupportedFields::Refuse {
         let (format, fields) = (format.name(), unsupported);

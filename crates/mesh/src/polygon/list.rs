@@ -42,10 +42,15 @@ impl Polygons {
     pub(crate) fn face(&self, face: usize) -> &[u32] {
         match self {
             Self::Triangles(faces) => &faces[face],
-            Self::Mixed { ends, corners } => {
-                let start = if face == 0 { 0 } else { ends[face - 1] };
-                &corners[start..ends[face]]
-            }
+            Self::Mixed { corners, .. } => &corners[self.corners_of(face)],
+        }
+    }
+
+    /// The places of the corners of a face among those of all faces in turn.
+    pub(crate) fn corners_of(&self, face: usize) -> std::ops::Range<usize> {
+        match self {
+            Self::Triangles(_) => 3 * face..3 * face + 3,
+            Self::Mixed { ends, .. } => (if face == 0 { 0 } else { ends[face - 1] })..ends[face],
         }
     }
 
@@ -151,7 +156,8 @@ impl Polygons {
                 kept.push(named);
                 continue;
             }
-            keep_first_mentions(named, &mut corners);
+            corners.clear();
+            corners.extend(first_mentions(named).map(|k| named[k]));
             if corners.len() < 3 {
                 distinct.left_out.push(face);
             } else {
@@ -175,15 +181,14 @@ pub(crate) struct Distinct {
     pub(crate) left_out: Vec<usize>,
 }
 
-/// The distinct corners of a face in order of first appearance, in
+/// The places of the distinct corners of a face in order of first appearance, in
 /// O(n log n).
-fn keep_first_mentions(face: &[u32], corners: &mut Vec<u32>) {
+pub(crate) fn first_mentions(face: &[u32]) -> impl Iterator<Item = usize> + use<> {
     let mut order: Vec<usize> = (0..face.len()).collect();
     order.sort_unstable_by_key(|&k| (face[k], k));
     order.dedup_by_key(|k| face[*k]);
     order.sort_unstable();
-    corners.clear();
-    corners.extend(order.into_iter().map(|k| face[k]));
+    order.into_iter()
 }
 
 /// Returns true if a polygon names one vertex twice. Compares all pairs of a small
@@ -221,7 +226,6 @@ mod tests {
 
     #[test]
     fn distinct_corners_keep_the_order_of_the_face() {
-        let mut corners = vec![];
         for (face, expected) in [
             (&[5u32, 5, 2, 9, 7][..], &[5u32, 2, 9, 7][..]),
             (&[5, 2, 2, 9, 7], &[5, 2, 9, 7]),
@@ -229,7 +233,7 @@ mod tests {
             (&[8, 1, 8, 1, 0, 1], &[8, 1, 0]),
             (&[4, 4, 4], &[4]),
         ] {
-            keep_first_mentions(face, &mut corners);
+            let corners: Vec<u32> = first_mentions(face).map(|k| face[k]).collect();
             assert_eq!(corners, expected);
         }
     }

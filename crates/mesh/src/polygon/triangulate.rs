@@ -30,22 +30,36 @@ impl PolygonMesh {
     /// sides). Straight corners do not count as convex, since a fan around one
     /// may have triangles without area.
     pub fn triangulate(&self) -> TriMesh {
-        TriMesh::from_checked(self.positions.clone(), triangles(self))
+        TriMesh::from_checked(self.positions.clone(), triangles(self, |vertex, _| vertex))
+    }
+
+    /// [`triangulate`](Self::triangulate) with the place of the corners of each triangle among
+    /// those of all polygons in turn.
+    #[cfg(feature = "io")]
+    pub(crate) fn triangulate_corners(&self) -> (TriMesh, Vec<[usize; 3]>) {
+        let corners = triangles(self, |_, place| place);
+        let vertices = |corners: &[usize; 3]| corners.map(|k| self.corners[k]);
+        let faces = corners.iter().map(vertices).collect();
+        (TriMesh::from_checked(self.positions.clone(), faces), corners)
     }
 }
 
-fn triangles(mesh: &PolygonMesh) -> Vec<[u32; 3]> {
+/// The triangles in the order of the polygons; `corner` gets a vertex and its place among the
+/// corners of all polygons.
+fn triangles<T>(mesh: &PolygonMesh, corner: impl Fn(u32, usize) -> T) -> Vec<[T; 3]> {
     let count = mesh.polygons().map(|polygon| polygon.len() - 2).sum();
     let mut triangles = Vec::with_capacity(count);
+    let mut start = 0;
     for polygon in mesh.polygons() {
-        if let &[a, b, c] = polygon {
-            triangles.push([a, b, c]);
-            continue;
+        let corner = |k: usize| corner(polygon[k], start + k);
+        if polygon.len() == 3 {
+            triangles.push([0, 1, 2].map(corner));
+        } else {
+            let points: Vec<DVec3> =
+                polygon.iter().map(|&v| mesh.positions()[v as usize].into()).collect();
+            triangles.extend(split(&points).into_iter().map(|triangle| triangle.map(corner)));
         }
-        let points: Vec<DVec3> =
-            polygon.iter().map(|&v| mesh.positions()[v as usize].into()).collect();
-        let split = split(&points);
-        triangles.extend(split.into_iter().map(|triangle| triangle.map(|k| polygon[k])));
+        start += polygon.len();
     }
     triangles
 }

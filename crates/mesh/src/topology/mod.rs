@@ -101,6 +101,7 @@ impl Topology {
     /// # Panics
     ///
     /// If there is no vertex `v`.
+    #[doc(alias("adjacency_list", "one_ring"))]
     #[inline]
     pub fn neighbors(&self, v: u32) -> &[u32] {
         self.tables.neighbors_of(v as usize)
@@ -172,11 +173,13 @@ impl Topology {
     /// two loops. If other than two boundary edges meet in one sheet, which takes
     /// non-manifold edges, there is no walk; the connected boundary edges then
     /// make one entry, its vertices in the order of a depth-first search.
+    #[doc(alias = "boundary_loop")]
     pub fn boundary_loops(&self) -> &[Vec<u32>] {
         self.boundary_loops.get_or_init(|| self.find_boundary_loops())
     }
 
     /// The parts of the mesh connected by shared vertices.
+    #[doc(alias("connected_components", "facet_components"))]
     pub fn components(&self) -> &Components {
         self.components.get_or_init(|| Components::new(self.vertex_count, &self.faces))
     }
@@ -187,11 +190,13 @@ impl Topology {
     }
 
     /// Returns true if every edge has at most two faces and every vertex one sheet.
+    #[doc(alias = "is_edge_manifold")]
     pub fn is_manifold(&self) -> bool {
         self.nonmanifold_edges().next().is_none() && self.nonmanifold_vertices().is_empty()
     }
 
     /// Returns true if there are faces and no edge has exactly one.
+    #[doc(alias = "is_watertight")]
     pub fn is_closed(&self) -> bool {
         !self.faces.is_empty() && self.boundary_edges().next().is_none()
     }

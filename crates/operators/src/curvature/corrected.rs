@@ -14,7 +14,9 @@
 //! Summed over the faces at a vertex, or over the part of the mesh in a ball,
 //! and divided by μ⁰ they are pointwise: H = ½ μ¹/μ⁰, K = μ²/μ⁰, and the
 //! symmetric part of μ(X, Y)/μ⁰ in the tangent plane has the principal
-//! curvatures. Signs are positive on a sphere. Source: \[lachaud2020\].
+//! curvatures. Signs are positive on a sphere. Source: [lachaud2020].
+//!
+//! [lachaud2020]: https://doi.org/10.1111/cgf.14067
 
 use fairing_mesh::TriMesh;
 use fairing_parameters::{Options, Range};
@@ -142,6 +144,7 @@ fairing_parameters::options! {
 /// # Errors
 ///
 /// [`OperatorError::Option`] for a radius that is not positive.
+#[doc(alias = "interpolated_corrected_curvatures")]
 pub fn corrected_curvature(
     mesh: &TriMesh,
     options: CorrectedOptions,

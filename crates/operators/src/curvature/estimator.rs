@@ -23,6 +23,7 @@ fairing_parameters::algorithms! {
     /// assert_ne!(wide, Estimator::RECOMMENDED);
     /// # Ok::<(), fairing_parameters::ParameterError>(())
     /// ```
+    #[doc(alias = "principal_curvature")]
     #[derive(Debug, Clone, Copy, PartialEq)]
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]

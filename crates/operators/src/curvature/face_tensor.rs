@@ -10,7 +10,9 @@
 //! of the face. The forms are turned into the tangent plane of a vertex along
 //! the smallest rotation of the normals, and averaged by the area that each
 //! face gives to the vertex (mixed; a third where a face is too thin for it).
-//! Source: \[rusinkiewicz2004\].
+//! Source: [rusinkiewicz2004].
+//!
+//! [rusinkiewicz2004]: https://doi.org/10.1109/TDPVT.2004.1335277
 
 use std::convert::Infallible;
 
@@ -55,6 +57,7 @@ struct FaceTensor {
 /// ([`MIN_HEIGHT_RATIO`](crate::MIN_HEIGHT_RATIO)), or with a corner without a
 /// normal, are ignored. Undefined at isolated vertices, where all faces are
 /// ignored, and where the normals cancel. Linear cost.
+#[doc(alias = "rusinkiewicz")]
 pub fn face_tensor_curvature(mesh: &TriMesh, options: FaceTensorOptions) -> CurvatureField {
     let Ok(field) = on_oriented(mesh, |mesh| Ok::<_, Infallible>(estimate(mesh, options)));
     field

@@ -118,7 +118,9 @@ impl CurvatureField {
 
     /// The shape index `s = 2/π arctan((κ₁ + κ₂) / (κ₁ − κ₂))` of each vertex:
     /// 1 for a cap, ½ for a ridge, 0 for a saddle, −½ for a rut, −1 for a cup.
-    /// `None` where undefined or flat (κ₁ = κ₂ = 0). Source: \[koenderink1992\].
+    /// `None` where undefined or flat (κ₁ = κ₂ = 0). Source: [koenderink1992].
+    ///
+    /// [koenderink1992]: https://doi.org/10.1016/0262-8856(92)90076-F
     pub fn shape_index(&self) -> Vec<Option<f64>> {
         (0..self.len())
             .map(|v| {
@@ -130,7 +132,9 @@ impl CurvatureField {
     }
 
     /// The curvedness `√((κ₁² + κ₂²) / 2)` of each vertex, in 1 / mesh units;
-    /// zero where undefined. Source: \[koenderink1992\].
+    /// zero where undefined. Source: [koenderink1992].
+    ///
+    /// [koenderink1992]: https://doi.org/10.1016/0262-8856(92)90076-F
     pub fn curvedness(&self) -> Vec<f64> {
         self.kappa1
             .iter()

@@ -35,7 +35,9 @@ use crate::normals::vertex_normals;
 /// # Ok::<(), fairing_operators::OperatorError>(())
 /// ```
 ///
-/// Source: \[meyer2003\].
+/// Source: [meyer2003].
+///
+/// [meyer2003]: https://doi.org/10.1007/978-3-662-05105-4_2
 pub fn laplacian_mean_curvature(
     mesh: &TriMesh,
     laplacian: &Laplacian,
@@ -70,7 +72,9 @@ pub fn laplacian_mean_curvature(
 ///
 /// [`OperatorError::Length`] for the Laplacian of another mesh.
 ///
-/// Source: \[meyer2003\].
+/// Source: [meyer2003].
+///
+/// [meyer2003]: https://doi.org/10.1007/978-3-662-05105-4_2
 pub fn laplacian_curvature(
     mesh: &TriMesh,
     laplacian: &Laplacian,

@@ -9,7 +9,10 @@
 //! (geodesic curvature). Written with e and f it sums to `2πχ` on every
 //! complex of triangles, manifold or not: each face takes part with 3π − π,
 //! each edge with −2π, each vertex with 2π. An isolated vertex has none.
-//! Source: \[meyer2003\], \[desbrun2008\].
+//! Source: [meyer2003], [desbrun2008].
+//!
+//! [meyer2003]: https://doi.org/10.1007/978-3-662-05105-4_2
+//! [desbrun2008]: https://doi.org/10.1007/978-3-7643-8621-4_16
 
 use fairing_mesh::TriMesh;
 use glam::DVec3;
@@ -30,7 +33,10 @@ use crate::mass::lumped_mass;
 /// have faces; isolated ones are zero. Defined on every mesh: where a face
 /// without area does not determine its angles, they are chosen to sum to π.
 ///
-/// Source: \[meyer2003\].
+/// Source: [meyer2003].
+///
+/// [meyer2003]: https://doi.org/10.1007/978-3-662-05105-4_2
+#[doc(alias("gaussian_curvature", "vertex_defects"))]
 pub fn angle_defect(mesh: &TriMesh) -> Vec<f64> {
     defects(mesh).into_iter().map(|(defect, _)| defect).collect()
 }
@@ -69,7 +75,10 @@ pub(crate) fn defects(mesh: &TriMesh) -> Vec<(f64, Links)> {
 ///
 /// As [`lumped_mass`]: never with [`LumpedArea::Barycentric`].
 ///
-/// Source: \[meyer2003\].
+/// Source: [meyer2003].
+///
+/// [meyer2003]: https://doi.org/10.1007/978-3-662-05105-4_2
+#[doc(alias = "vertexGaussianCurvature")]
 pub fn gaussian_curvature(
     mesh: &TriMesh,
     area: LumpedArea,

@@ -11,7 +11,9 @@
 //! derivatives have an error of order h^(d − 1): jets converge in the maximum
 //! norm on irregular meshes. Coordinates are along the principal axes of the
 //! neighbours, each in its own unit: long faces are fitted as well as round ones.
-//! Source: \[cazals2005\].
+//! Source: [cazals2005].
+//!
+//! [cazals2005]: https://doi.org/10.1016/j.cagd.2004.09.004
 
 use fairing_mesh::TriMesh;
 use fairing_parameters::{
@@ -122,6 +124,7 @@ fairing_parameters::options! {
 ///
 /// [`OperatorError::Option`] for a number of rings, a radius or a Gaussian width
 /// outside its range.
+#[doc(alias("jet_fitting", "monge_form"))]
 pub fn jet_curvature(mesh: &TriMesh, options: JetOptions) -> Result<CurvatureField, OperatorError> {
     options.check()?;
     let at = options.neighborhood;

@@ -66,10 +66,12 @@ impl MeanCurvature {
 /// A **length**, not a curvature: on a regular mesh it is ¼ ℓ² times the
 /// Laplacian for edges of length ℓ. It multiplies by s when the mesh is
 /// scaled by s. On irregular meshes it also sees the unevenness of the
-/// neighbours, tangentially. Source: \[taubin1995\].
+/// neighbours, tangentially. Source: [taubin1995].
 ///
 /// Undefined at isolated vertices, and where no normal tells the sign.
 /// Boundary vertices are computed one-sidedly and flagged.
+///
+/// [taubin1995]: https://doi.org/10.1145/218380.218473
 pub fn umbrella_mean_curvature(mesh: &TriMesh) -> MeanCurvature {
     let Ok(found) = on_oriented(mesh, |mesh| Ok::<_, Infallible>(umbrellas(mesh, false)));
     found
@@ -77,16 +79,18 @@ pub fn umbrella_mean_curvature(mesh: &TriMesh) -> MeanCurvature {
 
 /// The mean curvature of the umbrella times `4 / mean(ℓ²)` over the edges at
 /// the vertex, in 1 / mesh units: exact to leading order on regular rings, and
-/// comparable with the true value. Source: \[desbrun1999\].
+/// comparable with the true value. Source: [desbrun1999].
 ///
 /// Undefined and flagged where [`umbrella_mean_curvature`] is.
+///
+/// [desbrun1999]: https://doi.org/10.1145/311535.311576
 pub fn scaled_umbrella_mean_curvature(mesh: &TriMesh) -> MeanCurvature {
     let Ok(found) = on_oriented(mesh, |mesh| Ok::<_, Infallible>(umbrellas(mesh, true)));
     found
 }
 
 /// The pointwise mean curvature of `Δx = −M⁻¹ S x` with cotangent weights and
-/// the given area, in 1 / mesh units. Sources: \[pinkall1993\], \[meyer2003\].
+/// the given area, in 1 / mesh units. Sources: [pinkall1993], [meyer2003].
 ///
 /// Needs no matrix; [`laplacian_mean_curvature`](super::laplacian_mean_curvature)
 /// takes one of any kind, the robust one for instance.
@@ -99,6 +103,10 @@ pub fn scaled_umbrella_mean_curvature(mesh: &TriMesh) -> MeanCurvature {
 ///
 /// [`OperatorError::DegenerateFace`] for the first face too thin for its
 /// cotangents.
+///
+/// [pinkall1993]: https://doi.org/10.1080/10586458.1993.10504266
+/// [meyer2003]: https://doi.org/10.1007/978-3-662-05105-4_2
+#[doc(alias = "vertexMeanCurvature")]
 pub fn mean_curvature(mesh: &TriMesh, area: LumpedArea) -> Result<MeanCurvature, OperatorError> {
     on_oriented(mesh, |mesh| {
         check_faces(mesh)?;

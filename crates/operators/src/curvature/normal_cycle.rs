@@ -9,7 +9,9 @@
 //! A the area of the mesh inside the ball, both clipped exactly. Only the part
 //! connected to the vertex counts. Edges on the boundary, those with more than
 //! two faces, and those whose faces turn against each other do not bend.
-//! Source: \[cohensteiner2003\].
+//! Source: [cohensteiner2003].
+//!
+//! [cohensteiner2003]: https://doi.org/10.1145/777792.777839
 
 use fairing_mesh::TriMesh;
 use fairing_parameters::{Options, Range};
@@ -46,6 +48,7 @@ fairing_parameters::options! {
 /// # Errors
 ///
 /// [`OperatorError::Option`] for a radius that is not positive.
+#[doc(alias("curvature_tria", "curvature_tensor"))]
 pub fn normal_cycle_curvature(
     mesh: &TriMesh,
     options: NormalCycleOptions,

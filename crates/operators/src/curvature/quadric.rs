@@ -40,6 +40,7 @@ fairing_parameters::options! {
 /// # Errors
 ///
 /// [`OperatorError::Option`] for a number of rings or a radius outside its range.
+#[doc(alias = "principal_curvature")]
 pub fn quadric_curvature(
     mesh: &TriMesh,
     options: QuadricOptions,

@@ -10,7 +10,9 @@
 //! with A the barycentric area. H is half the trace. Cheap, signed, defined on
 //! every mesh; not convergent pointwise. Edges on the boundary, those with more
 //! than two faces, and those whose faces turn against each other do not bend.
-//! Source: \[sullivan2008\].
+//! Source: [sullivan2008].
+//!
+//! [sullivan2008]: https://doi.org/10.1007/978-3-7643-8621-4_9
 
 use std::convert::Infallible;
 

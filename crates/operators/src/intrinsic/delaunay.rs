@@ -2,7 +2,9 @@
 //!
 //! An edge is Delaunay where the angles opposite it sum to at most π, that is
 //! where cot α + cot β ≥ 0. Flipping the edges that are not ends in a
-//! triangulation where all are. Source: \[fisher2006\].
+//! triangulation where all are. Source: [fisher2006].
+//!
+//! [fisher2006]: https://doi.org/10.1007/s00607-007-0249-8
 
 use super::triangulation::{BORDER, Triangulation, after, area, before};
 

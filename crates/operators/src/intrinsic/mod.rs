@@ -5,7 +5,9 @@
 //! the *tufted cover* makes two glued sides of each face, so that every edge has
 //! two faces; edges are *flipped* in the intrinsic metric until they are
 //! Delaunay, so that no weight is negative. A flip changes neither the surface
-//! nor its exact operators. Source: \[sharp2020\].
+//! nor its exact operators. Source: [sharp2020].
+//!
+//! [sharp2020]: https://doi.org/10.1111/cgf.14069
 
 mod cover;
 mod delaunay;

@@ -1,6 +1,6 @@
 //! Lengths raised where triangles have no area.
 //!
-//! \[sharp2020\] adds one ε to all lengths, enough for the worst triangle. The
+//! [sharp2020] adds one ε to all lengths, enough for the worst triangle. The
 //! theory only needs the result of that: lengths, the same on both sides
 //! of an edge, with which every triangle has area. Any such lengths are a
 //! metric, with its own Delaunay triangulation and positive semi-definite
@@ -12,6 +12,8 @@
 //! slack joins the patch. Patches end at the first triangles that have slack to
 //! spare, and nothing is raised beyond. Where all triangles lack it, the patch
 //! is the mesh, and the lengths are those of the source.
+//!
+//! [sharp2020]: https://doi.org/10.1111/cgf.14069
 
 use super::triangulation::{BORDER, Triangulation};
 

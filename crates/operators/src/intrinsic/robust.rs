@@ -15,7 +15,9 @@ use crate::error::OperatorError;
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 pub enum Cover {
     /// Two sides of each face, glued around each edge: any mesh. Source:
-    /// \[sharp2020\].
+    /// [sharp2020].
+    ///
+    /// [sharp2020]: https://doi.org/10.1111/cgf.14069
     Tufted,
     /// The faces as they are; every edge must have one face, or two with the
     /// same orientation. The boundary is kept; half the work.
@@ -103,7 +105,10 @@ pub struct IntrinsicFaces {
 /// [`Cover::Single`]; [`OperatorError::DegenerateFace`] if mollification is
 /// too weak, zero for instance; [`OperatorError::Option`] if it is negative.
 ///
-/// Source: \[sharp2020\].
+/// Source: [sharp2020].
+///
+/// [sharp2020]: https://doi.org/10.1111/cgf.14069
+#[doc(alias("intrinsic_delaunay_cotmatrix", "mesh_laplacian", "tufted_laplacian"))]
 pub fn robust_laplacian(
     mesh: &TriMesh,
     options: RobustOptions,

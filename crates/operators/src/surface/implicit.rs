@@ -19,7 +19,9 @@ pub trait ImplicitSurface {
     /// II(x, y) = xᵀ (∇²f) y / ‖∇f‖    for tangents x, y
     /// ```
     ///
-    /// `None` where the gradient vanishes. Source: \[goldman2005\].
+    /// `None` where the gradient vanishes. Source: [goldman2005].
+    ///
+    /// [goldman2005]: https://doi.org/10.1016/j.cagd.2005.06.005
     fn curvature(&self, p: [f64; 3]) -> Option<PointCurvature> {
         let gradient = DVec3::from(self.gradient(p));
         let length = gradient.length();

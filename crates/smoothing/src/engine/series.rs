@@ -10,12 +10,14 @@
 //!
 //! A series is computed from samples of `g`, and their number follows from an error bound: if
 //! `|g| ≤ M` on the Bernstein ellipse of parameter ρ, the polynomial through n Chebyshev points is
-//! within `4 M ρ^(1 − n)/(ρ − 1)` of g on the whole interval (\[trefethen2013\], theorem 8.2);
+//! within `4 M ρ^(1 − n)/(ρ − 1)` of g on the whole interval ([trefethen2013], theorem 8.2);
 //! polynomials of degree below n are reproduced exactly. The series is then truncated where the
 //! dropped coefficients sum to less than [`TOLERANCE`], and the constant term absorbs the change at
 //! μ = 0, so that the centroid of every component is preserved. `L` is symmetric in the inner
 //! product of the mass, so the result differs from exact stepping by at most 2.1 [`TOLERANCE`]
 //! times the norm of `x` about its mean. Source: \[druskin1989\].
+//!
+//! [trefethen2013]: https://doi.org/10.1137/1.9781611975949
 
 use fairing_sparse::{ChebyshevSeries, GraphLaplacian};
 

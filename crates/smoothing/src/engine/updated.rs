@@ -27,7 +27,9 @@ pub enum Update {
     #[default]
     Never,
     /// The mass: conformalised mean curvature flow without its normalisation. Source:
-    /// \[kazhdan2012\].
+    /// [kazhdan2012].
+    ///
+    /// [kazhdan2012]: https://doi.org/10.1111/j.1467-8659.2012.03179.x
     Mass,
     /// Mass and stiffness: mean curvature flow.
     Both,

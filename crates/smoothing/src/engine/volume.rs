@@ -15,7 +15,9 @@ pub enum Volume {
     #[default]
     Drifts,
     /// Restored after each step by scaling about the centroid of the volume. Source:
-    /// \[desbrun1999\].
+    /// [desbrun1999].
+    ///
+    /// [desbrun1999]: https://doi.org/10.1145/311535.311576
     Rescaled,
     /// Restored after each step by moving all vertices by the same distance along their normals.
     /// Local: parts that have not shrunk hardly change.

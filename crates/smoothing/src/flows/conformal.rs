@@ -62,7 +62,10 @@ fairing_parameters::options! {
 /// # Ok::<(), fairing_smoothing::FlowError>(())
 /// ```
 ///
-/// Source: \[kazhdan2012\].
+/// Source: [kazhdan2012].
+///
+/// [kazhdan2012]: https://doi.org/10.1111/j.1467-8659.2012.03179.x
+#[doc(alias("cmcf", "tria_mean_curvature_flow"))]
 pub fn conformalized_mean_curvature_flow(
     mesh: &TriMesh,
     options: &ConformalizedMcf,

@@ -83,7 +83,11 @@ impl Explicit {
 /// # Ok::<(), fairing_smoothing::FlowError>(())
 /// ```
 ///
-/// Source: \[taubin1995\], \[desbrun1999\].
+/// Source: [taubin1995], [desbrun1999].
+///
+/// [taubin1995]: https://doi.org/10.1145/218380.218473
+/// [desbrun1999]: https://doi.org/10.1145/311535.311576
+#[doc(alias("explicit_smoothing", "filter_laplacian", "laplacian_smoothing"))]
 pub fn explicit(
     mesh: &TriMesh,
     options: &Explicit,

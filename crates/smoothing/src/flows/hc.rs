@@ -75,7 +75,10 @@ const LARGE_ENOUGH: &str = "so large that no mode grows, as every beta of at lea
 /// # Ok::<(), fairing_smoothing::FlowError>(())
 /// ```
 ///
-/// Source: \[vollmer1999\].
+/// Source: [vollmer1999].
+///
+/// [vollmer1999]: https://doi.org/10.1111/1467-8659.00334
+#[doc(alias = "filter_humphrey")]
 pub fn hc(
     mesh: &TriMesh,
     options: &Hc,

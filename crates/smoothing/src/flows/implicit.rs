@@ -96,7 +96,10 @@ impl Implicit {
 /// # Ok::<(), fairing_smoothing::FlowError>(())
 /// ```
 ///
-/// Source: \[desbrun1999\].
+/// Source: [desbrun1999].
+///
+/// [desbrun1999]: https://doi.org/10.1145/311535.311576
+#[doc(alias("implicit_fairing", "implicit_smoothing"))]
 pub fn implicit(
     mesh: &TriMesh,
     options: &Implicit,

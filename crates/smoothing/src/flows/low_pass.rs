@@ -168,7 +168,9 @@ impl LowPass {
 /// # Ok::<(), fairing_smoothing::FlowError>(())
 /// ```
 ///
-/// Source: \[vallet2008\].
+/// Source: [vallet2008].
+///
+/// [vallet2008]: https://doi.org/10.1111/j.1467-8659.2008.01122.x
 pub fn low_pass(mesh: &TriMesh, options: &LowPass) -> Result<Smoothed, FlowError> {
     options.check().map_err(|error| FlowFailure::from(error).before(mesh))?;
     if let Transfer::Modes(k) = options.transfer {

@@ -82,7 +82,10 @@ impl FairRegion {
 /// # Ok::<(), fairing_smoothing::FlowError>(())
 /// ```
 ///
-/// Source: \[botsch2004\].
+/// Source: [botsch2004].
+///
+/// [botsch2004]: https://www.graphics.rwth-aachen.de/media/papers/modeling1.pdf
+#[doc(alias("minimize_area", "minimize_curvature"))]
 pub fn fair_region(mesh: &TriMesh, options: &FairRegion) -> Result<Smoothed, FlowError> {
     let (solved, too_thin) = solve(mesh, options).map_err(|failure| failure.before(mesh))?;
     let approach = Approach::Cholesky { factorisations: 1 };

@@ -58,7 +58,9 @@ fairing_parameters::options! {
 /// # Ok::<(), fairing_smoothing::FlowError>(())
 /// ```
 ///
-/// Source: \[fujiwara1995\], \[desbrun1999\].
+/// Source: \[fujiwara1995\], [desbrun1999].
+///
+/// [desbrun1999]: https://doi.org/10.1145/311535.311576
 pub fn scale_dependent(
     mesh: &TriMesh,
     options: &ScaleDependent,

@@ -96,7 +96,10 @@ impl Taubin {
 /// # Ok::<(), fairing_smoothing::FlowError>(())
 /// ```
 ///
-/// Source: \[taubin1995\].
+/// Source: [taubin1995].
+///
+/// [taubin1995]: https://doi.org/10.1145/218380.218473
+#[doc(alias = "filter_taubin")]
 pub fn taubin(
     mesh: &TriMesh,
     options: &Taubin,

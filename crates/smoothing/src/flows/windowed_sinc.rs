@@ -91,6 +91,7 @@ fairing_parameters::options! {
 /// ```
 ///
 /// Source: \[taubin1996\].
+#[doc(alias = "vtkWindowedSincPolyDataFilter")]
 pub fn windowed_sinc(mesh: &TriMesh, options: &WindowedSinc) -> Result<Smoothed, FlowError> {
     let WindowedSinc { pass_band, degree, window, .. } = *options;
     options.check().map_err(|error| FlowFailure::from(error).before(mesh))?;

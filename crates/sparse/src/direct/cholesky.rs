@@ -252,6 +252,7 @@ fn unscale(values: &mut [f64], root: i32) {
 }
 
 /// A factorised symmetric positive definite matrix, A = L Lᵀ.
+#[doc(alias("SimplicialLLT", "llt"))]
 #[derive(Debug, Clone)]
 pub struct Cholesky {
     factor: Factor,

@@ -6,7 +6,9 @@
 //! fewest edges cross near the median, and the separator is a minimum vertex cover of the cut edges
 //! (König's theorem). Pieces below [`LEAF`] nodes are ordered by minimum degree.
 //!
-//! Source: \[george1973\], \[harel2002\].
+//! Source: [george1973], \[harel2002\].
+//!
+//! [george1973]: https://doi.org/10.1137/0710032
 
 use std::ops::Range;
 

@@ -78,7 +78,9 @@ pub(crate) fn postordered(rows: Rows<'_>, order: &[u32], inverse: &[u32]) -> Vec
 }
 
 /// Parents in the elimination tree of the permuted matrix, `u32::MAX` at roots. Liu's algorithm
-/// with path compression, almost linear in the number of entries. Source: \[liu1990\].
+/// with path compression, almost linear in the number of entries. Source: [liu1990].
+///
+/// [liu1990]: https://doi.org/10.1137/0611010
 fn elimination_tree(rows: Rows<'_>, order: &[u32], inverse: &[u32]) -> Vec<u32> {
     let n = order.len();
     let mut parent = vec![u32::MAX; n];

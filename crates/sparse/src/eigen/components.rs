@@ -47,6 +47,7 @@ const MARGIN: f64 = 0.04;
 /// assert!((pairs.values[1] - 2.0).abs() < 1e-14);
 /// # Ok::<(), fairing_sparse::SparseError>(())
 /// ```
+#[doc(alias("eigs", "eigsh"))]
 pub fn smallest_eigenpairs(
     stiffness: &SparseMatrix,
     mass: Mass<'_>,

@@ -8,7 +8,10 @@
 //!
 //! Ritz residuals are those of S φ = λ M φ in the M⁻¹ norm, without forming Ritz vectors: for a
 //! Ritz pair (θ, V y) of A = (S − σM)⁻¹ M, A V y − θ V y = Q z and therefore S φ − λ M φ = −(S −
-//! σM) Q z / θ. Source: \[grimes1994\], \[wu2000\].
+//! σM) Q z / θ. Source: [grimes1994], [wu2000].
+//!
+//! [grimes1994]: https://doi.org/10.1137/S0895479888151111
+//! [wu2000]: https://doi.org/10.1137/S0895479898334605
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;

@@ -3,7 +3,10 @@
 //!
 //! S is symmetric positive semi-definite, M a lumped or consistent mass. Large problems use block
 //! Lanczos on (S − σM)⁻¹ M with full orthogonalisation and thick restart, in slices of the spectrum
-//! for many pairs; small problems use a dense decomposition. Source: \[grimes1994\], \[wu2000\].
+//! for many pairs; small problems use a dense decomposition. Source: [grimes1994], [wu2000].
+//!
+//! [grimes1994]: https://doi.org/10.1137/S0895479888151111
+//! [wu2000]: https://doi.org/10.1137/S0895479898334605
 
 mod basis;
 mod certificate;

@@ -30,6 +30,8 @@ pub(super) const FORMAT: Row = Row {
         colors: true,
         normals: false,
         fields: false,
+        face_fields: false,
+        texture: false,
         binary: false,
         float_widths: false,
     },

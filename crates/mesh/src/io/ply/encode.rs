@@ -3,23 +3,19 @@
 use rayon::prelude::*;
 
 use crate::io::error::WriteProblem;
+use crate::io::fields::Attributes;
 use crate::io::number::{put_float, put_integer};
-use crate::io::ply::layout::property_names;
+use crate::io::ply::header::name_of;
+use crate::io::ply::layout::{INDICES, TEXTURE, field_names, vertex_names};
 use crate::io::surface::{Encoded, Faces, Surface, face_lines, lines};
-use crate::io::{Encoding, FloatWidth, VertexFields, WriteOptions};
+use crate::io::{Encoding, FloatWidth, NumberType, WriteOptions};
 
-/// The values of one property group and their width in the file.
+/// The values of one property group and their type in the file.
 #[derive(Clone, Copy)]
 enum Column<'a> {
-    Scalar(&'a [f64], Width),
-    Vector(&'a [[f64; 3]], Width),
+    Scalar(&'a [f64], NumberType),
+    Vector(&'a [[f64; 3]], NumberType),
     Color(&'a [[u8; 3]]),
-}
-
-#[derive(Clone, Copy, PartialEq)]
-enum Width {
-    Single,
-    Double,
 }
 
 impl Column<'_> {
@@ -27,147 +23,230 @@ impl Column<'_> {
         if matches!(self, Self::Scalar(..)) { 1 } else { 3 }
     }
 
-    fn type_name(self) -> &'static str {
+    fn number_type(self) -> NumberType {
         match self {
-            Self::Color(_) => "uchar",
-            Self::Scalar(_, Width::Single) | Self::Vector(_, Width::Single) => "float",
-            Self::Scalar(_, Width::Double) | Self::Vector(_, Width::Double) => "double",
+            Self::Color(_) => NumberType::U8,
+            Self::Scalar(_, number) | Self::Vector(_, number) => number,
         }
     }
 
-    /// The number of bytes per vertex.
+    /// The number of bytes per element.
     fn size(self) -> usize {
-        self.components()
-            * match self.type_name() {
-                "uchar" => 1,
-                "float" => 4,
-                _ => 8,
-            }
+        self.components() * self.number_type().size()
     }
 
-    fn put(self, vertex: usize, bytes: &mut [u8]) {
+    fn put(self, element: usize, bytes: &mut [u8]) {
         match self {
-            Self::Scalar(values, width) => put_floats(&[values[vertex]], width, bytes),
-            Self::Vector(values, width) => put_floats(&values[vertex], width, bytes),
-            Self::Color(values) => bytes.copy_from_slice(&values[vertex]),
+            Self::Scalar(values, number) => number.put(&[values[element]], bytes),
+            Self::Vector(values, number) => number.put(&values[element], bytes),
+            Self::Color(values) => bytes.copy_from_slice(&values[element]),
         }
     }
 
-    fn write(self, vertex: usize, text: &mut Vec<u8>) {
-        let mut put = |x: f64, width| {
-            // The shortest decimal of the rounded number.
-            let x = if width == Width::Single { f64::from(x as f32) } else { x };
-            put_float(text, x);
-            text.push(b' ');
-        };
+    /// Appends the numbers of an element with a space before each.
+    fn write(self, element: usize, text: &mut Vec<u8>) {
         match self {
-            Self::Scalar(values, width) => put(values[vertex], width),
-            Self::Vector(values, width) => values[vertex].into_iter().for_each(|x| put(x, width)),
+            Self::Scalar(values, number) => put_text(&[values[element]], number, text),
+            Self::Vector(values, number) => put_text(&values[element], number, text),
             Self::Color(values) => {
-                for c in values[vertex] {
-                    put_integer(text, u64::from(c));
+                for c in values[element] {
                     text.push(b' ');
+                    put_integer(text, u64::from(c));
                 }
             }
         }
     }
 }
 
-#[inline]
-fn put_floats(values: &[f64], width: Width, bytes: &mut [u8]) {
-    match width {
-        Width::Single => {
-            let words = bytes.as_chunks_mut().0;
-            words.iter_mut().zip(values).for_each(|(word, &x)| *word = (x as f32).to_le_bytes());
-        }
-        Width::Double => {
-            let words = bytes.as_chunks_mut().0;
-            words.iter_mut().zip(values).for_each(|(word, &x)| *word = x.to_le_bytes());
-        }
+/// Appends numbers with a space before each; those of 32 bits as the shortest decimal of the
+/// rounded number.
+fn put_text(values: &[f64], number: NumberType, text: &mut Vec<u8>) {
+    for &x in values {
+        text.push(b' ');
+        put_float(text, if number == NumberType::F32 { f64::from(x as f32) } else { x });
     }
+}
+
+/// The lists of a face and its other columns.
+struct FaceColumns<'a> {
+    /// The texture coordinates with the place of the first corner of each face.
+    texture: Option<(&'a [[f64; 2]], NumberType, Vec<usize>)>,
+    columns: Vec<Column<'a>>,
+    /// True if a byte counts the numbers of each list.
+    short_lists: bool,
 }
 
 pub(super) fn encode(
     surface: Surface<'_>,
     options: &WriteOptions,
 ) -> Result<Encoded, WriteProblem> {
-    let columns = columns(surface.positions, surface.fields, options.float_width)?;
-    let short_lists = match surface.faces {
-        Faces::Triangles(_) => true,
-        Faces::Polygons(mesh) => mesh.polygons().all(|polygon| polygon.len() <= 255),
-    };
-    let header = header(surface, &columns, options.encoding, short_lists);
-    let pieces = match options.encoding {
+    let mut vertices = vec![Column::Vector(
+        surface.positions,
+        width_of("the positions", surface.positions.as_flattened(), None, options.float_width)?,
+    )];
+    vertices.extend(columns(surface.fields.into(), options.float_width)?);
+    let faces = face_columns(surface, options.float_width)?;
+    let header = header(surface, &vertices, &faces, options.encoding);
+    let mut pieces = vec![header];
+    match options.encoding {
         Encoding::Ascii => {
-            let mut pieces = vec![header];
             pieces.extend(lines(surface.positions.len(), 64, |v, text| {
-                columns.iter().for_each(|column| column.write(v, text));
-                text.pop();
+                let start = text.len();
+                vertices.iter().for_each(|column| column.write(v, text));
+                text.remove(start);
                 text.push(b'\n');
             }));
-            pieces.extend(face_lines(surface.faces));
-            pieces
+            pieces.extend(face_lines(surface.faces, |f, text| faces.write(f, text)));
         }
-        Encoding::Binary => vec![header, rows(surface, &columns), face_rows(surface, short_lists)],
-    };
+        Encoding::Binary => {
+            pieces.push(rows(surface, &vertices));
+            pieces.extend(face_rows(surface.faces, &faces));
+        }
+    }
     Ok(Encoded { pieces, notes: vec![] })
 }
 
-fn columns<'a>(
-    positions: &'a [[f64; 3]],
-    fields: &'a VertexFields,
-    width: FloatWidth,
-) -> Result<Vec<Column<'a>>, WriteProblem> {
-    let width_of = |name: &str, values: &[f64]| match width {
-        FloatWidth::Double => Ok(Width::Double),
-        FloatWidth::Lossless => {
-            let exact = |x: &f64| f64::from(*x as f32) == *x;
-            let all = values.par_iter().with_min_len(1 << 14).all(exact);
-            Ok(if all { Width::Single } else { Width::Double })
+impl FaceColumns<'_> {
+    /// Texture coordinates of a face, if there are any.
+    fn texture(&self, face: usize) -> Option<(&[f64], NumberType)> {
+        let (all, number, starts) = self.texture.as_ref()?;
+        Some((all[starts[face]..starts[face + 1]].as_flattened(), *number))
+    }
+
+    /// Appends what follows the corners in a line of text.
+    fn write(&self, face: usize, text: &mut Vec<u8>) {
+        if let Some((texture, number)) = self.texture(face) {
+            text.push(b' ');
+            put_integer(text, texture.len() as u64);
+            put_text(texture, number, text);
         }
+        self.columns.iter().for_each(|column| column.write(face, text));
+    }
+
+    /// Appends the length of a list.
+    fn put_length(&self, length: usize, bytes: &mut Vec<u8>) {
+        if self.short_lists {
+            bytes.push(length as u8);
+        } else {
+            bytes.extend((length as u32).to_le_bytes());
+        }
+    }
+
+    /// Appends what follows the corners in a row of bytes.
+    fn put(&self, face: usize, bytes: &mut Vec<u8>) {
+        if let Some((texture, number)) = self.texture(face) {
+            self.put_length(texture.len(), bytes);
+            put_number(bytes, number.size() * texture.len(), |room| number.put(texture, room));
+        }
+        for column in &self.columns {
+            put_number(bytes, column.size(), |room| column.put(face, room));
+        }
+    }
+}
+
+/// Appends `size` bytes that `put` fills.
+fn put_number(bytes: &mut Vec<u8>, size: usize, put: impl FnOnce(&mut [u8])) {
+    let start = bytes.len();
+    bytes.resize(start + size, 0);
+    put(&mut bytes[start..]);
+}
+
+fn face_columns(surface: Surface<'_>, width: FloatWidth) -> Result<FaceColumns<'_>, WriteProblem> {
+    let (faces, fields) = (surface.faces, &surface.fields.faces);
+    let most = (0..faces.len()).map(|f| faces.face(f).len()).max().unwrap_or(0);
+    let texture = match &fields.texture {
+        None => None,
+        Some(all) => {
+            let kept = fields.types.get(TEXTURE).copied();
+            let number = width_of("the texture coordinates", all.as_flattened(), kept, width)?;
+            let mut starts = vec![0];
+            let mut end = 0;
+            starts.extend((0..faces.len()).map(|f| {
+                end += faces.face(f).len();
+                end
+            }));
+            Some((&all[..], number, starts))
+        }
+    };
+    let short_lists = most * if texture.is_some() { 2 } else { 1 } <= 255;
+    Ok(FaceColumns { texture, columns: columns(fields.into(), width)?, short_lists })
+}
+
+/// The type of the numbers of a property group: the kept one if it holds them all, otherwise
+/// one of floating-point numbers.
+fn width_of(
+    name: &str,
+    values: &[f64],
+    kept: Option<NumberType>,
+    width: FloatWidth,
+) -> Result<NumberType, WriteProblem> {
+    let holds =
+        |number: NumberType| values.par_iter().with_min_len(1 << 14).all(|&x| number.holds(x));
+    if let Some(kept) = kept
+        && (kept.is_integer() || width == FloatWidth::Lossless)
+        && holds(kept)
+    {
+        return Ok(kept);
+    }
+    match width {
+        FloatWidth::Double => Ok(NumberType::F64),
+        FloatWidth::Lossless if holds(NumberType::F32) => Ok(NumberType::F32),
+        FloatWidth::Lossless => Ok(NumberType::F64),
         FloatWidth::Single => match values.iter().find(|x| (**x as f32).is_infinite()) {
-            None => Ok(Width::Single),
+            None => Ok(NumberType::F32),
             Some(x) => Err(WriteProblem::UnsupportedMesh {
                 format: "PLY",
                 what: format!("{x:e} in {name} as a 32-bit number"),
             }),
         },
-    };
-    let mut columns =
-        vec![Column::Vector(positions, width_of("the positions", positions.as_flattened())?)];
-    for (name, values) in &fields.scalars {
-        columns.push(Column::Scalar(values, width_of(name, values)?));
     }
-    for (name, values) in &fields.vectors {
-        columns.push(Column::Vector(values, width_of(name, values.as_flattened())?));
+}
+
+fn columns(fields: Attributes<'_>, width: FloatWidth) -> Result<Vec<Column<'_>>, WriteProblem> {
+    let kept = |name: &str| fields.types.get(name).copied();
+    let mut columns = Vec::new();
+    for (name, values) in fields.scalars {
+        columns.push(Column::Scalar(values, width_of(name, values, kept(name), width)?));
     }
-    columns.extend(fields.colors.as_deref().map(Column::Color));
+    for (name, values) in fields.vectors {
+        let number = width_of(name, values.as_flattened(), kept(name), width)?;
+        columns.push(Column::Vector(values, number));
+    }
+    columns.extend(fields.colors.map(Column::Color));
     Ok(columns)
 }
 
 fn header(
     surface: Surface<'_>,
-    columns: &[Column<'_>],
+    vertices: &[Column<'_>],
+    faces: &FaceColumns<'_>,
     encoding: Encoding,
-    short_lists: bool,
 ) -> Vec<u8> {
     let encoding = match encoding {
         Encoding::Ascii => "ascii",
         Encoding::Binary => "binary_little_endian",
     };
-    let vertices = surface.positions.len();
-    let mut text = format!("ply\nformat {encoding} 1.0\nelement vertex {vertices}\n");
-    let mut names = property_names(surface.fields).into_iter();
-    for column in columns {
-        for name in names.by_ref().take(column.components()) {
-            text.push_str(&format!("property {} {name}\n", column.type_name()));
+    let vertex_count = surface.positions.len();
+    let mut text = format!("ply\nformat {encoding} 1.0\nelement vertex {vertex_count}\n");
+    let properties = |text: &mut String, columns: &[Column<'_>], names: Vec<String>| {
+        let mut names = names.into_iter();
+        for column in columns {
+            for name in names.by_ref().take(column.components()) {
+                text.push_str(&format!("property {} {name}\n", name_of(column.number_type())));
+            }
         }
-    }
-    let count = if short_lists { "uchar" } else { "uint" };
+    };
+    properties(&mut text, vertices, vertex_names(surface.fields));
+    let count = if faces.short_lists { "uchar" } else { "uint" };
     // Old readers support signed indices only.
-    let index = if i32::try_from(vertices).is_ok() { "int" } else { "uint" };
+    let index = if i32::try_from(vertex_count).is_ok() { "int" } else { "uint" };
     text.push_str(&format!("element face {}\n", surface.faces.len()));
-    text.push_str(&format!("property list {count} {index} vertex_indices\nend_header\n"));
+    text.push_str(&format!("property list {count} {index} {}\n", INDICES[0]));
+    if let Some((_, number, _)) = faces.texture {
+        text.push_str(&format!("property list {count} {} {TEXTURE}\n", name_of(number)));
+    }
+    properties(&mut text, &faces.columns, field_names((&surface.fields.faces).into()));
+    text.push_str("end_header\n");
     text.into_bytes()
 }
 
@@ -189,30 +268,23 @@ fn rows(surface: Surface<'_>, columns: &[Column<'_>]) -> Vec<u8> {
     bytes
 }
 
-fn face_rows(surface: Surface<'_>, short_lists: bool) -> Vec<u8> {
-    match surface.faces {
-        Faces::Triangles(faces) => {
-            let mut bytes = vec![0; 13 * faces.len()];
-            bytes.par_chunks_exact_mut(13).with_min_len(1 << 13).zip(faces).for_each(
-                |(row, face)| {
-                    row[0] = 3;
-                    let words = row[1..].as_chunks_mut().0;
-                    words.iter_mut().zip(face).for_each(|(word, v)| *word = v.to_le_bytes());
-                },
-            );
-            bytes
-        }
-        Faces::Polygons(mesh) => {
-            let mut bytes = Vec::new();
-            for face in mesh.polygons() {
-                if short_lists {
-                    bytes.push(face.len() as u8);
-                } else {
-                    bytes.extend((face.len() as u32).to_le_bytes());
-                }
-                face.iter().for_each(|v| bytes.extend(v.to_le_bytes()));
-            }
-            bytes
-        }
+fn face_rows(all: Faces<'_>, columns: &FaceColumns<'_>) -> Vec<Vec<u8>> {
+    if let Faces::Triangles(faces) = all
+        && columns.columns.is_empty()
+        && columns.texture.is_none()
+    {
+        let mut bytes = vec![0; 13 * faces.len()];
+        bytes.par_chunks_exact_mut(13).with_min_len(1 << 13).zip(faces).for_each(|(row, face)| {
+            row[0] = 3;
+            let words = row[1..].as_chunks_mut().0;
+            words.iter_mut().zip(face).for_each(|(word, v)| *word = v.to_le_bytes());
+        });
+        return vec![bytes];
     }
+    lines(all.len(), 32, |f, bytes| {
+        let face = all.face(f);
+        columns.put_length(face.len(), bytes);
+        face.iter().for_each(|v| bytes.extend(v.to_le_bytes()));
+        columns.put(f, bytes);
+    })
 }

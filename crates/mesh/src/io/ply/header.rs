@@ -1,5 +1,6 @@
 //! The header of a PLY file.
 
+use crate::io::NumberType;
 use crate::io::error::{Fault, Place, ReadProblem, unexpected};
 use crate::io::text::shown;
 
@@ -11,54 +12,40 @@ pub(super) enum Body {
     BigEndian,
 }
 
-/// The type of a number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Scalar {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    F32,
-    F64,
+/// The type of this name.
+fn type_of(name: &[u8]) -> Option<NumberType> {
+    Some(match name {
+        b"char" | b"int8" => NumberType::I8,
+        b"uchar" | b"uint8" => NumberType::U8,
+        b"short" | b"int16" => NumberType::I16,
+        b"ushort" | b"uint16" => NumberType::U16,
+        b"int" | b"int32" => NumberType::I32,
+        b"uint" | b"uint32" => NumberType::U32,
+        b"float" | b"float32" => NumberType::F32,
+        b"double" | b"float64" => NumberType::F64,
+        _ => return None,
+    })
 }
 
-impl Scalar {
-    fn from_name(name: &[u8]) -> Option<Self> {
-        Some(match name {
-            b"char" | b"int8" => Self::I8,
-            b"uchar" | b"uint8" => Self::U8,
-            b"short" | b"int16" => Self::I16,
-            b"ushort" | b"uint16" => Self::U16,
-            b"int" | b"int32" => Self::I32,
-            b"uint" | b"uint32" => Self::U32,
-            b"float" | b"float32" => Self::F32,
-            b"double" | b"float64" => Self::F64,
-            _ => return None,
-        })
-    }
-
-    /// The number of bytes in a binary body.
-    pub(super) fn size(self) -> usize {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::F64 => 8,
-        }
-    }
-
-    pub(super) fn is_integer(self) -> bool {
-        !matches!(self, Self::F32 | Self::F64)
+/// The usual name of a type.
+pub(super) fn name_of(number: NumberType) -> &'static str {
+    match number {
+        NumberType::I8 => "char",
+        NumberType::U8 => "uchar",
+        NumberType::I16 => "short",
+        NumberType::U16 => "ushort",
+        NumberType::I32 => "int",
+        NumberType::U32 => "uint",
+        NumberType::F32 => "float",
+        NumberType::F64 => "double",
     }
 }
 
 /// The values of a property.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
-    Scalar(Scalar),
-    List { count: Scalar, item: Scalar },
+    Scalar(NumberType),
+    List { count: NumberType, item: NumberType },
 }
 
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -233,10 +220,10 @@ fn add_property(
 fn property(words: &[&[u8]]) -> Option<Property> {
     let (kind, name) = match words {
         [b"list", count, item, name] => {
-            let count = Scalar::from_name(count).filter(|count| count.is_integer())?;
-            (Kind::List { count, item: Scalar::from_name(item)? }, name)
+            let count = type_of(count).filter(|count| count.is_integer())?;
+            (Kind::List { count, item: type_of(item)? }, name)
         }
-        [scalar, name] => (Kind::Scalar(Scalar::from_name(scalar)?), name),
+        [scalar, name] => (Kind::Scalar(type_of(scalar)?), name),
         _ => return None,
     };
     Some(Property { name: String::from_utf8_lossy(name).into_owned(), kind })

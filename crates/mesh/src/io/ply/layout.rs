@@ -1,6 +1,7 @@
 //! Grouping of vertex properties into positions, colours, vectors and scalars.
 
-use crate::io::VertexFields;
+use crate::io::fields::Attributes;
+use crate::io::{FaceFields, VertexFields};
 
 /// The name and type of a property.
 pub(crate) struct Column<'a> {
@@ -23,13 +24,22 @@ impl Layout {
     /// `name_y`, `name_z` the vector `name`, if adjacent and in this order. All
     /// others are scalars. Reader and writer share the rule, so that fields are
     /// read back as they were written.
-    pub(crate) fn new(columns: &[Column<'_>]) -> Self {
+    pub(crate) fn of_vertices(columns: &[Column<'_>]) -> Self {
+        Self::new(columns, true)
+    }
+
+    /// [`of_vertices`](Self::of_vertices) for faces, which have no position.
+    pub(crate) fn of_faces(columns: &[Column<'_>]) -> Self {
+        Self::new(columns, false)
+    }
+
+    fn new(columns: &[Column<'_>], positions: bool) -> Self {
         let find = |name: &str| columns.iter().position(|column| column.name == name);
         let all = |names: [&str; 3]| {
             let [a, b, c] = names.map(find);
             Some([a?, b?, c?])
         };
-        let position = all(["x", "y", "z"]);
+        let position = all(["x", "y", "z"]).filter(|_| positions);
         let bytes = |three: &[usize; 3]| three.iter().all(|&k| columns[k].is_byte);
         let colors = all(["red", "green", "blue"]).filter(bytes);
         let mut layout = Self { position, colors, vectors: vec![], scalars: vec![] };
@@ -75,9 +85,30 @@ pub(crate) fn component_names(vector: &str) -> [String; 3] {
 
 /// The names of the vertex properties of a PLY file, in the order of the encoder:
 /// position, scalars, vectors, colours.
-pub(crate) fn property_names(fields: &VertexFields) -> Vec<String> {
+pub(crate) fn vertex_names(fields: &VertexFields) -> Vec<String> {
     let mut names = ["x", "y", "z"].map(str::to_owned).to_vec();
-    names.extend(fields.scalars.iter().map(|(name, _)| name.clone()));
+    names.extend(field_names(fields.into()));
+    names
+}
+
+/// The name of the list that holds the texture coordinates of the corners of a face.
+pub(crate) const TEXTURE: &str = "texcoord";
+
+/// The names of the lists that hold the corners of a face.
+pub(crate) const INDICES: [&str; 2] = ["vertex_indices", "vertex_index"];
+
+/// The names of the face properties of a PLY file, in the order of the encoder: corners,
+/// texture coordinates, scalars, vectors, colours.
+pub(crate) fn face_names(fields: &FaceFields) -> Vec<String> {
+    let mut names = INDICES.map(str::to_owned).to_vec();
+    names.extend(fields.texture.iter().map(|_| TEXTURE.to_owned()));
+    names.extend(field_names(fields.into()));
+    names
+}
+
+/// The names of the properties of fields.
+pub(crate) fn field_names(fields: Attributes<'_>) -> Vec<String> {
+    let mut names: Vec<String> = fields.scalars.iter().map(|(name, _)| name.clone()).collect();
     names.extend(fields.vectors.iter().flat_map(|(name, _)| component_names(name)));
     if fields.colors.is_some() {
         names.extend(["red", "green", "blue"].map(str::to_owned));
@@ -92,7 +123,7 @@ mod tests {
     fn layout(names: &str) -> Layout {
         let columns: Vec<_> =
             names.split(' ').map(|name| Column { name, is_byte: name != "blue" }).collect();
-        Layout::new(&columns)
+        Layout::of_vertices(&columns)
     }
 
     #[test]

@@ -1,9 +1,10 @@
 //! PLY, the Stanford polygon format: text, and binary of either byte order.
 //!
 //! Elements and properties may have any order and any type. Scalar properties of
-//! vertices become fields; faces are the lists `vertex_indices` (or
+//! vertices and faces become fields, which keep their types; faces are the lists `vertex_indices` (or
 //! `vertex_index`) of the element `face`, or the strips of `tristrips`.
 
+mod columns;
 mod encode;
 mod faces;
 mod header;
@@ -30,6 +31,8 @@ pub(super) const FORMAT: Row = Row {
         colors: true,
         normals: true,
         fields: true,
+        face_fields: true,
+        texture: true,
         binary: true,
         float_widths: true,
     },

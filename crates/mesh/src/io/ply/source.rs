@@ -2,20 +2,21 @@
 
 use rayon::prelude::*;
 
+use crate::io::NumberType;
 use crate::io::error::{Fault, Place, ReadProblem, unexpected};
-use crate::io::ply::header::{Element, Scalar};
+use crate::io::ply::header::Element;
 use crate::io::text::Cursor;
 
 /// A source of the numbers of rows.
 pub(super) trait Source {
     /// Takes the next number.
-    fn float(&mut self, scalar: Scalar, what: &str) -> Result<f64, Fault>;
+    fn float(&mut self, scalar: NumberType, what: &str) -> Result<f64, Fault>;
 
     /// Takes the next number, which must be an integer.
-    fn integer(&mut self, scalar: Scalar, what: &str) -> Result<i64, Fault>;
+    fn integer(&mut self, scalar: NumberType, what: &str) -> Result<i64, Fault>;
 
     /// Skips `count` numbers.
-    fn skip(&mut self, scalar: Scalar, count: u64, what: &str) -> Result<(), Fault>;
+    fn skip(&mut self, scalar: NumberType, count: u64, what: &str) -> Result<(), Fault>;
 
     /// Ends a row. Values left on a line of text belong to no property: they are
     /// skipped, and such rows are counted.
@@ -93,24 +94,24 @@ impl<'a> AsciiSource<'a> {
 }
 
 impl Source for AsciiSource<'_> {
-    fn float(&mut self, _: Scalar, what: &str) -> Result<f64, Fault> {
+    fn float(&mut self, _: NumberType, what: &str) -> Result<f64, Fault> {
         self.cursor.more();
         self.last = self.cursor.clone();
         self.cursor.float(what).map_err(|fault| self.below_header(fault))
     }
 
-    fn integer(&mut self, scalar: Scalar, what: &str) -> Result<i64, Fault> {
+    fn integer(&mut self, scalar: NumberType, what: &str) -> Result<i64, Fault> {
         self.cursor.more();
         self.last = self.cursor.clone();
         let value = self.cursor.integer(what).map_err(|fault| self.below_header(fault))?;
         let fits = match scalar {
-            Scalar::I8 => i8::try_from(value).is_ok(),
-            Scalar::U8 => u8::try_from(value).is_ok(),
-            Scalar::I16 => i16::try_from(value).is_ok(),
-            Scalar::U16 => u16::try_from(value).is_ok(),
-            Scalar::I32 => i32::try_from(value).is_ok(),
-            Scalar::U32 => u32::try_from(value).is_ok(),
-            Scalar::F32 | Scalar::F64 => true,
+            NumberType::I8 => i8::try_from(value).is_ok(),
+            NumberType::U8 => u8::try_from(value).is_ok(),
+            NumberType::I16 => i16::try_from(value).is_ok(),
+            NumberType::U16 => u16::try_from(value).is_ok(),
+            NumberType::I32 => i32::try_from(value).is_ok(),
+            NumberType::U32 => u32::try_from(value).is_ok(),
+            NumberType::F32 | NumberType::F64 => true,
         };
         if !fits {
             let expected = format!("{what} of type {scalar:?}");
@@ -119,7 +120,7 @@ impl Source for AsciiSource<'_> {
         Ok(value)
     }
 
-    fn skip(&mut self, scalar: Scalar, count: u64, what: &str) -> Result<(), Fault> {
+    fn skip(&mut self, scalar: NumberType, count: u64, what: &str) -> Result<(), Fault> {
         for _ in 0..count {
             self.float(scalar, what)?;
         }
@@ -174,7 +175,7 @@ impl<'a> BinarySource<'a> {
         Self { bytes, at, last: at, big_endian }
     }
 
-    fn take(&mut self, scalar: Scalar, what: &str) -> Result<&'a [u8], Fault> {
+    fn take(&mut self, scalar: NumberType, what: &str) -> Result<&'a [u8], Fault> {
         self.last = self.at;
         match self.bytes.get(self.at..self.at + scalar.size()) {
             Some(bytes) => {
@@ -186,49 +187,16 @@ impl<'a> BinarySource<'a> {
     }
 }
 
-/// Reads a number of any type at the start of `bytes`.
-#[inline]
-pub(super) fn decode_float(scalar: Scalar, big_endian: bool, bytes: &[u8]) -> f64 {
-    match scalar {
-        Scalar::F32 => f64::from(f32::from_bits(word(bytes, 4, big_endian) as u32)),
-        Scalar::F64 => f64::from_bits(word(bytes, 8, big_endian)),
-        _ => decode_integer(scalar, big_endian, bytes) as f64,
-    }
-}
-
-/// Reads an integer of any type at the start of `bytes`; a
-/// floating-point number is truncated.
-#[inline]
-pub(super) fn decode_integer(scalar: Scalar, big_endian: bool, bytes: &[u8]) -> i64 {
-    let word = |size| word(bytes, size, big_endian);
-    match scalar {
-        Scalar::I8 => i64::from(word(1) as i8),
-        Scalar::U8 => word(1) as i64,
-        Scalar::I16 => i64::from(word(2) as i16),
-        Scalar::U16 => word(2) as i64,
-        Scalar::I32 => i64::from(word(4) as i32),
-        Scalar::U32 => word(4) as i64,
-        Scalar::F32 | Scalar::F64 => decode_float(scalar, big_endian, bytes) as i64,
-    }
-}
-
-#[inline]
-fn word(bytes: &[u8], size: usize, big_endian: bool) -> u64 {
-    let fold = |word: u64, &byte: &u8| (word << 8) | u64::from(byte);
-    let bytes = &bytes[..size];
-    if big_endian { bytes.iter().fold(0, fold) } else { bytes.iter().rev().fold(0, fold) }
-}
-
 impl Source for BinarySource<'_> {
-    fn float(&mut self, scalar: Scalar, what: &str) -> Result<f64, Fault> {
-        Ok(decode_float(scalar, self.big_endian, self.take(scalar, what)?))
+    fn float(&mut self, scalar: NumberType, what: &str) -> Result<f64, Fault> {
+        Ok(scalar.decode(self.big_endian, self.take(scalar, what)?))
     }
 
-    fn integer(&mut self, scalar: Scalar, what: &str) -> Result<i64, Fault> {
-        Ok(decode_integer(scalar, self.big_endian, self.take(scalar, what)?))
+    fn integer(&mut self, scalar: NumberType, what: &str) -> Result<i64, Fault> {
+        Ok(scalar.decode_integer(self.big_endian, self.take(scalar, what)?))
     }
 
-    fn skip(&mut self, scalar: Scalar, count: u64, what: &str) -> Result<(), Fault> {
+    fn skip(&mut self, scalar: NumberType, count: u64, what: &str) -> Result<(), Fault> {
         self.last = self.at;
         let length = count.saturating_mul(scalar.size() as u64);
         if length > self.remaining() as u64 {

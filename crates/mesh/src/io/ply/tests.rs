@@ -67,8 +67,11 @@ fn any_order_any_type_and_either_byte_order() {
         assert_eq!(parsed.polygons.face(1), [0, 1, 2, 3]);
         assert_eq!(
             parsed.notes,
-            ["2 elements camera are ignored", "face properties are ignored: flag, texcoord"]
+            ["2 elements camera are ignored", "face properties are ignored: texcoord"]
         );
+        // Texture coordinates are two for each corner.
+        assert_eq!(parsed.fields.faces.scalars, [("flag".to_owned(), vec![9.0, 9.0])]);
+        assert_eq!(parsed.fields.faces.texture, None);
     }
 }
 

@@ -23,6 +23,8 @@ pub(super) const FORMAT: Row = Row {
         colors: false,
         normals: false,
         fields: false,
+        face_fields: false,
+        texture: false,
         binary: true,
         float_widths: false,
     },

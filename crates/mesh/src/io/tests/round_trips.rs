@@ -5,8 +5,9 @@ use proptest::prelude::*;
 use proptest::sample::{Index, subsequence};
 
 use crate::io::{
-    Encoding, FloatWidth, Format, ReadOptions, VertexFields, WriteOptions, polygons_to_bytes, read,
-    read_bytes, read_polygons, to_bytes, write_polygons,
+    Encoding, FaceFields, FloatWidth, Format, NumberType, ReadOptions, VertexFields, WriteOptions,
+    polygons_to_bytes, read, read_bytes, read_polygons, read_polygons_from, to_bytes, triangulate,
+    write_polygons,
 };
 use crate::{PolygonMesh, TriMesh};
 
@@ -66,14 +67,29 @@ fn fields(vertices: usize) -> impl Strategy<Value = VertexFields> {
                     .collect(),
                 vectors: vectors.into_iter().map(str::to_owned).zip(triples).collect(),
                 colors,
+                ..VertexFields::default()
             }
         },
     )
 }
 
+fn face_fields(faces: usize, corners: usize) -> impl Strategy<Value = FaceFields> {
+    let texture = proptest::option::of(vec([number(), number()], corners));
+    (fields(faces), texture).prop_map(move |(fields, texture)| match faces {
+        // A file without faces has no fields of faces.
+        0 => FaceFields::default(),
+        _ => {
+            let VertexFields { scalars, vectors, colors, types, .. } = fields;
+            FaceFields { scalars, vectors, colors, types, texture }
+        }
+    })
+}
+
 fn with_fields() -> impl Strategy<Value = (TriMesh, VertexFields)> {
     triangles().prop_flat_map(|mesh| {
-        let fields = fields(mesh.vertex_count());
+        let faces = mesh.face_count();
+        let fields = (fields(mesh.vertex_count()), face_fields(faces, 3 * faces));
+        let fields = fields.prop_map(|(fields, faces)| VertexFields { faces, ..fields });
         (Just(mesh), fields)
     })
 }
@@ -138,6 +154,9 @@ proptest! {
             held.scalars.retain(|_| holds.fields);
             held.vectors.retain(|(name, _)| holds.fields || holds.normals && name == "normal");
             held.colors = held.colors.filter(|_| holds.colors);
+            let texture = held.faces.texture.take().filter(|_| holds.texture);
+            held.faces = if holds.face_fields { held.faces } else { FaceFields::default() };
+            held.faces.texture = texture;
             assert_same_fields(&file.fields, &held);
         }
     }
@@ -194,4 +213,81 @@ fn polygons_of_more_than_a_byte_of_corners_are_held() {
     let path = folder.path().join("a.ply");
     write_polygons(&path, &mesh, &VertexFields::default(), &WriteOptions::default()).unwrap();
     assert_eq!(read_polygons(&path).unwrap().mesh, mesh);
+}
+
+/// A PLY file with properties of every type and texture coordinates, on triangles or larger
+/// polygons.
+fn typed(order: &str, faces: &[&[u32]]) -> Vec<u8> {
+    let mut file = format!("ply\nformat {order} 1.0\nelement vertex 5\n");
+    for axis in ["x", "y", "z"] {
+        file += &format!("property float {axis}\n");
+    }
+    let types = ["char", "uchar", "short", "ushort", "int", "uint", "float", "double"];
+    let scalars: String = types.iter().map(|t| format!("property {t} of_{t}\n")).collect();
+    let normal = "property double nx\nproperty double ny\nproperty double nz\n";
+    let colors = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+    file += &format!("{scalars}{normal}{colors}element face {}\n", faces.len());
+    file += "property list uchar int vertex_indices\nproperty list uchar float texcoord\n";
+    file += &format!("{scalars}{normal}{colors}end_header\n");
+    let values =
+        |k: usize| format!("-{k} {k} -{k}00 {k}00 -{k}00000 {k}00000 {k} {k} 0 0 1 {k} 2 3");
+    for (v, position) in ["0 0 0", "1 0 0", "1 1 0", "0 1 0", "0 0 1"].iter().enumerate() {
+        file += &format!("{position} {}\n", values(v + 1));
+    }
+    for (f, face) in faces.iter().enumerate() {
+        let corners: String = face.iter().map(|v| format!(" {v}")).collect();
+        let texture: String = (0..face.len()).map(|k| format!(" {k} {f}.5")).collect();
+        let (n, values) = (face.len(), values(f + 1));
+        file += &format!("{n}{corners} {}{texture} {values}\n", 2 * n);
+    }
+    file.into_bytes()
+}
+
+#[test]
+fn properties_of_ply_keep_their_types() {
+    let file = typed("ascii", &[&[0, 1, 2], &[0, 2, 3]]);
+    let read = |bytes: &[u8]| read_bytes("a.ply", bytes, &ReadOptions::strict()).unwrap();
+    let first = read(&file);
+    assert_eq!(first.report.notes, [""; 0]);
+    assert_eq!(first.fields.types["of_double"], NumberType::F64);
+    assert_eq!(first.fields.faces.types["of_short"], NumberType::I16);
+    assert_eq!(first.fields.faces.colors, Some(vec![[1, 2, 3], [2, 2, 3]]));
+    assert_eq!(first.fields.faces.texture.as_ref().unwrap()[5], [2.0, 1.5]);
+    let binary = to_bytes(Format::Ply, &first.mesh, &first.fields, &WriteOptions::default());
+    let second = read(&binary.unwrap());
+    assert_eq!((&second.mesh, &second.fields), (&first.mesh, &first.fields));
+    assert_eq!(second.fields.types, first.fields.types);
+    assert_eq!(second.fields.faces.types, first.fields.faces.types);
+    let text = to_bytes(Format::Ply, &second.mesh, &second.fields, &WriteOptions::ascii()).unwrap();
+    assert_eq!(String::from_utf8(text).unwrap(), String::from_utf8(file).unwrap());
+    // A value that the type does not hold takes a wider one.
+    let mut changed = first.fields.clone();
+    changed.scalars[4].1[2] = 0.5;
+    changed.faces.scalars[0].1[0] = -0.0;
+    let written = to_bytes(Format::Ply, &first.mesh, &changed, &WriteOptions::default());
+    let third = read(&written.unwrap());
+    assert_eq!(third.fields, changed);
+    assert_eq!(third.fields.types["of_int"], NumberType::F32);
+    assert_eq!(third.fields.types["of_uint"], NumberType::U32);
+    assert_eq!(third.fields.faces.types["of_char"], NumberType::F32);
+}
+
+/// Faces that are split, reduced or left out take their values along.
+#[test]
+fn face_properties_follow_their_faces() {
+    let file = typed("ascii", &[&[0, 1, 2, 3], &[0, 0, 1], &[4, 4, 0, 1], &[1, 2, 9]]);
+    let options = ReadOptions::dropping_broken();
+    let read = read_bytes("a.ply", &file, &options).unwrap();
+    assert_eq!(read.mesh.faces(), [[0, 1, 2], [0, 2, 3], [4, 0, 1]]);
+    let faces = &read.fields.faces;
+    assert_eq!(faces.scalars[3].1, [100.0, 100.0, 300.0]);
+    let texture: Vec<f64> = faces.texture.iter().flatten().map(|uv| uv[0]).collect();
+    assert_eq!(texture, [0.0, 1.0, 2.0, 0.0, 2.0, 3.0, 0.0, 2.0, 3.0]);
+    let polygons = read_polygons_from(&file[..], None, &options).unwrap();
+    assert_eq!(polygons.fields.faces.scalars[3].1, [100.0, 300.0]);
+    let written =
+        polygons_to_bytes(Format::Ply, &polygons.mesh, &polygons.fields, &WriteOptions::default());
+    let again = read_polygons_from(&written.unwrap()[..], None, &options).unwrap();
+    assert_eq!((&again.mesh, &again.fields), (&polygons.mesh, &polygons.fields));
+    assert_eq!(triangulate(&again.mesh, again.fields), (read.mesh, read.fields));
 }
