@@ -55,6 +55,20 @@ pub enum SpectralError {
         /// The first such vertex.
         vertex: u32,
     },
+    /// A vertex without a distance: its component has no source.
+    #[error("vertex {vertex} has no distance: no source is on its component")]
+    Unreached {
+        /// The vertex.
+        vertex: u32,
+    },
+    /// A face that does not exist.
+    #[error("face {face} does not exist: there are {faces} faces")]
+    NoSuchFace {
+        /// The face.
+        face: u32,
+        /// Number of faces.
+        faces: usize,
+    },
     /// A vertex that does not exist.
     #[error("vertex {vertex} does not exist: there are {vertices} vertices")]
     NoSuchVertex {

@@ -11,6 +11,7 @@ use glam::DVec3;
 
 use crate::error::SpectralError;
 use crate::flat_face::FlatFace;
+use crate::surface_point::SurfacePoint;
 
 /// Factorised heat method for any sources: heat diffuses for a short time, its gradient is
 /// normalised, and the distance is the function whose gradient is closest to the result.
@@ -146,6 +147,33 @@ impl HeatGeodesics {
     /// rounding leaves too few digits of the distances.
     #[doc(alias = "heat_geodesics_solve")]
     pub fn distance(&self, sources: &[u32]) -> Result<Vec<Option<f64>>, SpectralError> {
+        let sources: Vec<SurfacePoint> = sources.iter().map(|&v| SurfacePoint::vertex(v)).collect();
+        self.distance_from(&sources)
+    }
+
+    /// [`distance`](Self::distance) from points on faces: their heat starts at the corners in
+    /// proportion to the barycentric coordinates, and the corners get their straight distances.
+    ///
+    /// # Errors
+    ///
+    /// As for [`distance`](Self::distance).
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use fairing_shapes::{self as shapes, Diagonals};
+    /// use fairing_spectral::{HeatGeodesics, SurfacePoint};
+    ///
+    /// let plane = shapes::plane(40, 40, Diagonals::Alternating);
+    /// let middle = SurfacePoint::on_face(&plane, 1500, [0.2, 0.3, 0.5])?;
+    /// let distance = HeatGeodesics::new(&plane)?.distance_from(&[middle])?;
+    /// assert!(distance.iter().all(|d| d.is_some_and(|d| d > 0.0)));
+    /// # Ok::<(), fairing_spectral::SpectralError>(())
+    /// ```
+    pub fn distance_from(
+        &self,
+        sources: &[SurfacePoint],
+    ) -> Result<Vec<Option<f64>>, SpectralError> {
         let n = self.component.len();
         if sources.is_empty() {
             return Err(OptionError::new("number of sources", 0.0, "at least 1").into());
@@ -153,12 +181,15 @@ impl HeatGeodesics {
         let mut heat = vec![0.0; n];
         let mut reached = vec![false; self.components];
         let mut sources = sources.to_vec();
-        sources.sort_unstable();
+        sources.sort_by(SurfacePoint::order);
         sources.dedup();
-        for &vertex in &sources {
-            let at = heat.get_mut(vertex as usize);
-            *at.ok_or(SpectralError::NoSuchVertex { vertex, vertices: n })? = 2f64.powi(HEAT);
-            reached[self.component[vertex as usize] as usize] = true;
+        for source in &sources {
+            for (vertex, weight) in source.corners() {
+                let at = heat.get_mut(vertex as usize);
+                *at.ok_or(SpectralError::NoSuchVertex { vertex, vertices: n })? +=
+                    weight * 2f64.powi(HEAT);
+                reached[self.component[vertex as usize] as usize] = true;
+            }
         }
         let is_reached = |v: usize| reached[self.component[v] as usize];
         self.heat.solve_in_place(&mut heat);
@@ -180,18 +211,24 @@ impl HeatGeodesics {
         }
         let phi = self.poisson.solve(&phi, &vec![0.0; n])?;
         let mut at_sources = vec![(0.0, 0.0); self.components];
-        for &v in &sources {
-            let (sum, count) = &mut at_sources[self.component[v as usize] as usize];
-            *sum += phi[v as usize];
-            *count += 1.0;
+        for source in &sources {
+            for (v, weight) in source.corners() {
+                let (sum, count) = &mut at_sources[self.component[v as usize] as usize];
+                *sum += weight * phi[v as usize];
+                *count += weight;
+            }
         }
         let distance = |(v, phi): (usize, &f64)| {
             let (sum, count) = at_sources[self.component[v] as usize];
             is_reached(v).then(|| (phi - sum / count).max(0.0))
         };
         let mut distances: Vec<Option<f64>> = phi.iter().enumerate().map(distance).collect();
-        for &v in &sources {
-            distances[v as usize] = Some(0.0);
+        let mut around: Vec<(u32, f64)> =
+            sources.iter().flat_map(SurfacePoint::corner_distances).collect();
+        around.sort_by(|x, y| x.0.cmp(&y.0).then(x.1.total_cmp(&y.1)));
+        around.dedup_by_key(|(v, _)| *v);
+        for (v, straight) in around {
+            distances[v as usize] = Some(straight);
         }
         Ok(distances)
     }

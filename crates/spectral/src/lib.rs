@@ -24,10 +24,12 @@ mod geodesic;
 mod npy;
 #[cfg(feature = "npz")]
 mod npz;
+mod path;
 mod poisson;
 mod reconstruct;
 mod signature;
 mod spectrum;
+mod surface_point;
 
 pub use cluster::Split;
 pub use compression::{Compressed, compress};
@@ -38,6 +40,7 @@ pub use fairing_operators::MassMatrix;
 pub use fairing_sparse::{Beyond, Count, EigenOptions};
 pub use filter::{Filtered, Rest, ideal_band_pass, ideal_high_pass, ideal_low_pass};
 pub use geodesic::HeatGeodesics;
+pub use path::{GeodesicPath, geodesic_path, isoline};
 pub use poisson::Poisson;
 pub use reconstruct::{Reconstruction, reconstruct, reconstruction_errors};
 pub use signature::{
@@ -45,3 +48,4 @@ pub use signature::{
     wave_kernel_signature,
 };
 pub use spectrum::Spectrum;
+pub use surface_point::SurfacePoint;

@@ -9,4 +9,5 @@ mod geodesics;
 mod hard;
 mod invariance;
 mod meshes;
+mod paths;
 mod thin;
