@@ -2,6 +2,8 @@
 
 use std::ops::RangeInclusive;
 
+use rayon::prelude::*;
+
 /// The range of the extent of a mesh in mesh units: the longest side of the bounding box, unless it
 /// is zero.
 ///
@@ -106,38 +108,81 @@ pub(crate) fn check_positions(positions: &[[f64; 3]]) -> Result<(), BuildError> 
     }
 }
 
+/// The positions or faces that one thread checks at a time.
+const BLOCK: usize = 1 << 14;
+
 /// The longest side of the box around positions; 0 without any, NaN if one is not finite.
 fn extent(positions: &[[f64; 3]]) -> f64 {
-    // Twelve numbers at a time, without a branch, are compared by vector instructions.
-    const LANES: usize = 12;
-    let Some(first) = positions.first() else { return 0.0 };
-    let first: [f64; LANES] = std::array::from_fn(|lane| first[lane % 3]);
-    // A sum is NaN where a number is, which comparisons do not show.
-    let (mut low, mut high, mut sum) = (first, first, [0.0; LANES]);
-    let (blocks, rest) = positions.as_flattened().as_chunks::<LANES>();
-    for block in blocks {
-        for lane in 0..LANES {
-            low[lane] = if block[lane] < low[lane] { block[lane] } else { low[lane] };
-        }
-        for lane in 0..LANES {
-            high[lane] = if block[lane] > high[lane] { block[lane] } else { high[lane] };
-        }
-        for lane in 0..LANES {
-            sum[lane] += block[lane];
-        }
-    }
-    for (lane, &x) in rest.iter().enumerate() {
-        (low[lane], high[lane]) = (low[lane].min(x), high[lane].max(x));
-        sum[lane] += x;
-    }
-    if sum.iter().any(|sum| sum.is_nan()) {
+    let around = |a: Bounds, b: Bounds| Bounds {
+        low: std::array::from_fn(|k| a.low[k].min(b.low[k])),
+        high: std::array::from_fn(|k| a.high[k].max(b.high[k])),
+        finite: a.finite && b.finite,
+    };
+    let Some(bounds) = positions.par_chunks(BLOCK).map(Bounds::new).reduce_with(around) else {
+        return 0.0;
+    };
+    if !bounds.finite {
         return f64::NAN;
     }
-    let side = |k: usize| {
-        let lanes = (k..LANES).step_by(3);
-        let ends = lanes.map(|lane| [low[lane], high[lane]]);
-        let [low, high] = ends.fold([first[k]; 2], |[l, h], [m, n]| [l.min(m), h.max(n)]);
-        high - low
+    (0..3).map(|k| bounds.high[k] - bounds.low[k]).fold(0.0, f64::max)
+}
+
+/// The box around positions.
+struct Bounds {
+    low: [f64; 3],
+    high: [f64; 3],
+    /// False if a coordinate is NaN; an infinite one shows in the box or here.
+    finite: bool,
+}
+
+impl Bounds {
+    fn new(positions: &[[f64; 3]]) -> Self {
+        // Twelve numbers at a time, without a branch, are compared by vector instructions.
+        const LANES: usize = 12;
+        let first: [f64; LANES] = std::array::from_fn(|lane| positions[0][lane % 3]);
+        // A sum is NaN where a number is, which comparisons do not show.
+        let (mut low, mut high, mut sum) = (first, first, [0.0; LANES]);
+        let (blocks, rest) = positions.as_flattened().as_chunks::<LANES>();
+        for block in blocks {
+            for lane in 0..LANES {
+                low[lane] = if block[lane] < low[lane] { block[lane] } else { low[lane] };
+            }
+            for lane in 0..LANES {
+                high[lane] = if block[lane] > high[lane] { block[lane] } else { high[lane] };
+            }
+            for lane in 0..LANES {
+                sum[lane] += block[lane];
+            }
+        }
+        for (lane, &x) in rest.iter().enumerate() {
+            (low[lane], high[lane]) = (low[lane].min(x), high[lane].max(x));
+            sum[lane] += x;
+        }
+        let fold = |lanes: [f64; LANES], f: fn(f64, f64) -> f64| {
+            std::array::from_fn(|k| lanes.into_iter().skip(k).step_by(3).fold(positions[0][k], f))
+        };
+        Self {
+            low: fold(low, f64::min),
+            high: fold(high, f64::max),
+            finite: !sum.iter().any(|sum| sum.is_nan()),
+        }
+    }
+}
+
+/// Checks that corners are below `count`, and that no face repeats one.
+pub(crate) fn check_faces(faces: &[[u32; 3]], count: usize) -> Result<(), BuildError> {
+    let check = |face: usize| {
+        let corners = faces[face];
+        let [a, b, c] = corners;
+        if let Some(&index) = corners.iter().find(|&&i| i as usize >= count) {
+            return Err(BuildError::IndexOutOfRange { face, index, vertex_count: count });
+        }
+        if a == b || b == c || c == a {
+            return Err(BuildError::RepeatedCorner { face, corners });
+        }
+        Ok(())
     };
-    (0..3).map(side).fold(0.0, f64::max)
+    // The first error of all, as on one thread.
+    let failed = (0..faces.len()).into_par_iter().with_min_len(BLOCK).map(check);
+    failed.find_first(Result::is_err).unwrap_or(Ok(()))
 }

@@ -119,7 +119,7 @@ impl TriMesh {
     }
 
     /// The faces to flip; `None` if all agree.
-    fn flips(&self) -> Option<Vec<bool>> {
+    pub(crate) fn flips(&self) -> Option<Vec<bool>> {
         if self.connectivity().is_consistent() {
             return None;
         }
@@ -128,7 +128,7 @@ impl TriMesh {
     }
 
     /// The mesh with these faces flipped.
-    fn turned(&self, flips: &[bool]) -> Self {
+    pub(crate) fn turned(&self, flips: &[bool]) -> Self {
         let turn =
             |(&[a, b, c], &flip): (&[u32; 3], &bool)| if flip { [a, c, b] } else { [a, b, c] };
         let faces = self.faces().iter().zip(flips).map(turn).collect();

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::build::{BuildError, check_positions};
+use crate::build::{BuildError, check_faces, check_positions};
 use crate::connectivity::Connectivity;
 use crate::incidence::Incidence;
 use crate::topology::Topology;
@@ -37,15 +37,7 @@ impl TriMesh {
             return Err(BuildError::TooLarge { what: "corners", count: faces.len() * 3 });
         }
         check_positions(&positions)?;
-        for (face, &corners) in faces.iter().enumerate() {
-            let [a, b, c] = corners;
-            if let Some(&index) = corners.iter().find(|&&i| i as usize >= count) {
-                return Err(BuildError::IndexOutOfRange { face, index, vertex_count: count });
-            }
-            if a == b || b == c || c == a {
-                return Err(BuildError::RepeatedCorner { face, corners });
-            }
-        }
+        check_faces(&faces, count)?;
         Ok(Self { positions, connectivity: Arc::new(Connectivity::new(count, faces)) })
     }
 

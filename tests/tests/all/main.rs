@@ -14,6 +14,7 @@ mod files;
 #[cfg(target_os = "linux")]
 mod interrupts;
 mod invariants;
+mod many_files;
 mod public_types;
 mod rendering;
 mod report;

@@ -7,12 +7,14 @@ use fairing::evaluation::{ScoreOptions, Scores};
 use serde_json::{Map, Value, json};
 
 use super::context::{Context, Failure};
+use super::inputs::{self, Jobs, Summary, output_for};
 use super::surface::{Reading, say_orientation};
 
 const EXAMPLES: &str = "\
 Examples:
   fairing compare denoised.obj original.obj
-  fairing compare a.ply b.ply --json";
+  fairing compare a.ply b.ply --json
+  fairing compare denoised/*.ply 'truth/{stem}.ply' --table";
 
 /// Score a mesh against a reference
 ///
@@ -21,19 +23,23 @@ Examples:
 /// edge length; flipped faces, self-intersections, and sharp edges lost and gained.
 /// Scores that compare element by element need the same faces in both files;
 /// otherwise they are missing, and the table gives the reason. Lengths are relative
-/// to the diagonal of the reference's bounding box.
+/// to the diagonal of the reference's bounding box. The summary of --json has each score with its
+/// value and unit, or the reason it is missing.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Compare {
-    /// The mesh to score
-    mesh: PathBuf,
-    /// The reference to compare it with
+    /// The mesh to score, or several
+    #[arg(value_name = "MESH", required = true)]
+    meshes: Vec<PathBuf>,
+    /// The reference to compare with; {stem} in it is the name of each mesh without folder and
+    /// extension
     reference: PathBuf,
     #[command(flatten)]
     reading: Reading,
-    /// Print one JSON object: each score with its value and unit, or the reason it is missing
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    summary: Summary,
+    #[command(flatten)]
+    jobs: Jobs,
     /// Largest gap between the two bounds of the Hausdorff distance, in diagonals
     ///
     /// Values below the rounding of the coordinates are raised to it. Between surfaces at a
@@ -47,26 +53,36 @@ pub(crate) struct Compare {
 
 impl Compare {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
+        let meshes: Vec<&Path> = self.meshes.iter().map(PathBuf::as_path).collect();
+        let columns =
+            ["normal_mean", "distance_rms", "hausdorff_upper", "volume_drift", "flipped_faces"];
+        let columns = columns.map(|name| format!("{name}.value"));
+        let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
+        inputs::each(context, &meshes, &self.jobs, self.summary, &columns, |context, mesh| {
+            self.one(context, mesh, &output_for(&self.reference, mesh))
+        })
+    }
+
+    fn one(&self, context: &Context, mesh: &Path, reference: &Path) -> Result<Value, Failure> {
         let read = |path: &Path| {
             let (surface, _) = self.reading.read_any(context, path)?;
             surface.say_seams(context, path);
             say_orientation(context, path, surface.mesh());
             Ok::<_, Failure>(surface)
         };
-        let (mesh, reference) = (read(&self.mesh)?, read(&self.reference)?);
+        let (mesh, reference) = (read(mesh)?, read(reference)?);
         let options = ScoreOptions {
             hausdorff_tolerance: self.hausdorff_tolerance,
             feature_angle: self.feature_angle,
         };
         let scores = Scores::new(mesh.mesh(), reference.mesh(), &options)?;
-        match self.json {
-            true => {
-                let mut summary = as_json(&scores);
-                mesh.add_to(&mut summary);
-                context.print(format_args!("{summary:#}\n"))
-            }
-            false => context.print(scores),
+        if self.summary.is_wanted() {
+            let mut summary = as_json(&scores);
+            mesh.add_to(&mut summary);
+            return Ok(summary);
         }
+        context.print(scores)?;
+        Ok(Value::Null)
     }
 }
 

@@ -1,14 +1,17 @@
 //! `fairing convert`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use fairing::mesh::io::{
     self, Encoding, FloatWidth, Format, PolygonFile, ReadOptions, UnsupportedFields, WriteOptions,
 };
 
+use serde_json::Value;
+
 use super::context::{Context, Failure};
 use super::files::{self, Content, Overwrite};
+use super::inputs::{self, Jobs, Summary, check_distinct, output_for};
 
 /// Convert a mesh to another format
 ///
@@ -18,12 +21,17 @@ use super::files::{self, Content, Overwrite};
 /// them. Content that the format cannot hold is left out and named.
 #[derive(Args)]
 pub(crate) struct Convert {
-    /// The mesh to read
-    input: PathBuf,
-    /// The file to write
-    output: PathBuf,
+    /// The mesh to read and the file to write; with --output, all are read
+    #[arg(value_name = "FILE", required = true)]
+    files: Vec<PathBuf>,
+    /// The file to write; of several inputs, {stem} in it is the name of each without folder and
+    /// extension; - is the standard output
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
     #[command(flatten)]
     overwrite: Overwrite,
+    #[command(flatten)]
+    jobs: Jobs,
     /// Split polygons into triangles
     #[arg(long)]
     triangulate: bool,
@@ -42,8 +50,26 @@ pub(crate) struct Convert {
 
 impl Convert {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
-        self.overwrite.check(&self.output, Content::Mesh)?;
-        let format = Format::from_path(&self.output).map(|named| named.format);
+        let (inputs, pattern) = match (&self.files[..], &self.output) {
+            (inputs, Some(pattern)) => (inputs, pattern),
+            ([input, output], None) => (std::slice::from_ref(input), output),
+            _ => {
+                return Err(Failure::usage(
+                    "give one mesh and the file to write, or several meshes and --output",
+                ));
+            }
+        };
+        check_distinct(Some(pattern), inputs)?;
+        let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
+        inputs::each(context, &inputs, &self.jobs, Summary::default(), &[], |context, input| {
+            self.one(context, input, &output_for(pattern, input)).map(|()| Value::Null)
+        })
+    }
+
+    fn one(&self, context: &Context, input: &Path, output: &Path) -> Result<(), Failure> {
+        self.overwrite.check(context, output, Content::Mesh)?;
+        let named = Format::from_path(output).map(|named| named.format);
+        let format = named.or(context.format);
         if let Some(format) = format {
             self.check(format)?;
         }
@@ -55,8 +81,8 @@ impl Convert {
             (false, _) => files::reading(context),
         };
         let PolygonFile { mesh, fields, report, .. } =
-            io::read_polygons_with(&self.input, &reading).map_err(files::unreadable)?;
-        files::say_report(context, &self.input, &report);
+            files::read_polygons(context, input, &reading)?;
+        files::say_report(context, input, &report);
         let mut options = WriteOptions::default();
         if self.ascii {
             options.encoding = Encoding::Ascii;
@@ -69,11 +95,9 @@ impl Convert {
         }
         if self.triangulate || format.is_some_and(|format| !format.holds().polygons) {
             let (mesh, fields) = io::triangulate(&mesh, fields);
-            return files::write(context, &self.output, &mesh, &fields, &options);
+            return files::write(context, output, &mesh, &fields, &options);
         }
-        let report = io::write_polygons(&self.output, &mesh, &fields, &options);
-        files::say_written(context, &self.output, &report.map_err(Failure::output)?);
-        Ok(())
+        files::write_polygons(context, output, &mesh, &fields, &options)
     }
 
     /// Refuses options that the format would ignore.

@@ -1,7 +1,7 @@
 //! `fairing curvature`.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::Path;
 
 use clap::Args;
 use fairing::mesh::TriMesh;
@@ -12,7 +12,8 @@ use fairing::parameters::Algorithm;
 use serde_json::{Value, json};
 
 use super::context::{Context, Failure};
-use super::files::{self, Content, Overwrite};
+use super::files::{self, Content, OptionalOutput};
+use super::inputs::{Inputs, Summary};
 use super::operator::{self, say_too_thin};
 use super::parameters::{Parameters, foreign, list, names};
 use super::surface::{Reading, Surface, say_orientation};
@@ -27,7 +28,7 @@ Examples:
 
 /// Estimate the curvature at each vertex
 ///
-/// Writes the vertex properties mean, gaussian, kappa1 >= kappa2 and, if the estimator
+/// Prints a summary; with --output, writes the vertex properties mean, gaussian, kappa1 >= kappa2 and, if the estimator
 /// provides them, the principal unit directions direction1 and direction2. The property
 /// defined is 0 at vertices without a value (the values there are 0 and meaningless);
 /// boundary is 1 at boundary vertices, whose values are one-sided. Only PLY files hold
@@ -37,16 +38,12 @@ Examples:
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Curvature {
-    /// The mesh
-    #[arg(required_unless_present = "list")]
-    input: Option<PathBuf>,
+    #[command(flatten)]
+    inputs: Inputs,
     #[command(flatten)]
     reading: Reading,
-    /// PLY file to write; without it, only a summary is printed
-    #[arg(short, long, value_name = "FILE")]
-    output: Option<PathBuf>,
     #[command(flatten)]
-    overwrite: Overwrite,
+    output: OptionalOutput,
     /// Estimator; --list describes each
     #[arg(
         long,
@@ -61,9 +58,8 @@ pub(crate) struct Curvature {
     /// by default cotangents over mixed areas, or robust if a face is too thin
     #[arg(long, value_parser = operator::kinds())]
     operator: Option<LaplacianKind>,
-    /// Print a summary as one JSON object
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    summary: Summary,
     /// List the estimators, their uses and their parameters
     #[arg(long, exclusive = true)]
     list: bool,
@@ -74,15 +70,32 @@ impl Curvature {
         if self.list {
             return context.print(list::<Estimator>());
         }
-        let Some(input) = &self.input else {
-            return Err(Failure::usage("missing input mesh"));
-        };
-        self.overwrite.check_given(self.output.as_deref(), Content::Fields)?;
+        self.output.check(&self.inputs)?;
         let estimator = self.estimator()?;
+        let columns = [
+            "vertices",
+            "undefined",
+            "interior.mean.least",
+            "interior.mean.median",
+            "interior.mean.greatest",
+            "interior.gaussian.median",
+        ];
+        self.inputs.each(context, self.summary, &columns, |context, input| {
+            self.one(context, input, &estimator)
+        })
+    }
+
+    fn one(
+        &self,
+        context: &Context,
+        input: &Path,
+        estimator: &Estimator,
+    ) -> Result<Value, Failure> {
+        let output = self.output.of(context, input, Content::Fields)?;
         let (surface, fields) = self.reading.read(context, input)?;
         say_orientation(context, input, surface.mesh());
-        let field = self.estimate(&estimator, surface.mesh())?;
-        if let Some(output) = &self.output {
+        let field = self.estimate(estimator, surface.mesh())?;
+        if let Some(output) = &output {
             let fields = with_curvature(fields, &field, &surface);
             files::write_held(context, output, &surface.own, &fields)?;
         }
@@ -91,7 +104,7 @@ impl Curvature {
         }
         let reasons = reasons(&field);
         let undefined: usize = reasons.values().sum();
-        if self.json {
+        if self.summary.is_wanted() {
             let mut summary = json!({
                 "estimator": estimator.name(),
                 "vertices": field.len(),
@@ -102,7 +115,7 @@ impl Curvature {
                 "interior": summary(&field),
             });
             surface.add_to(&mut summary);
-            return context.print(format_args!("{summary:#}\n"));
+            return Ok(summary);
         }
         let mut table = Table::new();
         table.row(["interior", "least", "median", "greatest"].map(str::to_owned));
@@ -122,7 +135,7 @@ impl Curvature {
                 reasons.join(", ")
             ));
         }
-        Ok(())
+        Ok(Value::Null)
     }
 }
 

@@ -1,6 +1,6 @@
 //! `fairing denoise`.
 
-use std::path::PathBuf;
+use std::path::Path;
 
 use clap::Args;
 use fairing::denoising::{
@@ -9,7 +9,8 @@ use fairing::denoising::{
 use serde_json::{Map, Value, json};
 
 use super::context::{Context, Failure};
-use super::files::{self, Content, MaybeOutput};
+use super::files::{self, Content, Output};
+use super::inputs::{Inputs, Summary};
 use super::parameters::{Parameters, list, names};
 use super::surface::{Reading, say_orientation};
 use super::table::number;
@@ -28,17 +29,17 @@ const AUTOMATIC: Denoiser = Denoiser::Automatic(AutomaticOptions::DEFAULT);
 /// Needs no parameters: the noise and the kind of surface are estimated from the mesh, and so is
 /// the distance over which the noise of a depth camera or a laser scanner is correlated. Where you
 /// disagree with the estimate, --strength multiplies it: 2 removes more, 0.5 less. The published
-/// methods serve for comparison.
+/// methods serve for comparison. The summary of --json is the estimated noise and kind of surface,
+/// with the fractions of the area that are flat, curved, or at a crease.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Denoise {
-    /// The mesh
-    #[arg(required_unless_present = "list")]
-    input: Option<PathBuf>,
+    #[command(flatten)]
+    inputs: Inputs,
     #[command(flatten)]
     reading: Reading,
     #[command(flatten)]
-    output: MaybeOutput,
+    output: Output,
     /// Denoiser; --list describes each
     #[arg(
         long,
@@ -52,10 +53,8 @@ pub(crate) struct Denoise {
     /// List the denoisers, their uses and their parameters
     #[arg(long, exclusive = true)]
     list: bool,
-    /// Print the estimated noise and kind of surface as one JSON object, with the fractions of
-    /// the area that are flat, curved, or at a crease
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    summary: Summary,
 }
 
 impl Denoise {
@@ -63,24 +62,30 @@ impl Denoise {
         if self.list {
             return context.print(list::<Denoiser>());
         }
-        let (input, output) = (self.input.as_ref(), self.output.given());
-        let (Some(input), Some(output)) = (input, output) else {
-            return Err(Failure::usage("missing input mesh or --output"));
-        };
-        output.check(Content::Mesh)?;
+        self.output.check(&self.inputs)?;
         self.parameters.check(&self.method)?;
         let denoiser = Denoiser::with(&self.method, self.parameters.given());
         let denoiser = denoiser.map_err(Failure::usage)?;
-        if self.json && !matches!(denoiser, Denoiser::Automatic(_)) {
+        if self.summary.is_wanted() && !matches!(denoiser, Denoiser::Automatic(_)) {
             return Err(Failure::usage(format_args!(
-                "--json needs the method automatic; {denoiser} estimates nothing"
+                "--json and --table need the method automatic; {denoiser} estimates nothing"
             )));
         }
+        let columns =
+            ["noise.sigma", "noise.correlation_length", "kind", "approach", "uneven_vertices"];
+        self.inputs.each(context, self.summary, &columns, |context, input| {
+            self.one(context, input, &denoiser)
+        })
+    }
+
+    fn one(&self, context: &Context, input: &Path, denoiser: &Denoiser) -> Result<Value, Failure> {
+        let output = self.output.of(context, input, Content::Mesh)?;
+        let mut json = Value::Null;
         let (surface, fields) = self.reading.read(context, input)?;
         say_orientation(context, input, surface.mesh());
         let mesh = match denoiser {
             Denoiser::Automatic(options) => {
-                let result = automatic(surface.mesh(), &options)?;
+                let result = automatic(surface.mesh(), options)?;
                 context.note(summary(&result));
                 if result.uneven_vertices > 0 {
                     context.note(format_args!(
@@ -89,16 +94,16 @@ impl Denoise {
                         result.uneven_vertices
                     ));
                 }
-                if self.json {
-                    let mut json = as_json(&result);
+                if self.summary.is_wanted() {
+                    json = as_json(&result);
                     surface.add_to(&mut json);
-                    context.print(format_args!("{json:#}\n"))?;
                 }
                 result.mesh
             }
             other => other.denoise(surface.mesh())?,
         };
-        files::write_moved(context, &output, &surface.own(mesh)?, fields)
+        files::write_moved(context, &output, &surface.own(mesh)?, fields)?;
+        Ok(json)
     }
 }
 

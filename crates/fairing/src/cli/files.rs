@@ -1,44 +1,39 @@
 //! Files named on the command line.
 
-use std::io::Write;
+use std::io::{Write, stdin, stdout};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use fairing::mesh::TriMesh;
 use fairing::mesh::io::{
-    self, Format, MeshFile, ReadError, ReadOptions, ReadProblem, ReadReport, VertexFields,
-    WriteOptions, WriteProblem, WriteReport,
+    self, Format, MeshFile, PolygonFile, ReadError, ReadOptions, ReadProblem, ReadReport,
+    VertexFields, WriteOptions, WriteProblem, WriteReport,
 };
+use fairing::mesh::{PolygonMesh, TriMesh};
 use fairing::watch;
 
 use super::context::{Context, Failure};
+use super::inputs::{Inputs, check_distinct, output_for};
 
-/// The output file of a verb.
+/// The output of a verb.
 #[derive(Args)]
 pub(crate) struct Output {
-    /// The file to write
-    #[arg(short = 'o', long = "output", value_name = "FILE")]
-    pub(crate) path: PathBuf,
+    /// The file to write; of several inputs, {stem} in it is the name of each without folder and
+    /// extension; - is the standard output
+    #[arg(short = 'o', long = "output", value_name = "FILE", required = true)]
+    path: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) overwrite: Overwrite,
 }
 
-/// [`Output`], optional if `--list` is given.
+/// The output of a verb that can do without.
 #[derive(Args)]
-pub(crate) struct MaybeOutput {
-    /// The file to write
-    #[arg(short = 'o', long = "output", value_name = "FILE", required_unless_present = "list")]
+pub(crate) struct OptionalOutput {
+    /// The file to write, if any; of several inputs, {stem} in it is the name of each without
+    /// folder and extension; - is the standard output
+    #[arg(short = 'o', long = "output", value_name = "FILE")]
     path: Option<PathBuf>,
     #[command(flatten)]
     overwrite: Overwrite,
-}
-
-impl MaybeOutput {
-    /// The output, if given.
-    pub(crate) fn given(&self) -> Option<Output> {
-        let path = self.path.clone()?;
-        Some(Output { path, overwrite: Overwrite { force: self.overwrite.force } })
-    }
 }
 
 /// Permission to replace an existing file.
@@ -63,14 +58,19 @@ pub(crate) enum Content {
 }
 
 impl Content {
-    /// Refuses a file extension that does not match.
-    fn check(self, path: &Path) -> Result<(), String> {
+    /// Refuses a file extension that does not match, or the format of the standard output.
+    fn check(self, path: &Path, stream: Option<Format>) -> Result<(), String> {
+        let format = match is_stream(path) {
+            true if matches!(self, Self::Png | Self::Npz) => return Ok(()),
+            true => Some(stream.ok_or("name the format of the standard output: --format")?),
+            false => Format::from_path(path).map(|named| named.format),
+        };
         let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
         let is = |wanted: &str| match extension.as_deref() == Some(wanted) {
             true => Ok(()),
             false => Err(format!("the file extension must be .{wanted}")),
         };
-        match (self, Format::from_path(path).map(|named| named.format)) {
+        match (self, format) {
             (Self::Png, _) => is("png"),
             (Self::Npz, _) => is("npz"),
             (_, None) => Err(WriteProblem::unknown_extension().to_string()),
@@ -89,10 +89,18 @@ impl Content {
 impl Overwrite {
     /// Refuses an output that cannot be written, before any work is done for it: an extension
     /// that does not match its content, a folder that is missing or read-only, an existing file.
-    pub(crate) fn check(&self, path: &Path, content: Content) -> Result<(), Failure> {
+    pub(crate) fn check(
+        &self,
+        context: &Context,
+        path: &Path,
+        content: Content,
+    ) -> Result<(), Failure> {
         let refused =
             |reason: &str| Failure::output(anyhow::anyhow!("{}: {reason}", path.display()));
-        content.check(path).map_err(|reason| refused(&reason))?;
+        content.check(path, context.format).map_err(|reason| refused(&reason))?;
+        if is_stream(path) {
+            return Ok(());
+        }
         io::check_writable(path)
             .map_err(|error| refused(&format!("cannot be written: {error}")))?;
         if !self.force && path.exists() {
@@ -103,31 +111,85 @@ impl Overwrite {
         }
         Ok(())
     }
-
-    /// [`check`](Self::check) for an optional output; refuses `--force` without one.
-    pub(crate) fn check_given(&self, path: Option<&Path>, content: Content) -> Result<(), Failure> {
-        match path {
-            Some(path) => self.check(path, content),
-            None if self.force => {
-                Err(Failure::usage("--force needs --output: without it nothing is written"))
-            }
-            None => Ok(()),
-        }
-    }
 }
 
 impl Output {
-    /// [`Overwrite::check`] of the path.
-    pub(crate) fn check(&self, content: Content) -> Result<(), Failure> {
-        self.overwrite.check(&self.path, content)
+    /// Refuses a pattern that gives two inputs the same output.
+    pub(crate) fn check(&self, inputs: &Inputs) -> Result<(), Failure> {
+        check_distinct(self.path.as_deref(), &inputs.paths)
     }
+
+    /// The output of an input. Fails if it cannot be written.
+    pub(crate) fn of(
+        &self,
+        context: &Context,
+        input: &Path,
+        content: Content,
+    ) -> Result<PathBuf, Failure> {
+        // Required, unless an option is given that stands alone.
+        let pattern = self.path.as_deref().ok_or_else(|| Failure::usage("missing --output"))?;
+        let path = output_for(pattern, input);
+        self.overwrite.check(context, &path, content)?;
+        Ok(path)
+    }
+}
+
+impl OptionalOutput {
+    /// Refuses a pattern that gives two inputs the same output, and `--force` without one.
+    pub(crate) fn check(&self, inputs: &Inputs) -> Result<(), Failure> {
+        if self.path.is_none() && self.overwrite.force {
+            return Err(Failure::usage("--force needs --output: without it nothing is written"));
+        }
+        check_distinct(self.path.as_deref(), &inputs.paths)
+    }
+
+    /// Returns true if there is an output.
+    pub(crate) fn is_given(&self) -> bool {
+        self.path.is_some()
+    }
+
+    /// The output of an input, if any. Fails if it cannot be written.
+    pub(crate) fn of(
+        &self,
+        context: &Context,
+        input: &Path,
+        content: Content,
+    ) -> Result<Option<PathBuf>, Failure> {
+        let Some(pattern) = self.path.as_deref() else { return Ok(None) };
+        let path = output_for(pattern, input);
+        self.overwrite.check(context, &path, content)?;
+        Ok(Some(path))
+    }
+}
+
+/// Returns true for the name of the standard streams.
+fn is_stream(path: &Path) -> bool {
+    path == Path::new("-")
 }
 
 /// Reads a mesh with its fields.
 pub(crate) fn read(context: &Context, path: &Path) -> Result<MeshFile, Failure> {
-    let file = io::read_with(path, &reading(context)).map_err(unreadable)?;
+    let options = reading(context);
+    let file = match is_stream(path) {
+        true => io::read_from(stdin().lock(), context.format, &options),
+        false => io::read_with(path, &options),
+    };
+    let file = file.map_err(unreadable)?;
     watch::stage("preparing", 0);
     Ok(file)
+}
+
+/// Reads a polygon mesh with its fields.
+pub(crate) fn read_polygons(
+    context: &Context,
+    path: &Path,
+    options: &ReadOptions,
+) -> Result<PolygonFile, Failure> {
+    let file = match is_stream(path) {
+        true => io::read_polygons_from(stdin().lock(), context.format, options),
+        false => io::read_polygons_with(path, options),
+    };
+    file.map_err(unreadable)
 }
 
 /// Reading options shared by all verbs.
@@ -166,8 +228,30 @@ pub(crate) fn write(
     fields: &VertexFields,
     options: &WriteOptions,
 ) -> Result<(), Failure> {
-    let report = io::write_with_fields(path, mesh, fields, options).map_err(Failure::output)?;
+    let report = match (is_stream(path), context.format) {
+        (true, Some(format)) => io::write_to(stdout().lock(), format, mesh, fields, options),
+        _ => io::write_with_fields(path, mesh, fields, options),
+    };
+    let report = report.map_err(Failure::output)?;
     say_written(context, path, &report);
+    Ok(())
+}
+
+/// [`write`] for polygons.
+pub(crate) fn write_polygons(
+    context: &Context,
+    path: &Path,
+    mesh: &PolygonMesh,
+    fields: &VertexFields,
+    options: &WriteOptions,
+) -> Result<(), Failure> {
+    let report = match (is_stream(path), context.format) {
+        (true, Some(format)) => {
+            io::write_polygons_to(stdout().lock(), format, mesh, fields, options)
+        }
+        _ => io::write_polygons(path, mesh, fields, options),
+    };
+    say_written(context, path, &report.map_err(Failure::output)?);
     Ok(())
 }
 
@@ -184,19 +268,22 @@ pub(crate) fn say_written(context: &Context, path: &Path, report: &WriteReport) 
 
 /// Writes bytes, whole or not at all.
 pub(crate) fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    io::write_whole(path, |file| file.write_all(bytes))
-        .map_err(|error| Failure::output(anyhow::anyhow!("{}: {error}", path.display())))
+    let written = match is_stream(path) {
+        true => stdout().lock().write_all(bytes),
+        false => io::write_whole(path, |file| file.write_all(bytes)),
+    };
+    written.map_err(|error| Failure::output(anyhow::anyhow!("{}: {error}", path.display())))
 }
 
 /// Writes a mesh whose vertices have moved, with its properties except normals, which do not fit
 /// any more. Properties that the format cannot store are left out and named.
 pub(crate) fn write_moved(
     context: &Context,
-    output: &Output,
+    path: &Path,
     mesh: &TriMesh,
     fields: VertexFields,
 ) -> Result<(), Failure> {
-    write_held(context, &output.path, mesh, &fields.without_normals())
+    write_held(context, path, mesh, &fields.without_normals())
 }
 
 /// Writes a mesh with the properties that the format can store, and names the others.

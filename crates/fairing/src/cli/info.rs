@@ -1,50 +1,103 @@
 //! `fairing info`.
 
-use std::path::PathBuf;
+use std::path::Path;
 
 use clap::Args;
-use fairing::mesh::io::{self, PolygonFile, ReadReport};
-use fairing::mesh::{Diagnosis, PolygonMesh, Tally};
+use fairing::mesh::io::{PolygonFile, ReadReport};
+use fairing::mesh::{Diagnosis, PolygonMesh, RepairOptions, Tally, TriMesh};
 use serde_json::{Value, json};
 
 use super::context::{Context, Failure};
 use super::files;
+use super::inputs::{Inputs, Summary};
 use super::table::{Table, number};
 
 /// Describe a mesh: counts, topology, defects and measures
 ///
 /// Lengths, areas and volumes are in units of the file. Vertices, edges and faces are
 /// numbered from 0. Face and edge counts are those of the file, polygons included;
-/// degenerate, sliver and duplicate faces are counted after splitting into triangles.
+/// degenerate, sliver and duplicate faces are counted after splitting into triangles. Ends with
+/// the command that would mend what was found.
 #[derive(Args)]
 pub(crate) struct Info {
-    /// The mesh
-    file: PathBuf,
-    /// Print one JSON object
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    inputs: Inputs,
+    #[command(flatten)]
+    summary: Summary,
 }
 
 impl Info {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
+        let columns = [
+            "vertices",
+            "faces",
+            "components",
+            "boundary_loops",
+            "manifold",
+            "closed",
+            "degenerate_faces",
+            "turned_faces",
+            "seam_vertices",
+            "mean_edge",
+        ];
+        self.inputs.each(context, self.summary, &columns, |context, input| self.one(context, input))
+    }
+
+    fn one(&self, context: &Context, input: &Path) -> Result<Value, Failure> {
         let PolygonFile { mesh, fields, report, .. } =
-            io::read_polygons_with(&self.file, &files::reading(context))
-                .map_err(files::unreadable)?;
-        let diagnosis = Diagnosis::new(&mesh.triangulate());
+            files::read_polygons(context, input, &files::reading(context))?;
+        let surface = mesh.triangulate();
+        let diagnosis = Diagnosis::new(&surface);
+        let (hints, command) = (hints(&diagnosis), repair_command(input, &surface, &diagnosis));
         let mut names: Vec<&str> = fields.scalars.iter().map(|(name, _)| &name[..]).collect();
         names.extend(fields.vectors.iter().map(|(name, _)| &name[..]));
         names.extend(fields.colors.is_some().then_some("colors"));
-        if self.json {
-            return context
-                .print(format_args!("{:#}\n", as_json(&mesh, &diagnosis, &report, &names)));
+        if self.summary.is_wanted() {
+            let mut json = as_json(&mesh, &diagnosis, &report, &names);
+            json["hints"] = json!(hints);
+            json["repair"] = json!(command);
+            return Ok(json);
         }
         let mut text = format!("{}\n", report);
         text += &as_table(&mesh, &diagnosis).to_string();
         if !names.is_empty() {
             text += &format!("fields: {}\n", names.join(", "));
         }
-        context.print(text)
+        for hint in hints {
+            text += &format!("hint: {hint}\n");
+        }
+        if let Some(command) = command {
+            text += &format!("to mend it: {command}\n");
+        }
+        context.print(text)?;
+        Ok(Value::Null)
     }
+}
+
+/// Guesses at what the numbers mean.
+fn hints(d: &Diagnosis) -> Vec<String> {
+    let mut hints = vec![];
+    if d.volume.is_some_and(|volume| volume < 0.0) {
+        hints.push("the volume is negative: normals point inwards".to_owned());
+    }
+    if d.seam_vertices > 0 {
+        hints.push(format!(
+            "{} boundary vertices lie exactly on another one: a seam that is not welded",
+            d.seam_vertices
+        ));
+    }
+    let size = d
+        .bounding_box
+        .map_or(0.0, |[low, high]| (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max));
+    // Objects that people scan measure between a centimetre and three metres.
+    if (0.01..=3.0).contains(&size) {
+        let centimetres = number(100.0 * size);
+        hints.push(format!("the longest side is {} cm if the unit is the metre", centimetres));
+    } else if (10.0..=3000.0).contains(&size) {
+        let centimetres = number(0.1 * size);
+        hints.push(format!("the longest side is {} cm if the unit is the millimetre", centimetres));
+    }
+    hints
 }
 
 fn as_json(mesh: &PolygonMesh, d: &Diagnosis, report: &ReadReport, fields: &[&str]) -> Value {
@@ -127,6 +180,40 @@ fn as_table(mesh: &PolygonMesh, d: &Diagnosis) -> Table {
     row("mean edge", number(d.mean_edge));
     row("longest edge", number(d.longest_edge));
     table
+}
+
+/// The command that mends what was found; `None` if there is nothing to mend.
+fn repair_command(input: &Path, mesh: &TriMesh, d: &Diagnosis) -> Option<String> {
+    let found = [
+        d.isolated_vertices.count,
+        d.duplicate_faces.count,
+        d.seam_vertices,
+        d.nonmanifold_edges.count,
+        d.nonmanifold_vertices.count,
+        d.inconsistent_edges.count,
+        d.degenerate_faces.count,
+        d.sliver_faces.count,
+    ];
+    let inside_out = d.volume.is_some_and(|volume| volume < 0.0);
+    // The longest boundary may be the rim of the surface, the others are holes.
+    let mut loops: Vec<usize> = mesh.topology().boundary_loops().iter().map(Vec::len).collect();
+    loops.sort_unstable();
+    let holes = loops.iter().rev().skip(1).copied().find(|n| *n <= RepairOptions::MAX_HOLE);
+    if d.faces == 0 || (found == [0; 8] && !inside_out && holes.is_none()) {
+        return None;
+    }
+    let mut name = input.display().to_string();
+    if name.contains(|c: char| !c.is_alphanumeric() && !"/._-+".contains(c)) {
+        name = format!("'{}'", name.replace('\'', r"'\''"));
+    }
+    let mut command = format!("fairing repair {name} -o repaired.ply");
+    if d.degenerate_faces.count + d.sliver_faces.count > 0 {
+        command += &format!(" --thin {}", Diagnosis::SLIVER);
+    }
+    if let Some(edges) = holes {
+        command += &format!(" --holes {edges}");
+    }
+    Some(command)
 }
 
 fn yes(flag: bool) -> String {

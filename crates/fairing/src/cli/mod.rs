@@ -11,22 +11,27 @@ mod curvature;
 mod denoise;
 mod files;
 mod info;
+mod inputs;
 mod noise;
 mod operator;
 mod parameters;
 mod progress;
 mod reconstruct;
 mod render;
+mod repair;
 mod scan;
 mod smooth;
 mod spectrum;
 mod surface;
 mod table;
 
+use std::path::Path;
 use std::process::ExitCode;
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{CommandFactory, Parser, Subcommand};
 use fairing::mesh::io::Format;
+use fairing::watch::Watch;
 use indicatif::ProgressBar;
 
 use context::{Context, Failure};
@@ -34,6 +39,16 @@ use context::{Context, Failure};
 /// Formats, exit codes and examples, printed below the help of the program.
 fn after_help() -> String {
     format!("Formats: {}{AFTER_FORMATS}", Format::ALL.map(Format::name).join(", "))
+}
+
+/// The formats by the extensions of their files.
+fn formats() -> impl TypedValueParser<Value = Format> {
+    let names = Format::ALL
+        .into_iter()
+        .map(|format| PossibleValue::new(format.extensions()[0]).help(format.name()));
+    PossibleValuesParser::new(names).try_map(|name| {
+        Format::from_path(Path::new(&format!("stdin.{name}"))).map(|named| named.format).ok_or(name)
+    })
 }
 
 const AFTER_FORMATS: &str = ", each also gzip-compressed (.gz); the file extension decides.
@@ -45,6 +60,7 @@ Exit codes: 0 success; 1 the computation failed; 2 invalid usage; 3 an input can
 
 Examples:
   fairing info bunny.ply
+  fairing repair scan.stl -o clean.ply
   fairing curvature bunny.ply -o curved.ply
   fairing smooth scan.obj -o smooth.obj --method implicit --lambda 5";
 
@@ -62,6 +78,9 @@ struct Cli {
     /// vertices keep their indices and move to the first valid position
     #[arg(long, global = true)]
     drop_broken: bool,
+    /// Format of the standard input and output, which - stands for
+    #[arg(long, global = true, value_name = "NAME", value_parser = formats())]
+    format: Option<Format>,
     #[command(subcommand)]
     verb: Verb,
 }
@@ -70,6 +89,7 @@ struct Cli {
 enum Verb {
     Info(info::Info),
     Convert(convert::Convert),
+    Repair(repair::Repair),
     Curvature(curvature::Curvature),
     Spectrum(spectrum::Spectrum),
     Reconstruct(reconstruct::Reconstruct),
@@ -87,6 +107,7 @@ impl Verb {
         match self {
             Self::Info(verb) => verb.run(context),
             Self::Convert(verb) => verb.run(context),
+            Self::Repair(verb) => verb.run(context),
             Self::Curvature(verb) => verb.run(context),
             Self::Spectrum(verb) => verb.run(context),
             Self::Reconstruct(verb) => verb.run(context),
@@ -111,8 +132,14 @@ pub(crate) fn main() -> ExitCode {
             return ExitCode::from(1);
         }
     }
-    let (quiet, drop_broken) = (cli.quiet, cli.drop_broken);
-    let context = Context { quiet, drop_broken, bar: ProgressBar::hidden() };
+    let context = Context {
+        quiet: cli.quiet,
+        drop_broken: cli.drop_broken,
+        format: cli.format,
+        bar: ProgressBar::hidden(),
+        watch: Watch::new(),
+        file: None,
+    };
     match progress::run(&context, || cli.verb.run(&context)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),

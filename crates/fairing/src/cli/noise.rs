@@ -1,13 +1,15 @@
 //! `fairing noise`.
 
-use std::path::PathBuf;
+use std::path::Path;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use fairing::evaluation::{NoiseKind, NoiseLevel, add_noise};
+use serde_json::Value;
 
 use super::context::{Context, Failure};
 use super::files::{self, Content, Output};
+use super::inputs::{Inputs, Summary};
 use super::surface::{Reading, say_orientation};
 use super::table::number;
 
@@ -24,8 +26,8 @@ Examples:
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Noise {
-    /// The mesh
-    input: PathBuf,
+    #[command(flatten)]
+    inputs: Inputs,
     #[command(flatten)]
     reading: Reading,
     #[command(flatten)]
@@ -127,20 +129,27 @@ fn kinds() -> impl TypedValueParser<Value = NoiseKind> {
 
 impl Noise {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
-        self.output.check(Content::Mesh)?;
+        self.output.check(&self.inputs)?;
+        self.inputs.each(context, Summary::default(), &[], |context, input| {
+            self.one(context, input).map(|()| Value::Null)
+        })
+    }
+
+    fn one(&self, context: &Context, input: &Path) -> Result<(), Failure> {
+        let output = self.output.of(context, input, Content::Mesh)?;
         let mut kind = self.kind.or("normal")?;
         if let Some(Point(camera)) = self.camera {
             kind = kind.with_camera(camera).ok_or_else(|| refused(kind, "--camera"))?;
         }
-        let (surface, fields) = self.reading.read(context, &self.input)?;
+        let (surface, fields) = self.reading.read(context, input)?;
         let mesh = surface.mesh();
-        say_orientation(context, &self.input, mesh);
+        say_orientation(context, input, mesh);
         let level = self.unit.level(self.sigma);
         let noisy = add_noise(mesh, kind, level, self.seed)?;
         context.note(format_args!(
             "sigma = {} in units of the file",
             number(level.in_mesh_units(mesh))
         ));
-        files::write_moved(context, &self.output, &surface.own(noisy)?, fields)
+        files::write_moved(context, &output, &surface.own(noisy)?, fields)
     }
 }

@@ -23,7 +23,7 @@ const INTERRUPTED: i32 = 130;
 /// Runs `work` and shows its progress. Ctrl-C cancels the work and ends the process within 100 ms,
 /// without temporary files.
 pub(crate) fn run<T>(context: &Context, work: impl FnOnce() -> T) -> T {
-    let watch = Watch::new();
+    let watch = context.watch.clone();
     let shown = !context.quiet && stderr().is_terminal();
     let (unwound, until_unwound) = channel();
     end_on_interrupt(watch.clone(), until_unwound, shown);

@@ -1,13 +1,15 @@
 //! `fairing reconstruct`.
 
-use std::path::PathBuf;
+use std::path::Path;
 
 use clap::Args;
 use fairing::operators::{LaplacianKind, MassKind};
 use fairing::spectral::{SpectrumOptions, reconstruct, reconstruction_errors};
+use serde_json::Value;
 
 use super::context::{Context, Failure};
 use super::files::{self, Content, Output};
+use super::inputs::{Inputs, Summary};
 use super::operator;
 use super::spectrum;
 use super::surface::Reading;
@@ -29,8 +31,8 @@ Examples:
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Reconstruct {
-    /// The mesh
-    input: PathBuf,
+    #[command(flatten)]
+    inputs: Inputs,
     /// Number of modes
     #[arg(short, value_name = "K", value_parser = spectrum::at_least_one)]
     k: usize,
@@ -45,8 +47,15 @@ pub(crate) struct Reconstruct {
 
 impl Reconstruct {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
-        self.output.check(Content::Mesh)?;
-        let (surface, fields) = self.reading.read(context, &self.input)?;
+        self.output.check(&self.inputs)?;
+        self.inputs.each(context, Summary::default(), &[], |context, input| {
+            self.one(context, input).map(|()| Value::Null)
+        })
+    }
+
+    fn one(&self, context: &Context, input: &Path) -> Result<(), Failure> {
+        let output = self.output.of(context, input, Content::Mesh)?;
+        let (surface, fields) = self.reading.read(context, input)?;
         let mesh = surface.mesh();
         let laplacian = operator::assemble(context, mesh, self.operator, MassKind::Barycentric)?;
         let options = SpectrumOptions::default();
@@ -54,7 +63,7 @@ impl Reconstruct {
         spectrum::warn_of_split(context, modes.split(self.k), self.k, "-k");
         let rebuilt = reconstruct(mesh, &modes, self.k)?.mesh;
         let errors = reconstruction_errors(mesh, &modes)?;
-        files::write_moved(context, &self.output, &surface.own(rebuilt)?, fields)?;
+        files::write_moved(context, &output, &surface.own(rebuilt)?, fields)?;
         context.note(format_args!("displacement: {} (RMS)", number(errors[self.k])));
         Ok(())
     }

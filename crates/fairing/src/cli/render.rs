@@ -1,6 +1,6 @@
 //! `fairing render`.
 
-use std::path::PathBuf;
+use std::path::Path;
 
 use anyhow::anyhow;
 use clap::{Args, ValueEnum};
@@ -11,9 +11,11 @@ use fairing::figure::{
 use fairing::mesh::TriMesh;
 use fairing::mesh::io::VertexFields;
 use glam::DVec3;
+use serde_json::Value;
 
 use super::context::{Context, Failure};
 use super::files::{self, Content, Output};
+use super::inputs::{Inputs, Summary};
 use super::surface::say_orientation;
 use super::table::number;
 
@@ -34,8 +36,8 @@ Examples:
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Render {
-    /// The mesh
-    input: PathBuf,
+    #[command(flatten)]
+    inputs: Inputs,
     #[command(flatten)]
     output: Output,
     /// Vertex property to colour by
@@ -89,13 +91,20 @@ enum ShadingKind {
 
 impl Render {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
-        self.output.check(Content::Png)?;
-        let file = files::read(context, &self.input)?;
-        files::say_report(context, &self.input, &file.report);
-        say_orientation(context, &self.input, &file.mesh);
+        self.output.check(&self.inputs)?;
+        self.inputs.each(context, Summary::default(), &[], |context, input| {
+            self.one(context, input).map(|()| Value::Null)
+        })
+    }
+
+    fn one(&self, context: &Context, input: &Path) -> Result<(), Failure> {
+        let output = self.output.of(context, input, Content::Png)?;
+        let file = files::read(context, input)?;
+        files::say_report(context, input, &file.report);
+        say_orientation(context, input, &file.mesh);
         let colors = self.colors(context, &file.mesh, &file.fields)?;
         let png = self.draw(&file.mesh, &colors)?.to_png()?;
-        files::write_bytes(&self.output.path, &png)
+        files::write_bytes(&output, &png)
     }
 
     fn draw(&self, mesh: &TriMesh, colors: &Option<Vec<[u8; 3]>>) -> Result<Image, Failure> {

@@ -1,13 +1,15 @@
 //! `fairing scan`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use fairing::evaluation::{ScanOptions, add_noise, scan};
 use fairing::mesh::io::VertexFields;
+use serde_json::Value;
 
 use super::context::{Context, Failure};
 use super::files::{self, Content, Output};
+use super::inputs::{Inputs, Summary, check_distinct, output_for};
 use super::noise::{Kind, Point, Unit, point};
 use super::render::size;
 use super::table::number;
@@ -26,11 +28,11 @@ Examples:
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Scan {
-    /// The mesh
-    input: PathBuf,
+    #[command(flatten)]
+    inputs: Inputs,
     #[command(flatten)]
     output: Output,
-    /// Write the mesh without noise, too
+    /// Write the mesh without noise, too; {stem} as in --output
     #[arg(long, value_name = "FILE")]
     truth: Option<PathBuf>,
     /// Position of the camera [default: three diagonals of the bounding box from its centre along
@@ -64,16 +66,25 @@ pub(crate) struct Scan {
 
 impl Scan {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
-        self.output.check(Content::Mesh)?;
-        if let Some(truth) = &self.truth {
-            self.output.overwrite.check(truth, Content::Mesh)?;
+        self.output.check(&self.inputs)?;
+        check_distinct(self.truth.as_deref(), &self.inputs.paths)?;
+        self.inputs.each(context, Summary::default(), &[], |context, input| {
+            self.one(context, input).map(|()| Value::Null)
+        })
+    }
+
+    fn one(&self, context: &Context, input: &Path) -> Result<(), Failure> {
+        let output = self.output.of(context, input, Content::Mesh)?;
+        let truth = self.truth.as_deref().map(|pattern| output_for(pattern, input));
+        if let Some(truth) = &truth {
+            self.output.overwrite.check(context, truth, Content::Mesh)?;
         }
         let kind = self.kind.or("depth-camera")?;
         if self.sigma.is_none() && self.kind.is_given() {
             return Err(Failure::usage("--kind, --fraction and --length need --sigma"));
         }
-        let file = files::read(context, &self.input)?;
-        files::say_report(context, &self.input, &file.report);
+        let file = files::read(context, input)?;
+        files::say_report(context, input, &file.report);
         let options = ScanOptions {
             camera: self.camera.map(|Point(camera)| camera),
             look_at: self.look_at.map(|Point(target)| target),
@@ -88,17 +99,17 @@ impl Scan {
             seen.mesh.face_count()
         ));
         let fields = VertexFields::default();
-        if let Some(truth) = &self.truth {
+        if let Some(truth) = &truth {
             files::write_held(context, truth, &seen.mesh, &fields)?;
         }
         let Some(sigma) = self.sigma else {
-            return files::write_held(context, &self.output.path, &seen.mesh, &fields);
+            return files::write_held(context, &output, &seen.mesh, &fields);
         };
         let level = self.unit.level(sigma);
         let kind = kind.with_camera(seen.camera).unwrap_or(kind);
         let noisy = add_noise(&seen.mesh, kind, level, self.seed)?;
         let sigma = number(level.in_mesh_units(&seen.mesh));
         context.note(format_args!("sigma = {sigma} in units of the file"));
-        files::write_held(context, &self.output.path, &noisy, &fields)
+        files::write_held(context, &output, &noisy, &fields)
     }
 }

@@ -1,7 +1,7 @@
 //! `fairing smooth`.
 
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::Path;
 
 use clap::Args;
 use fairing::parameters::{self, Algorithm};
@@ -10,7 +10,8 @@ use glam::DVec3;
 use serde_json::{Value, json};
 
 use super::context::{Context, Failure};
-use super::files::{self, Content, MaybeOutput};
+use super::files::{self, Content, Output};
+use super::inputs::{Inputs, Summary};
 use super::operator::say_too_thin;
 use super::parameters::{Parameters, foreign, list, names};
 use super::spectrum::warn_of_split;
@@ -56,13 +57,12 @@ Examples:
 #[derive(Args)]
 #[command(after_help = HELP)]
 pub(crate) struct Smooth {
-    /// The mesh
-    #[arg(required_unless_present = "list")]
-    input: Option<PathBuf>,
+    #[command(flatten)]
+    inputs: Inputs,
     #[command(flatten)]
     reading: Reading,
     #[command(flatten)]
-    output: MaybeOutput,
+    output: Output,
     /// Method; --list describes each
     #[arg(long, value_parser = names::<Method>(), default_value = "taubin")]
     method: String,
@@ -75,9 +75,8 @@ pub(crate) struct Smooth {
     /// If a step fails after others, write the mesh before it and still exit with an error
     #[arg(long)]
     last_good: bool,
-    /// Print a summary as one JSON object
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    summary: Summary,
     /// List the methods, their uses and their parameters
     #[arg(long, exclusive = true)]
     list: bool,
@@ -93,11 +92,20 @@ impl Smooth {
         if self.list {
             return context.print(list::<Method>());
         }
-        let (Some(input), Some(output)) = (&self.input, self.output.given()) else {
-            return Err(Failure::usage("missing input mesh or --output"));
-        };
-        output.check(Content::Mesh)?;
+        self.output.check(&self.inputs)?;
         self.check()?;
+        let columns = [
+            "method",
+            "iterations",
+            "largest_displacement",
+            "volume_change_percent",
+            "area_change_percent",
+        ];
+        self.inputs.each(context, self.summary, &columns, |context, input| self.one(context, input))
+    }
+
+    fn one(&self, context: &Context, input: &Path) -> Result<Value, Failure> {
+        let output = self.output.of(context, input, Content::Mesh)?;
         let (surface, fields) = self.reading.read(context, input)?;
         let mesh = surface.mesh();
         say_orientation(context, input, mesh);
@@ -123,8 +131,9 @@ impl Smooth {
             }
         };
         self.say(context, &smoothed.report);
-        self.summarise(context, &method, &surface, &smoothed)?;
-        files::write_moved(context, &output, &surface.own(smoothed.mesh)?, fields)
+        let summary = self.summarise(context, &method, &surface, &smoothed);
+        files::write_moved(context, &output, &surface.own(smoothed.mesh)?, fields)?;
+        Ok(summary)
     }
 
     /// The method with its parameters; vertices in them are numbered as in the file.
@@ -165,14 +174,14 @@ impl Smooth {
         }
     }
 
-    /// Prints a summary.
+    /// The summary, as a note unless it is wanted otherwise.
     fn summarise(
         &self,
         context: &Context,
         method: &Method,
         surface: &Surface,
         smoothed: &Smoothed,
-    ) -> Result<(), Failure> {
+    ) -> Value {
         let (report, before, after) = (&smoothed.report, surface.mesh(), &smoothed.mesh);
         let change = |old: f64, new: f64| (old != 0.0).then(|| 100.0 * (new / old - 1.0));
         // The volume of a flat closed mesh is pure rounding; a ball of the same area has
@@ -191,10 +200,10 @@ impl Smooth {
             .zip(after.positions())
             .map(|(&p, &q)| DVec3::from(p).distance(q.into()))
             .fold(0.0, f64::max);
-        if self.json {
+        if self.summary.is_wanted() {
             let mut summary = json(method, report, [volume, area], farthest);
             surface.add_to(&mut summary);
-            return context.print(format_args!("{summary:#}\n"));
+            return summary;
         }
         let mut table = Table::new();
         let percent = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{} %", number(x)));
@@ -208,7 +217,7 @@ impl Smooth {
         table.row(["volume".into(), percent(volume)]);
         table.row(["area".into(), percent(area)]);
         context.note(table.to_string().trim_end());
-        Ok(())
+        Value::Null
     }
 }
 

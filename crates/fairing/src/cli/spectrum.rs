@@ -1,15 +1,16 @@
 //! `fairing spectrum`.
 
-use std::path::PathBuf;
+use std::path::Path;
 
 use clap::{Args, ValueEnum};
 use fairing::mesh::TriMesh;
 use fairing::operators::{LaplacianKind, MassKind, MassMatrix};
 use fairing::spectral::{self, EigenOptions, SpectrumOptions, Split};
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::context::{Context, Failure};
-use super::files::{Content, Overwrite};
+use super::files::{Content, OptionalOutput};
+use super::inputs::{Inputs, Summary};
 use super::operator;
 use super::surface::{Reading, Surface};
 use super::table::{Table, number};
@@ -32,28 +33,24 @@ Read the modes in Python: numpy.load(\"modes.npz\")[\"modes\"]";
 /// own eigenvalue. Certified means that an inertia count proves that no eigenvalue was
 /// missed. If K splits a cluster of equal or nearly equal eigenvalues, a warning
 /// suggests values of K that do not. The output is an npz file with values (k), modes
-/// (n x k, orthonormal in the mass), residuals (k) and mass.
+/// (n x k, orthonormal in the mass), residuals (k) and mass. The summary of --json has the
+/// eigenvalues, residuals, certified, and the nearest numbers of modes that split no cluster.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Spectrum {
-    /// The mesh
-    input: PathBuf,
+    #[command(flatten)]
+    inputs: Inputs,
     /// Number of modes
     #[arg(short, value_name = "K", default_value_t = 10, value_parser = at_least_one)]
     k: usize,
     #[command(flatten)]
     reading: Reading,
-    /// npz file to write; without it, the eigenvalues are only printed
-    #[arg(short, long, value_name = "FILE")]
-    output: Option<PathBuf>,
     #[command(flatten)]
-    overwrite: Overwrite,
+    output: OptionalOutput,
     #[command(flatten)]
     kind: Kind,
-    /// Print eigenvalues, residuals, certified, and the nearest numbers of modes that split no
-    /// cluster of eigenvalues, as one JSON object
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    summary: Summary,
 }
 
 /// Parses a number of modes, at least 1.
@@ -146,26 +143,33 @@ impl Kind {
 
 impl Spectrum {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
-        self.overwrite.check_given(self.output.as_deref(), Content::Npz)?;
-        let (surface, _) = self.reading.read(context, &self.input)?;
+        self.output.check(&self.inputs)?;
+        let columns: Vec<String> = (0..self.k.min(6)).map(|i| format!("eigenvalues.{i}")).collect();
+        let mut columns: Vec<&str> = columns.iter().map(String::as_str).collect();
+        columns.push("certified");
+        self.inputs.each(context, self.summary, &columns, |context, input| self.one(context, input))
+    }
+
+    fn one(&self, context: &Context, input: &Path) -> Result<Value, Failure> {
+        let output = self.output.of(context, input, Content::Npz)?;
+        let (surface, _) = self.reading.read(context, input)?;
         let (kind, mesh) = (&self.kind, surface.mesh());
         let laplacian = operator::assemble(context, mesh, kind.operator, kind.mass)?;
         let modes = spectral::spectrum(&laplacian, self.k, &kind.options(mesh))?;
-        if let Some(output) = &self.output {
+        if let Some(output) = &output {
             on_file(&modes, &surface)?.save(output).map_err(Failure::output)?;
         }
         warn_of_split(context, modes.split(self.k), self.k, "-k");
         warn_of_residuals(context, &modes);
-        if self.json {
-            let summary = json!({
+        if self.summary.is_wanted() {
+            return Ok(json!({
                 "gap_below": modes.gap_below(self.k),
                 "gap_above": modes.gap_above(self.k),
                 "eigenvalues": modes.values,
                 "residuals": modes.residuals,
                 "certified": modes.certified,
                 "operator": laplacian.kind().name(),
-            });
-            return context.print(format_args!("{summary:#}\n"));
+            }));
         }
         let mut table = Table::new();
         table.row(["mode", "eigenvalue", "residual"].map(str::to_owned));
@@ -176,7 +180,7 @@ impl Spectrum {
         if modes.certified {
             context.note("certified: no smaller eigenvalue was missed");
         }
-        Ok(())
+        Ok(Value::Null)
     }
 }
 

@@ -108,6 +108,32 @@ impl VertexFields {
         self.faces.vectors.retain(|(name, _)| name != "normal");
         self
     }
+
+    /// The fields of vertices and faces of a part of the mesh, or of a mesh made from it: vertex
+    /// `k` of the result has the values of vertex `vertices[k]`, and faces as in
+    /// [`FaceFields::selected`].
+    ///
+    /// # Panics
+    ///
+    /// If there is no such vertex, face or corner.
+    #[must_use]
+    pub fn selected(
+        &self,
+        vertices: &[u32],
+        faces: &[usize],
+        corners: impl IntoIterator<Item = usize>,
+    ) -> Self {
+        fn select<T: Copy>(values: &[T], of: &[u32]) -> Vec<T> {
+            of.iter().map(|&v| values[v as usize]).collect()
+        }
+        Self {
+            scalars: self.scalars.iter().map(|(n, v)| (n.clone(), select(v, vertices))).collect(),
+            vectors: self.vectors.iter().map(|(n, v)| (n.clone(), select(v, vertices))).collect(),
+            colors: self.colors.as_ref().map(|colors| select(colors, vertices)),
+            types: self.types.clone(),
+            faces: self.faces.selected(faces, corners),
+        }
+    }
 }
 
 impl FaceFields {

@@ -1,0 +1,235 @@
+//! `fairing repair`.
+
+use std::path::Path;
+
+use clap::{Args, ValueEnum};
+use fairing::mesh::io::VertexFields;
+use fairing::mesh::{RepairOptions, RepairStep, Repaired, TriMesh, repair};
+use fairing::smoothing::{FairRegion, fair_region};
+use serde_json::{Map, Value, json};
+
+use super::context::{Context, Failure};
+use super::files::{self, Content, OptionalOutput};
+use super::inputs::{Inputs, Summary};
+use super::table::Table;
+
+const EXAMPLES: &str = "\
+Examples:
+  fairing repair scan.stl -o clean.ply
+  fairing repair scan.ply --dry-run
+  fairing repair scan.ply -o closed.ply --components 100 --thin 0.002 --holes 50
+  fairing repair scan.ply -o welded.ply --skip orient,split --tolerance 0.01";
+
+/// Mend a mesh: vertices that are not shared, faces that are doubled or turned over, holes
+///
+/// Without options nothing is moved: vertices at one place are merged, faces with the corners of
+/// an earlier one dropped, neighbours made to agree with closed parts facing outwards, sheets that
+/// touch at an edge or a vertex separated, and vertices without a face dropped. What stays keeps
+/// its order and its properties; the property source is the vertex of the input, from 0, or -1 in
+/// the patch of a hole. A second run changes nothing. The summary of --json lists the elements
+/// that each step changed, by their numbers in the input, from 0.
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Repair {
+    #[command(flatten)]
+    inputs: Inputs,
+    #[command(flatten)]
+    output: OptionalOutput,
+    /// Report what would change, and write nothing
+    #[arg(long, conflicts_with_all = ["path", "force"])]
+    dry_run: bool,
+    /// Leave out some steps
+    #[arg(long, value_name = "STEP", value_delimiter = ',')]
+    skip: Vec<Skip>,
+    /// Merge vertices up to this distance, in mean edge lengths, from 0 to 1
+    #[arg(long, value_name = "T", default_value_t = 0.0, allow_negative_numbers = true)]
+    tolerance: f64,
+    /// Drop components with fewer faces than this
+    #[arg(long, value_name = "FACES", default_value_t = 0)]
+    components: usize,
+    /// Collapse needles and flip caps whose height is below this fraction of their longest edge,
+    /// from 0 to 0.1; 0.002 removes what `fairing info` calls slivers
+    #[arg(long, value_name = "RATIO", default_value_t = 0.0, allow_negative_numbers = true)]
+    thin: f64,
+    /// Fill holes of at most this many edges, at most 2000, so that the patch continues the
+    /// surface around it; the rim of an open surface counts as a hole, too
+    #[arg(long, value_name = "EDGES", default_value_t = 0)]
+    holes: usize,
+    #[command(flatten)]
+    summary: Summary,
+}
+
+/// A step that changes no geometry.
+#[derive(Debug, Clone, Copy, PartialEq, ValueEnum)]
+enum Skip {
+    /// Vertices at one place stay separate
+    Merge,
+    /// Faces with the same corners stay
+    Duplicates,
+    /// No face is turned over
+    Orient,
+    /// Non-manifold edges and vertices stay
+    Split,
+    /// Vertices without a face stay
+    Isolated,
+}
+
+impl Repair {
+    pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
+        self.output.check(&self.inputs)?;
+        if !self.dry_run && !self.output.is_given() {
+            return Err(Failure::usage("give --output, or --dry-run to see what would change"));
+        }
+        let does = |step| !self.skip.contains(&step);
+        let options = RepairOptions {
+            merge: does(Skip::Merge),
+            tolerance: self.tolerance,
+            duplicates: does(Skip::Duplicates),
+            orient: does(Skip::Orient),
+            split: does(Skip::Split),
+            smallest_component: self.components,
+            thin: self.thin,
+            isolated: does(Skip::Isolated),
+            holes: self.holes,
+        };
+        let columns = ["unchanged", "vertices", "faces"];
+        self.inputs.each(context, self.summary, &columns, |context, input| {
+            self.one(context, input, &options)
+        })
+    }
+
+    fn one(
+        &self,
+        context: &Context,
+        input: &Path,
+        options: &RepairOptions,
+    ) -> Result<Value, Failure> {
+        let output = self.output.of(context, input, Content::Mesh)?;
+        let file = files::read(context, input)?;
+        files::say_report(context, input, &file.report);
+        let repaired = repair(&file.mesh, options).map_err(Failure::usage)?;
+        if repaired.mesh.face_count() == 0 && file.mesh.face_count() > 0 {
+            return Err(Failure::usage(format_args!(
+                "{}: no face would be left; nothing is written",
+                input.display()
+            )));
+        }
+        let summary = match self.summary.is_wanted() {
+            true => as_json(&repaired),
+            false => {
+                let text = as_table(&file.mesh, &repaired);
+                match self.dry_run {
+                    true => context.print(text)?,
+                    false => context.note(text.trim_end()),
+                }
+                Value::Null
+            }
+        };
+        let Some(output) = &output else { return Ok(summary) };
+        let mesh = match repaired.patch_vertices() {
+            patch if patch.is_empty() => repaired.mesh.clone(),
+            patch => match fair_region(&repaired.mesh, &FairRegion::new(patch)) {
+                Ok(faired) => faired.mesh,
+                Err(error) => {
+                    context.note(format_args!("the patches of holes stay flat: {error}"));
+                    repaired.mesh.clone()
+                }
+            },
+        };
+        let fields = carried(&file.mesh, &repaired, file.fields);
+        files::write_held(context, output, &mesh, &fields)?;
+        Ok(summary)
+    }
+}
+
+/// The properties of the input at the vertices and faces of the result; in the patch of a hole
+/// those nearby, ring by ring. Normals are left out if the surface has changed.
+fn carried(input: &TriMesh, repaired: &Repaired, fields: VertexFields) -> VertexFields {
+    let changes = [
+        RepairStep::MergedVertices,
+        RepairStep::TurnedFaces,
+        RepairStep::ThinFaces,
+        RepairStep::FilledHoles,
+    ];
+    let has_changed = changes.iter().any(|&step| !repaired.changed(step).is_empty());
+    let mut fields = if has_changed { fields.without_normals() } else { fields };
+    fields.scalars.retain(|(name, _)| name != "source");
+    let source = repaired.vertex_sources.iter().map(|v| v.map_or(-1.0, f64::from)).collect();
+    let vertices = nearest_sources(repaired);
+    let face_at = |v: u32| input.incidence().corners(v).first().map_or(0, |corner| corner / 3);
+    let faces: Vec<usize> = (repaired.face_sources.iter().zip(repaired.mesh.faces()))
+        .map(|(source, face)| source.unwrap_or_else(|| face_at(vertices[face[0] as usize])))
+        .map(|f| f as usize)
+        .collect();
+    let corners = faces.iter().zip(repaired.mesh.faces()).flat_map(|(&f, face)| {
+        [0, 1, 2].map(|k| {
+            // The corner of the input at the same vertex; in a flipped face there may be none.
+            let same = |v: &u32| {
+                repaired.vertices[*v as usize] == Some(face[k])
+                    || repaired.vertex_sources[face[k] as usize] == Some(*v)
+            };
+            3 * f + input.faces()[f].iter().position(same).unwrap_or(k)
+        })
+    });
+    fields.selected(&vertices, &faces, corners).with_scalar("source", source)
+}
+
+/// The source of each vertex, or that of the nearest vertex that has one.
+fn nearest_sources(repaired: &Repaired) -> Vec<u32> {
+    let mut sources = repaired.vertex_sources.clone();
+    let mut patch = repaired.patch_vertices();
+    while !patch.is_empty() {
+        let known = sources.clone();
+        let before = patch.len();
+        patch.retain(|&v| {
+            let around = repaired.mesh.topology().neighbors(v).iter();
+            sources[v as usize] = around.filter_map(|&w| known[w as usize]).next();
+            sources[v as usize].is_none()
+        });
+        if patch.len() == before {
+            break;
+        }
+    }
+    sources.into_iter().map(Option::unwrap_or_default).collect()
+}
+
+const WORDS: [(RepairStep, &str); 10] = [
+    (RepairStep::MergedVertices, "vertices merged"),
+    (RepairStep::CollapsedFaces, "faces collapsed by merging"),
+    (RepairStep::DuplicateFaces, "duplicate faces dropped"),
+    (RepairStep::TurnedFaces, "faces turned over"),
+    (RepairStep::SplitVertices, "vertices split"),
+    (RepairStep::SmallComponents, "faces of small components dropped"),
+    (RepairStep::ThinFaces, "thin faces mended"),
+    (RepairStep::IsolatedVertices, "isolated vertices dropped"),
+    (RepairStep::FilledHoles, "holes filled"),
+    (RepairStep::OpenHoles, "holes that cannot be filled"),
+];
+
+fn as_table(input: &TriMesh, repaired: &Repaired) -> String {
+    let mut table = Table::new();
+    for (step, words) in WORDS {
+        if let elements @ [first, ..] = repaired.changed(step) {
+            table.row([words.to_owned(), format!("{} (the first: {first})", elements.len())]);
+        }
+    }
+    let mesh = &repaired.mesh;
+    if repaired.is_unchanged() {
+        return format!("{table}nothing to mend\n");
+    }
+    table.row(["vertices".into(), format!("{} -> {}", input.vertex_count(), mesh.vertex_count())]);
+    table.row(["faces".into(), format!("{} -> {}", input.face_count(), mesh.face_count())]);
+    table.to_string()
+}
+
+fn as_json(repaired: &Repaired) -> Value {
+    let changes = repaired.changes.iter();
+    let changes: Map<String, Value> =
+        changes.map(|(step, elements)| (step.name().to_owned(), json!(elements))).collect();
+    json!({
+        "unchanged": repaired.is_unchanged(),
+        "vertices": repaired.mesh.vertex_count(),
+        "faces": repaired.mesh.face_count(),
+        "changes": changes,
+    })
+}

@@ -1,0 +1,194 @@
+//! Vertices at one place, and faces that agree.
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+
+use fairing_watch as watch;
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::{RepairOptions, RepairStep, Work, split};
+use crate::TriMesh;
+
+impl Work {
+    /// Merges vertices, drops faces that collapse or occur twice, turns faces that disagree, and
+    /// separates sheets.
+    ///
+    /// One step, because merging joins what splitting has separated: only the outcome is noted. A
+    /// sheet takes the first of the vertices that it had before, so that sheets which are separate
+    /// stay as they are.
+    pub(super) fn sew(&mut self, options: &RepairOptions) {
+        let places = self.places(options);
+        let place = |v: u32| places[v as usize];
+        let joined = self.mesh.faces().par_iter().map(|face| face.map(place));
+        let joined: Vec<[u32; 3]> = joined.collect();
+        let whole = joined.par_iter().map(|&[a, b, c]| a != b && b != c && c != a).collect();
+        let mut keep: Vec<bool> = whole;
+        let mut corners = super::kept(self.mesh.faces(), &keep);
+        let mut joined = super::kept(&joined, &keep);
+        self.keep_faces(RepairStep::CollapsedFaces, &keep);
+        if options.duplicates {
+            keep = first_of_equals(&joined);
+            corners = super::kept(&corners, &keep);
+            joined = super::kept(&joined, &keep);
+            self.keep_faces(RepairStep::DuplicateFaces, &keep);
+        }
+        watch::check();
+        let mut surface = TriMesh::from_checked(self.mesh.positions().to_vec(), joined);
+        if options.orient {
+            if let Some(flips) = surface.flips() {
+                for (f, _) in flips.iter().enumerate().filter(|(_, flip)| **flip) {
+                    corners[f].swap(1, 2);
+                    self.turned[f] ^= true;
+                }
+                surface = surface.turned(&flips);
+            }
+        }
+        watch::check();
+        let sheets = match options.split {
+            true => split::sheets(&surface),
+            false => surface.faces().to_vec(),
+        };
+        self.renumber(&places, &corners, &sheets);
+    }
+
+    /// The first vertex at the place of each vertex.
+    pub(super) fn places(&self, options: &RepairOptions) -> Vec<u32> {
+        let positions = self.mesh.positions();
+        if !options.merge {
+            return (0..positions.len() as u32).collect();
+        }
+        match options.tolerance * self.mesh.mean_edge_length() {
+            distance if distance > 0.0 => within(positions, distance),
+            _ => at_equal_positions(positions),
+        }
+    }
+
+    /// Gives each sheet the first of its vertices that no earlier sheet has, or a new one.
+    fn renumber(&mut self, places: &[u32], corners: &[[u32; 3]], sheets: &[[u32; 3]]) {
+        let mut members: Vec<(u32, u32)> = sheets
+            .as_flattened()
+            .iter()
+            .copied()
+            .zip(corners.as_flattened().iter().copied())
+            .collect();
+        members.par_sort_unstable();
+        members.dedup();
+        // Sheets in the order of their first vertices.
+        let mut groups: Vec<&[(u32, u32)]> = members.chunk_by(|x, y| x.0 == y.0).collect();
+        groups.sort_by_key(|group| group[0].1);
+
+        let mut positions = self.mesh.positions().to_vec();
+        let mut taken = vec![false; positions.len()];
+        let mut used = taken.clone();
+        members.iter().for_each(|&(_, v)| used[v as usize] = true);
+        let mut vertex_of = HashMap::with_capacity(groups.len());
+        let mut copied = vec![];
+        for group in groups {
+            let (sheet, first) = group[0];
+            let free = group.iter().find(|(_, v)| !taken[*v as usize]);
+            let place = positions[places[first as usize] as usize];
+            let vertex = match free {
+                Some(&(_, v)) => v,
+                None => {
+                    copied.push(self.vertex_sources[first as usize]);
+                    self.vertex_sources.push(self.vertex_sources[first as usize]);
+                    positions.push(place);
+                    taken.push(false);
+                    taken.len() as u32 - 1
+                }
+            };
+            taken[vertex as usize] = true;
+            // −0 and 0 are one place.
+            if positions[vertex as usize] != place {
+                positions[vertex as usize] = place;
+            }
+            vertex_of.insert(sheet, vertex);
+        }
+        let faces: Vec<[u32; 3]> = sheets.iter().map(|face| face.map(|s| vertex_of[&s])).collect();
+        let stays = |v: usize| match used.get(v) {
+            Some(true) => taken[v],
+            Some(false) => places[v] as usize == v,
+            None => true,
+        };
+        let keep: Vec<bool> = (0..taken.len()).map(stays).collect();
+        self.note(RepairStep::SplitVertices, copied);
+        let mut merged = vec![];
+        for (&v, &w) in corners.as_flattened().iter().zip(faces.as_flattened()) {
+            if !keep[v as usize] {
+                merged.push((v, w));
+            }
+        }
+        merged.extend(
+            (0..used.len()).filter(|&v| !keep[v] && !used[v]).map(|v| (v as u32, places[v])),
+        );
+        merged.sort_unstable();
+        merged.dedup_by_key(|(v, _)| *v);
+        for (v, into) in merged {
+            let [v, into] = [v, into].map(|v| self.vertex_sources[v as usize]);
+            self.note(RepairStep::MergedVertices, [v]);
+            self.merged_into.extend(v.zip(into));
+        }
+        self.mesh = TriMesh::from_checked(positions, faces);
+        if keep.contains(&false) {
+            self.keep_vertices(&keep);
+        }
+    }
+}
+
+/// The first vertex at exactly the position of each vertex.
+fn at_equal_positions(positions: &[[f64; 3]]) -> Vec<u32> {
+    let key = |(v, p): (usize, &[f64; 3])| (p.map(|x| (x + 0.0).to_bits()), v as u32);
+    let mut keys: Vec<([u64; 3], u32)> = positions.par_iter().enumerate().map(key).collect();
+    keys.par_sort_unstable();
+    let mut first = vec![0; positions.len()];
+    for group in keys.chunk_by(|x, y| x.0 == y.0) {
+        group.iter().for_each(|&(_, v)| first[v as usize] = group[0].1);
+    }
+    first
+}
+
+/// For each vertex the first one within a distance that is not itself merged, so that vertices
+/// are not merged in chains.
+pub(super) fn within(positions: &[[f64; 3]], distance: f64) -> Vec<u32> {
+    let cell = |p: DVec3| (p / distance).floor().to_array().map(|x| x as i64);
+    let mut cells: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
+    let around = |p: DVec3| {
+        let [low, high] = [cell(p - distance), cell(p + distance)];
+        let [x, y, z] = std::array::from_fn(|k| low[k]..=high[k]);
+        x.flat_map(move |x| y.clone().map(move |y| [x, y]))
+            .flat_map(move |[x, y]| z.clone().map(move |z| [x, y, z]))
+    };
+    let mut first: Vec<u32> = (0..positions.len() as u32).collect();
+    for (v, &p) in positions.iter().enumerate() {
+        let p = DVec3::from(p);
+        let near = around(p).filter_map(|cell| cells.get(&cell)).flatten().copied();
+        let near = near.filter(|&w| p.distance(positions[w as usize].into()) <= distance);
+        match near.min() {
+            Some(w) => first[v] = w,
+            None => match cells.entry(cell(p)) {
+                Entry::Occupied(mut entry) => entry.get_mut().push(v as u32),
+                Entry::Vacant(entry) => {
+                    entry.insert(vec![v as u32]);
+                }
+            },
+        }
+    }
+    first
+}
+
+/// False for each face with the corners of an earlier one, in any order.
+fn first_of_equals(faces: &[[u32; 3]]) -> Vec<bool> {
+    let key = |(f, &face): (usize, &[u32; 3])| {
+        let mut corners = face;
+        corners.sort_unstable();
+        (corners, f as u32)
+    };
+    let mut keys: Vec<([u32; 3], u32)> = faces.par_iter().enumerate().map(key).collect();
+    keys.par_sort_unstable();
+    let mut first = vec![true; faces.len()];
+    for pair in keys.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
+        first[pair[1].1 as usize] = false;
+    }
+    first
+}

@@ -1,0 +1,147 @@
+//! Several files at a time, standard streams, and repair through the program.
+
+use std::io::Write;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use fairing_mesh::TriMesh;
+use fairing_mesh::io;
+use fairing_shapes as shapes;
+use serde_json::Value;
+
+use crate::command_line::{fairing, files, program, refuse, run};
+
+/// A folder with a sphere, a torus, a file that is cut off and one without content.
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    io::write(path("sphere.ply"), &shapes::icosphere(2)).unwrap();
+    io::write(path("torus.obj"), &shapes::torus(3.0, 1.0, 24, 12)).unwrap();
+    let bytes = std::fs::read(path("sphere.ply")).unwrap();
+    std::fs::write(path("cut.ply"), &bytes[..bytes.len() / 2]).unwrap();
+    std::fs::write(path("empty.off"), "").unwrap();
+    std::fs::create_dir(path("out")).unwrap();
+    folder
+}
+
+const ALL: &str = "cut.ply empty.off sphere.ply torus.obj";
+
+#[test]
+fn bad_files_are_reported_and_the_others_done() {
+    let folder = folder();
+    for jobs in [1, 3] {
+        let line = format!("denoise {ALL} -o out/{{stem}}.ply --force --table=csv --jobs {jobs}");
+        let output = fairing(folder.path(), &line);
+        assert_eq!(output.status.code(), Some(3));
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert!(error.contains("error: cut.ply") && error.contains("error: empty.off"), "{error}");
+        assert!(error.ends_with("error: 2 of 4 files failed\n"), "{error}");
+        assert_eq!(files(&folder.path().join("out")), ["sphere.ply", "torus.ply"]);
+        let table = String::from_utf8(output.stdout).unwrap();
+        let lines: Vec<&str> = table.lines().collect();
+        assert!(lines[0].starts_with("path,noise") && lines[0].ends_with(",error"), "{table}");
+        for (line, name) in lines[1..].iter().zip(ALL.split(' ')) {
+            assert!(line.starts_with(&format!("{name},")), "{table}");
+        }
+    }
+}
+
+#[test]
+fn two_inputs_never_write_the_same_file() {
+    let folder = folder();
+    let said = refuse(folder.path(), "smooth sphere.ply torus.obj -o out/a.ply", 2);
+    assert!(said.contains("out/a.ply") && said.contains("{stem}"), "{said}");
+    assert_eq!(files(&folder.path().join("out")), [""; 0]);
+    let said = refuse(folder.path(), "convert sphere.ply torus.obj a.obj", 2);
+    assert!(said.contains("--output"), "{said}");
+    run(folder.path(), "convert sphere.ply torus.obj -o out/{stem}.off");
+    assert_eq!(files(&folder.path().join("out")), ["sphere.off", "torus.off"]);
+}
+
+/// Each verb gives one row for each file, and the same as for the file alone.
+#[test]
+fn tables_have_a_row_for_each_file() {
+    let folder = folder();
+    run(folder.path(), "noise sphere.ply torus.obj -o out/{stem}.ply --sigma 0.1");
+    for verb in ["info", "curvature", "spectrum -k 4", "repair --dry-run"] {
+        let rows = run(folder.path(), &format!("{verb} sphere.ply torus.obj --json"));
+        let rows: Vec<Value> = rows.lines().map(|row| serde_json::from_str(row).unwrap()).collect();
+        for (mut row, name) in rows.into_iter().zip(["sphere.ply", "torus.obj"]) {
+            assert_eq!(row["path"], name);
+            row.as_object_mut().unwrap().remove("path");
+            let alone = run(folder.path(), &format!("{verb} {name} --json"));
+            assert_eq!(row, serde_json::from_str::<Value>(&alone).unwrap(), "{verb}");
+        }
+        let table = run(folder.path(), &format!("{verb} sphere.ply torus.obj --table"));
+        assert_eq!(table.lines().count(), 3, "{table}");
+    }
+    // The reference has the name of each mesh.
+    io::write(folder.path().join("torus.ply"), &shapes::torus(3.0, 1.0, 24, 12)).unwrap();
+    let table = run(folder.path(), "compare out/sphere.ply out/torus.ply {stem}.ply --table");
+    let lines: Vec<Vec<&str>> = table.lines().map(|l| l.split_whitespace().collect()).collect();
+    let column = lines[0].iter().position(|name| *name == "normal_mean.value").unwrap();
+    for line in &lines[1..] {
+        let angle: f64 = line[column].parse().unwrap();
+        assert!(angle > 1.0 && angle < 30.0, "{table}");
+    }
+}
+
+fn piped(folder: &Path, line: &str, input: &[u8]) -> (Vec<u8>, String) {
+    let mut child = Command::new(program())
+        .args(line.split_whitespace())
+        .current_dir(folder)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    child.stdin.take().unwrap().write_all(input).unwrap();
+    let output = child.wait_with_output().unwrap();
+    (output.stdout, String::from_utf8(output.stderr).unwrap())
+}
+
+#[test]
+fn standard_streams_hold_a_mesh() {
+    let folder = folder();
+    run(folder.path(), "smooth sphere.ply -o smooth.ply");
+    let bytes = std::fs::read(folder.path().join("sphere.ply")).unwrap();
+    let (smooth, _) = piped(folder.path(), "smooth - -o - --format ply", &bytes);
+    assert_eq!(smooth, std::fs::read(folder.path().join("smooth.ply")).unwrap());
+    let (info, _) = piped(folder.path(), "info - --json", &smooth);
+    assert_eq!(serde_json::from_slice::<Value>(&info).unwrap()["vertices"], 162);
+    let (_, said) = piped(folder.path(), "smooth - -o -", &bytes);
+    assert!(said.contains("--format"), "{said}");
+}
+
+/// A soup of turned faces with a hole, as a file of a scanner might be.
+#[test]
+fn info_names_the_repair_that_mends() {
+    let folder = folder();
+    let sphere = shapes::icosphere(3);
+    let turn = |(f, &[a, b, c]): (usize, &[u32; 3])| if f % 5 == 0 { [a, c, b] } else { [a, b, c] };
+    let faces = sphere.faces().iter().enumerate().map(turn);
+    let open = |face: &[u32; 3]| ![12, 40].iter().any(|v| face.contains(v));
+    let corners: Vec<[f64; 3]> =
+        faces.filter(open).flat_map(|face| face.map(|v| sphere.positions()[v as usize])).collect();
+    let soup = (0..corners.len() as u32 / 3).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+    let soup = TriMesh::new(corners, soup).unwrap();
+    io::write(folder.path().join("scan.ply"), &soup).unwrap();
+    let info: Value = serde_json::from_str(&run(folder.path(), "info scan.ply --json")).unwrap();
+    let command = info["repair"].as_str().unwrap().strip_prefix("fairing ").unwrap();
+    let dry = run(folder.path(), "repair scan.ply --dry-run");
+    assert!(
+        dry.contains("faces turned over") && !files(folder.path()).contains(&"repaired.ply".into())
+    );
+    run(folder.path(), command);
+    // What was a soup has its holes to fill.
+    let info: Value =
+        serde_json::from_str(&run(folder.path(), "info repaired.ply --json")).unwrap();
+    assert_eq!((&info["turned_faces"], &info["boundary_loops"]), (&0.into(), &2.into()));
+    run(folder.path(), "repair repaired.ply -o closed.ply --holes 20");
+    let closed = io::read(folder.path().join("closed.ply")).unwrap();
+    assert!(closed.mesh.topology().is_closed() && closed.fields.scalar("source").is_some());
+    let volume = closed.mesh.signed_volume() / sphere.signed_volume();
+    assert!((volume - 1.0).abs() < 2e-3, "{volume}");
+    run(folder.path(), "repair closed.ply -o again.ply --holes 20");
+    assert_eq!(io::read(folder.path().join("again.ply")).unwrap().mesh, closed.mesh);
+}
