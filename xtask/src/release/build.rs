@@ -13,11 +13,9 @@ use super::step::{Passed, output, succeed};
 use crate::packages::Package;
 use crate::programs::cargo;
 
-/// Packages that the examples of READMEs use besides our own, as the READMEs say.
-const FOREIGN: [&str; 2] = ["anyhow", "rayon"];
-
-/// Unpacks the packages into an empty folder outside the repository, with a project that depends on
-/// all of them; builds and runs the example of each README there, then builds the program.
+/// Unpacks the packages into an empty folder outside the repository; for each, makes a project with
+/// the dependencies that its README says to add, and runs the README's example there; then builds
+/// the program.
 pub(super) fn run(root: &Path, packages: &[Package]) -> Result<Passed> {
     let folder = std::env::temp_dir().join(format!("fairing-release-{}", std::process::id()));
     fs::create_dir_all(&folder).with_context(|| format!("creating {}", folder.display()))?;
@@ -29,33 +27,17 @@ pub(super) fn run(root: &Path, packages: &[Package]) -> Result<Passed> {
 fn build(root: &Path, packages: &[Package], folder: &Path) -> Result<Passed> {
     let version = version(packages)?;
     let published: Vec<&Package> = packages.iter().filter(|p| p.is_published).collect();
-    let mut manifest = String::from(
-        "[package]\nname = \"newcomer\"\nversion = \"0.1.0\"\nedition = \"2024\"\n\n[dependencies]\n",
-    );
-    for name in FOREIGN {
-        writeln!(manifest, "{name} = \"1\"")?;
-    }
     // Below the folder, cargo takes each package from here, and not from the registry.
     let profile = "[profile.dev]\ndebug = false\nincremental = false\n\n";
     let mut patches = format!("{profile}[patch.crates-io]\n");
-    let programs = folder.join("newcomer/src/bin");
-    fs::create_dir_all(&programs)?;
     for package in &published {
-        let file = crates::file(root, package);
-        let mut tar = Command::new("tar");
-        output(tar.arg("xzf").arg(&file).current_dir(folder))?;
-        let name = &package.name;
-        writeln!(manifest, "{name} = \"{version}\"")?;
-        writeln!(patches, "{name} = {{ path = {:?} }}", crates::folder(package))?;
-        let readme = fs::read_to_string(folder.join(crates::folder(package)).join("README.md"))?;
-        let program = example(&readme).with_context(|| format!("{name} has no example"))?;
-        fs::write(programs.join(format!("{name}-example.rs")), program)?;
+        output(
+            Command::new("tar").arg("xzf").arg(crates::file(root, package)).current_dir(folder),
+        )?;
+        writeln!(patches, "{} = {{ path = {:?} }}", package.name, crates::folder(package))?;
     }
     fs::create_dir_all(folder.join(".cargo"))?;
     fs::write(folder.join(".cargo/config.toml"), patches)?;
-    fs::write(folder.join("newcomer/Cargo.toml"), manifest)?;
-    // The versions that were tested.
-    fs::copy(root.join("Cargo.lock"), folder.join("newcomer/Cargo.lock"))?;
 
     let target = folder.join("target");
     let cargo_in = |project: &str, arguments: &[&str]| {
@@ -63,9 +45,19 @@ fn build(root: &Path, packages: &[Package], folder: &Path) -> Result<Passed> {
         cargo.args(arguments).arg("--quiet").env("CARGO_TARGET_DIR", &target);
         succeed(&mut cargo)
     };
-    cargo_in("newcomer", &["build", "--bins"])?;
     for package in &published {
-        cargo_in("newcomer", &["run", "--bin", &format!("{}-example", package.name)])?;
+        let readme = fs::read_to_string(folder.join(crates::folder(package)).join("README.md"))?;
+        let project = format!("with-{}", package.name);
+        fs::create_dir_all(folder.join(&project).join("src"))?;
+        let program = example(&readme).context("a README without an example")?;
+        fs::write(folder.join(&project).join("src/main.rs"), program)?;
+        fs::write(
+            folder.join(&project).join("Cargo.toml"),
+            manifest(&project, &readme, packages)?,
+        )?;
+        // The versions that were tested.
+        fs::copy(root.join("Cargo.lock"), folder.join(&project).join("Cargo.lock"))?;
+        cargo_in(&project, &["run"]).with_context(|| format!("the example of {}", package.name))?;
     }
 
     let facade = published.iter().find(|package| package.name == "fairing");
@@ -75,4 +67,17 @@ fn build(root: &Path, packages: &[Package], folder: &Path) -> Result<Passed> {
     let printed = output(Command::new(&program).arg("--version"))?;
     ensure!(printed.contains(version), "the program is {}", printed.trim());
     Ok(Passed::Done(format!("{} examples run, and {}", published.len(), printed.trim())))
+}
+
+/// The manifest of a project in which somebody has run the README's `cargo add`.
+fn manifest(name: &str, readme: &str, packages: &[Package]) -> Result<String> {
+    let added = readme.lines().find_map(|line| line.strip_prefix("cargo add "));
+    let added = added.context("a README without cargo add")?;
+    let mut text = format!("[package]\nname = {name:?}\nedition = \"2024\"\n\n[dependencies]\n");
+    for dependency in added.split_whitespace() {
+        let own = packages.iter().find(|package| package.name == dependency);
+        let version = own.map_or("*", |package| &package.version);
+        writeln!(text, "{dependency} = {version:?}")?;
+    }
+    Ok(text)
 }

@@ -232,6 +232,7 @@ impl Repaired {
 /// ```
 ///
 /// Sources: \[gueziec2001\], \[barequet1995\], \[liepa2003\].
+#[doc(alias("fill_holes", "fix_normals", "remove_degenerate_faces", "remove_unreferenced"))]
 pub fn repair(mesh: &TriMesh, options: &RepairOptions) -> Result<Repaired, OptionError> {
     options.check()?;
     watch::stage("repairing", 0);

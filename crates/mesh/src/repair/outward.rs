@@ -91,7 +91,9 @@ impl Closed {
     }
 
     /// True if the winding number of the component around a point is nearer to ±1 than to 0: the
-    /// sum of the solid angles of its faces over 4π \[vanoosterom1983\].
+    /// sum of the solid angles of its faces over 4π [vanoosterom1983].
+    ///
+    /// [vanoosterom1983]: https://doi.org/10.1109/TBME.1983.325207
     fn winds_around(&self, mesh: &TriMesh, point: DVec3) -> bool {
         let half_angles = self.faces.iter().map(|&f| {
             let [a, b, c] = mesh.triangle(f as usize).map(|p| DVec3::from(p) - point);
