@@ -33,9 +33,7 @@ impl Sources {
             Self::Points(points) => {
                 let closest = SurfaceTree::new(mesh)?.closest_to_all(&points);
                 let points = closest.into_iter();
-                points
-                    .map(|at| Ok(SurfacePoint::nearest_on_face(mesh, at.face, at.point)?))
-                    .collect()
+                points.map(|at| Ok(SurfacePoint::projected(mesh, at.face, at.point)?)).collect()
             }
             Self::OnFaces(points) => {
                 let points = points.into_iter();
