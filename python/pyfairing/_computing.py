@@ -437,7 +437,7 @@ def _field_to_show(
             known = ", ".join(mesh._fields) or "none"
             raise _core.OptionError(f"there is no field {field}; the mesh has {known}")
         if undefined is None and "defined" in mesh._fields and field not in ("defined", "boundary"):
-            undefined = mesh._fields["defined"] == 0
+            undefined = np.asarray(mesh._fields["defined"] == 0)
         field = mesh._fields[field]
     if undefined is None and isinstance(field, np.ma.MaskedArray):
         mask = np.ma.getmaskarray(field).reshape(len(field), -1).any(axis=1)

@@ -412,7 +412,9 @@ def _finished(futures: list[Any], client: Any) -> Iterable[Any]:
     idle = 0
     while True:
         try:
-            return distributed.wait(futures, timeout=_PATIENCE, return_when="FIRST_COMPLETED").done
+            ready: Any = distributed.wait(futures, timeout=_PATIENCE, return_when="FIRST_COMPLETED")
+            finished: Iterable[Any] = ready.done
+            return finished
         except distributed.TimeoutError:
             idle = 0 if client.nthreads() else idle + 1
         if idle == _PATIENT:

@@ -76,8 +76,12 @@ class Moving(Base):
                 fixed[_arrays.numbers(options["pin"], n, "pin", n)] = True  # type: ignore[arg-type]
             options["pin"] = fixed
         values = METHOD.values(method, options, self._core.vertex_count)
-        with running(threads, progress) as call:
-            core, report = _core.smooth(self._core, method, values, call)
+        try:
+            with running(threads, progress) as call:
+                core, report = _core.smooth(self._core, method, values, call)
+        except _core.FlowError as error:
+            error.last_good = self._moved(self._kept(error.last_good, selected))
+            raise
         if report["unstable"] and parameters.get("unstable") == "warn":
             warn("steps beyond the stable limit were taken: some modes grow")
         if report["too_thin"] is not None:

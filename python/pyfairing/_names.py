@@ -1,4 +1,4 @@
-"""Names and parameters, for type checkers: written by `tests/test_names.py`, which also checks it."""
+"""Names and parameters, for type checkers: written and checked by `tests/test_names.py`."""
 
 from __future__ import annotations
 

@@ -282,6 +282,7 @@ def test_a_flow_that_fails_gives_the_last_good_mesh() -> None:
         ring.smooth("mean-curvature", time=0.002, iterations=50)
     assert failed.value.iteration > 1
     assert np.isfinite(failed.value.last_good.vertices).all()
+    assert failed.value.last_good.info()["faces"] == ring.n_faces
 
 
 def test_noise_denoise_compare() -> None:

@@ -22,7 +22,7 @@ TYPES = {
     "vertices": "npt.ArrayLike",
     "weighted": "Soft",
 }
-HEADER = '''"""Names and parameters, for type checkers: written by `tests/test_names.py`, which also checks it."""
+HEADER = '''"""Names and parameters, for type checkers: written and checked by `tests/test_names.py`."""
 
 from __future__ import annotations
 
@@ -65,7 +65,8 @@ def declarations() -> str:
         text += f"\n{name} = {literal(choices)}\n"
     for family in (ESTIMATOR, METHOD, DENOISER):
         title = family.what.capitalize()
-        text += f'\n\nclass {title}Parameters(TypedDict, total=False):\n    """Parameters of {family.what}s."""\n\n'
+        text += f"\n\nclass {title}Parameters(TypedDict, total=False):\n"
+        text += f'    """Parameters of {family.what}s."""\n\n'
         for name in family.parameters:
             text += f"    {name}: {static_type(family, name)} | None\n"
     return text
