@@ -1,12 +1,13 @@
 """The names and parameters in `_names.py` are those of the library.
 
-`python tests/test_names.py` writes the file.
+Run as a program it writes the file.
 """
 
 from __future__ import annotations
 
 import inspect
 import pickle
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,6 @@ import pytest
 from pyfairing import _core, _names
 from pyfairing._parameters import DENOISER, ESTIMATOR, METHOD, Family
 
-FILE = Path(_names.__file__)
 TYPES = {
     "number": "float",
     "count": "int",
@@ -73,7 +73,9 @@ def declarations() -> str:
 
 
 def test_names_are_those_of_the_library() -> None:
-    assert FILE.read_text("utf-8") == declarations(), "run python tests/test_names.py"
+    package = Path(_names.__file__)
+    command = f"PYTHONPATH={package.parents[1]} {sys.executable} {__file__}"
+    assert package.read_text("utf-8") == declarations(), f"write it again by {command}"
 
 
 @pytest.mark.parametrize(
@@ -198,4 +200,4 @@ def test_results_have_reprs_and_are_pickled(sphere: pf.Mesh) -> None:
 
 
 if __name__ == "__main__":
-    FILE.write_text(declarations(), "utf-8")
+    (Path(__file__).parents[1] / "pyfairing" / "_names.py").write_text(declarations(), "utf-8")
