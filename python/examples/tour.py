@@ -32,7 +32,7 @@ def main() -> None:
     print(s, s.project(f)[:3], s.reconstruct(16).n_vertices)
     print(s.heat_kernel_signature([0.1, 1.0]).shape, s.certified)
 
-    d = mesh.geodesic([0], kind="robust")
+    d = mesh.geodesic_distance([0], kind="robust")
     print(float(d.max()))
 
     flat = mesh.smooth("implicit", weights="uniform", lam=5.0, iterations=10)

@@ -10,7 +10,7 @@ from . import _arrays, _core
 from ._arrays import Bytes, Csr, Floats
 from ._calls import Progress, running, warn
 from ._docs import documented
-from ._heat import GeodesicSolver, HeatSolver
+from ._heat import HeatSolver
 from ._base import Base, Kind, MassKind
 from ._results import Curvature, Laplacian
 from ._spectrum import Spectrum
@@ -243,41 +243,6 @@ class Computing(Base):
         return Spectrum._of(core, self._of(self._core), taken)
 
     @documented
-    def geodesic(
-        self,
-        sources: npt.ArrayLike,
-        kind: Kind = "non-negative",
-        *,
-        time: float | None = None,
-        threads: int | None = None,
-        progress: Progress = None,
-    ) -> Floats:
-        """The distance of each vertex to the nearest source, by the heat method.
-
-        A smooth approximation of the geodesic distance, of first order in the edge length.
-        For several sets of sources, create one `GeodesicSolver`.
-
-        Parameters
-        ----------
-        sources : int or array_like of int or bool
-            Vertex indices, or a mask.
-        kind : {'non-negative', 'auto', 'cotangent', 'robust'}
-            The Laplacian, as in `laplacian`: by default cotangent, or robust if an edge has a
-            negative weight or a face is too thin.
-        time : float, optional
-            The diffusion time in squared mesh units; by default the squared mean edge length
-            of each component. Longer times smooth the distance more.
-        {run}
-
-        Returns
-        -------
-        ndarray, shape (n,)
-            In mesh units, zero at every source, infinite on components without a source.
-        """
-        solver = GeodesicSolver(self, kind, time=time, threads=threads, progress=progress)
-        return solver.distance(sources, threads=threads)
-
-    @documented
     def heat(
         self,
         temperatures: npt.ArrayLike,
@@ -312,7 +277,7 @@ class Computing(Base):
         ndarray, shape (n,)
         """
         solver = HeatSolver(self, time, kind, mass, threads=threads)
-        return solver.step(temperatures, steps, threads=threads, progress=progress)
+        return solver.step(temperatures, steps=steps, threads=threads, progress=progress)
 
     @documented
     def poisson(
@@ -371,7 +336,7 @@ class Computing(Base):
         -------
         dict
             Lengths, areas and volumes in mesh units; `genus` and `volume` are None if they are
-            not defined.
+            not defined. `hints` are remarks on units, normals and seams; `repair` mends defects.
         """
         with running(threads, None) as call:
             return self._core.diagnosis(call)

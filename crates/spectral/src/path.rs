@@ -47,7 +47,7 @@ enum Place {
 /// # Errors
 ///
 /// [`SpectralError::Rows`] for distances of another mesh; [`SpectralError::NoSuchVertex`];
-/// [`SpectralError::Option`] if the start has no distance.
+/// [`SpectralError::Unreached`] if the start has no distance.
 ///
 /// # Examples
 ///
