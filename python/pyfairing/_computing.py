@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy.typing as npt
 
@@ -11,9 +11,15 @@ from ._arrays import Bytes, Csr, Floats
 from ._calls import Progress, running, warn
 from ._docs import documented
 from ._heat import HeatSolver
-from ._base import Base, Kind, MassKind
+from ._base import Base
+from ._parameters import ESTIMATOR
 from ._results import Curvature, Laplacian
 from ._spectrum import Spectrum
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._names import ColorMap, Estimator, EstimatorParameters, Kind, MassKind
 
 
 class Computing(Base):
@@ -129,16 +135,16 @@ class Computing(Base):
         with running(threads, None) as call:
             return self._core.vertex_normals(weight, call)
 
+    @ESTIMATOR.takes
     @documented
     def curvature(
         self,
-        estimator: str = "jet3",
+        estimator: Estimator = "jet3",
         *,
-        radius: float | None = None,
-        rings: int | None = None,
         kind: Kind | None = None,
         threads: int | None = None,
         progress: Progress = None,
+        **parameters: Unpack[EstimatorParameters],
     ) -> Curvature:
         """Estimates curvature at each vertex.
 
@@ -148,11 +154,7 @@ class Computing(Base):
             The estimator; `jet3` suits most meshes:
 
             {estimators}
-        radius : float, optional
-            The scale of `normal-cycle` and `corrected-ball`, or the reach of jets and
-            quadrics, in mean edge lengths.
-        rings : int, optional
-            The reach of jets and quadrics, in rings of neighbours (1 to 16).
+        {parameters_of_estimators}
         kind : str, optional
             The Laplacian of the estimator `cotangent`, with its barycentric mass; by default
             cotangents over mixed areas, or robust if a face is too thin.
@@ -172,17 +174,11 @@ class Computing(Base):
         ComputationError
             If the faces do not share their corners; see `Mesh.weld`.
         """
+        values = ESTIMATOR.values(estimator, parameters, self._core.vertex_count)
         self._require_welded()
         self._warn_of_orientation()
         with running(threads, progress) as call:
-            found = _core.curvature(
-                self._core,
-                estimator,
-                None if radius is None else float(radius),
-                None if rings is None else _arrays.whole(rings, "rings"),
-                kind,
-                call,
-            )
+            found = _core.curvature(self._core, estimator, values, kind, call)
         if found["too_thin"] is not None:
             warn(f"face {found['too_thin']} is too thin for cotangents; the robust operator is used")
         if found["defined"].size and not found["defined"].any():
@@ -283,11 +279,11 @@ class Computing(Base):
     def poisson(
         self,
         f: npt.ArrayLike,
+        kind: Kind = "auto",
+        mass: MassKind = "barycentric",
         *,
         fixed: npt.ArrayLike = (),
         values: npt.ArrayLike = (),
-        kind: Kind = "auto",
-        mass: MassKind = "barycentric",
         threads: int | None = None,
         progress: Progress = None,
     ) -> Floats:
@@ -297,14 +293,14 @@ class Computing(Base):
         ----------
         f : float or array_like, shape (n,)
             Pointwise values; a number is constant.
-        fixed : array_like of int, shape (j,)
-            The vertices where u is prescribed.
-        values : array_like, shape (j,)
-            The values of u there.
         kind : str
             One of {laplacians}.
         mass : str
             One of {masses}.
+        fixed : array_like of int, shape (j,)
+            The vertices where u is prescribed.
+        values : array_like, shape (j,)
+            The values of u there.
         {run}
 
         Returns
@@ -347,7 +343,7 @@ class Computing(Base):
         field: npt.ArrayLike | str | None = None,
         *,
         defined: npt.ArrayLike | None = None,
-        map: str | None = None,
+        map: ColorMap | None = None,
         range: tuple[float, float] | None = None,
         equalize: bool = False,
         view: str | tuple[float, float] = "three-quarter",
@@ -441,7 +437,7 @@ def _field_to_show(
             known = ", ".join(mesh._fields) or "none"
             raise _core.OptionError(f"there is no field {field}; the mesh has {known}")
         if undefined is None and "defined" in mesh._fields and field not in ("defined", "boundary"):
-            undefined = mesh._fields["defined"] == 0
+            undefined = np.asarray(mesh._fields["defined"] == 0)
         field = mesh._fields[field]
     if undefined is None and isinstance(field, np.ma.MaskedArray):
         mask = np.ma.getmaskarray(field).reshape(len(field), -1).any(axis=1)

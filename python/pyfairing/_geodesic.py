@@ -14,7 +14,7 @@ from ._calls import Progress, running, warn
 from ._docs import documented
 
 if TYPE_CHECKING:
-    from ._base import Kind
+    from ._names import Kind
 
 
 class GeodesicSolver:

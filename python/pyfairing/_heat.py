@@ -12,7 +12,8 @@ from ._calls import Progress, running, warn
 from ._docs import documented
 
 if TYPE_CHECKING:
-    from ._base import Base, Kind, MassKind
+    from ._base import Base
+    from ._names import Kind, MassKind
 
 
 class HeatSolver:

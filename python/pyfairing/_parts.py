@@ -220,7 +220,8 @@ class Parts(Base):
         --------
         >>> import numpy as np, pyfairing as pf
         >>> ball = pf.shapes.icosphere(1)
-        >>> two = pf.Mesh(np.vstack([ball.vertices, ball.vertices + 3]), np.vstack([ball.faces, ball.faces + 42]))
+        >>> faces = np.vstack([ball.faces, ball.faces + ball.n_vertices])
+        >>> two = pf.Mesh(np.vstack([ball.vertices, ball.vertices + 3]), faces)
         >>> parts = two.components()
         >>> parts, np.bincount(parts.faces).tolist()
         (Components(2 of 160 faces), [80, 80])

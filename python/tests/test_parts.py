@@ -55,7 +55,8 @@ def test_patches_continue_the_surface(sphere: pf.Mesh) -> None:
 
 def test_steps_can_be_left_out(sphere: pf.Mesh) -> None:
     mesh = broken(sphere)
-    for step, name in (("merge", "merged-vertices"), ("orient", "turned-faces"), ("isolated", "isolated-vertices")):
+    steps = {"merge": "merged-vertices", "orient": "turned-faces", "isolated": "isolated-vertices"}
+    for step, name in steps.items():
         assert name in mesh.repair().report["changes"]
         assert name not in mesh.repair(**{step: False}).report["changes"]  # type: ignore[arg-type]
     with pytest.raises(pf.OptionError, match="tolerance is 2"):
@@ -142,7 +143,8 @@ def test_paths_lead_to_the_source(sphere: pf.Mesh) -> None:
     length = np.linalg.norm(np.diff(path, axis=0), axis=1).sum()
     assert length == pytest.approx(np.pi, rel=0.02)
     np.testing.assert_array_equal(pf.GeodesicSolver(sphere).path(start, 0), path)
-    two = pf.Mesh(np.vstack([sphere.vertices, sphere.vertices + 3]), np.vstack([sphere.faces, sphere.faces + 642]))
+    faces = np.vstack([sphere.faces, sphere.faces + 642])
+    two = pf.Mesh(np.vstack([sphere.vertices, sphere.vertices + 3]), faces)
     with pytest.raises(pf.ComputationError, match="vertex 700 has no distance"):
         two.geodesic_path(700, 0)
 

@@ -31,11 +31,13 @@ const ON_SIDE: f64 = 1e-9;
 /// # Ok::<(), fairing_evaluation::EvaluationError>(())
 /// ```
 ///
-/// Source: \[baerentzen2005\].
-///
 /// # Panics
 ///
 /// If `closest` are points of a mesh with more faces.
+///
+/// Source: [baerentzen2005].
+///
+/// [baerentzen2005]: https://doi.org/10.1109/TVCG.2005.49
 #[doc(alias("signed_distance", "contains"))]
 pub fn inside(mesh: &TriMesh, points: &[[f64; 3]], closest: &[Closest]) -> Vec<bool> {
     let normals = Normals {

@@ -96,3 +96,19 @@ fn distances_are_at_the_vertices_of_the_file() {
     }
     assert_eq!(files(folder.path()), ["d.ply", "two.obj"]);
 }
+
+/// A sphere and one a tenth larger are a tenth apart along the radius.
+#[test]
+fn a_comparison_has_the_distance_and_the_nearest_point_at_each_vertex() {
+    let folder = tempfile::tempdir().unwrap();
+    let sphere = shapes::icosphere(3);
+    let larger = sphere.positions().iter().map(|p| p.map(|x| 1.1 * x)).collect();
+    io::write(folder.path().join("a.ply"), &sphere.with_positions(larger).unwrap()).unwrap();
+    io::write(folder.path().join("b.ply"), &sphere).unwrap();
+    run(folder.path(), "compare a.ply b.ply -o error.ply");
+    let file = io::read(folder.path().join("error.ply")).unwrap();
+    let (distance, closest) = (file.fields.scalar("distance"), file.fields.vector("closest"));
+    for ((p, d), q) in sphere.positions().iter().zip(distance.unwrap()).zip(closest.unwrap()) {
+        assert!((d - 0.1).abs() < 1e-12 && length(&[*p, *q]) < 1e-7, "{d} {p:?} {q:?}");
+    }
+}

@@ -65,7 +65,7 @@ impl Denoise {
         if self.list {
             return context.print(list::<Denoiser>());
         }
-        self.output.check(&self.inputs)?;
+        self.output.check(&self.inputs.paths)?;
         self.parameters.check(&self.method)?;
         let denoiser = Denoiser::with(&self.method, self.parameters.given());
         let denoiser = denoiser.map_err(Failure::usage)?;

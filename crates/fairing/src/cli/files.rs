@@ -12,7 +12,7 @@ use fairing::mesh::{PolygonMesh, TriMesh};
 use fairing::watch;
 
 use super::context::{Context, Failure, STDIN, STDOUT};
-use super::inputs::{Inputs, check_distinct, output_for};
+use super::inputs::{check_distinct, output_for};
 use super::memory;
 
 /// The output of a verb.
@@ -119,8 +119,8 @@ impl Overwrite {
 
 impl Output {
     /// Refuses a pattern that gives two inputs the same output.
-    pub(crate) fn check(&self, inputs: &Inputs) -> Result<(), Failure> {
-        check_distinct(self.path.as_deref(), &inputs.paths)
+    pub(crate) fn check(&self, inputs: &[PathBuf]) -> Result<(), Failure> {
+        check_distinct(self.path.as_deref(), inputs)
     }
 
     /// The output of an input. Fails if it cannot be written.
@@ -140,11 +140,11 @@ impl Output {
 
 impl OptionalOutput {
     /// Refuses a pattern that gives two inputs the same output, and `--force` without one.
-    pub(crate) fn check(&self, inputs: &Inputs) -> Result<(), Failure> {
+    pub(crate) fn check(&self, inputs: &[PathBuf]) -> Result<(), Failure> {
         if self.path.is_none() && self.overwrite.force {
             return Err(Failure::usage("--force needs --output: without it nothing is written"));
         }
-        check_distinct(self.path.as_deref(), &inputs.paths)
+        check_distinct(self.path.as_deref(), inputs)
     }
 
     /// Returns true if there is an output.

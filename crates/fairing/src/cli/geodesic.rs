@@ -95,7 +95,7 @@ struct Lines {
 impl Geodesic {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
         if self.output.is_given() || self.lines.is_none() {
-            self.output.check(&self.inputs)?;
+            self.output.check(&self.inputs.paths)?;
         }
         check_distinct(self.lines.as_deref(), &self.inputs.paths)?;
         if self.lines.is_some() && self.starts.is_empty() && self.isolines.is_none() {

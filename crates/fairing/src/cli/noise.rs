@@ -132,7 +132,7 @@ fn kinds() -> impl TypedValueParser<Value = NoiseKind> {
 
 impl Noise {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
-        self.output.check(&self.inputs)?;
+        self.output.check(&self.inputs.paths)?;
         self.inputs.each(context, Summary::default(), &[], |context, input| {
             self.one(context, input).map(|()| Value::Null)
         })

@@ -95,7 +95,7 @@ enum ShadingKind {
 
 impl Render {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
-        self.output.check(&self.inputs)?;
+        self.output.check(&self.inputs.paths)?;
         self.inputs.each(context, Summary::default(), &[], |context, input| {
             self.one(context, input).map(|()| Value::Null)
         })

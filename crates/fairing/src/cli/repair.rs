@@ -76,7 +76,7 @@ enum Skip {
 
 impl Repair {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
-        self.output.check(&self.inputs)?;
+        self.output.check(&self.inputs.paths)?;
         if !self.dry_run && !self.output.is_given() {
             return Err(Failure::usage("give --output, or --dry-run to see what would change"));
         }

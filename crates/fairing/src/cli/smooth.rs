@@ -96,7 +96,7 @@ impl Smooth {
         if self.list {
             return context.print(list::<Method>());
         }
-        self.output.check(&self.inputs)?;
+        self.output.check(&self.inputs.paths)?;
         self.check()?;
         let columns = [
             "method",
