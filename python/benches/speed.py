@@ -141,7 +141,7 @@ def main() -> None:
             ("implicit_cotan", "--iters", "10", "--lambda", "5"),
         ),
         "15 eigenpairs": (lambda: mesh.spectrum(15, "cotangent"), ("eigs", "--k", "15")),
-        "geodesic distance": (lambda: mesh.geodesic(0, "cotangent"), ()),
+        "geodesic distance": (lambda: mesh.geodesic_distance(0, "cotangent"), ()),
         "denoise": (lambda: mesh.denoise(), ()),
         "render 800 × 600": (lambda: mesh.render(), ()),
     }

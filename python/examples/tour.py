@@ -32,11 +32,19 @@ def main() -> None:
     print(s, s.project(f)[:3], s.reconstruct(16).n_vertices)
     print(s.heat_kernel_signature([0.1, 1.0]).shape, s.certified)
 
-    d = mesh.geodesic([0], kind="robust")
-    print(float(d.max()))
+    d = mesh.geodesic_distance([0], kind="robust")
+    way = mesh.geodesic_path(7, (12, [0.2, 0.3, 0.5]))
+    print(float(d.max()), way.shape, [len(line) for line in mesh.isolines(d, [0.5, 1.0])])
+
+    far, _ = mesh.submesh((d > 0.3)[faces].all(axis=1))
+    mended = far.repair(holes=100)
+    parts = mended.components()
+    near = mended.closest(vertices, signed=True)
+    print(mended.report["unchanged"], parts.n_components, near.distance.max())
 
     flat = mesh.smooth("implicit", weights="uniform", lam=5.0, iterations=10)
-    clean = mesh.noise(sigma=0.2, unit="edge", seed=1).denoise()
+    noisy = mesh.noise(sigma=0.2, unit="edge", seed=1, where=d > 0.5)
+    clean = noisy.denoise("bilateral-normal", range=0.5, vertex_steps=5)
     scores = pf.compare(clean, mesh)
     print(flat.report["approach"], scores["distance_rms"])
 

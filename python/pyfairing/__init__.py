@@ -29,8 +29,10 @@ from ._core import (
 )
 from ._dataset import dataset
 from ._docs import COLOR_MAPS, DENOISERS, ESTIMATORS, LAPLACIANS, MASSES, METHODS
-from ._heat import GeodesicSolver, HeatSolver
+from ._geodesic import GeodesicSolver
+from ._heat import HeatSolver
 from ._mesh import Mesh, read, read_bytes
+from ._parts import Closest, Components
 from ._results import Curvature, Laplacian, NoiseLevel, Scores
 from ._spectrum import Spectrum
 
@@ -41,6 +43,8 @@ __all__ = [
     "LAPLACIANS",
     "MASSES",
     "METHODS",
+    "Closest",
+    "Components",
     "ComputationError",
     "Curvature",
     "FairingError",

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 Floats: TypeAlias = "npt.NDArray[np.float64]"
 Indices: TypeAlias = "npt.NDArray[np.uint32]"
 Bools: TypeAlias = "npt.NDArray[np.bool_]"
+Labels: TypeAlias = "npt.NDArray[np.int64]"
 Bytes: TypeAlias = "npt.NDArray[np.uint8]"
 Csr: TypeAlias = "scipy.sparse.csr_matrix"
 
@@ -71,8 +72,8 @@ def polygons(values: Any) -> tuple[Indices, Indices]:
     return flat.astype(np.uint32), np.asarray(sizes, dtype=np.uint32)
 
 
-def numbers(values: npt.ArrayLike, n: int, what: str, count: int) -> list[int]:
-    """Vertex indices from one index, several, or a mask over all vertices."""
+def numbers(values: npt.ArrayLike, n: int, what: str, count: int, *, of: str = "vertex") -> list[int]:
+    """Indices of vertices or faces from one index, several, or a mask over all."""
     array = np.asarray(values)
     if array.dtype.kind == "b":
         if array.shape != (n,):
@@ -85,7 +86,8 @@ def numbers(values: npt.ArrayLike, n: int, what: str, count: int) -> list[int]:
     flat = [int(i) for i in array.reshape(-1)]
     for index in flat:
         if not 0 <= index < count:
-            raise OptionError(f"{what} names vertex {index}, but there are {count} vertices")
+            plural = "vertices" if of == "vertex" else f"{of}s"
+            raise OptionError(f"{what} names {of} {index}, but there are {count} {plural}")
     return flat
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy.typing as npt
 
@@ -14,11 +14,6 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
     from ._core import Mesh as CoreMesh
-
-#: The Laplacians by name.
-Kind = Literal["auto", "non-negative", "uniform", "cotangent", "robust", "polygon"]
-#: The masses by name.
-MassKind = Literal["barycentric", "mixed", "voronoi", "consistent", "degree", "unit"]
 
 
 class Base:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import threading
 import time
 import warnings
@@ -26,6 +27,9 @@ OWN = {
     "error": "string",
     "warnings": "list",
 }
+
+#: The types of arrays, with their numbers of dimensions.
+DIMENSIONS = {"list": 1, "matrix": 2}
 
 
 class _Budget:
@@ -66,12 +70,26 @@ def memory_limit() -> int | None:
     return int(limit) if limit else None
 
 
-def _load(source: Source) -> Any:
+def load(source: Source) -> Any:
     if "://" not in source.path:
         return read(source.path)
     fs, inner = filesystem(source.path)
     with fs.open(inner, "rb") as file:
         return read_bytes(file.read(), inner.rsplit("/", 1)[-1])
+
+
+def takes_path(task: Any) -> bool:
+    """True if the task has a parameter `path` that is not set yet."""
+    try:
+        parameters = inspect.signature(task).parameters
+    except (TypeError, ValueError):
+        return False
+    return "path" in parameters and "path" not in getattr(task, "keywords", {})
+
+
+def call(task: Any, mesh: Any, path: str) -> dict[str, Any]:
+    """The result of a task on a mesh and, if it takes that, the address of its file."""
+    return dict(task(mesh, path=path) if takes_path(task) else task(mesh))
 
 
 def _row(
@@ -89,9 +107,9 @@ def _row(
         with _BUDGET.taking(need, limit), warnings.catch_warnings(record=True) as seen:
             warnings.simplefilter("always", FairingWarning)
             try:
-                mesh = _load(source)
+                mesh = load(source)
                 row["vertices"], row["faces"] = mesh.n_vertices, mesh.n_faces
-                found = dict(task(mesh))
+                found = call(task, mesh, source.path)
                 strange = sorted(set(found) - set(columns))
                 if strange:
                     raise ValueError(
@@ -109,8 +127,11 @@ def _plain(value: Any, kind: str, name: str) -> Any:
     """A value in a form that Parquet stores."""
     if value is None:
         return None
-    if kind == "list":
-        return np.asarray(value, dtype=np.float64).reshape(-1)
+    if kind in DIMENSIONS:
+        array = np.asarray(value, dtype=np.float64)
+        if array.ndim != DIMENSIONS[kind]:
+            raise TypeError(f"{name} has {array.ndim} dimensions, but {DIMENSIONS[kind]} for other meshes")
+        return list(array) if array.ndim == 2 else array
     if isinstance(value, np.generic):
         value = value.item()
     wanted: dict[str, Any] = {"int64": int, "float64": (int, float), "bool": bool, "string": str}
@@ -150,6 +171,7 @@ def schema(columns: Mapping[str, str]) -> Any:
         "bool": pa.bool_(),
         "string": pa.string(),
         "list": pa.list_(pa.float64()),
+        "matrix": pa.list_(pa.list_(pa.float64())),
     }
     own = [pa.field(n, pa.list_(pa.string()) if n == "warnings" else kinds[k]) for n, k in OWN.items()]
     return pa.schema(own + [pa.field(n, kinds[k]) for n, k in columns.items()])
@@ -174,6 +196,33 @@ def write(done: list[dict[str, Any]], columns: Mapping[str, str], folder: str, p
         pq.write_table(table(done, columns), file)
     fs.mv(unfinished, target)
     return part
+
+
+def write_note(fs: Any, note: str, fingerprint: str, sources: list[Source]) -> None:
+    """Writes the files of a run and its fingerprint, whole or not at all."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    files = pa.table(
+        {
+            "path": pa.array([s.path for s in sources], pa.string()),
+            "size": pa.array([s.size for s in sources], pa.int64()),
+        }
+    ).replace_schema_metadata({"fingerprint": fingerprint})
+    unfinished = f"{note}.{time.time_ns()}"
+    with fs.open(unfinished, "wb") as file:
+        pq.write_table(files, file)
+    fs.mv(unfinished, note)
+
+
+def read_note(fs: Any, note: str) -> tuple[str, list[tuple[str, int | None]]]:
+    """The fingerprint of a run, and its files with their sizes, in the order of the rows."""
+    import pyarrow.parquet as pq
+
+    with fs.open(note, "rb") as file:
+        files = pq.read_table(file)
+    fingerprint = (files.schema.metadata or {}).get(b"fingerprint", b"").decode()
+    return fingerprint, list(zip(files["path"].to_pylist(), files["size"].to_pylist(), strict=True))
 
 
 def run(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy.typing as npt
 
@@ -10,10 +10,16 @@ from . import _arrays, _core
 from ._arrays import Bytes, Csr, Floats
 from ._calls import Progress, running, warn
 from ._docs import documented
-from ._heat import GeodesicSolver, HeatSolver
-from ._base import Base, Kind, MassKind
+from ._heat import HeatSolver
+from ._base import Base
+from ._parameters import ESTIMATOR
 from ._results import Curvature, Laplacian
 from ._spectrum import Spectrum
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._names import ColorMap, Estimator, EstimatorParameters, Kind, MassKind
 
 
 class Computing(Base):
@@ -129,16 +135,16 @@ class Computing(Base):
         with running(threads, None) as call:
             return self._core.vertex_normals(weight, call)
 
+    @ESTIMATOR.takes
     @documented
     def curvature(
         self,
-        estimator: str = "jet3",
+        estimator: Estimator = "jet3",
         *,
-        radius: float | None = None,
-        rings: int | None = None,
         kind: Kind | None = None,
         threads: int | None = None,
         progress: Progress = None,
+        **parameters: Unpack[EstimatorParameters],
     ) -> Curvature:
         """Estimates curvature at each vertex.
 
@@ -148,11 +154,7 @@ class Computing(Base):
             The estimator; `jet3` suits most meshes:
 
             {estimators}
-        radius : float, optional
-            The scale of `normal-cycle` and `corrected-ball`, or the reach of jets and
-            quadrics, in mean edge lengths.
-        rings : int, optional
-            The reach of jets and quadrics, in rings of neighbours (1 to 16).
+        {parameters_of_estimators}
         kind : str, optional
             The Laplacian of the estimator `cotangent`, with its barycentric mass; by default
             cotangents over mixed areas, or robust if a face is too thin.
@@ -172,17 +174,11 @@ class Computing(Base):
         ComputationError
             If the faces do not share their corners; see `Mesh.weld`.
         """
+        values = ESTIMATOR.values(estimator, parameters, self._core.vertex_count)
         self._require_welded()
         self._warn_of_orientation()
         with running(threads, progress) as call:
-            found = _core.curvature(
-                self._core,
-                estimator,
-                None if radius is None else float(radius),
-                None if rings is None else _arrays.whole(rings, "rings"),
-                kind,
-                call,
-            )
+            found = _core.curvature(self._core, estimator, values, kind, call)
         if found["too_thin"] is not None:
             warn(f"face {found['too_thin']} is too thin for cotangents; the robust operator is used")
         if found["defined"].size and not found["defined"].any():
@@ -243,41 +239,6 @@ class Computing(Base):
         return Spectrum._of(core, self._of(self._core), taken)
 
     @documented
-    def geodesic(
-        self,
-        sources: npt.ArrayLike,
-        kind: Kind = "non-negative",
-        *,
-        time: float | None = None,
-        threads: int | None = None,
-        progress: Progress = None,
-    ) -> Floats:
-        """The distance of each vertex to the nearest source, by the heat method.
-
-        A smooth approximation of the geodesic distance, of first order in the edge length.
-        For several sets of sources, create one `GeodesicSolver`.
-
-        Parameters
-        ----------
-        sources : int or array_like of int or bool
-            Vertex indices, or a mask.
-        kind : {'non-negative', 'auto', 'cotangent', 'robust'}
-            The Laplacian, as in `laplacian`: by default cotangent, or robust if an edge has a
-            negative weight or a face is too thin.
-        time : float, optional
-            The diffusion time in squared mesh units; by default the squared mean edge length
-            of each component. Longer times smooth the distance more.
-        {run}
-
-        Returns
-        -------
-        ndarray, shape (n,)
-            In mesh units, zero at every source, infinite on components without a source.
-        """
-        solver = GeodesicSolver(self, kind, time=time, threads=threads, progress=progress)
-        return solver.distance(sources, threads=threads)
-
-    @documented
     def heat(
         self,
         temperatures: npt.ArrayLike,
@@ -312,17 +273,17 @@ class Computing(Base):
         ndarray, shape (n,)
         """
         solver = HeatSolver(self, time, kind, mass, threads=threads)
-        return solver.step(temperatures, steps, threads=threads, progress=progress)
+        return solver.step(temperatures, steps=steps, threads=threads, progress=progress)
 
     @documented
     def poisson(
         self,
         f: npt.ArrayLike,
+        kind: Kind = "auto",
+        mass: MassKind = "barycentric",
         *,
         fixed: npt.ArrayLike = (),
         values: npt.ArrayLike = (),
-        kind: Kind = "auto",
-        mass: MassKind = "barycentric",
         threads: int | None = None,
         progress: Progress = None,
     ) -> Floats:
@@ -332,14 +293,14 @@ class Computing(Base):
         ----------
         f : float or array_like, shape (n,)
             Pointwise values; a number is constant.
-        fixed : array_like of int, shape (j,)
-            The vertices where u is prescribed.
-        values : array_like, shape (j,)
-            The values of u there.
         kind : str
             One of {laplacians}.
         mass : str
             One of {masses}.
+        fixed : array_like of int, shape (j,)
+            The vertices where u is prescribed.
+        values : array_like, shape (j,)
+            The values of u there.
         {run}
 
         Returns
@@ -371,7 +332,7 @@ class Computing(Base):
         -------
         dict
             Lengths, areas and volumes in mesh units; `genus` and `volume` are None if they are
-            not defined.
+            not defined. `hints` are remarks on units, normals and seams; `repair` mends defects.
         """
         with running(threads, None) as call:
             return self._core.diagnosis(call)
@@ -382,7 +343,7 @@ class Computing(Base):
         field: npt.ArrayLike | str | None = None,
         *,
         defined: npt.ArrayLike | None = None,
-        map: str | None = None,
+        map: ColorMap | None = None,
         range: tuple[float, float] | None = None,
         equalize: bool = False,
         view: str | tuple[float, float] = "three-quarter",
@@ -476,7 +437,7 @@ def _field_to_show(
             known = ", ".join(mesh._fields) or "none"
             raise _core.OptionError(f"there is no field {field}; the mesh has {known}")
         if undefined is None and "defined" in mesh._fields and field not in ("defined", "boundary"):
-            undefined = mesh._fields["defined"] == 0
+            undefined = np.asarray(mesh._fields["defined"] == 0)
         field = mesh._fields[field]
     if undefined is None and isinstance(field, np.ma.MaskedArray):
         mask = np.ma.getmaskarray(field).reshape(len(field), -1).any(axis=1)

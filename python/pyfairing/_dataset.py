@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import warnings
 from collections.abc import Iterable, Mapping
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
@@ -12,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _batch, _plan
-from ._calls import Progress, running
+from ._calls import FairingWarning, Progress, running
 from ._plan import Batch
 
 if TYPE_CHECKING:
@@ -48,18 +47,22 @@ def dataset(
         Addresses of files, local or of fsspec (`s3://...`); one with `*`, `?` or `[` is a
         glob. A table of pandas or dask has them in the column `path`.
     task : callable
-        Called with a `Mesh`; returns a mapping from the names of columns to numbers, strings,
-        or flat arrays: a function of `pyfairing.tasks`, or any other. It must be picklable for
-        the workers, and its result should depend on the mesh alone.
+        Called with a `Mesh`, and with its address as `path=` if it has a parameter of this name, so
+        that it can write a file for each mesh; returns a mapping from the names of columns to numbers,
+        strings, or arrays of one or two dimensions: a function of `pyfairing.tasks`, or any other. It
+        must be picklable for the workers, and its result should depend on mesh and path alone: a mesh
+        may be computed twice.
     out : str or path, optional
         A folder, local or of fsspec, that all workers can access. If given, the meshes are
         computed at once and each batch is written to Parquet when it is done; an interrupted
-        run resumes and does not recompute written batches. Otherwise the collection is lazy.
+        run resumes and does not recompute written batches, and files that have been added since are
+        computed alone. Otherwise the collection is lazy.
     client : distributed.Client, optional
         The cluster; the current client of dask if there is one, else threads of this process.
     columns : mapping of str to str, optional
-        The type of each column of the task: `int64`, `float64`, `bool`, `string` or `list` (of
-        float64). By default inferred by running the task on a small sphere.
+        The type of each column of the task: `int64`, `float64`, `bool`, `string`, `list` (of
+        float64) or `matrix` (a list of lists). By default inferred by running the task on a small
+        sphere, or on the first file if it takes a path.
     bytes_per_vertex : int, optional
         Memory that the task needs; by default `task.bytes_per_vertex` or 2000. Times the number
         of vertices in the header of a file (or from its size) it estimates the memory of a mesh:
@@ -74,16 +77,17 @@ def dataset(
     Returns
     -------
     dask.dataframe.DataFrame
-        Index `row`, the place in `paths`. Columns `path`, `vertices`, `faces`, `error` (missing
-        on success), `warnings`, those of the task, and those of the table. Values are the same
-        for any number of workers.
+        Index `row`, the place in `paths`; files that were added to a run come after its others.
+        Columns `path`, `vertices`, `faces`, `error` (missing on success), `warnings`, those of the
+        task, and those of the table. Values are the same for any number of workers.
 
     Raises
     ------
     FileNotFoundError
         If a glob matches no file.
     ValueError
-        If `out` holds another run: other files, sizes, columns or another task.
+        If `out` holds another run: with other columns or another task, with a file that is not in
+        `paths`, or with one of another size.
     ImportError
         Without dask: `pip install 'pyfairing[dask]'`.
 
@@ -101,7 +105,7 @@ def dataset(
     except ImportError as error:
         raise ImportError("data sets need dask: pip install 'pyfairing[dask]'") from error
     addresses, extra = _plan.list_paths(paths)
-    kinds = dict(columns) if columns is not None else _columns_of(task)
+    kinds = dict(columns) if columns is not None else _columns_of(task, addresses)
     taken = sorted(set(kinds) & set(_batch.OWN))
     if taken:
         raise ValueError(f"the task returns {', '.join(taken)}, which every data set has")
@@ -110,9 +114,9 @@ def dataset(
     per_vertex = known if bytes_per_vertex is None else bytes_per_vertex
     run = _Run(task, kinds, int(per_vertex), threads)
     if out is None:
-        return _with_table(_lazy(run, sources), extra)
+        return _with_table(_lazy(run, sources), extra, sources)
     folder = fspath(out)
-    _prepare(folder, _plan.fingerprint(sources, kinds, _name_of(task)), resume)
+    sources = _prepare(folder, sources, _plan.fingerprint(kinds, _name_of(task)), resume)
     with running(None, progress) as (_, tell):
         _complete(run, sources, folder, client or _current_client(), tell)
     _drop_contained(folder)
@@ -127,7 +131,7 @@ def dataset(
         if sources
         else _lazy(run, sources)
     )
-    return _with_table(found, extra)
+    return _with_table(found, extra, sources)
 
 
 class _Run:
@@ -155,15 +159,28 @@ def _name_of(task: Any) -> str:
     return f"{name} {arguments}"
 
 
-def _columns_of(task: Any) -> dict[str, str]:
-    """The types of the columns, from the task on a sphere of 162 vertices."""
+def _columns_of(task: Any, addresses: list[str]) -> dict[str, str]:
+    """The types of the columns, from the task on a sphere of 162 vertices, or on the first file that can
+    be read if the task takes its path."""
     from .shapes import icosphere
 
-    try:
-        row = dict(task(icosphere(2)))
-    except Exception as error:
-        raise ValueError(f"the task fails on a small sphere ({error}): pass columns") from error
-    return {name: _kind_of(name, value) for name, value in row.items()}
+    if not _batch.takes_path(task):
+        try:
+            row = dict(task(icosphere(2)))
+        except Exception as error:
+            raise ValueError(f"the task fails on a small sphere ({error}): pass columns") from error
+        return {name: _kind_of(name, value) for name, value in row.items()}
+    failure: Exception | None = None
+    for source in (_plan.Source(0, path, None, 0) for path in addresses):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", FairingWarning)
+            try:
+                row = _batch.call(task, _batch.load(source), source.path)
+            except Exception as error:
+                failure = error
+                continue
+        return {name: _kind_of(name, value) for name, value in row.items()}
+    raise ValueError(f"the task fails on every file ({failure}): pass columns")
 
 
 def _kind_of(name: str, value: Any) -> str:
@@ -175,8 +192,15 @@ def _kind_of(name: str, value: Any) -> str:
         return "float64"
     if isinstance(value, str):
         return "string"
-    if isinstance(value, (list, tuple, np.ndarray)) and np.asarray(value).dtype.kind in "fiub":
-        return "list"
+    if isinstance(value, (list, tuple, np.ndarray)):
+        array = np.asarray(value)
+        kinds = [kind for kind, dimensions in _batch.DIMENSIONS.items() if dimensions == array.ndim]
+        if array.dtype.kind in "fiub" and kinds:
+            return kinds[0]
+        raise ValueError(
+            f"the task returns {name} as {array.dtype} of {array.ndim} dimensions:"
+            " arrays are of numbers, with one or two dimensions"
+        )
     raise ValueError(f"the task returns {name} as {type(value).__name__}: pass columns")
 
 
@@ -212,41 +236,56 @@ def _lazy(run: _Run, sources: list[_plan.Source]) -> Any:
     )
 
 
-def _with_table(found: Any, extra: Any) -> Any:
-    """The rows joined with the other columns of the caller's table."""
+def _with_table(found: Any, extra: Any, sources: list[_plan.Source]) -> Any:
+    """The rows joined with the other columns of the caller's table, in the order of the files."""
     if extra is None or len(extra.columns) == 1:
         return found
     import dask.dataframe
 
-    others = extra.drop(columns="path")
+    given: dict[str, list[int]] = {}
+    for place, path in enumerate(map(str, extra["path"])):
+        given.setdefault(path, []).append(place)
+    order = [given[source.path].pop(0) for source in sources]
+    others = extra.drop(columns="path").iloc[order].reset_index(drop=True)
     clash = sorted(set(map(str, others.columns)) & set(map(str, found.columns)))
     others = others.rename(columns={name: f"{name}_given" for name in clash})
     others.index.name = "row"
     return found.join(dask.dataframe.from_pandas(others, npartitions=1))
 
 
-def _prepare(folder: str, fingerprint: str, resume: bool) -> None:
-    """Prepares the folder of this run: empty, or with the parts of an earlier run."""
+def _prepare(
+    folder: str, sources: list[_plan.Source], fingerprint: str, resume: bool
+) -> list[_plan.Source]:
+    """Prepares the folder of this run, empty or with the parts of an earlier one.
+
+    Returns the files in the order of the rows: those of the earlier run first.
+    """
     fs, inner = _plan.filesystem(folder)
-    note = f"{inner.rstrip('/')}/_run.json"
+    note = f"{inner.rstrip('/')}/_run.parquet"
     if not resume and fs.exists(inner):
         for name in _parts(folder):
             fs.rm(f"{inner.rstrip('/')}/{name}")
         if fs.exists(note):
             fs.rm(note)
+    known: list[tuple[str, int | None]] = []
     if fs.exists(note):
-        with fs.open(note, "rb") as file:
-            if json.load(file)["fingerprint"] != fingerprint:
-                raise ValueError(
-                    f"{folder} holds another run (other files, sizes, columns or task):"
-                    " take another folder, or resume=False"
-                )
-        return
-    if _parts(folder):
+        found, known = _batch.read_note(fs, note)
+        if found != fingerprint:
+            raise ValueError(
+                f"{folder} holds another run (other columns or task): take another folder, or resume=False"
+            )
+        try:
+            sources = _plan.ordered(sources, known)
+        except ValueError as error:
+            raise ValueError(
+                f"{folder} holds another run: {error}; take another folder, or resume=False"
+            ) from None
+    elif _parts(folder):
         raise ValueError(f"{folder} holds parts of a run that is not known: take another folder")
-    fs.makedirs(inner, exist_ok=True)
-    with fs.open(note, "wb") as file:
-        file.write(json.dumps({"fingerprint": fingerprint}).encode())
+    if len(known) < len(sources) or not fs.exists(note):
+        fs.makedirs(inner, exist_ok=True)
+        _batch.write_note(fs, note, fingerprint, sources)
+    return sources
 
 
 def _parts(folder: str) -> list[str]:
@@ -373,7 +412,9 @@ def _finished(futures: list[Any], client: Any) -> Iterable[Any]:
     idle = 0
     while True:
         try:
-            return distributed.wait(futures, timeout=_PATIENCE, return_when="FIRST_COMPLETED").done
+            ready: Any = distributed.wait(futures, timeout=_PATIENCE, return_when="FIRST_COMPLETED")
+            finished: Iterable[Any] = ready.done
+            return finished
         except distributed.TimeoutError:
             idle = 0 if client.nthreads() else idle + 1
         if idle == _PATIENT:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterable
-from typing import TypeVar
+from typing import TypeVar, get_args
 
 from . import _core
+from ._names import ColorMap, Denoiser, Estimator, Kind, MassKind, Method
+from ._parameters import DENOISER, ESTIMATOR, METHOD
 
 F = TypeVar("F", bound=Callable[..., object])
 
@@ -26,20 +28,23 @@ def _list(rows: Iterable[tuple[str, str]]) -> str:
 
 _PARTS = {
     "{run}": _RUN,
-    "{estimators}": _list(_TABLES["estimators"]),
-    "{methods}": _list(_TABLES["methods"]),
-    "{denoisers}": _list(_TABLES["denoisers"]),
+    "{estimators}": _list(ESTIMATOR.descriptions.items()),
+    "{methods}": _list(METHOD.descriptions.items()),
+    "{denoisers}": _list(DENOISER.descriptions.items()),
+    "{parameters_of_estimators}": ESTIMATOR.documentation(),
+    "{parameters_of_methods}": METHOD.documentation(),
+    "{parameters_of_denoisers}": DENOISER.documentation(),
     "{laplacians}": ", ".join(f"`{name}`" for name in _TABLES["laplacians"]),
     "{masses}": ", ".join(f"`{name}`" for name in _TABLES["masses"]),
     "{maps}": ", ".join(f"`{name}`" for name in _TABLES["color_maps"]),
 }
 
-ESTIMATORS: tuple[str, ...] = tuple(name for name, _ in _TABLES["estimators"])
-METHODS: tuple[str, ...] = tuple(name for name, _ in _TABLES["methods"])
-DENOISERS: tuple[str, ...] = tuple(name for name, _ in _TABLES["denoisers"])
-LAPLACIANS: tuple[str, ...] = tuple(_TABLES["laplacians"])
-MASSES: tuple[str, ...] = tuple(_TABLES["masses"])
-COLOR_MAPS: tuple[str, ...] = tuple(_TABLES["color_maps"])
+ESTIMATORS: tuple[Estimator, ...] = get_args(Estimator)
+METHODS: tuple[Method, ...] = get_args(Method)
+DENOISERS: tuple[Denoiser, ...] = get_args(Denoiser)
+LAPLACIANS: tuple[Kind, ...] = get_args(Kind)
+MASSES: tuple[MassKind, ...] = get_args(MassKind)
+COLOR_MAPS: tuple[ColorMap, ...] = get_args(ColorMap)
 
 
 def documented(function: F) -> F:

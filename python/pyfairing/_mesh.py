@@ -17,7 +17,9 @@ from ._arrays import Bools, Bytes, Floats, Indices
 from ._calls import Progress, running, warn
 from ._computing import Computing
 from ._docs import documented
+from ._geodesic import Geodesics
 from ._moving import Moving
+from ._parts import Parts
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -28,7 +30,7 @@ if TYPE_CHECKING:
 Fields = Mapping[str, npt.NDArray[Any]]
 
 
-class Mesh(Computing, Moving):
+class Mesh(Computing, Geodesics, Moving, Parts):
     """An immutable triangle mesh.
 
     Parameters
@@ -197,6 +199,17 @@ class Mesh(Computing, Moving):
             return self._core.boundary_vertices(call)
 
     @property
+    def area(self) -> float:
+        """The sum of the areas of the faces, in squared mesh units."""
+        return self._core.area
+
+    @property
+    def volume(self) -> float | None:
+        """The enclosed volume, in cubed mesh units: negative if normals point inwards, None if open."""
+        volume: float | None = self.info()["volume"]
+        return volume
+
+    @property
     def face_areas(self) -> Floats:
         """The area of each face, (m,) float64, in squared mesh units."""
         with running(None, None) as call:
@@ -212,35 +225,6 @@ class Mesh(Computing, Moving):
         self._warn_of_orientation()
         with running(None, None) as call:
             return self._core.face_normals(call)
-
-    def weld(self) -> tuple[Self, Indices]:
-        """Joins vertices at exactly equal positions.
-
-        For files whose faces do not share corners, or that are open along seams of texture
-        coordinates: compute on the welded mesh and map results back by `index`.
-
-        Returns
-        -------
-        mesh : Mesh
-            Vertices in the order of their first appearance, without fields; faces that had two
-            corners in one place are left out.
-        index : ndarray, shape (n,), uint32
-            The vertex of `mesh` that each vertex of this mesh became.
-
-        Examples
-        --------
-        >>> import pyfairing as pf
-        >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
-        >>> soup = pf.Mesh(corners, [[0, 1, 2], [3, 4, 5]])
-        >>> mesh, index = soup.weld()
-        >>> mesh, index.tolist()
-        (Mesh(4 vertices, 2 faces), [0, 1, 2, 1, 3, 2])
-        >>> soup.with_vertices(mesh.vertices[index]) == soup
-        True
-        """
-        with running(None, None) as call:
-            core, index = self._core.weld(call)
-        return self._of(core), index
 
     def with_vertices(self, vertices: npt.ArrayLike) -> Self:
         """The same faces at other positions; data that depends on faces alone is shared.

@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, Literal
 
+import numpy as np
 import numpy.typing as npt
 
 from . import _arrays, _core
 from ._base import Base
 from ._calls import Progress, running, warn
 from ._docs import documented
-from ._parameters import parameters
+from ._parameters import DENOISER, METHOD
 from ._results import NoiseLevel
 from ._spectrum import warn_of_split
 
 if TYPE_CHECKING:
-    from typing_extensions import Self
+    from typing_extensions import Self, Unpack
 
-#: A vertex, a weight, and where it is drawn to (where it is, without).
-Soft = Iterable["tuple[int, float] | tuple[int, float, npt.ArrayLike]"]
+    from ._arrays import Bools
+    from ._core import Mesh as CoreMesh
+    from ._names import Denoiser, DenoiserParameters, Method, MethodParameters, NoiseKind
 
 
 class Moving(Base):
@@ -27,38 +28,16 @@ class Moving(Base):
 
     __slots__ = ()
 
+    @METHOD.takes
     @documented
     def smooth(
         self,
-        method: str = "taubin",
+        method: Method = "taubin",
         *,
-        weights: Literal["uniform", "cotangent"] | None = None,
-        lam: float | None = None,
-        time: float | None = None,
-        iterations: int | None = None,
-        area: Literal["barycentric", "mixed", "voronoi"] | None = None,
-        kind: Literal["auto", "cotangent", "robust"] | None = None,
-        boundary: Literal["free", "pinned", "sliding"] | None = None,
-        pin: npt.ArrayLike | None = None,
-        soft: Soft | None = None,
-        volume: Literal["drift", "rescale", "offset"] | None = None,
-        unstable: Literal["refuse", "warn", "allow"] | None = None,
-        mu: float | None = None,
-        pass_band: float | None = None,
-        degree: int | None = None,
-        window: Literal["hanning", "hamming", "blackman"] | None = None,
-        alpha: float | None = None,
-        beta: float | None = None,
-        fraction: float | None = None,
-        cutoff: float | None = None,
-        order: int | None = None,
-        modes: int | None = None,
-        update: Literal["never", "mass", "both"] | None = None,
-        tolerance: float | None = None,
-        settled: float | None = None,
-        vertices: npt.ArrayLike | None = None,
+        where: npt.ArrayLike | None = None,
         threads: int | None = None,
         progress: Progress = None,
+        **parameters: Unpack[MethodParameters],
     ) -> Self:
         """Smooths by a flow, by a filter or by fairing a region.
 
@@ -68,57 +47,9 @@ class Moving(Base):
             The method:
 
             {methods}
-        weights : {'uniform', 'cotangent'}, optional
-            Weights of the Laplacian for `explicit`, `implicit` and `region`; uniform by default
-            (cotangent for `region`, and if a time is given).
-        lam : float, optional
-            The step λ: with uniform weights the fraction of the way to the mean of the
-            neighbours, with cotangents a time in squared mean edge lengths.
-        time : float, optional
-            The step with cotangents, or the time of `low-pass`, in squared mesh units; for
-            `conformal` a fraction of the area.
-        iterations : int, optional
-            The number of steps (10); pairs of steps for `taubin`.
-        area : {'barycentric', 'mixed', 'voronoi'}, optional
-            Vertex areas for cotangents.
-        kind : {'auto', 'cotangent', 'robust'}, optional
-            The Laplacian with cotangents; by default `auto`: robust if a face is too thin for
-            cotangents.
-        boundary : {'free', 'pinned', 'sliding'}, optional
-            Treatment of the boundary of an open mesh.
-        pin : array_like of int or bool, optional
-            Fixed vertices.
-        soft : iterable of (vertex, weight) or (vertex, weight, target), optional
-            Vertices drawn to their positions, or to a point; with weight 1 a step ends half-way
-            between the flow and the point.
-        volume : {'drift', 'rescale', 'offset'}, optional
-            Treatment of the volume of a closed mesh.
-        unstable : {'refuse', 'warn', 'allow'}, optional
-            Treatment of explicit steps beyond the stable limit, and of pairs of `taubin` steps
-            that amplify a mode by more than two.
-        mu : float, optional
-            The growing step of `taubin`, below -λ.
-        pass_band : float, optional
-            Of `taubin` and `windowed-sinc`: modes with -eigenvalue below this stay (0 to 2).
-        degree, window : optional
-            Of `windowed-sinc`: its degree (20), and `hanning`, `hamming` or `blackman`.
-        alpha, beta : float, optional
-            Of `hc`: the weight of the input in differences, and the weight of a vertex's own
-            difference in the correction (0 to 1).
-        fraction : float, optional
-            Of `scale-dependent`: the fraction of the largest stable step (0 to 1).
-        cutoff, order, modes : optional
-            Of `low-pass`: a wavelength in mesh units with the order of a Butterworth filter,
-            or the number of modes to keep; `order` is also that of `region`.
-        update : {'never', 'mass', 'both'}, optional
-            Of `implicit`: the parts of the operator updated to the current positions.
-        tolerance : float, optional
-            The relative residual of linear systems.
-        settled : float, optional
-            Of `conformal`: stop when no vertex moves by more than this fraction of the square root
-            of the area.
-        vertices : array_like of int or bool, optional
-            The region of `region`.
+        {parameters_of_methods}
+        where : array_like of int or bool, optional
+            The vertices that move, or a mask of them; the others are fixed. By default all.
         {run}
 
         Returns
@@ -134,68 +65,59 @@ class Moving(Base):
         FlowError
             If a step fails; `last_good` is the mesh before it.
         """
-        n = self._core.vertex_count
-        given = {
-            "weights": weights,
-            "lam": lam,
-            "time": time,
-            "iterations": iterations,
-            "area": area,
-            "kind": kind,
-            "boundary": boundary,
-            "pin": None if pin is None else _arrays.numbers(pin, n, "pin", n),
-            "soft": None if soft is None else [_soft(*entry) for entry in soft],
-            "volume": volume,
-            "unstable": unstable,
-            "mu": mu,
-            "pass_band": pass_band,
-            "degree": degree,
-            "window": window,
-            "alpha": alpha,
-            "beta": beta,
-            "fraction": fraction,
-            "cutoff": cutoff,
-            "order": order,
-            "modes": modes,
-            "update": update,
-            "tolerance": tolerance,
-            "settled": settled,
-            "vertices": None if vertices is None else _arrays.numbers(vertices, n, "vertices", n),
-        }
-        values = parameters(method, given)
-        with running(threads, progress) as call:
-            core, report = _core.smooth(self._core, method, values, call)
-        if report["unstable"] and unstable == "warn":
+        selected = self._selected(where)
+        options = dict(parameters)
+        # A projection on modes has no pins.
+        pins = "pin" in METHOD.algorithms.get(method, ()) and options.get("modes") is None
+        if selected is not None and pins:
+            fixed = ~selected
+            if options.get("pin") is not None:
+                n = self._core.vertex_count
+                fixed[_arrays.numbers(options["pin"], n, "pin", n)] = True  # type: ignore[arg-type]
+            options["pin"] = fixed
+        values = METHOD.values(method, options, self._core.vertex_count)
+        try:
+            with running(threads, progress) as call:
+                core, report = _core.smooth(self._core, method, values, call)
+        except _core.FlowError as error:
+            error.last_good = self._moved(self._kept(error.last_good, selected))
+            raise
+        if report["unstable"] and parameters.get("unstable") == "warn":
             warn("steps beyond the stable limit were taken: some modes grow")
         if report["too_thin"] is not None:
             warn(f"face {report['too_thin']} is too thin for cotangents; the robust operator is used")
         if report["degenerate_faces"]:
             warn(f"{report['degenerate_faces']} faces became degenerate on the way")
-        warn_of_split(report["split"], modes or 0, "modes")
-        return self._moved(core, {"method": method, **report})
+        warn_of_split(report["split"], parameters.get("modes") or 0, "modes")
+        return self._moved(self._kept(core, selected), {"method": method, **report})
+
+    def _selected(self, where: npt.ArrayLike | None) -> Bools | None:
+        """The mask of the vertices that move; None for all."""
+        if where is None:
+            return None
+        n = self._core.vertex_count
+        mask = np.zeros(n, dtype=np.bool_)
+        mask[_arrays.numbers(where, n, "where", n)] = True
+        return mask
+
+    def _kept(self, moved: CoreMesh, selected: Bools | None) -> CoreMesh:
+        """The mesh with the vertices that are not selected where they were."""
+        if selected is None:
+            return moved
+        return moved.with_vertices(np.where(selected[:, None], moved.vertices, self._core.vertices))
 
     @documented
     def noise(
         self,
         sigma: float,
         unit: Literal["edge", "model", "diagonal"] = "edge",
-        kind: Literal[
-            "normal",
-            "axes",
-            "direction",
-            "uniform",
-            "impulsive",
-            "correlated",
-            "varying",
-            "rays",
-            "depth-camera",
-            "fused",
-        ] = "normal",
+        kind: NoiseKind = "normal",
         *,
         fraction: float | None = None,
         length: float | None = None,
         camera: npt.ArrayLike | None = None,
         seed: int = 1,
+        where: npt.ArrayLike | None = None,
         threads: int | None = None,
     ) -> Self:
         """Adds seeded noise to the positions.
@@ -228,6 +150,8 @@ class Moving(Base):
             bounding box from its centre along +z.
         seed : int
             The same seed gives the same noise on every machine.
+        where : array_like of int or bool, optional
+            The vertices that move, or a mask of them. By default all.
         threads : int, optional
             Maximum number of threads.
 
@@ -242,6 +166,7 @@ class Moving(Base):
         ComputationError
             If a vertex is not in front of the camera.
         """
+        selected = self._selected(where)
         if kind in ("normal", "correlated", "varying", "fused"):
             self._warn_of_orientation()
         parameters = (
@@ -253,7 +178,7 @@ class Moving(Base):
             core = _core.noise(
                 self._core, float(sigma), unit, kind, parameters, _arrays.whole(seed, "seed"), call
             )
-        return self._moved(core)
+        return self._moved(self._kept(core, selected))
 
     @documented
     def scan(
@@ -335,26 +260,29 @@ class Moving(Base):
             found = _core.noise_level(self._core, call)
         return None if found is None else NoiseLevel(*found)
 
+    @DENOISER.takes
     @documented
     def denoise(
         self,
-        method: str = "automatic",
+        method: Denoiser = "automatic",
         *,
-        strength: float | None = None,
+        where: npt.ArrayLike | None = None,
         threads: int | None = None,
         progress: Progress = None,
+        **parameters: Unpack[DenoiserParameters],
     ) -> Self:
         """Removes noise and keeps creases.
 
         Parameters
         ----------
         method : str
-            With its default options:
+            The denoiser:
 
             {denoisers}
-        strength : float, optional
-            Of `automatic` only: a factor on the estimated noise, 1 by default. Larger values
-            remove more.
+        {parameters_of_denoisers}
+        where : array_like of int or bool, optional
+            The vertices that move, or a mask of them; the others keep their positions. By default
+            all.
         {run}
 
         Returns
@@ -364,21 +292,24 @@ class Moving(Base):
             units (None if there are too few vertices), `surface`: `creased`, `smooth`,
             `uneven` or `clean` (nothing was moved), and `approach`: `networks`,
             `total-generalised-variation` for strong noise that is correlated over several
-            edges, like that of a depth camera, or None if nothing was moved. Parts with faces as uneven as those of CAD
-            tessellations are left unchanged, with a `FairingWarning`. Faces that turn against the
-            rest of their part are flipped for the computation, with a `FairingWarning`.
+            edges, like that of a depth camera, or None if nothing was moved. Parts with faces as
+            uneven as those of CAD tessellations are left unchanged, with a `FairingWarning`. Faces
+            that turn against the rest of their part are flipped for the computation, with a
+            `FairingWarning`.
 
         Raises
         ------
         OptionError
-            For a strength that is not positive, and for one of another method than `automatic`.
+            For options that are out of range or do not belong to the method.
         ComputationError
             If the faces do not share their corners; see `Mesh.weld`.
         """
+        selected = self._selected(where)
+        values = DENOISER.values(method, parameters, self._core.vertex_count)
         self._warn_of_orientation()
-        given = None if strength is None else float(strength)
         with running(threads, progress) as call:
-            core, found = _core.denoise(self._core, method, given, call)
+            core, found = _core.denoise(self._core, method, values, call)
+        core = self._kept(core, selected)
         report: dict[str, Any] = {"method": method}
         if found is None:
             return self._moved(core, report)
@@ -409,8 +340,3 @@ class Moving(Base):
         """
         with running(threads, None) as call:
             return self._of(self._core.subdivide(scheme, call))
-
-
-def _soft(vertex: int, weight: float, target: npt.ArrayLike | None = None) -> tuple[int, float, list[float] | None]:
-    point = None if target is None else _arrays.field(target, 3, "a target of soft").tolist()
-    return _arrays.whole(vertex, "a vertex of soft"), float(weight), point

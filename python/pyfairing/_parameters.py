@@ -1,43 +1,129 @@
-"""Values of the options of algorithms, as the tables of the crates name and read them."""
+"""Parameters of algorithms, as the crates declare them."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+import inspect
+import textwrap
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar
 
 from . import _arrays, _core
 from ._core import OptionError
 
-_OF_METHODS: dict[str, list[str]] = dict(_core.tables()["parameters_of_methods"])
+F = TypeVar("F", bound=Callable[..., object])
 
-#: Options with another name in Python, where `lambda` is a word of the language, and
-#: `kind` is that of every Laplacian.
-_OTHER = {"lam": "lambda", "kind": "operator"}
-#: Options that are whole numbers.
-_WHOLE = ("iterations", "degree", "order", "modes")
+#: A parameter as the extension describes it.
+Parameter = Mapping[str, Any]
 
-
-def _name(option: str) -> str:
-    return _OTHER.get(option, option.replace("_", "-"))
-
-
-def _value(option: str, value: Any) -> Any:
-    if isinstance(value, (str, list)):
-        return value
-    return _arrays.whole(value, option) if option in _WHOLE else float(value)
+_TYPES = {
+    "number": "float",
+    "count": "int",
+    "vertices": "array_like of int or bool",
+    "weighted": "iterable of (vertex, weight) or (vertex, weight, target)",
+}
 
 
-def parameters(method: str, options: Mapping[str, Any]) -> list[tuple[str, Any]]:
-    """The options that are given, by the names of the tables."""
-    given = {o: v for o, v in options.items() if v is not None and (not isinstance(v, list) or v)}
-    if method in _OF_METHODS:
+class Family:
+    """The algorithms of one kind, with their parameters."""
+
+    def __init__(self, what: str) -> None:
+        self.what = what
+        rows: list[tuple[str, str, list[Parameter]]] = _core.tables()[what]
+        self.descriptions = {name: description for name, description, _ in rows}
+        self.algorithms = {name: {p["name"]: p for p in parameters} for name, _, parameters in rows}
+        #: Each parameter by name, with the algorithms that have it.
+        self.parameters: dict[str, dict[str, Parameter]] = {}
+        for name, _, parameters in rows:
+            for parameter in parameters:
+                self.parameters.setdefault(parameter["name"], {})[name] = parameter
+
+    def values(self, algorithm: str, options: Mapping[str, Any], n: int) -> list[tuple[str, Any]]:
+        """The given options by the names of the crates; `n` is the number of vertices."""
+        for option in options:
+            if option not in self.parameters:
+                raise TypeError(f"there is no option {option} of any {self.what}")
+        known = self.algorithms.get(algorithm)
+        given = {option: value for option, value in options.items() if value is not None}
+        if known is None:
+            # The crate says which there are.
+            return []
         for option in given:
-            if _name(option) not in _OF_METHODS[method]:
-                names = ", ".join(m for m, of in _OF_METHODS.items() if _name(option) in of)
+            if option not in known:
+                names = ", ".join(self.parameters[option])
                 raise OptionError(
-                    f"the method {method} has no option {option}; those that have it are {names}"
+                    f"the {self.what} {algorithm} has no option {option}; those that have it are {names}"
                 )
-    for a, b in (("lam", "time"), ("mu", "pass_band"), ("time", "cutoff"), ("cutoff", "modes")):
-        if a in given and b in given:
-            raise OptionError(f"give {a} or {b}, not both")
-    return [(_name(option), _value(option, value)) for option, value in given.items()]
+            for other in known[option]["excludes"]:
+                if other in given:
+                    raise OptionError(f"give {option} or {other}, not both")
+        return [(known[option]["key"], _value(known[option], value, n)) for option, value in given.items()]
+
+    def documentation(self) -> str:
+        """The parameters as a section of a docstring."""
+        return "\n".join(_entry(name, of) for name, of in self.parameters.items())
+
+    def takes(self, function: F) -> F:
+        """Puts the parameters into the signature of a function, in the place of its keywords."""
+        signature = inspect.signature(function)
+        keywords = [
+            inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=_type(of))
+            for name, of in self.parameters.items()
+        ]
+        own = [p for p in signature.parameters.values() if p.kind is not inspect.Parameter.VAR_KEYWORD]
+        places = [i for i, p in enumerate(own) if p.kind is inspect.Parameter.KEYWORD_ONLY]
+        first = places[0] if places else len(own)
+        parameters = [*own[:first], *keywords, *own[first:]]
+        function.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
+        return function
+
+
+def _value(parameter: Parameter, value: Any, n: int) -> Any:
+    name, kind = parameter["name"], parameter["kind"]
+    if kind == "number":
+        return float(value)
+    if kind == "count":
+        return _arrays.whole(value, name)
+    if kind == "vertices":
+        return _arrays.numbers(value, n, name, n)
+    if kind == "weighted":
+        return [_weighted(name, *entry) for entry in value]
+    if not isinstance(value, str):
+        raise TypeError(f"{name} must be a name, not {type(value).__name__}")
+    return value
+
+
+def _weighted(name: str, vertex: int, weight: float, target: Any = None) -> Any:
+    point = None if target is None else _arrays.point(target, f"a target of {name}")
+    return _arrays.whole(vertex, f"a vertex of {name}"), float(weight), point
+
+
+def _type(of: Mapping[str, Parameter]) -> str:
+    """The type in words; choices of all algorithms together."""
+    names = [name for parameter in of.values() for name, _ in parameter["choices"]]
+    if names:
+        return "{" + ", ".join(f"'{name}'" for name in dict.fromkeys(names)) + "}"
+    (kind,) = {_TYPES[parameter["kind"]] for parameter in of.values()}
+    return kind
+
+
+def _entry(name: str, of: Mapping[str, Parameter]) -> str:
+    """The entry of a docstring: each meaning with the algorithms that have it and their defaults."""
+    meanings: dict[str, list[str]] = {}
+    for algorithm, parameter in of.items():
+        parts = (parameter["about"], parameter["unit"] and f"in {parameter['unit']}", parameter["range"])
+        meaning = ", ".join(part for part in parts if part)
+        default = parameter["default"]
+        meanings.setdefault(meaning, []).append(
+            f"`{algorithm}`" + ("" if default is None else f" ({default})")
+        )
+    lines = [f"{name} : {_type(of)}, optional"]
+    for meaning, names in meanings.items():
+        text = f"{meaning}: {', '.join(names)}."
+        wrapped = textwrap.wrap(text, 84, break_on_hyphens=False)
+        lines += [f"    {line}" for line in wrapped]
+    return "\n".join(lines)
+
+
+ESTIMATOR = Family("estimator")
+METHOD = Family("method")
+DENOISER = Family("denoiser")

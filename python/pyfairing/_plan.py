@@ -6,7 +6,7 @@ import hashlib
 import json
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, replace
 from os import PathLike, fspath
 from typing import Any
 
@@ -165,8 +165,28 @@ def uncovered(sources: Sequence[Source], parts: Iterable[tuple[int, int]]) -> li
     return [source for source in sources if not done[source.row]]
 
 
-def fingerprint(sources: Sequence[Source], columns: Any, task: str) -> str:
-    """Fingerprint of a run: it changes with the list of files and with the task."""
-    content = [[asdict(s)["path"], s.size] for s in sources]
-    text = json.dumps([content, columns, task], sort_keys=True, default=str)
+def ordered(sources: Sequence[Source], known: Iterable[tuple[str, int | None]]) -> list[Source]:
+    """The files of an earlier run in its order, then the others, with their rows.
+
+    Raises ValueError if one of the run is missing or has another size.
+    """
+    left: dict[str, list[Source]] = {}
+    for source in sources:
+        left.setdefault(source.path, []).append(source)
+    found = []
+    for path, size in known:
+        same = left.get(path)
+        if not same:
+            raise ValueError(f"it has a row for {path}, which is not among the files")
+        if same[0].size != size:
+            raise ValueError(f"{path} has {same[0].size} bytes, and had {size}")
+        found.append(same.pop(0))
+    taken = {source.row for source in found}
+    found += [source for source in sources if source.row not in taken]
+    return [replace(source, row=row) for row, source in enumerate(found)]
+
+
+def fingerprint(columns: Any, task: str) -> str:
+    """Fingerprint of a run: it changes with the columns and with the task."""
+    text = json.dumps([columns, task], sort_keys=True, default=str)
     return hashlib.sha256(text.encode()).hexdigest()

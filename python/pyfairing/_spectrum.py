@@ -291,23 +291,50 @@ class Spectrum:
 
     @documented
     def wave_kernel_signature(
-        self, energies: int = 100, *, threads: int | None = None, progress: Progress = None
+        self,
+        energies: int | npt.ArrayLike = 100,
+        sigma: float | None = None,
+        *,
+        threads: int | None = None,
+        progress: Progress = None,
     ) -> Floats:
-        """The wave kernel signature at energies evenly spaced in ln λ.
+        """The wave kernel signature: at x the density of a particle with log-normal energy around e.
 
         Parameters
         ----------
-        energies : int
-            Number of energies, at least two.
+        energies : int or array_like, shape (e,)
+            The energies, in ln λ; a number is that of `wave_kernel_energies`.
+        sigma : float, optional
+            The deviation of ln λ; needed unless `energies` is a number, where it is that of
+            `wave_kernel_energies` by default.
         {run}
 
         Returns
         -------
-        ndarray, shape (n, energies)
-            In 1 / squared mesh units.
+        ndarray, shape (n, e)
+            In 1 / squared mesh units; the integral of each column is 1.
+
+        Examples
+        --------
+        >>> import pyfairing as pf
+        >>> s = pf.shapes.icosphere(3).spectrum(20)
+        >>> energies, sigma = s.wave_kernel_energies(50)
+        >>> s.wave_kernel_signature(energies, 2 * sigma).shape
+        (642, 50)
         """
+        if np.ndim(energies) == 0:
+            levels, usual = self.wave_kernel_energies(energies)  # type: ignore[arg-type]
+            sigma = usual if sigma is None else sigma
+        else:
+            levels = _arrays.field(energies, np.size(energies), "energies")
+        if sigma is None:
+            raise _core.OptionError("energies without sigma, their deviation in ln λ")
         with running(threads, progress) as call:
-            return self._core.wave_kernel_signature(_arrays.whole(energies, "energies"), call)
+            return self._core.wave_kernel_signature(levels, float(sigma), call)
+
+    def wave_kernel_energies(self, count: int = 100) -> tuple[Floats, float]:
+        """Energies evenly spaced in ln λ, (count,), and the deviation σ, seven steps between them."""
+        return self._core.wave_kernel_energies(_arrays.whole(count, "count"))
 
     def global_point_signature(self) -> Floats:
         """φᵢ(x) / √λᵢ for the modes with λ above zero, (n, modes), dimensionless."""

@@ -1,8 +1,9 @@
 """Tasks for `pyfairing.dataset`.
 
 A task is a function of a mesh that returns a mapping from the names of columns to numbers,
-strings, or flat arrays. Any function of this form can be used; set its attribute
-`bytes_per_vertex` if it needs more memory than most.
+strings, or arrays of one or two dimensions. Any function of this form can be used; one with a
+parameter `path` gets the address of the file of the mesh. Set the attribute `bytes_per_vertex` of a
+task that needs more memory than most.
 """
 
 from __future__ import annotations
@@ -13,22 +14,23 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from ._mesh import Mesh
+from ._names import Estimator, Kind
 
 __all__ = ["Task", "curvature", "diagnosis", "shape_dna"]
 
-Task: TypeAlias = Callable[[Mesh], Mapping[str, Any]]
+Task: TypeAlias = Callable[..., Mapping[str, Any]]
 
 
 def diagnosis(mesh: Mesh) -> dict[str, Any]:
-    """Counts, topology, defects and measures of `Mesh.info`, with the bounding box as six numbers."""
+    """Counts, topology, defects and measures of `Mesh.info`, with the bounding box as two rows."""
     info = mesh.info()
-    box = info.pop("bounding_box")
-    info["bounding_box"] = None if box is None else np.asarray(box, dtype=np.float64).reshape(-1)
-    del info["vertices"], info["faces"]
+    if info["bounding_box"] is not None:
+        info["bounding_box"] = np.asarray(info["bounding_box"], dtype=np.float64)
+    del info["vertices"], info["faces"], info["hints"]
     return info
 
 
-def curvature(mesh: Mesh, estimator: str = "jet3") -> dict[str, Any]:
+def curvature(mesh: Mesh, estimator: Estimator = "jet3") -> dict[str, Any]:
     """The 5th, 50th and 95th percentile of interior curvature, its area-weighted mean, and the number of
     vertices without a value."""
     found = mesh.curvature(estimator)
@@ -44,10 +46,10 @@ def curvature(mesh: Mesh, estimator: str = "jet3") -> dict[str, Any]:
     return row
 
 
-def shape_dna(mesh: Mesh, k: int = 20, kind: str = "auto") -> dict[str, Any]:
+def shape_dna(mesh: Mesh, k: int = 20, kind: Kind = "auto") -> dict[str, Any]:
     """The first k eigenvalues and their products with the area; fewer if there are not so many vertices."""
     used = mesh.n_vertices - mesh.info()["isolated_vertices"]
-    spectrum = mesh.spectrum(min(k, used), kind)  # type: ignore[arg-type]
+    spectrum = mesh.spectrum(min(k, used), kind)
     return {
         "eigenvalues": spectrum.values,
         "shape_dna": spectrum.shape_dna(),

@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 
 use crate::error::Error;
 use crate::mesh::Mesh;
+use crate::options::{Named, borrowed};
 use crate::run::Call;
 
 /// The report of the automatic method: σ, if measured, the kind of surface, the approach, and the
@@ -17,11 +18,10 @@ fn denoise(
     py: Python<'_>,
     mesh: &Mesh,
     method: &str,
-    strength: Option<f64>,
+    given: Named,
     call: Call,
 ) -> PyResult<(Mesh, Option<Found>)> {
-    let given: Vec<(&str, f64)> = strength.map(|x| ("strength", x)).into_iter().collect();
-    let method = Denoiser::with(method, &given).map_err(Error::option)?;
+    let method = Denoiser::with(method, &borrowed(&given)).map_err(Error::option)?;
     let mesh = mesh.share();
     let (mesh, found) = call.run(py, move || {
         let Denoiser::Automatic(options) = method else {

@@ -166,6 +166,7 @@ impl From<SpectralError> for Error {
             | SpectralError::TooManyModes { .. }
             | SpectralError::Rows { .. }
             | SpectralError::Option(_)
+            | SpectralError::NoSuchFace { .. }
             | SpectralError::NoSuchVertex { .. } => Self::Option(text),
             _ => Self::Computation(text),
         }

@@ -1,9 +1,9 @@
-//! Heat, geodesic distance and Poisson problems, factorised once.
+//! Heat and Poisson problems, factorised once.
 
 use std::sync::Arc;
 
 use fairing_operators::{LaplacianKind, MassKind};
-use fairing_spectral::{HeatDiffusion, HeatGeodesics, Poisson};
+use fairing_spectral::{HeatDiffusion, Poisson};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 
@@ -12,56 +12,6 @@ use crate::mesh::Mesh;
 use crate::operators::assemble;
 use crate::options::named;
 use crate::run::Call;
-
-/// Factorised heat method for any sources.
-#[pyclass(frozen, module = "pyfairing._core")]
-struct Geodesics {
-    inner: Arc<HeatGeodesics>,
-    /// A note if a face too thin for cotangents made the Laplacian robust.
-    #[pyo3(get)]
-    note: Option<String>,
-}
-
-#[pymethods]
-impl Geodesics {
-    #[new]
-    fn new(
-        py: Python<'_>,
-        mesh: &Mesh,
-        kind: &str,
-        time: Option<f64>,
-        call: Call,
-    ) -> PyResult<Self> {
-        let kind = named::<LaplacianKind>(kind)?;
-        let mesh = mesh.share();
-        let (inner, note) = call.run(py, move || {
-            fairing_watch::stage("factorising", 2);
-            let (laplacian, note) = assemble(&mesh, kind, MassKind::Barycentric)?;
-            Ok((HeatGeodesics::with(&mesh, &laplacian, time)?, note))
-        })?;
-        Ok(Self { inner: Arc::new(inner), note })
-    }
-
-    #[getter]
-    fn kind(&self) -> &'static str {
-        self.inner.kind().name()
-    }
-
-    /// Distances, infinite on components without a source.
-    fn distance<'py>(
-        &self,
-        py: Python<'py>,
-        sources: Vec<u32>,
-        call: Call,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let inner = Arc::clone(&self.inner);
-        let found = call.run(py, move || {
-            let distance = inner.distance(&sources)?;
-            Ok(distance.into_iter().map(|d| d.unwrap_or(f64::INFINITY)).collect())
-        })?;
-        Ok(column(py, found))
-    }
-}
 
 /// Implicit heat steps of fixed length.
 #[pyclass(frozen, module = "pyfairing._core")]
@@ -135,7 +85,6 @@ fn poisson<'py>(
 }
 
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<Geodesics>()?;
     module.add_class::<Heat>()?;
     module.add_function(wrap_pyfunction!(poisson, module)?)
 }

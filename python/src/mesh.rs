@@ -92,6 +92,11 @@ impl Mesh {
     }
 
     #[getter]
+    fn area(&self) -> f64 {
+        self.inner.area()
+    }
+
+    #[getter]
     fn diagonal(&self) -> f64 {
         self.inner.diagonal()
     }
@@ -286,6 +291,7 @@ fn as_dict<'py>(py: Python<'py>, d: &Diagnosis) -> PyResult<Bound<'py, PyDict>> 
     dict.set_item("shortest_edge", d.shortest_edge)?;
     dict.set_item("mean_edge", d.mean_edge)?;
     dict.set_item("longest_edge", d.longest_edge)?;
+    dict.set_item("hints", d.hints())?;
     Ok(dict)
 }
 

@@ -8,7 +8,6 @@ use fairing_operators::curvature::{CurvatureField, Estimator, laplacian_curvatur
 use fairing_operators::{
     Laplacian, LaplacianKind, MassKind, MassMatrix, Reason, divergence, gradient,
 };
-use fairing_parameters::Value;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -16,7 +15,7 @@ use pyo3::types::PyDict;
 use crate::arrays::{Csr, column, csr, rows, triples, values};
 use crate::error::{Error, Result};
 use crate::mesh::{Mesh, polygons};
-use crate::options::named;
+use crate::options::{Named, borrowed, named};
 use crate::run::Call;
 
 /// The Laplacian, and a note if a face too thin for cotangents made it robust.
@@ -95,14 +94,6 @@ fn divergence_of<'py>(py: Python<'py>, mesh: &Mesh, call: Call) -> PyResult<Csr<
     Ok(csr(py, call.run(py, move || Ok(divergence(&mesh)?))?))
 }
 
-/// The estimator with the reach that is asked for.
-fn with_reach(name: &str, radius: Option<f64>, rings: Option<usize>) -> Result<Estimator> {
-    let radius = radius.map(|radius| ("radius", Value::from(radius)));
-    let rings = rings.map(|rings| ("rings", Value::from(rings)));
-    let given: Vec<(&str, Value)> = radius.into_iter().chain(rings).collect();
-    Estimator::with(name, &given).map_err(Error::option)
-}
-
 fn estimate(
     mesh: &TriMesh,
     estimator: Estimator,
@@ -122,12 +113,11 @@ fn curvature<'py>(
     py: Python<'py>,
     mesh: &Mesh,
     estimator: &str,
-    radius: Option<f64>,
-    rings: Option<usize>,
+    given: Named,
     kind: Option<&str>,
     call: Call,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let estimator = with_reach(estimator, radius, rings)?;
+    let estimator = Estimator::with(estimator, &borrowed(&given)).map_err(Error::option)?;
     let kind = kind.map(named::<LaplacianKind>).transpose()?;
     let mesh: Arc<TriMesh> = mesh.share();
     let (field, defined) = call.run(py, move || {

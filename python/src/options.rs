@@ -50,3 +50,11 @@ impl From<Given> for Value {
         }
     }
 }
+
+/// Values of parameters, by the names of the tables.
+pub(crate) type Named = Vec<(String, Given)>;
+
+/// The values with borrowed names, as the crates take them.
+pub(crate) fn borrowed(given: &Named) -> Vec<(&str, Given)> {
+    given.iter().map(|(name, value)| (name.as_str(), value.clone())).collect()
+}

@@ -6,7 +6,7 @@ use pyo3::types::PyDict;
 
 use crate::error::{Error, FlowError_, chain};
 use crate::mesh::Mesh;
-use crate::options::Given;
+use crate::options::{Named, borrowed};
 use crate::run::Call;
 
 fn report_dict<'py>(py: Python<'py>, report: &Report) -> PyResult<Bound<'py, PyDict>> {
@@ -65,12 +65,11 @@ fn smooth<'py>(
     py: Python<'py>,
     mesh: &Mesh,
     method: &str,
-    given: Vec<(String, Given)>,
+    given: Named,
     call: Call,
 ) -> PyResult<(Mesh, Bound<'py, PyDict>)> {
     let mesh = mesh.share();
-    let given: Vec<(&str, Given)> = given.iter().map(|(n, v)| (n.as_str(), v.clone())).collect();
-    let method = Method::with(method, &given).map_err(Error::option)?;
+    let method = Method::with(method, &borrowed(&given)).map_err(Error::option)?;
     let result = call.run(py, move || Ok(method.run(&mesh, None)))?;
     let Smoothed { mesh, report, .. } = result.map_err(|error| exception(py, error))?;
     Ok((mesh.into(), report_dict(py, &report)?))

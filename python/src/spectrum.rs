@@ -6,7 +6,7 @@ use std::sync::Arc;
 use fairing_operators::{LaplacianKind, MassKind};
 use fairing_spectral::{
     self as spectral, Rest, SpectrumOptions, Split, global_point_signature, heat_kernel_signature,
-    heat_kernel_times, reconstruct, shape_dna, wave_kernel_signature,
+    heat_kernel_times, reconstruct, shape_dna, wave_kernel_energies, wave_kernel_signature,
 };
 use ndarray::Array2;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
@@ -174,14 +174,26 @@ impl Spectrum {
         Ok(matrix(py, call.run(py, move || Ok(heat_kernel_signature(&spectrum, &times)?))?))
     }
 
+    fn wave_kernel_energies<'py>(
+        &self,
+        py: Python<'py>,
+        count: usize,
+    ) -> PyResult<(Bound<'py, PyArray1<f64>>, f64)> {
+        let (energies, sigma) = wave_kernel_energies(&self.inner, count).map_err(Error::from)?;
+        Ok((column(py, energies), sigma))
+    }
+
     fn wave_kernel_signature<'py>(
         &self,
         py: Python<'py>,
-        energies: usize,
+        energies: PyReadonlyArray1<'_, f64>,
+        sigma: f64,
         call: Call,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let spectrum = self.share();
-        Ok(matrix(py, call.run(py, move || Ok(wave_kernel_signature(&spectrum, energies)?))?))
+        let (spectrum, energies) = (self.share(), values(&energies));
+        let found =
+            call.run(py, move || Ok(wave_kernel_signature(&spectrum, &energies, sigma)?))?;
+        Ok(matrix(py, found))
     }
 
     fn global_point_signature<'py>(

@@ -79,7 +79,7 @@ def test_results_on_any_mesh_are_finite_or_errors(arrays: tuple[np.ndarray, np.n
         lambda: mesh.smooth("implicit", lam=1.0, iterations=2).vertices,
         lambda: mesh.denoise().vertices,
         lambda: mesh.face_normals,
-        lambda: mesh.geodesic(0)[np.isfinite(mesh.geodesic(0))],
+        lambda: mesh.geodesic_distance(0)[np.isfinite(mesh.geodesic_distance(0))],
     ]
     import warnings
 
@@ -102,7 +102,7 @@ def test_any_field_is_taken_or_refused(array: np.ndarray) -> None:
         lambda: mesh.render(field=array, size=(8, 8)),
         lambda: mesh.heat(array, 0.1),
         lambda: mesh.poisson(array),
-        lambda: mesh.geodesic(array),
+        lambda: mesh.geodesic_distance(array),
         lambda: spectrum.project(array),
         lambda: spectrum.expand(array),
         lambda: spectrum.filter(array, lambda w: np.exp(-w)),
@@ -138,7 +138,7 @@ def test_messages_name_element_and_value() -> None:
     with pytest.raises(pf.OptionError, match=r"the field x is nan at 1"):
         mesh.with_fields(x=[0, np.nan, 0])
     with pytest.raises(pf.OptionError, match="sources names vertex 3, but there are 3"):
-        mesh.geodesic(3)
+        mesh.geodesic_distance(3)
     with pytest.raises(pf.OptionError, match=r"temperatures has the shape \(2,\)"):
         mesh.heat([1, 2], 1.0)
 
@@ -149,4 +149,4 @@ def test_empty_and_masks() -> None:
     assert empty.smooth().n_vertices == 0 and empty.info()["faces"] == 0
     sphere = pf.shapes.icosphere(2)
     mask = sphere.vertices[:, 2] > 0.9
-    np.testing.assert_array_equal(sphere.geodesic(mask), sphere.geodesic(np.flatnonzero(mask)))
+    np.testing.assert_array_equal(sphere.geodesic_distance(mask), sphere.geodesic_distance(np.flatnonzero(mask)))

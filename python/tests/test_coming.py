@@ -215,13 +215,31 @@ def test_load(theirs: Side, ours: Side) -> None:
 @row("tm.area", needs="trimesh")
 def test_measures(theirs: Side, ours: Side) -> None:
     for mesh in closed() + opened():
-        tm, info = trimesh_of(mesh), ours(mesh=mesh)
-        assert info["area"] == pytest.approx(theirs(tm=tm), rel=1e-12)
-        assert info["euler_characteristic"] == tm.euler_number
+        tm = trimesh_of(mesh)
+        assert ours(mesh=mesh) == pytest.approx(theirs(tm=tm), rel=1e-12)
+        assert mesh.info()["euler_characteristic"] == tm.euler_number
         if mesh.boundary_vertices.any():
-            assert info["volume"] is None
+            assert mesh.volume is None
         else:
-            assert info["volume"] == pytest.approx(tm.volume, rel=1e-12)
+            assert mesh.volume == pytest.approx(tm.volume, rel=1e-12)
+
+
+@row("igl.vertex_components", needs="igl")
+def test_components(theirs: Side, ours: Side) -> None:
+    a, b = closed()[0], opened()[0]
+    n = a.n_vertices
+    mesh = pf.Mesh(np.vstack([a.vertices, b.vertices + 9]), np.vstack([a.faces, b.faces + n]))
+    np.testing.assert_array_equal(ours(mesh=mesh), theirs(**arrays(mesh)))
+
+
+@row("igl.signed_distance", needs="igl")
+def test_signed_distance(theirs: Side, ours: Side) -> None:
+    for mesh in closed()[:3]:
+        P = np.random.default_rng(1).uniform(-1, 1, (500, 3)) * mesh.diagonal / 2
+        distance, _, points = theirs(P=P, **arrays(mesh))[:3]
+        found = ours(mesh=mesh, P=P)
+        np.testing.assert_allclose(found.distance, distance, atol=1e-9)
+        np.testing.assert_allclose(found.point, points, atol=1e-6)
 
 
 def with_all_neighbours(mesh: pf.Mesh) -> Any:
@@ -343,4 +361,4 @@ def test_hks(theirs: Side, ours: Side) -> None:
 
 
 def test_every_row_is_tested() -> None:
-    assert set(TABLE) == TESTED and len(TABLE) == 22
+    assert set(TABLE) == TESTED and len(TABLE) == 24

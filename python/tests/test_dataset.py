@@ -156,9 +156,77 @@ def test_bad_tasks(corpus: list[str], tmp_path) -> None:
     table = pf.dataset(corpus[:3], lambda m: {"a": 1 if m.n_vertices == 162 else "x"}).compute()
     assert all("a is a str, but int64" in e for e in table["error"])
     pf.dataset(corpus[:3], area, tmp_path / "out")
-    with pytest.raises(ValueError, match="holds another run"):
-        pf.dataset(corpus[:4], area, tmp_path / "out")
-    check(pf.dataset(corpus[:4], area, tmp_path / "out", resume=False), corpus[:4])
+    with pytest.raises(ValueError, match="holds another run: it has a row for .*00002.off"):
+        pf.dataset(corpus[:2], area, tmp_path / "out")
+    with pytest.raises(ValueError, match="holds another run .other columns or task"):
+        pf.dataset(corpus[:3], pf.tasks.diagnosis, tmp_path / "out")
+    check(pf.dataset(corpus[:2], area, tmp_path / "out", resume=False), corpus[:2])
+    with pytest.raises(ValueError, match="x as float64 of 3 dimensions"):
+        pf.dataset(corpus[:2], lambda mesh: {"x": np.zeros((2, 2, 2))})
+
+
+def test_files_that_are_added_are_done_alone(corpus: list[str], tmp_path) -> None:
+    import pandas as pd
+
+    done: list[str] = []
+
+    def noted(mesh: pf.Mesh, path: str) -> dict[str, float]:
+        done.append(Path(path).name)
+        return area(mesh)
+
+    columns = {"area": "float64"}
+    out = tmp_path / "out"
+    check(pf.dataset(corpus[2:6], noted, out, columns=columns), corpus[2:6])
+    done.clear()
+    # Before, between and after those that are there.
+    added = [corpus[0], *corpus[2:4], corpus[10], *corpus[4:6], corpus[11]]
+    order = [*corpus[2:6], corpus[0], *corpus[10:12]]
+    labels = pd.DataFrame({"path": added, "label": [Path(p).stem for p in added]})
+    found = pf.dataset(labels, noted, out, columns=columns).compute().sort_index()
+    assert list(found["path"]) == order and list(found["label"]) == [Path(p).stem for p in order]
+    assert sorted(done) == sorted(Path(p).name for p in (corpus[0], *corpus[10:12]))
+    assert list(found["area"]) == expected(order)
+    done.clear()
+    pf.dataset(list(reversed(added)), noted, out, columns=columns)
+    assert done == []
+    # A file that has changed is another run.
+    changed = tmp_path / "changed.ply"
+    pf.shapes.cube(2).write(changed)
+    pf.dataset([changed], area, tmp_path / "b")
+    pf.shapes.cube(3).write(changed)
+    with pytest.raises(ValueError, match="changed.ply has [0-9]+ bytes, and had"):
+        pf.dataset([changed], area, tmp_path / "b")
+
+
+def test_a_task_with_a_path_writes_a_file_for_each_mesh(corpus: list[str], tmp_path) -> None:
+    def smoothed(mesh: pf.Mesh, factor: float, path: str) -> dict[str, object]:
+        smooth = mesh.smooth("taubin", iterations=2)
+        smooth.write(tmp_path / f"{Path(path).stem}.ply")
+        return {"area": factor * smooth.area, "path_length": len(path)}
+
+    few = corpus[5:10]
+    found = pf.dataset(few, functools.partial(smoothed, factor=2.0), tmp_path / "out").compute()
+    assert [Path(p).stem for p, e in zip(few, found["error"].isna(), strict=True) if e] == sorted(
+        p.stem for p in tmp_path.glob("*.ply")
+    )
+    assert found["area"][5 - 5] == 2 * pf.read(tmp_path / f"{Path(few[0]).stem}.ply").area
+
+
+def test_results_of_two_dimensions_keep_their_shape(corpus: list[str], tmp_path) -> None:
+    def corners(mesh: pf.Mesh) -> dict[str, object]:
+        return {"box": [mesh.vertices.min(0), mesh.vertices.max(0)], "first": mesh.vertices[0]}
+
+    found = pf.dataset(corpus[:9], corners, tmp_path / "out").compute()
+    for row, path in enumerate(corpus[:9]):
+        if row == 7:
+            assert found["box"].isna()[row]
+            continue
+        vertices = pf.read(path).vertices
+        box = np.stack(found["box"][row])
+        np.testing.assert_array_equal(box, [vertices.min(0), vertices.max(0)])
+        np.testing.assert_array_equal(found["first"][row], vertices[0])
+    odd = pf.dataset(corpus[:1], lambda m: {"x": np.zeros(3) if m.n_vertices != 162 else np.zeros((1, 3))})
+    assert "x has 1 dimensions, but 2 for other meshes" in odd.compute()["error"][0]
 
 
 def test_estimates_come_from_headers(tmp_path) -> None:

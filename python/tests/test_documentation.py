@@ -62,6 +62,30 @@ def test_docstrings_have_the_tables_of_the_program() -> None:
         assert all(f"`{name}`:" in (method.__doc__ or "") for name in names)
 
 
+PAGES = [HERE / "README.md", HERE.parent / "docs" / "python.md"]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
+def test_first_program_of_a_page_runs(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    code = page.read_text("utf-8").split("```python\n")[1].split("```")[0]
+    monkeypatch.chdir(tmp_path)
+    pf.shapes.bumpy_sphere(3, 0.1, 5.0).write("bunny.ply")
+    exec(code, {})
+    assert (tmp_path / "out.ply").exists()
+
+
+def test_kind_and_mass_are_in_one_order() -> None:
+    functions = [(name, thing) for name, thing in public() if inspect.isfunction(thing)]
+    functions.append(("HeatSolver", pf.HeatSolver.__init__))
+    for name, function in functions:
+        parameters = inspect.signature(function).parameters
+        order = [p for p in parameters if p in ("kind", "mass")]
+        if len(order) == 2:
+            kinds = [parameters[p].kind for p in order]
+            assert order == ["kind", "mass"], name
+            assert kinds == [inspect.Parameter.POSITIONAL_OR_KEYWORD] * 2, name
+
+
 def test_the_tour_runs() -> None:
     done = subprocess.run([sys.executable, HERE / "examples" / "tour.py"], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
@@ -97,3 +121,17 @@ def test_types(checker: str, tmp_path) -> None:
     if offline:
         pytest.skip("pyright cannot fetch its node")
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.slow
+def test_type_checkers_see_typos(tmp_path: Path) -> None:
+    pytest.importorskip("mypy")
+    right = ["smooth('taubin', lam=0.3)", "denoise('l0', sparsity=9.0)", "curvature('jet2', rings=3)"]
+    wrong = ["smooth('taubn')", "denoise('l0', sparsty=9.0)", "curvature('jet2', rings='3')"]
+    calls = [f"mesh.{call}" for call in right + wrong]
+    source = tmp_path / "typos.py"
+    source.write_text("\n".join(["import pyfairing as pf", "mesh = pf.shapes.icosphere(2)", *calls]))
+    command = [sys.executable, "-m", "mypy", "--cache-dir", str(tmp_path), str(source)]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
+    lines = {int(n) for n in re.findall(r"typos\.py:(\d+): error", done.stdout)}
+    assert lines == {6, 7, 8}, done.stdout + done.stderr

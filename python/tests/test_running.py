@@ -26,7 +26,7 @@ def calls(mesh: pf.Mesh):
         "curvature": lambda **k: mesh.curvature(**k).mean,
         "normal-cycle": lambda **k: mesh.curvature("normal-cycle", **k).mean,
         "spectrum": lambda **k: mesh.spectrum(6, **k).modes,
-        "geodesic": lambda **k: mesh.geodesic(0, **k),
+        "geodesic": lambda **k: mesh.geodesic_distance(0, **k),
         "taubin": lambda **k: mesh.smooth(**k).vertices,
         "implicit": lambda **k: mesh.smooth("implicit", lam=5.0, **k).vertices,
         "mean-curvature": lambda **k: mesh.smooth("mean-curvature", iterations=2, **k).vertices,
@@ -213,7 +213,7 @@ def test_memory_is_returned() -> None:
         mesh.laplacian("cotangent")
         mesh.smooth()
         pf.Mesh(mesh.vertices, mesh.faces).render(size=(64, 48))
-        mesh.geodesic(0, kind="cotangent")
+        mesh.geodesic_distance(0, kind="cotangent")
 
     for _ in range(10):
         work()

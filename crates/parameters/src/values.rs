@@ -15,10 +15,7 @@ impl Kind {
             (Self::Number, Value::Text(text)) => text.parse().ok().map(Value::Number),
             (Self::Number, Value::Count(count)) => Some(Value::Number(*count as f64)),
             (Self::Count, Value::Text(text)) => text.parse().ok().map(Value::Count),
-            (Self::Vertices, Value::Text(text)) => {
-                let vertices = text.split(',').map(|vertex| vertex.parse().ok());
-                vertices.collect::<Option<_>>().map(Value::Vertices)
-            }
+            (Self::Vertices, Value::Text(text)) => vertices(text).map(Value::Vertices),
             (Self::Weighted, Value::Text(text)) => {
                 let vertices = text.split(',').map(WeightedVertex::from_text);
                 vertices.collect::<Option<_>>().map(Value::Weighted)
@@ -36,7 +33,9 @@ impl Kind {
         read.ok_or_else(|| match self {
             Self::Number => "a number".to_owned(),
             Self::Count => "a whole number, zero or more".to_owned(),
-            Self::Vertices => "numbers of vertices, joined by commas".to_owned(),
+            Self::Vertices => {
+                "numbers of vertices and ranges such as 10-19, joined by commas".to_owned()
+            }
             Self::Weighted => "VERTEX:WEIGHT or VERTEX:WEIGHT:X:Y:Z, joined by commas".to_owned(),
             Self::Choice(choices) => {
                 let names: Vec<&str> = choices.iter().map(|choice| choice.name).collect();
@@ -44,6 +43,23 @@ impl Kind {
             }
         })
     }
+}
+
+/// The largest number of vertices in a text, which a mistyped range can exceed.
+const MOST_VERTICES: usize = 100_000_000;
+
+/// Numbers and ranges, both ends included, joined by commas.
+fn vertices(text: &str) -> Option<Vec<u32>> {
+    let mut vertices = Vec::new();
+    for part in text.split(',') {
+        let (first, last) = part.split_once('-').unwrap_or((part, part));
+        let (first, last): (u32, u32) = (first.parse().ok()?, last.parse().ok()?);
+        if first > last || (last - first) as usize >= MOST_VERTICES - vertices.len() {
+            return None;
+        }
+        vertices.extend(first..=last);
+    }
+    Some(vertices)
 }
 
 impl Parameter {
@@ -201,9 +217,9 @@ mod tests {
 
     #[test]
     fn values_are_read() {
-        let given = [("vertices", "3,0"), ("order", "4"), ("soft", "7:0.5,8:2:1:-2:3e-1")];
+        let given = [("vertices", "3,0,7-9"), ("order", "4"), ("soft", "7:0.5,8:2:1:-2:3e-1")];
         let values = Values::new(&flow(), &given).unwrap();
-        assert_eq!(values.vertices("vertices"), [3, 0]);
+        assert_eq!(values.vertices("vertices"), [3, 0, 7, 8, 9]);
         assert_eq!((values.count("order"), values.number("lambda")), (Some(4), None));
         let [here, there] = values.weighted("soft")[..] else { panic!("two vertices") };
         assert_eq!((here.vertex, here.weight, here.target), (7, 0.5, None));
@@ -238,6 +254,11 @@ mod tests {
             (&[("area", "round")], "area is \"round\", but must be one of mixed"),
             (&[("vertices", "1,,2")], "vertices is \"1,,2\""),
             (&[("vertices", "")], "vertices is \"\""),
+            (
+                &[("vertices", "9-3")],
+                "vertices is \"9-3\", but must be numbers of vertices and ranges",
+            ),
+            (&[("vertices", "0-4294967295")], "vertices is"),
             (&[("lambda", "1"), ("time", "1")], "give lambda or time, not both"),
             (&[("time", "1"), ("lambda", "1")], "give time or lambda, not both"),
             (&[("order", "1"), ("order", "2")], "give order or order"),

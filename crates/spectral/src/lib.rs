@@ -45,7 +45,7 @@ pub use poisson::Poisson;
 pub use reconstruct::{Reconstruction, reconstruct, reconstruction_errors};
 pub use signature::{
     global_point_signature, heat_kernel_signature, heat_kernel_times, shape_dna,
-    wave_kernel_signature,
+    wave_kernel_energies, wave_kernel_signature,
 };
 pub use spectrum::Spectrum;
 pub use surface_point::SurfacePoint;

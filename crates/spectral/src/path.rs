@@ -47,7 +47,7 @@ enum Place {
 /// # Errors
 ///
 /// [`SpectralError::Rows`] for distances of another mesh; [`SpectralError::NoSuchVertex`];
-/// [`SpectralError::Option`] if the start has no distance.
+/// [`SpectralError::Unreached`] if the start has no distance.
 ///
 /// # Examples
 ///
@@ -144,7 +144,7 @@ impl Field<'_> {
     /// The next place down the gradient; `None` at a local minimum.
     fn next(&self, place: Place) -> Option<Place> {
         match place {
-            Place::Vertex(v) => self.from_vertex(v),
+            Place::Vertex(v) => self.steepest_at(v),
             Place::Edge { ends, face, .. } => {
                 let here = self.position(place);
                 let [a, b] = ends;
@@ -164,7 +164,7 @@ impl Field<'_> {
     }
 
     /// The steepest way down from a vertex: along an edge, or through a face.
-    fn from_vertex(&self, v: u32) -> Option<Place> {
+    fn steepest_at(&self, v: u32) -> Option<Place> {
         let here = self.at(v);
         let mut best: Option<(f64, Place)> = None;
         let mut offer = |slope: f64, place: Place| {

@@ -48,15 +48,36 @@ pub fn heat_kernel_times(spectrum: &Spectrum, count: usize) -> Vec<f64> {
 }
 
 /// Wave kernel signature, `n × energies`: Σ φᵢ(x)² exp(−(e − ln λᵢ)² / 2σ²) / Σ exp(−(e − ln λᵢ)² /
-/// 2σ²).
+/// 2σ²), over the λ above zero.
 ///
 /// The probability density, by area, of finding at x a quantum particle of log-normal energy around
-/// e. Energies are evenly spaced in ln λ, σ is seven steps, and the ends stay 2σ inside the range
-/// of ln λ. In 1/(mesh units)².
+/// e, with the deviation σ in ln λ: those of [`wave_kernel_energies`] are those of the source. In
+/// 1/(mesh units)²; zero for an energy so far from every ln λ that all weights underflow.
 ///
 /// # Errors
 ///
-/// [`SpectralError::Option`] for fewer than two energies or fewer than two different λ above zero.
+/// [`SpectralError::Option`] for an energy that is not finite, or a σ that is not positive.
+///
+/// # Examples
+///
+/// ```
+/// use fairing_operators::{Laplacian, LaplacianKind, MassKind};
+/// use fairing_shapes as shapes;
+/// use fairing_spectral::{
+///     SpectrumOptions, spectrum, wave_kernel_energies, wave_kernel_signature,
+/// };
+///
+/// let sphere = shapes::icosphere(3);
+/// let laplacian = Laplacian::new(&sphere, LaplacianKind::Auto, MassKind::Barycentric)?;
+/// let spectrum = spectrum(&laplacian, 30, &SpectrumOptions::default())?;
+/// let (energies, sigma) = wave_kernel_energies(&spectrum, 10)?;
+/// let signature = wave_kernel_signature(&spectrum, &energies, sigma)?;
+/// // Each column is a density: its integral is 1.
+/// let mass = spectrum.mass.lumped();
+/// let integral = mass.iter().zip(signature.column(3)).map(|(m, s)| m * s);
+/// assert!((integral.sum::<f64>() - 1.0).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// Source: [aubry2011].
 ///
@@ -64,21 +85,18 @@ pub fn heat_kernel_times(spectrum: &Spectrum, count: usize) -> Vec<f64> {
 #[doc(alias = "wks")]
 pub fn wave_kernel_signature(
     spectrum: &Spectrum,
-    energies: usize,
+    energies: &[f64],
+    sigma: f64,
 ) -> Result<Array2<f64>, SpectralError> {
-    OptionError::require(energies >= 2, "number of energies", energies as f64, "at least 2")?;
-    let Some((first, last)) = range(spectrum).filter(|(a, b)| a < b) else {
-        let expected = "enough for two λ above zero";
-        return Err(OptionError::new("number of modes", spectrum.len() as f64, expected).into());
-    };
-    let (low, high) = (libm::log(first), libm::log(last));
-    // From low + 2σ to high − 2σ in energies − 1 steps of length d, with σ = 7d.
-    let step = (high - low) / (energies as f64 - 1.0 + 28.0);
-    let sigma = 7.0 * step;
+    OptionError::require_positive("sigma", sigma)?;
+    for &energy in energies {
+        OptionError::require(energy.is_finite(), "energy", energy, "finite")?;
+    }
+    let last = spectrum.values.last().copied().unwrap_or(0.0);
     let positive: Vec<usize> =
         (0..spectrum.len()).filter(|&i| spectrum.values[i] > ZERO * last).collect();
-    let mut weights = Array2::zeros((spectrum.len(), energies));
-    for (j, energy) in spread(low + 2.0 * sigma, high - 2.0 * sigma, energies).enumerate() {
+    let mut weights = Array2::zeros((spectrum.len(), energies.len()));
+    for (j, energy) in energies.iter().enumerate() {
         for &i in &positive {
             let d = (energy - libm::log(spectrum.values[i])) / sigma;
             weights[[i, j]] = libm::exp(-0.5 * d * d);
@@ -89,6 +107,32 @@ pub fn wave_kernel_signature(
         }
     }
     Ok(spectrum.modes.mapv(|x| x * x).dot(&weights))
+}
+
+/// `count` energies for [`wave_kernel_signature`], evenly spaced in ln λ, and σ: seven steps. The
+/// ends stay 2σ inside the range of ln λ.
+///
+/// # Errors
+///
+/// [`SpectralError::Option`] for fewer than two energies or fewer than two different λ above zero.
+///
+/// Source: [aubry2011].
+///
+/// [aubry2011]: https://doi.org/10.1109/ICCVW.2011.6130444
+pub fn wave_kernel_energies(
+    spectrum: &Spectrum,
+    count: usize,
+) -> Result<(Vec<f64>, f64), SpectralError> {
+    OptionError::require(count >= 2, "number of energies", count as f64, "at least 2")?;
+    let Some((first, last)) = range(spectrum).filter(|(a, b)| a < b) else {
+        let expected = "enough for two λ above zero";
+        return Err(OptionError::new("number of modes", spectrum.len() as f64, expected).into());
+    };
+    let (low, high) = (libm::log(first), libm::log(last));
+    // From low + 2σ to high − 2σ in count − 1 steps of length d, with σ = 7d.
+    let step = (high - low) / (count as f64 - 1.0 + 28.0);
+    let sigma = 7.0 * step;
+    Ok((spread(low + 2.0 * sigma, high - 2.0 * sigma, count).collect(), sigma))
 }
 
 /// Global point signature: φᵢ(x) / √λᵢ for the modes with λ above zero, `n × modes`, dimensionless.

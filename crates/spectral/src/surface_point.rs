@@ -49,12 +49,13 @@ impl SurfacePoint {
         Ok(Self { vertices, weights, distances })
     }
 
-    /// The point on face `f` nearest to a point in space.
+    /// The point on face `f` that a point in space is projected to along the normal; beyond the
+    /// face's sides, a point on them.
     ///
     /// # Errors
     ///
     /// [`SpectralError::NoSuchFace`].
-    pub fn nearest_on_face(mesh: &TriMesh, f: u32, point: [f64; 3]) -> Result<Self, SpectralError> {
+    pub fn projected(mesh: &TriMesh, f: u32, point: [f64; 3]) -> Result<Self, SpectralError> {
         if f as usize >= mesh.face_count() {
             return Err(SpectralError::NoSuchFace { face: f, faces: mesh.face_count() });
         }
@@ -96,8 +97,7 @@ fn blend(corners: [DVec3; 3], weights: [f64; 3]) -> DVec3 {
     corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2]
 }
 
-/// Barycentric coordinates of the point of a triangle nearest to `p`, by projection and clamping:
-/// exact for points on the triangle.
+/// Barycentric coordinates of the projection of `p`, those below zero raised to it.
 fn barycentric([a, b, c]: [DVec3; 3], p: DVec3) -> [f64; 3] {
     let normal = (b - a).cross(c - a);
     let area = normal.length_squared();

@@ -5,6 +5,7 @@
 mod command_line;
 mod convergence;
 mod denoising;
+mod distances;
 mod ellipsoid;
 mod evaluation;
 mod examples;
@@ -15,6 +16,7 @@ mod files;
 mod interrupts;
 mod invariants;
 mod many_files;
+mod masks;
 mod public_types;
 mod rendering;
 mod report;

@@ -8,7 +8,7 @@ use fairing_shapes as shapes;
 use fairing_spectral::{
     HeatDiffusion, HeatGeodesics, Rest, SpectralError, Spectrum, SpectrumOptions, compress,
     global_point_signature, graph_spectrum, heat_kernel_signature, heat_kernel_times,
-    ideal_low_pass, reconstruct, shape_dna, spectrum, wave_kernel_signature,
+    ideal_low_pass, reconstruct, shape_dna, spectrum, wave_kernel_energies, wave_kernel_signature,
 };
 use ndarray::{Array2, ArrayView2};
 
@@ -180,7 +180,8 @@ fn signatures_integrate_to_their_traces() {
         let trace: f64 = found.values.iter().map(|l| (-l * t).exp()).sum();
         assert!((integral(column) - trace).abs() < 1e-9 * trace);
     }
-    let wave = wave_kernel_signature(&found, 10).unwrap();
+    let (energies, sigma) = wave_kernel_energies(&found, 10).unwrap();
+    let wave = wave_kernel_signature(&found, &energies, sigma).unwrap();
     assert!(wave.columns().into_iter().all(|c| (integral(c) - 1.0).abs() < 1e-9));
     // Ten energies at distance d, σ = 7 d, the first and the last 2 σ inside ln λ₁ and ln λ_last.
     let (low, high) = (found.values[1].ln(), found.values[39].ln());

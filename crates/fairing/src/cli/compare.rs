@@ -3,10 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use fairing::evaluation::{ScoreOptions, Scores};
+use fairing::evaluation::{ScoreOptions, Scores, SurfaceTree};
+use fairing::mesh::TriMesh;
+use fairing::mesh::io::VertexFields;
 use serde_json::{Map, Value, json};
 
 use super::context::{Context, Failure};
+use super::files::{self, Content, OptionalOutput};
 use super::inputs::{self, Jobs, Summary, output_for};
 use super::surface::{Reading, say_orientation};
 
@@ -14,6 +17,8 @@ const EXAMPLES: &str = "\
 Examples:
   fairing compare denoised.obj original.obj
   fairing compare a.ply b.ply --json
+  fairing compare a.ply b.ply -o error.ply
+  fairing render error.ply -o error.png --field distance --bar
   fairing compare denoised/*.ply 'truth/{stem}.ply' --table";
 
 /// Score a mesh against a reference
@@ -24,7 +29,9 @@ Examples:
 /// Scores that compare element by element need the same faces in both files;
 /// otherwise they are missing, and the table gives the reason. Lengths are relative
 /// to the diagonal of the reference's bounding box. The summary of --json has each score with its
-/// value and unit, or the reason it is missing.
+/// value and unit, or the reason it is missing. With --output, writes the mesh with the vertex
+/// properties distance, from the vertex to the surface of the reference in units of the file, and
+/// closest, the nearest point of that surface.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Compare {
@@ -36,6 +43,8 @@ pub(crate) struct Compare {
     reference: PathBuf,
     #[command(flatten)]
     reading: Reading,
+    #[command(flatten)]
+    output: OptionalOutput,
     #[command(flatten)]
     summary: Summary,
     #[command(flatten)]
@@ -53,6 +62,7 @@ pub(crate) struct Compare {
 
 impl Compare {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
+        self.output.check(&self.meshes)?;
         let meshes: Vec<&Path> = self.meshes.iter().map(PathBuf::as_path).collect();
         let columns =
             ["normal_mean", "distance_rms", "hausdorff_upper", "volume_drift", "flipped_faces"];
@@ -64,18 +74,23 @@ impl Compare {
     }
 
     fn one(&self, context: &Context, mesh: &Path, reference: &Path) -> Result<Value, Failure> {
+        let output = self.output.of(context, mesh, Content::Fields)?;
         let read = |path: &Path| {
-            let (surface, _) = self.reading.read_any(context, path)?;
+            let (surface, fields) = self.reading.read_any(context, path)?;
             surface.say_seams(context, path);
             say_orientation(context, path, surface.mesh());
-            Ok::<_, Failure>(surface)
+            Ok::<_, Failure>((surface, fields))
         };
-        let (mesh, reference) = (read(mesh)?, read(reference)?);
+        let ((mesh, fields), (reference, _)) = (read(mesh)?, read(reference)?);
         let options = ScoreOptions {
             hausdorff_tolerance: self.hausdorff_tolerance,
             feature_angle: self.feature_angle,
         };
         let scores = Scores::new(mesh.mesh(), reference.mesh(), &options)?;
+        if let Some(output) = &output {
+            let fields = with_closest(fields, &mesh.own, reference.mesh())?;
+            files::write_held(context, output, &mesh.own, &fields)?;
+        }
         if self.summary.is_wanted() {
             let mut summary = as_json(&scores);
             mesh.add_to(&mut summary);
@@ -84,6 +99,20 @@ impl Compare {
         context.print(scores)?;
         Ok(Value::Null)
     }
+}
+
+/// The fields of a mesh, with the distances and the nearest points of the reference.
+fn with_closest(
+    mut fields: VertexFields,
+    mesh: &TriMesh,
+    reference: &TriMesh,
+) -> Result<VertexFields, Failure> {
+    let closest = SurfaceTree::new(reference)?.closest_to_all(mesh.positions());
+    fields.scalars.retain(|(name, _)| name != "distance");
+    fields.vectors.retain(|(name, _)| name != "closest");
+    let distances = closest.iter().map(|closest| closest.distance).collect();
+    let points = closest.iter().map(|closest| closest.point).collect();
+    Ok(fields.with_scalar("distance", distances).with_vector("closest", points))
 }
 
 fn as_json(scores: &Scores) -> Value {

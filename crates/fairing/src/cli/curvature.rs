@@ -70,7 +70,7 @@ impl Curvature {
         if self.list {
             return context.print(list::<Estimator>());
         }
-        self.output.check(&self.inputs)?;
+        self.output.check(&self.inputs.paths)?;
         let estimator = self.estimator()?;
         let columns = [
             "vertices",

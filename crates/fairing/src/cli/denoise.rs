@@ -11,6 +11,7 @@ use serde_json::{Map, Value, json};
 use super::context::{Context, Failure};
 use super::files::{self, Content, Output};
 use super::inputs::{Inputs, Summary};
+use super::mask::{Mask, keep_others};
 use super::parameters::{Parameters, list, names};
 use super::surface::{Reading, say_orientation};
 use super::table::number;
@@ -40,6 +41,8 @@ pub(crate) struct Denoise {
     reading: Reading,
     #[command(flatten)]
     output: Output,
+    #[command(flatten)]
+    mask: Mask,
     /// Denoiser; --list describes each
     #[arg(
         long,
@@ -62,7 +65,7 @@ impl Denoise {
         if self.list {
             return context.print(list::<Denoiser>());
         }
-        self.output.check(&self.inputs)?;
+        self.output.check(&self.inputs.paths)?;
         self.parameters.check(&self.method)?;
         let denoiser = Denoiser::with(&self.method, self.parameters.given());
         let denoiser = denoiser.map_err(Failure::usage)?;
@@ -83,6 +86,7 @@ impl Denoise {
         let mut json = Value::Null;
         let (surface, fields) = self.reading.read(context, input)?;
         say_orientation(context, input, surface.mesh());
+        let selected = self.mask.of(context, input, &surface, &fields)?;
         let mesh = match denoiser {
             Denoiser::Automatic(options) => {
                 let result = automatic(surface.mesh(), options)?;
@@ -102,6 +106,7 @@ impl Denoise {
             }
             other => other.denoise(surface.mesh())?,
         };
+        let mesh = keep_others(surface.mesh(), mesh, selected.as_deref())?;
         files::write_moved(context, &output, &surface.own(mesh)?, fields)?;
         Ok(json)
     }

@@ -12,7 +12,7 @@ use fairing::mesh::{PolygonMesh, TriMesh};
 use fairing::watch;
 
 use super::context::{Context, Failure};
-use super::inputs::{Inputs, check_distinct, output_for};
+use super::inputs::{check_distinct, output_for};
 
 /// The output of a verb.
 #[derive(Args)]
@@ -33,7 +33,7 @@ pub(crate) struct OptionalOutput {
     #[arg(short = 'o', long = "output", value_name = "FILE")]
     path: Option<PathBuf>,
     #[command(flatten)]
-    overwrite: Overwrite,
+    pub(crate) overwrite: Overwrite,
 }
 
 /// Permission to replace an existing file.
@@ -51,6 +51,8 @@ pub(crate) enum Content {
     Mesh,
     /// A mesh with fields, which the format must hold.
     Fields,
+    /// Polylines.
+    Lines,
     /// A picture.
     Png,
     /// Arrays.
@@ -61,7 +63,7 @@ impl Content {
     /// Refuses a file extension that does not match, or the format of the standard output.
     fn check(self, path: &Path, stream: Option<Format>) -> Result<(), String> {
         let format = match is_stream(path) {
-            true if matches!(self, Self::Png | Self::Npz) => return Ok(()),
+            true if matches!(self, Self::Lines | Self::Png | Self::Npz) => return Ok(()),
             true => Some(stream.ok_or("name the format of the standard output: --format")?),
             false => Format::from_path(path).map(|named| named.format),
         };
@@ -71,6 +73,7 @@ impl Content {
             false => Err(format!("the file extension must be .{wanted}")),
         };
         match (self, format) {
+            (Self::Lines, _) => is("obj"),
             (Self::Png, _) => is("png"),
             (Self::Npz, _) => is("npz"),
             (_, None) => Err(WriteProblem::unknown_extension().to_string()),
@@ -115,8 +118,8 @@ impl Overwrite {
 
 impl Output {
     /// Refuses a pattern that gives two inputs the same output.
-    pub(crate) fn check(&self, inputs: &Inputs) -> Result<(), Failure> {
-        check_distinct(self.path.as_deref(), &inputs.paths)
+    pub(crate) fn check(&self, inputs: &[PathBuf]) -> Result<(), Failure> {
+        check_distinct(self.path.as_deref(), inputs)
     }
 
     /// The output of an input. Fails if it cannot be written.
@@ -136,11 +139,11 @@ impl Output {
 
 impl OptionalOutput {
     /// Refuses a pattern that gives two inputs the same output, and `--force` without one.
-    pub(crate) fn check(&self, inputs: &Inputs) -> Result<(), Failure> {
+    pub(crate) fn check(&self, inputs: &[PathBuf]) -> Result<(), Failure> {
         if self.path.is_none() && self.overwrite.force {
             return Err(Failure::usage("--force needs --output: without it nothing is written"));
         }
-        check_distinct(self.path.as_deref(), &inputs.paths)
+        check_distinct(self.path.as_deref(), inputs)
     }
 
     /// Returns true if there is an output.

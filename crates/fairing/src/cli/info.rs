@@ -48,7 +48,7 @@ impl Info {
             files::read_polygons(context, input, &files::reading(context))?;
         let surface = mesh.triangulate();
         let diagnosis = Diagnosis::new(&surface);
-        let (hints, command) = (hints(&diagnosis), repair_command(input, &surface, &diagnosis));
+        let (hints, command) = (diagnosis.hints(), repair_command(input, &surface, &diagnosis));
         let mut names: Vec<&str> = fields.scalars.iter().map(|(name, _)| &name[..]).collect();
         names.extend(fields.vectors.iter().map(|(name, _)| &name[..]));
         names.extend(fields.colors.is_some().then_some("colors"));
@@ -72,32 +72,6 @@ impl Info {
         context.print(text)?;
         Ok(Value::Null)
     }
-}
-
-/// Guesses at what the numbers mean.
-fn hints(d: &Diagnosis) -> Vec<String> {
-    let mut hints = vec![];
-    if d.volume.is_some_and(|volume| volume < 0.0) {
-        hints.push("the volume is negative: normals point inwards".to_owned());
-    }
-    if d.seam_vertices > 0 {
-        hints.push(format!(
-            "{} boundary vertices lie exactly on another one: a seam that is not welded",
-            d.seam_vertices
-        ));
-    }
-    let size = d
-        .bounding_box
-        .map_or(0.0, |[low, high]| (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max));
-    // Objects that people scan measure between a centimetre and three metres.
-    if (0.01..=3.0).contains(&size) {
-        let centimetres = number(100.0 * size);
-        hints.push(format!("the longest side is {} cm if the unit is the metre", centimetres));
-    } else if (10.0..=3000.0).contains(&size) {
-        let centimetres = number(0.1 * size);
-        hints.push(format!("the longest side is {} cm if the unit is the millimetre", centimetres));
-    }
-    hints
 }
 
 fn as_json(mesh: &PolygonMesh, d: &Diagnosis, report: &ReadReport, fields: &[&str]) -> Value {

@@ -10,8 +10,10 @@ mod convert;
 mod curvature;
 mod denoise;
 mod files;
+mod geodesic;
 mod info;
 mod inputs;
+mod mask;
 mod noise;
 mod operator;
 mod parameters;
@@ -93,6 +95,7 @@ enum Verb {
     Curvature(curvature::Curvature),
     Spectrum(spectrum::Spectrum),
     Reconstruct(reconstruct::Reconstruct),
+    Geodesic(geodesic::Geodesic),
     Smooth(Box<smooth::Smooth>),
     Noise(noise::Noise),
     Scan(scan::Scan),
@@ -111,6 +114,7 @@ impl Verb {
             Self::Curvature(verb) => verb.run(context),
             Self::Spectrum(verb) => verb.run(context),
             Self::Reconstruct(verb) => verb.run(context),
+            Self::Geodesic(verb) => verb.run(context),
             Self::Smooth(verb) => verb.run(context),
             Self::Noise(verb) => verb.run(context),
             Self::Scan(verb) => verb.run(context),

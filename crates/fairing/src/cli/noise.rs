@@ -10,6 +10,7 @@ use serde_json::Value;
 use super::context::{Context, Failure};
 use super::files::{self, Content, Output};
 use super::inputs::{Inputs, Summary};
+use super::mask::{Mask, keep_others};
 use super::surface::{Reading, say_orientation};
 use super::table::number;
 
@@ -32,6 +33,8 @@ pub(crate) struct Noise {
     reading: Reading,
     #[command(flatten)]
     output: Output,
+    #[command(flatten)]
+    mask: Mask,
     /// Standard deviation of the displacement; for uniform noise, the largest shift per axis; for
     /// a depth camera and fused views, the root mean square
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
@@ -129,7 +132,7 @@ fn kinds() -> impl TypedValueParser<Value = NoiseKind> {
 
 impl Noise {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
-        self.output.check(&self.inputs)?;
+        self.output.check(&self.inputs.paths)?;
         self.inputs.each(context, Summary::default(), &[], |context, input| {
             self.one(context, input).map(|()| Value::Null)
         })
@@ -145,7 +148,9 @@ impl Noise {
         let mesh = surface.mesh();
         say_orientation(context, input, mesh);
         let level = self.unit.level(self.sigma);
+        let selected = self.mask.of(context, input, &surface, &fields)?;
         let noisy = add_noise(mesh, kind, level, self.seed)?;
+        let noisy = keep_others(mesh, noisy, selected.as_deref())?;
         context.note(format_args!(
             "sigma = {} in units of the file",
             number(level.in_mesh_units(mesh))

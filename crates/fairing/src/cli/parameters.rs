@@ -142,7 +142,12 @@ fn help(same: &Shared) -> (String, String) {
 
 fn flag(same: &Shared) -> Arg {
     let parameter = &same[0].1;
-    let (short, long) = help(same);
+    let (mut short, mut long) = help(same);
+    if parameter.kind == Kind::Vertices {
+        let syntax = ": numbers from 0 and ranges such as 10-19, separated by commas";
+        short += syntax;
+        long += syntax;
+    }
     let arg = Arg::new(parameter.name).long(parameter.name).help(short).long_help(long);
     let conflicts = same.iter().flat_map(|(_, parameter)| parameter.excludes);
     let arg = arg.conflicts_with_all(conflicts.copied());

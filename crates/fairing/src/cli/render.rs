@@ -5,8 +5,8 @@ use std::path::Path;
 use anyhow::anyhow;
 use clap::{Args, ValueEnum};
 use fairing::figure::{
-    Background, Camera, ColorMap, ColoringOptions, Colors, Image, Occlusion, RenderOptions,
-    Shading, Up, Viewpoint, Wireframe, render,
+    Background, Camera, ColorBar, ColorMap, ColoringOptions, Colors, Figure, Image, Occlusion,
+    Panel, RenderOptions, Scale, Shading, Up, Viewpoint, Wireframe, render,
 };
 use fairing::mesh::TriMesh;
 use fairing::mesh::io::VertexFields;
@@ -16,6 +16,7 @@ use serde_json::Value;
 use super::context::{Context, Failure};
 use super::files::{self, Content, Output};
 use super::inputs::{Inputs, Summary};
+use super::mask::unknown;
 use super::surface::say_orientation;
 use super::table::number;
 
@@ -24,7 +25,7 @@ Examples:
   fairing render bunny.ply -o bunny.png
   fairing render bunny.ply -o bunny.png --view front --wireframe --size 1600x1200
   fairing curvature bunny.ply -o curved.ply
-  fairing render curved.ply -o mean.png --field mean --map coolwarm
+  fairing render curved.ply -o mean.png --field mean --map coolwarm --bar
   fairing render curved.ply -o mean.png --field mean --map hue --equalize";
 
 /// Draw a mesh to a PNG picture, coloured by one of its fields
@@ -52,6 +53,9 @@ pub(crate) struct Render {
     /// Equalise the histogram: each colour covers the same number of vertices
     #[arg(long, requires = "field")]
     equalize: bool,
+    /// Draw a colour bar with the values below the picture
+    #[arg(long, requires = "field", conflicts_with = "transparent")]
+    bar: bool,
     /// Viewing direction: front, back, left, right, top, bottom, three-quarter,
     /// behind, or AZIMUTH,ELEVATION in degrees
     #[arg(long, value_name = "VIEW", default_value = "three-quarter", allow_hyphen_values = true)]
@@ -91,7 +95,7 @@ enum ShadingKind {
 
 impl Render {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
-        self.output.check(&self.inputs)?;
+        self.output.check(&self.inputs.paths)?;
         self.inputs.each(context, Summary::default(), &[], |context, input| {
             self.one(context, input).map(|()| Value::Null)
         })
@@ -102,8 +106,15 @@ impl Render {
         let file = files::read(context, input)?;
         files::say_report(context, input, &file.report);
         say_orientation(context, input, &file.mesh);
-        let colors = self.colors(context, &file.mesh, &file.fields)?;
-        let png = self.draw(&file.mesh, &colors)?.to_png()?;
+        let (scale, colors) = match self.colors(context, &file.mesh, &file.fields)? {
+            Some((scale, colors)) => (scale, Some(colors)),
+            None => (None, None),
+        };
+        let mut image = self.draw(&file.mesh, &colors)?;
+        if let (true, Some(scale), Some(quantity)) = (self.bar, scale, self.field.clone()) {
+            image = with_bar(image, ColorBar { scale, quantity, unit: String::new() })?;
+        }
+        let png = image.to_png()?;
         files::write_bytes(&output, &png)
     }
 
@@ -133,15 +144,15 @@ impl Render {
         Ok(render(mesh, colors, Some(&Occlusion::bake(mesh)), &camera, &options)?)
     }
 
-    /// One colour per vertex, from the requested field or from the file.
+    /// One colour per vertex, from the requested field, with its scale, or from the file.
     fn colors(
         &self,
         context: &Context,
         mesh: &TriMesh,
         fields: &VertexFields,
-    ) -> Result<Option<Vec<[u8; 3]>>, Failure> {
+    ) -> Result<Option<(Option<Scale>, Vec<[u8; 3]>)>, Failure> {
         let Some(name) = &self.field else {
-            return Ok(fields.colors.clone());
+            return Ok(fields.colors.clone().map(|colors| (None, colors)));
         };
         let values = values_of(fields, name)?;
         // Flags have a value everywhere.
@@ -162,8 +173,18 @@ impl Render {
             number(scale.low()),
             number(scale.high())
         ))?;
-        Ok(Some(colors))
+        Ok(Some((Some(scale), colors)))
     }
+}
+
+/// The picture with a colour bar below it.
+fn with_bar(image: Image, bar: ColorBar) -> Result<Image, Failure> {
+    // Pixels of the picture for a CSS pixel of the bar, so that its words can be read.
+    let zoom = if image.width() < 800 { 1.0 } else { 2.0 };
+    let width = f64::from(image.width());
+    let panel = Panel::image(image, width / zoom);
+    let figure = Figure { panels: vec![panel], bars: vec![bar], ..Figure::default() };
+    Ok(figure.draw().to_image(zoom)?)
 }
 
 /// The values of a scalar field, or the lengths of a vector field.
@@ -175,11 +196,7 @@ fn values_of(fields: &VertexFields, name: &str) -> Result<Vec<f64>, Failure> {
         return Ok(vectors.iter().map(|&v| DVec3::from(v).length()).collect());
     }
     let scalars = fields.scalars.iter().map(|(n, _)| &n[..]);
-    let known: Vec<&str> = scalars.chain(fields.vectors.iter().map(|(n, _)| &n[..])).collect();
-    Err(Failure::usage(match known.is_empty() {
-        true => format!("there is no field {name}: the file has no vertex properties"),
-        false => format!("there is no field {name}; the file has {}", known.join(", ")),
-    }))
+    Err(unknown(name, scalars.chain(fields.vectors.iter().map(|(n, _)| &n[..]))))
 }
 
 fn range(text: &str) -> anyhow::Result<(f64, f64)> {

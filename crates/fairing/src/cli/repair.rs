@@ -76,7 +76,7 @@ enum Skip {
 
 impl Repair {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
-        self.output.check(&self.inputs)?;
+        self.output.check(&self.inputs.paths)?;
         if !self.dry_run && !self.output.is_given() {
             return Err(Failure::usage("give --output, or --dry-run to see what would change"));
         }
@@ -145,17 +145,10 @@ impl Repair {
 /// The properties of the input at the vertices and faces of the result; in the patch of a hole
 /// those nearby, ring by ring. Normals are left out if the surface has changed.
 fn carried(input: &TriMesh, repaired: &Repaired, fields: VertexFields) -> VertexFields {
-    let changes = [
-        RepairStep::MergedVertices,
-        RepairStep::TurnedFaces,
-        RepairStep::ThinFaces,
-        RepairStep::FilledHoles,
-    ];
-    let has_changed = changes.iter().any(|&step| !repaired.changed(step).is_empty());
-    let mut fields = if has_changed { fields.without_normals() } else { fields };
+    let mut fields = if repaired.changes_normals() { fields.without_normals() } else { fields };
     fields.scalars.retain(|(name, _)| name != "source");
     let source = repaired.vertex_sources.iter().map(|v| v.map_or(-1.0, f64::from)).collect();
-    let vertices = nearest_sources(repaired);
+    let vertices = repaired.nearest_sources();
     let face_at = |v: u32| input.incidence().corners(v).first().map_or(0, |corner| corner / 3);
     let faces: Vec<usize> = (repaired.face_sources.iter().zip(repaired.mesh.faces()))
         .map(|(source, face)| source.unwrap_or_else(|| face_at(vertices[face[0] as usize])))
@@ -172,25 +165,6 @@ fn carried(input: &TriMesh, repaired: &Repaired, fields: VertexFields) -> Vertex
         })
     });
     fields.selected(&vertices, &faces, corners).with_scalar("source", source)
-}
-
-/// The source of each vertex, or that of the nearest vertex that has one.
-fn nearest_sources(repaired: &Repaired) -> Vec<u32> {
-    let mut sources = repaired.vertex_sources.clone();
-    let mut patch = repaired.patch_vertices();
-    while !patch.is_empty() {
-        let known = sources.clone();
-        let before = patch.len();
-        patch.retain(|&v| {
-            let around = repaired.mesh.topology().neighbors(v).iter();
-            sources[v as usize] = around.filter_map(|&w| known[w as usize]).next();
-            sources[v as usize].is_none()
-        });
-        if patch.len() == before {
-            break;
-        }
-    }
-    sources.into_iter().map(Option::unwrap_or_default).collect()
 }
 
 const WORDS: [(RepairStep, &str); 10] = [

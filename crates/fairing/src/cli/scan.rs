@@ -66,7 +66,7 @@ pub(crate) struct Scan {
 
 impl Scan {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
-        self.output.check(&self.inputs)?;
+        self.output.check(&self.inputs.paths)?;
         check_distinct(self.truth.as_deref(), &self.inputs.paths)?;
         self.inputs.each(context, Summary::default(), &[], |context, input| {
             self.one(context, input).map(|()| Value::Null)

@@ -12,6 +12,7 @@ use serde_json::{Value, json};
 use super::context::{Context, Failure};
 use super::files::{self, Content, Output};
 use super::inputs::{Inputs, Summary};
+use super::mask::{Mask, keep_others};
 use super::operator::say_too_thin;
 use super::parameters::{Parameters, foreign, list, names};
 use super::spectrum::warn_of_split;
@@ -40,7 +41,8 @@ always. With cotangents it is a diffusion time in squared mean edge lengths; exp
 steps are stable up to about 0.27 on regular meshes. --time gives it in squared units
 of the file instead. n steps of L smooth about as much as one step of n L.
 
-Vertices can be fixed (--pin), slide along a border (--boundary sliding) or be drawn
+Vertices can be fixed (--pin, or --where for all that a property of the file does not select),
+slide along a border (--boundary sliding) or be drawn
 softly: --soft 12:1,40:10:0:0:5 draws vertex 12 back to its place as strongly as the
 flow moves it, and vertex 40 to (0, 0, 5) ten times as strongly.
 
@@ -63,6 +65,8 @@ pub(crate) struct Smooth {
     reading: Reading,
     #[command(flatten)]
     output: Output,
+    #[command(flatten)]
+    mask: Mask,
     /// Method; --list describes each
     #[arg(long, value_parser = names::<Method>(), default_value = "taubin")]
     method: String,
@@ -92,7 +96,7 @@ impl Smooth {
         if self.list {
             return context.print(list::<Method>());
         }
-        self.output.check(&self.inputs)?;
+        self.output.check(&self.inputs.paths)?;
         self.check()?;
         let columns = [
             "method",
@@ -109,14 +113,15 @@ impl Smooth {
         let (surface, fields) = self.reading.read(context, input)?;
         let mesh = surface.mesh();
         say_orientation(context, input, mesh);
-        let method = self.method_on(&surface)?;
+        let selected = self.mask.of(context, input, &surface, &fields)?;
+        let method = self.method_on(&surface, selected.as_deref())?;
         let small = self.until.map(|until| until * mesh.mean_edge_length());
         let mut settle = |step: &Step<'_>| match small {
             Some(small) if step.largest_displacement() <= small => ControlFlow::Break(()),
             _ => ControlFlow::Continue(()),
         };
         let observer = small.map(|_| &mut settle as &mut Observer<'_>);
-        let smoothed = match method.run(mesh, observer) {
+        let mut smoothed = match method.run(mesh, observer) {
             Ok(smoothed) => smoothed,
             Err(error) => {
                 if matches!(error.failure, FlowFailure::Option(_) | FlowFailure::Unsupported { .. })
@@ -124,24 +129,38 @@ impl Smooth {
                     return Err(Failure::usage(error.failure));
                 }
                 if self.last_good && error.iteration > 1 {
-                    let last_good = surface.own((*error.last_good).clone())?;
+                    let last_good =
+                        keep_others(mesh, (*error.last_good).clone(), selected.as_deref())?;
+                    let last_good = surface.own(last_good)?;
                     files::write_moved(context, &output, &last_good, fields)?;
                 }
                 return Err(Failure::from(error));
             }
         };
+        smoothed.mesh = keep_others(mesh, smoothed.mesh, selected.as_deref())?;
         self.say(context, &smoothed.report);
         let summary = self.summarise(context, &method, &surface, &smoothed);
         files::write_moved(context, &output, &surface.own(smoothed.mesh)?, fields)?;
         Ok(summary)
     }
 
-    /// The method with its parameters; vertices in them are numbered as in the file.
-    fn method_on(&self, surface: &Surface) -> Result<Method, Failure> {
-        self.parameters.check(&self.method)?;
+    /// The method with its parameters; vertices in them are numbered as in the file. Vertices that
+    /// are not selected are pinned, if the method has pins.
+    fn method_on(&self, surface: &Surface, selected: Option<&[bool]>) -> Result<Method, Failure> {
+        let algorithm = self.parameters.check(&self.method)?;
         let given = self.parameters.given().iter();
-        let values: Vec<(&str, parameters::Value)> =
+        let mut values: Vec<(&str, parameters::Value)> =
             given.map(|(name, value)| (*name, surface.renumbered(value))).collect();
+        // A projection on modes has none.
+        let pins = algorithm.parameter("pin").is_some() && self.parameters.get("modes").is_none();
+        if let Some(selected) = selected.filter(|_| pins) {
+            let others = (0..).zip(selected).filter(|(_, selected)| !**selected);
+            let mut pins = parameters::Value::Vertices(others.map(|(v, _)| v).collect());
+            if let Some(i) = values.iter().position(|(name, _)| *name == "pin") {
+                pins = values.swap_remove(i).1.and(pins);
+            }
+            values.push(("pin", pins));
+        }
         Method::with(&self.method, &values).map_err(Failure::usage)
     }
 

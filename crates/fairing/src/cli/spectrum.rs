@@ -143,7 +143,7 @@ impl Kind {
 
 impl Spectrum {
     pub(crate) fn run(&self, context: &Context) -> Result<(), Failure> {
-        self.output.check(&self.inputs)?;
+        self.output.check(&self.inputs.paths)?;
         let columns: Vec<String> = (0..self.k.min(6)).map(|i| format!("eigenvalues.{i}")).collect();
         let mut columns: Vec<&str> = columns.iter().map(String::as_str).collect();
         columns.push("certified");

@@ -129,18 +129,29 @@ impl Surface {
         copies
     }
 
+    /// The vertex of the mesh computed on that a vertex of the file stands for.
+    pub(crate) fn number(&self, v: u32) -> u32 {
+        let Some(welded) = &self.welded else { return v };
+        welded.vertices.get(v as usize).map_or(v, |&v| v)
+    }
+
+    /// The first vertex of the file that a vertex of the mesh computed on stands for.
+    pub(crate) fn in_file(&self, v: u32) -> u32 {
+        let Some(welded) = &self.welded else { return v };
+        welded.vertices.iter().position(|&w| w == v).map_or(v, |own| own as u32)
+    }
+
     /// The value with vertices of the file as vertices of the mesh computed on.
     pub(crate) fn renumbered(&self, value: &parameters::Value) -> parameters::Value {
         use parameters::Value;
-        let Some(welded) = &self.welded else { return value.clone() };
-        let number = |v: u32| welded.vertices.get(v as usize).map_or(v, |&v| v);
         match value {
             Value::Vertices(vertices) => {
-                Value::Vertices(vertices.iter().map(|&v| number(v)).collect())
+                Value::Vertices(vertices.iter().map(|&v| self.number(v)).collect())
             }
             Value::Weighted(vertices) => {
                 let weighted = vertices.iter();
-                let numbered = weighted.map(|&w| WeightedVertex { vertex: number(w.vertex), ..w });
+                let numbered =
+                    weighted.map(|&w| WeightedVertex { vertex: self.number(w.vertex), ..w });
                 Value::Weighted(numbered.collect())
             }
             other => other.clone(),

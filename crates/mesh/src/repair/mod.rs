@@ -185,6 +185,34 @@ impl Repaired {
         let new = self.vertex_sources.iter().enumerate().filter(|(_, source)| source.is_none());
         new.map(|(v, _)| v as u32).collect()
     }
+
+    /// For each vertex its source, or in the patch of a hole that of a vertex nearby, ring by ring:
+    /// the vertex whose properties it takes.
+    pub fn nearest_sources(&self) -> Vec<u32> {
+        let mut sources = self.vertex_sources.clone();
+        let mut patch = self.patch_vertices();
+        while !patch.is_empty() {
+            let known = sources.clone();
+            let before = patch.len();
+            patch.retain(|&v| {
+                let around = self.mesh.topology().neighbors(v).iter();
+                sources[v as usize] = around.filter_map(|&w| known[w as usize]).next();
+                sources[v as usize].is_none()
+            });
+            if patch.len() == before {
+                break;
+            }
+        }
+        sources.into_iter().map(Option::unwrap_or_default).collect()
+    }
+
+    /// True if normals of the input no longer fit: vertices were merged, faces turned over or
+    /// mended, or holes filled.
+    pub fn changes_normals(&self) -> bool {
+        use RepairStep::{FilledHoles, MergedVertices, ThinFaces, TurnedFaces};
+        let steps = [MergedVertices, TurnedFaces, ThinFaces, FilledHoles];
+        steps.iter().any(|&step| !self.changed(step).is_empty())
+    }
 }
 
 /// Mends a mesh.

@@ -67,10 +67,10 @@ impl Field for Constraints {
     fn parameters(&self, _: Parameter) -> Vec<Parameter> {
         let about = "The treatment of the boundary of an open mesh";
         let boundary = Parameter::new(BOUNDARY, Kind::Choice(Boundary::CHOICES), about);
-        let about = "Fixed vertices: numbers from 0, separated by commas";
+        let about = "Fixed vertices";
         let pin = Parameter::new(PIN, Kind::Vertices, about);
-        let about = "Vertices drawn to their input positions or to given points, separated by \
-                     commas; a weight of 1 ends a step half-way between the flow and the point";
+        let about = "Vertices drawn to their input positions or to given points; a weight of 1 ends \
+                     a step half-way between the flow and the point";
         let soft = Parameter::new(SOFT, Kind::Weighted, about);
         [self.boundary.parameters(boundary), vec![pin, soft]].concat()
     }

@@ -22,7 +22,7 @@ fairing_parameters::options! {
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
     pub struct FairRegion {
-        /// The vertices to replace: numbers from 0, separated by commas.
+        /// The vertices to replace.
         pub region: Vec<u32> = Vec::new(), name "vertices", required true;
         /// The order of the energy: 1 membrane, 2 thin plate, 3 minimum variation of curvature.
         pub order: u32 = 2, in 1.0..=4.0;

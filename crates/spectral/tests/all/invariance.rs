@@ -5,7 +5,7 @@ use fairing_operators::Laplacian;
 use fairing_shapes as shapes;
 use fairing_spectral::{
     HeatDiffusion, Rest, Spectrum, SpectrumOptions, heat_kernel_signature, heat_kernel_times,
-    spectrum, wave_kernel_signature,
+    spectrum, wave_kernel_energies, wave_kernel_signature,
 };
 use ndarray::{Array2, Axis};
 
@@ -38,6 +38,7 @@ fn facts(mesh: &TriMesh, unit: f64, number: &[usize]) -> Facts {
     let times = heat_kernel_times(&found, 4);
     let start: Vec<f64> = (0..mesh.vertex_count()).map(value).collect();
     let area = unit * unit;
+    let (levels, sigma) = wave_kernel_energies(&found, 6).unwrap();
     Facts {
         values: found.values.iter().map(|l| l * area).collect(),
         energies: found
@@ -47,7 +48,7 @@ fn facts(mesh: &TriMesh, unit: f64, number: &[usize]) -> Facts {
             .collect(),
         filtered: filter.field,
         heat: heat_kernel_signature(&found, &times).unwrap() * area,
-        wave: wave_kernel_signature(&found, 6).unwrap() * area,
+        wave: wave_kernel_signature(&found, &levels, sigma).unwrap() * area,
         diffused: HeatDiffusion::new(&laplacian, 0.01 * area).unwrap().step(&start).unwrap(),
     }
 }

@@ -14,7 +14,7 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 
 /// Largest error of distances from a point on a face of the unit square.
 fn plane_error(n: u32) -> f64 {
-    let plane = shapes::irregular_plane(n * n, 3);
+    let plane = shapes::irregular_plane(1.0 / f64::from(n), 3);
     let f = plane.face_count() as u32 / 2 + 7;
     let source = SurfacePoint::on_face(&plane, f, [1.0, 2.0, 3.0]).unwrap();
     let from = source.position(&plane);
@@ -31,7 +31,8 @@ fn plane_error(n: u32) -> f64 {
 #[test]
 fn distances_from_a_point_on_a_face_converge() {
     let errors = [20, 40, 80].map(plane_error);
-    assert!(errors[2] < 0.01 && errors[2] < 0.5 * errors[0], "{errors:?}");
+    let orders = [errors[0] / errors[1], errors[1] / errors[2]].map(f64::log2);
+    assert!(errors[2] < 0.015 && orders.iter().all(|order| *order > 0.9), "{errors:?}");
 }
 
 #[test]
@@ -43,7 +44,7 @@ fn a_vertex_is_a_point_on_each_of_its_faces() {
     assert_eq!(corner, SurfacePoint::vertex(a));
     assert_eq!(heat.distance(&[a]).unwrap(), heat.distance_from(&[corner, corner]).unwrap());
     let near = sphere.positions()[a as usize].map(|x| 1.5 * x);
-    let nearest = SurfacePoint::nearest_on_face(&sphere, 33, near).unwrap().position(&sphere);
+    let nearest = SurfacePoint::projected(&sphere, 33, near).unwrap().position(&sphere);
     assert!(dot(sub(nearest, sphere.positions()[a as usize]), [1.0; 3]).abs() < 0.05);
     for weights in [[-1.0, 2.0, 0.0], [0.0; 3], [f64::NAN, 1.0, 1.0]] {
         assert!(SurfacePoint::on_face(&sphere, 0, weights).is_err());
@@ -83,7 +84,7 @@ fn paths_follow_great_circles() {
     let fine = sphere_excess(&shapes::icosphere(5), 17);
     assert!(fine.0 < 0.01 && fine.1 < 0.05, "{fine:?}");
     assert!(fine.1 < coarse.1, "{fine:?} {coarse:?}");
-    let irregular = shapes::onto_sphere(&shapes::jittered(&shapes::icosphere(4), 0.2, 5));
+    let irregular = shapes::jittered(&shapes::icosphere(4), 0.4, 5, shapes::onto_sphere);
     let (excess, off) = sphere_excess(&irregular, 99);
     assert!(excess < 0.03 && off < 0.1, "{excess} {off}");
 }
@@ -98,7 +99,9 @@ fn paths_end_at_points_on_faces_and_stay_on_their_component() {
         assert_eq!(path.end, None);
         let ends = sub(*path.points.last().unwrap(), plane.positions()[start as usize]);
         let straight = dot(ends, ends).sqrt();
-        assert!(path.length() / straight < 1.02 && path.length() >= straight - 1e-12);
+        // In edges: near the source the gradient of the distance is at its worst.
+        let excess = (path.length() - straight) / 0.05;
+        assert!((-1e-12..1.0).contains(&excess), "{start}: {excess} {path:?}");
     }
     let unreached: Vec<Option<f64>> = vec![None; plane.vertex_count()];
     let error = geodesic_path(&plane, &unreached, &[source], 3).unwrap_err();
@@ -109,7 +112,7 @@ fn paths_end_at_points_on_faces_and_stay_on_their_component() {
 /// Any values at all: paths fall and end.
 #[test]
 fn paths_end_on_any_field() {
-    let mesh = shapes::jittered(&shapes::torus(2.0, 0.7, 24, 12), 0.3, 2);
+    let mesh = shapes::jittered(&shapes::torus(2.0, 0.7, 24, 12), 0.3, 2, |p| p);
     for seed in 0..40_u64 {
         let noise = |v: u64| (v + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15 ^ (seed << 17)) >> 60;
         let field: Vec<Option<f64>> =
@@ -141,5 +144,5 @@ fn isolines_of_a_height_are_circles() {
         assert!(segments.iter().flatten().all(|p| (p[2] - level).abs() < 1e-15));
     }
     assert!(isoline(&sphere, &height[1..], 0.0).is_err());
-    assert_eq!(isoline(&sphere, &vec![None; sphere.vertex_count()], 0.0).unwrap(), []);
+    assert!(isoline(&sphere, &vec![None; sphere.vertex_count()], 0.0).unwrap().is_empty());
 }

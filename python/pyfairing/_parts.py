@@ -1,0 +1,310 @@
+"""Repair, components, submeshes and closest points: the methods of `Mesh` on its parts."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _arrays, _core
+from ._arrays import Floats, Indices, Labels
+from ._base import Base
+from ._calls import Progress, running, warn
+from ._docs import documented
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+
+class Components(NamedTuple):
+    """Labels of the parts that are connected by shared vertices.
+
+    Parts are numbered from 0 in the order of their lowest vertices.
+
+    Attributes
+    ----------
+    vertices : ndarray of int64, shape (n,)
+        The part of each vertex; -1 for an isolated vertex.
+    faces : ndarray of int64, shape (m,)
+        The part of each face.
+    """
+
+    vertices: Labels
+    faces: Labels
+
+    @property
+    def n_components(self) -> int:
+        """The number of parts."""
+        return int(self.faces.max(initial=-1)) + 1
+
+    def __repr__(self) -> str:
+        return f"Components({self.n_components} of {len(self.faces)} faces)"
+
+
+class Closest(NamedTuple):
+    """Closest points of a surface.
+
+    Attributes
+    ----------
+    distance : ndarray, shape (k,)
+        In mesh units; if signed, negative inside.
+    point : ndarray, shape (k, 3)
+        The closest points, in mesh units.
+    face : ndarray of uint32, shape (k,)
+        A face that contains each.
+    """
+
+    distance: Floats
+    point: Floats
+    face: Indices
+
+    def __repr__(self) -> str:
+        text = f"Closest({len(self.distance)} points"
+        if len(self.distance):
+            text += f", distances from {self.distance.min():.4g} to {self.distance.max():.4g}"
+        return text + ")"
+
+
+class Parts(Base):
+    """The parts of a mesh."""
+
+    __slots__ = ()
+
+    @documented
+    def repair(
+        self,
+        *,
+        merge: bool = True,
+        tolerance: float = 0.0,
+        duplicates: bool = True,
+        orient: bool = True,
+        split: bool = True,
+        smallest_component: int = 0,
+        thin: float = 0.0,
+        isolated: bool = True,
+        holes: int = 0,
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> Self:
+        """Mends a mesh; by default without moving anything.
+
+        Merges vertices, drops faces and vertices that are of no use, turns faces that disagree,
+        separates sheets that touch, and on request removes small components and thin faces and
+        fills holes. The order of what stays is kept. A second repair changes nothing.
+
+        Parameters
+        ----------
+        merge : bool
+            Merge vertices at one position, and drop faces that lose a corner by it.
+        tolerance : float
+            The distance up to which vertices are merged, in mean edge lengths, from 0 (exactly
+            equal positions) to 1. A vertex moves to the first vertex within the distance.
+        duplicates : bool
+            Drop faces with the corners of an earlier face, in any order.
+        orient : bool
+            Turn faces so that neighbours agree, and closed components so that their normals point
+            outwards, or inwards where they are cavities of another one.
+        split : bool
+            Give a vertex of its own to each sheet of faces at a non-manifold edge or vertex.
+        smallest_component : int
+            Drop components with fewer faces than this.
+        thin : float
+            Collapse needles and flip caps: faces whose height is below this fraction of their
+            longest edge, from 0 to 0.1. 0.002 removes the `sliver_faces` of `info`.
+        isolated : bool
+            Drop vertices that no face uses, unless there are no faces at all.
+        holes : int
+            Fill holes of at most this many edges, at most 2000, by patches that continue the
+            surface around them. The rim of an open surface counts as a hole, too.
+        {run}
+
+        Returns
+        -------
+        Mesh
+            With the fields of this mesh; in the patch of a hole those nearby. Normals are left
+            out if the surface has changed. `Mesh.report` has
+
+            - `unchanged`: true if there was nothing to mend
+            - `changes`: the elements of this mesh that each step changed, ascending, by the names
+              `merged-vertices`, `collapsed-faces`, `duplicate-faces`, `turned-faces`,
+              `split-vertices`, `small-components` (faces), `thin-faces`, `isolated-vertices`,
+              `filled-holes`, and `open-holes`, which could not be filled; a hole is named by the
+              lowest vertex of its boundary
+            - `vertices`: for each vertex of this mesh the vertex that took its place, -1 if it was
+              dropped
+            - `vertex_sources`, `face_sources`: for each vertex and face of the result that of this
+              mesh, -1 in the patch of a hole
+            - `flat_patches`: the reason why patches of holes stay flat, or None
+
+        Raises
+        ------
+        OptionError
+            For options that are out of range.
+
+        Examples
+        --------
+        >>> import pyfairing as pf
+        >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]]
+        >>> soup = pf.Mesh(corners, [[0, 1, 2], [3, 4, 5]])
+        >>> mesh = soup.repair()
+        >>> mesh, mesh.faces.tolist()
+        (Mesh(4 vertices, 2 faces), [[0, 1, 2], [1, 3, 2]])
+        >>> {step: elements.tolist() for step, elements in mesh.report["changes"].items()}
+        {'merged-vertices': [3, 4], 'turned-faces': [1]}
+        >>> mesh.report["vertices"].tolist()
+        [0, 1, 2, 1, 2, 3]
+        """
+        steps = {
+            "merge": bool(merge),
+            "tolerance": float(tolerance),
+            "duplicates": bool(duplicates),
+            "orient": bool(orient),
+            "split": bool(split),
+            "smallest_component": _arrays.whole(smallest_component, "smallest_component"),
+            "thin": float(thin),
+            "isolated": bool(isolated),
+            "holes": _arrays.whole(holes, "holes"),
+        }
+        with running(threads, progress) as call:
+            core, report, nearest, keeps_normals = _core.repair(self._core, steps, call)
+        if report["flat_patches"]:
+            warn(f"the patches of holes stay flat: {report['flat_patches']}")
+        return self._of(core, self._picked(nearest, normals=keeps_normals), report)
+
+    def _picked(self, vertices: npt.NDArray[Any], *, normals: bool = True) -> dict[str, npt.NDArray[Any]]:
+        """The fields at some vertices."""
+        named = self._fields.items()
+        return {name: values[vertices] for name, values in named if normals or name != "normal"}
+
+    def weld(self) -> tuple[Self, Indices]:
+        """Joins vertices at exactly equal positions.
+
+        For files whose faces do not share corners, or that are open along seams of texture
+        coordinates: compute on the welded mesh and map results back by `index`. `repair` does this
+        and more, and keeps fields.
+
+        Returns
+        -------
+        mesh : Mesh
+            Vertices in the order of their first appearance, without fields; faces that had two
+            corners in one place are left out.
+        index : ndarray, shape (n,), uint32
+            The vertex of `mesh` that each vertex of this mesh became.
+
+        Examples
+        --------
+        >>> import pyfairing as pf
+        >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+        >>> soup = pf.Mesh(corners, [[0, 1, 2], [3, 4, 5]])
+        >>> mesh, index = soup.weld()
+        >>> mesh, index.tolist()
+        (Mesh(4 vertices, 2 faces), [0, 1, 2, 1, 3, 2])
+        >>> soup.with_vertices(mesh.vertices[index]) == soup
+        True
+        """
+        with running(None, None) as call:
+            core, index = self._core.weld(call)
+        return self._of(core), index
+
+    def components(self) -> Components:
+        """Labels of the parts that are connected by shared vertices.
+
+        Returns
+        -------
+        Components
+            `vertices` (n,) and `faces` (m,), numbered from 0 in the order of their lowest
+            vertices; -1 for isolated vertices.
+
+        Examples
+        --------
+        >>> import numpy as np, pyfairing as pf
+        >>> ball = pf.shapes.icosphere(1)
+        >>> faces = np.vstack([ball.faces, ball.faces + ball.n_vertices])
+        >>> two = pf.Mesh(np.vstack([ball.vertices, ball.vertices + 3]), faces)
+        >>> parts = two.components()
+        >>> parts, np.bincount(parts.faces).tolist()
+        (Components(2 of 160 faces), [80, 80])
+        >>> two.submesh(parts.faces == 1)[0]
+        Mesh(42 vertices, 80 faces)
+        """
+        with running(None, None) as call:
+            return Components(*_core.components(self._core, call))
+
+    def submesh(self, faces: npt.ArrayLike) -> tuple[Self, Indices]:
+        """The mesh of some faces, and of their vertices.
+
+        Parameters
+        ----------
+        faces : array_like of int or bool
+            Face indices, or a mask. The faces with all corners in a mask of vertices are
+            `mask[mesh.faces].all(axis=1)`.
+
+        Returns
+        -------
+        mesh : Mesh
+            Faces in the order given, vertices in the order of this mesh, with their fields.
+        index : ndarray of uint32
+            The vertex of this mesh of each vertex of `mesh`.
+
+        Examples
+        --------
+        >>> import pyfairing as pf
+        >>> ball = pf.shapes.icosphere(3)
+        >>> upper = ball.vertices[:, 2] > 0
+        >>> half, index = ball.submesh(upper[ball.faces].all(axis=1))
+        >>> bool((half.vertices == ball.vertices[index]).all())
+        True
+        """
+        numbers = _arrays.numbers(faces, self._core.face_count, "faces", self._core.face_count, of="face")
+        corners = self._core.faces[np.asarray(numbers, dtype=np.int64)]
+        index = np.unique(corners)
+        places = np.searchsorted(index, corners).astype(np.uint32).reshape(-1, 3)
+        core = _core.Mesh(np.ascontiguousarray(self._core.vertices[index]), places)
+        return self._of(core, self._picked(index)), index
+
+    @documented
+    def closest(
+        self,
+        points: npt.ArrayLike,
+        *,
+        signed: bool = False,
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> Closest:
+        """The closest points of the surface to points in space, exact to rounding.
+
+        Parameters
+        ----------
+        points : array_like, shape (k, 3)
+            In mesh units, such as the vertices of another mesh.
+        signed : bool
+            Make distances negative on the inner side: the side of the normal at the closest
+            point, at edges and vertices of the mean of the normals weighted by angles. Exact on a
+            closed surface that does not intersect itself.
+        {run}
+
+        Returns
+        -------
+        Closest
+            `distance` (k,), `point` (k, 3) and `face` (k,).
+
+        Raises
+        ------
+        ComputationError
+            If the mesh has no faces.
+
+        Examples
+        --------
+        >>> import pyfairing as pf
+        >>> ball = pf.shapes.icosphere(4)
+        >>> near = ball.closest([[0, 0, 0.5], [0, 3, 0]], signed=True)
+        >>> near.distance.round(1).tolist()
+        [-0.5, 2.0]
+        """
+        at = _arrays.vertices(points, "points")
+        _arrays.finite(at, "points")
+        if signed:
+            self._warn_of_orientation()
+        with running(threads, progress) as call:
+            return Closest(*_core.closest(self._core, at, bool(signed), call))

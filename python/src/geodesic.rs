@@ -1,0 +1,147 @@
+//! Geodesic distances, paths and isolines.
+
+use std::sync::Arc;
+
+use fairing_evaluation::SurfaceTree;
+use fairing_mesh::TriMesh;
+use fairing_operators::{LaplacianKind, MassKind};
+use fairing_spectral::{HeatGeodesics, SurfacePoint, geodesic_path, isoline};
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1};
+use pyo3::prelude::*;
+
+use crate::arrays::{column, rows, values};
+use crate::error::Result;
+use crate::mesh::Mesh;
+use crate::operators::assemble;
+use crate::options::named;
+use crate::run::Call;
+
+/// Sources: vertices, points in space, or faces with barycentric coordinates.
+#[derive(FromPyObject)]
+enum Sources {
+    Vertices(Vec<u32>),
+    Points(Vec<[f64; 3]>),
+    OnFaces(Vec<(u32, [f64; 3])>),
+}
+
+impl Sources {
+    fn on(self, mesh: &TriMesh) -> Result<Vec<SurfacePoint>> {
+        match self {
+            Self::Vertices(vertices) => {
+                Ok(vertices.into_iter().map(SurfacePoint::vertex).collect())
+            }
+            Self::Points(points) => {
+                let closest = SurfaceTree::new(mesh)?.closest_to_all(&points);
+                let points = closest.into_iter();
+                points.map(|at| Ok(SurfacePoint::projected(mesh, at.face, at.point)?)).collect()
+            }
+            Self::OnFaces(points) => {
+                let points = points.into_iter();
+                points
+                    .map(|(face, weights)| Ok(SurfacePoint::on_face(mesh, face, weights)?))
+                    .collect()
+            }
+        }
+    }
+}
+
+/// Factorised heat method for any sources.
+#[pyclass(frozen, module = "pyfairing._core")]
+struct Geodesics {
+    mesh: Arc<TriMesh>,
+    inner: Arc<HeatGeodesics>,
+    /// A note if a face too thin for cotangents made the Laplacian robust.
+    #[pyo3(get)]
+    note: Option<String>,
+}
+
+#[pymethods]
+impl Geodesics {
+    #[new]
+    fn new(
+        py: Python<'_>,
+        mesh: &Mesh,
+        kind: &str,
+        time: Option<f64>,
+        call: Call,
+    ) -> PyResult<Self> {
+        let kind = named::<LaplacianKind>(kind)?;
+        let mesh = mesh.share();
+        let of = Arc::clone(&mesh);
+        let (inner, note) = call.run(py, move || {
+            fairing_watch::stage("factorising", 2);
+            let (laplacian, note) = assemble(&of, kind, MassKind::Barycentric)?;
+            Ok((HeatGeodesics::with(&of, &laplacian, time)?, note))
+        })?;
+        Ok(Self { mesh, inner: Arc::new(inner), note })
+    }
+
+    #[getter]
+    fn kind(&self) -> &'static str {
+        self.inner.kind().name()
+    }
+
+    /// Distances, infinite on components without a source.
+    fn distance<'py>(
+        &self,
+        py: Python<'py>,
+        sources: Sources,
+        call: Call,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let (inner, mesh) = (Arc::clone(&self.inner), Arc::clone(&self.mesh));
+        let found = call.run(py, move || {
+            let distance = inner.distance_from(&sources.on(&mesh)?)?;
+            Ok(distance.into_iter().map(|d| d.unwrap_or(f64::INFINITY)).collect())
+        })?;
+        Ok(column(py, found))
+    }
+
+    /// The path from a vertex to the nearest source, and true if it arrives there.
+    fn path<'py>(
+        &self,
+        py: Python<'py>,
+        start: u32,
+        sources: Sources,
+        call: Call,
+    ) -> PyResult<(Bound<'py, PyArray2<f64>>, bool)> {
+        let (inner, mesh) = (Arc::clone(&self.inner), Arc::clone(&self.mesh));
+        let (path, arrives) = call.run(py, move || {
+            let sources = sources.on(&mesh)?;
+            let distance = inner.distance_from(&sources)?;
+            let path = geodesic_path(&mesh, &distance, &sources, start)?;
+            // At a vertex that is no source the path has ended in another minimum.
+            let arrives = path.end.is_none_or(|v| sources.contains(&SurfacePoint::vertex(v)));
+            Ok((path, arrives))
+        })?;
+        Ok((rows(py, path.points)?, arrives))
+    }
+}
+
+/// Segments of each isoline, `s × 2 × 3`; infinite values count as none.
+#[pyfunction]
+fn isolines<'py>(
+    py: Python<'py>,
+    mesh: &Mesh,
+    field: PyReadonlyArray1<'_, f64>,
+    levels: Vec<f64>,
+    call: Call,
+) -> PyResult<Vec<Bound<'py, PyArray3<f64>>>> {
+    let mesh = mesh.share();
+    let field: Vec<Option<f64>> =
+        values(&field).into_iter().map(|x| x.is_finite().then_some(x)).collect();
+    let found = call.run(py, move || {
+        let lines = levels.iter().map(|&level| Ok(isoline(&mesh, &field, level)?));
+        lines.collect::<Result<Vec<_>>>()
+    })?;
+    let array = |segments: Vec<[[f64; 3]; 2]>| {
+        let count = segments.len();
+        let flat = segments.into_flattened().into_flattened();
+        PyArray1::from_vec(py, flat).reshape([count, 2, 3])
+    };
+    found.into_iter().map(array).collect()
+}
+
+pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<Geodesics>()?;
+    module.add_function(wrap_pyfunction!(isolines, module)?)
+}

@@ -1,0 +1,140 @@
+//! Repair, and closest points.
+
+use fairing_evaluation::{SurfaceTree, inside};
+use fairing_mesh::{RepairOptions, Repaired, repair};
+use fairing_smoothing::{FairRegion, fair_region};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arrays::{column, rows, triples};
+use crate::error::Error;
+use crate::mesh::Mesh;
+use crate::run::Call;
+
+/// The steps of a repair and their limits, from Python.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+struct Steps {
+    merge: bool,
+    tolerance: f64,
+    duplicates: bool,
+    orient: bool,
+    split: bool,
+    smallest_component: usize,
+    thin: f64,
+    isolated: bool,
+    holes: usize,
+}
+
+impl From<Steps> for RepairOptions {
+    fn from(steps: Steps) -> Self {
+        let Steps { merge, tolerance, duplicates, orient, split, .. } = steps;
+        let Steps { smallest_component, thin, isolated, holes, .. } = steps;
+        Self {
+            merge,
+            tolerance,
+            duplicates,
+            orient,
+            split,
+            smallest_component,
+            thin,
+            isolated,
+            holes,
+        }
+    }
+}
+
+/// Element numbers, -1 for none.
+fn numbers<'py>(py: Python<'py>, elements: &[Option<u32>]) -> Bound<'py, PyArray1<i64>> {
+    column(py, elements.iter().map(|e| e.map_or(-1, i64::from)).collect())
+}
+
+/// The mesh with fair patches, the report, the vertex whose fields each vertex takes, and whether
+/// normals still fit.
+type PyRepaired<'py> = (Mesh, Bound<'py, PyDict>, Bound<'py, PyArray1<u32>>, bool);
+
+#[pyfunction(name = "repair")]
+fn repair_mesh<'py>(
+    py: Python<'py>,
+    mesh: &Mesh,
+    steps: Steps,
+    call: Call,
+) -> PyResult<PyRepaired<'py>> {
+    let (mesh, options) = (mesh.share(), steps.into());
+    let (repaired, faired, nearest) = call.run(py, move || {
+        let repaired = repair(&mesh, &options).map_err(Error::option)?;
+        let faired = match repaired.patch_vertices() {
+            patch if patch.is_empty() => Ok(repaired.mesh.clone()),
+            patch => fair_region(&repaired.mesh, &FairRegion::new(patch)).map(|found| found.mesh),
+        };
+        let nearest = repaired.nearest_sources();
+        Ok((repaired, faired, nearest))
+    })?;
+    let keeps_normals = !repaired.changes_normals();
+    let unchanged = repaired.is_unchanged();
+    let Repaired { mesh, vertex_sources, face_sources, vertices, changes, .. } = repaired;
+    let report = PyDict::new(py);
+    report.set_item("unchanged", unchanged)?;
+    let changed = PyDict::new(py);
+    for (step, elements) in changes {
+        changed.set_item(step.name(), column(py, elements))?;
+    }
+    report.set_item("changes", changed)?;
+    report.set_item("vertices", numbers(py, &vertices))?;
+    report.set_item("vertex_sources", numbers(py, &vertex_sources))?;
+    report.set_item("face_sources", numbers(py, &face_sources))?;
+    let flat = faired.as_ref().err().map(ToString::to_string);
+    report.set_item("flat_patches", flat)?;
+    Ok((faired.unwrap_or(mesh).into(), report, column(py, nearest), keeps_normals))
+}
+
+/// Labels of vertices, -1 for isolated ones, and of faces.
+type Labels<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>);
+
+#[pyfunction]
+fn components<'py>(py: Python<'py>, mesh: &Mesh, call: Call) -> PyResult<Labels<'py>> {
+    let mesh = mesh.share();
+    let (vertices, faces) = call.run(py, move || {
+        let components = mesh.topology().components();
+        let vertices = (0..mesh.vertex_count() as u32).map(|v| components.label(v));
+        let faces = mesh.faces().iter().map(|face| components.label(face[0]));
+        Ok((vertices.collect::<Vec<_>>(), faces.collect::<Vec<_>>()))
+    })?;
+    Ok((numbers(py, &vertices), numbers(py, &faces)))
+}
+
+/// Distances, points and faces.
+type PyClosest<'py> =
+    (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<u32>>);
+
+/// Closest points; with a sign distances are negative inside.
+#[pyfunction]
+fn closest<'py>(
+    py: Python<'py>,
+    mesh: &Mesh,
+    points: PyReadonlyArray2<'_, f64>,
+    signed: bool,
+    call: Call,
+) -> PyResult<PyClosest<'py>> {
+    let (mesh, points) = (mesh.share(), triples(&points)?);
+    let (distances, found) = call.run(py, move || {
+        let found = SurfaceTree::new(&mesh)?.closest_to_all(&points);
+        let mut distances: Vec<f64> = found.iter().map(|closest| closest.distance).collect();
+        if signed {
+            let sides = inside(&mesh, &points, &found);
+            let within = distances.iter_mut().zip(sides).filter(|(_, inside)| *inside);
+            within.for_each(|(distance, _)| *distance = -*distance);
+        }
+        Ok((distances, found))
+    })?;
+    let at = found.iter().map(|closest| closest.point).collect();
+    let faces = found.iter().map(|closest| closest.face).collect();
+    Ok((column(py, distances), rows(py, at)?, column(py, faces)))
+}
+
+pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(repair_mesh, module)?)?;
+    module.add_function(wrap_pyfunction!(components, module)?)?;
+    module.add_function(wrap_pyfunction!(closest, module)?)
+}
