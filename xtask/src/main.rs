@@ -8,6 +8,7 @@ mod python;
 mod release;
 mod tasks;
 mod tidy;
+mod web;
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -15,7 +16,8 @@ use std::process::ExitCode;
 
 use anyhow::{Result, bail};
 use programs::Program;
-use tasks::{RELEASE_HELP, TASKS, TEST_HELP, help};
+use tasks::{RELEASE_HELP, TASKS, TEST_HELP, WEB_HELP, help};
+use web::Extent;
 
 fn main() -> ExitCode {
     match run() {
@@ -50,6 +52,10 @@ fn run() -> Result<ExitCode> {
             println!("{TEST_HELP}");
             true
         }
+        ["web", "--help" | "-h"] => {
+            println!("{WEB_HELP}");
+            true
+        }
         [name, "--help" | "-h"] if is_task(name) => {
             println!("Usage: cargo xtask {name}");
             true
@@ -62,6 +68,8 @@ fn run() -> Result<ExitCode> {
             true
         }
         ["release"] => bail!("pass --dry-run: .github/workflows/release.yml uploads, nobody else"),
+        ["web"] => web::run(&root, Extent::Build)?,
+        ["web", "--accept"] => web::run(&root, Extent::Accept)?,
         ["test"] => gate::run(&root, false)?,
         ["test", "--python"] => gate::run(&root, true)?,
         [name, options @ ..] if is_task(name) => {

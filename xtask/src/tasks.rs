@@ -1,7 +1,7 @@
 //! The tasks and their help.
 
 /// The name and the description of each task.
-pub(crate) const TASKS: [(&str, &str); 9] = [
+pub(crate) const TASKS: [(&str, &str); 10] = [
     ("reproduce", "Run the experiments and write the report"),
     ("report", "Write the pages of a report again, from its results.json"),
     ("data", "Generate the meshes of data/, or check them"),
@@ -15,6 +15,7 @@ pub(crate) const TASKS: [(&str, &str); 9] = [
         "wheel",
         "Build the wheel of the Python package into target/wheels, with maturin from the package index",
     ),
+    ("web", "Build the module for browsers and test it in Node"),
     (
         "release",
         "Walk through a release with --dry-run: versions, packages, a build from them alone, wheel",
@@ -36,6 +37,19 @@ Usage: cargo xtask test [--python]
 
 Options:
       --python  Also build the wheel, install it, and run what is slow: data sets on a cluster, notebooks, type checkers
+  -h, --help    Print help";
+
+/// Help of the task `web`.
+pub(crate) const WEB_HELP: &str = "\
+Build the module for browsers from source, and test it in Node
+
+The compiler needs the target wasm32-unknown-unknown: that of rustup if it is installed, else Debian's packages, which
+apt-get fetches into target/web/toolchain and which leave the machine as it is.
+
+Usage: cargo xtask web [--accept]
+
+Options:
+      --accept  Replace the committed module, crates/web/assets/fairing.wasm.gz, if its tests pass
   -h, --help    Print help";
 
 /// Help of the task `release`.

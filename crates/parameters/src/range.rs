@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::fmt;
 use std::ops::Bound::{self, Excluded, Included, Unbounded};
-use std::ops::RangeInclusive;
+use std::ops::{RangeBounds, RangeInclusive};
 
 /// A range of finite numbers.
 ///
@@ -76,6 +76,17 @@ impl Range {
             true => Ok(()),
             false => Err(OptionError::new(option, value, self.to_string())),
         }
+    }
+}
+
+/// The bounds, for programs that draw sliders.
+impl RangeBounds<f64> for Range {
+    fn start_bound(&self) -> Bound<&f64> {
+        self.low.as_ref()
+    }
+
+    fn end_bound(&self) -> Bound<&f64> {
+        self.high.as_ref()
     }
 }
 

@@ -13,6 +13,8 @@
 //! is printed. A program built with `panic = "abort"` must not cancel.
 //!
 //! The program reads [`Watch::progress`] whenever it wants to show it; the computation never waits.
+//! A program without a second thread, such as a page, passes a function to
+//! [`Watch::with_listener`].
 //!
 //! # Threads
 //!
@@ -57,6 +59,7 @@ struct Shared {
     cancelled: AtomicBool,
     done: AtomicU64,
     stage: Mutex<(&'static str, u64)>,
+    listener: Option<fn(Progress)>,
 }
 
 /// Cancels work and reports its progress, from any thread.
@@ -82,6 +85,12 @@ impl Watch {
         Self::default()
     }
 
+    /// A watch that calls a function after each change of its progress, on the thread that made the
+    /// change. The work waits for the function, which may be called many times a millisecond.
+    pub fn with_listener(listener: fn(Progress)) -> Self {
+        Self(Arc::new(Shared { listener: Some(listener), ..Shared::default() }))
+    }
+
     /// Cancels work that runs or will run under this watch, at its next check.
     pub fn cancel(&self) {
         self.0.cancelled.store(true, Ordering::Relaxed);
@@ -97,6 +106,12 @@ impl Watch {
         let (stage, of) = *self.0.stage.lock().unwrap_or_else(PoisonError::into_inner);
         let done = self.0.done.load(Ordering::Relaxed);
         Progress { stage, done: if of > 0 { done.min(of) } else { done }, of }
+    }
+
+    fn tell(&self) {
+        if let Some(listener) = self.0.listener {
+            listener(self.progress());
+        }
     }
 
     /// Runs work under this watch. If it is cancelled, its partial results are dropped.
@@ -130,18 +145,23 @@ impl Handle {
 
     /// Begins a stage of `of` parts, 0 if unknown, and [checks](Self::check).
     pub fn stage(&self, name: &'static str, of: u64) {
-        if let Some(Watch(shared)) = &self.0 {
-            let mut stage = shared.stage.lock().unwrap_or_else(PoisonError::into_inner);
-            *stage = (name, of);
-            shared.done.store(0, Ordering::Relaxed);
+        if let Some(watch) = &self.0 {
+            let shared = &watch.0;
+            {
+                let mut stage = shared.stage.lock().unwrap_or_else(PoisonError::into_inner);
+                *stage = (name, of);
+                shared.done.store(0, Ordering::Relaxed);
+            }
+            watch.tell();
         }
         self.check();
     }
 
     /// Raises the parts done to `done` if fewer were; then as [`check`](Self::check).
     pub fn reach(&self, done: u64) {
-        if let Some(Watch(shared)) = &self.0 {
-            shared.done.fetch_max(done, Ordering::Relaxed);
+        if let Some(watch) = &self.0 {
+            watch.0.done.fetch_max(done, Ordering::Relaxed);
+            watch.tell();
         }
         self.check();
     }
@@ -149,8 +169,9 @@ impl Handle {
     /// Counts parts of the stage as done and [checks](Self::check).
     #[inline]
     pub fn advance(&self, parts: u64) {
-        if let Some(Watch(shared)) = &self.0 {
-            shared.done.fetch_add(parts, Ordering::Relaxed);
+        if let Some(watch) = &self.0 {
+            watch.0.done.fetch_add(parts, Ordering::Relaxed);
+            watch.tell();
         }
         self.check();
     }
@@ -246,5 +267,20 @@ mod tests {
             })
             .unwrap();
         assert_eq!(watch.progress(), Progress { stage: "sweeps", done: 3, of: 10 });
+    }
+
+    #[test]
+    fn a_listener_is_told_each_change() {
+        thread_local! {
+            static TOLD: RefCell<Vec<(u64, u64)>> = const { RefCell::new(vec![]) };
+        }
+        let tell = |now: Progress| TOLD.with_borrow_mut(|told| told.push((now.done, now.of)));
+        let work = || {
+            stage("sweeps", 10);
+            advance(3);
+            reach(5);
+        };
+        Watch::with_listener(tell).run(work).unwrap();
+        assert_eq!(TOLD.take(), [(0, 10), (3, 10), (5, 10)]);
     }
 }

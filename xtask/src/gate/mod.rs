@@ -11,6 +11,7 @@ use anyhow::{Context as _, Result};
 
 use crate::programs::{Program, cargo};
 use crate::python::Extent;
+use crate::web::is_installed;
 use crate::{python, tidy};
 use executables::Tests;
 
@@ -106,7 +107,7 @@ pub(crate) fn run(root: &Path, whole_python: bool) -> Result<bool> {
     log.cargo(root, &LINTS)?;
     log.cargo(root, &DOCUMENTATION)?;
     log.step("dependencies for WebAssembly", || wasm::is_free_of_hostile(root))?;
-    if wasm::is_installed() {
+    if is_installed() {
         log.step("libraries for WebAssembly", || wasm::compiles(root))?;
     }
     let mut tests = Tests::default();
@@ -176,7 +177,7 @@ fn skipped(root: &Path) -> Vec<(&'static str, &'static str)> {
     if !has_openblas() {
         skipped.push(("eigenpairs against LAPACK", "pkg-config finds no openblas"));
     }
-    if !wasm::is_installed() {
+    if !is_installed() {
         skipped.push((
             "libraries for WebAssembly",
             "not installed: rustup target add wasm32-unknown-unknown",
@@ -188,6 +189,9 @@ fn skipped(root: &Path) -> Vec<(&'static str, &'static str)> {
     };
     if !on_path("qemu-x86_64") {
         skipped.push(("emulation: every test", "there is no qemu-x86_64 on the path"));
+    }
+    if !on_path("node") {
+        skipped.push(("the module for browsers: every test", "there is no node on the path"));
     }
     if !["chromium", "chromium-browser", "google-chrome"].into_iter().any(on_path) {
         skipped.push(("browser: every test", "there is no chromium on the path"));

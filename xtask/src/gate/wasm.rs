@@ -6,11 +6,10 @@ use std::process::Command;
 use anyhow::{Context as _, Result};
 
 use crate::programs::cargo;
-
-const TARGET: &str = "wasm32-unknown-unknown";
+use crate::web::TARGET;
 
 /// Crates that draw or are programs. All others are libraries for anywhere.
-const EXCLUDED: [&str; 10] = [
+const EXCLUDED: [&str; 11] = [
     "fairing",
     "fairing-figure",
     "pyfairing",
@@ -20,6 +19,7 @@ const EXCLUDED: [&str; 10] = [
     "fairing-reproduce",
     "fairing-results",
     "fairing-tests",
+    "fairing-web",
     "xtask",
 ];
 
@@ -76,17 +76,6 @@ pub(super) fn compiles(root: &Path) -> Result<bool> {
     println!("== libraries for WebAssembly: cargo check --target {TARGET}");
     let status = on_libraries(root, "check").arg("--lib").status();
     Ok(status.context("running cargo")?.success())
-}
-
-/// Returns true if the target is installed.
-pub(super) fn is_installed() -> bool {
-    let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
-    let output =
-        Command::new(rustc).args(["--print", "target-libdir", "--target", TARGET]).output();
-    output.is_ok_and(|output| {
-        output.status.success()
-            && Path::new(String::from_utf8_lossy(&output.stdout).trim()).is_dir()
-    })
 }
 
 #[cfg(test)]

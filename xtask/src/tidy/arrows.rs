@@ -8,7 +8,7 @@ use crate::packages::{self, Dependency, Package};
 
 /// For each library crate, the crates of the workspace on which it may depend. The façade, the
 /// programs and the tests may depend on all.
-const ARROWS: [(&str, &[&str]); 16] = [
+const ARROWS: [(&str, &[&str]); 17] = [
     ("fairing-watch", &[]),
     ("fairing-parameters", &[]),
     ("fairing-mesh", &["fairing-watch", "fairing-parameters"]),
@@ -87,6 +87,20 @@ const ARROWS: [(&str, &[&str]); 16] = [
             "fairing-results",
             "fairing-experiments",
             "fairing-report",
+        ],
+    ),
+    (
+        "fairing-web",
+        &[
+            "fairing-watch",
+            "fairing-parameters",
+            "fairing-mesh",
+            "fairing-shapes",
+            "fairing-operators",
+            "fairing-spectral",
+            "fairing-smoothing",
+            "fairing-denoising",
+            "fairing-evaluation",
         ],
     ),
 ];

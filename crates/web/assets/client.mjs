@@ -1,0 +1,108 @@
+/**
+ * The side of the page: requests as promises, answered in their order by a worker that owns the module.
+ *
+ * A worker at work hears nothing, so cancelling ends it; a new one takes over the meshes, of which the page has
+ * copies. The same happens after a defect or where memory runs out: `call` fails, and the next one succeeds.
+ */
+export class Client {
+  #module;
+  #start;
+  #worker;
+  #waiting = new Map(); // requests without an answer, by their number
+  #last = 0;
+  #held = new Map(); // copies of meshes, by their number
+
+  /** `start` makes a worker that runs `worker.mjs`; `module` is the compiled module. */
+  constructor(module, start) {
+    this.#module = module;
+    this.#start = start;
+    this.#begin();
+  }
+
+  #begin() {
+    this.#worker = this.#start();
+    this.#worker.onmessage = ({data}) => this.#take(data);
+    this.#worker.onerror = (event) => this.#restart(`the worker failed: ${event.message}`);
+    this.#worker.postMessage({module: this.#module});
+  }
+
+  /**
+   * Answers a request: `{value, arrays}`. `bytes` are those of a file, and are copied; `onProgress` takes the name of a
+   * stage, the parts done and their number, 0 if unknown.
+   */
+  call(request, {bytes, onProgress} = {}) {
+    return new Promise((resolve, reject) => {
+      const id = ++this.#last;
+      this.#waiting.set(id, {resolve, reject, onProgress});
+      this.#worker.postMessage({id, request, bytes});
+    });
+  }
+
+  /** Positions, faces and normals of a mesh, of which the page keeps a copy until `drop`. */
+  async mesh(number) {
+    const known = this.#held.get(number);
+    if (known) return known;
+    const {arrays} = await this.call({verb: 'mesh', mesh: number});
+    const held = {...arrays, fields: new Map()};
+    this.#held.set(number, held);
+    return held;
+  }
+
+  /** The values of a field of a mesh. */
+  async field(number, name) {
+    const {arrays} = await this.call({verb: 'field', mesh: number, name});
+    this.#held.get(number)?.fields.set(name, arrays.values);
+    return arrays.values;
+  }
+
+  /** Forgets a mesh. */
+  drop(number) {
+    this.#held.delete(number);
+    return this.call({verb: 'drop', mesh: number});
+  }
+
+  /** Ends all requests without an answer: their promises fail with an error that has `isCancelled`. */
+  cancel() {
+    if (this.#waiting.size > 0) this.#restart('cancelled', true);
+  }
+
+  #take({id, stage, done, of, value, arrays, error, isBroken}) {
+    const waiting = this.#waiting.get(id);
+    if (!waiting) return;
+    if (stage !== undefined) {
+      waiting.onProgress?.(stage, done, of);
+      return;
+    }
+    this.#waiting.delete(id);
+    if (error === undefined) {
+      waiting.resolve({value, arrays});
+      return;
+    }
+    waiting.reject(new Error(error));
+    if (isBroken) this.#restart('the request before this one failed');
+  }
+
+  #restart(words, isCancelled = false) {
+    this.#worker.terminate();
+    const ended = [...this.#waiting.values()];
+    this.#waiting.clear();
+    this.#begin();
+    for (const [number, held] of this.#held) this.#hand(number, held);
+    for (const {reject} of ended) reject(Object.assign(new Error(words), {isCancelled}));
+  }
+
+  /** Gives a mesh to a new worker. */
+  #hand(number, {positions, faces, fields}) {
+    const parts = [positions, faces, ...fields.values()];
+    const bytes = new Uint8Array(parts.reduce((sum, part) => sum + part.byteLength, 0));
+    let at = 0;
+    for (const part of parts) {
+      bytes.set(new Uint8Array(part.buffer, part.byteOffset, part.byteLength), at);
+      at += part.byteLength;
+    }
+    const names = [...fields.keys()];
+    const counts = {vertices: positions.length / 3, faces: faces.length / 3};
+    const request = {verb: 'adopt', mesh: number, ...counts, fields: names};
+    this.call(request, {bytes}).catch(() => this.#held.delete(number));
+  }
+}

@@ -1,0 +1,118 @@
+//! Verbs that make a mesh of another one: `smooth`, `denoise`, `noise`, `reconstruct`, `repair`.
+
+use std::sync::Arc;
+
+use anyhow::{Result, bail};
+use fairing_denoising::{Approach, Denoiser, SurfaceKind, automatic};
+use fairing_evaluation::{NoiseLevel, add_noise};
+use fairing_mesh::io::VertexFields;
+use fairing_mesh::{RepairOptions, TriMesh};
+use fairing_parameters::Options as _;
+use fairing_smoothing::{FairRegion, Method, fair_region};
+use fairing_spectral as spectral;
+use serde_json::{Map, Value, json};
+
+use crate::answer::Answer;
+use crate::meshes::Meshes;
+use crate::request::Request;
+use crate::tasks::{NoiseOptions, NoiseUnit, RepairTask, SpectrumTask};
+use crate::values;
+
+/// The flow `method` on `mesh`.
+pub(crate) fn smooth(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer> {
+    let method = Method::with(request.text_or("method", "taubin"), &request.values()?)?;
+    let mesh = meshes.held(request, "mesh")?.surface()?;
+    let smoothed = method.run(&mesh, None)?;
+    let report = serde_json::to_value(&smoothed.report)?;
+    moved(meshes, request, smoothed.mesh, report)
+}
+
+/// The denoiser `method` on `mesh`.
+pub(crate) fn denoise(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer> {
+    let denoiser = Denoiser::with(request.text_or("method", "automatic"), &request.values()?)?;
+    let mesh = meshes.held(request, "mesh")?.surface()?;
+    let Denoiser::Automatic(options) = denoiser else {
+        return moved(meshes, request, denoiser.denoise(&*mesh)?, Value::Null);
+    };
+    let found = automatic(&mesh, &options)?;
+    let kind = match found.kind {
+        SurfaceKind::Creased => "creased",
+        SurfaceKind::Smooth => "smooth",
+        SurfaceKind::Uneven => "uneven",
+        _ => "clean",
+    };
+    let report = json!({
+        "noise": found.noise.as_ref().map(serde_json::to_value).transpose()?,
+        "kind": kind,
+        "approach": found.approach.map(Approach::name),
+        "uneven_vertices": found.uneven_vertices,
+        "displacement_limit": found.limit,
+    });
+    moved(meshes, request, found.mesh, report)
+}
+
+/// Noise of the kind `method` on `mesh`.
+pub(crate) fn noise(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer> {
+    let (kind, options) = NoiseOptions::of(request.text_or("method", "normal"), request)?;
+    let mesh = meshes.held(request, "mesh")?.surface()?;
+    let level = match options.unit {
+        NoiseUnit::Edge => NoiseLevel::EdgeLengths(options.sigma),
+        NoiseUnit::Model => NoiseLevel::Model(options.sigma),
+        NoiseUnit::Diagonal => NoiseLevel::Diagonals(options.sigma),
+    };
+    let noisy = add_noise(&mesh, kind, level, options.seed.into())?;
+    let report = json!({ "sigma": level.in_mesh_units(&mesh) });
+    moved(meshes, request, noisy, report)
+}
+
+/// `mesh` rebuilt from its k smoothest modes.
+pub(crate) fn reconstruct(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer> {
+    let options = SpectrumTask::with("reconstruct", &request.values()?)?.unwrap_or_default();
+    let held = meshes.held(request, "mesh")?;
+    let modes = values::modes(held, &options)?;
+    let mesh = Arc::clone(&held.mesh);
+    let rebuilt = spectral::reconstruct(&mesh, &modes, options.k)?;
+    let errors = spectral::reconstruction_errors(&mesh, &modes)?;
+    let displacement = errors.get(options.k);
+    let report = json!({ "displacement": displacement, "split": values::split(rebuilt.split) });
+    moved(meshes, request, rebuilt.mesh, report)
+}
+
+/// Keeps a mesh with the faces of `mesh`, and with its fields except normals.
+fn moved(
+    meshes: &mut Meshes,
+    request: &Request<'_>,
+    mesh: TriMesh,
+    report: Value,
+) -> Result<Answer> {
+    let fields = meshes.held(request, "mesh")?.fields.clone().without_normals();
+    Ok(meshes.keep(mesh, fields, report))
+}
+
+/// `mesh` with its defects mended.
+pub(crate) fn repair(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer> {
+    let task = RepairTask::with("repair", &request.values()?)?.unwrap_or_default();
+    let mesh = Arc::clone(&meshes.held(request, "mesh")?.mesh);
+    let options = RepairOptions {
+        tolerance: task.tolerance,
+        smallest_component: task.components,
+        thin: task.thin,
+        holes: task.holes,
+        ..RepairOptions::default()
+    };
+    let repaired = fairing_mesh::repair(&mesh, &options)?;
+    if repaired.mesh.face_count() == 0 && mesh.face_count() > 0 {
+        bail!("no face would be left");
+    }
+    let counts = repaired.changes.iter();
+    let counts: Map<String, Value> =
+        counts.map(|(step, changed)| (step.name().to_owned(), json!(changed.len()))).collect();
+    let report = json!({ "unchanged": repaired.is_unchanged(), "changes": counts });
+    let sources = repaired.vertex_sources.iter().map(|v| v.map_or(-1.0, f64::from)).collect();
+    let fields = VertexFields::default().with_scalar("source", sources);
+    let mesh = match repaired.patch_vertices() {
+        patch if patch.is_empty() => repaired.mesh,
+        patch => fair_region(&repaired.mesh, &FairRegion::new(patch))?.mesh,
+    };
+    Ok(meshes.keep(mesh, fields, report))
+}

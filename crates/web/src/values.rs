@@ -1,0 +1,129 @@
+//! Verbs that compute values at vertices: `curvature`, `distance`, `spectrum` and `mode`.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use anyhow::{Context as _, Result};
+use fairing_mesh::TriMesh;
+use fairing_operators::curvature::{CurvatureField, Estimator, VertexStatus};
+use fairing_operators::{Laplacian, MassKind};
+use fairing_parameters::Options as _;
+use fairing_spectral::{self as spectral, HeatGeodesics, Spectrum, SpectrumOptions};
+use fairing_watch as watch;
+use serde_json::{Value, json};
+
+use crate::answer::{Answer, Array};
+use crate::meshes::{Held, Meshes, names};
+use crate::request::Request;
+use crate::tasks::{BoundaryCondition, DistanceOptions, SpectrumTask};
+
+/// Curvature of `mesh` by the estimator `method`: its fields mean, gaussian, kappa1, kappa2,
+/// defined and boundary, and the principal directions if the estimator has them.
+pub(crate) fn curvature(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer> {
+    let name = request.text_or("method", Estimator::RECOMMENDED.name());
+    let estimator = Estimator::with(name, &request.values()?)?;
+    let held = meshes.held(request, "mesh")?;
+    let field = estimator.estimate(&*held.surface()?)?;
+    let mut reasons: BTreeMap<String, usize> = BTreeMap::new();
+    for status in &field.status {
+        if let VertexStatus::Undefined(reason) = status {
+            *reasons.entry(reason.to_string()).or_default() += 1;
+        }
+    }
+    let too_thin = field.too_thin;
+    keep_curvature(held, field);
+    let value = json!({
+        "method": estimator.name(),
+        "fields": names(&held.fields),
+        "undefined_because": reasons,
+        "too_thin_face": too_thin,
+    });
+    Ok(value.into())
+}
+
+fn keep_curvature(held: &mut Held, field: CurvatureField) {
+    let flag = |flag: bool| f64::from(u8::from(flag));
+    held.set("defined", field.status.iter().map(|s| flag(s.is_defined())).collect());
+    held.set("boundary", field.boundary.iter().map(|&b| flag(b)).collect());
+    held.set("mean", field.mean);
+    held.set("gaussian", field.gaussian);
+    held.set("kappa1", field.kappa1);
+    held.set("kappa2", field.kappa2);
+    if let Some([first, second]) = field.directions {
+        held.set_vectors("direction1", first);
+        held.set_vectors("direction2", second);
+    }
+}
+
+/// Geodesic distance to the vertices `sources` of `mesh`, its field distance; −1 on components
+/// without a source.
+pub(crate) fn distance(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer> {
+    let options = DistanceOptions::with("distance", &request.values()?)?.unwrap_or_default();
+    let held = meshes.held(request, "mesh")?;
+    let key = options.operator.to_string();
+    let geodesics = match &held.geodesics {
+        Some((known, geodesics)) if *known == key => Arc::clone(geodesics),
+        _ => {
+            watch::stage("factorising", 2);
+            let mesh = held.surface()?;
+            let laplacian = Laplacian::new(&mesh, options.operator, MassKind::Barycentric)?;
+            Arc::new(HeatGeodesics::with(&mesh, &laplacian, None)?)
+        }
+    };
+    held.geodesics = Some((key, Arc::clone(&geodesics)));
+    let found = geodesics.distance(&options.sources)?;
+    let unreached = found.iter().filter(|d| d.is_none()).count();
+    held.set("distance", found.into_iter().map(|d| d.unwrap_or(-1.0)).collect());
+    Ok(json!({ "fields": names(&held.fields), "unreached": unreached }).into())
+}
+
+/// The smallest eigenvalues of `mesh`; later requests for modes and reconstructions use them.
+pub(crate) fn spectrum(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer> {
+    let options = SpectrumTask::with("spectrum", &request.values()?)?.unwrap_or_default();
+    let held = meshes.held(request, "mesh")?;
+    let modes = modes(held, &options)?;
+    let split = modes.split(modes.len()).map(|s| json!({ "below": s.below, "above": s.above }));
+    let value = json!({ "certified": modes.certified, "split": split });
+    Ok(Answer::from(value)
+        .with("values", Array::Numbers(modes.values.to_vec()))
+        .with("residuals", Array::Numbers(modes.residuals.to_vec())))
+}
+
+/// Mode number `mode` of the last spectrum of `mesh`, its field mode.
+pub(crate) fn mode(meshes: &mut Meshes, request: &Request<'_>) -> Result<Answer> {
+    let number = request.number("mode")? as usize;
+    let held = meshes.held(request, "mesh")?;
+    let (_, modes) = held.spectrum.as_ref().context("the mesh has no spectrum yet")?;
+    if number >= modes.len() {
+        anyhow::bail!("there is no mode {number}: the spectrum has {}, from 0", modes.len());
+    }
+    let mode = modes.modes.column(number).to_vec();
+    held.set("mode", mode);
+    Ok(json!({ "fields": names(&held.fields) }).into())
+}
+
+/// The modes for these options: those of the last request if they are enough.
+pub(crate) fn modes(held: &mut Held, options: &SpectrumTask) -> Result<Arc<Spectrum>> {
+    let key = format!("{} {}", options.operator, options.boundary);
+    if let Some((known, modes)) = &held.spectrum
+        && *known == key
+        && modes.len() >= options.k
+    {
+        let enough = modes.len() == options.k;
+        return Ok(if enough { modes.clone() } else { Arc::new(modes.truncated(options.k)?) });
+    }
+    let mesh: Arc<TriMesh> = held.surface()?;
+    let laplacian = Laplacian::new(&mesh, options.operator, MassKind::Barycentric)?;
+    let conditions = match options.boundary {
+        BoundaryCondition::Neumann => SpectrumOptions::default(),
+        BoundaryCondition::Dirichlet => SpectrumOptions::dirichlet(&mesh),
+    };
+    let modes = Arc::new(spectral::spectrum(&laplacian, options.k, &conditions)?);
+    held.spectrum = Some((key, Arc::clone(&modes)));
+    Ok(modes)
+}
+
+/// Where k modes split a cluster, as JSON.
+pub(crate) fn split(split: Option<spectral::Split>) -> Value {
+    split.map_or(Value::Null, |s| json!({ "below": s.below, "above": s.above }))
+}

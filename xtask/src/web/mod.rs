@@ -1,0 +1,77 @@
+//! The module for browsers.
+
+mod toolchain;
+
+use std::fs;
+use std::io::Write as _;
+use std::path::Path;
+
+use anyhow::{Context as _, Result, ensure};
+use flate2::Compression;
+use flate2::write::GzEncoder;
+
+use crate::programs::cargo;
+use toolchain::Toolchain;
+pub(crate) use toolchain::{TARGET, is_installed};
+
+/// The committed module, from the root.
+const COMMITTED: &str = "crates/web/assets/fairing.wasm.gz";
+
+/// The folder of everything that is built here, from the root.
+const FOLDER: &str = "target/web";
+
+/// The part of the work to do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Extent {
+    /// The module from source, and its tests.
+    Build,
+    /// Also replaces the committed module.
+    Accept,
+}
+
+/// Builds and tests the module; returns `true` if the tests of the module pass.
+///
+/// # Errors
+///
+/// A toolchain that is missing, cargo that fails, or files that cannot be written.
+pub(crate) fn run(root: &Path, extent: Extent) -> Result<bool> {
+    let folder = root.join(FOLDER);
+    fs::create_dir_all(&folder)?;
+    let module = build(root, &folder)?;
+    let packed = folder.join("fairing.wasm.gz");
+    let bytes = compressed(&module)?;
+    fs::write(&packed, &bytes)?;
+    println!("module: {} bytes, {} compressed", module.len(), bytes.len());
+    let mut test = cargo(root);
+    test.args(["test", "--package=fairing-web", "--test=module"]);
+    test.env("FAIRING_WEB_MODULE", &packed);
+    if !test.status().context("running cargo")?.success() {
+        return Ok(false);
+    }
+    if extent == Extent::Accept {
+        fs::write(root.join(COMMITTED), bytes)?;
+    }
+    Ok(true)
+}
+
+/// The module, from source.
+fn build(root: &Path, folder: &Path) -> Result<Vec<u8>> {
+    let toolchain = Toolchain::find(&folder.join("toolchain"))?;
+    let mut build = cargo(root);
+    build.args(["build", "--package=fairing-web", "--lib", "--profile=web", "--locked"]);
+    build.args(["--target", TARGET]);
+    // A folder of its own: another compiler would replace what is in the other one.
+    build.env("CARGO_TARGET_DIR", folder);
+    let flags = "-Ctarget-feature=+simd128 -Clink-arg=-zstack-size=4194304";
+    build.env("CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS", flags);
+    toolchain.prepare(&mut build);
+    ensure!(build.status().context("running cargo")?.success(), "the module does not compile");
+    Ok(fs::read(folder.join(TARGET).join("web/fairing_web.wasm"))?)
+}
+
+/// The bytes in the format gzip, which browsers decompress by themselves.
+fn compressed(bytes: &[u8]) -> Result<Vec<u8>> {
+    let mut encoder = GzEncoder::new(vec![], Compression::best());
+    encoder.write_all(bytes)?;
+    Ok(encoder.finish()?)
+}
