@@ -70,23 +70,33 @@ Playground.kinds.set('diffusion', class extends Playground {
     const [lambda, count] = [this.lambda.value(), this.count.value()];
     const factors = {explicit: (mu) => 1 + lambda * mu, implicit: (mu) => 1 / (1 - lambda * mu)};
     const ball = {center: [0, 0, 0], radius: 1.3};
-    const rough = Float64Array.from({length: this.n}, (_, v) => this.vectors[v * this.n] / this.root[v]);
-    const most = rough.reduce((m, x) => Math.max(m, Math.abs(x)), 0);
-    this.before.show(this.positions, this.faces, ball, {
-      flat: true,
-      colors: {values: rough.map((x) => x / most), range: [-1, 1], map: 'coolwarm', name: 'roughest mode', unit: ''},
-    });
+    this.before.show(this.positions, this.faces, ball, {flat: true, colors: this.colors()});
     this.results = {};
     for (const stage of this.after) {
       const {flow} = stage;
       const result = this.flown(factors[flow], count);
       this.results[flow] = result;
       const {positions, note} = Geometry.fitted(this.positions, result, 0.75);
-      stage.title.textContent = `${flow}, ${count} × ${readable(lambda)}${note}`;
+      stage.title.textContent = this.titleOf(flow, note);
       stage.show(positions, this.faces, ball, {flat: true});
     }
-    this.plots.replaceChildren(this.factorPlot(lambda, factors), this.spectrum(factors, count));
+    this.plot(lambda, count, factors);
     this.result.textContent = this.verdict(lambda, count, factors);
+  }
+
+  /** The roughest mode. */
+  colors() {
+    const rough = Float64Array.from({length: this.n}, (_, v) => this.vectors[v * this.n] / this.root[v]);
+    const most = rough.reduce((m, x) => Math.max(m, Math.abs(x)), 0);
+    return {values: rough.map((x) => x / most), range: [-1, 1], map: 'coolwarm', name: 'roughest mode', unit: ''};
+  }
+
+  titleOf(flow, note) {
+    return `${flow}, ${this.count.value()} × ${readable(this.lambda.value())}${note}`;
+  }
+
+  plot(lambda, count, factors) {
+    this.plots.replaceChildren(this.factorPlot(lambda, factors), this.spectrum(factors, count));
   }
 
   verdict(lambda, count, factors) {
@@ -143,5 +153,40 @@ Playground.kinds.set('diffusion', class extends Playground {
   about(v) {
     const moved = (name) => Math.hypot(...[0, 1, 2].map((c) => this.results[name][3 * v + c] - this.positions[3 * v + c]));
     return `Moved by ${readable(moved('explicit'))} (explicit) and ${readable(moved('implicit'))} (implicit).`;
+  }
+});
+
+/** The same in one slider, before anything has a name. */
+Playground.kinds.set('opening', class extends Playground.kinds.get('diffusion') {
+  build() {
+    this.camera = new Camera(30, 20, true);
+    this.lambda = this.slider('λ', {min: 0, max: 1.6, step: 0.01, value: 0.5}, (x) => `λ = ${readable(x)}`);
+    this.count = {value: () => 12};
+    this.before = this.stage('before', 'A bumpy ball with noise.');
+    this.after = [Object.assign(this.stage('after 12 steps', 'The ball after 12 steps.'), {flow: 'explicit'})];
+    this.result = element('p', {class: 'factors', 'aria-live': 'polite'});
+    this.analyse();
+    return [element('div', {class: 'panels'}, this.before.panel, this.after[0].panel), this.lambda.row, this.result];
+  }
+
+  colors() {
+    return null;
+  }
+
+  titleOf(flow, note) {
+    return `after 12 steps${note}`;
+  }
+
+  plot() {}
+
+  verdict(lambda) {
+    const factor = Math.abs(1 + lambda * this.values[0]) ** 12;
+    const size = factor < 0.01 ? 'less than a hundredth of its height' : `${readable(factor)} times its height`;
+    return `After twelve steps the roughest wave has ${size}.`;
+  }
+
+  about(v) {
+    const moved = Math.hypot(...[0, 1, 2].map((c) => this.results.explicit[3 * v + c] - this.positions[3 * v + c]));
+    return `Moved by ${readable(moved)}.`;
   }
 });

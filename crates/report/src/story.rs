@@ -8,6 +8,25 @@ use fairing_results::verdict::Verdict;
 /// The title of the report.
 pub(crate) const TITLE: &str = "What the Laplacian says about a mesh, and what it does to it";
 
+/// Smoothing in two sentences, before anything is named.
+pub(crate) const IDEA: &str = "Here is a rule: move every vertex of a mesh a part λ of the way to the middle of its \
+    neighbours, and repeat. The bumps and the noise below fade, until λ is too large.";
+
+/// The question that the first playground raises.
+pub(crate) const QUESTION: &str = "On this mesh the rule turns at λ = 4/3: below it every wave on the surface fades, \
+    above it the roughest one grows with each step. What the rule repeats is a matrix, the Laplacian, and 4/3 is two divided by \
+    its largest eigenvalue in absolute value. The same matrix measures how a surface bends, takes a shape apart into waves, and \
+    removes noise. This report asks how well it does each.";
+
+/// The playground that opens the report.
+pub(crate) fn first_playground() -> section::Playground {
+    section::Playground {
+        kind: "opening".into(),
+        caption: "Drag λ. Twelve steps of the rule, on a bumpy ball with noise.".into(),
+        alt: "A bumpy ball before and after twelve steps towards the neighbours.".into(),
+    }
+}
+
 /// The subject of the report, before its findings.
 pub(crate) const ABOUT: &str = "A solved coursework report on discrete curvature, spectra and smoothing of triangle \
     meshes, done again. One command runs, draws and measures every experiment, and each claim is tested by numbers.";

@@ -42,9 +42,6 @@ pub struct Section {
     /// Short names of the folded views, figures and tables, by id.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub names: Vec<(String, String)>,
-    /// The figure that opens the report, by id; empty but in one section.
-    #[serde(skip_serializing_if = "String::is_empty")]
-    pub opening: String,
     /// The playground of the section, which is always seen.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub playground: Option<Playground>,
@@ -100,12 +97,6 @@ impl Section {
     pub fn names(self, names: &[(&str, &str)]) -> Self {
         let names = names.iter().map(|&(id, name)| (id.into(), name.into())).collect();
         Self { names, ..self }
-    }
-
-    /// The section with the figure that opens the report, by id.
-    #[must_use]
-    pub fn opens_with(self, figure: &str) -> Self {
-        Self { opening: figure.into(), ..self }
     }
 
     /// The section with a playground.

@@ -66,7 +66,6 @@ fn section() -> Section {
     .edge_lengths_of("each mesh")
     .notation(&["x", "X", "i", "j", "d", "T", "A", "\\alpha", "\\beta", "H", "K"])
     .shows(&["flower-view", "convergence"], &[])
-    .opens_with("flower-signed")
     .names(&[("plane-view", "the plane"), ("flower", "the flower in equalised colours"), ("plane", "the plane in equalised colours"), ("fields", "spread of the fields"), ("analytic", "errors under refinement"), ("orders", "orders of convergence")])
 }
 

@@ -90,7 +90,7 @@ fn paper_note(all: &[Item<'_>], first: usize, fallback: &str) -> String {
 }
 
 /// A place in which the page's script builds a playground.
-fn playground(play: &Playground, label: &str) -> String {
+pub(super) fn playground(play: &Playground, label: &str) -> String {
     format!(
         "<figure class=\"play\" id=\"{}\" data-play=\"{}\"><div class=\"stage\"><p class=\"hint\">{} \
          It is computed by the page's script.</p></div><figcaption>{label}{}</figcaption></figure>",
@@ -99,15 +99,6 @@ fn playground(play: &Playground, label: &str) -> String {
         escape(&play.alt),
         escape(&play.caption)
     )
-}
-
-/// The place of a figure on the page, or of the view whose still it is.
-pub(super) fn anchor(records: &[Record], record: &str, figure: &str) -> String {
-    let views = records.iter().filter(|r| r.id == record).flat_map(|r| &r.views);
-    match views.into_iter().find(|view| view.fallback == figure) {
-        Some(view) => format!("{record}-{}", view.id),
-        None => format!("figure-{record}-{figure}"),
-    }
 }
 
 pub(super) fn figure_id(record: &Record, figure: &str) -> String {

@@ -66,7 +66,7 @@ const MATH: &[u8] = include_bytes!("../../assets/math.woff2");
 ///
 /// If a picture or the data of a view cannot be read, or a formula is not TeX.
 pub(crate) fn report(results: &Results, folder: &Path) -> Result<String> {
-    let mut main = opening(results, &first_picture(results, folder)?);
+    let mut main = opening(results);
     main += &claims(results);
     main += &meshes(results, folder)?;
     let numbered = numbers::first_numbers(results);
@@ -139,15 +139,18 @@ fn contents(results: &Results) -> String {
     )
 }
 
-/// The subject and the findings, in about five lines.
-fn opening(results: &Results, picture: &str) -> String {
+/// The idea under the reader's hand, then the subject and the findings.
+fn opening(results: &Results) -> String {
     let count = |what: &str, n: usize| match n {
         1 => format!("1 {what}"),
         n => format!("{n} {what}s"),
     };
     let failed = results.experiments.iter().filter(|r| r.error.is_some()).count();
     let mut text = format!(
-        "<section class=\"opening\">{picture}<p>{} {}</p>",
+        "<section class=\"opening\"><p>{}</p>{}<p>{}</p><p>{} {}</p>",
+        story::IDEA,
+        figures::playground(&story::first_playground(), ""),
+        story::QUESTION,
         story::ABOUT,
         story::tally(results)
     );
@@ -198,15 +201,6 @@ fn opening(results: &Results, picture: &str) -> String {
         p.seed,
     );
     text
-}
-
-/// A picture before any table, as a link to where it belongs.
-fn first_picture(results: &Results, folder: &Path) -> Result<String> {
-    let opening = |r: &'_ Record| r.figures.iter().position(|f| f.id == r.section.opening);
-    let found = results.experiments.iter().find_map(|r| Some((r, &r.figures[opening(r)?])));
-    let Some((record, figure)) = found else { return Ok(String::new()) };
-    let target = figures::anchor(&results.experiments, &record.id, &figure.id);
-    Ok(format!("<a class=\"first\" href=\"#{target}\">{}</a>", figures::image(figure, folder)?,))
 }
 
 /// The sections in three acts, with bridges between them.
