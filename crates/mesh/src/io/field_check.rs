@@ -4,7 +4,7 @@ use crate::io::error::WriteProblem;
 use crate::io::fields::Attributes;
 use crate::io::ply::layout::{Column, Layout, face_names, field_names, vertex_names};
 use crate::io::surface::Faces;
-use crate::io::{FaceFields, Format, VertexFields};
+use crate::io::{FaceFields, Format, NumberType, VertexFields};
 
 /// The elements that fields belong to, in the plural and the singular of messages.
 type Elements = (&'static str, &'static str);
@@ -104,7 +104,10 @@ fn check_names(
     let columns: Vec<Column<'_>> = names
         .iter()
         .enumerate()
-        .map(|(k, name)| Column { name, is_byte: k >= bytes_from })
+        .map(|(k, name)| {
+            let is_byte = k >= bytes_from || fields.types.get(name) == Some(&NumberType::U8);
+            Column { name, is_byte }
+        })
         .collect();
     let layout = layout(&columns[lists..]);
     let scalars = layout.scalars.iter().map(|(name, _)| name);

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::io::error::{Fault, ReadProblem, WriteProblem};
 use crate::io::row::{Holds, Row};
-use crate::io::{obj, off, ply, stl};
+use crate::io::{obj, off, ply, stl, vtp};
 
 /// Makes the enum of formats from the table.
 macro_rules! formats {
@@ -30,7 +30,7 @@ macro_rules! formats {
 }
 
 // Content is compared with the last row first: OBJ is known by one word, binary STL by its size
-// alone, whatever it begins with.
+// alone, whatever it begins with, and the formats after STL by more than that.
 formats! {
     /// Wavefront OBJ, text.
     Obj = obj::FORMAT,
@@ -40,6 +40,8 @@ formats! {
     Off = off::FORMAT,
     /// STL of stereolithography, text or binary.
     Stl = stl::FORMAT,
+    /// VTP, the XML format of polygonal data of VTK and ParaView, binary or text.
+    Vtp = vtp::FORMAT,
 }
 
 /// The format of a file by its name.

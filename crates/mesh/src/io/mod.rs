@@ -44,6 +44,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod arrays;
 mod error;
 mod field_check;
 mod fields;
@@ -65,8 +66,10 @@ mod stl;
 mod surface;
 mod text;
 mod triangulate;
+mod vtp;
 #[cfg(feature = "files")]
 mod whole;
+mod width;
 mod write;
 
 pub use error::{Place, ReadError, ReadProblem, WriteError, WriteProblem};

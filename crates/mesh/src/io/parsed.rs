@@ -94,6 +94,16 @@ impl FaceList {
     }
 }
 
+/// The triangles of a strip, turned alike: triangle k has its first two corners swapped if k is
+/// odd. Triangles that repeat a corner only join strips and are dropped.
+pub(crate) fn strip_triangles<T: Copy + PartialEq>(strip: &[T]) -> impl Iterator<Item = [T; 3]> {
+    let triangles = strip.windows(3).enumerate().map(|(k, three)| match three {
+        &[a, b, c] if k.is_multiple_of(2) => [a, b, c],
+        three => [three[1], three[0], three[2]],
+    });
+    triangles.filter(|&[a, b, c]| a != b && b != c && c != a)
+}
+
 /// Checks that a position is finite.
 #[inline]
 pub(crate) fn check_finite(

@@ -5,9 +5,11 @@ use rayon::prelude::*;
 use crate::io::error::WriteProblem;
 use crate::io::fields::Attributes;
 use crate::io::number::{put_float, put_integer};
+use crate::io::ply::FORMAT;
 use crate::io::ply::header::name_of;
 use crate::io::ply::layout::{INDICES, TEXTURE, field_names, vertex_names};
 use crate::io::surface::{Encoded, Faces, Surface, face_lines, lines};
+use crate::io::width::width_of;
 use crate::io::{Encoding, FloatWidth, NumberType, WriteOptions};
 
 /// The values of one property group and their type in the file.
@@ -82,7 +84,13 @@ pub(super) fn encode(
 ) -> Result<Encoded, WriteProblem> {
     let mut vertices = vec![Column::Vector(
         surface.positions,
-        width_of("the positions", surface.positions.as_flattened(), None, options.float_width)?,
+        width_of(
+            FORMAT.name,
+            "the positions",
+            surface.positions.as_flattened(),
+            None,
+            options.float_width,
+        )?,
     )];
     vertices.extend(columns(surface.fields.into(), options.float_width)?);
     let faces = face_columns(surface, options.float_width)?;
@@ -158,7 +166,8 @@ fn face_columns(surface: Surface<'_>, width: FloatWidth) -> Result<FaceColumns<'
         None => None,
         Some(all) => {
             let kept = fields.types.get(TEXTURE).copied();
-            let number = width_of("the texture coordinates", all.as_flattened(), kept, width)?;
+            let number =
+                width_of(FORMAT.name, "the texture coordinates", all.as_flattened(), kept, width)?;
             let mut starts = vec![0];
             let mut end = 0;
             starts.extend((0..faces.len()).map(|f| {
@@ -172,44 +181,15 @@ fn face_columns(surface: Surface<'_>, width: FloatWidth) -> Result<FaceColumns<'
     Ok(FaceColumns { texture, columns: columns(fields.into(), width)?, short_lists })
 }
 
-/// The type of the numbers of a property group: the kept one if it holds them all, otherwise
-/// one of floating-point numbers.
-fn width_of(
-    name: &str,
-    values: &[f64],
-    kept: Option<NumberType>,
-    width: FloatWidth,
-) -> Result<NumberType, WriteProblem> {
-    let holds =
-        |number: NumberType| values.par_iter().with_min_len(1 << 14).all(|&x| number.holds(x));
-    if let Some(kept) = kept
-        && (kept.is_integer() || width == FloatWidth::Lossless)
-        && holds(kept)
-    {
-        return Ok(kept);
-    }
-    match width {
-        FloatWidth::Double => Ok(NumberType::F64),
-        FloatWidth::Lossless if holds(NumberType::F32) => Ok(NumberType::F32),
-        FloatWidth::Lossless => Ok(NumberType::F64),
-        FloatWidth::Single => match values.iter().find(|x| (**x as f32).is_infinite()) {
-            None => Ok(NumberType::F32),
-            Some(x) => Err(WriteProblem::UnsupportedMesh {
-                format: "PLY",
-                what: format!("{x:e} in {name} as a 32-bit number"),
-            }),
-        },
-    }
-}
-
 fn columns(fields: Attributes<'_>, width: FloatWidth) -> Result<Vec<Column<'_>>, WriteProblem> {
     let kept = |name: &str| fields.types.get(name).copied();
     let mut columns = Vec::new();
     for (name, values) in fields.scalars {
-        columns.push(Column::Scalar(values, width_of(name, values, kept(name), width)?));
+        columns
+            .push(Column::Scalar(values, width_of(FORMAT.name, name, values, kept(name), width)?));
     }
     for (name, values) in fields.vectors {
-        let number = width_of(name, values.as_flattened(), kept(name), width)?;
+        let number = width_of(FORMAT.name, name, values.as_flattened(), kept(name), width)?;
         columns.push(Column::Vector(values, number));
     }
     columns.extend(fields.colors.map(Column::Color));

@@ -41,14 +41,15 @@ impl Layout {
         };
         let position = all(["x", "y", "z"]).filter(|_| positions);
         let bytes = |three: &[usize; 3]| three.iter().all(|&k| columns[k].is_byte);
-        let colors = all(["red", "green", "blue"]).filter(bytes);
+        let colors = all(COLORS).filter(bytes);
         let mut layout = Self { position, colors, vectors: vec![], scalars: vec![] };
+        let names: Vec<&str> = columns.iter().map(|column| column.name).collect();
         let mut k = 0;
         while k < columns.len() {
             let taken = [position, colors].iter().flatten().flatten().any(|&p| p == k);
             if taken {
                 k += 1;
-            } else if let Some(name) = vector_name(&columns[k..])
+            } else if let Some(name) = vector_name(&names[k..])
                 && !layout.vectors.iter().any(|(other, _)| *other == name)
             {
                 layout.vectors.push((name, [k, k + 1, k + 2]));
@@ -62,15 +63,17 @@ impl Layout {
     }
 }
 
-/// The name of the vector whose components are the first three columns, if they are one.
-fn vector_name(columns: &[Column<'_>]) -> Option<String> {
-    let [x, y, z, ..] = columns else { return None };
-    let names = [x.name, y.name, z.name];
-    if names == ["nx", "ny", "nz"] {
+/// The names of the properties of colours.
+pub(crate) const COLORS: [&str; 3] = ["red", "green", "blue"];
+
+/// The name of the vector whose components have the first three names, if they are one.
+pub(crate) fn vector_name(names: &[&str]) -> Option<String> {
+    let &[x, y, z, ..] = names else { return None };
+    if [x, y, z] == ["nx", "ny", "nz"] {
         return Some("normal".to_owned());
     }
-    let stem = x.name.strip_suffix("_x").filter(|stem| !stem.is_empty())?;
-    let same = y.name.strip_suffix("_y") == Some(stem) && z.name.strip_suffix("_z") == Some(stem);
+    let stem = x.strip_suffix("_x").filter(|stem| !stem.is_empty())?;
+    let same = y.strip_suffix("_y") == Some(stem) && z.strip_suffix("_z") == Some(stem);
     same.then(|| stem.to_owned())
 }
 
@@ -111,7 +114,7 @@ pub(crate) fn field_names(fields: Attributes<'_>) -> Vec<String> {
     let mut names: Vec<String> = fields.scalars.iter().map(|(name, _)| name.clone()).collect();
     names.extend(fields.vectors.iter().flat_map(|(name, _)| component_names(name)));
     if fields.colors.is_some() {
-        names.extend(["red", "green", "blue"].map(str::to_owned));
+        names.extend(COLORS.map(str::to_owned));
     }
     names
 }

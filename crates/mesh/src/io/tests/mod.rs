@@ -23,7 +23,7 @@ fn refusal(name: &str, bytes: &[u8], options: &ReadOptions) -> String {
 }
 
 /// A tetrahedron with coordinates that no 32-bit number holds.
-fn tetrahedron() -> TriMesh {
+pub(crate) fn tetrahedron() -> TriMesh {
     let positions = vec![[0.1, 0.2, 0.3], [1.1, 0.2, 0.3], [0.1, 1.2, 0.3], [0.1, 0.2, 1.3]];
     let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
     TriMesh::new(positions, faces).unwrap()
