@@ -486,7 +486,7 @@ def read(
     Parameters
     ----------
     path : str or path
-        An OBJ, PLY, OFF or STL file, plain or compressed with gzip; content and file extension decide.
+        An OBJ, PLY, OFF, STL or VTP file, plain or compressed with gzip; content and file extension decide.
     strict : bool
         Raise an error instead of leaving out content with a warning, such as faces that repeat a
         corner.

@@ -180,6 +180,6 @@ mod tests {
             }
         }
         let error = "fbx".parse::<Format>().unwrap_err().to_string();
-        assert!(error.contains("OBJ, PLY, OFF, STL"), "{error}");
+        assert!(error.contains("OBJ, PLY, OFF, STL, VTP"), "{error}");
     }
 }

@@ -1,4 +1,4 @@
-//! Reading and writing OBJ, PLY, OFF and STL, plain or gzip-compressed.
+//! Reading and writing OBJ, PLY, OFF, STL and VTP, plain or gzip-compressed.
 //!
 //! The order of vertices is kept exactly, isolated ones included; coordinates
 //! go from text to `f64` with correct rounding. Content and file extension decide the

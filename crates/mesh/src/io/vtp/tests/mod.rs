@@ -102,17 +102,17 @@ fn pieces_are_joined_and_cells_keep_their_values() {
 #[test]
 fn errors_name_the_line_and_the_array() {
     for (from, to, expected) in [
-        ("1 1 0\n", "1 x 0\n", "line 14: expected a number, found \"x\""),
-        ("1 1 0\n", "1 nan 0\n", "line 14: vertex 2 has the coordinate NaN"),
-        ("1 1 0\n", "1 1\n", "line 11: expected 12 numbers in array \"\", found 11"),
-        ("0 1 2 3\n1 0 2", "0 1 2 3\n1 0 4", "line 21: face 1 names vertex 4"),
-        ("0 1 2 3\n1 0 2", "0 1 2 3\n1 0", "line 22: expected ascending offsets up to 6"),
-        ("0 1 2 3\n1 0 2", "0 1 2 3\n1 0 2 2", "line 20: expected 7 numbers in array connect"),
-        (">4 7<", ">7 4<", "line 22: expected ascending offsets up to 7"),
-        (">4 7<", ">4 4 7<", "line 22: expected 2 numbers in array \"offsets\", found 3"),
+        ("1 1 0\n", "1 x 0\n", "line 13: expected a number, found \"x\""),
+        ("1 1 0\n", "1 nan 0\n", "line 13: vertex 2 has the coordinate NaN"),
+        ("1 1 0\n", "1 1\n", "line 10: expected 12 numbers in array \"\", found 11"),
+        ("0 1 2 3\n1 0 2", "0 1 2 3\n1 0 4", "line 20: face 1 names vertex 4"),
+        ("0 1 2 3\n1 0 2", "0 1 2 3\n1 0", "line 21: expected ascending offsets up to 6"),
+        ("0 1 2 3\n1 0 2", "0 1 2 3\n1 0 2 2", "line 19: expected 7 numbers in array connect"),
+        (">4 7<", ">7 4<", "line 21: expected ascending offsets up to 7"),
+        (">4 7<", ">4 4 7<", "line 21: expected 2 numbers in array \"offsets\", found 3"),
         (">0 1 2 3 4<", ">0 1 2 3<", "line 9: expected 5 numbers in array \"of cell\", found 4"),
-        ("</VTKFile>", "", "line 36: expected </VTKFile>"),
-        ("</PolyData>", "", "line 35: expected XML, found"),
+        ("</VTKFile>", "", "line 33: expected </VTKFile>"),
+        ("</PolyData>", "", "line 32: expected XML, found"),
         ("NumberOfPoints=\"4\"", "NumberOfPoints=\"-4\"", "line 4: expected a count as Num"),
         ("type=\"Float64\"", "type=\"Float64\" format=\"hex\"", "line 10: expected the format"),
         (
