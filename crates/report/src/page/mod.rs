@@ -9,8 +9,10 @@
 //! compiler target that a machine with nothing but cargo does not have, for a
 //! solver of a hundred lines that is fast enough as it is.
 
+mod bundle;
 mod figures;
 mod html;
+mod laboratory;
 mod section;
 mod tables;
 mod view;
@@ -25,6 +27,7 @@ use crate::{markdown, notation, numbers, story, thumbnail};
 use fairing_results::results::{Record, Results};
 use fairing_results::verdict::{Judgement, Verdict};
 use html::escape;
+pub use laboratory::laboratory;
 
 /// The scripts, in the order in which they use one another.
 const SCRIPTS: [&str; 22] = [
