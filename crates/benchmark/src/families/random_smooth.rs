@@ -15,10 +15,10 @@ pub(super) fn tube(build: Build) -> TriMesh {
     let mut random = build.proportions();
     // Of six curves that with the most room.
     let mut axis = closed_curve(&mut random);
-    let mut most = room(&axis);
+    let mut most = largest_radius(&axis);
     for _ in 1..6 {
         let other = closed_curve(&mut random);
-        let found = room(&other);
+        let found = largest_radius(&other);
         if found >= most {
             (axis, most) = (other, found);
         }
@@ -68,7 +68,7 @@ fn closed_curve(random: &mut Proportions) -> Axis {
 
 /// The radius of the thickest tube around a curve that neither folds nor meets itself: the least
 /// radius of a circle through a point of the curve that touches it at another.
-fn room(axis: &Axis) -> f64 {
+fn largest_radius(axis: &Axis) -> f64 {
     let mut least = f64::INFINITY;
     for i in 0..POINTS {
         let tangent = sub(axis.at(i + 1), axis.at(i + POINTS - 1));
