@@ -10,7 +10,7 @@ static NAME: LazyLock<String> = LazyLock::new(|| std::env::var("NAME").unwrap_or
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let mut options = ReadOptions::default();
-    options.max_unpacked_bytes = 1 << 20;
+    options.max_bytes = 1 << 20;
     check(&NAME, bytes, &options);
     if NAME.ends_with(".gz") {
         // A sound header, which damaged and sound streams follow.

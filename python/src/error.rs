@@ -3,8 +3,8 @@
 use fairing_denoising::DenoiseError;
 use fairing_evaluation::EvaluationError;
 use fairing_figure::FigureError;
-use fairing_mesh::BuildError;
 use fairing_mesh::io::{ReadError, ReadProblem, WriteError, WriteProblem};
+use fairing_mesh::{BuildError, RepairError};
 use fairing_operators::OperatorError;
 use fairing_spectral::SpectralError;
 use pyo3::create_exception;
@@ -120,6 +120,15 @@ pub(crate) fn chain(error: &dyn std::error::Error) -> String {
 impl From<BuildError> for Error {
     fn from(error: BuildError) -> Self {
         Self::Mesh(chain(&error))
+    }
+}
+
+impl From<RepairError> for Error {
+    fn from(error: RepairError) -> Self {
+        match error {
+            RepairError::Option(error) => Self::option(error),
+            error => Self::Computation(chain(&error)),
+        }
     }
 }
 

@@ -8,7 +8,6 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::arrays::{column, rows, triples};
-use crate::error::Error;
 use crate::mesh::Mesh;
 use crate::run::Call;
 
@@ -63,7 +62,7 @@ fn repair_mesh<'py>(
 ) -> PyResult<PyRepaired<'py>> {
     let (mesh, options) = (mesh.share(), steps.into());
     let (repaired, faired, nearest) = call.run(py, move || {
-        let repaired = repair(&mesh, &options).map_err(Error::option)?;
+        let repaired = repair(&mesh, &options)?;
         let faired = match repaired.patch_vertices() {
             patch if patch.is_empty() => Ok(repaired.mesh.clone()),
             patch => fair_region(&repaired.mesh, &FairRegion::new(patch)).map(|found| found.mesh),

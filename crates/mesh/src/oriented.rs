@@ -57,7 +57,8 @@ impl TriMesh {
     ///
     /// The cover of a Möbius band is the untwisted band that runs around it twice: each face and
     /// each vertex occurs once for each of its sides. Faces keep their numbers; the second copies
-    /// of one-sided faces follow all others. Neighbouring faces agree.
+    /// of one-sided faces follow all others. Neighbouring faces agree, unless the mesh has an
+    /// edge with more than two faces there: the cover may then be one-sided itself.
     pub fn double_cover(&self) -> Option<(Self, Vec<[u32; 2]>)> {
         let one_sided = self.one_sided_faces();
         if one_sided.is_empty() {

@@ -69,12 +69,18 @@ pub fn vertex_normals(mesh: &TriMesh) -> Vec<[f64; 3]> {
 /// [one-sided](TriMesh::one_sided_faces) part, whose normals have no sign, each
 /// is one of the two.
 pub fn weighted_vertex_normals(mesh: &TriMesh, weight: NormalWeight) -> Vec<[f64; 3]> {
-    if let Some((cover, above)) = mesh.double_cover() {
-        let mut normals = weighted_vertex_normals(&cover, weight);
-        normals.truncate(above.len());
-        return normals;
+    match mesh.double_cover() {
+        Some((cover, above)) => {
+            let mut normals = normals_as_wound(&cover, weight);
+            normals.truncate(above.len());
+            normals
+        }
+        None => normals_as_wound(&mesh.oriented(), weight),
     }
-    let mesh = &*mesh.oriented();
+}
+
+/// The normals with every face as it is wound.
+fn normals_as_wound(mesh: &TriMesh, weight: NormalWeight) -> Vec<[f64; 3]> {
     let vectors: Vec<DVec3> = (0..mesh.face_count())
         .into_par_iter()
         .with_min_len(4096)
@@ -153,5 +159,26 @@ mod tests {
         let [x, y, z] = weighted_vertex_normals(&mesh, NormalWeight::Sphere)[0];
         assert!(x.abs() < 1e-15 && y.abs() < 1e-15 && (z - 1.0).abs() < 1e-15);
         assert!(vertex_normals(&mesh)[0][2] < 1.0 - 1e-4);
+    }
+
+    /// The double cover is one-sided itself here, because of edges with more than two faces.
+    #[test]
+    fn one_sided_soups_have_normals() {
+        #[rustfmt::skip]
+        let positions: [[i32; 3]; 10] = [
+            [1, 3, 0], [-2, -3, 2], [-1, -2, -3], [-2, 3, 3], [4, 3, -3],
+            [0, -3, -2], [0, -3, 0], [2, 1, 3], [-2, 1, -2], [-3, -1, -2],
+        ];
+        #[rustfmt::skip]
+        let faces = vec![
+            [0, 2, 1], [2, 7, 9], [6, 2, 9], [8, 0, 5], [2, 3, 6], [0, 5, 6], [0, 2, 8],
+            [0, 3, 1], [8, 2, 3], [1, 3, 7], [4, 0, 2], [0, 3, 6], [9, 1, 2],
+        ];
+        let positions = positions.iter().map(|p| p.map(f64::from)).collect();
+        let soup = TriMesh::new(positions, faces).unwrap();
+        let (cover, _) = soup.double_cover().unwrap();
+        assert!(cover.double_cover().is_some());
+        let lengths = vertex_normals(&soup).into_iter().map(|n| DVec3::from(n).length());
+        assert!(lengths.into_iter().all(|length| (length - 1.0).abs() < 1e-12));
     }
 }

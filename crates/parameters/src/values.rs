@@ -46,7 +46,7 @@ impl Kind {
 }
 
 /// The largest number of vertices in a text, which a mistyped range can exceed.
-const MOST_VERTICES: usize = 100_000_000;
+const MAX_VERTICES: usize = 100_000_000;
 
 /// Numbers and ranges, both ends included, joined by commas.
 fn vertices(text: &str) -> Option<Vec<u32>> {
@@ -54,7 +54,7 @@ fn vertices(text: &str) -> Option<Vec<u32>> {
     for part in text.split(',') {
         let (first, last) = part.split_once('-').unwrap_or((part, part));
         let (first, last): (u32, u32) = (first.parse().ok()?, last.parse().ok()?);
-        if first > last || (last - first) as usize >= MOST_VERTICES - vertices.len() {
+        if first > last || (last - first) as usize >= MAX_VERTICES - vertices.len() {
             return None;
         }
         vertices.extend(first..=last);

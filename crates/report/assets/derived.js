@@ -25,6 +25,20 @@ const Derived = (() => {
     });
   }
 
+  /** The mean angle between corresponding face normals, in degrees; faces without area do not count. */
+  function normalError(positions, truth, faces) {
+    let [sum, count] = [0, 0];
+    for (let f = 0; f < faces.length; f += 3) {
+      const [m, n] = [positions, truth].map((p) => Geometry.faceNormal(p, faces, f));
+      const sizes = Math.hypot(...m) * Math.hypot(...n);
+      if (!(sizes > 0)) continue;
+      const cosine = (m[0] * n[0] + m[1] * n[1] + m[2] * n[2]) / sizes;
+      sum += (180 * Math.acos(Math.max(-1, Math.min(1, cosine)))) / Math.PI;
+      count += 1;
+    }
+    return sum / count;
+  }
+
   /** What a view can be coloured by beyond the fields that it brings along. */
   function fields({from, truth, panels, fields: own}, meshes) {
     const all = [];
@@ -50,5 +64,5 @@ const Derived = (() => {
     return all;
   }
 
-  return {fields, angles};
+  return {fields, angles, normalError};
 })();

@@ -116,7 +116,7 @@ Playground.kinds.set('diffusion', class extends Playground {
       marks: [{at: rough, words: 'roughest'}],
       here: Object.values(factors).map((factor) => [rough, Math.max(-2, factor(-rough))]),
     });
-    return element('div', {class: 'panel'}, element('h4', {}, '1 − λ|μ| and 1/(1 + λ|μ|)'), plot);
+    return element('div', {class: 'panel'}, element('p', {class: 'title'}, '1 − λ|μ| and 1/(1 + λ|μ|)'), plot);
   }
 
   /** The size of each mode in the positions, before and after. */
@@ -137,7 +137,7 @@ Playground.kinds.set('diffusion', class extends Playground {
       y: {from: 1e-4, to: 1e3, log: true, label: 'size in the positions'},
       series,
     });
-    return element('div', {class: 'panel'}, element('h4', {}, 'the spectrum of the result'), plot);
+    return element('div', {class: 'panel'}, element('p', {class: 'title'}, 'the spectrum of the result'), plot);
   }
 
   about(v) {

@@ -69,7 +69,7 @@ Playground.kinds.set('ellipsoid', class extends Playground {
     path(section, 'soft');
     path(ours, 'blue');
     if (theirs) path(theirs, 'red dashed');
-    return element('div', {class: 'panel'}, element('h4', {}, 'the section along the normal'), svg);
+    return element('div', {class: 'panel'}, element('p', {class: 'title'}, 'the section along the normal'), svg);
   }
 
   curves(theta) {
@@ -89,7 +89,7 @@ Playground.kinds.set('ellipsoid', class extends Playground {
       marks: [{at: here}],
       here: [[here, now.exact], [here, now.source]],
     });
-    return element('div', {class: 'panel'}, element('h4', {}, 'over all directions'), plot);
+    return element('div', {class: 'panel'}, element('p', {class: 'title'}, 'over all directions'), plot);
   }
 
   about(v) {

@@ -117,16 +117,21 @@ const Geometry = (() => {
     return {starts, ends: Uint32Array.from(ends)};
   }
 
+  /** The normal of the face whose corners begin at `f`, twice its area long. */
+  function faceNormal(p, faces, f) {
+    const [a, b, c] = [3 * faces[f], 3 * faces[f + 1], 3 * faces[f + 2]];
+    const [ux, uy, uz] = [p[b] - p[a], p[b + 1] - p[a + 1], p[b + 2] - p[a + 2]];
+    const [vx, vy, vz] = [p[c] - p[a], p[c + 1] - p[a + 1], p[c + 2] - p[a + 2]];
+    return [uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx];
+  }
+
   /** Area vectors of the faces around each vertex, summed: normals, weighted by area. */
   function areaVectors(positions, faces) {
     const sums = new Float64Array(positions.length);
-    const p = positions;
     for (let f = 0; f < faces.length; f += 3) {
-      const [a, b, c] = [3 * faces[f], 3 * faces[f + 1], 3 * faces[f + 2]];
-      const [ux, uy, uz] = [p[b] - p[a], p[b + 1] - p[a + 1], p[b + 2] - p[a + 2]];
-      const [vx, vy, vz] = [p[c] - p[a], p[c + 1] - p[a + 1], p[c + 2] - p[a + 2]];
-      const [nx, ny, nz] = [uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx];
-      for (const v of [a, b, c]) {
+      const [nx, ny, nz] = faceNormal(positions, faces, f);
+      for (let k = 0; k < 3; k++) {
+        const v = 3 * faces[f + k];
         sums[v] += nx;
         sums[v + 1] += ny;
         sums[v + 2] += nz;
@@ -269,5 +274,5 @@ const Geometry = (() => {
     return {positions: drawn, note: growth > 1 ? ` (drawn 1 : ${readable(growth, 2)})` : ` (drawn ×${readable(1 / growth, 2)})`};
   }
 
-  return {octasphere, torus, turned, neighbours, normals, shape, curvature, boundary, meanEdge, gaussians, spread, fitted};
+  return {octasphere, torus, turned, neighbours, normals, faceNormal, shape, curvature, boundary, meanEdge, gaussians, spread, fitted};
 })();

@@ -35,14 +35,14 @@ class LiveFlows {
     this.status = element('output', {class: 'status', 'aria-live': 'polite'});
     this.modes = element('div', {class: 'modes'});
     for (const input of [this.lambda, this.count]) input.addEventListener('input', () => this.run());
-    const button = element('button', {type: 'button'}, 'smooth the input here');
-    button.addEventListener('click', () => this.run());
+    this.button = element('button', {type: 'button'}, 'smooth the input here');
+    this.button.addEventListener('click', () => (this.on ? this.forget() : this.run()));
     this.words();
     this.sliders = element('div', {class: 'sliders', hidden: true},
       element('div', {class: 'slider live'}, this.lambdaText, this.lambda),
       element('div', {class: 'slider live'}, this.countText, this.count));
     return [
-      element('p', {class: 'hint'}, button, ' Explicit and implicit steps with uniform weights, computed in this page as you move. ', this.status),
+      element('p', {class: 'hint'}, this.button, ' Explicit and implicit steps with uniform weights, computed in this page as you move. ', this.status),
       this.sliders,
       this.modes,
     ];
@@ -65,6 +65,8 @@ class LiveFlows {
     this.task += 1;
     if (!this.on) return;
     this.on = false;
+    this.sliders.hidden = true;
+    this.button.textContent = 'smooth the input here';
     this.status.textContent = '';
     this.modes.replaceChildren();
     this.changed();
@@ -83,6 +85,7 @@ class LiveFlows {
     if (!implicit) return;
     this.results = {explicit: Geometry.fitted(this.input, explicit), implicit: Geometry.fitted(this.input, implicit)};
     this.on = true;
+    this.button.textContent = 'back to the measured steps';
     this.done += 1;
     const took = performance.now() - start;
     const moved = (x) => (x ? readable(this.moved(x)) : 'no number');

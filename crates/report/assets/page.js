@@ -26,12 +26,29 @@ const fairing = (() => {
     figure.classList.add('still');
   }
 
-  /** Opens what is folded around a figure, goes there and marks it. */
+  /** Opens what is folded around a figure, goes there, marks it alone and moves the focus to it. */
   function mark(figure) {
     for (const other of document.querySelectorAll('figure.marked')) other.classList.remove('marked');
     for (let at = figure.closest('details'); at; at = at.parentElement.closest('details')) at.open = true;
     figure.classList.add('marked');
-    figure.scrollIntoView({block: 'center'});
+    figure.tabIndex = -1;
+    figure.focus({preventScroll: true});
+    figure.scrollIntoView({block: figure.offsetHeight < innerHeight ? 'center' : 'start'});
+  }
+
+  /** Large tables are kept as text until they are unfolded. */
+  function unfold(fold) {
+    const text = fold.querySelector(':scope > noscript');
+    if (!text) return;
+    text.outerHTML = text.textContent;
+    reachable(fold);
+  }
+
+  /** What scrolls sideways can be reached and scrolled by keys. */
+  function reachable(part) {
+    for (const box of part.querySelectorAll('.wide, pre, .formula, figure.picture')) {
+      if (box.scrollWidth > box.clientWidth) box.tabIndex = 0;
+    }
   }
 
   /** The address holds `#view=state&view=state` or `#figure=line`; of other anchors only figures are marked. */
@@ -39,7 +56,7 @@ const fairing = (() => {
     const hash = location.hash.slice(1);
     if (!hash.includes('=')) {
       const figure = document.getElementById(hash);
-      if (figure?.matches('figure.picture')) mark(figure);
+      if (figure?.matches('figure.picture, figure.view, figure.play')) mark(figure);
       return;
     }
     let first = null;
@@ -58,7 +75,7 @@ const fairing = (() => {
       if (view.shown) view.settle();
       else open(view);
     }
-    first?.figure.scrollIntoView();
+    if (first) mark(first.figure);
   }
 
   let timer = null;
@@ -130,6 +147,17 @@ const fairing = (() => {
   async function start() {
     theme();
     follow();
+    const narrow = matchMedia('(max-width: 70rem)');
+    const fold = () => { document.querySelector('nav details').open = !narrow.matches; };
+    fold();
+    narrow.addEventListener('change', fold);
+    document.addEventListener('toggle', ({target}) => {
+      if (!target.open) return;
+      unfold(target);
+      reachable(target);
+    }, true);
+    reachable(document);
+    addEventListener('resize', () => reachable(document));
     const figures = [...document.querySelectorAll('figure.view')];
     const plays = [...document.querySelectorAll('figure.play')];
     const colors = maps();
@@ -168,7 +196,10 @@ const fairing = (() => {
     let opened = [];
     addEventListener('beforeprint', () => {
       opened = [...document.querySelectorAll('details:not([open], .rows, .more)')];
-      for (const fold of opened) fold.open = true;
+      for (const fold of opened) {
+        unfold(fold);
+        fold.open = true;
+      }
       for (const figure of plays) views.get(figure.id).open();
     });
     addEventListener('afterprint', () => {

@@ -6,7 +6,7 @@ class Stage {
     this.owner = owner;
     this.canvas = steeredCanvas(alt);
     this.target = this.canvas.getContext('2d');
-    this.title = element('h4', {}, title);
+    this.title = element('p', {class: 'title'}, title);
     this.bar = element('div', {class: 'bar'});
     this.panel = element('div', {class: 'panel', hidden: !Renderer}, this.title, this.canvas, this.bar);
     this.scene = null;

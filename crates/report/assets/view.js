@@ -27,6 +27,7 @@ class View extends Drawn {
       flat: this.description.flat,
       picked: -1,
     };
+    this.home = structuredClone(this.state);
     this.live = null;
     this.stage = figure.querySelector('.stage');
   }
@@ -52,13 +53,16 @@ class View extends Drawn {
     this.sum = ModeSum.of(this.meshes, () => this.settleSum());
     this.fields = [...this.description.fields, ...Derived.fields(this.description, this.meshes)];
     if (this.sum) this.fields.unshift(this.sum.field());
-    // A view or an address may name its field.
-    if (typeof this.state.field === 'string') this.state.field = this.fields.findIndex((f) => f.name === this.state.field);
-    // A mesh with modes is shown with the mode that is being added, others as they are unless they bring values.
-    this.state.field ??= this.sum || this.description.fields.length ? 0 : -1;
-    if (this.state.field >= this.fields.length) this.state.field = -1;
+    for (const state of [this.state, this.home]) {
+      // A view or an address may name its field.
+      if (typeof state.field === 'string') state.field = this.fields.findIndex((f) => f.name === state.field);
+      // A mesh with modes is shown with the mode that is being added, others as they are unless they bring values.
+      state.field ??= this.sum || this.description.fields.length ? 0 : -1;
+      if (state.field >= this.fields.length) state.field = -1;
+    }
     this.stage.replaceChildren(...this.controls(), this.panels(), ...this.sliderRows(), this.readout());
     this.figure.classList.add('open');
+    this.homeSum = this.sum?.toText();
     const fit = new ResizeObserver(() => this.resize());
     for (const {canvas} of this.shown) fit.observe(canvas);
     this.resize();
@@ -118,10 +122,7 @@ class View extends Drawn {
       this.switches[key] = box;
     }
     const home = element('button', {type: 'button'}, 'reset');
-    home.addEventListener('click', () => {
-      this.camera.reset();
-      this.change({range: null, picked: -1});
-    });
+    home.addEventListener('click', () => this.reset());
     row.append(home, element('details', {class: 'more'}, element('summary', {}, 'more'), more));
     return [row];
   }
@@ -130,8 +131,8 @@ class View extends Drawn {
     this.shown = this.meshes.map((mesh) => {
       const canvas = steeredCanvas(`${mesh.title}. ${this.description.alt}`);
       const bar = element('div', {class: 'bar'});
-      const title = element('h4', {}, mesh.title);
-      const facts = element('p', {class: 'facts-line', hidden: !this.meshes.some((m) => m.facts?.length)});
+      const title = element('p', {class: 'title'}, mesh.title);
+      const facts = element('p', {class: 'facts-line', hidden: !this.meshes.some((m) => m.facts?.length || (m.flow && this.truth))});
       const panel = element('div', {class: 'panel', hidden: Boolean(mesh.flow)}, title, canvas, facts, bar);
       const shown = {mesh, canvas, bar, title, facts, panel, target: canvas.getContext('2d')};
       this.listen(shown);
@@ -145,13 +146,13 @@ class View extends Drawn {
       const input = element('input', {type: 'range', min: 0, max: stops.length - 1, step: 1, 'aria-label': name});
       const words = element('output', {});
       input.addEventListener('input', () => {
-        this.live?.forget();
         this.change({stops: this.state.stops.map((stop, i) => (i === which ? Number(input.value) : stop))});
       });
       return {name, stops, input, words};
     });
     const rows = this.sliders.map(({input, words}) => element('div', {class: 'slider'}, words, input));
-    return [element('div', {class: 'sliders'}, ...rows), ...(this.sum?.controls() ?? []), ...(this.live?.controls() ?? [])];
+    this.measured = element('div', {class: 'sliders'}, ...rows);
+    return [this.measured, ...(this.sum?.controls() ?? []), ...(this.live?.controls() ?? [])];
   }
 
   readout() {
@@ -181,9 +182,18 @@ class View extends Drawn {
         panel.hidden = this.live.on && mesh.stops.length > 1;
       }
     }
+    this.measured.hidden = this.live.on;
     this.resize();
     this.settle();
     this.remember();
+  }
+
+  /** Everything as the page shows it first. */
+  reset() {
+    this.camera.reset();
+    this.sum?.recall(this.homeSum);
+    this.live?.forget();
+    this.change(structuredClone(this.home));
   }
 
   change(what) {
@@ -255,24 +265,38 @@ class View extends Drawn {
     const chosen = this.chosen();
     if (!chosen) return [0, 1];
     if (chosen.fixed) return chosen.fixed;
-    // What is computed has a range for each state of the sliders.
-    if (chosen.derived) {
-      const key = `${this.combination()},${this.live?.version() ?? ''}`;
-      if (chosen.rangeKey !== key) [chosen.rangeKey, chosen.range] = [key, this.percentiles(chosen)];
-      return chosen.range;
-    }
-    chosen.range ??= this.percentiles(chosen);
+    // What is computed from live results has a range for each of them.
+    const key = chosen.derived && this.live?.on ? this.live.version() : '';
+    if (chosen.rangeKey !== key) [chosen.rangeKey, chosen.range] = [key, this.percentiles(chosen)];
     return chosen.range;
+  }
+
+  /** Calls `see` at each combination of stops. */
+  atAllStops(see) {
+    const {stops} = this.state;
+    const counts = this.description.sliders.map((slider) => slider.stops.length);
+    const all = counts.reduce((product, count) => product * count, 1);
+    for (let at = 0; at < all; at++) {
+      let rest = at;
+      this.state.stops = counts.map((count) => {
+        const stop = rest % count;
+        rest = Math.floor(rest / count);
+        return stop;
+      });
+      see();
+    }
+    this.state.stops = stops;
   }
 
   percentiles(chosen) {
     const all = [];
-    for (const mesh of chosen.derived ? this.visible() : this.meshes) {
-      const sets = chosen.derived ? [this.valuesBy(chosen, mesh) ?? []] : (mesh.fields.find((f) => f.name === chosen.name)?.stops ?? []);
-      for (const values of sets) {
-        for (const x of values) if (Number.isFinite(x)) all.push(x);
-      }
-    }
+    const add = (values) => {
+      for (const x of values ?? []) if (Number.isFinite(x)) all.push(x);
+    };
+    const now = () => this.visible().forEach((mesh) => add(this.valuesBy(chosen, mesh)));
+    if (!chosen.derived) this.meshes.forEach((mesh) => mesh.fields.find((f) => f.name === chosen.name)?.stops.forEach(add));
+    else if (this.live?.on) now();
+    else this.atAllStops(now);
     if (!all.length) return [0, 1];
     const sorted = Float32Array.from(all).sort();
     const at = (part) => sorted[Math.round(part * (sorted.length - 1))];
@@ -467,10 +491,11 @@ class View extends Drawn {
 
   /** What was measured of a panel at this combination of stops, number by number. */
   facts(mesh) {
+    if (mesh.flow && this.live.on && this.truth) return [fact('normal error', Derived.normalError(this.positions(mesh), this.truth, mesh.faces), '°')];
     return (mesh.facts ?? []).flatMap(({name, unit, values}) => {
       const value = values[this.stopOf(values)];
       if (value === null || value === undefined) return [];
-      return [element('span', {class: 'fact'}, `${name} `, element('b', {}, `${readable(value, 2)}${unit === '°' || !unit ? unit : ` ${unit}`}`))];
+      return [fact(name, value, unit)];
     });
   }
 
@@ -535,4 +560,9 @@ class View extends Drawn {
     if (this.shown && this.sum && sum) this.sum.recall(sum);
     if (this.shown) this.live?.recall(this.wantedLive);
   }
+}
+
+/** A number with its name and unit. */
+function fact(name, value, unit) {
+  return element('span', {class: 'fact'}, `${name} `, element('b', {}, `${readable(value, 2)}${unit === '°' || !unit ? unit : ` ${unit}`}`));
 }

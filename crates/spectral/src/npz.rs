@@ -40,7 +40,7 @@ impl Spectrum {
     }
 
     fn write(&self, file: impl Write + Seek) -> io::Result<()> {
-        let mut zip = ZipWriter::new(file);
+        let mut zip = ZipWriter::new(UntilError { file, failed: false });
         let mut add = |name: &str, array: Npy| -> io::Result<()> {
             // Not compressed, as by numpy.savez. Arrays may exceed 4 GiB.
             let stored = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
@@ -145,6 +145,46 @@ impl Spectrum {
             return Err(problem(path, "arrays that do not fit together"));
         }
         Ok(Self { values, modes, residuals, mass, certified, beyond })
+    }
+}
+
+/// A file that fails once and then swallows what is written: when an archive is dropped, it writes
+/// its directory, and would print a second error.
+struct UntilError<F> {
+    file: F,
+    failed: bool,
+}
+
+impl<F> UntilError<F> {
+    /// The result of an operation, or `otherwise` after an error.
+    fn attempt<T>(
+        &mut self,
+        otherwise: T,
+        operation: impl FnOnce(&mut F) -> io::Result<T>,
+    ) -> io::Result<T> {
+        if self.failed {
+            return Ok(otherwise);
+        }
+        let result = operation(&mut self.file);
+        // An interrupted write is tried again.
+        self.failed = result.as_ref().is_err_and(|e| e.kind() != io::ErrorKind::Interrupted);
+        result
+    }
+}
+
+impl<F: Write> Write for UntilError<F> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.attempt(bytes.len(), |file| file.write(bytes))
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.attempt((), F::flush)
+    }
+}
+
+impl<F: Seek> Seek for UntilError<F> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.attempt(0, |file| file.seek(to))
     }
 }
 

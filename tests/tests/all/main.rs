@@ -11,6 +11,8 @@ mod evaluation;
 mod examples;
 mod extents;
 mod extremes;
+#[cfg(target_os = "linux")]
+mod faults;
 mod files;
 #[cfg(target_os = "linux")]
 mod interrupts;

@@ -10,6 +10,10 @@ use fairing::mesh::io::{Format, WriteError, WriteProblem};
 use fairing::watch::Watch;
 use indicatif::ProgressBar;
 
+/// Names of the standard streams in errors.
+pub(crate) const STDIN: &str = "standard input";
+pub(crate) const STDOUT: &str = "standard output";
+
 /// Options of all verbs, and the terminal.
 pub(crate) struct Context {
     /// Print only results and errors.
@@ -89,8 +93,8 @@ impl Context {
     fn write(&self, text: impl Display) -> Result<(), Failure> {
         self.bar.suspend(|| {
             let mut out = stdout().lock();
-            write!(out, "{text}")?;
-            Ok(out.flush()?)
+            let written = write!(out, "{text}").and_then(|()| out.flush());
+            written.map_err(|error| Failure::output(anyhow::Error::new(error).context(STDOUT)))
         })
     }
 }

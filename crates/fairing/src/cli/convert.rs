@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use fairing::mesh::io::{
-    self, Encoding, FloatWidth, Format, PolygonFile, ReadOptions, UnsupportedFields, WriteOptions,
+    self, Encoding, FloatWidth, Format, PolygonFile, Strictness, UnsupportedFields, WriteOptions,
 };
 
 use serde_json::Value;
@@ -73,13 +73,13 @@ impl Convert {
         if let Some(format) = format {
             self.check(format)?;
         }
-        let reading = match (self.strict, context.drop_broken) {
-            (true, true) => {
+        let mut reading = files::reading(context);
+        if self.strict {
+            if context.drop_broken {
                 return Err(Failure::usage("--strict and --drop-broken exclude each other"));
             }
-            (true, false) => ReadOptions::strict(),
-            (false, _) => files::reading(context),
-        };
+            reading.strictness = Strictness::Strict;
+        }
         let PolygonFile { mesh, fields, report, .. } =
             files::read_polygons(context, input, &reading)?;
         files::say_report(context, input, &report);

@@ -6,13 +6,14 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use fairing::mesh::io::{
     self, Format, MeshFile, PolygonFile, ReadError, ReadOptions, ReadProblem, ReadReport,
-    VertexFields, WriteOptions, WriteProblem, WriteReport,
+    VertexFields, WriteError, WriteOptions, WriteProblem, WriteReport,
 };
 use fairing::mesh::{PolygonMesh, TriMesh};
 use fairing::watch;
 
-use super::context::{Context, Failure};
+use super::context::{Context, Failure, STDIN, STDOUT};
 use super::inputs::{check_distinct, output_for};
+use super::memory;
 
 /// The output of a verb.
 #[derive(Args)]
@@ -174,10 +175,11 @@ fn is_stream(path: &Path) -> bool {
 pub(crate) fn read(context: &Context, path: &Path) -> Result<MeshFile, Failure> {
     let options = reading(context);
     let file = match is_stream(path) {
-        true => io::read_from(stdin().lock(), context.format, &options),
+        true => io::read_from(stdin().lock(), context.format, &options).map_err(in_stdin),
         false => io::read_with(path, &options),
     };
     let file = file.map_err(unreadable)?;
+    memory::require_for_mesh(file.mesh.vertex_count())?;
     watch::stage("preparing", 0);
     Ok(file)
 }
@@ -189,24 +191,39 @@ pub(crate) fn read_polygons(
     options: &ReadOptions,
 ) -> Result<PolygonFile, Failure> {
     let file = match is_stream(path) {
-        true => io::read_polygons_from(stdin().lock(), context.format, options),
+        true => io::read_polygons_from(stdin().lock(), context.format, options).map_err(in_stdin),
         false => io::read_polygons_with(path, options),
     };
     file.map_err(unreadable)
 }
 
+/// The error of reading the standard input, with its name.
+fn in_stdin(mut error: ReadError) -> ReadError {
+    error.file = STDIN.into();
+    error
+}
+
 /// Reading options shared by all verbs.
 pub(crate) fn reading(context: &Context) -> ReadOptions {
-    match context.drop_broken {
+    let mut options = match context.drop_broken {
         true => ReadOptions::dropping_broken(),
         false => ReadOptions::default(),
+    };
+    if let Some(bytes) = memory::largest_file() {
+        options.max_bytes = bytes;
     }
+    options
 }
 
 /// The failure to read a file, with the option that would read it if there is one.
 pub(crate) fn unreadable(error: ReadError) -> Failure {
-    use ReadProblem::{IndexOutOfRange, NonFinite};
+    use ReadProblem::{IndexOutOfRange, NonFinite, TooLong};
     match error.problem {
+        TooLong { limit } => Failure::input(anyhow::anyhow!(
+            "{}: the mesh does not fit into memory, which is left for files of up to {} MB",
+            error.file.display(),
+            limit / 1_000_000
+        )),
         NonFinite { .. } | IndexOutOfRange { .. } => Failure::input(anyhow::anyhow!(
             "{error}; --drop-broken leaves out faces with such vertices"
         )),
@@ -232,7 +249,10 @@ pub(crate) fn write(
     options: &WriteOptions,
 ) -> Result<(), Failure> {
     let report = match (is_stream(path), context.format) {
-        (true, Some(format)) => io::write_to(stdout().lock(), format, mesh, fields, options),
+        (true, Some(format)) => {
+            let written = io::write_to(stdout().lock(), format, mesh, fields, options);
+            written.map_err(|error| WriteError::new(STDOUT, error.problem))
+        }
         _ => io::write_with_fields(path, mesh, fields, options),
     };
     let report = report.map_err(Failure::output)?;
@@ -250,7 +270,8 @@ pub(crate) fn write_polygons(
 ) -> Result<(), Failure> {
     let report = match (is_stream(path), context.format) {
         (true, Some(format)) => {
-            io::write_polygons_to(stdout().lock(), format, mesh, fields, options)
+            let written = io::write_polygons_to(stdout().lock(), format, mesh, fields, options);
+            written.map_err(|error| WriteError::new(STDOUT, error.problem))
         }
         _ => io::write_polygons(path, mesh, fields, options),
     };
@@ -275,7 +296,8 @@ pub(crate) fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
         true => stdout().lock().write_all(bytes),
         false => io::write_whole(path, |file| file.write_all(bytes)),
     };
-    written.map_err(|error| Failure::output(anyhow::anyhow!("{}: {error}", path.display())))
+    let name = if is_stream(path) { STDOUT.into() } else { path.display().to_string() };
+    written.map_err(|error| Failure::output(anyhow::Error::new(error).context(name)))
 }
 
 /// Writes a mesh whose vertices have moved, with its properties except normals, which do not fit

@@ -24,7 +24,7 @@ Examples:
   fairing render distance.ply -o distance.png --field distance";
 
 /// The most isolines of a mesh.
-const MOST_ISOLINES: f64 = 10_000.0;
+const MAX_ISOLINES: f64 = 10_000.0;
 
 /// Measure distances along the surface, trace shortest paths and draw isolines
 ///
@@ -174,9 +174,9 @@ impl Geodesic {
         let mut isolines = vec![];
         if let Some(spacing) = self.isolines {
             let count = (farthest(distance).map_or(0.0, |(_, d)| d) / spacing).floor();
-            if count > MOST_ISOLINES {
+            if count > MAX_ISOLINES {
                 return Err(Failure::usage(format_args!(
-                    "--isolines {spacing} would draw {count} isolines, more than {MOST_ISOLINES}"
+                    "--isolines {spacing} would draw {count} isolines, more than {MAX_ISOLINES}"
                 )));
             }
             for k in 1..=count as u32 {

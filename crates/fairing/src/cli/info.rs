@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 use super::context::{Context, Failure};
 use super::files;
 use super::inputs::{Inputs, Summary};
+use super::memory;
 use super::table::{Table, number};
 
 /// Describe a mesh: counts, topology, defects and measures
@@ -47,6 +48,7 @@ impl Info {
         let PolygonFile { mesh, fields, report, .. } =
             files::read_polygons(context, input, &files::reading(context))?;
         let surface = mesh.triangulate();
+        memory::require_for_mesh(surface.vertex_count())?;
         let diagnosis = Diagnosis::new(&surface);
         let (hints, command) = (diagnosis.hints(), repair_command(input, &surface, &diagnosis));
         let mut names: Vec<&str> = fields.scalars.iter().map(|(name, _)| &name[..]).collect();

@@ -14,6 +14,7 @@ mod geodesic;
 mod info;
 mod inputs;
 mod mask;
+mod memory;
 mod noise;
 mod operator;
 mod parameters;

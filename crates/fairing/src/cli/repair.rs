@@ -4,7 +4,7 @@ use std::path::Path;
 
 use clap::{Args, ValueEnum};
 use fairing::mesh::io::VertexFields;
-use fairing::mesh::{RepairOptions, RepairStep, Repaired, TriMesh, repair};
+use fairing::mesh::{RepairError, RepairOptions, RepairStep, Repaired, TriMesh, repair};
 use fairing::smoothing::{FairRegion, fair_region};
 use serde_json::{Map, Value, json};
 
@@ -107,7 +107,10 @@ impl Repair {
         let output = self.output.of(context, input, Content::Mesh)?;
         let file = files::read(context, input)?;
         files::say_report(context, input, &file.report);
-        let repaired = repair(&file.mesh, options).map_err(Failure::usage)?;
+        let repaired = repair(&file.mesh, options).map_err(|error| match error {
+            RepairError::Option(error) => Failure::usage(error),
+            error => error.into(),
+        })?;
         if repaired.mesh.face_count() == 0 && file.mesh.face_count() > 0 {
             return Err(Failure::usage(format_args!(
                 "{}: no face would be left; nothing is written",

@@ -11,6 +11,7 @@ use serde_json::{Value, json};
 use super::context::{Context, Failure};
 use super::files::{Content, OptionalOutput};
 use super::inputs::{Inputs, Summary};
+use super::memory;
 use super::operator;
 use super::surface::{Reading, Surface};
 use super::table::{Table, number};
@@ -155,6 +156,7 @@ impl Spectrum {
         let (surface, _) = self.reading.read(context, input)?;
         let (kind, mesh) = (&self.kind, surface.mesh());
         let laplacian = operator::assemble(context, mesh, kind.operator, kind.mass)?;
+        memory::require_for_modes(mesh.vertex_count(), self.k)?;
         let modes = spectral::spectrum(&laplacian, self.k, &kind.options(mesh))?;
         if let Some(output) = &output {
             on_file(&modes, &surface)?.save(output).map_err(Failure::output)?;

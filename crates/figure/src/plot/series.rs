@@ -179,16 +179,19 @@ pub(super) fn slope_ends(order: f64, [x0, y0]: [f64; 2], span: [f64; 2]) -> [[f6
 }
 
 /// Colours that stay apart for colour-blind people and in grey
-/// ([okabe2008], without the yellow that is too light for lines).
+/// ([okabe2008], without the yellow, and with orange and sky blue darker: lines
+/// have a contrast of at least 3 to a white ground, and all but the last to a
+/// dark one, [wcag22]).
 ///
 /// [okabe2008]: https://jfly.uni-koeln.de/color/
+/// [wcag22]: https://www.w3.org/TR/WCAG22/
 const COLORS: [Color; 7] = [
     [0x00, 0x72, 0xb2],
     [0xd5, 0x5e, 0x00],
     [0x00, 0x9e, 0x73],
     [0xcc, 0x79, 0xa7],
-    [0xe6, 0x9f, 0x00],
-    [0x56, 0xb4, 0xe9],
+    [0xb8, 0x7f, 0x00],
+    [0x3d, 0x94, 0xcf],
     [0x3b, 0x3b, 0x3b],
 ];
 
@@ -196,7 +199,7 @@ const COLORS: [Color; 7] = [
 pub(super) const REFERENCE: &[f64] = &[4.0, 3.0];
 
 /// The colour of series in the background.
-pub(super) const QUIET: Color = [0xa3, 0xa8, 0xb0];
+pub(super) const QUIET: Color = [0x87, 0x8d, 0x96];
 
 /// The look of one series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

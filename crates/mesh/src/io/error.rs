@@ -118,6 +118,12 @@ pub enum ReadProblem {
     /// The compressed data are damaged.
     #[error("cannot be decompressed: {0}")]
     Compression(io::Error),
+    /// The file or stream exceeds the limit of [`ReadOptions`](super::ReadOptions).
+    #[error("there are more than {limit} bytes, the limit")]
+    TooLong {
+        /// The most bytes that are read.
+        limit: u64,
+    },
     /// The decompressed content exceeds the limit of [`ReadOptions`](super::ReadOptions).
     #[error("{compressed} compressed bytes unpack to more than {limit} bytes, the limit")]
     Grows {
@@ -165,6 +171,12 @@ impl Fault {
 
     pub(crate) fn in_file(self, file: &Path) -> ReadError {
         ReadError { file: file.to_owned(), at: self.at, problem: self.problem }
+    }
+}
+
+impl From<io::Error> for Fault {
+    fn from(error: io::Error) -> Self {
+        Self::whole(ReadProblem::Io(error))
     }
 }
 

@@ -16,7 +16,7 @@ pub(crate) fn unpack(bytes: &[u8], options: &ReadOptions) -> Result<Vec<u8>, Fau
     let by_ratio = (bytes.len() as u64)
         .saturating_mul(options.max_unpack_ratio)
         .saturating_add(ReadOptions::FREE_UNPACKED_BYTES);
-    let limit = by_ratio.min(options.max_unpacked_bytes);
+    let limit = by_ratio.min(options.max_bytes);
     let mut decoder = MultiGzDecoder::new(bytes);
     let mut output = Vec::new();
     let mut block = vec![0u8; STEP.min(bytes.len().saturating_mul(4).max(1))];

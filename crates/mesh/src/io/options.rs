@@ -26,8 +26,8 @@ pub enum Strictness {
 pub struct ReadOptions {
     /// The treatment of content that a mesh cannot hold.
     pub strictness: Strictness,
-    /// The largest decompressed size of a file, in bytes.
-    pub max_unpacked_bytes: u64,
+    /// The largest size of a file or stream, in bytes, and that of its decompressed content.
+    pub max_bytes: u64,
     /// The largest ratio of decompressed to compressed size, beyond
     /// [`Self::FREE_UNPACKED_BYTES`]. Meshes seldom exceed 20; a deflate
     /// bomb reaches 1000.
@@ -51,11 +51,7 @@ impl ReadOptions {
 
 impl Default for ReadOptions {
     fn default() -> Self {
-        Self {
-            strictness: Strictness::Lenient,
-            max_unpacked_bytes: 16 << 30,
-            max_unpack_ratio: 250,
-        }
+        Self { strictness: Strictness::Lenient, max_bytes: 16 << 30, max_unpack_ratio: 250 }
     }
 }
 

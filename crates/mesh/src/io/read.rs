@@ -1,7 +1,8 @@
 //! Reading files, bytes and streams.
 
 use std::borrow::Cow;
-use std::io::Read;
+use std::fs::{File, Metadata};
+use std::io::{self, Read};
 use std::path::Path;
 
 use crate::build::check_positions;
@@ -57,7 +58,7 @@ pub fn read(path: impl AsRef<Path>) -> Result<MeshFile, ReadError> {
 pub fn read_with(path: impl AsRef<Path>, options: &ReadOptions) -> Result<MeshFile, ReadError> {
     let path = path.as_ref();
     let parse = |bytes: Vec<u8>| named_triangles(path, &bytes, options);
-    load(path).and_then(parse).map_err(|fault| fault.in_file(path))
+    load(path, options).and_then(parse).map_err(|fault| fault.in_file(path))
 }
 
 /// Reads a polygon mesh.
@@ -83,7 +84,7 @@ pub fn read_polygons_with(
         let (format, bytes) = as_named(path, &bytes)?;
         polygons(format, bytes, options)
     };
-    load(path).and_then(parse).map_err(|fault| fault.in_file(path))
+    load(path, options).and_then(parse).map_err(|fault| fault.in_file(path))
 }
 
 /// Reads a triangle mesh from the bytes of a file. The extension of `name` counts as
@@ -129,7 +130,7 @@ pub fn read_from(
     format: Option<Format>,
     options: &ReadOptions,
 ) -> Result<MeshFile, ReadError> {
-    drained(stream)
+    drained(stream, 0, options)
         .and_then(|bytes| triangles(format, &bytes, options))
         .map_err(|fault| fault.in_file(Path::new("")))
 }
@@ -144,13 +145,26 @@ pub fn read_polygons_from(
     format: Option<Format>,
     options: &ReadOptions,
 ) -> Result<PolygonFile, ReadError> {
-    drained(stream)
+    drained(stream, 0, options)
         .and_then(|bytes| polygons(format, &bytes, options))
         .map_err(|fault| fault.in_file(Path::new("")))
 }
 
-fn load(path: &Path) -> Result<Vec<u8>, Fault> {
-    std::fs::read(path).map_err(|error| Fault::whole(ReadProblem::Io(error)))
+/// The bytes of a file, all of one state of it.
+fn load(path: &Path, options: &ReadOptions) -> Result<Vec<u8>, Fault> {
+    let file = File::open(path)?;
+    let before = file.metadata()?;
+    if before.is_file() && before.len() > options.max_bytes {
+        return Err(Fault::whole(ReadProblem::TooLong { limit: options.max_bytes }));
+    }
+    let bytes = drained(&file, before.len(), options)?;
+    let after = file.metadata()?;
+    // Clocks of file systems tick in milliseconds: a size that differs is a change, too.
+    let state = |about: &Metadata| (about.len(), about.modified().ok());
+    if before.is_file() && state(&before) != state(&after) {
+        return Err(io::Error::other("the file has changed while it was read").into());
+    }
+    Ok(bytes)
 }
 
 /// The format by name and the bytes of the file. Fails if the name ends in `.gz` and the content is
@@ -166,10 +180,18 @@ fn as_named<'a>(path: &Path, bytes: &'a [u8]) -> Result<(Option<Format>, &'a [u8
     Ok((named.map(|named| named.format), bytes))
 }
 
-fn drained(mut stream: impl Read) -> Result<Vec<u8>, Fault> {
+/// The bytes of a stream, up to the limit, with their expected number.
+fn drained(stream: impl Read, expected: u64, options: &ReadOptions) -> Result<Vec<u8>, Fault> {
+    let limit = options.max_bytes;
     let mut bytes = Vec::new();
-    stream.read_to_end(&mut bytes).map_err(|error| Fault::whole(ReadProblem::Io(error)))?;
-    Ok(bytes)
+    // One more shows the end without another allocation.
+    let room = usize::try_from(expected.saturating_add(1)).map_err(io::Error::other)?;
+    bytes.try_reserve_exact(room).map_err(io::Error::from)?;
+    stream.take(limit.saturating_add(1)).read_to_end(&mut bytes)?;
+    match bytes.len() as u64 > limit {
+        true => Err(Fault::whole(ReadProblem::TooLong { limit })),
+        false => Ok(bytes),
+    }
 }
 
 fn polygons(

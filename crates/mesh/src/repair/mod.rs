@@ -14,6 +14,7 @@ use fairing_parameters::{OptionError, Range};
 use fairing_watch as watch;
 
 use crate::TriMesh;
+use crate::build::{BuildError, check_positions};
 
 /// The most rounds; steps that still undo each other after that many end there.
 const MAX_ROUNDS: usize = 8;
@@ -86,6 +87,19 @@ impl Default for RepairOptions {
     fn default() -> Self {
         Self::DEFAULT
     }
+}
+
+/// A reason for which [`repair`] fails.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RepairError {
+    /// An option is out of range.
+    #[error(transparent)]
+    Option(#[from] OptionError),
+    /// The positions that are left do not make a mesh: without the vertices that were dropped or
+    /// merged, their extent is out of range.
+    #[error("the repaired mesh is not valid: {0}")]
+    Positions(#[source] BuildError),
 }
 
 /// A step of [`repair`].
@@ -237,8 +251,9 @@ impl Repaired {
 ///
 /// # Errors
 ///
-/// [`OptionError`] if the tolerance is not in `[0, 1]`, `thin` not in `[0, 0.1]`, or `holes` above
-/// [`RepairOptions::MAX_HOLE`].
+/// [`RepairError::Option`] if the tolerance is not in `[0, 1]`, `thin` not in `[0, 0.1]`, or `holes`
+/// above [`RepairOptions::MAX_HOLE`]; [`RepairError::Positions`] if the vertices that are left span
+/// less than a mesh may.
 ///
 /// # Examples
 ///
@@ -261,7 +276,7 @@ impl Repaired {
 ///
 /// Sources: \[gueziec2001\], \[barequet1995\], \[liepa2003\].
 #[doc(alias("fill_holes", "fix_normals", "remove_degenerate_faces", "remove_unreferenced"))]
-pub fn repair(mesh: &TriMesh, options: &RepairOptions) -> Result<Repaired, OptionError> {
+pub fn repair(mesh: &TriMesh, options: &RepairOptions) -> Result<Repaired, RepairError> {
     options.check()?;
     watch::stage("repairing", 0);
     let mut work = Work::new(mesh);
@@ -269,6 +284,7 @@ pub fn repair(mesh: &TriMesh, options: &RepairOptions) -> Result<Repaired, Optio
     while rounds < MAX_ROUNDS && work.round(options) {
         rounds += 1;
     }
+    check_positions(work.mesh.positions()).map_err(RepairError::Positions)?;
     Ok(work.finish(mesh))
 }
 

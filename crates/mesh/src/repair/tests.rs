@@ -291,6 +291,16 @@ fn limits_are_checked() {
     }
 }
 
+/// The isolated vertex alone gives this mesh an extent that a mesh may have.
+#[test]
+fn what_is_left_is_a_valid_mesh() {
+    let tiny =
+        mesh(&[[0.0; 3], [1e-40, 0.0, 0.0], [0.0, 1e-40, 0.0], [1e-20, 0.0, 0.0]], &[[0, 1, 2]]);
+    let error = repair(&tiny, &RepairOptions::default()).unwrap_err();
+    assert!(matches!(error, RepairError::Positions(_)), "{error}");
+    assert!(repair(&tiny, &RepairOptions { isolated: false, ..Default::default() }).is_ok());
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(3000))]
 

@@ -161,15 +161,10 @@ fn png_size(bytes: &[u8]) -> Option<[u32; 2]> {
     is_png.then_some([number(16)?, number(20)?])
 }
 
-/// A figure with its caption, and links to both of its files.
+/// A figure with its caption.
 fn picture(record: &Record, figure: &FigureFile, label: &str, folder: &Path) -> Result<String> {
-    let mut links = format!("<a href=\"{}\">PNG</a>", escape(&figure.png));
-    if let Some(svg) = &figure.svg {
-        let _ = write!(links, ", <a href=\"{}\">SVG</a>", escape(svg));
-    }
     Ok(format!(
-        "<figure class=\"picture\" id=\"{}\">{}<figcaption>{label}{} \
-         <span class=\"soft\">({links})</span></figcaption></figure>",
+        "<figure class=\"picture\" id=\"{}\">{}<figcaption>{label}{}</figcaption></figure>",
         escape(&figure_id(record, &figure.id)),
         image(figure, folder)?,
         escape(&figure.caption)

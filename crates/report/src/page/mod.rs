@@ -21,6 +21,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use anyhow::Result;
+use base64::Engine as _;
 use rayon::prelude::*;
 
 use crate::{markdown, notation, numbers, story, thumbnail};
@@ -57,6 +58,10 @@ const SCRIPTS: [&str; 22] = [
 
 const STYLE: &str = include_str!("../../assets/style.css");
 
+/// A font for formulas: DejaVu Math TeX Gyre, cut down to ASCII, Greek, italics and operators. Its
+/// licence is that of `crates/figure/fonts`, and its extensions are in the public domain.
+const MATH: &[u8] = include_bytes!("../../assets/math.woff2");
+
 /// The page. `folder` holds the files of the report, whose pictures are put
 /// into the page, or linked if the report is small.
 ///
@@ -86,18 +91,26 @@ fn document(title: &str, contents: &str, main: &str) -> String {
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{title}</title>\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
          <meta name=\"color-scheme\" content=\"light dark\">\
-         <link rel=\"icon\" href=\"data:,\"><style>{STYLE}</style></head><body>\
+         <link rel=\"icon\" href=\"data:,\"><style>{font}{STYLE}</style></head><body>\
          <a class=\"skip\" href=\"#main\">Skip to content</a>\
          <header><h1>{title}</h1><button id=\"theme\" type=\"button\" hidden>dark</button></header>\
          {contents}<main id=\"main\">{main}</main>\
          <script id=\"colour-maps\" type=\"application/json\">{maps}</script>\n",
         title = escape(title),
         maps = view::color_maps(),
+        font = math_font(),
     );
     for script in SCRIPTS {
         let _ = writeln!(page, "<script>{script}</script>");
     }
     page + "</body></html>\n"
+}
+
+fn math_font() -> String {
+    format!(
+        "@font-face {{ font-family: \"Fairing Math\"; src: url(data:font/woff2;base64,{}) format(\"woff2\"); }}\n",
+        base64::engine::general_purpose::STANDARD.encode(MATH)
+    )
 }
 
 fn contents(results: &Results) -> String {
@@ -124,8 +137,8 @@ fn contents(results: &Results) -> String {
         list += "<li><a href=\"#rules\">What we would tell the student</a></li>";
     }
     format!(
-        "<nav aria-label=\"contents\"><ol>{list}\
-         <li><a href=\"#provenance\">Where the numbers come from</a></li></ol></nav>"
+        "<nav aria-label=\"contents\"><details open><summary>Contents</summary><ol>{list}\
+         <li><a href=\"#provenance\">Where the numbers come from</a></li></ol></details></nav>"
     )
 }
 
@@ -327,7 +340,7 @@ fn claim_table(results: &Results, ours: bool, heading: &str) -> String {
     match rows.is_empty() {
         true => rows,
         false => format!(
-            "<div class=\"wide\"><table class=\"claims\"><tbody><tr><th></th><th scope=\"colgroup\">{heading}</th>\
+            "<div class=\"wide\"><table class=\"claims\"><tbody><tr><th scope=\"col\">Id</th><th scope=\"colgroup\">{heading}</th>\
              <th>Verdict</th><th>What is true</th><th>Deciding number</th></tr>{rows}</tbody></table></div>"
         ),
     }
@@ -351,7 +364,7 @@ fn provenance(results: &Results) -> String {
     format!(
         "<section id=\"provenance\"><h2>Where the numbers come from</h2>\
          <p>Made by <code>cargo xtask reproduce{}</code>. All numbers are in \
-         <a href=\"results.json\">results.json</a>.</p>\
+         <code>results.json</code> beside this page.</p>\
          <details><summary>Commit, compiler, libraries, system and seed</summary><div class=\"wide\">\
          <table class=\"facts\"><tbody>{rows}</tbody></table></div></details></section>",
         if p.quick { " --quick" } else { "" },

@@ -42,7 +42,7 @@ pub(super) fn experiment(
     }
     text += &method(record)?;
     text += &figures::shown(record, first, folder)?;
-    text += &tables::tables(record);
+    text += &tables::tables(record, folder)?;
     let notes: Vec<String> =
         record.notes.iter().map(|note| format!("<p>{}</p>", with_code(note))).collect();
     if let Some((first, others)) = notes.split_first() {

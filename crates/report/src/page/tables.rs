@@ -1,6 +1,11 @@
 //! The tables of a section.
 
 use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context as _, Result};
+use base64::Engine as _;
 
 use super::html::escape;
 use crate::{layout, markdown};
@@ -8,22 +13,36 @@ use fairing_results::results::Record;
 use fairing_results::table::{Cell, Table, Unit};
 
 /// Tables with deciding rows; the others are folded.
-pub(super) fn tables(record: &Record) -> String {
-    let one = |t: &Table| table(t, &format!("{}/{}.csv", record.id, t.id));
+///
+/// What is folded stands in a `<noscript>`, which the page's script opens with the fold, so that
+/// thousands of cells are no elements until they are asked for.
+///
+/// # Errors
+///
+/// If a CSV file cannot be read.
+pub(super) fn tables(record: &Record, folder: &Path) -> Result<String> {
+    let one = |t: &Table, folded: bool| {
+        let csv = format!("{}/{}.csv", record.id, t.id);
+        let bytes = fs::read(folder.join(&csv)).with_context(|| format!("reading {csv}"))?;
+        Ok(table(t, &csv, &bytes, folded))
+    };
     let (seen, folded): (Vec<&Table>, Vec<&Table>) =
         record.tables.iter().partition(|t| layout::shows_table(record, &t.id));
-    let mut text: String = seen.into_iter().map(one).collect();
+    let mut text = String::new();
+    for table in seen {
+        text += &one(table, false)?;
+    }
     if !folded.is_empty() {
         let names: Vec<String> = folded.iter().map(|t| layout::name(record, &t.id)).collect();
         let _ = write!(
             text,
-            "<details><summary>{}: {}</summary>{}</details>",
+            "<details><summary>{}: {}</summary><noscript>{}</noscript></details>",
             counted("Table", folded.len()),
             escape(&names.join("; ")),
-            folded.into_iter().map(one).collect::<String>()
+            folded.into_iter().map(|table| one(table, true)).collect::<Result<String>>()?
         );
     }
-    text
+    Ok(text)
 }
 
 /// `Table`, or `3 tables`.
@@ -34,11 +53,14 @@ pub(super) fn counted(what: &str, count: usize) -> String {
     }
 }
 
-fn table(table: &Table, csv: &str) -> String {
+/// `bytes` are those of the file `csv`, which the page brings along for when it travels alone.
+/// `folded` tables are within a `<noscript>` already.
+fn table(table: &Table, csv: &str, bytes: &[u8], folded: bool) -> String {
     let caption = format!(
-        "{} <span class=\"soft\">(<a href=\"{}\">CSV{}</a>)</span>",
+        "{} <span class=\"soft\">(<a download=\"{}\" href=\"data:text/csv;base64,{}\">CSV{}</a>)</span>",
         escape(&table.caption),
-        escape(csv),
+        escape(&csv.replace('/', "-")),
+        base64::engine::general_purpose::STANDARD.encode(bytes),
         markdown::left_out(table)
     );
     let rows = table.rows.len();
@@ -47,10 +69,11 @@ fn table(table: &Table, csv: &str) -> String {
     let (before, caption, after) = match rows > markdown::LONG {
         true => (
             format!(
-                "<p class=\"caption\">{caption}</p><details class=\"rows\"><summary>{rows} rows</summary>"
+                "<p class=\"caption\">{caption}</p><details class=\"rows\"><summary>{rows} rows</summary>{}",
+                if folded { "" } else { "<noscript>" }
             ),
             String::new(),
-            "</details>",
+            if folded { "</details>" } else { "</noscript></details>" },
         ),
         false => (String::new(), format!("<caption><span>{caption}</span></caption>"), ""),
     };

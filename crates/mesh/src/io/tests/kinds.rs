@@ -1,12 +1,17 @@
 //! Recognition of formats, and of files that are no mesh.
 
 use std::io::Write;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
 
 use crate::io::tests::{read, refusal, tetrahedron};
-use crate::io::{Format, ReadOptions, VertexFields, WriteOptions, to_bytes};
+use crate::io::{
+    Format, ReadOptions, VertexFields, WriteOptions, read as read_file, read_from, read_with,
+    to_bytes,
+};
 
 /// A file name with the usual file extension.
 fn name_of(format: Format) -> String {
@@ -160,7 +165,64 @@ fn bombs_stop_at_the_limit() {
     assert!(message.contains("unpack to more than"), "{message}");
 
     let small = packed(&bytes(Format::Obj, &WriteOptions::default()));
-    let options = ReadOptions { max_unpacked_bytes: 50, ..ReadOptions::default() };
+    let options = ReadOptions { max_bytes: 50, ..ReadOptions::default() };
     let message = refusal("a.obj.gz", &small, &options);
     assert!(message.contains("unpack to more than 50 bytes"), "{message}");
+}
+
+/// A file is read in one state or not at all.
+#[test]
+fn a_file_that_changes_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.off");
+    let mut content = bytes(Format::Off, &WriteOptions::default());
+    content.extend_from_slice(&b"# comment\n".repeat(1 << 17));
+    std::fs::write(&path, &content).unwrap();
+    let stop = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            let mut file = std::fs::OpenOptions::new().append(true).open(&path).unwrap();
+            while !stop.load(Ordering::Relaxed) {
+                file.write_all(b"# more\n").unwrap();
+                std::thread::yield_now();
+            }
+        });
+        let start = Instant::now();
+        let error = loop {
+            match read_file(&path) {
+                Ok(_) if start.elapsed() < Duration::from_secs(60) => {}
+                outcome => break outcome,
+            }
+        };
+        stop.store(true, Ordering::Relaxed);
+        let error = error.unwrap_err().to_string();
+        assert!(error.contains("has changed while it was read"), "{error}");
+    });
+}
+
+#[test]
+fn files_and_streams_stop_at_the_limit() {
+    let content = bytes(Format::Obj, &WriteOptions::default());
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.obj");
+    std::fs::write(&path, &content).unwrap();
+    let size = content.len() as u64;
+    for (max_bytes, fits) in [(size, true), (size - 1, false)] {
+        let options = ReadOptions { max_bytes, ..ReadOptions::default() };
+        for read in
+            [read_with(&path, &options), read_from(&content[..], Some(Format::Obj), &options)]
+        {
+            match read {
+                Ok(_) => assert!(fits, "{max_bytes}"),
+                Err(error) => {
+                    let message = error.to_string();
+                    assert!(!fits && message.contains(&format!("more than {max_bytes} bytes")));
+                }
+            }
+        }
+    }
+    // A stream without end is not read to its end.
+    let options = ReadOptions { max_bytes: 1 << 20, ..ReadOptions::default() };
+    let error = read_from(std::io::repeat(b' '), None, &options).unwrap_err();
+    assert!(error.to_string().contains("more than 1048576 bytes"), "{error}");
 }
