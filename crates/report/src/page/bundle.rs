@@ -28,6 +28,12 @@ pub(super) fn bundled(modules: &[(&str, &str)]) -> Result<String> {
     Ok(script)
 }
 
+/// A script or style sheet without indentation, empty lines and lines that are comments.
+pub(super) fn compact(text: &str) -> String {
+    let lines = text.lines().map(str::trim_start);
+    lines.filter(|l| !l.is_empty() && !l.starts_with("//")).flat_map(|l| [l, "\n"]).collect()
+}
+
 /// The name of the file that a line imports from.
 fn imported(line: &str) -> Option<&str> {
     let (_, from) = line.strip_prefix("import ")?.split_once(" from '")?;

@@ -7,8 +7,10 @@ use anyhow::Result;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD as BASE64;
 
-use super::bundle::bundled;
-use super::{STYLE, view};
+use fairing_figure::ColorMap;
+
+use super::bundle::{bundled, compact};
+use super::view;
 
 /// The scripts of the report that draw, in the order in which they use one another.
 const DRAWING: [&str; 5] = [
@@ -31,6 +33,7 @@ const WORKER: [(&str, &str); 2] = [
     ("worker.mjs", include_str!("../../../web/assets/worker.mjs")),
 ];
 
+const STYLE: &str = include_str!("../../assets/style.css");
 const OWN_STYLE: &str = include_str!("../../assets/laboratory/style.css");
 const BODY: &str = include_str!("../../assets/laboratory/body.html");
 
@@ -40,20 +43,21 @@ const BODY: &str = include_str!("../../assets/laboratory/body.html");
 ///
 /// Scripts that import one another in a circle.
 pub fn laboratory(module: &[u8]) -> Result<String> {
-    let drawing: String = DRAWING.iter().map(|text| format!("<script>{text}</script>\n")).collect();
+    let drawing = DRAWING.map(|text| format!("<script>{}</script>\n", compact(text))).concat();
     Ok(format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Fairing laboratory</title>\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
          <meta name=\"color-scheme\" content=\"light dark\">\
-         <link rel=\"icon\" href=\"data:,\"><style>{STYLE}{OWN_STYLE}</style></head><body>{BODY}\
+         <link rel=\"icon\" href=\"data:,\"><style>{style}</style></head><body>{BODY}\
          <script id=\"colour-maps\" type=\"application/json\">{maps}</script>\n\
          <script id=\"module\" type=\"text/plain\">{module}</script>\n\
          <script id=\"worker\" type=\"text/plain\">{worker}</script>\n\
          {drawing}<script type=\"module\">{page}</script></body></html>\n",
-        maps = view::color_maps(),
+        style = compact(&[STYLE, OWN_STYLE].concat()),
+        maps = view::color_maps(&[ColorMap::Viridis, ColorMap::CoolWarm]),
         module = BASE64.encode(module),
-        worker = bundled(&WORKER)?,
-        page = bundled(&PAGE)?,
+        worker = compact(&bundled(&WORKER)?),
+        page = compact(&bundled(&PAGE)?),
     ))
 }
 

@@ -25,6 +25,7 @@ use base64::Engine as _;
 use rayon::prelude::*;
 
 use crate::{markdown, notation, numbers, story, thumbnail};
+use fairing_figure::ColorMap;
 use fairing_results::results::{Record, Results};
 use fairing_results::verdict::{Judgement, Verdict};
 use html::escape;
@@ -97,7 +98,7 @@ fn document(title: &str, contents: &str, main: &str) -> String {
          {contents}<main id=\"main\">{main}</main>\
          <script id=\"colour-maps\" type=\"application/json\">{maps}</script>\n",
         title = escape(title),
-        maps = view::color_maps(),
+        maps = view::color_maps(&ColorMap::ALL),
         font = math_font(),
     );
     for script in SCRIPTS {
