@@ -5,8 +5,16 @@ use std::process::Command;
 
 use anyhow::{Context as _, Result, ensure};
 
-/// Packages that build the wheel.
-const BUILD: [&str; 1] = ["maturin>=1.9,<2"];
+/// Packages that build the wheel; on Linux a linker for old versions of glibc, and audits.
+const BUILD: &[&str] = match cfg!(target_os = "linux") {
+    true => &["maturin>=1.9,<2", "abi3audit", "auditwheel", "ziglang"],
+    false => &["maturin>=1.9,<2", "abi3audit"],
+};
+/// The oldest systems with glibc on which the wheel runs: RHEL 8, Debian 10, Ubuntu 20.04.
+const MANYLINUX: &str = "manylinux_2_28";
+/// The interpreter of a second wheel, where it is on the path: one without a global lock has no
+/// stable interface.
+const FREE_THREADED: &str = "python3.14t";
 /// Packages required by the tests.
 const TESTS: [&str; 4] = ["numpy", "scipy", "pytest", "hypothesis"];
 /// Packages required by single tests, which are skipped without them.
@@ -103,12 +111,16 @@ fn builder(root: &Path) -> Result<std::result::Result<Environment, String>> {
         Ok(environment) => environment,
         Err(reason) => return Ok(Err(reason)),
     };
-    Ok(match environment.install(&BUILD)? {
+    Ok(match environment.install(BUILD)? {
         true => Ok(environment),
-        false => Err("pip cannot install maturin: there is no package index".to_owned()),
+        false => {
+            Err("pip cannot install maturin and its audits: there is no package index".to_owned())
+        }
     })
 }
 
+/// Builds the wheel for all versions of Python, and beside it one for [`FREE_THREADED`]; returns
+/// the first.
 fn build(environment: &Environment, root: &Path) -> Result<Option<PathBuf>> {
     let folder = root.join("target/wheels");
     if folder.is_dir() {
@@ -118,15 +130,55 @@ fn build(environment: &Environment, root: &Path) -> Result<Option<PathBuf>> {
     }
     let mut maturin = Command::new(environment.program("maturin"));
     maturin.args(["build", "--release", "--locked", "--out"]).arg(&folder);
+    if cfg!(target_os = "linux") {
+        maturin.args(["--zig", "--compatibility", MANYLINUX]);
+        // Finds the linker as a module of the environment.
+        maturin.env("CARGO_ZIGBUILD_PYTHON_PATH", environment.program("python"));
+    }
     maturin.arg("--interpreter").arg(environment.program("python"));
+    if Command::new(FREE_THREADED).arg("--version").output().is_ok() {
+        maturin.arg(FREE_THREADED);
+    }
     if !maturin.current_dir(root.join("python")).status().context("running maturin")?.success() {
         return Ok(None);
     }
-    let mut wheels = std::fs::read_dir(&folder)?.filter_map(|entry| Some(entry.ok()?.path()));
-    Ok(wheels.find(|path| path.extension().is_some_and(|e| e == "whl")))
+    let wheels = std::fs::read_dir(&folder)?.filter_map(|entry| Some(entry.ok()?.path()));
+    let is_abi3 = |path: &PathBuf| {
+        path.to_string_lossy().ends_with(".whl") && name_of(path).contains("-abi3-")
+    };
+    let mut found = wheels.filter(is_abi3);
+    Ok(found.next())
 }
 
-/// Builds the wheel into `target/wheels`; returns its path, or the reason for which there is no
+/// The name of a file.
+fn name_of(path: &Path) -> &str {
+    path.file_name().and_then(|name| name.to_str()).unwrap_or_default()
+}
+
+/// Checks that the wheel uses no more of Python and of the C library than its name says.
+fn audit(environment: &Environment, wheel: &Path) -> Result<()> {
+    let run = |program: &str, arguments: &[&str]| -> Result<String> {
+        let mut command = Command::new(environment.program(program));
+        let output = command.args(arguments).arg(wheel).output();
+        let output = output.with_context(|| format!("running {program}"))?;
+        let [said, errors] = [output.stdout, output.stderr];
+        let text = String::from_utf8_lossy(&[said, errors].concat()).into_owned();
+        ensure!(output.status.success(), "{program}: {text}");
+        Ok(text)
+    };
+    run("abi3audit", &["--strict"])?;
+    if cfg!(target_os = "linux") {
+        let tag = format!("{MANYLINUX}_{}", std::env::consts::ARCH);
+        ensure!(name_of(wheel).contains(&tag), "{} is not for {tag}", name_of(wheel));
+        // In words that are broken into lines.
+        let said = run("auditwheel", &["show"])?;
+        let consistent = said.split_whitespace().any(|word| word.contains(&tag));
+        ensure!(consistent, "auditwheel: {said}");
+    }
+    Ok(())
+}
+
+/// Builds the wheel into `target/wheels` and audits it; returns its path, or the reason for which there is no
 /// maturin.
 ///
 /// # Errors
@@ -138,6 +190,7 @@ pub(crate) fn wheel(root: &Path) -> Result<std::result::Result<PathBuf, String>>
         Err(reason) => return Ok(Err(reason)),
     };
     let wheel = build(&environment, root)?.context("maturin has not built a wheel")?;
+    audit(&environment, &wheel)?;
     let size = std::fs::metadata(&wheel)?.len();
     println!("{} ({:.1} MB)", wheel.display(), size as f64 / 1e6);
     Ok(Ok(wheel))

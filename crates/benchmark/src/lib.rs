@@ -21,7 +21,6 @@ mod published;
 mod table;
 mod training;
 mod tune;
-mod vec3;
 
 pub use cases::{Case, Set, cases, set_of};
 pub use measure::{Found, Summary, committed, found, summary, written};

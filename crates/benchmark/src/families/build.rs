@@ -1,7 +1,7 @@
 //! Size, triangulation and proportions of a model.
 
-use crate::vec3::{cross, norm, scale};
 use fairing_mesh::TriMesh;
+use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -69,11 +69,11 @@ impl Proportions {
     }
 
     /// A unit vector, all directions equally likely.
-    pub(super) fn direction(&mut self) -> [f64; 3] {
+    pub(super) fn direction(&mut self) -> DVec3 {
         let z = self.between(-1.0, 1.0);
         let (s, c) = libm::sincos(self.between(0.0, std::f64::consts::TAU));
         let r = (1.0 - z * z).sqrt();
-        [r * c, r * s, z]
+        DVec3::new(r * c, r * s, z)
     }
 
     /// Evenly in the logarithm; `low` if the interval is empty.
@@ -82,13 +82,13 @@ impl Proportions {
     }
 
     /// Three unit vectors at right angles.
-    pub(super) fn axes(&mut self) -> [[f64; 3]; 3] {
+    pub(super) fn axes(&mut self) -> [DVec3; 3] {
         loop {
             let x = self.direction();
-            let y = cross(x, self.direction());
-            if norm(y) > 0.1 {
-                let y = scale(y, 1.0 / norm(y));
-                return [x, y, cross(x, y)];
+            let y = x.cross(self.direction());
+            if y.length() > 0.1 {
+                let y = y * (1.0 / y.length());
+                return [x, y, x.cross(y)];
             }
         }
     }

@@ -2,8 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::vec3::{distance, norm, scale};
 use fairing_mesh::TriMesh;
+use glam::DVec3;
 
 use super::build::Build;
 use super::models::{level_set, ring};
@@ -12,17 +12,18 @@ use fairing_shapes::outline::polygon;
 
 pub(super) fn relief(build: Build) -> TriMesh {
     let mut random = build.proportions();
-    let waves: Vec<([f64; 3], f64, f64)> = (0..9)
+    let waves: Vec<(DVec3, f64, f64)> = (0..9)
         .map(|k| {
             // Wave lengths from 1 to 0.4.
             let frequency = [7.0, 11.0, 15.0][k % 3] * random.between(0.9, 1.1);
-            let direction = scale(random.direction(), frequency);
+            let direction = random.direction() * frequency;
             (direction, random.between(0.0, TAU), 0.14 / frequency)
         })
         .collect();
     let field = move |p: [f64; 3]| {
-        let r = norm(p).max(1e-3);
-        let q = scale(p, 1.0 / r);
+        let p = DVec3::from(p);
+        let r = p.length().max(1e-3);
+        let q = p * (1.0 / r);
         let waves: f64 = waves
             .iter()
             .map(|(d, phase, a)| a * libm::sin(d[0] * q[0] + d[1] * q[1] + d[2] * q[2] + phase))
@@ -53,25 +54,26 @@ pub(super) fn pores(build: Build) -> TriMesh {
     let mut random = build.proportions();
     let count = random.count(30, 45);
     let golden = PI * (3.0 - 5f64.sqrt());
-    let pits: Vec<([f64; 3], f64, f64)> = (0..count)
+    let pits: Vec<(DVec3, f64, f64)> = (0..count)
         .map(|k| {
             // Points spread over the sphere evenly.
             let z = 1.0 - (2.0 * f64::from(k) + 1.0) / f64::from(count);
             let (s, c) = libm::sincos(golden * f64::from(k));
             let r = (1.0 - z * z).sqrt();
             let width = random.between(0.07, 0.12);
-            ([r * c, r * s, z], width, width * random.between(0.7, 1.2))
+            (DVec3::new(r * c, r * s, z), width, width * random.between(0.7, 1.2))
         })
         .collect();
     let field = move |p: [f64; 3]| {
+        let p = DVec3::from(p);
         let deep: f64 = pits
             .iter()
             .map(|(c, width, depth)| {
-                let t = distance(p, *c) / width;
+                let t = p.distance(*c) / width;
                 depth * libm::exp(-0.5 * t * t)
             })
             .sum();
-        norm(p) - 1.0 + deep
+        p.length() - 1.0 + deep
     };
     level_set(field, 1.0, build)
 }

@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use crate::vec3::{add, cross, dot, norm, scale, sub};
 use fairing_mesh::TriMesh;
+use glam::DVec3;
 
 use super::build::{Build, Proportions};
 use super::extrude::extrude_with;
@@ -174,8 +174,8 @@ pub(super) fn bolt(build: Build) -> TriMesh {
 #[derive(Clone, Copy)]
 struct Ball {
     /// The direction from the middle of the model.
-    out: [f64; 3],
-    centre: [f64; 3],
+    out: DVec3,
+    centre: DVec3,
     radius: f64,
     /// `true` if the model is outside of the ball.
     hollow: bool,
@@ -183,9 +183,9 @@ struct Ball {
 
 impl Ball {
     /// At this distance from the origin towards `out`.
-    fn new(out: [f64; 3], distance: f64, radius: f64, hollow: bool) -> Self {
+    fn new(out: DVec3, distance: f64, radius: f64, hollow: bool) -> Self {
         let away = if hollow { distance + radius } else { distance - radius };
-        Self { out, centre: scale(out, away), radius, hollow }
+        Self { out, centre: (out * away), radius, hollow }
     }
 
     /// The stereographic projection from the point opposite to the middle of the side. It keeps
@@ -193,22 +193,22 @@ impl Ball {
     fn chart(self) -> Chart<'static> {
         let Self { out, centre, radius, hollow } = self;
         let (plane, middle) = (
-            Chart::plane([0.0; 3], out, away_from(out)),
-            scale(out, if hollow { -1.0 } else { 1.0 }),
+            Chart::plane(DVec3::ZERO, out, away_from(out)),
+            (out * (if hollow { -1.0 } else { 1.0 })),
         );
-        let lift = Chart::plane([0.0; 3], out, away_from(out)).to_space;
+        let lift = Chart::plane(DVec3::ZERO, out, away_from(out)).to_space;
         Chart {
             to_plane: Box::new(move |p| {
-                let q = scale(sub(p, centre), 1.0 / radius);
-                let factor = 2.0 * radius / (1.0 + dot(q, middle));
-                (plane.to_plane)(q).map(|x| factor * x)
+                let q = (DVec3::from(p) - centre) * (1.0 / radius);
+                let factor = 2.0 * radius / (1.0 + q.dot(middle));
+                (plane.to_plane)(q.into()).map(|x| factor * x)
             }),
             to_space: Box::new(move |q| {
                 let [x, y] = q.map(|t| 0.5 * t / radius);
                 let square = x * x + y * y;
-                let side = scale(lift([x, y]), 2.0);
-                let sum = add(side, scale(middle, 1.0 - square));
-                add(centre, scale(sum, radius / (1.0 + square)))
+                let side = DVec3::from(lift([x, y])) * 2.0;
+                let sum = side + middle * (1.0 - square);
+                (centre + sum * (radius / (1.0 + square))).into()
             }),
             isometric: false,
         }
@@ -216,8 +216,8 @@ impl Ball {
 }
 
 /// The axis with the least component of a direction.
-fn away_from(n: [f64; 3]) -> [f64; 3] {
-    let mut axis = [0.0; 3];
+fn away_from(n: DVec3) -> DVec3 {
+    let mut axis = DVec3::ZERO;
     let least = (0..3).min_by(|&i, &j| n[i].abs().total_cmp(&n[j].abs())).unwrap_or(0);
     axis[least] = 1.0;
     axis
@@ -232,7 +232,7 @@ pub(super) fn cushion(build: Build) -> TriMesh {
     // Bit k of the number of a corner says on which side along axis k it is.
     let around = |corner: usize| [0, 1, 2].map(|k| balls[2 * k + (corner >> k & 1)]);
     let ids: [u32; 8] =
-        std::array::from_fn(|corner| solid.corner(common_point(around(corner), corner)));
+        std::array::from_fn(|corner| solid.corner(common_point(around(corner), corner).into()));
     let mut edges: HashMap<(usize, usize), Curve> = HashMap::new();
     for corner in 0..8usize {
         for k in (0..3).filter(|k| corner >> k & 1 == 0) {
@@ -268,41 +268,41 @@ fn side_ball(random: &mut Proportions, k: usize) -> Ball {
     let least = if hollow { 2.2 } else { 1.6 };
     let radius = distance * random.between(least, 3.5);
     let distance = if hollow { 0.6 * distance } else { distance };
-    Ball::new(scale(out, 1.0 / norm(out)), distance, radius, hollow)
+    let out = DVec3::from(out);
+    Ball::new(out * (1.0 / out.length()), distance, radius, hollow)
 }
 
 /// The point near a corner of the cube that three spheres share, by Newton's method.
-fn common_point(balls: [Ball; 3], corner: usize) -> [f64; 3] {
-    let mut p = [0, 1, 2].map(|k| if corner >> k & 1 == 1 { 0.7 } else { -0.7 });
+fn common_point(balls: [Ball; 3], corner: usize) -> DVec3 {
+    let side = |k: u32| if corner >> k & 1 == 1 { 0.7 } else { -0.7 };
+    let mut p = DVec3::new(side(0), side(1), side(2));
     for _ in 0..30 {
         let planes = balls.map(|b| {
-            let d = sub(p, b.centre);
-            (scale(d, 1.0 / norm(d)), b.radius - norm(d))
+            let d = p - b.centre;
+            (d * (1.0 / d.length()), b.radius - d.length())
         });
         let Some(step) = meeting(planes) else { break };
-        p = add(p, step);
+        p += step;
     }
     p
 }
 
 /// The arc that two spheres share between two of their common points.
 fn common_arc([a, b]: [Ball; 2], [from, to]: [[f64; 3]; 2]) -> impl Fn(f64) -> [f64; 3] {
-    let between = sub(b.centre, a.centre);
-    let square = dot(between, between);
+    let between = b.centre - a.centre;
+    let square = between.dot(between);
     let fraction = 0.5 * (1.0 + (a.radius * a.radius - b.radius * b.radius) / square);
-    let middle = add(a.centre, scale(between, fraction));
-    let [u, v] = [from, to].map(|p| sub(p, middle));
-    let angle = libm::atan2(norm(cross(u, v)), dot(u, v));
+    let middle = a.centre + between * fraction;
+    let [u, v] = [from, to].map(|p| DVec3::from(p) - middle);
+    let angle = libm::atan2(u.cross(v).length(), u.dot(v));
     move |t| {
         let [s, r] = [1.0 - t, t].map(|t| libm::sin(t * angle) / libm::sin(angle));
-        add(middle, add(scale(u, s), scale(v, r)))
+        (middle + (u * s + v * r)).into()
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use crate::vec3::distance;
-
     use super::*;
     use crate::families::Triangulation;
 
@@ -317,14 +317,15 @@ mod tests {
             let mut used = [false; 6];
             for f in 0..mesh.face_count() {
                 let on = |b: &Ball| {
-                    let away = mesh.triangle(f).map(|p| distance(p, b.centre) - b.radius);
+                    let away =
+                        mesh.triangle(f).map(|p| DVec3::from(p).distance(b.centre) - b.radius);
                     away.iter().all(|d| d.abs() < 1e-12)
                 };
                 let ball = balls.iter().position(on).unwrap();
                 used[ball] = true;
                 // It faces away from the centre, towards it on the hollow side.
-                let n = mesh.area_vector(f);
-                let out = dot(n, sub(mesh.triangle(f)[0], balls[ball].centre));
+                let n = DVec3::from(mesh.area_vector(f));
+                let out = n.dot(DVec3::from(mesh.triangle(f)[0]) - balls[ball].centre);
                 assert_eq!(out < 0.0, balls[ball].hollow, "{triangulation}: face {f}");
             }
             assert_eq!(used, [true; 6]);

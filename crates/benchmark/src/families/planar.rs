@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use crate::vec3::{add, dot, scale};
 use fairing_mesh::TriMesh;
+use glam::DVec3;
 
 use super::build::Build;
 use super::extrude::extrude;
@@ -62,18 +62,20 @@ pub(super) fn crystal(build: Build) -> TriMesh {
     let mut random = build.proportions();
     let count = random.count(12, 16) as usize;
     let body = loop {
-        let mut planes: Vec<([f64; 3], f64)> = vec![];
+        let mut planes: Vec<(DVec3, f64)> = vec![];
         let mut tries = 0;
         while planes.len() < count && tries < 2000 {
             let n = random.direction();
             // At least 34° between any two.
-            if planes.iter().all(|(m, _)| dot(*m, n) < 0.83) {
+            if planes.iter().all(|(m, _)| m.dot(n) < 0.83) {
                 planes.push((n, random.between(0.8, 1.0)));
             }
             tries += 1;
         }
         let found = convex(&planes, 0.16);
-        if let Some(body) = found.filter(|b| b.corners.iter().all(|p| dot(*p, *p) < 2.6)) {
+        if let Some(body) =
+            found.filter(|b| b.corners.iter().all(|p| DVec3::from(*p).length_squared() < 2.6))
+        {
             break body;
         }
     };
@@ -90,7 +92,7 @@ pub(super) fn star(build: Build) -> TriMesh {
     let mut planes = vec![];
     for axis in 0..3 {
         for (s, t) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
-            let mut n = [0.0; 3];
+            let mut n = DVec3::ZERO;
             n[axis] = s / length;
             n[(axis + 1) % 3] = t * golden / length;
             planes.push((n, 0.75));
@@ -101,10 +103,10 @@ pub(super) fn star(build: Build) -> TriMesh {
     };
     let mut triangles = vec![];
     for face in &faces {
-        let sum = face.iter().fold([0.0; 3], |s, &c| add(s, corners[c]));
-        let middle = scale(sum, 1.0 / face.len() as f64);
+        let sum = face.iter().fold(DVec3::ZERO, |s, &c| s + DVec3::from(corners[c]));
+        let middle = sum * (1.0 / face.len() as f64);
         let apex = corners.len();
-        corners.push(scale(middle, (0.75 + height) / 0.75));
+        corners.push((middle * ((0.75 + height) / 0.75)).into());
         for i in 0..face.len() {
             triangles.push(vec![face[i], face[(i + 1) % face.len()], apex]);
         }

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::vec3::{add, cross, distance, dot, norm, normalize, scale, sub};
+use glam::DVec3;
 
 use super::solid::{Chart, Curve, Solid, joined, reversed};
 
@@ -28,19 +28,18 @@ pub(super) fn polyhedron(solid: &mut Solid, Polyhedron { corners, faces }: &Poly
             })
             .collect();
         let border = joined(&sides.iter().map(Vec::as_slice).collect::<Vec<_>>());
-        let p: Vec<[f64; 3]> = face.iter().map(|&i| corners[i]).collect();
+        let p: Vec<DVec3> = face.iter().map(|&i| corners[i].into()).collect();
         // Twice the vector area.
-        let normal =
-            (1..n - 1).fold([0.0; 3], |s, i| add(s, cross(sub(p[i], p[0]), sub(p[i + 1], p[0]))));
-        let normal = scale(normal, 1.0 / norm(normal));
-        solid.face(&[border], &Chart::plane(p[0], normal, sub(p[1], p[0])));
+        let normal = (1..n - 1).fold(DVec3::ZERO, |s, i| s + (p[i] - p[0]).cross(p[i + 1] - p[0]));
+        let normal = normal * (1.0 / normal.length());
+        solid.face(&[border], &Chart::plane(p[0], normal, p[1] - p[0]));
     }
 }
 
 /// The convex model `x · n ≤ d` for all planes (n, d),
 /// n of unit length; `None` if two corners are closer than `least`.
-pub(super) fn convex(planes: &[([f64; 3], f64)], least: f64) -> Option<Polyhedron> {
-    let (mut corners, mut on): (Vec<[f64; 3]>, Vec<[usize; 3]>) = (vec![], vec![]);
+pub(super) fn convex(planes: &[(DVec3, f64)], least: f64) -> Option<Polyhedron> {
+    let (mut corners, mut on): (Vec<DVec3>, Vec<[usize; 3]>) = (vec![], vec![]);
     let n = planes.len();
     for i in 0..n {
         for j in i + 1..n {
@@ -49,7 +48,7 @@ pub(super) fn convex(planes: &[([f64; 3], f64)], least: f64) -> Option<Polyhedro
                 let inside = planes
                     .iter()
                     .enumerate()
-                    .all(|(m, (normal, d))| [i, j, k].contains(&m) || dot(*normal, p) < *d);
+                    .all(|(m, (normal, d))| [i, j, k].contains(&m) || normal.dot(p) < *d);
                 if inside {
                     corners.push(p);
                     on.push([i, j, k]);
@@ -59,7 +58,7 @@ pub(super) fn convex(planes: &[([f64; 3], f64)], least: f64) -> Option<Polyhedro
     }
     for a in 0..corners.len() {
         for b in 0..a {
-            if distance(corners[a], corners[b]) < least {
+            if corners[a].distance(corners[b]) < least {
                 return None;
             }
         }
@@ -70,26 +69,27 @@ pub(super) fn convex(planes: &[([f64; 3], f64)], least: f64) -> Option<Polyhedro
         if face.len() < 3 {
             return None;
         }
-        let sum = face.iter().fold([0.0; 3], |s, &c| add(s, corners[c]));
-        let middle = scale(sum, 1.0 / face.len() as f64);
-        let x = normalize(sub(corners[face[0]], middle))?;
-        let y = cross(*normal, x);
+        let sum = face.iter().fold(DVec3::ZERO, |s, &c| s + corners[c]);
+        let middle = sum * (1.0 / face.len() as f64);
+        let x = (corners[face[0]] - middle).try_normalize()?;
+        let y = normal.cross(x);
         let angle = |c: usize| {
-            let d = sub(corners[c], middle);
-            libm::atan2(dot(d, y), dot(d, x))
+            let d = corners[c] - middle;
+            libm::atan2(d.dot(y), d.dot(x))
         };
         face.sort_by(|&a, &b| angle(a).total_cmp(&angle(b)));
         faces.push(face);
     }
+    let corners = corners.into_iter().map(DVec3::into).collect();
     Some(Polyhedron { corners, faces })
 }
 
 /// The intersection of three planes; `None` if they are nearly dependent.
-pub(super) fn meeting([(a, d), (b, e), (c, f)]: [([f64; 3], f64); 3]) -> Option<[f64; 3]> {
-    let determinant = dot(a, cross(b, c));
+pub(super) fn meeting([(a, d), (b, e), (c, f)]: [(DVec3, f64); 3]) -> Option<DVec3> {
+    let determinant = a.dot(b.cross(c));
     if determinant.abs() < 1e-6 {
         return None;
     }
-    let sum = add(add(scale(cross(b, c), d), scale(cross(c, a), e)), scale(cross(a, b), f));
-    Some(scale(sum, 1.0 / determinant))
+    let sum = b.cross(c) * d + c.cross(a) * e + a.cross(b) * f;
+    Some(sum * (1.0 / determinant))
 }

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use crate::vec3::scale;
 use fairing_mesh::TriMesh;
+use glam::DVec3;
 
 use super::build::{Build, Proportions, Triangulation, sized};
 use super::polyhedron::{Polyhedron, polyhedron};
@@ -200,7 +200,7 @@ fn gem(build: Build) -> TriMesh {
     let coarse = icosphere(random.count(0, 1));
     let most = random.between(0.02, 0.4);
     let corners = (coarse.positions().iter())
-        .map(|&p| scale(p, libm::exp(random.between(-most, most))))
+        .map(|&p| (DVec3::from(p) * libm::exp(random.between(-most, most))).into())
         .collect();
     let faces = coarse.faces().iter().map(|f| f.map(|v| v as usize).to_vec()).collect();
     let mut solid = Solid::new(build);

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use crate::vec3::{add, cross, distance, dot, norm, scale, sub};
 use fairing_mesh::TriMesh;
+use glam::DVec3;
 
 use super::build::{Build, Proportions};
 use super::models::{level_set, ring, soft_max};
@@ -15,10 +15,10 @@ pub(super) fn tube(build: Build) -> TriMesh {
     let mut random = build.proportions();
     // Of six curves that with the most room.
     let mut axis = closed_curve(&mut random);
-    let mut most = room(&axis);
+    let mut most = largest_radius(&axis);
     for _ in 1..6 {
         let other = closed_curve(&mut random);
-        let found = room(&other);
+        let found = largest_radius(&other);
         if found >= most {
             (axis, most) = (other, found);
         }
@@ -31,52 +31,53 @@ pub(super) fn tube(build: Build) -> TriMesh {
     let at = move |u: f64, v: f64| {
         let around = libm::sin(TAU * (lobes * v + turns * u));
         let along = libm::sin(TAU * waves * u);
-        frames.at(u, v, radius * (1.0 + lobed * around) * (1.0 + waved * along))
+        let radius = radius * (1.0 + lobed * around) * (1.0 + waved * along);
+        frames.at(u, v, radius).to_array()
     };
-    let length: f64 = (0..POINTS).map(|i| distance(axis.at(i), axis.at(i + 1))).sum();
+    let length: f64 = (0..POINTS).map(|i| axis.at(i).distance(axis.at(i + 1))).sum();
     ring(at, [length, TAU * radius], build)
 }
 
 /// A closed curve of a few harmonics; its points.
-struct Axis(Vec<[f64; 3]>);
+struct Axis(Vec<DVec3>);
 
 impl Axis {
-    fn at(&self, i: usize) -> [f64; 3] {
+    fn at(&self, i: usize) -> DVec3 {
         self.0[i % POINTS]
     }
 }
 
 fn closed_curve(random: &mut Proportions) -> Axis {
-    let mut terms: Vec<(f64, [f64; 3], [f64; 3])> = vec![];
+    let mut terms: Vec<(f64, DVec3, DVec3)> = vec![];
     for k in 1..=3 {
         let size = if k == 1 { 1.0 } else { random.between(0.0, 0.9) / f64::from(k) };
-        let [a, b] = [0; 2].map(|_| scale(random.direction(), size));
+        let [a, b] = [0; 2].map(|_| random.direction() * size);
         terms.push((f64::from(k), a, b));
     }
-    let points: Vec<[f64; 3]> = (0..POINTS)
+    let points: Vec<DVec3> = (0..POINTS)
         .map(|i| {
             let t = TAU * i as f64 / POINTS as f64;
-            terms.iter().fold([0.0; 3], |sum, (k, a, b)| {
+            terms.iter().fold(DVec3::ZERO, |sum, (k, a, b)| {
                 let (s, c) = libm::sincos(k * t);
-                add(sum, add(scale(*a, c), scale(*b, s)))
+                sum + (*a * c + *b * s)
             })
         })
         .collect();
-    let reach = points.iter().map(|&p| norm(p)).fold(0.0, f64::max);
-    Axis(points.iter().map(|&p| scale(p, 1.0 / reach)).collect())
+    let reach = points.iter().map(|&p| p.length()).fold(0.0, f64::max);
+    Axis(points.iter().map(|&p| p * (1.0 / reach)).collect())
 }
 
 /// The radius of the thickest tube around a curve that neither folds nor meets itself: the least
 /// radius of a circle through a point of the curve that touches it at another.
-fn room(axis: &Axis) -> f64 {
+fn largest_radius(axis: &Axis) -> f64 {
     let mut least = f64::INFINITY;
     for i in 0..POINTS {
-        let tangent = sub(axis.at(i + 1), axis.at(i + POINTS - 1));
-        let tangent = scale(tangent, 1.0 / norm(tangent).max(1e-12));
+        let tangent = axis.at(i + 1) - axis.at(i + POINTS - 1);
+        let tangent = tangent * (1.0 / tangent.length().max(1e-12));
         for j in (0..POINTS).filter(|&j| j != i) {
-            let d = sub(axis.at(j), axis.at(i));
-            let off = norm(cross(d, tangent));
-            least = least.min(0.5 * dot(d, d) / off.max(1e-12));
+            let d = axis.at(j) - axis.at(i);
+            let off = d.cross(tangent).length();
+            least = least.min(0.5 * d.dot(d) / off.max(1e-12));
         }
     }
     least
@@ -85,39 +86,39 @@ fn room(axis: &Axis) -> f64 {
 /// Axes across a closed curve that turn as little as they can: unlike those of
 /// [`Tube`](super::tube::Tube) they need no bend of the curve.
 struct Frames {
-    points: Vec<[f64; 3]>,
-    normals: Vec<[f64; 3]>,
+    points: Vec<DVec3>,
+    normals: Vec<DVec3>,
 }
 
 impl Frames {
     fn new(axis: &Axis) -> Self {
         let tangent = |i: usize| {
-            let t = sub(axis.at(i + 1), axis.at(i + POINTS - 1));
-            scale(t, 1.0 / norm(t))
+            let t = axis.at(i + 1) - axis.at(i + POINTS - 1);
+            t * (1.0 / t.length())
         };
-        let across = |v: [f64; 3], t: [f64; 3]| {
-            let v = sub(v, scale(t, dot(v, t)));
-            scale(v, 1.0 / norm(v))
+        let across = |v: DVec3, t: DVec3| {
+            let v = v - (t * v.dot(t));
+            v * (1.0 / v.length())
         };
         let first = tangent(0);
-        let axis_aside = if first[0].abs() < 0.6 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
+        let axis_aside = if first.x.abs() < 0.6 { DVec3::X } else { DVec3::Y };
         let mut normals = vec![across(axis_aside, first)];
         for i in 1..=POINTS {
             normals.push(across(normals[i - 1], tangent(i)));
         }
         // What is missing to a whole turn is spread over the curve.
         let (start, end) = (normals[0], normals[POINTS]);
-        let missing = libm::atan2(dot(cross(end, start), first), dot(end, start));
+        let missing = libm::atan2(end.cross(start).dot(first), end.dot(start));
         for (i, n) in normals.iter_mut().enumerate() {
             let (s, c) = libm::sincos(missing * i as f64 / POINTS as f64);
-            *n = add(scale(*n, c), scale(cross(tangent(i), *n), s));
+            *n = *n * c + tangent(i).cross(*n) * s;
         }
         let points = (0..=POINTS).map(|i| axis.at(i)).collect();
         Self { points, normals }
     }
 
     /// Counter-clockwise seen from outside for u to the right and v upwards.
-    fn at(&self, u: f64, v: f64, radius: f64) -> [f64; 3] {
+    fn at(&self, u: f64, v: f64, radius: f64) -> DVec3 {
         let u = u.rem_euclid(1.0) * POINTS as f64;
         let i = (u as usize).min(POINTS - 1);
         let t = u - i as f64;
@@ -125,22 +126,20 @@ impl Frames {
         let after = (i + 2) % POINTS;
         // A cubic through the points with the slopes of neighbours.
         let [a, b] = [self.points[i], self.points[i + 1]];
-        let slopes = [sub(b, self.points[before]), sub(self.points[after], a)];
+        let slopes = [(b - self.points[before]), (self.points[after] - a)];
         let (t2, t3) = (t * t, t * t * t);
         let weights = [2.0 * t3 - 3.0 * t2 + 1.0, 3.0 * t2 - 2.0 * t3];
         let tangents = [0.5 * (t3 - 2.0 * t2 + t), 0.5 * (t3 - t2)];
-        let here = add(
-            add(scale(a, weights[0]), scale(b, weights[1])),
-            add(scale(slopes[0], tangents[0]), scale(slopes[1], tangents[1])),
-        );
-        let along = add(scale(slopes[0], 1.0 - t), scale(slopes[1], t));
-        let along = scale(along, 1.0 / norm(along));
-        let normal = add(scale(self.normals[i], 1.0 - t), scale(self.normals[i + 1], t));
-        let normal = sub(normal, scale(along, dot(normal, along)));
-        let normal = scale(normal, 1.0 / norm(normal));
+        let here =
+            (a * weights[0] + b * weights[1]) + (slopes[0] * tangents[0] + slopes[1] * tangents[1]);
+        let along = slopes[0] * (1.0 - t) + slopes[1] * t;
+        let along = along * (1.0 / along.length());
+        let normal = self.normals[i] * (1.0 - t) + self.normals[i + 1] * t;
+        let normal = normal - (along * normal.dot(along));
+        let normal = normal * (1.0 / normal.length());
         let (s, c) = libm::sincos(TAU * v);
-        let across = cross(normal, along);
-        add(here, add(scale(normal, radius * c), scale(across, radius * s)))
+        let across = normal.cross(along);
+        here + (normal * (radius * c) + across * (radius * s))
     }
 }
 
@@ -148,17 +147,18 @@ pub(super) fn sponge(build: Build) -> TriMesh {
     const WAVES: usize = 12;
     let mut random = build.proportions();
     let middle = TAU / random.between(0.8, 2.5);
-    let waves: Vec<([f64; 3], f64)> = (0..WAVES)
+    let waves: Vec<(DVec3, f64)> = (0..WAVES)
         .map(|_| {
             let frequency = middle * random.between(0.7, 1.3);
-            (scale(random.direction(), frequency), random.between(0.0, TAU))
+            (random.direction() * frequency, random.between(0.0, TAU))
         })
         .collect();
     let level = random.between(-0.4, 0.4);
     let gain = 1.0 / (middle * (0.5 * WAVES as f64).sqrt());
     let field = move |p: [f64; 3]| {
-        let sum: f64 = waves.iter().map(|(k, phase)| libm::sin(dot(*k, p) + phase)).sum();
-        soft_max(10.0, gain * (sum + level), norm(p).max(1e-3) - 1.0)
+        let p = DVec3::from(p);
+        let sum: f64 = waves.iter().map(|(k, phase)| libm::sin(k.dot(p) + phase)).sum();
+        soft_max(10.0, gain * (sum + level), p.length().max(1e-3) - 1.0)
     };
     level_set(field, 1.1, build)
 }
@@ -166,8 +166,8 @@ pub(super) fn sponge(build: Build) -> TriMesh {
 /// A solid in a place of its own.
 struct Primitive {
     kind: u32,
-    centre: [f64; 3],
-    axes: [[f64; 3]; 3],
+    centre: DVec3,
+    axes: [DVec3; 3],
     size: [f64; 3],
 }
 
@@ -176,21 +176,21 @@ impl Primitive {
     fn new(random: &mut Proportions, away: [f64; 2], sizes: [f64; 2]) -> Self {
         Self {
             kind: random.count(0, 3),
-            centre: scale(random.direction(), random.between(away[0], away[1])),
+            centre: random.direction() * random.between(away[0], away[1]),
             axes: random.axes(),
             size: [(); 3].map(|()| random.between(sizes[0], sizes[1])),
         }
     }
 
     /// About the distance from it, negative inside, with creases rounded over about 1 / k.
-    fn field(&self, p: [f64; 3], k: f64) -> f64 {
-        let d = sub(p, self.centre);
-        let [x, y, z] = self.axes.map(|a| dot(a, d));
+    fn field(&self, p: DVec3, k: f64) -> f64 {
+        let d = p - self.centre;
+        let [x, y, z] = self.axes.map(|a| a.dot(d));
         let [a, b, c] = self.size;
         let round = libm::hypot(x, y).max(1e-3);
         match self.kind {
             0 => soft_max(k, soft_max(k, x.abs() - a, y.abs() - b), z.abs() - c),
-            1 => norm(d).max(1e-3) - a,
+            1 => d.length().max(1e-3) - a,
             2 => soft_max(k, round - a, z.abs() - c),
             _ => libm::hypot(round - a, z).max(1e-3) - 0.45 * a,
         }
@@ -207,7 +207,8 @@ pub(super) fn blend(build: Build) -> TriMesh {
         .map(|_| (random.count(0, 1) == 0, Primitive::new(&mut random, [0.4, 0.8], [0.15, 0.4])))
         .collect();
     let field = move |p: [f64; 3]| {
-        let distance = norm(p).max(1e-3);
+        let p = DVec3::from(p);
+        let distance = p.length().max(1e-3);
         let mut value = first.field(p, k);
         for (added, other) in &others {
             let there = other.field(p, k);

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use crate::vec3::{add, distance, scale};
 use fairing_mesh::TriMesh;
+use glam::DVec3;
 
 use super::build::Build;
 use super::models::{level_set, ring, soft_max};
@@ -13,15 +13,16 @@ use fairing_shapes::outline::{circle, polygon};
 
 pub(super) fn blob(build: Build) -> TriMesh {
     let mut random = build.proportions();
-    let mut balls = vec![([0.0; 3], random.between(0.4, 0.55))];
+    let mut balls = vec![(DVec3::ZERO, random.between(0.4, 0.55))];
     for _ in 0..random.count(4, 6) {
-        let away = scale(random.direction(), random.between(0.45, 0.6));
+        let away = random.direction() * random.between(0.45, 0.6);
         balls.push((away, random.between(0.22, 0.4)));
     }
     const SHARPNESS: f64 = 9.0;
     let field = move |p: [f64; 3]| {
+        let p = DVec3::from(p);
         let sum: f64 =
-            balls.iter().map(|(c, r)| libm::exp(-SHARPNESS * (distance(p, *c) - r))).sum();
+            balls.iter().map(|(c, r)| libm::exp(-SHARPNESS * (p.distance(*c) - r))).sum();
         -libm::log(sum) / SHARPNESS
     };
     level_set(field, 1.15, build)
@@ -61,16 +62,16 @@ pub(super) fn minimal(build: Build) -> TriMesh {
     if build.seed.is_multiple_of(2) {
         let radius = random.between(0.85, 1.1);
         let enneper = |[u, v]: [f64; 2]| {
-            let point =
-                [u - u * u * u / 3.0 + u * v * v, -v + v * v * v / 3.0 - u * u * v, u * u - v * v];
-            scale(point, 0.7)
+            let x = u - u * u * u / 3.0 + u * v * v;
+            let y = -v + v * v * v / 3.0 - u * u * v;
+            let point = DVec3::new(x, y, u * u - v * v);
+            (point * 0.7).into()
         };
         return bent(build, &[circle([0.0; 2], radius, 4, false)], enneper);
     }
     let half = random.between(0.95, 1.1);
     let square = polygon(&[[-half, -half], [half, -half], [half, half], [-half, half]]);
-    let scherk = |[x, y]: [f64; 2]| {
-        add([0.8 * x, 0.8 * y, 0.0], [0.0, 0.0, 0.8 * libm::log(libm::cos(x) / libm::cos(y))])
-    };
+    let scherk =
+        |[x, y]: [f64; 2]| [0.8 * x, 0.8 * y, 0.8 * libm::log(libm::cos(x) / libm::cos(y))];
     bent(build, &[square], scherk)
 }

@@ -1,7 +1,7 @@
 //! Models built from faces that meet in their edges.
 
-use crate::vec3::{cross, distance, dot, norm, scale, sub};
 use fairing_mesh::TriMesh;
+use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -48,14 +48,19 @@ pub(super) struct Chart<'a> {
 impl Chart<'_> {
     /// The plane through `origin` with this outward normal, its y axis along
     /// `up` as far as that lies in the plane.
-    pub(super) fn plane(origin: [f64; 3], normal: [f64; 3], up: [f64; 3]) -> Self {
-        let y = sub(up, scale(normal, dot(up, normal)));
-        let y = scale(y, 1.0 / norm(y));
-        let x = cross(y, normal);
+    pub(super) fn plane(
+        origin: impl Into<DVec3>,
+        normal: impl Into<DVec3>,
+        up: impl Into<DVec3>,
+    ) -> Self {
+        let (origin, normal, up) = (origin.into(), normal.into(), up.into());
+        let y = up - (normal * up.dot(normal));
+        let y = y * (1.0 / y.length());
+        let x = y.cross(normal);
         Self {
             to_plane: Box::new(move |p| {
-                let d = sub(p, origin);
-                [dot(d, x), dot(d, y)]
+                let d = DVec3::from(p) - origin;
+                [d.dot(x), d.dot(y)]
             }),
             to_space: Box::new(move |[s, t]| [0, 1, 2].map(|k| origin[k] + s * x[k] + t * y[k])),
             isometric: true,
@@ -64,10 +69,11 @@ impl Chart<'_> {
 
     /// Lengths in space over lengths in the plane, the mean over directions.
     fn scale_at(&self, [x, y]: [f64; 2], step: f64) -> f64 {
-        let p = (self.to_space)([x, y]);
-        let along = sub((self.to_space)([x + step, y]), p);
-        let across = sub((self.to_space)([x, y + step]), p);
-        (norm(cross(along, across)) / (step * step)).sqrt()
+        let at = |x, y| DVec3::from((self.to_space)([x, y]));
+        let p = at(x, y);
+        let along = at(x + step, y) - p;
+        let across = at(x, y + step) - p;
+        (along.cross(across).length() / (step * step)).sqrt()
     }
 }
 
@@ -97,10 +103,11 @@ impl Solid {
     ) -> Self {
         let stretch = move |[x, y, _]: [f64; 3]| {
             const STEP: f64 = 1e-4;
-            let p = map([x, y]);
-            let along = sub(map([x + STEP, y]), p);
-            let across = sub(map([x, y + STEP]), p);
-            (norm(cross(along, across)) / (STEP * STEP)).sqrt()
+            let at = |x, y| DVec3::from(map([x, y]));
+            let p = at(x, y);
+            let along = at(x + STEP, y) - p;
+            let across = at(x, y + STEP) - p;
+            (along.cross(across).length() / (STEP * STEP)).sqrt()
         };
         let mut solid = Self::new(build);
         solid.stretch = Some(Box::new(stretch));
@@ -162,9 +169,9 @@ impl Solid {
         // The number of edges up to each of these parts.
         let mut counts = vec![0.0];
         for k in 0..PARTS {
-            let [a, b] = [k, k + 1].map(|k| at(k as f64 / PARTS as f64));
-            let middle = [0, 1, 2].map(|k| 0.5 * (a[k] + b[k]));
-            counts.push(counts[k] + distance(a, b) / (stretch * self.size(middle)));
+            let [a, b] = [k, k + 1].map(|k| DVec3::from(at(k as f64 / PARTS as f64)));
+            let middle = (0.5 * (a + b)).into();
+            counts.push(counts[k] + a.distance(b) / (stretch * self.size(middle)));
         }
         let total = counts[PARTS];
         let n = total.round().max(1.0);

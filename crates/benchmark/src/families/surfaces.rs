@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use crate::vec3::{distance, dot, normalize};
 use fairing_evaluation::self_intersections;
 use fairing_mesh::TriMesh;
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{Family, Kind, Triangulation};
@@ -21,9 +21,19 @@ fn families_do_not_cross_themselves() {
     });
 }
 
+/// The direction of a vector that is not zero.
+fn direction(v: [f64; 3]) -> DVec3 {
+    DVec3::from(v).try_normalize().unwrap()
+}
+
+/// The length of side k of a triangle.
+fn side(triangle: [[f64; 3]; 3], k: usize) -> f64 {
+    DVec3::from(triangle[k]).distance(triangle[(k + 1) % 3].into())
+}
+
 /// The normals of all faces, rounded to six digits.
 fn directions(mesh: &TriMesh) -> BTreeSet<[i64; 3]> {
-    let rounded = |f| normalize(mesh.area_vector(f)).unwrap().map(|x| (1e6 * x).round() as i64);
+    let rounded = |f| direction(mesh.area_vector(f)).to_array().map(|x| (1e6 * x).round() as i64);
     (0..mesh.face_count()).map(rounded).collect()
 }
 
@@ -54,7 +64,7 @@ fn faces_of_the_joint_lie_on_its_cylinders() {
         assert!(0.2 < thin && thin < wide && wide < 0.6);
         for f in 0..mesh.face_count() {
             let t = mesh.triangle(f);
-            let n = normalize(mesh.area_vector(f)).unwrap();
+            let n = direction(mesh.area_vector(f));
             let all = |is: &dyn Fn([f64; 3]) -> bool| t.iter().all(|&p| is(p));
             let middle = [0, 1, 2].map(|k| (t[0][k] + t[1][k] + t[2][k]) / 3.0);
             let expected = [
@@ -63,19 +73,17 @@ fn faces_of_the_joint_lie_on_its_cylinders() {
                 (all(&|p| (p[0].abs() - 1.0).abs() < 1e-9), [middle[0], 0.0, 0.0]),
                 (all(&|p| (p[2] - 1.1).abs() < 1e-9), [0.0, 0.0, 1.0]),
             ];
-            let height = 2.0 * mesh.face_area(f)
-                / (0..3).map(|k| distance(t[k], t[(k + 1) % 3])).fold(0.0, f64::max);
+            let height = 2.0 * mesh.face_area(f) / (0..3).map(|k| side(t, k)).fold(0.0, f64::max);
             let agrees = |normal: [f64; 3]| {
-                let out = normalize(normal).unwrap();
+                let out = direction(normal);
                 // Where the normal has no component, neither have the corners except along the
                 // axis.
                 let beside =
                     |p: [f64; 3]| [0, 1, 2].map(|k| if normal[k] == 0.0 { 0.0 } else { p[k] });
-                let turn =
-                    t.map(|p| dot(out, normalize(beside(p)).unwrap()).clamp(-1.0, 1.0).acos());
+                let turn = t.map(|p| out.dot(direction(beside(p))).clamp(-1.0, 1.0).acos());
                 let half = turn.into_iter().fold(0.0, f64::max);
                 let arc = wide * (1.0 - half.cos());
-                dot(n, out) > (half + (arc / height).min(1.0).asin() + 1e-6).min(1.57).cos()
+                n.dot(out) > (half + (arc / height).min(1.0).asin() + 1e-6).min(1.57).cos()
             };
             let fits = expected.into_iter().any(|(on, normal)| on && agrees(normal));
             assert!(fits, "face {f} of {}: {t:?}, normal {n:?}", triangulation(k));
@@ -94,8 +102,7 @@ fn triangulations_are_what_they_say() {
         let n = areas.len();
         let aspects = (0..n).map(|f| {
             let t = mesh.triangle(f);
-            let side = |k: usize| crate::vec3::distance(t[k], t[(k + 1) % 3]);
-            let longest = side(0).max(side(1)).max(side(2));
+            let longest = side(t, 0).max(side(t, 1)).max(side(t, 2));
             longest * longest / (2.0 * mesh.face_area(f))
         });
         (areas[19 * n / 20] / areas[n / 20], aspects.sum::<f64>() / n as f64)

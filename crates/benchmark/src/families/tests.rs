@@ -1,7 +1,7 @@
 //! Properties of every family.
 
-use crate::vec3::{cross, dot, norm, sub};
 use fairing_mesh::Diagnosis;
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::*;
@@ -10,10 +10,10 @@ use super::*;
 fn smallest_angle(mesh: &TriMesh) -> (f64, usize) {
     let mut smallest = (f64::INFINITY, 0);
     for f in 0..mesh.face_count() {
-        let t = mesh.triangle(f);
+        let t = mesh.triangle(f).map(DVec3::from);
         for k in 0..3 {
-            let (u, v) = (sub(t[(k + 1) % 3], t[k]), sub(t[(k + 2) % 3], t[k]));
-            let angle = libm::atan2(norm(cross(u, v)), dot(u, v)).to_degrees();
+            let [u, v] = [1, 2].map(|j| t[(k + j) % 3] - t[k]);
+            let angle = libm::atan2(u.cross(v).length(), u.dot(v)).to_degrees();
             if angle < smallest.0 {
                 smallest = (angle, f);
             }
@@ -158,7 +158,7 @@ fn terraces_are_right_angled() {
     for seed in 0..6 {
         let mesh = RandomModel::Terraces.mesh(3000, Triangulation::ALL[seed as usize % 4], seed);
         for f in 0..mesh.face_count() {
-            let n = crate::vec3::normalize(mesh.area_vector(f)).unwrap();
+            let n = DVec3::from(mesh.area_vector(f)).normalize().to_array();
             let most = n.iter().fold(0.0f64, |m, x| m.max(x.abs()));
             assert!(most > 1.0 - 1e-12 && n[2] > -1e-6, "{seed}: {n:?}");
         }
@@ -173,8 +173,9 @@ fn facets_are_planes() {
         assert!((2400..3600).contains(&mesh.face_count()), "{seed}: {}", mesh.face_count());
         let mut normals: Vec<[i64; 3]> = (0..mesh.face_count())
             .map(|f| {
-                crate::vec3::normalize(mesh.area_vector(f))
-                    .unwrap()
+                DVec3::from(mesh.area_vector(f))
+                    .normalize()
+                    .to_array()
                     .map(|x| libm::round(1e6 * x) as i64)
             })
             .collect();

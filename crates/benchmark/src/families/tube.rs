@@ -1,6 +1,6 @@
 //! Tubes around closed curves.
 
-use crate::vec3::{add, cross, distance, dot, norm, scale, sub};
+use glam::DVec3;
 
 /// A tube around a closed curve of period one.
 pub(super) struct Tube<F> {
@@ -15,8 +15,8 @@ impl<F: Fn(f64) -> [f64; 3]> Tube<F> {
 
     pub(super) fn length(&self) -> f64 {
         const PARTS: u32 = 512;
-        let at = |i: u32| (self.axis)(f64::from(i) / f64::from(PARTS));
-        (0..PARTS).map(|i| distance(at(i), at(i + 1))).sum()
+        let at = |i: u32| DVec3::from((self.axis)(f64::from(i) / f64::from(PARTS)));
+        (0..PARTS).map(|i| at(i).distance(at(i + 1))).sum()
     }
 
     /// The point at the fraction `u` of the curve's parameter and `v` of a turn
@@ -24,14 +24,14 @@ impl<F: Fn(f64) -> [f64; 3]> Tube<F> {
     /// upwards turn counter-clockwise seen from outside.
     pub(super) fn at(&self, u: f64, v: f64, radius: f64) -> [f64; 3] {
         const STEP: f64 = 1e-4;
-        let [before, here, after] = [u - STEP, u, u + STEP].map(&self.axis);
-        let tangent = sub(after, before);
-        let tangent = scale(tangent, 1.0 / norm(tangent));
-        let bend = sub(add(before, after), scale(here, 2.0));
-        let bend = sub(bend, scale(tangent, dot(bend, tangent)));
-        let normal = scale(bend, 1.0 / norm(bend));
-        let binormal = cross(normal, tangent);
+        let [before, here, after] = [u - STEP, u, u + STEP].map(|u| DVec3::from((self.axis)(u)));
+        let tangent = after - before;
+        let tangent = tangent * (1.0 / tangent.length());
+        let bend = (before + after) - (here * 2.0);
+        let bend = bend - (tangent * bend.dot(tangent));
+        let normal = bend * (1.0 / bend.length());
+        let binormal = normal.cross(tangent);
         let (s, c) = libm::sincos(std::f64::consts::TAU * v);
-        add(here, add(scale(normal, radius * c), scale(binormal, radius * s)))
+        (here + (normal * (radius * c) + binormal * (radius * s))).into()
     }
 }

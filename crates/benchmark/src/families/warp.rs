@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use crate::vec3::{add, dot, norm, scale, sub};
 use fairing_mesh::{BuildError, TriMesh};
+use glam::DVec3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
@@ -29,13 +29,13 @@ pub fn warped(mesh: &TriMesh, seed: u64) -> Result<TriMesh, BuildError> {
     let axes = random.axes();
     let most = libm::log(STRETCH);
     let factors = [(); 3].map(|()| libm::exp(random.between(-most, most)));
-    let mut positions: Vec<[f64; 3]> = (mesh.positions().iter())
-        .map(|&p| {
-            (axes.iter().zip(factors))
-                .fold([0.0; 3], |sum, (a, f)| add(sum, scale(*a, f * dot(*a, p))))
+    let mut positions: Vec<DVec3> = (mesh.positions().iter())
+        .map(|&p| DVec3::from(p))
+        .map(|p| {
+            (axes.iter().zip(factors)).fold(DVec3::ZERO, |sum, (a, f)| sum + *a * (f * a.dot(p)))
         })
         .collect();
-    let stretched = mesh.with_positions(positions.clone())?;
+    let stretched = mesh.with_positions(arrays(&positions))?;
     let (h, size) = (stretched.mean_edge_length(), stretched.diagonal());
     if !h.is_normal() {
         return Ok(stretched);
@@ -57,14 +57,19 @@ pub fn warped(mesh: &TriMesh, seed: u64) -> Result<TriMesh, BuildError> {
             relief.apply(&mut positions, |t| height * t / (t * t + width * width).sqrt());
         }
     }
-    mesh.with_positions(positions)
+    mesh.with_positions(arrays(&positions))
+}
+
+/// Positions as meshes take them.
+fn arrays(positions: &[DVec3]) -> Vec<[f64; 3]> {
+    positions.iter().map(DVec3::to_array).collect()
 }
 
 /// A displacement along one direction by a function of the coordinates across it.
 struct Shear {
-    along: [f64; 3],
+    along: DVec3,
     /// Wave vectors across it, and phases.
-    waves: Vec<([f64; 3], f64)>,
+    waves: Vec<(DVec3, f64)>,
 }
 
 impl Shear {
@@ -74,21 +79,21 @@ impl Shear {
         let mut wave = || {
             let across = loop {
                 let d = random.direction();
-                let d = sub(d, scale(along, dot(d, along)));
-                if norm(d) > 0.1 {
-                    break scale(d, 1.0 / norm(d));
+                let d = d - (along * d.dot(along));
+                if d.length() > 0.1 {
+                    break d * (1.0 / d.length());
                 }
             };
             let frequency = TAU / (length * random.between(0.8, 1.25));
-            (scale(across, frequency), random.between(0.0, TAU))
+            (across * frequency, random.between(0.0, TAU))
         };
         Self { along, waves: (0..waves).map(|_| wave()).collect() }
     }
 
-    fn apply(&self, positions: &mut [[f64; 3]], height: impl Fn(f64) -> f64) {
+    fn apply(&self, positions: &mut [DVec3], height: impl Fn(f64) -> f64) {
         for p in positions {
-            let sum: f64 = self.waves.iter().map(|(k, phase)| libm::sin(dot(*k, *p) + phase)).sum();
-            *p = add(*p, scale(self.along, height(sum)));
+            let sum: f64 = self.waves.iter().map(|(k, phase)| libm::sin(k.dot(*p) + phase)).sum();
+            *p += self.along * height(sum);
         }
     }
 }
